@@ -1,0 +1,49 @@
+"""LuGre friction in coefficient form (Eqs. 6 and 7 of Fan et al. 2025), integrated over one step."""
+
+from __future__ import annotations
+
+import math
+
+from numba import njit
+
+from dcrb_ros.core.payload import Payload
+
+
+@njit(cache=True, forceinline=True)
+def stribeck_coefficient(slip: float, kinetic: float, static: float, stribeck_speed: float) -> float:
+    """Return g = mu_k + (mu_s - mu_k) exp(-(s/v_s)^2), the friction coefficient of steady slip [-], Eq. 7."""
+    ratio = slip / stribeck_speed
+    return kinetic + (static - kinetic) * math.exp(-ratio * ratio)
+
+
+@njit(cache=True, forceinline=True)
+def bristle_weights(decay: float) -> tuple[float, float]:
+    """Return how the mean bristle over a step depends on its start and on the slip: phi and psi.
+
+    Over a step h at constant slip s and rate lambda (``decay`` = lambda h), the bristle starts at z, its mean is
+    phi z + psi h s and its end z + h phi (s - lambda z). Both come from exp(-x) ~ 1/(1 + x + x^2/2): second order where
+    the step resolves the bristle, and the steady s/lambda where it does not (gross sliding, lambda h up to 200).
+    """
+    denominator = 1.0 / (1.0 + decay + 0.5 * decay * decay)
+    return (1.0 + 0.5 * decay) * denominator, 0.5 * (1.0 + decay) * denominator
+
+
+@njit(cache=True, forceinline=True)
+def friction_line(slip: float, bristle: float, payload: Payload) -> tuple[float, float, float, float]:
+    """Return friction per normal force as a straight line over the mean slip of the step, and the bristle's law.
+
+    ``slip`` [m/s] is the slip known beforehand, which sets the relaxation; the line a + b s [-, s/m] is what the
+    implicit velocity update needs. The last two numbers are lambda [1/s] and phi [-] for `bristle_after`.
+    """
+    g = stribeck_coefficient(slip, payload.kinetic_coefficient, payload.static_coefficient, payload.stribeck_speed)
+    rate = payload.bristle_stiffness * abs(slip) / g
+    phi, psi = bristle_weights(rate * payload.step)
+    constant = phi * bristle * (payload.bristle_stiffness - payload.bristle_damping * rate)
+    slope = payload.bristle_stiffness * psi * payload.step + payload.bristle_damping * phi + payload.viscous
+    return constant, slope, rate, phi
+
+
+@njit(cache=True, forceinline=True)
+def bristle_after(bristle: float, slip: float, rate: float, phi: float, step: float) -> float:
+    """Return the bristle deflection [m] at the end of a step with mean slip ``slip`` [m/s]."""
+    return bristle + step * phi * (slip - rate * bristle)

@@ -1,0 +1,233 @@
+"""What the user says about the bench: one group of parameters per class, in SI units.
+
+These models are the one schema behind the YAML files, the ROS parameters, the manifest of a recording and the table in
+the docs. Table 1 and equation numbers refer to Fan et al. 2025 (Lubricants 13(2), 80).
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+
+LENGTH_REMEDY = "lengths are in metres, a catalogue gives millimetres"
+
+
+class Group(BaseModel):
+    """A group of parameters: immutable, no unknown keys, no silent conversions, no NaN."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
+
+
+def quantity(
+    default: float | int,
+    unit: str,
+    description: str,
+    low: float | int,
+    high: float | int,
+    *,
+    symbol: str = "",
+    remedy: str = "",
+    run_time: bool = False,
+) -> Any:
+    """Return the field of a physical quantity.
+
+    ``low`` and ``high`` are the closed range, ``remedy`` the advice that a refusal gives, ``run_time`` whether the
+    running node accepts a change.
+    """
+    extra = {"unit": unit, "symbol": symbol, "remedy": remedy, "run_time": run_time}
+    return Field(default, ge=low, le=high, description=description, json_schema_extra=extra)
+
+
+def length(default: float, description: str, low: float, high: float, *, symbol: str = "", run_time: bool = False) -> Any:
+    """Return the field of a length [m]."""
+    return quantity(default, "m", description, low, high, symbol=symbol, remedy=LENGTH_REMEDY, run_time=run_time)
+
+
+class Bearing(Group):
+    """Geometry, masses and material. Defaults: NJ(P)3226X1, Table 1, with the roller's spin inertia m r^2/2."""
+
+    rows: int = quantity(2, "-", "Rows of rollers", 1, 2)
+    rollers_per_row: int = quantity(16, "-", "Rollers in each row", 6, 60)
+    inner_raceway_radius: float = length(0.07886, "Inner raceway radius", 0.002, 2.0, symbol="r_I")
+    outer_raceway_radius: float = length(0.10914, "Outer raceway radius", 0.003, 2.5, symbol="r_O")
+    pitch_radius: float = length(0.094, "Pitch radius", 0.0025, 2.2, symbol="r_M")
+    roller_radius: float = length(0.015, "Roller radius", 0.0005, 0.2, symbol="r_R")
+    roller_length: float = length(0.048, "Effective roller length", 0.001, 0.5, symbol="L")
+    row_phase: float = quantity(0.0, "pitch", "Stagger of the second row in pitches (0 in phase, 0.5 half a pitch)", 0.0, 1.0)
+    outer_ring_mass: float = quantity(13.49, "kg", "Mass of the outer ring", 0.001, 1e4, symbol="m_O")
+    inner_ring_mass: float = quantity(7.316, "kg", "Mass of the inner ring", 0.001, 1e4, symbol="m_I")
+    cage_mass: float = quantity(2.459, "kg", "Mass of one cage", 0.0001, 1e3, symbol="m_C")
+    roller_mass: float = quantity(0.248, "kg", "Mass of one roller", 0.00001, 1e2, symbol="m_R")
+    cage_inertia: float = quantity(2.19e-2, "kg m^2", "Moment of inertia of one cage", 1e-10, 1e3, symbol="I_C")
+    roller_inertia: float = quantity(
+        2.79e-5,
+        "kg m^2",
+        "Spin inertia of one roller; Table 1 prints 6.15e-5, the transverse one",
+        1e-12,
+        1e1,
+        symbol="I_R",
+        remedy="for a solid roller it is mass * radius^2 / 2",
+    )
+    youngs_modulus: float = quantity(
+        207.5e9, "Pa", "Young's modulus of rings and rollers", 1e9, 1e12, symbol="E", remedy="give pascals, not GPa"
+    )
+    poisson_ratio: float = quantity(0.3, "-", "Poisson's ratio of rings and rollers", 0.0, 0.49, symbol="nu")
+
+    @property
+    def radial_gap(self) -> float:
+        """Radial gap r_O - r_I - 2 r_R [m]."""
+        return self.outer_raceway_radius - self.inner_raceway_radius - 2.0 * self.roller_radius
+
+    @property
+    def effective_modulus(self) -> float:
+        """Effective modulus E* of two equal materials, Eq. 5 [Pa]."""
+        return self.youngs_modulus / (2.0 * (1.0 - self.poisson_ratio**2))
+
+
+class Housing(Group):
+    """Spring and damper between outer ring and ground, alike in X and Y (Table 1)."""
+
+    stiffness: float = quantity(212e6, "N/m", "Stiffness of the housing in X and in Y", 1e3, 1e12, symbol="k_h")
+    damping: float = quantity(1e5, "N s/m", "Damping of the housing in X and in Y", 0.0, 1e8, symbol="c_h")
+
+
+class Contact(Group):
+    """Normal contact of roller and raceway (Johnson, Eq. 4) and its loss."""
+
+    loss_time: float = quantity(
+        2.5e-6, "s", "Loss of the normal contact: damping over stiffness; 0 as in the paper", 0.0, 1e-4, symbol="beta"
+    )
+
+
+class Friction(Group):
+    """LuGre friction in coefficient form (Eqs. 6 and 7)."""
+
+    kinetic_coefficient: float = quantity(0.05, "-", "Kinetic friction coefficient", 0.0, 1.0, symbol="mu_k")
+    static_coefficient: float = quantity(0.06, "-", "Static friction coefficient, not below the kinetic one", 0.0, 1.0, symbol="mu_s")
+    stribeck_speed: float = quantity(0.01, "m/s", "Stribeck velocity", 1e-6, 10.0, symbol="v_s")
+    bristle_stiffness: float = quantity(
+        1e5,
+        "1/m",
+        "Bristle stiffness per normal force",
+        1.0,
+        1e8,
+        symbol="sigma_0",
+        remedy="the coefficient form is in 1/m; the paper prints N/m",
+    )
+    bristle_damping: float = quantity(
+        0.0133,
+        "s/m",
+        "Bristle damping per normal force (400 N s/m at 30 kN)",
+        0.0,
+        10.0,
+        symbol="sigma_1",
+        remedy="the coefficient form is in s/m; the paper's 400 N s/m is 0.0133 s/m at 30 kN",
+    )
+    viscous: float = quantity(0.0, "s/m", "Viscous friction per normal force", 0.0, 10.0, symbol="sigma_2")
+
+
+class Cage(Group):
+    """How rollers and cage are joined."""
+
+    joint: Literal["revolute"] = Field(
+        "revolute",
+        description="Roller-cage joint: revolute pins every roller centre to its pocket centre (the paper)",
+        json_schema_extra={"unit": "-", "symbol": "", "remedy": "", "run_time": False},
+    )
+
+
+class Operating(Group):
+    """Speed, load and how the run starts."""
+
+    speed: float = quantity(
+        125.664,
+        "rad/s",
+        "Speed of the inner ring, counter-clockwise positive",
+        -1000.0,
+        1000.0,
+        symbol="omega_I",
+        remedy="speeds are in rad/s, 1200 rpm is 125.664 rad/s",
+        run_time=True,
+    )
+    load: float = quantity(
+        100e3, "N", "Load on the inner ring, downwards (-Y)", -1e7, 1e7, symbol="Q", remedy="give newtons, not kN", run_time=True
+    )
+    lateral_load: float = quantity(0.0, "N", "Load on the inner ring along X", -1e7, 1e7, remedy="give newtons, not kN", run_time=True)
+    speed_ramp: float = quantity(50.0, "rad/s^2", "Slope at which a commanded speed is reached", 0.1, 1e5)
+    load_ramp: float = quantity(2e5, "N/s", "Slope at which a commanded load is reached, per axis", 1.0, 1e9)
+    gravity: float = quantity(9.81, "m/s^2", "Gravity, downwards", 0.0, 100.0, symbol="g")
+    start: Literal["warm", "cold"] = Field(
+        "warm",
+        description="warm: static equilibrium and kinematic rolling; cold: cage and rollers at rest (the paper's Fig. 8)",
+        json_schema_extra={"unit": "-", "symbol": "", "remedy": "", "run_time": False},
+    )
+
+
+class SimulationParameters(Group):
+    """Time step and seed."""
+
+    step: float = quantity(
+        1.0 / 102400.0,
+        "s",
+        "Time step; a whole number of steps make a sample",
+        1e-7,
+        2e-5,
+        symbol="h",
+        remedy="the contacts oscillate at up to 18 kHz and want 20 us or less",
+    )
+    seed: int = quantity(1, "-", "Seed of every random number", 0, 2**31 - 1)
+
+
+class SensorParameters(Group):
+    """The accelerometer on the outer ring."""
+
+    sampling_rate: int = quantity(51200, "Hz", "Sampling rate", 1000, 204800, symbol="f_s")
+    range: float = quantity(
+        5000.0, "m/s^2", "Range: larger accelerations are clipped and counted", 1.0, 1e6, remedy="give m/s^2, 1 g is 9.81 m/s^2", run_time=True
+    )
+    noise_density: float = quantity(
+        2e-3,
+        "m/s^2/sqrt(Hz)",
+        "White noise density (IEPE: 0.5e-3 to 4e-3, that is 50 to 400 ug/sqrt(Hz))",
+        0.0,
+        10.0,
+        remedy="100 ug/sqrt(Hz) is 0.00098 m/s^2/sqrt(Hz)",
+        run_time=True,
+    )
+    adc_bits: int = quantity(24, "bit", "Resolution of the converter over the range; 0 for none", 0, 32)
+
+
+class Publishing(Group):
+    """Blocks and rates on the topics."""
+
+    block_size: int = quantity(1024, "samples", "Samples in a block", 16, 65536)
+    state_rate: int = quantity(100, "Hz", "Rate of roller_states in simulated time", 1, 1000)
+    preview_rate: int = quantity(200, "Hz", "Rate of the low-passed preview in simulated time", 10, 1000)
+    truth_rate: int = quantity(10, "Hz", "Rate of ground_truth in simulated time, besides every change", 1, 100)
+    clean: bool = Field(
+        False,
+        description="Publish outer_ring/vibration_clean too, the waveform before noise, clipping and ADC",
+        json_schema_extra={"unit": "-", "symbol": "", "remedy": "", "run_time": False},
+    )
+
+
+class Recording(Group):
+    """The MCAP recording."""
+
+    path: str = Field(
+        "",
+        description="Folder of the recording to write; empty for none",
+        json_schema_extra={"unit": "-", "symbol": "", "remedy": "", "run_time": False},
+    )
+    compression: Literal["zstd", "lz4", "none"] = Field(
+        "zstd",
+        description="Compression of the chunks",
+        json_schema_extra={"unit": "-", "symbol": "", "remedy": "", "run_time": False},
+    )
+
+
+def rpm(speed: float) -> float:
+    """Return a speed [rad/s] in revolutions per minute."""
+    return speed * 30.0 / math.pi
