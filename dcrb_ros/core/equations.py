@@ -1,8 +1,15 @@
-"""The linear system of one velocity update: assembled roller by roller, solved by elimination row by row.
+"""The linear system of one velocity update: collected roller by roller, solved row by row.
 
-Unknown are the mean velocities over the step. The spin of a roller is eliminated as the roller is added, the cage of a
-row after the row's last roller; the two rings are left. A row's block has the unknowns of `OUTER`, `INNER` and `CAGE`:
-the rings' and the cage's velocities in X and Y and the cage's rim speed r_M omega_C, all in [m/s].
+Unknown are the mean velocities over the step: of the outer ring and the inner ring in X and Y, and of each cage in X, Y
+and at its rim (r_M omega_C), all in [m/s]. A roller's spin is eliminated when the roller is added, a cage after its last
+roller; the two rings are left.
+
+A roller passes force between cage and ring along the directions t' = (t_x, t_y, t.tau) and n' = (n_x, n_y, n.tau), where
+tau is the tangent of its pocket. So a row needs three sums only: the inner contacts' tensor A = sum(w t' t'^T + v n' n'^T),
+the outer contacts' tensor B, and X = sum(w_io t1' t2'^T), by which the spin couples the two; then
+
+    cage, cage:   A + B + X + X^T      inner, cage: -(A + X)    outer, cage: -(B + X^T)
+    inner, inner: A                    outer, outer: B          outer, inner: X^T     (first two components)
 """
 
 from __future__ import annotations
@@ -11,6 +18,10 @@ from numba import njit
 
 from dcrb_ros.core.payload import Floats
 
+A, B, X, PUSH_I, PUSH_O = 0, 6, 12, 21, 24
+SUMS = 27
+"""Length of a row's sums: A and B as xx, xy, xz, yy, yz, zz; X row by row; the pushes of inner and outer contacts."""
+
 OUTER, INNER, CAGE = 0, 2, 4
 UNKNOWNS = 7
 WIDTH = 8
@@ -18,61 +29,65 @@ WIDTH = 8
 
 
 @njit(cache=True, forceinline=True)
-def clear(block: Floats) -> None:
-    """Set a block to zero."""
-    for i in range(UNKNOWNS):
-        for j in range(WIDTH):
-            block[i, j] = 0.0
-
-
-@njit(cache=True, forceinline=True)
-def fill_direction(row: Floats, ring: int, x: float, y: float, rim: float) -> None:
-    """Write the velocity of a roller against ring ``ring`` along (x, y) as a row over the unknowns.
-
-    ``rim`` is the share of the cage's rim speed: the direction's component along the pocket's tangent.
-    """
-    for j in range(WIDTH):
-        row[j] = 0.0
-    row[ring], row[ring + 1] = -x, -y
-    row[CAGE], row[CAGE + 1], row[CAGE + 2] = x, y, rim
-
-
-@njit(cache=True, forceinline=True)
-def along(row: Floats, velocity: Floats) -> float:
-    """Return the velocity [m/s] that a direction row picks from the unknowns."""
-    total = 0.0
-    for j in range(UNKNOWNS):
-        total += row[j] * velocity[j]
-    return total
-
-
-@njit(cache=True, forceinline=True)
-def add_contacts(
-    block: Floats,
-    slip_i: Floats,
-    slip_o: Floats,
-    normal_i: Floats,
-    normal_o: Floats,
-    weight_i: float,
-    weight_o: float,
-    weight_io: float,
-    weight_ni: float,
-    weight_no: float,
-    push_i: float,
-    push_o: float,
-    push_ni: float,
-    push_no: float,
+def add_contact(
+    sums: Floats, tensor: int, push: int, nx: float, ny: float, rim_n: float, rim_t: float, weights: tuple[float, float, float, float]
 ) -> None:
-    """Add both contacts of a roller: the weights to the matrix, the pushes to the right-hand side."""
-    for i in range(UNKNOWNS):
-        si, so = slip_i[i], slip_o[i]
-        a = weight_i * si + weight_io * so
-        b = weight_io * si + weight_o * so
-        c = weight_ni * normal_i[i]
-        d = weight_no * normal_o[i]
-        for j in range(UNKNOWNS):
-            block[i, j] += a * slip_i[j] + b * slip_o[j] + c * normal_i[j] + d * normal_o[j]
-        block[i, UNKNOWNS] += push_i * si + push_o * so + push_ni * normal_i[i] + push_no * normal_o[i]
+    """Add one contact to a row's sums.
+
+    (nx, ny) is the normal from the ring to the roller, ``rim_n`` and ``rim_t`` the components of normal and tangent along
+    the pocket's tangent; ``weights`` are those of tangent and normal in the tensor and in the push.
+    """
+    tx, ty = -ny, nx
+    weight_t, weight_n, push_t, push_n = weights
+    ax, ay, az = weight_t * tx, weight_t * ty, weight_t * rim_t
+    bx, by, bz = weight_n * nx, weight_n * ny, weight_n * rim_n
+    sums[tensor] += ax * tx + bx * nx
+    sums[tensor + 1] += ax * ty + bx * ny
+    sums[tensor + 2] += ax * rim_t + bx * rim_n
+    sums[tensor + 3] += ay * ty + by * ny
+    sums[tensor + 4] += ay * rim_t + by * rim_n
+    sums[tensor + 5] += az * rim_t + bz * rim_n
+    sums[push] += push_t * tx + push_n * nx
+    sums[push + 1] += push_t * ty + push_n * ny
+    sums[push + 2] += push_t * rim_t + push_n * rim_n
+
+
+@njit(cache=True, forceinline=True)
+def add_coupling(
+    sums: Floats, weight: float, inner_x: float, inner_y: float, inner_rim: float, outer_x: float, outer_y: float, outer_rim: float
+) -> None:
+    """Add what a roller's spin passes from the inner contact's tangent to the outer one's."""
+    for k, share in ((X, weight * inner_x), (X + 3, weight * inner_y), (X + 6, weight * inner_rim)):
+        sums[k] += share * outer_x
+        sums[k + 1] += share * outer_y
+        sums[k + 2] += share * outer_rim
+
+
+@njit(cache=True, forceinline=True)
+def fold_row(sums: Floats, block: Floats) -> None:
+    """Add a row's sums to its block, which starts with the cage's inertia; the rings' part is the row's alone."""
+    for i in range(3):
+        for j in range(3):
+            low, high = min(i, j), max(i, j)
+            k = 3 * low - low * (low - 1) // 2 + high - low
+            a, b = sums[A + k], sums[B + k]
+            x, x_turned = sums[X + 3 * i + j], sums[X + 3 * j + i]
+            block[CAGE + i, CAGE + j] += a + b + x + x_turned
+            if i < 2:
+                block[INNER + i, CAGE + j] = -(a + x)
+                block[CAGE + j, INNER + i] = -(a + x)
+                block[OUTER + i, CAGE + j] = -(b + x_turned)
+                block[CAGE + j, OUTER + i] = -(b + x_turned)
+                if j < 2:
+                    block[INNER + i, INNER + j] = a
+                    block[OUTER + i, OUTER + j] = b
+                    block[INNER + i, OUTER + j] = x
+                    block[OUTER + j, INNER + i] = x
+        push_i, push_o = sums[PUSH_I + i], sums[PUSH_O + i]
+        block[CAGE + i, UNKNOWNS] += push_i + push_o
+        if i < 2:
+            block[INNER + i, UNKNOWNS] = -push_i
+            block[OUTER + i, UNKNOWNS] = -push_o
 
 
 @njit(cache=True, forceinline=True)
