@@ -155,18 +155,18 @@ def advance(payload: Payload, state: State, work: Workspace, acceleration: Float
     """Advance the state by ``len(acceleration)`` steps.
 
     Writes the outer ring's mean acceleration in X and Y over each step, shape (steps, 2) [m/s^2], and the rotation of
-    the inner ring at the middle of each step, shape (steps,) [rad].
+    the inner ring at the beginning of each step, shape (steps,) [rad].
     """
     h = payload.step
     rows = state.cage_position.shape[0]
     bearing = np.zeros(rows, np.int64)
     for n in range(acceleration.shape[0]):
+        shaft_angle[n] = state.shaft[0]
         for axis in range(2):
             state.load[axis] = ramped(state.load[axis], state.target[1 + axis], payload.load_ramp * h)
         speed_after = ramped(state.shaft[1], state.target[0], payload.speed_ramp * h)
         state.shaft[1] = 0.5 * (state.shaft[1] + speed_after)
         drift(state, 0.5 * h)
-        shaft_angle[n] = state.shaft[0]
         begin_rings(payload, state, work.rings)
         for row in range(rows):
             bearing[row] = add_row(payload, state, work.sums, work.blocks[row], work.rings, work.records[row], row)

@@ -1,0 +1,1 @@
+"""What a sensor makes of the outer ring's motion."""

@@ -1,0 +1,201 @@
+"""The loop: step the model, sample the sensor, yield blocks. No ROS, no files."""
+
+from __future__ import annotations
+
+import math
+import threading
+from collections import deque
+from collections.abc import Callable, Iterator
+from typing import TypeVar
+
+import numpy as np
+import numpy.typing as npt
+
+from dcrb_ros.block import Block, Floats, Layout, States, Truth, nanoseconds
+from dcrb_ros.configuration import Configuration
+from dcrb_ros.core.step import advance, workspace
+from dcrb_ros.kinematics import characteristic_orders
+from dcrb_ros.measurement.decimation import Decimator
+from dcrb_ros.measurement.sensor import Measurement, Sensor
+from dcrb_ros.model import build_payload, initial_state, layout
+from dcrb_ros.observation import observe
+from dcrb_ros.parameters import Operating
+from dcrb_ros.refusal import Refusal
+
+
+Item = TypeVar("Item")
+
+
+class ModelFailure(RuntimeError):
+    """The model left its domain (not a number, or a ring out of its seat); the run cannot go on."""
+
+
+def _checked(name: str, key: str, value: float, unit: str) -> float:
+    low, high = next((m.ge for m in Operating.model_fields[key].metadata if hasattr(m, "ge")), -math.inf), next(
+        (m.le for m in Operating.model_fields[key].metadata if hasattr(m, "le")), math.inf
+    )
+    if not (math.isfinite(value) and low <= value <= high):
+        raise Refusal(f"{name} = {value} {unit} is refused: it must be a number within {low:g} .. {high:g} {unit}; the bench keeps its course")
+    return float(value)
+
+
+class Simulation:
+    """A source of blocks: the bearing stepped from its settled start.
+
+    Commands may come from any thread; they take effect at the next block's first step, which the truth states.
+    The samples follow from the configuration and the simulated times of the commands alone.
+    """
+
+    def __init__(self, configuration: Configuration) -> None:
+        self.configuration = configuration
+        self.layout: Layout = layout(configuration)
+        self._payload = build_payload(configuration)
+        self._state = initial_state(configuration, self._payload)
+        self._work = workspace(self.layout.rows, self.layout.rollers_per_row)
+        self._sensor = Sensor(configuration)
+        self._preview = Decimator(configuration.sensor.sampling_rate // configuration.publishing.preview_rate)
+        self._orders = characteristic_orders(configuration.bearing)
+        self._steps = 0
+        self._samples = 0
+        self._pending: deque[Callable[[], str]] = deque()
+        self._lock = threading.Lock()
+        self._measured: deque[Measurement] = deque()
+        self._states: deque[States] = deque()
+        self._truths: deque[Truth] = deque()
+        self._previews: deque[tuple[int, npt.NDArray[np.float64]]] = deque()
+        self._preview_count = 0
+        self._angles = np.zeros(0)
+        self._note("start")
+
+    @property
+    def time_ns(self) -> int:
+        """Simulated time reached by the model [ns]; the next command takes effect here."""
+        return nanoseconds(self._steps, self.configuration.step_rate)
+
+    def command_speed(self, speed: float) -> None:
+        """Ask for a speed [rad/s], reached with the configured ramp from the next block on."""
+        value = _checked("command/speed", "speed", speed, "rad/s")
+
+        def apply() -> str:
+            self._state.target[0] = value
+            return f"command/speed {value!r} rad/s"
+
+        with self._lock:
+            self._pending.append(apply)
+
+    def command_load(self, x: float, y: float) -> None:
+        """Ask for a force on the inner ring in X and Y [N], reached with the configured ramp from the next block on."""
+        force = _checked("command/load force.x", "lateral_load", x, "N"), _checked("command/load force.y", "load", y, "N")
+
+        def apply() -> str:
+            self._state.target[1:] = force
+            return f"command/load {force[0]!r} {force[1]!r} N"
+
+        with self._lock:
+            self._pending.append(apply)
+
+    def blocks(self, duration: float | None = None) -> Iterator[Block]:
+        """Yield blocks until ``duration`` [s] of samples is reached, for ever without one.
+
+        The last block may be shorter, so that exactly the samples before ``duration`` come out.
+        """
+        rate, size = self.configuration.sensor.sampling_rate, self.configuration.publishing.block_size
+        last = None if duration is None else self._samples + round(duration * rate)
+        while last is None or self._samples < last:
+            yield self._block(size if last is None else min(size, last - self._samples))
+
+    def _block(self, size: int) -> Block:
+        self._obey()
+        first, rate = self._samples, self.configuration.sensor.sampling_rate
+        per_sample = self.configuration.steps_per_sample
+        self._step_to((first + size - 1) * per_sample + self._sensor.lead + 1)
+        measured = self._take(size)
+        self._samples += size
+        end_ns = nanoseconds(self._samples, rate)
+        angles, self._angles = self._angles[: size * per_sample : per_sample], self._angles[size * per_sample :]
+        self._feed_preview(measured.clean)
+        previews = _before(self._previews, end_ns, lambda item: item[0])
+        return Block(
+            index=first,
+            rate=rate,
+            acceleration=measured.measured.astype(np.float32),
+            shaft_angle=_within_a_turn(angles),
+            clean=measured.clean.astype(np.float32),
+            clipped=int(measured.clipped.sum()),
+            preview=np.array([sample for _, sample in previews], np.float32).reshape(-1, 2),
+            preview_ns=tuple(time for time, _ in previews),
+            states=tuple(_before(self._states, end_ns, lambda states: states.time_ns)),
+            truths=tuple(_before(self._truths, end_ns, lambda truth: truth.time_ns)),
+        )
+
+    def _obey(self) -> None:
+        with self._lock:
+            pending, self._pending = self._pending, deque()
+        for apply in pending:
+            self._note(apply())
+
+    def _step_to(self, end: int) -> None:
+        """Step the model to step ``end``, stopping on the way at every time of a state or a truth."""
+        while self._steps < end:
+            publishing, rate = self.configuration.publishing, self.configuration.step_rate
+            state_due, truth_due = _next_tick(self._steps, publishing.state_rate, rate), _next_tick(self._steps, publishing.truth_rate, rate)
+            count = min(end, state_due, truth_due) - self._steps
+            acceleration, angles = np.empty((count, 2)), np.empty(count)
+            advance(self._payload, self._state, self._work, acceleration, angles)
+            self._steps += count
+            self._guard(acceleration)
+            self._measured.append(self._sensor.measure(acceleration))
+            self._angles = np.concatenate([self._angles, angles])
+            if self._steps == state_due:
+                self._states.append(observe(self._payload, self._state, self.time_ns))
+            if self._steps == truth_due:
+                self._note("")
+
+    def _guard(self, acceleration: Floats) -> None:
+        off_seat = float(np.abs(self._state.outer_position).max())
+        if not (math.isfinite(float(acceleration.sum())) and off_seat < self._payload.roller_radius):
+            raise ModelFailure(
+                f"the model failed at {self.time_ns / 1e9:.6f} s: the outer ring is {off_seat:.3g} m off its seat; "
+                "a shorter simulation.step or a smaller load keeps it in its domain"
+            )
+
+    def _take(self, size: int) -> Measurement:
+        """Take the next ``size`` samples from what has been measured."""
+        parts, clean = list(self._measured), np.concatenate([part.clean for part in self._measured])
+        measured, clipped = np.concatenate([part.measured for part in parts]), np.concatenate([part.clipped for part in parts])
+        self._measured = deque([Measurement(clean[size:], measured[size:], clipped[size:])])
+        return Measurement(clean[:size], measured[:size], clipped[:size])
+
+    def _feed_preview(self, clean: npt.NDArray[np.float64]) -> None:
+        for sample in self._preview.feed(clean):
+            time_ns = nanoseconds(self._preview_count, self.configuration.publishing.preview_rate)
+            self._previews.append((time_ns, sample))
+            self._preview_count += 1
+
+    def _note(self, changed: str) -> None:
+        """Keep the truth of this moment."""
+        speed, load = float(self._state.shaft[1]), self._state.load
+        faults = {name: {**defect.model_dump(), "onset": 0.0} for name, defect in self.configuration.faults.present()}
+        frequencies = self._orders.frequencies(speed / (2.0 * math.pi))
+        self._truths.append(Truth(self.time_ns, speed, (float(load[0]), float(load[1])), frequencies, faults, changed))
+
+
+def _next_tick(step: int, rate: int, step_rate: int) -> int:
+    """Return the first step after ``step`` at which a clock of ``rate`` [Hz] ticks."""
+    tick = step * rate // step_rate + 1
+    return -(-tick * step_rate // rate)
+
+
+def _within_a_turn(angle: Floats) -> npt.NDArray[np.float32]:
+    """Return angles wrapped to [0, 2 pi) in single precision, where 2 pi itself could round up into the range."""
+    turned = np.mod(angle, 2.0 * math.pi).astype(np.float32)
+    turned[turned >= np.float32(2.0 * math.pi)] = 0.0
+    return turned
+
+
+def _before(items: deque[Item], end_ns: int, time_of: Callable[[Item], int]) -> list[Item]:
+    """Take the items with a time before ``end_ns`` [ns] off the queue."""
+    taken = []
+    while items and time_of(items[0]) < end_ns:
+        taken.append(items.popleft())
+    return taken
