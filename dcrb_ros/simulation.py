@@ -15,7 +15,7 @@ from dcrb_ros.block import Block, Floats, Layout, States, Truth, nanoseconds
 from dcrb_ros.configuration import Configuration
 from dcrb_ros.core.step import advance, workspace
 from dcrb_ros.kinematics import characteristic_orders
-from dcrb_ros.measurement.decimation import Decimator
+from dcrb_ros.measurement.decimation import Cascade
 from dcrb_ros.measurement.sensor import Measurement, Sensor
 from dcrb_ros.model import build_payload, initial_state, layout
 from dcrb_ros.observation import observe
@@ -53,7 +53,7 @@ class Simulation:
         self._state = initial_state(configuration, self._payload)
         self._work = workspace(self.layout.rows, self.layout.rollers_per_row)
         self._sensor = Sensor(configuration)
-        self._preview = Decimator(configuration.sensor.sampling_rate // configuration.publishing.preview_rate)
+        self._preview = Cascade(configuration.sensor.sampling_rate // configuration.publishing.preview_rate)
         self._orders = characteristic_orders(configuration.bearing)
         self._steps = 0
         self._samples = 0

@@ -11,6 +11,10 @@ STOP_ATTENUATION = 85.0
 PASS_SHARE = 0.8
 """Pass band as a share of the new Nyquist frequency [-]."""
 
+RECURSIVE = (1.0, 0.0)
+"""A denominator of one: its zero keeps lfilter from a convolution whose last bits would depend on the split."""
+LARGEST_STAGE = 16
+
 
 def anti_alias_taps(factor: int, *, between: bool) -> npt.NDArray[np.float64]:
     """Return symmetric taps that let pass up to 0.8 of the new Nyquist frequency.
@@ -45,9 +49,32 @@ class Decimator:
 
     def feed(self, samples: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
         """Filter ``samples`` of shape (inputs, columns); return the outputs that are due, shape (outputs, columns)."""
-        filtered, self._memory = signal.lfilter(self._taps, [1.0], samples, axis=0, zi=self._memory)
+        filtered, self._memory = signal.lfilter(self._taps, RECURSIVE, samples, axis=0, zi=self._memory)
         due: npt.NDArray[np.float64] = filtered[self._skip :: self.factor]
         self._skip -= len(samples)
         if self._skip < 0:
             self._skip %= self.factor
         return due
+
+
+class Cascade:
+    """Decimators in a row for large factors; output ``k`` stands at the time of input ``k * factor``."""
+
+    def __init__(self, factor: int, *, columns: int = 2) -> None:
+        self._stages = [Decimator(stage, columns=columns) for stage in stages(factor)]
+
+    def feed(self, samples: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+        """Filter ``samples`` of shape (inputs, columns); return the outputs that are due, shape (outputs, columns)."""
+        for stage in self._stages:
+            samples = stage.feed(samples)
+        return samples
+
+
+def stages(factor: int) -> list[int]:
+    """Split a decimation factor into stages of at most 16 where it has such divisors."""
+    found = []
+    while factor > 1:
+        divisors = [d for d in range(2, LARGEST_STAGE + 1) if factor % d == 0]
+        found.append(divisors[-1] if divisors else factor)
+        factor //= found[-1]
+    return found
