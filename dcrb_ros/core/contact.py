@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 
-from numba import njit
+from dcrb_ros.core.jit import kernel
 
 NEWTON_STEPS = 2
 
 
-@njit(cache=True, forceinline=True)
+@kernel
 def johnson_force(penetration: float, modulus: float, scale: float) -> tuple[float, float]:
     """Return the normal force [N] and its stiffness [N/m] at a penetration [m] above zero.
 
@@ -24,13 +24,13 @@ def johnson_force(penetration: float, modulus: float, scale: float) -> tuple[flo
     return force, -modulus / (w + 1.0)
 
 
-@njit(cache=True, forceinline=True)
+@kernel
 def johnson_penetration(force: float, modulus: float, scale: float) -> float:
     """Return the penetration [m] under a normal force [N] above zero, Eq. 4 as printed."""
     return force / modulus * (math.log(modulus * scale / force) - 1.0)
 
 
-@njit(cache=True, forceinline=True)
+@kernel
 def loss_coefficient(force: float, stiffness: float, loss_time: float, rate: float) -> float:
     """Return the damping k beta [N s/m] of a contact that penetrates at ``rate`` [m/s].
 

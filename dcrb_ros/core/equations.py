@@ -14,7 +14,7 @@ the outer contacts' tensor B, and X = sum(w_io t1' t2'^T), by which the spin cou
 
 from __future__ import annotations
 
-from numba import njit
+from dcrb_ros.core.jit import kernel
 
 from dcrb_ros.core.payload import Floats
 
@@ -28,7 +28,7 @@ WIDTH = 8
 """Columns of a block: the unknowns and, last, the right-hand side."""
 
 
-@njit(cache=True, forceinline=True)
+@kernel
 def add_contact(
     sums: Floats, tensor: int, push: int, nx: float, ny: float, rim_n: float, rim_t: float, weights: tuple[float, float, float, float]
 ) -> None:
@@ -52,7 +52,7 @@ def add_contact(
     sums[push + 2] += push_t * rim_t + push_n * rim_n
 
 
-@njit(cache=True, forceinline=True)
+@kernel
 def add_coupling(
     sums: Floats, weight: float, inner_x: float, inner_y: float, inner_rim: float, outer_x: float, outer_y: float, outer_rim: float
 ) -> None:
@@ -63,26 +63,24 @@ def add_coupling(
         sums[k + 2] += share * outer_rim
 
 
-@njit(cache=True, forceinline=True)
+@kernel
 def fold_row(sums: Floats, block: Floats) -> None:
-    """Add a row's sums to its block, which starts with the cage's inertia; the rings' part is the row's alone."""
+    """Add a row's sums to its block's lower triangle, which starts with the cage's inertia."""
     for i in range(3):
         for j in range(3):
             low, high = min(i, j), max(i, j)
             k = 3 * low - low * (low - 1) // 2 + high - low
             a, b = sums[A + k], sums[B + k]
             x, x_turned = sums[X + 3 * i + j], sums[X + 3 * j + i]
-            block[CAGE + i, CAGE + j] += a + b + x + x_turned
-            if i < 2:
-                block[INNER + i, CAGE + j] = -(a + x)
-                block[CAGE + j, INNER + i] = -(a + x)
-                block[OUTER + i, CAGE + j] = -(b + x_turned)
-                block[CAGE + j, OUTER + i] = -(b + x_turned)
-                if j < 2:
+            if j <= i:
+                block[CAGE + i, CAGE + j] += a + b + x + x_turned
+            if j < 2:
+                block[CAGE + i, INNER + j] = -(a + x_turned)
+                block[CAGE + i, OUTER + j] = -(b + x)
+                if i < 2:
                     block[INNER + i, INNER + j] = a
                     block[OUTER + i, OUTER + j] = b
                     block[INNER + i, OUTER + j] = x
-                    block[OUTER + j, INNER + i] = x
         push_i, push_o = sums[PUSH_I + i], sums[PUSH_O + i]
         block[CAGE + i, UNKNOWNS] += push_i + push_o
         if i < 2:
@@ -90,19 +88,22 @@ def fold_row(sums: Floats, block: Floats) -> None:
             block[OUTER + i, UNKNOWNS] = -push_o
 
 
-@njit(cache=True, forceinline=True)
+@kernel
 def eliminate(block: Floats, first: int, count: int) -> None:
-    """Eliminate the unknowns from ``count`` - 1 down to ``first``; the rows above keep the Schur complement."""
+    """Eliminate the unknowns from ``count`` - 1 down to ``first``; the rows above keep the Schur complement.
+
+    The matrix is symmetric, only its lower triangle is read and written.
+    """
     for k in range(count - 1, first - 1, -1):
         inverse = 1.0 / block[k, k]
         for i in range(k):
-            factor = block[i, k] * inverse
-            for j in range(k):
+            factor = block[k, i] * inverse
+            for j in range(i + 1):
                 block[i, j] -= factor * block[k, j]
             block[i, UNKNOWNS] -= factor * block[k, UNKNOWNS]
 
 
-@njit(cache=True, forceinline=True)
+@kernel
 def substitute(block: Floats, first: int, count: int, velocity: Floats) -> None:
     """Solve for the unknowns from ``first`` to ``count`` - 1, those before ``first`` being known."""
     for k in range(first, count):

@@ -4,19 +4,19 @@ from __future__ import annotations
 
 import math
 
-from numba import njit
+from dcrb_ros.core.jit import kernel
 
 from dcrb_ros.core.payload import Payload
 
 
-@njit(cache=True, forceinline=True)
+@kernel
 def stribeck_coefficient(slip: float, kinetic: float, static: float, stribeck_speed: float) -> float:
     """Return g = mu_k + (mu_s - mu_k) exp(-(s/v_s)^2), the friction coefficient of steady slip [-], Eq. 7."""
     ratio = slip / stribeck_speed
     return kinetic + (static - kinetic) * math.exp(-ratio * ratio)
 
 
-@njit(cache=True, forceinline=True)
+@kernel
 def bristle_weights(decay: float) -> tuple[float, float]:
     """Return how the mean bristle over a step depends on its start and on the slip: phi and psi.
 
@@ -28,7 +28,7 @@ def bristle_weights(decay: float) -> tuple[float, float]:
     return (1.0 + 0.5 * decay) * denominator, 0.5 * (1.0 + decay) * denominator
 
 
-@njit(cache=True, forceinline=True)
+@kernel
 def friction_line(slip: float, bristle: float, payload: Payload) -> tuple[float, float, float, float]:
     """Return friction per normal force as a straight line over the mean slip of the step, and the bristle's law.
 
@@ -43,7 +43,7 @@ def friction_line(slip: float, bristle: float, payload: Payload) -> tuple[float,
     return constant, slope, rate, phi
 
 
-@njit(cache=True, forceinline=True)
+@kernel
 def bristle_after(bristle: float, slip: float, rate: float, phi: float, step: float) -> float:
     """Return the bristle deflection [m] at the end of a step with mean slip ``slip`` [m/s]."""
     return bristle + step * phi * (slip - rate * bristle)

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 
-from numba import njit
+from dcrb_ros.core.jit import kernel
 
 from dcrb_ros.core.payload import Notches
 
 
-@njit(cache=True, forceinline=True)
+@kernel
 def inner_notch_depth(edge: float, depth: float, raceway: float, roller: float) -> tuple[float, float]:
     """Return depth [m] and its slope [m/rad] at an angle ``edge`` [rad] inside the nearer edge of an inner notch, Eq. 8."""
     sine, cosine = math.sin(edge), math.cos(edge)
@@ -20,7 +20,7 @@ def inner_notch_depth(edge: float, depth: float, raceway: float, roller: float) 
     return sink, raceway * sine + raceway * raceway * sine * cosine / root
 
 
-@njit(cache=True, forceinline=True)
+@kernel
 def outer_notch_depth(edge: float, depth: float, raceway: float, roller: float) -> tuple[float, float]:
     """Return depth [m] and its slope [m/rad] at an angle ``edge`` [rad] inside the nearer edge of an outer notch, Eq. 14."""
     sine, cosine = math.sin(edge), math.cos(edge)
@@ -31,7 +31,7 @@ def outer_notch_depth(edge: float, depth: float, raceway: float, roller: float) 
     return sink, -raceway * sine + raceway * raceway * sine * cosine / root
 
 
-@njit(cache=True, forceinline=True)
+@kernel
 def notch_under(
     notches: Notches, inner: bool, row: int, normal_x: float, normal_y: float, turn: float, raceway: float, roller: float
 ) -> tuple[float, float]:

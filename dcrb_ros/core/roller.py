@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from numba import njit
+from dcrb_ros.core.jit import kernel
 
 from dcrb_ros.core.contact import johnson_force, loss_coefficient
 from dcrb_ros.core.equations import PUSH_I, PUSH_O, A, B, add_contact, add_coupling
@@ -23,7 +23,7 @@ ROLLER = 14
 RECORD = 15
 
 
-@njit(cache=True, forceinline=True)
+@kernel
 def normal_contact(
     distance: float,
     gap: float,
@@ -57,7 +57,7 @@ def normal_contact(
     return constant + damping * approach, constant, damping, DISPERSION * payload.step * payload.step * stiffness
 
 
-@njit(cache=True, forceinline=True)
+@kernel
 def mean_spin(payload: Payload, spin: float, slope_i: float, slope_o: float, torque: float) -> float:
     """Return the mean spin [rad/s] over the step.
 
@@ -68,7 +68,7 @@ def mean_spin(payload: Payload, spin: float, slope_i: float, slope_o: float, tor
     return (2.0 * payload.roller_inertia * spin + h * radius * torque) / inertia
 
 
-@njit(cache=True, forceinline=True)
+@kernel
 def open_roller(state: State, row: int, i: int) -> None:
     """Forget the contacts of a roller that touches neither raceway."""
     state.inner_force[row, i] = state.outer_force[row, i] = 0.0
@@ -76,7 +76,7 @@ def open_roller(state: State, row: int, i: int) -> None:
     state.inner_bristle[row, i] = state.outer_bristle[row, i] = 0.0
 
 
-@njit(cache=True, forceinline=True)
+@kernel
 def add_roller(
     payload: Payload,
     state: State,
@@ -176,7 +176,7 @@ def add_roller(
     return True
 
 
-@njit(cache=True, forceinline=True)
+@kernel
 def finish_roller(
     payload: Payload, state: State, records: Floats, k: int, row: int, inner_x: float, inner_y: float, outer_x: float, outer_y: float, rim: float
 ) -> None:

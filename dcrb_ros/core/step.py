@@ -11,7 +11,7 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
+from dcrb_ros.core.jit import kernel, loop
 
 from dcrb_ros.core.equations import CAGE, INNER, OUTER, SUMS, UNKNOWNS, WIDTH, eliminate, fold_row, substitute
 from dcrb_ros.core.payload import Floats, Payload
@@ -45,13 +45,13 @@ def workspace(rows: int, rollers: int) -> Workspace:
     )
 
 
-@njit(cache=True, forceinline=True)
+@kernel
 def ramped(value: float, target: float, most: float) -> float:
     """Return ``value`` moved towards ``target`` by ``most`` at most."""
     return value + min(max(target - value, -most), most)
 
 
-@njit(cache=True, forceinline=True)
+@kernel
 def drift(state: State, time: float) -> None:
     """Move rings, cages and the shaft's angle with their velocities for ``time`` [s]."""
     for axis in range(2):
@@ -63,7 +63,7 @@ def drift(state: State, time: float) -> None:
     state.shaft[0] += time * state.shaft[1]
 
 
-@njit(cache=True, forceinline=True)
+@kernel
 def begin_cage(payload: Payload, state: State, block: Floats, row: int) -> None:
     """Start a row's equations with the inertia and weight of the cage and its pinned rollers."""
     mass, radius = payload.train_mass, payload.pitch_radius
@@ -78,7 +78,7 @@ def begin_cage(payload: Payload, state: State, block: Floats, row: int) -> None:
     block[CAGE + 2, UNKNOWNS] = 2.0 * rim_mass * radius * state.cage_velocity[row, 2]
 
 
-@njit(cache=True, forceinline=True)
+@kernel
 def begin_rings(payload: Payload, state: State, rings: Floats) -> None:
     """Start the rings' equations with inertia, weight, load and the housing's spring and damper."""
     h, stiffness = payload.step, payload.housing_stiffness
@@ -97,7 +97,7 @@ def begin_rings(payload: Payload, state: State, rings: Floats) -> None:
     rings[INNER + 1, UNKNOWNS] -= h * payload.inner_ring_mass * payload.gravity
 
 
-@njit(cache=True, forceinline=True)
+@kernel
 def add_row(payload: Payload, state: State, sums: Floats, block: Floats, rings: Floats, records: Floats, row: int) -> int:
     """Assemble a row's equations, eliminate its cage, add what is left to the rings; return how many rollers bear."""
     begin_cage(payload, state, block, row)
@@ -126,13 +126,13 @@ def add_row(payload: Payload, state: State, sums: Floats, block: Floats, rings: 
     fold_row(sums, block)
     eliminate(block, CAGE, UNKNOWNS)
     for k in range(CAGE):
-        for j in range(CAGE):
+        for j in range(k + 1):
             rings[k, j] += block[k, j]
         rings[k, UNKNOWNS] += block[k, UNKNOWNS]
     return bearing
 
 
-@njit(cache=True, forceinline=True)
+@kernel
 def finish_row(payload: Payload, state: State, block: Floats, records: Floats, mean: Floats, row: int, bearing: int) -> None:
     """Solve for a row's cage and update its velocity and its rollers; ``mean`` holds the rings' velocities."""
     substitute(block, CAGE, UNKNOWNS, mean)
@@ -150,7 +150,7 @@ def finish_row(payload: Payload, state: State, block: Floats, records: Floats, m
     state.cage_velocity[row, 2] = 2.0 * rim / payload.pitch_radius - state.cage_velocity[row, 2]
 
 
-@njit(cache=True, nogil=True)
+@loop
 def advance(payload: Payload, state: State, work: Workspace, acceleration: Floats, shaft_angle: Floats) -> None:
     """Advance the state by ``len(acceleration)`` steps.
 
