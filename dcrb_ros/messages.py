@@ -1,0 +1,299 @@
+"""Blocks to ROS messages and back, as pure functions: the only module that knows the fields of messages.
+
+CDR comes from rosbags' type store, so that a machine without ROS encodes the very same bytes.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+from rosbags.typesys import Stores, get_typestore
+from rosbags.typesys.store import Typestore
+
+from dcrb_ros.block import Block, Floats, Layout, Samples, States, Truth
+from dcrb_ros.configuration import Configuration
+from dcrb_ros.kinematics import characteristic_orders
+from dcrb_ros.measurement.features import features
+from dcrb_ros.refusal import Refusal
+from dcrb_ros.topics import (
+    ACCELERATION,
+    FEATURES,
+    GROUND_TRUTH,
+    JOINT_STATE,
+    POINT_CLOUD,
+    ROLLER_STATES,
+    SENSOR,
+    VIBRATION,
+    VIBRATION_CLEAN,
+    Message,
+    Topic,
+)
+
+FRAME = "outer_ring"
+SAMPLE = np.dtype([("t", "<u4"), ("ax", "<f4"), ("ay", "<f4"), ("shaft_angle", "<f4")])
+SPECTRUM = np.dtype([("frequency", "<f4"), ("order", "<f4"), ("amplitude", "<f4")])
+UINT32, FLOAT32 = 6, 7  # sensor_msgs/msg/PointField
+POINT_KINDS = {"<u4": UINT32, "<f4": FLOAT32}
+OK, WARN, ERROR = 0, 1, 2  # diagnostic_msgs/msg/DiagnosticStatus
+NO_ESTIMATE = -1.0  # first element of a covariance, sensor_msgs/msg/Imu
+MOST_SAMPLES = 1 << 20
+
+
+@cache
+def typestore() -> Typestore:
+    """Return the message types of ROS 2 Jazzy."""
+    return get_typestore(Stores.ROS2_JAZZY)
+
+
+@dataclass(frozen=True)
+class Vibration:
+    """A block of the waveform as it comes over the wire or from a recording."""
+
+    stamp_ns: int
+    """Simulated time of the first sample [ns]."""
+    offsets_ns: npt.NDArray[np.uint32]
+    """Time of each sample after the stamp [ns]."""
+    acceleration: Samples
+    """Shape (samples, 2) [m/s^2]."""
+    shaft_angle: Samples
+    """Wrapped to [0, 2 pi) [rad]."""
+
+    def first_index(self, rate: int) -> int:
+        """Return the index of the first sample at a sampling rate [Hz]: its time times the rate, rounded."""
+        return (self.stamp_ns * rate + 500_000_000) // 1_000_000_000
+
+
+@dataclass(frozen=True)
+class Joints:
+    """A JointState: names with position, velocity and effort."""
+
+    stamp_ns: int
+    names: tuple[str, ...]
+    position: Floats
+    velocity: Floats
+    effort: Floats
+
+
+@dataclass(frozen=True)
+class Status:
+    """One status of a DiagnosticArray."""
+
+    name: str
+    level: int
+    """0 OK, 1 warning, 2 error."""
+    message: str
+    values: Mapping[str, str]
+
+
+def _type(name: str) -> Any:
+    return typestore().types[name]
+
+
+def _encoded(type_name: str, message: Any) -> bytes:
+    return bytes(typestore().serialize_cdr(message, type_name))
+
+
+def _header(time_ns: int, frame: str = FRAME) -> Any:
+    stamp = _type("builtin_interfaces/msg/Time")(time_ns // 1_000_000_000, time_ns % 1_000_000_000)
+    return _type("std_msgs/msg/Header")(stamp, frame)
+
+
+def stamp_of(header: Any) -> int:
+    """Return the stamp of a decoded header [ns]."""
+    return int(header.stamp.sec) * 1_000_000_000 + int(header.stamp.nanosec)
+
+
+def encode_points(points: npt.NDArray[Any], time_ns: int) -> bytes:
+    """Return a PointCloud2 of structured points, one field per column."""
+    kind, point_type = points.dtype, _type("sensor_msgs/msg/PointField")
+    fields = [
+        point_type(name, offset, POINT_KINDS[dtype.str], 1)
+        for name, (dtype, offset) in ((name, (entry[0], entry[1])) for name, entry in (kind.fields or {}).items())
+    ]
+    raw = np.frombuffer(points.tobytes(), np.uint8)
+    cloud = _type(POINT_CLOUD)(_header(time_ns), 1, len(points), fields, False, kind.itemsize, kind.itemsize * len(points), raw, True)
+    return _encoded(POINT_CLOUD, cloud)
+
+
+def encode_vibration(block: Block, acceleration: Samples) -> bytes:
+    """Return the waveform of a block as a PointCloud2 with the fields of `SAMPLE`."""
+    points = np.empty(len(acceleration), SAMPLE)
+    # What the first sample's time lost by rounding down counts for the others.
+    lost = block.index * 1_000_000_000 % block.rate
+    points["t"] = (lost + np.arange(len(acceleration), dtype=np.int64) * 1_000_000_000) // block.rate
+    points["ax"], points["ay"], points["shaft_angle"] = acceleration[:, 0], acceleration[:, 1], block.shaft_angle
+    return encode_points(points, block.stamp_ns)
+
+
+def encode_joints(time_ns: int, names: Sequence[str], position: Floats, velocity: Floats, effort: Floats) -> bytes:
+    """Return a JointState."""
+    return _encoded(JOINT_STATE, _type(JOINT_STATE)(_header(time_ns, ""), list(names), position, velocity, effort))
+
+
+def encode_states(states: States, names: Sequence[str]) -> bytes:
+    """Return azimuth [rad], spin or rotation [rad/s] and inner normal force [N] of all bodies as a JointState."""
+    return encode_joints(states.time_ns, names, states.azimuth, states.speed, states.inner_force)
+
+
+def encode_features(block: Block) -> bytes:
+    """Return the features of a block as a JointState; the values are in position."""
+    found, none = features(block), np.zeros(0)
+    return encode_joints(block.stamp_ns, list(found), np.array(list(found.values())), none, none)
+
+
+def encode_preview(time_ns: int, acceleration: npt.NDArray[np.float32]) -> bytes:
+    """Return a preview sample as an Imu; orientation and rotation are absent, the covariances unknown."""
+    vector, quaternion = _type("geometry_msgs/msg/Vector3"), _type("geometry_msgs/msg/Quaternion")
+    unknown = np.zeros(9)
+    unknown[0] = NO_ESTIMATE
+    linear = vector(float(acceleration[0]), float(acceleration[1]), 0.0)
+    name = "sensor_msgs/msg/Imu"
+    imu = _type(name)(_header(time_ns), quaternion(0.0, 0.0, 0.0, 1.0), unknown, vector(0.0, 0.0, 0.0), unknown, linear, unknown)
+    return _encoded(name, imu)
+
+
+def encode_text(text: str) -> bytes:
+    """Return a String."""
+    return _encoded("std_msgs/msg/String", _type("std_msgs/msg/String")(text))
+
+
+def encode_diagnostics(time_ns: int, statuses: Iterable[Status]) -> bytes:
+    """Return a DiagnosticArray."""
+    pair, status_type = _type("diagnostic_msgs/msg/KeyValue"), _type("diagnostic_msgs/msg/DiagnosticStatus")
+    found = [
+        status_type(s.level, s.name, s.message, "dcrb", [pair(key, value) for key, value in s.values.items()]) for s in statuses
+    ]
+    name = "diagnostic_msgs/msg/DiagnosticArray"
+    return _encoded(name, _type(name)(_header(time_ns, ""), found))
+
+
+def encode_truth(truth: Truth) -> bytes:
+    """Return the ground truth: a status ``operating`` and one per fault, named by its configuration key."""
+    operating = {"speed [rad/s]": repr(truth.speed), "load_x [N]": repr(truth.load[0]), "load_y [N]": repr(truth.load[1])}
+    operating |= {f"{name} [Hz]": repr(frequency) for name, frequency in truth.frequencies.items()}
+    statuses = [Status("operating", OK, truth.changed, operating)]
+    for name, fields in truth.faults.items():
+        statuses.append(Status(f"faults.{name}", ERROR, "present", {key: repr(value) for key, value in fields.items()}))
+    return encode_diagnostics(truth.time_ns, statuses)
+
+
+def sensor_text(configuration: Configuration) -> str:
+    """Return what a reader must know of the waveform, as JSON: rate, units, axes, geometry, orders, index rule."""
+    orders = characteristic_orders(configuration.bearing)
+    about = {
+        "sampling_rate": configuration.sensor.sampling_rate,
+        "sampling_rate_unit": "Hz",
+        "acceleration_unit": "m/s^2",
+        "axes": {"ax": "X, right", "ay": "Y, up"},
+        "shaft_angle_unit": "rad",
+        "range": configuration.sensor.range,
+        "block_size": configuration.publishing.block_size,
+        "frame": FRAME,
+        "bearing": configuration.bearing.model_dump(),
+        "orders": {"FTF": orders.ftf, "BPFO": orders.bpfo, "BPFI": orders.bpfi, "BSF": orders.bsf},
+        "first_sample_index": "round(stamp * sampling_rate); sample k is taken at k / sampling_rate of simulated time",
+    }
+    return json.dumps(about, sort_keys=True)
+
+
+class BlockEncoder:
+    """Blocks to messages, each encoded once."""
+
+    def __init__(self, configuration: Configuration, layout: Layout) -> None:
+        self._configuration = configuration
+        self._names = layout.names
+
+    def start(self) -> list[Message]:
+        """Return the messages that come before the first block."""
+        return [Message(SENSOR, 0, encode_text(sensor_text(self._configuration)))]
+
+    def encode(self, block: Block) -> list[Message]:
+        """Return the messages of a block in the order of their times."""
+        messages = [Message(VIBRATION, block.stamp_ns, encode_vibration(block, block.acceleration))]
+        if self._configuration.publishing.clean:
+            messages.append(Message(VIBRATION_CLEAN, block.stamp_ns, encode_vibration(block, block.clean)))
+        messages.append(Message(FEATURES, block.stamp_ns, encode_features(block)))
+        messages += [Message(ROLLER_STATES, states.time_ns, encode_states(states, self._names)) for states in block.states]
+        messages += [Message(GROUND_TRUTH, truth.time_ns, encode_truth(truth)) for truth in block.truths]
+        for time_ns, sample in zip(block.preview_ns, block.preview, strict=True):
+            messages.append(Message(ACCELERATION, time_ns, encode_preview(time_ns, sample)))
+        return sorted(messages, key=lambda message: message.time_ns)
+
+
+def _decoded(data: bytes, type_name: str) -> Any:
+    try:
+        return typestore().deserialize_cdr(data, type_name)
+    except Exception as error:  # rosbags raises whatever its generated decoder runs into
+        raise Refusal(f"a message of {len(data)} bytes is no valid {type_name}: {type(error).__name__}") from None
+
+
+def decode_vibration(data: bytes) -> Vibration:
+    """Return the waveform of a PointCloud2.
+
+    Raises:
+        Refusal: another layout than `SAMPLE`, or a length that does not fit the fields.
+    """
+    cloud = _decoded(data, POINT_CLOUD)
+    found = [(field.name, field.offset, field.datatype, field.count) for field in cloud.fields]
+    expected = [(name, offset, POINT_KINDS[dtype.str], 1) for name, (dtype, offset) in ((n, e[:2]) for n, e in (SAMPLE.fields or {}).items())]
+    if found != expected or cloud.is_bigendian or cloud.point_step != SAMPLE.itemsize or cloud.height != 1:
+        raise Refusal(
+            f"a PointCloud2 with the fields {[name for name, *_ in found]} is no waveform: it must have t, ax, ay and shaft_angle, "
+            f"{SAMPLE.itemsize} bytes a sample, little endian, height 1"
+        )
+    if not 0 < cloud.width <= MOST_SAMPLES or len(cloud.data) != cloud.width * SAMPLE.itemsize:
+        raise Refusal(f"a waveform block claims {cloud.width} samples in {len(cloud.data)} bytes; each takes {SAMPLE.itemsize}, at most {MOST_SAMPLES} samples")
+    points = np.frombuffer(cloud.data.tobytes(), SAMPLE)
+    acceleration = np.stack([points["ax"], points["ay"]], axis=1)
+    return Vibration(stamp_of(cloud.header), points["t"].copy(), acceleration, points["shaft_angle"].copy())
+
+
+def decode_joints(data: bytes) -> Joints:
+    """Return a JointState."""
+    joints = _decoded(data, JOINT_STATE)
+    return Joints(stamp_of(joints.header), tuple(joints.name), joints.position, joints.velocity, joints.effort)
+
+
+def decode_text(data: bytes) -> str:
+    """Return the text of a String."""
+    return str(_decoded(data, "std_msgs/msg/String").data)
+
+
+def decode_diagnostics(data: bytes) -> tuple[int, list[Status]]:
+    """Return stamp [ns] and statuses of a DiagnosticArray."""
+    array = _decoded(data, "diagnostic_msgs/msg/DiagnosticArray")
+    statuses = [Status(s.name, int(s.level), s.message, {pair.key: pair.value for pair in s.values}) for s in array.status]
+    return stamp_of(array.header), statuses
+
+
+def decode_truth(data: bytes) -> Truth:
+    """Return the ground truth that `encode_truth` wrote."""
+    time_ns, statuses = decode_diagnostics(data)
+    operating, faults = statuses[0], statuses[1:]
+
+    def number(key: str) -> float:
+        return float(operating.values.get(key, "nan"))
+
+    frequencies = {name: number(f"{name} [Hz]") for name in ("FTF", "BPFO", "BPFI", "BSF")}
+    found = {s.name.removeprefix("faults."): {key: float(value) for key, value in s.values.items()} for s in faults}
+    return Truth(time_ns, number("speed [rad/s]"), (number("load_x [N]"), number("load_y [N]")), frequencies, found, operating.message)
+
+
+def encode_spectrum(time_ns: int, orders: Floats, amplitude: Floats, shaft_frequency: float) -> bytes:
+    """Return an envelope spectrum as a PointCloud2 with frequency [Hz], order [-] and amplitude."""
+    points = np.empty(len(orders), SPECTRUM)
+    points["order"], points["amplitude"] = orders, amplitude
+    points["frequency"] = orders * (shaft_frequency if math.isfinite(shaft_frequency) else 0.0)
+    return encode_points(points, time_ns)
+
+
+def topic_of(name: str, topics: Iterable[Topic], namespace: str) -> Topic | None:
+    """Return the topic that an absolute name belongs to, or none."""
+    return next((topic for topic in topics if topic.resolved(namespace) == name), None)

@@ -1,0 +1,177 @@
+"""The bearing, drawn in Rerun: fixed shapes once, everything that moves as columns over time."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+import rerun as rr
+
+from dcrb_ros.block import Floats, Truth
+from dcrb_ros.viewer import palette
+from dcrb_ros.viewer.content import Content, Motion, Times
+from dcrb_ros.viewer.drawing import Drawing, arc, circle, on_circle, quaternions, rounded_up
+from dcrb_ros.viewer.timeline import time_column
+
+ROOT = "bearing"
+PICTURE_RATE = 100.0
+"""Pictures per second of simulated time at most [Hz]."""
+SCALE_STEPS = 3
+
+
+def drawing_of(content: Content, motion: Motion) -> Drawing:
+    """Return the geometry of the picture, with a scale that holds the largest normal force met."""
+    rollers = content.layout.rows * content.layout.rollers_per_row
+    return Drawing(content.bearing, rounded_up(float(np.max(motion.force[:, :rollers], initial=0.0))))
+
+
+def log_bearing(content: Content, motion: Motion, drawing: Drawing) -> None:
+    """Log the moving bearing under `ROOT`."""
+    motion = thinned(motion)
+    log_force_scale(drawing)
+    for row in range(content.layout.rows):
+        log_row(content, drawing, motion, row)
+        log_defects(drawing, content.truths, row)
+    log_load(drawing, content.truths)
+
+
+def thinned(motion: Motion) -> Motion:
+    """Return the motion at `PICTURE_RATE` at most: a screen shows no more."""
+    if len(motion.time_ns) < 2:
+        return motion
+    spacing = float(np.median(np.diff(motion.time_ns))) / 1e9
+    every = max(1, round(1.0 / (PICTURE_RATE * spacing)))
+    return Motion(motion.time_ns[::every], motion.azimuth[::every], motion.speed[::every], motion.force[::every])
+
+
+def log_row(content: Content, drawing: Drawing, motion: Motion, row: int) -> None:
+    """Log rings, cage, rollers and force bars of one row."""
+    path, count, layout = f"{ROOT}/row{row + 1}", content.layout.rollers_per_row, content.layout
+    of_row = slice(row * count, (row + 1) * count)
+    azimuth, force = motion.azimuth[:, of_row], motion.force[:, of_row]
+    cage = motion.azimuth[:, layout.rows * count + row]
+    rr.log(path, rr.Transform3D(translation=[*drawing.centre(row), 0.0]), static=True)
+    log_outer_ring(drawing, path, row)
+    log_inner_ring(drawing, f"{path}/inner_ring")
+    log_cage(drawing, f"{path}/cage")
+    log_rotation(f"{path}/inner_ring", motion.time_ns, motion.azimuth[:, -1])
+    log_rotation(f"{path}/cage", motion.time_ns, cage)
+    log_rollers(drawing, f"{path}/rollers", motion.time_ns, azimuth, force)
+    log_bars(drawing, f"{path}/normal_force", motion.time_ns, azimuth, force)
+
+
+def log_outer_ring(drawing: Drawing, path: str, row: int) -> None:
+    """Log the outer ring, the force scale around it and the load line."""
+    middle, half = 0.5 * (drawing.outer_raceway + drawing.rim), 0.5 * drawing.ring_thickness
+    rings = [circle(middle), circle(drawing.outer_raceway), circle(drawing.rim)]
+    colours = [palette.STEEL, palette.STEEL_EDGE, palette.STEEL_EDGE]
+    rr.log(f"{path}/outer_ring", rr.LineStrips2D(rings, radii=[half, 0.5, 0.35], colors=colours, draw_order=1.0), static=True)
+    steps = [drawing.bars_start + drawing.bars_length * k / SCALE_STEPS for k in range(SCALE_STEPS + 1)]
+    arcs = [arc(radius, -0.75 * math.pi, 0.75 * math.pi) for radius in steps]
+    rr.log(f"{path}/force_scale", rr.LineStrips2D(arcs, radii=[0.25], colors=[palette.FAINT], draw_order=0.0), static=True)
+    name = rr.Points2D([on_circle(drawing.bars_start + 0.62 * drawing.bars_length, math.pi)], radii=0.01, colors=[palette.MUTED])
+    rr.log(f"{path}/name", name, static=True)
+    rr.log(f"{path}/name", rr.Points2D.from_fields(labels=[f"row {row + 1}"], show_labels=True), static=True)
+
+
+def log_inner_ring(drawing: Drawing, path: str) -> None:
+    """Log the inner ring with the mark that shows its rotation."""
+    middle, half = 0.5 * (drawing.inner_raceway + drawing.bore), 0.5 * (drawing.inner_raceway - drawing.bore)
+    rings = [circle(middle), circle(drawing.inner_raceway), circle(drawing.bore)]
+    colours = [palette.STEEL, palette.STEEL_EDGE, palette.STEEL_EDGE]
+    rr.log(path, rr.LineStrips2D(rings, radii=[half, 0.5, 0.35], colors=colours, draw_order=1.0), static=True)
+    mark = [on_circle(np.array([drawing.bore + 0.25 * half, drawing.inner_raceway - 0.25 * half]), 0.0)]
+    rr.log(f"{path}/mark", rr.LineStrips2D(mark, radii=[1.1], colors=[palette.BRIGHT], draw_order=3.0), static=True)
+
+
+def log_cage(drawing: Drawing, path: str) -> None:
+    """Log the bars of a cage between its pockets."""
+    bars = rr.LineStrips2D(drawing.cage_bars(), radii=[0.24 * drawing.roller], colors=[palette.BRASS], draw_order=2.0)
+    rr.log(path, bars, static=True)
+
+
+def log_rotation(path: str, time_ns: Times, angle: Floats) -> None:
+    """Turn all that is logged under ``path`` by ``angle`` [rad] over time."""
+    rr.send_columns(path, [time_column(time_ns)], rr.Transform3D.columns(quaternion=quaternions(angle)))
+
+
+def log_rollers(drawing: Drawing, path: str, time_ns: Times, azimuth: Floats, force: Floats) -> None:
+    """Log the rollers of a row, coloured by their normal force."""
+    count = azimuth.shape[1]
+    colours = palette.force_colours(force, drawing.largest_force)
+    positions = on_circle(drawing.pitch, azimuth).reshape(-1, 2)
+    columns = rr.Points2D.columns(positions=positions, colors=colours.reshape(-1, 4))
+    rr.log(path, rr.Points2D.from_fields(radii=[drawing.roller], draw_order=4.0), static=True)
+    rr.send_columns(path, [time_column(time_ns)], columns.partition(np.full(len(time_ns), count)))
+
+
+def log_bars(drawing: Drawing, path: str, time_ns: Times, azimuth: Floats, force: Floats) -> None:
+    """Log a radial bar outside the ring for the normal force of every roller."""
+    count = azimuth.shape[1]
+    colours = palette.force_colours(force, drawing.largest_force)
+    colours[force <= 0.0, 3] = 0
+    strips = drawing.bars(azimuth, force).reshape(-1, 2, 2).astype(np.float32)
+    columns = rr.LineStrips2D.columns(strips=strips, colors=colours.reshape(-1, 4))
+    rr.log(path, rr.LineStrips2D.from_fields(radii=[0.2 * drawing.roller], draw_order=4.0), static=True)
+    rr.send_columns(path, [time_column(time_ns)], columns.partition(np.full(len(time_ns), count)))
+
+
+def log_defects(drawing: Drawing, truths: Sequence[Truth], row: int) -> None:
+    """Log the raceway defects of a row where the ground truth has them; those of the inner ring turn with it."""
+    path = f"{ROOT}/row{row + 1}"
+    sides = {"outer": (f"{path}/defect", drawing.outer_raceway, 1.0), "inner": (f"{path}/inner_ring/defect", drawing.inner_raceway, -1.0)}
+    for side, (place, radius, outwards) in sides.items():
+        shown: list[tuple[str, float, float]] | None = None
+        for truth in truths:
+            faults = [
+                (name, float(fault["azimuth"]), float(fault["width"]))
+                for name, fault in sorted(truth.faults.items())
+                if name.startswith(side) and int(fault.get("row", 0)) in (0, row + 1)
+            ]
+            if faults != shown:
+                log_notches(drawing, place, truth.time_ns, faults, radius + outwards * 1.4)
+                shown = faults
+
+
+def log_notches(drawing: Drawing, path: str, time_ns: int, faults: list[tuple[str, float, float]], radius: float) -> None:
+    """Log the defects (name, azimuth [rad], width [m]) that one raceway has from ``time_ns`` on."""
+    rr.set_time("ros2_timestamp", timestamp=np.datetime64(time_ns, "ns"))
+    notches = [drawing.notch(radius, azimuth, width) for _, azimuth, width in faults]
+    labels = [f"{name}: {width * 1e3:g} mm" for name, _, width in faults]
+    strips = rr.LineStrips2D(notches, radii=[1.8], colors=[palette.DEFECT], labels=labels, show_labels=True, draw_order=6.0)
+    rr.log(path, strips)
+
+
+def log_load(drawing: Drawing, truths: Sequence[Truth]) -> None:
+    """Log the load on the inner ring as an arrow in the bore of every row."""
+    if not truths:
+        return
+    load = np.array([truth.load for truth in truths])
+    size = np.hypot(load[:, 0], load[:, 1])
+    length = 0.8 * drawing.bore * size / max(float(size.max()), 1e-9)
+    direction = load * [1.0, -1.0] / np.maximum(size, 1e-9)[:, None]
+    vectors = direction * length[:, None]
+    times = time_column(np.array([truth.time_ns for truth in truths]))
+    rows = " on both rows" if drawing.bearing.rows > 1 else ""
+    labels = [f"{value / 1e3:.4g} kN{rows}" for value in size]
+    for row in range(drawing.bearing.rows):
+        path = f"{ROOT}/row{row + 1}/load"
+        rr.log(path, rr.Arrows2D.from_fields(radii=[1.6], colors=[palette.LOAD], draw_order=5.0), static=True)
+        rr.send_columns(path, [times], rr.Arrows2D.columns(vectors=vectors, origins=-0.1 * vectors))
+        rr.log(f"{path}/size", rr.Points2D.from_fields(radii=[0.01], colors=[palette.LOAD], show_labels=True), static=True)
+        places = -0.75 * drawing.bore * direction
+        rr.send_columns(f"{path}/size", [times], rr.Points2D.columns(positions=places, labels=labels))
+
+
+def log_force_scale(drawing: Drawing) -> None:
+    """Log the colour scale of the normal force below the picture."""
+    half = 0.5 * (drawing.centre(drawing.bearing.rows - 1)[0] - drawing.centre(0)[0]) or drawing.outer_raceway
+    y, steps = drawing.extent + 0.9 * drawing.roller, 64
+    x = np.linspace(-0.5 * half, 0.5 * half, steps + 1)
+    strips = np.stack([np.stack([x[:-1], np.full(steps, y)], -1), np.stack([x[1:], np.full(steps, y)], -1)], axis=1)
+    colours = palette.force_colours(np.linspace(1e-3, 1.0, steps), 1.0)
+    rr.log(f"{ROOT}/scale", rr.LineStrips2D(strips, radii=[2.0], colors=colours), static=True)
+    values = [f"{drawing.largest_force * share / 1e3:g}" for share in (0.0, 0.5)] + [f"{drawing.largest_force / 1e3:g} kN"]
+    places = np.array([[x[0], y + 9.0], [0.0, y + 9.0], [x[-1], y + 9.0]])
+    rr.log(f"{ROOT}/scale/values", rr.Points2D(places, radii=0.01, labels=values, show_labels=True, colors=[palette.MUTED]), static=True)

@@ -1,0 +1,106 @@
+"""How the viewer arranges what it shows."""
+
+from __future__ import annotations
+
+import rerun.blueprint as rrb
+
+from dcrb_ros.viewer import bearing_picture, palette, spectrum_picture
+from dcrb_ros.viewer.content import Content
+from dcrb_ros.viewer.drawing import Drawing
+from dcrb_ros.viewer.timeline import TIMELINE
+
+CLOSE_UP = 0.15
+"""Stretch of the waveform before and after the cursor in the close-up [s]."""
+PANEL = rrb.archetypes.PlotBackground(color=palette.BACKGROUND, show_grid=True)
+
+
+def compose(content: Content, drawing: Drawing | None, *, picture_only: bool = False) -> rrb.Blueprint:
+    """Return the arrangement; ``picture_only`` hides the bars around it, for a screenshot."""
+    left: list[rrb.View | rrb.Container] = [waveform(content)]
+    right: list[rrb.View | rrb.Container] = [spectrum(), summary()]
+    if drawing is not None:
+        left.insert(0, bearing(drawing))
+        right.append(motion(content))
+    if content.indicators or content.features:
+        left.append(rrb.Tabs(*([indicators()] if content.indicators else []), *([features()] if content.features else [])))
+    columns = rrb.Horizontal(
+        rrb.Vertical(*left, row_shares=[6.0, 3.0, 2.0][-len(left) :] if drawing is None else [6.0, 3.2, 2.4][: len(left)]),
+        rrb.Vertical(*right, row_shares=[5.1, 2.8, 3.6][: len(right)]),
+        column_shares=[5.6, 4.4],
+    )
+    bars = [rrb.TopPanel(state="hidden")] if picture_only else []
+    return rrb.Blueprint(
+        columns,
+        *bars,
+        rrb.BlueprintPanel(state="collapsed"),
+        rrb.SelectionPanel(state="collapsed"),
+        rrb.TimePanel(state="collapsed", timeline=TIMELINE, playback_speed=0.1, play_state="paused"),
+        auto_views=False,
+    )
+
+
+def bearing(drawing: Drawing) -> rrb.Spatial2DView:
+    """Return the picture of the bearing."""
+    centre = drawing.centre(drawing.bearing.rows - 1)[0]
+    bounds = rrb.VisualBounds2D(
+        x_range=[-centre - drawing.extent, centre + drawing.extent],
+        y_range=[-drawing.rim - 2.0 * drawing.roller, drawing.extent + 2.9 * drawing.roller],
+    )
+    return rrb.Spatial2DView(
+        origin=bearing_picture.ROOT, name="Bearing: normal force of the rollers", background=palette.BACKGROUND, visual_bounds=bounds
+    )
+
+
+def spectrum() -> rrb.Spatial2DView:
+    """Return the picture of the envelope spectrum."""
+    width, height = spectrum_picture.WIDTH, spectrum_picture.HEIGHT
+    bounds = rrb.VisualBounds2D(x_range=[-0.1 * width, 1.02 * width], y_range=[-4.6 * spectrum_picture.TRACK, height + 100.0])
+    return rrb.Spatial2DView(
+        origin=spectrum_picture.ROOT,
+        name="Envelope spectrum: level over background",
+        background=palette.BACKGROUND,
+        visual_bounds=bounds,
+    )
+
+
+def waveform(content: Content) -> rrb.Tabs:
+    """Return the waveform around the cursor and, on a second tab, the whole of it."""
+    around = rrb.TimeRange(
+        start=rrb.TimeRangeBoundary.cursor_relative(seconds=-CLOSE_UP), end=rrb.TimeRangeBoundary.cursor_relative(seconds=CLOSE_UP)
+    )
+    close_up = rrb.TimeSeriesView(
+        origin="waveform",
+        name="Acceleration of the outer ring [m/s²]",
+        axis_x=rrb.archetypes.TimeAxis(view_range=around),
+        background=PANEL,
+        plot_legend=rrb.PlotLegend(rrb.Corner2D.RightTop),
+    )
+    whole = rrb.TimeSeriesView(origin="waveform", name="Whole recording", background=PANEL, plot_legend=rrb.PlotLegend(visible=False))
+    return rrb.Tabs(close_up, whole, active_tab=0)
+
+
+def motion(content: Content) -> rrb.Tabs:
+    """Return the states over time."""
+    plain = rrb.PlotLegend(visible=False)
+    around = rrb.TimeRange(start=rrb.TimeRangeBoundary.cursor_relative(seconds=-CLOSE_UP), end=rrb.TimeRangeBoundary.cursor_relative(seconds=CLOSE_UP))
+    axis = rrb.archetypes.TimeAxis(view_range=around)
+    forces = rrb.TimeSeriesView(origin="forces/row1", name="Roller forces, row 1 [kN]", axis_x=axis, background=PANEL, plot_legend=plain)
+    spins = rrb.TimeSeriesView(origin="spins/row1", name="Spins [rad/s]", axis_x=axis, background=PANEL, plot_legend=plain)
+    cages = rrb.TimeSeriesView(origin="cages", name="Cages [rad/s]", background=PANEL)
+    operating = rrb.TimeSeriesView(origin="operating", name="Speed and load", background=PANEL)
+    return rrb.Tabs(forces, spins, cages, operating, active_tab=0)
+
+
+def indicators() -> rrb.TimeSeriesView:
+    """Return the detector's levels over time."""
+    return rrb.TimeSeriesView(origin="indicators", name="Fault indicators [dB over background]", background=PANEL, plot_legend=rrb.PlotLegend(rrb.Corner2D.LeftTop))
+
+
+def features() -> rrb.TimeSeriesView:
+    """Return the features of every block over time."""
+    return rrb.TimeSeriesView(origin="features", name="Features of each block", background=PANEL)
+
+
+def summary() -> rrb.TextDocumentView:
+    """Return the page that says what is being looked at."""
+    return rrb.TextDocumentView(origin="summary", name="Recording")

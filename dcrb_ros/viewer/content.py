@@ -1,0 +1,88 @@
+"""What the viewer shows of a recording, as arrays over time."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from dcrb_ros.block import Floats, Layout, Samples, Truth
+from dcrb_ros.parameters import Bearing
+
+Times = npt.NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class Waveform:
+    """The measured waveform, every sample of it."""
+
+    time_ns: Times
+    acceleration: Samples
+    """Acceleration in X and Y, shape (samples, 2) [m/s^2]."""
+    shaft_angle: Samples
+    """Rotation of the inner ring, wrapped to a turn [rad]."""
+    rate: int
+    """Sampling rate [Hz]."""
+
+
+@dataclass(frozen=True)
+class Motion:
+    """The bodies over time; arrays of shape (times, names)."""
+
+    time_ns: Times
+    azimuth: Floats
+    """Azimuth of rollers and first pockets, rotation of the inner ring [rad]."""
+    speed: Floats
+    """Spin of rollers, rotation of cages and inner ring [rad/s]."""
+    force: Floats
+    """Normal force at the inner raceway [N]."""
+
+
+@dataclass(frozen=True)
+class Series:
+    """Named numbers over time, as a JointState topic carries them; values of shape (times, names)."""
+
+    time_ns: Times
+    names: tuple[str, ...]
+    values: Floats
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What the detector said at one time."""
+
+    time_ns: int
+    name: str
+    """The verdict: healthy, outer_ring, inner_ring ..."""
+    level: int
+    """0 OK, 1 warning, 2 error, as in diagnostic_msgs."""
+    evidence: Mapping[str, str]
+
+
+@dataclass(frozen=True)
+class Content:
+    """All that is shown of one recording."""
+
+    title: str
+    bearing: Bearing
+    layout: Layout
+    waveform: Waveform
+    motion: Motion | None = None
+    truths: tuple[Truth, ...] = ()
+    features: Series | None = None
+    indicators: Series | None = None
+    verdicts: tuple[Verdict, ...] = ()
+    manifest: Mapping[str, Any] = field(default_factory=dict)
+
+    @property
+    def start_ns(self) -> int:
+        """Simulated time of the first sample [ns]."""
+        return int(self.waveform.time_ns[0])
+
+    @property
+    def end_ns(self) -> int:
+        """Simulated time of the last sample [ns]."""
+        return int(self.waveform.time_ns[-1])

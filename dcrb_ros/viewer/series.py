@@ -1,0 +1,77 @@
+"""Everything that Rerun plots over time: waveform, forces, speeds, features, indicators."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import rerun as rr
+from rerun.components import AggregationPolicy
+
+from dcrb_ros.block import Floats, Samples
+from dcrb_ros.viewer import palette
+from dcrb_ros.viewer.content import Content, Motion, Series, Times, Verdict, Waveform
+from dcrb_ros.viewer.timeline import time_column
+
+KILO = 1e-3
+
+
+def log_waveform(waveform: Waveform) -> None:
+    """Log every sample of the waveform, both axes [m/s^2]."""
+    log_lines("waveform", waveform.time_ns, waveform.acceleration, ["ax", "ay"], [palette.WAVEFORM_X, palette.WAVEFORM], width=1.0)
+
+
+def log_lines(
+    path: str,
+    time_ns: Times,
+    values: Floats | Samples,
+    names: Sequence[str],
+    colours: Sequence[palette.Colour],
+    *,
+    width: float = 1.5,
+) -> None:
+    """Log several lines over time as one entity; values of shape (times, names), the last name on top."""
+    # The default policy draws the mean of what falls on a pixel: a shock of 10 m/s^2 would show as 5.
+    look = rr.SeriesLines(names=list(names), colors=list(colours), widths=[width] * len(names), aggregation_policy=AggregationPolicy.MinMax)
+    rr.log(path, look, static=True)
+    columns = rr.Scalars.columns(scalars=values.reshape(-1).astype(np.float64)).partition(np.full(len(time_ns), len(names)))
+    rr.send_columns(path, [time_column(time_ns)], columns)
+
+
+def log_motion(content: Content, motion: Motion) -> None:
+    """Log normal forces [kN] and spins [rad/s] of the rollers, speeds of the cages [rad/s], and their slip [%]."""
+    rows, count = content.layout.rows, content.layout.rollers_per_row
+    names = [f"roller {i + 1}" for i in range(count)]
+    colours = palette.wheel(count)
+    for row in range(rows):
+        rollers = slice(row * count, (row + 1) * count)
+        log_lines(f"forces/row{row + 1}", motion.time_ns, motion.force[:, rollers] * KILO, names, colours)
+        log_lines(f"spins/row{row + 1}", motion.time_ns, motion.speed[:, rollers], names, colours)
+    cages = [f"cage {row + 1}" for row in range(rows)]
+    log_lines("cages", motion.time_ns, motion.speed[:, rows * count : rows * count + rows], cages, palette.ROWS[:rows])
+
+
+def log_truth(content: Content) -> None:
+    """Log speed [rad/s] and load [kN] of the ground truth."""
+    if content.truths:
+        times = np.array([truth.time_ns for truth in content.truths])
+        values = np.array([[truth.speed, np.hypot(*truth.load) * KILO] for truth in content.truths])
+        log_lines("operating", times, values, ["speed [rad/s]", "load [kN]"], [palette.BRIGHT, palette.LOAD])
+
+
+def log_series(path: str, series: Series | None) -> None:
+    """Log each number of a series as an entity of its own, so that a view can choose."""
+    if series is None:
+        return
+    for place, name in enumerate(series.names):
+        colour = palette.FAULT_LINES.get({"BSF": "2BSF"}.get(name, name), palette.BRIGHT)
+        log_lines(f"{path}/{name}", series.time_ns, series.values[:, place : place + 1], [name], [colour])
+
+
+def log_verdicts(verdicts: Sequence[Verdict]) -> None:
+    """Log the detector's verdicts as a text log."""
+    levels = (rr.TextLogLevel.INFO, rr.TextLogLevel.WARN, rr.TextLogLevel.ERROR)
+    for verdict in verdicts:
+        rr.set_time("ros2_timestamp", timestamp=np.datetime64(verdict.time_ns, "ns"))
+        evidence = ", ".join(f"{key} {value}" for key, value in verdict.evidence.items())
+        rr.log("diagnosis/verdict", rr.TextLog(f"{verdict.name}: {evidence}", level=levels[min(verdict.level, 2)]))

@@ -1,0 +1,124 @@
+"""The envelope spectrum, drawn in Rerun as a plot with the fault lines named.
+
+The picture is a plane with X right and Y down in which we draw axes ourselves: Rerun's own plots run over time only, or are
+bars that cannot carry a label.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import rerun as rr
+
+from dcrb_ros.block import Floats
+from dcrb_ros.viewer import palette
+from dcrb_ros.viewer.content import Times
+from dcrb_ros.viewer.spectrum import HIGHEST_ORDER, Comb, Spectra
+from dcrb_ros.viewer.timeline import time_column
+
+ROOT = "envelope_spectrum"
+WIDTH, HEIGHT, TRACK = 1000.0, 330.0, 40.0
+"""Size of the plot and height of the track of one fault above it [picture units]."""
+ORDER_TICK, LEVEL_TICK = 5.0, 20.0
+"""Distance of ticks [-] and [dB]."""
+LABEL_DROP = 20.0
+"""Distance of a label below its point in a window of usual size [picture units]."""
+SEARCH = 0.006
+"""A harmonic is looked for within this share of its order [-]."""
+
+
+@dataclass(frozen=True)
+class Axes:
+    """The plot's ranges."""
+
+    highest_order: float
+    lowest_level: float
+    highest_level: float
+
+    def points(self, orders: Floats, levels: Floats) -> Floats:
+        """Return places in the picture, shape (..., 2)."""
+        span = self.highest_level - self.lowest_level
+        x = np.asarray(orders) / self.highest_order * WIDTH
+        y = HEIGHT * (self.highest_level - np.clip(levels, self.lowest_level, self.highest_level)) / span
+        return np.stack(np.broadcast_arrays(x, y), axis=-1)
+
+
+def log_spectra(spectra: Spectra, combs: Sequence[Comb]) -> None:
+    """Log the spectrum of every window, the axes and the fault lines under `ROOT`."""
+    orders, level = spectra.orders, spectra.level
+    highest = max(LEVEL_TICK * np.ceil(float(level.max(initial=0.0)) / LEVEL_TICK), 2.0 * LEVEL_TICK)
+    axes = Axes(HIGHEST_ORDER, -0.5 * LEVEL_TICK, float(highest))
+    log_axes(axes, float(np.median(spectra.shaft_frequency)))
+    for place, comb in enumerate(combs):
+        log_comb(axes, comb, -TRACK * (len(combs) - place - 0.1))
+        log_peaks(axes, comb, spectra.time_ns, orders, level)
+    log_curve(axes, spectra, orders, level)
+
+
+def log_axes(axes: Axes, shaft_frequency: float) -> None:
+    """Log frame, grid, ticks and what the axes mean."""
+    orders = np.arange(0.0, axes.highest_order + 1e-9, ORDER_TICK)
+    levels = np.arange(0.0, axes.highest_level + 1e-9, LEVEL_TICK)
+    upright = [axes.points(np.array([o, o]), np.array([axes.lowest_level, axes.highest_level])) for o in orders]
+    level = [axes.points(np.array([0.0, axes.highest_order]), np.array([v, v])) for v in levels]
+    rr.log(f"{ROOT}/grid", rr.LineStrips2D([*upright, *level], radii=rr.Radius.ui_points(0.5), colors=[palette.FAINT], draw_order=0.0), static=True)
+    below = axes.points(orders, np.full_like(orders, axes.lowest_level)) + [0.0, 30.0]
+    beside = axes.points(np.zeros_like(levels), levels) + [-36.0, 0.0]
+    texts = [f"{order:g}" for order in orders] + [f"{value:g}" for value in levels[:-1]] + [f"{levels[-1]:g} dB"]
+    log_texts(f"{ROOT}/ticks", np.concatenate([below, beside]), texts, palette.MUTED)
+    meaning = f"multiples of the shaft frequency ({shaft_frequency:.2f} Hz)"
+    log_texts(f"{ROOT}/meaning", np.array([[0.5 * WIDTH, HEIGHT + 74.0]]), [meaning], palette.MUTED)
+
+
+def log_texts(path: str, places: Floats, texts: Sequence[str], colour: palette.Colour) -> None:
+    """Log texts about places. Rerun writes a label a fixed distance on the screen below its point, hence the shift upwards."""
+    raised = places - [0.0, LABEL_DROP]
+    rr.log(path, rr.Points2D(raised, radii=0.01, labels=list(texts), show_labels=True, colors=[colour]), static=True)
+
+
+def log_comb(axes: Axes, comb: Comb, y: float) -> None:
+    """Log the track of one fault: its name, a dot for every harmonic and a line from it down through the plot."""
+    colour, path = palette.FAULT_LINES[comb.name], f"{ROOT}/{comb.name}"
+    x = np.array(comb.orders) / axes.highest_order * WIDTH
+    dots = np.stack([x, np.full_like(x, y)], axis=-1)
+    feet = np.stack([x, np.full_like(x, HEIGHT)], axis=-1)
+    lines = np.stack([dots, feet], axis=1).astype(np.float32)
+    track = [[[0.0, y], [WIDTH, y]]]
+    thin = rr.Radius.ui_points(0.6)
+    rr.log(f"{path}/track", rr.LineStrips2D(track, radii=thin, colors=[palette.FAINT], draw_order=1.0), static=True)
+    rr.log(f"{path}/lines", rr.LineStrips2D(lines, radii=thin, colors=[palette.with_opacity(colour, 0.32)], draw_order=1.0), static=True)
+    rr.log(f"{path}/harmonics", rr.Points2D(dots, radii=rr.Radius.ui_points(3.0), colors=[colour], draw_order=2.0), static=True)
+    log_texts(f"{path}/name", np.array([[-52.0, y]]), [comb.name], colour)
+
+
+def log_peaks(axes: Axes, comb: Comb, time_ns: Times, orders: Floats, level: Floats) -> None:
+    """Log a dot on the highest point of the spectrum near every harmonic."""
+    resolution = float(orders[1] - orders[0])
+    places = np.empty((len(level), len(comb.orders), 2))
+    for k, harmonic in enumerate(comb.orders):
+        near = np.flatnonzero(np.abs(orders - harmonic) <= max(SEARCH * harmonic, 1.5 * resolution))
+        best = near[np.argmax(level[:, near], axis=1)]
+        places[:, k] = axes.points(orders[best], level[np.arange(len(level)), best])
+    path = f"{ROOT}/{comb.name}/peaks"
+    fixed = rr.Points2D.from_fields(radii=rr.Radius.ui_points(3.5), colors=[palette.FAULT_LINES[comb.name]], draw_order=5.0)
+    rr.log(path, fixed, static=True)
+    columns = rr.Points2D.columns(positions=places.reshape(-1, 2)).partition(np.full(len(level), len(comb.orders)))
+    rr.send_columns(path, [time_column(time_ns)], columns)
+
+
+def log_curve(axes: Axes, spectra: Spectra, orders: Floats, level: Floats) -> None:
+    """Log the spectrum itself: the curve, and a faint area below it."""
+    curve = axes.points(orders, level)
+    foot = curve.copy()
+    foot[..., 1] = HEIGHT
+    area = np.stack([foot, curve], axis=2)
+    times = [time_column(spectra.time_ns)]
+    half = 0.55 * WIDTH * float(orders[1] - orders[0]) / axes.highest_order
+    rr.log(f"{ROOT}/area", rr.LineStrips2D.from_fields(radii=[half], colors=[palette.AREA], draw_order=2.0), static=True)
+    columns = rr.LineStrips2D.columns(strips=area.reshape(-1, 2, 2).astype(np.float32))
+    rr.send_columns(f"{ROOT}/area", times, columns.partition(np.full(len(level), len(orders))))
+    fixed = rr.LineStrips2D.from_fields(radii=rr.Radius.ui_points(0.7), colors=[palette.CURVE], draw_order=3.0)
+    rr.log(f"{ROOT}/curve", fixed, static=True)
+    rr.send_columns(f"{ROOT}/curve", times, rr.LineStrips2D.columns(strips=curve.astype(np.float32)))

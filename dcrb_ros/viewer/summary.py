@@ -1,0 +1,47 @@
+"""The page beside the pictures: what is being looked at, what is wrong with it, what the detector says."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+from dcrb_ros.block import Truth
+from dcrb_ros.viewer.content import Content
+
+TITLES = {
+    "healthy": "healthy",
+    "outer_ring": "outer ring defect",
+    "inner_ring": "inner ring defect",
+    "roller": "roller defect",
+    "cage": "cage fault",
+    "sensor": "sensor fault",
+    "compound": "several faults",
+}
+
+
+def markdown(content: Content) -> str:
+    """Return the page in Markdown."""
+    return "\n".join(_lines(content))
+
+
+def _lines(content: Content) -> Iterator[str]:
+    bearing, seconds = content.bearing, (content.end_ns - content.start_ns) / 1e9
+    yield f"| Recording | {content.title} |\n|---|---|"
+    if content.verdicts:
+        verdict = content.verdicts[-1]
+        yield f"| Detector's verdict | **{TITLES.get(verdict.name, verdict.name)}** |"
+    if content.truths:
+        truth = content.truths[-1]
+        yield f"| Ground truth | {', '.join(_faults(truth)) or 'no fault'} |"
+        yield f"| Speed, load | {truth.speed * 30 / math.pi:.1f} rpm, {math.hypot(*truth.load) / 1e3:.4g} kN |"
+        yield f"| Fault frequencies | {', '.join(f'{name} {value:.2f}' for name, value in truth.frequencies.items())} Hz |"
+    diameter = 2e3 * bearing.roller_radius
+    yield f"| Bearing | {bearing.rows} x {bearing.rollers_per_row} rollers of {diameter:g} mm on a pitch circle of {2e3 * bearing.pitch_radius:g} mm |"
+    yield f"| Waveform | {seconds:.2f} s at {content.waveform.rate / 1e3:g} kHz |"
+
+
+def _faults(truth: Truth) -> Iterator[str]:
+    for name, fault in sorted(truth.faults.items()):
+        row = int(fault.get("row", 0))
+        where = f"row {row}" if row else "both rows"
+        yield f"{name}: {float(fault['width']) * 1e3:g} mm wide, {where}"
