@@ -19,11 +19,15 @@ from rosbags.typesys.store import Typestore
 
 from dcrb_ros.block import Block, Floats, Layout, Samples, States, Truth
 from dcrb_ros.configuration import Configuration
-from dcrb_ros.kinematics import characteristic_orders
+from dcrb_ros.diagnosis.detector import Diagnosis
+from dcrb_ros.kinematics import Orders, characteristic_orders
 from dcrb_ros.measurement.features import features
 from dcrb_ros.refusal import Refusal
 from dcrb_ros.topics import (
     ACCELERATION,
+    DIAGNOSIS,
+    ENVELOPE_SPECTRUM,
+    FAULT_INDICATORS,
     FEATURES,
     GROUND_TRUTH,
     JOINT_STATE,
@@ -108,6 +112,12 @@ def _header(time_ns: int, frame: str = FRAME) -> Any:
 def stamp_of(header: Any) -> int:
     """Return the stamp of a decoded header [ns]."""
     return int(header.stamp.sec) * 1_000_000_000 + int(header.stamp.nanosec)
+
+
+def stamp_in(data: bytes) -> int:
+    """Return the stamp [ns] of an encoded message that begins with a header."""
+    seconds, nanoseconds = np.frombuffer(data, "<u4", 2, offset=4)
+    return int(seconds) * 1_000_000_000 + int(nanoseconds)
 
 
 def encode_points(points: npt.NDArray[Any], time_ns: int) -> bytes:
@@ -297,3 +307,56 @@ def encode_spectrum(time_ns: int, orders: Floats, amplitude: Floats, shaft_frequ
 def topic_of(name: str, topics: Iterable[Topic], namespace: str) -> Topic | None:
     """Return the topic that an absolute name belongs to, or none."""
     return next((topic for topic in topics if topic.resolved(namespace) == name), None)
+
+
+INDICATORS = ("BPFO", "BPFI", "BSF", "FTF")
+LEVELS = {"waiting": OK, "healthy": OK, "sensor": WARN}
+
+
+def encode_diagnosis(diagnosis: Diagnosis) -> bytes:
+    """Return the detector's verdict as a DiagnosticArray of one status; every fault is an error."""
+    values = {
+        "verdict": diagnosis.verdict,
+        "confidence": f"{diagnosis.confidence:.3f}",
+        "reason": diagnosis.reason,
+        "shaft_frequency [Hz]": f"{diagnosis.shaft_frequency:.4f}",
+        "gaps": str(diagnosis.gaps),
+    }
+    values |= {f"{name} [dB]": f"{diagnosis.levels.get(name, 0.0):.2f}" for name in INDICATORS}
+    status = Status("fault_detector", LEVELS.get(diagnosis.verdict, ERROR), diagnosis.verdict, values)
+    return encode_diagnostics(round(diagnosis.time * 1e9), [status])
+
+
+def encode_indicators(diagnosis: Diagnosis) -> bytes:
+    """Return the levels over background [dB] as a JointState."""
+    levels, none = np.array([diagnosis.levels.get(name, 0.0) for name in INDICATORS]), np.zeros(0)
+    return encode_joints(round(diagnosis.time * 1e9), INDICATORS, levels, none, none)
+
+
+def diagnosis_messages(diagnosis: Diagnosis) -> list[Message]:
+    """Return what the detector publishes of a diagnosis."""
+    time_ns, (orders, amplitude) = round(diagnosis.time * 1e9), diagnosis.spectrum
+    messages = [
+        Message(DIAGNOSIS, time_ns, encode_diagnosis(diagnosis)),
+        Message(FAULT_INDICATORS, time_ns, encode_indicators(diagnosis)),
+    ]
+    if len(orders):
+        messages.append(Message(ENVELOPE_SPECTRUM, time_ns, encode_spectrum(time_ns, orders, amplitude, diagnosis.shaft_frequency)))
+    return messages
+
+
+def decode_sensor(data: bytes) -> tuple[int, Orders]:
+    """Return sampling rate [Hz] and characteristic orders from the sensor's description.
+
+    Raises:
+        Refusal: no such description.
+    """
+    try:
+        about = json.loads(decode_text(data))
+        orders = {name: float(about["orders"][name]) for name in INDICATORS}
+        rate = int(about["sampling_rate"])
+    except (ValueError, KeyError, TypeError) as error:
+        raise Refusal(f"the sensor's description is not understood ({type(error).__name__}): it must give sampling_rate and orders as JSON") from None
+    if rate <= 0 or not all(math.isfinite(order) and order > 0.0 for order in orders.values()):
+        raise Refusal(f"the sensor's description gives {rate} Hz and orders {orders}: both must be positive")
+    return rate, Orders(orders["FTF"], orders["BPFO"], orders["BPFI"], orders["BSF"])

@@ -28,6 +28,8 @@ from dcrb_ros.refusal import Refusal
 
 Verdict = Literal["waiting", "healthy", "outer_ring", "inner_ring", "compound", "cage", "roller", "sensor"]
 
+DEFAULTS = DetectorParameters()
+
 REFERENCE_FREQUENCY = 20.0
 """Shaft frequency at which the baselines are stated [Hz]."""
 HARMONICS = 3
@@ -106,14 +108,15 @@ class FaultDetector:
     one at most: of a block longer than the hop, the last.
     """
 
-    def __init__(self, orders: Orders, rate: int, parameters: DetectorParameters = DetectorParameters()) -> None:
+    def __init__(self, orders: Orders, rate: int, parameters: DetectorParameters = DEFAULTS) -> None:
         """Watch a bearing of characteristic ``orders``, sampled at ``rate`` [Hz]."""
         self.orders, self.rate, self.parameters = orders, rate, parameters
         self.gaps = 0
         self.band = _band(rate, parameters)
         self._window, self._hop = round(parameters.window * rate), max(1, round(parameters.hop * rate))
         self._edge = math.ceil(EDGE_PERIODS * rate / parameters.band_low)
-        self._highest_order = (1.0 + parameters.slip) * HARMONICS * max(orders.bpfo, orders.bpfi, orders.bsf) + max(SIDEBANDS) + 0.5
+        highest = max(orders.bpfo, orders.bpfi, orders.bsf)
+        self._highest_order = (1.0 + parameters.slip) * HARMONICS * highest + max(SIDEBANDS) + 0.5
         self._acceleration = np.zeros((0, 2), np.float32)
         self._angle = np.zeros(0, np.float32)
         self._next: int | None = None
@@ -150,8 +153,8 @@ class FaultDetector:
 
     def _append(self, acceleration: npt.NDArray[Any], shaft_angle: npt.NDArray[Any]) -> None:
         self._seen += len(shaft_angle)
-        self._acceleration = np.concatenate([self._acceleration, acceleration[-self._window :]])[-self._window :].astype(np.float32)
-        self._angle = np.concatenate([self._angle, shaft_angle[-self._window :]])[-self._window :].astype(np.float32)
+        self._acceleration = _latest(self._acceleration, acceleration, self._window)
+        self._angle = _latest(self._angle, shaft_angle, self._window)
 
     def _judge(self, last: int) -> Diagnosis:
         flaw = _sensor_flaw(self._acceleration, self._angle)
@@ -170,7 +173,8 @@ class FaultDetector:
         if len(turned) < self._window:
             return f"{len(turned) / self.rate:.1f} s of the {self.parameters.window:g} s of a window have come in"
         if turns < self.parameters.least_turns:
-            return f"the shaft makes {turns:.2g} turns in {self.parameters.window:g} s where a verdict needs {self.parameters.least_turns:g}"
+            least = self.parameters.least_turns
+            return f"the shaft makes {turns:.2g} turns in {self.parameters.window:g} s where a verdict needs {least:g}"
         if float(np.abs(np.diff(turned)).sum()) > 1.01 * 2.0 * math.pi * turns:
             return "the shaft turned back within the window"
         return ""
@@ -225,10 +229,11 @@ class FaultDetector:
         # The spectrum is padded to twice its length: two orders' steps are the window's resolution.
         width = 2.0 * float(orders[1] - orders[0])
         lines = [line_level(orders, amplitude, tooth, search=0.0, resolution=width) for tooth in teeth]
-        return Comb(fundamental, float(np.median([line.amplitude for line in lines])), float(np.median([line.level for line in lines])))
+        amplitudes, levels = [line.amplitude for line in lines], [line.level for line in lines]
+        return Comb(fundamental, float(np.median(amplitudes)), float(np.median(levels)))
 
     def _baseline(self, amplitude: float, frequency: float) -> float:
-        return amplitude * (frequency / REFERENCE_FREQUENCY) ** self.parameters.speed_exponent
+        return amplitude * math.pow(frequency / REFERENCE_FREQUENCY, self.parameters.speed_exponent)
 
 
 def _band(rate: int, parameters: DetectorParameters) -> tuple[float, float]:
@@ -241,14 +246,19 @@ def _band(rate: int, parameters: DetectorParameters) -> tuple[float, float]:
     return parameters.band_low, high
 
 
+def _latest(kept: npt.NDArray[np.float32], come: npt.NDArray[Any], samples: int) -> npt.NDArray[np.float32]:
+    """Return the last ``samples`` of what was kept and what has come."""
+    return np.concatenate([kept, come[-samples:]], dtype=np.float32, casting="same_kind")[-samples:]
+
+
 def _sensor_flaw(acceleration: npt.NDArray[np.float32], shaft_angle: npt.NDArray[np.float32]) -> str:
     """Return what is wrong with the samples, or nothing."""
     bad = int(np.count_nonzero(~(np.isfinite(acceleration).all(axis=1) & np.isfinite(shaft_angle))))
     if bad:
         return f"{bad} of {len(shaft_angle)} samples are not finite numbers"
-    still = [axis for axis, column in zip("XY", acceleration.T) if float(np.ptp(column)) == 0.0]
+    still = " and ".join(axis for axis, column in zip("XY", acceleration.T, strict=True) if float(np.ptp(column)) == 0.0)
     if still:
-        return f"the acceleration in {' and '.join(still)} does not change: the sensor is dead, or the signal below its resolution"
+        return f"the acceleration in {still} does not change: the sensor is dead, or the signal below its resolution"
     return ""
 
 

@@ -36,16 +36,15 @@ def squared_envelope(signal: npt.NDArray[Any], rate: int, band: tuple[float, flo
     The mean of a row is twice the power in the band. The first and last few periods of the band's lower edge wrap
     round into each other; leave them out.
     """
-    samples = np.asarray(signal, np.float64).reshape(len(signal), -1)
-    spectrum = fft.fft(samples, axis=0)
-    frequency = fft.fftfreq(len(samples), 1.0 / rate)
-    spectrum *= 2.0 * _band_pass(frequency, band)[:, None]
-    analytic = fft.ifft(spectrum, axis=0)
-    return np.asarray((analytic.real**2 + analytic.imag**2).sum(axis=1), np.float64)
+    samples = len(signal)
+    axes = np.ascontiguousarray(np.asarray(signal, np.float64).reshape(samples, -1).T)
+    spectrum = fft.rfft(axes) * (2.0 * _band_pass(fft.rfftfreq(samples, 1.0 / rate), band))
+    analytic = fft.ifft(spectrum, samples)  # padded with the negative frequencies' zeros
+    return np.asarray((analytic.real**2 + analytic.imag**2).sum(axis=0), np.float64)
 
 
 def _band_pass(frequency: Floats, band: tuple[float, float]) -> Floats:
-    """Return the gain of a band of positive frequencies [Hz] with raised-cosine edges a tenth of the lower edge wide."""
+    """Return the gain of a band at frequencies [Hz] with raised-cosine edges a tenth of the lower edge wide."""
     low, high = band
     edge = 0.1 * low
     rise = np.clip((frequency - low + edge) / edge, 0.0, 1.0)
@@ -77,9 +76,10 @@ def order_spectrum(envelope: Floats, shaft_angle: npt.NDArray[Any], highest_orde
     window = np.hanning(len(values) + 1)[:-1]
     mean = float(values.mean())
     # Padding to twice the length halves the scalloping of a line between two orders to 0.4 dB.
-    amplitude = np.abs(fft.rfft((values - mean) * window, 2 * len(values))) * 2.0 / window.sum()
-    orders = np.arange(len(amplitude)) * (bins / (2.0 * len(values)))
-    amplitude /= np.sinc(orders / bins)
+    spectrum = fft.rfft((values - mean) * window, 2 * len(values)) * (2.0 / float(window.sum()))
+    amplitude = np.asarray(np.abs(spectrum), np.float64)
+    orders = np.arange(len(amplitude), dtype=np.float64) * (bins / (2.0 * len(values)))
+    amplitude = amplitude / np.sinc(orders / bins)
     amplitude[0] = mean
     kept = orders <= highest_order
     return orders[kept], amplitude[kept]

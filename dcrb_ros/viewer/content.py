@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
-from typing import Any
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
 
 from dcrb_ros.block import Floats, Layout, Samples, Truth
 from dcrb_ros.parameters import Bearing
+
+if TYPE_CHECKING:
+    from dcrb_ros.diagnosis.detector import Diagnosis
 
 Times = npt.NDArray[np.int64]
 
@@ -75,7 +78,8 @@ class Content:
     features: Series | None = None
     indicators: Series | None = None
     verdicts: tuple[Verdict, ...] = ()
-    manifest: Mapping[str, Any] = field(default_factory=dict)
+    diagnoses: tuple[Diagnosis, ...] = ()
+    """What the fault detector with its default parameters says of the waveform."""
 
     @property
     def start_ns(self) -> int:

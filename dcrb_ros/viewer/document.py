@@ -13,7 +13,6 @@ from dcrb_ros.viewer.drawing import Drawing
 from dcrb_ros.viewer.spectrum import envelope_spectra, fault_combs
 
 APPLICATION = "dcrb"
-BAND = (3000.0, 10000.0)
 
 
 def write_document(content: Content, path: Path, *, native: tuple[Path, ...] = (), picture_only: bool = False) -> None:
@@ -39,6 +38,6 @@ def log_content(content: Content, drawing: Drawing | None) -> None:
     if content.motion and drawing:
         bearing_picture.log_bearing(content, content.motion, drawing)
         series.log_motion(content, content.motion)
-    spectra = envelope_spectra(content.waveform, BAND)
+    spectra = envelope_spectra(content.diagnoses)
     if spectra is not None:
-        spectrum_picture.log_spectra(spectra, fault_combs(characteristic_orders(content.bearing)))
+        spectrum_picture.log_spectra(spectra, fault_combs(characteristic_orders(content.bearing), spectra.highest_order))

@@ -1,47 +1,98 @@
-"""From the blocks of a recording to the arrays that the viewer shows."""
+"""From a recording to the arrays that the viewer shows."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections import defaultdict
+from collections.abc import Sequence
 
 import numpy as np
 
-from dcrb_ros.block import Block, Layout, Samples, nanoseconds
-from dcrb_ros.parameters import Bearing
+from dcrb_ros.block import Layout
+from dcrb_ros.kinematics import characteristic_orders
+from dcrb_ros.messages import Joints, Vibration, decode_diagnostics, decode_joints, decode_truth, decode_vibration
+from dcrb_ros.recording import Recording
 from dcrb_ros.refusal import Refusal
-from dcrb_ros.viewer.content import Content, Motion, Series, Times, Waveform
+from dcrb_ros.topics import DIAGNOSIS, FAULT_INDICATORS, FEATURES, GROUND_TRUTH, NAMESPACE, ROLLER_STATES, VIBRATION, Topic
+from dcrb_ros.viewer.content import Content, Motion, Series, Verdict, Waveform
+from dcrb_ros.viewer.spectrum import diagnoses, indicators_of, verdicts_of
 
-FEATURES = ("rms", "peak", "crest", "kurtosis")
+SHOWN = (VIBRATION, ROLLER_STATES, GROUND_TRUTH, FEATURES, FAULT_INDICATORS, DIAGNOSIS)
 
 
-def content_of(title: str, bearing: Bearing, blocks: Iterable[Block]) -> Content:
-    """Return what is shown of ``blocks``; refuse when they hold no sample."""
-    held = [block for block in blocks if len(block.acceleration)]
-    if not held:
-        raise Refusal(f"{title} has no waveform: the viewer needs at least one block on outer_ring/vibration; record one with dcrb simulate")
+def gather(recording: Recording) -> Content:
+    """Return what is shown of a recording, read in one pass; a cut-off one as far as it goes.
+
+    Raises:
+        Refusal: it has no waveform, or a message that cannot be decoded.
+    """
+    found: dict[Topic, list[bytes]] = defaultdict(list)
+    for message in recording.messages(SHOWN):
+        found[message.topic].append(message.data)
+    blocks = [decode_vibration(data) for data in found[VIBRATION]]
+    if not blocks:
+        raise Refusal(f"{recording.path} has no block on {VIBRATION.resolved(NAMESPACE)} to show: give a recording of the bench with its waveform")
+    bearing = recording.configuration.bearing
+    layout = Layout(bearing.rows, bearing.rollers_per_row)
+    waveform = waveform_of(blocks, recording.configuration.sensor.sampling_rate)
+    judged = diagnoses(waveform, characteristic_orders(bearing))
     return Content(
-        title=title,
+        title=recording.path.stem,
         bearing=bearing,
-        layout=Layout(bearing.rows, bearing.rollers_per_row),
-        waveform=waveform_of(held),
-        motion=motion_of(held),
-        truths=tuple(truth for block in held for truth in block.truths),
-        features=features_of(held),
+        layout=layout,
+        waveform=waveform,
+        motion=motion_of([decode_joints(data) for data in found[ROLLER_STATES]], layout),
+        truths=tuple(decode_truth(data) for data in found[GROUND_TRUTH]),
+        features=series_of([decode_joints(data) for data in found[FEATURES]]),
+        indicators=series_of([decode_joints(data) for data in found[FAULT_INDICATORS]]) or indicators_of(judged),
+        verdicts=tuple(verdict_of(data) for data in found[DIAGNOSIS]) or verdicts_of(judged),
+        diagnoses=tuple(judged),
     )
 
 
-def waveform_of(blocks: list[Block]) -> Waveform:
+def waveform_of(blocks: Sequence[Vibration], rate: int) -> Waveform:
     """Return the samples of all blocks end to end."""
     return Waveform(
-        time_ns=np.concatenate([sample_times(block) for block in blocks]),
+        time_ns=np.concatenate([block.stamp_ns + block.offsets_ns.astype(np.int64) for block in blocks]),
         acceleration=np.concatenate([block.acceleration for block in blocks]),
         shaft_angle=np.concatenate([block.shaft_angle for block in blocks]),
-        rate=blocks[0].rate,
+        rate=rate,
     )
 
 
-def sample_times(block: Block) -> Times:
-    """Return the simulated time of each sample [ns], by the rule of `nanoseconds`."""
-    whole, rest = divmod(block.index, block.rate)
-    ticks = rest + np.arange(len(block.acceleration), dtype=np.int64)
-    return np.asarray(whole * 1_000_000_000 + nanoseconds_of(ticks, block.rate), np.int64)
+def motion_of(states: Sequence[Joints], layout: Layout) -> Motion | None:
+    """Return the bodies over time; ``None`` without states.
+
+    Raises:
+        Refusal: the states are of other bodies than the bearing has.
+    """
+    if not states:
+        return None
+    names = tuple(layout.names)
+    for joints in states:
+        if joints.names != names:
+            raise Refusal(
+                f"a message on {ROLLER_STATES.resolved(NAMESPACE)} names {len(joints.names)} bodies where the bearing of the manifest has "
+                f"{len(names)}, from {names[0]} to {names[-1]}: give a recording of one bench"
+            )
+    return Motion(
+        time_ns=np.array([joints.stamp_ns for joints in states], np.int64),
+        azimuth=np.array([joints.position for joints in states]),
+        speed=np.array([joints.velocity for joints in states]),
+        force=np.array([joints.effort for joints in states]),
+    )
+
+
+def series_of(messages: Sequence[Joints]) -> Series | None:
+    """Return the positions of messages with the names of the first; ``None`` without messages."""
+    if not messages:
+        return None
+    names = messages[0].names
+    alike = [joints for joints in messages if joints.names == names]
+    return Series(np.array([joints.stamp_ns for joints in alike], np.int64), names, np.array([joints.position for joints in alike]))
+
+
+def verdict_of(data: bytes) -> Verdict:
+    """Return what the detector said in one message on ``diagnosis``."""
+    time_ns, statuses = decode_diagnostics(data)
+    status = statuses[0]
+    return Verdict(time_ns, status.values.get("verdict", status.message), status.level, status.values)

@@ -1,29 +1,28 @@
-"""Envelope spectra of a recording, window by window, and the lines at which faults show."""
+"""What the fault detector sees in a recording, window by window, and the lines at which faults show."""
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from dcrb_ros.block import Floats, Samples
+from dcrb_ros.block import Floats
 from dcrb_ros.kinematics import Orders
-from dcrb_ros.viewer.content import Times, Waveform
+from dcrb_ros.viewer.content import Series, Times, Verdict, Waveform
 
-WINDOW = 1.0
-"""Length of a window [s]."""
-HOP = 0.5
-"""Time between the ends of two windows [s]."""
-HIGHEST_ORDER = 30.0
-"""Order up to which spectra are shown [-]."""
+if TYPE_CHECKING:
+    from dcrb_ros.diagnosis.detector import Diagnosis
+
 ORDER_STEP = 0.025
 """Distance of the orders at which spectra are shown [-]."""
-FEWEST_TURNS = 3.0
-"""Turns of the shaft that a window needs [-]."""
-MARGIN_PERIODS = 30.0
-"""Periods of the band's lower edge left out at both ends of a window, where its envelope wraps round [-]."""
+FINER = 2
+"""Orders looked at for each one shown, which is the largest of them, so that no line is lost."""
+LONGEST_HOP, SHORTEST_WINDOW = 1.0, 0.5
+"""Time between two spectra at most, and length of the window at least [s]."""
+LEVELS = {"waiting": 0, "healthy": 0}
+"""Levels of diagnostic_msgs by verdict; 2, an error, for all others."""
 
 
 @dataclass(frozen=True)
@@ -39,6 +38,11 @@ class Spectra:
     shaft_frequency: Floats
     """Mean shaft frequency of each window [Hz]."""
 
+    @property
+    def highest_order(self) -> float:
+        """Highest order shown [-]."""
+        return float(self.orders[-1])
+
 
 @dataclass(frozen=True)
 class Comb:
@@ -49,62 +53,81 @@ class Comb:
     """Its harmonics as multiples of the shaft frequency [-]."""
 
 
-def fault_combs(orders: Orders) -> list[Comb]:
-    """Return the harmonics of BPFO, BPFI, 2BSF and FTF up to `HIGHEST_ORDER`; of FTF the first four."""
+def fault_combs(orders: Orders, highest: float) -> list[Comb]:
+    """Return the harmonics of BPFO, BPFI, 2BSF and FTF below the ``highest`` order; of FTF the first four."""
     bases = {"BPFO": orders.bpfo, "BPFI": orders.bpfi, "2BSF": 2.0 * orders.bsf, "FTF": orders.ftf}
     combs = []
     for name, base in bases.items():
-        most = 4 if name == "FTF" else int(HIGHEST_ORDER / base)
-        combs.append(Comb(name, tuple(base * k for k in range(1, most + 1) if base * k < HIGHEST_ORDER)))
+        most = 4 if name == "FTF" else int(highest / base)
+        combs.append(Comb(name, tuple(base * k for k in range(1, most + 1) if base * k < highest)))
     return combs
 
 
-def windows(sample_count: int, rate: int) -> Iterator[slice]:
-    """Yield the windows of a waveform; all of it as one when it is shorter than a window."""
-    length, hop = round(WINDOW * rate), round(HOP * rate)
-    if sample_count <= length:
-        yield slice(0, sample_count)
-        return
-    for end in range(length, sample_count + 1, hop):
-        yield slice(end - length, end)
+def diagnoses(waveform: Waveform, orders: Orders) -> list[Diagnosis]:
+    """Return what the fault detector with its default parameters says of the waveform; a short one makes one window."""
+    from dcrb_ros.diagnosis.detector import FaultDetector
+    from dcrb_ros.diagnosis.parameters import DetectorParameters
+
+    usual = DetectorParameters()
+    seconds = len(waveform.time_ns) / waveform.rate
+    window = min(usual.window, seconds)
+    if window < SHORTEST_WINDOW:
+        return []
+    hop = min(LONGEST_HOP, window)
+    detector = FaultDetector(orders, waveform.rate, usual.model_copy(update={"window": window, "hop": hop}))
+    found = []
+    for piece in pieces(waveform, round(hop * waveform.rate)):
+        index = (int(waveform.time_ns[piece.start]) * waveform.rate + 500_000_000) // 1_000_000_000
+        diagnosis = detector.update(index, waveform.acceleration[piece], waveform.shaft_angle[piece])
+        if diagnosis is not None:
+            found.append(diagnosis)
+    return found
 
 
-def rising_angle(shaft_angle: Samples) -> Floats | None:
-    """Return the unwrapped angle [rad], taken positive in the sense of rotation; ``None`` unless the shaft turns on and on."""
-    angle = np.unwrap(shaft_angle.astype(np.float64))
-    if angle[-1] < angle[0]:
-        angle = -angle
-    turns = (angle[-1] - angle[0]) / (2.0 * math.pi)
-    return angle if turns >= FEWEST_TURNS and bool((np.diff(angle) > 0.0).all()) else None
+def pieces(waveform: Waveform, length: int) -> Iterator[slice]:
+    """Yield slices of ``length`` samples at most, none across a gap in the waveform."""
+    gaps = np.flatnonzero(np.diff(waveform.time_ns) > 1_500_000_000 // waveform.rate) + 1
+    borders = [0, *gaps.tolist(), len(waveform.time_ns)]
+    for first, last in zip(borders[:-1], borders[1:]):
+        for start in range(first, last, length):
+            yield slice(start, min(start + length, last))
 
 
-def envelope_spectra(waveform: Waveform, band: tuple[float, float]) -> Spectra | None:
-    """Return the spectra of the squared envelope of ``band`` [Hz]; ``None`` when the shaft turns in no window."""
-    from dcrb_ros.diagnosis.envelope import order_spectrum, squared_envelope
-
-    orders = np.arange(ORDER_STEP, HIGHEST_ORDER, ORDER_STEP)
-    margin = round(MARGIN_PERIODS * waveform.rate / band[0])
-    found: list[tuple[int, Floats, float]] = []
-    for window in windows(len(waveform.time_ns), waveform.rate):
-        inside = slice(window.start + margin, window.stop - margin)
-        angle = rising_angle(waveform.shaft_angle[inside]) if inside.stop - inside.start > margin else None
-        if angle is None:
-            continue
-        envelope = squared_envelope(waveform.acceleration[window], waveform.rate, band)[margin:-margin]
-        places, amplitude = order_spectrum(envelope, angle, HIGHEST_ORDER)
-        frequency = (angle[-1] - angle[0]) * waveform.rate / (2.0 * math.pi * (len(angle) - 1))
-        found.append((int(waveform.time_ns[window.stop - 1]), np.interp(orders, places[1:], amplitude[1:]), frequency))
-    if not found:
+def envelope_spectra(found: Sequence[Diagnosis]) -> Spectra | None:
+    """Return the spectra of the diagnoses that have one, on common orders; ``None`` when there is none."""
+    seen = [diagnosis for diagnosis in found if len(diagnosis.spectrum[0])]
+    if not seen:
         return None
-    times, amplitudes, frequencies = zip(*found)
-    return Spectra(np.array(times, np.int64), orders, over_background(np.array(amplitudes)), np.array(frequencies))
+    count = int(min(diagnosis.spectrum[0][-1] for diagnosis in seen) / ORDER_STEP)
+    fine = np.arange(1, FINER * count + 1, dtype=np.float64) * (ORDER_STEP / FINER)
+    amplitude: Floats = np.array([np.interp(fine, *diagnosis.spectrum) for diagnosis in seen])
+    return Spectra(
+        time_ns=np.array([round(diagnosis.time * 1e9) for diagnosis in seen], np.int64),
+        orders=fine[FINER - 1 :: FINER],
+        level=over_background(amplitude.reshape(len(seen), count, FINER).max(axis=2)),
+        shaft_frequency=np.array([diagnosis.shaft_frequency for diagnosis in seen]),
+    )
 
 
 def over_background(amplitude: Floats) -> Floats:
     """Return the level of each amplitude over the median within an order on either side, shape (windows, orders) [dB]."""
     from scipy.ndimage import median_filter
 
-    width = 2 * round(1.0 / ORDER_STEP) + 1
-    floor = median_filter(amplitude, size=(1, width), mode="nearest")
+    floor = median_filter(amplitude, size=(1, 2 * round(1.0 / ORDER_STEP) + 1), mode="nearest")
     smallest = np.finfo(np.float64).tiny
     return np.asarray(20.0 * np.log10(np.maximum(amplitude, smallest) / np.maximum(floor, smallest)), np.float64)
+
+
+def indicators_of(found: Sequence[Diagnosis]) -> Series | None:
+    """Return the levels at the fault orders over time [dB]."""
+    seen = [diagnosis for diagnosis in found if len(diagnosis.spectrum[0])]
+    if not seen:
+        return None
+    names = tuple(seen[0].levels)
+    times = np.array([round(diagnosis.time * 1e9) for diagnosis in seen], np.int64)
+    return Series(times, names, np.array([[diagnosis.levels[name] for name in names] for diagnosis in seen]))
+
+
+def verdicts_of(found: Sequence[Diagnosis]) -> tuple[Verdict, ...]:
+    """Return the verdicts of the diagnoses."""
+    return tuple(Verdict(round(d.time * 1e9), d.verdict, LEVELS.get(d.verdict, 2), {"reason": d.reason}) for d in found)

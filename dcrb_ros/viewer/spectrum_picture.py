@@ -15,14 +15,15 @@ import rerun as rr
 from dcrb_ros.block import Floats
 from dcrb_ros.viewer import palette
 from dcrb_ros.viewer.content import Times
-from dcrb_ros.viewer.spectrum import HIGHEST_ORDER, Comb, Spectra
+from dcrb_ros.viewer.spectrum import Comb, Spectra
 from dcrb_ros.viewer.timeline import time_column
 
 ROOT = "envelope_spectrum"
 WIDTH, HEIGHT, TRACK = 1000.0, 330.0, 40.0
 """Size of the plot and height of the track of one fault above it [picture units]."""
-ORDER_TICK, LEVEL_TICK = 5.0, 20.0
-"""Distance of ticks [-] and [dB]."""
+LEVEL_TICK = 20.0
+"""Distance of ticks [dB]."""
+MOST_ORDER_TICKS = 8
 LABEL_DROP = 20.0
 """Distance of a label below its point in a window of usual size [picture units]."""
 SEARCH = 0.006
@@ -49,7 +50,7 @@ def log_spectra(spectra: Spectra, combs: Sequence[Comb]) -> None:
     """Log the spectrum of every window, the axes and the fault lines under `ROOT`."""
     orders, level = spectra.orders, spectra.level
     highest = max(LEVEL_TICK * np.ceil(float(level.max(initial=0.0)) / LEVEL_TICK), 2.0 * LEVEL_TICK)
-    axes = Axes(HIGHEST_ORDER, -0.5 * LEVEL_TICK, float(highest))
+    axes = Axes(spectra.highest_order, -0.5 * LEVEL_TICK, float(highest))
     log_axes(axes, float(np.median(spectra.shaft_frequency)))
     for place, comb in enumerate(combs):
         log_comb(axes, comb, -TRACK * (len(combs) - place - 0.1))
@@ -59,7 +60,8 @@ def log_spectra(spectra: Spectra, combs: Sequence[Comb]) -> None:
 
 def log_axes(axes: Axes, shaft_frequency: float) -> None:
     """Log frame, grid, ticks and what the axes mean."""
-    orders = np.arange(0.0, axes.highest_order + 1e-9, ORDER_TICK)
+    tick = next(step for step in (5.0, 10.0, 20.0, 50.0, 100.0) if axes.highest_order / step < MOST_ORDER_TICKS or step == 100.0)
+    orders = np.arange(0.0, axes.highest_order + 1e-9, tick)
     levels = np.arange(0.0, axes.highest_level + 1e-9, LEVEL_TICK)
     upright = [axes.points(np.array([o, o]), np.array([axes.lowest_level, axes.highest_level])) for o in orders]
     level = [axes.points(np.array([0.0, axes.highest_order]), np.array([v, v])) for v in levels]

@@ -26,7 +26,7 @@ def markdown(content: Content) -> str:
 
 def _lines(content: Content) -> Iterator[str]:
     bearing, seconds = content.bearing, (content.end_ns - content.start_ns) / 1e9
-    yield f"| Recording | {content.title} |\n|---|---|"
+    yield f"| Recording | {content.title}, {seconds:.2f} s at {content.waveform.rate / 1e3:g} kHz |\n|---|---|"
     if content.verdicts:
         verdict = content.verdicts[-1]
         yield f"| Detector's verdict | **{TITLES.get(verdict.name, verdict.name)}** |"
@@ -37,7 +37,8 @@ def _lines(content: Content) -> Iterator[str]:
         yield f"| Fault frequencies | {', '.join(f'{name} {value:.2f}' for name, value in truth.frequencies.items())} Hz |"
     diameter = 2e3 * bearing.roller_radius
     yield f"| Bearing | {bearing.rows} x {bearing.rollers_per_row} rollers of {diameter:g} mm on a pitch circle of {2e3 * bearing.pitch_radius:g} mm |"
-    yield f"| Waveform | {seconds:.2f} s at {content.waveform.rate / 1e3:g} kHz |"
+    if content.verdicts and content.verdicts[-1].evidence.get("reason"):
+        yield f"\nWhy: {content.verdicts[-1].evidence['reason']}."
 
 
 def _faults(truth: Truth) -> Iterator[str]:

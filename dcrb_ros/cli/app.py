@@ -1,0 +1,35 @@
+"""The command `dcrb`: one module per command, which imports what it needs only when it is called."""
+
+from __future__ import annotations
+
+import sys
+
+import typer
+
+from dcrb_ros import __version__
+from dcrb_ros.cli import bench, config, detect, info, simulate, view
+from dcrb_ros.guard import guarded
+
+app = typer.Typer(add_completion=False, no_args_is_help=True, pretty_exceptions_enable=False)
+app.command("simulate")(simulate.simulate)
+app.command("bench")(bench.bench)
+app.command("detect")(detect.detect)
+app.command("view")(view.view)
+app.command("info")(info.info)
+app.add_typer(config.app, name="config")
+
+
+def _version(asked: bool) -> None:
+    if asked:
+        print(f"dcrb_ros {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def dcrb(version: bool = typer.Option(False, "--version", callback=_version, is_eager=True, help="Print the version.")) -> None:
+    """A simulated double-row cylindrical roller bearing behind a live accelerometer topic."""
+
+
+def main() -> None:
+    """Run the command line."""
+    sys.exit(guarded("dcrb", lambda: app(standalone_mode=False)))

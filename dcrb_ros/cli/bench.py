@@ -1,0 +1,31 @@
+"""`dcrb bench`: simulator and fault detector as ROS nodes, with a live status line."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from dcrb_ros.refusal import Refusal
+
+
+def bench(
+    config: Annotated[str, typer.Argument(help="A YAML file or a shipped name, such as outer_ring_defect.")],
+    duration: Annotated[float, typer.Option(help="Simulated time [s].")] = 10.0,
+    time_scale: Annotated[float, typer.Option(help="Simulated over wall time; 0 for as fast as possible.")] = 1.0,
+    record: Annotated[Path | None, typer.Option(help="Folder of a recording.")] = None,
+    settings: Annotated[list[str] | None, typer.Option("--set", help="KEY=VALUE, such as operating.speed=100.0.")] = None,
+) -> None:
+    """Run the bench: simulator and fault detector as ROS 2 nodes."""
+    from dcrb_ros.cli.simulate import checked_duration
+    from dcrb_ros.configuration_file import load_configuration
+
+    seconds = checked_duration(duration)
+    extra = [f"time_scale={time_scale!r}", *([f"recording.path={str(record)!r}"] if record else [])]
+    configuration = load_configuration(config, [*(settings or ()), *extra])
+    if record and record.exists():
+        raise Refusal(f"{record} exists: give another name or remove it, a recording is never overwritten")
+    from dcrb_ros.nodes.bench import run
+
+    raise typer.Exit(run(config, configuration, seconds))

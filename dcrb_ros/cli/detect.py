@@ -1,0 +1,64 @@
+"""`dcrb detect`: the fault detector over a recording."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from dcrb_ros.refusal import Refusal
+
+
+def detect(
+    bag: Annotated[Path, typer.Argument(help="Folder of a recording or an .mcap file.")],
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON instead of a table.")] = False,
+) -> None:
+    """Run the fault detector over a recording and print its verdict."""
+    from dcrb_ros.diagnosis.detector import FaultDetector
+    from dcrb_ros.diagnosis.parameters import DetectorParameters
+    from dcrb_ros.kinematics import characteristic_orders
+    from dcrb_ros.recording import Recording
+
+    recording, parameters = Recording(bag), DetectorParameters()
+    rate = recording.configuration.sensor.sampling_rate
+    detector = FaultDetector(characteristic_orders(recording.configuration.bearing), rate, parameters)
+    found, seconds = [], 0.0
+    for vibration in recording.vibrations():
+        diagnosis = detector.update(vibration.first_index(rate), vibration.acceleration, vibration.shaft_angle)
+        seconds += len(vibration.shaft_angle) / rate
+        if diagnosis is not None:
+            found.append(diagnosis)
+    judged = [diagnosis for diagnosis in found if diagnosis.verdict != "waiting"]
+    if not judged:
+        why = found[-1].reason if found else f"it needs {parameters.window:g} s"
+        raise Refusal(f"{bag} holds {seconds:.2f} s of waveform, too little for a verdict: {why}")
+    last = judged[-1]
+    first = next(d for d in judged if d.verdict == last.verdict)
+    if as_json:
+        about = {
+            "verdict": last.verdict,
+            "confidence": last.confidence,
+            "reason": last.reason,
+            "time": last.time,
+            "first_time": first.time,
+            "levels": last.levels,
+            "shaft_frequency": last.shaft_frequency,
+            "gaps": last.gaps,
+            "complete": recording.complete,
+            "history": [{"time": d.time, "verdict": d.verdict, "confidence": d.confidence} for d in found],
+        }
+        print(json.dumps(about, indent=2))
+        return
+    from rich.console import Console
+    from rich.table import Table
+
+    table = Table("indicator", "level over background [dB]", title=f"{bag}: {last.verdict}")
+    for name, level in last.levels.items():
+        table.add_row(name, f"{level:.1f}")
+    console = Console()
+    console.print(table)
+    console.print(f"{last.verdict}, confidence {last.confidence:.2f}, first at {first.time:.2f} s of {seconds:.2f} s: {last.reason}", highlight=False)
+    if not recording.complete:
+        console.print("the recording is cut off; the verdict rests on what is readable")

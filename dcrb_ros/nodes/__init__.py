@@ -1,0 +1,1 @@
+"""The ROS 2 nodes: thin wires round what works without ROS."""

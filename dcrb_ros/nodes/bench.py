@@ -1,0 +1,179 @@
+"""The bench in one command: both nodes as processes of their own, and an observer with a status line."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+
+from dcrb_ros.configuration import Configuration
+from dcrb_ros.configuration_file import to_yaml
+from dcrb_ros.messages import Joints, Status, decode_diagnostics, decode_joints
+from dcrb_ros.nodes.ros import check_ros, stop_on_signals
+from dcrb_ros.sinks.publisher import message_class, qos
+from dcrb_ros.topics import BENCH_DIAGNOSTICS, DIAGNOSIS, FEATURES, NAMESPACE, VIBRATION, Topic
+
+LAST_WORDS = 3.0
+"""Wall time that the detector gets for its last verdict after the last block [s]."""
+CHILD_END = 5.0
+"""Wall time that a node gets to end after SIGINT [s]."""
+
+
+class Observer:
+    """What the bench has said so far."""
+
+    def __init__(self) -> None:
+        self.blocks = 0
+        self.verdict: Status | None = None
+        self.verdict_ns = 0
+        self.bench: Status | None = None
+        self.features: Joints | None = None
+
+    def subscribe(self, node: Any) -> None:
+        """Listen to the bench's topics."""
+
+        def listen(topic: Topic, callback: Any) -> None:
+            name = topic.resolved(NAMESPACE)
+            node.create_subscription(message_class(topic), name, lambda data: callback(bytes(data)), qos(topic), raw=True)
+
+        listen(DIAGNOSIS, self._on_diagnosis)
+        listen(BENCH_DIAGNOSTICS, self._on_bench)
+        listen(FEATURES, self._on_features)
+        listen(VIBRATION, self._on_block)
+
+    def _on_block(self, data: bytes) -> None:
+        self.blocks += 1
+
+    def _on_diagnosis(self, data: bytes) -> None:
+        self.verdict_ns, statuses = decode_diagnostics(data)
+        self.verdict = statuses[0]
+
+    def _on_bench(self, data: bytes) -> None:
+        self.bench = decode_diagnostics(data)[1][0]
+
+    def _on_features(self, data: bytes) -> None:
+        self.features = decode_joints(data)
+
+    def line(self) -> str:
+        """Return the status line."""
+        if self.features is None:
+            return "waiting for the first block ..."
+        values = dict(zip(self.features.names, self.features.position, strict=False))
+        words = [f"{self.features.stamp_ns * 1e-9:6.2f} s simulated"]
+        if self.bench is not None:
+            words.append(f"{float(self.bench.values['real_time_factor']):5.2f} x real time, {self.bench.values['late_blocks']} late")
+        words.append(f"rms {values['rms']:7.1f} m/s^2, kurtosis {values['kurtosis']:5.1f}")
+        if self.verdict is not None:
+            levels = "  ".join(f"{name} {self.verdict.values[f'{name} [dB]']}" for name in ("BPFO", "BPFI"))
+            words.append(f"{levels} dB  ->  {self.verdict.message}")
+        return "  |  ".join(words)
+
+
+def local_environment() -> dict[str, str]:
+    """Return an environment in which discovery stays on this machine, unless the user has said otherwise."""
+    os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+    return dict(os.environ)
+
+
+@contextmanager
+def node_process(module: str, arguments: Sequence[str], environment: dict[str, str]) -> Iterator[subprocess.Popen[bytes]]:
+    """Run a node as a process; whatever happens, it is ended."""
+    process = subprocess.Popen(
+        [sys.executable, "-m", f"dcrb_ros.nodes.{module}", *arguments], env=environment, stdin=subprocess.DEVNULL, start_new_session=True
+    )
+    try:
+        yield process
+    finally:
+        if process.poll() is None:
+            process.send_signal(signal.SIGINT)
+            try:
+                process.wait(CHILD_END)
+            except subprocess.TimeoutExpired:
+                process.kill()
+                process.wait()
+
+
+def run(name: str, configuration: Configuration, duration: float) -> int:
+    """Run the bench for ``duration`` [s] of simulated time; return the exit status."""
+    check_ros()
+    told = stop_on_signals()
+    environment = local_environment()
+    console = Console(stderr=True)
+    with tempfile.TemporaryDirectory(prefix="dcrb-") as folder:
+        parameters = Path(folder) / "bench.yaml"
+        parameters.write_text(to_yaml(configuration), encoding="utf-8")
+        ros = ["--ros-args", "--params-file", str(parameters)]
+        console.print(f"bench '{name}': simulator and fault detector as ROS 2 nodes in {NAMESPACE}, {duration:g} s at time scale {configuration.time_scale:g}")
+        observer = Observer()
+        with (
+            node_process("fault_detector", [], environment) as detector,
+            node_process("simulator", ["--duration", repr(duration), *ros], environment) as simulator,
+        ):
+            failed = _watch(observer, simulator, detector, duration, told, console)
+    return failed or _conclude(observer, configuration, console)
+
+
+def _watch(
+    observer: Observer,
+    simulator: subprocess.Popen[bytes],
+    detector: subprocess.Popen[bytes],
+    duration: float,
+    told: threading.Event,
+    console: Console,
+) -> int:
+    """Show the status line until the simulator ends; return the status of a node that failed, or 0."""
+    import rclpy
+    from rclpy.signals import SignalHandlerOptions
+
+    rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
+    node = rclpy.create_node("bench", namespace=NAMESPACE)
+    observer.subscribe(node)
+    end_ns, patience, shown = round((duration - 1.0) * 1e9), None, 0.0
+    try:
+        with console.status("starting ...") as status:
+            while not told.is_set():
+                rclpy.spin_once(node, timeout_sec=0.05)
+                now = time.monotonic()
+                if console.is_terminal:
+                    status.update(observer.line())
+                elif now - shown > 1.0 and observer.features is not None:
+                    console.print(observer.line(), highlight=False, soft_wrap=True)
+                    shown = now
+                if detector.poll() is not None:
+                    console.print(f"the fault detector ended with status {detector.returncode}")
+                    return detector.returncode or 1
+                if simulator.poll() is None:
+                    continue
+                if simulator.returncode != 0:
+                    return simulator.returncode
+                patience = patience or now + LAST_WORDS
+                if now > patience or observer.verdict_ns >= end_ns:
+                    return 0
+    finally:
+        node.destroy_node()
+        rclpy.try_shutdown()
+    return 0
+
+
+def _conclude(observer: Observer, configuration: Configuration, console: Console) -> int:
+    """Print verdict, recording and what to do next; return 1 where there is no verdict."""
+    if configuration.recording.path:
+        path = Path(configuration.recording.path)
+        print(f"recording: {path}")
+        print(f"open it with: dcrb view {path}   or: rerun {path / (path.name + '_0.mcap')}")
+    if observer.verdict is None or observer.verdict.message == "waiting":
+        console.print(f"no verdict after {observer.blocks} blocks: the detector needs a few seconds of a turning shaft")
+        return 1
+    values = observer.verdict.values
+    print(f"verdict: {observer.verdict.message} (confidence {values['confidence']}) at {observer.verdict_ns * 1e-9:.2f} s: {values['reason']}")
+    return 0

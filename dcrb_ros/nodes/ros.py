@@ -1,0 +1,119 @@
+"""What both nodes share: checks before start, parameters from the schema, spinning until told to stop."""
+
+from __future__ import annotations
+
+import importlib.util
+import os
+import signal
+import sys
+import threading
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from types import FrameType
+from typing import TYPE_CHECKING, Any, TypeVar
+
+from dcrb_ros.configuration_file import ParameterField, flatten, parameter_fields, validated
+from dcrb_ros.parameters import Group
+from dcrb_ros.refusal import Refusal
+from dcrb_ros.topics import NAMESPACE
+
+if TYPE_CHECKING:
+    from rclpy.node import Node
+
+Model = TypeVar("Model", bound=Group)
+OWN = ("use_sim_time", "start_type_description_service")
+"""Parameters that rclpy declares by itself."""
+
+
+def check_ros() -> None:
+    """Refuse to start where ROS 2 or the middleware asked for is absent.
+
+    The wheels end the process without a word of ours when the middleware is missing, so it is looked for beforehand.
+    """
+    if importlib.util.find_spec("rclpy") is None:
+        raise Refusal(
+            "the nodes need ROS 2 Jazzy, and rclpy is not installed: source a ROS installation, or pip install 'dcrb_ros[ros]' "
+            "on x86-64 Linux; everything but the nodes works without"
+        )
+    wanted = os.environ.get("RMW_IMPLEMENTATION", "")
+    found = middlewares()
+    if wanted and found and wanted not in found:
+        raise Refusal(f"RMW_IMPLEMENTATION = {wanted} is not installed here: unset it or choose from {', '.join(found)}")
+
+
+def middlewares() -> list[str]:
+    """Return the ROS middlewares whose library can be found."""
+    folders = [Path(p) for p in os.environ.get("LD_LIBRARY_PATH", "").split(":") if p]
+    folders += [Path(prefix) / "lib" for prefix in [*os.environ.get("AMENT_PREFIX_PATH", "").split(":"), sys.prefix] if prefix]
+    names = {library.stem.removeprefix("lib") for folder in folders for library in folder.glob("librmw_*_cpp.so")}
+    return sorted(name for name in names if "shared" not in name and "common" not in name)
+
+
+def create_node(name: str) -> Node:
+    """Return a node in the default namespace that has taken whatever parameters it was given."""
+    from rclpy.node import Node
+
+    return Node(name, namespace=NAMESPACE, automatically_declare_parameters_from_overrides=True)
+
+
+def declare(node: Node, model: type[Model], *, run_time: Sequence[str] = ()) -> Model:
+    """Declare every parameter of a model with type, range and description; return the model with the node's overrides.
+
+    Raises:
+        Refusal: an override that is unknown, mistyped or out of range.
+    """
+    given = {key: parameter.value for key, parameter in node.get_parameters_by_prefix("").items() if key not in OWN}
+    checked = validated(given, model, "parameters")
+    values = flatten(checked.model_dump())
+    for field in parameter_fields(model):
+        if node.has_parameter(field.key):
+            node.undeclare_parameter(field.key)
+        node.declare_parameter(field.key, values[field.key], _descriptor(field, field.key not in run_time), ignore_override=True)
+    return checked
+
+
+def _descriptor(field: ParameterField, read_only: bool) -> Any:
+    from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
+
+    unit = f" [{field.unit}]" if field.unit != "-" else ""
+    about = ParameterDescriptor(name=field.key, description=f"{field.description}{unit}", read_only=read_only)
+    if field.low is not None and field.high is not None:
+        if field.kind is int:
+            about.integer_range = [IntegerRange(from_value=int(field.low), to_value=int(field.high), step=1)]
+        else:
+            about.floating_point_range = [FloatingPointRange(from_value=float(field.low), to_value=float(field.high), step=0.0)]
+    elif field.choices:
+        about.additional_constraints = "one of " + ", ".join(field.choices)
+    return about
+
+
+def changed(model: Model, changes: Mapping[str, Any]) -> Model:
+    """Return a model with some dotted keys changed, checked as a whole."""
+    return validated({**flatten(model.model_dump()), **changes}, type(model), "parameters")
+
+
+def spin(node: Node, ended: Callable[[], bool], stop: threading.Event) -> None:
+    """Serve callbacks until told to stop or ``ended`` says so."""
+    from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
+
+    executor = SingleThreadedExecutor()
+    executor.add_node(node)
+    try:
+        while not (stop.is_set() or ended()):
+            executor.spin_once(timeout_sec=0.1)
+    except ExternalShutdownException:
+        stop.set()
+    finally:
+        executor.remove_node(node)
+
+
+def stop_on_signals() -> threading.Event:
+    """Return an event that SIGINT and SIGTERM set, however often they come."""
+    stop = threading.Event()
+
+    def told(number: int, frame: FrameType | None) -> None:
+        stop.set()
+
+    signal.signal(signal.SIGINT, told)
+    signal.signal(signal.SIGTERM, told)
+    return stop

@@ -1,0 +1,242 @@
+"""The simulator node: the model in a thread of its own behind a live accelerometer topic."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import threading
+import time
+from typing import TYPE_CHECKING, Any, Protocol
+
+from dcrb_ros.guard import guarded
+from dcrb_ros.configuration import Configuration
+from dcrb_ros.nodes.pacing import Pacer
+from dcrb_ros.nodes.ros import changed, check_ros, create_node, declare, spin, stop_on_signals
+from dcrb_ros.refusal import Refusal
+from dcrb_ros.sinks.publisher import message_class, qos
+from dcrb_ros.topics import BENCH_DIAGNOSTICS, DIAGNOSIS, FAULT_INDICATORS, SIMULATED, VIBRATION_CLEAN, Message, Topic
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from rclpy.node import Node
+
+    from dcrb_ros.block import Block
+    from dcrb_ros.simulation import Simulation
+    from dcrb_ros.sinks.recorder import Recorder
+
+REPEAT_REFUSAL = 5.0
+"""Wall time for which the same kind of refusal is not logged again [s]."""
+
+
+class Sink(Protocol):
+    """Where messages go."""
+
+    def write_messages(self, messages: Iterable[Message]) -> None:
+        """Take messages."""
+
+
+class Simulator:
+    """The wires between the simulation's thread and ROS."""
+
+    def __init__(self, node: Node, configuration: Configuration, duration: float | None) -> None:
+        from dcrb_ros.messages import BlockEncoder
+        from dcrb_ros.sinks.publisher import Publisher
+
+        self.node, self.configuration, self._duration = node, configuration, duration
+        self.stop = threading.Event()
+        self.failure: Exception | None = None
+        self._began = time.monotonic()
+        self._pacer = Pacer(configuration.time_scale, time.monotonic)
+        self._simulation = self._start_model()
+        self._recorder = self._start_recorder()
+        self._recorder_lock = threading.Lock()
+        self._recorder_state = "recording" if self._recorder else "off"
+        self._encoder = BlockEncoder(configuration, self._simulation.layout)
+        topics = [t for t in SIMULATED if t is not VIBRATION_CLEAN or configuration.publishing.clean]
+        self._publisher: Sink = Publisher(node, [*topics, BENCH_DIAGNOSTICS])
+        self._refused: dict[str, int] = {}
+        self._logged: dict[str, float] = {}
+        self._simulated = self._reached = self._factor = 0.0
+        self._measured_at = time.monotonic()
+        self._blocks = 0
+        self._subscribe()
+        self._thread = threading.Thread(target=self._run, name="model", daemon=True)
+
+    def _start_model(self) -> Simulation:
+        from dcrb_ros.core import compiled
+
+        if not compiled():
+            self.node.get_logger().info("compiling the kernels (once, about 15 s) ...")
+        from dcrb_ros.simulation import Simulation
+
+        return Simulation(self.configuration)
+
+    def _start_recorder(self) -> Recorder | None:
+        if not self.configuration.recording.path:
+            return None
+        from dcrb_ros.sinks.recorder import Recorder
+
+        namespace = self.node.get_namespace()
+        return Recorder(self.configuration.recording.path, self.configuration, self._simulation.layout, namespace=namespace)
+
+    def _subscribe(self) -> None:
+        from geometry_msgs.msg import Wrench
+        from std_msgs.msg import Float64
+
+        node = self.node
+        node.create_subscription(Float64, "command/speed", self._on_speed, 10)
+        node.create_subscription(Wrench, "command/load", self._on_load, 10)
+        node.create_timer(1.0, self._report)
+        node.add_on_set_parameters_callback(self._on_parameters)
+        if self._recorder is not None:
+            for topic in (DIAGNOSIS, FAULT_INDICATORS):
+                node.create_subscription(message_class(topic), topic.name, self._on_detected(topic), qos(topic), raw=True)
+
+    def start(self) -> None:
+        """Start the model's thread."""
+        self._publisher.write_messages(self._encoder.start())
+        self._thread.start()
+
+    def ended(self) -> bool:
+        """Return whether the model's thread has come to its end."""
+        return not self._thread.is_alive()
+
+    def close(self) -> None:
+        """Stop the model and finish the recording."""
+        self.stop.set()
+        if self._thread.ident is not None:
+            self._thread.join()
+        self._record(None)
+
+    def _run(self) -> None:
+        try:
+            for block in self._simulation.blocks(self._duration):
+                if self.stop.wait(self._pacer.until(block.stamp_ns * 1e-9, block.end_ns * 1e-9)):
+                    return
+                self._emit(block)
+        except Exception as error:  # the thread's end must reach the main thread, whatever it is
+            self.failure = error
+
+    def _emit(self, block: Block) -> None:
+        messages = self._encoder.encode(block)
+        self._publisher.write_messages(messages)
+        self._record(messages)
+        self._blocks += 1
+        self._simulated = block.end_ns * 1e-9
+        if self._blocks == 1:
+            self.node.get_logger().info(f"first block {time.monotonic() - self._began:.2f} s after the start")
+
+    def _record(self, messages: Iterable[Message] | None) -> None:
+        """Record messages, or finish the recording; a failure ends the recording and leaves the topics alive."""
+        from dcrb_ros.sinks.recorder import RecordingFailed
+
+        if self._recorder is None:
+            return
+        try:
+            with self._recorder_lock:
+                if messages is None:
+                    self._recorder.close()
+                else:
+                    self._recorder.write_messages(messages)
+        except RecordingFailed as error:
+            self._recorder_state = str(error)
+            self.node.get_logger().error(str(error))
+
+    def _on_detected(self, topic: Topic) -> Any:
+        from dcrb_ros.messages import stamp_in
+
+        def record(data: bytes) -> None:
+            self._record([Message(topic, stamp_in(data), bytes(data))])
+
+        return record
+
+    def _on_speed(self, message: Any) -> None:
+        self._obey("command/speed", lambda: self._simulation.command_speed(message.data))
+
+    def _on_load(self, message: Any) -> None:
+        self._obey("command/load", lambda: self._simulation.command_load(message.force.x, message.force.y))
+
+    def _obey(self, kind: str, command: Any) -> None:
+        """Pass a command on; a refusal is counted, and logged once in a while."""
+        try:
+            command()
+        except Refusal as refusal:
+            self._refused[kind] = self._refused.get(kind, 0) + 1
+            now = time.monotonic()
+            if now - self._logged.get(kind, -REPEAT_REFUSAL) >= REPEAT_REFUSAL:
+                self._logged[kind] = now
+                self.node.get_logger().warning(str(refusal))
+
+    def _on_parameters(self, parameters: Any) -> Any:
+        from rcl_interfaces.msg import SetParametersResult
+
+        try:
+            self.configuration = changed(self.configuration, {parameter.name: parameter.value for parameter in parameters})
+        except Refusal as refusal:
+            return SetParametersResult(successful=False, reason=str(refusal))
+        self._pacer.scale = self.configuration.time_scale
+        return SetParametersResult(successful=True)
+
+    def _report(self) -> None:
+        """Publish the state of the bench on /diagnostics."""
+        from dcrb_ros.messages import ERROR, OK, WARN, Status, encode_diagnostics
+
+        now = time.monotonic()
+        self._factor = (self._simulated - self._reached) / (now - self._measured_at)
+        self._reached, self._measured_at = self._simulated, now
+        failed = self._recorder_state not in ("off", "recording")
+        level = ERROR if failed else WARN if self._pacer.lag > 0.1 else OK
+        values = {
+            "time_scale": f"{self._pacer.scale:g}",
+            "real_time_factor": f"{self._factor:.3f}",
+            "simulated [s]": f"{self._simulated:.3f}",
+            "lag [s]": f"{self._pacer.lag:.4f}",
+            "late_blocks": str(self._pacer.late),
+            "blocks": str(self._blocks),
+            "rejected_commands": str(sum(self._refused.values())),
+            "recorder": self._recorder_state,
+            "model": "failed" if self.failure else "running",
+        }
+        words = self._recorder_state if failed else "behind real time" if level == WARN else "running"
+        status = Status(f"{self.node.get_fully_qualified_name()}", level, words, values)
+        time_ns = round(self._simulated * 1e9)
+        self._publisher.write_messages([Message(BENCH_DIAGNOSTICS, time_ns, encode_diagnostics(time_ns, [status]))])
+
+
+def run(arguments: list[str]) -> int:
+    """Run the node until its duration is over or a signal comes; return the exit status."""
+    parser = argparse.ArgumentParser(prog="simulator", description="The simulated bearing as a ROS 2 node.")
+    parser.add_argument("--duration", type=float, default=None, help="simulated time after which the node ends [s]")
+    check_ros()
+    import rclpy
+    from rclpy.signals import SignalHandlerOptions
+    from rclpy.utilities import remove_ros_args
+
+    options = parser.parse_args(remove_ros_args(["simulator", *arguments])[1:])
+    told = stop_on_signals()
+    rclpy.init(args=arguments, signal_handler_options=SignalHandlerOptions.NO)
+    node = create_node("simulator")
+    try:
+        simulator = Simulator(node, declare(node, Configuration, run_time=("time_scale",)), options.duration)
+        try:
+            simulator.start()
+            spin(node, simulator.ended, told)
+        finally:
+            simulator.close()
+        if simulator.failure is not None:
+            node.get_logger().fatal(f"the bench stopped: {simulator.failure}")
+            return 1
+        return 0
+    finally:
+        node.destroy_node()
+        rclpy.try_shutdown()
+
+
+def main() -> None:
+    """Run the node as a program."""
+    sys.exit(guarded("simulator", lambda: run(sys.argv[1:])))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,83 @@
+"""What `dcrb view` does: check where to write, gather, write the Rerun file, open it or take its picture."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from pathlib import Path
+
+import numpy as np
+
+from dcrb_ros.recording import Recording
+from dcrb_ros.refusal import Refusal
+from dcrb_ros.viewer.content import Content
+from dcrb_ros.viewer.document import write_document
+from dcrb_ros.viewer.gather import gather
+from dcrb_ros.viewer.window import open_window, save_screenshot
+
+
+def checked_output(path: Path, *, suffix: str, option: str) -> Path:
+    """Return the path of a file to write; refuse one that exists, has another suffix or cannot be created."""
+    if path.suffix != suffix:
+        raise Refusal(f"{option} {path} does not end in {suffix}: give it that ending, it is what will be in it")
+    if path.exists():
+        raise Refusal(f"{option} {path} exists: give another name or remove it, nothing is overwritten")
+    folder = path.absolute().parent
+    if not folder.is_dir():
+        raise Refusal(f"{option} {path} cannot be written: there is no folder {folder}; create it or give another")
+    if not os.access(folder, os.W_OK):
+        raise Refusal(f"{option} {path} cannot be written: the folder {folder} is read-only for you; give another")
+    return path
+
+
+def save_document(recording: Recording, content: Content, path: Path) -> None:
+    """Write the Rerun file with the native topics beside ours, whole or not at all."""
+    native = tuple(recording.files) if recording.complete else ()
+    with tempfile.TemporaryDirectory(dir=path.absolute().parent, prefix=".dcrb-view-") as folder:
+        part = Path(folder, path.name)
+        write_document(content, part, native=native)
+        part.replace(path)
+
+
+def take_picture(content: Content, path: Path) -> None:
+    """Write a PNG of the viewer at a telling moment."""
+    with tempfile.TemporaryDirectory(prefix="dcrb-view-") as folder:
+        document = Path(folder, "picture.rrd")
+        write_document(content, document, picture_only=True)
+        save_screenshot(document, path, at_ns=telling_time(content))
+
+
+def show(recording: Recording, content: Content, *, web: bool = False) -> int:
+    """Open the viewer on the recording; return its exit status when it is closed."""
+    with tempfile.TemporaryDirectory(prefix="dcrb-view-") as folder:
+        document = Path(folder, f"{content.title}.rrd")
+        save_document(recording, content, document)
+        return open_window(document, web=web)
+
+
+def telling_time(content: Content) -> int:
+    """Return the time of the largest roller force after two thirds of the recording, where spectra and verdict are there [ns]."""
+    begin = content.start_ns + 2 * (content.end_ns - content.start_ns) // 3
+    if content.motion is None:
+        return begin
+    rollers = content.layout.rows * content.layout.rollers_per_row
+    late = np.flatnonzero((content.motion.time_ns >= begin) & (content.motion.time_ns <= content.end_ns))
+    if not len(late):
+        return begin
+    return int(content.motion.time_ns[late[np.argmax(content.motion.force[late, :rollers].max(axis=1))]])
+
+
+def view_recording(bag: Path, *, save: Path | None, screenshot: Path | None, web: bool) -> tuple[Content, bool, int]:
+    """Do what was asked for; return what was shown, whether the recording was whole, and the viewer's exit status."""
+    outputs = ((save, ".rrd", "--save"), (screenshot, ".png", "--screenshot"))
+    for path, suffix, option in outputs:
+        if path is not None:
+            checked_output(path, suffix=suffix, option=option)
+    recording = Recording(bag)
+    content = gather(recording)
+    if save is not None:
+        save_document(recording, content, save)
+    if screenshot is not None:
+        take_picture(content, screenshot)
+    status = show(recording, content, web=web) if save is None and screenshot is None else 0
+    return content, recording.complete, status
