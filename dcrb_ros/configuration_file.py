@@ -169,10 +169,12 @@ def _number(text: str) -> Scalar:
 
 
 _Loader.add_constructor(yaml.resolver.BaseResolver.DEFAULT_MAPPING_TAG, _mapping)
-_Loader.add_constructor(
-    "tag:yaml.org,2002:str",
-    lambda loader, node: _number(node.value) if node.style is None and node.value[:1] in "+-.0123456789" else node.value,
-)
+def _text(loader: _Loader, node: yaml.ScalarNode) -> Scalar:
+    plain = node.style is None and node.value[:1] in "+-.0123456789"
+    return _number(node.value) if plain else str(node.value)
+
+
+_Loader.add_constructor("tag:yaml.org,2002:str", _text)
 
 
 def read_parameters(path: Path, node: str) -> dict[str, Any]:

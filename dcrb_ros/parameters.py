@@ -36,7 +36,7 @@ def quantity(
     ``low`` and ``high`` are the closed range, ``remedy`` the advice that a refusal gives, ``run_time`` whether the
     running node accepts a change.
     """
-    extra = {"unit": unit, "symbol": symbol, "remedy": remedy, "run_time": run_time}
+    extra: dict[str, Any] = {"unit": unit, "symbol": symbol, "remedy": remedy, "run_time": run_time}
     return Field(default, ge=low, le=high, description=description, json_schema_extra=extra)
 
 

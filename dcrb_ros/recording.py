@@ -8,7 +8,6 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
-from mcap.exceptions import McapError
 from mcap.records import Channel, Metadata
 from mcap.records import Message as McapMessage
 from mcap.stream_reader import StreamReader
@@ -65,8 +64,11 @@ class Recording:
     def _manifest(self) -> tuple[Configuration, dict[str, Any]]:
         for record in self._stream():
             if isinstance(record, Metadata) and record.name == MANIFEST:
-                found: dict[str, Any] = json.loads(record.metadata["manifest"])
-                return Configuration.model_validate(found["configuration"]), found
+                try:
+                    found: dict[str, Any] = json.loads(record.metadata["manifest"])
+                    return Configuration.model_validate(found["configuration"]), found
+                except (ValueError, KeyError, TypeError):
+                    break
             if isinstance(record, McapMessage):
                 break
         raise Refusal(f"{self.path} carries no manifest of the bench: give a recording made by dcrb simulate or dcrb bench")
@@ -84,8 +86,8 @@ class Recording:
         for file in self.files:
             with file.open("rb") as stream:
                 try:
-                    yield from StreamReader(stream, record_size_limit=LARGEST_RECORD).records
-                except (McapError, OSError, ValueError, KeyError, RuntimeError, EOFError, UnicodeDecodeError, MemoryError):
+                    yield from StreamReader(stream, record_size_limit=LARGEST_RECORD, validate_crcs=True).records
+                except Exception:  # a damaged record breaks reader or decompressor anywhere, each in its own way
                     self.complete = False
 
 

@@ -26,7 +26,7 @@ def _choose_cache() -> Path:
     if "NUMBA_CACHE_DIR" in os.environ:
         return Path(os.environ["NUMBA_CACHE_DIR"])
     folder = _cache_folder()
-    numba.config.CACHE_DIR = str(folder)
+    setattr(numba.config, "CACHE_DIR", str(folder))  # noqa: B010 - numba's configuration is untyped
     return folder
 
 

@@ -55,7 +55,6 @@ class State(NamedTuple):
 
 def empty_state(rows: int, rollers: int) -> State:
     """Return a state of zeros for ``rows`` rows of ``rollers`` rollers."""
-    pair = [np.zeros(2) for _ in range(4)]
-    cages = [np.zeros((rows, 3)) for _ in range(2)]
-    per_roller = [np.zeros((rows, rollers)) for _ in range(10)]
-    return State(*pair, *cages, *per_roller, np.zeros(2), np.zeros(2), np.zeros(3))
+    two, cage, roller = (2,), (rows, 3), (rows, rollers)
+    shapes = [two] * 4 + [cage] * 2 + [roller] * 10 + [two, two, (3,)]
+    return State._make(np.zeros(shape) for shape in shapes)

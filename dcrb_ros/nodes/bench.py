@@ -134,6 +134,7 @@ def _watch(
     """Show the status line until the simulator ends; return the status of a node that failed, or 0."""
     import rclpy
     from rclpy.signals import SignalHandlerOptions
+    from rclpy.utilities import try_shutdown
 
     rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
     node = rclpy.create_node("bench", namespace=NAMESPACE)
@@ -161,7 +162,7 @@ def _watch(
                     return 0
     finally:
         node.destroy_node()
-        rclpy.try_shutdown()
+        try_shutdown()
     return 0
 
 

@@ -69,6 +69,7 @@ def run(arguments: list[str]) -> int:
     check_ros()
     import rclpy
     from rclpy.signals import SignalHandlerOptions
+    from rclpy.utilities import try_shutdown
 
     told = stop_on_signals()
     rclpy.init(args=arguments, signal_handler_options=SignalHandlerOptions.NO)
@@ -79,7 +80,7 @@ def run(arguments: list[str]) -> int:
         return 0
     finally:
         node.destroy_node()
-        rclpy.try_shutdown()
+        try_shutdown()
 
 
 def main() -> None:

@@ -62,7 +62,8 @@ def declare(node: Node, model: type[Model], *, run_time: Sequence[str] = ()) -> 
     Raises:
         Refusal: an override that is unknown, mistyped or out of range.
     """
-    given = {key: parameter.value for key, parameter in node.get_parameters_by_prefix("").items() if key not in OWN}
+    found: dict[str, Any] = node.get_parameters_by_prefix("")
+    given = {key: parameter.value for key, parameter in found.items() if key not in OWN}
     checked = validated(given, model, "parameters")
     values = flatten(checked.model_dump())
     for field in parameter_fields(model):

@@ -211,7 +211,7 @@ def run(arguments: list[str]) -> int:
     check_ros()
     import rclpy
     from rclpy.signals import SignalHandlerOptions
-    from rclpy.utilities import remove_ros_args
+    from rclpy.utilities import remove_ros_args, try_shutdown
 
     options = parser.parse_args(remove_ros_args(["simulator", *arguments])[1:])
     told = stop_on_signals()
@@ -230,7 +230,7 @@ def run(arguments: list[str]) -> int:
         return 0
     finally:
         node.destroy_node()
-        rclpy.try_shutdown()
+        try_shutdown()
 
 
 def main() -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 import rerun as rr
@@ -12,12 +13,24 @@ from dcrb_ros.block import Floats, Truth
 from dcrb_ros.viewer import palette
 from dcrb_ros.viewer.content import Content, Motion, Times
 from dcrb_ros.viewer.drawing import Drawing, arc, circle, on_circle, quaternions, rounded_up
-from dcrb_ros.viewer.timeline import time_column
+from dcrb_ros.viewer.timeline import TIMELINE, time_column
 
 ROOT = "bearing"
 PICTURE_RATE = 100.0
 """Pictures per second of simulated time at most [Hz]."""
-SCALE_STEPS = 3
+SCALE_STEPS = 4
+NOTCH = 1.4
+"""Depth of a defect as drawn [mm]."""
+
+
+class RacewayFault(NamedTuple):
+    """A defect of a raceway as the ground truth has it."""
+
+    name: str
+    azimuth: float
+    """Azimuth of its middle [rad]; of the inner ring at rotation angle zero."""
+    width: float
+    """Width along the raceway [m]."""
 
 
 def drawing_of(content: Content, motion: Motion) -> Drawing:
@@ -32,7 +45,7 @@ def log_bearing(content: Content, motion: Motion, drawing: Drawing) -> None:
     log_force_scale(drawing)
     for row in range(content.layout.rows):
         log_row(content, drawing, motion, row)
-        log_defects(drawing, content.truths, row)
+        log_defects(drawing, content, row)
     log_load(drawing, content.truths)
 
 
@@ -52,7 +65,7 @@ def log_row(content: Content, drawing: Drawing, motion: Motion, row: int) -> Non
     azimuth, force = motion.azimuth[:, of_row], motion.force[:, of_row]
     cage = motion.azimuth[:, layout.rows * count + row]
     rr.log(path, rr.Transform3D(translation=[*drawing.centre(row), 0.0]), static=True)
-    log_outer_ring(drawing, path, row)
+    log_outer_ring(drawing, path)
     log_inner_ring(drawing, f"{path}/inner_ring")
     log_cage(drawing, f"{path}/cage")
     log_rotation(f"{path}/inner_ring", motion.time_ns, motion.azimuth[:, -1])
@@ -61,7 +74,7 @@ def log_row(content: Content, drawing: Drawing, motion: Motion, row: int) -> Non
     log_bars(drawing, f"{path}/normal_force", motion.time_ns, azimuth, force)
 
 
-def log_outer_ring(drawing: Drawing, path: str, row: int) -> None:
+def log_outer_ring(drawing: Drawing, path: str) -> None:
     """Log the outer ring, the force scale around it and the load line."""
     middle, half = 0.5 * (drawing.outer_raceway + drawing.rim), 0.5 * drawing.ring_thickness
     rings = [circle(middle), circle(drawing.outer_raceway), circle(drawing.rim)]
@@ -70,9 +83,8 @@ def log_outer_ring(drawing: Drawing, path: str, row: int) -> None:
     steps = [drawing.bars_start + drawing.bars_length * k / SCALE_STEPS for k in range(SCALE_STEPS + 1)]
     arcs = [arc(radius, -0.75 * math.pi, 0.75 * math.pi) for radius in steps]
     rr.log(f"{path}/force_scale", rr.LineStrips2D(arcs, radii=[0.25], colors=[palette.FAINT], draw_order=0.0), static=True)
-    name = rr.Points2D([on_circle(drawing.bars_start + 0.62 * drawing.bars_length, math.pi)], radii=0.01, colors=[palette.MUTED])
-    rr.log(f"{path}/name", name, static=True)
-    rr.log(f"{path}/name", rr.Points2D.from_fields(labels=[f"row {row + 1}"], show_labels=True), static=True)
+    above = rr.Points2D.from_fields(positions=[on_circle(drawing.rim + 1.6 * drawing.roller, math.pi)], radii=[0.01], show_labels=True)
+    rr.log(f"{path}/name", above, static=True)
 
 
 def log_inner_ring(drawing: Drawing, path: str) -> None:
@@ -117,30 +129,39 @@ def log_bars(drawing: Drawing, path: str, time_ns: Times, azimuth: Floats, force
     rr.send_columns(path, [time_column(time_ns)], columns.partition(np.full(len(time_ns), count)))
 
 
-def log_defects(drawing: Drawing, truths: Sequence[Truth], row: int) -> None:
-    """Log the raceway defects of a row where the ground truth has them; those of the inner ring turn with it."""
+def log_defects(drawing: Drawing, content: Content, row: int) -> None:
+    """Log the raceway defects of a row from when the ground truth has them; those of the inner ring turn with it."""
+    shown: list[RacewayFault] = []
+    log_notches(drawing, row, content.start_ns, shown)
+    for truth in content.truths:
+        faults = raceway_faults(truth, row)
+        if faults != shown:
+            log_notches(drawing, row, truth.time_ns, faults)
+            shown = faults
+
+
+def raceway_faults(truth: Truth, row: int) -> list[RacewayFault]:
+    """Return the raceway faults of a row, counted from 0, in the order of their names."""
+    return [
+        RacewayFault(name, float(fault["azimuth"]), float(fault["width"]))
+        for name, fault in sorted(truth.faults.items())
+        if name.startswith(("inner", "outer")) and int(fault.get("row", 0)) in (0, row + 1)
+    ]
+
+
+def log_notches(drawing: Drawing, row: int, time_ns: int, faults: Sequence[RacewayFault]) -> None:
+    """Log the defects that a row has from ``time_ns`` on, and name them above it."""
+    rr.set_time(TIMELINE, timestamp=np.datetime64(time_ns, "ns"))
     path = f"{ROOT}/row{row + 1}"
-    sides = {"outer": (f"{path}/defect", drawing.outer_raceway, 1.0), "inner": (f"{path}/inner_ring/defect", drawing.inner_raceway, -1.0)}
-    for side, (place, radius, outwards) in sides.items():
-        shown: list[tuple[str, float, float]] | None = None
-        for truth in truths:
-            faults = [
-                (name, float(fault["azimuth"]), float(fault["width"]))
-                for name, fault in sorted(truth.faults.items())
-                if name.startswith(side) and int(fault.get("row", 0)) in (0, row + 1)
-            ]
-            if faults != shown:
-                log_notches(drawing, place, truth.time_ns, faults, radius + outwards * 1.4)
-                shown = faults
-
-
-def log_notches(drawing: Drawing, path: str, time_ns: int, faults: list[tuple[str, float, float]], radius: float) -> None:
-    """Log the defects (name, azimuth [rad], width [m]) that one raceway has from ``time_ns`` on."""
-    rr.set_time("ros2_timestamp", timestamp=np.datetime64(time_ns, "ns"))
-    notches = [drawing.notch(radius, azimuth, width) for _, azimuth, width in faults]
-    labels = [f"{name}: {width * 1e3:g} mm" for name, _, width in faults]
-    strips = rr.LineStrips2D(notches, radii=[1.8], colors=[palette.DEFECT], labels=labels, show_labels=True, draw_order=6.0)
-    rr.log(path, strips)
+    sides = {
+        "outer": (f"{path}/defect", drawing.outer_raceway + NOTCH),
+        "inner": (f"{path}/inner_ring/defect", drawing.inner_raceway - NOTCH),
+    }
+    for side, (place, radius) in sides.items():
+        notches = [drawing.notch(radius, fault.azimuth, fault.width) for fault in faults if fault.name.startswith(side)]
+        rr.log(place, rr.LineStrips2D(notches, radii=[1.3 * NOTCH], colors=[palette.DEFECT], draw_order=6.0))
+    label = ", ".join([f"row {row + 1}", *(f"{fault.name}: {fault.width * 1e3:g} mm" for fault in faults)])
+    rr.log(f"{path}/name", rr.Points2D.from_fields(labels=[label], colors=[palette.DEFECT if faults else palette.MUTED]))
 
 
 def log_load(drawing: Drawing, truths: Sequence[Truth]) -> None:

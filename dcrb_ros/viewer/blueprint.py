@@ -16,16 +16,16 @@ PANEL = rrb.archetypes.PlotBackground(color=palette.BACKGROUND, show_grid=True)
 
 def compose(content: Content, drawing: Drawing | None, *, picture_only: bool = False) -> rrb.Blueprint:
     """Return the arrangement; ``picture_only`` hides the bars around it, for a screenshot."""
-    left: list[rrb.View | rrb.Container] = [waveform(content)]
+    left: list[rrb.View | rrb.Container] = [waveform()]
     right: list[rrb.View | rrb.Container] = [spectrum(), summary()]
     if drawing is not None:
         left.insert(0, bearing(drawing))
-        right.append(motion(content))
+        right.append(motion())
     if content.indicators or content.features:
         left.append(rrb.Tabs(*([indicators()] if content.indicators else []), *([features()] if content.features else [])))
     columns = rrb.Horizontal(
         rrb.Vertical(*left, row_shares=[6.0, 3.0, 2.0][-len(left) :] if drawing is None else [6.0, 3.2, 2.4][: len(left)]),
-        rrb.Vertical(*right, row_shares=[5.1, 2.8, 3.6][: len(right)]),
+        rrb.Vertical(*right, row_shares=[4.9, 3.1, 3.5][: len(right)]),
         column_shares=[5.6, 4.4],
     )
     bars = [rrb.TopPanel(state="hidden")] if picture_only else []
@@ -63,27 +63,29 @@ def spectrum() -> rrb.Spatial2DView:
     )
 
 
-def waveform(content: Content) -> rrb.Tabs:
+def waveform() -> rrb.Tabs:
     """Return the waveform around the cursor and, on a second tab, the whole of it."""
-    around = rrb.TimeRange(
-        start=rrb.TimeRangeBoundary.cursor_relative(seconds=-CLOSE_UP), end=rrb.TimeRangeBoundary.cursor_relative(seconds=CLOSE_UP)
-    )
-    close_up = rrb.TimeSeriesView(
+    around = rrb.TimeSeriesView(
         origin="waveform",
         name="Acceleration of the outer ring [m/s²]",
-        axis_x=rrb.archetypes.TimeAxis(view_range=around),
+        axis_x=close_up(),
         background=PANEL,
         plot_legend=rrb.PlotLegend(rrb.Corner2D.RightTop),
     )
     whole = rrb.TimeSeriesView(origin="waveform", name="Whole recording", background=PANEL, plot_legend=rrb.PlotLegend(visible=False))
-    return rrb.Tabs(close_up, whole, active_tab=0)
+    return rrb.Tabs(around, whole, active_tab=0)
 
 
-def motion(content: Content) -> rrb.Tabs:
+def close_up() -> rrb.archetypes.TimeAxis:
+    """Return the time axis of a plot that follows the cursor closely."""
+    begin, end = (rrb.TimeRangeBoundary.cursor_relative(seconds=seconds) for seconds in (-CLOSE_UP, CLOSE_UP))
+    return rrb.archetypes.TimeAxis(view_range=rrb.TimeRange(start=begin, end=end))
+
+
+def motion() -> rrb.Tabs:
     """Return the states over time."""
     plain = rrb.PlotLegend(visible=False)
-    around = rrb.TimeRange(start=rrb.TimeRangeBoundary.cursor_relative(seconds=-CLOSE_UP), end=rrb.TimeRangeBoundary.cursor_relative(seconds=CLOSE_UP))
-    axis = rrb.archetypes.TimeAxis(view_range=around)
+    axis = close_up()
     forces = rrb.TimeSeriesView(origin="forces/row1", name="Roller forces, row 1 [kN]", axis_x=axis, background=PANEL, plot_legend=plain)
     spins = rrb.TimeSeriesView(origin="spins/row1", name="Spins [rad/s]", axis_x=axis, background=PANEL, plot_legend=plain)
     cages = rrb.TimeSeriesView(origin="cages", name="Cages [rad/s]", background=PANEL)
@@ -93,7 +95,8 @@ def motion(content: Content) -> rrb.Tabs:
 
 def indicators() -> rrb.TimeSeriesView:
     """Return the detector's levels over time."""
-    return rrb.TimeSeriesView(origin="indicators", name="Fault indicators [dB over background]", background=PANEL, plot_legend=rrb.PlotLegend(rrb.Corner2D.LeftTop))
+    legend = rrb.PlotLegend(rrb.Corner2D.LeftTop)
+    return rrb.TimeSeriesView(origin="indicators", name="Fault indicators [dB over background]", background=PANEL, plot_legend=legend)
 
 
 def features() -> rrb.TimeSeriesView:

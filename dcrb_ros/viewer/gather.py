@@ -30,7 +30,8 @@ def gather(recording: Recording) -> Content:
         found[message.topic].append(message.data)
     blocks = [decode_vibration(data) for data in found[VIBRATION]]
     if not blocks:
-        raise Refusal(f"{recording.path} has no block on {VIBRATION.resolved(NAMESPACE)} to show: give a recording of the bench with its waveform")
+        topic = VIBRATION.resolved(NAMESPACE)
+        raise Refusal(f"{recording.path} has no block on {topic} to show: give a recording of the bench with its waveform")
     bearing = recording.configuration.bearing
     layout = Layout(bearing.rows, bearing.rollers_per_row)
     waveform = waveform_of(blocks, recording.configuration.sensor.sampling_rate)

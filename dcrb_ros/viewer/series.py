@@ -11,7 +11,7 @@ from rerun.components import AggregationPolicy
 from dcrb_ros.block import Floats, Samples
 from dcrb_ros.viewer import palette
 from dcrb_ros.viewer.content import Content, Motion, Series, Times, Verdict, Waveform
-from dcrb_ros.viewer.timeline import time_column
+from dcrb_ros.viewer.timeline import TIMELINE, time_column
 
 KILO = 1e-3
 
@@ -72,6 +72,6 @@ def log_verdicts(verdicts: Sequence[Verdict]) -> None:
     """Log the detector's verdicts as a text log."""
     levels = (rr.TextLogLevel.INFO, rr.TextLogLevel.WARN, rr.TextLogLevel.ERROR)
     for verdict in verdicts:
-        rr.set_time("ros2_timestamp", timestamp=np.datetime64(verdict.time_ns, "ns"))
+        rr.set_time(TIMELINE, timestamp=np.datetime64(verdict.time_ns, "ns"))
         evidence = ", ".join(f"{key} {value}" for key, value in verdict.evidence.items())
         rr.log("diagnosis/verdict", rr.TextLog(f"{verdict.name}: {evidence}", level=levels[min(verdict.level, 2)]))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import tempfile
 from pathlib import Path
 
@@ -25,8 +24,11 @@ def checked_output(path: Path, *, suffix: str, option: str) -> Path:
     folder = path.absolute().parent
     if not folder.is_dir():
         raise Refusal(f"{option} {path} cannot be written: there is no folder {folder}; create it or give another")
-    if not os.access(folder, os.W_OK):
-        raise Refusal(f"{option} {path} cannot be written: the folder {folder} is read-only for you; give another")
+    try:
+        with tempfile.TemporaryFile(dir=folder):
+            pass
+    except OSError as error:
+        raise Refusal(f"{option} {path} cannot be written: {error.strerror}; give another folder") from None
     return path
 
 

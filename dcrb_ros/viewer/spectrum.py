@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -88,7 +89,7 @@ def pieces(waveform: Waveform, length: int) -> Iterator[slice]:
     """Yield slices of ``length`` samples at most, none across a gap in the waveform."""
     gaps = np.flatnonzero(np.diff(waveform.time_ns) > 1_500_000_000 // waveform.rate) + 1
     borders = [0, *gaps.tolist(), len(waveform.time_ns)]
-    for first, last in zip(borders[:-1], borders[1:]):
+    for first, last in pairwise(borders):
         for start in range(first, last, length):
             yield slice(start, min(start + length, last))
 

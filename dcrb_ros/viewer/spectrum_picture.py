@@ -65,10 +65,11 @@ def log_axes(axes: Axes, shaft_frequency: float) -> None:
     levels = np.arange(0.0, axes.highest_level + 1e-9, LEVEL_TICK)
     upright = [axes.points(np.array([o, o]), np.array([axes.lowest_level, axes.highest_level])) for o in orders]
     level = [axes.points(np.array([0.0, axes.highest_order]), np.array([v, v])) for v in levels]
-    rr.log(f"{ROOT}/grid", rr.LineStrips2D([*upright, *level], radii=rr.Radius.ui_points(0.5), colors=[palette.FAINT], draw_order=0.0), static=True)
-    below = axes.points(orders, np.full_like(orders, axes.lowest_level)) + [0.0, 30.0]
-    beside = axes.points(np.zeros_like(levels), levels) + [-36.0, 0.0]
-    texts = [f"{order:g}" for order in orders] + [f"{value:g}" for value in levels[:-1]] + [f"{levels[-1]:g} dB"]
+    grid = rr.LineStrips2D([*upright, *level], radii=rr.Radius.ui_points(0.5), colors=[palette.FAINT], draw_order=0.0)
+    rr.log(f"{ROOT}/grid", grid, static=True)
+    below = axes.points(orders, np.full_like(orders, axes.lowest_level)) + np.array([0.0, 30.0])
+    beside = axes.points(np.zeros_like(levels), levels) + np.array([-36.0, 0.0])
+    texts = [*(f"{order:g}" for order in orders), *(f"{value:g}" for value in levels[:-1]), f"{levels[-1]:g} dB"]
     log_texts(f"{ROOT}/ticks", np.concatenate([below, beside]), texts, palette.MUTED)
     meaning = f"multiples of the shaft frequency ({shaft_frequency:.2f} Hz)"
     log_texts(f"{ROOT}/meaning", np.array([[0.5 * WIDTH, HEIGHT + 74.0]]), [meaning], palette.MUTED)

@@ -50,7 +50,8 @@ def open_window(document: Path, *, web: bool = False) -> int:
 def save_screenshot(document: Path, picture: Path, *, at_ns: int, width: int = 1600, height: int = 1000) -> None:
     """Write a PNG of the viewer with the cursor at ``at_ns``, without a window; raise `ViewerFailure` with the reason."""
     port = _free_port()
-    options = ["--headless", "--bind", LOOPBACK, "--port", str(port), "--hide-welcome-screen", "--window-size", f"{width}x{height + EMPTY_BAR}"]
+    size = f"{width}x{height + EMPTY_BAR}"
+    options = ["--headless", "--bind", LOOPBACK, "--port", str(port), "--hide-welcome-screen", "--window-size", size]
     with _running([*_command(), *options, str(document)]) as viewer:
         started = time.monotonic()
         client = _awaited(viewer, "load the recording", lambda: _client_with_recording(port))

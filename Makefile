@@ -1,0 +1,48 @@
+# The two commands: make demo, make test. Everything goes into .venv; see .ci/environment.
+SHELL := /bin/sh
+BIN := .venv/bin
+STAMPED := $(shell date +%Y%m%d-%H%M%S)
+# A sourced ROS, or a middleware that is not in .venv, would end every node at once.
+unexport RMW_IMPLEMENTATION PYTHONPATH PYTHONHOME AMENT_PREFIX_PATH
+
+.PHONY: help environment demo test lint types architecture unit kernels nodes docs colcon clean
+.DEFAULT_GOAL := help
+
+help: ## Show this list
+	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "  make %-13s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
+
+environment: ## Make .venv, or find it made (PYTHON=python3.12 chooses the interpreter)
+	@PYTHON='$(PYTHON)' .ci/environment
+
+demo: environment ## Run the bench with an outer-ring defect for 10 s: verdict, recording, view
+	$(BIN)/dcrb bench outer_ring_defect --duration 10 --record recordings/demo-$(STAMPED)
+
+test: lint types architecture unit kernels nodes docs colcon ## Run every check
+	@echo "All checks hold."
+
+lint: environment ## ruff
+	$(BIN)/ruff check .
+
+types: environment ## mypy --strict
+	$(BIN)/mypy
+
+architecture: environment ## The import contracts of pyproject.toml
+	$(BIN)/lint-imports --no-logo
+
+unit: environment ## The tests without ROS processes
+	$(BIN)/python -m pytest -m "not node"
+
+kernels: environment ## The laws of the kernels once more, without the compiler
+	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest -m kernel
+
+nodes: environment ## The tests that start ROS nodes
+	$(BIN)/python -m pytest -m node
+
+docs: environment ## The site, into site/
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet
+
+colcon: environment ## Build and test as a ROS package
+	.ci/colcon
+
+clean: ## Remove what was made, but not the recordings
+	rm -rf .venv build install log site dcrb_ros.egg-info .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache

@@ -1,0 +1,79 @@
+"""Package description; name, version and licence come from package.xml."""
+
+from pathlib import Path
+from xml.etree import ElementTree
+
+from setuptools import find_packages, setup
+
+HERE = Path(__file__).resolve().parent
+manifest = ElementTree.parse(HERE / "package.xml").getroot()
+NAME = manifest.findtext("name", "")
+maintainer = manifest.find("maintainer")
+
+
+def files(folder: str, pattern: str) -> list[str]:
+    """Return the files of a folder, relative to this one, as setuptools wants them."""
+    return sorted(str(path.relative_to(HERE)) for path in (HERE / folder).glob(pattern))
+
+
+# The wheels of ROS 2 exist for this platform only; elsewhere everything but the nodes works.
+ROS_WHEELS = 'sys_platform == "linux" and platform_machine == "x86_64"'
+
+setup(
+    name=NAME,
+    version=manifest.findtext("version"),
+    description=" ".join(manifest.findtext("description", "").split()),
+    long_description=(HERE / "README.md").read_text(encoding="utf-8"),
+    long_description_content_type="text/markdown",
+    maintainer=maintainer.text if maintainer is not None else None,
+    maintainer_email=maintainer.get("email") if maintainer is not None else None,
+    license=manifest.findtext("license"),
+    python_requires=">=3.10,<3.14",
+    packages=find_packages(include=[NAME, f"{NAME}.*"]),
+    package_data={NAME: ["py.typed"]},
+    data_files=[
+        ("share/ament_index/resource_index/packages", [f"resource/{NAME}"]),
+        (f"share/{NAME}", ["package.xml"]),
+        (f"share/{NAME}/config", files("config", "*.yaml")),
+        (f"share/{NAME}/launch", files("launch", "*.py")),
+    ],
+    zip_safe=False,
+    install_requires=[
+        "numpy>=1.26,<3",
+        "numba>=0.60,<1",
+        "scipy>=1.11,<2",
+        "platformdirs>=4,<5",
+        "pydantic>=2.7,<3",
+        "pyyaml>=6,<7",
+        "typer>=0.12,<1",
+        "rich>=13,<16",
+        "mcap>=1.2,<2",
+        "rosbags>=0.10.10,<0.12",
+        "rerun-sdk>=0.39,<0.42",
+    ],
+    extras_require={
+        "ros": [
+            f"ros-jazzy-rclpy[fastrtps]>=7.1,<8; {ROS_WHEELS}",
+            f"ros-jazzy-common-interfaces>=5.3,<6; {ROS_WHEELS}",
+        ],
+        "test": [
+            "pytest>=8,<10",
+            "pytest-timeout>=2.3,<3",
+            "hypothesis>=6.100,<7",
+            "mcap-ros2-support>=0.5,<1",
+            "ruff>=0.6",
+            "mypy>=1.11",
+            "import-linter>=2.1,<3",
+            "types-PyYAML",
+        ],
+        "docs": ["mkdocs>=1.6,<2", "mkdocs-material>=9.5,<10"],
+        "colcon": ["colcon-common-extensions>=0.3,<1", "setuptools>=68,<80"],
+    },
+    entry_points={
+        "console_scripts": [
+            "dcrb = dcrb_ros.cli.app:main",
+            "simulator = dcrb_ros.nodes.simulator:main",
+            "fault_detector = dcrb_ros.nodes.fault_detector:main",
+        ],
+    },
+)

@@ -1,0 +1,110 @@
+"""Real nodes in processes of their own, and a listener to what they say."""
+
+from __future__ import annotations
+
+import itertools
+import os
+import subprocess
+import sys
+import time
+from collections import defaultdict
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from dcrb_ros.sinks.publisher import message_class, qos
+from dcrb_ros.topics import BENCH_DIAGNOSTICS, DETECTED, NAMESPACE, SIMULATED, Topic
+
+PATIENCE = 90.0
+"""Longest wait for anything [s]; a cold compile is the longest."""
+
+_domains = itertools.count(1)
+
+
+def domain() -> int:
+    """Return a ROS domain of this process's own."""
+    worker = int(os.environ.get("PYTEST_XDIST_WORKER", "gw0").removeprefix("gw"))
+    return 1 + (os.getpid() * 7 + worker * 13 + next(_domains)) % 100
+
+
+def environment(number: int, **changes: str) -> dict[str, str]:
+    """Return the environment of a node in domain ``number`` that talks to this machine alone."""
+    return {**os.environ, "ROS_DOMAIN_ID": str(number), "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST", **changes}
+
+
+class Node:
+    """A node's process with its output."""
+
+    def __init__(self, module: str, arguments: list[str], env: dict[str, str], log: Path) -> None:
+        self._log = log
+        with log.open("wb") as output:
+            self.process = subprocess.Popen(
+                [sys.executable, "-m", f"dcrb_ros.nodes.{module}", *arguments], env=env, stdout=output, stderr=subprocess.STDOUT
+            )
+
+    @property
+    def words(self) -> str:
+        """What it has printed."""
+        return self._log.read_text(errors="replace")
+
+    def end(self, number: int) -> int:
+        """Send a signal and return the exit status."""
+        self.process.send_signal(number)
+        return self.process.wait(PATIENCE)
+
+
+@contextmanager
+def node(module: str, arguments: list[str], env: dict[str, str], log: Path) -> Iterator[Node]:
+    """Run a node; it is ended whatever happens."""
+    started = Node(module, arguments, env, log)
+    try:
+        yield started
+    finally:
+        if started.process.poll() is None:
+            started.process.kill()
+        started.process.wait(PATIENCE)
+
+
+class Listener:
+    """A node of the test itself that keeps the raw messages of every topic."""
+
+    def __init__(self, number: int) -> None:
+        import rclpy
+        from rclpy.executors import SingleThreadedExecutor
+
+        os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
+        self.context = rclpy.Context()
+        rclpy.init(context=self.context, domain_id=number, args=[])
+        self.node = rclpy.create_node("listener", namespace=NAMESPACE, context=self.context)
+        self.executor = SingleThreadedExecutor(context=self.context)
+        self.executor.add_node(self.node)
+        self.heard: dict[Topic, list[bytes]] = defaultdict(list)
+        for topic in (*SIMULATED, *DETECTED, BENCH_DIAGNOSTICS):
+            self.node.create_subscription(
+                message_class(topic), topic.resolved(NAMESPACE), lambda data, t=topic: self.heard[t].append(bytes(data)), qos(topic), raw=True
+            )
+
+    def until(self, reached: Callable[[], Any], why: str) -> None:
+        """Listen until something is reached; fail where it is not in time."""
+        end = time.monotonic() + PATIENCE
+        while not reached():
+            assert time.monotonic() < end, f"waited {PATIENCE} s in vain for {why}; heard { {t.name: len(m) for t, m in self.heard.items()} }"
+            self.executor.spin_once(timeout_sec=0.1)
+
+    def close(self) -> None:
+        """Leave the graph."""
+        import rclpy
+
+        self.node.destroy_node()
+        rclpy.try_shutdown(context=self.context)
+
+
+@contextmanager
+def listener(number: int) -> Iterator[Listener]:
+    """Listen in a domain."""
+    found = Listener(number)
+    try:
+        yield found
+    finally:
+        found.close()

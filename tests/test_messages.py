@@ -1,0 +1,94 @@
+"""Blocks to messages and back."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+from conftest import simulated
+from hypothesis import given
+from hypothesis import strategies as st
+
+from dcrb_ros.block import Block, Layout
+from dcrb_ros.configuration import Configuration
+from dcrb_ros.messages import (
+    SAMPLE,
+    BlockEncoder,
+    decode_joints,
+    decode_sensor,
+    decode_text,
+    decode_truth,
+    decode_vibration,
+    encode_points,
+    encode_text,
+    encode_vibration,
+    sensor_text,
+)
+from dcrb_ros.refusal import Refusal
+from dcrb_ros.topics import FEATURES, GROUND_TRUTH, ROLLER_STATES
+
+
+def block_at(index: int, count: int, rate: int = 51200) -> Block:
+    random = np.random.default_rng(index)
+    samples = random.standard_normal((count, 2)).astype(np.float32)
+    return Block(index, rate, samples, random.uniform(0.0, 6.28, count).astype(np.float32), samples)
+
+
+@given(st.integers(0, 10**12), st.integers(1, 3000), st.sampled_from([12800, 25600, 51200, 102400]))
+def test_waveform_round_trip(index: int, count: int, rate: int) -> None:
+    block = block_at(index, count, rate)
+    found = decode_vibration(encode_vibration(block, block.acceleration))
+    assert np.array_equal(found.acceleration, block.acceleration)
+    assert np.array_equal(found.shaft_angle, block.shaft_angle)
+    assert found.first_index(rate) == index
+    exact = [(index + k) * 10**9 // rate - found.stamp_ns for k in range(count)]
+    assert found.offsets_ns.tolist() == exact
+
+
+def test_states_truth_and_features_round_trip() -> None:
+    run = simulated(0.3, fault="outer_1", state_rate=100)
+    encoder = BlockEncoder(run.configuration, Layout(2, 16))
+    messages = [message for block in run.blocks for message in encoder.encode(block)]
+    states = [decode_joints(m.data) for m in messages if m.topic is ROLLER_STATES]
+    assert [s.stamp_ns for s in states] == [s.time_ns for s in run.states]
+    for joints, expected in zip(states, run.states, strict=True):
+        assert joints.names == tuple(Layout(2, 16).names)
+        assert np.array_equal(joints.position, expected.azimuth)
+        assert np.array_equal(joints.velocity, expected.speed)
+        assert np.array_equal(joints.effort, expected.inner_force)
+    truths = [decode_truth(m.data) for m in messages if m.topic is GROUND_TRUTH]
+    expected_truths = [truth for block in run.blocks for truth in block.truths]
+    assert [(t.time_ns, t.speed, t.load, t.changed) for t in truths] == [(t.time_ns, t.speed, t.load, t.changed) for t in expected_truths]
+    assert truths[0].faults["outer_1"]["width"] == 0.002
+    rms = decode_joints(next(m.data for m in messages if m.topic is FEATURES)).position[0]
+    y = run.blocks[0].acceleration[:, 1].astype(float)
+    assert rms == pytest.approx(y.std(), rel=1e-6)
+
+
+def test_sensor_explains_the_waveform() -> None:
+    about = json.loads(decode_text(encode_text(sensor_text(Configuration()))))
+    assert about["sampling_rate"] == 51200
+    assert about["acceleration_unit"] == "m/s^2"
+    rate, orders = decode_sensor(encode_text(sensor_text(Configuration())))
+    assert (rate, round(orders.bpfo, 4)) == (51200, 6.7234)
+
+
+@pytest.mark.parametrize("text", ["", "{}", "[1]", '{"sampling_rate": "fast", "orders": {}}', '{"sampling_rate": -1, "orders": {"FTF":1,"BPFO":1,"BPFI":1,"BSF":1}}'])
+def test_foreign_sensor_texts_are_refused(text: str) -> None:
+    with pytest.raises(Refusal, match="sensor's description"):
+        decode_sensor(encode_text(text))
+
+
+def test_foreign_clouds_are_refused() -> None:
+    points = np.zeros(4, [("x", "<f4"), ("y", "<f4")])
+    with pytest.raises(Refusal, match=r"\['x', 'y'\] is no waveform"):
+        decode_vibration(encode_points(points, 0))
+    with pytest.raises(Refusal, match="claims 0 samples"):
+        decode_vibration(encode_points(np.zeros(0, SAMPLE), 0))
+
+
+@given(st.binary(max_size=600))
+def test_any_bytes_are_decoded_or_refused(data: bytes) -> None:
+    with pytest.raises(Refusal):
+        decode_vibration(data)
