@@ -9,6 +9,7 @@ from pydantic import model_validator
 
 from dcrb_ros.faults import Faults
 from dcrb_ros.parameters import (
+    LENGTH_REMEDY,
     Bearing,
     Cage,
     Contact,
@@ -115,7 +116,7 @@ def _defects(c: Configuration) -> Iterator[str]:
         raceway = b.inner_raceway_radius if name.startswith("inner") else b.outer_raceway_radius
         pitch = 2.0 * math.pi * raceway / b.rollers_per_row
         if defect.width >= pitch:
-            yield f"faults.{name}.width = {defect.width:g} m is not below the pitch of {pitch:.4g} m: lengths are in metres, a catalogue gives millimetres"
+            yield f"faults.{name}.width = {defect.width:g} m is not below the pitch of {pitch:.4g} m: {LENGTH_REMEDY}"
         if defect.row > b.rows:
             yield f"faults.{name}.row = {defect.row} is outside 0 .. {b.rows}: the bearing has {b.rows} row(s), 0 means all"
     for i, (name, defect) in enumerate(found):
@@ -125,4 +126,7 @@ def _defects(c: Configuration) -> Iterator[str]:
             raceway = b.inner_raceway_radius if name.startswith("inner") else b.outer_raceway_radius
             apart = abs(math.remainder(defect.azimuth - other.azimuth, 2.0 * math.pi)) * raceway
             if apart < 0.5 * (defect.width + other.width):
-                yield f"faults.{name} overlaps faults.{other_name}: their middles are {apart:.4g} m apart; move an azimuth or join them into one defect"
+                yield (
+                    f"faults.{name} overlaps faults.{other_name}: their middles are {apart:.4g} m apart; "
+                    "move an azimuth or join them into one defect"
+                )

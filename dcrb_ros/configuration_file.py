@@ -185,7 +185,7 @@ def read_parameters(path: Path, node: str) -> dict[str, Any]:
     """
     try:
         if path.stat().st_size > LARGEST_FILE:
-            raise Refusal(f"{path} has {path.stat().st_size} bytes; a configuration has at most {LARGEST_FILE}, give the YAML file of a bench")
+            raise Refusal(f"{path} has {path.stat().st_size} bytes; a configuration has at most {LARGEST_FILE}")
         tree = yaml.load(path.read_text(encoding="utf-8"), Loader=_Loader)
     except OSError as error:
         raise Refusal(f"{path} cannot be read: {error.strerror}") from None

@@ -177,9 +177,7 @@ def encode_text(text: str) -> bytes:
 def encode_diagnostics(time_ns: int, statuses: Iterable[Status]) -> bytes:
     """Return a DiagnosticArray."""
     pair, status_type = _type("diagnostic_msgs/msg/KeyValue"), _type("diagnostic_msgs/msg/DiagnosticStatus")
-    found = [
-        status_type(s.level, s.name, s.message, "dcrb", [pair(key, value) for key, value in s.values.items()]) for s in statuses
-    ]
+    found = [status_type(s.level, s.name, s.message, "dcrb", [pair(key, value) for key, value in s.values.items()]) for s in statuses]
     name = "diagnostic_msgs/msg/DiagnosticArray"
     return _encoded(name, _type(name)(_header(time_ns, ""), found))
 
@@ -252,14 +250,19 @@ def decode_vibration(data: bytes) -> Vibration:
     """
     cloud = _decoded(data, POINT_CLOUD)
     found = [(field.name, field.offset, field.datatype, field.count) for field in cloud.fields]
-    expected = [(name, offset, POINT_KINDS[dtype.str], 1) for name, (dtype, offset) in ((n, e[:2]) for n, e in (SAMPLE.fields or {}).items())]
+    expected = [
+        (name, offset, POINT_KINDS[dtype.str], 1) for name, (dtype, offset) in ((n, e[:2]) for n, e in (SAMPLE.fields or {}).items())
+    ]
     if found != expected or cloud.is_bigendian or cloud.point_step != SAMPLE.itemsize or cloud.height != 1:
         raise Refusal(
             f"a PointCloud2 with the fields {[name for name, *_ in found]} is no waveform: it must have t, ax, ay and shaft_angle, "
             f"{SAMPLE.itemsize} bytes a sample, little endian, height 1"
         )
     if not 0 < cloud.width <= MOST_SAMPLES or len(cloud.data) != cloud.width * SAMPLE.itemsize:
-        raise Refusal(f"a waveform block claims {cloud.width} samples in {len(cloud.data)} bytes; each takes {SAMPLE.itemsize}, at most {MOST_SAMPLES} samples")
+        raise Refusal(
+            f"a waveform block claims {cloud.width} samples in {len(cloud.data)} bytes; "
+            f"each takes {SAMPLE.itemsize}, and {MOST_SAMPLES} are the most"
+        )
     points = np.frombuffer(cloud.data.tobytes(), SAMPLE)
     acceleration = np.stack([points["ax"], points["ay"]], axis=1)
     return Vibration(stamp_of(cloud.header), points["t"].copy(), acceleration, points["shaft_angle"].copy())
@@ -356,7 +359,9 @@ def decode_sensor(data: bytes) -> tuple[int, Orders]:
         orders = {name: float(about["orders"][name]) for name in INDICATORS}
         rate = int(about["sampling_rate"])
     except (ValueError, KeyError, TypeError) as error:
-        raise Refusal(f"the sensor's description is not understood ({type(error).__name__}): it must give sampling_rate and orders as JSON") from None
+        raise Refusal(
+            f"the sensor's description is not understood ({type(error).__name__}): it must give sampling_rate and orders as JSON"
+        ) from None
     if rate <= 0 or not all(math.isfinite(order) and order > 0.0 for order in orders.values()):
         raise Refusal(f"the sensor's description gives {rate} Hz and orders {orders}: both must be positive")
     return rate, Orders(orders["FTF"], orders["BPFO"], orders["BPFI"], orders["BSF"])

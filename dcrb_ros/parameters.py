@@ -185,7 +185,13 @@ class SensorParameters(Group):
 
     sampling_rate: int = quantity(51200, "Hz", "Sampling rate", 1000, 204800, symbol="f_s")
     range: float = quantity(
-        5000.0, "m/s^2", "Range: larger accelerations are clipped and counted", 1.0, 1e6, remedy="give m/s^2, 1 g is 9.81 m/s^2", run_time=True
+        5000.0,
+        "m/s^2",
+        "Range: larger accelerations are clipped and counted",
+        1.0,
+        1e6,
+        remedy="give m/s^2, 1 g is 9.81 m/s^2",
+        run_time=True,
     )
     noise_density: float = quantity(
         2e-3,

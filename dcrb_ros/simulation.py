@@ -22,7 +22,6 @@ from dcrb_ros.observation import observe
 from dcrb_ros.parameters import Operating
 from dcrb_ros.refusal import Refusal
 
-
 Item = TypeVar("Item")
 
 
@@ -31,11 +30,14 @@ class ModelFailure(RuntimeError):
 
 
 def _checked(name: str, key: str, value: float, unit: str) -> float:
-    low, high = next((m.ge for m in Operating.model_fields[key].metadata if hasattr(m, "ge")), -math.inf), next(
-        (m.le for m in Operating.model_fields[key].metadata if hasattr(m, "le")), math.inf
+    low, high = (
+        next((m.ge for m in Operating.model_fields[key].metadata if hasattr(m, "ge")), -math.inf),
+        next((m.le for m in Operating.model_fields[key].metadata if hasattr(m, "le")), math.inf),
     )
     if not (math.isfinite(value) and low <= value <= high):
-        raise Refusal(f"{name} = {value} {unit} is refused: it must be a number within {low:g} .. {high:g} {unit}; the bench keeps its course")
+        raise Refusal(
+            f"{name} = {value} {unit} is refused: it must be a number within {low:g} .. {high:g} {unit}; the bench keeps its course"
+        )
     return float(value)
 
 
@@ -138,7 +140,10 @@ class Simulation:
         """Step the model to step ``end``, stopping on the way at every time of a state or a truth."""
         while self._steps < end:
             publishing, rate = self.configuration.publishing, self.configuration.step_rate
-            state_due, truth_due = _next_tick(self._steps, publishing.state_rate, rate), _next_tick(self._steps, publishing.truth_rate, rate)
+            state_due, truth_due = (
+                _next_tick(self._steps, publishing.state_rate, rate),
+                _next_tick(self._steps, publishing.truth_rate, rate),
+            )
             count = min(end, state_due, truth_due) - self._steps
             acceleration, angles = np.empty((count, 2)), np.empty(count)
             advance(self._payload, self._state, self._work, acceleration, angles)

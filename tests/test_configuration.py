@@ -47,7 +47,10 @@ def test_yaml_round_trip(tmp_path_factory: pytest.TempPathFactory, speed: float,
 @pytest.mark.parametrize(
     ("setting", "sentence"),
     [
-        ("bearing.roller_radius=15.0", r"bearing.roller_radius = 15\.0 m is outside 0\.0005 \.\. 0\.2 m: .* millimetres \(did you mean 0\.015\?\)"),
+        (
+            "bearing.roller_radius=15.0",
+            r"bearing.roller_radius = 15\.0 m is outside 0\.0005 \.\. 0\.2 m: .* millimetres \(did you mean 0\.015\?\)",
+        ),
         ("faults.outer_1.width=2.0", r"did you mean 0\.002\?"),
         ("bearing.roler_radius=0.015", r"unknown parameter 'bearing.roler_radius'; did you mean 'bearing.roller_radius'\?"),
         ("operating.speed=.nan", r"operating.speed = nan rad/s is outside -1000 \.\. 1000 rad/s"),
@@ -105,7 +108,8 @@ def test_any_file_is_read_or_refused(tmp_path_factory: pytest.TempPathFactory, c
 def test_sections_of_the_node_win_and_other_nodes_are_left_alone(tmp_path: Path) -> None:
     path = tmp_path / "bench.yaml"
     path.write_text(
-        "/**: {ros__parameters: {operating: {speed: 100.0}}}\nsimulator: {ros__parameters: {operating.speed: 90.0}}\nother: {ros__parameters: {x: 1}}\n",
+        "/**: {ros__parameters: {operating: {speed: 100.0}}}\n"
+        "simulator: {ros__parameters: {operating.speed: 90.0}}\nother: {ros__parameters: {x: 1}}\n",
         encoding="utf-8",
     )
     assert load_configuration(path).operating.speed == 90.0

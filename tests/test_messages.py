@@ -74,7 +74,10 @@ def test_sensor_explains_the_waveform() -> None:
     assert (rate, round(orders.bpfo, 4)) == (51200, 6.7234)
 
 
-@pytest.mark.parametrize("text", ["", "{}", "[1]", '{"sampling_rate": "fast", "orders": {}}', '{"sampling_rate": -1, "orders": {"FTF":1,"BPFO":1,"BPFI":1,"BSF":1}}'])
+@pytest.mark.parametrize(
+    "text",
+    ["", "{}", "[1]", '{"sampling_rate": "fast", "orders": {}}', '{"sampling_rate": -1, "orders": {"FTF":1,"BPFO":1,"BPFI":1,"BSF":1}}'],
+)
 def test_foreign_sensor_texts_are_refused(text: str) -> None:
     with pytest.raises(Refusal, match="sensor's description"):
         decode_sensor(encode_text(text))

@@ -21,7 +21,9 @@ UNBOUNDED = 1.0
 
 
 # Sink depths of physics.md section 2, at the middle of the notch.
-@pytest.mark.parametrize(("width", "inner", "outer"), [(1e-3, 9.9e-6, 7.2e-6), (2e-3, 39.7e-6, 28.8e-6), (3e-3, 89.4e-6, 64.9e-6), (5e-3, 249e-6, 181e-6)])
+@pytest.mark.parametrize(
+    ("width", "inner", "outer"), [(1e-3, 9.9e-6, 7.2e-6), (2e-3, 39.7e-6, 28.8e-6), (3e-3, 89.4e-6, 64.9e-6), (5e-3, 249e-6, 181e-6)]
+)
 def test_sink_depth(width: float, inner: float, outer: float) -> None:
     assert inner_notch_depth(0.5 * width / R_I, UNBOUNDED, R_I, R_R)[0] == pytest.approx(inner, rel=0.008)
     assert outer_notch_depth(0.5 * width / R_O, UNBOUNDED, R_O, R_R)[0] == pytest.approx(outer, rel=0.008)

@@ -170,14 +170,18 @@ def test_existing_and_impossible_outputs_are_refused(run: Run, bag: Path, tmp_pa
         Recorder(blocked / "bag", run.configuration, Layout(2, 16))
 
 
+def record_all(recorder: Recorder, run: Run) -> None:
+    for block in run.blocks * 3:
+        recorder.write(block)
+
+
 def test_full_disk_ends_with_a_reason_and_a_readable_file(run: Run, tmp_path: Path) -> None:
     recorder = Recorder(tmp_path / "full", run.configuration, Layout(2, 16))
     soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (500_000, hard))
     try:
         with pytest.raises(RecordingFailed, match="ended at"):
-            for block in run.blocks * 3:
-                recorder.write(block)
+            record_all(recorder, run)
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
     recorder.close()

@@ -59,6 +59,8 @@ def detect(
         table.add_row(name, f"{level:.1f}")
     console = Console()
     console.print(table)
-    console.print(f"{last.verdict}, confidence {last.confidence:.2f}, first at {first.time:.2f} s of {seconds:.2f} s: {last.reason}", highlight=False)
+    console.print(
+        f"{last.verdict}, confidence {last.confidence:.2f}, first at {first.time:.2f} s of {seconds:.2f} s: {last.reason}", highlight=False
+    )
     if not recording.complete:
         console.print("the recording is cut off; the verdict rests on what is readable")

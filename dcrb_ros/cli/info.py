@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+
 def info(bag: Annotated[Path, typer.Argument(help="Folder of a recording or an .mcap file.")]) -> None:
     """Print the manifest and the contents of a recording."""
     from rich.console import Console
@@ -28,7 +29,9 @@ def info(bag: Annotated[Path, typer.Argument(help="Folder of a recording or an .
     for topic, count in counts.items():
         contents.add_row(topic, str(count))
     manifest = recording.manifest
-    console.print(f"dcrb_ros {manifest['dcrb_ros']}, seed {manifest['seed']}, {manifest['sampling_rate']} Hz, recorded {manifest['recorded']}")
+    console.print(
+        f"dcrb_ros {manifest['dcrb_ros']}, seed {manifest['seed']}, {manifest['sampling_rate']} Hz, recorded {manifest['recorded']}"
+    )
     console.print(contents)
     console.print(changed)
     if not recording.complete:

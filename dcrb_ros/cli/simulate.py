@@ -14,6 +14,7 @@ from dcrb_ros.refusal import Refusal
 LONGEST = 1e6
 """Longest run that is accepted [s]."""
 
+
 def checked_duration(duration: float) -> float:
     """Return a duration [s] or refuse it."""
     if not (math.isfinite(duration) and 0.0 < duration <= LONGEST):
@@ -48,7 +49,12 @@ def simulate(
     simulation = Simulation(configuration)
     started = time.perf_counter()
     done = 0.0
-    columns = (TextColumn("{task.description}"), BarColumn(), TextColumn("{task.completed:.1f} of {task.total:.1f} s simulated"), TimeRemainingColumn())
+    columns = (
+        TextColumn("{task.description}"),
+        BarColumn(),
+        TextColumn("{task.completed:.1f} of {task.total:.1f} s simulated"),
+        TimeRemainingColumn(),
+    )
     with Recorder(path, configuration, simulation.layout) as recorder, Progress(*columns, console=console) as progress:
         task = progress.add_task(path.name, total=seconds)
         try:

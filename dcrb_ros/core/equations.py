@@ -15,7 +15,6 @@ the outer contacts' tensor B, and X = sum(w_io t1' t2'^T), by which the spin cou
 from __future__ import annotations
 
 from dcrb_ros.core.jit import kernel
-
 from dcrb_ros.core.payload import Floats
 
 A, B, X, PUSH_I, PUSH_O = 0, 6, 12, 21, 24

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 
 from dcrb_ros.core.jit import kernel
-
 from dcrb_ros.core.payload import Payload
 
 

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import math
 
-from dcrb_ros.core.jit import kernel
-
 from dcrb_ros.core.contact import johnson_force, loss_coefficient
 from dcrb_ros.core.equations import PUSH_I, PUSH_O, A, B, add_contact, add_coupling
 from dcrb_ros.core.friction import bristle_after, friction_line
+from dcrb_ros.core.jit import kernel
 from dcrb_ros.core.payload import Floats, Notches, Payload
 from dcrb_ros.core.raceway import notch_under
 from dcrb_ros.core.state import State
@@ -108,7 +107,17 @@ def add_roller(
     gap = distance - payload.inner_raceway_radius - radius
     if gap < 0.0:
         force_i, constant_ni, damping_i, mass_i = normal_contact(
-            distance, gap, -part_i, pass_i / distance - state.shaft[1], nx_i, ny_i, payload.inner_notches, True, row, state.shaft[0], payload
+            distance,
+            gap,
+            -part_i,
+            pass_i / distance - state.shaft[1],
+            nx_i,
+            ny_i,
+            payload.inner_notches,
+            True,
+            row,
+            state.shaft[0],
+            payload,
         )
 
     dx, dy = x - state.outer_position[0], y - state.outer_position[1]
@@ -178,7 +187,16 @@ def add_roller(
 
 @kernel
 def finish_roller(
-    payload: Payload, state: State, records: Floats, k: int, row: int, inner_x: float, inner_y: float, outer_x: float, outer_y: float, rim: float
+    payload: Payload,
+    state: State,
+    records: Floats,
+    k: int,
+    row: int,
+    inner_x: float,
+    inner_y: float,
+    outer_x: float,
+    outer_y: float,
+    rim: float,
 ) -> None:
     """Update spin, bristles and friction of record ``k`` from the mean velocities of the cage against both rings."""
     h, radius, i = payload.step, payload.roller_radius, int(records[k, ROLLER])

@@ -11,9 +11,9 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from dcrb_ros.core.jit import kernel, loop
 
 from dcrb_ros.core.equations import CAGE, INNER, OUTER, SUMS, UNKNOWNS, WIDTH, eliminate, fold_row, substitute
+from dcrb_ros.core.jit import kernel, loop
 from dcrb_ros.core.payload import Floats, Payload
 from dcrb_ros.core.roller import DISPERSION, RECORD, add_roller, finish_roller, open_roller
 from dcrb_ros.core.state import State

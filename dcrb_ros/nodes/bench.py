@@ -113,7 +113,10 @@ def run(name: str, configuration: Configuration, duration: float) -> int:
         parameters = Path(folder) / "bench.yaml"
         parameters.write_text(to_yaml(configuration), encoding="utf-8")
         ros = ["--ros-args", "--params-file", str(parameters)]
-        console.print(f"bench '{name}': simulator and fault detector as ROS 2 nodes in {NAMESPACE}, {duration:g} s at time scale {configuration.time_scale:g}")
+        console.print(
+            f"bench '{name}': simulator and fault detector as ROS 2 nodes in {NAMESPACE}, "
+            f"{duration:g} s at time scale {configuration.time_scale:g}"
+        )
         observer = Observer()
         with (
             node_process("fault_detector", [], environment) as detector,
@@ -176,5 +179,7 @@ def _conclude(observer: Observer, configuration: Configuration, console: Console
         console.print(f"no verdict after {observer.blocks} blocks: the detector needs a few seconds of a turning shaft")
         return 1
     values = observer.verdict.values
-    print(f"verdict: {observer.verdict.message} (confidence {values['confidence']}) at {observer.verdict_ns * 1e-9:.2f} s: {values['reason']}")
+    print(
+        f"verdict: {observer.verdict.message} (confidence {values['confidence']}) at {observer.verdict_ns * 1e-9:.2f} s: {values['reason']}"
+    )
     return 0

@@ -5,9 +5,9 @@ from __future__ import annotations
 import sys
 from typing import TYPE_CHECKING
 
-from dcrb_ros.guard import guarded
 from dcrb_ros.diagnosis.detector import Diagnosis, FaultDetector
 from dcrb_ros.diagnosis.parameters import DetectorParameters
+from dcrb_ros.guard import guarded
 from dcrb_ros.messages import decode_sensor, decode_vibration, diagnosis_messages
 from dcrb_ros.nodes.ros import check_ros, create_node, declare, spin, stop_on_signals
 from dcrb_ros.refusal import Refusal

@@ -8,8 +8,8 @@ import threading
 import time
 from typing import TYPE_CHECKING, Any, Protocol
 
-from dcrb_ros.guard import guarded
 from dcrb_ros.configuration import Configuration
+from dcrb_ros.guard import guarded
 from dcrb_ros.nodes.pacing import Pacer
 from dcrb_ros.nodes.ros import changed, check_ros, create_node, declare, spin, stop_on_signals
 from dcrb_ros.refusal import Refusal

@@ -33,7 +33,9 @@ class Publisher:
 
     def __init__(self, node: Node, topics: Iterable[Topic]) -> None:
         self._node = node
-        self._publishers: dict[Topic, Any] = {topic: node.create_publisher(message_class(topic), topic.name, qos(topic)) for topic in topics}
+        self._publishers: dict[Topic, Any] = {
+            topic: node.create_publisher(message_class(topic), topic.name, qos(topic)) for topic in topics
+        }
 
     def write_messages(self, messages: Iterable[Message]) -> None:
         """Publish messages."""

@@ -34,7 +34,7 @@ def compose(content: Content, drawing: Drawing | None, *, picture_only: bool = F
         *bars,
         rrb.BlueprintPanel(state="collapsed"),
         rrb.SelectionPanel(state="collapsed"),
-        rrb.TimePanel(state="collapsed", timeline=TIMELINE, playback_speed=0.1, play_state="paused"),
+        rrb.TimePanel(state="collapsed", timeline=TIMELINE, playback_speed=0.1, play_state="playing"),
         auto_views=False,
     )
 

@@ -40,4 +40,5 @@ def log_content(content: Content, drawing: Drawing | None) -> None:
         series.log_motion(content, content.motion)
     spectra = envelope_spectra(content.diagnoses)
     if spectra is not None:
-        spectrum_picture.log_spectra(spectra, fault_combs(characteristic_orders(content.bearing), spectra.highest_order))
+        combs = fault_combs(characteristic_orders(content.bearing), spectra.highest_order)
+        spectrum_picture.log_spectra(spectra, combs, content.start_ns)

@@ -20,8 +20,10 @@ ORDER_STEP = 0.025
 """Distance of the orders at which spectra are shown [-]."""
 FINER = 2
 """Orders looked at for each one shown, which is the largest of them, so that no line is lost."""
-LONGEST_HOP, SHORTEST_WINDOW = 1.0, 0.5
-"""Time between two spectra at most, and length of the window at least [s]."""
+SHORTEST_HOP, LONGEST_HOP, SHORTEST_WINDOW = 0.25, 1.0, 0.5
+"""Time between two spectra at least and at most, and length of the window at least [s]."""
+SPECTRA_WANTED = 20
+"""Spectra that a short recording is cut into."""
 LEVELS = {"waiting": 0, "healthy": 0}
 """Levels of diagnostic_msgs by verdict; 2, an error, for all others."""
 
@@ -74,7 +76,7 @@ def diagnoses(waveform: Waveform, orders: Orders) -> list[Diagnosis]:
     window = min(usual.window, seconds)
     if window < SHORTEST_WINDOW:
         return []
-    hop = min(LONGEST_HOP, window)
+    hop = min(window, LONGEST_HOP, max(SHORTEST_HOP, seconds / SPECTRA_WANTED))
     detector = FaultDetector(orders, waveform.rate, usual.model_copy(update={"window": window, "hop": hop}))
     found = []
     for piece in pieces(waveform, round(hop * waveform.rate)):

@@ -46,16 +46,21 @@ class Axes:
         return np.stack(np.broadcast_arrays(x, y), axis=-1)
 
 
-def log_spectra(spectra: Spectra, combs: Sequence[Comb]) -> None:
-    """Log the spectrum of every window, the axes and the fault lines under `ROOT`."""
+def log_spectra(spectra: Spectra, combs: Sequence[Comb], start_ns: int) -> None:
+    """Log the spectrum of every window, the axes and the fault lines under `ROOT`.
+
+    A window's spectrum appears at its end, the first one already at ``start_ns``: a viewer opens there.
+    """
+    times = spectra.time_ns.copy()
+    times[0] = start_ns
     orders, level = spectra.orders, spectra.level
     highest = max(LEVEL_TICK * np.ceil(float(level.max(initial=0.0)) / LEVEL_TICK), 2.0 * LEVEL_TICK)
     axes = Axes(spectra.highest_order, -0.5 * LEVEL_TICK, float(highest))
     log_axes(axes, float(np.median(spectra.shaft_frequency)))
     for place, comb in enumerate(combs):
         log_comb(axes, comb, -TRACK * (len(combs) - place - 0.1))
-        log_peaks(axes, comb, spectra.time_ns, orders, level)
-    log_curve(axes, spectra, orders, level)
+        log_peaks(axes, comb, times, orders, level)
+    log_curve(axes, times, orders, level)
 
 
 def log_axes(axes: Axes, shaft_frequency: float) -> None:
@@ -111,13 +116,13 @@ def log_peaks(axes: Axes, comb: Comb, time_ns: Times, orders: Floats, level: Flo
     rr.send_columns(path, [time_column(time_ns)], columns)
 
 
-def log_curve(axes: Axes, spectra: Spectra, orders: Floats, level: Floats) -> None:
+def log_curve(axes: Axes, time_ns: Times, orders: Floats, level: Floats) -> None:
     """Log the spectrum itself: the curve, and a faint area below it."""
     curve = axes.points(orders, level)
     foot = curve.copy()
     foot[..., 1] = HEIGHT
     area = np.stack([foot, curve], axis=2)
-    times = [time_column(spectra.time_ns)]
+    times = [time_column(time_ns)]
     half = 0.55 * WIDTH * float(orders[1] - orders[0]) / axes.highest_order
     rr.log(f"{ROOT}/area", rr.LineStrips2D.from_fields(radii=[half], colors=[palette.AREA], draw_order=2.0), static=True)
     columns = rr.LineStrips2D.columns(strips=area.reshape(-1, 2, 2).astype(np.float32))

@@ -82,14 +82,20 @@ class Listener:
         self.heard: dict[Topic, list[bytes]] = defaultdict(list)
         for topic in (*SIMULATED, *DETECTED, BENCH_DIAGNOSTICS):
             self.node.create_subscription(
-                message_class(topic), topic.resolved(NAMESPACE), lambda data, t=topic: self.heard[t].append(bytes(data)), qos(topic), raw=True
+                message_class(topic),
+                topic.resolved(NAMESPACE),
+                lambda data, t=topic: self.heard[t].append(bytes(data)),
+                qos(topic),
+                raw=True,
             )
 
     def until(self, reached: Callable[[], Any], why: str) -> None:
         """Listen until something is reached; fail where it is not in time."""
         end = time.monotonic() + PATIENCE
         while not reached():
-            assert time.monotonic() < end, f"waited {PATIENCE} s in vain for {why}; heard { {t.name: len(m) for t, m in self.heard.items()} }"
+            assert time.monotonic() < end, (
+                f"waited {PATIENCE} s in vain for {why}; heard { {t.name: len(m) for t, m in self.heard.items()} }"
+            )
             self.executor.spin_once(timeout_sec=0.1)
 
     def close(self) -> None:

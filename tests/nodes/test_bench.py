@@ -13,13 +13,13 @@ import pytest
 
 pytest.importorskip("rclpy", reason="the nodes need ROS 2; everything else is tested without")
 
-from ros_bench import PATIENCE, environment, domain, listener, node  # noqa: E402
+from ros_bench import PATIENCE, domain, environment, listener, node
 
-from dcrb_ros.configuration import Configuration  # noqa: E402
-from dcrb_ros.messages import decode_diagnostics, decode_joints, decode_text, decode_truth, decode_vibration  # noqa: E402
-from dcrb_ros.recording import Recording  # noqa: E402
-from dcrb_ros.simulation import Simulation  # noqa: E402
-from dcrb_ros.topics import (  # noqa: E402
+from dcrb_ros.configuration import Configuration
+from dcrb_ros.messages import decode_diagnostics, decode_joints, decode_text, decode_truth, decode_vibration
+from dcrb_ros.recording import Recording
+from dcrb_ros.simulation import Simulation
+from dcrb_ros.topics import (
     ACCELERATION,
     BENCH_DIAGNOSTICS,
     DIAGNOSIS,
@@ -203,6 +203,8 @@ def test_time_scale_changes_while_running(tmp_path: Path) -> None:
         assert ask(0.5) == (True, "")
 
         def asked() -> str:
-            return decode_diagnostics(heard.heard[BENCH_DIAGNOSTICS][-1])[1][0].values["time_scale"] if heard.heard[BENCH_DIAGNOSTICS] else ""
+            return (
+                decode_diagnostics(heard.heard[BENCH_DIAGNOSTICS][-1])[1][0].values["time_scale"] if heard.heard[BENCH_DIAGNOSTICS] else ""
+            )
 
         heard.until(lambda: asked() == "0.5", "the new time scale in /diagnostics")
