@@ -23,8 +23,10 @@ test: lint types architecture unit kernels nodes docs colcon ## Run every check
 lint: environment ## ruff
 	$(BIN)/ruff check .
 
-types: environment ## mypy --strict
-	$(BIN)/mypy
+# The newest numpy for Python 3.10 has older stubs than the code is typed against.
+types: environment ## mypy --strict, on Python 3.11 and later
+	@if $(BIN)/python -c 'import sys; sys.exit(sys.version_info < (3, 11))'; then $(BIN)/mypy; \
+	else echo "Types are checked on Python 3.11 and later only."; fi
 
 architecture: environment ## The import contracts of pyproject.toml
 	$(BIN)/lint-imports --no-logo

@@ -15,8 +15,7 @@ from mcap.stream_reader import StreamReader
 from dcrb_ros.configuration import Configuration
 from dcrb_ros.messages import Vibration, decode_vibration
 from dcrb_ros.refusal import Refusal
-from dcrb_ros.sinks.recorder import MANIFEST
-from dcrb_ros.topics import DETECTED, NAMESPACE, SIMULATED, VIBRATION, Message, Topic
+from dcrb_ros.topics import DETECTED, MANIFEST, NAMESPACE, SIMULATED, VIBRATION, Message, Topic
 
 MAGIC = b"\x89MCAP0\r\n"
 LARGEST_RECORD = 64 * 1024 * 1024

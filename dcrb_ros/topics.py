@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 NAMESPACE = "/dcrb"
+MANIFEST = "dcrb_ros"
+"""Name of the metadata record by which a recording explains itself."""
 
 POINT_CLOUD = "sensor_msgs/msg/PointCloud2"
 JOINT_STATE = "sensor_msgs/msg/JointState"

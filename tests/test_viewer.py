@@ -20,7 +20,9 @@ from mcap.writer import Writer
 from dcrb_ros.block import Truth
 from dcrb_ros.cli.view import view
 from dcrb_ros.configuration import Configuration
+from dcrb_ros.diagnosis.detector import Diagnosis
 from dcrb_ros.kinematics import characteristic_orders
+from dcrb_ros.messages import diagnosis_messages
 from dcrb_ros.model import layout
 from dcrb_ros.parameters import Bearing
 from dcrb_ros.recording import Recording
@@ -201,6 +203,29 @@ def test_verdict_and_truth_are_on_the_page(content: Content) -> None:
     assert "outer ring defect" in page
     assert "outer_1: 2 mm wide, both rows" in page
     assert f"{PAPER_SPEED * 30 / math.pi:.1f} rpm, 100 kN" in page
+
+
+def test_recorded_verdict_comes_before_a_computed_one(run: Run, tmp_path: Path) -> None:
+    said = Diagnosis(51199, 1.0, "inner_ring", "told so by the test", levels={"BPFO": 1.0, "BPFI": 2.0, "BSF": 3.0, "FTF": 4.0})
+    path = tmp_path / "judged"
+    with Recorder(path, run.configuration, layout(run.configuration)) as recorder:
+        for block in run.blocks:
+            recorder.write(block)
+        recorder.write_messages(diagnosis_messages(said))
+    content = gather(Recording(path))
+    assert [(verdict.name, verdict.level) for verdict in content.verdicts] == [("inner_ring", 2)]
+    assert content.indicators is not None
+    assert dict(zip(content.indicators.names, content.indicators.values[0], strict=True)) == said.levels
+    assert "told so by the test" in markdown(content)
+
+
+def test_states_of_another_bearing_are_refused(run: Run, tmp_path: Path) -> None:
+    smaller = Configuration.model_validate({"bearing": {"rollers_per_row": 15}})
+    path = tmp_path / "mixed"
+    with Recorder(path, smaller, layout(run.configuration)) as recorder:
+        recorder.write(run.blocks[0])
+    with pytest.raises(Refusal, match=r"has \[35\] values for 35 bodies where the bearing of the manifest has 33"):
+        gather(Recording(path))
 
 
 def test_defect_is_drawn_in_its_own_row() -> None:

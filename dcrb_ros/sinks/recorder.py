@@ -20,14 +20,12 @@ from dcrb_ros.block import Block, Layout
 from dcrb_ros.configuration import Configuration
 from dcrb_ros.messages import BlockEncoder, typestore
 from dcrb_ros.refusal import Refusal
-from dcrb_ros.topics import NAMESPACE, Message, Topic
+from dcrb_ros.topics import MANIFEST, NAMESPACE, Message, Topic
 
 CHUNK = 256 * 1024
 """Chunk size [bytes]: what a crash can lose at most beside the last second."""
 FLUSH_EVERY = 1_000_000_000
 """Simulated time after which what is buffered goes to the file [ns]."""
-MANIFEST = "dcrb_ros"
-"""Name of the MCAP metadata record with the manifest."""
 SECOND = 1_000_000_000
 
 

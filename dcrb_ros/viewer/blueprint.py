@@ -21,8 +21,13 @@ def compose(content: Content, drawing: Drawing | None, *, picture_only: bool = F
     if drawing is not None:
         left.insert(0, bearing(drawing))
         right.append(motion())
-    if content.indicators or content.features:
-        left.append(rrb.Tabs(*([indicators()] if content.indicators else []), *([features()] if content.features else [])))
+    detected = [
+        *([indicators()] if content.indicators else []),
+        *([features()] if content.features else []),
+        *([verdicts()] if content.verdicts else []),
+    ]
+    if detected:
+        left.append(rrb.Tabs(*detected))
     columns = rrb.Horizontal(
         rrb.Vertical(*left, row_shares=[6.0, 3.0, 2.0][-len(left) :] if drawing is None else [6.0, 3.2, 2.4][: len(left)]),
         rrb.Vertical(*right, row_shares=[4.9, 3.1, 3.5][: len(right)]),
@@ -102,6 +107,11 @@ def indicators() -> rrb.TimeSeriesView:
 def features() -> rrb.TimeSeriesView:
     """Return the features of every block over time."""
     return rrb.TimeSeriesView(origin="features", name="Features of each block", background=PANEL)
+
+
+def verdicts() -> rrb.TextLogView:
+    """Return what the detector said, and when."""
+    return rrb.TextLogView(origin="diagnosis", name="Verdicts")
 
 
 def summary() -> rrb.TextDocumentView:

@@ -45,7 +45,7 @@ def gather(recording: Recording) -> Content:
         truths=tuple(decode_truth(data) for data in found[GROUND_TRUTH]),
         features=series_of([decode_joints(data) for data in found[FEATURES]]),
         indicators=series_of([decode_joints(data) for data in found[FAULT_INDICATORS]]) or indicators_of(judged),
-        verdicts=tuple(verdict_of(data) for data in found[DIAGNOSIS]) or verdicts_of(judged),
+        verdicts=verdicts_in(found[DIAGNOSIS]) or verdicts_of(judged),
         diagnoses=tuple(judged),
     )
 
@@ -70,10 +70,11 @@ def motion_of(states: Sequence[Joints], layout: Layout) -> Motion | None:
         return None
     names = tuple(layout.names)
     for joints in states:
-        if joints.names != names:
+        counts = {len(joints.position), len(joints.velocity), len(joints.effort)}
+        if joints.names != names or counts != {len(names)}:
             raise Refusal(
-                f"a message on {ROLLER_STATES.resolved(NAMESPACE)} names {len(joints.names)} bodies where the bearing of the manifest has "
-                f"{len(names)}, from {names[0]} to {names[-1]}: give a recording of one bench"
+                f"a message on {ROLLER_STATES.resolved(NAMESPACE)} has {sorted(counts)} values for {len(joints.names)} bodies where the "
+                f"bearing of the manifest has {len(names)}, from {names[0]} to {names[-1]}: give a recording of one bench"
             )
     return Motion(
         time_ns=np.array([joints.stamp_ns for joints in states], np.int64),
@@ -92,8 +93,11 @@ def series_of(messages: Sequence[Joints]) -> Series | None:
     return Series(np.array([joints.stamp_ns for joints in alike], np.int64), names, np.array([joints.position for joints in alike]))
 
 
-def verdict_of(data: bytes) -> Verdict:
-    """Return what the detector said in one message on ``diagnosis``."""
-    time_ns, statuses = decode_diagnostics(data)
-    status = statuses[0]
-    return Verdict(time_ns, status.values.get("verdict", status.message), status.level, status.values)
+def verdicts_in(messages: Sequence[bytes]) -> tuple[Verdict, ...]:
+    """Return what the detector said in its messages on ``diagnosis``."""
+    decoded = [decode_diagnostics(data) for data in messages]
+    return tuple(
+        Verdict(time_ns, status.values.get("verdict", status.message), status.level, status.values)
+        for time_ns, statuses in decoded
+        for status in statuses[:1]
+    )

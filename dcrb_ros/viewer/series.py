@@ -73,5 +73,5 @@ def log_verdicts(verdicts: Sequence[Verdict]) -> None:
     levels = (rr.TextLogLevel.INFO, rr.TextLogLevel.WARN, rr.TextLogLevel.ERROR)
     for verdict in verdicts:
         rr.set_time(TIMELINE, timestamp=np.datetime64(verdict.time_ns, "ns"))
-        evidence = ", ".join(f"{key} {value}" for key, value in verdict.evidence.items())
-        rr.log("diagnosis/verdict", rr.TextLog(f"{verdict.name}: {evidence}", level=levels[min(verdict.level, 2)]))
+        text = f"{verdict.name}: {verdict.evidence.get('reason', '')}"
+        rr.log("diagnosis/verdict", rr.TextLog(text, level=levels[min(verdict.level, 2)]))

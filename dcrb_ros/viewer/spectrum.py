@@ -11,6 +11,7 @@ import numpy as np
 
 from dcrb_ros.block import Floats
 from dcrb_ros.kinematics import Orders
+from dcrb_ros.messages import ERROR, LEVELS
 from dcrb_ros.viewer.content import Series, Times, Verdict, Waveform
 
 if TYPE_CHECKING:
@@ -24,8 +25,6 @@ SHORTEST_HOP, LONGEST_HOP, SHORTEST_WINDOW = 0.25, 1.0, 0.5
 """Time between two spectra at least and at most, and length of the window at least [s]."""
 SPECTRA_WANTED = 20
 """Spectra that a short recording is cut into."""
-LEVELS = {"waiting": 0, "healthy": 0}
-"""Levels of diagnostic_msgs by verdict; 2, an error, for all others."""
 
 
 @dataclass(frozen=True)
@@ -133,4 +132,4 @@ def indicators_of(found: Sequence[Diagnosis]) -> Series | None:
 
 def verdicts_of(found: Sequence[Diagnosis]) -> tuple[Verdict, ...]:
     """Return the verdicts of the diagnoses."""
-    return tuple(Verdict(round(d.time * 1e9), d.verdict, LEVELS.get(d.verdict, 2), {"reason": d.reason}) for d in found)
+    return tuple(Verdict(round(d.time * 1e9), d.verdict, LEVELS.get(d.verdict, ERROR), {"reason": d.reason}) for d in found)

@@ -1,0 +1,79 @@
+"""How much faster than real time: the kernel alone, and the block loop with sensor chain and encoding.
+
+Medians of several runs in one process; run it on a machine that does nothing else.
+"""
+
+from __future__ import annotations
+
+import argparse
+import statistics
+import time
+from collections.abc import Callable
+
+import numpy as np
+
+from dcrb_ros.configuration import Configuration
+from dcrb_ros.configuration_file import load_configuration
+from dcrb_ros.core.step import advance, workspace
+from dcrb_ros.messages import BlockEncoder
+from dcrb_ros.model import build_payload, initial_state
+from dcrb_ros.simulation import Simulation
+
+WARM_UP = 0.2
+"""Simulated time before every measurement, compiling included [s]."""
+
+
+def kernel(configuration: Configuration) -> Callable[[float], None]:
+    """Return a function that runs the kernel for a simulated time [s]."""
+    payload = build_payload(configuration)
+    state, work = initial_state(configuration, payload), workspace(configuration.bearing.rows, configuration.bearing.rollers_per_row)
+
+    def run(duration: float) -> None:
+        steps = round(duration / payload.step)
+        advance(payload, state, work, np.empty((steps, 2)), np.empty(steps))
+
+    return run
+
+
+def blocks(configuration: Configuration) -> Callable[[float], None]:
+    """Return a function that makes and encodes blocks for a simulated time [s]."""
+    simulation = Simulation(configuration)
+    encoder = BlockEncoder(configuration, simulation.layout)
+
+    def run(duration: float) -> None:
+        for block in simulation.blocks(duration):
+            encoder.encode(block)
+
+    return run
+
+
+def factors(run: Callable[[float], None], duration: float, runs: int) -> list[float]:
+    """Return simulated over wall time of each run."""
+    run(WARM_UP)
+    found = []
+    for _ in range(runs):
+        begin = time.perf_counter()
+        run(duration)
+        found.append(duration / (time.perf_counter() - begin))
+    return found
+
+
+def main() -> None:
+    """Print a table."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--runs", type=int, default=7)
+    parser.add_argument("--duration", type=float, default=1.0, help="simulated time of a run [s]")
+    options = parser.parse_args()
+    print("| bench | part | median x real time | least | most | us per step |")
+    print("|---|---|---|---|---|---|")
+    for name in ("healthy", "outer_ring_defect", "inner_ring_defect"):
+        configuration = load_configuration(name)
+        for part, make in (("kernel", kernel), ("blocks, encoded", blocks)):
+            found = factors(make(configuration), options.duration, options.runs)
+            median = statistics.median(found)
+            step = 1e6 / (median * configuration.step_rate)
+            print(f"| {name} | {part} | {median:.2f} | {min(found):.2f} | {max(found):.2f} | {step:.2f} |")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,85 @@
+"""The command line as a user meets it."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from dcrb_ros.recording import Recording
+
+
+def dcrb(*arguments: str, timeout: float = 200.0) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-c", "from dcrb_ros.cli.app import main; main()", *arguments]
+    return subprocess.run(command, capture_output=True, text=True, timeout=timeout, check=False)
+
+
+def test_help_lists_the_commands_without_loading_what_they_need() -> None:
+    done = dcrb("--help")
+    assert done.returncode == 0
+    for command in ("simulate", "bench", "detect", "view", "info", "config"):
+        assert command in done.stdout
+    code = "import sys; import dcrb_ros.cli.app; print(sorted({'numba', 'rclpy', 'rerun', 'scipy', 'rosbags', 'pydantic'} & set(sys.modules)))"
+    loaded = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=True)
+    assert loaded.stdout.strip() == "[]"
+
+
+def test_simulate_detect_info(tmp_path: Path) -> None:
+    bag = tmp_path / "bag"
+    done = dcrb("simulate", "inner_ring_defect", "-o", str(bag), "--duration", "3", "--set", "simulation.seed=7")
+    assert done.returncode == 0, done.stderr
+    assert Recording(bag).configuration.simulation.seed == 7
+    found = dcrb("detect", str(bag), "--json")
+    assert found.returncode == 0, found.stderr
+    about = json.loads(found.stdout)
+    assert about["verdict"] == "inner_ring"
+    assert about["complete"] is True
+    info = dcrb("info", str(bag))
+    assert "/dcrb/outer_ring/vibration" in info.stdout
+    assert "faults.inner_1.width" in info.stdout
+    again = dcrb("simulate", "healthy", "-o", str(bag))
+    assert again.returncode == 2
+    assert "exists: give another name" in again.stderr
+
+
+def test_too_short_a_recording_is_refused(tmp_path: Path) -> None:
+    bag = tmp_path / "bag"
+    assert dcrb("simulate", "healthy", "-o", str(bag), "--duration", "0.5").returncode == 0
+    done = dcrb("detect", str(bag))
+    assert done.returncode == 2
+    assert "too little for a verdict" in done.stderr
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        (["simulat"], "simulat"),
+        (["simulate"], "Missing argument"),
+        (["simulate", "heathy"], "did you mean 'healthy'?"),
+        (["simulate", "healthy", "--duration", "nan"], "--duration nan s is outside"),
+        (["simulate", "healthy", "--duration", "-1"], "--duration -1.0 s is outside"),
+        (["simulate", "healthy", "--duration", "long"], "--duration"),
+        (["simulate", "healthy", "--set", "bearing.roller_radius=15.0"], "did you mean 0.015?"),
+        (["detect", "nothing"], "there is no recording nothing"),
+        (["info", "/dev/null"], "is no MCAP file"),
+        (["bench", "healthy", "--time-scale", "-1"], "time_scale = -1.0 is outside 0 .. 1000"),
+        (["config", "check", "healthy", "--set", "operating.sped=1"], "did you mean 'operating.speed'?"),
+    ],
+)
+def test_wrong_usage_ends_with_a_sentence(arguments: list[str], sentence: str) -> None:
+    done = dcrb(*arguments)
+    assert done.returncode == 2
+    assert sentence in done.stderr
+    assert len(done.stderr.strip().splitlines()) == 1
+    assert "Traceback" not in done.stderr
+
+
+@pytest.mark.parametrize("name", ["paper", "healthy", "outer_ring_defect", "inner_ring_defect"])
+def test_shipped_recordings_are_whole_and_named_right(name: str) -> None:
+    bag = Path(__file__).parents[1] / "bags" / name
+    verdicts = {"outer_ring_defect": "outer_ring", "inner_ring_defect": "inner_ring"}
+    assert json.loads(dcrb("detect", str(bag), "--json").stdout)["verdict"] == verdicts.get(name, "healthy")
+    assert Recording(bag).manifest["seed"] == 1
