@@ -289,6 +289,8 @@ def decode_diagnostics(data: bytes) -> tuple[int, list[Status]]:
 def decode_truth(data: bytes) -> Truth:
     """Return the ground truth that `encode_truth` wrote."""
     time_ns, statuses = decode_diagnostics(data)
+    if not statuses or statuses[0].name != "operating":
+        raise Refusal("a DiagnosticArray without the status 'operating' is no ground truth of the bench")
     operating, faults = statuses[0], statuses[1:]
 
     def number(key: str) -> float:

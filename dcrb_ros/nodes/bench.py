@@ -25,6 +25,8 @@ from dcrb_ros.topics import BENCH_DIAGNOSTICS, DIAGNOSIS, FEATURES, NAMESPACE, V
 
 LAST_WORDS = 3.0
 """Wall time that the detector gets for its last verdict after the last block [s]."""
+LISTENER_START = 20.0
+"""Wall time that the detector gets to come up [s]."""
 CHILD_END = 5.0
 """Wall time that a node gets to end after SIGINT [s]."""
 
@@ -118,16 +120,43 @@ def run(name: str, configuration: Configuration, duration: float) -> int:
             f"{duration:g} s at time scale {configuration.time_scale:g}"
         )
         observer = Observer()
-        with (
-            node_process("fault_detector", [], environment) as detector,
-            node_process("simulator", ["--duration", repr(duration), *ros], environment) as simulator,
-        ):
-            failed = _watch(observer, simulator, detector, duration, told, console)
+        with _observing(observer) as node, node_process("fault_detector", [], environment) as detector:
+            # The simulator waits for its listeners, so that they get the first block and do not start up beside it.
+            _await_listener(node, detector, told)
+            with node_process("simulator", ["--duration", repr(duration), *ros], environment) as simulator:
+                failed = _watch(observer, node, simulator, detector, duration, told, console)
     return failed or _conclude(observer, configuration, console)
+
+
+@contextmanager
+def _observing(observer: Observer) -> Iterator[Any]:
+    """Yield a node through which the observer listens."""
+    import rclpy
+    from rclpy.signals import SignalHandlerOptions
+    from rclpy.utilities import try_shutdown
+
+    rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
+    node = rclpy.create_node("bench", namespace=NAMESPACE)
+    observer.subscribe(node)
+    try:
+        yield node
+    finally:
+        node.destroy_node()
+        try_shutdown()
+
+
+def _await_listener(node: Any, detector: subprocess.Popen[bytes], told: threading.Event) -> None:
+    """Wait until the detector listens beside the observer, has ended or has had its time."""
+    import rclpy
+
+    topic, patience = VIBRATION.resolved(NAMESPACE), time.monotonic() + LISTENER_START
+    while node.count_subscribers(topic) < 2 and detector.poll() is None and not told.is_set() and time.monotonic() < patience:
+        rclpy.spin_once(node, timeout_sec=0.05)
 
 
 def _watch(
     observer: Observer,
+    node: Any,
     simulator: subprocess.Popen[bytes],
     detector: subprocess.Popen[bytes],
     duration: float,
@@ -136,36 +165,27 @@ def _watch(
 ) -> int:
     """Show the status line until the simulator ends; return the status of a node that failed, or 0."""
     import rclpy
-    from rclpy.signals import SignalHandlerOptions
-    from rclpy.utilities import try_shutdown
 
-    rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
-    node = rclpy.create_node("bench", namespace=NAMESPACE)
-    observer.subscribe(node)
     end_ns, patience, shown = round((duration - 1.0) * 1e9), None, 0.0
-    try:
-        with console.status("starting ...") as status:
-            while not told.is_set():
-                rclpy.spin_once(node, timeout_sec=0.05)
-                now = time.monotonic()
-                if console.is_terminal:
-                    status.update(observer.line())
-                elif now - shown > 1.0 and observer.features is not None:
-                    console.print(observer.line(), highlight=False, soft_wrap=True)
-                    shown = now
-                if detector.poll() is not None:
-                    console.print(f"the fault detector ended with status {detector.returncode}")
-                    return detector.returncode or 1
-                if simulator.poll() is None:
-                    continue
-                if simulator.returncode != 0:
-                    return simulator.returncode
-                patience = patience or now + LAST_WORDS
-                if now > patience or observer.verdict_ns >= end_ns:
-                    return 0
-    finally:
-        node.destroy_node()
-        try_shutdown()
+    with console.status("starting ...") as status:
+        while not told.is_set():
+            rclpy.spin_once(node, timeout_sec=0.05)
+            now = time.monotonic()
+            if console.is_terminal:
+                status.update(observer.line())
+            elif now - shown > 1.0 and observer.features is not None:
+                console.print(observer.line(), highlight=False, soft_wrap=True)
+                shown = now
+            if detector.poll() is not None:
+                console.print(f"the fault detector ended with status {detector.returncode}")
+                return detector.returncode or 1
+            if simulator.poll() is None:
+                continue
+            if simulator.returncode != 0:
+                return simulator.returncode
+            patience = patience or now + LAST_WORDS
+            if now > patience or observer.verdict_ns >= end_ns:
+                return 0
     return 0
 
 

@@ -19,6 +19,7 @@ class Pacer:
         self._clock = clock
         self._scale = scale
         self._wall = self._simulated = 0.0
+        self._first = True
         self._started = False
         self.lag = 0.0
         """How long after its deadline the last block came [s]."""
@@ -39,6 +40,10 @@ class Pacer:
         """Return the wall time [s] to wait before a block of simulated time ``begin`` to ``end`` [s] goes out; 0 if due."""
         if self._scale == 0.0:
             self.lag = 0.0
+            return 0.0
+        if self._first:
+            # The first block goes out at once: what is prepared on its way would make the next ones late.
+            self._first = False
             return 0.0
         now = self._clock()
         if not self._started:

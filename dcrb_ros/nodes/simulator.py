@@ -112,14 +112,15 @@ class Simulator:
     def _run(self) -> None:
         try:
             for block in self._simulation.blocks(self._duration):
+                # Encoded before the wait: a block goes out at its deadline, and the first one's preparations do not count.
+                messages = self._encoder.encode(block)
                 if self.stop.wait(self._pacer.until(block.stamp_ns * 1e-9, block.end_ns * 1e-9)):
                     return
-                self._emit(block)
+                self._emit(block, messages)
         except Exception as error:  # the thread's end must reach the main thread, whatever it is
             self.failure = error
 
-    def _emit(self, block: Block) -> None:
-        messages = self._encoder.encode(block)
+    def _emit(self, block: Block, messages: list[Message]) -> None:
         self._publisher.write_messages(messages)
         self._record(messages)
         self._blocks += 1
