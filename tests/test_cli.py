@@ -22,7 +22,8 @@ def test_help_lists_the_commands_without_loading_what_they_need() -> None:
     assert done.returncode == 0
     for command in ("simulate", "bench", "detect", "view", "info", "config"):
         assert command in done.stdout
-    code = "import sys; import dcrb_ros.cli.app; print(sorted({'numba', 'rclpy', 'rerun', 'scipy', 'rosbags', 'pydantic'} & set(sys.modules)))"
+    heavy = {"numba", "rclpy", "rerun", "scipy", "rosbags", "pydantic"}
+    code = f"import sys; import dcrb_ros.cli.app; print(sorted({heavy} & set(sys.modules)))"
     loaded = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=True)
     assert loaded.stdout.strip() == "[]"
 

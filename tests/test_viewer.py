@@ -353,7 +353,9 @@ def test_rerun_is_imported_only_when_it_is_used() -> None:
 # --- the picture ---
 
 
-@pytest.mark.skipif(not VULKAN_DRIVERS, reason="needs a Vulkan driver (mesa-vulkan-drivers)")
+@pytest.mark.skipif(
+    not VULKAN_DRIVERS or sys.version_info < (3, 11), reason="needs a Vulkan driver (mesa-vulkan-drivers) and the viewer for Python 3.11"
+)
 def test_screenshot_shows_the_bearing_and_its_defect(bag: Path, tmp_path: Path) -> None:
     from PIL import Image
 

@@ -49,6 +49,12 @@ def open_window(document: Path, *, web: bool = False) -> int:
 
 def save_screenshot(document: Path, picture: Path, *, at_ns: int, width: int = 1600, height: int = 1000) -> None:
     """Write a PNG of the viewer with the cursor at ``at_ns``, without a window; raise `ViewerFailure` with the reason."""
+    from rerun.experimental import ViewerClient
+
+    if not hasattr(ViewerClient, "get_state"):
+        raise ViewerFailure(
+            "a picture needs rerun-sdk 0.41 or later, which needs Python 3.11 or later; --save writes a Rerun file with any"
+        )
     port = _free_port()
     size = f"{width}x{height + EMPTY_BAR}"
     options = ["--headless", "--bind", LOOPBACK, "--port", str(port), "--hide-welcome-screen", "--window-size", size]
@@ -86,9 +92,7 @@ def _running(command: list[str]) -> Iterator[subprocess.Popen[bytes]]:
     """Run the viewer in a process group of its own, end the whole group afterwards: ``rerun_cli`` starts the viewer as its child."""
     environment = {**os.environ, "RERUN_APP_ONLY": "true"}
     with tempfile.TemporaryFile() as output:
-        viewer = subprocess.Popen(
-            command, stdin=subprocess.DEVNULL, stdout=output, stderr=output, env=environment, start_new_session=True
-        )
+        viewer = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=output, stderr=output, env=environment, start_new_session=True)
         try:
             yield viewer
         finally:
