@@ -170,6 +170,17 @@ def test_existing_and_impossible_outputs_are_refused(run: Run, bag: Path, tmp_pa
         Recorder(blocked / "bag", run.configuration, Layout(2, 16))
 
 
+def test_a_disk_without_room_leaves_nothing_behind(run: Run, tmp_path: Path) -> None:
+    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (100, hard))
+    try:
+        with pytest.raises(Refusal, match="cannot be written: File too large; make room"):
+            Recorder(tmp_path / "none", run.configuration, Layout(2, 16))
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+    assert not (tmp_path / "none").exists()
+
+
 def record_all(recorder: Recorder, run: Run) -> None:
     for block in run.blocks * 3:
         recorder.write(block)

@@ -9,6 +9,7 @@ from __future__ import annotations
 import hashlib
 import os
 import platform
+import tempfile
 from pathlib import Path
 
 import numba
@@ -26,6 +27,13 @@ def _choose_cache() -> Path:
     if "NUMBA_CACHE_DIR" in os.environ:
         return Path(os.environ["NUMBA_CACHE_DIR"])
     folder = _cache_folder()
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        if not os.access(folder, os.W_OK):
+            raise PermissionError
+    except OSError:
+        # Without a home that can be written numba would refuse to import the kernels at all.
+        folder = Path(tempfile.mkdtemp(prefix="dcrb_ros-kernels-"))
     setattr(numba.config, "CACHE_DIR", str(folder))  # noqa: B010 - numba's configuration is untyped
     return folder
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 import time
 from collections import Counter
 from collections.abc import Iterable
@@ -98,13 +99,23 @@ class Recorder:
         self._open = True
         self._compression = configuration.recording.compression
         self._file_name = f"{self.path.name}_0.mcap"
+        try:
+            self._begin(configuration, layout)
+        except OSError as error:
+            shutil.rmtree(self.path, ignore_errors=True)
+            raise Refusal(f"{self.path} cannot be written: {error.strerror}; make room or give another folder") from None
+
+    def _begin(self, configuration: Configuration, layout: Layout) -> None:
+        """Open the file and write what comes before the first block."""
         self._stream: BinaryIO = open(self.path / self._file_name, "wb")  # noqa: SIM115 - closed in close()
         compression = {"zstd": CompressionType.ZSTD, "lz4": CompressionType.LZ4, "none": CompressionType.NONE}[self._compression]
         self._writer = Writer(self._stream, chunk_size=CHUNK, compression=compression)
         self._writer.start(profile="ros2", library=f"dcrb_ros {__version__}")
         self._writer.add_metadata(MANIFEST, {"manifest": json.dumps(manifest(configuration, layout))})
         self._write_metadata()
-        self.write_messages(self._encoder.start())
+        for message in self._encoder.start():
+            self._write(message)
+        self._writer.flush()
 
     def __enter__(self) -> Recorder:
         return self
