@@ -32,6 +32,7 @@ from dcrb_ros.topics import (
     GROUND_TRUTH,
     JOINT_STATE,
     POINT_CLOUD,
+    ROLLER_CONTACTS,
     ROLLER_STATES,
     SENSOR,
     VIBRATION,
@@ -114,12 +115,6 @@ def stamp_of(header: Any) -> int:
     return int(header.stamp.sec) * 1_000_000_000 + int(header.stamp.nanosec)
 
 
-def stamp_in(data: bytes) -> int:
-    """Return the stamp [ns] of an encoded message that begins with a header."""
-    seconds, nanoseconds = np.frombuffer(data, "<u4", 2, offset=4)
-    return int(seconds) * 1_000_000_000 + int(nanoseconds)
-
-
 def encode_points(points: npt.NDArray[Any], time_ns: int) -> bytes:
     """Return a PointCloud2 of structured points, one field per column."""
     kind, point_type = points.dtype, _type("sensor_msgs/msg/PointField")
@@ -150,6 +145,11 @@ def encode_joints(time_ns: int, names: Sequence[str], position: Floats, velocity
 def encode_states(states: States, names: Sequence[str]) -> bytes:
     """Return azimuth [rad], spin or rotation [rad/s] and inner normal force [N] of all bodies as a JointState."""
     return encode_joints(states.time_ns, names, states.azimuth, states.speed, states.inner_force)
+
+
+def encode_contacts(states: States, names: Sequence[str]) -> bytes:
+    """Return outer normal force [N], slip [m/s] and friction [N] of all bodies as a JointState."""
+    return encode_joints(states.time_ns, names, states.outer_force, states.slip, states.friction)
 
 
 def encode_features(block: Block) -> bytes:
@@ -229,6 +229,8 @@ class BlockEncoder:
             messages.append(Message(VIBRATION_CLEAN, block.stamp_ns, encode_vibration(block, block.clean)))
         messages.append(Message(FEATURES, block.stamp_ns, encode_features(block)))
         messages += [Message(ROLLER_STATES, states.time_ns, encode_states(states, self._names)) for states in block.states]
+        if self._configuration.publishing.contacts:
+            messages += [Message(ROLLER_CONTACTS, states.time_ns, encode_contacts(states, self._names)) for states in block.states]
         messages += [Message(GROUND_TRUTH, truth.time_ns, encode_truth(truth)) for truth in block.truths]
         for time_ns, sample in zip(block.preview_ns, block.preview, strict=True):
             messages.append(Message(ACCELERATION, time_ns, encode_preview(time_ns, sample)))
@@ -272,6 +274,25 @@ def decode_joints(data: bytes) -> Joints:
     """Return a JointState."""
     joints = _decoded(data, JOINT_STATE)
     return Joints(stamp_of(joints.header), tuple(joints.name), joints.position, joints.velocity, joints.effort)
+
+
+def decode_float(data: bytes) -> float:
+    """Return the number of a Float64.
+
+    Raises:
+        Refusal: no such message.
+    """
+    return float(_decoded(data, "std_msgs/msg/Float64").data)
+
+
+def decode_wrench(data: bytes) -> tuple[float, float]:
+    """Return the force of a Wrench in X and Y [N].
+
+    Raises:
+        Refusal: no such message.
+    """
+    force = _decoded(data, "geometry_msgs/msg/Wrench").force
+    return float(force.x), float(force.y)
 
 
 def decode_text(data: bytes) -> str:
@@ -360,7 +381,7 @@ def decode_sensor(data: bytes) -> tuple[int, Orders]:
         about = json.loads(decode_text(data))
         orders = {name: float(about["orders"][name]) for name in INDICATORS}
         rate = int(about["sampling_rate"])
-    except (ValueError, KeyError, TypeError) as error:
+    except (ValueError, KeyError, TypeError, OverflowError, RecursionError) as error:
         raise Refusal(
             f"the sensor's description is not understood ({type(error).__name__}): it must give sampling_rate and orders as JSON"
         ) from None

@@ -46,13 +46,14 @@ SENSOR = Topic("outer_ring/sensor", "std_msgs/msg/String", depth=1, latched=True
 ACCELERATION = Topic("outer_ring/acceleration", "sensor_msgs/msg/Imu", depth=500)
 FEATURES = Topic("outer_ring/features", JOINT_STATE)
 ROLLER_STATES = Topic("roller_states", JOINT_STATE, depth=500)
+ROLLER_CONTACTS = Topic("roller_contacts", JOINT_STATE, depth=500)
 GROUND_TRUTH = Topic("ground_truth", DIAGNOSTICS)
 DIAGNOSIS = Topic("diagnosis", DIAGNOSTICS)
 FAULT_INDICATORS = Topic("fault_indicators", JOINT_STATE)
 ENVELOPE_SPECTRUM = Topic("envelope_spectrum", POINT_CLOUD)
 BENCH_DIAGNOSTICS = Topic("/diagnostics", DIAGNOSTICS)
 
-SIMULATED = (VIBRATION, VIBRATION_CLEAN, SENSOR, ACCELERATION, FEATURES, ROLLER_STATES, GROUND_TRUTH)
+SIMULATED = (VIBRATION, VIBRATION_CLEAN, SENSOR, ACCELERATION, FEATURES, ROLLER_STATES, ROLLER_CONTACTS, GROUND_TRUTH)
 """What the simulator publishes and records."""
 DETECTED = (DIAGNOSIS, FAULT_INDICATORS, ENVELOPE_SPECTRUM)
 """What the fault detector publishes."""

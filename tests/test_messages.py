@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 
 import numpy as np
@@ -15,15 +16,19 @@ from dcrb_ros.configuration import Configuration
 from dcrb_ros.messages import (
     SAMPLE,
     BlockEncoder,
+    decode_diagnostics,
+    decode_float,
     decode_joints,
     decode_sensor,
     decode_text,
     decode_truth,
     decode_vibration,
+    decode_wrench,
     encode_points,
     encode_text,
     encode_vibration,
     sensor_text,
+    typestore,
 )
 from dcrb_ros.refusal import Refusal
 from dcrb_ros.topics import FEATURES, GROUND_TRUTH, ROLLER_STATES
@@ -76,7 +81,14 @@ def test_sensor_explains_the_waveform() -> None:
 
 @pytest.mark.parametrize(
     "text",
-    ["", "{}", "[1]", '{"sampling_rate": "fast", "orders": {}}', '{"sampling_rate": -1, "orders": {"FTF":1,"BPFO":1,"BPFI":1,"BSF":1}}'],
+    [
+        "",
+        "{}",
+        "[1]",
+        "[" * 100_000,
+        '{"sampling_rate": "fast", "orders": {}}',
+        '{"sampling_rate": -1, "orders": {"FTF":1,"BPFO":1,"BPFI":1,"BSF":1}}',
+    ],
 )
 def test_foreign_sensor_texts_are_refused(text: str) -> None:
     with pytest.raises(Refusal, match="sensor's description"):
@@ -95,3 +107,26 @@ def test_foreign_clouds_are_refused() -> None:
 def test_any_bytes_are_decoded_or_refused(data: bytes) -> None:
     with pytest.raises(Refusal):
         decode_vibration(data)
+
+
+@given(st.binary(max_size=600), st.sampled_from([b"", b"\x00\x01\x00\x00"]))
+def test_any_bytes_lead_to_nothing_but_a_refusal(data: bytes, begin: bytes) -> None:
+    for decode in (decode_float, decode_wrench, decode_joints, decode_diagnostics, decode_sensor):
+        with contextlib.suppress(Refusal):
+            decode(begin + data)
+
+
+def test_commands_are_decoded() -> None:
+    store = typestore()
+    number = store.types["std_msgs/msg/Float64"](140.5)
+    assert decode_float(bytes(store.serialize_cdr(number, "std_msgs/msg/Float64"))) == 140.5
+    vector, name = store.types["geometry_msgs/msg/Vector3"], "geometry_msgs/msg/Wrench"
+    wrench = store.types[name](vector(1.0, -2.0, 3.0), vector(4.0, 5.0, 6.0))
+    assert decode_wrench(bytes(store.serialize_cdr(wrench, name))) == (1.0, -2.0)
+
+
+@pytest.mark.parametrize("data", [b"", b"\x00\x01\x00\x00", b"\x00\x01\x00\x00abc", b"\xff" * 12, b"\x00\x01\x00\x00" + bytes(90)])
+def test_malformed_commands_are_refused(data: bytes) -> None:
+    for decode in (decode_float, decode_wrench):
+        with pytest.raises(Refusal, match=f"a message of {len(data)} bytes is no valid"):
+            decode(data)

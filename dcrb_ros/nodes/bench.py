@@ -20,6 +20,7 @@ from dcrb_ros.configuration import Configuration
 from dcrb_ros.configuration_file import to_yaml
 from dcrb_ros.messages import Joints, Status, decode_diagnostics, decode_joints
 from dcrb_ros.nodes.ros import check_ros, stop_on_signals
+from dcrb_ros.refusal import Refusal
 from dcrb_ros.sinks.publisher import message_class, qos
 from dcrb_ros.topics import BENCH_DIAGNOSTICS, DIAGNOSIS, FEATURES, NAMESPACE, VIBRATION, Topic
 
@@ -31,11 +32,21 @@ CHILD_END = 5.0
 """Wall time that a node gets to end after SIGINT [s]."""
 
 
+def _with_values(status: Status, *keys: str) -> Status:
+    """Return a status that has the values ``keys``; refuse any other."""
+    absent = [key for key in keys if key not in status.values]
+    if absent:
+        raise Refusal(f"the status '{status.name}' has no {', '.join(absent)}: it is not of this bench")
+    return status
+
+
 class Observer:
     """What the bench has said so far."""
 
     def __init__(self) -> None:
         self.blocks = 0
+        self.refused = 0
+        """Messages that were not understood; they are left aside."""
         self.verdict: Status | None = None
         self.verdict_ns = 0
         self.bench: Status | None = None
@@ -45,8 +56,13 @@ class Observer:
         """Listen to the bench's topics."""
 
         def listen(topic: Topic, callback: Any) -> None:
-            name = topic.resolved(NAMESPACE)
-            node.create_subscription(message_class(topic), name, lambda data: callback(bytes(data)), qos(topic), raw=True)
+            def heard(data: bytes) -> None:
+                try:
+                    callback(bytes(data))
+                except Refusal:
+                    self.refused += 1
+
+            node.create_subscription(message_class(topic), topic.resolved(NAMESPACE), heard, qos(topic), raw=True)
 
         listen(DIAGNOSIS, self._on_diagnosis)
         listen(BENCH_DIAGNOSTICS, self._on_bench)
@@ -57,14 +73,23 @@ class Observer:
         self.blocks += 1
 
     def _on_diagnosis(self, data: bytes) -> None:
-        self.verdict_ns, statuses = decode_diagnostics(data)
-        self.verdict = statuses[0]
+        time_ns, statuses = decode_diagnostics(data)
+        if not statuses:
+            raise Refusal("a diagnosis without a status is no verdict")
+        self.verdict = _with_values(statuses[0], "confidence", "reason", "BPFO [dB]", "BPFI [dB]")
+        self.verdict_ns = time_ns
 
     def _on_bench(self, data: bytes) -> None:
-        self.bench = decode_diagnostics(data)[1][0]
+        """Take the simulator's status; others may report on the same topic."""
+        for status in decode_diagnostics(data)[1]:
+            if status.name == f"{NAMESPACE}/simulator":
+                self.bench = _with_values(status, "real_time_factor", "late_blocks")
 
     def _on_features(self, data: bytes) -> None:
-        self.features = decode_joints(data)
+        joints = decode_joints(data)
+        if not {"rms", "kurtosis"} <= set(joints.names[: len(joints.position)]):
+            raise Refusal("a JointState without rms and kurtosis has no features of the bench")
+        self.features = joints
 
     def line(self) -> str:
         """Return the status line."""
@@ -73,7 +98,7 @@ class Observer:
         values = dict(zip(self.features.names, self.features.position, strict=False))
         words = [f"{self.features.stamp_ns * 1e-9:6.2f} s simulated"]
         if self.bench is not None:
-            words.append(f"{float(self.bench.values['real_time_factor']):5.2f} x real time, {self.bench.values['late_blocks']} late")
+            words.append(f"{self.bench.values['real_time_factor']} x real time, {self.bench.values['late_blocks']} late")
         words.append(f"rms {values['rms']:7.1f} m/s^2, kurtosis {values['kurtosis']:5.1f}")
         if self.verdict is not None:
             levels = "  ".join(f"{name} {self.verdict.values[f'{name} [dB]']}" for name in ("BPFO", "BPFI"))
@@ -195,6 +220,8 @@ def _conclude(observer: Observer, configuration: Configuration, console: Console
         path = Path(configuration.recording.path)
         print(f"recording: {path}")
         print(f"open it with: dcrb view {path}   or: rerun {path / (path.name + '_0.mcap')}")
+    if observer.refused:
+        console.print(f"{observer.refused} messages on the bench's topics were not understood and left aside")
     if observer.verdict is None or observer.verdict.message == "waiting":
         console.print(f"no verdict after {observer.blocks} blocks: the detector needs a few seconds of a turning shaft")
         return 1

@@ -33,8 +33,8 @@ class DetectorWire:
 
     def _on_sensor(self, data: bytes) -> None:
         try:
-            self._rate, orders = decode_sensor(bytes(data))
-            self._detector = FaultDetector(orders, self._rate, self._parameters)
+            rate, orders = decode_sensor(bytes(data))
+            self._detector, self._rate = FaultDetector(orders, rate, self._parameters), rate
             self.node.get_logger().info(f"watching a bearing at {self._rate} Hz, BPFO {orders.bpfo:.3f}, BPFI {orders.bpfi:.3f} orders")
         except Refusal as refusal:
             self._complain(refusal)

@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 Model = TypeVar("Model", bound=Group)
 OWN = ("use_sim_time", "start_type_description_service")
 """Parameters that rclpy declares by itself."""
+PAUSE = 0.01
+"""Wall time after a callback's failure, so that one without end does not take a processor [s]."""
 
 
 def check_ros() -> None:
@@ -94,18 +96,37 @@ def changed(model: Model, changes: Mapping[str, Any]) -> Model:
 
 
 def spin(node: Node, ended: Callable[[], bool], stop: threading.Event) -> None:
-    """Serve callbacks until told to stop or ``ended`` says so."""
+    """Serve callbacks until told to stop or ``ended`` says so; a callback that fails is logged, and the node serves on.
+
+    The environment variable DCRB_DEBUG=1 lets the failure through.
+    """
     from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 
     executor = SingleThreadedExecutor()
     executor.add_node(node)
+    failures = 0
     try:
         while not (stop.is_set() or ended()):
-            executor.spin_once(timeout_sec=0.1)
+            try:
+                executor.spin_once(timeout_sec=0.1)
+            except ExternalShutdownException:
+                raise
+            except Exception as error:  # whatever one message leads to must not end the node
+                if os.environ.get("DCRB_DEBUG") == "1":
+                    raise
+                failures += 1
+                _log_failure(node, error, failures)
+                stop.wait(PAUSE)
     except ExternalShutdownException:
         stop.set()
     finally:
         executor.remove_node(node)
+
+
+def _log_failure(node: Node, error: Exception, count: int) -> None:
+    """Log the first failure of a callback, the second, the fourth and so on."""
+    if count & (count - 1) == 0:
+        node.get_logger().error(f"a callback failed ({count} so far, DCRB_DEBUG=1 shows where): {type(error).__name__}: {error}")
 
 
 def stop_on_signals() -> threading.Event:

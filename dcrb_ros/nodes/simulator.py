@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import argparse
+import math
+import os
 import sys
 import threading
 import time
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, Protocol
 
 from dcrb_ros.configuration import Configuration
@@ -14,10 +17,10 @@ from dcrb_ros.nodes.pacing import Pacer
 from dcrb_ros.nodes.ros import changed, check_ros, create_node, declare, spin, stop_on_signals
 from dcrb_ros.refusal import Refusal
 from dcrb_ros.sinks.publisher import message_class, qos
-from dcrb_ros.topics import BENCH_DIAGNOSTICS, DIAGNOSIS, FAULT_INDICATORS, SIMULATED, VIBRATION_CLEAN, Message, Topic
+from dcrb_ros.topics import BENCH_DIAGNOSTICS, DIAGNOSIS, FAULT_INDICATORS, ROLLER_CONTACTS, SIMULATED, VIBRATION_CLEAN, Message, Topic
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Callable, Iterable, Iterator
 
     from rclpy.node import Node
 
@@ -27,6 +30,11 @@ if TYPE_CHECKING:
 
 REPEAT_REFUSAL = 5.0
 """Wall time for which the same kind of refusal is not logged again [s]."""
+LAST_BLOCK = 1.0
+"""Wall time that the model gets to end its block once told to stop [s]; compiling takes longer and is not waited for."""
+MODEL = "model"
+"""Name of the model's thread."""
+COMMANDS = ("command/speed", "command/load")
 
 
 class Sink(Protocol):
@@ -34,6 +42,14 @@ class Sink(Protocol):
 
     def write_messages(self, messages: Iterable[Message]) -> None:
         """Take messages."""
+
+
+def _content(kind: str, decode: Callable[[bytes], Any], data: bytes) -> Any:
+    """Return what a message holds; a refusal names the topic ``kind``."""
+    try:
+        return decode(bytes(data))
+    except Refusal as refusal:
+        raise Refusal(f"{kind}: {refusal}") from None
 
 
 class Simulator:
@@ -53,15 +69,17 @@ class Simulator:
         self._recorder_lock = threading.Lock()
         self._recorder_state = "recording" if self._recorder else "off"
         self._encoder = BlockEncoder(configuration, self._simulation.layout)
-        topics = [t for t in SIMULATED if t is not VIBRATION_CLEAN or configuration.publishing.clean]
+        asked = {VIBRATION_CLEAN: configuration.publishing.clean, ROLLER_CONTACTS: configuration.publishing.contacts}
+        topics = [topic for topic in SIMULATED if asked.get(topic, True)]
         self._publisher: Sink = Publisher(node, [*topics, BENCH_DIAGNOSTICS])
         self._refused: dict[str, int] = {}
         self._logged: dict[str, float] = {}
-        self._simulated = self._reached = self._factor = 0.0
+        self._simulated_ns = 0
+        self._reached = self._factor = 0.0
         self._measured_at = time.monotonic()
         self._blocks = 0
         self._subscribe()
-        self._thread = threading.Thread(target=self._run, name="model", daemon=True)
+        self._thread = threading.Thread(target=self._run, name=MODEL, daemon=True)
 
     def _start_model(self) -> Simulation:
         from dcrb_ros.core import compiled
@@ -84,14 +102,22 @@ class Simulator:
         from geometry_msgs.msg import Wrench
         from std_msgs.msg import Float64
 
+        from dcrb_ros.messages import decode_diagnostics, decode_joints
+
         node = self.node
-        node.create_subscription(Float64, "command/speed", self._on_speed, 10)
-        node.create_subscription(Wrench, "command/load", self._on_load, 10)
+        # Raw, because the middleware's own decoder drops malformed bytes without a word.
+        node.create_subscription(Float64, "command/speed", self._on_speed, 10, raw=True)
+        node.create_subscription(Wrench, "command/load", self._on_load, 10, raw=True)
         node.create_timer(1.0, self._report)
         node.add_on_set_parameters_callback(self._on_parameters)
         if self._recorder is not None:
-            for topic in (DIAGNOSIS, FAULT_INDICATORS):
-                node.create_subscription(message_class(topic), topic.name, self._on_detected(topic), qos(topic), raw=True)
+            self._listen(DIAGNOSIS, lambda data: decode_diagnostics(data)[0])
+            self._listen(FAULT_INDICATORS, lambda data: decode_joints(data).stamp_ns)
+
+    def _listen(self, topic: Topic, stamp: Callable[[bytes], int]) -> None:
+        """Record what the detector says; ``stamp`` decodes a message and returns its stamp [ns]."""
+        callback = self._on_detected(topic, stamp)
+        self.node.create_subscription(message_class(topic), topic.name, callback, qos(topic), raw=True)
 
     def start(self) -> None:
         """Start the model's thread."""
@@ -103,10 +129,10 @@ class Simulator:
         return not self._thread.is_alive()
 
     def close(self) -> None:
-        """Stop the model and finish the recording."""
+        """Stop the model and finish the recording; a model that still compiles is left behind, it says nothing any more."""
         self.stop.set()
         if self._thread.ident is not None:
-            self._thread.join()
+            self._thread.join(LAST_BLOCK)
         self._record(None)
 
     def _run(self) -> None:
@@ -124,7 +150,7 @@ class Simulator:
         self._publisher.write_messages(messages)
         self._record(messages)
         self._blocks += 1
-        self._simulated = block.end_ns * 1e-9
+        self._simulated_ns = block.end_ns
         if self._blocks == 1:
             self.node.get_logger().info(f"first block {time.monotonic() - self._began:.2f} s after the start")
 
@@ -144,24 +170,44 @@ class Simulator:
             self._recorder_state = str(error)
             self.node.get_logger().error(str(error))
 
-    def _on_detected(self, topic: Topic) -> Any:
-        from dcrb_ros.messages import stamp_in
-
+    def _on_detected(self, topic: Topic, stamp: Callable[[bytes], int]) -> Callable[[bytes], None]:
         def record(data: bytes) -> None:
-            self._record([Message(topic, stamp_in(data), bytes(data))])
+            with self._refusing(topic.name):
+                time_ns = _content(topic.name, stamp, data)
+                self._check_time(topic, time_ns)
+                self._record([Message(topic, time_ns, bytes(data))])
 
         return record
 
-    def _on_speed(self, message: Any) -> None:
-        self._obey("command/speed", lambda: self._simulation.command_speed(message.data))
+    def _check_time(self, topic: Topic, time_ns: int) -> None:
+        """Refuse a time [ns] that the detector cannot have heard of.
 
-    def _on_load(self, message: Any) -> None:
-        self._obey("command/load", lambda: self._simulation.command_load(message.force.x, message.force.y))
+        The detector may answer a block before the model's thread has noted that it is out: hence one block more.
+        """
+        block_ns = math.ceil(self.configuration.publishing.block_size * 1e9 / self.configuration.sensor.sampling_rate)
+        latest = self._simulated_ns + block_ns
+        if not 0 <= time_ns <= latest:
+            raise Refusal(
+                f"{topic.name} at {time_ns * 1e-9:g} s is not recorded: its stamp must be within 0 .. {latest * 1e-9:g} s of simulated time"
+            )
 
-    def _obey(self, kind: str, command: Any) -> None:
-        """Pass a command on; a refusal is counted, and logged once in a while."""
+    def _on_speed(self, data: bytes) -> None:
+        from dcrb_ros.messages import decode_float
+
+        with self._refusing("command/speed"):
+            self._simulation.command_speed(_content("command/speed", decode_float, data))
+
+    def _on_load(self, data: bytes) -> None:
+        from dcrb_ros.messages import decode_wrench
+
+        with self._refusing("command/load"):
+            self._simulation.command_load(*_content("command/load", decode_wrench, data))
+
+    @contextmanager
+    def _refusing(self, kind: str) -> Iterator[None]:
+        """Count a refusal, and log it once in a while."""
         try:
-            command()
+            yield
         except Refusal as refusal:
             self._refused[kind] = self._refused.get(kind, 0) + 1
             now = time.monotonic()
@@ -184,24 +230,26 @@ class Simulator:
         from dcrb_ros.messages import ERROR, OK, WARN, Status, encode_diagnostics
 
         now = time.monotonic()
-        self._factor = (self._simulated - self._reached) / (now - self._measured_at)
-        self._reached, self._measured_at = self._simulated, now
+        time_ns = self._simulated_ns
+        simulated = time_ns * 1e-9
+        self._factor = (simulated - self._reached) / (now - self._measured_at)
+        self._reached, self._measured_at = simulated, now
         failed = self._recorder_state not in ("off", "recording")
         level = ERROR if failed else WARN if self._pacer.lag > 0.1 else OK
         values = {
             "time_scale": f"{self._pacer.scale:g}",
             "real_time_factor": f"{self._factor:.3f}",
-            "simulated [s]": f"{self._simulated:.3f}",
+            "simulated [s]": f"{simulated:.3f}",
             "lag [s]": f"{self._pacer.lag:.4f}",
             "late_blocks": str(self._pacer.late),
             "blocks": str(self._blocks),
-            "rejected_commands": str(sum(self._refused.values())),
+            "rejected_commands": str(sum(count for kind, count in self._refused.items() if kind in COMMANDS)),
+            "rejected_messages": str(sum(count for kind, count in self._refused.items() if kind not in COMMANDS)),
             "recorder": self._recorder_state,
             "model": "failed" if self.failure else "running",
         }
         words = self._recorder_state if failed else "behind real time" if level == WARN else "running"
         status = Status(f"{self.node.get_fully_qualified_name()}", level, words, values)
-        time_ns = round(self._simulated * 1e9)
         self._publisher.write_messages([Message(BENCH_DIAGNOSTICS, time_ns, encode_diagnostics(time_ns, [status]))])
 
 
@@ -236,7 +284,13 @@ def run(arguments: list[str]) -> int:
 
 def main() -> None:
     """Run the node as a program."""
-    sys.exit(guarded("simulator", lambda: run(sys.argv[1:])))
+    status = guarded("simulator", lambda: run(sys.argv[1:]))
+    if any(thread.name == MODEL for thread in threading.enumerate()):
+        # A compilation cannot be interrupted, and the interpreter must not be taken down under it.
+        sys.stdout.flush()
+        sys.stderr.flush()
+        os._exit(status)
+    sys.exit(status)
 
 
 if __name__ == "__main__":

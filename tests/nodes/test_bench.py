@@ -6,19 +6,39 @@ import json
 import signal
 import subprocess
 import sys
+import threading
+import time
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
 pytest.importorskip("rclpy", reason="the nodes need ROS 2; everything else is tested without")
 
-from ros_bench import PATIENCE, domain, environment, listener, node
+from ros_bench import PATIENCE, Listener, domain, environment, listener, node
 
 from dcrb_ros.configuration import Configuration
-from dcrb_ros.messages import decode_diagnostics, decode_joints, decode_text, decode_truth, decode_vibration
+from dcrb_ros.diagnosis.detector import Diagnosis
+from dcrb_ros.messages import (
+    OK,
+    Status,
+    decode_diagnostics,
+    decode_joints,
+    decode_text,
+    decode_truth,
+    decode_vibration,
+    encode_diagnosis,
+    encode_diagnostics,
+    encode_indicators,
+    encode_joints,
+    encode_text,
+)
+from dcrb_ros.nodes.bench import Observer
+from dcrb_ros.nodes.ros import spin
 from dcrb_ros.recording import Recording
 from dcrb_ros.simulation import Simulation
+from dcrb_ros.sinks.publisher import message_class, qos
 from dcrb_ros.topics import (
     ACCELERATION,
     BENCH_DIAGNOSTICS,
@@ -32,6 +52,14 @@ from dcrb_ros.topics import (
 )
 
 pytestmark = pytest.mark.node
+
+PROMPT = 3.0
+"""Longest time that a node takes to end after a signal [s]."""
+GARBAGE = (b"\x00", b"\x00\x01\x00\x00", b"\x00\x01\x00\x00abc", b"\xff" * 12, b"\x4a\x93\x05\xe1\x77\x0c\xb2")
+"""Bytes that are no CDR of any message here; short enough for every publisher to send them.
+
+Not among them is the empty message: the middleware never delivers it, nor what the same publisher sends after it.
+"""
 
 
 def parameters(**values: object) -> list[str]:
@@ -208,3 +236,161 @@ def test_time_scale_changes_while_running(tmp_path: Path) -> None:
             )
 
         heard.until(lambda: asked() == "0.5", "the new time scale in /diagnostics")
+
+
+def status_of(heard: Listener) -> dict[str, str]:
+    """Return the values of the simulator's last status, empty before the first."""
+    found = heard.heard[BENCH_DIAGNOSTICS]
+    return dict(decode_diagnostics(found[-1])[1][0].values) if found else {}
+
+
+@pytest.mark.parametrize("kind", [signal.SIGINT, signal.SIGTERM])
+def test_malformed_commands_are_counted_and_the_bench_runs_on(kind: signal.Signals, tmp_path: Path) -> None:
+    from geometry_msgs.msg import Wrench
+    from std_msgs.msg import Float64
+
+    number, bag = domain(), tmp_path / "bag"
+    with listener(number) as heard, node("simulator", parameters(recording__path=bag), environment(number), tmp_path / "log") as simulator:
+        speed = heard.node.create_publisher(Float64, "command/speed", 10)
+        load = heard.node.create_publisher(Wrench, "command/load", 10)
+        heard.until(lambda: heard.heard[VIBRATION] and speed.get_subscription_count() and load.get_subscription_count(), "the simulator")
+        for data in GARBAGE:
+            speed.publish(data)
+            load.publish(data)
+        heard.until(lambda: status_of(heard).get("rejected_commands") == str(2 * len(GARBAGE)), "the refusals")
+        blocks = len(heard.heard[VIBRATION])
+        speed.publish(Float64(data=140.0))
+        heard.until(lambda: decode_truth(heard.heard[GROUND_TRUTH][-1]).speed == pytest.approx(140.0), "the speed commanded")
+        assert len(heard.heard[VIBRATION]) > blocks
+        began = time.monotonic()
+        assert simulator.end(kind) == 0, simulator.words
+        assert time.monotonic() - began < PROMPT
+    assert "command/speed: a message of" in simulator.words
+    assert "command/load: a message of" in simulator.words
+    assert simulator.words.count("is no valid") <= 4  # explained, not repeated
+    assert "Traceback" not in simulator.words
+    assert Recording(bag).complete
+
+
+@pytest.mark.parametrize("kind", [signal.SIGINT, signal.SIGTERM])
+def test_signals_do_not_wait_for_the_compiler(kind: signal.Signals, tmp_path: Path) -> None:
+    from std_msgs.msg import Float64
+
+    number, bag = domain(), tmp_path / "bag"
+    env = environment(number, NUMBA_CACHE_DIR=str(tmp_path / "kernels"))
+    with listener(number) as heard, node("simulator", parameters(recording__path=bag), env, tmp_path / "log") as simulator:
+        speed = heard.node.create_publisher(Float64, "command/speed", 10)
+        heard.until(speed.get_subscription_count, "the simulator")
+        assert "compiling the kernels" in simulator.words
+        began = time.monotonic()
+        assert simulator.end(kind) == 0, simulator.words
+        assert time.monotonic() - began < PROMPT
+    assert not heard.heard[VIBRATION]
+    assert Recording(bag).complete
+
+
+def test_only_verdicts_of_this_run_are_recorded(tmp_path: Path) -> None:
+    number, bag = domain(), tmp_path / "bag"
+    early, good, late = (Diagnosis(0, seconds, "healthy", "said so") for seconds in (-1.0, 0.01, 1e6))
+    with listener(number) as heard, node("simulator", parameters(recording__path=bag), environment(number), tmp_path / "log") as simulator:
+        publishers = [heard.node.create_publisher(message_class(topic), topic.name, qos(topic)) for topic in (DIAGNOSIS, FAULT_INDICATORS)]
+        # Two: the simulator and the listener itself.
+        heard.until(lambda: heard.heard[VIBRATION] and all(p.get_subscription_count() == 2 for p in publishers), "the simulator")
+        for publisher, encode in zip(publishers, (encode_diagnosis, encode_indicators), strict=True):
+            for data in (*GARBAGE, encode(early), encode(late), encode(good)):
+                publisher.publish(data)
+
+        def rejected() -> str:
+            assert simulator.process.poll() is None, simulator.words
+            return status_of(heard).get("rejected_messages", "")
+
+        heard.until(lambda: rejected() == str(2 * (len(GARBAGE) + 2)), "the refusals")
+        assert status_of(heard)["rejected_commands"] == "0"
+        assert simulator.end(signal.SIGINT) == 0, simulator.words
+    assert "diagnosis: a message of" in simulator.words
+    assert simulator.words.count("[WARN]") <= 4  # explained, not repeated
+    recording = Recording(bag)
+    assert recording.complete
+    assert recording.counts()["/dcrb/diagnosis"] == 1
+    assert recording.counts()["/dcrb/fault_indicators"] == 1
+
+
+def test_detector_outlives_malformed_messages(tmp_path: Path) -> None:
+    number = domain()
+    endless = '{"sampling_rate": Infinity, "orders": {"FTF": 1, "BPFO": 1, "BPFI": 1, "BSF": 1}}'
+    with listener(number) as heard, node("fault_detector", [], environment(number), tmp_path / "log") as detector:
+        publishers = [heard.node.create_publisher(message_class(topic), topic.name, qos(topic)) for topic in (SENSOR, VIBRATION)]
+        heard.until(lambda: all(p.get_subscription_count() == 2 for p in publishers), "the detector")
+        sensor, vibration = publishers
+        sensor.publish(encode_text(endless))
+        heard.until(lambda: "OverflowError" in detector.words, "the refusal of the rate")
+        for data in GARBAGE:
+            vibration.publish(data)
+        sensor.publish(GARBAGE[3])
+        heard.until(lambda: "2 so far" in detector.words, "the refusal of the bytes")
+        began = time.monotonic()
+        assert detector.end(signal.SIGINT) == 0, detector.words
+        assert time.monotonic() - began < PROMPT
+    assert "Traceback" not in detector.words
+    assert "a callback failed" not in detector.words
+
+
+def test_failing_callback_does_not_end_the_node(capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    import rclpy
+
+    monkeypatch.setenv("ROS_DOMAIN_ID", str(domain()))
+    monkeypatch.delenv("DCRB_DEBUG", raising=False)
+    stop, end, calls = threading.Event(), time.monotonic() + PATIENCE, 0
+
+    def fail() -> None:
+        nonlocal calls
+        calls += 1
+        if calls == 5:
+            stop.set()
+        raise KeyError("absent")
+
+    rclpy.init(args=[])
+    try:
+        failing = rclpy.create_node("failing")
+        failing.create_timer(0.001, fail)
+        spin(failing, lambda: time.monotonic() > end, stop)
+        failing.destroy_node()
+    finally:
+        rclpy.try_shutdown()
+    words = capfd.readouterr().err
+    assert calls == 5
+    assert [words.count(f"a callback failed ({n} so far") for n in range(1, 6)] == [1, 1, 0, 1, 0]
+    assert "KeyError: 'absent'" in words
+
+
+class Ears:
+    """A node's subscriptions without a node."""
+
+    def __init__(self) -> None:
+        self.callbacks: dict[str, Any] = {}
+
+    def create_subscription(self, kind: Any, name: str, callback: Any, quality: Any, *, raw: bool) -> None:
+        assert raw
+        self.callbacks[name] = callback
+
+
+def test_observer_leaves_foreign_messages_aside() -> None:
+    ears, observer = Ears(), Observer()
+    observer.subscribe(ears)
+    foreign = encode_diagnostics(0, [Status("battery", OK, "full", {})])
+    nothing = encode_diagnostics(0, [])
+    joints = encode_joints(0, ["elbow"], np.zeros(1), np.zeros(0), np.zeros(0))
+    for data in GARBAGE:
+        for name in ("/dcrb/diagnosis", "/diagnostics", "/dcrb/outer_ring/features"):
+            ears.callbacks[name](data)
+    for name, data in (("/dcrb/diagnosis", foreign), ("/dcrb/diagnosis", nothing), ("/dcrb/outer_ring/features", joints)):
+        ears.callbacks[name](data)
+    assert observer.refused == 3 * len(GARBAGE) + 3
+    for data in (foreign, nothing):  # others may report there
+        ears.callbacks["/diagnostics"](data)
+    assert observer.refused == 3 * len(GARBAGE) + 3
+    assert (observer.verdict, observer.bench, observer.features) == (None, None, None)
+    assert observer.line() == "waiting for the first block ..."
+    ears.callbacks["/dcrb/diagnosis"](encode_diagnosis(Diagnosis(0, 1.0, "healthy", "said so")))
+    assert observer.verdict is not None
+    assert observer.verdict.message == "healthy"
