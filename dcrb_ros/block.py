@@ -33,6 +33,31 @@ class Layout:
 
 
 @dataclass(frozen=True)
+class Account:
+    """Energy since the start [J]."""
+
+    drive: float
+    """Work of the shaft."""
+    load: float
+    """Work of the load on the inner ring."""
+    friction: float
+    """Lost in friction."""
+    loss: float
+    """Lost in normal contacts."""
+    housing: float
+    """Lost in the housing's damper."""
+    notch: float
+    """Taken by the notch law: it has depth, but no tangential force at the edge that would do the work."""
+    stored: float
+    """Gained in motion, contacts, housing and height."""
+
+    @property
+    def residual(self) -> float:
+        """What does not add up [J]: the error of the integration."""
+        return self.drive + self.load - self.friction - self.loss - self.housing - self.notch - self.stored
+
+
+@dataclass(frozen=True)
 class States:
     """The bodies at one instant; arrays of one entry per name of `Layout.names`."""
 
@@ -51,8 +76,17 @@ class States:
     """Slip at the inner raceway [m/s]; zero for cages and the inner ring."""
     friction: Floats
     """Friction force at the inner raceway [N]; zero for cages and the inner ring."""
-    inner_ring_force: tuple[float, float] = (0.0, 0.0)
+    torque: Floats
+    """Friction torque of both raceways on a roller [N m]; zero for cages and the inner ring."""
+    relative_speed: Floats
+    """Spin of rollers against their cage [rad/s]; zero for cages and the inner ring."""
+    bar_force: Floats
+    """Normal force between a roller and its bar, positive at the bar ahead [N]; of a cage, the force of its land."""
+    cage_offset: Floats
+    """Centre of each cage from the outer ring's, shape (rows, 2) [m]."""
+    inner_ring_force: tuple[float, float]
     """Total force of the rollers on the inner ring in X and Y [N]."""
+    energy: Account
 
 
 @dataclass(frozen=True)

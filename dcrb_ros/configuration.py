@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 from pydantic import model_validator
 
-from dcrb_ros.faults import Faults
+from dcrb_ros.faults import Faults, RacewayDefect, RollerDefect
 from dcrb_ros.parameters import (
     LENGTH_REMEDY,
     Bearing,
@@ -61,8 +61,11 @@ class Configuration(Group):
 def inconsistencies(c: Configuration) -> Iterator[str]:
     """Yield a sentence for everything that cannot be true together: what, the range, the remedy."""
     yield from _geometry(c)
+    yield from _cage(c)
     yield from _rates(c)
-    yield from _defects(c)
+    yield from _notches(c)
+    yield from _bars(c)
+    yield from _stability(c)
     if c.friction.static_coefficient < c.friction.kinetic_coefficient:
         yield (
             f"friction.static_coefficient = {c.friction.static_coefficient:g} is below friction.kinetic_coefficient = "
@@ -109,24 +112,118 @@ def _rates(c: Configuration) -> Iterator[str]:
         )
 
 
-def _defects(c: Configuration) -> Iterator[str]:
+def _cage(c: Configuration) -> Iterator[str]:
+    b, cage = c.bearing, c.cage
+    between = 2.0 * b.pitch_radius * math.sin(math.pi / b.rollers_per_row) - 2.0 * b.roller_radius
+    if 2.0 * cage.pocket_clearance >= between:
+        yield (
+            f"cage.pocket_clearance = {cage.pocket_clearance:g} m on either side leaves no bar in the {between:.3g} m between two "
+            f"rollers: it must be below {0.5 * between:.3g} m; {LENGTH_REMEDY}"
+        )
+    if cage.land_radius and not b.pitch_radius < cage.land_radius <= b.outer_raceway_radius + b.roller_radius:
+        yield (
+            f"cage.land_radius = {cage.land_radius:g} m is outside {b.pitch_radius:g} .. {b.outer_raceway_radius + b.roller_radius:g} m, "
+            "from the pitch circle to the outer ring: give 0 for the default"
+        )
+
+
+def _notches(c: Configuration) -> Iterator[str]:
     b = c.bearing
-    found = list(c.faults.present())
-    for name, defect in found:
-        raceway = b.inner_raceway_radius if name.startswith("inner") else b.outer_raceway_radius
-        pitch = 2.0 * math.pi * raceway / b.rollers_per_row
-        if defect.width >= pitch:
-            yield f"faults.{name}.width = {defect.width:g} m is not below the pitch of {pitch:.4g} m: {LENGTH_REMEDY}"
-        if defect.row > b.rows:
-            yield f"faults.{name}.row = {defect.row} is outside 0 .. {b.rows}: the bearing has {b.rows} row(s), 0 means all"
-    for i, (name, defect) in enumerate(found):
-        for other_name, other in found[:i]:
-            if other_name[:5] != name[:5] or (defect.row and other.row and defect.row != other.row):
-                continue
-            raceway = b.inner_raceway_radius if name.startswith("inner") else b.outer_raceway_radius
-            apart = abs(math.remainder(defect.azimuth - other.azimuth, 2.0 * math.pi)) * raceway
-            if apart < 0.5 * (defect.width + other.width):
-                yield (
-                    f"faults.{name} overlaps faults.{other_name}: their middles are {apart:.4g} m apart; "
-                    "move an azimuth or join them into one defect"
-                )
+    for ring, raceway in (("inner", b.inner_raceway_radius), ("outer", b.outer_raceway_radius)):
+        found = list(c.faults.raceway_defects(ring))
+        for i, (name, notch) in enumerate(found):
+            yield from _width(name, notch.width, 2.0 * math.pi * raceway / b.rollers_per_row, "pitch")
+            if notch.row > b.rows:
+                yield f"faults.{name}.row = {notch.row} is outside 0 .. {b.rows}: the bearing has {b.rows} row(s), 0 means all"
+            for other_name, other in found[:i]:
+                shared = not (notch.row and other.row and notch.row != other.row)
+                yield from _overlap(name, notch, other_name, other, raceway) if shared else ()
+    rollers = list(c.faults.roller_defects())
+    for i, (name, defect) in enumerate(rollers):
+        yield from _width(name, defect.width, b.roller_radius, "roller's radius")
+        if defect.row > b.rows or defect.roller > b.rollers_per_row:
+            yield (
+                f"faults.{name}: there is no roller {defect.roller} in row {defect.row}; the bearing has {b.rows} row(s) of "
+                f"{b.rollers_per_row} rollers"
+            )
+        for other_name, second in rollers[:i]:
+            if (defect.row, defect.roller) == (second.row, second.roller):
+                yield from _overlap(name, defect, other_name, second, b.roller_radius)
+
+
+def _width(name: str, width: float, limit: float, what: str) -> Iterator[str]:
+    if width >= limit:
+        yield f"faults.{name}.width = {width:g} m is not below the {what} of {limit:.4g} m: {LENGTH_REMEDY}"
+
+
+def _overlap(
+    name: str, notch: RacewayDefect | RollerDefect, other_name: str, other: RacewayDefect | RollerDefect, radius: float
+) -> Iterator[str]:
+    apart = abs(math.remainder(notch.azimuth - other.azimuth, 2.0 * math.pi)) * radius
+    if apart < 0.5 * (notch.width + other.width):
+        yield (
+            f"faults.{name} overlaps faults.{other_name}: their middles are {apart:.4g} m apart; "
+            "move an azimuth or join them into one defect"
+        )
+
+
+def _bars(c: Configuration) -> Iterator[str]:
+    b = c.bearing
+    try:
+        bars = c.faults.bars()
+    except ValueError as error:
+        yield str(error)
+        return
+    for row, bar in bars:
+        if not (1 <= row <= b.rows and 1 <= bar <= b.rollers_per_row):
+            yield (
+                f"faults.broken_bars: row{row}/bar{bar} is outside row1/bar1 .. row{b.rows}/bar{b.rollers_per_row}: "
+                "bar k stands between rollers k and k + 1"
+            )
+    if len(set(bars)) < len(bars):
+        yield f"faults.broken_bars = '{c.faults.broken_bars}' names a bar twice: name each once"
+    for row in range(1, b.rows + 1):
+        if sum(at == row for at, _ in set(bars)) > b.rollers_per_row - 2:
+            yield f"faults.broken_bars leaves fewer than two bars in row {row}: a cage needs two to drive its rollers"
+
+
+LARGEST_PHASE = 1.9
+"""Largest phase of the stiffest mode in a step [rad]; from 2 on leapfrog grows without bound."""
+
+
+def _stability(c: Configuration) -> Iterator[str]:
+    """Compare the step with the stiffest mode, at the largest roller force that the load can bring about."""
+    b, h = c.bearing, c.simulation.step
+    load = math.hypot(c.operating.load, c.operating.lateral_load) + b.inner_ring_mass * c.operating.gravity
+    most = 5.0 * load / (b.rows * b.rollers_per_row)
+    free = c.cage.joint == "pocket" or bool(c.faults.broken_bars)
+    stiffness = contact_stiffness(c, max(most, 1.0))
+    modes = {"a roller between the raceways": (2.0 * stiffness, b.roller_mass)} if free else {}
+    together = 0.5 * stiffness * (1.0 + 0.25 * b.rollers_per_row) * b.rows
+    modes["the rings against each other"] = (together, 1.0 / (1.0 / b.inner_ring_mass + 1.0 / b.outer_ring_mass))
+    modes["a cage with its rollers"] = (2.0 * stiffness, b.cage_mass if free else b.cage_mass + b.rollers_per_row * b.roller_mass)
+    modes["the outer ring in the housing"] = (c.housing.stiffness, b.outer_ring_mass)
+    for name, (spring, mass) in modes.items():
+        # The correction h^2 k/12 of the mass slows a mode: sin^2(phase/2) (1 + phase^2/12).
+        natural = math.sqrt(spring / mass)
+        if h * natural / math.sqrt(1.0 + (h * natural) ** 2 / 12.0) > LARGEST_PHASE:
+            longest = LARGEST_PHASE / natural / math.sqrt(1.0 - LARGEST_PHASE**2 / 12.0)
+            yield (
+                f"simulation.step = {h:g} s is too long for {name}, a mode at {natural / (2.0 * math.pi):.4g} Hz with contacts of "
+                f"{stiffness:.3g} N/m: at most {longest:.3g} s, such as {_fitting_step(c, longest)!r}"
+            )
+
+
+def _fitting_step(c: Configuration, longest: float) -> float:
+    """Return the longest step up to ``longest`` [s] that makes a whole number of a sample."""
+    return 1.0 / (c.sensor.sampling_rate * max(2, math.ceil(1.0 / (longest * c.sensor.sampling_rate))))
+
+
+def contact_stiffness(c: Configuration, force: float) -> float:
+    """Return the stiffness [N/m] of a roller's contact with the inner raceway under a normal force [N]."""
+    if c.contact.law == "power":
+        exponent = c.contact.power_exponent
+        return float(exponent * force ** (1.0 - 1.0 / exponent) * c.contact.power_coefficient ** (1.0 / exponent))
+    modulus = math.pi * c.bearing.effective_modulus * c.bearing.roller_length
+    scale = 4.0 * (c.bearing.inner_raceway_radius + c.bearing.roller_radius)
+    return modulus / max(1.0, math.log(modulus * scale / force) - 2.0)

@@ -2,17 +2,33 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from scipy.optimize import least_squares, minimize
 from scipy.special import lambertw
 
 from dcrb_ros.block import Floats
-from dcrb_ros.core.payload import Payload
+from dcrb_ros.core.payload import JOHNSON, Payload
 
 START_PENETRATION = 2e-5
 """Penetration of the lowest roller that the search starts from [m]."""
 
 MICROMETRE = 1e-6
+LIGHTEST = 1e-3
+"""Force with which a free roller rests on the outer raceway at least, so that its place is defined [N]."""
+
+
+class Rest(NamedTuple):
+    """Where the bodies rest."""
+
+    outer: Floats
+    """Centre of the outer ring, shape (2,) [m]."""
+    inner: Floats
+    cages: Floats
+    """Centres of the cages, shape (rows, 2) [m]."""
+    rollers: Floats
+    """Centres of the rollers, shape (rows, rollers, 2) [m]."""
 
 
 def johnson_forces(penetration: Floats, modulus: float, scale: float) -> Floats:
@@ -26,85 +42,140 @@ def johnson_forces(penetration: Floats, modulus: float, scale: float) -> Floats:
     return np.where(closed, forces, 0.0)
 
 
-def penetrations(payload: Payload, centres: Floats) -> tuple[Floats, Floats, Floats, Floats]:
+def normal_forces(payload: Payload, penetration: Floats, scale: float) -> Floats:
+    """Return the normal forces [N] of the contact law chosen; any shape."""
+    if payload.contact_law == JOHNSON:
+        return johnson_forces(penetration, payload.contact_modulus, scale)
+    return np.asarray(payload.power_coefficient * np.maximum(penetration, 0.0) ** payload.power_exponent)
+
+
+def penetration_under(payload: Payload, force: Floats, scale: float) -> Floats:
+    """Return the penetrations [m] under forces [N] above zero, Eq. 4 as printed or the power law's inverse; any shape."""
+    if payload.contact_law == JOHNSON:
+        return np.asarray(force / payload.contact_modulus * (np.log(payload.contact_modulus * scale / force) - 1.0))
+    return np.asarray((force / payload.power_coefficient) ** (1.0 / payload.power_exponent))
+
+
+def stored_energy(payload: Payload, penetration: Floats, scale: float) -> Floats:
+    """Return the energy of contacts [J]: F delta/2 - F^2/(4 pi E* L), or F delta/(n + 1) of the power law; any shape."""
+    force = normal_forces(payload, penetration, scale)
+    if payload.contact_law == JOHNSON:
+        return 0.5 * force * np.maximum(penetration, 0.0) - force**2 / (4.0 * payload.contact_modulus)
+    return force * np.maximum(penetration, 0.0) / (payload.power_exponent + 1.0)
+
+
+def radial_directions(payload: Payload) -> Floats:
+    """Return the directions from a cage's centre to its pockets at cage angle zero, shape (rows, rollers, 2) [-]."""
+    tangent = payload.pocket_tangent
+    return np.stack([tangent[..., 1], -tangent[..., 0]], axis=-1)
+
+
+def penetrations(payload: Payload, outer: Floats, inner: Floats, rollers: Floats) -> tuple[Floats, Floats, Floats, Floats]:
     """Return the vectors from inner and outer ring to each roller and the penetrations there [m].
 
-    ``centres`` holds outer ring, inner ring and the cages, shape (2 + rows, 2) [m].
+    ``rollers`` holds the rollers' centres, shape (rows, rollers, 2) [m].
     """
-    tangent = payload.pocket_tangent
-    pins = payload.pitch_radius * np.stack([tangent[..., 1], -tangent[..., 0]], axis=-1)
-    rollers = centres[2:, None, :] + pins
-    inner, outer = rollers - centres[1], rollers - centres[0]
-    inner_depth = payload.inner_raceway_radius + payload.roller_radius - np.linalg.norm(inner, axis=-1)
-    outer_depth = np.linalg.norm(outer, axis=-1) + payload.roller_radius - payload.outer_raceway_radius
-    return inner, outer, inner_depth, outer_depth
+    from_inner, from_outer = rollers - inner, rollers - outer
+    inner_depth = payload.inner_raceway_radius + payload.roller_radius - np.linalg.norm(from_inner, axis=-1)
+    outer_depth = np.linalg.norm(from_outer, axis=-1) + payload.roller_radius - payload.outer_raceway_radius
+    return from_inner, from_outer, inner_depth, outer_depth
 
 
-def roller_forces(payload: Payload, centres: Floats) -> tuple[Floats, Floats]:
+def roller_forces(payload: Payload, outer: Floats, inner: Floats, rollers: Floats) -> tuple[Floats, Floats]:
     """Return the forces on each roller from the inner and from the outer raceway, shape (rows, rollers, 2) [N]."""
-    inner, outer, inner_depth, outer_depth = penetrations(payload, centres)
-    inner_force = johnson_forces(inner_depth, payload.contact_modulus, payload.inner_scale)
-    outer_force = johnson_forces(outer_depth, payload.contact_modulus, payload.outer_scale)
+    from_inner, from_outer, inner_depth, outer_depth = penetrations(payload, outer, inner, rollers)
+    inner_force = normal_forces(payload, inner_depth, payload.inner_scale)
+    outer_force = normal_forces(payload, outer_depth, payload.outer_scale)
     return (
-        inner * (inner_force / np.linalg.norm(inner, axis=-1))[..., None],
-        -outer * (outer_force / np.linalg.norm(outer, axis=-1))[..., None],
+        from_inner * (inner_force / np.linalg.norm(from_inner, axis=-1))[..., None],
+        -from_outer * (outer_force / np.linalg.norm(from_outer, axis=-1))[..., None],
     )
 
 
-def potential_energy(payload: Payload, load: Floats, centres: Floats) -> float:
-    """Return the energy of contacts, housing, weight and load [J]; a contact stores F delta/2 - F^2/(4 pi E* L)."""
-    _, _, *depths = penetrations(payload, centres)
-    rows = len(centres) - 2
-    masses = np.array([payload.outer_ring_mass, payload.inner_ring_mass, *[payload.train_mass] * rows])
-    energy = 0.5 * payload.housing_stiffness * centres[0] @ centres[0] - load @ centres[1] + payload.gravity * masses @ centres[:, 1]
-    for depth, scale in zip(depths, (payload.inner_scale, payload.outer_scale), strict=True):
-        force = johnson_forces(depth, payload.contact_modulus, scale)
-        energy += np.sum(0.5 * force * depth - force**2 / (4.0 * payload.contact_modulus))
-    return float(energy)
+class _Problem:
+    """The bearing over its free coordinates: rings, cages that carry rollers, and how far out each free roller lies.
 
-
-def unbalanced_forces(payload: Payload, load: Floats, centres: Floats) -> Floats:
-    """Return the force left on outer ring, inner ring and cages, shape (2 + rows, 2) [N]; zero in equilibrium."""
-    inner, outer = roller_forces(payload, centres)
-    rows = len(centres) - 2
-    masses = np.array([payload.outer_ring_mass, payload.inner_ring_mass, *[payload.train_mass] * rows])
-    force = np.zeros_like(centres)
-    force[:, 1] = -masses * payload.gravity
-    force[0] += -payload.housing_stiffness * centres[0] - outer.sum(axis=(0, 1))
-    force[1] += load - inner.sum(axis=(0, 1))
-    force[2:] += (inner + outer).sum(axis=1)
-    return force
-
-
-def static_equilibrium(payload: Payload, load: Floats) -> Floats:
-    """Return the centres of outer ring, inner ring and cages at rest under ``load`` [N], shape (2 + rows, 2) [m].
-
-    The cages stand at angle zero and no defect is under a roller. The search starts with the rings pressed together
-    along the load so that it cannot fall into the gap.
+    Free rollers keep their azimuth round the middle between the rings, as friction would hold them; a cage without
+    pinned rollers stands there.
     """
-    rows = payload.pocket_tangent.shape[0]
-    weight = np.array([0.0, -payload.gravity * (payload.inner_ring_mass + rows * payload.train_mass)])
-    total = load + weight
-    size = float(np.linalg.norm(total))
-    direction = total / size if size > 0.0 else np.array([0.0, -1.0])
-    half_gap = 0.5 * (payload.outer_raceway_radius - payload.inner_raceway_radius) - payload.roller_radius
-    centres = np.zeros((2 + rows, 2))
-    centres[0] = total / payload.housing_stiffness
-    centres[1] = centres[0] + (2.0 * half_gap + 2.0 * START_PENETRATION) * direction
-    middle = 0.5 * (payload.inner_raceway_radius + payload.outer_raceway_radius) - payload.pitch_radius
-    centres[2:] = centres[0] + (half_gap + START_PENETRATION + middle) * direction
-    scale = max(size, 1.0)
+
+    def __init__(self, payload: Payload, load: Floats, orbit: float) -> None:
+        self.payload, self.load = payload, load
+        self.free, self.radial = payload.free, radial_directions(payload)
+        self.carrying = ~payload.free.all(axis=1)
+        self.first_free = 4 + 2 * int(self.carrying.sum())
+        # Weight and the orbit's centrifugal force say on which raceway a free roller rests that nothing squeezes.
+        weight = -payload.roller_mass * payload.gravity * self.radial[..., 1]
+        self.outward = (weight + payload.roller_mass * payload.pitch_radius * orbit**2 + LIGHTEST)[self.free]
+
+    def places(self, x: Floats) -> Rest:
+        """Return where the bodies are at coordinates ``x`` [m]."""
+        outer, inner = x[:2], x[2:4]
+        middle = 0.5 * (outer + inner)
+        cages = np.tile(middle, (len(self.free), 1))
+        cages[self.carrying] = x[4 : self.first_free].reshape(-1, 2)
+        rollers = cages[:, None] + self.payload.pitch_radius * self.radial
+        rollers[self.free] = middle + x[self.first_free :, None] * self.radial[self.free]
+        return Rest(outer, inner, cages, rollers)
+
+    def energy(self, x: Floats) -> float:
+        """Return the potential energy [J]."""
+        p, rest = self.payload, self.places(x)
+        _, _, inner_depth, outer_depth = penetrations(p, rest.outer, rest.inner, rest.rollers)
+        contacts = stored_energy(p, inner_depth, p.inner_scale).sum() + stored_energy(p, outer_depth, p.outer_scale).sum()
+        weights = p.outer_ring_mass * rest.outer[1] + p.inner_ring_mass * rest.inner[1]
+        weights += (p.train_mass * rest.cages[:, 1])[self.carrying].sum()
+        housing = 0.5 * p.housing_stiffness * rest.outer @ rest.outer
+        return float(contacts + housing + p.gravity * weights - self.load @ rest.inner - self.outward @ x[self.first_free :])
+
+    def unbalanced(self, x: Floats) -> Floats:
+        """Return the generalised forces left [N]; zero in equilibrium."""
+        p, rest = self.payload, self.places(x)
+        inner, outer = roller_forces(p, rest.outer, rest.inner, rest.rollers)
+        both = inner + outer
+        rings = np.array([-p.housing_stiffness * rest.outer - outer.sum(axis=(0, 1)), self.load - inner.sum(axis=(0, 1))])
+        rings += 0.5 * both[self.free].sum(axis=0)
+        rings[:, 1] -= p.gravity * np.array([p.outer_ring_mass, p.inner_ring_mass])
+        cages = np.where(self.free[..., None], 0.0, both).sum(axis=1)
+        cages[:, 1] -= p.train_mass * p.gravity
+        radii = (both[self.free] * self.radial[self.free]).sum(axis=-1) + self.outward
+        return np.concatenate([rings.ravel(), cages[self.carrying].ravel(), radii])
+
+    def start(self) -> Floats:
+        """Return coordinates [m] with the rings pressed together along the load, so that the search cannot fall into the gap."""
+        p = self.payload
+        pinned = p.train_mass.sum() if self.carrying.any() else 0.0
+        total = self.load + np.array([0.0, -p.gravity * (p.inner_ring_mass + pinned)])
+        size = float(np.linalg.norm(total))
+        direction = total / size if size > 0.0 else np.array([0.0, -1.0])
+        half_gap = 0.5 * (p.outer_raceway_radius - p.inner_raceway_radius) - p.roller_radius
+        outer = total / p.housing_stiffness
+        inner = outer + (2.0 * half_gap + 2.0 * START_PENETRATION) * direction
+        middle = 0.5 * (p.inner_raceway_radius + p.outer_raceway_radius) - p.pitch_radius
+        cages = np.tile(outer + (half_gap + START_PENETRATION + middle) * direction, (int(self.carrying.sum()), 1))
+        facing = self.radial[self.free] @ direction
+        below = p.outer_raceway_radius - p.roller_radius - half_gap * facing + START_PENETRATION * np.maximum(facing, 0.0)
+        above = p.inner_raceway_radius + p.roller_radius + half_gap * facing
+        radii = np.where((facing > 0.0) | (self.outward > 0.0), below, above)
+        return np.concatenate([outer, inner, cages.ravel(), radii])
+
+
+def static_equilibrium(payload: Payload, load: Floats, orbit: float = 0.0) -> Rest:
+    """Return where the bodies rest under ``load`` [N], the rollers orbiting at ``orbit`` [rad/s].
+
+    The cages stand at angle zero and no defect is under a roller.
+    """
+    problem = _Problem(payload, load, orbit)
+    scale = max(float(np.linalg.norm(load)) + payload.inner_ring_mass * payload.gravity, 1.0)
 
     def energy(x: Floats) -> tuple[float, Floats]:
-        at = x.reshape(centres.shape) * MICROMETRE
-        force = unbalanced_forces(payload, load, at)
-        return potential_energy(payload, load, at) / (scale * MICROMETRE), -force.ravel() / scale
+        at = x * MICROMETRE
+        return problem.energy(at) / (scale * MICROMETRE), -problem.unbalanced(at) / scale
 
     def residual(x: Floats) -> Floats:
-        return -energy(x)[1]
+        return problem.unbalanced(x * MICROMETRE) / scale
 
     # The energy leads over open contacts, where the forces alone give no direction; least squares then polish.
-    lowest = minimize(energy, centres.ravel() / MICROMETRE, jac=True, method="BFGS", options={"gtol": 1e-6, "maxiter": 5000}).x
-    found = least_squares(residual, lowest, method="lm", xtol=1e-15, ftol=1e-15, gtol=1e-15, max_nfev=20000).x
-    settled: Floats = found.reshape(centres.shape) * MICROMETRE
-    return settled
+    lowest = minimize(energy, problem.start() / MICROMETRE, jac=True, method="BFGS", options={"gtol": 1e-6, "maxiter": 5000}).x
+    found = least_squares(residual, lowest, method="lm", xtol=1e-15, ftol=1e-15, gtol=1e-15, max_nfev=3000).x
+    return problem.places(found * MICROMETRE)

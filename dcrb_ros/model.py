@@ -6,13 +6,15 @@ import math
 from collections.abc import Iterable
 
 import numpy as np
+import numpy.typing as npt
 
 from dcrb_ros.block import Floats, Layout
 from dcrb_ros.configuration import Configuration
-from dcrb_ros.core.payload import Notches, Payload
+from dcrb_ros.core.cage import conformal_law
+from dcrb_ros.core.payload import EDGE, JOHNSON, POWER, SINK, Notches, Payload, RollerNotches
 from dcrb_ros.core.state import State, empty_state
-from dcrb_ros.equilibrium import static_equilibrium
-from dcrb_ros.faults import Faults, RacewayDefect
+from dcrb_ros.equilibrium import roller_forces, static_equilibrium
+from dcrb_ros.faults import RacewayDefect, RollerDefect
 from dcrb_ros.parameters import Bearing
 
 
@@ -32,7 +34,7 @@ def pocket_azimuths(bearing: Bearing) -> Floats:
 
 
 def _notches(defects: Iterable[RacewayDefect], raceway_radius: float) -> Notches:
-    found = [defect for defect in defects if defect.width > 0.0]
+    found = list(defects)
     return Notches(
         row=np.array([defect.row - 1 for defect in found], np.int64),
         half_angle=np.array([0.5 * defect.width / raceway_radius for defect in found], np.float64),
@@ -41,51 +43,123 @@ def _notches(defects: Iterable[RacewayDefect], raceway_radius: float) -> Notches
     )
 
 
+def _roller_notches(defects: Iterable[RollerDefect], roller_radius: float) -> RollerNotches:
+    found = list(defects)
+    return RollerNotches(
+        row=np.array([defect.row - 1 for defect in found], np.int64),
+        roller=np.array([defect.roller - 1 for defect in found], np.int64),
+        half_angle=np.array([0.5 * defect.width / roller_radius for defect in found], np.float64),
+        depth=np.array([defect.depth for defect in found], np.float64),
+        azimuth=np.array([defect.azimuth for defect in found], np.float64),
+    )
+
+
+def broken_bars(configuration: Configuration) -> npt.NDArray[np.bool_]:
+    """Return whether the bar between a pocket and the next one is broken, shape (rows, rollers)."""
+    broken = np.zeros((configuration.bearing.rows, configuration.bearing.rollers_per_row), np.bool_)
+    for row, bar in configuration.faults.bars():
+        broken[row - 1, bar - 1] = True
+    return broken
+
+
+def free_rollers(configuration: Configuration) -> npt.NDArray[np.bool_]:
+    """Return which rollers are not pinned: all with pockets, otherwise those beside a broken bar, shape (rows, rollers)."""
+    broken = broken_bars(configuration)
+    if configuration.cage.joint == "pocket":
+        return np.ones_like(broken)
+    return broken | np.roll(broken, 1, axis=1)
+
+
+def degrees_of_freedom(configuration: Configuration) -> int:
+    """Return the free coordinates [-]: two rings and the cages in the plane, cages and rollers turning, free rollers moving."""
+    b = configuration.bearing
+    return 4 + 3 * b.rows + b.rows * b.rollers_per_row + 2 * int(free_rollers(configuration).sum())
+
+
+def land_radius(configuration: Configuration) -> float:
+    """Return the radius of the outer land [m]: as configured, or midway between pitch circle and outer raceway."""
+    b = configuration.bearing
+    return configuration.cage.land_radius or 0.5 * (b.pitch_radius + b.outer_raceway_radius)
+
+
 def build_payload(configuration: Configuration) -> Payload:
     """Return the constants of the time loop."""
     c, b = configuration, configuration.bearing
-    azimuth = pocket_azimuths(b)
-    faults: Faults = c.faults
+    azimuth, free = pocket_azimuths(b), free_rollers(c)
+    tangent = np.stack([np.cos(azimuth), np.sin(azimuth)], axis=-1)
+    pinned = (~free).sum(axis=1)
+    # All pinned: the sum of the tangents is zero but for rounding, which would make the motion depend on it.
+    moment = b.roller_mass * b.pitch_radius * np.where(free[..., None], 0.0, tangent).sum(axis=1)
+    moment[~free.any(axis=1)] = 0.0
+    bar = conformal_law(c.cage.pocket_clearance, b.roller_length, b.effective_modulus)
+    land = conformal_law(c.cage.land_clearance, b.roller_length, b.effective_modulus)
+    width = 4.0 / (math.pi * b.roller_length * b.effective_modulus)
     return Payload(
         step=1.0 / c.step_rate,
-        pocket_tangent=np.stack([np.cos(azimuth), np.sin(azimuth)], axis=-1),
+        pocket_tangent=tangent,
+        free=free,
+        broken=broken_bars(c),
         inner_raceway_radius=b.inner_raceway_radius,
         outer_raceway_radius=b.outer_raceway_radius,
         pitch_radius=b.pitch_radius,
         roller_radius=b.roller_radius,
         outer_ring_mass=b.outer_ring_mass,
         inner_ring_mass=b.inner_ring_mass,
-        train_mass=b.cage_mass + b.rollers_per_row * b.roller_mass,
-        train_inertia=b.cage_inertia + b.rollers_per_row * b.roller_mass * b.pitch_radius**2,
+        roller_mass=b.roller_mass,
         roller_inertia=b.roller_inertia,
+        train_mass=b.cage_mass + pinned * b.roller_mass,
+        train_inertia=b.cage_inertia + pinned * b.roller_mass * b.pitch_radius**2,
+        train_moment=moment,
         gravity=c.operating.gravity,
         housing_stiffness=c.housing.stiffness,
         housing_damping=c.housing.damping,
+        contact_law={"johnson": JOHNSON, "power": POWER}[c.contact.law],
         contact_modulus=math.pi * b.effective_modulus * b.roller_length,
         inner_scale=4.0 * (b.inner_raceway_radius + b.roller_radius),
         outer_scale=4.0 * (b.outer_raceway_radius - b.roller_radius),
+        roller_scale=8.0 * b.roller_radius,
+        power_coefficient=c.contact.power_coefficient,
+        power_exponent=c.contact.power_exponent,
         loss_time=c.contact.loss_time,
+        contact_damping=c.contact.damping,
         kinetic_coefficient=c.friction.kinetic_coefficient,
         static_coefficient=c.friction.static_coefficient,
         stribeck_speed=c.friction.stribeck_speed,
         bristle_stiffness=c.friction.bristle_stiffness,
         bristle_damping=c.friction.bristle_damping,
         viscous=c.friction.viscous,
-        inner_notches=_notches((faults.inner_1, faults.inner_2), b.inner_raceway_radius),
-        outer_notches=_notches((faults.outer_1, faults.outer_2), b.outer_raceway_radius),
+        convection=c.friction.convection,
+        inner_width=width / (1.0 / b.roller_radius + 1.0 / b.inner_raceway_radius),
+        outer_width=width / (1.0 / b.roller_radius - 1.0 / b.outer_raceway_radius),
+        notch_law={"sink": SINK, "edge": EDGE}[c.contact.notch],
+        edge_radius=c.contact.edge_radius,
+        inner_notches=_notches((defect for _, defect in c.faults.raceway_defects("inner")), b.inner_raceway_radius),
+        outer_notches=_notches((defect for _, defect in c.faults.raceway_defects("outer")), b.outer_raceway_radius),
+        roller_notches=_roller_notches((defect for _, defect in c.faults.roller_defects()), b.roller_radius),
+        pocket_clearance=c.cage.pocket_clearance,
+        bar_coefficient=bar[0],
+        bar_exponent=bar[1],
+        land_clearance=c.cage.land_clearance,
+        land_radius=land_radius(c),
+        land_coefficient=land[0],
+        land_exponent=land[1],
+        impact_loss=0.75 * (1.0 - c.cage.restitution**2),
+        bar_friction=c.cage.friction_coefficient,
         speed_ramp=c.operating.speed_ramp,
         load_ramp=c.operating.load_ramp,
     )
 
 
-def cage_speed(bearing: Bearing, shaft_speed: float) -> float:
-    """Return the cage speed of pure rolling with the rollers pinned at the pitch radius [rad/s]."""
-    return shaft_speed * bearing.inner_raceway_radius / (2.0 * bearing.pitch_radius)
+def cage_speed(configuration: Configuration, shaft_speed: float) -> float:
+    """Return the cage speed of pure rolling [rad/s]: rollers pinned at the pitch radius, or free between the raceways."""
+    b = configuration.bearing
+    orbit = b.pitch_radius if configuration.cage.joint == "revolute" else b.inner_raceway_radius + b.roller_radius
+    return shaft_speed * b.inner_raceway_radius / (2.0 * orbit)
 
 
 def roller_spin(bearing: Bearing, shaft_speed: float) -> float:
-    """Return the absolute spin of a roller in pure rolling with the rollers pinned at the pitch radius [rad/s]."""
-    return -cage_speed(bearing, shaft_speed) * bearing.pitch_radius / bearing.roller_radius
+    """Return the absolute spin of a roller in pure rolling [rad/s]."""
+    return -0.5 * shaft_speed * bearing.inner_raceway_radius / bearing.roller_radius
 
 
 def initial_state(configuration: Configuration, payload: Payload) -> State:
@@ -95,11 +169,17 @@ def initial_state(configuration: Configuration, payload: Payload) -> State:
     state.load[:] = operating.lateral_load, -operating.load
     state.target[:] = operating.speed, *state.load
     state.shaft[1] = operating.speed
-    centres = static_equilibrium(payload, state.load)
-    state.outer_position[:] = centres[0]
-    state.inner_position[:] = centres[1]
-    state.cage_position[:, :2] = centres[2:]
+    orbit = cage_speed(configuration, operating.speed) if operating.start == "warm" else 0.0
+    rest = static_equilibrium(payload, state.load, orbit)
+    state.outer_position[:], state.inner_position[:], state.cage_position[:, :2] = rest.outer, rest.inner, rest.cages
+    state.roller_position[:] = rest.rollers
+    for force, contacts in zip(
+        (state.inner_force, state.outer_force), roller_forces(payload, rest.outer, rest.inner, rest.rollers), strict=True
+    ):
+        force[:] = np.linalg.norm(contacts, axis=-1)
     if operating.start == "warm":
-        state.cage_velocity[:, 2] = cage_speed(bearing, operating.speed)
-        state.spin[:] = roller_spin(bearing, operating.speed)
+        state.cage_velocity[:, 2] = orbit
+        arm = state.roller_position - state.cage_position[:, None, :2]
+        state.roller_velocity[..., 0], state.roller_velocity[..., 1] = -orbit * arm[..., 1], orbit * arm[..., 0]
+        state.roller_velocity[..., 2] = roller_spin(bearing, operating.speed)
     return state

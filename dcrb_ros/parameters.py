@@ -45,6 +45,11 @@ def length(default: float, description: str, low: float, high: float, *, symbol:
     return quantity(default, "m", description, low, high, symbol=symbol, remedy=LENGTH_REMEDY, run_time=run_time)
 
 
+def choice(default: str | bool, description: str) -> Any:
+    """Return the field of a choice: names, a text or yes and no."""
+    return Field(default, description=description, json_schema_extra={"unit": "-", "symbol": "", "remedy": "", "run_time": False})
+
+
 class Bearing(Group):
     """Geometry, masses and material. Defaults: NJ(P)3226X1, Table 1, with the roller's spin inertia m r^2/2."""
 
@@ -94,11 +99,21 @@ class Housing(Group):
 
 
 class Contact(Group):
-    """Normal contact of roller and raceway (Johnson, Eq. 4) and its loss."""
+    """Normal contact of rollers and raceways, its loss, and what a notch does to it."""
 
+    law: Literal["johnson", "power"] = choice(
+        "johnson", "Normal force: johnson, the line contact of Eq. 4 (the paper), or power, coefficient * penetration^exponent"
+    )
+    power_coefficient: float = quantity(3.449e9, "N/m^n", "Coefficient of the power law", 1e3, 1e15, symbol="K")
+    power_exponent: float = quantity(1.0766, "-", "Exponent of the power law", 1.0, 2.0, symbol="n")
     loss_time: float = quantity(
         2.5e-6, "s", "Loss of the normal contact: damping over stiffness; 0 as in the paper", 0.0, 1e-4, symbol="beta"
     )
+    damping: float = quantity(0.0, "N s/m", "Constant damping of a closed contact, beside its loss", 0.0, 1e5, symbol="c")
+    notch: Literal["sink", "edge"] = choice(
+        "sink", "Defect law: sink, the paper's depth min(h, ...) along the raceway's normal, or edge, fillets with normals of their own"
+    )
+    edge_radius: float = length(0.0001, "Radius of a defect's edges, of the law edge", 1e-6, 0.005, symbol="rho")
 
 
 class Friction(Group):
@@ -126,16 +141,26 @@ class Friction(Group):
         remedy="the coefficient form is in s/m; the paper's 400 N s/m is 0.0133 s/m at 30 kN",
     )
     viscous: float = quantity(0.0, "s/m", "Viscous friction per normal force", 0.0, 10.0, symbol="sigma_2")
+    convection: float = quantity(
+        0.0, "-", "Rolling convection of the bristles: 0 for plain LuGre (the paper), 0.7 for Carter's creep", 0.0, 10.0, symbol="kappa"
+    )
 
 
 class Cage(Group):
-    """How rollers and cage are joined."""
+    """How rollers and cage are joined, and what they touch."""
 
-    joint: Literal["revolute"] = Field(
+    joint: Literal["revolute", "pocket"] = choice(
         "revolute",
-        description="Roller-cage joint: revolute pins every roller centre to its pocket centre (the paper)",
-        json_schema_extra={"unit": "-", "symbol": "", "remedy": "", "run_time": False},
+        "Roller-cage joint: revolute pins every roller centre to its pocket centre (the paper), pocket leaves every roller free "
+        "between the bars",
     )
+    pocket_clearance: float = length(
+        0.0001, "Circumferential clearance between a roller and a bar, on either side", 5e-6, 0.005, symbol="c_p"
+    )
+    land_clearance: float = length(0.0003, "Radial clearance between cage and outer land", 5e-6, 0.01, symbol="c_l")
+    land_radius: float = length(0.0, "Radius of the outer land; 0 for midway between pitch circle and outer raceway", 0.0, 2.5)
+    restitution: float = quantity(0.9, "-", "Restitution of an impact on bar or land (steel)", 0.0, 1.0, symbol="c_e")
+    friction_coefficient: float = quantity(0.05, "-", "Friction coefficient of bars and land", 0.0, 1.0)
 
 
 class Operating(Group):
@@ -158,10 +183,8 @@ class Operating(Group):
     speed_ramp: float = quantity(50.0, "rad/s^2", "Slope at which a commanded speed is reached", 0.1, 1e5)
     load_ramp: float = quantity(2e5, "N/s", "Slope at which a commanded load is reached, per axis", 1.0, 1e9)
     gravity: float = quantity(9.81, "m/s^2", "Gravity, downwards", 0.0, 100.0, symbol="g")
-    start: Literal["warm", "cold"] = Field(
-        "warm",
-        description="warm: static equilibrium and kinematic rolling; cold: cage and rollers at rest (the paper's Fig. 8)",
-        json_schema_extra={"unit": "-", "symbol": "", "remedy": "", "run_time": False},
+    start: Literal["warm", "cold"] = choice(
+        "warm", "warm: static equilibrium and kinematic rolling; cold: cage and rollers at rest (the paper's Fig. 8)"
     )
 
 
@@ -212,26 +235,15 @@ class Publishing(Group):
     state_rate: int = quantity(100, "Hz", "Rate of roller_states in simulated time", 1, 1000)
     preview_rate: int = quantity(200, "Hz", "Rate of the low-passed preview in simulated time", 10, 1000)
     truth_rate: int = quantity(10, "Hz", "Rate of ground_truth in simulated time, besides every change", 1, 100)
-    clean: bool = Field(
-        False,
-        description="Publish outer_ring/vibration_clean too, the waveform before noise, clipping and ADC",
-        json_schema_extra={"unit": "-", "symbol": "", "remedy": "", "run_time": False},
-    )
+    clean: bool = choice(False, "Publish outer_ring/vibration_clean too, the waveform before noise, clipping and ADC")
+    contacts: bool = choice(False, "Publish roller_contacts too: outer normal force, slip and friction of every roller")
 
 
 class Recording(Group):
     """The MCAP recording."""
 
-    path: str = Field(
-        "",
-        description="Folder of the recording to write; empty for none",
-        json_schema_extra={"unit": "-", "symbol": "", "remedy": "", "run_time": False},
-    )
-    compression: Literal["zstd", "lz4", "none"] = Field(
-        "zstd",
-        description="Compression of the chunks",
-        json_schema_extra={"unit": "-", "symbol": "", "remedy": "", "run_time": False},
-    )
+    path: str = choice("", "Folder of the recording to write; empty for none")
+    compression: Literal["zstd", "lz4", "none"] = choice("zstd", "Compression of the chunks")
 
 
 def rpm(speed: float) -> float:

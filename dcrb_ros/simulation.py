@@ -13,7 +13,9 @@ import numpy.typing as npt
 
 from dcrb_ros.block import Block, Floats, Layout, States, Truth, nanoseconds
 from dcrb_ros.configuration import Configuration
-from dcrb_ros.core.step import advance, workspace
+from dcrb_ros.core.step import advance
+from dcrb_ros.core.work import workspace
+from dcrb_ros.energy import stored_energy
 from dcrb_ros.kinematics import characteristic_orders
 from dcrb_ros.measurement.decimation import Cascade
 from dcrb_ros.measurement.sensor import Measurement, Sensor
@@ -53,7 +55,8 @@ class Simulation:
         self.layout: Layout = layout(configuration)
         self._payload = build_payload(configuration)
         self._state = initial_state(configuration, self._payload)
-        self._work = workspace(self.layout.rows, self.layout.rollers_per_row)
+        self._work = workspace(self._payload)
+        self._stored = stored_energy(self._payload, self._state)
         self._sensor = Sensor(configuration)
         self._preview = Cascade(configuration.sensor.sampling_rate // configuration.publishing.preview_rate)
         self._orders = characteristic_orders(configuration.bearing)
@@ -152,7 +155,7 @@ class Simulation:
             self._measured.append(self._sensor.measure(acceleration))
             self._angles = np.concatenate([self._angles, angles])
             if self._steps == state_due:
-                self._states.append(observe(self._payload, self._state, self.time_ns))
+                self._states.append(observe(self._payload, self._state, self.time_ns, self._stored))
             if self._steps == truth_due:
                 self._note("")
 
@@ -180,7 +183,7 @@ class Simulation:
     def _note(self, changed: str) -> None:
         """Keep the truth of this moment."""
         speed, load = float(self._state.shaft[1]), self._state.load
-        faults = {name: {**defect.model_dump(), "onset": 0.0} for name, defect in self.configuration.faults.present()}
+        faults = {name: {**fields, "onset": 0.0} for name, fields in self.configuration.faults.described().items()}
         frequencies = self._orders.frequencies(speed / (2.0 * math.pi))
         self._truths.append(Truth(self.time_ns, speed, (float(load[0]), float(load[1])), frequencies, faults, changed))
 

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from dcrb_ros.configuration import Configuration
-from dcrb_ros.core.friction import bristle_after, bristle_weights, friction_line, stribeck_coefficient
+from dcrb_ros.core.friction import bristle_after, bristle_weights, convection_rate, friction_line, stribeck_coefficient
 from dcrb_ros.model import build_payload
 
 pytestmark = pytest.mark.kernel
@@ -24,7 +24,7 @@ def settled(slip: float, steps: int) -> tuple[float, float]:
     """Return bristle [m] and friction coefficient [-] after ``steps`` steps of constant slip [m/s]."""
     bristle, coefficient = 0.0, 0.0
     for _ in range(steps):
-        constant, slope, rate, phi = friction_line(slip, bristle, PAYLOAD)
+        constant, slope, rate, phi = friction_line(slip, bristle, KINETIC, STATIC, 0.0, PAYLOAD)
         coefficient = constant + slope * slip
         bristle = bristle_after(bristle, slip, rate, phi, PAYLOAD.step)
     return bristle, coefficient
@@ -45,7 +45,7 @@ def test_friction_stays_inside_its_cone(slip: float, steps: int) -> None:
 
 @given(slips, st.floats(-1.0, 1.0))
 def test_friction_opposes_slip_more_as_slip_grows(slip: float, share: float) -> None:
-    _, slope, _, _ = friction_line(slip, share * STATIC / PAYLOAD.bristle_stiffness, PAYLOAD)
+    _, slope, _, _ = friction_line(slip, share * STATIC / PAYLOAD.bristle_stiffness, KINETIC, STATIC, 0.0, PAYLOAD)
     assert slope > 0.0  # the implicit update is passive
 
 
@@ -67,3 +67,16 @@ def test_bristle_mean_is_second_order() -> None:
 def test_stribeck_limits() -> None:
     assert stribeck_coefficient(0.0, KINETIC, STATIC, 0.01) == STATIC
     assert stribeck_coefficient(1.0, KINETIC, STATIC, 0.01) == pytest.approx(KINETIC)
+
+
+def test_rolling_convection_gives_carters_creep() -> None:
+    # Carter 1926: the slope of friction over creep in a line contact is pi L E* a/2, whatever the friction coefficient.
+    bearing, force, rolling = Configuration().bearing, 30e3, 5.7
+    half_width = math.sqrt(PAYLOAD.inner_width * force)
+    slip = 1e-6
+    convection, bristle, coefficient = convection_rate(rolling, force, PAYLOAD.inner_width, 0.7), 0.0, 0.0
+    for _ in range(3000):
+        constant, slope, rate, phi = friction_line(slip, bristle, KINETIC, STATIC, convection, PAYLOAD)
+        coefficient, bristle = constant + slope * slip, bristle_after(bristle, slip, rate, phi, PAYLOAD.step)
+    slope = coefficient * force / (slip / rolling)
+    assert slope == pytest.approx(0.5 * math.pi * bearing.roller_length * bearing.effective_modulus * half_width, rel=0.05)

@@ -12,7 +12,7 @@ from scipy import signal
 
 from dcrb_ros.configuration import Configuration
 from dcrb_ros.kinematics import characteristic_orders
-from dcrb_ros.model import build_payload, cage_speed, initial_state
+from dcrb_ros.model import cage_speed, degrees_of_freedom
 
 ROLLERS = slice(0, 32)
 SETTLED = 200  # states of 1 kHz left out at the start
@@ -20,9 +20,10 @@ WEIGHT = 7.316 * 9.81  # inner ring, Table 1
 
 
 def test_degrees_of_freedom() -> None:
-    configuration = Configuration()
-    state = initial_state(configuration, build_payload(configuration))
-    assert state.degrees_of_freedom == 10 + 32  # Fan et al. 2025, section 2.2.2
+    # Fan et al. 2025, section 2.2.2; a bar in either row frees four rollers, the paper counts two
+    for bars, free in (("", 10), ("row1/bar15", 14), ("row1/bar15, row2/bar15", 18)):
+        assert degrees_of_freedom(Configuration.model_validate({"faults": {"broken_bars": bars}})) == free + 32
+    assert degrees_of_freedom(Configuration.model_validate({"cage": {"joint": "pocket"}})) == 10 + 3 * 32
 
 
 def test_total_force_on_the_inner_ring() -> None:
@@ -44,7 +45,7 @@ def test_largest_roller_force_and_loading_zone() -> None:
 def test_cage_speed() -> None:
     run = simulated(2.0)
     speed = run.series("speed")[SETTLED:, 32:34]
-    assert speed.mean(axis=0) == pytest.approx(cage_speed(run.configuration.bearing, PAPER_SPEED), rel=5e-4)  # physics.md section 5
+    assert speed.mean(axis=0) == pytest.approx(cage_speed(run.configuration, PAPER_SPEED), rel=5e-4)  # physics.md section 5
     assert speed.mean() == pytest.approx(52.4, rel=2e-3)  # the paper prints 52.4 rad/s
 
 

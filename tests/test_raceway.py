@@ -9,8 +9,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dcrb_ros.core.payload import Notches
-from dcrb_ros.core.raceway import inner_notch_depth, notch_under, outer_notch_depth
+from dcrb_ros.configuration import Configuration
+from dcrb_ros.core.contact import johnson_force
+from dcrb_ros.core.payload import Payload, RollerNotches
+from dcrb_ros.core.raceway import inner_notch_depth, outer_notch_depth, raceway_contact, roller_sink, turn_notches
+from dcrb_ros.model import build_payload
 from dcrb_ros.parameters import Bearing
 
 pytestmark = pytest.mark.kernel
@@ -34,31 +37,91 @@ def test_depth_is_bounded_by_the_notch() -> None:
     assert outer_notch_depth(0.03, 1e-4, R_O, R_R) == (1e-4, 0.0)
 
 
-def notch(width: float, azimuth: float, raceway: float, row: int = -1) -> Notches:
-    return Notches(np.array([row]), np.array([0.5 * width / raceway]), np.array([3e-4]), np.array([azimuth]))
+def under(width: float, azimuth: float, ring: str, **contact: object) -> Payload:
+    """Return a bearing with a notch in a raceway; the roller that `contact` looks at is the first of row 1."""
+    groups = {"faults": {f"{ring}_1": {"width": width, "azimuth": azimuth, "depth": 3e-4}}, "contact": contact}
+    return build_payload(Configuration.model_validate(groups))
+
+
+def touch(payload: Payload, inner: bool, azimuth: float, pressed: float, turn: float = 0.0) -> tuple[float, float, float, float, float]:
+    """Return force, stiffness, normal and sink speed (at 1 rad/s) of a roller at an azimuth, pressed in by ``pressed`` [m]."""
+    notches = payload.inner_notches if inner else payload.outer_notches
+    towards = np.zeros((len(notches.row), 2))
+    turn_notches(notches, turn, towards)
+    distance = R_I + R_R - pressed if inner else R_O - R_R + pressed
+    dx, dy = distance * math.sin(azimuth), -distance * math.cos(azimuth)
+    return raceway_contact(dx, dy, distance, inner, 0, 0, towards, 0.0, 1.0, 0.0, payload)
 
 
 @given(st.floats(-3.0, 3.0), st.floats(-0.02, 0.02), st.floats(-10.0, 10.0))
 def test_depth_seen_under_a_turned_ring(azimuth: float, offset: float, turn: float) -> None:
     width = 2e-3
-    at = azimuth + turn + offset
-    depth, slope = notch_under(notch(width, azimuth, R_I), True, 0, math.sin(at), -math.cos(at), turn, R_I, R_R)
+    force, _, _, _, sink_speed = touch(under(width, azimuth, "inner"), True, azimuth + turn + offset, 1e-4, turn)
     edge = 0.5 * width / R_I - abs(offset)
-    expected = inner_notch_depth(edge, 3e-4, R_I, R_R)[0] if edge > 0.0 else 0.0
-    assert depth == pytest.approx(expected, abs=1e-12)
-    assert slope * offset <= 1e-12  # deeper towards the middle
+    depth = inner_notch_depth(edge, 3e-4, R_I, R_R)[0] if edge > 0.0 else 0.0
+    payload = under(width, azimuth, "inner")
+    assert force == pytest.approx(johnson_force(1e-4 - depth, payload.contact_modulus, payload.inner_scale)[0], rel=1e-6)
+    assert sink_speed * offset <= 1e-12  # deeper towards the middle
 
 
-def test_slope_is_the_derivative() -> None:
-    for raceway, inner in ((R_I, True), (R_O, False)):
-        under = notch(3e-3, 0.3, raceway)
-        here, step = 0.304, 1e-7
-        low, high = (notch_under(under, inner, 0, math.sin(a), -math.cos(a), 0.0, raceway, R_R)[0] for a in (here - step, here + step))
-        slope = notch_under(under, inner, 0, math.sin(here), -math.cos(here), 0.0, raceway, R_R)[1]
-        assert slope == pytest.approx((high - low) / (2.0 * step), rel=1e-5)
+@pytest.mark.parametrize(("ring", "raceway"), [("inner", R_I), ("outer", R_O)])
+def test_sink_speed_is_the_derivative_of_the_depth(ring: str, raceway: float) -> None:
+    payload, inner = under(3e-3, 0.3, ring), ring == "inner"
+    depth_at = inner_notch_depth if inner else outer_notch_depth
+    here, step = 0.004, 1e-7
+    low, high = (depth_at(1.5e-3 / raceway - offset, 1.0, raceway, R_R)[0] for offset in (here - step, here + step))
+    assert touch(payload, inner, 0.3 + here, 1e-4)[4] == pytest.approx((high - low) / (2.0 * step), rel=1e-5)
 
 
 def test_notch_of_one_row_leaves_the_other() -> None:
-    under = notch(2e-3, 0.0, R_O, row=1)
-    assert notch_under(under, False, 0, 0.0, -1.0, 0.0, R_O, R_R) == (0.0, 0.0)
-    assert notch_under(under, False, 1, 0.0, -1.0, 0.0, R_O, R_R)[0] > 0.0
+    payload = build_payload(Configuration.model_validate({"faults": {"outer_1": {"width": 2e-3, "row": 2}}}))
+    smooth = build_payload(Configuration())
+    assert touch(payload, False, 0.0, 1e-4) == touch(smooth, False, 0.0, 1e-4)
+
+
+@pytest.mark.parametrize("inner", [True, False])
+def test_notch_of_a_roller_turns_with_it(inner: bool) -> None:
+    notches = RollerNotches(np.array([0]), np.array([3]), np.array([0.05]), np.array([3e-4]), np.array([0.0]))
+    raceway = R_I if inner else R_O
+    depth, _ = roller_sink(notches, 0, 3, 0.0, -1.0, 0.0, raceway, R_R, inner)
+    # The edges' chord on a raceway of radius r: R (1 - cos a) less or more the raceway's own sagitta.
+    bulge = math.sqrt(raceway**2 - (R_R * math.sin(0.05)) ** 2) - raceway
+    assert depth == pytest.approx(R_R * (1.0 - math.cos(0.05)) + (-bulge if inner else bulge), rel=1e-9)
+    assert roller_sink(notches, 0, 3, 0.0, -1.0, math.pi, raceway, R_R, inner) == (0.0, 0.0)
+    assert roller_sink(notches, 0, 4, 0.0, -1.0, 0.0, raceway, R_R, inner) == (0.0, 0.0)
+    aside = roller_sink(notches, 0, 3, math.sin(2.03), -math.cos(2.03), 2.0, raceway, R_R, inner)
+    assert 0.0 < aside[0] < depth
+    assert aside[1] < 0.0  # shallower further from the middle
+
+
+@given(st.floats(-0.05, 0.05), st.floats(2e-6, 6e-5), st.sampled_from(["inner", "outer"]))
+def test_edges_have_a_potential(offset: float, pressed: float, ring: str) -> None:
+    # The force over the angle is the slope of the energy: no work on a closed path. Past the fillets it is the raceway's.
+    inner = ring == "inner"
+    payload = under(2e-3, 0.0, ring, notch="edge", edge_radius=2e-4)
+    smooth = touch(build_payload(Configuration()), inner, offset, pressed)
+    force, _, nx, ny, _ = touch(payload, inner, offset, pressed)
+    assert force <= smooth[0] * (1.0 + 1e-9)
+    half = 0.5e-3 * 2.0 / (R_I if inner else R_O)
+    if abs(offset) > half + 2e-4 / (R_I if inner else R_O) * 1.01:
+        assert (force, nx, ny) == pytest.approx((smooth[0], smooth[2], smooth[3]))
+
+
+@pytest.mark.parametrize("ring", ["inner", "outer"])
+def test_edge_normal_leans_out_of_the_notch(ring: str) -> None:
+    inner = ring == "inner"
+    payload = under(2e-3, 0.0, ring, notch="edge", edge_radius=1e-4)
+    raceway = R_I if inner else R_O
+    offset = 0.6e-3 / raceway  # within the notch, nearer to the edge ahead
+    force, _, nx, ny, _ = touch(payload, inner, offset, 4e-5)
+    along = nx * math.cos(offset) + ny * math.sin(offset)  # of the normal from ring to roller at the inner ring
+    assert force > 0.0
+    assert (along if inner else -along) < 0.0  # the edge ahead pushes the roller back into the notch
+    assert abs(along) < math.sin(2e-3 / R_R)
+
+
+def test_middle_of_a_notch_with_edges_sinks_as_the_papers() -> None:
+    # Both edges bear at the sink depth of Eq. 14, with half the force's share each; the fillets add a little width.
+    payload = under(2e-3, 0.0, "outer", notch="edge", edge_radius=1e-6)
+    assert touch(payload, False, 0.0, 28.7e-6)[0] == 0.0
+    assert touch(payload, False, 0.0, 29.1e-6)[0] > 0.0

@@ -11,9 +11,13 @@ import pytest
 from dcrb_ros.configuration import Configuration
 from dcrb_ros.core.payload import Payload
 from dcrb_ros.core.state import State
-from dcrb_ros.core.step import advance, workspace
-from dcrb_ros.equilibrium import potential_energy, roller_forces, static_equilibrium
+from dcrb_ros.core.step import advance
+from dcrb_ros.core.work import workspace
+from dcrb_ros.energy import account, kinetic_energy, potential_of_weight, stored_energy
+from dcrb_ros.equilibrium import penetrations, roller_forces, static_equilibrium
+from dcrb_ros.equilibrium import stored_energy as contact_energy
 from dcrb_ros.model import build_payload, initial_state
+from dcrb_ros.observation import place_pinned_rollers
 
 
 def model(step: float, groups: dict[str, Any]) -> tuple[Payload, State]:
@@ -24,18 +28,17 @@ def model(step: float, groups: dict[str, Any]) -> tuple[Payload, State]:
 
 def run(payload: Payload, state: State, steps: int) -> npt.NDArray[np.float64]:
     acceleration, angle = np.empty((steps, 2)), np.empty(steps)
-    advance(payload, state, workspace(*state.spin.shape), acceleration, angle)
+    advance(payload, state, workspace(payload), acceleration, angle)
     return acceleration
 
 
 FRICTIONLESS = {"kinetic_coefficient": 0.0, "static_coefficient": 1e-9, "bristle_damping": 0.0, "bristle_stiffness": 1.0}
 
 
-@pytest.mark.parametrize("groups", [{"contact": {"loss_time": 0.0}}, {"friction": FRICTIONLESS}], ids=["friction", "loss"])
+@pytest.mark.parametrize("groups", [{}, {"contact": {"loss_time": 0.0}}, {"friction": FRICTIONLESS}], ids=["all", "friction", "loss"])
 def test_second_order_on_a_smooth_motion(groups: dict[str, Any]) -> None:
-    # The rollers stay in their contacts: rings swinging on loaded rollers, no shaft speed, no contact opening. Friction
-    # and loss one at a time: the loss's share of the normal force reaches the friction a step late.
-    duration, steps = 4e-4, [1e-5, 5e-6, 2.5e-6, 1.25e-6]
+    # The rollers stay in their contacts: rings swinging on loaded rollers, no shaft speed, no contact opening.
+    duration, steps = 4e-4, [2.5e-6, 1.25e-6, 6.25e-7, 3.125e-7]
 
     def end(step: float) -> npt.NDArray[np.float64]:
         payload, state = model(step, {"operating": {"speed": 0.0}, **groups})
@@ -43,7 +46,7 @@ def test_second_order_on_a_smooth_motion(groups: dict[str, Any]) -> None:
         run(payload, state, round(duration / step))
         return np.array([*state.outer_position, *state.inner_position])
 
-    exact = end(1.5625e-7)
+    exact = end(3.90625e-8)
     errors = [np.linalg.norm(end(step) - exact) for step in steps]
     order = np.polyfit(np.log(steps), np.log(errors), 1)[0]
     assert order > 1.85
@@ -61,44 +64,54 @@ def test_waveform_of_a_defect_converges() -> None:
         assert np.linalg.norm(waveform(step) - means) < most * np.linalg.norm(means)
 
 
-def total_energy(payload: Payload, state: State) -> float:
-    """Return the energy of position and motion; the cages stand at angle zero [J]."""
-    centres = np.array([state.outer_position, state.inner_position, *state.cage_position[:, :2]])
-    return potential_energy(payload, state.load, centres) + kinetic_energy(payload, state)
+UNDAMPED = {"contact": {"loss_time": 0.0}, "housing": {"damping": 0.0}, "friction": FRICTIONLESS, "operating": {"speed": 0.0}}
 
 
-def kinetic_energy(payload: Payload, state: State) -> float:
-    """Return the energy of motion of rings and cages [J]."""
-    rings = payload.outer_ring_mass * state.outer_velocity @ state.outer_velocity
-    rings += payload.inner_ring_mass * state.inner_velocity @ state.inner_velocity
-    cages = payload.train_mass * (state.cage_velocity[:, :2] ** 2).sum() + payload.train_inertia * (state.cage_velocity[:, 2] ** 2).sum()
-    return 0.5 * float(rings + cages)
+def mechanical_energy(payload: Payload, state: State) -> float:
+    """Return the energy of motion and position, of smooth raceways, at the end of a step [J]."""
+    place_pinned_rollers(payload, state)
+    _, _, *depths = penetrations(payload, state.outer_position, state.inner_position, state.roller_position)
+    energy = kinetic_energy(payload, state) + potential_of_weight(payload, state) - float(state.load @ state.inner_position)
+    energy += 0.5 * payload.housing_stiffness * float(state.outer_position @ state.outer_position)
+    scales = (payload.inner_scale, payload.outer_scale)
+    bars = np.abs(state.bar_force)
+    energy += float((bars * (bars / payload.bar_coefficient) ** (1.0 / payload.bar_exponent)).sum()) / (payload.bar_exponent + 1.0)
+    return energy + sum(float(contact_energy(payload, depth, scale).sum()) for depth, scale in zip(depths, scales, strict=True))
 
 
-def test_energy_is_kept_without_friction_and_loss() -> None:
-    groups = {
-        "contact": {"loss_time": 0.0},
-        "housing": {"damping": 0.0},
-        "friction": FRICTIONLESS,
-        "operating": {"speed": 0.0},
-    }
-    payload, state = model(1.0 / 102400.0, groups)
+# Without friction nothing holds squeezed rollers in their pockets: after 6 ms the first ones strike a bar.
+@pytest.mark.parametrize(("joint", "blocks"), [("revolute", 8), ("pocket", 5)])
+def test_energy_is_kept_without_friction_and_loss(joint: str, blocks: int) -> None:
+    # physics.md: under 1 % of the excitation over 10 ms at the default step; the mean over 1.25 ms, for leapfrog's energy
+    # swings with the phase of a mode within its step.
+    payload, state = model(1.0 / 102400.0, {**UNDAMPED, "cage": {"joint": joint, "restitution": 1.0}})
     state.inner_velocity[1] = -0.02
-    excitation = kinetic_energy(payload, state)
-    start = total_energy(payload, state)
-    drift = []
-    for _ in range(64):
-        run(payload, state, 16)
-        drift.append(abs(total_energy(payload, state) - start))
-    assert max(drift) < 0.05 * excitation  # within the swing of a step's phase
-    assert np.mean(drift[-8:]) < 2.0 * np.mean(drift[:8])  # and no trend over 10 ms
+    excitation = 0.5 * payload.inner_ring_mass * 0.02**2
+    total = []
+    for _ in range(128 * blocks):
+        run(payload, state, 1)
+        total.append(mechanical_energy(payload, state))
+    means = np.array(total).reshape(-1, 128).mean(axis=1)
+    assert np.abs(means - means[0]).max() < 0.01 * excitation
+
+
+@pytest.mark.parametrize("joint", ["revolute", "pocket"])
+def test_energy_account_adds_up(joint: str) -> None:
+    payload, state = model(1.0 / 102400.0, {"cage": {"joint": joint}})
+    start = stored_energy(payload, state)
+    run(payload, state, 51200)
+    found = account(payload, state, start)
+    assert found.drive > 0.0
+    assert min(found.friction, found.loss, found.housing) > 0.0
+    assert abs(found.residual) < 0.01 * found.drive
 
 
 def test_rest_stays_at_rest() -> None:
     payload, state = model(1.0 / 102400.0, {"operating": {"speed": 0.0}})
     acceleration = run(payload, state, 2000)
     assert np.abs(acceleration).max() < 1e-3
-    inner, _ = roller_forces(payload, static_equilibrium(payload, state.load))
+    rest = static_equilibrium(payload, state.load)
+    inner, _ = roller_forces(payload, rest.outer, rest.inner, rest.rollers)
     assert state.inner_force == pytest.approx(np.linalg.norm(inner, axis=-1), rel=1e-5, abs=1e-3)
 
 

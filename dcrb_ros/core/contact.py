@@ -1,10 +1,11 @@
-"""Normal force of a line contact (Johnson, Eq. 4 of Fan et al. 2025)."""
+"""Normal forces: Johnson's line contact (Eq. 4 of Fan et al. 2025), the power law beside it, and their loss."""
 
 from __future__ import annotations
 
 import math
 
 from dcrb_ros.core.jit import kernel
+from dcrb_ros.core.payload import JOHNSON, Payload
 
 NEWTON_STEPS = 2
 
@@ -31,13 +32,27 @@ def johnson_penetration(force: float, modulus: float, scale: float) -> float:
 
 
 @kernel
-def loss_coefficient(force: float, stiffness: float, loss_time: float, rate: float) -> float:
-    """Return the damping k beta [N s/m] of a contact that penetrates at ``rate`` [m/s].
+def power_force(penetration: float, coefficient: float, exponent: float) -> tuple[float, float]:
+    """Return the normal force [N] and its stiffness [N/m] of F = K delta^n at a penetration [m] above zero."""
+    force = coefficient * penetration**exponent
+    return force, exponent * force / penetration
+
+
+@kernel
+def normal_force(penetration: float, scale: float, payload: Payload) -> tuple[float, float]:
+    """Return normal force [N] and stiffness [N/m] of the contact law chosen, at a penetration [m] above zero."""
+    if payload.contact_law == JOHNSON:
+        return johnson_force(penetration, payload.contact_modulus, scale)
+    return power_force(penetration, payload.power_coefficient, payload.power_exponent)
+
+
+@kernel
+def loss_coefficient(force: float, damping: float, rate: float) -> float:
+    """Return the damping [N s/m] of a contact of elastic ``force`` [N] that penetrates at ``rate`` [m/s].
 
     Where the contact opens so fast that the loss would outweigh the force, it is cut to what makes the sum zero: a
     contact never pulls.
     """
-    damping = stiffness * loss_time
     if force + damping * rate < 0.0:
-        damping = -force / rate
+        return -force / rate
     return damping

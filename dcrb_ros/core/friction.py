@@ -28,14 +28,26 @@ def bristle_weights(decay: float) -> tuple[float, float]:
 
 
 @kernel
-def friction_line(slip: float, bristle: float, payload: Payload) -> tuple[float, float, float, float]:
+def convection_rate(rolling: float, force: float, width: float, convection: float) -> float:
+    """Return the rate [1/s] at which rolling carries bristles out of the contact: kappa V/(2 a), a the half-width.
+
+    ``rolling`` is the speed V [m/s] of the surfaces through the contact, ``width`` a^2 over the force [m^2/N].
+    """
+    return 0.5 * convection * abs(rolling) / math.sqrt(width * force)
+
+
+@kernel
+def friction_line(
+    slip: float, bristle: float, kinetic: float, static: float, convection: float, payload: Payload
+) -> tuple[float, float, float, float]:
     """Return friction per normal force as a straight line over the mean slip of the step, and the bristle's law.
 
-    ``slip`` [m/s] is the slip known beforehand, which sets the relaxation; the line a + b s [-, s/m] is what the
-    implicit velocity update needs. The last two numbers are lambda [1/s] and phi [-] for `bristle_after`.
+    ``slip`` [m/s] is the slip known beforehand, which sets the relaxation, ``convection`` [1/s] what rolling adds to
+    it; the line a + b s [-, s/m] is what the implicit velocity update needs. The last two numbers are lambda [1/s] and
+    phi [-] for `bristle_after`.
     """
-    g = stribeck_coefficient(slip, payload.kinetic_coefficient, payload.static_coefficient, payload.stribeck_speed)
-    rate = payload.bristle_stiffness * abs(slip) / g
+    g = stribeck_coefficient(slip, kinetic, static, payload.stribeck_speed)
+    rate = payload.bristle_stiffness * abs(slip) / g + convection
     phi, psi = bristle_weights(rate * payload.step)
     constant = phi * bristle * (payload.bristle_stiffness - payload.bristle_damping * rate)
     slope = payload.bristle_stiffness * psi * payload.step + payload.bristle_damping * phi + payload.viscous

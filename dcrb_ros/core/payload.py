@@ -8,12 +8,19 @@ import numpy as np
 import numpy.typing as npt
 
 Floats = npt.NDArray[np.float64]
+Flags = npt.NDArray[np.bool_]
+Integers = npt.NDArray[np.int64]
+
+JOHNSON, POWER = 0, 1
+"""Normal contact laws."""
+SINK, EDGE = 0, 1
+"""Notch laws: the paper's depth, or edges with a contact normal of their own."""
 
 
 class Notches(NamedTuple):
     """Raceway defects of one ring; arrays of one entry per defect."""
 
-    row: npt.NDArray[np.int64]
+    row: Integers
     """Row index of the defect, -1 for all rows."""
     half_angle: Floats
     """Half the angular width b/(2 r) [rad]."""
@@ -21,6 +28,20 @@ class Notches(NamedTuple):
     """Depth h [m]."""
     azimuth: Floats
     """Azimuth of the middle from the load line; on the inner ring at shaft angle zero [rad]."""
+
+
+class RollerNotches(NamedTuple):
+    """Defects of rollers; arrays of one entry per defect."""
+
+    row: Integers
+    roller: Integers
+    """Row and roller index."""
+    half_angle: Floats
+    """Half the angular width b/(2 r_R) [rad]."""
+    depth: Floats
+    """Depth h [m]."""
+    azimuth: Floats
+    """Angle of the middle on the roller at spin angle zero, from -Y [rad]."""
 
 
 class Payload(NamedTuple):
@@ -32,34 +53,71 @@ class Payload(NamedTuple):
     """Unit vector along the pitch circle at each pocket at cage angle zero, shape (rows, rollers, 2) [-].
 
     A pocket at azimuth psi lies towards (sin psi, -cos psi) and has the tangent (cos psi, sin psi)."""
+    free: Flags
+    """Whether a roller is a body of its own or pinned to its pocket, shape (rows, rollers)."""
+    broken: Flags
+    """Whether the bar between a pocket and the next one is broken, shape (rows, rollers)."""
     inner_raceway_radius: float
     outer_raceway_radius: float
     pitch_radius: float
     roller_radius: float
     outer_ring_mass: float
     inner_ring_mass: float
-    train_mass: float
-    """Mass of a cage with its pinned rollers [kg]."""
-    train_inertia: float
-    """Moment of inertia of a cage with its pinned rollers, without their spin [kg m^2]."""
+    roller_mass: float
     roller_inertia: float
+    train_mass: Floats
+    """Mass of each cage with its pinned rollers, shape (rows,) [kg]."""
+    train_inertia: Floats
+    """Its moment of inertia about the cage's centre, without the rollers' spin, shape (rows,) [kg m^2]."""
+    train_moment: Floats
+    """Mass times lever of the pinned rollers along the tangents at cage angle zero, shape (rows, 2) [kg m]; zero when
+    all rollers are pinned or all are free, for then the centre of mass is the cage's."""
     gravity: float
     housing_stiffness: float
     housing_damping: float
+    contact_law: int
     contact_modulus: float
-    """pi E* L of the line contact [N/m]."""
+    """pi E* L of Johnson's line contact [N/m]."""
     inner_scale: float
     """4 dR of roller and inner raceway, dR = r_I + r_R [m]."""
     outer_scale: float
     """4 dR of roller and outer raceway, dR = r_O - r_R [m]."""
+    roller_scale: float
+    """4 dR of two rollers, dR = 2 r_R [m]."""
+    power_coefficient: float
+    """Coefficient of the power law [N/m^exponent]."""
+    power_exponent: float
     loss_time: float
+    contact_damping: float
+    """Constant damping of a closed contact [N s/m]."""
     kinetic_coefficient: float
     static_coefficient: float
     stribeck_speed: float
     bristle_stiffness: float
     bristle_damping: float
     viscous: float
+    convection: float
+    """Share kappa of rolling that carries bristles out of the contact [-]; 0 for none."""
+    inner_width: float
+    """Square of the contact's half-width over the force at the inner raceway, 4 R/(pi L E*) [m^2/N]."""
+    outer_width: float
+    """The same at the outer raceway."""
+    notch_law: int
+    edge_radius: float
     inner_notches: Notches
     outer_notches: Notches
+    roller_notches: RollerNotches
+    pocket_clearance: float
+    bar_coefficient: float
+    """Coefficient of a bar's conformal contact, Eq. 22 [N/m^exponent]."""
+    bar_exponent: float
+    land_clearance: float
+    land_radius: float
+    land_coefficient: float
+    land_exponent: float
+    impact_loss: float
+    """3 (1 - c_e^2)/4 of Eq. 22 [-]."""
+    bar_friction: float
+    """Friction coefficient of bars and land [-]."""
     speed_ramp: float
     load_ramp: float

@@ -1,16 +1,25 @@
-"""Notches in the raceways: how much deeper the raceway lies under a roller (Eqs. 8, 9 and 13 to 15)."""
+"""Notches in raceways and rollers, by two laws.
+
+*Sink*, the paper's (Eqs. 8, 9 and 13 to 15): the surface lies deeper by how far the roller sinks between the edges; the
+contact keeps the raceway's normal. *Edge*: each edge is a fillet with a contact normal of its own, and the floor lies
+deeper by h; then the blow has a tangential part, and the contact's energy a potential.
+"""
 
 from __future__ import annotations
 
 import math
 
+from dcrb_ros.core.contact import normal_force
 from dcrb_ros.core.jit import kernel
-from dcrb_ros.core.payload import Notches
+from dcrb_ros.core.payload import SINK, Floats, Notches, Payload, RollerNotches
 
 
 @kernel
 def inner_notch_depth(edge: float, depth: float, raceway: float, roller: float) -> tuple[float, float]:
-    """Return depth [m] and its slope [m/rad] at an angle ``edge`` [rad] inside the nearer edge of an inner notch, Eq. 8."""
+    """Return depth [m] and its slope [m/rad] at an angle ``edge`` [rad] inside the nearer edge of an inner notch, Eq. 8.
+
+    A notch on the roller against either raceway follows from it by exchanging the bodies.
+    """
     sine, cosine = math.sin(edge), math.cos(edge)
     root = math.sqrt(roller * roller - raceway * raceway * sine * sine)
     sink = raceway * (1.0 - cosine) + roller - root
@@ -31,29 +40,154 @@ def outer_notch_depth(edge: float, depth: float, raceway: float, roller: float) 
 
 
 @kernel
-def notch_under(
-    notches: Notches, inner: bool, row: int, normal_x: float, normal_y: float, turn: float, raceway: float, roller: float
-) -> tuple[float, float]:
-    """Return depth [m] and slope over the azimuth [m/rad] of the notches under a contact normal.
+def roller_notch_depth(edge: float, depth: float, raceway: float, roller: float, inner: bool) -> tuple[float, float]:
+    """Return depth [m] and its slope [m/rad] at an angle ``edge`` [rad] inside the nearer edge of a notch on the roller.
 
-    ``turn`` is the rotation of the ring [rad]. The azimuth counts from -Y, so a notch at phi points to
-    (sin phi, -cos phi). Where notches overlap the deeper one counts.
+    Its two edges lie on the inner raceway as on the roller of Eq. 8; on the outer, which is hollow, they sink less.
     """
-    deepest, slope = 0.0, 0.0
+    if inner:
+        return inner_notch_depth(edge, depth, roller, raceway)
+    sine, cosine = math.sin(edge), math.cos(edge)
+    root = math.sqrt(raceway * raceway - roller * roller * sine * sine)
+    sink = roller * (1.0 - cosine) + root - raceway
+    if sink >= depth:
+        return depth, 0.0
+    return sink, roller * sine - roller * roller * sine * cosine / root
+
+
+@kernel
+def turn_notches(notches: Notches, turn: float, towards: Floats) -> None:
+    """Write the directions of a ring's notches, shape (notches, 2) [-], the ring having turned by ``turn`` [rad].
+
+    The azimuth counts from -Y, so a notch at phi points to (sin phi, -cos phi).
+    """
+    for k in range(notches.row.size):
+        azimuth = notches.azimuth[k] + turn
+        towards[k, 0], towards[k, 1] = math.sin(azimuth), -math.cos(azimuth)
+
+
+@kernel
+def notch_under(notches: Notches, towards: Floats, row: int, nx: float, ny: float, margin: float) -> tuple[int, float]:
+    """Return which notch lies under a contact normal and how far the normal is past its middle [rad]; -1 for none.
+
+    ``margin`` [rad] is what the edges' fillets add on either side.
+    """
     for k in range(notches.row.size):
         if notches.row[k] >= 0 and notches.row[k] != row:
             continue
-        azimuth = notches.azimuth[k] + turn
-        notch_x, notch_y = math.sin(azimuth), -math.cos(azimuth)
-        if normal_x * notch_x + normal_y * notch_y <= math.cos(notches.half_angle[k]):
+        if nx * towards[k, 0] + ny * towards[k, 1] > math.cos(notches.half_angle[k] + margin):
+            return k, math.asin(towards[k, 0] * ny - towards[k, 1] * nx)
+    return -1, 0.0
+
+
+@kernel
+def roller_sink(
+    notches: RollerNotches, row: int, i: int, nx: float, ny: float, angle: float, raceway: float, roller: float, inner: bool
+) -> tuple[float, float]:
+    """Return depth [m] and slope over the normal's angle [m/rad] of a roller's notches under a contact normal.
+
+    (nx, ny) points from the roller to the contact, ``angle`` is the roller's rotation [rad].
+    """
+    for k in range(notches.row.size):
+        if notches.row[k] != row or notches.roller[k] != i:
             continue
-        offset = math.asin(notch_x * normal_y - notch_y * normal_x)
-        edge = notches.half_angle[k] - abs(offset)
-        if inner:
-            depth, rise = inner_notch_depth(edge, notches.depth[k], raceway, roller)
-        else:
-            depth, rise = outer_notch_depth(edge, notches.depth[k], raceway, roller)
-        if depth > deepest:
-            deepest = depth
-            slope = -rise if offset > 0.0 else rise
-    return deepest, slope
+        azimuth = notches.azimuth[k] + angle
+        towards_x, towards_y = math.sin(azimuth), -math.cos(azimuth)
+        if nx * towards_x + ny * towards_y > math.cos(notches.half_angle[k]):
+            offset = math.asin(towards_x * ny - towards_y * nx)
+            depth, slope = roller_notch_depth(notches.half_angle[k] - abs(offset), notches.depth[k], raceway, roller, inner)
+            return depth, -slope if offset > 0.0 else slope
+    return 0.0, 0.0
+
+
+@kernel
+def edge_contact(
+    dx: float, dy: float, towards_x: float, towards_y: float, half_angle: float, depth: float, gap: float, inner: bool, payload: Payload
+) -> tuple[float, float, float, float]:
+    """Return force [N], stiffness [N/m] and normal of a roller over a notch with edges, resultant of edges and floor.
+
+    (dx, dy) is the roller's centre from the ring's, ``gap`` the smooth raceway's. The normal points from ring to
+    roller at the inner ring, and the other way round at the outer, whose force is on the roller's far side.
+    """
+    raceway, scale = payload.outer_raceway_radius + payload.edge_radius, payload.outer_scale
+    side = -1.0
+    if inner:
+        raceway, scale, side = payload.inner_raceway_radius - payload.edge_radius, payload.inner_scale, 1.0
+    wide = half_angle + payload.edge_radius / raceway
+    cosine, sine = raceway * math.cos(wide), raceway * math.sin(wide)
+    reach = payload.roller_radius + payload.edge_radius
+    fx, fy, total = 0.0, 0.0, 0.0
+    for edge in (-1.0, 1.0):
+        ex = dx - (cosine * towards_x - edge * sine * towards_y)
+        ey = dy - (cosine * towards_y + edge * sine * towards_x)
+        distance = math.sqrt(ex * ex + ey * ey)
+        if distance < reach:
+            force, stiffness = normal_force(reach - distance, scale, payload)
+            fx += side * force * ex / distance
+            fy += side * force * ey / distance
+            total += stiffness
+    if -gap > depth:
+        distance = math.sqrt(dx * dx + dy * dy)
+        force, stiffness = normal_force(-gap - depth, scale, payload)
+        fx += force * dx / distance
+        fy += force * dy / distance
+        total += stiffness
+    force = math.sqrt(fx * fx + fy * fy)
+    if force == 0.0:
+        return 0.0, 0.0, 0.0, 0.0
+    return force, total, fx / force, fy / force
+
+
+@kernel
+def raceway_contact(
+    dx: float,
+    dy: float,
+    distance: float,
+    inner: bool,
+    row: int,
+    i: int,
+    towards: Floats,
+    spin_angle: float,
+    turn: float,
+    spin: float,
+    payload: Payload,
+) -> tuple[float, float, float, float, float]:
+    """Return force [N], stiffness [N/m], normal and sink speed [m/s] of roller ``i`` on a raceway; force 0 if open.
+
+    (dx, dy) is the roller's centre from the ring's, ``turn`` the speed [rad/s] of the contact's azimuth over the ring,
+    ``spin`` that of the contact over the roller.
+    """
+    nx, ny = dx / distance, dy / distance
+    if inner:
+        raceway, scale, notches = payload.inner_raceway_radius, payload.inner_scale, payload.inner_notches
+        gap, side = distance - raceway - payload.roller_radius, -1.0
+    else:
+        raceway, scale, notches = payload.outer_raceway_radius, payload.outer_scale, payload.outer_notches
+        gap, side = raceway - payload.roller_radius - distance, 1.0
+    if gap >= 0.0:
+        return 0.0, 0.0, nx, ny, 0.0
+    depth, sink_speed = 0.0, 0.0
+    if notches.row.size > 0:
+        margin = 0.0 if payload.notch_law == SINK else payload.edge_radius / raceway
+        k, offset = notch_under(notches, towards, row, nx, ny, margin)
+        if k >= 0 and payload.notch_law != SINK:
+            force, stiffness, nx, ny = edge_contact(
+                dx, dy, towards[k, 0], towards[k, 1], notches.half_angle[k], notches.depth[k], gap, inner, payload
+            )
+            return force, stiffness, nx, ny, 0.0
+        if k >= 0:
+            edge = notches.half_angle[k] - abs(offset)
+            if inner:
+                depth, slope = inner_notch_depth(edge, notches.depth[k], raceway, payload.roller_radius)
+            else:
+                depth, slope = outer_notch_depth(edge, notches.depth[k], raceway, payload.roller_radius)
+            sink_speed = (-slope if offset > 0.0 else slope) * turn
+    if payload.roller_notches.row.size > 0:
+        sink, slope = roller_sink(payload.roller_notches, row, i, side * nx, side * ny, spin_angle, raceway, payload.roller_radius, inner)
+        depth += sink
+        sink_speed += slope * spin
+    penetration = -gap - depth
+    if penetration <= 0.0:
+        return 0.0, 0.0, nx, ny, 0.0
+    force, stiffness = normal_force(penetration, scale, payload)
+    return force, stiffness, nx, ny, sink_speed

@@ -1,0 +1,125 @@
+"""Rings and cages over one step: their velocities from what the rollers do to them."""
+
+from __future__ import annotations
+
+import math
+
+from dcrb_ros.core.cage import conformal_contact
+from dcrb_ros.core.friction import bristle_after, friction_line
+from dcrb_ros.core.jit import kernel
+from dcrb_ros.core.payload import Payload
+from dcrb_ros.core.roller import DISPERSION
+from dcrb_ros.core.state import FRICTION, HOUSING, LOAD, LOSS, State
+from dcrb_ros.core.work import CAGE, INNER, OUTER, Workspace
+
+
+@kernel
+def predict_bodies(state: State, work: Workspace) -> None:
+    """Write the mean velocities expected of the coming step: as if the last one's change went on."""
+    for axis in range(2):
+        work.mean[OUTER, axis] = state.outer_velocity[axis] + 0.5 * state.outer_change[axis]
+        work.mean[INNER, axis] = state.inner_velocity[axis] + 0.5 * state.inner_change[axis]
+    for row in range(state.cage_velocity.shape[0]):
+        for part in range(3):
+            work.mean[CAGE + row, part] = state.cage_velocity[row, part] + 0.5 * state.cage_change[row, part]
+
+
+@kernel
+def touch_land(payload: Payload, state: State, work: Workspace, row: int) -> None:
+    """Add the contact of a cage with the outer ring's land, beyond its clearance, to the forces on both."""
+    dx, dy = state.cage_position[row, 0] - state.outer_position[0], state.cage_position[row, 1] - state.outer_position[1]
+    distance = math.sqrt(dx * dx + dy * dy)
+    penetration = distance - payload.land_clearance
+    if penetration <= 0.0:
+        state.land_impact[row] = state.land_bristle[row] = state.land_force[row] = 0.0
+        return
+    nx, ny = dx / distance, dy / distance
+    vx, vy = work.mean[CAGE + row, 0] - work.mean[OUTER, 0], work.mean[CAGE + row, 1] - work.mean[OUTER, 1]
+    rate, slip = vx * nx + vy * ny, vy * nx - vx * ny + payload.land_radius * work.mean[CAGE + row, 2]
+    force, _, damping, impact = conformal_contact(
+        penetration, rate, state.land_impact[row], payload.land_coefficient, payload.land_exponent, payload.impact_loss
+    )
+    normal = force + damping * rate
+    bristle = state.land_bristle[row]
+    constant, slope, relaxation, phi = friction_line(slip, bristle, payload.bar_friction, payload.bar_friction, 0.0, payload)
+    friction = normal * (constant + slope * slip)
+    fx, fy = -normal * nx + friction * ny, -normal * ny - friction * nx
+    work.loose[CAGE + row, 0] += fx
+    work.loose[CAGE + row, 1] += fy
+    work.loose[CAGE + row, 2] -= payload.land_radius * friction
+    work.loose[OUTER, 0] -= fx
+    work.loose[OUTER, 1] -= fy
+    state.land_impact[row], state.land_force[row] = impact, normal
+    state.land_bristle[row] = bristle_after(bristle, slip, relaxation, phi, payload.step)
+    state.account[FRICTION] += payload.step * friction * slip
+    state.account[LOSS] += payload.step * damping * rate * rate
+
+
+@kernel
+def move_cage(payload: Payload, state: State, work: Workspace, row: int) -> None:
+    """Solve for the mean velocity of a cage with its pinned rollers, whose centre of mass may lie off the cage's centre."""
+    h, body, mass = payload.step, CAGE + row, payload.train_mass[row]
+    cosine, sine = math.cos(state.cage_position[row, 2]), math.sin(state.cage_position[row, 2])
+    sx = cosine * payload.train_moment[row, 0] - sine * payload.train_moment[row, 1]
+    sy = sine * payload.train_moment[row, 0] + cosine * payload.train_moment[row, 1]
+    # Tangents turn into radii with the cage's speed: the centrifugal force of the pinned rollers is along (sy, -sx).
+    whirl = work.mean[body, 2] * work.mean[body, 2]
+    fx = work.loose[body, 0] + work.tight[body, 0] + whirl * sy
+    fy = work.loose[body, 1] + work.tight[body, 1] - whirl * sx - mass * payload.gravity
+    torque = work.loose[body, 2] + work.tight[body, 2] - payload.gravity * sy
+    lift_x, lift_y = 0.5 * h * fx / mass, 0.5 * h * fy / mass
+    turn = (0.5 * h * torque - sx * lift_x - sy * lift_y) / (payload.train_inertia[row] - (sx * sx + sy * sy) / mass)
+    work.mean[body, 0] = state.cage_velocity[row, 0] + lift_x - sx / mass * turn
+    work.mean[body, 1] = state.cage_velocity[row, 1] + lift_y - sy / mass * turn
+    work.mean[body, 2] = state.cage_velocity[row, 2] + turn
+
+
+@kernel
+def move_rings(payload: Payload, state: State, work: Workspace) -> None:
+    """Solve for the mean velocities of the rings."""
+    h, stiffness = payload.step, payload.housing_stiffness
+    outer_inertia = 2.0 * (payload.outer_ring_mass + DISPERSION * h * h * stiffness)
+    inner_inertia = 2.0 * payload.inner_ring_mass
+    for axis in range(2):
+        weight = payload.gravity if axis == 1 else 0.0
+        outer = (
+            work.loose[OUTER, axis] + work.tight[OUTER, axis] - stiffness * state.outer_position[axis] - payload.outer_ring_mass * weight
+        )
+        inner = work.loose[INNER, axis] + work.tight[INNER, axis] + state.load[axis] - payload.inner_ring_mass * weight
+        work.mean[OUTER, axis] = (outer_inertia * state.outer_velocity[axis] + h * outer) / (outer_inertia + h * payload.housing_damping)
+        work.mean[INNER, axis] = state.inner_velocity[axis] + h * inner / inner_inertia
+
+
+@kernel
+def finish_bodies(payload: Payload, state: State, work: Workspace) -> None:
+    """Update the velocities of rings and cages from their means, and book the energy of load and housing."""
+    h = payload.step
+    for axis in range(2):
+        outer, inner = work.mean[OUTER, axis], work.mean[INNER, axis]
+        state.account[LOAD] += h * state.load[axis] * inner
+        state.account[HOUSING] += h * payload.housing_damping * outer * outer
+        state.outer_change[axis] = 2.0 * (outer - state.outer_velocity[axis])
+        state.inner_change[axis] = 2.0 * (inner - state.inner_velocity[axis])
+        state.outer_velocity[axis] += state.outer_change[axis]
+        state.inner_velocity[axis] += state.inner_change[axis]
+    for row in range(state.cage_velocity.shape[0]):
+        for part in range(3):
+            state.cage_change[row, part] = 2.0 * (work.mean[CAGE + row, part] - state.cage_velocity[row, part])
+            state.cage_velocity[row, part] += state.cage_change[row, part]
+
+
+@kernel
+def drift(payload: Payload, state: State, time: float) -> None:
+    """Move all bodies with their velocities for ``time`` [s]; pinned rollers only turn, their cage carries them."""
+    for axis in range(2):
+        state.outer_position[axis] += time * state.outer_velocity[axis]
+        state.inner_position[axis] += time * state.inner_velocity[axis]
+    for row in range(state.cage_position.shape[0]):
+        for part in range(3):
+            state.cage_position[row, part] += time * state.cage_velocity[row, part]
+        for i in range(state.spin_angle.shape[1]):
+            state.spin_angle[row, i] += time * state.roller_velocity[row, i, 2]
+            if payload.free[row, i]:
+                state.roller_position[row, i, 0] += time * state.roller_velocity[row, i, 0]
+                state.roller_position[row, i, 1] += time * state.roller_velocity[row, i, 1]
+    state.shaft[0] += time * state.shaft[1]

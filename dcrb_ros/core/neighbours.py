@@ -1,0 +1,62 @@
+"""Contact of two rollers with each other where the bar between them is broken (Fig. 5a of Fan et al. 2025)."""
+
+from __future__ import annotations
+
+import math
+
+from dcrb_ros.core.contact import loss_coefficient, normal_force
+from dcrb_ros.core.friction import bristle_after, friction_line
+from dcrb_ros.core.jit import kernel
+from dcrb_ros.core.payload import Floats, Payload
+from dcrb_ros.core.state import FRICTION, LOSS, State
+
+
+@kernel
+def predicted(state: State, row: int, i: int, part: int) -> float:
+    """Return a part of a roller's mean velocity over the coming step [m/s, m/s, rad/s]."""
+    mean: float = state.roller_velocity[row, i, part] + 0.5 * state.roller_change[row, i, part]
+    return mean
+
+
+@kernel
+def touch_neighbours(payload: Payload, state: State, external: Floats, row: int, i: int, j: int) -> None:
+    """Add the contact of rollers ``i`` and ``j`` to the forces on both, at their predicted velocities."""
+    dx = state.roller_position[row, i, 0] - state.roller_position[row, j, 0]
+    dy = state.roller_position[row, i, 1] - state.roller_position[row, j, 1]
+    distance = math.sqrt(dx * dx + dy * dy)
+    penetration = 2.0 * payload.roller_radius - distance
+    if penetration <= 0.0:
+        state.next_force[row, i] = state.next_bristle[row, i] = 0.0
+        return
+    nx, ny = dx / distance, dy / distance
+    vx, vy = predicted(state, row, i, 0) - predicted(state, row, j, 0), predicted(state, row, i, 1) - predicted(state, row, j, 1)
+    rate = -(vx * nx + vy * ny)
+    slip = vy * nx - vx * ny - payload.roller_radius * (predicted(state, row, i, 2) + predicted(state, row, j, 2))
+    force, stiffness = normal_force(penetration, payload.roller_scale, payload)
+    damping = loss_coefficient(force, stiffness * payload.loss_time + payload.contact_damping, rate)
+    normal = force + damping * rate
+    constant, slope, relaxation, phi = friction_line(
+        slip, state.next_bristle[row, i], payload.kinetic_coefficient, payload.static_coefficient, 0.0, payload
+    )
+    friction = normal * (constant + slope * slip)
+    fx, fy = normal * nx + friction * ny, normal * ny - friction * nx
+    for roller, sign in ((i, 1.0), (j, -1.0)):
+        external[row, roller, 0] += sign * fx
+        external[row, roller, 1] += sign * fy
+        external[row, roller, 2] += friction
+    state.next_force[row, i] = normal
+    state.next_bristle[row, i] = bristle_after(state.next_bristle[row, i], slip, relaxation, phi, payload.step)
+    state.account[FRICTION] += payload.step * friction * slip
+    state.account[LOSS] += payload.step * damping * rate * rate
+
+
+@kernel
+def add_neighbours(payload: Payload, state: State, external: Floats, row: int) -> None:
+    """Write the forces that a row's rollers exert on each other across broken bars."""
+    rollers = payload.broken.shape[1]
+    for i in range(rollers):
+        for part in range(3):
+            external[row, i, part] = 0.0
+    for i in range(rollers):
+        if payload.broken[row, i]:
+            touch_neighbours(payload, state, external, row, i, (i + 1) % rollers)

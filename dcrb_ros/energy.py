@@ -1,0 +1,78 @@
+"""The energy account: what came in, what was lost, what is stored; what does not add up is a diagnostic of the integration."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from dcrb_ros.block import Account, Floats
+from dcrb_ros.core.payload import JOHNSON, Payload
+from dcrb_ros.core.state import DRIVE, FRICTION, HOUSING, LOAD, LOSS, NOTCH, State
+from dcrb_ros.equilibrium import penetration_under
+
+
+def energy_of_force(payload: Payload, force: Floats, scale: float) -> Floats:
+    """Return the energy [J] of contacts under normal forces [N]: F delta/2 - F^2/(4 pi E* L), or F delta/(n + 1); any shape."""
+    bearing = np.maximum(force, 1e-9)
+    depth = penetration_under(payload, bearing, scale)
+    if payload.contact_law == JOHNSON:
+        return np.asarray(0.5 * bearing * depth - bearing**2 / (4.0 * payload.contact_modulus))
+    return np.asarray(bearing * depth / (payload.power_exponent + 1.0))
+
+
+def elastic_energy(payload: Payload, state: State) -> float:
+    """Return the energy of raceway contacts, rollers on rollers, bars and lands over the last step, and of the housing [J]."""
+    energy = 0.5 * payload.housing_stiffness * float(state.outer_position @ state.outer_position)
+    scales = (payload.inner_scale, payload.outer_scale, payload.roller_scale)
+    for force, scale in zip((state.inner_force, state.outer_force, state.next_force), scales, strict=True):
+        energy += float(energy_of_force(payload, force, scale).sum())
+    for force, coefficient, exponent in (
+        (state.bar_force, payload.bar_coefficient, payload.bar_exponent),
+        (state.land_force, payload.land_coefficient, payload.land_exponent),
+    ):
+        depth = (np.abs(force) / coefficient) ** (1.0 / exponent)
+        energy += float((np.abs(force) * depth).sum()) / (exponent + 1.0)
+    return energy
+
+
+def potential_of_weight(payload: Payload, state: State) -> float:
+    """Return the energy of position of all weights [J]."""
+    free = payload.free
+    moment = payload.outer_ring_mass * state.outer_position[1] + payload.inner_ring_mass * state.inner_position[1]
+    moment += float(payload.train_mass @ state.cage_position[:, 1]) + payload.roller_mass * float(state.roller_position[free, 1].sum())
+    cosine, sine = np.cos(state.cage_position[:, 2]), np.sin(state.cage_position[:, 2])
+    # The pinned rollers' centre of mass lies a quarter turn behind the sum of their tangents.
+    moment += float((-cosine * payload.train_moment[:, 0] + sine * payload.train_moment[:, 1]).sum())
+    return payload.gravity * float(moment)
+
+
+def kinetic_energy(payload: Payload, state: State) -> float:
+    """Return the energy of motion of all bodies but the driven rotation of the inner ring [J]."""
+    rings = payload.outer_ring_mass * state.outer_velocity @ state.outer_velocity
+    rings += payload.inner_ring_mass * state.inner_velocity @ state.inner_velocity
+    linear, turning = state.cage_velocity[:, :2], state.cage_velocity[:, 2]
+    cosine, sine = np.cos(state.cage_position[:, 2]), np.sin(state.cage_position[:, 2])
+    mx, my = payload.train_moment[:, 0], payload.train_moment[:, 1]
+    swept = (cosine * mx - sine * my) * linear[:, 0] + (sine * mx + cosine * my) * linear[:, 1]
+    cages = payload.train_mass @ (linear**2).sum(axis=1) + payload.train_inertia @ turning**2 + 2.0 * (turning * swept).sum()
+    rollers = payload.roller_inertia * (state.roller_velocity[..., 2] ** 2).sum()
+    rollers += payload.roller_mass * (state.roller_velocity[payload.free, :2] ** 2).sum()
+    return 0.5 * float(rings + cages + rollers)
+
+
+def stored_energy(payload: Payload, state: State) -> float:
+    """Return all energy that is stored [J]."""
+    return kinetic_energy(payload, state) + elastic_energy(payload, state) + potential_of_weight(payload, state)
+
+
+def account(payload: Payload, state: State, stored_at_start: float) -> Account:
+    """Return the energy account since the start."""
+    booked = state.account
+    return Account(
+        drive=float(booked[DRIVE]),
+        load=float(booked[LOAD]),
+        friction=float(booked[FRICTION]),
+        loss=float(booked[LOSS]),
+        housing=float(booked[HOUSING]),
+        notch=float(booked[NOTCH]),
+        stored=stored_energy(payload, state) - stored_at_start,
+    )

@@ -1,0 +1,136 @@
+"""Rollers beside a broken cage bar: against each other and against the bars left to them (Eqs. 18 to 24 of Fan et al. 2025).
+
+Directions after the corrected reading: at a bar the normal is the pocket's circumferential direction tau, friction is radial.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from dcrb_ros.block import Floats
+from dcrb_ros.configuration import Configuration
+from dcrb_ros.model import pocket_azimuths
+from dcrb_ros.reference.bodies import ANGLE, CAGE, Bodies, Indices, pocket_directions
+from dcrb_ros.reference.laws import impact_loss, johnson, pereira, stribeck, with_loss
+from dcrb_ros.reference.raceways import Approach, Contacts, dot, rub, turned
+
+
+def add_at(force: Floats, bodies: Indices, push: Floats, torque: Floats) -> None:
+    """Add pushes of shape (n, 2) [N] and torques of shape (n,) [N m] to ``bodies``, of which one may be named twice."""
+    np.add.at(force, bodies, np.column_stack([push, torque]))
+
+
+class RollerPairs:
+    """The two rollers beside each broken bar (Eqs. 18 and 19); pairs in the order of ``bodies.broken_bars``."""
+
+    def __init__(self, configuration: Configuration, bodies: Bodies) -> None:
+        self._configuration = configuration
+        rows, bars = np.array(bodies.broken_bars, np.int64).reshape(-1, 2).T
+        self._behind: Indices = bodies.roller_bodies[rows, bars]
+        self._ahead: Indices = bodies.roller_bodies[rows, (bars + 1) % bodies.rollers_per_row]
+
+    @property
+    def count(self) -> int:
+        """Pairs of rollers [-]."""
+        return len(self._ahead)
+
+    def approach(self, position: Floats, velocity: Floats) -> Approach:
+        """Return how the roller ahead stands and moves against the one behind, whose rolling adds to the slip."""
+        radius = self._configuration.bearing.roller_radius
+        arm = position[self._ahead, :ANGLE] - position[self._behind, :ANGLE]
+        distance = np.hypot(arm[:, 0], arm[:, 1])
+        n = arm / distance[:, None]
+        relative = velocity[self._ahead, :ANGLE] - velocity[self._behind, :ANGLE]
+        spins = velocity[self._ahead, ANGLE] + velocity[self._behind, ANGLE]
+        return Approach(n, 2.0 * radius - distance, -dot(relative, n), dot(relative, turned(n)) - radius * spins)
+
+    def act(self, position: Floats, velocity: Floats, bristle: Floats, force: Floats) -> Contacts:
+        """Add the contacts' forces and torques to ``force``, shape (bodies, 3) [N, N, N m], and return the contacts."""
+        c, radius = self._configuration, self._configuration.bearing.roller_radius
+        n, penetration, rate, slip = self.approach(position, velocity)
+        elastic, stiffness = johnson(penetration, c.bearing.effective_modulus * c.bearing.roller_length, 2.0 * radius)
+        normal = with_loss(elastic, stiffness, c.contact.loss_time, rate)
+        contacts = rub(c, penetration, normal, bristle, slip, stribeck(slip, c.friction))
+        push = normal[:, None] * n - contacts.friction[:, None] * turned(n)
+        for rollers, sign in ((self._ahead, 1.0), (self._behind, -1.0)):
+            add_at(force, rollers, sign * push, radius * contacts.friction)
+        return contacts
+
+
+class BarApproach(NamedTuple):
+    """How freed rollers stand and move against their intact bars, shape (bars,)."""
+
+    radial: Floats
+    """Outward direction n of the pocket, shape (bars, 2)."""
+    circumferential: Floats
+    """Direction tau of the pocket, shape (bars, 2)."""
+    lever: Floats
+    """From the cage's centre to the contact, shape (bars, 2) [m]."""
+    penetration: Floats
+    """delta = side e.tau - c_p [m], Eqs. 20 and 21."""
+    rate: Floats
+    """d(delta)/dt [m/s]."""
+    slip: Floats
+    """Radial slip of the roller's surface over the bar [m/s]."""
+
+
+class IntactBars:
+    """The intact bars beside freed rollers (Eqs. 20 to 22); ``side`` is +1 for a bar ahead of its roller, -1 behind."""
+
+    def __init__(self, configuration: Configuration, bodies: Bodies) -> None:
+        self._configuration, self._cage = configuration, configuration.cage
+        intact = np.stack([bodies.bar_intact, np.roll(bodies.bar_intact, 1, axis=1)])
+        sides, rows, rollers = np.nonzero(intact & ~bodies.pinned)
+        self.side: Floats = np.where(sides == 0, 1.0, -1.0)
+        self.cage: Indices = CAGE + rows
+        self.roller: Indices = bodies.roller_bodies[rows, rollers]
+        self._azimuth = pocket_azimuths(configuration.bearing)[rows, rollers]
+        self.impact_speed: Floats = np.zeros(len(sides))
+        """Rate at which each closed contact was first touched [m/s]; zero while it is open."""
+
+    @property
+    def count(self) -> int:
+        """Bars that a freed roller can touch [-]."""
+        return len(self.side)
+
+    def approach(self, position: Floats, velocity: Floats) -> BarApproach:
+        """Return how the rollers stand and move against their bars.
+
+        Seen from the cage's own motion at the contact, the rate of e.tau is the roller's velocity along tau: the turning
+        of tau is in it.
+        """
+        bearing, cage = self._configuration.bearing, velocity[self.cage]
+        n, tau = pocket_directions(self._azimuth + position[self.cage, ANGLE])
+        arm = position[self.roller, :ANGLE] - position[self.cage, :ANGLE]
+        offset = arm - bearing.pitch_radius * n
+        lever = arm + (self.side * bearing.roller_radius)[:, None] * tau
+        relative = velocity[self.roller, :ANGLE] - cage[:, :ANGLE] - cage[:, ANGLE, None] * turned(lever)
+        return BarApproach(
+            n,
+            tau,
+            lever,
+            self.side * dot(offset, tau) - self._cage.pocket_clearance,
+            self.side * dot(relative, tau),
+            dot(relative, n) - self.side * bearing.roller_radius * velocity[self.roller, ANGLE],
+        )
+
+    def latch(self, position: Floats, velocity: Floats) -> None:
+        """Remember the rate at first touch of every contact that has closed, forget it where it has opened."""
+        approach = self.approach(position, velocity)
+        first = np.where(self.impact_speed > 0.0, self.impact_speed, np.maximum(approach.rate, np.finfo(float).tiny))
+        self.impact_speed = np.where(approach.penetration > 0.0, first, 0.0)
+
+    def act(self, position: Floats, velocity: Floats, bristle: Floats, force: Floats) -> Contacts:
+        """Add the contacts' forces and torques to ``force``, shape (bodies, 3) [N, N, N m], and return the contacts."""
+        bearing = self._configuration.bearing
+        n, tau, lever, penetration, rate, slip = self.approach(position, velocity)
+        impact_speed = np.where(self.impact_speed > 0.0, self.impact_speed, rate)
+        normal = pereira(penetration, self._cage.pocket_clearance, bearing.roller_length, bearing.effective_modulus)
+        normal *= impact_loss(rate, impact_speed, self._cage.restitution)
+        contacts = rub(self._configuration, penetration, normal, bristle, slip, np.full_like(slip, self._cage.friction_coefficient))
+        push = -(self.side * contacts.normal)[:, None] * tau - contacts.friction[:, None] * n
+        add_at(force, self.roller, push, self.side * bearing.roller_radius * contacts.friction)
+        add_at(force, self.cage, -push, -dot(turned(lever), push))
+        return contacts
