@@ -6,9 +6,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from dcrb_ros.configuration import Configuration
 from dcrb_ros.kinematics import characteristic_orders
 from dcrb_ros.model import cage_speed, roller_spin
 from dcrb_ros.parameters import Bearing
+
+PAPER = Configuration.model_validate({"cage": {"joint": "revolute"}})
 
 
 def test_frequencies_at_20_hz() -> None:
@@ -27,6 +30,6 @@ def test_orders_of_any_geometry(count: int, ratio: float) -> None:
 
 def test_rolling_of_the_paper() -> None:
     # Section 2.3.2 at 124.8 rad/s: cage 52.4, roller -380.5 rad/s relative to the cage.
-    cage, spin = cage_speed(Bearing(), 124.8), roller_spin(Bearing(), 124.8)
+    cage, spin = cage_speed(PAPER, 124.8), roller_spin(PAPER.bearing, 124.8)
     assert cage == pytest.approx(52.4, rel=0.002)
     assert spin - cage == pytest.approx(-380.5, rel=0.001)

@@ -7,20 +7,19 @@ import math
 from dcrb_ros.core.jit import kernel
 from dcrb_ros.core.payload import JOHNSON, Payload
 
-NEWTON_STEPS = 2
-
 
 @kernel
 def johnson_force(penetration: float, modulus: float, scale: float) -> tuple[float, float]:
     """Return the normal force [N] and its stiffness [N/m] at a penetration [m] above zero.
 
     Eq. 4 solved for the force: F = -pi E* L delta / W_-1(-e delta / (4 dR)), with ``modulus`` pi E* L [N/m] and
-    ``scale`` 4 dR [m]. The branch W_-1 comes from Newton on w + ln(-w) = l; two steps leave a relative error of 1.5e-10.
+    ``scale`` 4 dR [m]. The branch W_-1 solves w + ln(-w) = l; from w = l - ln(-l) (1 - 1/l) one step of Halley's method leaves a
+    relative error of 2e-12.
     """
     log_ratio = 1.0 + math.log(penetration / scale)
-    w = log_ratio - math.log(-log_ratio)
-    for _ in range(NEWTON_STEPS):
-        w -= (w + math.log(-w) - log_ratio) * w / (w + 1.0)
+    w = log_ratio - math.log(-log_ratio) * (1.0 - 1.0 / log_ratio)
+    rest, next_w = w + math.log(-w) - log_ratio, w + 1.0
+    w -= 2.0 * rest * w * next_w / (2.0 * next_w * next_w + rest)
     force = -modulus * penetration / w
     return force, -modulus / (w + 1.0)
 

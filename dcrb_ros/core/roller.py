@@ -24,6 +24,7 @@ from dcrb_ros.core.work import (
     INNER,
     LEVER_X,
     LEVER_Y,
+    LONE,
     MEAN_RIM,
     MEAN_X,
     MEAN_Y,
@@ -238,10 +239,12 @@ def begin_roller(
     """Write the record of roller ``i`` at (x, y); return how many of its contacts are closed."""
     count = 0
     for inner in (True, False):
-        dx, dy = x - state.outer_position[0], y - state.outer_position[1]
+        dx, dy, reach = x - state.outer_position[0], y - state.outer_position[1], payload.outer_raceway_radius - payload.roller_radius
+        apart = dx * dx + dy * dy <= reach * reach
         if inner:
-            dx, dy = x - state.inner_position[0], y - state.inner_position[1]
-        if touch_raceway(payload, state, work, records, k, HEAD + count * FIELDS, row, i, inner, dx, dy, before, coming):
+            dx, dy, reach = x - state.inner_position[0], y - state.inner_position[1], payload.inner_raceway_radius + payload.roller_radius
+            apart = dx * dx + dy * dy >= reach * reach
+        if not apart and touch_raceway(payload, state, work, records, k, HEAD + count * FIELDS, row, i, inner, dx, dy, before, coming):
             count += 1
         else:
             open_raceway(state, inner, row, i)
@@ -250,6 +253,8 @@ def begin_roller(
         count += 1
     records[k, ROLLER], records[k, COUNT], records[k, TAU_X], records[k, TAU_Y] = i, count, tau[0], tau[1]
     records[k, TIGHT] = 1.0 if squeezed or not payload.free[row, i] else 0.0
+    mixed = records[k, HEAD + NORMAL_X] * records[k, HEAD + TANGENT_X] + records[k, HEAD + NORMAL_Y] * records[k, HEAD + TANGENT_Y]
+    records[k, LONE] = 1.0 if count == 0 or (count == 1 and abs(mixed) < 1e-9) else 0.0
     return count
 
 
@@ -284,14 +289,45 @@ def move_pinned(payload: Payload, state: State, work: Workspace, records: Floats
 
 
 @kernel
+def pushed_alone(payload: Payload, state: State, work: Workspace, row: int, i: int) -> tuple[float, float, float]:
+    """Return mean velocity and surface speed of a free roller without its contacts [m/s]."""
+    h, radius = payload.step, payload.roller_radius
+    by_mass, by_inertia = 0.5 * h / payload.roller_mass, 0.5 * h * radius * radius / payload.roller_inertia
+    return (
+        state.roller_velocity[row, i, 0] + by_mass * work.external[row, i, 0],
+        state.roller_velocity[row, i, 1] + by_mass * work.external[row, i, 1] - 0.5 * h * payload.gravity,
+        radius * state.roller_velocity[row, i, 2] + by_inertia * work.external[row, i, 2],
+    )
+
+
+@kernel
+def move_lone(payload: Payload, state: State, work: Workspace, records: Floats, k: int, row: int) -> None:
+    """Solve for a free roller with one contact or none, whose normal and tangent do not mix: each is a scalar equation."""
+    h, i, at, radius = payload.step, int(records[k, ROLLER]), HEAD, payload.roller_radius
+    x, y, rim = pushed_alone(payload, state, work, row, i)
+    if records[k, COUNT] > 0.0:
+        by_mass, by_inertia = 0.5 * h / payload.roller_mass, 0.5 * h * radius * radius / payload.roller_inertia
+        nx, ny, tx, ty = records[k, at + NORMAL_X], records[k, at + NORMAL_Y], records[k, at + TANGENT_X], records[k, at + TANGENT_Y]
+        pn, pt = partner_velocity(work, records, k, at)
+        side, turn = records[k, at + SIDE], records[k, at + TURN]
+        normal = side * (records[k, at + PUSH] - records[k, at + GIVE] * side * (x * nx + y * ny - pn))
+        normal /= 1.0 + by_mass * records[k, at + GIVE]
+        friction = records[k, at + CONSTANT] + records[k, at + SLOPE] * (x * tx + y * ty + turn * rim - pt)
+        friction /= 1.0 + (by_mass + by_inertia) * records[k, at + SLOPE]
+        x += by_mass * (normal * nx - friction * tx)
+        y += by_mass * (normal * ny - friction * ty)
+        rim -= by_inertia * turn * friction
+    records[k, MEAN_X], records[k, MEAN_Y], records[k, MEAN_RIM] = x, y, rim
+
+
+@kernel
 def move_free(payload: Payload, state: State, work: Workspace, records: Floats, k: int, row: int) -> None:
     """Solve for the mean velocity and spin of a free roller between the bodies it touches."""
     h, i = payload.step, int(records[k, ROLLER])
     mass, inertia = 2.0 * payload.roller_mass, 2.0 * payload.roller_inertia / (payload.roller_radius * payload.roller_radius)
     xx, xy, yy, xw, yw, ww = mass, 0.0, mass, 0.0, 0.0, inertia
-    x = mass * state.roller_velocity[row, i, 0] + h * work.external[row, i, 0]
-    y = mass * state.roller_velocity[row, i, 1] + h * (work.external[row, i, 1] - payload.roller_mass * payload.gravity)
-    w = inertia * payload.roller_radius * state.roller_velocity[row, i, 2] + h * work.external[row, i, 2]
+    x, y, w = pushed_alone(payload, state, work, row, i)
+    x, y, w = mass * x, mass * y, inertia * w
     for c in range(int(records[k, COUNT])):
         at = HEAD + c * FIELDS
         nx, ny, tx, ty, turn = (
@@ -313,12 +349,12 @@ def move_free(payload: Payload, state: State, work: Workspace, records: Floats, 
         x += push * nx + hold * tx
         y += push * ny + hold * ty
         w += hold * turn
-    by_x, by_y = xw / ww, yw / ww
-    xx, xy, yy = xx - by_x * xw, xy - by_x * yw, yy - by_y * yw
-    x, y = x - by_x * w, y - by_y * w
-    mean_y = (y - xy / xx * x) / (yy - xy / xx * xy)
-    mean_x = (x - xy * mean_y) / xx
-    records[k, MEAN_X], records[k, MEAN_Y], records[k, MEAN_RIM] = mean_x, mean_y, (w - xw * mean_x - yw * mean_y) / ww
+    by_w = 1.0 / ww
+    xx, xy, yy = xx - by_w * xw * xw, xy - by_w * xw * yw, yy - by_w * yw * yw
+    x, y = x - by_w * w * xw, y - by_w * w * yw
+    by_determinant = 1.0 / (xx * yy - xy * xy)
+    mean_x, mean_y = (yy * x - xy * y) * by_determinant, (xx * y - xy * x) * by_determinant
+    records[k, MEAN_X], records[k, MEAN_Y], records[k, MEAN_RIM] = mean_x, mean_y, (w - xw * mean_x - yw * mean_y) * by_w
 
 
 @kernel

@@ -16,9 +16,9 @@ from dcrb_ros.core.jit import kernel, loop
 from dcrb_ros.core.neighbours import add_neighbours
 from dcrb_ros.core.payload import Floats, Payload
 from dcrb_ros.core.raceway import turn_notches
-from dcrb_ros.core.roller import begin_roller, finish_roller, move_free, move_pinned, open_raceway, push_bodies
+from dcrb_ros.core.roller import begin_roller, finish_roller, move_free, move_lone, move_pinned, open_raceway, push_bodies
 from dcrb_ros.core.state import State
-from dcrb_ros.core.work import CAGE, ROLLER, TIGHT, Workspace
+from dcrb_ros.core.work import CAGE, LONE, ROLLER, TIGHT, Workspace
 
 SWEEPS = 3
 """Passes over the squeezed rollers in a step."""
@@ -75,10 +75,12 @@ def sweep_row(payload: Payload, state: State, work: Workspace, row: int, first: 
         squeezed = work.records[k, TIGHT] > 0.0
         if not (all_of_them or squeezed):
             continue
-        if payload.free[row, int(work.records[k, ROLLER])]:
-            move_free(payload, state, work, work.records, k, row)
-        else:
+        if not payload.free[row, int(work.records[k, ROLLER])]:
             move_pinned(payload, state, work, work.records, k, row)
+        elif work.records[k, LONE] > 0.0:
+            move_lone(payload, state, work, work.records, k, row)
+        else:
+            move_free(payload, state, work, work.records, k, row)
         if squeezed:
             push_bodies(payload, work, work.records, k, row, work.tight)
         else:

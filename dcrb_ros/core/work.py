@@ -11,10 +11,10 @@ from dcrb_ros.core.payload import Floats, Integers, Payload
 OUTER, INNER, CAGE = 0, 1, 2
 """Bodies that rollers touch: the rings, then the cages row by row."""
 
-ROLLER, COUNT, TIGHT, TAU_X, TAU_Y, MEAN_X, MEAN_Y, MEAN_RIM = range(8)
-"""A roller's record: its index, its closed contacts, whether it is squeezed, its pocket's tangent, its mean velocity and
-surface speed r_R omega_R over the step."""
-HEAD = 8
+ROLLER, COUNT, TIGHT, LONE, TAU_X, TAU_Y, MEAN_X, MEAN_Y, MEAN_RIM = range(9)
+"""A roller's record: its index, its closed contacts, whether it is squeezed or has at most one contact, its pocket's tangent,
+its mean velocity and surface speed r_R omega_R over the step."""
+HEAD = 9
 (
     BODY,
     SIDE,
