@@ -150,9 +150,8 @@ class Cage(Group):
     """How rollers and cage are joined, and what they touch."""
 
     joint: Literal["revolute", "pocket"] = choice(
-        "revolute",
-        "Roller-cage joint: revolute pins every roller centre to its pocket centre (the paper), pocket leaves every roller free "
-        "between the bars",
+        "pocket",
+        "Roller-cage joint: pocket leaves every roller free between the bars, revolute pins its centre to the pocket's (the paper)",
     )
     pocket_clearance: float = length(
         0.0001, "Circumferential clearance between a roller and a bar, on either side", 5e-6, 0.005, symbol="c_p"
