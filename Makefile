@@ -5,7 +5,7 @@ STAMPED := $(shell date +%Y%m%d-%H%M%S)
 # A sourced ROS, or a middleware that is not in .venv, would end every node at once.
 unexport RMW_IMPLEMENTATION PYTHONPATH PYTHONHOME AMENT_PREFIX_PATH
 
-.PHONY: help environment demo test lint types architecture unit kernels nodes docs colcon clean
+.PHONY: help environment demo test lint types architecture unit kernels nodes validate docs colcon clean
 .DEFAULT_GOAL := help
 
 help: ## Show this list
@@ -17,7 +17,7 @@ environment: ## Make .venv, or find it made (PYTHON=python3.12 chooses the inter
 demo: environment ## Run the bench with an outer-ring defect for 10 s: verdict, recording, view
 	$(BIN)/dcrb bench outer_ring_defect --duration 10 --record recordings/demo-$(STAMPED)
 
-test: lint types architecture unit kernels nodes docs colcon ## Run every check
+test: lint types architecture unit kernels nodes validate docs colcon ## Run every check
 	@echo "All checks hold."
 
 lint: environment ## ruff
@@ -40,6 +40,9 @@ kernels: environment ## The laws of the kernels once more, without the compiler
 nodes: environment ## The tests that start ROS nodes
 	$(BIN)/python -m pytest -m node
 
+validate: environment ## The paper's numbers and figures: a table, and a report in validation/
+	$(BIN)/dcrb validate -o validation
+
 docs: environment ## The site, into site/
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet
 
@@ -47,4 +50,4 @@ colcon: environment ## Build and test as a ROS package
 	.ci/colcon
 
 clean: ## Remove what was made, but not the recordings
-	rm -rf .venv build install log site dcrb_ros.egg-info .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache
+	rm -rf .venv build install log site validation dcrb_ros.egg-info .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache

@@ -30,7 +30,7 @@ setup(
     license=manifest.findtext("license"),
     python_requires=">=3.10,<3.14",
     packages=find_packages(include=[NAME, f"{NAME}.*"]),
-    package_data={NAME: ["py.typed"]},
+    package_data={NAME: ["py.typed"], f"{NAME}.validation": ["readings.md"]},
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{NAME}"]),
         (f"share/{NAME}", ["package.xml"]),
@@ -47,6 +47,7 @@ setup(
         "pyyaml>=6,<7",
         "typer>=0.12,<1",
         "rich>=13,<16",
+        "matplotlib>=3.8,<4",
         "mcap>=1.6,<2",
         "pillow>=10,<14",
         "rosbags>=0.10.10,<0.12",

@@ -231,7 +231,7 @@ class Publishing(Group):
     """Blocks and rates on the topics."""
 
     block_size: int = quantity(1024, "samples", "Samples in a block", 16, 65536)
-    state_rate: int = quantity(100, "Hz", "Rate of roller_states in simulated time", 1, 1000)
+    state_rate: int = quantity(100, "Hz", "Rate of roller_states in simulated time; 100 to 1000 for a live topic", 1, 10000)
     preview_rate: int = quantity(200, "Hz", "Rate of the low-passed preview in simulated time", 10, 1000)
     truth_rate: int = quantity(10, "Hz", "Rate of ground_truth in simulated time, besides every change", 1, 100)
     clean: bool = choice(False, "Publish outer_ring/vibration_clean too, the waveform before noise, clipping and ADC")

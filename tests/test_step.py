@@ -21,7 +21,8 @@ from dcrb_ros.observation import place_pinned_rollers
 
 
 def model(step: float, groups: dict[str, Any]) -> tuple[Payload, State]:
-    configuration = Configuration.model_validate(groups)
+    """Return the constants and the start of a bearing, of pinned rollers where ``groups`` do not say otherwise."""
+    configuration = Configuration.model_validate({"cage": {"joint": "revolute"}, **groups})
     payload = build_payload(configuration)._replace(step=step)
     return payload, initial_state(configuration, payload)
 
@@ -115,8 +116,9 @@ def test_rest_stays_at_rest() -> None:
     assert state.inner_force == pytest.approx(np.linalg.norm(inner, axis=-1), rel=1e-5, abs=1e-3)
 
 
-def test_same_bits_however_the_steps_are_split() -> None:
-    groups = {"faults": {"inner_1": {"width": 0.002}}}
+@pytest.mark.parametrize("joint", ["revolute", "pocket"])
+def test_same_bits_however_the_steps_are_split(joint: str) -> None:
+    groups = {"faults": {"inner_1": {"width": 0.002}, "broken_bars": "row1/bar15"}, "cage": {"joint": joint}}
     payload, whole = model(1.0 / 102400.0, groups)
     once = run(payload, whole, 3000)
     payload, split = model(1.0 / 102400.0, groups)
@@ -125,8 +127,9 @@ def test_same_bits_however_the_steps_are_split() -> None:
 
 
 @pytest.mark.kernel
-def test_a_few_steps_without_a_compiler() -> None:
-    payload, state = model(1.0 / 102400.0, {})
+@pytest.mark.parametrize("joint", ["revolute", "pocket"])
+def test_a_few_steps_without_a_compiler(joint: str) -> None:
+    payload, state = model(1.0 / 102400.0, {"cage": {"joint": joint}})
     acceleration = run(payload, state, 5)
     assert np.isfinite(acceleration).all()
     assert state.inner_force.sum() == pytest.approx(2.0 * (30251.0 + 2.0 * 10708.0), rel=0.01)  # physics.md section 5

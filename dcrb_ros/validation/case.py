@@ -1,0 +1,214 @@
+"""The runs that the validation looks at, and what it keeps of each."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from dcrb_ros.block import Account
+from dcrb_ros.configuration import Configuration
+from dcrb_ros.configuration_file import load_configuration
+from dcrb_ros.kinematics import characteristic_orders
+from dcrb_ros.model import cage_speed
+from dcrb_ros.simulation import Simulation
+
+Floats = npt.NDArray[np.float64]
+Singles = npt.NDArray[np.float32]
+
+JOINTS = ("revolute", "pocket")
+BENCH = {"revolute": "paper", "pocket": "healthy"}
+"""The shipped configuration that stands for each joint."""
+
+PAPER_SPEED = 124.8
+"""Speed that the paper computes with, section 2.3.2 [rad/s]."""
+
+SETTLED = 0.2
+"""Left out of every statistic at the start of a warm run [s]."""
+
+BROKEN_BAR = 15
+"""Bar missing in both rows, between rollers 15 and 16."""
+
+# Power-law contact and Coulomb friction of an independent engine (physics.md section 5), which has no bristles to speak of.
+FOREIGN = (
+    "contact.law=power",
+    "contact.power_coefficient=3.449e9",
+    "contact.power_exponent=1.0766",
+    "contact.damping=4000.0",
+    "contact.loss_time=0.0",
+    "friction.kinetic_coefficient=0.05",
+    "friction.static_coefficient=0.05",
+    "operating.speed=125.664",
+)
+
+
+@dataclass(frozen=True)
+class Case:
+    """A run: a shipped configuration, what is set in it, how long."""
+
+    name: str
+    joint: str
+    duration: float
+    """Simulated time [s]."""
+    settings: tuple[str, ...] = ()
+    state_rate: int = 2000
+    """States kept [Hz]."""
+
+    @property
+    def key(self) -> tuple[str, str]:
+        """Name and joint."""
+        return self.name, self.joint
+
+    @property
+    def command(self) -> str:
+        """The command line that simulates this case into a recording."""
+        settings = "".join(f" --set {setting}" for setting in self._all_settings)
+        return f"dcrb simulate {BENCH[self.joint]} --duration {self.duration:g}{settings}"
+
+    @property
+    def _all_settings(self) -> tuple[str, ...]:
+        return (f"operating.speed={PAPER_SPEED}", f"publishing.state_rate={self.state_rate}", "sensor.noise_density=0.0", *self.settings)
+
+    def configuration(self) -> Configuration:
+        """Return the configuration."""
+        return load_configuration(BENCH[self.joint], self._all_settings)
+
+
+WIDTHS = (0.5, 1.0, 1.5, 2.0)
+"""Widths of the outer-ring defect whose severity is compared [mm]."""
+
+
+def cases() -> list[Case]:
+    """Return every run, the longest first."""
+    found = []
+    for joint in reversed(JOINTS):
+        bars = f"faults.broken_bars=row1/bar{BROKEN_BAR}, row2/bar{BROKEN_BAR}"
+        found += [
+            Case("healthy", joint, 6.0, state_rate=3000),
+            Case("cage fracture", joint, 6.0, (bars,), 3000),
+            Case("outer ring defect", joint, 3.0, ("faults.outer_1.width=0.002",), 5000),
+            Case("inner ring defect", joint, 3.0, ("faults.inner_1.width=0.002",), 5000),
+        ]
+        found += [Case(f"outer ring defect {b:g} mm", joint, 1.2, (f"faults.outer_1.width={b * 1e-3:g}",), 100) for b in WIDTHS]
+        found += [Case("cold start", joint, 3.0, ("operating.start=cold",))]
+    found += [
+        Case("foreign laws, healthy", "revolute", 1.2, FOREIGN),
+        Case("foreign laws, outer ring defect", "revolute", 1.2, (*FOREIGN, "faults.outer_1.width=0.002"), 5000),
+    ]
+    return found
+
+
+@dataclass(frozen=True)
+class Run:
+    """What is kept of a run. Rollers are columns, row by row; times are rows."""
+
+    case: Case
+    configuration: Configuration
+    acceleration: Floats
+    """Vertical, before noise, shape (samples,) [m/s^2]."""
+    shaft_angle: Singles
+    """At each sample, within a turn [rad]."""
+    time: Floats
+    """Of the states, shape (times,) [s]."""
+    azimuth: Singles
+    """Of the rollers, from the load line [rad]."""
+    spin: Singles
+    """Absolute [rad/s]."""
+    relative_spin: Singles
+    """Against the cage [rad/s]."""
+    inner_force: Singles
+    """Normal force at the inner raceway [N]."""
+    outer_force: Singles
+    slip: Singles
+    """At the inner raceway [m/s]."""
+    friction: Singles
+    """At the inner raceway [N]."""
+    torque: Singles
+    """Friction torque of both raceways [N m]."""
+    cage_speed: Floats
+    """Shape (times, rows) [rad/s]."""
+    inner_ring_force: Floats
+    """Total vertical force of the rollers on the inner ring, shape (times,) [N]."""
+    energy: Account
+    """Energy account over the whole run."""
+
+    @property
+    def rate(self) -> int:
+        """Sampling rate [Hz]."""
+        return self.configuration.sensor.sampling_rate
+
+    @property
+    def settled(self) -> npt.NDArray[np.bool_]:
+        """Which states count in statistics, shape (times,)."""
+        return self.time >= SETTLED
+
+    @property
+    def steady_acceleration(self) -> Floats:
+        """Vertical acceleration without the start [m/s^2]."""
+        return self.acceleration[round(SETTLED * self.rate) :]
+
+    @property
+    def mean_cage_speed(self) -> float:
+        """Mean cage speed [rad/s]."""
+        return float(self.cage_speed[self.settled].mean())
+
+    @property
+    def cage_frequency(self) -> float:
+        """Mean cage frequency [Hz]."""
+        return self.mean_cage_speed / (2.0 * np.pi)
+
+    @property
+    def shaft_frequency(self) -> float:
+        """Shaft frequency [Hz]."""
+        return self.configuration.operating.speed / (2.0 * np.pi)
+
+    @property
+    def rolling_cage_speed(self) -> float:
+        """Cage speed of pure rolling, by the joint [rad/s]."""
+        return cage_speed(self.configuration, self.configuration.operating.speed)
+
+    @property
+    def rollers_per_row(self) -> int:
+        """Rollers in a row [-]."""
+        return self.configuration.bearing.rollers_per_row
+
+    @property
+    def bpfo(self) -> float:
+        """Kinematic BPFO [Hz]."""
+        return characteristic_orders(self.configuration.bearing).frequencies(self.shaft_frequency)["BPFO"]
+
+    def columns(self, roller: int) -> list[int]:
+        """Return the columns of the rollers of one number, one per row."""
+        return [row * self.rollers_per_row + roller - 1 for row in range(self.configuration.bearing.rows)]
+
+
+def simulate(case: Case) -> Run:
+    """Run a case."""
+    configuration = case.configuration()
+    rows, count = configuration.bearing.rows, configuration.bearing.rows * configuration.bearing.rollers_per_row
+    blocks = list(Simulation(configuration).blocks(case.duration))
+    states = [states for block in blocks for states in block.states]
+
+    def series(field: str) -> Singles:
+        return np.array([getattr(state, field) for state in states], np.float32)
+
+    speed = np.array([state.speed for state in states])
+    return Run(
+        case=case,
+        configuration=configuration,
+        acceleration=np.concatenate([block.clean[:, 1] for block in blocks]).astype(np.float64),
+        shaft_angle=np.concatenate([block.shaft_angle for block in blocks]),
+        time=np.array([state.time_ns for state in states]) * 1e-9,
+        azimuth=series("azimuth")[:, :count],
+        spin=speed[:, :count].astype(np.float32),
+        relative_spin=series("relative_speed")[:, :count],
+        inner_force=series("inner_force")[:, :count],
+        outer_force=series("outer_force")[:, :count],
+        slip=series("slip")[:, :count],
+        friction=series("friction")[:, :count],
+        torque=series("torque")[:, :count],
+        cage_speed=speed[:, count : count + rows],
+        inner_ring_force=np.array([state.inner_ring_force[1] for state in states]),
+        energy=states[-1].energy,
+    )

@@ -1,0 +1,173 @@
+"""The paper's Figs. 8 to 11 from our own runs, laid out like them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from dcrb_ros.kinematics import characteristic_orders
+from dcrb_ros.validation.case import BROKEN_BAR, JOINTS, Run
+from dcrb_ros.validation.faults import spectrum
+from dcrb_ros.validation.row import Runs
+
+BLUE, ORANGE, GREY = "#1f6fb4", "#e07b00", "#8a8a8a"
+COLUMNS = {
+    "healthy": "defect-free",
+    "cage fracture": "cage fracture",
+    "inner ring defect": "inner ring defect",
+    "outer ring defect": "outer ring defect",
+}
+SHOWN = 0.5
+"""Stretch of the waveform in Fig. 11 [s]."""
+THINNED = 5000
+"""Points of a line in Fig. 8."""
+
+
+def write_figures(runs: Runs, folder: Path) -> list[str]:
+    """Write the figures of every joint into ``folder``; return their file names."""
+    names = []
+    for joint in JOINTS:
+        for number, draw in ((8, speeds), (9, roller), (10, contacts), (11, vibration)):
+            figure = draw(runs, joint)
+            name = f"figure_{number}_{joint}.png"
+            figure.savefig(folder / name)
+            names.append(name)
+    return names
+
+
+def _titled(figure: Figure, text: str) -> Figure:
+    figure.suptitle(text, fontsize=11)
+    return figure
+
+
+def _label(axes: Axes, x: str, y: str, title: str = "") -> None:
+    axes.set_xlabel(x)
+    axes.set_ylabel(y)
+    axes.set_title(title, fontsize=10)
+    axes.grid(alpha=0.25)
+
+
+def speeds(runs: Runs, joint: str) -> Figure:
+    """Fig. 8: rotation of inner ring, cage and a roller from a cold start."""
+    run = runs["cold start", joint]
+    thin = slice(None, None, max(1, len(run.time) // THINNED))
+    figure = Figure(figsize=(10, 5), dpi=110, layout="constrained")
+    whole, start = figure.subplots(1, 2, width_ratios=(3, 2))
+    for axes, last in ((whole, float(run.time[-1])), (start, 0.2)):
+        axes.axhline(run.configuration.operating.speed, color=GREY, label="inner ring")
+        axes.plot(run.time[thin], run.cage_speed[thin, 0], color=ORANGE, lw=1.0, label="cage of row 1")
+        axes.plot(run.time[thin], run.relative_spin[thin, 0], color=BLUE, lw=0.8, label="roller 1 of row 1, against the cage")
+        axes.plot(run.time[thin], run.spin[thin].mean(axis=1), color="black", lw=0.8, ls=":", label="mean of all rollers, absolute")
+        axes.set_xlim(0.0, last)
+        _label(axes, "time [s]", "rotation [rad/s]")
+    whole.legend(loc="center right", fontsize=8)
+    start.set_title("the start", fontsize=10)
+    return _titled(figure, f"Rotation of the bearing components from a cold start at 124.8 rad/s, {joint} (Fig. 8)")
+
+
+def passes(azimuth: npt.NDArray[np.floating]) -> Iterator[slice]:
+    """Yield the stretches in which a roller goes from -90 to 90 deg, seen from end to end; ``azimuth`` in [rad], shape (times,)."""
+    inside = np.abs(azimuth) < 0.5 * np.pi
+    starts, stops = np.flatnonzero(~inside[:-1] & inside[1:]) + 1, np.flatnonzero(inside[:-1] & ~inside[1:]) + 1
+    for start in starts:
+        later = stops[stops > start]
+        if len(later):
+            yield slice(start, later[0])
+
+
+def tracked(run: Run) -> int:
+    """Return the column of the roller that is shown: beside the broken bar, or the first."""
+    return run.columns(BROKEN_BAR)[0] if run.configuration.faults.broken_bars else 0
+
+
+def shown_pass(run: Run) -> slice:
+    """Return the pass that is shown: the last, or of an inner ring defect the one that it strikes most."""
+    found = [stretch for stretch in passes(run.azimuth[:, tracked(run)]) if run.time[stretch.start] > 0.2]
+    if run.case.name == "inner ring defect":
+        force = run.inner_force[:, tracked(run)]
+        return max(found, key=lambda stretch: float(np.abs(np.diff(force[stretch], 2)).max()))
+    return found[-1]
+
+
+def roller(runs: Runs, joint: str) -> Figure:
+    """Fig. 9: force, friction, slip and spin of a roller over its azimuth, healthy."""
+    run = runs["healthy", joint]
+    stretch, column = shown_pass(run), tracked(run)
+    azimuth = np.degrees(run.azimuth[stretch, column])
+    others = [other for other in passes(run.azimuth[:, column]) if run.time[other.start] > 0.2]
+    figure = Figure(figsize=(10, 7.5), dpi=110, layout="constrained")
+    (a, b), (c, d) = figure.subplots(2, 2)
+    panels: list[tuple[Axes, Callable[[slice], npt.NDArray[np.floating]], str, str]] = [
+        (a, lambda s: run.inner_force[s, column] * 1e-3, "normal force [kN]", "(a) contact force at the inner raceway"),
+        (b, lambda s: run.friction[s, column], "friction [N]", "(b) friction at the inner raceway"),
+        (c, lambda s: run.slip[s, column], "slip [m/s]", "(c) sliding velocity against the inner ring"),
+        (d, lambda s: run.spin[s, column], "spin [rad/s]", "(d) roller rotation, absolute"),
+    ]
+    for axes, series, y, title in panels:
+        for other in others:
+            axes.plot(np.degrees(run.azimuth[other, column]), series(other), color=BLUE, lw=0.4, alpha=0.15)
+        axes.plot(azimuth, series(stretch), color=BLUE, lw=1.2, label="one roller, its last pass; faint: all its passes")
+        axes.set_xlim(-90.0, 90.0)
+        _label(axes, "azimuth from the load line [deg]", y, title)
+    a.plot(azimuth, run.inner_ring_force[stretch] * 1e-3, color=ORANGE, lw=1.0, label="all rollers")
+    a.legend(fontsize=8)
+    d.axhline(-0.5 * 124.8 * 78.86 / 15.0, color=GREY, lw=0.8, ls="--", label="pure rolling")
+    d.legend(fontsize=8)
+    return _titled(figure, f"Roller and inner raceway at 100 kN and 124.8 rad/s, healthy, {joint} (Fig. 9)")
+
+
+def contacts(runs: Runs, joint: str) -> Figure:
+    """Fig. 10: total force, force and friction torque of a roller, without defect and with each fault."""
+    figure = Figure(figsize=(15, 8.5), dpi=110, layout="constrained")
+    panels = figure.subplots(3, 4, sharex=True)
+    for letter, (name, title), (total, normal, torque) in zip("abcd", COLUMNS.items(), panels.T, strict=True):
+        run = runs[name, joint]
+        stretch, column = shown_pass(run), tracked(run)
+        azimuth = np.degrees(run.azimuth[stretch, column])
+        outer = name == "outer ring defect"
+        force = run.outer_force if outer else run.inner_force
+        total.plot(azimuth, run.inner_ring_force[stretch] * 1e-3, color=ORANGE, lw=0.9)
+        normal.plot(azimuth, force[stretch, column] * 1e-3, color=BLUE, lw=0.9)
+        torque.plot(azimuth, run.torque[stretch, column], color=BLUE, lw=0.9)
+        _label(total, "", "total force [kN]", f"({letter}) {title}")
+        _label(normal, "", "normal force, outer [kN]" if outer else "normal force, inner [kN]")
+        _label(torque, "azimuth from the load line [deg]", "friction torque [N m]")
+        torque.set_xlim(-90.0, 90.0)
+    for total in panels[0]:
+        total.set_ylim(*_common([line.get_ydata() for axes in panels[0] for line in axes.lines]))
+    return _titled(figure, f"Contact of a roller with the raceways at 100 kN, without and with faults, {joint} (Fig. 10)")
+
+
+def _common(series: list[npt.ArrayLike]) -> tuple[float, float]:
+    values = np.concatenate([np.asarray(one, np.float64) for one in series])
+    margin = 0.05 * float(np.ptp(values))
+    return float(values.min()) - margin, float(values.max()) + margin
+
+
+def vibration(runs: Runs, joint: str) -> Figure:
+    """Fig. 11: acceleration of the outer ring and its envelope spectrum under each fault."""
+    figure = Figure(figsize=(15, 7.5), dpi=110, layout="constrained")
+    panels = figure.subplots(2, 3)
+    faults = (("cage fracture", "FTF", 130.0), ("inner ring defect", "BPFI", 600.0), ("outer ring defect", "BPFO", 600.0))
+    for letter, (name, order, most), (upper, lower) in zip("abc", faults, panels.T, strict=True):
+        run = runs[name, joint]
+        count = round(SHOWN * run.rate)
+        upper.plot(np.arange(count) / run.rate, run.steady_acceleration[:count], color=BLUE, lw=0.4)
+        _label(upper, "time [s]", "acceleration of the outer ring, Y [m/s^2]", f"({letter}) {name}")
+        found = spectrum(run)
+        kinematic = characteristic_orders(run.configuration.bearing).frequencies(run.shaft_frequency)[order]
+        seen = (found.frequency > 1.0) & (found.frequency <= most)
+        lower.plot(found.frequency[seen], found.amplitude[seen], color=BLUE, lw=0.8)
+        for k in range(1, int(most / kinematic) + 1):
+            lower.axvline(
+                k * kinematic, color=ORANGE, lw=0.7, ls="--", alpha=0.8, label=f"k {order}, {kinematic:.1f} Hz" if k == 1 else None
+            )
+        lower.set_xlim(0.0, most)
+        _label(lower, "frequency [Hz]", "envelope [m/s^2]")
+        lower.legend(fontsize=8)
+    return _titled(figure, f"Acceleration of the outer ring and its envelope spectrum at 124.8 rad/s, {joint} (Fig. 11)")

@@ -1,0 +1,84 @@
+"""Everything in one go: the runs on all cores, the rows, the report."""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import tempfile
+from collections.abc import Callable, Sequence
+from concurrent.futures import Future, ProcessPoolExecutor, as_completed
+from pathlib import Path
+from typing import Any
+
+from dcrb_ros.configuration_file import load_configuration
+from dcrb_ros.refusal import Refusal
+from dcrb_ros.validation.case import BENCH, cases, simulate
+from dcrb_ros.validation.faults import fault_rows
+from dcrb_ros.validation.figures import write_figures
+from dcrb_ros.validation.formulation import Agreement, agreement
+from dcrb_ros.validation.motion import motion_rows
+from dcrb_ros.validation.report import markdown
+from dcrb_ros.validation.rest import WINDOWS, formulation_rows, freedom_rows, frequency_row, static_rows
+from dcrb_ros.validation.row import Row, Runs
+
+REPORT = "report.md"
+
+Progress = Callable[[int, int, str], None]
+"""Told how many runs are done, of how many, and which was the last."""
+
+
+def compare(name: str) -> Agreement:
+    """Hold the two solvers against each other on one of `WINDOWS`."""
+    setting, window, _ = WINDOWS[name]
+    return agreement(load_configuration(BENCH["revolute"], [setting] if setting else []), window)
+
+
+def run_all(workers: int, progress: Progress) -> tuple[Runs, dict[str, Agreement]]:
+    """Run every case and comparison in processes of their own."""
+    runs, agreements = {}, {}
+    # Spawned: a process forked from one with threads may never start.
+    with ProcessPoolExecutor(workers, mp_context=multiprocessing.get_context("spawn")) as pool:
+        jobs: dict[Future[Any], tuple[str, str]] = {pool.submit(compare, name): (name, "") for name in WINDOWS}
+        jobs.update({pool.submit(simulate, case): case.key for case in cases()})
+        try:
+            for done, job in enumerate(as_completed(jobs), start=1):
+                name, joint = jobs[job]
+                if joint:
+                    runs[name, joint] = job.result()
+                else:
+                    agreements[name] = job.result()
+                progress(done, len(jobs), f"{name} {joint}".strip())
+        except BaseException:
+            pool.shutdown(wait=False, cancel_futures=True)
+            raise
+    return runs, agreements
+
+
+def table(runs: Runs, agreements: dict[str, Agreement]) -> list[Row]:
+    """Return every row."""
+    rest = [*static_rows(), *frequency_row(), *freedom_rows(), *formulation_rows(agreements)]
+    return [*rest, *motion_rows(runs), *fault_rows(runs)]
+
+
+def checked_folder(folder: Path) -> Path:
+    """Return the folder for the report or refuse it: an earlier report may be replaced, nothing else."""
+    if folder.exists() and not folder.is_dir():
+        raise Refusal(f"{folder} is a file: give the report another folder with -o")
+    if folder.exists() and any(folder.iterdir()) and not (folder / REPORT).exists():
+        raise Refusal(f"{folder} holds something that is not a report: give another folder with -o")
+    return folder
+
+
+def write_report(folder: Path, rows: Sequence[Row], runs: Runs) -> Path:
+    """Write the figures and the report into ``folder``; return the report's path."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryDirectory(dir=folder, prefix=".unfinished-") as unfinished:
+            made = Path(unfinished)
+            names = write_figures(runs, made)
+            (made / REPORT).write_text(markdown(rows, cases(), names), encoding="utf-8")
+            for name in (*names, REPORT):
+                os.replace(made / name, folder / name)
+    except OSError as error:
+        raise Refusal(f"{folder} cannot be written: {error.strerror}; give another folder with -o") from None
+    return folder / REPORT
