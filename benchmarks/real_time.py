@@ -6,6 +6,7 @@ Medians of several runs in one process; run it on a machine that does nothing el
 from __future__ import annotations
 
 import argparse
+import itertools
 import statistics
 import time
 from collections.abc import Callable
@@ -14,19 +15,22 @@ import numpy as np
 
 from dcrb_ros.configuration import Configuration
 from dcrb_ros.configuration_file import load_configuration
-from dcrb_ros.core.step import advance, workspace
+from dcrb_ros.core.step import advance
+from dcrb_ros.core.work import workspace
 from dcrb_ros.messages import BlockEncoder
 from dcrb_ros.model import build_payload, initial_state
 from dcrb_ros.simulation import Simulation
 
 WARM_UP = 0.2
 """Simulated time before every measurement, compiling included [s]."""
+BENCHES = ("healthy", "outer_ring_defect", "inner_ring_defect", "cage_fracture")
+JOINTS = ("revolute", "pocket")
 
 
 def kernel(configuration: Configuration) -> Callable[[float], None]:
     """Return a function that runs the kernel for a simulated time [s]."""
     payload = build_payload(configuration)
-    state, work = initial_state(configuration, payload), workspace(configuration.bearing.rows, configuration.bearing.rollers_per_row)
+    state, work = initial_state(configuration, payload), workspace(payload)
 
     def run(duration: float) -> None:
         steps = round(duration / payload.step)
@@ -64,15 +68,15 @@ def main() -> None:
     parser.add_argument("--runs", type=int, default=7)
     parser.add_argument("--duration", type=float, default=1.0, help="simulated time of a run [s]")
     options = parser.parse_args()
-    print("| bench | part | median x real time | least | most | us per step |")
-    print("|---|---|---|---|---|---|")
-    for name in ("healthy", "outer_ring_defect", "inner_ring_defect"):
-        configuration = load_configuration(name)
+    print("| bench | joint | part | median x real time | least | most | us per step |")
+    print("|---|---|---|---|---|---|---|")
+    for name, joint in itertools.product(BENCHES, JOINTS):
+        configuration = load_configuration(name, [f"cage.joint={joint}"])
         for part, make in (("kernel", kernel), ("blocks, encoded", blocks)):
             found = factors(make(configuration), options.duration, options.runs)
             median = statistics.median(found)
             step = 1e6 / (median * configuration.step_rate)
-            print(f"| {name} | {part} | {median:.2f} | {min(found):.2f} | {max(found):.2f} | {step:.2f} |")
+            print(f"| {name} | {joint} | {part} | {median:.2f} | {min(found):.2f} | {max(found):.2f} | {step:.2f} |", flush=True)
 
 
 if __name__ == "__main__":

@@ -214,9 +214,11 @@ def _settings(settings: Sequence[str], fields: Mapping[str, ParameterField]) -> 
             raise Refusal(f"--set {setting}: write KEY=VALUE, such as operating.speed=125.664")
         known = fields.get(key)
         try:
-            value = text if known and known.kind is str else yaml.load(text, Loader=_Loader)
+            value = yaml.load(text, Loader=_Loader)
         except yaml.YAMLError:
             raise Refusal(f"--set {setting}: the value is not a plain number or text") from None
+        if known and known.kind is str and type(value) is not str:
+            value = text
         flat[key] = float(value) if known and known.kind is float and type(value) is int else value
     return flat
 

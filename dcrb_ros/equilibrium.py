@@ -178,4 +178,13 @@ def static_equilibrium(payload: Payload, load: Floats, orbit: float = 0.0) -> Re
     # The energy leads over open contacts, where the forces alone give no direction; least squares then polish.
     lowest = minimize(energy, problem.start() / MICROMETRE, jac=True, method="BFGS", options={"gtol": 1e-6, "maxiter": 5000}).x
     found = least_squares(residual, lowest, method="lm", xtol=1e-15, ftol=1e-15, gtol=1e-15, max_nfev=3000).x
-    return problem.places(found * MICROMETRE)
+    rest = problem.places(found * MICROMETRE)
+    _make_rows_alike(payload, rest)
+    return rest
+
+
+def _make_rows_alike(payload: Payload, rest: Rest) -> None:
+    """Give rows that are built alike the same bits: left to rounding, which differs between machines, some would drift apart."""
+    for row in range(1, len(rest.cages)):
+        if np.array_equal(payload.pocket_tangent[row], payload.pocket_tangent[0]) and np.array_equal(payload.free[row], payload.free[0]):
+            rest.cages[row], rest.rollers[row] = rest.cages[0], rest.rollers[0]

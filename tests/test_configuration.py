@@ -128,3 +128,12 @@ def test_every_parameter_explains_itself(field: ParameterField) -> None:
         assert field.low is not None
         assert field.high is not None
         assert field.low <= field.default <= field.high  # type: ignore[operator]
+
+
+@pytest.mark.parametrize(("text", "value"), [("", ""), ("row1/bar2", "row1/bar2"), ("'row1/bar2'", "row1/bar2")])
+def test_a_text_is_set_plain_quoted_or_empty(text: str, value: str) -> None:
+    assert load_configuration("cage_fracture", [f"faults.broken_bars={text}"]).faults.broken_bars == value
+
+
+def test_a_text_of_digits_stays_a_text() -> None:
+    assert load_configuration("healthy", ["recording.path=2026"]).recording.path == "2026"

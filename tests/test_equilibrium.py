@@ -82,3 +82,12 @@ def test_free_rollers_of_a_running_bearing_lie_on_the_outer_raceway() -> None:
     rest = static_equilibrium(payload, DOWN, 52.8)
     _, outer = roller_forces(payload, rest.outer, rest.inner, rest.rollers)
     assert np.linalg.norm(outer, axis=-1).min() > 60.0  # m r omega_C^2 = 65 N, less the weight of 2.4 N
+
+
+@pytest.mark.parametrize("joint", JOINTS)
+@settings(max_examples=20)
+@given(load=st.floats(1e3, 4e5))
+def test_rows_in_phase_rest_alike_to_the_last_bit(joint: str, load: float) -> None:
+    rest = static_equilibrium(bearing(joint), np.array([0.0, -load]), orbit=52.8)
+    assert np.array_equal(rest.rollers[0], rest.rollers[1])
+    assert np.array_equal(rest.cages[0], rest.cages[1])

@@ -1,0 +1,431 @@
+"""How accurate the time loop is: its order, a defect's forces and waveform, statistics over seconds, energy.
+
+Prints Markdown tables with a verdict for every row that is held to a tolerance; exits with 1 when one does not hold. Rows
+without a verdict are information.
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+import sys
+from collections.abc import Iterable, Iterator, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from dcrb_ros.configuration import Configuration
+from dcrb_ros.configuration_file import load_configuration
+from dcrb_ros.core.payload import Payload
+from dcrb_ros.core.state import State
+from dcrb_ros.core.step import advance
+from dcrb_ros.core.work import workspace
+from dcrb_ros.energy import kinetic_energy, potential_of_weight
+from dcrb_ros.equilibrium import penetrations, radial_directions, stored_energy
+from dcrb_ros.model import build_payload, initial_state
+from dcrb_ros.observation import place_pinned_rollers, wrapped
+from dcrb_ros.parameters import SimulationParameters
+from dcrb_ros.simulation import Simulation
+from dcrb_ros.validation.measures import envelope_spectrum, kurtosis
+
+Floats = npt.NDArray[np.float64]
+
+STEP = SimulationParameters().step
+"""The default step [s]."""
+JOINTS = ("revolute", "pocket")
+
+
+class Entry(NamedTuple):
+    """One row of a table."""
+
+    cells: tuple[str, ...]
+    holds: bool | None = None
+    """Whether it is within its tolerance; None for information."""
+
+
+def print_table(title: str, tolerance: str, heads: Sequence[str], entries: Iterable[Entry]) -> bool:
+    """Print a table, row by row as they come; return whether all rows hold."""
+    print(f"\n### {title}\n\n{tolerance}\n\n| " + " | ".join([*heads, "verdict"]) + " |\n|" + "---|" * (len(heads) + 1))
+    sound = True
+    for entry in entries:
+        verdict = {None: "", True: "holds", False: "**fails**"}[entry.holds]
+        print("| " + " | ".join([*entry.cells, verdict]) + " |", flush=True)
+        sound = sound and entry.holds is not False
+    return sound
+
+
+def step_name(part: int) -> str:
+    """Return the name of a part of the default step h."""
+    return f"h/{part}" if part > 1 else "h"
+
+
+def percent(share: float) -> str:
+    """Return a share [-] in percent."""
+    return f"{100.0 * share:.3f} %"
+
+
+def relative_rms(found: Floats, exact: Floats) -> float:
+    """Return the rms of the error over the rms of the exact values [-]."""
+    return float(np.linalg.norm(found - exact) / np.linalg.norm(exact))
+
+
+# 1. Order in the step
+
+ORDER_STEPS = (8e-6, 4e-6, 2e-6, 1e-6)
+COMMON = 8e-6
+"""Interval of the times at which runs of different steps are compared [s]."""
+EXACT_STEP = 6.25e-8
+SETTLING_STEP = 5e-7
+PASSAGE = 4.096e-3
+"""Time compared: the roller turns by 12 degrees about the middle of the loading zone [s]."""
+SETTLING = 2e-3
+START_AZIMUTH = -0.25
+"""Where the roller starts to settle, already pressed in [rad]."""
+SETTLING_BRISTLE_DAMPING = 0.1
+"""Damps the sticking roller's spin, 35 kHz, within the settling time [s/m]: rung on, a step of 8 us would not resolve it."""
+FIXED = 1e12
+"""Mass of a ring that does not move [kg]."""
+
+
+def lone_roller() -> tuple[Payload, State]:
+    """Return one roller on its way through the loading zone of a row whose five others, at rest in the gap, touch nothing.
+
+    The inner ring turns in its place; the outer ring moves on its housing. No bar holds the roller: friction alone drives it.
+    """
+    configuration = Configuration.model_validate(
+        {"bearing": {"rows": 1, "rollers_per_row": 6}, "cage": {"joint": "pocket"}, "operating": {"load": 30e3, "gravity": 0.0}}
+    )
+    payload = build_payload(configuration)._replace(step=SETTLING_STEP, inner_ring_mass=FIXED, broken=np.ones((1, 6), np.bool_))
+    state = initial_state(configuration, payload)
+    state.load[:] = state.target[1:] = 0.0
+    state.cage_velocity[:] = 0.0
+    state.roller_velocity[0, 1:] = 0.0
+    state.roller_position[0, 1:] = 0.5 * (state.outer_position + state.inner_position)
+    state.roller_position[0, 1:] += payload.pitch_radius * radial_directions(payload)[0, 1:]
+    cosine, sine = math.cos(START_AZIMUTH), math.sin(START_AZIMUTH)
+    turn = np.array([[cosine, -sine], [sine, cosine]])
+    state.roller_position[0, 0] = state.outer_position + turn @ (state.roller_position[0, 0] - state.outer_position)
+    state.roller_velocity[0, 0, :2] = turn @ state.roller_velocity[0, 0, :2]
+    settling = payload._replace(bristle_damping=SETTLING_BRISTLE_DAMPING)
+    steps = round(SETTLING / payload.step)
+    advance(settling, state, workspace(payload), np.empty((steps, 2)), np.empty(steps))
+    return payload, state
+
+
+def with_step(payload: Payload, state: State, step: float) -> tuple[Payload, State]:
+    """Return payload and a copy of the state to go on from with another step [s]."""
+    copy = State._make(part.copy() for part in state)
+    for change in (copy.outer_change, copy.inner_change, copy.cage_change, copy.roller_change):
+        change *= step / payload.step
+    return payload._replace(step=step), copy
+
+
+def passage(payload: Payload, state: State) -> Floats:
+    """Return the centres of outer ring and first roller at the common times, shape (times, 4) [m]."""
+    work, steps = workspace(payload), round(COMMON / payload.step)
+    places = []
+    for _ in range(round(PASSAGE / COMMON)):
+        advance(payload, state, work, np.empty((steps, 2)), np.empty(steps))
+        places.append([*state.outer_position, *state.roller_position[0, 0]])
+    if max(state.inner_force[0, 1:].max(), state.outer_force[0, 1:].max()) > 0.0 or state.inner_force[0, 0] == 0.0:
+        raise RuntimeError("the case is not the one meant: the first roller, and no other, must be in contact")
+    return np.array(places)
+
+
+def orders() -> Iterator[Entry]:
+    """Yield errors and order of the lone roller's passage, without and with the contact's loss."""
+    payload, state = lone_roller()
+    for name, loss_time in (("friction", 0.0), ("friction and loss", payload.loss_time)):
+        case = payload._replace(loss_time=loss_time)
+        exact = passage(*with_step(case, state, EXACT_STEP))
+        errors = [passage(*with_step(case, state, step)) - exact for step in ORDER_STEPS]
+        for body, columns in (("outer ring", slice(0, 2)), ("roller", slice(2, 4))):
+            sizes = [math.sqrt(float((error[:, columns] ** 2).sum(axis=1).mean())) for error in errors]
+            order = float(np.polyfit(np.log(ORDER_STEPS), np.log(sizes), 1)[0])
+            yield Entry((name, body, *(f"{1e12 * size:.4g}" for size in sizes), f"{order:.3f}"), 1.8 <= order <= 2.2)
+
+
+# 2. A defect, path by path
+
+DURATION = 0.012
+FINE_STEP = 5e-7
+STEPS = (2e-6, 5e-6, STEP)
+BURST = (-0.25e-3, 0.5e-3)
+"""A burst, from before to after a roller stands in the middle of the defect [s]."""
+MOST_FORCE, MOST_WAVEFORM = 0.005, 0.04
+
+
+class Trace(NamedTuple):
+    """What is compared of a run."""
+
+    acceleration: Floats
+    """Of the outer ring, mean over each step in X and Y, shape (steps, 2) [m/s^2]."""
+    force: Floats
+    """Normal forces at the middle of each step, shape (steps, inner and outer raceway, rows, rollers) [N]."""
+
+    @property
+    def total(self) -> Floats:
+        """Sum of the normal forces on either raceway, shape (steps, 2) [N]."""
+        return np.asarray(self.force.sum(axis=(2, 3)))
+
+    def between(self, begin: int, end: int) -> Trace:
+        """Return the steps from ``begin`` to before ``end``."""
+        return Trace(self.acceleration[begin:end], self.force[begin:end])
+
+
+def traced(configuration: Configuration, step: float, steps: int) -> Trace:
+    """Return the trace of ``steps`` steps of ``step`` [s] from the warm start."""
+    payload = build_payload(configuration)._replace(step=step)
+    state, work = initial_state(configuration, payload), workspace(payload)
+    trace, angle = Trace(np.empty((steps, 2)), np.empty((steps, 2, *state.inner_force.shape))), np.empty(1)
+    for n in range(steps):
+        advance(payload, state, work, trace.acceleration[n : n + 1], angle)
+        trace.force[n, 0], trace.force[n, 1] = state.inner_force, state.outer_force
+    return trace
+
+
+def coarsened(trace: Trace, ratio: int) -> Trace:
+    """Return a trace on steps ``ratio`` times as long, an even number: means over them, and forces at their middles."""
+    acceleration = trace.acceleration.reshape(-1, ratio, 2).mean(axis=1)
+    middle = trace.force.reshape(-1, ratio, *trace.force.shape[1:])[:, ratio // 2 - 1 : ratio // 2 + 1].mean(axis=1)
+    return Trace(acceleration, middle)
+
+
+def outer_defect(joint: str, *settings: str) -> Configuration:
+    """Return the shipped bench with a defect 2 mm wide across both rows of the outer ring."""
+    return load_configuration("outer_ring_defect", [f"cage.joint={joint}", *settings])
+
+
+def passing_period(configuration: Configuration) -> float:
+    """Return the time from one roller over the defect to the next [s]; at the start one stands over it."""
+    payload = build_payload(configuration)
+    cage = float(initial_state(configuration, payload).cage_velocity[0, 2])
+    return 2.0 * math.pi / (configuration.bearing.rollers_per_row * cage)
+
+
+def differences(found: Trace, exact: Trace) -> tuple[float, float, float]:
+    """Return the relative rms errors of roller forces, of the raceways' totals and of the waveform [-]."""
+    return (
+        relative_rms(found.force, exact.force),
+        relative_rms(found.total, exact.total),
+        relative_rms(found.acceleration, exact.acceleration),
+    )
+
+
+def paths() -> Iterator[Entry]:
+    """Yield errors of forces and waveform in both joints, over the whole time and over each burst."""
+    for joint in JOINTS:
+        configuration = outer_defect(joint)
+        for step in STEPS:
+            ratio, steps = 2 * round(0.5 * step / FINE_STEP), round(DURATION / step)
+            found = traced(configuration, step, steps)
+            exact = coarsened(traced(configuration, step / ratio, steps * ratio), ratio)
+            yield path_entry(joint, step, "12 ms", differences(found, exact), joint == "revolute" and step == STEP)
+            for k, name in enumerate(("start's burst", "next burst")):
+                middle = k * passing_period(configuration)
+                begin, end = (max(0, round((middle + offset) / step)) for offset in BURST)
+                yield path_entry(joint, step, name, differences(found.between(begin, end), exact.between(begin, end)), False)
+
+
+def path_entry(joint: str, step: float, stretch: str, errors: tuple[float, float, float], held: bool) -> Entry:
+    """Return a row of `paths`."""
+    cells = (joint, f"{1e6 * step:.2f}", stretch, *(percent(error) for error in errors))
+    return Entry(cells, max(errors[:2]) <= MOST_FORCE and errors[2] <= MOST_WAVEFORM if held else None)
+
+
+# 3. Statistics
+
+SPAN = 3.0
+LEFT_OUT = 0.2
+LINE_WIDTH = 2.0
+"""Search range on either side of 16 f_c [Hz]."""
+MOST_SIZE, MOST_RATE = 0.05, 0.005
+"""Tolerances of rms, kurtosis and the line's amplitude; of frequency and cage speed [-]."""
+ONE_ROW = "faults.outer_1.row=1"
+NEARBY = "operating.load=100000.001"
+"""A load that differs by a hundred millionth, for the scatter of chaotic rattle."""
+
+
+class Statistics(NamedTuple):
+    """What a run of seconds is reduced to, of the vertical acceleration without noise."""
+
+    rms: float
+    """[m/s^2]."""
+    kurtosis: float
+    line_frequency: float
+    """The largest line of the envelope near 16 f_c [Hz]."""
+    line_amplitude: float
+    """[m/s^2]."""
+    cage_speed: float
+    """Mean of the cages [rad/s]."""
+    rows_apart: float
+    """Largest angle between the cages [rad]."""
+
+
+def statistics_of(configuration: Configuration) -> Statistics:
+    """Return the statistics of a run."""
+    blocks = list(Simulation(configuration).blocks(SPAN))
+    rate, bearing = configuration.sensor.sampling_rate, configuration.bearing
+    y = np.concatenate([block.clean for block in blocks])[round(LEFT_OUT * rate) :, 1].astype(np.float64)
+    states = [states for block in blocks for states in block.states]
+    rollers = bearing.rows * bearing.rollers_per_row
+    cages = slice(rollers, rollers + bearing.rows)
+    speed = float(np.mean([at.speed[cages] for at in states if at.time_ns >= LEFT_OUT * 1e9]))
+    apart = wrapped(np.array([np.ptp(at.azimuth[cages]) for at in states]))
+    line = envelope_spectrum(y, rate).line(bearing.rollers_per_row * speed / (2.0 * math.pi), LINE_WIDTH)
+    return Statistics(float(y.std()), kurtosis(y), line.frequency, line.amplitude, speed, float(np.abs(apart).max()))
+
+
+def statistics_entry(case: str, part: int, found: Statistics, exact: Statistics, held: bool) -> Entry:
+    """Return a row of `statistics`, each value with its difference from the exact one."""
+    errors = [value / true - 1.0 for value, true in zip(found[:5], exact[:5], strict=True)]
+    values = (f"{value:.5g} ({100.0 * error:+.2f} %)" for value, error in zip(found[:5], errors, strict=True))
+    sizes, rates = (errors[0], errors[1], errors[3]), (errors[2], errors[4])
+    within = max(map(abs, sizes)) <= MOST_SIZE and max(map(abs, rates)) <= MOST_RATE
+    return Entry((case, step_name(part), *values, f"{math.degrees(found.rows_apart):.3f}"), within if held else None)
+
+
+def statistics() -> Iterator[Entry]:
+    """Yield the statistics at three steps, and those of a nearby start."""
+    cases: tuple[tuple[str, str, tuple[str, ...]], ...] = (
+        ("revolute", "revolute", ()),
+        ("pocket", "pocket", ()),
+        ("pocket, defect in one row", "pocket", (ONE_ROW,)),
+    )
+    for case, joint, settings in cases:
+
+        def run(part: int, *more: str, joint: str = joint, settings: tuple[str, ...] = settings) -> Statistics:
+            return statistics_of(outer_defect(joint, f"simulation.step={STEP / part!r}", *settings, *more))
+
+        exact = run(4)
+        yield statistics_entry(case, 4, exact, exact, False)
+        for part in (2, 1):
+            yield statistics_entry(case, part, run(part), exact, True)
+        yield statistics_entry(f"{case}, nearby start", 1, run(1, NEARBY), exact, False)
+
+
+# 4. Energy
+
+FRICTIONLESS = {"kinetic_coefficient": 0.0, "static_coefficient": 1e-9, "bristle_damping": 0.0, "bristle_stiffness": 1.0}
+UNDAMPED: dict[str, Any] = {"contact": {"loss_time": 0.0}, "housing": {"damping": 0.0}, "friction": FRICTIONLESS}
+BLOW = 0.02
+"""Speed given to the inner ring [m/s]."""
+WINDOW = 128
+"""Steps over which the energy is averaged [-]: leapfrog's swings with the phase of a mode within its step."""
+MOST_DRIFT = 0.01
+
+
+class Swing(NamedTuple):
+    """A case without friction and loss, at rest until the inner ring is struck."""
+
+    name: str
+    cage: dict[str, Any]
+    gravity: float
+    """[m/s^2]."""
+    windows: int
+    """Length of the run in windows of the default step [-]."""
+    blows: tuple[float, ...]
+    """Speeds given to the inner ring [m/s]."""
+    parts: tuple[int, ...]
+    """How many steps are taken for one default step [-]."""
+    held: bool
+
+
+OUT_OF_REACH = {"pocket_clearance": 0.003, "land_clearance": 0.01}
+SWINGS = (
+    Swing("revolute", {"joint": "revolute"}, 9.81, 8, (BLOW,), (1,), True),
+    # Without friction nothing but bars holds squeezed rollers: after 4 ms they leave the loading zone.
+    Swing("pocket, no bars, no weight", {"joint": "pocket", **OUT_OF_REACH}, 0.0, 3, (BLOW,), (1,), True),
+    # A strike on a bar lasts three steps, whose phase decides what it gains or loses.
+    Swing("pocket", {"joint": "pocket"}, 9.81, 5, (0.5 * BLOW, BLOW, 5.0 * BLOW), (1, 4), False),
+)
+
+
+def mechanical_energy(payload: Payload, state: State) -> float:
+    """Return the energy of motion and position, of smooth raceways, at the end of a step [J]."""
+    place_pinned_rollers(payload, state)
+    _, _, *depths = penetrations(payload, state.outer_position, state.inner_position, state.roller_position)
+    energy = kinetic_energy(payload, state) + potential_of_weight(payload, state) - float(state.load @ state.inner_position)
+    energy += 0.5 * payload.housing_stiffness * float(state.outer_position @ state.outer_position)
+    for force, coefficient, exponent in (
+        (np.abs(state.bar_force), payload.bar_coefficient, payload.bar_exponent),
+        (state.land_force, payload.land_coefficient, payload.land_exponent),
+    ):
+        energy += float((force * (force / coefficient) ** (1.0 / exponent)).sum()) / (exponent + 1.0)
+    scales = (payload.inner_scale, payload.outer_scale)
+    return energy + sum(float(stored_energy(payload, depth, scale).sum()) for depth, scale in zip(depths, scales, strict=True))
+
+
+def drift(case: Swing, blow: float, part: int) -> float:
+    """Return the largest change of a window's mean energy over the blow's energy [-]."""
+    cage = {"restitution": 1.0, **case.cage}
+    configuration = Configuration.model_validate({**UNDAMPED, "operating": {"speed": 0.0, "gravity": case.gravity}, "cage": cage})
+    payload = build_payload(configuration)._replace(step=STEP / part)
+    state, work = initial_state(configuration, payload), workspace(payload)
+    state.inner_velocity[1] = -blow
+    energies = []
+    for _ in range(WINDOW * case.windows * part):
+        advance(payload, state, work, np.empty((1, 2)), np.empty(1))
+        energies.append(mechanical_energy(payload, state))
+    means = np.array(energies).reshape(case.windows, -1).mean(axis=1)
+    return float(np.abs(means - means[0]).max()) / (0.5 * payload.inner_ring_mass * blow**2)
+
+
+def drifts() -> Iterator[Entry]:
+    """Yield the drift of the energy in every case."""
+    for case, blow, part in ((swing, blow, part) for swing in SWINGS for blow in swing.blows for part in swing.parts):
+        found = drift(case, blow, part)
+        cells = (case.name, f"{blow:g}", step_name(part), f"{1e3 * WINDOW * case.windows * STEP:.2f}", percent(found))
+        yield Entry(cells, found < MOST_DRIFT if case.held else None)
+
+
+def order_table() -> bool:
+    """Print the order in the step."""
+    heads = ("case", "body", *(f"{1e6 * step:g} us [pm]" for step in ORDER_STEPS), "order")
+    return print_table("Order in the step, one roller in the loading zone", "Error of places; order within 1.8 .. 2.2.", heads, orders())
+
+
+def path_table() -> bool:
+    """Print the errors of a defect's forces and waveform."""
+    heads = ("joint", "step [us]", "stretch", "roller forces", "total forces", "waveform")
+    tolerance = (
+        f"Relative rms error against {1e6 * FINE_STEP:g} us from the same start; `revolute` at the default step: "
+        f"forces at most {100.0 * MOST_FORCE:g} %, waveform at most {100.0 * MOST_WAVEFORM:g} %."
+    )
+    return print_table("Outer ring defect, path by path", tolerance, heads, paths())
+
+
+def statistics_table() -> bool:
+    """Print the statistics over seconds."""
+    units = ("rms [m/s^2]", "kurtosis [-]", "line [Hz]", "line [m/s^2]", "cage speed [rad/s]")
+    tolerance = (
+        f"{SPAN:g} s, h the default step, against h/4: rms, kurtosis and the line's amplitude within {100.0 * MOST_SIZE:g} %, "
+        f"its frequency and the cage speed within {100.0 * MOST_RATE:g} %. Rows in phase start alike to the last bit, stay so and strike "
+        "together; what is not alike in both rows lets free rows drift apart, and rms and kurtosis change with the angle between them."
+    )
+    heads = ("case", "step", *units, "rows apart [deg]")
+    return print_table("Outer ring defect, statistics", tolerance, heads, statistics())
+
+
+def energy_table() -> bool:
+    """Print the drift of the energy."""
+    heads = ("case", "blow [m/s]", "step", "time [ms]", "drift")
+    tolerance = (
+        f"Without friction and loss, after a blow to the inner ring, means over {1e3 * WINDOW * STEP:g} ms; at the default step h: "
+        f"below {100.0 * MOST_DRIFT:g} % of the blow's energy."
+    )
+    return print_table("Energy", tolerance, heads, drifts())
+
+
+def main() -> int:
+    """Print the tables; return 1 when a tolerance does not hold."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--quick", action="store_true", help="without the statistics over seconds")
+    quick = parser.parse_args().quick
+    sound = [order_table(), path_table(), True if quick else statistics_table(), energy_table()]
+    return 0 if all(sound) else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())
