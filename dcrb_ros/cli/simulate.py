@@ -45,7 +45,7 @@ def simulate(
     if path.exists():
         raise Refusal(f"{path} exists: give another name with -o or remove it, a recording is never overwritten")
     if not compiled():
-        console.print("compiling the kernels (once, about 15 s) ...")
+        console.print("compiling the kernels (once, about half a minute) ...")
     simulation = Simulation(configuration)
     started = time.perf_counter()
     done = 0.0

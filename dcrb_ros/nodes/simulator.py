@@ -75,6 +75,7 @@ class Simulator:
         self._refused: dict[str, int] = {}
         self._logged: dict[str, float] = {}
         self._simulated_ns = 0
+        self._residual = 0.0
         self._reached = self._factor = 0.0
         self._measured_at = time.monotonic()
         self._blocks = 0
@@ -85,7 +86,7 @@ class Simulator:
         from dcrb_ros.core import compiled
 
         if not compiled():
-            self.node.get_logger().info("compiling the kernels (once, about 15 s) ...")
+            self.node.get_logger().info("compiling the kernels (once, about half a minute) ...")
         from dcrb_ros.simulation import Simulation
 
         return Simulation(self.configuration)
@@ -151,6 +152,8 @@ class Simulator:
         self._record(messages)
         self._blocks += 1
         self._simulated_ns = block.end_ns
+        if block.states:
+            self._residual = block.states[-1].energy.residual
         if self._blocks == 1:
             self.node.get_logger().info(f"first block {time.monotonic() - self._began:.2f} s after the start")
 
@@ -246,6 +249,7 @@ class Simulator:
             "rejected_commands": str(sum(count for kind, count in self._refused.items() if kind in COMMANDS)),
             "rejected_messages": str(sum(count for kind, count in self._refused.items() if kind not in COMMANDS)),
             "recorder": self._recorder_state,
+            "energy_residual [J]": f"{self._residual:.4g}",
             "model": "failed" if self.failure else "running",
         }
         words = self._recorder_state if failed else "behind real time" if level == WARN else "running"

@@ -89,6 +89,8 @@ def test_detector_names_the_fault_over_dds(fault: str, verdict: str, tmp_path: P
         about = json.loads(decode_text(heard.heard[SENSOR][0]))
         indices = [decode_vibration(data).first_index(about["sampling_rate"]) for data in heard.heard[VIBRATION]]
         assert np.all(np.diff(indices) == about["block_size"])  # nothing is dropped
+        heard.until(lambda: status_of(heard).get("energy_residual [J]", "0") != "0", "the energy account")
+        assert abs(float(status_of(heard)["energy_residual [J]"])) < 10.0
         states = decode_joints(heard.heard[ROLLER_STATES][-1])
         assert len(states.names) == 35
         assert states.effort[:32].max() > 15e3
