@@ -20,6 +20,7 @@ from mcap.writer import Writer
 from dcrb_ros.block import Truth
 from dcrb_ros.cli.view import view
 from dcrb_ros.configuration import Configuration
+from dcrb_ros.configuration_file import load_configuration
 from dcrb_ros.diagnosis.detector import Diagnosis
 from dcrb_ros.kinematics import characteristic_orders
 from dcrb_ros.messages import diagnosis_messages
@@ -27,11 +28,12 @@ from dcrb_ros.model import layout
 from dcrb_ros.parameters import Bearing
 from dcrb_ros.recording import Recording
 from dcrb_ros.refusal import Refusal
+from dcrb_ros.simulation import Simulation
 from dcrb_ros.sinks.recorder import Recorder
 from dcrb_ros.viewer import palette
-from dcrb_ros.viewer.bearing_picture import raceway_faults
 from dcrb_ros.viewer.content import Content, Waveform
 from dcrb_ros.viewer.drawing import Drawing, on_circle, quaternions, rounded_up
+from dcrb_ros.viewer.fault_words import faults_of_row
 from dcrb_ros.viewer.gather import gather
 from dcrb_ros.viewer.show import take_picture, telling_time
 from dcrb_ros.viewer.spectrum import ORDER_STEP, diagnoses, envelope_spectra, fault_combs, over_background, pieces
@@ -230,9 +232,22 @@ def test_states_of_another_bearing_are_refused(run: Run, tmp_path: Path) -> None
 
 def test_defect_is_drawn_in_its_own_row() -> None:
     fault = {"row": 2.0, "width": 0.001, "depth": 0.0003, "azimuth": 0.5, "onset": 0.0}
-    truth = Truth(0, 100.0, (0.0, -1e5), {}, {"inner_1": fault})
-    assert raceway_faults(truth, 0) == []
-    assert raceway_faults(truth, 1) == [("inner_1", 0.5, 0.001)]
+    bar = {"row": 1.0, "bar": 15.0, "onset": 0.0}
+    roller = {"row": 2.0, "roller": 3.0, "width": 0.002, "depth": 0.0003, "azimuth": 0.0, "onset": 0.0}
+    truth = Truth(0, 100.0, (0.0, -1e5), {}, {"inner_1": fault, "broken_bars.row1/bar15": bar, "roller_1": roller})
+    assert faults_of_row(truth, 0) == ((), (15,), ("bar 15 broken",))
+    assert faults_of_row(truth, 1) == ((("inner_1", 0.5, 0.001),), (), ("inner_1: 1 mm wide", "roller_1: 2 mm wide on roller 3"))
+
+
+def test_every_fault_of_a_bench_is_shown(tmp_path: Path) -> None:
+    configuration = load_configuration("compound")
+    path, simulation = tmp_path / "compound", Simulation(configuration)
+    with Recorder(path, configuration, simulation.layout) as recorder:
+        for block in simulation.blocks(0.2):
+            recorder.write(block)
+    found = markdown(gather(Recording(path)))
+    for words in ("outer_1: 2 mm wide, row 1", "inner_1: 2 mm wide, row 2", "bar 15 broken, row 1"):
+        assert words in found
 
 
 def test_picture_is_taken_under_the_largest_force(content: Content) -> None:

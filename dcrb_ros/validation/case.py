@@ -90,6 +90,10 @@ def cases() -> list[Case]:
             Case("outer ring defect", joint, 3.0, ("faults.outer_1.width=0.002",), 5000),
             Case("inner ring defect", joint, 3.0, ("faults.inner_1.width=0.002",), 5000),
         ]
+        found += [
+            Case("roller defect", joint, 4.0, ("faults.roller_1.width=0.002",), 500),
+            Case("rows staggered", joint, 1.2, ("faults.outer_1.width=0.002", "bearing.row_phase=0.5"), 100),
+        ]
         found += [Case(f"outer ring defect {b:g} mm", joint, 1.2, (f"faults.outer_1.width={b * 1e-3:g}",), 100) for b in WIDTHS]
         found += [Case("cold start", joint, 3.0, ("operating.start=cold",))]
     found += [

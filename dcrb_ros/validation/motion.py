@@ -40,7 +40,7 @@ def _cage(run: Run) -> Row:
         run.case.joint,
         "52.4 rad/s (section 2.3.2)",
         f"{run.mean_cage_speed:.3f} rad/s",
-        f"omega_I r_I / {orbit} = {run.rolling_cage_speed:.3f} rad/s, {most:.2%}",
+        f"omega_I r_I / {orbit} = {run.rolling_cage_speed:.3f} rad/s, {100.0 * most:g} %",
         within(run.mean_cage_speed, run.rolling_cage_speed, most),
     )
 
@@ -86,12 +86,12 @@ def _total_force(run: Run) -> Row:
 
 def _largest_force(run: Run) -> Row:
     force, azimuth = run.inner_force[run.settled], run.azimuth[run.settled]
-    largest, where = float(force.max()), float(np.degrees(azimuth.ravel()[force.argmax()]))
+    largest, where = float(force.max()), float(round(np.degrees(azimuth.ravel()[force.argmax()]), 1))
     return Row(
         "Largest roller force, and where",
         run.case.joint,
         "about 30 kN near 0 deg (Fig. 9a)",
-        f"{largest / 1e3:.2f} kN at {where:.1f} deg",
+        f"{largest / 1e3:.2f} kN at {where + 0.0:.1f} deg",
         "28.5-31.5 kN within 5 deg",
         28.5e3 <= largest <= 31.5e3 and abs(where) < 5.0,
     )

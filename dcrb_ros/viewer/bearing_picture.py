@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import NamedTuple
 
 import numpy as np
 import rerun as rr
@@ -13,6 +12,7 @@ from dcrb_ros.block import Floats, Truth
 from dcrb_ros.viewer import palette
 from dcrb_ros.viewer.content import Content, Motion, Times
 from dcrb_ros.viewer.drawing import Drawing, arc, circle, on_circle, quaternions, rounded_up
+from dcrb_ros.viewer.fault_words import RacewayFault, RowFaults, faults_of_row
 from dcrb_ros.viewer.timeline import TIMELINE, time_column
 
 ROOT = "bearing"
@@ -21,16 +21,6 @@ PICTURE_RATE = 100.0
 SCALE_STEPS = 4
 NOTCH = 1.4
 """Depth of a defect as drawn [mm]."""
-
-
-class RacewayFault(NamedTuple):
-    """A defect of a raceway as the ground truth has it."""
-
-    name: str
-    azimuth: float
-    """Azimuth of its middle [rad]; of the inner ring at rotation angle zero."""
-    width: float
-    """Width along the raceway [m]."""
 
 
 def drawing_of(content: Content, motion: Motion) -> Drawing:
@@ -45,7 +35,7 @@ def log_bearing(content: Content, motion: Motion, drawing: Drawing) -> None:
     log_force_scale(drawing)
     for row in range(content.layout.rows):
         log_row(content, drawing, motion, row)
-        log_defects(drawing, content, row)
+        log_faults(drawing, content, row)
     log_load(drawing, content.truths)
 
 
@@ -67,7 +57,6 @@ def log_row(content: Content, drawing: Drawing, motion: Motion, row: int) -> Non
     rr.log(path, rr.Transform3D(translation=[*drawing.centre(row), 0.0]), static=True)
     log_outer_ring(drawing, path)
     log_inner_ring(drawing, f"{path}/inner_ring")
-    log_cage(drawing, f"{path}/cage")
     log_rotation(f"{path}/inner_ring", motion.time_ns, motion.azimuth[:, -1])
     log_rotation(f"{path}/cage", motion.time_ns, cage)
     log_rollers(drawing, f"{path}/rollers", motion.time_ns, azimuth, force)
@@ -97,12 +86,6 @@ def log_inner_ring(drawing: Drawing, path: str) -> None:
     rr.log(f"{path}/mark", rr.LineStrips2D(mark, radii=[1.1], colors=[palette.BRIGHT], draw_order=3.0), static=True)
 
 
-def log_cage(drawing: Drawing, path: str) -> None:
-    """Log the bars of a cage between its pockets."""
-    bars = rr.LineStrips2D(drawing.cage_bars(), radii=[0.24 * drawing.roller], colors=[palette.BRASS], draw_order=2.0)
-    rr.log(path, bars, static=True)
-
-
 def log_rotation(path: str, time_ns: Times, angle: Floats) -> None:
     """Turn all that is logged under ``path`` by ``angle`` [rad] over time."""
     rr.send_columns(path, [time_column(time_ns)], rr.Transform3D.columns(quaternion=quaternions(angle)))
@@ -129,30 +112,29 @@ def log_bars(drawing: Drawing, path: str, time_ns: Times, azimuth: Floats, force
     rr.send_columns(path, [time_column(time_ns)], columns.partition(np.full(len(time_ns), count)))
 
 
-def log_defects(drawing: Drawing, content: Content, row: int) -> None:
-    """Log the raceway defects of a row from when the ground truth has them; those of the inner ring turn with it."""
-    shown: list[RacewayFault] = []
-    log_notches(drawing, row, content.start_ns, shown)
+def log_faults(drawing: Drawing, content: Content, row: int) -> None:
+    """Log the faults of a row from when the ground truth has them."""
+    shown = RowFaults()
+    log_row_faults(drawing, row, content.start_ns, shown)
     for truth in content.truths:
-        faults = raceway_faults(truth, row)
+        faults = faults_of_row(truth, row)
         if faults != shown:
-            log_notches(drawing, row, truth.time_ns, faults)
+            log_row_faults(drawing, row, truth.time_ns, faults)
             shown = faults
 
 
-def raceway_faults(truth: Truth, row: int) -> list[RacewayFault]:
-    """Return the raceway faults of a row, counted from 0, in the order of their names."""
-    return [
-        RacewayFault(name, float(fault["azimuth"]), float(fault["width"]))
-        for name, fault in sorted(truth.faults.items())
-        if name.startswith(("inner", "outer")) and int(fault.get("row", 0)) in (0, row + 1)
-    ]
-
-
-def log_notches(drawing: Drawing, row: int, time_ns: int, faults: Sequence[RacewayFault]) -> None:
-    """Log the defects that a row has from ``time_ns`` on, and name them above it."""
+def log_row_faults(drawing: Drawing, row: int, time_ns: int, faults: RowFaults) -> None:
+    """Log the notches and the cage's bars that a row has from ``time_ns`` on, and name its faults above it."""
     rr.set_time(TIMELINE, timestamp=np.datetime64(time_ns, "ns"))
     path = f"{ROOT}/row{row + 1}"
+    log_notches(drawing, path, faults.raceways)
+    log_cage(drawing, f"{path}/cage", faults.bars)
+    label = ", ".join([f"row {row + 1}", *faults.words])
+    rr.log(f"{path}/name", rr.Points2D.from_fields(labels=[label], colors=[palette.DEFECT if any(faults) else palette.MUTED]))
+
+
+def log_notches(drawing: Drawing, path: str, faults: Sequence[RacewayFault]) -> None:
+    """Log the raceway defects of a row; those of the inner ring turn with it."""
     sides = {
         "outer": (f"{path}/defect", drawing.outer_raceway + NOTCH),
         "inner": (f"{path}/inner_ring/defect", drawing.inner_raceway - NOTCH),
@@ -160,8 +142,15 @@ def log_notches(drawing: Drawing, row: int, time_ns: int, faults: Sequence[Racew
     for side, (place, radius) in sides.items():
         notches = [drawing.notch(radius, fault.azimuth, fault.width) for fault in faults if fault.name.startswith(side)]
         rr.log(place, rr.LineStrips2D(notches, radii=[1.3 * NOTCH], colors=[palette.DEFECT], draw_order=6.0))
-    label = ", ".join([f"row {row + 1}", *(f"{fault.name}: {fault.width * 1e3:g} mm" for fault in faults)])
-    rr.log(f"{path}/name", rr.Points2D.from_fields(labels=[label], colors=[palette.DEFECT if faults else palette.MUTED]))
+
+
+def log_cage(drawing: Drawing, path: str, broken: Sequence[int]) -> None:
+    """Log the bars of a cage between its pockets; where one is broken, the mark of a fault lies in its place."""
+    bars = drawing.cage_bars()
+    whole = [bar for number, bar in enumerate(bars, start=1) if number not in broken]
+    rr.log(path, rr.LineStrips2D(whole, radii=[0.24 * drawing.roller], colors=[palette.BRASS], draw_order=2.0))
+    missing = [bars[number - 1] for number in broken if number <= len(bars)]
+    rr.log(f"{path}/broken", rr.LineStrips2D(missing, radii=[0.07 * drawing.roller], colors=[palette.DEFECT], draw_order=6.0))
 
 
 def log_load(drawing: Drawing, truths: Sequence[Truth]) -> None:

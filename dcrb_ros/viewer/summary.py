@@ -7,6 +7,7 @@ from collections.abc import Iterator
 
 from dcrb_ros.block import Truth
 from dcrb_ros.viewer.content import Content
+from dcrb_ros.viewer.fault_words import words_of
 
 TITLES = {
     "healthy": "healthy",
@@ -45,4 +46,4 @@ def _faults(truth: Truth) -> Iterator[str]:
     for name, fault in sorted(truth.faults.items()):
         row = int(fault.get("row", 0))
         where = f"row {row}" if row else "both rows"
-        yield f"{name}: {float(fault['width']) * 1e3:g} mm wide, {where}"
+        yield f"{words_of(name, fault)}, {where}"
