@@ -7,9 +7,11 @@ from collections.abc import Iterator
 
 from pydantic import model_validator
 
+from dcrb_ros.conformal import conformal_law, conformal_stiffness
 from dcrb_ros.faults import Faults, RacewayDefect, RollerDefect
 from dcrb_ros.parameters import (
     LENGTH_REMEDY,
+    SHORTEST_STEP,
     Bearing,
     Cage,
     Contact,
@@ -62,6 +64,7 @@ def inconsistencies(c: Configuration) -> Iterator[str]:
     """Yield a sentence for everything that cannot be true together: what, the range, the remedy."""
     yield from _geometry(c)
     yield from _cage(c)
+    yield from _guidance(c)
     yield from _rates(c)
     yield from _notches(c)
     yield from _bars(c)
@@ -127,6 +130,31 @@ def _cage(c: Configuration) -> Iterator[str]:
         )
 
 
+def _guidance(c: Configuration) -> Iterator[str]:
+    """Compare the cage's clearances with how far the loaded ring carries it off the outer ring's centre."""
+    b, cage = c.bearing, c.cage
+    pinned = cage.joint == "revolute"
+    pressed = 2.0 * heaviest(c) / contact_stiffness(c, heaviest(c))
+    off = pressed + (b.outer_raceway_radius - b.roller_radius - b.pitch_radius if pinned else 0.5 * b.radial_gap)
+    play = cage.land_clearance if pinned else cage.land_clearance + cage.pocket_clearance
+    if play < off:
+        name = "cage.land_clearance" if pinned else "cage.land_clearance + cage.pocket_clearance"
+        yield (
+            f"{name} = {play:.4g} m is below the {off:.3g} m by which a loaded bearing carries its cage off the outer ring's centre: "
+            "the cage would bear the load; make it larger or the radial gap smaller"
+        )
+
+
+def heaviest(c: Configuration) -> float:
+    """Return the force on the roller under the load, without a gap five times the mean of a row (Stribeck) [N]."""
+    return max(1.0, 5.0 * _load(c) / (c.bearing.rows * c.bearing.rollers_per_row))
+
+
+def _load(c: Configuration) -> float:
+    """Return load and weight on the inner ring [N]."""
+    return math.hypot(c.operating.load, c.operating.lateral_load) + c.bearing.inner_ring_mass * c.operating.gravity
+
+
 def _notches(c: Configuration) -> Iterator[str]:
     b = c.bearing
     for ring, raceway in (("inner", b.inner_raceway_radius), ("outer", b.outer_raceway_radius)):
@@ -187,31 +215,59 @@ def _bars(c: Configuration) -> Iterator[str]:
             yield f"faults.broken_bars leaves fewer than two bars in row {row}: a cage needs two to drive its rollers"
 
 
-LARGEST_PHASE = 1.9
-"""Largest phase of the stiffest mode in a step [rad]; from 2 on leapfrog grows without bound."""
+LARGEST_PHASE = 1.8
+"""Largest phase of the stiffest mode in a step [rad]; from 2 on leapfrog grows without bound, and impacts stiffen the contacts."""
 
 
 def _stability(c: Configuration) -> Iterator[str]:
-    """Compare the step with the stiffest mode, at the largest roller force that the load can bring about."""
+    """Compare the step with the stiffest mode, at the largest forces that the load can bring about."""
     b, h = c.bearing, c.simulation.step
-    load = math.hypot(c.operating.load, c.operating.lateral_load) + b.inner_ring_mass * c.operating.gravity
-    most = 5.0 * load / (b.rows * b.rollers_per_row)
-    free = c.cage.joint == "pocket" or bool(c.faults.broken_bars)
-    stiffness = contact_stiffness(c, max(most, 1.0))
-    modes = {"a roller between the raceways": (2.0 * stiffness, b.roller_mass)} if free else {}
+    stiffness = contact_stiffness(c, heaviest(c))
     together = 0.5 * stiffness * (1.0 + 0.25 * b.rollers_per_row) * b.rows
-    modes["the rings against each other"] = (together, 1.0 / (1.0 / b.inner_ring_mass + 1.0 / b.outer_ring_mass))
-    modes["a cage with its rollers"] = (2.0 * stiffness, b.cage_mass if free else b.cage_mass + b.rollers_per_row * b.roller_mass)
-    modes["the outer ring in the housing"] = (c.housing.stiffness, b.outer_ring_mass)
-    for name, (spring, mass) in modes.items():
-        # The correction h^2 k/12 of the mass slows a mode: sin^2(phase/2) (1 + phase^2/12).
-        natural = math.sqrt(spring / mass)
-        if h * natural / math.sqrt(1.0 + (h * natural) ** 2 / 12.0) > LARGEST_PHASE:
-            longest = LARGEST_PHASE / natural / math.sqrt(1.0 - LARGEST_PHASE**2 / 12.0)
-            yield (
-                f"simulation.step = {h:g} s is too long for {name}, a mode at {natural / (2.0 * math.pi):.4g} Hz with contacts of "
-                f"{stiffness:.3g} N/m: at most {longest:.3g} s, such as {_fitting_step(c, longest)!r}"
-            )
+    modes = {
+        "the rings against each other": together * (1.0 / b.inner_ring_mass + 1.0 / b.outer_ring_mass),
+        "the outer ring in the housing": c.housing.stiffness / b.outer_ring_mass,
+    }
+    modes |= _modes_at_the_cage(c, stiffness)
+    # The correction h^2 k/12 of the mass slows a mode: sin^2(phase/2) (1 + phase^2/12).
+    name = max(modes, key=modes.__getitem__)
+    natural = math.sqrt(modes[name])
+    longest = LARGEST_PHASE / natural / math.sqrt(1.0 - LARGEST_PHASE**2 / 12.0)
+    if h > longest:
+        yield (
+            f"simulation.step = {h:g} s is too long for {name}, a mode at {natural / (2.0 * math.pi):.4g} Hz "
+            f"under {_load(c):.4g} N: {_shorter(c, longest)}"
+        )
+
+
+LEAST_DRAG = 0.12
+"""Least share of a roller's normal force that presses it against a bar: friction of 0.06 at both raceways [-]."""
+
+
+def _modes_at_the_cage(c: Configuration, stiffness: float) -> dict[str, float]:
+    """Return the squared frequencies [1/s^2] of cages, free rollers and bars, the raceways being of ``stiffness`` [N/m]."""
+    b = c.bearing
+    if c.cage.joint == "revolute" and not c.faults.broken_bars:
+        return {"a cage with its rollers": 2.0 * stiffness / (b.cage_mass + b.rollers_per_row * b.roller_mass)}
+    drag = max(LEAST_DRAG, 2.0 * c.friction.static_coefficient) * heaviest(c)
+    bar = conformal_stiffness(drag, *conformal_law(c.cage.pocket_clearance, b.roller_length, b.effective_modulus))
+    # Half a row pressing its cage at once: light cages and tight pockets failed from about there on.
+    pressing = 0.5 * b.rollers_per_row
+    modes = {
+        "a roller between the raceways": 2.0 * stiffness / b.roller_mass,
+        "rollers against the bars of a cage": bar * (1.0 / b.roller_mass + pressing / b.cage_mass),
+    }
+    if c.faults.broken_bars:
+        modes["two rollers beside a broken bar"] = (2.0 * stiffness + bar) / b.roller_mass
+    return modes
+
+
+def _shorter(c: Configuration, longest: float) -> str:
+    """Return the advice to take a step of ``longest`` [s] at most."""
+    fitting = _fitting_step(c, longest)
+    if fitting < SHORTEST_STEP:
+        return f"no step from {SHORTEST_STEP:g} s up follows it; check masses in kg, stiffnesses and loads"
+    return f"at most {longest:.3g} s, such as {fitting!r}"
 
 
 def _fitting_step(c: Configuration, longest: float) -> float:

@@ -133,9 +133,10 @@ def _sentence(problem: ErrorDetails, fields: Mapping[str, ParameterField]) -> st
         return f"{said} is not one of {', '.join(field.choices)}{nearest(str(value), field.choices)}"
     if field.kind is float and isinstance(value, int) and not isinstance(value, bool):
         return f"{said} is a whole number where ROS wants a decimal one: write {value}.0"
-    numeric = isinstance(value, (int, float)) and not isinstance(value, bool)
-    span = f"{field.low:g} .. {field.high:g} {field.unit}".removesuffix(" -") if field.low is not None and field.high is not None else kind
-    if not numeric and field.kind is not str:
+    if field.low is None or field.high is None:
+        return f"{said} is not {kind}; {field.description[0].lower()}{field.description[1:]}"
+    span = f"{field.low:g} .. {field.high:g} {field.unit}".removesuffix(" -")
+    if isinstance(value, (bool, str)) or not isinstance(value, (int, float)) or (field.kind is int and isinstance(value, float)):
         return f"{said} is not {kind} within {span}"
     remedy = f": {field.remedy}" if field.remedy else f"; {field.description.lower()} lies within it"
     return f"{said} is outside {span}{remedy}{_millimetres(field, value)}"

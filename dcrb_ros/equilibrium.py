@@ -92,11 +92,16 @@ def roller_forces(payload: Payload, outer: Floats, inner: Floats, rollers: Float
     )
 
 
+def _within(offset: Floats, most: float) -> Floats:
+    """Return an offset shortened to ``most`` [m]."""
+    return offset * min(1.0, most / max(float(np.linalg.norm(offset)), 1e-12))
+
+
 class _Problem:
     """The bearing over its free coordinates: rings, cages that carry rollers, and how far out each free roller lies.
 
     Free rollers keep their azimuth round the middle between the rings, as friction would hold them; a cage without
-    pinned rollers stands there.
+    pinned rollers stands there, or as near to it as its land lets it.
     """
 
     def __init__(self, payload: Payload, load: Floats, orbit: float) -> None:
@@ -112,7 +117,7 @@ class _Problem:
         """Return where the bodies are at coordinates ``x`` [m]."""
         outer, inner = x[:2], x[2:4]
         middle = 0.5 * (outer + inner)
-        cages = np.tile(middle, (len(self.free), 1))
+        cages = np.tile(outer + _within(middle - outer, self.payload.land_clearance), (len(self.free), 1))
         cages[self.carrying] = x[4 : self.first_free].reshape(-1, 2)
         rollers = cages[:, None] + self.payload.pitch_radius * self.radial
         rollers[self.free] = middle + x[self.first_free :, None] * self.radial[self.free]

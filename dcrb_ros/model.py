@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from dcrb_ros.block import Floats, Layout
 from dcrb_ros.configuration import Configuration
-from dcrb_ros.core.cage import conformal_law
+from dcrb_ros.conformal import conformal_law
 from dcrb_ros.core.payload import EDGE, JOHNSON, POWER, SINK, Notches, Payload, RollerNotches
 from dcrb_ros.core.state import State, empty_state
 from dcrb_ros.equilibrium import roller_forces, static_equilibrium

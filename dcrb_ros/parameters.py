@@ -12,6 +12,8 @@ from typing import Any, Literal
 from pydantic import BaseModel, ConfigDict, Field
 
 LENGTH_REMEDY = "lengths are in metres, a catalogue gives millimetres"
+SHORTEST_STEP = 1e-7
+"""Shortest time step [s]."""
 
 
 class Group(BaseModel):
@@ -194,7 +196,7 @@ class SimulationParameters(Group):
         1.0 / 102400.0,
         "s",
         "Time step; a whole number of steps make a sample",
-        1e-7,
+        SHORTEST_STEP,
         2e-5,
         symbol="h",
         remedy="the contacts oscillate at up to 18 kHz and want 20 us or less",

@@ -78,6 +78,24 @@ def test_wrong_usage_ends_with_a_sentence(arguments: list[str], sentence: str) -
     assert "Traceback" not in done.stderr
 
 
+@pytest.mark.parametrize(
+    ("parameters", "sentence"),
+    [
+        ("faults: {outer_1: {width: 0.002}, outer_2: {width: 0.002}}", "overlaps faults.outer_1"),
+        ("faults: {broken_bars: row1/bar15 and row2/bar15}", "'and' is no bar"),
+        ("bearing: {outer_raceway_radius: 0.1}", "check the three radii"),
+        ("bearing: {roller_mass: 0.02, roller_inertia: 2.25e-6}", "is too long for a roller between the raceways"),
+    ],
+)
+def test_a_file_that_cannot_be_true_ends_with_a_sentence(tmp_path: Path, parameters: str, sentence: str) -> None:
+    path = tmp_path / "bench.yaml"
+    path.write_text(f"/**: {{ros__parameters: {{{parameters}}}}}\n", encoding="utf-8")
+    done = dcrb("config", "check", str(path))
+    assert done.returncode == 2
+    assert sentence in done.stderr
+    assert len(done.stderr.strip().splitlines()) == 1
+
+
 @pytest.mark.parametrize("name", ["paper", "healthy", "outer_ring_defect", "inner_ring_defect"])
 def test_shipped_recordings_are_whole_and_named_right(name: str) -> None:
     bag = Path(__file__).parents[1] / "bags" / name

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
@@ -59,10 +60,10 @@ def test_yaml_round_trip(tmp_path_factory: pytest.TempPathFactory, speed: float,
         ("cage.joint=welded", r"cage.joint = 'welded' is not one of revolute"),
         ("simulation.step=7e-6", r"must make a whole number from 2 up: take 9\.765625e-06"),
         ("sensor.sampling_rate=44100", r"simulation.step"),
-        ("faults.outer_1.width=0.045", r"is not below the pitch of 0\.04286 m"),
         ("bearing.outer_raceway_radius=0.1", r"radial gap .* is -0\.00886 m"),
         ("friction.static_coefficient=0.01", r"is below friction.kinetic_coefficient"),
-        ("bearing.rollers_per_row=20", r"19 rollers at most"),
+        ("bearing.rows=1.5", r"bearing.rows = 1\.5 is not a whole number within 1 \.\. 2"),
+        ("publishing.clean=1", r"publishing.clean = 1 is not true or false; publish"),
         ("bearing.roller_inertia=1.0", r"a solid roller has mass \* radius\^2 / 2"),
         ("bearing", r"write KEY=VALUE"),
     ],
@@ -72,11 +73,113 @@ def test_refusals_name_value_range_and_remedy(setting: str, sentence: str) -> No
         load_configuration("healthy", [setting])
 
 
-def test_overlapping_defects_are_refused() -> None:
-    settings = ["faults.outer_1.width=0.002", "faults.outer_2.width=0.002", "faults.outer_2.azimuth=0.01"]
-    with pytest.raises(Refusal, match=r"faults.outer_2 overlaps faults.outer_1: .* 0\.001091 m apart"):
+NOTCH = ("faults.outer_1.width=0.002",)
+NOTCHES = (*NOTCH, "faults.outer_2.width=0.002", "faults.outer_2.azimuth=0.01")
+ROLLER_NOTCHES = ("faults.roller_1.width=0.002", "faults.roller_2.width=0.002", "faults.roller_2.azimuth=0.05")
+
+
+@pytest.mark.parametrize(
+    ("settings", "sentence"),
+    [
+        (NOTCHES, r"faults.outer_2 overlaps faults.outer_1: .* 0\.001091 m apart; move an azimuth or join them"),
+        ((*NOTCHES[:2], "faults.outer_1.azimuth=3.14", "faults.outer_2.azimuth=-3.14"), r"0\.0003476 m apart"),
+        ((*NOTCHES, "faults.outer_2.row=2"), r"faults.outer_2 overlaps faults.outer_1"),
+        (ROLLER_NOTCHES, r"faults.roller_2 overlaps faults.roller_1"),
+        (("faults.outer_1.width=0.045",), r"faults.outer_1.width = 0\.045 m is not below the pitch of 0\.04286 m"),
+        (("faults.inner_2.width=0.032",), r"faults.inner_2.width = 0\.032 m is not below the pitch of 0\.03097 m"),
+        (("faults.roller_1.width=0.015",), r"faults.roller_1.width = 0\.015 m is not below the roller's radius of 0\.015 m"),
+        (("faults.broken_bars=row1/bar17",), r"row1/bar17 is outside row1/bar1 \.\. row2/bar16: bar k stands between"),
+        (("faults.broken_bars=row1/bar0",), r"row1/bar0 is outside row1/bar1"),
+        (("faults.broken_bars=row3/bar1",), r"row3/bar1 is outside .* row2/bar16"),
+        (("faults.broken_bars=row2/bar3, row2/bar03",), r"'row2/bar3, row2/bar03' names a bar twice: name each once"),
+        (("faults.broken_bars=row1-bar15",), r"'row1-bar15' is no bar; write row1/bar15"),
+        (("faults.broken_bars=row1/bar15; row2/bar15",), r"'row1/bar15;' is no bar"),
+        (("faults.broken_bars=" + " ".join(f"row1/bar{k}" for k in range(1, 16)),), r"fewer than two bars in row 1"),
+        (("cage.pocket_clearance=-0.0001",), r"cage.pocket_clearance = -0\.0001 m is outside 5e-06 \.\. 0\.005 m"),
+        (("cage.land_clearance=-0.0003",), r"cage.land_clearance = -0\.0003 m is outside"),
+        (("cage.pocket_clearance=0.004",), r"leaves no bar in the 0\.00668 m between two rollers: it must be below 0\.00334 m"),
+        (
+            ("cage.land_clearance=2e-05", "cage.pocket_clearance=0.0001"),
+            r"land_clearance \+ cage.pocket_clearance = 0\.00012 m is below the 0\.00016 m by which a loaded bearing carries its cage",
+        ),
+        (
+            ("cage.joint=revolute", "cage.land_clearance=0.0001"),
+            r"cage.land_clearance = 0\.0001 m is below .* the cage would bear the load",
+        ),
+        (("cage.land_radius=0.05",), r"cage.land_radius = 0\.05 m is outside 0\.094 \.\. 0\.12414 m"),
+        (("bearing.outer_raceway_radius=0.1088",), r"the radial gap .* is -6e-05 m, outside 0 \.\. 0\.0015 m: check the three radii"),
+        (("bearing.inner_raceway_radius=0.12",), r"the radial gap .* check the three radii"),
+        (("bearing.pitch_radius=0.11",), r"bearing.pitch_radius = 0\.11 m is outside 0\.09386 \.\. 0\.09414 m"),
+        (("bearing.rollers_per_row=20",), r"bearing.rollers_per_row = 20 do not fit round the pitch circle: 19 rollers at most"),
+        (("faults.roller_1.width=0.002", "faults.roller_1.roller=17"), r"no roller 17 in row 1; the bearing has 2 row\(s\) of 16 rollers"),
+        (("bearing.rows=1", *NOTCH, "faults.outer_1.row=2"), r"faults.outer_1.row = 2 is outside 0 \.\. 1: the bearing has 1 row"),
+        (("bearing.rows=1", "faults.roller_1.width=0.002", "faults.roller_1.row=2"), r"no roller 1 in row 2; the bearing has 1 row"),
+        (("bearing.rows=1", "faults.broken_bars=row2/bar1"), r"row2/bar1 is outside row1/bar1 \.\. row1/bar16"),
+    ],
+)
+def test_what_cannot_be_true_together_is_refused(settings: tuple[str, ...], sentence: str) -> None:
+    with pytest.raises(Refusal, match=sentence):
         load_configuration("healthy", settings)
-    load_configuration("healthy", [*settings[:2], "faults.outer_2.azimuth=0.1"])
+
+
+@pytest.mark.parametrize(
+    "settings",
+    [
+        (*NOTCHES[:2], "faults.outer_2.azimuth=0.1"),
+        (*NOTCHES, "faults.outer_1.row=1", "faults.outer_2.row=2"),
+        (*ROLLER_NOTCHES, "faults.roller_2.roller=2"),
+        (*ROLLER_NOTCHES, "faults.roller_2.row=2"),
+        ("faults.broken_bars=row1/bar1,row2/bar16 row2/bar1",),
+        ("bearing.rows=1", *NOTCH, "faults.outer_1.row=1"),
+    ],
+)
+def test_neighbours_of_what_is_refused_are_accepted(settings: tuple[str, ...]) -> None:
+    load_configuration("healthy", settings)
+
+
+LIGHT_ROLLERS = ("bearing.roller_mass=0.02", "bearing.roller_inertia=2.25e-6")
+LIGHT_CAGE = ("bearing.cage_mass=0.01", "bearing.cage_inertia=1e-4")
+
+
+def proposed_step(refused: pytest.ExceptionInfo[Refusal]) -> str:
+    """Return the step that a refusal proposes."""
+    found = re.search(r"(?:such as|take) ([\d.e-]+)", str(refused.value))
+    assert found
+    return found[1]
+
+
+@pytest.mark.parametrize(
+    ("settings", "mode"),
+    [
+        (LIGHT_ROLLERS, "a roller between the raceways, a mode at"),
+        ((*LIGHT_ROLLERS, "sensor.sampling_rate=25600", "simulation.step=1.953125e-05"), "a roller between the raceways"),
+        (("sensor.sampling_rate=25600", "simulation.step=1.953125e-05"), "rollers against the bars of a cage"),
+        (("cage.joint=revolute", "bearing.inner_ring_mass=0.1"), "the rings against each other"),
+        (("cage.joint=revolute", *LIGHT_CAGE, "bearing.roller_mass=0.002", "bearing.roller_inertia=2.25e-7"), "a cage with its rollers"),
+        (LIGHT_CAGE, "rollers against the bars of a cage"),
+        (("cage.pocket_clearance=1e-05", "bearing.cage_mass=1.0"), "rollers against the bars of a cage"),
+        ((*LIGHT_ROLLERS, "faults.broken_bars=row1/bar1", "cage.joint=revolute"), "two rollers beside a broken bar"),
+        (("housing.stiffness=1e12",), "the outer ring in the housing"),
+        (("contact.law=power", "contact.power_coefficient=1e12"), "a roller between the raceways"),
+    ],
+)
+def test_step_too_long_names_the_mode_and_a_step_that_is_accepted(settings: tuple[str, ...], mode: str) -> None:
+    with pytest.raises(Refusal, match=mode) as refused:
+        load_configuration("healthy", settings)
+    load_configuration("healthy", [*settings, f"simulation.step={proposed_step(refused)}"])
+
+
+@pytest.mark.parametrize("rate", [44100, 48000, 51200])
+def test_step_that_makes_no_whole_samples_proposes_one_that_is_accepted(rate: int) -> None:
+    settings = (f"sensor.sampling_rate={rate}", "publishing.preview_rate=100", "simulation.step=1.1e-05")
+    with pytest.raises(Refusal, match="must make a whole number from 2 up") as refused:
+        load_configuration("healthy", settings)
+    load_configuration("healthy", [*settings, f"simulation.step={proposed_step(refused)}"])
+
+
+def test_modes_beyond_every_step_are_refused_with_what_to_check() -> None:
+    with pytest.raises(Refusal, match=r"no step from 1e-07 s up follows it; check masses in kg"):
+        load_configuration("healthy", ["bearing.cage_mass=0.0001", "contact.law=power", "contact.power_coefficient=1e15"])
 
 
 @pytest.mark.parametrize(
@@ -87,6 +190,7 @@ def test_overlapping_defects_are_refused() -> None:
         ("/**: {ros__parameters: {operating: {speed: 1772}}}", r"write 1772\.0"),
         ("/**:\n  ros__parameters:\n    a: 1\n    a: 2\n", "the key 'a' stands twice"),
         ("/**: [1, 2", "is not valid YAML"),
+        ("/**: {ros__parameters: {faults: {broken_bars: 15}}}", "faults.broken_bars = 15 is not a text; broken cage bars"),
         ("/**: {operating: {speed: 1.0}}", "must hold 'ros__parameters:'"),
     ],
 )

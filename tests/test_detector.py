@@ -240,7 +240,16 @@ def test_verdict_on_the_simulated_bench(faults: dict[str, Any], verdict: str) ->
     assert on_the_bench({"faults": faults}, 3.0) == ["waiting"] * 3 + [verdict] * 3
 
 
-@pytest.mark.parametrize(("speed", "load"), [(60.0, 100e3), (190.0, 120e3)])
+@pytest.mark.parametrize(
+    "faults",
+    [{"broken_bars": "row1/bar15, row2/bar15"}, {"roller_1": {"width": 0.002}}],
+    ids=["cage", "roller"],
+)
+def test_no_raceway_is_blamed_for_cage_or_roller(faults: dict[str, Any]) -> None:
+    assert on_the_bench({"faults": faults}, 2.5) == ["waiting"] * 3 + ["healthy"] * 2
+
+
+@pytest.mark.parametrize(("speed", "load"), [(60.0, 100e3), (190.0, 120e3), (250.0, 110e3)])
 def test_healthy_bench_stays_quiet_at_other_speeds(speed: float, load: float) -> None:
     groups = {"operating": {"speed": speed, "load": load}, "simulation": {"seed": 7}}
     assert on_the_bench(groups, 2.5) == ["waiting"] * 3 + ["healthy"] * 2

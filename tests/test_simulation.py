@@ -105,6 +105,6 @@ SHARED = bench()
 
 
 def test_a_model_out_of_its_domain_ends_with_a_reason() -> None:
-    simulation = bench(operating={"load": 1e7}, housing={"stiffness": 1e6})
+    simulation = bench(operating={"load": 1e7}, housing={"stiffness": 1e6}, cage={"land_clearance": 0.005})
     with pytest.raises(ModelFailure, match=r"outer ring is .* m off its seat"):
         list(simulation.blocks(0.1))

@@ -195,7 +195,7 @@ def test_existing_recording_is_refused(tmp_path: Path) -> None:
 
 
 def test_dead_model_ends_the_node(tmp_path: Path) -> None:
-    values = {"operating__load": 1e7, "housing__stiffness": 1e6}
+    values = {"operating__load": 1e7, "housing__stiffness": 1e6, "cage__land_clearance": 0.005}
     with node("simulator", parameters(**values), environment(domain()), tmp_path / "log") as simulator:
         assert simulator.process.wait(PATIENCE) == 1, simulator.words
     assert "the bench stopped: the model failed at" in simulator.words
