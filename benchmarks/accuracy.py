@@ -18,7 +18,7 @@ import numpy.typing as npt
 from dcrb_ros.configuration import Configuration
 from dcrb_ros.configuration_file import load_configuration
 from dcrb_ros.core.payload import Payload
-from dcrb_ros.core.state import State
+from dcrb_ros.core.state import State, copy_of
 from dcrb_ros.core.step import advance
 from dcrb_ros.core.work import workspace
 from dcrb_ros.energy import kinetic_energy, potential_of_weight
@@ -115,7 +115,7 @@ def lone_roller() -> tuple[Payload, State]:
 
 def with_step(payload: Payload, state: State, step: float) -> tuple[Payload, State]:
     """Return payload and a copy of the state to go on from with another step [s]."""
-    copy = State._make(part.copy() for part in state)
+    copy = copy_of(state)
     for change in (copy.outer_change, copy.inner_change, copy.cage_change, copy.roller_change):
         change *= step / payload.step
     return payload._replace(step=step), copy

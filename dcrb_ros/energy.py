@@ -6,7 +6,7 @@ import numpy as np
 
 from dcrb_ros.block import Account, Floats
 from dcrb_ros.core.payload import JOHNSON, Payload
-from dcrb_ros.core.state import DRIVE, FRICTION, HOUSING, LOAD, LOSS, NOTCH, State
+from dcrb_ros.core.state import FRICTION, HOUSING, LOAD, LOSS, State
 from dcrb_ros.equilibrium import penetration_under
 
 
@@ -68,11 +68,11 @@ def account(payload: Payload, state: State, stored_at_start: float) -> Account:
     """Return the energy account since the start."""
     booked = state.account
     return Account(
-        drive=float(booked[DRIVE]),
+        drive=float(state.drive_work.sum()),
         load=float(booked[LOAD]),
-        friction=float(booked[FRICTION]),
-        loss=float(booked[LOSS]),
+        friction=float(booked[FRICTION] + state.friction_loss.sum()),
+        loss=float(booked[LOSS] + state.contact_loss.sum()),
         housing=float(booked[HOUSING]),
-        notch=float(booked[NOTCH]),
+        notch=float(state.notch_loss.sum()),
         stored=stored_energy(payload, state) - stored_at_start,
     )

@@ -99,6 +99,8 @@ def build_payload(configuration: Configuration) -> Payload:
         pocket_tangent=tangent,
         free=free,
         broken=broken_bars(c),
+        all_free=bool(free.all()),
+        any_broken=bool(broken_bars(c).any()),
         inner_raceway_radius=b.inner_raceway_radius,
         outer_raceway_radius=b.outer_raceway_radius,
         pitch_radius=b.pitch_radius,

@@ -10,9 +10,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from dcrb_ros.configuration import Configuration
+from dcrb_ros.core import lanes as at
 from dcrb_ros.core.contact import johnson_force
+from dcrb_ros.core.jit import loop
 from dcrb_ros.core.payload import Payload, RollerNotches
-from dcrb_ros.core.raceway import inner_notch_depth, outer_notch_depth, raceway_contact, roller_sink, turn_notches
+from dcrb_ros.core.raceway import inner_notch_depth, outer_notch_depth, roller_sink, turn_notches
+from dcrb_ros.core.state import State, empty_state
+from dcrb_ros.core.touch import touch_inner, touch_outer
+from dcrb_ros.core.work import Workspace, workspace
 from dcrb_ros.model import build_payload
 from dcrb_ros.parameters import Bearing
 
@@ -43,14 +48,27 @@ def under(width: float, azimuth: float, ring: str, **contact: object) -> Payload
     return build_payload(Configuration.model_validate(groups))
 
 
+@loop
+def touch_one(payload: Payload, state: State, work: Workspace, inner: bool) -> None:
+    """Write the first roller's contact with a raceway."""
+    if inner:
+        touch_inner(payload, state, work, work.light, work.every, 1, 1)
+    else:
+        touch_outer(payload, state, work, work.light, work.every, 1, 1)
+
+
 def touch(payload: Payload, inner: bool, azimuth: float, pressed: float, turn: float = 0.0) -> tuple[float, float, float, float, float]:
     """Return force, stiffness, normal and sink speed (at 1 rad/s) of a roller at an azimuth, pressed in by ``pressed`` [m]."""
-    notches = payload.inner_notches if inner else payload.outer_notches
-    towards = np.zeros((len(notches.row), 2))
-    turn_notches(notches, turn, towards)
+    state, work = empty_state(*payload.free.shape), workspace(payload)
+    turn_notches(payload.inner_notches, turn, work.inner_towards)
+    turn_notches(payload.outer_notches, turn, work.outer_towards)
     distance = R_I + R_R - pressed if inner else R_O - R_R + pressed
-    dx, dy = distance * math.sin(azimuth), -distance * math.cos(azimuth)
-    return raceway_contact(dx, dy, distance, inner, 0, 0, towards, 0.0, 1.0, 0.0, payload)
+    lanes, block = work.light, at.INNER if inner else at.OUTER
+    lanes[at.PLACE_X], lanes[at.PLACE_Y] = distance * math.sin(azimuth), -distance * math.cos(azimuth)
+    lanes[at.COMING_X], lanes[at.COMING_Y] = distance * math.cos(azimuth), distance * math.sin(azimuth)
+    touch_one(payload, state, work, inner)
+    force, stiffness, nx, ny, sink = (float(lanes[block + field]) for field in (at.FORCE, at.STIFFNESS, at.NORMAL_X, at.NORMAL_Y, at.SINK))
+    return force, stiffness, nx, ny, sink
 
 
 @given(st.floats(-3.0, 3.0), st.floats(-0.02, 0.02), st.floats(-10.0, 10.0))

@@ -4,27 +4,29 @@ from __future__ import annotations
 
 import math
 
+from dcrb_ros.core import lanes as at
 from dcrb_ros.core.cage import conformal_contact
 from dcrb_ros.core.friction import bristle_after, friction_line
-from dcrb_ros.core.jit import kernel
+from dcrb_ros.core.jit import piece
 from dcrb_ros.core.payload import Payload
-from dcrb_ros.core.roller import DISPERSION
 from dcrb_ros.core.state import FRICTION, HOUSING, LOAD, LOSS, State
+from dcrb_ros.core.touch import DISPERSION
 from dcrb_ros.core.work import CAGE, INNER, OUTER, Workspace
 
 
-@kernel
+@piece
 def predict_bodies(state: State, work: Workspace) -> None:
-    """Write the mean velocities expected of the coming step: as if the last one's change went on."""
+    """Write how the cages stand, and the mean velocities expected of the step: as if the last one's change went on."""
     for axis in range(2):
         work.mean[OUTER, axis] = state.outer_velocity[axis] + 0.5 * state.outer_change[axis]
         work.mean[INNER, axis] = state.inner_velocity[axis] + 0.5 * state.inner_change[axis]
     for row in range(state.cage_velocity.shape[0]):
+        work.heading[row, 0], work.heading[row, 1] = math.cos(state.cage_position[row, 2]), math.sin(state.cage_position[row, 2])
         for part in range(3):
             work.mean[CAGE + row, part] = state.cage_velocity[row, part] + 0.5 * state.cage_change[row, part]
 
 
-@kernel
+@piece
 def touch_land(payload: Payload, state: State, work: Workspace, row: int) -> None:
     """Add the contact of a cage with the outer ring's land, beyond its clearance, to the forces on both."""
     dx, dy = state.cage_position[row, 0] - state.outer_position[0], state.cage_position[row, 1] - state.outer_position[1]
@@ -55,11 +57,11 @@ def touch_land(payload: Payload, state: State, work: Workspace, row: int) -> Non
     state.account[LOSS] += payload.step * damping * rate * rate
 
 
-@kernel
+@piece
 def move_cage(payload: Payload, state: State, work: Workspace, row: int) -> None:
     """Solve for the mean velocity of a cage with its pinned rollers, whose centre of mass may lie off the cage's centre."""
     h, body, mass = payload.step, CAGE + row, payload.train_mass[row]
-    cosine, sine = math.cos(state.cage_position[row, 2]), math.sin(state.cage_position[row, 2])
+    cosine, sine = work.heading[row, 0], work.heading[row, 1]
     sx = cosine * payload.train_moment[row, 0] - sine * payload.train_moment[row, 1]
     sy = sine * payload.train_moment[row, 0] + cosine * payload.train_moment[row, 1]
     # Tangents turn into radii with the cage's speed: the centrifugal force of the pinned rollers is along (sy, -sx).
@@ -74,7 +76,7 @@ def move_cage(payload: Payload, state: State, work: Workspace, row: int) -> None
     work.mean[body, 2] = state.cage_velocity[row, 2] + turn
 
 
-@kernel
+@piece
 def move_rings(payload: Payload, state: State, work: Workspace) -> None:
     """Solve for the mean velocities of the rings."""
     h, stiffness = payload.step, payload.housing_stiffness
@@ -90,7 +92,7 @@ def move_rings(payload: Payload, state: State, work: Workspace) -> None:
         work.mean[INNER, axis] = state.inner_velocity[axis] + h * inner / inner_inertia
 
 
-@kernel
+@piece
 def finish_bodies(payload: Payload, state: State, work: Workspace) -> None:
     """Update the velocities of rings and cages from their means, and book the energy of load and housing."""
     h = payload.step
@@ -108,18 +110,18 @@ def finish_bodies(payload: Payload, state: State, work: Workspace) -> None:
             state.cage_velocity[row, part] += state.cage_change[row, part]
 
 
-@kernel
+@piece
 def drift(payload: Payload, state: State, time: float) -> None:
-    """Move all bodies with their velocities for ``time`` [s]; pinned rollers only turn, their cage carries them."""
+    """Move all bodies with their velocities for ``time`` [s]; where a pinned roller is follows from its cage."""
     for axis in range(2):
         state.outer_position[axis] += time * state.outer_velocity[axis]
         state.inner_position[axis] += time * state.inner_velocity[axis]
     for row in range(state.cage_position.shape[0]):
         for part in range(3):
             state.cage_position[row, part] += time * state.cage_velocity[row, part]
-        for i in range(state.spin_angle.shape[1]):
-            state.spin_angle[row, i] += time * state.roller_velocity[row, i, 2]
-            if payload.free[row, i]:
-                state.roller_position[row, i, 0] += time * state.roller_velocity[row, i, 0]
-                state.roller_position[row, i, 1] += time * state.roller_velocity[row, i, 1]
+    lanes = state.lanes
+    for c in range(payload.free.shape[0] * payload.free.shape[1]):
+        lanes[at.X + c] += time * lanes[at.VX + c]
+        lanes[at.Y + c] += time * lanes[at.VY + c]
+        lanes[at.ANGLE + c] += time * lanes[at.SPIN + c]
     state.shaft[0] += time * state.shaft[1]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from dcrb_ros.core.arithmetic import exponential
 from dcrb_ros.core.jit import kernel
 from dcrb_ros.core.payload import Payload
 
@@ -11,8 +12,8 @@ from dcrb_ros.core.payload import Payload
 @kernel
 def stribeck_coefficient(slip: float, kinetic: float, static: float, stribeck_speed: float) -> float:
     """Return g = mu_k + (mu_s - mu_k) exp(-(s/v_s)^2), the friction coefficient of steady slip [-], Eq. 7."""
-    ratio = slip / stribeck_speed
-    return kinetic + (static - kinetic) * math.exp(-ratio * ratio)
+    ratio = slip * (1.0 / stribeck_speed)
+    return kinetic + (static - kinetic) * exponential(-ratio * ratio)
 
 
 @kernel

@@ -18,6 +18,13 @@ def kernel(function: Function) -> Function:
     return cast(Function, njit(**OPTIONS, forceinline=True)(function))
 
 
+def piece(function: Function) -> Function:
+    """Compile a kernel that only other kernels call: the way in from Python, most of the work for so many arguments, is left out."""
+    # Numba takes these two, but does not list them among its keywords.
+    without: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+    return cast(Function, njit(**OPTIONS, **without, forceinline=True)(function))
+
+
 def loop(function: Function) -> Function:
     """Compile an entry point that Python calls; it lets go of the interpreter's lock."""
     return cast(Function, njit(**OPTIONS, nogil=True)(function))

@@ -6,19 +6,19 @@ import math
 
 from dcrb_ros.core.contact import loss_coefficient, normal_force
 from dcrb_ros.core.friction import bristle_after, friction_line
-from dcrb_ros.core.jit import kernel
+from dcrb_ros.core.jit import piece
 from dcrb_ros.core.payload import Floats, Payload
 from dcrb_ros.core.state import FRICTION, LOSS, State
 
 
-@kernel
+@piece
 def predicted(state: State, row: int, i: int, part: int) -> float:
     """Return a part of a roller's mean velocity over the coming step [m/s, m/s, rad/s]."""
     mean: float = state.roller_velocity[row, i, part] + 0.5 * state.roller_change[row, i, part]
     return mean
 
 
-@kernel
+@piece
 def touch_neighbours(payload: Payload, state: State, external: Floats, row: int, i: int, j: int) -> None:
     """Add the contact of rollers ``i`` and ``j`` to the forces on both, at their predicted velocities."""
     dx = state.roller_position[row, i, 0] - state.roller_position[row, j, 0]
@@ -50,7 +50,7 @@ def touch_neighbours(payload: Payload, state: State, external: Floats, row: int,
     state.account[LOSS] += payload.step * damping * rate * rate
 
 
-@kernel
+@piece
 def add_neighbours(payload: Payload, state: State, external: Floats, row: int) -> None:
     """Write the forces that a row's rollers exert on each other across broken bars."""
     rollers = payload.broken.shape[1]

@@ -57,6 +57,8 @@ class Payload(NamedTuple):
     """Whether a roller is a body of its own or pinned to its pocket, shape (rows, rollers)."""
     broken: Flags
     """Whether the bar between a pocket and the next one is broken, shape (rows, rollers)."""
+    all_free: bool
+    any_broken: bool
     inner_raceway_radius: float
     outer_raceway_radius: float
     pitch_radius: float

@@ -10,8 +10,8 @@ from __future__ import annotations
 import math
 
 from dcrb_ros.core.contact import normal_force
-from dcrb_ros.core.jit import kernel
-from dcrb_ros.core.payload import SINK, Floats, Notches, Payload, RollerNotches
+from dcrb_ros.core.jit import kernel, piece
+from dcrb_ros.core.payload import Floats, Notches, Payload, RollerNotches
 
 
 @kernel
@@ -39,7 +39,7 @@ def outer_notch_depth(edge: float, depth: float, raceway: float, roller: float) 
     return sink, -raceway * sine + raceway * raceway * sine * cosine / root
 
 
-@kernel
+@piece
 def roller_notch_depth(edge: float, depth: float, raceway: float, roller: float, inner: bool) -> tuple[float, float]:
     """Return depth [m] and its slope [m/rad] at an angle ``edge`` [rad] inside the nearer edge of a notch on the roller.
 
@@ -136,58 +136,3 @@ def edge_contact(
     if force == 0.0:
         return 0.0, 0.0, 0.0, 0.0
     return force, total, fx / force, fy / force
-
-
-@kernel
-def raceway_contact(
-    dx: float,
-    dy: float,
-    distance: float,
-    inner: bool,
-    row: int,
-    i: int,
-    towards: Floats,
-    spin_angle: float,
-    turn: float,
-    spin: float,
-    payload: Payload,
-) -> tuple[float, float, float, float, float]:
-    """Return force [N], stiffness [N/m], normal and sink speed [m/s] of roller ``i`` on a raceway; force 0 if open.
-
-    (dx, dy) is the roller's centre from the ring's, ``turn`` the speed [rad/s] of the contact's azimuth over the ring,
-    ``spin`` that of the contact over the roller.
-    """
-    nx, ny = dx / distance, dy / distance
-    if inner:
-        raceway, scale, notches = payload.inner_raceway_radius, payload.inner_scale, payload.inner_notches
-        gap, side = distance - raceway - payload.roller_radius, -1.0
-    else:
-        raceway, scale, notches = payload.outer_raceway_radius, payload.outer_scale, payload.outer_notches
-        gap, side = raceway - payload.roller_radius - distance, 1.0
-    if gap >= 0.0:
-        return 0.0, 0.0, nx, ny, 0.0
-    depth, sink_speed = 0.0, 0.0
-    if notches.row.size > 0:
-        margin = 0.0 if payload.notch_law == SINK else payload.edge_radius / raceway
-        k, offset = notch_under(notches, towards, row, nx, ny, margin)
-        if k >= 0 and payload.notch_law != SINK:
-            force, stiffness, nx, ny = edge_contact(
-                dx, dy, towards[k, 0], towards[k, 1], notches.half_angle[k], notches.depth[k], gap, inner, payload
-            )
-            return force, stiffness, nx, ny, 0.0
-        if k >= 0:
-            edge = notches.half_angle[k] - abs(offset)
-            if inner:
-                depth, slope = inner_notch_depth(edge, notches.depth[k], raceway, payload.roller_radius)
-            else:
-                depth, slope = outer_notch_depth(edge, notches.depth[k], raceway, payload.roller_radius)
-            sink_speed = (-slope if offset > 0.0 else slope) * turn
-    if payload.roller_notches.row.size > 0:
-        sink, slope = roller_sink(payload.roller_notches, row, i, side * nx, side * ny, spin_angle, raceway, payload.roller_radius, inner)
-        depth += sink
-        sink_speed += slope * spin
-    penetration = -gap - depth
-    if penetration <= 0.0:
-        return 0.0, 0.0, nx, ny, 0.0
-    force, stiffness = normal_force(penetration, scale, payload)
-    return force, stiffness, nx, ny, sink_speed

@@ -6,17 +6,23 @@ from typing import NamedTuple
 
 import numpy as np
 
+from dcrb_ros.core import lanes
 from dcrb_ros.core.payload import Floats
 
-DRIVE, LOAD, FRICTION, LOSS, HOUSING, NOTCH = range(6)
-ACCOUNTS = 6
-"""Entries of the energy account [J]: work of the shaft and of the load; losses in friction, contacts and housing; what
-the notch law takes (it has depth, but no tangential force at the edge that would do the work)."""
+LOAD, FRICTION, LOSS, HOUSING = range(4)
+ACCOUNTS = 4
+"""Entries of the energy account that belong to no roller in its lane [J]: work of the load; losses in friction and contacts between rollers
+and of lands; loss in the housing."""
 
 
 class State(NamedTuple):
-    """Positions, velocities and contact memory; SI units, X right, Y up, counter-clockwise positive."""
+    """Positions, velocities and contact memory; SI units, X right, Y up, counter-clockwise positive.
 
+    What belongs to a roller is a view of ``lanes``, in which the kernels find it.
+    """
+
+    lanes: Floats
+    """All that belongs to rollers, field by field, see `dcrb_ros.core.lanes`."""
     outer_position: Floats
     """Centre of the outer ring, shape (2,) [m]."""
     outer_velocity: Floats
@@ -76,11 +82,71 @@ class State(NamedTuple):
     target: Floats
     """Commanded speed [rad/s] and load in X and Y [N], shape (3,)."""
     account: Floats
-    """Energy account since the start, shape (ACCOUNTS,) [J]."""
+    """Energy account since the start without what rollers keep, shape (ACCOUNTS,) [J]."""
+    friction_loss: Floats
+    """Lost in friction of each roller with raceways and bars, shape (rows, rollers) [J]; like all that follow."""
+    contact_loss: Floats
+    """Lost in normal contacts."""
+    notch_loss: Floats
+    """Taken by the notch law: it has depth, but no tangential force at the edge that would do the work."""
+    drive_work: Floats
+    """Work of the shaft."""
 
 
 def empty_state(rows: int, rollers: int) -> State:
     """Return a state of zeros for ``rows`` rows of ``rollers`` rollers."""
-    two, cage, body, roller, land = (2,), (rows, 3), (rows, rollers, 3), (rows, rollers), (rows,)
-    shapes = [two] * 6 + [cage] * 3 + [(rows, rollers, 2), body, body] + [roller] * 14 + [land] * 3 + [two, two, (3,), (ACCOUNTS,)]
-    return State._make(np.zeros(shape) for shape in shapes)
+    return _state_of(lanes.empty_lanes(lanes.STATE_FIELDS), rows, rollers)
+
+
+def copy_of(state: State) -> State:
+    """Return a state that has nothing in common with another but its values."""
+    found = _state_of(state.lanes.copy(), *state.next_force.shape)
+    for part, other in zip(found, state, strict=True):
+        part[...] = other
+    return found
+
+
+def _state_of(buffer: Floats, rows: int, rollers: int) -> State:
+    def rolling(field: int, parts: int = 0) -> Floats:
+        return lanes.field_of(buffer, field, rows, rollers, parts)
+
+    return State(
+        lanes=buffer,
+        outer_position=np.zeros(2),
+        outer_velocity=np.zeros(2),
+        outer_change=np.zeros(2),
+        inner_position=np.zeros(2),
+        inner_velocity=np.zeros(2),
+        inner_change=np.zeros(2),
+        cage_position=np.zeros((rows, 3)),
+        cage_velocity=np.zeros((rows, 3)),
+        cage_change=np.zeros((rows, 3)),
+        roller_position=rolling(lanes.X, 2),
+        roller_velocity=rolling(lanes.VX, 3),
+        roller_change=rolling(lanes.CHANGE_X, 3),
+        spin_angle=rolling(lanes.ANGLE),
+        inner_bristle=rolling(lanes.INNER_BRISTLE),
+        outer_bristle=rolling(lanes.OUTER_BRISTLE),
+        bar_bristle=rolling(lanes.BAR_BRISTLE),
+        inner_force=rolling(lanes.INNER_FORCE),
+        outer_force=rolling(lanes.OUTER_FORCE),
+        bar_force=rolling(lanes.BAR_FORCE),
+        inner_friction=rolling(lanes.INNER_FRICTION),
+        outer_friction=rolling(lanes.OUTER_FRICTION),
+        inner_slip=rolling(lanes.INNER_SLIP),
+        outer_slip=rolling(lanes.OUTER_SLIP),
+        bar_impact=rolling(lanes.BAR_IMPACT),
+        next_bristle=np.zeros((rows, rollers)),
+        next_force=np.zeros((rows, rollers)),
+        land_impact=np.zeros(rows),
+        land_bristle=np.zeros(rows),
+        land_force=np.zeros(rows),
+        shaft=np.zeros(2),
+        load=np.zeros(2),
+        target=np.zeros(3),
+        account=np.zeros(ACCOUNTS),
+        friction_loss=rolling(lanes.FRICTION_LOSS),
+        contact_loss=rolling(lanes.CONTACT_LOSS),
+        notch_loss=rolling(lanes.NOTCH_LOSS),
+        drive_work=rolling(lanes.DRIVE_WORK),
+    )

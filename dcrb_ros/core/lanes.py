@@ -1,0 +1,142 @@
+"""Where the quantities of rollers lie: field by field in one array, a lane per roller.
+
+Compilers work on four or eight rollers at once when the fields are neighbours in one array, at distances known beforehand. So a
+name here is the place of a field's first lane, and ``lanes[X + c]`` is the X of the roller in lane ``c``. A loop over lanes
+runs from 0 and holds no branch but a choice between two values.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from dcrb_ros.core.payload import Floats
+
+LANES = 136
+"""Lanes of a field: two rows of 60 rollers and some to fill up; no power of two, or all fields would fall on few cache lines."""
+VECTOR = 4
+"""Lanes that are worked on at once at least; counts of lanes are filled up to a multiple."""
+
+# Of the state, in the order of the rollers, row by row.
+STATE_FIELDS = 27
+(
+    X,
+    Y,
+    VX,
+    VY,
+    SPIN,
+    CHANGE_X,
+    CHANGE_Y,
+    CHANGE_SPIN,
+    ANGLE,
+    INNER_BRISTLE,
+    OUTER_BRISTLE,
+    BAR_BRISTLE,
+    INNER_FORCE,
+    OUTER_FORCE,
+    BAR_FORCE,
+    INNER_FRICTION,
+    OUTER_FRICTION,
+    INNER_SLIP,
+    OUTER_SLIP,
+    BAR_IMPACT,
+    POCKET_X,
+    POCKET_Y,
+    FREE,
+    FRICTION_LOSS,
+    CONTACT_LOSS,
+    NOTCH_LOSS,
+    DRIVE_WORK,
+) = (LANES * field for field in range(STATE_FIELDS))
+"""Centre, velocity, spin, their changes over the last step, rotation; bristles, forces and slips of the contacts; speed at which
+a bar's contact closed; pocket tangent at cage angle zero; 1 for a free roller; what each roller adds to the energy account."""
+
+# Of a step, in the order of the rollers or of those that are bound.
+(
+    PLACE_X,
+    PLACE_Y,
+    BEFORE_X,
+    BEFORE_Y,
+    BEFORE_RIM,
+    COMING_X,
+    COMING_Y,
+    COMING_RIM,
+    TAU_X,
+    TAU_Y,
+    ALONE_X,
+    ALONE_Y,
+    ALONE_RIM,
+    MOVING,
+    MEAN_X,
+    MEAN_Y,
+    MEAN_RIM,
+    OUTER_NEAR,
+    BAR_NEAR,
+    BOUND,
+    ON_INNER_X,
+    ON_INNER_Y,
+    ON_OUTER_X,
+    ON_OUTER_Y,
+    ON_CAGE_X,
+    ON_CAGE_Y,
+    ON_CAGE_TURN,
+    CAGE_X,
+    CAGE_Y,
+    CAGE_TURN,
+    LOST_IN_FRICTION,
+    LOST_IN_CONTACT,
+    TAKEN_BY_NOTCH,
+    DRIVEN,
+) = (LANES * field for field in range(34))
+"""Place; velocity and surface speed r_R omega_R before the step, as predicted, without contacts, and their means; pocket tangent; 1
+for a free roller; what tells how near to closing a contact is; 1 for a bound roller; forces on rings and cage; mean velocity of the
+cage; powers."""
+
+CONTACT = LANES * 34
+CONTACT_FIELDS = 23
+(
+    NORMAL_X,
+    NORMAL_Y,
+    RADIAL_X,
+    RADIAL_Y,
+    DISTANCE,
+    PENETRATION,
+    SINK,
+    FORCE,
+    STIFFNESS,
+    SURFACE_N,
+    BRISTLE,
+    CONVECTION,
+    PUSH,
+    GIVE,
+    CONSTANT,
+    SLOPE,
+    RATE,
+    PHI,
+    KNOWN,
+    DAMPING,
+    NORMAL,
+    FRICTION,
+    SLIP,
+) = (CONTACT + LANES * field for field in range(CONTACT_FIELDS))
+"""Of a contact: normal; direction from the ring; distance from its centre; penetration; speed at which a notch's floor falls away; elastic
+force and stiffness; surface speed of the ring along the normal; bristle and what rolling carries out of the contact; normal force PUSH +
+GIVE * approach, friction CONSTANT + SLOPE * slip and its bristle's law; normal force known beforehand; damping; normal force,
+friction and slip found."""
+LEVER_X, LEVER_Y, AHEAD = RADIAL_X, RADIAL_Y, DISTANCE
+"""Of a bar's contact, in the same places: lever from the cage's centre; 1 for the bar ahead of the roller, -1 for the one behind."""
+
+INNER, OUTER, BAR = 0, LANES * CONTACT_FIELDS, 2 * LANES * CONTACT_FIELDS
+"""What is added to a contact's field for each of a roller's contacts; a bar's normal is the pocket's tangent."""
+STEP_FIELDS = 34 + 3 * CONTACT_FIELDS
+
+
+def empty_lanes(fields: int) -> Floats:
+    """Return zeros for ``fields`` fields."""
+    return np.zeros(fields * LANES)
+
+
+def field_of(lanes: Floats, field: int, rows: int, rollers: int, parts: int = 0) -> Floats:
+    """Return a view of a field, shape (rows, rollers), or of ``parts`` fields that follow each other, with a last axis for them."""
+    table = lanes.reshape(-1, LANES)[field // LANES :][: max(parts, 1), : rows * rollers]
+    split = table.reshape(max(parts, 1), rows, rollers)
+    return np.moveaxis(split, 0, -1) if parts else split[0]

@@ -1,0 +1,146 @@
+"""Mean velocities of rollers between the bodies that they touch, and what they do to these."""
+
+from __future__ import annotations
+
+from dcrb_ros.core import lanes as at
+from dcrb_ros.core.jit import piece
+from dcrb_ros.core.payload import Floats, Payload
+from dcrb_ros.core.work import CAGE, INNER, OUTER, Workspace
+
+
+@piece
+def solve_light(payload: Payload, lanes: Floats, count: int, ring_x: float, ring_y: float) -> None:
+    """Solve for rollers that touch the outer raceway or nothing: normal and tangent do not mix, each is a scalar equation.
+
+    (ring_x, ring_y) is the ring's mean velocity [m/s]. Bound rollers, which are solved for elsewhere, push nothing here.
+    """
+    by_mass = 0.5 * payload.step / payload.roller_mass
+    by_inertia = 0.5 * payload.step * payload.roller_radius * payload.roller_radius / payload.roller_inertia
+    for c in range(count):
+        nx, ny = lanes[at.OUTER + at.RADIAL_X + c], lanes[at.OUTER + at.RADIAL_Y + c]
+        x, y, rim = lanes[at.ALONE_X + c], lanes[at.ALONE_Y + c], lanes[at.ALONE_RIM + c]
+        vx, vy = x - ring_x, y - ring_y
+        give, slope = lanes[at.OUTER + at.GIVE + c], lanes[at.OUTER + at.SLOPE + c]
+        normal = (lanes[at.OUTER + at.PUSH + c] + give * (vx * nx + vy * ny)) / (1.0 + by_mass * give)
+        friction = lanes[at.OUTER + at.CONSTANT + c] + slope * (vy * nx - vx * ny + rim)
+        friction /= 1.0 + (by_mass + by_inertia) * slope
+        fx, fy = normal * nx - friction * ny, normal * ny + friction * nx
+        lanes[at.MEAN_X + c], lanes[at.MEAN_Y + c] = x - by_mass * fx, y - by_mass * fy
+        lanes[at.MEAN_RIM + c] = rim - by_inertia * friction
+        share = 1.0 - lanes[at.BOUND + c]
+        lanes[at.ON_OUTER_X + c], lanes[at.ON_OUTER_Y + c] = share * fx, share * fy
+
+
+@piece
+def solve_bound(payload: Payload, work: Workspace, count: int, surface: float) -> None:
+    """Solve for rollers between both raceways and a bar, at the present mean velocities of rings and cages.
+
+    A pinned roller moves with its cage and turns by itself. ``surface`` is the speed of the inner ring's surface [m/s].
+    """
+    near, h, pitch = work.bound, payload.step, payload.pitch_radius
+    mass, inertia = 2.0 * payload.roller_mass, 2.0 * payload.roller_inertia / (payload.roller_radius * payload.roller_radius)
+    inner_x, inner_y, outer_x, outer_y = work.mean[INNER, 0], work.mean[INNER, 1], work.mean[OUTER, 0], work.mean[OUTER, 1]
+    for k in range(count):
+        # The inner raceway: normal n, tangent t = e_z x radius, surface speed of the roller against t.
+        inx, iny = near[at.INNER + at.NORMAL_X + k], near[at.INNER + at.NORMAL_Y + k]
+        itx, ity = -near[at.INNER + at.RADIAL_Y + k], near[at.INNER + at.RADIAL_X + k]
+        ig, il = near[at.INNER + at.GIVE + k], near[at.INNER + at.SLOPE + k]
+        ip, ic = near[at.INNER + at.PUSH + k], near[at.INNER + at.CONSTANT + k]
+        ipn, ipt = inner_x * inx + inner_y * iny + near[at.INNER + at.SURFACE_N + k], inner_x * itx + inner_y * ity + surface
+        # The outer raceway, which pushes against its normal.
+        onx, ony = near[at.OUTER + at.NORMAL_X + k], near[at.OUTER + at.NORMAL_Y + k]
+        otx, oty = -near[at.OUTER + at.RADIAL_Y + k], near[at.OUTER + at.RADIAL_X + k]
+        og, ol = near[at.OUTER + at.GIVE + k], near[at.OUTER + at.SLOPE + k]
+        op, oc = near[at.OUTER + at.PUSH + k], near[at.OUTER + at.CONSTANT + k]
+        opn, opt = outer_x * onx + outer_y * ony, outer_x * otx + outer_y * oty
+        # The bar, whose normal is the pocket's tangent.
+        bnx, bny = near[at.TAU_X + k], near[at.TAU_Y + k]
+        btx, bty, sign = bny, -bnx, near[at.BAR + at.AHEAD + k]
+        bg, bl = near[at.BAR + at.GIVE + k], near[at.BAR + at.SLOPE + k]
+        bp, bc = near[at.BAR + at.PUSH + k], near[at.BAR + at.CONSTANT + k]
+        lever_x, lever_y, turn = near[at.BAR + at.LEVER_X + k], near[at.BAR + at.LEVER_Y + k], near[at.CAGE_TURN + k]
+        cage_x, cage_y = near[at.CAGE_X + k] - turn * lever_y, near[at.CAGE_Y + k] + turn * lever_x
+        bpn, bpt = cage_x * bnx + cage_y * bny, cage_x * btx + cage_y * bty
+
+        xx = mass + h * (ig * inx * inx + il * itx * itx + og * onx * onx + ol * otx * otx + bg * bnx * bnx + bl * btx * btx)
+        xy = h * (ig * inx * iny + il * itx * ity + og * onx * ony + ol * otx * oty + bg * bnx * bny + bl * btx * bty)
+        yy = mass + h * (ig * iny * iny + il * ity * ity + og * ony * ony + ol * oty * oty + bg * bny * bny + bl * bty * bty)
+        xw = h * (-il * itx + ol * otx - sign * bl * btx)
+        yw = h * (-il * ity + ol * oty - sign * bl * bty)
+        ww = inertia + h * (il + ol + bl)
+        i_push, i_hold = h * (ip + ig * ipn), h * (il * ipt - ic)
+        o_push, o_hold = h * (og * opn - op), h * (ol * opt - oc)
+        b_push, b_hold = h * (bg * bpn - sign * bp), h * (bl * bpt - bc)
+        x = mass * near[at.ALONE_X + k] + i_push * inx + i_hold * itx + o_push * onx + o_hold * otx + b_push * bnx + b_hold * btx
+        y = mass * near[at.ALONE_Y + k] + i_push * iny + i_hold * ity + o_push * ony + o_hold * oty + b_push * bny + b_hold * bty
+        w = inertia * near[at.ALONE_RIM + k] - i_hold + o_hold - sign * b_hold
+
+        by_w = 1.0 / ww
+        left_xx, left_xy, left_yy = xx - by_w * xw * xw, xy - by_w * xw * yw, yy - by_w * yw * yw
+        left_x, left_y = x - by_w * w * xw, y - by_w * w * yw
+        by_determinant = 1.0 / (left_xx * left_yy - left_xy * left_xy)
+        moving = near[at.MOVING + k] > 0.0
+        free_x, free_y = (left_yy * left_x - left_xy * left_y) * by_determinant, (left_xx * left_y - left_xy * left_x) * by_determinant
+        mean_x = free_x if moving else near[at.CAGE_X + k] + pitch * turn * bnx
+        mean_y = free_y if moving else near[at.CAGE_Y + k] + pitch * turn * bny
+        rim = (w - xw * mean_x - yw * mean_y) * by_w
+        near[at.MEAN_X + k], near[at.MEAN_Y + k], near[at.MEAN_RIM + k] = mean_x, mean_y, rim
+
+        i_normal = ip - ig * (mean_x * inx + mean_y * iny - ipn)
+        i_friction = ic + il * (mean_x * itx + mean_y * ity - rim - ipt)
+        o_normal = op + og * (mean_x * onx + mean_y * ony - opn)
+        o_friction = oc + ol * (mean_x * otx + mean_y * oty + rim - opt)
+        b_normal = -sign * (bp + sign * bg * (mean_x * bnx + mean_y * bny - bpn))
+        b_friction = bc + bl * (mean_x * btx + mean_y * bty - sign * rim - bpt)
+        fix, fiy = i_normal * inx - i_friction * itx, i_normal * iny - i_friction * ity
+        fox, foy = -o_normal * onx - o_friction * otx, -o_normal * ony - o_friction * oty
+        fbx, fby = b_normal * bnx - b_friction * btx, b_normal * bny - b_friction * bty
+        carried_x, carried_y = 0.0 if moving else fix + fox, 0.0 if moving else fiy + foy
+        near[at.ON_INNER_X + k], near[at.ON_INNER_Y + k] = -fix, -fiy
+        near[at.ON_OUTER_X + k], near[at.ON_OUTER_Y + k] = -fox, -foy
+        near[at.ON_CAGE_X + k], near[at.ON_CAGE_Y + k] = carried_x - fbx, carried_y - fby
+        near[at.ON_CAGE_TURN + k] = pitch * (carried_x * bnx + carried_y * bny) - lever_x * fby + lever_y * fbx
+
+
+@piece
+def know_cages(payload: Payload, work: Workspace, count: int) -> None:
+    """Write the mean velocity of its cage beside every bound roller."""
+    near, rollers = work.bound, payload.free.shape[1]
+    for k in range(count):
+        body = CAGE + work.order[k] // rollers
+        near[at.CAGE_X + k], near[at.CAGE_Y + k], near[at.CAGE_TURN + k] = work.mean[body, 0], work.mean[body, 1], work.mean[body, 2]
+
+
+@piece
+def push_light(work: Workspace, count: int) -> None:
+    """Add what rollers that are not bound do to the outer ring."""
+    x, y = 0.0, 0.0
+    for c in range(count):
+        x += work.light[at.ON_OUTER_X + c]
+        y += work.light[at.ON_OUTER_Y + c]
+    work.loose[OUTER, 0] += x
+    work.loose[OUTER, 1] += y
+
+
+@piece
+def push_bound(payload: Payload, work: Workspace, used: int) -> None:
+    """Write what bound rollers do to rings and cages, row by row so that rows that are alike stay alike."""
+    near, k = work.bound, 0
+    for body in range(work.tight.shape[0]):
+        work.tight[body, 0] = work.tight[body, 1] = work.tight[body, 2] = 0.0
+    for row in range(payload.free.shape[0]):
+        ix, iy, ox, oy, cx, cy, turn = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+        while k < work.ends[row]:
+            ix += near[at.ON_INNER_X + k]
+            iy += near[at.ON_INNER_Y + k]
+            ox += near[at.ON_OUTER_X + k]
+            oy += near[at.ON_OUTER_Y + k]
+            cx += near[at.ON_CAGE_X + k]
+            cy += near[at.ON_CAGE_Y + k]
+            turn += near[at.ON_CAGE_TURN + k]
+            k += 1
+        work.tight[INNER, 0] += ix
+        work.tight[INNER, 1] += iy
+        work.tight[OUTER, 0] += ox
+        work.tight[OUTER, 1] += oy
+        work.tight[CAGE + row, 0], work.tight[CAGE + row, 1], work.tight[CAGE + row, 2] = cx, cy, turn

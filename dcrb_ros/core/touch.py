@@ -1,0 +1,284 @@
+"""The contacts of many rollers at once: how deep, how hard, and each as a straight line over the mean velocities of the step."""
+
+from __future__ import annotations
+
+import math
+
+from dcrb_ros.core import lanes as at
+from dcrb_ros.core.cage import conformal_contact
+from dcrb_ros.core.contact import johnson_force, power_force
+from dcrb_ros.core.friction import convection_rate, friction_line
+from dcrb_ros.core.jit import piece
+from dcrb_ros.core.payload import JOHNSON, SINK, Floats, Integers, Notches, Payload
+from dcrb_ros.core.place import bar_at
+from dcrb_ros.core.raceway import edge_contact, inner_notch_depth, notch_under, outer_notch_depth, roller_sink
+from dcrb_ros.core.state import State
+from dcrb_ros.core.work import CAGE, INNER, OUTER, Workspace
+
+DISPERSION = 1.0 / 12.0
+"""Share h^2 k/12 of a stiffness k that is added to the mass: leapfrog then has the right frequency to fourth order."""
+LEAST_PENETRATION = 1e-15
+"""What stands for the penetration of an open contact, so that the law can be written without a branch [m]."""
+
+
+@piece
+def face(lanes: Floats, contact: int, count: int, ring_x: float, ring_y: float, reach: float, side: float) -> None:
+    """Write directions, distances and penetrations between rollers and a smooth raceway.
+
+    ``reach`` [m] is the distance at which a contact closes, ``side`` is 1 at the inner ring and -1 at the outer.
+    """
+    contact = max(contact, 0)
+    for c in range(count):
+        dx, dy = lanes[at.PLACE_X + c] - ring_x, lanes[at.PLACE_Y + c] - ring_y
+        distance = math.sqrt(dx * dx + dy * dy)
+        nx, ny = dx / distance, dy / distance
+        lanes[contact + at.RADIAL_X + c], lanes[contact + at.RADIAL_Y + c] = nx, ny
+        lanes[contact + at.NORMAL_X + c], lanes[contact + at.NORMAL_Y + c] = nx, ny
+        lanes[contact + at.DISTANCE + c] = distance
+        lanes[contact + at.PENETRATION + c] = side * (reach - distance)
+        lanes[contact + at.SINK + c] = lanes[contact + at.SURFACE_N + c] = 0.0
+
+
+@piece
+def press(lanes: Floats, contact: int, count: int, scale: float, payload: Payload) -> None:
+    """Write elastic forces and stiffnesses; zero where a contact is open."""
+    contact = max(contact, 0)
+    if payload.contact_law == JOHNSON:
+        for c in range(count):
+            depth = lanes[contact + at.PENETRATION + c]
+            force, stiffness = johnson_force(max(depth, LEAST_PENETRATION), payload.contact_modulus, scale)
+            lanes[contact + at.FORCE + c] = force if depth > 0.0 else 0.0
+            lanes[contact + at.STIFFNESS + c] = stiffness if depth > 0.0 else 0.0
+    else:
+        for c in range(count):
+            depth = max(lanes[contact + at.PENETRATION + c], LEAST_PENETRATION)
+            force, stiffness = power_force(depth, payload.power_coefficient, payload.power_exponent)
+            lanes[contact + at.FORCE + c] = force if depth > LEAST_PENETRATION else 0.0
+            lanes[contact + at.STIFFNESS + c] = stiffness if depth > LEAST_PENETRATION else 0.0
+
+
+@piece
+def convect(
+    lanes: Floats, contact: int, count: int, mean_x: float, mean_y: float, ring_speed: float, width: float, raceway: float, payload: Payload
+) -> None:
+    """Write at what rate rolling carries bristles out of the contacts."""
+    contact = max(contact, 0)
+    for c in range(count):
+        rx, ry = lanes[contact + at.RADIAL_X + c], lanes[contact + at.RADIAL_Y + c]
+        along = (lanes[at.COMING_Y + c] - mean_y) * rx - (lanes[at.COMING_X + c] - mean_x) * ry
+        rolling = (along / lanes[contact + at.DISTANCE + c] - ring_speed) * raceway
+        force = max(lanes[contact + at.FORCE + c], 1e-9)
+        lanes[contact + at.CONVECTION + c] = convection_rate(rolling, force, width, payload.convection)
+
+
+@piece
+def draw_lines(
+    lanes: Floats,
+    contact: int,
+    count: int,
+    mean_x: float,
+    mean_y: float,
+    old_x: float,
+    old_y: float,
+    surface: float,
+    side: float,
+    payload: Payload,
+) -> None:
+    """Write normal forces and friction of the contacts with a ring as lines over approach and slip.
+
+    (mean_x, mean_y) is the ring's predicted mean velocity, (old_x, old_y) that before the step, ``surface`` the speed of its surface
+    [m/s]. The h^2 k/12 of `DISPERSION` acts on the change of the approach. A contact never pulls: where it opens so fast that the
+    loss would outweigh the force, the loss is cut.
+    """
+    contact = max(contact, 0)
+    h = payload.step
+    for c in range(count):
+        nx, ny = lanes[contact + at.NORMAL_X + c], lanes[contact + at.NORMAL_Y + c]
+        rx, ry = lanes[contact + at.RADIAL_X + c], lanes[contact + at.RADIAL_Y + c]
+        vx, vy = lanes[at.COMING_X + c] - mean_x, lanes[at.COMING_Y + c] - mean_y
+        ux, uy = lanes[at.BEFORE_X + c] - old_x, lanes[at.BEFORE_Y + c] - old_y
+        surface_n, sink = lanes[contact + at.SURFACE_N + c], lanes[contact + at.SINK + c]
+        closing, before = -side * (vx * nx + vy * ny - surface_n) - sink, -side * (ux * nx + uy * ny - surface_n)
+        force, stiffness = lanes[contact + at.FORCE + c], lanes[contact + at.STIFFNESS + c]
+        damping = stiffness * payload.loss_time + (payload.contact_damping if force > 0.0 else 0.0)
+        damping = -force / closing if force + damping * closing < 0.0 else damping
+        inertia = 2.0 * DISPERSION * h * stiffness
+        known = force + damping * closing
+        lanes[contact + at.PUSH + c] = force - damping * sink - inertia * before
+        lanes[contact + at.GIVE + c] = damping + inertia
+        lanes[contact + at.DAMPING + c], lanes[contact + at.KNOWN + c] = damping, known
+        slip = vy * rx - vx * ry - side * lanes[at.COMING_RIM + c] - surface
+        constant, slope, rate, phi = friction_line(
+            slip,
+            lanes[contact + at.BRISTLE + c],
+            payload.kinetic_coefficient,
+            payload.static_coefficient,
+            lanes[contact + at.CONVECTION + c],
+            payload,
+        )
+        lanes[contact + at.CONSTANT + c], lanes[contact + at.SLOPE + c] = constant * known, slope * known
+        lanes[contact + at.RATE + c], lanes[contact + at.PHI + c] = rate, phi
+
+
+@piece
+def sink_in(
+    lanes: Floats,
+    contact: int,
+    count: int,
+    order: Integers,
+    notches: Notches,
+    towards: Floats,
+    state: State,
+    mean_x: float,
+    mean_y: float,
+    inner: bool,
+    payload: Payload,
+) -> None:
+    """Take the depth of notches off the penetrations of closed contacts, and write how fast the floor falls away."""
+    contact = max(contact, 0)
+    raceway, ring_speed, side = payload.outer_raceway_radius, 0.0, 1.0
+    if inner:
+        raceway, ring_speed, side = payload.inner_raceway_radius, state.shaft[1], -1.0
+    rollers, radius = payload.free.shape[1], payload.roller_radius
+    for c in range(count):
+        if lanes[contact + at.PENETRATION + c] <= 0.0:
+            continue
+        row, i = order[c] // rollers, order[c] % rollers
+        nx, ny = lanes[contact + at.RADIAL_X + c], lanes[contact + at.RADIAL_Y + c]
+        orbit = (lanes[at.COMING_Y + c] - mean_y) * nx - (lanes[at.COMING_X + c] - mean_x) * ny
+        orbit /= lanes[contact + at.DISTANCE + c]
+        k, offset = -1, 0.0
+        if payload.notch_law == SINK and notches.row.size > 0:
+            k, offset = notch_under(notches, towards, row, nx, ny, 0.0)
+        if k >= 0:
+            edge = notches.half_angle[k] - abs(offset)
+            if inner:
+                depth, slope = inner_notch_depth(edge, notches.depth[k], raceway, radius)
+            else:
+                depth, slope = outer_notch_depth(edge, notches.depth[k], raceway, radius)
+            lanes[contact + at.PENETRATION + c] -= depth
+            lanes[contact + at.SINK + c] += (-slope if offset > 0.0 else slope) * (orbit - ring_speed)
+        if payload.roller_notches.row.size > 0:
+            depth, slope = roller_sink(
+                payload.roller_notches, row, i, side * nx, side * ny, state.spin_angle[row, i], raceway, radius, inner
+            )
+            lanes[contact + at.PENETRATION + c] -= depth
+            lanes[contact + at.SINK + c] += slope * (orbit - lanes[at.COMING_RIM + c] / radius)
+
+
+@piece
+def cut_edges(
+    lanes: Floats,
+    contact: int,
+    count: int,
+    order: Integers,
+    notches: Notches,
+    towards: Floats,
+    surface: float,
+    ring_x: float,
+    ring_y: float,
+    inner: bool,
+    payload: Payload,
+) -> None:
+    """Put force, stiffness and normal of a notch with edges in the place of the smooth raceway's."""
+    contact = max(contact, 0)
+    raceway = payload.inner_raceway_radius if inner else payload.outer_raceway_radius
+    for c in range(count):
+        gap = -lanes[contact + at.PENETRATION + c]
+        if gap >= 0.0:
+            continue
+        row = order[c] // payload.free.shape[1]
+        rx, ry = lanes[contact + at.RADIAL_X + c], lanes[contact + at.RADIAL_Y + c]
+        k, _ = notch_under(notches, towards, row, rx, ry, payload.edge_radius / raceway)
+        if k >= 0:
+            dx, dy = lanes[at.PLACE_X + c] - ring_x, lanes[at.PLACE_Y + c] - ring_y
+            force, stiffness, nx, ny = edge_contact(
+                dx, dy, towards[k, 0], towards[k, 1], notches.half_angle[k], notches.depth[k], gap, inner, payload
+            )
+            lanes[contact + at.FORCE + c], lanes[contact + at.STIFFNESS + c] = force, stiffness
+            lanes[contact + at.NORMAL_X + c], lanes[contact + at.NORMAL_Y + c] = nx, ny
+            lanes[contact + at.SURFACE_N + c] = surface * (rx * ny - ry * nx)
+
+
+@piece
+def touch_outer(payload: Payload, state: State, work: Workspace, lanes: Floats, order: Integers, used: int, count: int) -> None:
+    """Write the contacts with the outer raceway of ``used`` rollers in ``count`` lanes."""
+    contact, radius = at.OUTER, payload.outer_raceway_radius
+    ring_x, ring_y, mean_x, mean_y = state.outer_position[0], state.outer_position[1], work.mean[OUTER, 0], work.mean[OUTER, 1]
+    face(lanes, contact, count, ring_x, ring_y, radius - payload.roller_radius, -1.0)
+    leave_spare(lanes, contact, used, count)
+    if payload.outer_notches.row.size + payload.roller_notches.row.size > 0:
+        sink_in(lanes, contact, used, order, payload.outer_notches, work.outer_towards, state, mean_x, mean_y, False, payload)
+    press(lanes, contact, count, payload.outer_scale, payload)
+    if payload.outer_notches.row.size > 0 and payload.notch_law != SINK:
+        cut_edges(lanes, contact, used, order, payload.outer_notches, work.outer_towards, 0.0, ring_x, ring_y, False, payload)
+    if payload.convection > 0.0:
+        convect(lanes, contact, count, mean_x, mean_y, 0.0, payload.outer_width, radius, payload)
+    draw_lines(lanes, contact, count, mean_x, mean_y, state.outer_velocity[0], state.outer_velocity[1], 0.0, -1.0, payload)
+
+
+@piece
+def touch_inner(payload: Payload, state: State, work: Workspace, lanes: Floats, order: Integers, used: int, count: int) -> None:
+    """Write the contacts with the inner raceway of ``used`` rollers in ``count`` lanes."""
+    contact, radius, ring_speed = at.INNER, payload.inner_raceway_radius, state.shaft[1]
+    ring_x, ring_y, mean_x, mean_y = state.inner_position[0], state.inner_position[1], work.mean[INNER, 0], work.mean[INNER, 1]
+    surface = ring_speed * radius
+    face(lanes, contact, count, ring_x, ring_y, radius + payload.roller_radius, 1.0)
+    leave_spare(lanes, contact, used, count)
+    if payload.inner_notches.row.size + payload.roller_notches.row.size > 0:
+        sink_in(lanes, contact, used, order, payload.inner_notches, work.inner_towards, state, mean_x, mean_y, True, payload)
+    press(lanes, contact, count, payload.inner_scale, payload)
+    if payload.inner_notches.row.size > 0 and payload.notch_law != SINK:
+        cut_edges(lanes, contact, used, order, payload.inner_notches, work.inner_towards, surface, ring_x, ring_y, True, payload)
+    if payload.convection > 0.0:
+        convect(lanes, contact, count, mean_x, mean_y, ring_speed, payload.inner_width, radius, payload)
+    draw_lines(lanes, contact, count, mean_x, mean_y, state.inner_velocity[0], state.inner_velocity[1], surface, 1.0, payload)
+
+
+@piece
+def leave_spare(lanes: Floats, contact: int, used: int, count: int) -> None:
+    """Keep the contacts of the lanes that only fill up open."""
+    contact = max(contact, 0)
+    for c in range(used, count):
+        lanes[contact + at.PENETRATION + c] = -1.0
+
+
+@piece
+def touch_bars(payload: Payload, state: State, work: Workspace, used: int, count: int) -> None:
+    """Write the contacts of bound rollers with their bars: along the pocket's tangent, friction is radial."""
+    near, radius = work.bound, payload.roller_radius
+    for k in range(count):
+        near[at.BAR + at.PUSH + k] = near[at.BAR + at.GIVE + k] = near[at.BAR + at.CONSTANT + k] = near[at.BAR + at.SLOPE + k] = 0.0
+        near[at.BAR + at.KNOWN + k] = near[at.BAR + at.DAMPING + k] = near[at.BAR + at.RATE + k] = near[at.BAR + at.PHI + k] = 0.0
+        near[at.BAR + at.AHEAD + k] = near[at.BAR + at.LEVER_X + k] = near[at.BAR + at.LEVER_Y + k] = 0.0
+    for k in range(used):
+        if near[at.BAR_NEAR + k] <= 0.0:
+            continue
+        row, i = work.order[k] // payload.free.shape[1], work.order[k] % payload.free.shape[1]
+        tx, ty = near[at.TAU_X + k], near[at.TAU_Y + k]
+        ax, ay = near[at.PLACE_X + k] - state.cage_position[row, 0], near[at.PLACE_Y + k] - state.cage_position[row, 1]
+        ahead = ax * tx + ay * ty > 0.0
+        if not bar_at(payload, row, i, ahead):
+            continue
+        sign = 1.0 if ahead else -1.0
+        rx, ry = ax + sign * radius * tx, ay + sign * radius * ty
+        body = CAGE + row
+        turn, old_turn = work.mean[body, 2], state.cage_velocity[row, 2]
+        vx, vy = near[at.COMING_X + k] - work.mean[body, 0] + turn * ry, near[at.COMING_Y + k] - work.mean[body, 1] - turn * rx
+        ux = near[at.BEFORE_X + k] - state.cage_velocity[row, 0] + old_turn * ry
+        uy = near[at.BEFORE_Y + k] - state.cage_velocity[row, 1] - old_turn * rx
+        rate, before = sign * (vx * tx + vy * ty), sign * (ux * tx + uy * ty)
+        force, stiffness, damping, impact = conformal_contact(
+            near[at.BAR_NEAR + k], rate, state.bar_impact[row, i], payload.bar_coefficient, payload.bar_exponent, payload.impact_loss
+        )
+        inertia, known = 2.0 * DISPERSION * payload.step * stiffness, force + damping * rate
+        slip = vx * ty - vy * tx - sign * near[at.COMING_RIM + k]
+        constant, slope, relaxation, phi = friction_line(
+            slip, near[at.BAR + at.BRISTLE + k], payload.bar_friction, payload.bar_friction, 0.0, payload
+        )
+        near[at.BAR + at.PUSH + k], near[at.BAR + at.GIVE + k] = force - inertia * before, damping + inertia
+        near[at.BAR + at.CONSTANT + k], near[at.BAR + at.SLOPE + k] = constant * known, slope * known
+        near[at.BAR + at.RATE + k], near[at.BAR + at.PHI + k] = relaxation, phi
+        near[at.BAR + at.KNOWN + k], near[at.BAR + at.DAMPING + k] = known, damping
+        near[at.BAR + at.AHEAD + k], near[at.BAR + at.LEVER_X + k], near[at.BAR + at.LEVER_Y + k] = sign, rx, ry
+        state.bar_impact[row, i] = impact
