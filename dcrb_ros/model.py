@@ -33,11 +33,13 @@ def pocket_azimuths(bearing: Bearing) -> Floats:
     return pitch * (np.arange(bearing.rollers_per_row)[None, :] + stagger[:, None])
 
 
-def _notches(defects: Iterable[RacewayDefect], raceway_radius: float) -> Notches:
+def _notches(defects: Iterable[RacewayDefect], raceway_radius: float, fillet: float) -> Notches:
+    """Return the notches of a ring whose edges are rounded over a length ``fillet`` [m] beyond the width."""
     found = list(defects)
     return Notches(
         row=np.array([defect.row - 1 for defect in found], np.int64),
         half_angle=np.array([0.5 * defect.width / raceway_radius for defect in found], np.float64),
+        nearness=np.cos(np.array([(0.5 * defect.width + fillet) / raceway_radius for defect in found], np.float64)),
         depth=np.array([defect.depth for defect in found], np.float64),
         azimuth=np.array([defect.azimuth for defect in found], np.float64),
     )
@@ -85,7 +87,8 @@ def land_radius(configuration: Configuration) -> float:
 def build_payload(configuration: Configuration) -> Payload:
     """Return the constants of the time loop."""
     c, b = configuration, configuration.bearing
-    azimuth, free = pocket_azimuths(b), free_rollers(c)
+    azimuth, free, broken = pocket_azimuths(b), free_rollers(c), broken_bars(c)
+    fillet = c.contact.edge_radius if c.contact.notch == "edge" else 0.0
     tangent = np.stack([np.cos(azimuth), np.sin(azimuth)], axis=-1)
     pinned = (~free).sum(axis=1)
     # All pinned: the sum of the tangents is zero but for rounding, which would make the motion depend on it.
@@ -98,9 +101,12 @@ def build_payload(configuration: Configuration) -> Payload:
         step=1.0 / c.step_rate,
         pocket_tangent=tangent,
         free=free,
-        broken=broken_bars(c),
+        broken=broken,
+        beside=broken | np.roll(broken, 1, axis=1),
         all_free=bool(free.all()),
-        any_broken=bool(broken_bars(c).any()),
+        any_broken=bool(broken.any()),
+        any_free=bool(free.any()),
+        any_notch=any(True for _ in c.faults.present()),
         inner_raceway_radius=b.inner_raceway_radius,
         outer_raceway_radius=b.outer_raceway_radius,
         pitch_radius=b.pitch_radius,
@@ -135,8 +141,8 @@ def build_payload(configuration: Configuration) -> Payload:
         outer_width=width / (1.0 / b.roller_radius - 1.0 / b.outer_raceway_radius),
         notch_law={"sink": SINK, "edge": EDGE}[c.contact.notch],
         edge_radius=c.contact.edge_radius,
-        inner_notches=_notches((defect for _, defect in c.faults.raceway_defects("inner")), b.inner_raceway_radius),
-        outer_notches=_notches((defect for _, defect in c.faults.raceway_defects("outer")), b.outer_raceway_radius),
+        inner_notches=_notches((defect for _, defect in c.faults.raceway_defects("inner")), b.inner_raceway_radius, fillet),
+        outer_notches=_notches((defect for _, defect in c.faults.raceway_defects("outer")), b.outer_raceway_radius, fillet),
         roller_notches=_roller_notches((defect for _, defect in c.faults.roller_defects()), b.roller_radius),
         pocket_clearance=c.cage.pocket_clearance,
         bar_coefficient=bar[0],

@@ -16,7 +16,7 @@ from dcrb_ros.core.jit import loop
 from dcrb_ros.core.payload import Payload, RollerNotches
 from dcrb_ros.core.raceway import inner_notch_depth, outer_notch_depth, roller_sink, turn_notches
 from dcrb_ros.core.state import State, empty_state
-from dcrb_ros.core.touch import touch_inner, touch_outer
+from dcrb_ros.core.touch import touch_raceways
 from dcrb_ros.core.work import Workspace, workspace
 from dcrb_ros.model import build_payload
 from dcrb_ros.parameters import Bearing
@@ -49,12 +49,9 @@ def under(width: float, azimuth: float, ring: str, **contact: object) -> Payload
 
 
 @loop
-def touch_one(payload: Payload, state: State, work: Workspace, inner: bool) -> None:
-    """Write the first roller's contact with a raceway."""
-    if inner:
-        touch_inner(payload, state, work, work.light, work.every, 1, 1)
-    else:
-        touch_outer(payload, state, work, work.light, work.every, 1, 1)
+def touch_one(payload: Payload, state: State, work: Workspace) -> None:
+    """Write the first roller's contacts with both raceways."""
+    touch_raceways(payload, state, work, work.light, work.every, 1, 1, True)
 
 
 def touch(payload: Payload, inner: bool, azimuth: float, pressed: float, turn: float = 0.0) -> tuple[float, float, float, float, float]:
@@ -66,7 +63,7 @@ def touch(payload: Payload, inner: bool, azimuth: float, pressed: float, turn: f
     lanes, block = work.light, at.INNER if inner else at.OUTER
     lanes[at.PLACE_X], lanes[at.PLACE_Y] = distance * math.sin(azimuth), -distance * math.cos(azimuth)
     lanes[at.COMING_X], lanes[at.COMING_Y] = distance * math.cos(azimuth), distance * math.sin(azimuth)
-    touch_one(payload, state, work, inner)
+    touch_one(payload, state, work)
     force, stiffness, nx, ny, sink = (float(lanes[block + field]) for field in (at.FORCE, at.STIFFNESS, at.NORMAL_X, at.NORMAL_Y, at.SINK))
     return force, stiffness, nx, ny, sink
 

@@ -69,10 +69,12 @@ def move_cage(payload: Payload, state: State, work: Workspace, row: int) -> None
     fx = work.loose[body, 0] + work.tight[body, 0] + whirl * sy
     fy = work.loose[body, 1] + work.tight[body, 1] - whirl * sx - mass * payload.gravity
     torque = work.loose[body, 2] + work.tight[body, 2] - payload.gravity * sy
-    lift_x, lift_y = 0.5 * h * fx / mass, 0.5 * h * fy / mass
-    turn = (0.5 * h * torque - sx * lift_x - sy * lift_y) / (payload.train_inertia[row] - (sx * sx + sy * sy) / mass)
-    work.mean[body, 0] = state.cage_velocity[row, 0] + lift_x - sx / mass * turn
-    work.mean[body, 1] = state.cage_velocity[row, 1] + lift_y - sy / mass * turn
+    by_mass = 1.0 / mass
+    by_inertia = 1.0 / (payload.train_inertia[row] - (sx * sx + sy * sy) * by_mass)
+    lift_x, lift_y = 0.5 * h * fx * by_mass, 0.5 * h * fy * by_mass
+    turn = (0.5 * h * torque - sx * lift_x - sy * lift_y) * by_inertia
+    work.mean[body, 0] = state.cage_velocity[row, 0] + lift_x - sx * by_mass * turn
+    work.mean[body, 1] = state.cage_velocity[row, 1] + lift_y - sy * by_mass * turn
     work.mean[body, 2] = state.cage_velocity[row, 2] + turn
 
 
@@ -81,15 +83,15 @@ def move_rings(payload: Payload, state: State, work: Workspace) -> None:
     """Solve for the mean velocities of the rings."""
     h, stiffness = payload.step, payload.housing_stiffness
     outer_inertia = 2.0 * (payload.outer_ring_mass + DISPERSION * h * h * stiffness)
-    inner_inertia = 2.0 * payload.inner_ring_mass
+    by_outer, by_inner = 1.0 / (outer_inertia + h * payload.housing_damping), 0.5 * h / payload.inner_ring_mass
     for axis in range(2):
         weight = payload.gravity if axis == 1 else 0.0
         outer = (
             work.loose[OUTER, axis] + work.tight[OUTER, axis] - stiffness * state.outer_position[axis] - payload.outer_ring_mass * weight
         )
         inner = work.loose[INNER, axis] + work.tight[INNER, axis] + state.load[axis] - payload.inner_ring_mass * weight
-        work.mean[OUTER, axis] = (outer_inertia * state.outer_velocity[axis] + h * outer) / (outer_inertia + h * payload.housing_damping)
-        work.mean[INNER, axis] = state.inner_velocity[axis] + h * inner / inner_inertia
+        work.mean[OUTER, axis] = (outer_inertia * state.outer_velocity[axis] + h * outer) * by_outer
+        work.mean[INNER, axis] = state.inner_velocity[axis] + by_inner * inner
 
 
 @piece
@@ -120,8 +122,10 @@ def drift(payload: Payload, state: State, time: float) -> None:
         for part in range(3):
             state.cage_position[row, part] += time * state.cage_velocity[row, part]
     lanes = state.lanes
-    for c in range(payload.free.shape[0] * payload.free.shape[1]):
-        lanes[at.X + c] += time * lanes[at.VX + c]
-        lanes[at.Y + c] += time * lanes[at.VY + c]
+    for c in range(payload.free.size):
         lanes[at.ANGLE + c] += time * lanes[at.SPIN + c]
+    if payload.any_free:
+        for c in range(payload.free.size):
+            lanes[at.X + c] += time * lanes[at.VX + c]
+            lanes[at.Y + c] += time * lanes[at.VY + c]
     state.shaft[0] += time * state.shaft[1]

@@ -79,19 +79,26 @@ a bar's contact closed; pocket tangent at cage angle zero; 1 for a free roller; 
     ON_CAGE_X,
     ON_CAGE_Y,
     ON_CAGE_TURN,
-    CAGE_X,
-    CAGE_Y,
-    CAGE_TURN,
+    SECOND,
+    REST_X,
+    REST_Y,
+    REST_RIM,
+    YIELD_XX,
+    YIELD_XY,
+    YIELD_YY,
+    YIELD_RIM,
+    COUPLED_X,
+    COUPLED_Y,
     LOST_IN_FRICTION,
     LOST_IN_CONTACT,
     TAKEN_BY_NOTCH,
     DRIVEN,
-) = (LANES * field for field in range(34))
+) = (LANES * field for field in range(41))
 """Place; velocity and surface speed r_R omega_R before the step, as predicted, without contacts, and their means; pocket tangent; 1
-for a free roller; what tells how near to closing a contact is; 1 for a bound roller; forces on rings and cage; mean velocity of the
-cage; powers."""
+for a free roller; what tells how near to closing a contact is; 1 for a bound roller; forces on rings and cage; 1 in the second row;
+momentum without what the bodies touched add to it; how velocity and surface speed yield to momentum, and how they are coupled; powers."""
 
-CONTACT = LANES * 34
+CONTACT = LANES * 41
 CONTACT_FIELDS = 23
 (
     NORMAL_X,
@@ -127,7 +134,7 @@ LEVER_X, LEVER_Y, AHEAD = RADIAL_X, RADIAL_Y, DISTANCE
 
 INNER, OUTER, BAR = 0, LANES * CONTACT_FIELDS, 2 * LANES * CONTACT_FIELDS
 """What is added to a contact's field for each of a roller's contacts; a bar's normal is the pocket's tangent."""
-STEP_FIELDS = 34 + 3 * CONTACT_FIELDS
+STEP_FIELDS = 41 + 3 * CONTACT_FIELDS
 
 
 def empty_lanes(fields: int) -> Floats:

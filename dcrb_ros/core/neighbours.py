@@ -55,8 +55,8 @@ def add_neighbours(payload: Payload, state: State, external: Floats, row: int) -
     """Write the forces that a row's rollers exert on each other across broken bars."""
     rollers = payload.broken.shape[1]
     for i in range(rollers):
-        for part in range(3):
-            external[row, i, part] = 0.0
+        if payload.beside[row, i]:
+            external[row, i, 0] = external[row, i, 1] = external[row, i, 2] = 0.0
     for i in range(rollers):
         if payload.broken[row, i]:
             touch_neighbours(payload, state, external, row, i, (i + 1) % rollers)

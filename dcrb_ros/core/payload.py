@@ -24,6 +24,8 @@ class Notches(NamedTuple):
     """Row index of the defect, -1 for all rows."""
     half_angle: Floats
     """Half the angular width b/(2 r) [rad]."""
+    nearness: Floats
+    """Cosine of the angle from the middle at which the notch begins, its edges' fillets included [-]."""
     depth: Floats
     """Depth h [m]."""
     azimuth: Floats
@@ -57,8 +59,12 @@ class Payload(NamedTuple):
     """Whether a roller is a body of its own or pinned to its pocket, shape (rows, rollers)."""
     broken: Flags
     """Whether the bar between a pocket and the next one is broken, shape (rows, rollers)."""
+    beside: Flags
+    """Whether a roller lies free beside a broken bar, shape (rows, rollers)."""
     all_free: bool
     any_broken: bool
+    any_free: bool
+    any_notch: bool
     inner_raceway_radius: float
     outer_raceway_radius: float
     pitch_radius: float

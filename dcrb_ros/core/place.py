@@ -65,8 +65,7 @@ def bind_special(payload: Payload, state: State, work: Workspace, row: int) -> N
     edges = payload.notch_law == EDGE and payload.outer_notches.row.size > 0
     for i in range(count):
         c = row * count + i
-        beside = payload.free[row, i] and not (bar_at(payload, row, i, True) and bar_at(payload, row, i, False))
-        if beside or (edges and light[at.OUTER_NEAR + c] > 0.0):
+        if payload.beside[row, i] or (edges and light[at.OUTER_NEAR + c] > 0.0):
             light[at.BOUND + c] = 1.0
 
 
@@ -77,7 +76,7 @@ def bind_row(payload: Payload, work: Workspace, row: int, bound: int) -> int:
     first = max(row * count, 0)
     for i in range(count):
         if light[at.BOUND + first + i] > 0.0:
-            work.order[bound] = first + i
+            work.order[bound], work.rows[bound] = first + i, row
             bound += 1
     return bound
 
@@ -88,16 +87,17 @@ def gather_bound(payload: Payload, state: State, work: Workspace, bound: int) ->
     own, light, near = state.lanes, work.light, work.bound
     count = (bound + at.VECTOR - 1) // at.VECTOR * at.VECTOR
     for k in range(bound, count):
-        work.order[k] = work.order[bound - 1]
+        work.order[k], work.rows[k] = work.order[bound - 1], work.rows[bound - 1]
     by_mass = 0.5 * payload.step / payload.roller_mass
     by_inertia = 0.5 * payload.step * payload.roller_radius * payload.roller_radius / payload.roller_inertia
     rollers = payload.free.shape[1]
     for k in range(count):
-        c = work.order[k]
-        row, i = c // rollers, c % rollers
+        c, row = work.order[k], work.rows[k]
+        i = c - row * rollers
         near[at.PLACE_X + k], near[at.PLACE_Y + k] = light[at.PLACE_X + c], light[at.PLACE_Y + c]
         near[at.TAU_X + k], near[at.TAU_Y + k] = light[at.TAU_X + c], light[at.TAU_Y + c]
         near[at.BEFORE_X + k], near[at.BEFORE_Y + k] = light[at.BEFORE_X + c], light[at.BEFORE_Y + c]
+        near[at.SECOND + k] = 1.0 if row > 0 else 0.0
         near[at.BEFORE_RIM + k], near[at.MOVING + k] = light[at.BEFORE_RIM + c], light[at.MOVING + c]
         near[at.COMING_X + k], near[at.COMING_Y + k] = light[at.COMING_X + c], light[at.COMING_Y + c]
         near[at.COMING_RIM + k] = light[at.COMING_RIM + c]

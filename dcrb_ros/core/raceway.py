@@ -67,15 +67,12 @@ def turn_notches(notches: Notches, turn: float, towards: Floats) -> None:
 
 
 @kernel
-def notch_under(notches: Notches, towards: Floats, row: int, nx: float, ny: float, margin: float) -> tuple[int, float]:
-    """Return which notch lies under a contact normal and how far the normal is past its middle [rad]; -1 for none.
-
-    ``margin`` [rad] is what the edges' fillets add on either side.
-    """
+def notch_under(notches: Notches, towards: Floats, row: int, nx: float, ny: float) -> tuple[int, float]:
+    """Return which notch lies under a contact normal and how far the normal is past its middle [rad]; -1 for none."""
     for k in range(notches.row.size):
         if notches.row[k] >= 0 and notches.row[k] != row:
             continue
-        if nx * towards[k, 0] + ny * towards[k, 1] > math.cos(notches.half_angle[k] + margin):
+        if nx * towards[k, 0] + ny * towards[k, 1] > notches.nearness[k]:
             return k, math.asin(towards[k, 0] * ny - towards[k, 1] * nx)
     return -1, 0.0
 

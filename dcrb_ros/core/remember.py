@@ -6,7 +6,7 @@ from dcrb_ros.core import lanes as at
 from dcrb_ros.core.jit import piece
 from dcrb_ros.core.payload import Floats, Payload
 from dcrb_ros.core.state import State
-from dcrb_ros.core.work import INNER, OUTER, Workspace
+from dcrb_ros.core.work import CAGE, INNER, OUTER, Workspace
 
 
 @piece
@@ -40,14 +40,17 @@ def settle(
 
 
 @piece
-def settle_bars(lanes: Floats, count: int, step: float) -> None:
-    """Write bristles of the contacts with bars, and add their powers."""
-    contact = at.BAR
+def settle_bars(lanes: Floats, mean: Floats, count: int, step: float) -> None:
+    """Write bristles of the contacts with bars, and add their powers; ``mean`` holds the velocities of all bodies."""
+    contact, last = at.BAR, mean.shape[0] - 1
+    first_x, first_y, first_turn = mean[CAGE, 0], mean[CAGE, 1], mean[CAGE, 2]
+    second_x, second_y, second_turn = mean[last, 0], mean[last, 1], mean[last, 2]
     for k in range(count):
         nx, ny, sign = lanes[at.TAU_X + k], lanes[at.TAU_Y + k], lanes[contact + at.AHEAD + k]
-        turn = lanes[at.CAGE_TURN + k]
-        vx = lanes[at.MEAN_X + k] - lanes[at.CAGE_X + k] + turn * lanes[contact + at.LEVER_Y + k]
-        vy = lanes[at.MEAN_Y + k] - lanes[at.CAGE_Y + k] - turn * lanes[contact + at.LEVER_X + k]
+        second = lanes[at.SECOND + k] > 0.0
+        own_x, own_y, turn = second_x if second else first_x, second_y if second else first_y, second_turn if second else first_turn
+        vx = lanes[at.MEAN_X + k] - own_x + turn * lanes[contact + at.LEVER_Y + k]
+        vy = lanes[at.MEAN_Y + k] - own_y - turn * lanes[contact + at.LEVER_X + k]
         approach, slip = sign * (vx * nx + vy * ny), vx * ny - vy * nx - sign * lanes[at.MEAN_RIM + k]
         friction = lanes[contact + at.CONSTANT + k] + lanes[contact + at.SLOPE + k] * slip
         bristle = lanes[contact + at.BRISTLE + k]
@@ -91,7 +94,7 @@ def keep_bound(payload: Payload, state: State, work: Workspace, used: int, count
     own, near, by_radius, h = state.lanes, work.bound, 1.0 / payload.roller_radius, payload.step
     settle(near, at.INNER, count, work.mean[INNER, 0], work.mean[INNER, 1], surface, 1.0, h, True)
     settle(near, at.OUTER, count, work.mean[OUTER, 0], work.mean[OUTER, 1], 0.0, -1.0, h, False)
-    settle_bars(near, count, h)
+    settle_bars(near, work.mean, count, h)
     for k in range(used):
         c = work.order[k]
         own[at.INNER_FORCE + c], own[at.OUTER_FORCE + c] = near[at.INNER + at.KNOWN + k], near[at.OUTER + at.KNOWN + k]

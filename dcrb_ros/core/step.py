@@ -17,9 +17,9 @@ from dcrb_ros.core.payload import SINK, Floats, Payload
 from dcrb_ros.core.place import bind_row, bind_special, gather_bound, place_row
 from dcrb_ros.core.raceway import turn_notches
 from dcrb_ros.core.remember import forget, keep_bound, keep_light, let_go
-from dcrb_ros.core.solve import know_cages, push_bound, push_light, solve_bound, solve_light
+from dcrb_ros.core.solve import prepare_bound, push_bound, push_light, solve_bound, solve_light
 from dcrb_ros.core.state import State
-from dcrb_ros.core.touch import touch_bars, touch_inner, touch_outer
+from dcrb_ros.core.touch import touch_bars, touch_raceways
 from dcrb_ros.core.work import OUTER, Workspace
 
 SWEEPS = 3
@@ -70,20 +70,18 @@ def step_rollers(payload: Payload, state: State, work: Workspace) -> None:
     count = begin(payload, state, work)
     used = work.ends[last]
     if payload.all_free:
-        touch_outer(payload, state, work, work.light, work.every, rollers, rollers)
+        touch_raceways(payload, state, work, work.light, work.every, rollers, rollers, False)
         solve_light(payload, work.light, rollers, work.mean[OUTER, 0], work.mean[OUTER, 1])
         push_light(work, rollers)
-    touch_outer(payload, state, work, work.bound, work.order, used, count)
-    touch_inner(payload, state, work, work.bound, work.order, used, count)
+    touch_raceways(payload, state, work, work.bound, work.order, used, count, True)
     touch_bars(payload, state, work, used, count)
+    prepare_bound(payload, work, count)
     for _ in range(SWEEPS):
-        know_cages(payload, work, count)
         solve_bound(payload, work, count, surface)
         push_bound(payload, work, used)
         move_rings(payload, state, work)
         for row in range(rows):
             move_cage(payload, state, work, row)
-    know_cages(payload, work, count)
     let_go(payload, state, work.light, rollers)
     if payload.all_free:
         keep_light(payload, state, work, rollers)

@@ -22,102 +22,102 @@ LEAST_PENETRATION = 1e-15
 
 
 @piece
-def face(lanes: Floats, contact: int, count: int, ring_x: float, ring_y: float, reach: float, side: float) -> None:
-    """Write directions, distances and penetrations between rollers and a smooth raceway.
+def face(lanes: Floats, contact: int, c: int, ring_x: float, ring_y: float, reach: float, side: float) -> None:
+    """Write direction, distance and penetration between a roller and a smooth raceway.
 
     ``reach`` [m] is the distance at which a contact closes, ``side`` is 1 at the inner ring and -1 at the outer.
     """
-    contact = max(contact, 0)
-    for c in range(count):
-        dx, dy = lanes[at.PLACE_X + c] - ring_x, lanes[at.PLACE_Y + c] - ring_y
-        distance = math.sqrt(dx * dx + dy * dy)
-        nx, ny = dx / distance, dy / distance
-        lanes[contact + at.RADIAL_X + c], lanes[contact + at.RADIAL_Y + c] = nx, ny
-        lanes[contact + at.NORMAL_X + c], lanes[contact + at.NORMAL_Y + c] = nx, ny
-        lanes[contact + at.DISTANCE + c] = distance
-        lanes[contact + at.PENETRATION + c] = side * (reach - distance)
-        lanes[contact + at.SINK + c] = lanes[contact + at.SURFACE_N + c] = 0.0
+    # Places count from the front: said once more, or every access would be checked for a negative one.
+    contact, c = max(contact, 0), max(c, 0)
+    dx, dy = lanes[at.PLACE_X + c] - ring_x, lanes[at.PLACE_Y + c] - ring_y
+    distance = math.sqrt(dx * dx + dy * dy)
+    nx, ny = dx / distance, dy / distance
+    lanes[contact + at.RADIAL_X + c], lanes[contact + at.RADIAL_Y + c] = nx, ny
+    lanes[contact + at.NORMAL_X + c], lanes[contact + at.NORMAL_Y + c] = nx, ny
+    lanes[contact + at.DISTANCE + c] = distance
+    lanes[contact + at.PENETRATION + c] = side * (reach - distance)
+    lanes[contact + at.SINK + c] = lanes[contact + at.SURFACE_N + c] = 0.0
 
 
 @piece
-def press(lanes: Floats, contact: int, count: int, scale: float, payload: Payload) -> None:
-    """Write elastic forces and stiffnesses; zero where a contact is open."""
-    contact = max(contact, 0)
-    if payload.contact_law == JOHNSON:
-        for c in range(count):
-            depth = lanes[contact + at.PENETRATION + c]
-            force, stiffness = johnson_force(max(depth, LEAST_PENETRATION), payload.contact_modulus, scale)
-            lanes[contact + at.FORCE + c] = force if depth > 0.0 else 0.0
-            lanes[contact + at.STIFFNESS + c] = stiffness if depth > 0.0 else 0.0
-    else:
-        for c in range(count):
-            depth = max(lanes[contact + at.PENETRATION + c], LEAST_PENETRATION)
+def press(lanes: Floats, contact: int, c: int, scale: float, payload: Payload) -> None:
+    """Write elastic force and stiffness by Johnson's law; zero where the contact is open."""
+    contact, c = max(contact, 0), max(c, 0)
+    depth = lanes[contact + at.PENETRATION + c]
+    force, stiffness = johnson_force(max(depth, LEAST_PENETRATION), payload.contact_modulus, scale)
+    lanes[contact + at.FORCE + c] = force if depth > 0.0 else 0.0
+    lanes[contact + at.STIFFNESS + c] = stiffness if depth > 0.0 else 0.0
+
+
+@piece
+def press_by_power(lanes: Floats, contact: int, count: int, payload: Payload) -> None:
+    """Write elastic forces and stiffnesses by the power law; zero where a contact is open."""
+    for c in range(count):
+        depth = lanes[contact + at.PENETRATION + c]
+        if depth > 0.0:
             force, stiffness = power_force(depth, payload.power_coefficient, payload.power_exponent)
-            lanes[contact + at.FORCE + c] = force if depth > LEAST_PENETRATION else 0.0
-            lanes[contact + at.STIFFNESS + c] = stiffness if depth > LEAST_PENETRATION else 0.0
+            lanes[contact + at.FORCE + c], lanes[contact + at.STIFFNESS + c] = force, stiffness
+        else:
+            lanes[contact + at.FORCE + c] = lanes[contact + at.STIFFNESS + c] = 0.0
 
 
 @piece
 def convect(
-    lanes: Floats, contact: int, count: int, mean_x: float, mean_y: float, ring_speed: float, width: float, raceway: float, payload: Payload
+    lanes: Floats, contact: int, count: int, mean: tuple[float, float], ring_speed: float, width: float, raceway: float, payload: Payload
 ) -> None:
     """Write at what rate rolling carries bristles out of the contacts."""
     contact = max(contact, 0)
     for c in range(count):
         rx, ry = lanes[contact + at.RADIAL_X + c], lanes[contact + at.RADIAL_Y + c]
-        along = (lanes[at.COMING_Y + c] - mean_y) * rx - (lanes[at.COMING_X + c] - mean_x) * ry
+        along = (lanes[at.COMING_Y + c] - mean[1]) * rx - (lanes[at.COMING_X + c] - mean[0]) * ry
         rolling = (along / lanes[contact + at.DISTANCE + c] - ring_speed) * raceway
         force = max(lanes[contact + at.FORCE + c], 1e-9)
         lanes[contact + at.CONVECTION + c] = convection_rate(rolling, force, width, payload.convection)
 
 
 @piece
-def draw_lines(
+def draw_line(
     lanes: Floats,
     contact: int,
-    count: int,
-    mean_x: float,
-    mean_y: float,
-    old_x: float,
-    old_y: float,
+    c: int,
+    mean: tuple[float, float],
+    old: tuple[float, float],
     surface: float,
     side: float,
     payload: Payload,
 ) -> None:
-    """Write normal forces and friction of the contacts with a ring as lines over approach and slip.
+    """Write normal force and friction of a contact with a ring as lines over approach and slip.
 
-    (mean_x, mean_y) is the ring's predicted mean velocity, (old_x, old_y) that before the step, ``surface`` the speed of its surface
-    [m/s]. The h^2 k/12 of `DISPERSION` acts on the change of the approach. A contact never pulls: where it opens so fast that the
-    loss would outweigh the force, the loss is cut.
+    ``mean`` is the ring's predicted mean velocity, ``old`` that before the step, ``surface`` the speed of its surface [m/s]. The h^2 k/12
+    of `DISPERSION` acts on the change of the approach. A contact never pulls: where it opens so fast that the loss would
+    outweigh the force, the loss is cut.
     """
-    contact = max(contact, 0)
-    h = payload.step
-    for c in range(count):
-        nx, ny = lanes[contact + at.NORMAL_X + c], lanes[contact + at.NORMAL_Y + c]
-        rx, ry = lanes[contact + at.RADIAL_X + c], lanes[contact + at.RADIAL_Y + c]
-        vx, vy = lanes[at.COMING_X + c] - mean_x, lanes[at.COMING_Y + c] - mean_y
-        ux, uy = lanes[at.BEFORE_X + c] - old_x, lanes[at.BEFORE_Y + c] - old_y
-        surface_n, sink = lanes[contact + at.SURFACE_N + c], lanes[contact + at.SINK + c]
-        closing, before = -side * (vx * nx + vy * ny - surface_n) - sink, -side * (ux * nx + uy * ny - surface_n)
-        force, stiffness = lanes[contact + at.FORCE + c], lanes[contact + at.STIFFNESS + c]
-        damping = stiffness * payload.loss_time + (payload.contact_damping if force > 0.0 else 0.0)
-        damping = -force / closing if force + damping * closing < 0.0 else damping
-        inertia = 2.0 * DISPERSION * h * stiffness
-        known = force + damping * closing
-        lanes[contact + at.PUSH + c] = force - damping * sink - inertia * before
-        lanes[contact + at.GIVE + c] = damping + inertia
-        lanes[contact + at.DAMPING + c], lanes[contact + at.KNOWN + c] = damping, known
-        slip = vy * rx - vx * ry - side * lanes[at.COMING_RIM + c] - surface
-        constant, slope, rate, phi = friction_line(
-            slip,
-            lanes[contact + at.BRISTLE + c],
-            payload.kinetic_coefficient,
-            payload.static_coefficient,
-            lanes[contact + at.CONVECTION + c],
-            payload,
-        )
-        lanes[contact + at.CONSTANT + c], lanes[contact + at.SLOPE + c] = constant * known, slope * known
-        lanes[contact + at.RATE + c], lanes[contact + at.PHI + c] = rate, phi
+    contact, c = max(contact, 0), max(c, 0)
+    nx, ny = lanes[contact + at.NORMAL_X + c], lanes[contact + at.NORMAL_Y + c]
+    rx, ry = lanes[contact + at.RADIAL_X + c], lanes[contact + at.RADIAL_Y + c]
+    vx, vy = lanes[at.COMING_X + c] - mean[0], lanes[at.COMING_Y + c] - mean[1]
+    ux, uy = lanes[at.BEFORE_X + c] - old[0], lanes[at.BEFORE_Y + c] - old[1]
+    surface_n, sink = lanes[contact + at.SURFACE_N + c], lanes[contact + at.SINK + c]
+    closing, before = -side * (vx * nx + vy * ny - surface_n) - sink, -side * (ux * nx + uy * ny - surface_n)
+    force, stiffness = lanes[contact + at.FORCE + c], lanes[contact + at.STIFFNESS + c]
+    damping = stiffness * payload.loss_time + (payload.contact_damping if force > 0.0 else 0.0)
+    damping = -force / closing if force + damping * closing < 0.0 else damping
+    inertia = 2.0 * DISPERSION * payload.step * stiffness
+    known = force + damping * closing
+    lanes[contact + at.PUSH + c] = force - damping * sink - inertia * before
+    lanes[contact + at.GIVE + c] = damping + inertia
+    lanes[contact + at.DAMPING + c], lanes[contact + at.KNOWN + c] = damping, known
+    slip = vy * rx - vx * ry - side * lanes[at.COMING_RIM + c] - surface
+    constant, slope, rate, phi = friction_line(
+        slip,
+        lanes[contact + at.BRISTLE + c],
+        payload.kinetic_coefficient,
+        payload.static_coefficient,
+        lanes[contact + at.CONVECTION + c],
+        payload,
+    )
+    lanes[contact + at.CONSTANT + c], lanes[contact + at.SLOPE + c] = constant * known, slope * known
+    lanes[contact + at.RATE + c], lanes[contact + at.PHI + c] = rate, phi
 
 
 @piece
@@ -129,8 +129,7 @@ def sink_in(
     notches: Notches,
     towards: Floats,
     state: State,
-    mean_x: float,
-    mean_y: float,
+    mean: tuple[float, float],
     inner: bool,
     payload: Payload,
 ) -> None:
@@ -145,11 +144,11 @@ def sink_in(
             continue
         row, i = order[c] // rollers, order[c] % rollers
         nx, ny = lanes[contact + at.RADIAL_X + c], lanes[contact + at.RADIAL_Y + c]
-        orbit = (lanes[at.COMING_Y + c] - mean_y) * nx - (lanes[at.COMING_X + c] - mean_x) * ny
+        orbit = (lanes[at.COMING_Y + c] - mean[1]) * nx - (lanes[at.COMING_X + c] - mean[0]) * ny
         orbit /= lanes[contact + at.DISTANCE + c]
         k, offset = -1, 0.0
         if payload.notch_law == SINK and notches.row.size > 0:
-            k, offset = notch_under(notches, towards, row, nx, ny, 0.0)
+            k, offset = notch_under(notches, towards, row, nx, ny)
         if k >= 0:
             edge = notches.half_angle[k] - abs(offset)
             if inner:
@@ -182,14 +181,13 @@ def cut_edges(
 ) -> None:
     """Put force, stiffness and normal of a notch with edges in the place of the smooth raceway's."""
     contact = max(contact, 0)
-    raceway = payload.inner_raceway_radius if inner else payload.outer_raceway_radius
     for c in range(count):
         gap = -lanes[contact + at.PENETRATION + c]
         if gap >= 0.0:
             continue
         row = order[c] // payload.free.shape[1]
         rx, ry = lanes[contact + at.RADIAL_X + c], lanes[contact + at.RADIAL_Y + c]
-        k, _ = notch_under(notches, towards, row, rx, ry, payload.edge_radius / raceway)
+        k, _ = notch_under(notches, towards, row, rx, ry)
         if k >= 0:
             dx, dy = lanes[at.PLACE_X + c] - ring_x, lanes[at.PLACE_Y + c] - ring_y
             force, stiffness, nx, ny = edge_contact(
@@ -201,46 +199,61 @@ def cut_edges(
 
 
 @piece
-def touch_outer(payload: Payload, state: State, work: Workspace, lanes: Floats, order: Integers, used: int, count: int) -> None:
-    """Write the contacts with the outer raceway of ``used`` rollers in ``count`` lanes."""
-    contact, radius = at.OUTER, payload.outer_raceway_radius
-    ring_x, ring_y, mean_x, mean_y = state.outer_position[0], state.outer_position[1], work.mean[OUTER, 0], work.mean[OUTER, 1]
-    face(lanes, contact, count, ring_x, ring_y, radius - payload.roller_radius, -1.0)
-    leave_spare(lanes, contact, used, count)
-    if payload.outer_notches.row.size + payload.roller_notches.row.size > 0:
-        sink_in(lanes, contact, used, order, payload.outer_notches, work.outer_towards, state, mean_x, mean_y, False, payload)
-    press(lanes, contact, count, payload.outer_scale, payload)
-    if payload.outer_notches.row.size > 0 and payload.notch_law != SINK:
-        cut_edges(lanes, contact, used, order, payload.outer_notches, work.outer_towards, 0.0, ring_x, ring_y, False, payload)
-    if payload.convection > 0.0:
-        convect(lanes, contact, count, mean_x, mean_y, 0.0, payload.outer_width, radius, payload)
-    draw_lines(lanes, contact, count, mean_x, mean_y, state.outer_velocity[0], state.outer_velocity[1], 0.0, -1.0, payload)
-
-
-@piece
-def touch_inner(payload: Payload, state: State, work: Workspace, lanes: Floats, order: Integers, used: int, count: int) -> None:
-    """Write the contacts with the inner raceway of ``used`` rollers in ``count`` lanes."""
-    contact, radius, ring_speed = at.INNER, payload.inner_raceway_radius, state.shaft[1]
-    ring_x, ring_y, mean_x, mean_y = state.inner_position[0], state.inner_position[1], work.mean[INNER, 0], work.mean[INNER, 1]
-    surface = ring_speed * radius
-    face(lanes, contact, count, ring_x, ring_y, radius + payload.roller_radius, 1.0)
-    leave_spare(lanes, contact, used, count)
-    if payload.inner_notches.row.size + payload.roller_notches.row.size > 0:
-        sink_in(lanes, contact, used, order, payload.inner_notches, work.inner_towards, state, mean_x, mean_y, True, payload)
-    press(lanes, contact, count, payload.inner_scale, payload)
-    if payload.inner_notches.row.size > 0 and payload.notch_law != SINK:
-        cut_edges(lanes, contact, used, order, payload.inner_notches, work.inner_towards, surface, ring_x, ring_y, True, payload)
-    if payload.convection > 0.0:
-        convect(lanes, contact, count, mean_x, mean_y, ring_speed, payload.inner_width, radius, payload)
-    draw_lines(lanes, contact, count, mean_x, mean_y, state.inner_velocity[0], state.inner_velocity[1], surface, 1.0, payload)
-
-
-@piece
-def leave_spare(lanes: Floats, contact: int, used: int, count: int) -> None:
-    """Keep the contacts of the lanes that only fill up open."""
-    contact = max(contact, 0)
+def touch_raceways(
+    payload: Payload, state: State, work: Workspace, lanes: Floats, order: Integers, used: int, count: int, inner_too: bool
+) -> None:
+    """Write the contacts of ``used`` rollers in ``count`` lanes with the outer raceway, and with the inner one if asked."""
+    radius, surface = payload.roller_radius, state.shaft[1] * payload.inner_raceway_radius
+    outer_reach, inner_reach = payload.outer_raceway_radius - radius, payload.inner_raceway_radius + radius
+    outer_x, outer_y, inner_x, inner_y = state.outer_position[0], state.outer_position[1], state.inner_position[0], state.inner_position[1]
+    outer_mean, inner_mean = (work.mean[OUTER, 0], work.mean[OUTER, 1]), (work.mean[INNER, 0], work.mean[INNER, 1])
+    outer_old, inner_old = (state.outer_velocity[0], state.outer_velocity[1]), (state.inner_velocity[0], state.inner_velocity[1])
+    for c in range(count):
+        face(lanes, at.OUTER, c, outer_x, outer_y, outer_reach, -1.0)
+        if inner_too:
+            face(lanes, at.INNER, c, inner_x, inner_y, inner_reach, 1.0)
     for c in range(used, count):
-        lanes[contact + at.PENETRATION + c] = -1.0
+        lanes[at.OUTER + at.PENETRATION + c] = lanes[at.INNER + at.PENETRATION + c] = -1.0
+    if payload.any_notch:
+        notch_raceways(payload, state, work, lanes, order, used, inner_too)
+    if payload.contact_law == JOHNSON:
+        for c in range(count):
+            press(lanes, at.OUTER, c, payload.outer_scale, payload)
+            if inner_too:
+                press(lanes, at.INNER, c, payload.inner_scale, payload)
+    else:
+        press_by_power(lanes, at.OUTER, count, payload)
+        if inner_too:
+            press_by_power(lanes, at.INNER, count, payload)
+    if payload.any_notch and payload.notch_law != SINK:
+        cut_raceways(payload, state, work, lanes, order, used, inner_too)
+    if payload.convection > 0.0:
+        convect(lanes, at.OUTER, count, outer_mean, 0.0, payload.outer_width, payload.outer_raceway_radius, payload)
+        if inner_too:
+            convect(lanes, at.INNER, count, inner_mean, state.shaft[1], payload.inner_width, payload.inner_raceway_radius, payload)
+    for c in range(count):
+        draw_line(lanes, at.OUTER, c, outer_mean, outer_old, 0.0, -1.0, payload)
+        if inner_too:
+            draw_line(lanes, at.INNER, c, inner_mean, inner_old, surface, 1.0, payload)
+
+
+@piece
+def notch_raceways(payload: Payload, state: State, work: Workspace, lanes: Floats, order: Integers, used: int, inner_too: bool) -> None:
+    """Take the depth of notches on raceways and rollers off the penetrations."""
+    outer_mean, inner_mean = (work.mean[OUTER, 0], work.mean[OUTER, 1]), (work.mean[INNER, 0], work.mean[INNER, 1])
+    sink_in(lanes, at.OUTER, used, order, payload.outer_notches, work.outer_towards, state, outer_mean, False, payload)
+    if inner_too:
+        sink_in(lanes, at.INNER, used, order, payload.inner_notches, work.inner_towards, state, inner_mean, True, payload)
+
+
+@piece
+def cut_raceways(payload: Payload, state: State, work: Workspace, lanes: Floats, order: Integers, used: int, inner_too: bool) -> None:
+    """Put what notches with edges do in the place of smooth raceways."""
+    outer_x, outer_y, inner_x, inner_y = state.outer_position[0], state.outer_position[1], state.inner_position[0], state.inner_position[1]
+    cut_edges(lanes, at.OUTER, used, order, payload.outer_notches, work.outer_towards, 0.0, outer_x, outer_y, False, payload)
+    if inner_too:
+        surface = state.shaft[1] * payload.inner_raceway_radius
+        cut_edges(lanes, at.INNER, used, order, payload.inner_notches, work.inner_towards, surface, inner_x, inner_y, True, payload)
 
 
 @piece
@@ -254,7 +267,8 @@ def touch_bars(payload: Payload, state: State, work: Workspace, used: int, count
     for k in range(used):
         if near[at.BAR_NEAR + k] <= 0.0:
             continue
-        row, i = work.order[k] // payload.free.shape[1], work.order[k] % payload.free.shape[1]
+        row = work.rows[k]
+        i = work.order[k] - row * payload.free.shape[1]
         tx, ty = near[at.TAU_X + k], near[at.TAU_Y + k]
         ax, ay = near[at.PLACE_X + k] - state.cage_position[row, 0], near[at.PLACE_Y + k] - state.cage_position[row, 1]
         ahead = ax * tx + ay * ty > 0.0

@@ -34,6 +34,8 @@ class Workspace(NamedTuple):
     """Which roller is in which lane of ``light``: each in its own."""
     order: Integers
     """Which roller is in which lane of ``bound``, row by row."""
+    rows: Integers
+    """Row of the roller in each of these lanes."""
     ends: Integers
     """Where the bound rollers of each row end, shape (rows,)."""
     inner_towards: Floats
@@ -54,6 +56,7 @@ def workspace(payload: Payload) -> Workspace:
         bound=empty_lanes(STEP_FIELDS),
         every=np.arange(LANES, dtype=np.int64),
         order=np.zeros(LANES, np.int64),
+        rows=np.zeros(LANES, np.int64),
         ends=np.zeros(rows, np.int64),
         inner_towards=np.zeros((payload.inner_notches.row.size, 2)),
         outer_towards=np.zeros((payload.outer_notches.row.size, 2)),

@@ -11,8 +11,6 @@ STOP_ATTENUATION = 85.0
 PASS_SHARE = 0.8
 """Pass band as a share of the new Nyquist frequency [-]."""
 
-RECURSIVE = (1.0, 0.0)
-"""A denominator of one: its zero keeps lfilter from a convolution whose last bits would depend on the split."""
 LARGEST_STAGE = 16
 
 
@@ -44,13 +42,20 @@ class Decimator:
         self._taps = anti_alias_taps(factor, between=between)
         self.lead = (len(self._taps) - 1) // 2
         """Inputs needed beyond the last output [-]."""
-        self._memory = np.zeros((len(self._taps) - 1, columns))
+        # Zeros at the end that change nothing but let the outputs that are due fall on those that upfirdn computes.
+        self._padded = np.append(self._taps, np.zeros(-(len(self._taps) - 1) % factor))
+        self._memory = np.zeros((len(self._padded) - 1, columns))
         self._skip = self.lead
 
     def feed(self, samples: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
         """Filter ``samples`` of shape (inputs, columns); return the outputs that are due, shape (outputs, columns)."""
-        filtered, self._memory = signal.lfilter(self._taps, RECURSIVE, samples, axis=0, zi=self._memory)
-        due: npt.NDArray[np.float64] = filtered[self._skip :: self.factor]
+        known, past = np.concatenate([self._memory, samples]), len(self._memory)
+        self._memory = known[len(samples) :]
+        count = max(0, -(-(len(samples) - self._skip) // self.factor))
+        first = past // self.factor
+        # Every output sums the same products in the same order, however the inputs are cut.
+        filtered = signal.upfirdn(self._padded, known[self._skip :], down=self.factor, axis=0) if count else samples[:0]
+        due: npt.NDArray[np.float64] = filtered[first : first + count] if count else filtered
         self._skip -= len(samples)
         if self._skip < 0:
             self._skip %= self.factor
