@@ -13,6 +13,8 @@ from dcrb_ros.core.payload import Floats
 
 LANES = 136
 """Lanes of a field: two rows of 60 rollers and some to fill up; no power of two, or all fields would fall on few cache lines."""
+CACHE_LINE = 64
+"""[bytes]"""
 VECTOR = 4
 """Lanes that are worked on at once at least; counts of lanes are filled up to a multiple."""
 
@@ -138,8 +140,10 @@ STEP_FIELDS = 41 + 3 * CONTACT_FIELDS
 
 
 def empty_lanes(fields: int) -> Floats:
-    """Return zeros for ``fields`` fields."""
-    return np.zeros(fields * LANES)
+    """Return zeros for ``fields`` fields, each of which begins at a cache line: loads across lines cost half the speed."""
+    room = np.zeros(fields * LANES + CACHE_LINE // 8)
+    first = -room.ctypes.data % CACHE_LINE // 8
+    return room[first : first + fields * LANES]
 
 
 def field_of(lanes: Floats, field: int, rows: int, rollers: int, parts: int = 0) -> Floats:

@@ -100,7 +100,7 @@ def empty_state(rows: int, rollers: int) -> State:
 
 def copy_of(state: State) -> State:
     """Return a state that has nothing in common with another but its values."""
-    found = _state_of(state.lanes.copy(), *state.next_force.shape)
+    found = empty_state(*state.next_force.shape)
     for part, other in zip(found, state, strict=True):
         part[...] = other
     return found
