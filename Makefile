@@ -5,7 +5,7 @@ STAMPED := $(shell date +%Y%m%d-%H%M%S)
 # A sourced ROS, or a middleware that is not in .venv, would end every node at once.
 unexport RMW_IMPLEMENTATION PYTHONPATH PYTHONHOME AMENT_PREFIX_PATH
 
-.PHONY: help environment demo test lint types architecture unit kernels nodes validate docs colcon clean
+.PHONY: help environment demo test lint types architecture unit kernels nodes validate bench docs colcon clean
 .DEFAULT_GOAL := help
 
 help: ## Show this list
@@ -42,6 +42,10 @@ nodes: environment ## The tests that start ROS nodes
 
 validate: environment ## The paper's numbers and figures: a table, and a report in validation/
 	$(BIN)/dcrb validate -o validation
+
+bench: environment ## Speed and accuracy, some minutes on a machine that does nothing else
+	$(BIN)/python benchmarks/real_time.py
+	$(BIN)/python benchmarks/accuracy.py
 
 docs: environment ## The site, into site/
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet

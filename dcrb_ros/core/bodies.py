@@ -58,8 +58,11 @@ def touch_land(payload: Payload, state: State, work: Workspace, row: int) -> Non
 
 
 @piece
-def move_cage(payload: Payload, state: State, work: Workspace, row: int) -> None:
-    """Solve for the mean velocity of a cage with its pinned rollers, whose centre of mass may lie off the cage's centre."""
+def move_cage(payload: Payload, state: State, work: Workspace, row: int) -> float:
+    """Solve for the mean velocity of a cage with its pinned rollers, whose centre of mass may lie off the cage's centre.
+
+    Returns by how much that changes it [m/s].
+    """
     h, body, mass = payload.step, CAGE + row, payload.train_mass[row]
     cosine, sine = work.heading[row, 0], work.heading[row, 1]
     sx = cosine * payload.train_moment[row, 0] - sine * payload.train_moment[row, 1]
@@ -73,14 +76,17 @@ def move_cage(payload: Payload, state: State, work: Workspace, row: int) -> None
     by_inertia = 1.0 / (payload.train_inertia[row] - (sx * sx + sy * sy) * by_mass)
     lift_x, lift_y = 0.5 * h * fx * by_mass, 0.5 * h * fy * by_mass
     turn = (0.5 * h * torque - sx * lift_x - sy * lift_y) * by_inertia
-    work.mean[body, 0] = state.cage_velocity[row, 0] + lift_x - sx * by_mass * turn
-    work.mean[body, 1] = state.cage_velocity[row, 1] + lift_y - sy * by_mass * turn
-    work.mean[body, 2] = state.cage_velocity[row, 2] + turn
+    x, y = state.cage_velocity[row, 0] + lift_x - sx * by_mass * turn, state.cage_velocity[row, 1] + lift_y - sy * by_mass * turn
+    speed = state.cage_velocity[row, 2] + turn
+    moved: float = max(abs(x - work.mean[body, 0]), abs(y - work.mean[body, 1])) + payload.pitch_radius * abs(speed - work.mean[body, 2])
+    work.mean[body, 0], work.mean[body, 1], work.mean[body, 2] = x, y, speed
+    return moved
 
 
 @piece
-def move_rings(payload: Payload, state: State, work: Workspace) -> None:
-    """Solve for the mean velocities of the rings."""
+def move_rings(payload: Payload, state: State, work: Workspace) -> float:
+    """Solve for the mean velocities of the rings; return by how much that changes them [m/s]."""
+    moved = 0.0
     h, stiffness = payload.step, payload.housing_stiffness
     outer_inertia = 2.0 * (payload.outer_ring_mass + DISPERSION * h * h * stiffness)
     by_outer, by_inner = 1.0 / (outer_inertia + h * payload.housing_damping), 0.5 * h / payload.inner_ring_mass
@@ -90,8 +96,11 @@ def move_rings(payload: Payload, state: State, work: Workspace) -> None:
             work.loose[OUTER, axis] + work.tight[OUTER, axis] - stiffness * state.outer_position[axis] - payload.outer_ring_mass * weight
         )
         inner = work.loose[INNER, axis] + work.tight[INNER, axis] + state.load[axis] - payload.inner_ring_mass * weight
-        work.mean[OUTER, axis] = (outer_inertia * state.outer_velocity[axis] + h * outer) * by_outer
-        work.mean[INNER, axis] = state.inner_velocity[axis] + by_inner * inner
+        outer = (outer_inertia * state.outer_velocity[axis] + h * outer) * by_outer
+        inner = state.inner_velocity[axis] + by_inner * inner
+        moved = max(moved, max(abs(outer - work.mean[OUTER, axis]), abs(inner - work.mean[INNER, axis])))
+        work.mean[OUTER, axis], work.mean[INNER, axis] = outer, inner
+    return moved
 
 
 @piece

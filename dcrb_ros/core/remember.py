@@ -85,6 +85,7 @@ def forget(state: State, count: int) -> None:
     """Leave all pinned rollers alone: nothing turns them, nothing touches them."""
     own = state.lanes
     for c in range(count):
+        own[at.INNER_FORCE + c] = own[at.INNER_FRICTION + c] = own[at.INNER_BRISTLE + c] = 0.0
         own[at.OUTER_FORCE + c] = own[at.OUTER_FRICTION + c] = own[at.OUTER_BRISTLE + c] = own[at.CHANGE_SPIN + c] = 0.0
 
 
