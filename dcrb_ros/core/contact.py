@@ -67,6 +67,4 @@ def loss_coefficient(force: float, damping: float, rate: float) -> float:
     Where the contact opens so fast that the loss would outweigh the force, it is cut to what makes the sum zero: a
     contact never pulls.
     """
-    if force + damping * rate < 0.0:
-        return -force / rate
-    return damping
+    return -force / rate if force + damping * rate < 0.0 else damping

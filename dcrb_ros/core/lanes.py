@@ -53,6 +53,7 @@ STATE_FIELDS = 27
 a bar's contact closed; pocket tangent at cage angle zero; 1 for a free roller; what each roller adds to the energy account."""
 
 # Of a step, in the order of the rollers or of those that are bound.
+ROLLER_FIELDS = 41
 (
     PLACE_X,
     PLACE_Y,
@@ -95,13 +96,13 @@ a bar's contact closed; pocket tangent at cage angle zero; 1 for a free roller; 
     LOST_IN_CONTACT,
     TAKEN_BY_NOTCH,
     DRIVEN,
-) = (LANES * field for field in range(41))
+) = (LANES * field for field in range(ROLLER_FIELDS))
 """Place; velocity and surface speed r_R omega_R before the step, as predicted, without contacts, and their means; pocket tangent; 1
 for a free roller; what tells how near to closing a contact is; 1 for a bound roller; forces on rings and cage; 1 in the second row;
 momentum without what the bodies touched add to it; how velocity and surface speed yield to momentum, and how they are coupled; powers."""
 
-CONTACT = LANES * 41
-CONTACT_FIELDS = 23
+CONTACT = LANES * ROLLER_FIELDS
+CONTACT_FIELDS = 22
 (
     NORMAL_X,
     NORMAL_Y,
@@ -123,20 +124,19 @@ CONTACT_FIELDS = 23
     PHI,
     KNOWN,
     DAMPING,
-    NORMAL,
     FRICTION,
     SLIP,
 ) = (CONTACT + LANES * field for field in range(CONTACT_FIELDS))
 """Of a contact: normal; direction from the ring; distance from its centre; penetration; speed at which a notch's floor falls away; elastic
 force and stiffness; surface speed of the ring along the normal; bristle and what rolling carries out of the contact; normal force PUSH +
-GIVE * approach, friction CONSTANT + SLOPE * slip and its bristle's law; normal force known beforehand; damping; normal force,
-friction and slip found."""
+GIVE * approach, friction CONSTANT + SLOPE * slip and its bristle's law; normal force known beforehand; damping; friction and
+slip found."""
 LEVER_X, LEVER_Y, AHEAD = RADIAL_X, RADIAL_Y, DISTANCE
 """Of a bar's contact, in the same places: lever from the cage's centre; 1 for the bar ahead of the roller, -1 for the one behind."""
 
 INNER, OUTER, BAR = 0, LANES * CONTACT_FIELDS, 2 * LANES * CONTACT_FIELDS
 """What is added to a contact's field for each of a roller's contacts; a bar's normal is the pocket's tangent."""
-STEP_FIELDS = 41 + 3 * CONTACT_FIELDS
+STEP_FIELDS = ROLLER_FIELDS + 3 * CONTACT_FIELDS
 
 
 def empty_lanes(fields: int) -> Floats:

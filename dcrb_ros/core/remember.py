@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dcrb_ros.core import lanes as at
+from dcrb_ros.core.friction import bristle_after
 from dcrb_ros.core.jit import piece
 from dcrb_ros.core.payload import Floats, Payload
 from dcrb_ros.core.state import State
@@ -28,7 +29,7 @@ def settle(
         friction = lanes[contact + at.CONSTANT + c] + lanes[contact + at.SLOPE + c] * slip
         sink = lanes[contact + at.SINK + c]
         closing, bristle = approach - sink, lanes[contact + at.BRISTLE + c]
-        bent = bristle + step * lanes[contact + at.PHI + c] * (slip - lanes[contact + at.RATE + c] * bristle)
+        bent = bristle_after(bristle, slip, lanes[contact + at.RATE + c], lanes[contact + at.PHI + c], step)
         lanes[contact + at.FRICTION + c], lanes[contact + at.SLIP + c] = friction, slip
         lanes[contact + at.BRISTLE + c] = bent if lanes[contact + at.KNOWN + c] > 0.0 else 0.0
         lost, spent = friction * slip, lanes[contact + at.DAMPING + c] * closing * closing
@@ -54,7 +55,7 @@ def settle_bars(lanes: Floats, mean: Floats, count: int, step: float) -> None:
         approach, slip = sign * (vx * nx + vy * ny), vx * ny - vy * nx - sign * lanes[at.MEAN_RIM + k]
         friction = lanes[contact + at.CONSTANT + k] + lanes[contact + at.SLOPE + k] * slip
         bristle = lanes[contact + at.BRISTLE + k]
-        bent = bristle + step * lanes[contact + at.PHI + k] * (slip - lanes[contact + at.RATE + k] * bristle)
+        bent = bristle_after(bristle, slip, lanes[contact + at.RATE + k], lanes[contact + at.PHI + k], step)
         lanes[contact + at.BRISTLE + k] = bent if sign != 0.0 else 0.0
         lanes[at.LOST_IN_FRICTION + k] += friction * slip
         lanes[at.LOST_IN_CONTACT + k] += lanes[contact + at.DAMPING + k] * approach * approach

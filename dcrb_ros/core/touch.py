@@ -6,7 +6,7 @@ import math
 
 from dcrb_ros.core import lanes as at
 from dcrb_ros.core.cage import conformal_contact
-from dcrb_ros.core.contact import johnson_force, power_force
+from dcrb_ros.core.contact import johnson_force, loss_coefficient, power_force
 from dcrb_ros.core.friction import convection_rate, friction_line
 from dcrb_ros.core.jit import piece
 from dcrb_ros.core.payload import JOHNSON, SINK, Floats, Integers, Notches, Payload
@@ -100,8 +100,7 @@ def draw_line(
     surface_n, sink = lanes[contact + at.SURFACE_N + c], lanes[contact + at.SINK + c]
     closing, before = -side * (vx * nx + vy * ny - surface_n) - sink, -side * (ux * nx + uy * ny - surface_n)
     force, stiffness = lanes[contact + at.FORCE + c], lanes[contact + at.STIFFNESS + c]
-    damping = stiffness * payload.loss_time + (payload.contact_damping if force > 0.0 else 0.0)
-    damping = -force / closing if force + damping * closing < 0.0 else damping
+    damping = loss_coefficient(force, stiffness * payload.loss_time + (payload.contact_damping if force > 0.0 else 0.0), closing)
     inertia = 2.0 * DISPERSION * payload.step * stiffness
     known = force + damping * closing
     lanes[contact + at.PUSH + c] = force - damping * sink - inertia * before
