@@ -106,5 +106,7 @@ def test_a_folder_of_something_else_is_refused(tmp_path: Path) -> None:
         checked_folder(tmp_path)
     with pytest.raises(Refusal, match="is a file"):
         checked_folder(tmp_path / "thesis.txt")
+    with pytest.raises(Refusal, match=r"thesis\.txt is not a folder that can be written"):
+        checked_folder(tmp_path / "thesis.txt" / "report")
     (tmp_path / REPORT).write_text("an earlier report")
     assert checked_folder(tmp_path) == tmp_path

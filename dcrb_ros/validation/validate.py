@@ -66,6 +66,9 @@ def checked_folder(folder: Path) -> Path:
         raise Refusal(f"{folder} is a file: give the report another folder with -o")
     if folder.exists() and any(folder.iterdir()) and not (folder / REPORT).exists():
         raise Refusal(f"{folder} holds something that is not a report: give another folder with -o")
+    above = next(parent for parent in (folder, *folder.absolute().parents) if parent.exists())
+    if not (above.is_dir() and os.access(above, os.W_OK)):
+        raise Refusal(f"{folder} cannot be made: {above} is not a folder that can be written; give another one with -o")
     return folder
 
 
