@@ -16,7 +16,7 @@ from dcrb_ros.validation.measures import envelope_spectrum, kurtosis, loading_zo
 from dcrb_ros.validation.motion import motion_rows
 from dcrb_ros.validation.report import markdown, summary
 from dcrb_ros.validation.row import Row
-from dcrb_ros.validation.validate import REPORT, checked_folder
+from dcrb_ros.validation.validate import REPORT, made_folder
 
 
 def test_envelope_line_of_a_modulated_tone() -> None:
@@ -100,13 +100,13 @@ def test_report_names_every_row_and_its_verdict() -> None:
 
 
 def test_a_folder_of_something_else_is_refused(tmp_path: Path) -> None:
-    assert checked_folder(tmp_path / "new") == tmp_path / "new"
+    assert made_folder(tmp_path / "new") == tmp_path / "new"
     (tmp_path / "thesis.txt").write_text("three years of work")
     with pytest.raises(Refusal, match="holds something that is not a report"):
-        checked_folder(tmp_path)
+        made_folder(tmp_path)
     with pytest.raises(Refusal, match="is a file"):
-        checked_folder(tmp_path / "thesis.txt")
-    with pytest.raises(Refusal, match=r"thesis\.txt is not a folder that can be written"):
-        checked_folder(tmp_path / "thesis.txt" / "report")
+        made_folder(tmp_path / "thesis.txt")
+    with pytest.raises(Refusal, match="cannot be made: Not a directory"):
+        made_folder(tmp_path / "thesis.txt" / "report")
     (tmp_path / REPORT).write_text("an earlier report")
-    assert checked_folder(tmp_path) == tmp_path
+    assert made_folder(tmp_path) == tmp_path

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 from pathlib import Path
 from typing import Annotated
@@ -24,17 +25,22 @@ def validate(
 
     from dcrb_ros.core import compiled
     from dcrb_ros.validation.report import HEADINGS, cells, summary
-    from dcrb_ros.validation.validate import checked_folder, run_all, table, write_report
+    from dcrb_ros.validation.validate import made_folder, run_all, table, write_report
 
-    folder, console = checked_folder(output), Console(stderr=True)
+    folder, console = made_folder(output), Console(stderr=True)
     if not compiled():
         console.print("compiling the kernels (once, about half a minute) ...")
-    with Progress(console=console) as progress:
-        task = progress.add_task("runs", total=None)
-        runs, agreements = run_all(
-            workers or len(os.sched_getaffinity(0)),
-            lambda done, total, name: progress.update(task, completed=done, total=total, description=name),
-        )
+    try:
+        with Progress(console=console) as progress:
+            task = progress.add_task("runs", total=None)
+            runs, agreements = run_all(
+                workers or len(os.sched_getaffinity(0)),
+                lambda done, total, name: progress.update(task, completed=done, total=total, description=name),
+            )
+    except BaseException:
+        with contextlib.suppress(OSError):
+            folder.rmdir()  # unless an earlier report lies in it
+        raise
     rows = table(runs, agreements)
     shown = Table(*HEADINGS, show_lines=True)
     for row in rows:

@@ -60,22 +60,22 @@ def table(runs: Runs, agreements: dict[str, Agreement]) -> list[Row]:
     return [*rest, *motion_rows(runs), *fault_rows(runs)]
 
 
-def checked_folder(folder: Path) -> Path:
-    """Return the folder for the report or refuse it: an earlier report may be replaced, nothing else."""
+def made_folder(folder: Path) -> Path:
+    """Make the folder for the report or refuse it: an earlier report may be replaced, nothing else."""
     if folder.exists() and not folder.is_dir():
         raise Refusal(f"{folder} is a file: give the report another folder with -o")
     if folder.exists() and any(folder.iterdir()) and not (folder / REPORT).exists():
         raise Refusal(f"{folder} holds something that is not a report: give another folder with -o")
-    above = next(parent for parent in (folder, *folder.absolute().parents) if parent.exists())
-    if not (above.is_dir() and os.access(above, os.W_OK)):
-        raise Refusal(f"{folder} cannot be made: {above} is not a folder that can be written; give another one with -o")
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise Refusal(f"{folder} cannot be made: {error.strerror}; give another folder with -o") from None
     return folder
 
 
 def write_report(folder: Path, rows: Sequence[Row], runs: Runs) -> Path:
     """Write the figures and the report into ``folder``; return the report's path."""
     try:
-        folder.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryDirectory(dir=folder, prefix=".unfinished-") as unfinished:
             made = Path(unfinished)
             names = write_figures(runs, made)
