@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import multiprocessing
 import os
+import signal
 import tempfile
 from collections.abc import Callable, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor, as_completed
@@ -36,8 +37,9 @@ def compare(name: str) -> Agreement:
 def run_all(workers: int, progress: Progress) -> tuple[Runs, dict[str, Agreement]]:
     """Run every case and comparison in processes of their own."""
     runs, agreements = {}, {}
-    # Spawned: a process forked from one with threads may never start.
-    with ProcessPoolExecutor(workers, mp_context=multiprocessing.get_context("spawn")) as pool:
+    # Spawned: a process forked from one with threads may never start. Ctrl-C is for the parent, which ends its workers.
+    spawning, ignored = multiprocessing.get_context("spawn"), (signal.SIGINT, signal.SIG_IGN)
+    with ProcessPoolExecutor(workers, mp_context=spawning, initializer=signal.signal, initargs=ignored) as pool:
         jobs: dict[Future[Any], tuple[str, str]] = {pool.submit(compare, name): (name, "") for name in WINDOWS}
         jobs.update({pool.submit(simulate, case): case.key for case in cases()})
         try:
@@ -50,6 +52,8 @@ def run_all(workers: int, progress: Progress) -> tuple[Runs, dict[str, Agreement
                 progress(done, len(jobs), f"{name} {joint}".strip())
         except BaseException:
             pool.shutdown(wait=False, cancel_futures=True)
+            for worker in multiprocessing.active_children():
+                worker.terminate()
             raise
     return runs, agreements
 
