@@ -20,6 +20,6 @@ def conformal_law(clearance: float, length: float, modulus: float) -> tuple[floa
     return (0.965 * gap + 0.0965) * width * stiffness / gap * 1000.0**exponent, exponent
 
 
-def conformal_stiffness(force: float, coefficient: float, exponent: float) -> float:
+def power_stiffness(force: float, coefficient: float, exponent: float) -> float:
     """Return the slope of F = K delta^n [N/m] under a force [N]."""
     return float(exponent * force ** (1.0 - 1.0 / exponent) * coefficient ** (1.0 / exponent))

@@ -59,7 +59,7 @@ def bar_at(payload: Payload, row: int, i: int, ahead: bool) -> bool:
 
 
 @piece
-def bind_special(payload: Payload, state: State, work: Workspace, row: int) -> None:
+def bind_special(payload: Payload, work: Workspace, row: int) -> None:
     """Correct which rollers are bound where a bar is broken, or an edge gives the outer raceway normals of its own."""
     light, count = work.light, payload.free.shape[1]
     edges = payload.notch_law == EDGE and payload.outer_notches.row.size > 0

@@ -121,7 +121,7 @@ def keep_bound(payload: Payload, state: State, work: Workspace, used: int, count
 
 
 @piece
-def let_go(payload: Payload, state: State, light: Floats, count: int) -> None:
+def let_go(state: State, light: Floats, count: int) -> None:
     """Forget the inner raceway and the bars of rollers that do not touch them."""
     own = state.lanes
     for c in range(count):

@@ -59,7 +59,7 @@ def begin(payload: Payload, state: State, work: Workspace) -> int:
             add_neighbours(payload, state, work.external, row)
         place_row(payload, state, work, row)
         if payload.any_broken or payload.notch_law != SINK:
-            bind_special(payload, state, work, row)
+            bind_special(payload, work, row)
         bound = bind_row(payload, work, row, bound)
         work.ends[row] = bound
     return gather_bound(payload, state, work, bound) if bound > 0 else 0
@@ -89,7 +89,7 @@ def step_rollers(payload: Payload, state: State, work: Workspace) -> None:
         if moved < still:
             break
     if payload.all_free:
-        let_go(payload, state, work.light, rollers)
+        let_go(state, work.light, rollers)
         keep_light(payload, state, work, rollers)
     else:
         forget(state, rollers)
