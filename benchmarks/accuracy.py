@@ -21,7 +21,7 @@ from dcrb_ros.core.payload import Payload
 from dcrb_ros.core.state import State, copy_of
 from dcrb_ros.core.step import advance
 from dcrb_ros.core.work import workspace
-from dcrb_ros.energy import kinetic_energy, potential_of_weight
+from dcrb_ros.energy import energy_of_bars, energy_of_lands, kinetic_energy, potential_of_weight
 from dcrb_ros.equilibrium import penetrations, radial_directions, stored_energy
 from dcrb_ros.model import build_payload, initial_state
 from dcrb_ros.observation import place_pinned_rollers, wrapped
@@ -332,12 +332,11 @@ class Swing(NamedTuple):
     held: bool
 
 
-OUT_OF_REACH = {"pocket_clearance": 0.003, "land_clearance": 0.01}
 SWINGS = (
     Swing("revolute", {"joint": "revolute"}, 9.81, 8, (BLOW,), (1,), True),
-    # Without friction nothing but bars holds squeezed rollers: after 4 ms they leave the loading zone.
-    Swing("pocket, no bars, no weight", {"joint": "pocket", **OUT_OF_REACH}, 0.0, 3, (BLOW,), (1,), True),
-    # A strike on a bar lasts three steps, whose phase decides what it gains or loses.
+    Swing("pocket, no weight", {"joint": "pocket"}, 0.0, 8, (0.5 * BLOW, BLOW), (1,), True),
+    # Hard blows and weight throw idle rollers from raceway to raceway: such a strike lasts four steps, and its phase decides what it gains.
+    Swing("pocket, no weight", {"joint": "pocket"}, 0.0, 8, (5.0 * BLOW,), (1, 4), False),
     Swing("pocket", {"joint": "pocket"}, 9.81, 5, (0.5 * BLOW, BLOW, 5.0 * BLOW), (1, 4), False),
 )
 
@@ -348,11 +347,7 @@ def mechanical_energy(payload: Payload, state: State) -> float:
     _, _, *depths = penetrations(payload, state.outer_position, state.inner_position, state.roller_position)
     energy = kinetic_energy(payload, state) + potential_of_weight(payload, state) - float(state.load @ state.inner_position)
     energy += 0.5 * payload.housing_stiffness * float(state.outer_position @ state.outer_position)
-    for force, coefficient, exponent in (
-        (np.abs(state.bar_force), payload.bar_coefficient, payload.bar_exponent),
-        (state.land_force, payload.land_coefficient, payload.land_exponent),
-    ):
-        energy += float((force * (force / coefficient) ** (1.0 / exponent)).sum()) / (exponent + 1.0)
+    energy += energy_of_bars(payload, state) + energy_of_lands(payload, state)
     scales = (payload.inner_scale, payload.outer_scale)
     return energy + sum(float(stored_energy(payload, depth, scale).sum()) for depth, scale in zip(depths, scales, strict=True))
 

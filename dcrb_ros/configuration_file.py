@@ -170,6 +170,8 @@ def _number(text: str) -> Scalar:
 
 
 _Loader.add_constructor(yaml.resolver.BaseResolver.DEFAULT_MAPPING_TAG, _mapping)
+
+
 def _text(loader: _Loader, node: yaml.ScalarNode) -> Scalar:
     plain = node.style is None and node.value[:1] in "+-.0123456789"
     return _number(node.value) if plain else str(node.value)
@@ -245,9 +247,7 @@ def find_configuration(source: str | Path) -> Path:
     name = path.stem if path.suffix in (".yaml", ".yml") and path.parent.name in ("", "config") else str(source)
     if name in shipped and not path.exists():
         return shipped[name]
-    raise Refusal(
-        f"there is no configuration '{source}': give a YAML file or one of {', '.join(shipped)}{nearest(str(source), shipped)}"
-    )
+    raise Refusal(f"there is no configuration '{source}': give a YAML file or one of {', '.join(shipped)}{nearest(str(source), shipped)}")
 
 
 def shipped_folder() -> Path:

@@ -19,19 +19,31 @@ def energy_of_force(payload: Payload, force: Floats, scale: float) -> Floats:
     return np.asarray(bearing * depth / (payload.power_exponent + 1.0))
 
 
+def energy_of_bars(payload: Payload, state: State) -> float:
+    """Return the energy of the contacts of free rollers with their bars, where they stand [J]."""
+    cosine, sine = np.cos(state.cage_position[:, 2, None]), np.sin(state.cage_position[:, 2, None])
+    px, py = payload.pocket_tangent[..., 0], payload.pocket_tangent[..., 1]
+    arm = state.roller_position[..., :2] - state.cage_position[:, None, :2]
+    along = arm[..., 0] * (cosine * px - sine * py) + arm[..., 1] * (sine * px + cosine * py)
+    barred = payload.free & ~np.where(along > 0.0, payload.broken, np.roll(payload.broken, 1, axis=1))
+    depth = np.where(barred, np.maximum(np.abs(along) - payload.pocket_clearance, 0.0), 0.0)
+    return float((payload.bar_coefficient * depth ** (payload.bar_exponent + 1.0)).sum()) / (payload.bar_exponent + 1.0)
+
+
+def energy_of_lands(payload: Payload, state: State) -> float:
+    """Return the energy of the contacts of the cages with their lands, where they stand [J]."""
+    offset = np.linalg.norm(state.cage_position[:, :2] - state.outer_position, axis=-1)
+    depth = np.maximum(offset - payload.land_clearance, 0.0)
+    return float((payload.land_coefficient * depth ** (payload.land_exponent + 1.0)).sum()) / (payload.land_exponent + 1.0)
+
+
 def elastic_energy(payload: Payload, state: State) -> float:
-    """Return the energy of raceway contacts, rollers on rollers, bars and lands over the last step, and of the housing [J]."""
+    """Return the energy of the housing and of all contacts, but for bars and lands as the last step's forces tell it [J]."""
     energy = 0.5 * payload.housing_stiffness * float(state.outer_position @ state.outer_position)
     scales = (payload.inner_scale, payload.outer_scale, payload.roller_scale)
     for force, scale in zip((state.inner_force, state.outer_force, state.next_force), scales, strict=True):
         energy += float(energy_of_force(payload, force, scale).sum())
-    for force, coefficient, exponent in (
-        (state.bar_force, payload.bar_coefficient, payload.bar_exponent),
-        (state.land_force, payload.land_coefficient, payload.land_exponent),
-    ):
-        depth = (np.abs(force) / coefficient) ** (1.0 / exponent)
-        energy += float((np.abs(force) * depth).sum()) / (exponent + 1.0)
-    return energy
+    return energy + energy_of_bars(payload, state) + energy_of_lands(payload, state)
 
 
 def potential_of_weight(payload: Payload, state: State) -> float:

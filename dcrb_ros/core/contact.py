@@ -8,6 +8,9 @@ from dcrb_ros.core.arithmetic import logarithm
 from dcrb_ros.core.jit import kernel
 from dcrb_ros.core.payload import JOHNSON, Payload
 
+LEAST_PENETRATION = 1e-15
+"""What stands for the penetration of an open contact, so that the law can be written without a branch [m]."""
+
 
 @kernel
 def line_contact(log_ratio: float) -> tuple[float, float]:

@@ -131,8 +131,9 @@ CONTACT_FIELDS = 22
 force and stiffness; surface speed of the ring along the normal; bristle and what rolling carries out of the contact; normal force PUSH +
 GIVE * approach, friction CONSTANT + SLOPE * slip and its bristle's law; normal force known beforehand; damping; friction and
 slip found."""
-LEVER_X, LEVER_Y, AHEAD = RADIAL_X, RADIAL_Y, DISTANCE
-"""Of a bar's contact, in the same places: lever from the cage's centre; 1 for the bar ahead of the roller, -1 for the one behind."""
+LEVER_X, LEVER_Y, AHEAD, IMPACT = RADIAL_X, RADIAL_Y, DISTANCE, SINK
+"""Of a bar's contact, in the same places: lever from the cage's centre; 1 for the bar ahead of the roller, -1 for the one behind, 0 for
+none in reach; speed at which the contact closed."""
 
 INNER, OUTER, BAR = 0, LANES * CONTACT_FIELDS, 2 * LANES * CONTACT_FIELDS
 """What is added to a contact's field for each of a roller's contacts; a bar's normal is the pocket's tangent."""

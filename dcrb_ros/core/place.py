@@ -20,8 +20,9 @@ def place_row(payload: Payload, state: State, work: Workspace, row: int) -> None
     cage_x, cage_y = state.cage_position[row, 0], state.cage_position[row, 1]
     cosine, sine = work.heading[row, 0], work.heading[row, 1]
     pitch, clearance, fall = payload.pitch_radius, payload.pocket_clearance, 0.5 * h * payload.gravity
-    old_x, old_y, old_rim = state.cage_velocity[row, 0], state.cage_velocity[row, 1], pitch * state.cage_velocity[row, 2]
+    old_x, old_y, old_turn = state.cage_velocity[row, 0], state.cage_velocity[row, 1], state.cage_velocity[row, 2]
     mean_x, mean_y, mean_rim = work.mean[CAGE + row, 0], work.mean[CAGE + row, 1], pitch * work.mean[CAGE + row, 2]
+    old_rim = pitch * old_turn
     inner_x, inner_y, outer_x, outer_y = state.inner_position[0], state.inner_position[1], state.outer_position[0], state.outer_position[1]
     inner_reach, outer_reach = payload.inner_raceway_radius + radius, payload.outer_raceway_radius - radius
     inner_square, outer_square = inner_reach * inner_reach, outer_reach * outer_reach
@@ -46,7 +47,10 @@ def place_row(payload: Payload, state: State, work: Workspace, row: int) -> None
         step[at.OUTER + at.BRISTLE + c] = own[at.OUTER_BRISTLE + c]
         ix, iy, ox, oy = x - inner_x, y - inner_y, x - outer_x, y - outer_y
         inner_near, outer_near = inner_square - ix * ix - iy * iy, ox * ox + oy * oy - outer_square
-        bar_near = abs((x - cage_x) * tx + (y - cage_y) * ty) - clearance if free else -1.0
+        ax, ay = x - cage_x, y - cage_y
+        # A bar counts where the roller touches it at the step's beginning, or will at its end.
+        rate = (before_x - old_x) * tx + (before_y - old_y) * ty - old_turn * (ax * ty - ay * tx)
+        bar_near = abs(ax * tx + ay * ty) + 0.5 * h * abs(rate) - clearance if free else -1.0
         if_outer = 0.0 if free else outer_near
         nearest = max(max(inner_near, bar_near), if_outer)
         step[at.OUTER_NEAR + c], step[at.BAR_NEAR + c], step[at.BOUND + c] = outer_near, bar_near, 1.0 if nearest > 0.0 else 0.0

@@ -96,7 +96,8 @@ def keep_bound(payload: Payload, state: State, work: Workspace, used: int, count
     own, near, by_radius, h = state.lanes, work.bound, 1.0 / payload.roller_radius, payload.step
     settle(near, at.INNER, count, work.mean[INNER, 0], work.mean[INNER, 1], surface, 1.0, h, True)
     settle(near, at.OUTER, count, work.mean[OUTER, 0], work.mean[OUTER, 1], 0.0, -1.0, h, False)
-    settle_bars(near, work.mean, count, h)
+    if payload.any_free:
+        settle_bars(near, work.mean, count, h)
     for k in range(used):
         c = work.order[k]
         own[at.INNER_FORCE + c], own[at.OUTER_FORCE + c] = near[at.INNER + at.KNOWN + k], near[at.OUTER + at.KNOWN + k]
@@ -113,8 +114,7 @@ def keep_bound(payload: Payload, state: State, work: Workspace, used: int, count
         if near[at.MOVING + k] > 0.0:
             own[at.BAR_FORCE + c] = near[at.BAR + at.AHEAD + k] * near[at.BAR + at.KNOWN + k]
             own[at.BAR_BRISTLE + c] = near[at.BAR + at.BRISTLE + k]
-            if near[at.BAR + at.AHEAD + k] == 0.0:
-                own[at.BAR_IMPACT + c] = 0.0
+            own[at.BAR_IMPACT + c] = near[at.BAR + at.IMPACT + k]
             x, y = near[at.MEAN_X + k], near[at.MEAN_Y + k]
             own[at.CHANGE_X + c], own[at.CHANGE_Y + c] = 2.0 * (x - near[at.BEFORE_X + k]), 2.0 * (y - near[at.BEFORE_Y + k])
             own[at.VX + c], own[at.VY + c] = 2.0 * x - near[at.BEFORE_X + k], 2.0 * y - near[at.BEFORE_Y + k]

@@ -10,6 +10,7 @@ and further sweeps over the bound rollers take out what the prediction lacked, a
 from __future__ import annotations
 
 from dcrb_ros.core import lanes as at
+from dcrb_ros.core.bars import touch_bars
 from dcrb_ros.core.bodies import drift, finish_bodies, move_cage, move_rings, predict_bodies, touch_land
 from dcrb_ros.core.jit import kernel, loop, piece
 from dcrb_ros.core.neighbours import add_neighbours
@@ -19,7 +20,7 @@ from dcrb_ros.core.raceway import turn_notches
 from dcrb_ros.core.remember import forget, keep_bound, keep_light, let_go
 from dcrb_ros.core.solve import prepare_bound, push_bound, push_light, solve_bound, solve_light
 from dcrb_ros.core.state import State
-from dcrb_ros.core.touch import touch_bars, touch_raceways
+from dcrb_ros.core.touch import touch_raceways
 from dcrb_ros.core.work import OUTER, Workspace
 
 MOST_SWEEPS = 6
@@ -77,7 +78,8 @@ def step_rollers(payload: Payload, state: State, work: Workspace) -> None:
         solve_light(payload, work.light, rollers, work.mean[OUTER, 0], work.mean[OUTER, 1])
         push_light(work, rollers)
     touch_raceways(payload, state, work, work.bound, work.order, used, count, True)
-    touch_bars(payload, state, work, used, count)
+    if payload.any_free:
+        touch_bars(payload, state, work, used, count)
     prepare_bound(payload, work, count)
     still = STILL * payload.step * payload.step * payload.step
     for _ in range(MOST_SWEEPS):

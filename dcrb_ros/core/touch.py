@@ -1,24 +1,20 @@
-"""The contacts of many rollers at once: how deep, how hard, and each as a straight line over the mean velocities of the step."""
+"""The raceway contacts of many rollers at once: how deep, how hard, each as a straight line over the mean velocities of the step."""
 
 from __future__ import annotations
 
 import math
 
 from dcrb_ros.core import lanes as at
-from dcrb_ros.core.cage import conformal_contact
-from dcrb_ros.core.contact import johnson_force, loss_coefficient, power_force
+from dcrb_ros.core.contact import LEAST_PENETRATION, johnson_force, loss_coefficient, power_force
 from dcrb_ros.core.friction import convection_rate, friction_line
 from dcrb_ros.core.jit import piece
 from dcrb_ros.core.payload import JOHNSON, SINK, Floats, Integers, Notches, Payload
-from dcrb_ros.core.place import bar_at
 from dcrb_ros.core.raceway import edge_contact, inner_notch_depth, notch_under, outer_notch_depth, roller_sink
 from dcrb_ros.core.state import State
-from dcrb_ros.core.work import CAGE, INNER, OUTER, Workspace
+from dcrb_ros.core.work import INNER, OUTER, Workspace
 
 DISPERSION = 1.0 / 12.0
 """Share h^2 k/12 of a stiffness k that is added to the mass: leapfrog then has the right frequency to fourth order."""
-LEAST_PENETRATION = 1e-15
-"""What stands for the penetration of an open contact, so that the law can be written without a branch [m]."""
 
 
 @piece
@@ -253,45 +249,3 @@ def cut_raceways(payload: Payload, state: State, work: Workspace, lanes: Floats,
     if inner_too:
         surface = state.shaft[1] * payload.inner_raceway_radius
         cut_edges(lanes, at.INNER, used, order, payload.inner_notches, work.inner_towards, surface, inner_x, inner_y, True, payload)
-
-
-@piece
-def touch_bars(payload: Payload, state: State, work: Workspace, used: int, count: int) -> None:
-    """Write the contacts of bound rollers with their bars: along the pocket's tangent, friction is radial."""
-    near, radius = work.bound, payload.roller_radius
-    for k in range(count):
-        near[at.BAR + at.PUSH + k] = near[at.BAR + at.GIVE + k] = near[at.BAR + at.CONSTANT + k] = near[at.BAR + at.SLOPE + k] = 0.0
-        near[at.BAR + at.KNOWN + k] = near[at.BAR + at.DAMPING + k] = near[at.BAR + at.RATE + k] = near[at.BAR + at.PHI + k] = 0.0
-        near[at.BAR + at.AHEAD + k] = near[at.BAR + at.LEVER_X + k] = near[at.BAR + at.LEVER_Y + k] = 0.0
-    for k in range(used):
-        if near[at.BAR_NEAR + k] <= 0.0:
-            continue
-        row = work.rows[k]
-        i = work.order[k] - row * payload.free.shape[1]
-        tx, ty = near[at.TAU_X + k], near[at.TAU_Y + k]
-        ax, ay = near[at.PLACE_X + k] - state.cage_position[row, 0], near[at.PLACE_Y + k] - state.cage_position[row, 1]
-        ahead = ax * tx + ay * ty > 0.0
-        if not bar_at(payload, row, i, ahead):
-            continue
-        sign = 1.0 if ahead else -1.0
-        rx, ry = ax + sign * radius * tx, ay + sign * radius * ty
-        body = CAGE + row
-        turn, old_turn = work.mean[body, 2], state.cage_velocity[row, 2]
-        vx, vy = near[at.COMING_X + k] - work.mean[body, 0] + turn * ry, near[at.COMING_Y + k] - work.mean[body, 1] - turn * rx
-        ux = near[at.BEFORE_X + k] - state.cage_velocity[row, 0] + old_turn * ry
-        uy = near[at.BEFORE_Y + k] - state.cage_velocity[row, 1] - old_turn * rx
-        rate, before = sign * (vx * tx + vy * ty), sign * (ux * tx + uy * ty)
-        force, stiffness, damping, impact = conformal_contact(
-            near[at.BAR_NEAR + k], rate, state.bar_impact[row, i], payload.bar_coefficient, payload.bar_exponent, payload.impact_loss
-        )
-        inertia, known = 2.0 * DISPERSION * payload.step * stiffness, force + damping * rate
-        slip = vx * ty - vy * tx - sign * near[at.COMING_RIM + k]
-        constant, slope, relaxation, phi = friction_line(
-            slip, near[at.BAR + at.BRISTLE + k], payload.bar_friction, payload.bar_friction, 0.0, payload
-        )
-        near[at.BAR + at.PUSH + k], near[at.BAR + at.GIVE + k] = force - inertia * before, damping + inertia
-        near[at.BAR + at.CONSTANT + k], near[at.BAR + at.SLOPE + k] = constant * known, slope * known
-        near[at.BAR + at.RATE + k], near[at.BAR + at.PHI + k] = relaxation, phi
-        near[at.BAR + at.KNOWN + k], near[at.BAR + at.DAMPING + k] = known, damping
-        near[at.BAR + at.AHEAD + k], near[at.BAR + at.LEVER_X + k], near[at.BAR + at.LEVER_Y + k] = sign, rx, ry
-        state.bar_impact[row, i] = impact

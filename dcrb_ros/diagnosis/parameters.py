@@ -32,9 +32,7 @@ class DetectorParameters(Group):
     inner_baseline: float = quantity(3.5, "m/s^2", "BPFI lines of the healthy bearing at 20 Hz of shaft frequency", 0.0, 1e5)
     speed_exponent: float = quantity(1.2, "-", "Exponent of the shaft frequency in both baselines", 0.0, 4.0)
     outer_margin: float = quantity(3.0, "dB", "BPFO line over its baseline from which an outer-ring defect is named", 0.0, 60.0)
-    inner_margin: float = quantity(
-        5.0, "dB", "BPFI lines over their baseline from which an inner-ring defect is named", 0.0, 60.0
-    )
+    inner_margin: float = quantity(5.0, "dB", "BPFI lines over their baseline from which an inner-ring defect is named", 0.0, 60.0)
     outer_level: float = quantity(9.5, "dB", "BPFO line over its background that an outer-ring defect must have", 0.0, 60.0)
     inner_level: float = quantity(
         3.8, "dB", "BPFI lines and sidebands over their background that an inner-ring defect must have", 0.0, 60.0
