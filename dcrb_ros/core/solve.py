@@ -137,7 +137,7 @@ def push_light(work: Workspace, count: int) -> None:
 
 
 @piece
-def push_bound(payload: Payload, work: Workspace, used: int) -> None:
+def push_bound(payload: Payload, work: Workspace) -> None:
     """Write what bound rollers do to rings and cages, row by row so that rows that are alike stay alike."""
     near, k = work.bound, 0
     for body in range(work.tight.shape[0]):

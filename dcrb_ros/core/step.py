@@ -20,7 +20,7 @@ from dcrb_ros.core.raceway import turn_notches
 from dcrb_ros.core.remember import forget, keep_bound, keep_light, let_go
 from dcrb_ros.core.solve import prepare_bound, push_bound, push_light, solve_bound, solve_light
 from dcrb_ros.core.state import State
-from dcrb_ros.core.touch import touch_raceways
+from dcrb_ros.core.touch import draw_raceways, face_raceways, press_raceways
 from dcrb_ros.core.work import OUTER, Workspace
 
 MOST_SWEEPS = 6
@@ -67,35 +67,59 @@ def begin(payload: Payload, state: State, work: Workspace) -> int:
 
 
 @piece
-def step_rollers(payload: Payload, state: State, work: Workspace) -> None:
-    """Move rollers, rings and cages over one step, from the forces at its middle."""
-    rows, rollers, last = payload.free.shape[0], payload.free.shape[0] * payload.free.shape[1], payload.free.shape[0] - 1
-    surface = state.shaft[1] * payload.inner_raceway_radius
-    count = begin(payload, state, work)
-    used = work.ends[last]
+def face_all(payload: Payload, state: State, work: Workspace, count: int) -> None:
+    """Write how rollers lie to the raceways; bound ones take ``count`` lanes."""
     if payload.all_free:
-        touch_raceways(payload, state, work, work.light, work.every, rollers, rollers, False)
-        solve_light(payload, work.light, rollers, work.mean[OUTER, 0], work.mean[OUTER, 1])
-        push_light(work, rollers)
-    touch_raceways(payload, state, work, work.bound, work.order, used, count, True)
+        face_raceways(payload, state, work.light, payload.free.size, payload.free.size, False)
+    face_raceways(payload, state, work.bound, work.ends[work.ends.size - 1], count, True)
+
+
+@piece
+def press_all(payload: Payload, state: State, work: Workspace, count: int) -> None:
+    """Write the elastic forces of the raceways."""
+    if payload.all_free:
+        press_raceways(payload, state, work, work.light, work.every, payload.free.size, payload.free.size, False)
+    press_raceways(payload, state, work, work.bound, work.order, work.ends[work.ends.size - 1], count, True)
+
+
+@piece
+def draw_all(payload: Payload, state: State, work: Workspace, count: int) -> None:
+    """Write all contacts of rollers with raceways and bars as lines over the mean velocities of the step."""
+    if payload.all_free:
+        draw_raceways(payload, state, work, work.light, payload.free.size, False)
+    draw_raceways(payload, state, work, work.bound, count, True)
     if payload.any_free:
-        touch_bars(payload, state, work, used, count)
+        touch_bars(payload, state, work, work.ends[work.ends.size - 1], count)
+
+
+@piece
+def solve(payload: Payload, state: State, work: Workspace, count: int) -> None:
+    """Solve for the mean velocities of all bodies, those of rings and cages being predicted at first."""
+    if payload.all_free:
+        solve_light(payload, work.light, payload.free.size, work.mean[OUTER, 0], work.mean[OUTER, 1])
+        push_light(work, payload.free.size)
     prepare_bound(payload, work, count)
+    surface = state.shaft[1] * payload.inner_raceway_radius
     still = STILL * payload.step * payload.step * payload.step
     for _ in range(MOST_SWEEPS):
         solve_bound(payload, work, count, surface)
-        push_bound(payload, work, used)
+        push_bound(payload, work)
         moved = move_rings(payload, state, work)
-        for row in range(rows):
+        for row in range(payload.free.shape[0]):
             moved = max(moved, move_cage(payload, state, work, row))
         if moved < still:
             break
+
+
+@piece
+def keep(payload: Payload, state: State, work: Workspace, count: int) -> None:
+    """Keep what became of the rollers."""
     if payload.all_free:
-        let_go(state, work.light, rollers)
-        keep_light(payload, state, work, rollers)
+        let_go(state, work.light, payload.free.size)
+        keep_light(payload, state, work, payload.free.size)
     else:
-        forget(state, rollers)
-    keep_bound(payload, state, work, used, count, surface)
+        forget(state, payload.free.size)
+    keep_bound(payload, state, work, work.ends[work.ends.size - 1], count, state.shaft[1] * payload.inner_raceway_radius)
 
 
 @piece
@@ -126,7 +150,12 @@ def advance(payload: Payload, state: State, work: Workspace, acceleration: Float
         turn_notches(payload.inner_notches, state.shaft[0], work.inner_towards)
         predict_bodies(state, work)
         clear(work.loose)
-        step_rollers(payload, state, work)
+        count = begin(payload, state, work)
+        face_all(payload, state, work, count)
+        press_all(payload, state, work, count)
+        draw_all(payload, state, work, count)
+        solve(payload, state, work, count)
+        keep(payload, state, work, count)
         finish_bodies(payload, state, work)
         for axis in range(2):
             acceleration[n, axis] = state.outer_change[axis] / h

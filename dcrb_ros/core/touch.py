@@ -194,21 +194,24 @@ def cut_edges(
 
 
 @piece
-def touch_raceways(
-    payload: Payload, state: State, work: Workspace, lanes: Floats, order: Integers, used: int, count: int, inner_too: bool
-) -> None:
-    """Write the contacts of ``used`` rollers in ``count`` lanes with the outer raceway, and with the inner one if asked."""
-    radius, surface = payload.roller_radius, state.shaft[1] * payload.inner_raceway_radius
+def face_raceways(payload: Payload, state: State, lanes: Floats, used: int, count: int, inner_too: bool) -> None:
+    """Write how ``used`` rollers in ``count`` lanes lie to the outer raceway, and to the inner one if asked."""
+    radius = payload.roller_radius
     outer_reach, inner_reach = payload.outer_raceway_radius - radius, payload.inner_raceway_radius + radius
     outer_x, outer_y, inner_x, inner_y = state.outer_position[0], state.outer_position[1], state.inner_position[0], state.inner_position[1]
-    outer_mean, inner_mean = (work.mean[OUTER, 0], work.mean[OUTER, 1]), (work.mean[INNER, 0], work.mean[INNER, 1])
-    outer_old, inner_old = (state.outer_velocity[0], state.outer_velocity[1]), (state.inner_velocity[0], state.inner_velocity[1])
     for c in range(count):
         face(lanes, at.OUTER, c, outer_x, outer_y, outer_reach, -1.0)
         if inner_too:
             face(lanes, at.INNER, c, inner_x, inner_y, inner_reach, 1.0)
     for c in range(used, count):
         lanes[at.OUTER + at.PENETRATION + c] = lanes[at.INNER + at.PENETRATION + c] = -1.0
+
+
+@piece
+def press_raceways(
+    payload: Payload, state: State, work: Workspace, lanes: Floats, order: Integers, used: int, count: int, inner_too: bool
+) -> None:
+    """Write elastic forces and stiffnesses of the raceway contacts, notches included."""
     if payload.any_notch:
         notch_raceways(payload, state, work, lanes, order, used, inner_too)
     if payload.contact_law == JOHNSON:
@@ -222,6 +225,14 @@ def touch_raceways(
             press_by_power(lanes, at.INNER, count, payload)
     if payload.any_notch and payload.notch_law != SINK:
         cut_raceways(payload, state, work, lanes, order, used, inner_too)
+
+
+@piece
+def draw_raceways(payload: Payload, state: State, work: Workspace, lanes: Floats, count: int, inner_too: bool) -> None:
+    """Write normal forces with their loss and friction of the raceway contacts as lines."""
+    surface = state.shaft[1] * payload.inner_raceway_radius
+    outer_mean, inner_mean = (work.mean[OUTER, 0], work.mean[OUTER, 1]), (work.mean[INNER, 0], work.mean[INNER, 1])
+    outer_old, inner_old = (state.outer_velocity[0], state.outer_velocity[1]), (state.inner_velocity[0], state.inner_velocity[1])
     if payload.convection > 0.0:
         convect(lanes, at.OUTER, count, outer_mean, 0.0, payload.outer_width, payload.outer_raceway_radius, payload)
         if inner_too:

@@ -1,0 +1,105 @@
+"""Where the time of a step goes: the time loop once more, with the processor's clock read between its phases.
+
+The phases overlap on the processor; reading the clock keeps them apart, which makes the step a little longer than it is.
+"""
+
+from __future__ import annotations
+
+import itertools
+import time
+from typing import Any
+
+import numpy as np
+from llvmlite import ir
+from numba import types
+from numba.extending import intrinsic
+
+from dcrb_ros.configuration import Configuration
+from dcrb_ros.configuration_file import load_configuration
+from dcrb_ros.core.bodies import drift, finish_bodies, predict_bodies
+from dcrb_ros.core.jit import loop
+from dcrb_ros.core.payload import Floats, Payload
+from dcrb_ros.core.raceway import turn_notches
+from dcrb_ros.core.state import State
+from dcrb_ros.core.step import advance, begin, clear, draw_all, face_all, keep, lay_out, press_all, solve
+from dcrb_ros.core.work import Workspace, workspace
+from dcrb_ros.model import build_payload, initial_state
+
+PHASES = ("geometry", "normal force", "friction", "linear solve", "integration")
+SETTLING, DURATION = 0.1, 0.5
+"""Simulated time before and of the measurement [s]."""
+BENCHES = ("healthy", "outer_ring_defect", "inner_ring_defect", "cage_fracture")
+JOINTS = ("revolute", "pocket")
+
+
+@intrinsic
+def ticks(typingctx: Any) -> Any:
+    """Return the processor's clock."""
+
+    def codegen(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        clock = builder.module.declare_intrinsic("llvm.readcyclecounter", fnty=ir.FunctionType(ir.IntType(64), []))
+        return builder.call(clock, [])
+
+    return types.int64(), codegen
+
+
+@loop
+def advance_by_phases(payload: Payload, state: State, work: Workspace, steps: int, spent: Floats) -> None:
+    """Advance the state at constant speed and load; add the ticks of each phase to ``spent``, shape (phases,)."""
+    lay_out(payload, state)
+    turn_notches(payload.outer_notches, 0.0, work.outer_towards)
+    for _ in range(steps):
+        t0 = ticks()
+        drift(payload, state, 0.5 * payload.step)
+        predict_bodies(state, work)
+        clear(work.loose)
+        t1 = ticks()
+        turn_notches(payload.inner_notches, state.shaft[0], work.inner_towards)
+        count = begin(payload, state, work)
+        face_all(payload, state, work, count)
+        t2 = ticks()
+        press_all(payload, state, work, count)
+        t3 = ticks()
+        draw_all(payload, state, work, count)
+        t4 = ticks()
+        solve(payload, state, work, count)
+        t5 = ticks()
+        keep(payload, state, work, count)
+        finish_bodies(payload, state, work)
+        drift(payload, state, 0.5 * payload.step)
+        t6 = ticks()
+        spent[0] += t2 - t1
+        spent[1] += t3 - t2
+        spent[2] += t4 - t3
+        spent[3] += t5 - t4
+        spent[4] += t6 - t5 + t1 - t0
+
+
+def costs(configuration: Configuration) -> tuple[Floats, float, float]:
+    """Return the cost of the phases, of a step with the clock read between them, and of a step without [us]."""
+    payload = build_payload(configuration)
+    state, work = initial_state(configuration, payload), workspace(payload)
+    settling, steps = round(SETTLING / payload.step), round(DURATION / payload.step)
+    acceleration, angles = np.empty((steps, 2)), np.empty(steps)
+    advance(payload, state, work, acceleration[:settling], angles[:settling])
+    advance_by_phases(payload, state, work, 1, np.zeros(len(PHASES)))
+    start = time.perf_counter()
+    advance(payload, state, work, acceleration, angles)
+    plain, spent = 1e6 * (time.perf_counter() - start) / steps, np.zeros(len(PHASES))
+    start = time.perf_counter()
+    advance_by_phases(payload, state, work, steps, spent)
+    timed = 1e6 * (time.perf_counter() - start) / steps
+    return spent / spent.sum() * timed, timed, plain
+
+
+def main() -> None:
+    """Print a table."""
+    print("| bench | joint | " + " | ".join(f"{name} [us]" for name in (*PHASES, "sum", "step")) + " |")
+    print("|---|---|" + "---|" * (len(PHASES) + 2))
+    for name, joint in itertools.product(BENCHES, JOINTS):
+        phases, timed, plain = costs(load_configuration(name, [f"cage.joint={joint}"]))
+        print(f"| {name} | {joint} | " + " | ".join(f"{cost:.2f}" for cost in (*phases, timed, plain)) + " |", flush=True)
+
+
+if __name__ == "__main__":
+    main()
