@@ -102,6 +102,7 @@ def build_payload(configuration: Configuration) -> Payload:
         pocket_tangent=tangent,
         free=free,
         broken=broken,
+        gaps=np.array([(row, i, (i + 1) % b.rollers_per_row) for row, i in np.argwhere(broken)], np.int64).reshape(-1, 3),
         beside=broken | np.roll(broken, 1, axis=1),
         all_free=bool(free.all()),
         any_broken=bool(broken.any()),

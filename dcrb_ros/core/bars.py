@@ -1,37 +1,57 @@
-"""Contacts of bound rollers with the bars of their pockets, each as a straight line over the mean velocities of the step.
+"""Conformal contacts: cages with their lands, and bound rollers with the bars of their pockets.
 
-Few of them are closed at any time: one after the other, not all lanes at once.
+Few of them are closed at any time. They are found one by one and put side by side, so that their law, three powers each, is
+worked out for all of them at once.
 """
 
 from __future__ import annotations
 
+import math
+
 from dcrb_ros.core import lanes as at
 from dcrb_ros.core.cage import LEAST_IMPACT, impact_damping, strike
-from dcrb_ros.core.friction import friction_line
+from dcrb_ros.core.friction import bristle_after, friction_line
 from dcrb_ros.core.jit import piece
-from dcrb_ros.core.payload import Floats, Payload
-from dcrb_ros.core.place import bar_at
-from dcrb_ros.core.state import State
-from dcrb_ros.core.work import CAGE, Workspace
+from dcrb_ros.core.payload import Floats, Integers, Payload
+from dcrb_ros.core.place import bar_at, filled
+from dcrb_ros.core.state import FRICTION, LOSS, State
+from dcrb_ros.core.work import CAGE, OUTER, Workspace
+
+CONCENTRIC = 1e-15
+"""Least distance of two centres, so that there is a direction from one to the other [m]."""
 
 
 @piece
-def clear_bars(near: Floats, count: int) -> None:
-    """Write that no bar is touched."""
-    for k in range(count):
-        near[at.BAR + at.PUSH + k] = near[at.BAR + at.GIVE + k] = near[at.BAR + at.CONSTANT + k] = near[at.BAR + at.SLOPE + k] = 0.0
-        near[at.BAR + at.KNOWN + k] = near[at.BAR + at.DAMPING + k] = near[at.BAR + at.RATE + k] = near[at.BAR + at.PHI + k] = 0.0
-        near[at.BAR + at.AHEAD + k] = near[at.BAR + at.LEVER_X + k] = near[at.BAR + at.LEVER_Y + k] = 0.0
-        near[at.BAR + at.IMPACT + k] = 0.0
+def find_lands(payload: Payload, state: State, work: Workspace) -> int:
+    """Write how the cages in reach of the outer ring's land lie to it, in the first conformal lanes; return where they end."""
+    lanes, h, found = work.conformal, payload.step, 0
+    for row in range(payload.free.shape[0]):
+        dx, dy = state.cage_position[row, 0] - state.outer_position[0], state.cage_position[row, 1] - state.outer_position[1]
+        distance = max(math.sqrt(dx * dx + dy * dy), CONCENTRIC)
+        nx, ny = dx / distance, dy / distance
+        before = (state.cage_velocity[row, 0] - state.outer_velocity[0]) * nx + (state.cage_velocity[row, 1] - state.outer_velocity[1]) * ny
+        if distance + 0.5 * h * abs(before) <= payload.land_clearance:
+            state.land_force[row] = state.land_impact[row] = state.land_bristle[row] = 0.0
+            continue
+        vx, vy = work.mean[CAGE + row, 0] - work.mean[OUTER, 0], work.mean[CAGE + row, 1] - work.mean[OUTER, 1]
+        lanes[at.TOWARDS_X + found], lanes[at.TOWARDS_Y + found] = nx, ny
+        lanes[at.BEGIN + found] = distance - payload.land_clearance - 0.5 * h * before
+        lanes[at.BEFORE + found], lanes[at.CLOSING + found] = before, vx * nx + vy * ny
+        lanes[at.SLIDING + found] = vy * nx - vx * ny + payload.land_radius * work.mean[CAGE + row, 2]
+        lanes[at.LAST + found], lanes[at.CLOSED_AT + found] = state.land_force[row], state.land_impact[row]
+        lanes[at.BENT + found] = state.land_bristle[row]
+        lanes[at.COEFFICIENT + found], lanes[at.EXPONENT + found] = payload.land_coefficient, payload.land_exponent
+        lanes[at.LIGHTNESS + found] = 0.5 * h * (1.0 / payload.train_mass[row] + 1.0 / payload.outer_ring_mass)
+        work.touched[found] = row
+        found += 1
+    return found
 
 
 @piece
-def touch_bars(payload: Payload, state: State, work: Workspace, used: int, count: int) -> None:
-    """Write the contacts of bound rollers with their bars: along the pocket's tangent, friction is radial."""
-    near, radius, h = work.bound, payload.roller_radius, payload.step
-    clear_bars(near, count)
-    yielding = 0.5 * h / payload.roller_mass
-    for k in range(used):
+def find_bars(payload: Payload, state: State, work: Workspace, found: int) -> int:
+    """Write how bound rollers lie to bars in reach, from lane ``found`` of the conformal contacts on; return where they end."""
+    near, lanes, radius, h = work.bound, work.conformal, payload.roller_radius, payload.step
+    for k in range(work.ends[work.ends.size - 1]):
         if near[at.BAR_NEAR + k] <= 0.0:
             continue
         row = work.rows[k]
@@ -50,18 +70,103 @@ def touch_bars(payload: Payload, state: State, work: Workspace, used: int, count
         ux = near[at.BEFORE_X + k] - state.cage_velocity[row, 0] + old_turn * ry
         uy = near[at.BEFORE_Y + k] - state.cage_velocity[row, 1] - old_turn * rx
         before = sign * (ux * tx + uy * ty)
-        begin = abs(along) - payload.pocket_clearance - 0.5 * h * before
-        last = abs(state.bar_force[row, i])
-        force, slope, rate = strike(begin, sign * (vx * tx + vy * ty), last, yielding, h, payload.bar_coefficient, payload.bar_exponent)
-        impact = state.bar_impact[row, i] if state.bar_impact[row, i] > 0.0 else max(before, LEAST_IMPACT)
-        damping = impact_damping(force, rate, impact, payload.impact_loss)
-        known, slip = force + damping * rate, vx * ty - vy * tx - sign * near[at.COMING_RIM + k]
-        constant, line, relaxation, phi = friction_line(
-            slip, near[at.BAR + at.BRISTLE + k], payload.bar_friction, payload.bar_friction, 0.0, payload
-        )
-        near[at.BAR + at.PUSH + k], near[at.BAR + at.GIVE + k] = force - slope * rate, slope + damping
-        near[at.BAR + at.CONSTANT + k], near[at.BAR + at.SLOPE + k] = constant * known, line * known
-        near[at.BAR + at.RATE + k], near[at.BAR + at.PHI + k] = relaxation, phi
-        near[at.BAR + at.KNOWN + k], near[at.BAR + at.DAMPING + k] = known, damping
+        lanes[at.BEGIN + found], lanes[at.BEFORE + found] = abs(along) - payload.pocket_clearance - 0.5 * h * before, before
+        lanes[at.CLOSING + found] = sign * (vx * tx + vy * ty)
+        lanes[at.SLIDING + found] = vx * ty - vy * tx - sign * near[at.COMING_RIM + k]
+        lanes[at.LAST + found], lanes[at.CLOSED_AT + found] = abs(state.bar_force[row, i]), state.bar_impact[row, i]
+        lanes[at.BENT + found] = near[at.BAR + at.BRISTLE + k]
+        lanes[at.COEFFICIENT + found], lanes[at.EXPONENT + found] = payload.bar_coefficient, payload.bar_exponent
+        lanes[at.LIGHTNESS + found] = 0.5 * h / payload.roller_mass
         near[at.BAR + at.AHEAD + k], near[at.BAR + at.LEVER_X + k], near[at.BAR + at.LEVER_Y + k] = sign, rx, ry
-        near[at.BAR + at.IMPACT + k] = impact if force > 0.0 else 0.0
+        work.touched[found] = k
+        found += 1
+    return found
+
+
+@piece
+def meet(payload: Payload, lanes: Floats, found: int) -> None:
+    """Write the law of all conformal contacts found: elastic force and its slope, damping, friction."""
+    count = filled(found)
+    for c in range(found, count):
+        lanes[at.BEGIN + c], lanes[at.CLOSING + c], lanes[at.BEFORE + c], lanes[at.LAST + c] = -1.0, 0.0, 0.0, 0.0
+    for c in range(count):
+        force, give, rate = strike(
+            lanes[at.BEGIN + c],
+            lanes[at.CLOSING + c],
+            lanes[at.LAST + c],
+            lanes[at.LIGHTNESS + c],
+            payload.step,
+            lanes[at.COEFFICIENT + c],
+            lanes[at.EXPONENT + c],
+        )
+        closed_at = lanes[at.CLOSED_AT + c]
+        impact = closed_at if closed_at > 0.0 else max(lanes[at.BEFORE + c], LEAST_IMPACT)
+        damping = impact_damping(force, rate, impact, payload.impact_loss)
+        constant, slope, relaxation, phi = friction_line(
+            lanes[at.SLIDING + c], lanes[at.BENT + c], payload.bar_friction, payload.bar_friction, 0.0, payload
+        )
+        lanes[at.ELASTIC + c], lanes[at.YIELD + c], lanes[at.CLOSING + c], lanes[at.LOSING + c] = force, give, rate, damping
+        lanes[at.HOLD + c], lanes[at.HOLD_SLOPE + c] = constant, slope
+        lanes[at.RELAXATION + c], lanes[at.WEIGHT + c] = relaxation, phi
+        lanes[at.CLOSED_AT + c] = impact if force > 0.0 else 0.0
+
+
+@piece
+def press_lands(payload: Payload, state: State, work: Workspace, lands: int) -> None:
+    """Add what the cages and the outer ring's lands do to each other to the forces on both."""
+    lanes = work.conformal
+    for c in range(lands):
+        row = work.touched[c]
+        rate, slip, damping = lanes[at.CLOSING + c], lanes[at.SLIDING + c], lanes[at.LOSING + c]
+        normal = lanes[at.ELASTIC + c] + damping * rate
+        friction = normal * (lanes[at.HOLD + c] + lanes[at.HOLD_SLOPE + c] * slip)
+        nx, ny = lanes[at.TOWARDS_X + c], lanes[at.TOWARDS_Y + c]
+        fx, fy = -normal * nx + friction * ny, -normal * ny - friction * nx
+        work.loose[CAGE + row, 0] += fx
+        work.loose[CAGE + row, 1] += fy
+        work.loose[CAGE + row, 2] -= payload.land_radius * friction
+        work.loose[OUTER, 0] -= fx
+        work.loose[OUTER, 1] -= fy
+        bent = bristle_after(lanes[at.BENT + c], slip, lanes[at.RELAXATION + c], lanes[at.WEIGHT + c], payload.step)
+        state.land_force[row], state.land_bristle[row] = normal, bent if normal > 0.0 else 0.0
+        state.land_impact[row] = lanes[at.CLOSED_AT + c]
+        state.account[FRICTION] += payload.step * friction * slip
+        state.account[LOSS] += payload.step * damping * rate * rate
+
+
+@piece
+def draw_bars(near: Floats, lanes: Floats, touched: Integers, lands: int, found: int) -> None:
+    """Write contacts with bars as lines over the mean velocities of the step; the normal is the pocket's tangent, friction radial."""
+    for c in range(lands, found):
+        k, force, slope, rate = touched[c], lanes[at.ELASTIC + c], lanes[at.YIELD + c], lanes[at.CLOSING + c]
+        damping = lanes[at.LOSING + c]
+        known = force + damping * rate
+        near[at.BAR + at.PUSH + k], near[at.BAR + at.GIVE + k] = force - slope * rate, slope + damping
+        near[at.BAR + at.CONSTANT + k], near[at.BAR + at.SLOPE + k] = lanes[at.HOLD + c] * known, lanes[at.HOLD_SLOPE + c] * known
+        near[at.BAR + at.RATE + k], near[at.BAR + at.PHI + k] = lanes[at.RELAXATION + c], lanes[at.WEIGHT + c]
+        near[at.BAR + at.KNOWN + k], near[at.BAR + at.DAMPING + k] = known, damping
+        near[at.BAR + at.IMPACT + k] = lanes[at.CLOSED_AT + c]
+
+
+@piece
+def clear_bars(near: Floats, count: int) -> None:
+    """Write that no bar is touched."""
+    for k in range(count):
+        near[at.BAR + at.PUSH + k] = near[at.BAR + at.GIVE + k] = near[at.BAR + at.CONSTANT + k] = near[at.BAR + at.SLOPE + k] = 0.0
+        near[at.BAR + at.KNOWN + k] = near[at.BAR + at.DAMPING + k] = near[at.BAR + at.RATE + k] = near[at.BAR + at.PHI + k] = 0.0
+        near[at.BAR + at.AHEAD + k] = near[at.BAR + at.LEVER_X + k] = near[at.BAR + at.LEVER_Y + k] = 0.0
+        near[at.BAR + at.IMPACT + k] = 0.0
+
+
+@piece
+def touch_cages(payload: Payload, state: State, work: Workspace, count: int) -> None:
+    """Write the contacts of bound rollers, in ``count`` lanes, with bars, and add those of cages with lands to the forces on both."""
+    lands = find_lands(payload, state, work)
+    found = lands
+    if payload.any_free:
+        clear_bars(work.bound, count)
+        found = find_bars(payload, state, work, lands)
+    if found > 0:
+        meet(payload, work.conformal, found)
+        press_lands(payload, state, work, lands)
+        draw_bars(work.bound, work.conformal, work.touched, lands, found)

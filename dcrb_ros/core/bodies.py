@@ -5,16 +5,11 @@ from __future__ import annotations
 import math
 
 from dcrb_ros.core import lanes as at
-from dcrb_ros.core.cage import LEAST_IMPACT, impact_damping, strike
-from dcrb_ros.core.friction import bristle_after, friction_line
 from dcrb_ros.core.jit import piece
 from dcrb_ros.core.payload import Payload
-from dcrb_ros.core.state import FRICTION, HOUSING, LOAD, LOSS, State
+from dcrb_ros.core.state import HOUSING, LOAD, State
 from dcrb_ros.core.touch import DISPERSION
 from dcrb_ros.core.work import CAGE, INNER, OUTER, Workspace
-
-CONCENTRIC = 1e-15
-"""Least distance of two centres, so that there is a direction from one to the other [m]."""
 
 
 @piece
@@ -27,41 +22,6 @@ def predict_bodies(state: State, work: Workspace) -> None:
         work.heading[row, 0], work.heading[row, 1] = math.cos(state.cage_position[row, 2]), math.sin(state.cage_position[row, 2])
         for part in range(3):
             work.mean[CAGE + row, part] = state.cage_velocity[row, part] + 0.5 * state.cage_change[row, part]
-
-
-@piece
-def touch_land(payload: Payload, state: State, work: Workspace, row: int) -> None:
-    """Add the contact of a cage with the outer ring's land, beyond its clearance, to the forces on both."""
-    dx, dy = state.cage_position[row, 0] - state.outer_position[0], state.cage_position[row, 1] - state.outer_position[1]
-    distance = max(math.sqrt(dx * dx + dy * dy), CONCENTRIC)
-    nx, ny = dx / distance, dy / distance
-    own, other = state.cage_velocity[row], state.outer_velocity
-    before = (own[0] - other[0]) * nx + (own[1] - other[1]) * ny
-    begin = distance - payload.land_clearance - 0.5 * payload.step * before
-    if max(begin, begin + payload.step * before) <= 0.0:
-        state.land_impact[row] = state.land_bristle[row] = state.land_force[row] = 0.0
-        return
-    vx, vy = work.mean[CAGE + row, 0] - work.mean[OUTER, 0], work.mean[CAGE + row, 1] - work.mean[OUTER, 1]
-    rate, slip = vx * nx + vy * ny, vy * nx - vx * ny + payload.land_radius * work.mean[CAGE + row, 2]
-    yielding = 0.5 * payload.step * (1.0 / payload.train_mass[row] + 1.0 / payload.outer_ring_mass)
-    known = state.land_force[row]
-    force, _, rate = strike(begin, rate, known, yielding, payload.step, payload.land_coefficient, payload.land_exponent)
-    impact = state.land_impact[row] if state.land_impact[row] > 0.0 else max(before, LEAST_IMPACT)
-    damping = impact_damping(force, rate, impact, payload.impact_loss)
-    normal = force + damping * rate
-    bristle = state.land_bristle[row]
-    constant, slope, relaxation, phi = friction_line(slip, bristle, payload.bar_friction, payload.bar_friction, 0.0, payload)
-    friction = normal * (constant + slope * slip)
-    fx, fy = -normal * nx + friction * ny, -normal * ny - friction * nx
-    work.loose[CAGE + row, 0] += fx
-    work.loose[CAGE + row, 1] += fy
-    work.loose[CAGE + row, 2] -= payload.land_radius * friction
-    work.loose[OUTER, 0] -= fx
-    work.loose[OUTER, 1] -= fy
-    state.land_impact[row], state.land_force[row] = impact if force > 0.0 else 0.0, normal
-    state.land_bristle[row] = bristle_after(bristle, slip, relaxation, phi, payload.step)
-    state.account[FRICTION] += payload.step * friction * slip
-    state.account[LOSS] += payload.step * damping * rate * rate
 
 
 @piece

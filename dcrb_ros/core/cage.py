@@ -7,6 +7,7 @@ loss then gives back what it took, and the contact may close and open anywhere w
 
 from __future__ import annotations
 
+from dcrb_ros.core.arithmetic import exponential, logarithm
 from dcrb_ros.core.contact import LEAST_PENETRATION
 from dcrb_ros.core.jit import kernel
 
@@ -35,10 +36,10 @@ def impact_damping(force: float, rate: float, impact: float, impact_loss: float)
 def mean_force(first: float, last: float, coefficient: float, exponent: float) -> tuple[float, float]:
     """Return the mean force [N] of F = K delta^n on the way from a penetration to another [m], and its slope over the last [N/m].
 
-    Penetrations below zero are a gap, without force.
+    Penetrations below zero are a gap, without force; they lie below 1 m.
     """
     deep, deeper = max(first, LEAST_PENETRATION), max(last, LEAST_PENETRATION)
-    before, after = coefficient * deep**exponent, coefficient * deeper**exponent
+    before, after = coefficient * exponential(exponent * logarithm(deep)), coefficient * exponential(exponent * logarithm(deeper))
     before, after = before if first > 0.0 else 0.0, after if last > 0.0 else 0.0
     way, share = last - first, 1.0 / (exponent + 1.0)
     still = abs(way) <= FEW * max(deep, deeper)

@@ -19,7 +19,7 @@ VECTOR = 4
 """Lanes that are worked on at once at least; counts of lanes are filled up to a multiple."""
 
 # Of the state, in the order of the rollers, row by row.
-STATE_FIELDS = 27
+STATE_FIELDS = 28
 (
     X,
     Y,
@@ -44,13 +44,15 @@ STATE_FIELDS = 27
     POCKET_X,
     POCKET_Y,
     FREE,
+    IN_SECOND,
     FRICTION_LOSS,
     CONTACT_LOSS,
     NOTCH_LOSS,
     DRIVE_WORK,
 ) = (LANES * field for field in range(STATE_FIELDS))
 """Centre, velocity, spin, their changes over the last step, rotation; bristles, forces and slips of the contacts; speed at which
-a bar's contact closed; pocket tangent at cage angle zero; 1 for a free roller; what each roller adds to the energy account."""
+a bar's contact closed; pocket tangent at cage angle zero; 1 for a free roller; 1 in the second row; what each roller adds to the
+energy account."""
 
 # Of a step, in the order of the rollers or of those that are bound.
 ROLLER_FIELDS = 41
@@ -102,7 +104,7 @@ for a free roller; what tells how near to closing a contact is; 1 for a bound ro
 momentum without what the bodies touched add to it; how velocity and surface speed yield to momentum, and how they are coupled; powers."""
 
 CONTACT = LANES * ROLLER_FIELDS
-CONTACT_FIELDS = 22
+CONTACT_FIELDS = 21
 (
     NORMAL_X,
     NORMAL_Y,
@@ -115,7 +117,6 @@ CONTACT_FIELDS = 22
     STIFFNESS,
     SURFACE_N,
     BRISTLE,
-    CONVECTION,
     PUSH,
     GIVE,
     CONSTANT,
@@ -128,9 +129,11 @@ CONTACT_FIELDS = 22
     SLIP,
 ) = (CONTACT + LANES * field for field in range(CONTACT_FIELDS))
 """Of a contact: normal; direction from the ring; distance from its centre; penetration; speed at which a notch's floor falls away; elastic
-force and stiffness; surface speed of the ring along the normal; bristle and what rolling carries out of the contact; normal force PUSH +
+force and stiffness; surface speed of the ring along the normal; bristle; normal force PUSH +
 GIVE * approach, friction CONSTANT + SLOPE * slip and its bristle's law; normal force known beforehand; damping; friction and
 slip found."""
+CUT, OVER = COMING_X, COMING_Y
+"""Of a roller that is not bound, in the same places: depth of notches under it; 1 where there may be one."""
 LEVER_X, LEVER_Y, AHEAD, IMPACT = RADIAL_X, RADIAL_Y, DISTANCE, SINK
 """Of a bar's contact, in the same places: lever from the cage's centre; 1 for the bar ahead of the roller, -1 for the one behind, 0 for
 none in reach; speed at which the contact closed."""
@@ -138,6 +141,33 @@ none in reach; speed at which the contact closed."""
 INNER, OUTER, BAR = 0, LANES * CONTACT_FIELDS, 2 * LANES * CONTACT_FIELDS
 """What is added to a contact's field for each of a roller's contacts; a bar's normal is the pocket's tangent."""
 STEP_FIELDS = ROLLER_FIELDS + 3 * CONTACT_FIELDS
+
+# Of the conformal contacts of a step: lands in reach of their cages, then bars in reach of bound rollers.
+CONFORMAL_FIELDS = 19
+(
+    BEGIN,
+    BEFORE,
+    CLOSING,
+    SLIDING,
+    LAST,
+    CLOSED_AT,
+    BENT,
+    COEFFICIENT,
+    EXPONENT,
+    LIGHTNESS,
+    TOWARDS_X,
+    TOWARDS_Y,
+    ELASTIC,
+    YIELD,
+    LOSING,
+    HOLD,
+    HOLD_SLOPE,
+    RELAXATION,
+    WEIGHT,
+) = (LANES * field for field in range(CONFORMAL_FIELDS))
+"""Penetration at the step's beginning; speed of penetration before the step and over it; slip; force of the last step; speed at which the
+contact closed; bristle; coefficient and exponent of its law; half the step over the bodies' reduced mass; normal of a land. Found: elastic
+force and its slope over the speed of penetration, damping, friction per normal force as a line over the slip, its bristle's law."""
 
 
 def empty_lanes(fields: int) -> Floats:

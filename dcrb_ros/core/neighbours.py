@@ -51,12 +51,11 @@ def touch_neighbours(payload: Payload, state: State, external: Floats, row: int,
 
 
 @piece
-def add_neighbours(payload: Payload, state: State, external: Floats, row: int) -> None:
-    """Write the forces that a row's rollers exert on each other across broken bars."""
-    rollers = payload.broken.shape[1]
-    for i in range(rollers):
-        if payload.beside[row, i]:
-            external[row, i, 0] = external[row, i, 1] = external[row, i, 2] = 0.0
-    for i in range(rollers):
-        if payload.broken[row, i]:
-            touch_neighbours(payload, state, external, row, i, (i + 1) % rollers)
+def add_neighbours(payload: Payload, state: State, external: Floats) -> None:
+    """Write the forces that rollers exert on each other across broken bars."""
+    for k in range(payload.gaps.shape[0]):
+        row, i, j = payload.gaps[k, 0], payload.gaps[k, 1], payload.gaps[k, 2]
+        for part in range(3):
+            external[row, i, part] = external[row, j, part] = 0.0
+    for k in range(payload.gaps.shape[0]):
+        touch_neighbours(payload, state, external, payload.gaps[k, 0], payload.gaps[k, 1], payload.gaps[k, 2])

@@ -59,6 +59,8 @@ class Payload(NamedTuple):
     """Whether a roller is a body of its own or pinned to its pocket, shape (rows, rollers)."""
     broken: Flags
     """Whether the bar between a pocket and the next one is broken, shape (rows, rollers)."""
+    gaps: Integers
+    """Row and rollers before and after each broken bar, shape (broken bars, 3)."""
     beside: Flags
     """Whether a roller lies free beside a broken bar, shape (rows, rollers)."""
     all_free: bool

@@ -14,45 +14,47 @@ from dcrb_ros.core.work import CAGE, Workspace
 
 
 @piece
-def place_row(payload: Payload, state: State, work: Workspace, row: int) -> None:
-    """Write places, pocket tangents and velocities of a row's rollers, and how near each contact is to closing."""
-    own, step, radius, h = state.lanes, work.light, payload.roller_radius, payload.step
-    cage_x, cage_y = state.cage_position[row, 0], state.cage_position[row, 1]
-    cosine, sine = work.heading[row, 0], work.heading[row, 1]
-    pitch, clearance, fall = payload.pitch_radius, payload.pocket_clearance, 0.5 * h * payload.gravity
-    old_x, old_y, old_turn = state.cage_velocity[row, 0], state.cage_velocity[row, 1], state.cage_velocity[row, 2]
-    mean_x, mean_y, mean_rim = work.mean[CAGE + row, 0], work.mean[CAGE + row, 1], pitch * work.mean[CAGE + row, 2]
-    old_rim = pitch * old_turn
+def filled(count: int) -> int:
+    """Return how many lanes are worked on for ``count`` rollers: a multiple of `VECTOR`."""
+    return (count + at.VECTOR - 1) // at.VECTOR * at.VECTOR
+
+
+@piece
+def place_rollers(payload: Payload, state: State, work: Workspace, pinned: bool) -> None:
+    """Write places and pocket tangents of the rollers, how near their contacts are to closing, and who is bound.
+
+    ``pinned`` says that all of them are: it is for the compiler, which leaves out what free ones need.
+    """
+    own, step, h, last = state.lanes, work.light, payload.step, state.cage_position.shape[0] - 1
+    place, old, heading = state.cage_position, state.cage_velocity, work.heading
+    pitch, clearance = payload.pitch_radius, payload.pocket_clearance
     inner_x, inner_y, outer_x, outer_y = state.inner_position[0], state.inner_position[1], state.outer_position[0], state.outer_position[1]
-    inner_reach, outer_reach = payload.inner_raceway_radius + radius, payload.outer_raceway_radius - radius
+    inner_reach, outer_reach = payload.inner_raceway_radius + payload.roller_radius, payload.outer_raceway_radius - payload.roller_radius
     inner_square, outer_square = inner_reach * inner_reach, outer_reach * outer_reach
-    first, count = max(row * payload.free.shape[1], 0), payload.free.shape[1]
-    for i in range(count):
-        c = first + i
-        free = own[at.FREE + c] > 0.0
+    first_at, second_at = (place[0, 0], place[0, 1]), (place[last, 0], place[last, 1])
+    first_old, second_old = (old[0, 0], old[0, 1], old[0, 2]), (old[last, 0], old[last, 1], old[last, 2])
+    first_way, second_way = (heading[0, 0], heading[0, 1]), (heading[last, 0], heading[last, 1])
+    for c in range(filled(payload.free.size)):
+        second = own[at.IN_SECOND + c] > 0.0
+        cage_x, cage_y = second_at[0] if second else first_at[0], second_at[1] if second else first_at[1]
+        cosine, sine = second_way[0] if second else first_way[0], second_way[1] if second else first_way[1]
         px, py = own[at.POCKET_X + c], own[at.POCKET_Y + c]
         tx, ty = cosine * px - sine * py, sine * px + cosine * py
-        own_x, own_y, vx, vy = own[at.X + c], own[at.Y + c], own[at.VX + c], own[at.VY + c]
-        coming_x, coming_y = vx + 0.5 * own[at.CHANGE_X + c], vy + 0.5 * own[at.CHANGE_Y + c]
-        x, y = own_x if free else cage_x + pitch * ty, own_y if free else cage_y - pitch * tx
-        before_x, before_y = vx if free else old_x + old_rim * tx, vy if free else old_y + old_rim * ty
-        rim = radius * own[at.SPIN + c]
-        step[at.PLACE_X + c], step[at.PLACE_Y + c], step[at.TAU_X + c], step[at.TAU_Y + c] = x, y, tx, ty
-        step[at.BEFORE_X + c], step[at.BEFORE_Y + c], step[at.BEFORE_RIM + c] = before_x, before_y, rim
-        step[at.ALONE_X + c], step[at.ALONE_Y + c], step[at.ALONE_RIM + c] = before_x, before_y - fall, rim
-        step[at.COMING_X + c] = coming_x if free else mean_x + mean_rim * tx
-        step[at.COMING_Y + c] = coming_y if free else mean_y + mean_rim * ty
-        step[at.COMING_RIM + c] = rim + 0.5 * radius * own[at.CHANGE_SPIN + c]
-        step[at.MOVING + c] = own[at.FREE + c]
-        step[at.OUTER + at.BRISTLE + c] = own[at.OUTER_BRISTLE + c]
+        x, y, bar_near, if_outer = cage_x + pitch * ty, cage_y - pitch * tx, -1.0, 1.0
+        if not pinned:
+            free = own[at.FREE + c] > 0.0
+            x, y = own[at.X + c] if free else x, own[at.Y + c] if free else y
+            ax, ay = x - cage_x, y - cage_y
+            old_x, old_y = second_old[0] if second else first_old[0], second_old[1] if second else first_old[1]
+            old_turn = second_old[2] if second else first_old[2]
+            # A bar counts where the roller touches it at the step's beginning, or will at its end.
+            rate = (own[at.VX + c] - old_x) * tx + (own[at.VY + c] - old_y) * ty - old_turn * (ax * ty - ay * tx)
+            bar_near = abs(ax * tx + ay * ty) + 0.5 * h * abs(rate) - clearance if free else -1.0
+            if_outer = 0.0 if free else 1.0
         ix, iy, ox, oy = x - inner_x, y - inner_y, x - outer_x, y - outer_y
         inner_near, outer_near = inner_square - ix * ix - iy * iy, ox * ox + oy * oy - outer_square
-        ax, ay = x - cage_x, y - cage_y
-        # A bar counts where the roller touches it at the step's beginning, or will at its end.
-        rate = (before_x - old_x) * tx + (before_y - old_y) * ty - old_turn * (ax * ty - ay * tx)
-        bar_near = abs(ax * tx + ay * ty) + 0.5 * h * abs(rate) - clearance if free else -1.0
-        if_outer = 0.0 if free else outer_near
-        nearest = max(max(inner_near, bar_near), if_outer)
+        nearest = max(max(inner_near, bar_near), if_outer * outer_near)
+        step[at.PLACE_X + c], step[at.PLACE_Y + c], step[at.TAU_X + c], step[at.TAU_Y + c] = x, y, tx, ty
         step[at.OUTER_NEAR + c], step[at.BAR_NEAR + c], step[at.BOUND + c] = outer_near, bar_near, 1.0 if nearest > 0.0 else 0.0
 
 
@@ -63,14 +65,16 @@ def bar_at(payload: Payload, row: int, i: int, ahead: bool) -> bool:
 
 
 @piece
-def bind_special(payload: Payload, work: Workspace, row: int) -> None:
+def bind_special(payload: Payload, work: Workspace) -> None:
     """Correct which rollers are bound where a bar is broken, or an edge gives the outer raceway normals of its own."""
     light, count = work.light, payload.free.shape[1]
-    edges = payload.notch_law == EDGE and payload.outer_notches.row.size > 0
-    for i in range(count):
-        c = row * count + i
-        if payload.beside[row, i] or (edges and light[at.OUTER_NEAR + c] > 0.0):
-            light[at.BOUND + c] = 1.0
+    for k in range(payload.gaps.shape[0]):
+        first = payload.gaps[k, 0] * count
+        light[at.BOUND + first + payload.gaps[k, 1]] = light[at.BOUND + first + payload.gaps[k, 2]] = 1.0
+    if payload.notch_law == EDGE and payload.outer_notches.row.size > 0:
+        for c in range(payload.free.size):
+            if light[at.OUTER_NEAR + c] > 0.0:
+                light[at.BOUND + c] = 1.0
 
 
 @piece
@@ -86,28 +90,64 @@ def bind_row(payload: Payload, work: Workspace, row: int, bound: int) -> int:
 
 
 @piece
-def gather_bound(payload: Payload, state: State, work: Workspace, bound: int) -> int:
+def gather_bound(state: State, work: Workspace, bound: int) -> int:
     """Copy the bound rollers side by side, filled up to a multiple of `VECTOR`; return how many lanes that makes."""
     own, light, near = state.lanes, work.light, work.bound
-    count = (bound + at.VECTOR - 1) // at.VECTOR * at.VECTOR
+    count = filled(bound)
     for k in range(bound, count):
         work.order[k], work.rows[k] = work.order[bound - 1], work.rows[bound - 1]
+    for k in range(count):
+        c = work.order[k]
+        near[at.SECOND + k], near[at.MOVING + k] = 1.0 if work.rows[k] > 0 else 0.0, own[at.FREE + c]
+        near[at.PLACE_X + k], near[at.PLACE_Y + k] = light[at.PLACE_X + c], light[at.PLACE_Y + c]
+        near[at.TAU_X + k], near[at.TAU_Y + k], near[at.BAR_NEAR + k] = light[at.TAU_X + c], light[at.TAU_Y + c], light[at.BAR_NEAR + c]
+        near[at.BEFORE_X + k], near[at.BEFORE_Y + k], near[at.BEFORE_RIM + k] = own[at.VX + c], own[at.VY + c], own[at.SPIN + c]
+        near[at.COMING_X + k], near[at.COMING_Y + k] = own[at.CHANGE_X + c], own[at.CHANGE_Y + c]
+        near[at.COMING_RIM + k] = own[at.CHANGE_SPIN + c]
+        near[at.INNER + at.BRISTLE + k], near[at.OUTER + at.BRISTLE + k] = own[at.INNER_BRISTLE + c], own[at.OUTER_BRISTLE + c]
+        near[at.BAR + at.BRISTLE + k] = own[at.BAR_BRISTLE + c]
+    return count
+
+
+@piece
+def expect_bound(payload: Payload, state: State, work: Workspace, count: int) -> None:
+    """Write the velocities of bound rollers before the step, those expected over it, and those without contacts.
+
+    Where they go, `gather_bound` has left velocities and spins, and their changes over the last step.
+    """
+    near, radius, pitch, last = work.bound, payload.roller_radius, payload.pitch_radius, work.mean.shape[0] - 1
+    old, mean, fall = state.cage_velocity, work.mean, 0.5 * payload.step * payload.gravity
+    first_old, second_old = (
+        (old[0, 0], old[0, 1], pitch * old[0, 2]),
+        (old[last - CAGE, 0], old[last - CAGE, 1], pitch * old[last - CAGE, 2]),
+    )
+    first_mean = (mean[CAGE, 0], mean[CAGE, 1], pitch * mean[CAGE, 2])
+    second_mean = (mean[last, 0], mean[last, 1], pitch * mean[last, 2])
+    for k in range(count):
+        second, moving, tx, ty = near[at.SECOND + k] > 0.0, near[at.MOVING + k] > 0.0, near[at.TAU_X + k], near[at.TAU_Y + k]
+        old_x, old_y = second_old[0] if second else first_old[0], second_old[1] if second else first_old[1]
+        mean_x, mean_y = second_mean[0] if second else first_mean[0], second_mean[1] if second else first_mean[1]
+        old_rim, mean_rim = second_old[2] if second else first_old[2], second_mean[2] if second else first_mean[2]
+        vx, vy, rim = near[at.BEFORE_X + k], near[at.BEFORE_Y + k], radius * near[at.BEFORE_RIM + k]
+        coming_x, coming_y = vx + 0.5 * near[at.COMING_X + k], vy + 0.5 * near[at.COMING_Y + k]
+        before_x, before_y = vx if moving else old_x + old_rim * tx, vy if moving else old_y + old_rim * ty
+        near[at.BEFORE_X + k], near[at.BEFORE_Y + k], near[at.BEFORE_RIM + k] = before_x, before_y, rim
+        near[at.ALONE_X + k], near[at.ALONE_Y + k], near[at.ALONE_RIM + k] = before_x, before_y - fall, rim
+        near[at.COMING_X + k] = coming_x if moving else mean_x + mean_rim * tx
+        near[at.COMING_Y + k] = coming_y if moving else mean_y + mean_rim * ty
+        near[at.COMING_RIM + k] = rim + 0.5 * radius * near[at.COMING_RIM + k]
+
+
+@piece
+def push_neighbours(payload: Payload, work: Workspace) -> None:
+    """Add what rollers do to each other across broken bars to the velocities that they would have without contacts."""
+    near, rollers = work.bound, payload.free.shape[1]
     by_mass = 0.5 * payload.step / payload.roller_mass
     by_inertia = 0.5 * payload.step * payload.roller_radius * payload.roller_radius / payload.roller_inertia
-    rollers = payload.free.shape[1]
-    for k in range(count):
-        c, row = work.order[k], work.rows[k]
-        i = c - row * rollers
-        near[at.PLACE_X + k], near[at.PLACE_Y + k] = light[at.PLACE_X + c], light[at.PLACE_Y + c]
-        near[at.TAU_X + k], near[at.TAU_Y + k] = light[at.TAU_X + c], light[at.TAU_Y + c]
-        near[at.BEFORE_X + k], near[at.BEFORE_Y + k] = light[at.BEFORE_X + c], light[at.BEFORE_Y + c]
-        near[at.SECOND + k] = 1.0 if row > 0 else 0.0
-        near[at.BEFORE_RIM + k], near[at.MOVING + k] = light[at.BEFORE_RIM + c], light[at.MOVING + c]
-        near[at.COMING_X + k], near[at.COMING_Y + k] = light[at.COMING_X + c], light[at.COMING_Y + c]
-        near[at.COMING_RIM + k] = light[at.COMING_RIM + c]
-        near[at.ALONE_X + k] = light[at.ALONE_X + c] + by_mass * work.external[row, i, 0]
-        near[at.ALONE_Y + k] = light[at.ALONE_Y + c] + by_mass * work.external[row, i, 1]
-        near[at.ALONE_RIM + k] = light[at.ALONE_RIM + c] + by_inertia * work.external[row, i, 2]
-        near[at.INNER + at.BRISTLE + k], near[at.OUTER + at.BRISTLE + k] = own[at.INNER_BRISTLE + c], own[at.OUTER_BRISTLE + c]
-        near[at.BAR + at.BRISTLE + k], near[at.BAR_NEAR + k] = own[at.BAR_BRISTLE + c], light[at.BAR_NEAR + c]
-    return count
+    for k in range(work.ends[work.ends.size - 1]):
+        row = work.rows[k]
+        i = work.order[k] - row * rollers
+        if payload.beside[row, i]:
+            near[at.ALONE_X + k] += by_mass * work.external[row, i, 0]
+            near[at.ALONE_Y + k] += by_mass * work.external[row, i, 1]
+            near[at.ALONE_RIM + k] += by_inertia * work.external[row, i, 2]

@@ -11,14 +11,12 @@ from dcrb_ros.core.work import CAGE, INNER, OUTER, Workspace
 
 
 @piece
-def settle(
-    lanes: Floats, contact: int, count: int, mean_x: float, mean_y: float, surface: float, side: float, step: float, first: bool
-) -> None:
+def settle(lanes: Floats, contact: int, count: int, mean_x: float, mean_y: float, surface: float, side: float, step: float) -> None:
     """Write forces, slips and bristles of the contacts with a ring at the mean velocities found, and their powers.
 
-    The powers of the ``first`` contact of a roller begin anew, those of others are added.
+    Those of the inner ring, where ``side`` is 1, begin the sums of a roller's powers anew, those of the outer are added.
     """
-    contact = max(contact, 0)
+    contact, first = max(contact, 0), side > 0.0
     for c in range(count):
         nx, ny = lanes[contact + at.NORMAL_X + c], lanes[contact + at.NORMAL_Y + c]
         tx, ty = -lanes[contact + at.RADIAL_Y + c], lanes[contact + at.RADIAL_X + c]
@@ -62,26 +60,6 @@ def settle_bars(lanes: Floats, mean: Floats, count: int, step: float) -> None:
 
 
 @piece
-def keep_light(payload: Payload, state: State, work: Workspace, count: int) -> None:
-    """Keep what became of all rollers as if none were bound; what bound ones did is put in its place afterwards."""
-    own, light, by_radius = state.lanes, work.light, 1.0 / payload.roller_radius
-    settle(light, at.OUTER, count, work.mean[OUTER, 0], work.mean[OUTER, 1], 0.0, -1.0, payload.step, True)
-    for c in range(count):
-        own[at.OUTER_FORCE + c], own[at.OUTER_FRICTION + c] = light[at.OUTER + at.KNOWN + c], light[at.OUTER + at.FRICTION + c]
-        own[at.OUTER_SLIP + c], own[at.OUTER_BRISTLE + c] = light[at.OUTER + at.SLIP + c], light[at.OUTER + at.BRISTLE + c]
-        change_x, change_y = 2.0 * (light[at.MEAN_X + c] - own[at.VX + c]), 2.0 * (light[at.MEAN_Y + c] - own[at.VY + c])
-        change = 2.0 * (light[at.MEAN_RIM + c] - light[at.BEFORE_RIM + c]) * by_radius
-        own[at.CHANGE_X + c], own[at.CHANGE_Y + c], own[at.CHANGE_SPIN + c] = change_x, change_y, change
-        own[at.VX + c] += change_x
-        own[at.VY + c] += change_y
-        own[at.SPIN + c] += change
-        time = payload.step * (1.0 - light[at.BOUND + c])
-        own[at.FRICTION_LOSS + c] += time * light[at.LOST_IN_FRICTION + c]
-        own[at.CONTACT_LOSS + c] += time * light[at.LOST_IN_CONTACT + c]
-        own[at.NOTCH_LOSS + c] += time * light[at.TAKEN_BY_NOTCH + c]
-
-
-@piece
 def forget(state: State, count: int) -> None:
     """Leave all pinned rollers alone: nothing turns them, nothing touches them."""
     own = state.lanes
@@ -91,14 +69,15 @@ def forget(state: State, count: int) -> None:
 
 
 @piece
-def keep_bound(payload: Payload, state: State, work: Workspace, used: int, count: int, surface: float) -> None:
+def keep_bound(payload: Payload, state: State, work: Workspace, count: int) -> None:
     """Keep what became of the bound rollers."""
     own, near, by_radius, h = state.lanes, work.bound, 1.0 / payload.roller_radius, payload.step
-    settle(near, at.INNER, count, work.mean[INNER, 0], work.mean[INNER, 1], surface, 1.0, h, True)
-    settle(near, at.OUTER, count, work.mean[OUTER, 0], work.mean[OUTER, 1], 0.0, -1.0, h, False)
+    surface = state.shaft[1] * payload.inner_raceway_radius
+    settle(near, at.INNER, count, work.mean[INNER, 0], work.mean[INNER, 1], surface, 1.0, h)
+    settle(near, at.OUTER, count, work.mean[OUTER, 0], work.mean[OUTER, 1], 0.0, -1.0, h)
     if payload.any_free:
         settle_bars(near, work.mean, count, h)
-    for k in range(used):
+    for k in range(work.ends[work.ends.size - 1]):
         c = work.order[k]
         own[at.INNER_FORCE + c], own[at.OUTER_FORCE + c] = near[at.INNER + at.KNOWN + k], near[at.OUTER + at.KNOWN + k]
         own[at.INNER_FRICTION + c], own[at.OUTER_FRICTION + c] = near[at.INNER + at.FRICTION + k], near[at.OUTER + at.FRICTION + k]
@@ -118,17 +97,3 @@ def keep_bound(payload: Payload, state: State, work: Workspace, used: int, count
             x, y = near[at.MEAN_X + k], near[at.MEAN_Y + k]
             own[at.CHANGE_X + c], own[at.CHANGE_Y + c] = 2.0 * (x - near[at.BEFORE_X + k]), 2.0 * (y - near[at.BEFORE_Y + k])
             own[at.VX + c], own[at.VY + c] = 2.0 * x - near[at.BEFORE_X + k], 2.0 * y - near[at.BEFORE_Y + k]
-
-
-@piece
-def let_go(state: State, light: Floats, count: int) -> None:
-    """Forget the inner raceway and the bars of rollers that do not touch them."""
-    own = state.lanes
-    for c in range(count):
-        touching = light[at.BOUND + c]
-        own[at.INNER_FORCE + c] *= touching
-        own[at.INNER_FRICTION + c] *= touching
-        own[at.INNER_BRISTLE + c] *= touching
-        own[at.BAR_FORCE + c] *= touching
-        own[at.BAR_BRISTLE + c] *= touching
-        own[at.BAR_IMPACT + c] *= touching

@@ -1,34 +1,11 @@
-"""Mean velocities of rollers between the bodies that they touch, and what they do to these."""
+"""Mean velocities of bound rollers between the bodies that they touch, and what they do to these."""
 
 from __future__ import annotations
 
 from dcrb_ros.core import lanes as at
 from dcrb_ros.core.jit import piece
-from dcrb_ros.core.payload import Floats, Payload
+from dcrb_ros.core.payload import Payload
 from dcrb_ros.core.work import CAGE, INNER, OUTER, Workspace
-
-
-@piece
-def solve_light(payload: Payload, lanes: Floats, count: int, ring_x: float, ring_y: float) -> None:
-    """Solve for rollers that touch the outer raceway or nothing: normal and tangent do not mix, each is a scalar equation.
-
-    (ring_x, ring_y) is the ring's mean velocity [m/s]. Bound rollers, which are solved for elsewhere, push nothing here.
-    """
-    by_mass = 0.5 * payload.step / payload.roller_mass
-    by_inertia = 0.5 * payload.step * payload.roller_radius * payload.roller_radius / payload.roller_inertia
-    for c in range(count):
-        nx, ny = lanes[at.OUTER + at.RADIAL_X + c], lanes[at.OUTER + at.RADIAL_Y + c]
-        x, y, rim = lanes[at.ALONE_X + c], lanes[at.ALONE_Y + c], lanes[at.ALONE_RIM + c]
-        vx, vy = x - ring_x, y - ring_y
-        give, slope = lanes[at.OUTER + at.GIVE + c], lanes[at.OUTER + at.SLOPE + c]
-        normal = (lanes[at.OUTER + at.PUSH + c] + give * (vx * nx + vy * ny)) / (1.0 + by_mass * give)
-        friction = lanes[at.OUTER + at.CONSTANT + c] + slope * (vy * nx - vx * ny + rim)
-        friction /= 1.0 + (by_mass + by_inertia) * slope
-        fx, fy = normal * nx - friction * ny, normal * ny + friction * nx
-        lanes[at.MEAN_X + c], lanes[at.MEAN_Y + c] = x - by_mass * fx, y - by_mass * fy
-        lanes[at.MEAN_RIM + c] = rim - by_inertia * friction
-        share = 1.0 - lanes[at.BOUND + c]
-        lanes[at.ON_OUTER_X + c], lanes[at.ON_OUTER_Y + c] = share * fx, share * fy
 
 
 @piece
@@ -123,17 +100,6 @@ def solve_bound(payload: Payload, work: Workspace, count: int, surface: float) -
         near[at.ON_OUTER_X + k], near[at.ON_OUTER_Y + k] = -fox, -foy
         near[at.ON_CAGE_X + k], near[at.ON_CAGE_Y + k] = carried_x - fbx, carried_y - fby
         near[at.ON_CAGE_TURN + k] = pitch * (carried_x * bnx + carried_y * bny) - lever_x * fby + lever_y * fbx
-
-
-@piece
-def push_light(work: Workspace, count: int) -> None:
-    """Add what rollers that are not bound do to the outer ring."""
-    x, y = 0.0, 0.0
-    for c in range(count):
-        x += work.light[at.ON_OUTER_X + c]
-        y += work.light[at.ON_OUTER_Y + c]
-    work.loose[OUTER, 0] += x
-    work.loose[OUTER, 1] += y
 
 
 @piece

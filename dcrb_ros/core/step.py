@@ -10,18 +10,18 @@ and further sweeps over the bound rollers take out what the prediction lacked, a
 from __future__ import annotations
 
 from dcrb_ros.core import lanes as at
-from dcrb_ros.core.bars import touch_bars
-from dcrb_ros.core.bodies import drift, finish_bodies, move_cage, move_rings, predict_bodies, touch_land
+from dcrb_ros.core.bodies import drift, finish_bodies, move_cage, move_rings, predict_bodies
 from dcrb_ros.core.jit import kernel, loop, piece
 from dcrb_ros.core.neighbours import add_neighbours
-from dcrb_ros.core.payload import SINK, Floats, Payload
-from dcrb_ros.core.place import bind_row, bind_special, gather_bound, place_row
+from dcrb_ros.core.payload import JOHNSON, Floats, Payload
+from dcrb_ros.core.place import bind_row, bind_special, expect_bound, gather_bound, place_rollers, push_neighbours
 from dcrb_ros.core.raceway import turn_notches
-from dcrb_ros.core.remember import forget, keep_bound, keep_light, let_go
-from dcrb_ros.core.solve import prepare_bound, push_bound, push_light, solve_bound, solve_light
+from dcrb_ros.core.remember import forget, keep_bound
+from dcrb_ros.core.rolling import find_notches, let_go, push_free, roll_free
+from dcrb_ros.core.solve import prepare_bound, push_bound, solve_bound
 from dcrb_ros.core.state import State
-from dcrb_ros.core.touch import draw_raceways, face_raceways, press_raceways
-from dcrb_ros.core.work import OUTER, Workspace
+from dcrb_ros.core.touch import draw_contacts, face_raceways, press_raceways
+from dcrb_ros.core.work import Workspace
 
 MOST_SWEEPS = 6
 """Passes over the bound rollers in a step at most."""
@@ -44,6 +44,7 @@ def lay_out(payload: Payload, state: State) -> None:
         for i in range(rollers):
             c = row * rollers + i
             state.lanes[at.FREE + c] = 1.0 if payload.free[row, i] else 0.0
+            state.lanes[at.IN_SECOND + c] = 1.0 if row > 0 else 0.0
             state.lanes[at.POCKET_X + c], state.lanes[at.POCKET_Y + c] = (
                 payload.pocket_tangent[row, i, 0],
                 payload.pocket_tangent[row, i, 1],
@@ -53,51 +54,44 @@ def lay_out(payload: Payload, state: State) -> None:
 @piece
 def begin(payload: Payload, state: State, work: Workspace) -> int:
     """Place the rollers, find the bound ones and put them side by side; return how many lanes they take."""
+    if payload.any_free:
+        place_rollers(payload, state, work, False)
+    else:
+        place_rollers(payload, state, work, True)
+    bind_special(payload, work)
     bound = 0
     for row in range(payload.free.shape[0]):
-        touch_land(payload, state, work, row)
-        if payload.any_broken:
-            add_neighbours(payload, state, work.external, row)
-        place_row(payload, state, work, row)
-        if payload.any_broken or payload.notch_law != SINK:
-            bind_special(payload, work, row)
         bound = bind_row(payload, work, row, bound)
         work.ends[row] = bound
-    return gather_bound(payload, state, work, bound) if bound > 0 else 0
+    if bound == 0:
+        return 0
+    count = gather_bound(state, work, bound)
+    expect_bound(payload, state, work, count)
+    if payload.any_broken:
+        add_neighbours(payload, state, work.external)
+        push_neighbours(payload, work)
+    return count
 
 
 @piece
-def face_all(payload: Payload, state: State, work: Workspace, count: int) -> None:
-    """Write how rollers lie to the raceways; bound ones take ``count`` lanes."""
-    if payload.all_free:
-        face_raceways(payload, state, work.light, payload.free.size, payload.free.size, False)
-    face_raceways(payload, state, work.bound, work.ends[work.ends.size - 1], count, True)
-
-
-@piece
-def press_all(payload: Payload, state: State, work: Workspace, count: int) -> None:
-    """Write the elastic forces of the raceways."""
-    if payload.all_free:
-        press_raceways(payload, state, work, work.light, work.every, payload.free.size, payload.free.size, False)
-    press_raceways(payload, state, work, work.bound, work.order, work.ends[work.ends.size - 1], count, True)
-
-
-@piece
-def draw_all(payload: Payload, state: State, work: Workspace, count: int) -> None:
-    """Write all contacts of rollers with raceways and bars as lines over the mean velocities of the step."""
-    if payload.all_free:
-        draw_raceways(payload, state, work, work.light, payload.free.size, False)
-    draw_raceways(payload, state, work, work.bound, count, True)
-    if payload.any_free:
-        touch_bars(payload, state, work, work.ends[work.ends.size - 1], count)
+def roll(payload: Payload, state: State, work: Workspace) -> None:
+    """Move the rollers that are not bound over the step, where there are such, and push the outer ring with them."""
+    if not payload.all_free:
+        forget(state, payload.free.size)
+        return
+    if payload.any_notch:
+        find_notches(payload, state, work)
+    if payload.contact_law == JOHNSON:
+        roll_free(payload, state, work, True)
+    else:
+        roll_free(payload, state, work, False)
+    let_go(payload, state, work)
+    push_free(payload, work)
 
 
 @piece
 def solve(payload: Payload, state: State, work: Workspace, count: int) -> None:
-    """Solve for the mean velocities of all bodies, those of rings and cages being predicted at first."""
-    if payload.all_free:
-        solve_light(payload, work.light, payload.free.size, work.mean[OUTER, 0], work.mean[OUTER, 1])
-        push_light(work, payload.free.size)
+    """Solve for the mean velocities of the bound rollers and of rings and cages, which are predicted at first."""
     prepare_bound(payload, work, count)
     surface = state.shaft[1] * payload.inner_raceway_radius
     still = STILL * payload.step * payload.step * payload.step
@@ -109,17 +103,6 @@ def solve(payload: Payload, state: State, work: Workspace, count: int) -> None:
             moved = max(moved, move_cage(payload, state, work, row))
         if moved < still:
             break
-
-
-@piece
-def keep(payload: Payload, state: State, work: Workspace, count: int) -> None:
-    """Keep what became of the rollers."""
-    if payload.all_free:
-        let_go(state, work.light, payload.free.size)
-        keep_light(payload, state, work, payload.free.size)
-    else:
-        forget(state, payload.free.size)
-    keep_bound(payload, state, work, work.ends[work.ends.size - 1], count, state.shaft[1] * payload.inner_raceway_radius)
 
 
 @piece
@@ -151,11 +134,12 @@ def advance(payload: Payload, state: State, work: Workspace, acceleration: Float
         predict_bodies(state, work)
         clear(work.loose)
         count = begin(payload, state, work)
-        face_all(payload, state, work, count)
-        press_all(payload, state, work, count)
-        draw_all(payload, state, work, count)
+        roll(payload, state, work)
+        face_raceways(payload, state, work, count)
+        press_raceways(payload, state, work, count)
+        draw_contacts(payload, state, work, count)
         solve(payload, state, work, count)
-        keep(payload, state, work, count)
+        keep_bound(payload, state, work, count)
         finish_bodies(payload, state, work)
         for axis in range(2):
             acceleration[n, axis] = state.outer_change[axis] / h

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dcrb_ros.core.lanes import LANES, STEP_FIELDS, empty_lanes
+from dcrb_ros.core.lanes import CONFORMAL_FIELDS, LANES, STEP_FIELDS, empty_lanes
 from dcrb_ros.core.payload import Floats, Integers, Payload
 
 OUTER, INNER, CAGE = 0, 1, 2
@@ -30,8 +30,10 @@ class Workspace(NamedTuple):
     """All rollers in their order, see `dcrb_ros.core.lanes`."""
     bound: Floats
     """Bound rollers side by side."""
-    every: Integers
-    """Which roller is in which lane of ``light``: each in its own."""
+    conformal: Floats
+    """Contacts of cages with lands and of rollers with bars."""
+    touched: Integers
+    """Row of the cage, or lane of ``bound`` of the roller, in each of these contacts."""
     order: Integers
     """Which roller is in which lane of ``bound``, row by row."""
     rows: Integers
@@ -54,7 +56,8 @@ def workspace(payload: Payload) -> Workspace:
         external=np.zeros((rows, rollers, 3)),
         light=empty_lanes(STEP_FIELDS),
         bound=empty_lanes(STEP_FIELDS),
-        every=np.arange(LANES, dtype=np.int64),
+        conformal=empty_lanes(CONFORMAL_FIELDS),
+        touched=np.zeros(LANES, np.int64),
         order=np.zeros(LANES, np.int64),
         rows=np.zeros(LANES, np.int64),
         ends=np.zeros(rows, np.int64),
