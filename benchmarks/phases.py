@@ -54,7 +54,7 @@ def advance_by_phases(payload: Payload, state: State, work: Workspace, steps: in
     for _ in range(steps):
         t0 = ticks()
         drift(payload, state, 0.5 * payload.step)
-        predict_bodies(state, work)
+        predict_bodies(payload, state, work)
         clear(work.loose)
         t1 = ticks()
         turn_notches(payload.inner_notches, state.shaft[0], work.inner_towards)

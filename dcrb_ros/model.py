@@ -94,6 +94,7 @@ def build_payload(configuration: Configuration) -> Payload:
     # All pinned: the sum of the tangents is zero but for rounding, which would make the motion depend on it.
     moment = b.roller_mass * b.pitch_radius * np.where(free[..., None], 0.0, tangent).sum(axis=1)
     moment[~free.any(axis=1)] = 0.0
+    mass, inertia = b.cage_mass + pinned * b.roller_mass, b.cage_inertia + pinned * b.roller_mass * b.pitch_radius**2
     bar = conformal_law(c.cage.pocket_clearance, b.roller_length, b.effective_modulus)
     land = conformal_law(c.cage.land_clearance, b.roller_length, b.effective_modulus)
     width = 4.0 / (math.pi * b.roller_length * b.effective_modulus)
@@ -116,9 +117,10 @@ def build_payload(configuration: Configuration) -> Payload:
         inner_ring_mass=b.inner_ring_mass,
         roller_mass=b.roller_mass,
         roller_inertia=b.roller_inertia,
-        train_mass=b.cage_mass + pinned * b.roller_mass,
-        train_inertia=b.cage_inertia + pinned * b.roller_mass * b.pitch_radius**2,
+        train_mass=mass,
+        train_inertia=inertia,
         train_moment=moment,
+        train_yield=np.stack([1.0 / mass, 1.0 / (inertia - (moment**2).sum(axis=1) / mass)], axis=1),
         gravity=c.operating.gravity,
         housing_stiffness=c.housing.stiffness,
         housing_damping=c.housing.damping,

@@ -16,7 +16,7 @@ from dcrb_ros.core.jit import loop
 from dcrb_ros.core.payload import Payload, RollerNotches
 from dcrb_ros.core.raceway import inner_notch_depth, outer_notch_depth, roller_sink, turn_notches
 from dcrb_ros.core.state import State, empty_state
-from dcrb_ros.core.touch import touch_raceways
+from dcrb_ros.core.touch import face_raceways, press_raceways
 from dcrb_ros.core.work import Workspace, workspace
 from dcrb_ros.model import build_payload
 from dcrb_ros.parameters import Bearing
@@ -51,7 +51,8 @@ def under(width: float, azimuth: float, ring: str, **contact: object) -> Payload
 @loop
 def touch_one(payload: Payload, state: State, work: Workspace) -> None:
     """Write the first roller's contacts with both raceways."""
-    touch_raceways(payload, state, work, work.light, work.every, 1, 1, True)
+    face_raceways(payload, state, work, 1)
+    press_raceways(payload, state, work, 1)
 
 
 def touch(payload: Payload, inner: bool, azimuth: float, pressed: float, turn: float = 0.0) -> tuple[float, float, float, float, float]:
@@ -60,7 +61,8 @@ def touch(payload: Payload, inner: bool, azimuth: float, pressed: float, turn: f
     turn_notches(payload.inner_notches, turn, work.inner_towards)
     turn_notches(payload.outer_notches, turn, work.outer_towards)
     distance = R_I + R_R - pressed if inner else R_O - R_R + pressed
-    lanes, block = work.light, at.INNER if inner else at.OUTER
+    lanes, block = work.bound, at.INNER if inner else at.OUTER
+    work.ends[:] = 1
     lanes[at.PLACE_X], lanes[at.PLACE_Y] = distance * math.sin(azimuth), -distance * math.cos(azimuth)
     lanes[at.COMING_X], lanes[at.COMING_Y] = distance * math.cos(azimuth), distance * math.sin(azimuth)
     touch_one(payload, state, work)

@@ -135,6 +135,23 @@ def test_rows_alike_stay_alike(load: float) -> None:
     assert np.array_equal(state.roller_position[0], state.roller_position[1])
 
 
+@pytest.mark.parametrize("contact", [{}, {"law": "power"}], ids=["johnson", "power"])
+def test_free_rollers_move_as_if_they_were_solved_for_with_the_rings(contact: dict[str, Any]) -> None:
+    # Any roller on the outer raceway counts as bound where edges give it normals of its own; this notch is too far to matter.
+    groups = {"cage": {"joint": "pocket"}, "faults": {"outer_1": {"width": 0.001, "azimuth": 3.0}}}
+    found = []
+    for notch in ("sink", "edge"):
+        payload, state = model(1.0 / 102400.0, {**groups, "contact": {**contact, "notch": notch}})
+        run(payload, state, 40)
+        found.append(state)
+    free, bound = found
+    # Free ones see the ring's predicted velocity, bound ones the velocity found.
+    assert free.roller_velocity == pytest.approx(bound.roller_velocity, rel=1e-4, abs=2e-4)
+    assert free.outer_velocity == pytest.approx(bound.outer_velocity, abs=1e-5)
+    assert free.outer_force == pytest.approx(bound.outer_force, rel=1e-3, abs=1.0)
+    assert free.outer_bristle == pytest.approx(bound.outer_bristle, rel=1e-2, abs=1e-10)
+
+
 @pytest.mark.kernel
 @pytest.mark.parametrize("joint", ["revolute", "pocket"])
 def test_a_few_steps_without_a_compiler(joint: str) -> None:

@@ -82,6 +82,8 @@ class Payload(NamedTuple):
     train_moment: Floats
     """Mass times lever of the pinned rollers along the tangents at cage angle zero, shape (rows, 2) [kg m]; zero when
     all rollers are pinned or all are free, for then the centre of mass is the cage's."""
+    train_yield: Floats
+    """One over each train's mass, and over its moment of inertia about its centre of mass, shape (rows, 2) [1/kg, 1/(kg m^2)]."""
     gravity: float
     housing_stiffness: float
     housing_damping: float

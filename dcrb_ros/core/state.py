@@ -28,7 +28,7 @@ class State(NamedTuple):
     outer_velocity: Floats
     """Shape (2,) [m/s]."""
     outer_change: Floats
-    """Change of velocity over the last step, by which the next one's mean is predicted, shape (2,) [m/s]."""
+    """Change of velocity over the last step, from which the next one's is predicted, shape (2,) [m/s]."""
     inner_position: Floats
     """Centre of the inner ring, shape (2,) [m]."""
     inner_velocity: Floats
@@ -41,6 +41,8 @@ class State(NamedTuple):
     """Shape (rows, 3) [m/s, m/s, rad/s]."""
     cage_change: Floats
     """Shape (rows, 3) [m/s, m/s, rad/s]."""
+    earlier_change: Floats
+    """Changes of outer ring, inner ring and cages over the step before the last, shape (2 + rows, 3) [m/s, m/s, rad/s]."""
     roller_position: Floats
     """Centre X, Y of each roller, shape (rows, rollers, 2) [m]; of pinned ones when observed."""
     roller_velocity: Floats
@@ -121,6 +123,7 @@ def _state_of(buffer: Floats, rows: int, rollers: int) -> State:
         cage_position=np.zeros((rows, 3)),
         cage_velocity=np.zeros((rows, 3)),
         cage_change=np.zeros((rows, 3)),
+        earlier_change=np.zeros((2 + rows, 3)),
         roller_position=rolling(lanes.X, 2),
         roller_velocity=rolling(lanes.VX, 3),
         roller_change=rolling(lanes.CHANGE_X, 3),

@@ -25,9 +25,11 @@ from dcrb_ros.core.work import Workspace
 
 MOST_SWEEPS = 6
 """Passes over the bound rollers in a step at most."""
-STILL = 2e9
-"""Change of a mean velocity of rings and cages by a pass that needs no further one, over the step cubed [m/s^4]: what is left then is a
-hundredth of it, and with the cube of the step the order stays two."""
+STILL = 3e8
+"""Square of an angular frequency [rad^2/s^2]: a pass that changes no mean velocity of rings and cages by more than STILL h^2 times
+the rings' change over the step needs no further one. What is left is a hundredth of it, and the order stays two."""
+QUIET = 1e10
+"""The same for rings that hardly move: a change of a mean velocity over the step cubed [m/s^4]."""
 
 
 @kernel
@@ -94,14 +96,14 @@ def solve(payload: Payload, state: State, work: Workspace, count: int) -> None:
     """Solve for the mean velocities of the bound rollers and of rings and cages, which are predicted at first."""
     prepare_bound(payload, work, count)
     surface = state.shaft[1] * payload.inner_raceway_radius
-    still = STILL * payload.step * payload.step * payload.step
+    h = payload.step
     for _ in range(MOST_SWEEPS):
         solve_bound(payload, work, count, surface)
         push_bound(payload, work)
-        moved = move_rings(payload, state, work)
+        moved, changed = move_rings(payload, state, work)
         for row in range(payload.free.shape[0]):
             moved = max(moved, move_cage(payload, state, work, row))
-        if moved < still:
+        if moved < h * h * (STILL * changed + QUIET * h):
             break
 
 
@@ -131,7 +133,7 @@ def advance(payload: Payload, state: State, work: Workspace, acceleration: Float
         state.shaft[1] = 0.5 * (state.shaft[1] + speed_after)
         drift(payload, state, 0.5 * h)
         turn_notches(payload.inner_notches, state.shaft[0], work.inner_towards)
-        predict_bodies(state, work)
+        predict_bodies(payload, state, work)
         clear(work.loose)
         count = begin(payload, state, work)
         roll(payload, state, work)

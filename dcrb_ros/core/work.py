@@ -20,6 +20,8 @@ class Workspace(NamedTuple):
     """Mean velocities over the step of rings and cages, predicted at first, shape (2 + rows, 3) [m/s, m/s, rad/s]."""
     heading: Floats
     """Cosine and sine of each cage's angle, shape (rows, 2) [-]."""
+    moment: Floats
+    """Mass times lever of each cage's pinned rollers along their tangents, shape (rows, 2) [kg m]."""
     loose: Floats
     """Force and torque on them from everything but bound rollers, shape (2 + rows, 3) [N, N, N m]."""
     tight: Floats
@@ -51,6 +53,7 @@ def workspace(payload: Payload) -> Workspace:
     return Workspace(
         mean=np.zeros((2 + rows, 3)),
         heading=np.zeros((rows, 2)),
+        moment=np.zeros((rows, 2)),
         loose=np.zeros((2 + rows, 3)),
         tight=np.zeros((2 + rows, 3)),
         external=np.zeros((rows, rollers, 3)),
