@@ -20,6 +20,8 @@ def wrapped(angle: Floats) -> Floats:
 
 def place_pinned_rollers(payload: Payload, state: State) -> None:
     """Write position and velocity of the pinned rollers, which their cages carry."""
+    if payload.all_free:
+        return
     cosine, sine = np.cos(state.cage_position[:, 2, None]), np.sin(state.cage_position[:, 2, None])
     at_zero, pinned = radial_directions(payload), ~payload.free
     arm = payload.pitch_radius * np.stack(
@@ -33,23 +35,22 @@ def place_pinned_rollers(payload: Payload, state: State) -> None:
 def inner_normals(state: State) -> Floats:
     """Return the directions from the inner ring to each roller, shape (rows, rollers, 2) [-]."""
     offset = state.roller_position - state.inner_position
-    return np.asarray(offset / np.linalg.norm(offset, axis=-1, keepdims=True))
+    return np.asarray(offset / np.hypot(offset[..., :1], offset[..., 1:]))
 
 
-def inner_slip(payload: Payload, state: State) -> Floats:
+def inner_slip(payload: Payload, state: State, normal: Floats) -> Floats:
     """Return the slip at the inner raceway of every roller, touching or not, shape (rows, rollers) [m/s]."""
-    normal, velocity = inner_normals(state), state.roller_velocity[..., :2] - state.inner_velocity
+    velocity = state.roller_velocity[..., :2] - state.inner_velocity
     passing = velocity[..., 1] * normal[..., 0] - velocity[..., 0] * normal[..., 1]
     slip: Floats = passing - state.roller_velocity[..., 2] * payload.roller_radius - state.shaft[1] * payload.inner_raceway_radius
     return slip
 
 
-def force_on_inner_ring(state: State) -> tuple[float, float]:
+def force_on_inner_ring(state: State, normal: Floats) -> tuple[float, float]:
     """Return the total force of the rollers on the inner ring in X and Y [N]."""
-    normal = inner_normals(state)
-    along = np.stack([-normal[..., 1], normal[..., 0]], axis=-1)
-    force = (state.inner_friction[..., None] * along - state.inner_force[..., None] * normal).sum(axis=(0, 1))
-    return float(force[0]), float(force[1])
+    nx, ny = normal[..., 0], normal[..., 1]
+    push, hold = state.inner_force, state.inner_friction
+    return float((-push * nx - hold * ny).sum()), float((hold * nx - push * ny).sum())
 
 
 def observe(payload: Payload, state: State, time_ns: int, stored_at_start: float) -> States:
@@ -58,6 +59,7 @@ def observe(payload: Payload, state: State, time_ns: int, stored_at_start: float
     offset = state.roller_position - state.outer_position
     azimuth = np.arctan2(offset[..., 0], -offset[..., 1])
     pocket = np.arctan2(payload.pocket_tangent[:, 0, 1], payload.pocket_tangent[:, 0, 0]) + state.cage_position[:, 2]
+    normal = inner_normals(state)
     cages, none = state.cage_velocity[:, 2], np.zeros(len(state.cage_position) + 1)
     spin = state.roller_velocity[..., 2]
 
@@ -70,12 +72,12 @@ def observe(payload: Payload, state: State, time_ns: int, stored_at_start: float
         speed=bodies(spin, np.array([*cages, state.shaft[1]])),
         inner_force=bodies(state.inner_force, np.array([*none[:-1], state.inner_force.sum()])),
         outer_force=bodies(state.outer_force, none),
-        slip=bodies(inner_slip(payload, state), none),
+        slip=bodies(inner_slip(payload, state, normal), none),
         friction=bodies(state.inner_friction, none),
         torque=bodies(payload.roller_radius * (state.inner_friction - state.outer_friction), none),
         relative_speed=bodies(spin - cages[:, None], none),
         bar_force=bodies(state.bar_force, np.array([*state.land_force, 0.0])),
         cage_offset=state.cage_position[:, :2] - state.outer_position,
-        inner_ring_force=force_on_inner_ring(state),
+        inner_ring_force=force_on_inner_ring(state, normal),
         energy=account(payload, state, stored_at_start),
     )

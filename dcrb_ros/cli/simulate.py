@@ -37,6 +37,7 @@ def simulate(
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
+    from dcrb_ros.ahead import ahead
     from dcrb_ros.core import compiled
     from dcrb_ros.simulation import Simulation
     from dcrb_ros.sinks.recorder import Recorder
@@ -58,7 +59,7 @@ def simulate(
     with Recorder(path, configuration, simulation.layout) as recorder, Progress(*columns, console=console) as progress:
         task = progress.add_task(path.name, total=seconds)
         try:
-            for block in simulation.blocks(seconds):
+            for block in ahead(simulation.blocks(seconds)):
                 recorder.write(block)
                 done = block.end_ns * 1e-9
                 progress.update(task, completed=done)
