@@ -45,6 +45,10 @@ validate: environment ## The paper's numbers and figures: a table, and a report 
 
 bench: environment ## Speed and accuracy, some minutes on a machine that does nothing else
 	$(BIN)/python benchmarks/real_time.py
+	$(BIN)/python benchmarks/phases.py
+	$(BIN)/python benchmarks/machine.py
+	$(BIN)/python benchmarks/peers.py
+	$(BIN)/python benchmarks/start.py
 	$(BIN)/python benchmarks/accuracy.py
 
 docs: environment ## The site, into site/

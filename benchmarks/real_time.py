@@ -1,4 +1,4 @@
-"""How much faster than real time: the kernel alone, and the block loop with sensor chain and encoding.
+"""How much faster than real time: the kernel alone, the block loop with sensor chain and encoding, and all of it into a recording.
 
 Medians of several runs in one process; run it on a machine that does nothing else.
 """
@@ -8,11 +8,14 @@ from __future__ import annotations
 import argparse
 import itertools
 import statistics
+import tempfile
 import time
 from collections.abc import Callable
+from pathlib import Path
 
 import numpy as np
 
+from dcrb_ros.ahead import ahead
 from dcrb_ros.configuration import Configuration
 from dcrb_ros.configuration_file import load_configuration
 from dcrb_ros.core.step import advance
@@ -20,6 +23,7 @@ from dcrb_ros.core.work import workspace
 from dcrb_ros.messages import BlockEncoder
 from dcrb_ros.model import build_payload, initial_state
 from dcrb_ros.simulation import Simulation
+from dcrb_ros.sinks.recorder import Recorder
 
 WARM_UP = 0.2
 """Simulated time before every measurement, compiling included [s]."""
@@ -51,6 +55,18 @@ def blocks(configuration: Configuration) -> Callable[[float], None]:
     return run
 
 
+def recorded(configuration: Configuration) -> Callable[[float], None]:
+    """Return a function that does what ``dcrb simulate`` does for a simulated time [s]."""
+    simulation = Simulation(configuration)
+
+    def run(duration: float) -> None:
+        with tempfile.TemporaryDirectory() as folder, Recorder(Path(folder) / "bag", configuration, simulation.layout) as recorder:
+            for block in ahead(simulation.blocks(duration)):
+                recorder.write(block)
+
+    return run
+
+
 def factors(run: Callable[[float], None], duration: float, runs: int) -> list[float]:
     """Return simulated over wall time of each run."""
     run(WARM_UP)
@@ -72,7 +88,7 @@ def main() -> None:
     print("|---|---|---|---|---|---|---|")
     for name, joint in itertools.product(BENCHES, JOINTS):
         configuration = load_configuration(name, [f"cage.joint={joint}"])
-        for part, make in (("kernel", kernel), ("blocks, encoded", blocks)):
+        for part, make in (("kernel", kernel), ("blocks, encoded", blocks), ("simulate, recorded", recorded)):
             found = factors(make(configuration), options.duration, options.runs)
             median = statistics.median(found)
             step = 1e6 / (median * configuration.step_rate)
