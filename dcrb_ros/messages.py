@@ -74,6 +74,10 @@ class Vibration:
         """Return the index of the first sample at a sampling rate [Hz]: its time times the rate, rounded."""
         return (self.stamp_ns * rate + 500_000_000) // 1_000_000_000
 
+    def packed(self) -> bytes:
+        """Return the samples as `packed` does."""
+        return packed(self.acceleration, self.shaft_angle)
+
 
 @dataclass(frozen=True)
 class Joints:
@@ -95,6 +99,11 @@ class Status:
     """0 OK, 1 warning, 2 error."""
     message: str
     values: Mapping[str, str]
+
+
+def packed(acceleration: Samples, shaft_angle: Samples) -> bytes:
+    """Return ax, ay and shaft angle of every sample as little-endian single floats: what a recording's hash is of."""
+    return np.column_stack([acceleration, shaft_angle]).astype("<f4", copy=False).tobytes()
 
 
 def _type(name: str) -> Any:
