@@ -78,6 +78,7 @@ setup(
         "console_scripts": [
             "dcrb = dcrb_ros.cli.app:main",
             "simulator = dcrb_ros.nodes.simulator:main",
+            "replayer = dcrb_ros.nodes.replayer:main",
             "fault_detector = dcrb_ros.nodes.fault_detector:main",
         ],
     },

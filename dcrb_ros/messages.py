@@ -183,6 +183,12 @@ def encode_text(text: str) -> bytes:
     return _encoded("std_msgs/msg/String", _type("std_msgs/msg/String")(text))
 
 
+def encode_clock(time_ns: int) -> bytes:
+    """Return a Clock."""
+    name = "rosgraph_msgs/msg/Clock"
+    return _encoded(name, _type(name)(_type("builtin_interfaces/msg/Time")(time_ns // 1_000_000_000, time_ns % 1_000_000_000)))
+
+
 def encode_diagnostics(time_ns: int, statuses: Iterable[Status]) -> bytes:
     """Return a DiagnosticArray."""
     pair, status_type = _type("diagnostic_msgs/msg/KeyValue"), _type("diagnostic_msgs/msg/DiagnosticStatus")
