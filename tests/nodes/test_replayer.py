@@ -52,7 +52,7 @@ def test_detector_takes_a_replay_for_the_live_bench(name: str, verdict: str, tmp
         # The very bytes, in their order, gaps and stamps included; the middleware pads them to four.
         for topic in (VIBRATION, FEATURES, ROLLER_STATES, GROUND_TRUTH, SENSOR):
             recording = [message.data + bytes(-len(message.data) % 4) for message in Recording(BAGS / name).messages((topic,))]
-            heard.until(lambda t=topic, count=len(recording): len(heard.heard[t]) >= count, topic.name)
+            heard.until(lambda t=topic, expected=recording: len(heard.heard[t]) >= len(expected), topic.name)
             assert heard.heard[topic] == recording, topic.name
     assert decode_diagnostics(heard.heard[BENCH_DIAGNOSTICS][-1])[1][0].name == "/dcrb/replayer"
 
