@@ -6,7 +6,6 @@ from pathlib import Path
 
 import rerun as rr
 
-from dcrb_ros.kinematics import characteristic_orders
 from dcrb_ros.viewer import bearing_picture, blueprint, series, spectrum_picture, summary
 from dcrb_ros.viewer.content import Content
 from dcrb_ros.viewer.drawing import Drawing
@@ -40,5 +39,5 @@ def log_content(content: Content, drawing: Drawing | None) -> None:
         series.log_motion(content, content.motion)
     spectra = envelope_spectra(content.diagnoses)
     if spectra is not None:
-        combs = fault_combs(characteristic_orders(content.bearing), spectra.highest_order)
+        combs = fault_combs(content.orders, spectra.highest_order)
         spectrum_picture.log_spectra(spectra, combs, content.start_ns)

@@ -8,8 +8,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from dcrb_ros.block import Layout
-from dcrb_ros.kinematics import characteristic_orders
 from dcrb_ros.messages import Joints, Vibration, decode_diagnostics, decode_joints, decode_truth, decode_vibration
+from dcrb_ros.parameters import Bearing
 from dcrb_ros.recording import Recording
 from dcrb_ros.refusal import Refusal
 from dcrb_ros.topics import DIAGNOSIS, FAULT_INDICATORS, FEATURES, GROUND_TRUTH, NAMESPACE, ROLLER_STATES, VIBRATION, Topic
@@ -30,15 +30,17 @@ def gather(recording: Recording) -> Content:
         found[message.topic].append(message.data)
     blocks = [decode_vibration(data) for data in found[VIBRATION]]
     if not blocks:
-        topic = VIBRATION.resolved(NAMESPACE)
+        topic = VIBRATION.resolved(recording.namespace)
         raise Refusal(f"{recording.path} has no block on {topic} to show: give a recording of the bench with its waveform")
-    bearing = recording.configuration.bearing
+    bearing, orders = Bearing() if recording.imported else recording.configuration.bearing, recording.orders
     layout = Layout(bearing.rows, bearing.rollers_per_row)
-    waveform = waveform_of(blocks, recording.configuration.sensor.sampling_rate)
-    judged = diagnoses(waveform, characteristic_orders(bearing))
+    waveform = waveform_of(blocks, recording.sampling_rate)
+    judged = diagnoses(waveform, orders)
     return Content(
         title=recording.path.stem,
         bearing=bearing,
+        orders=orders,
+        imported=recording.imported,
         layout=layout,
         waveform=waveform,
         motion=motion_of([decode_joints(data) for data in found[ROLLER_STATES]], layout),
