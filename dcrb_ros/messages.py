@@ -291,6 +291,36 @@ def decode_joints(data: bytes) -> Joints:
     return Joints(stamp_of(joints.header), tuple(joints.name), joints.position, joints.velocity, joints.effort)
 
 
+def decode_alike(messages: Sequence[bytes]) -> Joints | None:
+    """Return JointStates of one length, names and frame as one: every field has a row for each, ``stamp_ns`` the first stamp.
+
+    A topic repeats its names in every message; reading them once is ten times as fast. None where the messages are not alike.
+    """
+    if not messages or len({len(data) for data in messages}) > 1:
+        return None
+    first = decode_joints(messages[0])
+    counts = len(first.position), len(first.velocity), len(first.effort)
+    rows = np.frombuffer(b"".join(messages), np.uint8).reshape(len(messages), -1)
+    numbers: list[Floats] = []
+    end = rows.shape[1]
+    for count in reversed(counts):
+        begin = end - 8 * count
+        numbers.insert(0, np.ascontiguousarray(rows[:, begin:end]).view("<f8").reshape(len(messages), count))
+        # The length before the numbers, and what aligns them to eight.
+        end = begin - (8 if count else 4)
+    names_end = rows.shape[1] - sum(8 * count for count in counts) - sum(8 if count else 4 for count in counts[1:])
+    same = np.all(rows[:, 12:names_end] == rows[0, 12:names_end])
+    found = [np.array_equal(own[0], array) for own, array in zip(numbers, (first.position, first.velocity, first.effort), strict=True)]
+    return Joints(first.stamp_ns, first.names, *numbers) if same and all(found) else None
+
+
+def stamps(messages: Sequence[bytes]) -> npt.NDArray[np.int64]:
+    """Return the stamps of messages that begin with a header [ns]."""
+    heads = np.frombuffer(b"".join(data[4:12] for data in messages), np.dtype([("sec", "<i4"), ("nanosec", "<u4")]))
+    found: npt.NDArray[np.int64] = heads["sec"].astype(np.int64) * 1_000_000_000 + heads["nanosec"]
+    return found
+
+
 def decode_float(data: bytes) -> float:
     """Return the number of a Float64.
 
