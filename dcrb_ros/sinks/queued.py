@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import queue
 import threading
 from collections.abc import Iterable
@@ -76,7 +77,9 @@ class QueuedRecorder:
                     continue
             self._recorder.close()
         except Exception as error:  # the thread's end must be heard of, whatever it is
-            self._fail(str(error))
+            self._fail(str(error) or type(error).__name__)
+            with contextlib.suppress(RecordingFailed):
+                self._recorder.close()
 
     def _fail(self, words: str) -> None:
         with self._lock:
