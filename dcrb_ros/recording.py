@@ -212,8 +212,7 @@ def mcap_files(path: Path) -> list[Path]:
         except OSError as error:
             raise Refusal(f"{file} cannot be read: {error.strerror}") from None
         if magic != MAGIC:
-            what = "is empty" if not magic else "is no MCAP file"
-            raise Refusal(f"{file} {what}: it must begin with {MAGIC!r}")
+            raise Refusal(f"{file} is no MCAP file: it {f'must begin with {MAGIC!r}' if magic else 'is empty'}")
     return files
 
 
