@@ -27,6 +27,12 @@ from dcrb_ros.topics import DETECTED, GROUND_TRUTH, MANIFEST, NAMESPACE, SIMULAT
 METADATA = "metadata.yaml"
 LARGEST_METADATA = 4_000_000
 """Largest metadata.yaml [bytes]; ours have a few thousand."""
+SHAPES: dict[str, type] = {
+    **dict.fromkeys(("units", "software", "orders", "faults", "imported", "sensor", "configuration"), dict),
+    **dict.fromkeys(("format", "first_index", "samples", "sampling_rate"), int),
+    **dict.fromkeys(("namespace", "sha256", "dcrb_ros", "model"), str),
+}
+"""What some entries of a manifest must be, for those who read it."""
 DAMAGED = (ValueError, KeyError, TypeError, RecursionError)
 """What reading a damaged manifest raises."""
 
@@ -191,7 +197,8 @@ def _json(record: Metadata, key: str) -> dict[str, Any] | None:
         found = json.loads(record.metadata[key])
     except DAMAGED:
         return None
-    return found if isinstance(found, dict) else None
+    sound = isinstance(found, dict) and all(isinstance(found.get(name, kind()), kind) for name, kind in SHAPES.items())
+    return found if sound else None
 
 
 def mcap_files(path: Path) -> list[Path]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import struct
 import subprocess
 import sys
@@ -14,9 +15,10 @@ import pytest
 import zstandard
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from made_up import recorded
+from made_up import LAYOUT, recorded
 from test_cli import dcrb
 
+from dcrb_ros.configuration import Configuration
 from dcrb_ros.mcap_records import MAGIC, McapRecords
 from dcrb_ros.recording import Recording, metadata_flaw
 from dcrb_ros.refusal import Refusal
@@ -137,6 +139,52 @@ def test_any_metadata_is_survived(tmp_path_factory: pytest.TempPathFactory, bag:
     (folder / "bag_0.mcap").write_bytes((bag / "bag_0.mcap").read_bytes()[:100])
     (folder / "metadata.yaml").write_bytes(content)
     assert "\n" not in metadata_flaw(folder)
+
+
+JSON = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=5),
+    lambda inner: st.lists(inner) | st.dictionaries(st.text(), inner),
+)
+
+
+@given(
+    st.sampled_from(
+        [
+            "format",
+            "units",
+            "software",
+            "orders",
+            "configuration",
+            "sampling_rate",
+            "namespace",
+            "imported",
+            "sensor",
+            "samples",
+            "sha256",
+            "commands",
+        ]
+    ),
+    JSON,
+)
+@settings(max_examples=100)
+def test_any_manifest_is_explained_or_refused(tmp_path_factory: pytest.TempPathFactory, key: str, value: object) -> None:
+    from dcrb_ros.cli.info import info
+    from dcrb_ros.manifest import OUTCOME, opening
+    from dcrb_ros.reproduction import recorded_samples
+    from dcrb_ros.sinks.bag import Bag
+    from dcrb_ros.topics import MANIFEST
+
+    about = json.loads(opening(Configuration(), LAYOUT, "/dcrb")[MANIFEST]["manifest"])
+    outcome = {"samples": 3, "sha256": "0", "first_index": 0, "commands": []}
+    (outcome if key in outcome else about)[key] = value
+    folder = tmp_path_factory.mktemp("manifest") / "bag"
+    ending = {OUTCOME: {"outcome": json.dumps(outcome)}}
+    Bag(folder, opening={MANIFEST: {"manifest": json.dumps(about)}}, closing=lambda: ending).close()
+    try:
+        info(folder)
+        recorded_samples(Recording(folder))
+    except Refusal as refusal:
+        assert "\n" not in str(refusal)  # noqa: PT017 - a refusal is one of the two right answers
 
 
 def test_huge_metadata_is_not_read(tmp_path: Path) -> None:

@@ -72,12 +72,11 @@ def log_scale(path: str, largest: float, row: int) -> None:
 
 
 def log_now(path: str, motion: Motion, azimuth: Floats, share: Floats) -> None:
-    """Log a ray from the centre for the force of every roller over time, as a ``share`` of the largest."""
+    """Log an arrow from the centre for the force of every roller over time, as a ``share`` of the largest."""
     count = azimuth.shape[1]
-    tips = on_circle(RADIUS * np.clip(share, 0.0, 1.25), azimuth)
-    rays = np.stack([np.zeros_like(tips), tips], axis=2).reshape(-1, 2, 2).astype(np.float32)
+    tips = on_circle(RADIUS * np.clip(share, 0.0, 1.25), azimuth).reshape(-1, 2)
     colours = palette.force_colours(share, 1.0)
     colours[share <= 0.0, 3] = 0
-    rr.log(f"{path}/now", rr.LineStrips2D.from_fields(radii=[2.2], draw_order=3.0), static=True)
-    columns = rr.LineStrips2D.columns(strips=rays, colors=colours.reshape(-1, 4))
+    rr.log(f"{path}/now", rr.Arrows2D.from_fields(radii=[1.4], draw_order=3.0), static=True)
+    columns = rr.Arrows2D.columns(vectors=tips, origins=np.zeros_like(tips), colors=colours.reshape(-1, 4))
     rr.send_columns(f"{path}/now", [time_column(motion.time_ns)], columns.partition(np.full(len(motion.time_ns), count)))
