@@ -61,7 +61,8 @@ class McapRecords:
             head = stream.read(HEAD.size)
             opcode, length = HEAD.unpack(head) if len(head) == HEAD.size else (0, size)
             if at + HEAD.size + length > size or not opcode:
-                self._remark(f"the record at byte {at} reaches beyond the end of the file at {size}")
+                missing = "the footer is missing" if at == size else f"the record at byte {at} reaches beyond the end of the file"
+                self._remark(f"{missing} at {size}")
                 later = [start for start in starts if start > at]
                 if not later:
                     return
