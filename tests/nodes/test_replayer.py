@@ -67,7 +67,8 @@ def test_replay_keeps_the_recorded_pace_scaled(tmp_path: Path) -> None:
         with node("replayer", given, environment(number), tmp_path / "log") as replayer:
             heard.until(lambda: len(stamps) == 150, "every block")
             assert replayer.process.wait(PATIENCE) == 0
-    assert stamps[-1] - stamps[1] == pytest.approx(148 * 0.02 / 2.0, rel=0.15)
+    asked = 148 * 0.02 / 2.0
+    assert 0.9 * asked < stamps[-1] - stamps[1] < 3.0 * asked  # never ahead; a busy machine may be behind
 
 
 def test_loop_offset_and_clock(tmp_path: Path) -> None:
