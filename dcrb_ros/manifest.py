@@ -28,8 +28,8 @@ FORMAT = 2
 """Format of the manifest; the first had no second record."""
 OUTCOME = f"{MANIFEST}_outcome"
 """Name of the second record."""
-LARGEST = 256 * 1024
-"""Largest record of the manifest [bytes]; beyond it the commands are counted, and read from the ground truth."""
+LARGEST = 16 * 1024 * 1024
+"""Largest record of the manifest [bytes], some 200000 commands; beyond it they are counted, and read from the ground truth."""
 UNITS = {"acceleration": "m/s^2", "angle": "rad", "speed": "rad/s", "force": "N", "time": "s, simulated, from zero"}
 MODEL = ("core", "measurement", "conformal.py", "equilibrium.py", "model.py", "simulation.py")
 """Sources on which the samples depend."""

