@@ -52,6 +52,7 @@ setup(
         "pillow>=10,<14",
         "rosbags>=0.10.10,<0.12",
         "rerun-sdk>=0.39,<0.42",
+        "pyarrow>=14",
     ],
     extras_require={
         "ros": [
@@ -71,6 +72,7 @@ setup(
             'scipy-stubs>=1.17,<1.18; python_version >= "3.11"',
             "types-PyYAML>=6.0.12,<7",
         ],
+        "mat73": ["h5py>=3.8,<4"],
         "docs": ["mkdocs>=1.6,<2", "mkdocs-material>=9.5,<10"],
         "colcon": ["colcon-common-extensions>=0.3,<1", "setuptools>=68,<80"],
     },
@@ -78,6 +80,7 @@ setup(
         "console_scripts": [
             "dcrb = dcrb_ros.cli.app:main",
             "simulator = dcrb_ros.nodes.simulator:main",
+            "replayer = dcrb_ros.nodes.replayer:main",
             "fault_detector = dcrb_ros.nodes.fault_detector:main",
         ],
     },

@@ -69,6 +69,7 @@ def inconsistencies(c: Configuration) -> Iterator[str]:
     yield from _notches(c)
     yield from _bars(c)
     yield from _stability(c)
+    yield from _splitting(c)
     if c.friction.static_coefficient < c.friction.kinetic_coefficient:
         yield (
             f"friction.static_coefficient = {c.friction.static_coefficient:g} is below friction.kinetic_coefficient = "
@@ -113,6 +114,18 @@ def _rates(c: Configuration) -> Iterator[str]:
             f"publishing.preview_rate = {c.publishing.preview_rate} Hz does not divide sensor.sampling_rate = {rate} Hz; "
             "take a divisor, such as 100 or 200"
         )
+
+
+SMALLEST_FILE = 1_000_000
+"""Smallest file of a recording in several files [bytes]: a few chunks."""
+
+
+def _splitting(c: Configuration) -> Iterator[str]:
+    size, duration = c.recording.split_size, c.recording.split_duration
+    if 0 < size < SMALLEST_FILE:
+        yield f"recording.split_size = {size} B is below {SMALLEST_FILE} B, a few chunks: give 0 for a single file or more"
+    if 0.0 < duration < 0.1:
+        yield f"recording.split_duration = {duration:g} s is below 0.1 s, a few blocks: give 0.0 for a single file or more"
 
 
 def _cage(c: Configuration) -> Iterator[str]:

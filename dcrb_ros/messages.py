@@ -74,6 +74,10 @@ class Vibration:
         """Return the index of the first sample at a sampling rate [Hz]: its time times the rate, rounded."""
         return (self.stamp_ns * rate + 500_000_000) // 1_000_000_000
 
+    def packed(self) -> bytes:
+        """Return the samples as `packed` does."""
+        return packed(self.acceleration, self.shaft_angle)
+
 
 @dataclass(frozen=True)
 class Joints:
@@ -95,6 +99,11 @@ class Status:
     """0 OK, 1 warning, 2 error."""
     message: str
     values: Mapping[str, str]
+
+
+def packed(acceleration: Samples, shaft_angle: Samples) -> bytes:
+    """Return ax, ay and shaft angle of every sample as little-endian single floats: what a recording's hash is of."""
+    return np.column_stack([acceleration, shaft_angle]).astype("<f4", copy=False).tobytes()
 
 
 def _type(name: str) -> Any:
@@ -172,6 +181,12 @@ def encode_preview(time_ns: int, acceleration: npt.NDArray[np.float32]) -> bytes
 def encode_text(text: str) -> bytes:
     """Return a String."""
     return _encoded("std_msgs/msg/String", _type("std_msgs/msg/String")(text))
+
+
+def encode_clock(time_ns: int) -> bytes:
+    """Return a Clock."""
+    name = "rosgraph_msgs/msg/Clock"
+    return _encoded(name, _type(name)(_type("builtin_interfaces/msg/Time")(time_ns // 1_000_000_000, time_ns % 1_000_000_000)))
 
 
 def encode_diagnostics(time_ns: int, statuses: Iterable[Status]) -> bytes:
@@ -274,6 +289,36 @@ def decode_joints(data: bytes) -> Joints:
     """Return a JointState."""
     joints = _decoded(data, JOINT_STATE)
     return Joints(stamp_of(joints.header), tuple(joints.name), joints.position, joints.velocity, joints.effort)
+
+
+def decode_alike(messages: Sequence[bytes]) -> Joints | None:
+    """Return JointStates of one length, names and frame as one: every field has a row for each, ``stamp_ns`` the first stamp.
+
+    A topic repeats its names in every message; reading them once is ten times as fast. None where the messages are not alike.
+    """
+    if not messages or len({len(data) for data in messages}) > 1:
+        return None
+    first = decode_joints(messages[0])
+    counts = len(first.position), len(first.velocity), len(first.effort)
+    rows = np.frombuffer(b"".join(messages), np.uint8).reshape(len(messages), -1)
+    numbers: list[Floats] = []
+    end = rows.shape[1]
+    for count in reversed(counts):
+        begin = end - 8 * count
+        numbers.insert(0, np.ascontiguousarray(rows[:, begin:end]).view("<f8").reshape(len(messages), count))
+        # The length before the numbers, and what aligns them to eight.
+        end = begin - (8 if count else 4)
+    names_end = rows.shape[1] - sum(8 * count for count in counts) - sum(8 if count else 4 for count in counts[1:])
+    same = np.all(rows[:, 12:names_end] == rows[0, 12:names_end])
+    found = [np.array_equal(own[0], array) for own, array in zip(numbers, (first.position, first.velocity, first.effort), strict=True)]
+    return Joints(first.stamp_ns, first.names, *numbers) if same and all(found) else None
+
+
+def stamps(messages: Sequence[bytes]) -> npt.NDArray[np.int64]:
+    """Return the stamps of messages that begin with a header [ns]."""
+    heads = np.frombuffer(b"".join(data[4:12] for data in messages), np.dtype([("sec", "<i4"), ("nanosec", "<u4")]))
+    found: npt.NDArray[np.int64] = heads["sec"].astype(np.int64) * 1_000_000_000 + heads["nanosec"]
+    return found
 
 
 def decode_float(data: bytes) -> float:

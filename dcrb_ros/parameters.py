@@ -245,6 +245,12 @@ class Recording(Group):
 
     path: str = choice("", "Folder of the recording to write; empty for none")
     compression: Literal["zstd", "lz4", "none"] = choice("zstd", "Compression of the chunks")
+    topics: str = choice("", "Topics to record, such as 'outer_ring/vibration, ground_truth'; empty for all that are published")
+    split_size: int = quantity(
+        0, "B", "Size at which the recording goes on in its next file; 0 for never", 0, 2**40, remedy="1 GB is 1000000000 bytes"
+    )
+    split_duration: float = quantity(0.0, "s", "Simulated time after which the recording goes on in its next file; 0 for never", 0.0, 1e6)
+    queue: int = quantity(500, "blocks", "Blocks that may wait for the disk before the node ends the recording", 10, 100000)
 
 
 def rpm(speed: float) -> float:

@@ -4,8 +4,13 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import os
+import re
+import signal
 import subprocess
 import sys
+import threading
+import urllib.request
 from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
@@ -30,7 +35,7 @@ from dcrb_ros.recording import Recording
 from dcrb_ros.refusal import Refusal
 from dcrb_ros.simulation import Simulation
 from dcrb_ros.sinks.recorder import Recorder
-from dcrb_ros.viewer import palette
+from dcrb_ros.viewer import loading_zone, order_map, palette
 from dcrb_ros.viewer.content import Content, Waveform
 from dcrb_ros.viewer.drawing import Drawing, on_circle, quaternions, rounded_up
 from dcrb_ros.viewer.fault_words import faults_of_row
@@ -391,3 +396,53 @@ def test_missing_driver_is_said_in_one_sentence(content: Content, tmp_path: Path
     with pytest.raises(ViewerFailure, match=r"mesa-vulkan-drivers"):
         take_picture(content, tmp_path / "picture.png")
     assert not (tmp_path / "picture.png").exists()
+
+
+def test_mean_force_is_taken_by_sector() -> None:
+    azimuth = np.array([[0.01, 0.02, -0.01], [0.03, 3.13, -3.13]])
+    force = np.array([[10.0, 20.0, 5.0], [30.0, 0.0, 7.0]])
+    mean = loading_zone.mean_force(azimuth, force)
+    assert mean[loading_zone.SECTORS // 2] == pytest.approx(20.0)
+    assert mean[loading_zone.SECTORS // 2 - 1] == pytest.approx(5.0)
+    assert mean[0] == pytest.approx(7.0)
+    assert np.count_nonzero(mean) == 3
+    assert loading_zone.middles()[loading_zone.SECTORS // 2] > 0.0
+
+
+def test_loading_zone_lies_below_the_shaft(content: Content) -> None:
+    assert content.motion is not None
+    rollers = content.layout.rows * content.layout.rollers_per_row
+    mean = loading_zone.mean_force(content.motion.azimuth[:, :rollers], content.motion.force[:, :rollers])
+    loaded = np.abs(loading_zone.middles()[mean > 0.05 * mean.max()])
+    assert loaded.max() < np.pi / 2  # with a radial gap the zone is narrower than half a turn
+
+
+def test_order_map_is_brightest_on_the_lines_of_the_defect(content: Content) -> None:
+    spectra = envelope_spectra(content.diagnoses)
+    assert spectra is not None
+    picture = order_map.picture(spectra, 30.0)
+    assert picture.shape == (330, 1000, 3)
+    brightness = picture.astype(float).sum(axis=(0, 2))
+    pixel = characteristic_orders(content.bearing).bpfo / spectra.highest_order * 1000.0
+    harmonic = int(np.argmax(brightness)) / pixel
+    assert harmonic == pytest.approx(round(harmonic), abs=0.02)
+
+
+def test_web_viewer_listens_to_this_machine_alone(bag: Path) -> None:
+    command = [sys.executable, "-c", "from dcrb_ros.cli.app import main; main()", "view", str(bag), "--web"]
+    environment = {**os.environ, "BROWSER": "true", "NO_COLOR": "1"}
+    viewer = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, env=environment, start_new_session=True)
+    assert viewer.stdout is not None
+    watchdog = threading.Timer(90.0, lambda: os.killpg(viewer.pid, signal.SIGKILL))
+    watchdog.start()
+    try:
+        found = next((at for line in viewer.stdout if (at := re.search(r"Hosting a web-viewer at http://127\.0\.0\.1:(\d+)", line))), None)
+        assert found is not None
+        with urllib.request.urlopen(f"http://127.0.0.1:{found[1]}/", timeout=30.0) as page:
+            assert b"<html" in page.read().lower()
+        listening = [line.split() for line in Path("/proc/net/tcp").read_text().splitlines() if f":{int(found[1]):04X} " in line]
+        assert {words[1].split(":")[0] for words in listening if words[3] == "0A"} == {"0100007F"}
+    finally:
+        watchdog.cancel()
+        os.killpg(viewer.pid, signal.SIGKILL)
+        viewer.wait(30.0)

@@ -18,12 +18,11 @@ def detect(
     """Run the fault detector over a recording and print its verdict."""
     from dcrb_ros.diagnosis.detector import FaultDetector
     from dcrb_ros.diagnosis.parameters import DetectorParameters
-    from dcrb_ros.kinematics import characteristic_orders
     from dcrb_ros.recording import Recording
 
     recording, parameters = Recording(bag), DetectorParameters()
-    rate = recording.configuration.sensor.sampling_rate
-    detector = FaultDetector(characteristic_orders(recording.configuration.bearing), rate, parameters)
+    rate = recording.sampling_rate
+    detector = FaultDetector(recording.orders, rate, parameters)
     found, seconds = [], 0.0
     for vibration in recording.vibrations():
         diagnosis = detector.update(vibration.first_index(rate), vibration.acceleration, vibration.shaft_angle)

@@ -2,37 +2,88 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-
-def info(bag: Annotated[Path, typer.Argument(help="Folder of a recording or an .mcap file.")]) -> None:
-    """Print the manifest and the contents of a recording."""
-    from rich.console import Console
+if TYPE_CHECKING:
     from rich.table import Table
 
-    from dcrb_ros.configuration import Configuration
-    from dcrb_ros.configuration_file import flatten
     from dcrb_ros.recording import Recording
 
+SHOWN_COMMANDS = 20
+"""Commands printed in the table; --json gives all."""
+
+
+def info(
+    bag: Annotated[Path, typer.Argument(help="Folder of a recording or an .mcap file.")],
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON: the manifest, contents and what is damaged.")] = False,
+) -> None:
+    """Print the manifest and the contents of a recording."""
+    from dcrb_ros.recording import Recording, metadata_flaw
+
     recording = Recording(bag)
-    counts = recording.counts()
+    counts, flaw = recording.counts(), metadata_flaw(bag)
+    commands = [command.described() for command in recording.commands()]
+    damage = [*recording.damage, *([flaw] if flaw else [])]
+    if as_json:
+        about = {"manifest": recording.manifest, "outcome": recording.outcome, "messages": counts, "commands": commands, "damage": damage}
+        print(json.dumps(about, indent=2))
+        return
+    from rich.console import Console
+
     console = Console()
-    changed = Table("parameter", "value", title="configuration, where it differs from the default")
+    for line in _lines(recording):
+        console.print(line, highlight=False, soft_wrap=True)
+    console.print(_table(str(bag), ("topic", "messages"), counts.items()))
+    if commands:
+        shown = [(f"{command['time_ns'] * 1e-9:.6f}", command["command"]) for command in commands[:SHOWN_COMMANDS]]
+        console.print(_table(f"commands: {len(commands)}", ("simulated time [s]", "command"), shown))
+    if not recording.imported:
+        console.print(_table("configuration, where it differs from the default", ("parameter", "value"), _changed(recording)))
+    for words in damage:
+        console.print(f"damaged: {words}", highlight=False, soft_wrap=True)
+    if damage:
+        console.print("everything that can be read is counted above; dcrb recover makes a whole recording of it", soft_wrap=True)
+
+
+def _lines(recording: Recording) -> list[str]:
+    """Return who made the recording, of what and what came of it."""
+    manifest, orders, outcome = recording.manifest, recording.orders, recording.outcome
+    software = ", ".join(f"{name} {value}" for name, value in manifest.get("software", {}).items())
+    lines = [
+        f"dcrb_ros {manifest.get('dcrb_ros')}, model {manifest.get('model', 'unknown')}, recorded {manifest.get('recorded')}"
+        + (f" with {software}" if software else ""),
+        f"sampling rate {recording.sampling_rate} Hz, " + ", ".join(f"{key} in {unit}" for key, unit in manifest.get("units", {}).items()),
+        f"orders: FTF {orders.ftf:.5f}, BPFO {orders.bpfo:.5f}, BPFI {orders.bpfi:.5f}, BSF {orders.bsf:.5f}",
+    ]
+    if recording.imported:
+        lines.append(f"imported: {json.dumps(manifest['imported'])}")
+    else:
+        faults = manifest.get("faults") or recording.configuration.faults.described()
+        lines.append(f"seed {manifest.get('seed')}, faults at the start: {', '.join(faults) or 'none'}")
+    if manifest.get("scenario"):
+        lines.append(f"scenario: {json.dumps(manifest['scenario'])}")
+    if outcome is not None:
+        seconds = outcome.get("samples", 0) / recording.sampling_rate
+        lines.append(f"{outcome.get('samples')} samples, {seconds:.3f} s, sha256 {outcome.get('sha256')}, ended {outcome.get('ended')}")
+    return lines
+
+
+def _changed(recording: Recording) -> list[tuple[str, str]]:
+    from dcrb_ros.configuration import Configuration
+    from dcrb_ros.configuration_file import flatten
+
     default = flatten(Configuration().model_dump())
-    for key, value in flatten(recording.configuration.model_dump()).items():
-        if value != default[key]:
-            changed.add_row(key, f"{value}")
-    contents = Table("topic", "messages", title=str(bag))
-    for topic, count in counts.items():
-        contents.add_row(topic, str(count))
-    manifest = recording.manifest
-    console.print(
-        f"dcrb_ros {manifest['dcrb_ros']}, seed {manifest['seed']}, {manifest['sampling_rate']} Hz, recorded {manifest['recorded']}"
-    )
-    console.print(contents)
-    console.print(changed)
-    if not recording.complete:
-        console.print("the recording is cut off; everything up to the damage is counted")
+    return [(key, str(value)) for key, value in flatten(recording.configuration.model_dump()).items() if value != default[key]]
+
+
+def _table(title: str, heads: tuple[str, str], rows: Any) -> Table:
+    from rich.table import Table
+
+    table = Table(*heads, title=title)
+    for row in rows:
+        table.add_row(*(str(cell) for cell in row))
+    return table

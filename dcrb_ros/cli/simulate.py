@@ -4,12 +4,19 @@ from __future__ import annotations
 
 import math
 import time
+from collections.abc import Callable, Iterable
+from contextlib import ExitStack
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from dcrb_ros.refusal import Refusal
+
+if TYPE_CHECKING:
+    from dcrb_ros.block import Block
+    from dcrb_ros.configuration import Configuration
+    from dcrb_ros.simulation import Simulation
 
 LONGEST = 1e6
 """Longest run that is accepted [s]."""
@@ -23,48 +30,102 @@ def checked_duration(duration: float) -> float:
 
 
 def simulate(
-    config: Annotated[str, typer.Argument(help="A YAML file or a shipped name, such as healthy.")],
+    config: Annotated[str | None, typer.Argument(help="A YAML file or a shipped name, such as healthy.")] = None,
     output: Annotated[Path | None, typer.Option("-o", "--output", help="Folder of the recording; by default named after CONFIG.")] = None,
     duration: Annotated[float, typer.Option(help="Simulated time [s].")] = 10.0,
     settings: Annotated[list[str] | None, typer.Option("--set", help="KEY=VALUE, such as operating.speed=100.0.")] = None,
+    source: Annotated[
+        Path | None,
+        typer.Option("--from", help="Repeat this recording: its configuration, seed and commands; compare the samples."),
+    ] = None,
 ) -> None:
-    """Simulate a bearing and write a recording."""
+    """Simulate a bearing and write a recording, or repeat one."""
+    if source is not None:
+        if config or settings:
+            raise Refusal("--from takes configuration and settings from the recording: leave out CONFIG and --set")
+        reproduce(source, output)
+        return
+    if config is None:
+        raise Refusal("Missing argument 'CONFIG': give a YAML file or a shipped name, such as healthy, or --from BAG")
     seconds = checked_duration(duration)
     from dcrb_ros.configuration_file import load_configuration
 
     configuration = load_configuration(config, settings or ())
     path = output or Path(Path(config).stem)
+    _refuse_existing(path)
+    from dcrb_ros.sinks.recorder import Recorder
+
+    simulation = _started(configuration)
+    with Recorder(path, configuration, simulation.layout) as recorder:
+        done, factor = _run(path.name, simulation.blocks(seconds), seconds, recorder.write)
+    print(f"{path}: {done:.2f} s simulated, {factor:.2f} x real time")
+    print(f"open it with: rerun {recorder.file}   or: dcrb view {path}")
+
+
+def reproduce(source: Path, output: Path | None) -> None:
+    """Simulate a recording again and compare the samples; write them to a recording where one is asked for."""
+    from dcrb_ros.recording import Recording
+    from dcrb_ros.reproduction import Reproduction
+    from dcrb_ros.sinks.recorder import Recorder
+
+    if output is not None:
+        _refuse_existing(output)
+    recording = Recording(source)
+    reproduction = Reproduction(recording)
+    difference = reproduction.difference()
+    if difference:
+        typer.echo(f"dcrb: {source}: {difference}; the samples may differ", err=True)
+    simulation = _started(reproduction.configuration)
+    with ExitStack() as stack:
+        write: Callable[[Block], None] | None = None
+        if output is not None:
+            scenario = recording.manifest.get("scenario")
+            write = stack.enter_context(Recorder(output, reproduction.configuration, simulation.layout, scenario=scenario)).write
+        done, factor = _run(source.name, reproduction.blocks(simulation), reproduction.duration, write)
+    reproduction.check()
+    samples = reproduction.samples
+    print(f"{source}: {done:.2f} s simulated, {factor:.2f} x real time; the same {samples.count} samples, sha256 {samples.sha256[:16]}")
+
+
+def _refuse_existing(path: Path) -> None:
+    if path.exists():
+        raise Refusal(f"{path} exists: give another name with -o or remove it, a recording is never overwritten")
+
+
+def _started(configuration: Configuration) -> Simulation:
+    from dcrb_ros.core import compiled
+    from dcrb_ros.simulation import Simulation
+
+    if not compiled():
+        typer.echo("compiling the kernels (once, about half a minute) ...", err=True)
+    return Simulation(configuration)
+
+
+def _run(name: str, blocks: Iterable[Block], seconds: float, write: Callable[[Block], None] | None) -> tuple[float, float]:
+    """Write blocks and show how far they are; return the simulated time [s] and how much faster than real time it went."""
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
     from dcrb_ros.ahead import ahead
-    from dcrb_ros.core import compiled
-    from dcrb_ros.simulation import Simulation
-    from dcrb_ros.sinks.recorder import Recorder
 
     console = Console(stderr=True)
-    if path.exists():
-        raise Refusal(f"{path} exists: give another name with -o or remove it, a recording is never overwritten")
-    if not compiled():
-        console.print("compiling the kernels (once, about half a minute) ...")
-    simulation = Simulation(configuration)
-    started = time.perf_counter()
-    done = 0.0
+    started, done = time.perf_counter(), 0.0
     columns = (
         TextColumn("{task.description}"),
         BarColumn(),
         TextColumn("{task.completed:.1f} of {task.total:.1f} s simulated"),
         TimeRemainingColumn(),
     )
-    with Recorder(path, configuration, simulation.layout) as recorder, Progress(*columns, console=console) as progress:
-        task = progress.add_task(path.name, total=seconds)
+    with Progress(*columns, console=console) as progress:
+        task = progress.add_task(name, total=seconds)
         try:
-            for block in ahead(simulation.blocks(seconds)):
-                recorder.write(block)
+            for block in ahead(iter(blocks)):
+                if write is not None:
+                    write(block)
                 done = block.end_ns * 1e-9
                 progress.update(task, completed=done)
         except KeyboardInterrupt:
+            if write is None:
+                raise
             console.print(f"stopped at {done:.2f} s; the recording holds what was simulated until then")
-    factor = done / (time.perf_counter() - started)
-    print(f"{path}: {done:.2f} s simulated, {factor:.2f} x real time")
-    print(f"open it with: rerun {recorder.file}   or: dcrb view {path}")
+    return done, done / (time.perf_counter() - started)

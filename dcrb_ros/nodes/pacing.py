@@ -36,6 +36,10 @@ class Pacer:
         self._scale = scale
         self._started = False
 
+    def restart(self) -> None:
+        """Begin with new deadlines: what comes next goes out at once."""
+        self._first, self._started = True, False
+
     def until(self, begin: float, end: float) -> float:
         """Return the wall time [s] to wait before a block of simulated time ``begin`` to ``end`` [s] goes out; 0 if due."""
         if self._scale == 0.0:

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
     from dcrb_ros.block import Block
     from dcrb_ros.simulation import Simulation
-    from dcrb_ros.sinks.recorder import Recorder
+    from dcrb_ros.sinks.queued import QueuedRecorder
 
 REPEAT_REFUSAL = 5.0
 """Wall time for which the same kind of refusal is not logged again [s]."""
@@ -66,7 +66,6 @@ class Simulator:
         self._pacer = Pacer(configuration.time_scale, time.monotonic)
         self._simulation = self._start_model()
         self._recorder = self._start_recorder()
-        self._recorder_lock = threading.Lock()
         self._recorder_state = "recording" if self._recorder else "off"
         self._encoder = BlockEncoder(configuration, self._simulation.layout)
         asked = {VIBRATION_CLEAN: configuration.publishing.clean, ROLLER_CONTACTS: configuration.publishing.contacts}
@@ -91,13 +90,15 @@ class Simulator:
 
         return Simulation(self.configuration)
 
-    def _start_recorder(self) -> Recorder | None:
-        if not self.configuration.recording.path:
+    def _start_recorder(self) -> QueuedRecorder | None:
+        asked = self.configuration.recording
+        if not asked.path:
             return None
+        from dcrb_ros.sinks.queued import QueuedRecorder
         from dcrb_ros.sinks.recorder import Recorder
 
-        namespace = self.node.get_namespace()
-        return Recorder(self.configuration.recording.path, self.configuration, self._simulation.layout, namespace=namespace)
+        recorder = Recorder(asked.path, self.configuration, self._simulation.layout, namespace=self.node.get_namespace())
+        return QueuedRecorder(recorder, asked.queue)
 
     def _subscribe(self) -> None:
         from geometry_msgs.msg import Wrench
@@ -164,11 +165,10 @@ class Simulator:
         if self._recorder is None:
             return
         try:
-            with self._recorder_lock:
-                if messages is None:
-                    self._recorder.close()
-                else:
-                    self._recorder.write_messages(messages)
+            if messages is None:
+                self._recorder.close()
+            else:
+                self._recorder.write_messages(messages)
         except RecordingFailed as error:
             self._recorder_state = str(error)
             self.node.get_logger().error(str(error))

@@ -41,3 +41,14 @@ class Publisher:
         """Publish messages."""
         for message in messages:
             self._publishers[message.topic].publish(message.data)
+
+    def listeners(self, topic: Topic) -> int:
+        """Return how many subscribers a topic has."""
+        return int(self._publishers[topic].get_subscription_count())
+
+    def settle(self, seconds: float) -> None:
+        """Wait until what was published has arrived, at most ``seconds`` [s] for each topic."""
+        from rclpy.duration import Duration
+
+        for publisher in self._publishers.values():
+            publisher.wait_for_all_acked(Duration(seconds=seconds))

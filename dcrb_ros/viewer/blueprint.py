@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import rerun.blueprint as rrb
 
-from dcrb_ros.viewer import bearing_picture, palette, spectrum_picture
+from dcrb_ros.viewer import bearing_picture, loading_zone, order_map, palette, spectrum_picture
 from dcrb_ros.viewer.content import Content
 from dcrb_ros.viewer.drawing import Drawing
 from dcrb_ros.viewer.timeline import TIMELINE
@@ -17,9 +17,9 @@ PANEL = rrb.archetypes.PlotBackground(color=palette.BACKGROUND, show_grid=True)
 def compose(content: Content, drawing: Drawing | None, *, picture_only: bool = False) -> rrb.Blueprint:
     """Return the arrangement; ``picture_only`` hides the bars around it, for a screenshot."""
     left: list[rrb.View | rrb.Container] = [waveform()]
-    right: list[rrb.View | rrb.Container] = [spectrum(), summary()]
+    right: list[rrb.View | rrb.Container] = [rrb.Tabs(spectrum(), orders(), active_tab=0), summary()]
     if drawing is not None:
-        left.insert(0, bearing(drawing))
+        left.insert(0, rrb.Tabs(bearing(drawing), zone(drawing.bearing.rows), active_tab=0))
         right.append(motion())
     detected = [
         *([indicators()] if content.indicators else []),
@@ -66,6 +66,21 @@ def spectrum() -> rrb.Spatial2DView:
         background=palette.BACKGROUND,
         visual_bounds=bounds,
     )
+
+
+def orders() -> rrb.Spatial2DView:
+    """Return the picture of all envelope spectra over time."""
+    width, height = spectrum_picture.WIDTH, spectrum_picture.HEIGHT
+    bounds = rrb.VisualBounds2D(x_range=[-0.1 * width, 1.02 * width], y_range=[-4.6 * spectrum_picture.TRACK, height + 100.0])
+    return rrb.Spatial2DView(origin=order_map.ROOT, name="Order map", background=palette.BACKGROUND, visual_bounds=bounds)
+
+
+def zone(rows: int) -> rrb.Spatial2DView:
+    """Return the polar picture of the loading zone."""
+    half = 0.5 * (rows - 1) * loading_zone.SPACING + 1.4 * loading_zone.RADIUS
+    bounds = rrb.VisualBounds2D(x_range=[-half, half], y_range=[-1.5 * loading_zone.RADIUS, 1.3 * loading_zone.RADIUS])
+    name = "Loading zone: mean (line) and present normal force"
+    return rrb.Spatial2DView(origin=loading_zone.ROOT, name=name, background=palette.BACKGROUND, visual_bounds=bounds)
 
 
 def waveform() -> rrb.Tabs:

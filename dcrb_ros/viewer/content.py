@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from dcrb_ros.block import Floats, Layout, Samples, Truth
+from dcrb_ros.kinematics import Orders
 from dcrb_ros.parameters import Bearing
 
 if TYPE_CHECKING:
@@ -71,6 +72,8 @@ class Content:
 
     title: str
     bearing: Bearing
+    """Of the bench; of imported data it means nothing."""
+    orders: Orders
     layout: Layout
     waveform: Waveform
     motion: Motion | None = None
@@ -78,6 +81,8 @@ class Content:
     features: Series | None = None
     indicators: Series | None = None
     verdicts: tuple[Verdict, ...] = ()
+    imported: bool = False
+    """Whether these are data from elsewhere."""
     diagnoses: tuple[Diagnosis, ...] = ()
     """What the fault detector with its default parameters says of the waveform."""
 

@@ -6,8 +6,7 @@ from pathlib import Path
 
 import rerun as rr
 
-from dcrb_ros.kinematics import characteristic_orders
-from dcrb_ros.viewer import bearing_picture, blueprint, series, spectrum_picture, summary
+from dcrb_ros.viewer import bearing_picture, blueprint, loading_zone, order_map, series, spectrum_picture, summary
 from dcrb_ros.viewer.content import Content
 from dcrb_ros.viewer.drawing import Drawing
 from dcrb_ros.viewer.spectrum import envelope_spectra, fault_combs
@@ -37,8 +36,10 @@ def log_content(content: Content, drawing: Drawing | None) -> None:
     series.log_verdicts(content.verdicts)
     if content.motion and drawing:
         bearing_picture.log_bearing(content, content.motion, drawing)
+        loading_zone.log_loading_zone(content, content.motion, drawing.largest_force)
         series.log_motion(content, content.motion)
     spectra = envelope_spectra(content.diagnoses)
     if spectra is not None:
-        combs = fault_combs(characteristic_orders(content.bearing), spectra.highest_order)
+        combs = fault_combs(content.orders, spectra.highest_order)
         spectrum_picture.log_spectra(spectra, combs, content.start_ns)
+        order_map.log_order_map(spectra, combs)

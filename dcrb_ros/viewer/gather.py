@@ -8,8 +8,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from dcrb_ros.block import Layout
-from dcrb_ros.kinematics import characteristic_orders
-from dcrb_ros.messages import Joints, Vibration, decode_diagnostics, decode_joints, decode_truth, decode_vibration
+from dcrb_ros.messages import Vibration, decode_alike, decode_diagnostics, decode_joints, decode_truth, decode_vibration, stamps
+from dcrb_ros.parameters import Bearing
 from dcrb_ros.recording import Recording
 from dcrb_ros.refusal import Refusal
 from dcrb_ros.topics import DIAGNOSIS, FAULT_INDICATORS, FEATURES, GROUND_TRUTH, NAMESPACE, ROLLER_STATES, VIBRATION, Topic
@@ -30,21 +30,23 @@ def gather(recording: Recording) -> Content:
         found[message.topic].append(message.data)
     blocks = [decode_vibration(data) for data in found[VIBRATION]]
     if not blocks:
-        topic = VIBRATION.resolved(NAMESPACE)
+        topic = VIBRATION.resolved(recording.namespace)
         raise Refusal(f"{recording.path} has no block on {topic} to show: give a recording of the bench with its waveform")
-    bearing = recording.configuration.bearing
+    bearing, orders = Bearing() if recording.imported else recording.configuration.bearing, recording.orders
     layout = Layout(bearing.rows, bearing.rollers_per_row)
-    waveform = waveform_of(blocks, recording.configuration.sensor.sampling_rate)
-    judged = diagnoses(waveform, characteristic_orders(bearing))
+    waveform = waveform_of(blocks, recording.sampling_rate)
+    judged = diagnoses(waveform, orders)
     return Content(
         title=recording.path.stem,
         bearing=bearing,
+        orders=orders,
+        imported=recording.imported,
         layout=layout,
         waveform=waveform,
-        motion=motion_of([decode_joints(data) for data in found[ROLLER_STATES]], layout),
+        motion=motion_of(found[ROLLER_STATES], layout),
         truths=tuple(decode_truth(data) for data in found[GROUND_TRUTH]),
-        features=series_of([decode_joints(data) for data in found[FEATURES]]),
-        indicators=series_of([decode_joints(data) for data in found[FAULT_INDICATORS]]) or indicators_of(judged),
+        features=series_of(found[FEATURES]),
+        indicators=series_of(found[FAULT_INDICATORS]) or indicators_of(judged),
         verdicts=verdicts_in(found[DIAGNOSIS]) or verdicts_of(judged),
         diagnoses=tuple(judged),
     )
@@ -60,37 +62,42 @@ def waveform_of(blocks: Sequence[Vibration], rate: int) -> Waveform:
     )
 
 
-def motion_of(states: Sequence[Joints], layout: Layout) -> Motion | None:
+def motion_of(messages: Sequence[bytes], layout: Layout) -> Motion | None:
     """Return the bodies over time; ``None`` without states.
 
     Raises:
         Refusal: the states are of other bodies than the bearing has.
     """
-    if not states:
+    if not messages:
         return None
-    names = tuple(layout.names)
-    for joints in states:
-        counts = {len(joints.position), len(joints.velocity), len(joints.effort)}
+    names, alike = tuple(layout.names), decode_alike(messages)
+    for joints in [decode_joints(data) for data in messages] if alike is None else [alike]:
+        counts = {joints.position.shape[-1], joints.velocity.shape[-1], joints.effort.shape[-1]}
         if joints.names != names or counts != {len(names)}:
             raise Refusal(
                 f"a message on {ROLLER_STATES.resolved(NAMESPACE)} has {sorted(counts)} values for {len(joints.names)} bodies where the "
                 f"bearing of the manifest has {len(names)}, from {names[0]} to {names[-1]}: give a recording of one bench"
             )
-    return Motion(
-        time_ns=np.array([joints.stamp_ns for joints in states], np.int64),
-        azimuth=np.array([joints.position for joints in states]),
-        speed=np.array([joints.velocity for joints in states]),
-        force=np.array([joints.effort for joints in states]),
-    )
+    if alike is None:
+        each = [decode_joints(data) for data in messages]
+        fields = [np.array([getattr(joints, name) for joints in each]) for name in ("position", "velocity", "effort")]
+    else:
+        fields = [alike.position, alike.velocity, alike.effort]
+    return Motion(stamps(messages), *fields)
 
 
-def series_of(messages: Sequence[Joints]) -> Series | None:
+def series_of(messages: Sequence[bytes]) -> Series | None:
     """Return the positions of messages with the names of the first; ``None`` without messages."""
     if not messages:
         return None
-    names = messages[0].names
-    alike = [joints for joints in messages if joints.names == names]
-    return Series(np.array([joints.stamp_ns for joints in alike], np.int64), names, np.array([joints.position for joints in alike]))
+    joined = decode_alike(messages)
+    if joined is not None:
+        return Series(stamps(messages), joined.names, joined.position)
+    decoded = [decode_joints(data) for data in messages]
+    alike = [joints for joints in decoded if joints.names == decoded[0].names]
+    return Series(
+        np.array([joints.stamp_ns for joints in alike], np.int64), decoded[0].names, np.array([joints.position for joints in alike])
+    )
 
 
 def verdicts_in(messages: Sequence[bytes]) -> tuple[Verdict, ...]:

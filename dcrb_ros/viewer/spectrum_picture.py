@@ -58,15 +58,14 @@ def log_spectra(spectra: Spectra, combs: Sequence[Comb], start_ns: int) -> None:
     axes = Axes(spectra.highest_order, -0.5 * LEVEL_TICK, float(highest))
     log_axes(axes, float(np.median(spectra.shaft_frequency)))
     for place, comb in enumerate(combs):
-        log_comb(axes, comb, -TRACK * (len(combs) - place - 0.1))
+        log_comb(axes.highest_order, comb, -TRACK * (len(combs) - place - 0.1))
         log_peaks(axes, comb, times, orders, level)
     log_curve(axes, times, orders, level)
 
 
 def log_axes(axes: Axes, shaft_frequency: float) -> None:
     """Log frame, grid, ticks and what the axes mean."""
-    tick = next(step for step in (5.0, 10.0, 20.0, 50.0, 100.0) if axes.highest_order / step < MOST_ORDER_TICKS or step == 100.0)
-    orders = np.arange(0.0, axes.highest_order + 1e-9, tick)
+    orders = order_ticks(axes.highest_order)
     levels = np.arange(0.0, axes.highest_level + 1e-9, LEVEL_TICK)
     upright = [axes.points(np.array([o, o]), np.array([axes.lowest_level, axes.highest_level])) for o in orders]
     level = [axes.points(np.array([0.0, axes.highest_order]), np.array([v, v])) for v in levels]
@@ -80,16 +79,22 @@ def log_axes(axes: Axes, shaft_frequency: float) -> None:
     log_texts(f"{ROOT}/meaning", np.array([[0.5 * WIDTH, HEIGHT + 74.0]]), [meaning], palette.MUTED)
 
 
-def log_texts(path: str, places: Floats, texts: Sequence[str], colour: palette.Colour) -> None:
-    """Log texts about places. Rerun writes a label a fixed distance on the screen below its point, hence the shift upwards."""
-    raised = places - [0.0, LABEL_DROP]
+def order_ticks(highest: float) -> Floats:
+    """Return the orders at which an axis up to the ``highest`` has ticks."""
+    tick = next(step for step in (5.0, 10.0, 20.0, 50.0, 100.0) if highest / step < MOST_ORDER_TICKS or step == 100.0)
+    return np.arange(0.0, highest + 1e-9, tick)
+
+
+def log_texts(path: str, places: Floats, texts: Sequence[str], colour: palette.Colour, *, drop: float = LABEL_DROP) -> None:
+    """Log texts about places. Rerun writes a label a fixed distance on the screen below its point, hence the shift upwards by ``drop``."""
+    raised = places - [0.0, drop]
     rr.log(path, rr.Points2D(raised, radii=0.01, labels=list(texts), show_labels=True, colors=[colour]), static=True)
 
 
-def log_comb(axes: Axes, comb: Comb, y: float) -> None:
+def log_comb(highest_order: float, comb: Comb, y: float, *, root: str = ROOT) -> None:
     """Log the track of one fault: its name, a dot for every harmonic and a line from it down through the plot."""
-    colour, path = palette.FAULT_LINES[comb.name], f"{ROOT}/{comb.name}"
-    x = np.array(comb.orders) / axes.highest_order * WIDTH
+    colour, path = palette.FAULT_LINES[comb.name], f"{root}/{comb.name}"
+    x = np.array(comb.orders) / highest_order * WIDTH
     dots = np.stack([x, np.full_like(x, y)], axis=-1)
     feet = np.stack([x, np.full_like(x, HEIGHT)], axis=-1)
     lines = np.stack([dots, feet], axis=1).astype(np.float32)

@@ -36,8 +36,11 @@ def _lines(content: Content) -> Iterator[str]:
         yield f"| Ground truth | {', '.join(_faults(truth)) or 'no fault'} |"
         yield f"| Speed, load | {truth.speed * 30 / math.pi:.1f} rpm, {math.hypot(*truth.load) / 1e3:.4g} kN |"
         yield f"| Fault frequencies | {', '.join(f'{name} {value:.2f}' for name, value in truth.frequencies.items())} Hz |"
-    diameter, pitch = 2e3 * bearing.roller_radius, 2e3 * bearing.pitch_radius
-    yield f"| Bearing | {bearing.rows} x {bearing.rollers_per_row} rollers of {diameter:g} mm on a pitch circle of {pitch:g} mm |"
+    if content.imported:
+        yield f"| Imported data | BPFO {content.orders.bpfo:.4g}, BPFI {content.orders.bpfi:.4g} orders |"
+    else:
+        diameter, pitch = 2e3 * bearing.roller_radius, 2e3 * bearing.pitch_radius
+        yield f"| Bearing | {bearing.rows} x {bearing.rollers_per_row} rollers of {diameter:g} mm on a pitch circle of {pitch:g} mm |"
     if content.verdicts and content.verdicts[-1].evidence.get("reason"):
         yield f"\nWhy: {content.verdicts[-1].evidence['reason']}."
 

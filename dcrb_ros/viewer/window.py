@@ -40,7 +40,7 @@ class ViewerFailure(RuntimeError):
 
 def open_window(document: Path, *, web: bool = False) -> int:
     """Show a Rerun file, bound to this machine alone, until the viewer is closed; return its exit status."""
-    options = ["--web-viewer"] if web else []
+    options = ["--web-viewer", "--web-viewer-port", str(_free_port())] if web else []
     try:
         return subprocess.call([*_command(), "--bind", LOOPBACK, "--port", str(_free_port()), *options, str(document)])
     except KeyboardInterrupt:

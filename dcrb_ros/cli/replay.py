@@ -1,0 +1,40 @@
+"""`dcrb replay`: a recording on the topics of the bench."""
+
+from __future__ import annotations
+
+import math
+import tempfile
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from dcrb_ros.refusal import Refusal
+
+
+def replay(
+    bag: Annotated[Path, typer.Argument(help="Folder of a recording or an .mcap file.")],
+    rate: Annotated[float, typer.Option(help="Recorded over wall time; 0 for as fast as possible.")] = 1.0,
+    loop: Annotated[bool, typer.Option("--loop", help="Begin again at the end, for ever.")] = False,
+    offset: Annotated[float, typer.Option(help="Recorded time to skip at the beginning [s].")] = 0.0,
+    clock: Annotated[bool, typer.Option("--clock", help="Publish /clock, the recorded time.")] = False,
+    topics: Annotated[str, typer.Option(help="Topics to replay; by default what the simulator publishes.")] = "",
+) -> None:
+    """Publish a recording on the topics of the bench, at the recorded pace."""
+    for name, value in (("--rate", rate), ("--offset", offset)):
+        if not math.isfinite(value):
+            raise Refusal(f"{name} {value} is refused: give a number")
+    from dcrb_ros.configuration_file import to_yaml, validated
+    from dcrb_ros.replay import Replay, ReplayParameters
+
+    given = {"bag": str(bag), "rate": rate, "loop": loop, "offset": offset, "clock": clock, "topics": topics}
+    parameters = validated(given, ReplayParameters, "replay")
+    Replay(parameters)  # refused before ROS is started
+    from dcrb_ros.nodes.bench import local_environment
+    from dcrb_ros.nodes.replayer import run
+
+    local_environment()
+    with tempfile.TemporaryDirectory(prefix="dcrb-") as folder:
+        file = Path(folder) / "replay.yaml"
+        file.write_text(to_yaml(parameters), encoding="utf-8")
+        raise typer.Exit(run(["--ros-args", "--params-file", str(file)]))

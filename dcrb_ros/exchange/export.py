@@ -1,0 +1,89 @@
+"""A recording's waveform into a file of another tool, with a description beside it that says what the file cannot."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import yaml
+
+from dcrb_ros.exchange.files import WRITERS, Array
+from dcrb_ros.messages import decode_truth, decode_vibration
+from dcrb_ros.recording import Recording
+from dcrb_ros.refusal import Refusal
+from dcrb_ros.topics import GROUND_TRUTH, VIBRATION
+
+
+def export(recording: Recording, path: Path) -> Path:
+    """Write the waveform to ``path`` and its description to the same name with ``.yaml``; return the latter.
+
+    Raises:
+        Refusal: an unknown suffix, a file that exists, or a recording without waveform.
+    """
+    writer, beside = WRITERS.get(path.suffix.lower()), path.with_suffix(".yaml")
+    if writer is None:
+        raise Refusal(f"{path} is of no known kind: its name must end in {', '.join(WRITERS)}")
+    for file in (path, beside):
+        if file.exists():
+            raise Refusal(f"{file} exists: give another name or remove it, nothing is overwritten")
+    if not path.absolute().parent.is_dir():
+        raise Refusal(f"{path} cannot be written: there is no folder {path.absolute().parent}; create it or give another")
+    columns, extra, labels, block_size = _gathered(recording)
+    about = {"manifest": recording.manifest, "outcome": recording.outcome, "labels": labels}
+    description = _described(recording, path, columns, labels, block_size)
+    try:
+        writer(path, columns, extra, recording.sampling_rate, about)
+        beside.write_text(yaml.safe_dump(description, sort_keys=False), encoding="utf-8")
+    except OSError as error:
+        path.unlink(missing_ok=True)
+        raise Refusal(f"{path} cannot be written: {error.strerror}; make room or give another folder") from None
+    except BaseException:
+        path.unlink(missing_ok=True)
+        raise
+    return beside
+
+
+def _gathered(recording: Recording) -> tuple[dict[str, Array], dict[str, Array], dict[str, Any], int]:
+    """Return columns, the truth over time, the labels and the block size."""
+    blocks, truths = [], []
+    for message in recording.messages((VIBRATION, GROUND_TRUTH)):
+        if message.topic == VIBRATION:
+            blocks.append(decode_vibration(message.data))
+        else:
+            truths.append(decode_truth(message.data))
+    if not blocks:
+        raise Refusal(f"{recording.path} holds no messages on {VIBRATION.resolved(recording.namespace)}: give a recording of the bench")
+    rate, acceleration = recording.sampling_rate, np.concatenate([block.acceleration for block in blocks])
+    columns: dict[str, Array] = {
+        "index": np.concatenate([block.first_index(rate) + np.arange(len(block.shaft_angle), dtype=np.int64) for block in blocks]),
+        "ax": acceleration[:, 0],
+        "ay": acceleration[:, 1],
+        "shaft_angle": np.concatenate([block.shaft_angle for block in blocks]),
+    }
+    extra: dict[str, Array] = {}
+    labels: dict[str, Any] = dict(recording.manifest.get("imported", {}).get("labels", {}))
+    if truths:
+        extra = {
+            "truth_time": np.array([truth.time_ns * 1e-9 for truth in truths]),
+            "truth_speed": np.array([truth.speed for truth in truths]),
+            "truth_load": np.array([truth.load for truth in truths]),
+        }
+        last = truths[-1]
+        labels = {"faults": {name: dict(fault) for name, fault in last.faults.items()}, "speed": last.speed, "load": list(last.load)}
+    return columns, extra, labels, max(len(block.shaft_angle) for block in blocks)
+
+
+def _described(recording: Recording, path: Path, columns: dict[str, Array], labels: dict[str, Any], block_size: int) -> dict[str, Any]:
+    orders, names = recording.orders, list(columns)
+    wav = path.suffix.lower() == ".wav"
+    channels: dict[str, Any] = {"ax": 1, "ay": 2, "shaft_angle": 3} if wav else {name: name for name in sorted(names)}
+    return {
+        "sampling_rate": recording.sampling_rate,
+        "unit": "m/s^2",
+        "channels": channels,
+        "orders": {"FTF": orders.ftf, "BPFO": orders.bpfo, "BPFI": orders.bpfi, "BSF": orders.bsf},
+        "first_index": int(columns["index"][0]),
+        "block_size": max(16, block_size),
+        "labels": labels,
+    }

@@ -1,0 +1,226 @@
+"""Files of other tools: named channels out of them, named columns into them."""
+
+from __future__ import annotations
+
+import itertools
+import json
+import re
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from dcrb_ros.refusal import Refusal, nearest
+
+Array = npt.NDArray[Any]
+
+
+@dataclass(frozen=True)
+class Foreign:
+    """A file's channels by name or number, and the sampling rate where the file knows it."""
+
+    names: tuple[str, ...]
+    column: Callable[[str | int], Array]
+    """Return a channel; raises KeyError, IndexError or AttributeError where there is none."""
+    rate: int | None = None
+    full_scale: float | None = None
+    """Largest number of a file of integers."""
+
+
+def read_foreign(path: Path) -> Foreign:
+    """Return the channels of a file, by its suffix.
+
+    Raises:
+        Refusal: an unknown suffix, or a file that is not what its suffix says.
+    """
+    reader = READERS.get(path.suffix.lower())
+    if reader is None:
+        raise Refusal(f"{path} is of no known kind: its name must end in {', '.join(READERS)}")
+    if not path.is_file():
+        raise Refusal(f"there is no file {path}")
+    try:
+        return reader(path)
+    except Refusal:
+        raise
+    except Exception as error:  # a reader of a foreign format raises whatever it runs into
+        words = str(error).splitlines()[0] if str(error) else type(error).__name__
+        raise Refusal(f"{path} cannot be read as {path.suffix[1:].upper()}: {words}") from None
+
+
+def channel(foreign: Foreign, source: Path, name: str | int) -> Array:
+    """Return one channel of a file as a row of numbers.
+
+    Raises:
+        Refusal: there is no such channel, or it holds no numbers.
+    """
+    try:
+        found = np.asarray(foreign.column(name))
+    except (KeyError, IndexError, AttributeError, ValueError, TypeError):
+        known = ", ".join(foreign.names[:20]) or "none"
+        raise Refusal(f"{source} has no channel '{name}'{nearest(str(name), foreign.names)} (there are: {known})") from None
+    values = found.squeeze()
+    if values.ndim != 1 or values.dtype.kind not in "iuf":
+        raise Refusal(f"{source}: '{name}' has the shape {found.shape} of {found.dtype}: a channel is one row of numbers")
+    return values
+
+
+def _read_npz(path: Path) -> Foreign:
+    with np.load(path, allow_pickle=False) as held:
+        found = {name: held[name] for name in held.files}
+    return Foreign(tuple(found), lambda name: found[str(name)])
+
+
+def _read_csv(path: Path) -> Foreign:
+    with path.open(encoding="utf-8-sig") as stream:
+        first = next((line for line in stream if line.strip() and not line.startswith("#")), "")
+    delimiter = next((mark for mark in ",;\t" if mark in first), None)
+    names = tuple(word.strip().strip('"') for word in first.strip().split(delimiter))
+    headed = not all(_is_number(name) for name in names)
+    with path.open(encoding="utf-8-sig") as stream:
+        lines = (line for line in stream if line.strip() and not line.startswith("#"))
+        if headed:
+            next(lines, None)
+        begin = next(lines, None)
+        if begin is None:
+            raise Refusal(f"{path} holds no numbers")
+        table = np.loadtxt(itertools.chain([begin], lines), delimiter=delimiter, ndmin=2)
+
+    def column(name: str | int) -> Array:
+        if isinstance(name, str) and headed:
+            return table[:, names.index(name)]
+        return _numbered(table, name)
+
+    return Foreign(names if headed else tuple(str(k + 1) for k in range(table.shape[1])), column)
+
+
+def _is_number(word: str) -> bool:
+    try:
+        float(word)
+    except ValueError:
+        return False
+    return True
+
+
+def _numbered(table: Array, name: str | int) -> Array:
+    """Return a column by its number from 1."""
+    number = int(name)
+    if not 1 <= number <= table.shape[1]:
+        raise IndexError(name)
+    return np.asarray(table[:, number - 1])
+
+
+def _read_wav(path: Path) -> Foreign:
+    from scipy.io import wavfile
+
+    rate, table = wavfile.read(path)
+    table = table[:, None] if table.ndim == 1 else table
+    kind = table.dtype
+    if kind.kind == "u":
+        raise Refusal(f"{path} holds {8 * kind.itemsize} bit unsigned samples: convert it to 16 bit or to floating point")
+    scale = float(np.iinfo(kind).max) + 1.0 if kind.kind == "i" else None
+    return Foreign(tuple(str(k + 1) for k in range(table.shape[1])), lambda name: _numbered(table, name), int(rate), scale)
+
+
+def _read_mat(path: Path) -> Foreign:
+    from scipy.io import loadmat
+
+    try:
+        found = loadmat(path, squeeze_me=True, struct_as_record=False)
+    except NotImplementedError:
+        return _read_hdf5(path)
+    names = tuple(name for name in found if not name.startswith("__"))
+    return Foreign(names, lambda name: _inside(found, str(name)))
+
+
+def _inside(found: Mapping[str, Any], name: str) -> Array:
+    """Return a variable, or what lies within a structure: ``bearing.gs``, ``run.Y[7].Data``."""
+    if name in found:
+        return np.asarray(found[name])
+    head, *parts = re.findall(r"[^.\[\]]+", name)
+    value = found[head]
+    for part in parts:
+        value = np.atleast_1d(value)[int(part) - 1] if part.isdigit() else getattr(value, part)
+    return np.asarray(value)
+
+
+def _read_hdf5(path: Path) -> Foreign:
+    try:
+        import h5py
+    except ImportError:
+        raise Refusal(f"{path} is a MAT file of version 7.3, which needs h5py: pip install h5py, or save it with -v7") from None
+    found: dict[str, Array] = {}
+    with h5py.File(path, "r") as file:
+
+        def keep(name: str, entry: Any) -> None:
+            if isinstance(entry, h5py.Dataset) and entry.dtype.kind in "iuf" and not name.startswith("#"):
+                found[name.replace("/", ".")] = entry[()]
+
+        file.visititems(keep)
+    return Foreign(tuple(found), lambda name: found[str(name)])
+
+
+def _read_parquet(path: Path) -> Foreign:
+    from pyarrow import parquet
+
+    table = parquet.read_table(path)
+    return Foreign(tuple(table.column_names), lambda name: table.column(str(name)).to_numpy())
+
+
+READERS: dict[str, Callable[[Path], Foreign]] = {
+    ".csv": _read_csv,
+    ".wav": _read_wav,
+    ".mat": _read_mat,
+    ".npz": _read_npz,
+    ".parquet": _read_parquet,
+}
+
+Columns = Mapping[str, Array]
+
+
+def _write_npz(path: Path, columns: Columns, extra: Columns, rate: int, about: Mapping[str, Any]) -> None:
+    arrays: dict[str, Any] = {**columns, **extra, "sampling_rate": np.array(rate), "about": np.array(json.dumps(about))}
+    with path.open("wb") as stream:
+        np.savez_compressed(stream, **arrays)
+
+
+def _write_csv(path: Path, columns: Columns, extra: Columns, rate: int, about: Mapping[str, Any]) -> None:
+    forms = ["%d" if values.dtype.kind == "i" else "%.9g" for values in columns.values()]  # nine digits give a float back exactly
+    table = np.column_stack([values.astype(np.float64) for values in columns.values()])
+    np.savetxt(path, table, fmt=forms, delimiter=",", header=",".join(columns), comments="")
+
+
+def _write_mat(path: Path, columns: Columns, extra: Columns, rate: int, about: Mapping[str, Any]) -> None:
+    from scipy.io import savemat
+
+    savemat(path, {**columns, **extra, "sampling_rate": rate, "about": json.dumps(about)}, do_compression=True, oned_as="column")
+
+
+def _write_wav(path: Path, columns: Columns, extra: Columns, rate: int, about: Mapping[str, Any]) -> None:
+    from scipy.io import wavfile
+
+    steps = np.diff(columns["index"])
+    if np.any(steps != 1):
+        raise Refusal(
+            f"the recording has {int(np.sum(steps != 1))} gaps, and a WAV file cannot say so: export it as npz, mat, csv or parquet"
+        )
+    wavfile.write(path, rate, np.column_stack([columns[name] for name in ("ax", "ay", "shaft_angle")]))
+
+
+def _write_parquet(path: Path, columns: Columns, extra: Columns, rate: int, about: Mapping[str, Any]) -> None:
+    import pyarrow
+    from pyarrow import parquet
+
+    table = pyarrow.table(dict(columns)).replace_schema_metadata({"dcrb_ros": json.dumps(about), "sampling_rate": str(rate)})
+    parquet.write_table(table, path)
+
+
+WRITERS: dict[str, Callable[[Path, Columns, Columns, int, Mapping[str, Any]], None]] = {
+    ".csv": _write_csv,
+    ".wav": _write_wav,
+    ".mat": _write_mat,
+    ".npz": _write_npz,
+    ".parquet": _write_parquet,
+}

@@ -1,0 +1,128 @@
+"""The manifest: what makes a recording explain and reproduce itself, as two records of its files.
+
+The first stands at the beginning and says what was simulated; the second stands at the end and says what came of it. Of a
+recording that was cut off the second is missing.
+"""
+
+from __future__ import annotations
+
+import functools
+import hashlib
+import importlib.metadata
+import json
+import platform
+import time
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+from dcrb_ros import __version__
+from dcrb_ros.block import Layout
+from dcrb_ros.commands import Command, command_of
+from dcrb_ros.configuration import Configuration
+from dcrb_ros.kinematics import characteristic_orders
+from dcrb_ros.messages import decode_truth, decode_vibration, sensor_text
+from dcrb_ros.topics import GROUND_TRUTH, MANIFEST, VIBRATION, Message
+
+FORMAT = 2
+"""Format of the manifest; the first had no second record."""
+OUTCOME = f"{MANIFEST}_outcome"
+"""Name of the second record."""
+LARGEST = 16 * 1024 * 1024
+"""Largest record of the manifest [bytes], some 200000 commands; beyond it they are counted, and read from the ground truth."""
+UNITS = {"acceleration": "m/s^2", "angle": "rad", "speed": "rad/s", "force": "N", "time": "s, simulated, from zero"}
+MODEL = ("core", "measurement", "conformal.py", "equilibrium.py", "model.py", "simulation.py")
+"""Sources on which the samples depend."""
+
+
+@functools.cache
+def model_fingerprint() -> str:
+    """Return a short name of the model's sources: equal sources make equal samples on one kind of machine."""
+    here, digest = Path(__file__).parent, hashlib.sha256()
+    for part in MODEL:
+        path = here / part
+        for source in sorted(path.glob("*.py")) if path.is_dir() else [path]:
+            digest.update(source.read_bytes())
+    return digest.hexdigest()[:16]
+
+
+def software() -> dict[str, str]:
+    """Return what else the last bits of the samples may depend on."""
+    versions = {name: importlib.metadata.version(name) for name in ("numpy", "numba")}
+    return {"python": platform.python_version(), **versions, "machine": f"{platform.system()} {platform.machine()}"}
+
+
+def now() -> str:
+    """Return the wall time, which is kept beside the simulated one."""
+    return time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime())
+
+
+def opening(
+    configuration: Configuration, layout: Layout, namespace: str, *, scenario: Mapping[str, Any] | None = None
+) -> dict[str, dict[str, str]]:
+    """Return the records with which a recording of the bench begins."""
+    orders = characteristic_orders(configuration.bearing)
+    about = {
+        "format": FORMAT,
+        "dcrb_ros": __version__,
+        "model": model_fingerprint(),
+        "software": software(),
+        "configuration": configuration.model_dump(),
+        "scenario": scenario,
+        "seed": configuration.simulation.seed,
+        "namespace": namespace,
+        "bodies": layout.names,
+        "bearing": {**configuration.bearing.model_dump(), "radial_gap": configuration.bearing.radial_gap},
+        "orders": {"FTF": orders.ftf, "BPFO": orders.bpfo, "BPFI": orders.bpfi, "BSF": orders.bsf},
+        "faults": configuration.faults.described(),
+        "sampling_rate": configuration.sensor.sampling_rate,
+        "sensor": json.loads(sensor_text(configuration)),
+        "units": UNITS,
+        "recorded": now(),
+    }
+    return {MANIFEST: {"manifest": json.dumps(about)}}
+
+
+class Outcome:
+    """What has come of a run so far: a hash of its samples, and its commands."""
+
+    def __init__(self, rate: int, commands: Iterable[Command] = ()) -> None:
+        """Begin with no sample of a waveform of ``rate`` [Hz]; ``commands`` came before."""
+        self._rate, self._digest = rate, hashlib.sha256()
+        self.first_index: int | None = None
+        self.samples = 0
+        self.commands = list(commands)
+
+    def note(self, message: Message) -> None:
+        """Take account of a message."""
+        if message.topic == VIBRATION:
+            block = decode_vibration(message.data)
+            if self.first_index is None:
+                self.first_index = block.first_index(self._rate)
+            self._digest.update(block.packed())
+            self.samples += len(block.shaft_angle)
+        elif message.topic == GROUND_TRUTH:
+            truth = decode_truth(message.data)
+            command = command_of(truth.time_ns, truth.changed)
+            if command is not None:
+                self.commands.append(command)
+
+    @property
+    def sha256(self) -> str:
+        """Hash of ax, ay and shaft angle of every sample, as little-endian single floats; the blocks do not matter."""
+        return self._digest.hexdigest()
+
+    def records(self) -> dict[str, dict[str, str]]:
+        """Return the records with which a file ends."""
+        about: dict[str, Any] = {
+            "first_index": self.first_index or 0,
+            "samples": self.samples,
+            "sha256": self.sha256,
+            "hashed": "ax, ay, shaft_angle of every sample as little-endian float32",
+            "commands": [command.described() for command in self.commands],
+            "command_count": len(self.commands),
+            "ended": now(),
+        }
+        if len(json.dumps(about)) > LARGEST:
+            about["commands"] = None
+        return {OUTCOME: {"outcome": json.dumps(about)}}

@@ -1,0 +1,148 @@
+"""Repair of a recording that was cut off or damaged: what can be read, in a new bag with an index and an end."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from mcap.records import Channel, Metadata, Schema
+from mcap.records import Message as McapMessage
+
+from dcrb_ros.manifest import OUTCOME, Outcome, now
+from dcrb_ros.mcap_records import McapRecords
+from dcrb_ros.recording import Recording, mcap_files
+from dcrb_ros.refusal import Refusal
+from dcrb_ros.sinks import mcap_file
+from dcrb_ros.sinks.bag import SECOND, Bag, Splitting
+from dcrb_ros.topics import GROUND_TRUTH, MANIFEST, VIBRATION, Message
+
+ENCODING = ("cdr", "ros2msg")
+"""Encodings of messages and their definitions that ROS 2 records."""
+RECOVERY = f"{MANIFEST}_recovery"
+"""Name of the record that says what was lost."""
+
+
+@dataclass
+class Salvage:
+    """What was saved."""
+
+    messages: int = 0
+    last_ns: int = 0
+    """Time of the last message [ns]."""
+    damage: tuple[str, ...] = ()
+    """What could not be read, in words."""
+
+
+class Recovery:
+    """A recording on its way into a new bag."""
+
+    def __init__(self, source: Path) -> None:
+        self._files = mcap_files(source)
+        self._ours = _recording(source)
+        self._source = source
+        self._salvage = Salvage()
+        self._damage: list[str] = []
+        self._outcome = Outcome(self._ours.sampling_rate, ()) if self._ours else None
+
+    def write(self, target: Path) -> Salvage:
+        """Write what can be read to a new bag.
+
+        Raises:
+            Refusal: nothing can be read, or the target exists.
+        """
+        messages = self._messages()
+        first = next(messages, None)
+        if first is None:
+            why = f": {self._damage[0]}" if self._damage else ""
+            raise Refusal(f"nothing can be recovered from {self._source}, not one message can be read{why}")
+        bag = Bag(target, opening=self._opening(), closing=self._closing, splitting=self._splitting(), compression=self._compression())
+        try:
+            bag.write([first])
+            for message in messages:
+                bag.write([message])
+        finally:
+            bag.close()
+        self._salvage.damage = tuple(self._damage)
+        return self._salvage
+
+    def _messages(self) -> Iterator[tuple[mcap_file.Channel, int, bytes]]:
+        for file in self._files:
+            records = McapRecords(file)
+            schemas: dict[int, Schema] = {}
+            channels: dict[int, mcap_file.Channel] = {}
+            for record in records:
+                if isinstance(record, Schema):
+                    schemas[record.id] = record
+                elif isinstance(record, Channel) and record.schema_id in schemas:
+                    channels[record.id] = _channel(record, schemas[record.schema_id])
+                elif isinstance(record, McapMessage) and record.channel_id in channels:
+                    self._note(channels[record.channel_id], record)
+                    yield channels[record.channel_id], record.log_time, record.data
+            self._damage += [words for words in records.damage if words not in self._damage]
+
+    def _note(self, channel: mcap_file.Channel, record: McapMessage) -> None:
+        self._salvage.messages += 1
+        self._salvage.last_ns = max(self._salvage.last_ns, record.log_time)
+        if self._ours is None or self._outcome is None:
+            return
+        for topic in (VIBRATION, GROUND_TRUTH):
+            if channel.name == topic.resolved(self._ours.namespace):
+                self._outcome.note(Message(topic, record.log_time, record.data))
+
+    def _opening(self) -> dict[str, dict[str, str]]:
+        """Return the metadata records of the source, but those that say how it ended."""
+        found: dict[str, dict[str, str]] = {}
+        for file in self._files:
+            for record in McapRecords(file, chunks=False):
+                if isinstance(record, Metadata) and record.name not in ("rosbag2", OUTCOME, RECOVERY):
+                    found.setdefault(record.name, dict(record.metadata))
+        return found
+
+    def _closing(self) -> Mapping[str, Mapping[str, str]]:
+        about: dict[str, Any] = {"source": self._source.name, "lost": self._damage, "recovered": now()}
+        ending = {RECOVERY: {"recovery": json.dumps(about)}}
+        return {**ending, **(self._outcome.records() if self._outcome else {})}
+
+    def _splitting(self) -> Splitting:
+        if self._ours is None or self._ours.imported:
+            return Splitting()
+        asked = self._ours.configuration.recording
+        return Splitting(asked.split_size, round(asked.split_duration * SECOND))
+
+    def _compression(self) -> str:
+        return "zstd" if self._ours is None or self._ours.imported else self._ours.configuration.recording.compression
+
+
+def recover(source: Path, target: Path) -> Salvage:
+    """Write what can be read of a recording to a new bag.
+
+    Raises:
+        Refusal: there is nothing to read, or the target exists.
+    """
+    if target.exists():
+        raise Refusal(f"{target} exists: give another name or remove it, a recording is never overwritten")
+    return Recovery(source).write(target)
+
+
+def _recording(source: Path) -> Recording | None:
+    """Return the source as one of our recordings, if it is one."""
+    try:
+        return Recording(source)
+    except Refusal:
+        return None
+
+
+def _channel(record: Channel, schema: Schema) -> mcap_file.Channel:
+    if (record.message_encoding, schema.encoding) != ENCODING:
+        raise Refusal(
+            f"{record.topic} holds {record.message_encoding or 'unnamed'} messages defined by {schema.encoding or 'nothing'}: "
+            "dcrb recover repairs ROS 2 recordings, with cdr defined by ros2msg"
+        )
+    definition = schema.data.decode("utf-8", errors="replace")
+    about = record.metadata
+    return mcap_file.Channel(
+        record.topic, schema.name, definition, about.get("offered_qos_profiles", "[]"), about.get("topic_type_hash", "")
+    )

@@ -1,0 +1,147 @@
+"""One MCAP file being written: small chunks that reach the disk soon, an end that can be read whatever happens."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import struct
+from collections import Counter
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, BinaryIO
+
+import yaml
+from mcap.opcode import Opcode
+from mcap.writer import MCAP0_MAGIC, CompressionType, Writer
+
+from dcrb_ros import __version__
+
+CHUNK = 256 * 1024
+"""Chunk size [bytes]: what a crash can lose at most, beside the last half second."""
+FLUSH_EVERY = 500_000_000
+"""Simulated time after which what is buffered goes to the file [ns]: half of the second that may be lost."""
+COMPRESSIONS = {"zstd": CompressionType.ZSTD, "lz4": CompressionType.LZ4, "none": CompressionType.NONE}
+PLAIN_END = struct.pack("<BQI", Opcode.DATA_END, 4, 0) + struct.pack("<BQQQI", Opcode.FOOTER, 20, 0, 0, 0) + MCAP0_MAGIC
+"""The end of an MCAP file without a summary."""
+
+
+@dataclass(frozen=True)
+class Channel:
+    """A topic as an MCAP file describes it."""
+
+    name: str
+    """Absolute name of the topic."""
+    type: str
+    definition: str
+    """Text of the message's definition with those that it contains."""
+    quality: str
+    """Offered QoS profiles, a YAML sequence."""
+    type_hash: str
+
+    def profiles(self) -> list[Any]:
+        """Return the offered QoS profiles; none where the text is no YAML sequence."""
+        try:
+            found = yaml.safe_load(self.quality)
+        except (yaml.YAMLError, RecursionError):
+            return []
+        return found if isinstance(found, list) else []
+
+
+@dataclass(frozen=True)
+class Span:
+    """First and last simulated time of some messages [ns]."""
+
+    first_ns: int | None = None
+    last_ns: int = 0
+
+    @property
+    def duration_ns(self) -> int:
+        """Time from the first to the last [ns]."""
+        return self.last_ns - (self.first_ns or 0) if self.first_ns is not None else 0
+
+    def joined(self, other: Span) -> Span:
+        """Return the span of both."""
+        if self.first_ns is None or other.first_ns is None:
+            return other if self.first_ns is None else self
+        return Span(min(self.first_ns, other.first_ns), max(self.last_ns, other.last_ns))
+
+
+class McapFile:
+    """An MCAP file to which messages are written."""
+
+    def __init__(self, path: Path, opening: Mapping[str, Mapping[str, str]], compression: str) -> None:
+        self.path = path
+        self.span = Span()
+        self.counts: Counter[Channel] = Counter()
+        self._ids: dict[Channel, int] = {}
+        self._schemas: dict[tuple[str, str], int] = {}
+        self._flushed_ns = self._whole = 0
+        self._stream: BinaryIO = open(path, "wb")  # noqa: SIM115 - closed in close() or abandon()
+        try:
+            self._writer = Writer(self._stream, chunk_size=CHUNK, compression=COMPRESSIONS[compression])
+            self._writer.start(profile="ros2", library=f"dcrb_ros {__version__}")
+            for name, record in opening.items():
+                self._writer.add_metadata(name, dict(record))
+            self.flush()
+        except OSError:
+            self.abandon()
+            raise
+
+    @property
+    def size(self) -> int:
+        """Bytes in the file, without the chunk that is being filled."""
+        return self._stream.tell()
+
+    def write(self, channel: Channel, time_ns: int, data: bytes, sequence: int) -> None:
+        """Write a message; its simulated time [ns] is log time and publish time."""
+        self._writer.add_message(self._id(channel), time_ns, data, time_ns, sequence & 0xFFFFFFFF)
+        self.counts[channel] += 1
+        self.span = self.span.joined(Span(time_ns, time_ns))
+
+    def keep_up(self) -> None:
+        """Bring finished chunks into the file, and an unfinished one when it is old enough."""
+        if self.span.last_ns - self._flushed_ns >= FLUSH_EVERY:
+            self.flush()
+        elif self._stream.tell() != self._whole:
+            self._stream.flush()
+            self._whole = self._stream.tell()
+
+    def flush(self) -> None:
+        """Bring everything into the file."""
+        self._writer.flush()
+        self._whole, self._flushed_ns = self._stream.tell(), self.span.last_ns
+
+    def close(self, closing: Mapping[str, Mapping[str, str]]) -> None:
+        """Write the last metadata records and the summary."""
+        self.flush()
+        for name, record in closing.items():
+            self._writer.add_metadata(name, dict(record))
+        self._writer.finish()
+        self._stream.close()
+
+    def abandon(self) -> None:
+        """Cut off what is not whole and put an end to it, so that any reader takes the file; needs 50 bytes of room."""
+        # Closing tries to write the rest once more; the descriptor is closed all the same.
+        with contextlib.suppress(OSError):
+            self._stream.close()
+        try:
+            os.truncate(self.path, self._whole)
+            with self.path.open("ab") as stream:
+                stream.write(PLAIN_END)
+        except OSError:
+            # Not even that: the file ends within a record, which our reader and `dcrb recover` take too.
+            return
+
+    def _id(self, channel: Channel) -> int:
+        found = self._ids.get(channel)
+        if found is None:
+            about = {"offered_qos_profiles": channel.quality, "topic_type_hash": channel.type_hash}
+            found = self._ids[channel] = self._writer.register_channel(channel.name, "cdr", self._schema(channel), about)
+        return found
+
+    def _schema(self, channel: Channel) -> int:
+        key = channel.type, channel.definition
+        if key not in self._schemas:
+            self._schemas[key] = self._writer.register_schema(channel.type, "ros2msg", channel.definition.encode())
+        return self._schemas[key]

@@ -1,0 +1,82 @@
+"""The loading zone as a polar picture: how much normal force the inner raceway carries at each azimuth, on the mean and now."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import rerun as rr
+
+from dcrb_ros.block import Floats
+from dcrb_ros.viewer import palette
+from dcrb_ros.viewer.bearing_picture import thinned
+from dcrb_ros.viewer.content import Content, Motion
+from dcrb_ros.viewer.drawing import circle, on_circle
+from dcrb_ros.viewer.spectrum_picture import log_texts
+from dcrb_ros.viewer.timeline import time_column
+
+ROOT = "loading_zone"
+RADIUS = 100.0
+"""Radius of the largest force [picture units]."""
+SPACING = 3.0 * RADIUS
+SECTORS = 72
+"""Sectors over which the mean is taken."""
+STEPS = 4
+SPOKES = 12
+
+
+def log_loading_zone(content: Content, motion: Motion, largest: float) -> None:
+    """Log the polar picture of every row, up to the ``largest`` force [N]."""
+    motion, layout = thinned(motion), content.layout
+    for row in range(layout.rows):
+        of_row = slice(row * layout.rollers_per_row, (row + 1) * layout.rollers_per_row)
+        azimuth, force = motion.azimuth[:, of_row], motion.force[:, of_row]
+        path = f"{ROOT}/row{row + 1}"
+        rr.log(path, rr.Transform3D(translation=[(row - 0.5 * (layout.rows - 1)) * SPACING, 0.0, 0.0]), static=True)
+        log_scale(path, largest, row)
+        mean = closed(on_circle(RADIUS * mean_force(azimuth, force) / largest, middles()))
+        colour = palette.ROWS[row % len(palette.ROWS)]
+        rr.log(f"{path}/mean", rr.LineStrips2D([mean], radii=[1.2], colors=[colour], draw_order=2.0), static=True)
+        log_now(path, motion, azimuth, force / largest)
+
+
+def middles() -> Floats:
+    """Return the azimuths of the sectors' middles [rad]."""
+    return np.asarray(-math.pi + (np.arange(SECTORS) + 0.5) * 2.0 * math.pi / SECTORS)
+
+
+def mean_force(azimuth: Floats, force: Floats) -> Floats:
+    """Return the mean normal force [N] of the rollers in each sector of azimuth; zero where none has been."""
+    sector = np.floor((np.asarray(azimuth).ravel() + math.pi) / (2.0 * math.pi) * SECTORS).astype(int) % SECTORS
+    count = np.bincount(sector, minlength=SECTORS)
+    return np.asarray(np.bincount(sector, np.asarray(force).ravel(), SECTORS) / np.maximum(count, 1))
+
+
+def closed(points: Floats) -> Floats:
+    """Return a strip that ends where it begins."""
+    return np.concatenate([points, points[:1]])
+
+
+def log_scale(path: str, largest: float, row: int) -> None:
+    """Log circles of force, spokes every 30 degrees and what they mean."""
+    circles = [circle(RADIUS * (k + 1) / STEPS) for k in range(STEPS)]
+    azimuths = np.linspace(math.pi, -math.pi, SPOKES, endpoint=False)
+    spokes = [np.stack([np.zeros(2), on_circle(RADIUS, angle)]) for angle in azimuths]
+    grid = rr.LineStrips2D([*circles, *spokes], radii=rr.Radius.ui_points(0.5), colors=[palette.FAINT], draw_order=0.0)
+    rr.log(f"{path}/grid", grid, static=True)
+    names = [f"{round(math.degrees(angle))}°" for angle in azimuths]
+    log_texts(f"{path}/azimuths", on_circle(1.12 * RADIUS, azimuths), names, palette.MUTED, drop=6.0)
+    at = on_circle(np.array([0.5, 1.0]) * RADIUS, math.radians(105.0))
+    log_texts(f"{path}/forces", at, [f"{0.5 * largest / 1e3:g}", f"{largest / 1e3:g} kN"], palette.MUTED, drop=6.0)
+    log_texts(f"{path}/name", np.array([[0.0, -1.32 * RADIUS]]), [f"row {row + 1}"], palette.BRIGHT, drop=6.0)
+
+
+def log_now(path: str, motion: Motion, azimuth: Floats, share: Floats) -> None:
+    """Log an arrow from the centre for the force of every roller over time, as a ``share`` of the largest."""
+    count = azimuth.shape[1]
+    tips = on_circle(RADIUS * np.clip(share, 0.0, 1.25), azimuth).reshape(-1, 2)
+    colours = palette.force_colours(share, 1.0)
+    colours[share <= 0.0, 3] = 0
+    rr.log(f"{path}/now", rr.Arrows2D.from_fields(radii=[1.4], draw_order=3.0), static=True)
+    columns = rr.Arrows2D.columns(vectors=tips, origins=np.zeros_like(tips), colors=colours.reshape(-1, 4))
+    rr.send_columns(f"{path}/now", [time_column(motion.time_ns)], columns.partition(np.full(len(motion.time_ns), count)))

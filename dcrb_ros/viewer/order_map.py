@@ -1,0 +1,80 @@
+"""The order map: every envelope spectrum of a recording as a row of one picture, with the fault lines through it.
+
+Orders are multiples of the shaft frequency, so a fault's lines stay upright while the speed changes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import numpy.typing as npt
+import rerun as rr
+
+from dcrb_ros.block import Floats
+from dcrb_ros.viewer import palette
+from dcrb_ros.viewer.content import Times
+from dcrb_ros.viewer.spectrum import Comb, Spectra
+from dcrb_ros.viewer.spectrum_picture import HEIGHT, TRACK, WIDTH, log_comb, log_texts, order_ticks
+from dcrb_ros.viewer.timeline import time_column
+
+ROOT = "order_map"
+TIME_TICKS = 6
+LOUDEST_SHARE = 0.9995
+"""Share of the levels that the scale of colours holds."""
+
+
+def log_order_map(spectra: Spectra, combs: Sequence[Comb]) -> None:
+    """Log the map, its axes, the fault lines and a line at the time of the cursor under `ROOT`."""
+    largest = max(10.0, 5.0 * np.ceil(float(np.quantile(spectra.level, LOUDEST_SHARE)) / 5.0))
+    rr.log(f"{ROOT}/levels", rr.Image(picture(spectra, largest), draw_order=-1.0), static=True)
+    for place, comb in enumerate(combs):
+        log_comb(spectra.highest_order, comb, -TRACK * (len(combs) - place - 0.1), root=ROOT)
+    log_axes(spectra, largest)
+    log_cursor(spectra.time_ns)
+
+
+def picture(spectra: Spectra, largest: float) -> npt.NDArray[np.uint8]:
+    """Return the levels as colours up to ``largest`` [dB], shape (HEIGHT, WIDTH, 3); of the orders in a pixel the loudest counts."""
+    borders = np.searchsorted(spectra.orders, np.arange(int(WIDTH)) / WIDTH * spectra.highest_order)
+    columns = np.maximum.reduceat(spectra.level, np.minimum(borders, len(spectra.orders) - 1), axis=1)
+    rows = np.searchsorted(spectra.time_ns, times_of_rows(spectra.time_ns))
+    colours = palette.force_colours(np.maximum(columns, 1e-3), largest)[..., :3]
+    dark = np.clip(columns / (0.25 * largest), 0.0, 1.0)[..., None]  # what is background stays dark
+    shown = (colours * dark + np.array(palette.BACKGROUND[:3]) * (1.0 - dark)).astype(np.uint8)
+    return np.ascontiguousarray(shown[np.minimum(rows, len(shown) - 1)])
+
+
+def span_of(time_ns: Times) -> tuple[int, int]:
+    """Return the times at the upper and lower edge of the map [ns]: a window's row ends with it."""
+    step = int(np.median(np.diff(time_ns))) if len(time_ns) > 1 else 1_000_000_000
+    return int(time_ns[0]) - step, int(time_ns[-1])
+
+
+def times_of_rows(time_ns: Times) -> Floats:
+    """Return the time of every row of pixels [ns]."""
+    first, last = span_of(time_ns)
+    return np.asarray(first + (np.arange(int(HEIGHT)) + 0.5) / HEIGHT * (last - first), np.float64)
+
+
+def log_axes(spectra: Spectra, largest: float) -> None:
+    """Log the ticks of orders and times, and what they mean."""
+    orders = order_ticks(spectra.highest_order)
+    first, last = span_of(spectra.time_ns)
+    times = np.linspace(first, last, TIME_TICKS)
+    below = np.stack([orders / spectra.highest_order * WIDTH, np.full_like(orders, HEIGHT + 30.0)], axis=-1)
+    beside = np.stack([np.full(TIME_TICKS, -42.0), np.linspace(0.0, HEIGHT, TIME_TICKS)], axis=-1)
+    texts = [*(f"{order:g}" for order in orders), *(f"{time / 1e9:.2f} s" for time in times)]
+    log_texts(f"{ROOT}/ticks", np.concatenate([below, beside]), texts, palette.MUTED)
+    meaning = f"multiples of the shaft frequency; bright: {largest:g} dB over background"
+    log_texts(f"{ROOT}/meaning", np.array([[0.5 * WIDTH, HEIGHT + 74.0]]), [meaning], palette.MUTED)
+
+
+def log_cursor(time_ns: Times) -> None:
+    """Log a line across the map at the time of the cursor, window by window."""
+    first, last = span_of(time_ns)
+    y = HEIGHT * (time_ns - first) / max(1, last - first)
+    strips = np.stack([np.stack([np.zeros_like(y), y], -1), np.stack([np.full_like(y, WIDTH), y], -1)], axis=1)
+    fixed = rr.LineStrips2D.from_fields(radii=rr.Radius.ui_points(0.8), colors=[palette.BRIGHT], draw_order=6.0)
+    rr.log(f"{ROOT}/cursor", fixed, static=True)
+    rr.send_columns(f"{ROOT}/cursor", [time_column(time_ns)], rr.LineStrips2D.columns(strips=strips.astype(np.float32)))

@@ -1,0 +1,36 @@
+"""A disk that is full ends the recording, not the bench."""
+
+from __future__ import annotations
+
+import resource
+from pathlib import Path
+
+import pytest
+
+pytest.importorskip("rclpy", reason="the nodes need ROS 2; everything else is tested without")
+
+from ros_bench import domain, environment, listener, node
+from test_bench import parameters, status_of
+
+from dcrb_ros.messages import ERROR, decode_diagnostics
+from dcrb_ros.recording import Recording
+from dcrb_ros.topics import BENCH_DIAGNOSTICS, VIBRATION
+
+pytestmark = pytest.mark.node
+
+
+def test_a_full_disk_is_reported_and_the_topics_stay_alive(tmp_path: Path) -> None:
+    number, bag = domain(), tmp_path / "bag"
+    given = parameters(recording__path=str(bag))
+    with listener(number) as heard, node("simulator", given, environment(number), tmp_path / "log") as simulator:
+        heard.until(lambda: status_of(heard).get("recorder"), "the recorder in /diagnostics")
+        assert status_of(heard)["recorder"] == "recording"
+        resource.prlimit(simulator.process.pid, resource.RLIMIT_FSIZE, (800_000, 800_000))
+        heard.until(lambda: "File too large" in status_of(heard)["recorder"], "the error in /diagnostics")
+        assert decode_diagnostics(heard.heard[BENCH_DIAGNOSTICS][-1])[1][0].level == ERROR
+        blocks = len(heard.heard[VIBRATION])
+        heard.until(lambda: len(heard.heard[VIBRATION]) > blocks + 50, "more of the waveform")
+        assert simulator.words.count("File too large") == 1
+    recording = Recording(bag)
+    assert sum(1 for _ in recording.vibrations()) > 10
+    assert not recording.complete

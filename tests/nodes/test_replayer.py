@@ -1,0 +1,115 @@
+"""The replayer as a real process: the detector takes it for the live bench."""
+
+from __future__ import annotations
+
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+pytest.importorskip("rclpy", reason="the nodes need ROS 2; everything else is tested without")
+
+from made_up import recorded
+from ros_bench import PATIENCE, domain, environment, listener, node
+from test_bench import parameters
+
+from dcrb_ros.messages import decode_diagnostics, decode_vibration
+from dcrb_ros.recording import Recording
+from dcrb_ros.replay import Replay, ReplayParameters
+from dcrb_ros.sinks.publisher import message_class, qos
+from dcrb_ros.topics import BENCH_DIAGNOSTICS, CLOCK, DIAGNOSIS, FEATURES, GROUND_TRUTH, ROLLER_STATES, SENSOR, VIBRATION
+
+pytestmark = pytest.mark.node
+
+BAGS = Path(__file__).parents[2] / "bags"
+
+
+@pytest.mark.parametrize(("name", "verdict"), [("outer_ring_defect", "outer_ring"), ("inner_ring_defect", "inner_ring")])
+def test_detector_takes_a_replay_for_the_live_bench(name: str, verdict: str, tmp_path: Path) -> None:
+    number = domain()
+    with (
+        listener(number) as heard,
+        node("fault_detector", [], environment(number), tmp_path / "detector.log") as detector,
+    ):
+        heard.until(lambda: heard.node.count_subscribers(VIBRATION.resolved("/dcrb")) >= 2, "the detector")
+        given = parameters(bag=str(BAGS / name), rate=2.0, listeners=2, wait=60.0)
+        with node("replayer", given, environment(number), tmp_path / "replayer.log") as replayer:
+
+            def judged() -> list[str]:
+                assert detector.process.poll() is None, detector.words
+                assert replayer.process.poll() in (None, 0), replayer.words
+                found = [decode_diagnostics(data)[1][0].message for data in heard.heard[DIAGNOSIS]]
+                return [word for word in found if word != "waiting"]
+
+            heard.until(lambda: len(heard.heard[VIBRATION]) == 150, "every block")
+            heard.until(judged, "a verdict")
+            assert set(judged()) == {verdict}
+            assert replayer.process.wait(PATIENCE) == 0
+        # The very bytes, in their order, gaps and stamps included; the middleware pads them to four.
+        for topic in (VIBRATION, FEATURES, ROLLER_STATES, GROUND_TRUTH, SENSOR):
+            recording = [message.data + bytes(-len(message.data) % 4) for message in Recording(BAGS / name).messages((topic,))]
+            heard.until(lambda t=topic, expected=recording: len(heard.heard[t]) >= len(expected), topic.name)
+            assert heard.heard[topic] == recording, topic.name
+    assert decode_diagnostics(heard.heard[BENCH_DIAGNOSTICS][-1])[1][0].name == "/dcrb/replayer"
+
+
+def test_replay_keeps_the_recorded_pace_scaled(tmp_path: Path) -> None:
+    bag, number, stamps = recorded(tmp_path / "bag", 150), domain(), []
+    with listener(number) as heard:
+        heard.node.create_subscription(
+            message_class(VIBRATION), VIBRATION.resolved("/dcrb"), lambda data: stamps.append(time.monotonic()), qos(VIBRATION), raw=True
+        )
+        given = parameters(bag=str(bag), rate=2.0, listeners=2, wait=60.0)
+        with node("replayer", given, environment(number), tmp_path / "log") as replayer:
+            heard.until(lambda: len(stamps) == 150, "every block")
+            assert replayer.process.wait(PATIENCE) == 0
+    asked = 148 * 0.02 / 2.0
+    assert 0.9 * asked < stamps[-1] - stamps[1] < 3.0 * asked  # never ahead; a busy machine may be behind
+
+
+def test_loop_offset_and_clock(tmp_path: Path) -> None:
+    bag, number, clock = recorded(tmp_path / "bag", 40), domain(), []
+    with listener(number) as heard:
+        heard.node.create_subscription(message_class(CLOCK), "/clock", clock.append, qos(CLOCK), raw=True)
+        given = parameters(bag=str(bag), rate=0.0, loop="true", offset=0.5, clock="true", wait=60.0)
+        with node("replayer", given, environment(number), tmp_path / "log") as replayer:
+            heard.until(lambda: len(heard.heard[VIBRATION]) > 100 and clock, "several passes and the clock")
+            assert replayer.end(signal.SIGINT) == 0
+    indices = [decode_vibration(data).first_index(51200) for data in heard.heard[VIBRATION]]
+    assert min(indices) == 25 * 1024  # the first block that begins half a second in or later
+    assert indices[:16] == [1024 * k for k in (*range(25, 40), 25)]
+
+
+def test_command_replays_and_refuses(tmp_path: Path) -> None:
+    bag, number = recorded(tmp_path / "bag", 10), domain()
+    command = [sys.executable, "-c", "from dcrb_ros.cli.app import main; main()", "replay"]
+    done = subprocess.run(
+        [*command, str(bag), "--rate", "5"], env=environment(number), capture_output=True, text=True, timeout=PATIENCE, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    for arguments, sentence in (
+        (["nothing"], "there is no recording nothing"),
+        ([str(bag), "--rate", "-1"], "rate = -1.0 is outside 0 .. 1000"),
+        ([str(bag), "--rate", "nan"], "--rate nan is refused"),
+        ([str(bag), "--topics", "vibration"], "there is no topic 'vibration'"),
+        ([str(bag), "--offset", "9"], "lower the offset"),
+    ):
+        done = subprocess.run(
+            [*command, *arguments], env=environment(number), capture_output=True, text=True, timeout=PATIENCE, check=False
+        )
+        assert done.returncode == 2, done.stderr
+        assert sentence in done.stderr
+        assert "Traceback" not in done.stderr
+
+
+def test_bundles_come_at_the_end_of_their_block(tmp_path: Path) -> None:
+    replay = Replay(ReplayParameters(bag=str(recorded(tmp_path / "bag", 5))))
+    bundles = list(replay.bundles())
+    assert [bundle.due_ns for bundle in bundles] == [20_000_000 * k for k in range(1, 6)]
+    assert [bundle.messages[0].topic for bundle in bundles] == [VIBRATION] * 5
+    assert sum(len(bundle.messages) for bundle in bundles) == sum(replay.recording.counts().values()) - 1
+    assert np.all(np.diff([bundle.begin_ns for bundle in bundles]) > 0)

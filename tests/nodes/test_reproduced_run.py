@@ -1,0 +1,45 @@
+"""A run over DDS with commands: its recording makes the same samples without ROS."""
+
+from __future__ import annotations
+
+import signal
+from pathlib import Path
+
+import pytest
+
+pytest.importorskip("rclpy", reason="the nodes need ROS 2; everything else is tested without")
+
+from ros_bench import domain, environment, listener, node
+from test_bench import parameters
+from test_cli import dcrb
+
+from dcrb_ros.recording import Recording
+from dcrb_ros.topics import VIBRATION
+
+pytestmark = pytest.mark.node
+
+
+def test_a_commanded_run_is_made_again_without_ros(tmp_path: Path) -> None:
+    from geometry_msgs.msg import Wrench
+    from std_msgs.msg import Float64
+
+    number, bag = domain(), tmp_path / "bag"
+    given = parameters(recording__path=str(bag), recording__split_duration=0.5, faults__inner_1__width=0.002)
+    with listener(number) as heard, node("simulator", given, environment(number), tmp_path / "log") as simulator:
+        speed = heard.node.create_publisher(Float64, "command/speed", 10)
+        load = heard.node.create_publisher(Wrench, "command/load", 10)
+        heard.until(lambda: heard.heard[VIBRATION] and speed.get_subscription_count() and load.get_subscription_count(), "the simulator")
+        speed.publish(Float64(data=140.0))
+        wrench = Wrench()
+        wrench.force.x, wrench.force.y = 500.0, -60e3
+        load.publish(wrench)
+        blocks = len(heard.heard[VIBRATION])
+        heard.until(lambda: len(heard.heard[VIBRATION]) > blocks + 40, "what follows on the commands")
+        assert simulator.end(signal.SIGINT) == 0
+    recording = Recording(bag)
+    assert recording.complete
+    assert len(recording.files) > 1
+    assert [command.words for command in recording.commands()] == ["command/speed 140.0 rad/s", "command/load 500.0 -60000.0 N"]
+    done = dcrb("simulate", "--from", str(bag))
+    assert done.returncode == 0, done.stderr
+    assert "the same" in done.stdout

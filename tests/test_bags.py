@@ -1,0 +1,35 @@
+"""The shipped recordings are what the present code makes."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from dcrb_ros.manifest import model_fingerprint, software
+from dcrb_ros.recording import Recording, metadata_flaw
+from dcrb_ros.reproduction import Reproduction
+from dcrb_ros.simulation import Simulation
+
+BAGS = sorted(path.parent for path in (Path(__file__).parents[1] / "bags").glob("*/metadata.yaml"))
+
+
+@pytest.mark.parametrize("bag", BAGS, ids=lambda bag: bag.name)
+def test_shipped_recordings_are_whole_and_small(bag: Path) -> None:
+    recording = Recording(bag)
+    assert recording.counts()["/dcrb/outer_ring/vibration"] == 150
+    assert recording.complete
+    assert metadata_flaw(bag) == ""
+    assert sum(file.stat().st_size for file in bag.iterdir()) < 3e6
+
+
+@pytest.mark.parametrize("bag", BAGS, ids=lambda bag: bag.name)
+def test_shipped_recordings_make_themselves_again(bag: Path) -> None:
+    recording = Recording(bag)
+    made_with = recording.manifest.get("model"), recording.manifest.get("software")
+    if made_with != (model_fingerprint(), software()):
+        pytest.skip(f"{bag.name} was made with another model or other software: `make bags` makes it anew")
+    reproduction = Reproduction(recording)
+    for _ in reproduction.blocks(Simulation(reproduction.configuration)):
+        pass
+    reproduction.check()
