@@ -52,6 +52,7 @@ DIAGNOSIS = Topic("diagnosis", DIAGNOSTICS)
 FAULT_INDICATORS = Topic("fault_indicators", JOINT_STATE)
 ENVELOPE_SPECTRUM = Topic("envelope_spectrum", POINT_CLOUD)
 BENCH_DIAGNOSTICS = Topic("/diagnostics", DIAGNOSTICS)
+CLOCK = Topic("/clock", "rosgraph_msgs/msg/Clock", depth=1)
 
 SIMULATED = (VIBRATION, VIBRATION_CLEAN, SENSOR, ACCELERATION, FEATURES, ROLLER_STATES, ROLLER_CONTACTS, GROUND_TRUTH)
 """What the simulator publishes and records."""

@@ -26,13 +26,16 @@ def simulate(
     config: Annotated[str, typer.Argument(help="A YAML file or a shipped name, such as healthy.")],
     output: Annotated[Path | None, typer.Option("-o", "--output", help="Folder of the recording; by default named after CONFIG.")] = None,
     duration: Annotated[float, typer.Option(help="Simulated time [s].")] = 10.0,
+    scenario: Annotated[Path | None, typer.Option(help="A timeline of speed, load, faults and sensor in simulated time (YAML).")] = None,
     settings: Annotated[list[str] | None, typer.Option("--set", help="KEY=VALUE, such as operating.speed=100.0.")] = None,
 ) -> None:
     """Simulate a bearing and write a recording."""
     seconds = checked_duration(duration)
     from dcrb_ros.configuration_file import load_configuration
+    from dcrb_ros.scenario import read_scenario
 
     configuration = load_configuration(config, settings or ())
+    events = read_scenario(scenario, configuration) if scenario else []
     path = output or Path(Path(config).stem)
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
@@ -46,7 +49,7 @@ def simulate(
         raise Refusal(f"{path} exists: give another name with -o or remove it, a recording is never overwritten")
     if not compiled():
         console.print("compiling the kernels (once, about half a minute) ...")
-    simulation = Simulation(configuration)
+    simulation = Simulation(configuration, events)
     started = time.perf_counter()
     done = 0.0
     columns = (
