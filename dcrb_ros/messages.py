@@ -221,9 +221,9 @@ class BlockEncoder:
         self._names = layout.names
         self._frame = configuration.publishing.frame
 
-    def start(self) -> list[Message]:
-        """Return the messages that come before the first block."""
-        return [Message(SENSOR, 0, encode_text(sensor_text(self._configuration)))]
+    def start(self, time_ns: int = 0) -> list[Message]:
+        """Return the messages that come before the first block, which begins at ``time_ns``."""
+        return [Message(SENSOR, time_ns, encode_text(sensor_text(self._configuration)))]
 
     def _described(self, block: Block) -> list[Message]:
         """Return the sensor's description anew where its range has changed."""

@@ -27,6 +27,8 @@ from dcrb_ros.refusal import Refusal
 from dcrb_ros.scenario import Event
 
 Item = TypeVar("Item")
+MOST_PENDING = 1000
+"""Commands that may wait for the next block."""
 
 
 class ModelFailure(RuntimeError):
@@ -93,7 +95,7 @@ class Simulation:
             return f"command/speed {value!r} rad/s"
 
         with self._lock:
-            self._pending.append(apply)
+            self._await(apply)
 
     def command_load(self, x: float, y: float) -> None:
         """Ask for a force on the inner ring in X and Y [N], reached with the configured ramp from the next block on."""
@@ -104,7 +106,7 @@ class Simulation:
             return f"command/load {force[0]!r} {force[1]!r} N"
 
         with self._lock:
-            self._pending.append(apply)
+            self._await(apply)
 
     def change(self, changes: Mapping[str, Any]) -> None:
         """Ask for other faults or another sensor from the next block on: dotted keys and values, checked as a whole.
@@ -114,8 +116,16 @@ class Simulation:
         """
         with self._lock:
             altered(self.configuration, {**self._coming, **changes})
+            self._await(lambda: self._alter(changes, spoken(changes)))
             self._coming.update(changes)
-            self._pending.append(lambda: self._alter(changes, spoken(changes)))
+
+    def _await(self, apply: Callable[[], str]) -> None:
+        """Keep a command for the next block; there may be none for long, while the bench is paused."""
+        if len(self._pending) >= MOST_PENDING:
+            raise Refusal(
+                f"{MOST_PENDING} commands wait for the next block already; this one is refused, send it again once the bench runs"
+            )
+        self._pending.append(apply)
 
     def blocks(self, duration: float | None = None) -> Iterator[Block]:
         """Yield blocks until ``duration`` [s] of samples is reached, for ever without one.

@@ -34,7 +34,12 @@ class Pacer:
     @scale.setter
     def scale(self, scale: float) -> None:
         self._scale = scale
+        self.restart()
+
+    def restart(self) -> None:
+        """Count the deadlines from the next block on: what was before is not caught up."""
         self._started = False
+        self.lag = 0.0
 
     def until(self, begin: float, end: float) -> float:
         """Return the wall time [s] to wait before a block of simulated time ``begin`` to ``end`` [s] goes out; 0 if due."""

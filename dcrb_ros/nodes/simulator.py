@@ -8,33 +8,55 @@ import os
 import sys
 import threading
 import time
-from contextlib import contextmanager
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
+from dcrb_ros.alteration import altered
 from dcrb_ros.configuration import Configuration
+from dcrb_ros.configuration_file import flatten, parameter_fields
 from dcrb_ros.guard import guarded
+from dcrb_ros.nodes.gate import Gate
 from dcrb_ros.nodes.pacing import Pacer
-from dcrb_ros.nodes.ros import changed, check_ros, create_node, declare, spin, stop_on_signals
+from dcrb_ros.nodes.refusals import Refusals
+from dcrb_ros.nodes.ros import check_ros, create_node, declare, spin, stay_on_this_machine, stop_on_signals
+from dcrb_ros.nodes.tape import Tape, named
 from dcrb_ros.refusal import Refusal
+from dcrb_ros.scenario import Event, read_scenario
 from dcrb_ros.sinks.publisher import message_class, qos
-from dcrb_ros.topics import BENCH_DIAGNOSTICS, DIAGNOSIS, FAULT_INDICATORS, ROLLER_CONTACTS, SIMULATED, VIBRATION_CLEAN, Message, Topic
+from dcrb_ros.topics import (
+    BENCH_DIAGNOSTICS,
+    CLOCK,
+    DIAGNOSIS,
+    FAULT_INDICATORS,
+    ROLLER_CONTACTS,
+    SIMULATED,
+    VIBRATION_CLEAN,
+    Message,
+    Topic,
+)
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator
-
-    from rclpy.node import Node
+    from collections.abc import Callable, Iterable, Sequence
 
     from dcrb_ros.block import Block
+    from dcrb_ros.nodes.parameters import ObedientNode
     from dcrb_ros.simulation import Simulation
     from dcrb_ros.sinks.recorder import Recorder
 
-REPEAT_REFUSAL = 5.0
-"""Wall time for which the same kind of refusal is not logged again [s]."""
-LAST_BLOCK = 1.0
+LAST_BLOCK = 0.7
 """Wall time that the model gets to end its block once told to stop [s]; compiling takes longer and is not waited for."""
+PATIENCE = 2.0
+"""Wall time that a service waits for the model before it answers that it is still at work [s]."""
+CLOCK_PERIOD = 0.01
+"""Least wall time between two messages on /clock [s]: each costs every node that uses them."""
 MODEL = "model"
 """Name of the model's thread."""
 COMMANDS = ("command/speed", "command/load")
+DETECTED = (DIAGNOSIS.name, FAULT_INDICATORS.name)
+TARGETS = {"operating.speed": COMMANDS[0], "operating.load": COMMANDS[1], "operating.lateral_load": COMMANDS[1]}
+"""Parameters that have a topic of their own to change them."""
+RUN_TIME = tuple(field.key for field in parameter_fields() if field.run_time and field.key not in TARGETS)
+"""Parameters that can be set while the node runs."""
 
 
 class Sink(Protocol):
@@ -55,26 +77,26 @@ def _content(kind: str, decode: Callable[[bytes], Any], data: bytes) -> Any:
 class Simulator:
     """The wires between the simulation's thread and ROS."""
 
-    def __init__(self, node: Node, configuration: Configuration, duration: float | None) -> None:
+    def __init__(self, node: ObedientNode, configuration: Configuration, duration: float | None, scenario: Sequence[Event] = ()) -> None:
         from dcrb_ros.messages import BlockEncoder
         from dcrb_ros.sinks.publisher import Publisher
 
-        self.node, self.configuration, self._duration = node, configuration, duration
-        self.stop = threading.Event()
+        self.node, self.configuration, self._duration, self._scenario = node, configuration, duration, scenario
         self.failure: Exception | None = None
         self._began = time.monotonic()
         self._pacer = Pacer(configuration.time_scale, time.monotonic)
+        self._gate = Gate(self._pacer, time.monotonic)
+        self.refusals = Refusals(node.get_logger().warning)
         self._simulation = self._start_model()
-        self._recorder = self._start_recorder()
-        self._recorder_lock = threading.Lock()
-        self._recorder_state = "recording" if self._recorder else "off"
+        self._simulated_ns = 0
+        self._tape = Tape(node.get_logger().error)
+        if configuration.recording.path:
+            self._start_recording(Path(configuration.recording.path))
         self._encoder = BlockEncoder(configuration, self._simulation.layout)
         asked = {VIBRATION_CLEAN: configuration.publishing.clean, ROLLER_CONTACTS: configuration.publishing.contacts}
         topics = [topic for topic in SIMULATED if asked.get(topic, True)]
-        self._publisher: Sink = Publisher(node, [*topics, BENCH_DIAGNOSTICS])
-        self._refused: dict[str, int] = {}
-        self._logged: dict[str, float] = {}
-        self._simulated_ns = 0
+        self._publisher: Sink = Publisher(node, [*topics, BENCH_DIAGNOSTICS, *([CLOCK] if configuration.publishing.clock else [])])
+        self._clock_due = 0.0
         self._residual = 0.0
         self._reached = self._factor = 0.0
         self._measured_at = time.monotonic()
@@ -89,19 +111,25 @@ class Simulator:
             self.node.get_logger().info("compiling the kernels (once, about half a minute) ...")
         from dcrb_ros.simulation import Simulation
 
-        return Simulation(self.configuration)
+        return Simulation(self.configuration, self._scenario)
 
-    def _start_recorder(self) -> Recorder | None:
-        if not self.configuration.recording.path:
-            return None
+    def _start_recording(self, path: Path) -> Path:
+        """Begin a recording with the next block, unless one runs; return the folder of the one that runs."""
         from dcrb_ros.sinks.recorder import Recorder
 
-        namespace = self.node.get_namespace()
-        return Recorder(self.configuration.recording.path, self.configuration, self._simulation.layout, namespace=namespace)
+        simulation, namespace = self._simulation, self.node.get_namespace()
+
+        def make() -> Recorder:
+            return Recorder(path, simulation.configuration, simulation.layout, namespace=namespace, start_ns=self._simulated_ns)
+
+        return self._tape.start(make)
 
     def _subscribe(self) -> None:
         from geometry_msgs.msg import Wrench
+        from rclpy.clock import Clock
+        from rclpy.clock_type import ClockType
         from std_msgs.msg import Float64
+        from std_srvs.srv import SetBool, Trigger
 
         from dcrb_ros.messages import decode_diagnostics, decode_joints
 
@@ -109,11 +137,18 @@ class Simulator:
         # Raw, because the middleware's own decoder drops malformed bytes without a word.
         node.create_subscription(Float64, "command/speed", self._on_speed, 10, raw=True)
         node.create_subscription(Wrench, "command/load", self._on_load, 10, raw=True)
-        node.create_timer(1.0, self._report)
-        node.add_on_set_parameters_callback(self._on_parameters)
-        if self._recorder is not None:
-            self._listen(DIAGNOSIS, lambda data: decode_diagnostics(data)[0])
-            self._listen(FAULT_INDICATORS, lambda data: decode_joints(data).stamp_ns)
+        self._listen(DIAGNOSIS, lambda data: decode_diagnostics(data)[0])
+        self._listen(FAULT_INDICATORS, lambda data: decode_joints(data).stamp_ns)
+        for name, kind, answer in (
+            ("pause", SetBool, self._on_pause),
+            ("step", Trigger, self._on_step),
+            ("reset", Trigger, self._on_reset),
+            ("record", SetBool, self._on_record),
+        ):
+            node.create_service(kind, name, self._answering(name, answer))
+        # Wall time, whatever use_sim_time says: the report must come while the simulated time stands.
+        node.create_timer(1.0, self._report, clock=Clock(clock_type=ClockType.STEADY_TIME))
+        node.obey = self._on_parameters
 
     def _listen(self, topic: Topic, stamp: Callable[[bytes], int]) -> None:
         """Record what the detector says; ``stamp`` decodes a message and returns its stamp [ns]."""
@@ -131,54 +166,73 @@ class Simulator:
 
     def close(self) -> None:
         """Stop the model and finish the recording; a model that still compiles is left behind, it says nothing any more."""
-        self.stop.set()
+        self._gate.close()
         if self._thread.ident is not None:
             self._thread.join(LAST_BLOCK)
-        self._record(None)
+        self._tape.stop()
 
     def _run(self) -> None:
         try:
-            for block in self._simulation.blocks(self._duration):
-                # Encoded before the wait: a block goes out at its deadline, and the first one's preparations do not count.
-                messages = self._encoder.encode(block)
-                if self.stop.wait(self._pacer.until(block.stamp_ns * 1e-9, block.end_ns * 1e-9)):
+            while not self._play():
+                if self._gate.closed:
                     return
-                self._emit(block, messages)
+                self._begin_anew()
         except Exception as error:  # the thread's end must reach the main thread, whatever it is
             self.failure = error
 
+    def _play(self) -> bool:
+        """Send the simulation's blocks; return false if they were cut short by a reset or the node's end."""
+        for block in self._simulation.blocks(self._duration):
+            # Encoded before the wait: a block goes out at its deadline, and the first one's preparations do not count.
+            messages = self._encoder.encode(block)
+            if not self._gate.send(block.stamp_ns * 1e-9, block.end_ns * 1e-9, lambda b=block, m=messages: self._emit(b, m)):  # type: ignore[misc]
+                return False
+        return True
+
+    def _begin_anew(self) -> None:
+        """Put the bearing, the simulated time and the scenario back to the start; a running recording goes on in the next folder."""
+        from dcrb_ros.messages import BlockEncoder
+
+        finished = self._tape.stop()
+        self._simulation = self._start_model()
+        self._encoder = BlockEncoder(self.configuration, self._simulation.layout)
+        self._simulated_ns, self._blocks = 0, 0
+        if finished is not None:
+            with self.refusals.of("record"):
+                path = self._start_recording(named(str(finished), ""))
+                self.node.get_logger().info(f"reset: {finished} is finished, {path} records from the start")
+        self._publisher.write_messages(self._encoder.start())
+        self._gate.begun_anew()
+
     def _emit(self, block: Block, messages: list[Message]) -> None:
-        self._publisher.write_messages(messages)
-        self._record(messages)
-        self._blocks += 1
         self._simulated_ns = block.end_ns
+        self._tick(CLOCK_PERIOD)
+        self._publisher.write_messages(messages)
+        self._tape.write_messages(messages)
+        self._blocks += 1
         if block.states:
             self._residual = block.states[-1].energy.residual
-        if self._blocks == 1:
+        if self._began:
             self.node.get_logger().info(f"first block {time.monotonic() - self._began:.2f} s after the start")
+            self._began = 0.0
 
-    def _record(self, messages: Iterable[Message] | None) -> None:
-        """Record messages, or finish the recording; a failure ends the recording and leaves the topics alive."""
-        from dcrb_ros.sinks.recorder import RecordingFailed
+    def _tick(self, period: float) -> None:
+        """Publish the simulated time on /clock, not before the period [s of wall time] since the last time is over."""
+        from dcrb_ros.messages import encode_clock
 
-        if self._recorder is None:
-            return
-        try:
-            with self._recorder_lock:
-                if messages is None:
-                    self._recorder.close()
-                else:
-                    self._recorder.write_messages(messages)
-        except RecordingFailed as error:
-            self._recorder_state = str(error)
-            self.node.get_logger().error(str(error))
+        now = time.monotonic()
+        if self.configuration.publishing.clock and now >= self._clock_due:
+            self._clock_due = now + period
+            self._publisher.write_messages([Message(CLOCK, self._simulated_ns, encode_clock(self._simulated_ns))])
 
     def _on_detected(self, topic: Topic, stamp: Callable[[bytes], int]) -> Callable[[bytes], None]:
         def record(data: bytes) -> None:
-            with self._refusing(topic.name):
+            if self._tape.path is None:
+                return
+            with self.refusals.of(topic.name):
                 time_ns = _content(topic.name, stamp, data)
                 self._check_time(topic, time_ns)
-                self._record([Message(topic, time_ns, bytes(data))])
+                self._tape.write_messages([Message(topic, time_ns, bytes(data))])
 
         return record
 
@@ -197,36 +251,75 @@ class Simulator:
     def _on_speed(self, data: bytes) -> None:
         from dcrb_ros.messages import decode_float
 
-        with self._refusing("command/speed"):
+        with self.refusals.of("command/speed"):
             self._simulation.command_speed(_content("command/speed", decode_float, data))
 
     def _on_load(self, data: bytes) -> None:
         from dcrb_ros.messages import decode_wrench
 
-        with self._refusing("command/load"):
+        with self.refusals.of("command/load"):
             self._simulation.command_load(*_content("command/load", decode_wrench, data))
 
-    @contextmanager
-    def _refusing(self, kind: str) -> Iterator[None]:
-        """Count a refusal, and log it once in a while."""
-        try:
-            yield
-        except Refusal as refusal:
-            self._refused[kind] = self._refused.get(kind, 0) + 1
-            now = time.monotonic()
-            if now - self._logged.get(kind, -REPEAT_REFUSAL) >= REPEAT_REFUSAL:
-                self._logged[kind] = now
-                self.node.get_logger().warning(str(refusal))
+    def _on_parameters(self, changes: dict[str, Any]) -> None:
+        """Carry out a change of parameters or refuse it, with the reason."""
+        with self.refusals.counted("parameters"):
+            for key in changes:
+                if key in TARGETS:
+                    raise Refusal(f"parameters: {key} changes by the topic {TARGETS[key]}; its parameter says what the bench began with")
+            altered(self._simulation.configuration, changes)
+            of_the_model = {key: value for key, value in changes.items() if key != "time_scale"}
+            if of_the_model:
+                self._simulation.change(of_the_model)
+            if "time_scale" in changes:
+                self._gate.rescale(changes["time_scale"])
 
-    def _on_parameters(self, parameters: Any) -> Any:
-        from rcl_interfaces.msg import SetParametersResult
+    def _answering(self, name: str, answer: Callable[[Any], str]) -> Callable[[Any, Any], Any]:
+        """Return a service's callback; what ``answer`` returns is its message, what it refuses is not done."""
 
-        try:
-            self.configuration = changed(self.configuration, {parameter.name: parameter.value for parameter in parameters})
-        except Refusal as refusal:
-            return SetParametersResult(successful=False, reason=str(refusal))
-        self._pacer.scale = self.configuration.time_scale
-        return SetParametersResult(successful=True)
+        def callback(request: Any, response: Any) -> Any:
+            try:
+                with self.refusals.counted(name):
+                    response.success, response.message = True, answer(request)
+            except Refusal as refusal:
+                response.success, response.message = False, str(refusal)
+            return response
+
+        return callback
+
+    def _now(self) -> str:
+        return f"{self._simulated_ns * 1e-9:.6f} s"
+
+    def _on_pause(self, request: Any) -> str:
+        self._gate.pause(request.data)
+        return f"paused at {self._now()} of simulated time" if request.data else f"running from {self._now()} of simulated time on"
+
+    def _on_step(self, request: Any) -> str:
+        if not self._gate.paused:
+            raise Refusal("step: the bench runs; pause it first (service pause, data: true)")
+        if not self._gate.step(PATIENCE):
+            return f"the block goes out as soon as it is ready; at {self._now()} of simulated time"
+        return f"one block further: {self._now()} of simulated time"
+
+    def _on_reset(self, request: Any) -> str:
+        done = self._gate.reset(PATIENCE)
+        self._restore_parameters()
+        return "at the start again: simulated time 0" + ("" if done else " as soon as the model is ready")
+
+    def _restore_parameters(self) -> None:
+        """Let the node's parameters say what they said at the start, all but the time scale."""
+        from rclpy.parameter import Parameter
+
+        start = flatten(self.configuration.model_dump())
+        keys = [key for key in RUN_TIME if key != "time_scale" and self.node.get_parameter(key).value != start[key]]
+        if keys:
+            self.node.set_parameters([Parameter(key, value=start[key]) for key in keys])
+
+    def _on_record(self, request: Any) -> str:
+        if not request.data:
+            path = self._tape.stop()
+            return f"{path} is finished at {self._now()}" if path else "no recording runs"
+        path = self._tape.path or self._start_recording(named(self.configuration.recording.path, self.node.get_namespace()))
+        return f"recording to {path}"
 
     def _report(self) -> None:
         """Publish the state of the bench on /diagnostics."""
@@ -235,10 +328,10 @@ class Simulator:
         now = time.monotonic()
         time_ns = self._simulated_ns
         simulated = time_ns * 1e-9
-        self._factor = (simulated - self._reached) / (now - self._measured_at)
+        self._factor = max(0.0, simulated - self._reached) / max(now - self._measured_at, 1e-3)
         self._reached, self._measured_at = simulated, now
-        failed = self._recorder_state not in ("off", "recording")
-        level = ERROR if failed else WARN if self._pacer.lag > 0.1 else OK
+        level = ERROR if self._tape.failed else WARN if self._pacer.lag > 0.1 and not self._gate.paused else OK
+        model = "failed" if self.failure else "paused" if self._gate.paused else "running"
         values = {
             "time_scale": f"{self._pacer.scale:g}",
             "real_time_factor": f"{self._factor:.3f}",
@@ -246,21 +339,26 @@ class Simulator:
             "lag [s]": f"{self._pacer.lag:.4f}",
             "late_blocks": str(self._pacer.late),
             "blocks": str(self._blocks),
-            "rejected_commands": str(sum(count for kind, count in self._refused.items() if kind in COMMANDS)),
-            "rejected_messages": str(sum(count for kind, count in self._refused.items() if kind not in COMMANDS)),
-            "recorder": self._recorder_state,
+            "rejected_commands": str(self.refusals.count(*COMMANDS)),
+            "rejected_messages": str(self.refusals.count(*DETECTED)),
+            "rejected_parameters": str(self.refusals.count("parameters")),
+            "rejected_calls": str(self.refusals.count("pause", "step", "reset", "record")),
+            "recorder": self._tape.state,
+            "recording": str(self._tape.path or ""),
             "energy_residual [J]": f"{self._residual:.4g}",
-            "model": "failed" if self.failure else "running",
+            "model": model,
         }
-        words = self._recorder_state if failed else "behind real time" if level == WARN else "running"
+        words = self._tape.state if level == ERROR else "behind real time" if level == WARN else model
         status = Status(f"{self.node.get_fully_qualified_name()}", level, words, values)
         self._publisher.write_messages([Message(BENCH_DIAGNOSTICS, time_ns, encode_diagnostics(time_ns, [status]))])
+        self._tick(0.0)
 
 
 def run(arguments: list[str]) -> int:
     """Run the node until its duration is over or a signal comes; return the exit status."""
     parser = argparse.ArgumentParser(prog="simulator", description="The simulated bearing as a ROS 2 node.")
     parser.add_argument("--duration", type=float, default=None, help="simulated time after which the node ends [s]")
+    parser.add_argument("--scenario", type=Path, default=None, help="timeline of speed, load, faults and sensor in simulated time (YAML)")
     check_ros()
     import rclpy
     from rclpy.signals import SignalHandlerOptions
@@ -268,10 +366,13 @@ def run(arguments: list[str]) -> int:
 
     options = parser.parse_args(remove_ros_args(["simulator", *arguments])[1:])
     told = stop_on_signals()
+    stay_on_this_machine()
     rclpy.init(args=arguments, signal_handler_options=SignalHandlerOptions.NO)
     node = create_node("simulator")
     try:
-        simulator = Simulator(node, declare(node, Configuration, run_time=("time_scale",)), options.duration)
+        configuration = declare(node, Configuration, run_time=RUN_TIME)
+        scenario = read_scenario(options.scenario, configuration) if options.scenario else ()
+        simulator = Simulator(node, configuration, options.duration, scenario)
         try:
             simulator.start()
             spin(node, simulator.ended, told)

@@ -88,7 +88,9 @@ class Recorder:
         RecordingFailed: a write failed later.
     """
 
-    def __init__(self, path: str | Path, configuration: Configuration, layout: Layout, *, namespace: str = NAMESPACE) -> None:
+    def __init__(
+        self, path: str | Path, configuration: Configuration, layout: Layout, *, namespace: str = NAMESPACE, start_ns: int = 0
+    ) -> None:
         self.path = new_folder(Path(path))
         self._namespace = namespace
         self._encoder = BlockEncoder(configuration, layout)
@@ -100,12 +102,12 @@ class Recorder:
         self._compression = configuration.recording.compression
         self._file_name = f"{self.path.name}_0.mcap"
         try:
-            self._begin(configuration, layout)
+            self._begin(configuration, layout, start_ns)
         except OSError as error:
             shutil.rmtree(self.path, ignore_errors=True)
             raise Refusal(f"{self.path} cannot be written: {error.strerror}; make room or give another folder") from None
 
-    def _begin(self, configuration: Configuration, layout: Layout) -> None:
+    def _begin(self, configuration: Configuration, layout: Layout, start_ns: int) -> None:
         """Open the file and write what comes before the first block."""
         self._stream: BinaryIO = open(self.path / self._file_name, "wb")  # noqa: SIM115 - closed in close()
         compression = {"zstd": CompressionType.ZSTD, "lz4": CompressionType.LZ4, "none": CompressionType.NONE}[self._compression]
@@ -113,7 +115,7 @@ class Recorder:
         self._writer.start(profile="ros2", library=f"dcrb_ros {__version__}")
         self._writer.add_metadata(MANIFEST, {"manifest": json.dumps(manifest(configuration, layout))})
         self._write_metadata()
-        for message in self._encoder.start():
+        for message in self._encoder.start(start_ns):
             self._write(message)
         self._writer.flush()
 
