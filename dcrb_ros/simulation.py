@@ -89,6 +89,7 @@ class Simulation:
     def command_speed(self, speed: float) -> None:
         """Ask for a speed [rad/s], reached with the configured ramp from the next block on."""
         value = _checked("command/speed", "speed", speed, "rad/s")
+        altered(self.configuration, {"operating.speed": value}, "command/speed")
 
         def apply() -> str:
             self._state.target[0] = value
@@ -100,6 +101,7 @@ class Simulation:
     def command_load(self, x: float, y: float) -> None:
         """Ask for a force on the inner ring in X and Y [N], reached with the configured ramp from the next block on."""
         force = _checked("command/load force.x", "lateral_load", x, "N"), _checked("command/load force.y", "load", y, "N")
+        altered(self.configuration, {"operating.lateral_load": force[0], "operating.load": -force[1]}, "command/load")
 
         def apply() -> str:
             self._state.target[1:] = force

@@ -1,7 +1,10 @@
 """Blocks of the waveform as numpy arrays: python examples/subscriber.py, beside a running bench."""
 
+from contextlib import suppress
+
 import numpy as np
 import rclpy
+from rclpy.executors import ExternalShutdownException
 from rclpy.qos import QoSProfile
 from sensor_msgs.msg import PointCloud2
 
@@ -17,7 +20,5 @@ def on_block(message: PointCloud2) -> None:
 rclpy.init()
 node = rclpy.create_node("subscriber", namespace="dcrb")
 node.create_subscription(PointCloud2, "outer_ring/vibration", on_block, QoSProfile(depth=200))
-try:
+with suppress(KeyboardInterrupt, ExternalShutdownException):
     rclpy.spin(node)
-except (KeyboardInterrupt, rclpy.executors.ExternalShutdownException):
-    pass

@@ -18,7 +18,9 @@ from dcrb_ros.guard import guarded
 from dcrb_ros.nodes.gate import Gate
 from dcrb_ros.nodes.pacing import Pacer
 from dcrb_ros.nodes.refusals import Refusals
+from dcrb_ros.nodes.report import COMMANDS, Progress, Report
 from dcrb_ros.nodes.ros import check_ros, create_node, declare, spin, stay_on_this_machine, stop_on_signals
+from dcrb_ros.nodes.services import Services
 from dcrb_ros.nodes.tape import Tape, named
 from dcrb_ros.refusal import Refusal
 from dcrb_ros.scenario import Event, read_scenario
@@ -45,14 +47,10 @@ if TYPE_CHECKING:
 
 LAST_BLOCK = 0.7
 """Wall time that the model gets to end its block once told to stop [s]; compiling takes longer and is not waited for."""
-PATIENCE = 2.0
-"""Wall time that a service waits for the model before it answers that it is still at work [s]."""
 CLOCK_PERIOD = 0.01
 """Least wall time between two messages on /clock [s]: each costs every node that uses them."""
 MODEL = "model"
 """Name of the model's thread."""
-COMMANDS = ("command/speed", "command/load")
-DETECTED = (DIAGNOSIS.name, FAULT_INDICATORS.name)
 TARGETS = {"operating.speed": COMMANDS[0], "operating.load": COMMANDS[1], "operating.lateral_load": COMMANDS[1]}
 """Parameters that have a topic of their own to change them."""
 RUN_TIME = tuple(field.key for field in parameter_fields() if field.run_time and field.key not in TARGETS)
@@ -85,22 +83,19 @@ class Simulator:
         self.failure: Exception | None = None
         self._began = time.monotonic()
         self._pacer = Pacer(configuration.time_scale, time.monotonic)
-        self._gate = Gate(self._pacer, time.monotonic)
+        self.gate = Gate(self._pacer, time.monotonic)
         self.refusals = Refusals(node.get_logger().warning)
         self._simulation = self._start_model()
-        self._simulated_ns = 0
-        self._tape = Tape(node.get_logger().error)
+        self.progress = Progress()
+        self.tape = Tape(node.get_logger().error)
         if configuration.recording.path:
-            self._start_recording(Path(configuration.recording.path))
+            self.start_recording(Path(configuration.recording.path))
         self._encoder = BlockEncoder(configuration, self._simulation.layout)
         asked = {VIBRATION_CLEAN: configuration.publishing.clean, ROLLER_CONTACTS: configuration.publishing.contacts}
         topics = [topic for topic in SIMULATED if asked.get(topic, True)]
         self._publisher: Sink = Publisher(node, [*topics, BENCH_DIAGNOSTICS, *([CLOCK] if configuration.publishing.clock else [])])
         self._clock_due = 0.0
-        self._residual = 0.0
-        self._reached = self._factor = 0.0
-        self._measured_at = time.monotonic()
-        self._blocks = 0
+        self._report = Report(self._pacer, self.gate, self.tape, self.refusals)
         self._subscribe()
         self._thread = threading.Thread(target=self._run, name=MODEL, daemon=True)
 
@@ -113,23 +108,22 @@ class Simulator:
 
         return Simulation(self.configuration, self._scenario)
 
-    def _start_recording(self, path: Path) -> Path:
+    def start_recording(self, path: Path) -> Path:
         """Begin a recording with the next block, unless one runs; return the folder of the one that runs."""
         from dcrb_ros.sinks.recorder import Recorder
 
         simulation, namespace = self._simulation, self.node.get_namespace()
 
         def make() -> Recorder:
-            return Recorder(path, simulation.configuration, simulation.layout, namespace=namespace, start_ns=self._simulated_ns)
+            return Recorder(path, simulation.configuration, simulation.layout, namespace=namespace, start_ns=self.progress.simulated_ns)
 
-        return self._tape.start(make)
+        return self.tape.start(make)
 
     def _subscribe(self) -> None:
         from geometry_msgs.msg import Wrench
         from rclpy.clock import Clock
         from rclpy.clock_type import ClockType
         from std_msgs.msg import Float64
-        from std_srvs.srv import SetBool, Trigger
 
         from dcrb_ros.messages import decode_diagnostics, decode_joints
 
@@ -139,15 +133,9 @@ class Simulator:
         node.create_subscription(Wrench, "command/load", self._on_load, 10, raw=True)
         self._listen(DIAGNOSIS, lambda data: decode_diagnostics(data)[0])
         self._listen(FAULT_INDICATORS, lambda data: decode_joints(data).stamp_ns)
-        for name, kind, answer in (
-            ("pause", SetBool, self._on_pause),
-            ("step", Trigger, self._on_step),
-            ("reset", Trigger, self._on_reset),
-            ("record", SetBool, self._on_record),
-        ):
-            node.create_service(kind, name, self._answering(name, answer))
+        Services(self)
         # Wall time, whatever use_sim_time says: the report must come while the simulated time stands.
-        node.create_timer(1.0, self._report, clock=Clock(clock_type=ClockType.STEADY_TIME))
+        node.create_timer(1.0, self._publish_report, clock=Clock(clock_type=ClockType.STEADY_TIME))
         node.obey = self._on_parameters
 
     def _listen(self, topic: Topic, stamp: Callable[[bytes], int]) -> None:
@@ -166,15 +154,15 @@ class Simulator:
 
     def close(self) -> None:
         """Stop the model and finish the recording; a model that still compiles is left behind, it says nothing any more."""
-        self._gate.close()
+        self.gate.close()
         if self._thread.ident is not None:
             self._thread.join(LAST_BLOCK)
-        self._tape.stop()
+        self.tape.stop()
 
     def _run(self) -> None:
         try:
             while not self._play():
-                if self._gate.closed:
+                if self.gate.closed:
                     return
                 self._begin_anew()
         except Exception as error:  # the thread's end must reach the main thread, whatever it is
@@ -185,7 +173,7 @@ class Simulator:
         for block in self._simulation.blocks(self._duration):
             # Encoded before the wait: a block goes out at its deadline, and the first one's preparations do not count.
             messages = self._encoder.encode(block)
-            if not self._gate.send(block.stamp_ns * 1e-9, block.end_ns * 1e-9, lambda b=block, m=messages: self._emit(b, m)):  # type: ignore[misc]
+            if not self.gate.send(block.stamp_ns * 1e-9, block.end_ns * 1e-9, lambda b=block, m=messages: self._emit(b, m)):  # type: ignore[misc]
                 return False
         return True
 
@@ -193,25 +181,25 @@ class Simulator:
         """Put the bearing, the simulated time and the scenario back to the start; a running recording goes on in the next folder."""
         from dcrb_ros.messages import BlockEncoder
 
-        finished = self._tape.stop()
+        finished = self.tape.stop()
         self._simulation = self._start_model()
         self._encoder = BlockEncoder(self.configuration, self._simulation.layout)
-        self._simulated_ns, self._blocks = 0, 0
+        self.progress.simulated_ns = self.progress.blocks = 0
         if finished is not None:
             with self.refusals.of("record"):
-                path = self._start_recording(named(str(finished), ""))
+                path = self.start_recording(named(str(finished), ""))
                 self.node.get_logger().info(f"reset: {finished} is finished, {path} records from the start")
         self._publisher.write_messages(self._encoder.start())
-        self._gate.begun_anew()
+        self.gate.begun_anew()
 
     def _emit(self, block: Block, messages: list[Message]) -> None:
-        self._simulated_ns = block.end_ns
+        self.progress.simulated_ns = block.end_ns
         self._tick(CLOCK_PERIOD)
         self._publisher.write_messages(messages)
-        self._tape.write_messages(messages)
-        self._blocks += 1
+        self.tape.write_messages(messages)
+        self.progress.blocks += 1
         if block.states:
-            self._residual = block.states[-1].energy.residual
+            self.progress.residual = block.states[-1].energy.residual
         if self._began:
             self.node.get_logger().info(f"first block {time.monotonic() - self._began:.2f} s after the start")
             self._began = 0.0
@@ -223,16 +211,16 @@ class Simulator:
         now = time.monotonic()
         if self.configuration.publishing.clock and now >= self._clock_due:
             self._clock_due = now + period
-            self._publisher.write_messages([Message(CLOCK, self._simulated_ns, encode_clock(self._simulated_ns))])
+            self._publisher.write_messages([Message(CLOCK, self.progress.simulated_ns, encode_clock(self.progress.simulated_ns))])
 
     def _on_detected(self, topic: Topic, stamp: Callable[[bytes], int]) -> Callable[[bytes], None]:
         def record(data: bytes) -> None:
-            if self._tape.path is None:
+            if self.tape.path is None:
                 return
             with self.refusals.of(topic.name):
                 time_ns = _content(topic.name, stamp, data)
                 self._check_time(topic, time_ns)
-                self._tape.write_messages([Message(topic, time_ns, bytes(data))])
+                self.tape.write_messages([Message(topic, time_ns, bytes(data))])
 
         return record
 
@@ -242,7 +230,7 @@ class Simulator:
         The detector may answer a block before the model's thread has noted that it is out: hence one block more.
         """
         block_ns = math.ceil(self.configuration.publishing.block_size * 1e9 / self.configuration.sensor.sampling_rate)
-        latest = self._simulated_ns + block_ns
+        latest = self.progress.simulated_ns + block_ns
         if not 0 <= time_ns <= latest:
             raise Refusal(
                 f"{topic.name} at {time_ns * 1e-9:g} s is not recorded: its stamp must be within 0 .. {latest * 1e-9:g} s of simulated time"
@@ -271,41 +259,9 @@ class Simulator:
             if of_the_model:
                 self._simulation.change(of_the_model)
             if "time_scale" in changes:
-                self._gate.rescale(changes["time_scale"])
+                self.gate.rescale(changes["time_scale"])
 
-    def _answering(self, name: str, answer: Callable[[Any], str]) -> Callable[[Any, Any], Any]:
-        """Return a service's callback; what ``answer`` returns is its message, what it refuses is not done."""
-
-        def callback(request: Any, response: Any) -> Any:
-            try:
-                with self.refusals.counted(name):
-                    response.success, response.message = True, answer(request)
-            except Refusal as refusal:
-                response.success, response.message = False, str(refusal)
-            return response
-
-        return callback
-
-    def _now(self) -> str:
-        return f"{self._simulated_ns * 1e-9:.6f} s"
-
-    def _on_pause(self, request: Any) -> str:
-        self._gate.pause(request.data)
-        return f"paused at {self._now()} of simulated time" if request.data else f"running from {self._now()} of simulated time on"
-
-    def _on_step(self, request: Any) -> str:
-        if not self._gate.paused:
-            raise Refusal("step: the bench runs; pause it first (service pause, data: true)")
-        if not self._gate.step(PATIENCE):
-            return f"the block goes out as soon as it is ready; at {self._now()} of simulated time"
-        return f"one block further: {self._now()} of simulated time"
-
-    def _on_reset(self, request: Any) -> str:
-        done = self._gate.reset(PATIENCE)
-        self._restore_parameters()
-        return "at the start again: simulated time 0" + ("" if done else " as soon as the model is ready")
-
-    def _restore_parameters(self) -> None:
+    def restore_parameters(self) -> None:
         """Let the node's parameters say what they said at the start, all but the time scale."""
         from rclpy.parameter import Parameter
 
@@ -314,42 +270,12 @@ class Simulator:
         if keys:
             self.node.set_parameters([Parameter(key, value=start[key]) for key in keys])
 
-    def _on_record(self, request: Any) -> str:
-        if not request.data:
-            path = self._tape.stop()
-            return f"{path} is finished at {self._now()}" if path else "no recording runs"
-        path = self._tape.path or self._start_recording(named(self.configuration.recording.path, self.node.get_namespace()))
-        return f"recording to {path}"
+    def _publish_report(self) -> None:
+        """Publish the state of the bench on /diagnostics; the standing time of a paused bench is told again with it."""
+        from dcrb_ros.messages import encode_diagnostics
 
-    def _report(self) -> None:
-        """Publish the state of the bench on /diagnostics."""
-        from dcrb_ros.messages import ERROR, OK, WARN, Status, encode_diagnostics
-
-        now = time.monotonic()
-        time_ns = self._simulated_ns
-        simulated = time_ns * 1e-9
-        self._factor = max(0.0, simulated - self._reached) / max(now - self._measured_at, 1e-3)
-        self._reached, self._measured_at = simulated, now
-        level = ERROR if self._tape.failed else WARN if self._pacer.lag > 0.1 and not self._gate.paused else OK
-        model = "failed" if self.failure else "paused" if self._gate.paused else "running"
-        values = {
-            "time_scale": f"{self._pacer.scale:g}",
-            "real_time_factor": f"{self._factor:.3f}",
-            "simulated [s]": f"{simulated:.3f}",
-            "lag [s]": f"{self._pacer.lag:.4f}",
-            "late_blocks": str(self._pacer.late),
-            "blocks": str(self._blocks),
-            "rejected_commands": str(self.refusals.count(*COMMANDS)),
-            "rejected_messages": str(self.refusals.count(*DETECTED)),
-            "rejected_parameters": str(self.refusals.count("parameters")),
-            "rejected_calls": str(self.refusals.count("pause", "step", "reset", "record")),
-            "recorder": self._tape.state,
-            "recording": str(self._tape.path or ""),
-            "energy_residual [J]": f"{self._residual:.4g}",
-            "model": model,
-        }
-        words = self._tape.state if level == ERROR else "behind real time" if level == WARN else model
-        status = Status(f"{self.node.get_fully_qualified_name()}", level, words, values)
+        status = self._report.status(self.node.get_fully_qualified_name(), self.progress, failed=self.failure is not None)
+        time_ns = self.progress.simulated_ns
         self._publisher.write_messages([Message(BENCH_DIAGNOSTICS, time_ns, encode_diagnostics(time_ns, [status]))])
         self._tick(0.0)
 
