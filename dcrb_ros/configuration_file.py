@@ -208,7 +208,7 @@ def read_parameters(path: Path, node: str) -> dict[str, Any]:
     if not isinstance(tree, Mapping) or not all(isinstance(section, Mapping) for section in tree.values()):
         raise Refusal(f"{path} is not a ROS parameter file; it must begin with '/**:' and 'ros__parameters:'")
     flat: dict[str, Any] = {}
-    for name in ("/**", node, f"/{node}", f"/dcrb/{node}"):
+    for name in ("/**", node, f"/{node}", f"/dcrb/{node}", f"/**/{node}"):
         section = tree.get(name, {})
         if section and (set(section) != {"ros__parameters"} or not isinstance(section["ros__parameters"], Mapping)):
             raise Refusal(f"{path}: '{name}' must hold 'ros__parameters:' and nothing else")

@@ -10,7 +10,7 @@ from typing import Any
 
 from dcrb_ros.alteration import altered, spoken
 from dcrb_ros.configuration import Configuration
-from dcrb_ros.configuration_file import flatten, read_yaml
+from dcrb_ros.configuration_file import flatten, read_yaml, shipped_folder
 from dcrb_ros.refusal import Refusal, nearest
 
 TICK = 0.05
@@ -45,12 +45,20 @@ class _Entry:
 
 
 def read_scenario(path: Path, configuration: Configuration) -> list[Event]:
-    """Return the events of a scenario file for a bench, in the order of time.
+    """Return the events of a scenario, a file or a shipped name, for a bench, in the order of time.
 
     Raises:
         Refusal: the file cannot be read or is no scenario, or the bench refuses what it asks for at some time.
     """
-    return timeline(read_yaml(path), configuration, str(path))
+    return timeline(read_yaml(_found(path)), configuration, str(path))
+
+
+def _found(path: Path) -> Path:
+    """Return the file of a scenario given by its path or a shipped name."""
+    shipped = {file.stem: file for file in sorted((shipped_folder() / "scenarios").glob("*.yaml"))}
+    if not path.is_file() and str(path) not in shipped:
+        raise Refusal(f"there is no scenario '{path}': give a YAML file or one of {', '.join(shipped)}{nearest(str(path), shipped)}")
+    return path if path.is_file() else shipped[str(path)]
 
 
 def timeline(tree: Any, configuration: Configuration, source: str) -> list[Event]:

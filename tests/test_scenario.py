@@ -125,3 +125,33 @@ def test_a_live_change_can_forbid_an_event() -> None:
     said = [truth.changed for truth in truths(list(simulation.blocks(0.1))) if truth.changed]
     assert said[-1].startswith("refused: scenario: faults.outer_1.width = 0.002: ")
     assert set(simulation.configuration.faults.described()) == {"outer_2"}
+
+
+def test_the_shipped_scenario_is_found_by_name() -> None:
+    events = read_scenario(Path("growing_spall"), Configuration())
+    assert events[-1].words == "scenario: faults.broken_bars = 'row2/bar3'"
+    with pytest.raises(Refusal, match=r"there is no scenario 'growing_spal': .* did you mean 'growing_spall'\?"):
+        read_scenario(Path("growing_spal"), Configuration())
+
+
+def test_simulate_takes_a_scenario(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    from dcrb_ros.cli.app import main
+    from dcrb_ros.messages import decode_truth
+    from dcrb_ros.recording import Recording
+    from dcrb_ros.topics import GROUND_TRUTH
+
+    def dcrb(*words: str) -> int:
+        monkeypatch.setattr("sys.argv", ["dcrb", *words])
+        with pytest.raises(SystemExit) as end:
+            main()
+        return int(str(end.value.code or 0))
+
+    story = tmp_path / "story.yaml"
+    story.write_text(STORY)
+    assert dcrb("simulate", "healthy", "--scenario", str(story), "--duration", "0.2", "-o", str(tmp_path / "bag")) == 0
+    last = [decode_truth(message.data) for message in Recording(tmp_path / "bag").messages((GROUND_TRUTH,))][-1]
+    assert set(last.faults) == {"outer_1", "broken_bars.row2/bar3"}
+    story.write_text("timeline: [{at: 1.0, set: {bearing.rows: 1}}]")
+    assert dcrb("simulate", "healthy", "--scenario", str(story), "-o", str(tmp_path / "none")) == 2
+    assert "bearing.rows is fixed while the bench runs" in capsys.readouterr().err
+    assert not (tmp_path / "none").exists()

@@ -188,6 +188,17 @@ def test_absent_middleware_ends_with_a_sentence(module: str, tmp_path: Path) -> 
     assert "Traceback" not in started.words
 
 
+def test_detector_takes_its_file_in_any_namespace(tmp_path: Path) -> None:
+    text = (Path(__file__).parents[2] / "config" / "detector.yaml").read_text()
+    changed = tmp_path / "detector.yaml"
+    changed.write_text(text.replace("window: 2.0", "window: -1.0"))
+    for namespace in ("/dcrb", "/wagon/box1"):
+        arguments = ["--ros-args", "--params-file", str(changed), "-r", f"__ns:={namespace}"]
+        with node("fault_detector", arguments, environment(domain()), tmp_path / "log") as detector:
+            assert detector.process.wait(PATIENCE) == 2, detector.words
+        assert "window = -1.0 s is outside" in detector.words
+
+
 def test_existing_recording_is_refused(tmp_path: Path) -> None:
     with node("simulator", parameters(recording__path=tmp_path), environment(domain()), tmp_path / "log") as simulator:
         assert simulator.process.wait(PATIENCE) == 2, simulator.words

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 import signal
 import subprocess
 import sys
@@ -17,7 +18,7 @@ from hypothesis import strategies as st
 
 pytest.importorskip("rclpy", reason="the nodes need ROS 2; everything else is tested without")
 
-from ros_bench import Listener, domain, environment, listener, node
+from ros_bench import PATIENCE, Listener, domain, environment, listener, node
 from test_bench import GARBAGE, parameters, status_of
 
 from dcrb_ros.configuration_file import parameter_fields
@@ -205,3 +206,17 @@ def test_discovery_stays_on_this_machine(tmp_path: Path) -> None:
                 [sys.executable, "-c", code.format(module=module)], env=wanted, capture_output=True, text=True, timeout=60, check=False
             )
             assert f"range {found}" in done.stdout, done.stderr
+
+
+def test_the_example_turns_blocks_into_numpy(tmp_path: Path) -> None:
+    number, example = domain(), Path(__file__).parents[2] / "examples" / "subscriber.py"
+    with listener(number) as heard, node("simulator", parameters(), environment(number), tmp_path / "log"):
+        heard.until(lambda: heard.heard[VIBRATION], "a block")
+        subscriber = subprocess.Popen([sys.executable, str(example)], env=environment(number), stdout=subprocess.PIPE, text=True)
+        try:
+            assert subscriber.stdout is not None
+            assert re.fullmatch(r" *\d+\.\d{3} s  1024 samples  rms +\d+\.\d m/s\^2\n", subscriber.stdout.readline())
+            subscriber.send_signal(signal.SIGINT)
+            assert subscriber.wait(PATIENCE) == 0
+        finally:
+            subscriber.kill()
