@@ -158,3 +158,26 @@ def test_no_clock_unless_asked_for(tmp_path: Path) -> None:
         heard.until(lambda: len(heard.heard[BENCH_DIAGNOSTICS]) >= 2, "two reports")
         assert not heard.heard[CLOCK]
         assert heard.node.count_publishers("/clock") == 0
+
+
+def test_a_command_takes_effect_within_two_blocks(tmp_path: Path) -> None:
+    from std_msgs.msg import Float64
+
+    number, found = domain(), []
+    with listener(number) as heard, node("simulator", parameters(), environment(number), tmp_path / "log"):
+        speed = heard.node.create_publisher(Float64, "command/speed", 10)
+        heard.until(lambda: len(heard.heard[VIBRATION]) > 5 and speed.get_subscription_count(), "blocks")
+        for value in range(100, 111):
+            blocks = len(heard.heard[VIBRATION])
+            heard.until(lambda n=blocks: len(heard.heard[VIBRATION]) > n, "a block")
+            end_ns = decode_vibration(heard.heard[VIBRATION][-1]).stamp_ns + 20_000_000
+            speed.publish(Float64(data=float(value)))
+            heard.until(lambda v=value: said(heard, f"command/speed {v}.0 rad/s"), "the command in the ground truth")
+            found.append(said(heard, f"command/speed {value}.0 rad/s")[0] - end_ns)
+    # The model is up to 1 ms ahead of the samples; a busy machine may delay the listener now and then.
+    assert sorted(found)[len(found) // 2] <= 41_000_000
+
+
+def said(heard: Listener, words: str) -> list[int]:
+    """Return when [ns] the ground truth said some words."""
+    return [truth.time_ns for truth in map(decode_truth, heard.heard[GROUND_TRUTH][-20:]) if truth.changed == words]
