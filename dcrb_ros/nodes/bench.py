@@ -98,6 +98,8 @@ class Observer:
         values = dict(zip(self.features.names, self.features.position, strict=False))
         words = [f"{self.features.stamp_ns * 1e-9:6.2f} s simulated"]
         if self.bench is not None:
+            if self.bench.values.get("model") == "paused":
+                words.append("paused")
             words.append(f"{self.bench.values['real_time_factor']} x real time, {self.bench.values['late_blocks']} late")
         words.append(f"rms {values['rms']:7.1f} m/s^2, kurtosis {values['kurtosis']:5.1f}")
         if self.verdict is not None:

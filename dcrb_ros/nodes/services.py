@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
-from dcrb_ros.nodes.tape import named
+from dcrb_ros.nodes.tape import wanted_path
 from dcrb_ros.refusal import Refusal
 
 if TYPE_CHECKING:
@@ -71,5 +71,5 @@ class Services:
         if not request.data:
             path = tape.stop()
             return f"{path} is finished at {self._now()}" if path else "no recording runs"
-        configured = self._of.configuration.recording.path
-        return f"recording to {tape.path or self._of.start_recording(named(configured, self._of.node.get_namespace()))}"
+        wanted = wanted_path(self._of.configuration.recording.path, self._of.node.get_namespace())
+        return f"recording to {tape.path or self._of.record_on(wanted)}"

@@ -21,7 +21,7 @@ from dcrb_ros.nodes.refusals import Refusals
 from dcrb_ros.nodes.report import COMMANDS, Progress, Report
 from dcrb_ros.nodes.ros import check_ros, create_node, declare, spin, stay_on_this_machine, stop_on_signals
 from dcrb_ros.nodes.services import Services
-from dcrb_ros.nodes.tape import Tape, named
+from dcrb_ros.nodes.tape import Tape, free_path
 from dcrb_ros.refusal import Refusal
 from dcrb_ros.scenario import Event, read_scenario
 from dcrb_ros.sinks.publisher import message_class, qos
@@ -89,7 +89,8 @@ class Simulator:
         self.progress = Progress()
         self.tape = Tape(node.get_logger().error)
         if configuration.recording.path:
-            self.start_recording(Path(configuration.recording.path))
+            self._series = Path(configuration.recording.path)
+            self._start_recording(self._series)
         self._encoder = BlockEncoder(configuration, self._simulation.layout)
         asked = {VIBRATION_CLEAN: configuration.publishing.clean, ROLLER_CONTACTS: configuration.publishing.contacts}
         topics = [topic for topic in SIMULATED if asked.get(topic, True)]
@@ -108,7 +109,12 @@ class Simulator:
 
         return Simulation(self.configuration, self._scenario)
 
-    def start_recording(self, path: Path) -> Path:
+    def record_on(self, wanted: Path) -> Path:
+        """Begin a recording, unless one runs, at ``wanted`` or the next free name after it; return its folder."""
+        self._series = wanted
+        return self._start_recording(free_path(wanted))
+
+    def _start_recording(self, path: Path) -> Path:
         """Begin a recording with the next block, unless one runs; return the folder of the one that runs."""
         from dcrb_ros.sinks.recorder import Recorder
 
@@ -187,7 +193,7 @@ class Simulator:
         self.progress.simulated_ns = self.progress.blocks = 0
         if finished is not None:
             with self.refusals.of("record"):
-                path = self.start_recording(named(str(finished), ""))
+                path = self.record_on(self._series)
                 self.node.get_logger().info(f"reset: {finished} is finished, {path} records from the start")
         self._publisher.write_messages(self._encoder.start())
         self.gate.begun_anew()

@@ -26,10 +26,10 @@ def free_path(wanted: Path) -> Path:
     return path
 
 
-def named(wanted: str, namespace: str) -> Path:
-    """Return the path of a new recording: as configured, or by namespace and time in `FOLDER`."""
+def wanted_path(configured: str, namespace: str) -> Path:
+    """Return where a recording should go: as configured, or by namespace and time in `FOLDER`."""
     name = namespace.strip("/").replace("/", "-") or "bench"
-    return free_path(Path(wanted) if wanted else FOLDER / f"{name}-{time.strftime('%Y%m%d-%H%M%S')}")
+    return Path(configured) if configured else FOLDER / f"{name}-{time.strftime('%Y%m%d-%H%M%S')}"
 
 
 class Tape:

@@ -109,6 +109,8 @@ def test_reset_gives_the_same_samples_and_a_new_recording(tmp_path: Path) -> Non
         assert np.all(np.diff(indices(heard)[indices(heard).index(0, reset_at - 1) :]) == 1024)
         assert heard.set(faults__outer_2__width=0.002) == (True, "")  # where outer_1 was: it is gone
         heard.until(lambda: set(decode_truth(heard.heard[GROUND_TRUTH][-1]).faults) == {"outer_2"}, "the other defect")
+        assert heard.ask(Trigger, "reset").success
+        heard.until(lambda: status_of(heard)["recording"] == f"{bag}-3", "the third recording")
         assert simulator.end(2) == 0, simulator.words
     first, second = Recording(bag), Recording(tmp_path / "bag-2")
     for recording in (first, second):
