@@ -121,6 +121,11 @@ class Simulation:
             self._await(lambda: self._alter(changes, spoken(changes)))
             self._coming.update(changes)
 
+    @property
+    def awaited(self) -> bool:
+        """Whether commands or changes wait for the next block."""
+        return bool(self._pending)
+
     def _await(self, apply: Callable[[], str]) -> None:
         """Keep a command for the next block; there may be none for long, while the bench is paused."""
         if len(self._pending) >= MOST_PENDING:

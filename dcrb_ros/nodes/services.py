@@ -62,7 +62,7 @@ class Services:
     def reset(self, request: Any) -> str:
         """Begin anew: bearing, simulated time, scenario and parameters as at the start, but for the time scale and a pause."""
         done = self._of.gate.reset(PATIENCE)
-        self._of.restore_parameters()
+        self._of.show_parameters()
         return "at the start again: simulated time 0" + ("" if done else " as soon as the model is ready")
 
     def record(self, request: Any) -> str:

@@ -267,14 +267,16 @@ class Simulator:
             if "time_scale" in changes:
                 self.gate.rescale(changes["time_scale"])
 
-    def restore_parameters(self) -> None:
-        """Let the node's parameters say what they said at the start, all but the time scale."""
+    def show_parameters(self) -> None:
+        """Let the node's parameters say how the bench is now, which a reset or a scenario may have changed."""
         from rclpy.parameter import Parameter
 
-        start = flatten(self.configuration.model_dump())
-        keys = [key for key in RUN_TIME if key != "time_scale" and self.node.get_parameter(key).value != start[key]]
+        if self._simulation.awaited:
+            return
+        present = flatten(self._simulation.configuration.model_dump())
+        keys = [key for key in RUN_TIME if key != "time_scale" and self.node.get_parameter(key).value != present[key]]
         if keys:
-            self.node.set_parameters([Parameter(key, value=start[key]) for key in keys])
+            self.node.set_parameters([Parameter(key, value=present[key]) for key in keys])
 
     def _publish_report(self) -> None:
         """Publish the state of the bench on /diagnostics; the standing time of a paused bench is told again with it."""
@@ -284,6 +286,7 @@ class Simulator:
         time_ns = self.progress.simulated_ns
         self._publisher.write_messages([Message(BENCH_DIAGNOSTICS, time_ns, encode_diagnostics(time_ns, [status]))])
         self._tick(0.0)
+        self.show_parameters()
 
 
 def run(arguments: list[str]) -> int:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 from typing import Any
 
@@ -9,13 +10,14 @@ import pytest
 
 pytest.importorskip("rclpy", reason="the nodes need ROS 2; everything else is tested without")
 
+from rcl_interfaces.srv import GetParameters
 from ros_bench import Listener, domain, environment, listener, node
 from test_bench import parameters, status_of
 
 from dcrb_ros.block import Truth
 from dcrb_ros.configuration_file import parameter_fields
-from dcrb_ros.messages import decode_truth
-from dcrb_ros.topics import GROUND_TRUTH, VIBRATION
+from dcrb_ros.messages import decode_text, decode_truth
+from dcrb_ros.topics import GROUND_TRUTH, SENSOR, VIBRATION
 
 pytestmark = pytest.mark.node
 
@@ -58,6 +60,26 @@ def test_faults_come_and_are_refused_as_a_whole(tmp_path: Path) -> None:
         heard.until(lambda: status_of(heard)["rejected_parameters"] == str(len(refusals) + 1), "the count of refusals")
         assert bench.words.count("[WARN]") <= 2
         assert "Traceback" not in bench.words
+
+
+def test_parameters_say_how_the_bench_is(tmp_path: Path) -> None:
+    from std_srvs.srv import Trigger
+
+    story, number = tmp_path / "story.yaml", domain()
+    story.write_text("timeline: [{at: 0.1, set: {faults.outer_1.width: 0.002, sensor.range: 1000.0}}]")
+    with listener(number) as heard, node("simulator", ["--scenario", str(story), *parameters()], environment(number), tmp_path / "log"):
+
+        def width() -> float:
+            return float(heard.ask(GetParameters, "simulator/get_parameters", names=["faults.outer_1.width"]).values[0].double_value)
+
+        heard.until(lambda: heard.heard[VIBRATION], "a block")
+        heard.until(lambda: width() == 0.002, "what the scenario has set")
+        assert heard.set(faults__outer_1__width=0.001, time_scale=0.01) == (True, "")
+        assert width() == 0.001  # though it has hardly taken effect yet
+        assert heard.ask(Trigger, "reset").success
+        assert width() == 0.0
+        about = [json.loads(decode_text(data))["range"] for data in heard.heard[SENSOR]]
+        assert about[-2:] == [1000.0, 5000.0]  # told anew with every change
 
 
 def test_every_parameter_is_declared_from_the_schema(tmp_path: Path) -> None:
