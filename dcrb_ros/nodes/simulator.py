@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
 from dcrb_ros.alteration import altered
+from dcrb_ros.cli.simulate import checked_duration
 from dcrb_ros.configuration import Configuration
 from dcrb_ros.configuration_file import flatten, parameter_fields
 from dcrb_ros.guard import guarded
@@ -300,6 +301,7 @@ def run(arguments: list[str]) -> int:
     from rclpy.utilities import remove_ros_args, try_shutdown
 
     options = parser.parse_args(remove_ros_args(["simulator", *arguments])[1:])
+    duration = None if options.duration is None else checked_duration(options.duration)
     told = stop_on_signals()
     stay_on_this_machine()
     rclpy.init(args=arguments, signal_handler_options=SignalHandlerOptions.NO)
@@ -307,7 +309,7 @@ def run(arguments: list[str]) -> int:
     try:
         configuration = declare(node, Configuration, run_time=RUN_TIME)
         scenario = read_scenario(options.scenario, configuration) if options.scenario else ()
-        simulator = Simulator(node, configuration, options.duration, scenario)
+        simulator = Simulator(node, configuration, duration, scenario)
         try:
             simulator.start()
             spin(node, simulator.ended, told)

@@ -179,6 +179,21 @@ def test_wrong_parameters_end_with_a_sentence(values: dict[str, object], sentenc
     assert "Traceback" not in simulator.words
 
 
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        (["--duration", "nan"], "--duration nan s is outside 0 .. 1e+06 s"),
+        (["--duration", "-1"], "--duration -1.0 s is outside"),
+        (["--scenario", "nowhere"], "there is no scenario 'nowhere': give a YAML file or one of growing_spall"),
+    ],
+)
+def test_wrong_arguments_end_with_a_sentence(arguments: list[str], sentence: str, tmp_path: Path) -> None:
+    with node("simulator", arguments, environment(domain()), tmp_path / "log") as simulator:
+        assert simulator.process.wait(PATIENCE) == 2, simulator.words
+    assert sentence in simulator.words
+    assert "Traceback" not in simulator.words
+
+
 @pytest.mark.parametrize("module", ["simulator", "fault_detector"])
 def test_absent_middleware_ends_with_a_sentence(module: str, tmp_path: Path) -> None:
     env = environment(domain(), RMW_IMPLEMENTATION="rmw_absent_cpp")
