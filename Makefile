@@ -5,7 +5,7 @@ STAMPED := $(shell date +%Y%m%d-%H%M%S)
 # A sourced ROS, or a middleware that is not in .venv, would end every node at once.
 unexport RMW_IMPLEMENTATION PYTHONPATH PYTHONHOME AMENT_PREFIX_PATH
 
-.PHONY: help environment demo test lint types architecture unit kernels nodes validate bench bags docs colcon clean
+.PHONY: help environment demo test lint types architecture unit kernels nodes validate bench soak bags docs colcon clean
 .DEFAULT_GOAL := help
 
 help: ## Show this list
@@ -54,6 +54,9 @@ bench: environment ## Speed and accuracy, some minutes on a machine that does no
 
 bags: environment ## Make the recordings of bags/ anew, where the model has changed
 	$(BIN)/python bags/make.py
+
+soak: environment ## An hour flat out and ten minutes in real time, with random commands and faults (SOAK='--flat-out 60 ...')
+	$(BIN)/python benchmarks/soak.py $(SOAK)
 
 docs: environment ## The site, into site/
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet

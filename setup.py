@@ -35,7 +35,10 @@ setup(
         ("share/ament_index/resource_index/packages", [f"resource/{NAME}"]),
         (f"share/{NAME}", ["package.xml"]),
         (f"share/{NAME}/config", files("config", "*.yaml")),
+        (f"share/{NAME}/config/scenarios", files("config/scenarios", "*.yaml")),
         (f"share/{NAME}/launch", files("launch", "*.py")),
+        (f"share/{NAME}/examples", files("examples", "*.py")),
+        *((f"share/{NAME}/bags/{bag.name}", files(f"bags/{bag.name}", "*")) for bag in sorted((HERE / "bags").iterdir()) if bag.is_dir()),
     ],
     zip_safe=False,
     install_requires=[

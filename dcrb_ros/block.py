@@ -123,6 +123,8 @@ class Block:
     """Acceleration before noise, clipping and ADC, shape (samples, 2) [m/s^2]."""
     clipped: int = 0
     """Samples beyond the sensor's range in this block."""
+    range: float = 0.0
+    """The sensor's range at the end of this block [m/s^2]; 0 where it is not known."""
     preview: Samples = field(default_factory=lambda: np.zeros((0, 2), np.float32))
     """Low-passed acceleration for viewers, shape (previews, 2) [m/s^2]."""
     preview_ns: tuple[int, ...] = ()

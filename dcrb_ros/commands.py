@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+import ast
 import re
 from collections import deque
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any, Protocol
 
 from dcrb_ros.refusal import Refusal
 
 WORDS = re.compile(r"(command/speed) (\S+) rad/s|(command/load) (\S+) (\S+) N")
+CHANGE = re.compile(r"([\w.]+) = (.*?)(?:, (?=[\w.]+ = )|$)")
+"""A parameter and its value, as `dcrb_ros.alteration.spoken` says a change."""
+ASIDE = ("start", "scenario:", "refused:")
+"""How what is no command begins: the start, what a scenario does by itself, and what was refused."""
 
 
 class Commanded(Protocol):
@@ -25,6 +30,9 @@ class Commanded(Protocol):
 
     def command_load(self, x: float, y: float) -> None:
         """Ask for a force in X and Y [N]."""
+
+    def change(self, changes: Mapping[str, Any]) -> None:
+        """Ask for other faults or another sensor."""
 
 
 @dataclass(frozen=True)
@@ -42,10 +50,12 @@ class Command:
         Raises:
             Refusal: it is of a kind that this version does not know.
         """
-        found = WORDS.fullmatch(self.words)
-        if found is None:
+        found, changes = WORDS.fullmatch(self.words), changes_of(self.words)
+        if changes:
+            simulation.change(changes)
+        elif found is None:
             raise Refusal(f"the recording has the command '{self.words}' at {self.time_ns * 1e-9:g} s, which cannot be repeated")
-        if found[1]:
+        elif found[1]:
             simulation.command_speed(float(found[2]))
         else:
             simulation.command_load(float(found[4]), float(found[5]))
@@ -56,8 +66,19 @@ class Command:
 
 
 def command_of(time_ns: int, changed: str) -> Command | None:
-    """Return the command that a ground truth of ``time_ns`` [ns] tells by ``changed``; none for a start or a repetition."""
-    return Command(time_ns, changed) if changed and changed != "start" else None
+    """Return the command that a ground truth of ``time_ns`` [ns] tells by ``changed``; none for a repetition or what stands in `ASIDE`."""
+    return Command(time_ns, changed) if changed and not changed.startswith(ASIDE) else None
+
+
+def changes_of(words: str) -> dict[str, Any]:
+    """Return the parameters and values of a change as the ground truth says it; nothing for anything else."""
+    pairs = CHANGE.findall(words)
+    if not pairs or ", ".join(f"{key} = {value}" for key, value in pairs) != words:
+        return {}
+    try:
+        return {key: ast.literal_eval(value) for key, value in pairs}
+    except (SyntaxError, ValueError):
+        return {}
 
 
 class Agenda:

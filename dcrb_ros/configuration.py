@@ -41,7 +41,7 @@ class Configuration(Group):
     sensor: SensorParameters = SensorParameters()
     publishing: Publishing = Publishing()
     recording: Recording = Recording()
-    time_scale: float = quantity(1.0, "-", "Simulated over wall time asked for; 0 for as fast as possible", 0.0, 1000.0)
+    time_scale: float = quantity(1.0, "-", "Simulated over wall time asked for; 0 for as fast as possible", 0.0, 1000.0, run_time=True)
 
     @model_validator(mode="after")
     def _consistent(self) -> Configuration:

@@ -180,26 +180,35 @@ def _text(loader: _Loader, node: yaml.ScalarNode) -> Scalar:
 _Loader.add_constructor("tag:yaml.org,2002:str", _text)
 
 
-def read_parameters(path: Path, node: str) -> dict[str, Any]:
-    """Return the flat parameters that a ROS parameter file gives to a node: ``/**`` first, then its own section.
+def read_yaml(path: Path) -> Any:
+    """Return what a YAML file holds, without duplicate keys and with exponents read as numbers.
 
     Raises:
-        Refusal: the file cannot be read, is no YAML or is not in the shape of a ROS parameter file.
+        Refusal: the file is too large, cannot be read or is no YAML.
     """
     try:
         if path.stat().st_size > LARGEST_FILE:
-            raise Refusal(f"{path} has {path.stat().st_size} bytes; a configuration has at most {LARGEST_FILE}")
-        tree = yaml.load(path.read_text(encoding="utf-8"), Loader=_Loader)
+            raise Refusal(f"{path} has {path.stat().st_size} bytes; a file of settings has at most {LARGEST_FILE}")
+        return yaml.load(path.read_text(encoding="utf-8"), Loader=_Loader)
     except OSError as error:
         raise Refusal(f"{path} cannot be read: {error.strerror}") from None
     except (yaml.YAMLError, UnicodeDecodeError, RecursionError) as error:
         mark = getattr(error, "problem_mark", None)
         where = f" in line {mark.line + 1}" if mark else ""
         raise Refusal(f"{path} is not valid YAML{where}: {getattr(error, 'problem', None) or 'not a text file'}") from None
+
+
+def read_parameters(path: Path, node: str) -> dict[str, Any]:
+    """Return the flat parameters that a ROS parameter file gives to a node: ``/**`` first, then its own section.
+
+    Raises:
+        Refusal: the file cannot be read, is no YAML or is not in the shape of a ROS parameter file.
+    """
+    tree = read_yaml(path)
     if not isinstance(tree, Mapping) or not all(isinstance(section, Mapping) for section in tree.values()):
         raise Refusal(f"{path} is not a ROS parameter file; it must begin with '/**:' and 'ros__parameters:'")
     flat: dict[str, Any] = {}
-    for name in ("/**", node, f"/{node}", f"/dcrb/{node}"):
+    for name in ("/**", node, f"/{node}", f"/dcrb/{node}", f"/**/{node}"):
         section = tree.get(name, {})
         if section and (set(section) != {"ros__parameters"} or not isinstance(section["ros__parameters"], Mapping)):
             raise Refusal(f"{path}: '{name}' must hold 'ros__parameters:' and nothing else")
@@ -268,12 +277,17 @@ def to_yaml(configuration: Group) -> str:
     return str(yaml.safe_dump({"/**": {"ros__parameters": configuration.model_dump()}}, sort_keys=False))
 
 
+def _changeable(field: ParameterField) -> str:
+    """Return how a parameter changes while the bench runs: by a command, by being set, or not."""
+    return "" if not field.run_time else "by command" if field.key.startswith("operating.") else "yes"
+
+
 def parameter_table(model: type[Group] = Configuration) -> str:
     """Return the parameters as a Markdown table."""
     lines = ["| parameter | symbol | default | range | unit | changes at run time | meaning |", "|---|---|---|---|---|---|---|"]
     for field in parameter_fields(model):
         span = ", ".join(field.choices) or (f"{field.low:g} .. {field.high:g}" if field.low is not None and field.high is not None else "")
         default = f"{field.default:.6g}" if isinstance(field.default, float) else str(field.default)
-        cells = (f"`{field.key}`", field.symbol, default, span, field.unit, "yes" if field.run_time else "", field.description)
+        cells = (f"`{field.key}`", field.symbol, default, span, field.unit, _changeable(field), field.description)
         lines.append("| " + " | ".join(cells) + " |")
     return "\n".join(lines)

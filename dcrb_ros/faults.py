@@ -58,7 +58,9 @@ class Faults(Group):
     inner_2: RacewayDefect = RacewayDefect()
     roller_1: RollerDefect = RollerDefect()
     roller_2: RollerDefect = RollerDefect()
-    broken_bars: str = choice("", "Broken cage bars, such as 'row1/bar15, row2/bar15'; bar k stands between rollers k and k + 1")
+    broken_bars: str = choice(
+        "", "Broken cage bars, such as 'row1/bar15, row2/bar15'; bar k stands between rollers k and k + 1", run_time=True
+    )
 
     def raceway_defects(self, ring: str) -> Iterator[tuple[str, RacewayDefect]]:
         """Yield name and defect of every notch with a size on the ``inner`` or ``outer`` raceway."""

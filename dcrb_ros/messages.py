@@ -124,7 +124,7 @@ def stamp_of(header: Any) -> int:
     return int(header.stamp.sec) * 1_000_000_000 + int(header.stamp.nanosec)
 
 
-def encode_points(points: npt.NDArray[Any], time_ns: int) -> bytes:
+def encode_points(points: npt.NDArray[Any], time_ns: int, frame: str = FRAME) -> bytes:
     """Return a PointCloud2 of structured points, one field per column."""
     kind, point_type = points.dtype, _type("sensor_msgs/msg/PointField")
     fields = [
@@ -132,18 +132,20 @@ def encode_points(points: npt.NDArray[Any], time_ns: int) -> bytes:
         for name, (dtype, offset) in ((name, (entry[0], entry[1])) for name, entry in (kind.fields or {}).items())
     ]
     raw = np.frombuffer(points.tobytes(), np.uint8)
-    cloud = _type(POINT_CLOUD)(_header(time_ns), 1, len(points), fields, False, kind.itemsize, kind.itemsize * len(points), raw, True)
+    cloud = _type(POINT_CLOUD)(
+        _header(time_ns, frame), 1, len(points), fields, False, kind.itemsize, kind.itemsize * len(points), raw, True
+    )
     return _encoded(POINT_CLOUD, cloud)
 
 
-def encode_vibration(block: Block, acceleration: Samples) -> bytes:
+def encode_vibration(block: Block, acceleration: Samples, frame: str = FRAME) -> bytes:
     """Return the waveform of a block as a PointCloud2 with the fields of `SAMPLE`."""
     points = np.empty(len(acceleration), SAMPLE)
     # What the first sample's time lost by rounding down counts for the others.
     lost = block.index * 1_000_000_000 % block.rate
     points["t"] = (lost + np.arange(len(acceleration), dtype=np.int64) * 1_000_000_000) // block.rate
     points["ax"], points["ay"], points["shaft_angle"] = acceleration[:, 0], acceleration[:, 1], block.shaft_angle
-    return encode_points(points, block.stamp_ns)
+    return encode_points(points, block.stamp_ns, frame)
 
 
 def encode_joints(time_ns: int, names: Sequence[str], position: Floats, velocity: Floats, effort: Floats) -> bytes:
@@ -167,14 +169,14 @@ def encode_features(block: Block) -> bytes:
     return encode_joints(block.stamp_ns, list(found), np.array(list(found.values())), none, none)
 
 
-def encode_preview(time_ns: int, acceleration: npt.NDArray[np.float32]) -> bytes:
+def encode_preview(time_ns: int, acceleration: npt.NDArray[np.float32], frame: str = FRAME) -> bytes:
     """Return a preview sample as an Imu; orientation and rotation are absent, the covariances unknown."""
     vector, quaternion = _type("geometry_msgs/msg/Vector3"), _type("geometry_msgs/msg/Quaternion")
     unknown = np.zeros(9)
     unknown[0] = NO_ESTIMATE
     linear = vector(float(acceleration[0]), float(acceleration[1]), 0.0)
     name = "sensor_msgs/msg/Imu"
-    imu = _type(name)(_header(time_ns), quaternion(0.0, 0.0, 0.0, 1.0), unknown, vector(0.0, 0.0, 0.0), unknown, linear, unknown)
+    imu = _type(name)(_header(time_ns, frame), quaternion(0.0, 0.0, 0.0, 1.0), unknown, vector(0.0, 0.0, 0.0), unknown, linear, unknown)
     return _encoded(name, imu)
 
 
@@ -218,7 +220,7 @@ def sensor_text(configuration: Configuration) -> str:
         "shaft_angle_unit": "rad",
         "range": configuration.sensor.range,
         "block_size": configuration.publishing.block_size,
-        "frame": FRAME,
+        "frame": configuration.publishing.frame,
         "bearing": configuration.bearing.model_dump(),
         "orders": {"FTF": orders.ftf, "BPFO": orders.bpfo, "BPFI": orders.bpfi, "BSF": orders.bsf},
         "first_sample_index": "round(stamp * sampling_rate); sample k is taken at k / sampling_rate of simulated time",
@@ -232,23 +234,34 @@ class BlockEncoder:
     def __init__(self, configuration: Configuration, layout: Layout) -> None:
         self._configuration = configuration
         self._names = layout.names
+        self._frame = configuration.publishing.frame
 
-    def start(self) -> list[Message]:
-        """Return the messages that come before the first block."""
-        return [Message(SENSOR, 0, encode_text(sensor_text(self._configuration)))]
+    def start(self, time_ns: int = 0) -> list[Message]:
+        """Return the messages that come before the first block, which begins at ``time_ns``."""
+        return [Message(SENSOR, time_ns, encode_text(sensor_text(self._configuration)))]
+
+    def _described(self, block: Block) -> list[Message]:
+        """Return the sensor's description anew where its range has changed."""
+        sensor = self._configuration.sensor
+        if block.range in (0.0, sensor.range):
+            return []
+        changed = self._configuration.model_copy(update={"sensor": sensor.model_copy(update={"range": block.range})})
+        self._configuration = changed
+        return [Message(SENSOR, block.stamp_ns, encode_text(sensor_text(changed)))]
 
     def encode(self, block: Block) -> list[Message]:
         """Return the messages of a block in the order of their times."""
-        messages = [Message(VIBRATION, block.stamp_ns, encode_vibration(block, block.acceleration))]
+        messages = self._described(block)
+        messages.append(Message(VIBRATION, block.stamp_ns, encode_vibration(block, block.acceleration, self._frame)))
         if self._configuration.publishing.clean:
-            messages.append(Message(VIBRATION_CLEAN, block.stamp_ns, encode_vibration(block, block.clean)))
+            messages.append(Message(VIBRATION_CLEAN, block.stamp_ns, encode_vibration(block, block.clean, self._frame)))
         messages.append(Message(FEATURES, block.stamp_ns, encode_features(block)))
         messages += [Message(ROLLER_STATES, states.time_ns, encode_states(states, self._names)) for states in block.states]
         if self._configuration.publishing.contacts:
             messages += [Message(ROLLER_CONTACTS, states.time_ns, encode_contacts(states, self._names)) for states in block.states]
         messages += [Message(GROUND_TRUTH, truth.time_ns, encode_truth(truth)) for truth in block.truths]
         for time_ns, sample in zip(block.preview_ns, block.preview, strict=True):
-            messages.append(Message(ACCELERATION, time_ns, encode_preview(time_ns, sample)))
+            messages.append(Message(ACCELERATION, time_ns, encode_preview(time_ns, sample, self._frame)))
         return sorted(messages, key=lambda message: message.time_ns)
 
 
@@ -319,6 +332,12 @@ def stamps(messages: Sequence[bytes]) -> npt.NDArray[np.int64]:
     heads = np.frombuffer(b"".join(data[4:12] for data in messages), np.dtype([("sec", "<i4"), ("nanosec", "<u4")]))
     found: npt.NDArray[np.int64] = heads["sec"].astype(np.int64) * 1_000_000_000 + heads["nanosec"]
     return found
+
+
+def decode_clock(data: bytes) -> int:
+    """Return the time of a Clock [ns]."""
+    clock = _decoded(data, "rosgraph_msgs/msg/Clock").clock
+    return int(clock.sec) * 1_000_000_000 + int(clock.nanosec)
 
 
 def decode_float(data: bytes) -> float:

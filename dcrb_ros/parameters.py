@@ -47,9 +47,9 @@ def length(default: float, description: str, low: float, high: float, *, symbol:
     return quantity(default, "m", description, low, high, symbol=symbol, remedy=LENGTH_REMEDY, run_time=run_time)
 
 
-def choice(default: str | bool, description: str) -> Any:
+def choice(default: str | bool, description: str, *, run_time: bool = False) -> Any:
     """Return the field of a choice: names, a text or yes and no."""
-    return Field(default, description=description, json_schema_extra={"unit": "-", "symbol": "", "remedy": "", "run_time": False})
+    return Field(default, description=description, json_schema_extra={"unit": "-", "symbol": "", "remedy": "", "run_time": run_time})
 
 
 class Bearing(Group):
@@ -226,7 +226,7 @@ class SensorParameters(Group):
         remedy="100 ug/sqrt(Hz) is 0.00098 m/s^2/sqrt(Hz)",
         run_time=True,
     )
-    adc_bits: int = quantity(24, "bit", "Resolution of the converter over the range; 0 for none", 0, 32)
+    adc_bits: int = quantity(24, "bit", "Resolution of the converter over the range; 0 for none", 0, 32, run_time=True)
 
 
 class Publishing(Group):
@@ -236,6 +236,8 @@ class Publishing(Group):
     state_rate: int = quantity(100, "Hz", "Rate of roller_states in simulated time; 100 to 1000 for a live topic", 1, 10000)
     preview_rate: int = quantity(200, "Hz", "Rate of the low-passed preview in simulated time", 10, 1000)
     truth_rate: int = quantity(10, "Hz", "Rate of ground_truth in simulated time, besides every change", 1, 100)
+    clock: bool = choice(False, "Publish /clock too, the simulated time, at most 100 times a second of wall time")
+    frame: str = choice("outer_ring", "Frame id of the sensor's messages; several bearings in one graph want different ones")
     clean: bool = choice(False, "Publish outer_ring/vibration_clean too, the waveform before noise, clipping and ADC")
     contacts: bool = choice(False, "Publish roller_contacts too: outer normal force, slip and friction of every roller")
 

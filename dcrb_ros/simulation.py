@@ -5,12 +5,13 @@ from __future__ import annotations
 import math
 import threading
 from collections import deque
-from collections.abc import Callable, Iterator
-from typing import TypeVar
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from typing import Any, TypeVar
 
 import numpy as np
 import numpy.typing as npt
 
+from dcrb_ros.alteration import altered, onsets, refitted, spoken
 from dcrb_ros.block import Block, Floats, Layout, States, Truth, nanoseconds
 from dcrb_ros.configuration import Configuration
 from dcrb_ros.core.step import advance
@@ -23,8 +24,11 @@ from dcrb_ros.model import build_payload, initial_state, layout
 from dcrb_ros.observation import observe
 from dcrb_ros.parameters import Operating
 from dcrb_ros.refusal import Refusal
+from dcrb_ros.scenario import Event
 
 Item = TypeVar("Item")
+MOST_PENDING = 1000
+"""Commands that may wait for the next block."""
 
 
 class ModelFailure(RuntimeError):
@@ -46,12 +50,17 @@ def _checked(name: str, key: str, value: float, unit: str) -> float:
 class Simulation:
     """A source of blocks: the bearing stepped from its settled start.
 
-    Commands may come from any thread; they take effect at the next block's first step, which the truth states.
-    The samples follow from the configuration and the simulated times of the commands alone.
+    Commands and changes may come from any thread; they take effect at the next block's first step, which the truth states. The
+    events of a scenario take effect at their own steps.
+    The samples follow from the configuration, the scenario and the simulated times of the commands alone.
     """
 
-    def __init__(self, configuration: Configuration) -> None:
+    def __init__(self, configuration: Configuration, scenario: Iterable[Event] = ()) -> None:
         self.configuration = configuration
+        """As it is now: with the changes that have taken effect."""
+        self._events = deque(scenario)
+        self._coming: dict[str, Any] = {}
+        self._onsets = onsets({}, configuration, 0.0)
         self.layout: Layout = layout(configuration)
         self._payload = build_payload(configuration)
         self._state = initial_state(configuration, self._payload)
@@ -80,24 +89,50 @@ class Simulation:
     def command_speed(self, speed: float) -> None:
         """Ask for a speed [rad/s], reached with the configured ramp from the next block on."""
         value = _checked("command/speed", "speed", speed, "rad/s")
+        altered(self.configuration, {"operating.speed": value}, "command/speed")
 
         def apply() -> str:
             self._state.target[0] = value
             return f"command/speed {value!r} rad/s"
 
         with self._lock:
-            self._pending.append(apply)
+            self._await(apply)
 
     def command_load(self, x: float, y: float) -> None:
         """Ask for a force on the inner ring in X and Y [N], reached with the configured ramp from the next block on."""
         force = _checked("command/load force.x", "lateral_load", x, "N"), _checked("command/load force.y", "load", y, "N")
+        altered(self.configuration, {"operating.lateral_load": force[0], "operating.load": -force[1]}, "command/load")
 
         def apply() -> str:
             self._state.target[1:] = force
             return f"command/load {force[0]!r} {force[1]!r} N"
 
         with self._lock:
-            self._pending.append(apply)
+            self._await(apply)
+
+    def change(self, changes: Mapping[str, Any]) -> None:
+        """Ask for other faults or another sensor from the next block on: dotted keys and values, checked as a whole.
+
+        Raises:
+            Refusal: see `dcrb_ros.alteration.altered`.
+        """
+        with self._lock:
+            altered(self.configuration, {**self._coming, **changes})
+            self._await(lambda: self._alter(changes, spoken(changes)))
+            self._coming.update(changes)
+
+    @property
+    def awaited(self) -> bool:
+        """Whether commands or changes wait for the next block."""
+        return bool(self._pending)
+
+    def _await(self, apply: Callable[[], str]) -> None:
+        """Keep a command for the next block; there may be none for long, while the bench is paused."""
+        if len(self._pending) >= MOST_PENDING:
+            raise Refusal(
+                f"{MOST_PENDING} commands wait for the next block already; this one is refused, send it again once the bench runs"
+            )
+        self._pending.append(apply)
 
     def blocks(self, duration: float | None = None) -> Iterator[Block]:
         """Yield blocks until ``duration`` [s] of samples is reached, for ever without one.
@@ -127,6 +162,7 @@ class Simulation:
             shaft_angle=_within_a_turn(angles),
             clean=measured.clean.astype(np.float32),
             clipped=int(measured.clipped.sum()),
+            range=self.configuration.sensor.range,
             preview=np.array([sample for _, sample in previews], np.float32).reshape(-1, 2),
             preview_ns=tuple(time for time, _ in previews),
             states=tuple(_before(self._states, end_ns, lambda states: states.time_ns)),
@@ -135,19 +171,49 @@ class Simulation:
 
     def _obey(self) -> None:
         with self._lock:
-            pending, self._pending = self._pending, deque()
-        for apply in pending:
-            self._note(apply())
+            while self._pending:
+                self._note(self._pending.popleft()())
+            self._coming.clear()
+
+    def _meet_events(self) -> None:
+        """Let the scenario's events of this step take effect."""
+        while self._events and self._events[0].step <= self._steps:
+            event = self._events.popleft()
+            with self._lock:
+                said = self._alter(event.changes, event.words)
+            if event.words:
+                self._note(said)
+
+    def _alter(self, changes: Mapping[str, Any], words: str) -> str:
+        """Change what the bench is from this step on; return what the truth says of it."""
+        try:
+            after = altered(self.configuration, changes)
+        except Refusal as refusal:  # what came in between forbids it
+            return f"refused: {words}: {refusal}"
+        before, self.configuration = self.configuration, after
+        if after.faults != before.faults:
+            self._payload = refitted(after, self._payload, self._state)
+            self._work = workspace(self._payload)
+            self._onsets = onsets(self._onsets, after, self._steps / after.step_rate)
+        if after.sensor != before.sensor:
+            self._sensor.change(after.sensor, -(-self._steps // after.steps_per_sample))
+        targets = ("operating.speed", 0, after.operating.speed), ("operating.lateral_load", 1, after.operating.lateral_load)
+        for key, axis, target in (*targets, ("operating.load", 2, -after.operating.load)):
+            if key in changes:
+                self._state.target[axis] = target
+        return words
 
     def _step_to(self, end: int) -> None:
         """Step the model to step ``end``, stopping on the way at every time of a state or a truth."""
         while self._steps < end:
+            self._meet_events()
             publishing, rate = self.configuration.publishing, self.configuration.step_rate
             state_due, truth_due = (
                 _next_tick(self._steps, publishing.state_rate, rate),
                 _next_tick(self._steps, publishing.truth_rate, rate),
             )
-            count = min(end, state_due, truth_due) - self._steps
+            event_due = self._events[0].step if self._events else end
+            count = min(end, state_due, truth_due, event_due) - self._steps
             acceleration, angles = np.empty((count, 2)), np.empty(count)
             advance(self._payload, self._state, self._work, acceleration, angles)
             self._steps += count
@@ -183,7 +249,7 @@ class Simulation:
     def _note(self, changed: str) -> None:
         """Keep the truth of this moment."""
         speed, load = float(self._state.shaft[1]), self._state.load
-        faults = {name: {**fields, "onset": 0.0} for name, fields in self.configuration.faults.described().items()}
+        faults = {name: {**fields, "onset": self._onsets[name]} for name, fields in self.configuration.faults.described().items()}
         frequencies = self._orders.frequencies(speed / (2.0 * math.pi))
         self._truths.append(Truth(self.time_ns, speed, (float(load[0]), float(load[1])), frequencies, faults, changed))
 

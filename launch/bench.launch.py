@@ -18,12 +18,21 @@ def nodes(context: LaunchContext) -> list[Node]:
     config = LaunchConfiguration("config").perform(context)
     parameters = config if Path(config).is_file() else str(shipped / f"{config}.yaml")
     namespace = LaunchConfiguration("namespace").perform(context)
+    scenario = LaunchConfiguration("scenario").perform(context)
     own = {
         "time_scale": float(LaunchConfiguration("time_scale").perform(context)),
         "recording.path": LaunchConfiguration("record").perform(context),
+        "publishing.clock": LaunchConfiguration("clock").perform(context) == "true",
     }
     return [
-        Node(package="dcrb_ros", executable="simulator", namespace=namespace, parameters=[parameters, own], output="screen"),
+        Node(
+            package="dcrb_ros",
+            executable="simulator",
+            namespace=namespace,
+            parameters=[parameters, own],
+            arguments=["--scenario", scenario] if scenario else [],
+            output="screen",
+        ),
         Node(
             package="dcrb_ros",
             executable="fault_detector",
@@ -39,8 +48,10 @@ def generate_launch_description() -> LaunchDescription:
     return LaunchDescription(
         [
             DeclareLaunchArgument("config", default_value="healthy", description="a YAML file or a shipped configuration"),
+            DeclareLaunchArgument("scenario", default_value="", description="a scenario file or a shipped one, such as growing_spall"),
             DeclareLaunchArgument("record", default_value="", description="folder of a recording, empty for none"),
             DeclareLaunchArgument("time_scale", default_value="1.0", description="simulated over wall time, 0 as fast as possible"),
+            DeclareLaunchArgument("clock", default_value="false", description="whether to publish /clock: true or false"),
             DeclareLaunchArgument("namespace", default_value="dcrb", description="namespace of topics and nodes"),
             DeclareLaunchArgument("discovery", default_value="LOCALHOST", description="who may join: LOCALHOST or SUBNET"),
             SetEnvironmentVariable("ROS_AUTOMATIC_DISCOVERY_RANGE", LaunchConfiguration("discovery")),

@@ -104,6 +104,11 @@ def test_commands_out_of_range_are_refused(value: float) -> None:
 SHARED = bench()
 
 
+def test_a_load_that_the_bearing_cannot_bear_is_refused() -> None:
+    with pytest.raises(Refusal, match=r"command/load: cage.land_clearance .* is below the .* m by which a loaded bearing carries its cage"):
+        SHARED.command_load(0.0, -5e6)
+
+
 def test_a_model_out_of_its_domain_ends_with_a_reason() -> None:
     simulation = bench(operating={"load": 1e7}, housing={"stiffness": 1e6}, cage={"land_clearance": 0.005})
     with pytest.raises(ModelFailure, match=r"outer ring is .* m off its seat"):

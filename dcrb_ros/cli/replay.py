@@ -30,10 +30,10 @@ def replay(
     given = {"bag": str(bag), "rate": rate, "loop": loop, "offset": offset, "clock": clock, "topics": topics}
     parameters = validated(given, ReplayParameters, "replay")
     Replay(parameters)  # refused before ROS is started
-    from dcrb_ros.nodes.bench import local_environment
     from dcrb_ros.nodes.replayer import run
+    from dcrb_ros.nodes.ros import stay_on_this_machine
 
-    local_environment()
+    stay_on_this_machine()
     with tempfile.TemporaryDirectory(prefix="dcrb-") as folder:
         file = Path(folder) / "replay.yaml"
         file.write_text(to_yaml(parameters), encoding="utf-8")

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from contextlib import ExitStack
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -33,6 +33,7 @@ def simulate(
     config: Annotated[str | None, typer.Argument(help="A YAML file or a shipped name, such as healthy.")] = None,
     output: Annotated[Path | None, typer.Option("-o", "--output", help="Folder of the recording; by default named after CONFIG.")] = None,
     duration: Annotated[float, typer.Option(help="Simulated time [s].")] = 10.0,
+    scenario: Annotated[Path | None, typer.Option(help="A timeline of speed, load, faults and sensor in simulated time (YAML).")] = None,
     settings: Annotated[list[str] | None, typer.Option("--set", help="KEY=VALUE, such as operating.speed=100.0.")] = None,
     source: Annotated[
         Path | None,
@@ -41,22 +42,24 @@ def simulate(
 ) -> None:
     """Simulate a bearing and write a recording, or repeat one."""
     if source is not None:
-        if config or settings:
-            raise Refusal("--from takes configuration and settings from the recording: leave out CONFIG and --set")
+        if config or settings or scenario:
+            raise Refusal("--from takes configuration, settings and scenario from the recording: leave out CONFIG, --set and --scenario")
         reproduce(source, output)
         return
     if config is None:
         raise Refusal("Missing argument 'CONFIG': give a YAML file or a shipped name, such as healthy, or --from BAG")
     seconds = checked_duration(duration)
     from dcrb_ros.configuration_file import load_configuration
+    from dcrb_ros.scenario import read_story
 
     configuration = load_configuration(config, settings or ())
+    story = read_story(scenario) if scenario else None
     path = output or Path(Path(config).stem)
     _refuse_existing(path)
     from dcrb_ros.sinks.recorder import Recorder
 
-    simulation = _started(configuration)
-    with Recorder(path, configuration, simulation.layout) as recorder:
+    simulation = _started(configuration, story, str(scenario))
+    with Recorder(path, configuration, simulation.layout, scenario=story) as recorder:
         done, factor = _run(path.name, simulation.blocks(seconds), seconds, recorder.write)
     print(f"{path}: {done:.2f} s simulated, {factor:.2f} x real time")
     print(f"open it with: rerun {recorder.file}   or: dcrb view {path}")
@@ -75,12 +78,12 @@ def reproduce(source: Path, output: Path | None) -> None:
     difference = reproduction.difference()
     if difference:
         typer.echo(f"dcrb: {source}: {difference}; the samples may differ", err=True)
-    simulation = _started(reproduction.configuration)
+    story = recording.manifest.get("scenario")
+    simulation = _started(reproduction.configuration, story, f"{source}: scenario")
     with ExitStack() as stack:
         write: Callable[[Block], None] | None = None
         if output is not None:
-            scenario = recording.manifest.get("scenario")
-            write = stack.enter_context(Recorder(output, reproduction.configuration, simulation.layout, scenario=scenario)).write
+            write = stack.enter_context(Recorder(output, reproduction.configuration, simulation.layout, scenario=story)).write
         done, factor = _run(source.name, reproduction.blocks(simulation), reproduction.duration, write)
     reproduction.check()
     samples = reproduction.samples
@@ -92,13 +95,15 @@ def _refuse_existing(path: Path) -> None:
         raise Refusal(f"{path} exists: give another name with -o or remove it, a recording is never overwritten")
 
 
-def _started(configuration: Configuration) -> Simulation:
+def _started(configuration: Configuration, story: Mapping[str, Any] | None, source: str) -> Simulation:
     from dcrb_ros.core import compiled
+    from dcrb_ros.scenario import timeline
     from dcrb_ros.simulation import Simulation
 
+    events = timeline(story, configuration, source) if story else []
     if not compiled():
         typer.echo("compiling the kernels (once, about half a minute) ...", err=True)
-    return Simulation(configuration)
+    return Simulation(configuration, events)
 
 
 def _run(name: str, blocks: Iterable[Block], seconds: float, write: Callable[[Block], None] | None) -> tuple[float, float]:

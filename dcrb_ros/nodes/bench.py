@@ -19,7 +19,7 @@ from rich.console import Console
 from dcrb_ros.configuration import Configuration
 from dcrb_ros.configuration_file import to_yaml
 from dcrb_ros.messages import Joints, Status, decode_diagnostics, decode_joints
-from dcrb_ros.nodes.ros import check_ros, stop_on_signals
+from dcrb_ros.nodes.ros import check_ros, stay_on_this_machine, stop_on_signals
 from dcrb_ros.refusal import Refusal
 from dcrb_ros.sinks.publisher import message_class, qos
 from dcrb_ros.topics import BENCH_DIAGNOSTICS, DIAGNOSIS, FEATURES, NAMESPACE, VIBRATION, Topic
@@ -98,18 +98,14 @@ class Observer:
         values = dict(zip(self.features.names, self.features.position, strict=False))
         words = [f"{self.features.stamp_ns * 1e-9:6.2f} s simulated"]
         if self.bench is not None:
+            if self.bench.values.get("model") == "paused":
+                words.append("paused")
             words.append(f"{self.bench.values['real_time_factor']} x real time, {self.bench.values['late_blocks']} late")
         words.append(f"rms {values['rms']:7.1f} m/s^2, kurtosis {values['kurtosis']:5.1f}")
         if self.verdict is not None:
             levels = "  ".join(f"{name} {self.verdict.values[f'{name} [dB]']}" for name in ("BPFO", "BPFI"))
             words.append(f"{levels} dB  ->  {self.verdict.message}")
         return "  |  ".join(words)
-
-
-def local_environment() -> dict[str, str]:
-    """Return an environment in which discovery stays on this machine, unless the user has said otherwise."""
-    os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-    return dict(os.environ)
 
 
 @contextmanager
@@ -130,11 +126,12 @@ def node_process(module: str, arguments: Sequence[str], environment: dict[str, s
                 process.wait()
 
 
-def run(name: str, configuration: Configuration, duration: float) -> int:
-    """Run the bench for ``duration`` [s] of simulated time; return the exit status."""
+def run(name: str, configuration: Configuration, duration: float, scenario: Path | None = None) -> int:
+    """Run the bench for ``duration`` [s] of simulated time, through a scenario if there is one; return the exit status."""
     check_ros()
     told = stop_on_signals()
-    environment = local_environment()
+    stay_on_this_machine()
+    environment = dict(os.environ)
     console = Console(stderr=True)
     with tempfile.TemporaryDirectory(prefix="dcrb-") as folder:
         parameters = Path(folder) / "bench.yaml"
@@ -144,11 +141,12 @@ def run(name: str, configuration: Configuration, duration: float) -> int:
             f"bench '{name}': simulator and fault detector as ROS 2 nodes in {NAMESPACE}, "
             f"{duration:g} s at time scale {configuration.time_scale:g}"
         )
+        arguments = ["--duration", repr(duration), *(["--scenario", str(scenario)] if scenario else []), *ros]
         observer = Observer()
         with _observing(observer) as node, node_process("fault_detector", [], environment) as detector:
             # The simulator waits for its listeners, so that they get the first block and do not start up beside it.
             _await_listener(node, detector, told)
-            with node_process("simulator", ["--duration", repr(duration), *ros], environment) as simulator:
+            with node_process("simulator", arguments, environment) as simulator:
                 failed = _watch(observer, node, simulator, detector, duration, told, console)
     return failed or _conclude(observer, configuration, console)
 

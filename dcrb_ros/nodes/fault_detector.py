@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING
 from dcrb_ros.diagnosis.detector import Diagnosis, FaultDetector
 from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.guard import guarded
+from dcrb_ros.kinematics import Orders
 from dcrb_ros.messages import decode_sensor, decode_vibration, diagnosis_messages
-from dcrb_ros.nodes.ros import check_ros, create_node, declare, spin, stop_on_signals
+from dcrb_ros.nodes.ros import check_ros, create_node, declare, spin, stay_on_this_machine, stop_on_signals
 from dcrb_ros.refusal import Refusal
 from dcrb_ros.sinks.publisher import Publisher, message_class, qos
 from dcrb_ros.topics import DETECTED, SENSOR, VIBRATION
@@ -25,6 +26,7 @@ class DetectorWire:
         self.node, self._parameters = node, parameters
         self._detector: FaultDetector | None = None
         self._rate = 0
+        self._orders: Orders | None = None
         self._verdict = ""
         self._refused = 0
         self._publisher = Publisher(node, DETECTED)
@@ -34,6 +36,9 @@ class DetectorWire:
     def _on_sensor(self, data: bytes) -> None:
         try:
             rate, orders = decode_sensor(bytes(data))
+            if (rate, orders) == (self._rate, self._orders):
+                return  # another range of the sensor is nothing to begin anew for
+            self._orders = orders
             self._detector, self._rate = FaultDetector(orders, rate, self._parameters), rate
             self.node.get_logger().info(f"watching a bearing at {self._rate} Hz, BPFO {orders.bpfo:.3f}, BPFI {orders.bpfi:.3f} orders")
         except Refusal as refusal:
@@ -72,6 +77,7 @@ def run(arguments: list[str]) -> int:
     from rclpy.utilities import try_shutdown
 
     told = stop_on_signals()
+    stay_on_this_machine()
     rclpy.init(args=arguments, signal_handler_options=SignalHandlerOptions.NO)
     node = create_node("fault_detector")
     try:

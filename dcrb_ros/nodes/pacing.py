@@ -34,9 +34,14 @@ class Pacer:
     @scale.setter
     def scale(self, scale: float) -> None:
         self._scale = scale
-        self._started = False
+        self.restart()
 
     def restart(self) -> None:
+        """Count the deadlines from the next block on: what was before is not caught up."""
+        self._started = False
+        self.lag = 0.0
+
+    def start_over(self) -> None:
         """Begin with new deadlines: what comes next goes out at once."""
         self._first, self._started = True, False
 

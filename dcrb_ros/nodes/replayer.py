@@ -87,7 +87,7 @@ class Replayer:
                 return
 
     def _play(self) -> None:
-        self._pacer.restart()
+        self._pacer.start_over()
         for bundle in self._replay.bundles():
             if self.stop.wait(self._pacer.until(bundle.begin_ns * 1e-9, bundle.due_ns * 1e-9)):
                 return

@@ -20,11 +20,18 @@ from dcrb_ros.topics import NAMESPACE
 if TYPE_CHECKING:
     from rclpy.node import Node
 
+    from dcrb_ros.nodes.parameters import ObedientNode
+
 Model = TypeVar("Model", bound=Group)
-OWN = ("use_sim_time", "start_type_description_service")
-"""Parameters that rclpy declares by itself."""
+DISCOVERY = "ROS_AUTOMATIC_DISCOVERY_RANGE"
+"""The variable of ROS that says who may join: LOCALHOST, SUBNET or OFF."""
 PAUSE = 0.01
 """Wall time after a callback's failure, so that one without end does not take a processor [s]."""
+
+
+def stay_on_this_machine() -> None:
+    """Let nobody on other machines discover the bench, unless the user's environment says otherwise."""
+    os.environ.setdefault(DISCOVERY, "LOCALHOST")
 
 
 def check_ros() -> None:
@@ -51,11 +58,11 @@ def middlewares() -> list[str]:
     return sorted(name for name in names if "shared" not in name and "common" not in name)
 
 
-def create_node(name: str) -> Node:
+def create_node(name: str) -> ObedientNode:
     """Return a node in the default namespace that has taken whatever parameters it was given."""
-    from rclpy.node import Node
+    from dcrb_ros.nodes.parameters import ObedientNode
 
-    return Node(name, namespace=NAMESPACE, automatically_declare_parameters_from_overrides=True)
+    return ObedientNode(name, namespace=NAMESPACE, automatically_declare_parameters_from_overrides=True)
 
 
 def declare(node: Node, model: type[Model], *, run_time: Sequence[str] = ()) -> Model:
@@ -64,6 +71,8 @@ def declare(node: Node, model: type[Model], *, run_time: Sequence[str] = ()) -> 
     Raises:
         Refusal: an override that is unknown, mistyped or out of range.
     """
+    from dcrb_ros.nodes.parameters import OWN
+
     found: dict[str, Any] = node.get_parameters_by_prefix("")
     given = {key: parameter.value for key, parameter in found.items() if key not in OWN}
     checked = validated(given, model, "parameters")

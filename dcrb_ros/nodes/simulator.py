@@ -8,33 +8,55 @@ import os
 import sys
 import threading
 import time
-from contextlib import contextmanager
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
+from dcrb_ros.alteration import altered
+from dcrb_ros.cli.simulate import checked_duration
+from dcrb_ros.commands import Command, command_of
 from dcrb_ros.configuration import Configuration
+from dcrb_ros.configuration_file import flatten, parameter_fields
 from dcrb_ros.guard import guarded
+from dcrb_ros.nodes.gate import Gate
 from dcrb_ros.nodes.pacing import Pacer
-from dcrb_ros.nodes.ros import changed, check_ros, create_node, declare, spin, stop_on_signals
+from dcrb_ros.nodes.refusals import Refusals
+from dcrb_ros.nodes.report import COMMANDS, Progress, Report
+from dcrb_ros.nodes.ros import check_ros, create_node, declare, spin, stay_on_this_machine, stop_on_signals
+from dcrb_ros.nodes.services import Services
+from dcrb_ros.nodes.tape import Tape, free_path
 from dcrb_ros.refusal import Refusal
+from dcrb_ros.scenario import read_story, timeline
 from dcrb_ros.sinks.publisher import message_class, qos
-from dcrb_ros.topics import BENCH_DIAGNOSTICS, DIAGNOSIS, FAULT_INDICATORS, ROLLER_CONTACTS, SIMULATED, VIBRATION_CLEAN, Message, Topic
+from dcrb_ros.topics import (
+    BENCH_DIAGNOSTICS,
+    CLOCK,
+    DIAGNOSIS,
+    FAULT_INDICATORS,
+    ROLLER_CONTACTS,
+    SIMULATED,
+    VIBRATION_CLEAN,
+    Message,
+    Topic,
+)
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator
-
-    from rclpy.node import Node
+    from collections.abc import Callable, Iterable, Mapping
 
     from dcrb_ros.block import Block
+    from dcrb_ros.nodes.parameters import ObedientNode
     from dcrb_ros.simulation import Simulation
     from dcrb_ros.sinks.queued import QueuedRecorder
 
-REPEAT_REFUSAL = 5.0
-"""Wall time for which the same kind of refusal is not logged again [s]."""
-LAST_BLOCK = 1.0
+LAST_BLOCK = 0.7
 """Wall time that the model gets to end its block once told to stop [s]; compiling takes longer and is not waited for."""
+CLOCK_PERIOD = 0.01
+"""Least wall time between two messages on /clock [s]: each costs every node that uses them."""
 MODEL = "model"
 """Name of the model's thread."""
-COMMANDS = ("command/speed", "command/load")
+TARGETS = {"operating.speed": COMMANDS[0], "operating.load": COMMANDS[1], "operating.lateral_load": COMMANDS[1]}
+"""Parameters that have a topic of their own to change them."""
+RUN_TIME = tuple(field.key for field in parameter_fields() if field.run_time and field.key not in TARGETS)
+"""Parameters that can be set while the node runs."""
 
 
 class Sink(Protocol):
@@ -55,29 +77,31 @@ def _content(kind: str, decode: Callable[[bytes], Any], data: bytes) -> Any:
 class Simulator:
     """The wires between the simulation's thread and ROS."""
 
-    def __init__(self, node: Node, configuration: Configuration, duration: float | None) -> None:
+    def __init__(
+        self, node: ObedientNode, configuration: Configuration, duration: float | None, story: Mapping[str, Any] | None = None
+    ) -> None:
         from dcrb_ros.messages import BlockEncoder
         from dcrb_ros.sinks.publisher import Publisher
 
-        self.node, self.configuration, self._duration = node, configuration, duration
-        self.stop = threading.Event()
+        self.node, self.configuration, self._duration, self._story = node, configuration, duration, story
+        self._commands: list[Command] = []
         self.failure: Exception | None = None
         self._began = time.monotonic()
         self._pacer = Pacer(configuration.time_scale, time.monotonic)
+        self.gate = Gate(self._pacer, time.monotonic)
+        self.refusals = Refusals(node.get_logger().warning)
         self._simulation = self._start_model()
-        self._recorder = self._start_recorder()
-        self._recorder_state = "recording" if self._recorder else "off"
+        self.progress = Progress()
+        self.tape = Tape(node.get_logger().error)
+        if configuration.recording.path:
+            self._series = Path(configuration.recording.path)
+            self._start_recording(self._series)
         self._encoder = BlockEncoder(configuration, self._simulation.layout)
         asked = {VIBRATION_CLEAN: configuration.publishing.clean, ROLLER_CONTACTS: configuration.publishing.contacts}
         topics = [topic for topic in SIMULATED if asked.get(topic, True)]
-        self._publisher: Sink = Publisher(node, [*topics, BENCH_DIAGNOSTICS])
-        self._refused: dict[str, int] = {}
-        self._logged: dict[str, float] = {}
-        self._simulated_ns = 0
-        self._residual = 0.0
-        self._reached = self._factor = 0.0
-        self._measured_at = time.monotonic()
-        self._blocks = 0
+        self._publisher: Sink = Publisher(node, [*topics, BENCH_DIAGNOSTICS, *([CLOCK] if configuration.publishing.clock else [])])
+        self._clock_due = 0.0
+        self._report = Report(self._pacer, self.gate, self.tape, self.refusals)
         self._subscribe()
         self._thread = threading.Thread(target=self._run, name=MODEL, daemon=True)
 
@@ -88,20 +112,36 @@ class Simulator:
             self.node.get_logger().info("compiling the kernels (once, about half a minute) ...")
         from dcrb_ros.simulation import Simulation
 
-        return Simulation(self.configuration)
+        return Simulation(self.configuration, timeline(self._story, self.configuration, "scenario") if self._story else ())
 
-    def _start_recorder(self) -> QueuedRecorder | None:
-        asked = self.configuration.recording
-        if not asked.path:
-            return None
+    def record_on(self, wanted: Path) -> Path:
+        """Begin a recording, unless one runs, at ``wanted`` or the next free name after it; return its folder."""
+        self._series = wanted
+        return self._start_recording(free_path(wanted))
+
+    def _start_recording(self, path: Path) -> Path:
+        """Begin a recording with the next block, unless one runs; return the folder of the one that runs."""
         from dcrb_ros.sinks.queued import QueuedRecorder
         from dcrb_ros.sinks.recorder import Recorder
 
-        recorder = Recorder(asked.path, self.configuration, self._simulation.layout, namespace=self.node.get_namespace())
-        return QueuedRecorder(recorder, asked.queue)
+        def make() -> QueuedRecorder:
+            recorder = Recorder(
+                path,
+                self.configuration,
+                self._simulation.layout,
+                namespace=self.node.get_namespace(),
+                scenario=self._story,
+                commands=self._commands,
+                start_ns=self.progress.simulated_ns,
+            )
+            return QueuedRecorder(recorder, self.configuration.recording.queue)
+
+        return self.tape.start(make)
 
     def _subscribe(self) -> None:
         from geometry_msgs.msg import Wrench
+        from rclpy.clock import Clock
+        from rclpy.clock_type import ClockType
         from std_msgs.msg import Float64
 
         from dcrb_ros.messages import decode_diagnostics, decode_joints
@@ -110,11 +150,12 @@ class Simulator:
         # Raw, because the middleware's own decoder drops malformed bytes without a word.
         node.create_subscription(Float64, "command/speed", self._on_speed, 10, raw=True)
         node.create_subscription(Wrench, "command/load", self._on_load, 10, raw=True)
-        node.create_timer(1.0, self._report)
-        node.add_on_set_parameters_callback(self._on_parameters)
-        if self._recorder is not None:
-            self._listen(DIAGNOSIS, lambda data: decode_diagnostics(data)[0])
-            self._listen(FAULT_INDICATORS, lambda data: decode_joints(data).stamp_ns)
+        self._listen(DIAGNOSIS, lambda data: decode_diagnostics(data)[0])
+        self._listen(FAULT_INDICATORS, lambda data: decode_joints(data).stamp_ns)
+        Services(self)
+        # Wall time, whatever use_sim_time says: the report must come while the simulated time stands.
+        node.create_timer(1.0, self._publish_report, clock=Clock(clock_type=ClockType.STEADY_TIME))
+        node.obey = self._on_parameters
 
     def _listen(self, topic: Topic, stamp: Callable[[bytes], int]) -> None:
         """Record what the detector says; ``stamp`` decodes a message and returns its stamp [ns]."""
@@ -132,53 +173,75 @@ class Simulator:
 
     def close(self) -> None:
         """Stop the model and finish the recording; a model that still compiles is left behind, it says nothing any more."""
-        self.stop.set()
+        self.gate.close()
         if self._thread.ident is not None:
             self._thread.join(LAST_BLOCK)
-        self._record(None)
+        self.tape.stop()
 
     def _run(self) -> None:
         try:
-            for block in self._simulation.blocks(self._duration):
-                # Encoded before the wait: a block goes out at its deadline, and the first one's preparations do not count.
-                messages = self._encoder.encode(block)
-                if self.stop.wait(self._pacer.until(block.stamp_ns * 1e-9, block.end_ns * 1e-9)):
+            while not self._play():
+                if self.gate.closed:
                     return
-                self._emit(block, messages)
+                self._begin_anew()
         except Exception as error:  # the thread's end must reach the main thread, whatever it is
             self.failure = error
 
+    def _play(self) -> bool:
+        """Send the simulation's blocks; return false if they were cut short by a reset or the node's end."""
+        for block in self._simulation.blocks(self._duration):
+            # Encoded before the wait: a block goes out at its deadline, and the first one's preparations do not count.
+            messages = self._encoder.encode(block)
+            if not self.gate.send(block.stamp_ns * 1e-9, block.end_ns * 1e-9, lambda b=block, m=messages: self._emit(b, m)):  # type: ignore[misc]
+                return False
+        return True
+
+    def _begin_anew(self) -> None:
+        """Put the bearing, the simulated time and the scenario back to the start; a running recording goes on in the next folder."""
+        from dcrb_ros.messages import BlockEncoder
+
+        finished = self.tape.stop()
+        self._simulation = self._start_model()
+        self._encoder = BlockEncoder(self.configuration, self._simulation.layout)
+        self.progress.simulated_ns = self.progress.blocks = 0
+        self._commands.clear()
+        if finished is not None:
+            with self.refusals.of("record"):
+                path = self.record_on(self._series)
+                self.node.get_logger().info(f"reset: {finished} is finished, {path} records from the start")
+        self._publisher.write_messages(self._encoder.start())
+        self.gate.begun_anew()
+
     def _emit(self, block: Block, messages: list[Message]) -> None:
+        self.progress.simulated_ns = block.end_ns
+        self._tick(CLOCK_PERIOD)
         self._publisher.write_messages(messages)
-        self._record(messages)
-        self._blocks += 1
-        self._simulated_ns = block.end_ns
+        self.tape.write_messages(messages)
+        self._commands += [command for truth in block.truths if (command := command_of(truth.time_ns, truth.changed))]
+        self.progress.blocks += 1
         if block.states:
-            self._residual = block.states[-1].energy.residual
-        if self._blocks == 1:
+            self.progress.residual = block.states[-1].energy.residual
+        if self._began:
             self.node.get_logger().info(f"first block {time.monotonic() - self._began:.2f} s after the start")
+            self._began = 0.0
 
-    def _record(self, messages: Iterable[Message] | None) -> None:
-        """Record messages, or finish the recording; a failure ends the recording and leaves the topics alive."""
-        from dcrb_ros.sinks.recorder import RecordingFailed
+    def _tick(self, period: float) -> None:
+        """Publish the simulated time on /clock, not before the period [s of wall time] since the last time is over."""
+        from dcrb_ros.messages import encode_clock
 
-        if self._recorder is None:
-            return
-        try:
-            if messages is None:
-                self._recorder.close()
-            else:
-                self._recorder.write_messages(messages)
-        except RecordingFailed as error:
-            self._recorder_state = str(error)
-            self.node.get_logger().error(str(error))
+        now = time.monotonic()
+        if self.configuration.publishing.clock and now >= self._clock_due:
+            self._clock_due = now + period
+            self._publisher.write_messages([Message(CLOCK, self.progress.simulated_ns, encode_clock(self.progress.simulated_ns))])
 
     def _on_detected(self, topic: Topic, stamp: Callable[[bytes], int]) -> Callable[[bytes], None]:
         def record(data: bytes) -> None:
-            with self._refusing(topic.name):
+            if self.tape.path is None:
+                return
+            with self.refusals.of(topic.name):
                 time_ns = _content(topic.name, stamp, data)
                 self._check_time(topic, time_ns)
-                self._record([Message(topic, time_ns, bytes(data))])
+                self.tape.write_messages([Message(topic, time_ns, bytes(data))])
 
         return record
 
@@ -188,7 +251,7 @@ class Simulator:
         The detector may answer a block before the model's thread has noted that it is out: hence one block more.
         """
         block_ns = math.ceil(self.configuration.publishing.block_size * 1e9 / self.configuration.sensor.sampling_rate)
-        latest = self._simulated_ns + block_ns
+        latest = self.progress.simulated_ns + block_ns
         if not 0 <= time_ns <= latest:
             raise Refusal(
                 f"{topic.name} at {time_ns * 1e-9:g} s is not recorded: its stamp must be within 0 .. {latest * 1e-9:g} s of simulated time"
@@ -197,81 +260,72 @@ class Simulator:
     def _on_speed(self, data: bytes) -> None:
         from dcrb_ros.messages import decode_float
 
-        with self._refusing("command/speed"):
+        with self.refusals.of("command/speed"):
             self._simulation.command_speed(_content("command/speed", decode_float, data))
 
     def _on_load(self, data: bytes) -> None:
         from dcrb_ros.messages import decode_wrench
 
-        with self._refusing("command/load"):
+        with self.refusals.of("command/load"):
             self._simulation.command_load(*_content("command/load", decode_wrench, data))
 
-    @contextmanager
-    def _refusing(self, kind: str) -> Iterator[None]:
-        """Count a refusal, and log it once in a while."""
-        try:
-            yield
-        except Refusal as refusal:
-            self._refused[kind] = self._refused.get(kind, 0) + 1
-            now = time.monotonic()
-            if now - self._logged.get(kind, -REPEAT_REFUSAL) >= REPEAT_REFUSAL:
-                self._logged[kind] = now
-                self.node.get_logger().warning(str(refusal))
+    def _on_parameters(self, changes: dict[str, Any]) -> None:
+        """Carry out a change of parameters or refuse it, with the reason."""
+        with self.refusals.counted("parameters"):
+            for key in changes:
+                if key in TARGETS:
+                    raise Refusal(f"parameters: {key} changes by the topic {TARGETS[key]}; its parameter says what the bench began with")
+            altered(self._simulation.configuration, changes)
+            of_the_model = {key: value for key, value in changes.items() if key != "time_scale"}
+            if of_the_model:
+                self._simulation.change(of_the_model)
+            if "time_scale" in changes:
+                self.gate.rescale(changes["time_scale"])
 
-    def _on_parameters(self, parameters: Any) -> Any:
-        from rcl_interfaces.msg import SetParametersResult
+    def show_parameters(self) -> None:
+        """Let the node's parameters say how the bench is now, which a reset or a scenario may have changed."""
+        from rclpy.parameter import Parameter
 
-        try:
-            self.configuration = changed(self.configuration, {parameter.name: parameter.value for parameter in parameters})
-        except Refusal as refusal:
-            return SetParametersResult(successful=False, reason=str(refusal))
-        self._pacer.scale = self.configuration.time_scale
-        return SetParametersResult(successful=True)
+        if self._simulation.awaited:
+            return
+        present = flatten(self._simulation.configuration.model_dump())
+        keys = [key for key in RUN_TIME if key != "time_scale" and self.node.get_parameter(key).value != present[key]]
+        if keys:
+            self.node.set_parameters([Parameter(key, value=present[key]) for key in keys])
 
-    def _report(self) -> None:
-        """Publish the state of the bench on /diagnostics."""
-        from dcrb_ros.messages import ERROR, OK, WARN, Status, encode_diagnostics
+    def _publish_report(self) -> None:
+        """Publish the state of the bench on /diagnostics; the standing time of a paused bench is told again with it."""
+        from dcrb_ros.messages import encode_diagnostics
 
-        now = time.monotonic()
-        time_ns = self._simulated_ns
-        simulated = time_ns * 1e-9
-        self._factor = (simulated - self._reached) / (now - self._measured_at)
-        self._reached, self._measured_at = simulated, now
-        failed = self._recorder_state not in ("off", "recording")
-        level = ERROR if failed else WARN if self._pacer.lag > 0.1 else OK
-        values = {
-            "time_scale": f"{self._pacer.scale:g}",
-            "real_time_factor": f"{self._factor:.3f}",
-            "simulated [s]": f"{simulated:.3f}",
-            "lag [s]": f"{self._pacer.lag:.4f}",
-            "late_blocks": str(self._pacer.late),
-            "blocks": str(self._blocks),
-            "rejected_commands": str(sum(count for kind, count in self._refused.items() if kind in COMMANDS)),
-            "rejected_messages": str(sum(count for kind, count in self._refused.items() if kind not in COMMANDS)),
-            "recorder": self._recorder_state,
-            "energy_residual [J]": f"{self._residual:.4g}",
-            "model": "failed" if self.failure else "running",
-        }
-        words = self._recorder_state if failed else "behind real time" if level == WARN else "running"
-        status = Status(f"{self.node.get_fully_qualified_name()}", level, words, values)
+        status = self._report.status(self.node.get_fully_qualified_name(), self.progress, failed=self.failure is not None)
+        time_ns = self.progress.simulated_ns
         self._publisher.write_messages([Message(BENCH_DIAGNOSTICS, time_ns, encode_diagnostics(time_ns, [status]))])
+        self._tick(0.0)
+        self.show_parameters()
 
 
 def run(arguments: list[str]) -> int:
     """Run the node until its duration is over or a signal comes; return the exit status."""
     parser = argparse.ArgumentParser(prog="simulator", description="The simulated bearing as a ROS 2 node.")
     parser.add_argument("--duration", type=float, default=None, help="simulated time after which the node ends [s]")
+    parser.add_argument("--scenario", type=Path, default=None, help="timeline of speed, load, faults and sensor in simulated time (YAML)")
     check_ros()
     import rclpy
     from rclpy.signals import SignalHandlerOptions
     from rclpy.utilities import remove_ros_args, try_shutdown
 
     options = parser.parse_args(remove_ros_args(["simulator", *arguments])[1:])
+    duration = None if options.duration is None else checked_duration(options.duration)
     told = stop_on_signals()
+    stay_on_this_machine()
     rclpy.init(args=arguments, signal_handler_options=SignalHandlerOptions.NO)
     node = create_node("simulator")
     try:
-        simulator = Simulator(node, declare(node, Configuration, run_time=("time_scale",)), options.duration)
+        configuration = declare(node, Configuration, run_time=RUN_TIME)
+        story = read_story(options.scenario) if options.scenario else None
+        if story is not None:
+            timeline(story, configuration, str(options.scenario))
+        simulator = Simulator(node, configuration, duration, story)
         try:
             simulator.start()
             spin(node, simulator.ended, told)

@@ -6,6 +6,7 @@ import contextlib
 import queue
 import threading
 from collections.abc import Iterable
+from pathlib import Path
 
 from dcrb_ros.sinks.bag import RecordingFailed
 from dcrb_ros.sinks.recorder import Recorder
@@ -33,6 +34,11 @@ class QueuedRecorder:
         self._over = False
         self._thread = threading.Thread(target=self._run, name="recorder", daemon=True)
         self._thread.start()
+
+    @property
+    def path(self) -> Path:
+        """Folder of the recording."""
+        return self._recorder.path
 
     def write_messages(self, messages: Iterable[Message]) -> None:
         """Queue messages.

@@ -81,8 +81,9 @@ class Recorder:
         namespace: str = NAMESPACE,
         scenario: Mapping[str, Any] | None = None,
         commands: Iterable[Command] = (),
+        start_ns: int = 0,
     ) -> None:
-        """Begin a recording of a run that follows a ``scenario``, if any, and has had some ``commands`` before, if any."""
+        """Begin a recording at ``start_ns`` [ns] of a run that follows a ``scenario``, if any, and has had some ``commands`` before."""
         asked = configuration.recording
         self._topics, self._namespace = chosen_topics(asked.topics), namespace
         self._encoder = BlockEncoder(configuration, layout)
@@ -97,7 +98,7 @@ class Recorder:
         )
         self.path = self._bag.path
         try:
-            self.write_messages(self._encoder.start())
+            self.write_messages(self._encoder.start(start_ns))
             self._bag.flush()
         except RecordingFailed as error:
             shutil.rmtree(self.path, ignore_errors=True)

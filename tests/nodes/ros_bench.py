@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from dcrb_ros.sinks.publisher import message_class, qos
-from dcrb_ros.topics import BENCH_DIAGNOSTICS, DETECTED, NAMESPACE, SIMULATED, Topic
+from dcrb_ros.topics import BENCH_DIAGNOSTICS, CLOCK, DETECTED, NAMESPACE, SIMULATED, Topic
 
 PATIENCE = 90.0
 """Longest wait for anything [s]; a cold compile is the longest."""
@@ -80,7 +80,7 @@ class Listener:
         self.executor = SingleThreadedExecutor(context=self.context)
         self.executor.add_node(self.node)
         self.heard: dict[Topic, list[bytes]] = defaultdict(list)
-        for topic in (*SIMULATED, *DETECTED, BENCH_DIAGNOSTICS):
+        for topic in (*SIMULATED, *DETECTED, BENCH_DIAGNOSTICS, CLOCK):
             self.node.create_subscription(
                 message_class(topic),
                 topic.resolved(NAMESPACE),
@@ -88,6 +88,24 @@ class Listener:
                 qos(topic),
                 raw=True,
             )
+
+    def ask(self, kind: Any, name: str, **fields: Any) -> Any:
+        """Call a service of the bench and return its answer."""
+        client = self.node.create_client(kind, name)
+        self.until(client.service_is_ready, f"the service {name}")
+        future = client.call_async(kind.Request(**fields))
+        self.until(future.done, f"the answer of {name}")
+        self.node.destroy_client(client)
+        return future.result()
+
+    def set(self, **values: Any) -> tuple[bool, str]:
+        """Set parameters of the simulator together; return whether it was accepted, and the reason."""
+        from rcl_interfaces.srv import SetParametersAtomically
+        from rclpy.parameter import Parameter
+
+        wanted = [Parameter(key.replace("__", "."), value=value).to_parameter_msg() for key, value in values.items()]
+        result = self.ask(SetParametersAtomically, "simulator/set_parameters_atomically", parameters=wanted).result
+        return result.successful, result.reason
 
     def until(self, reached: Callable[[], Any], why: str) -> None:
         """Listen until something is reached; fail where it is not in time."""

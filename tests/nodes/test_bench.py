@@ -179,6 +179,21 @@ def test_wrong_parameters_end_with_a_sentence(values: dict[str, object], sentenc
     assert "Traceback" not in simulator.words
 
 
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        (["--duration", "nan"], "--duration nan s is outside 0 .. 1e+06 s"),
+        (["--duration", "-1"], "--duration -1.0 s is outside"),
+        (["--scenario", "nowhere"], "there is no scenario 'nowhere': give a YAML file or one of growing_spall"),
+    ],
+)
+def test_wrong_arguments_end_with_a_sentence(arguments: list[str], sentence: str, tmp_path: Path) -> None:
+    with node("simulator", arguments, environment(domain()), tmp_path / "log") as simulator:
+        assert simulator.process.wait(PATIENCE) == 2, simulator.words
+    assert sentence in simulator.words
+    assert "Traceback" not in simulator.words
+
+
 @pytest.mark.parametrize("module", ["simulator", "fault_detector"])
 def test_absent_middleware_ends_with_a_sentence(module: str, tmp_path: Path) -> None:
     env = environment(domain(), RMW_IMPLEMENTATION="rmw_absent_cpp")
@@ -186,6 +201,17 @@ def test_absent_middleware_ends_with_a_sentence(module: str, tmp_path: Path) -> 
         assert started.process.wait(PATIENCE) == 2, started.words
     assert "RMW_IMPLEMENTATION = rmw_absent_cpp is not installed here" in started.words
     assert "Traceback" not in started.words
+
+
+def test_detector_takes_its_file_in_any_namespace(tmp_path: Path) -> None:
+    text = (Path(__file__).parents[2] / "config" / "detector.yaml").read_text()
+    changed = tmp_path / "detector.yaml"
+    changed.write_text(text.replace("window: 2.0", "window: -1.0"))
+    for namespace in ("/dcrb", "/wagon/box1"):
+        arguments = ["--ros-args", "--params-file", str(changed), "-r", f"__ns:={namespace}"]
+        with node("fault_detector", arguments, environment(domain()), tmp_path / "log") as detector:
+            assert detector.process.wait(PATIENCE) == 2, detector.words
+        assert "window = -1.0 s is outside" in detector.words
 
 
 def test_existing_recording_is_refused(tmp_path: Path) -> None:
@@ -203,15 +229,19 @@ def test_dead_model_ends_the_node(tmp_path: Path) -> None:
 
 
 def test_bench_command_ends_with_the_verdict(tmp_path: Path) -> None:
-    bag = tmp_path / "bench"
+    bag, story = tmp_path / "bench", tmp_path / "story.yaml"
+    story.write_text("timeline: [{at: 0.5, set: {operating.load: 95000.0}}]")
     command = [sys.executable, "-c", "from dcrb_ros.cli.app import main; main()", "bench", "outer_ring_defect"]
-    command += ["--duration", "5", "--record", str(bag)]
+    command += ["--duration", "5", "--record", str(bag), "--scenario", str(story)]
     done = subprocess.run(command, env=environment(domain()), capture_output=True, text=True, timeout=2 * PATIENCE, check=False)
     assert done.returncode == 0, done.stderr
     assert "verdict: outer_ring" in done.stdout
     recording = Recording(bag)
     assert sum(len(v.shaft_angle) for v in recording.vibrations()) == 5 * 51200
     assert recording.counts()["/dcrb/diagnosis"] > 3
+    truths = [decode_truth(message.data) for message in recording.messages((GROUND_TRUTH,))]
+    assert [t.time_ns for t in truths if t.changed == "scenario: operating.load = 95000.0"] == [500_000_000]
+    assert truths[-1].load[1] == pytest.approx(-95e3)
 
 
 def test_time_scale_changes_while_running(tmp_path: Path) -> None:

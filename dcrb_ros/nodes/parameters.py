@@ -1,0 +1,34 @@
+"""A ROS node whose parameters are refused in our words: with the value, the range and the remedy."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from rcl_interfaces.msg import SetParametersResult
+from rclpy.node import Node
+
+from dcrb_ros.nodes.refusals import shortened
+from dcrb_ros.refusal import Refusal
+
+OWN = ("use_sim_time", "start_type_description_service")
+"""Parameters that rclpy declares by itself."""
+
+
+class ObedientNode(Node):
+    """Lets its owner carry out or refuse what others ask of its parameters, before rclpy keeps them.
+
+    What the node sets itself with ``set_parameters`` is kept without asking.
+    """
+
+    obey: Callable[[dict[str, Any]], None] | None = None
+
+    def set_parameters_atomically(self, parameter_list: list[Any]) -> Any:
+        """Carry out a change of parameters, or say why not."""
+        changes = {parameter.name: parameter.value for parameter in parameter_list if parameter.name not in OWN}
+        if self.obey is not None and changes:
+            try:
+                self.obey(changes)
+            except Refusal as refusal:
+                return SetParametersResult(successful=False, reason=shortened(str(refusal)))
+        return super().set_parameters_atomically(parameter_list)

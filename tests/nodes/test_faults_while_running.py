@@ -1,0 +1,138 @@
+"""Parameters of a running node: what it accepts, what it refuses and in which words."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+pytest.importorskip("rclpy", reason="the nodes need ROS 2; everything else is tested without")
+
+from rcl_interfaces.srv import GetParameters
+from ros_bench import Listener, domain, environment, listener, node
+from test_bench import parameters, status_of
+
+from dcrb_ros.block import Truth
+from dcrb_ros.configuration_file import parameter_fields
+from dcrb_ros.messages import decode_text, decode_truth
+from dcrb_ros.topics import GROUND_TRUTH, SENSOR, VIBRATION
+
+pytestmark = pytest.mark.node
+
+
+def truths(heard: Listener) -> list[Truth]:
+    return [decode_truth(data) for data in heard.heard[GROUND_TRUTH]]
+
+
+def test_faults_come_and_are_refused_as_a_whole(tmp_path: Path) -> None:
+    number = domain()
+    with listener(number) as heard, node("simulator", parameters(cage__joint="revolute"), environment(number), tmp_path / "log") as bench:
+        heard.until(lambda: len(heard.heard[VIBRATION]) > 5, "blocks")
+        refusals: list[tuple[dict[str, Any], str]] = [
+            ({"faults__outer_1__width": 0.5}, "faults.outer_1.width = 0.5 m is outside 0 .. 0.05 m"),
+            ({"faults__outer_1__width": float("nan")}, "faults.outer_1.width = nan m is outside 0 .. 0.05 m"),
+            ({"faults__outer_1__width": 1}, "write 1.0"),
+            ({"faults__outer_1__width": 0.002, "faults__outer_2__width": 0.002}, "faults.outer_2 overlaps faults.outer_1"),
+            ({"faults__broken_bars": "bar 3"}, "'bar' is no bar; write row1/bar15"),
+            ({"bearing__roller_radius": 0.01}, "bearing.roller_radius is fixed while the bench runs"),
+            ({"operating__speed": 100.0, "faults__outer_1__width": 0.002}, "operating.speed changes by"),
+            ({"faults__outer_1__with": 0.1}, "did you mean 'faults.outer_1.width'?"),
+            ({"time_scale": -1.0}, "time_scale = -1.0 is outside 0 .. 1000"),
+        ]
+        for values, reason in refusals:
+            done, said = heard.set(**values)
+            assert not done
+            assert reason in said
+        assert heard.set(faults__outer_1__width=0.002, faults__outer_1__row=1, faults__broken_bars="row2/bar7") == (True, "")
+        heard.until(lambda: len(truths(heard)[-1].faults) == 2, "the faults in the ground truth")
+        change = next(truth for truth in truths(heard) if "outer_1" in truth.changed)
+        assert change.changed == "faults.outer_1.width = 0.002, faults.outer_1.row = 1, faults.broken_bars = 'row2/bar7'"
+        assert change.faults["outer_1"]["onset"] == pytest.approx(change.time_ns * 1e-9, abs=1e-9)
+        assert "broken_bars.row2/bar7" in change.faults
+        done, said = heard.set(faults__broken_bars="")
+        assert (done, "does not heal" in said) == (False, True)
+        assert heard.set(faults__outer_1__width=0.0) == (True, "")
+        heard.until(lambda: set(truths(heard)[-1].faults) == {"broken_bars.row2/bar7"}, "the defect gone")
+        blocks = len(heard.heard[VIBRATION])
+        heard.until(lambda: len(heard.heard[VIBRATION]) > blocks + 20, "blocks")
+        heard.until(lambda: status_of(heard)["rejected_parameters"] == str(len(refusals) + 1), "the count of refusals")
+        assert bench.words.count("[WARN]") <= 2
+        assert "Traceback" not in bench.words
+
+
+def test_parameters_say_how_the_bench_is(tmp_path: Path) -> None:
+    from std_srvs.srv import Trigger
+
+    story, number = tmp_path / "story.yaml", domain()
+    story.write_text("timeline: [{at: 0.1, set: {faults.outer_1.width: 0.002, sensor.range: 1000.0}}]")
+    with listener(number) as heard, node("simulator", ["--scenario", str(story), *parameters()], environment(number), tmp_path / "log"):
+
+        def width() -> float:
+            return float(heard.ask(GetParameters, "simulator/get_parameters", names=["faults.outer_1.width"]).values[0].double_value)
+
+        heard.until(lambda: heard.heard[VIBRATION], "a block")
+        heard.until(lambda: width() == 0.002, "what the scenario has set")
+        assert heard.set(faults__outer_1__width=0.001, time_scale=0.01) == (True, "")
+        assert width() == 0.001  # though it has hardly taken effect yet
+        assert heard.ask(Trigger, "reset").success
+        assert width() == 0.0
+        about = [json.loads(decode_text(data))["range"] for data in heard.heard[SENSOR]]
+        assert about[-2:] == [1000.0, 5000.0]  # told anew with every change
+
+
+def test_every_parameter_is_declared_from_the_schema(tmp_path: Path) -> None:
+    from rcl_interfaces.srv import DescribeParameters, ListParameters
+
+    number = domain()
+    with listener(number) as heard, node("simulator", parameters(), environment(number), tmp_path / "log"):
+        heard.until(lambda: heard.heard[VIBRATION], "a block")
+        names = set(heard.ask(ListParameters, "simulator/list_parameters").result.names)
+        fields = {field.key: field for field in parameter_fields()}
+        assert names - {"use_sim_time", "start_type_description_service"} == set(fields)
+        described = heard.ask(DescribeParameters, "simulator/describe_parameters", names=sorted(fields)).descriptors
+        kinds = {bool: 1, int: 2, float: 3, str: 4}
+        for about in described:
+            field = fields[about.name]
+            assert about.description.startswith(field.description)
+            assert about.type == kinds[field.kind]
+            assert about.read_only == (not field.run_time or field.key.startswith("operating."))
+            ranges = [*about.floating_point_range, *about.integer_range]
+            assert [(r.from_value, r.to_value) for r in ranges] == ([] if field.low is None else [(field.low, field.high)])
+
+
+def test_several_bearings_in_one_graph(tmp_path: Path) -> None:
+    from sensor_msgs.msg import PointCloud2
+
+    number, heard_of = domain(), dict[str, list[PointCloud2]]()
+    seen = {f"/wagon/box{box}": ["--ros-args", "-r", f"__ns:=/wagon/box{box}", "-r", "__node:=bearing"] for box in (1, 2)}
+    with listener(number) as heard:
+        for box, name in enumerate(seen, 1):
+            heard_of[name] = []
+            heard.node.create_subscription(PointCloud2, f"{name}/outer_ring/vibration", heard_of[name].append, 200)
+            seen[name] += [
+                "-p",
+                f"simulation.seed:={box}",
+                "-p",
+                f"publishing.frame:=box{box}/outer_ring",
+                "-p",
+                "publishing.block_size:=4096",
+            ]
+        first, second = seen.items()
+        with (
+            node("simulator", first[1], environment(number), tmp_path / "log1"),
+            node("simulator", second[1], environment(number), tmp_path / "log2"),
+        ):
+            heard.until(lambda: all(len(blocks) > 2 for blocks in heard_of.values()), "blocks of both")
+            assert {name: blocks[0].header.frame_id for name, blocks in heard_of.items()} == {
+                "/wagon/box1": "box1/outer_ring",
+                "/wagon/box2": "box2/outer_ring",
+            }
+            assert bytes(heard_of["/wagon/box1"][0].data) != bytes(heard_of["/wagon/box2"][0].data)  # other noise
+            heard.until(
+                lambda: (
+                    {"/wagon/box1/bearing", "/wagon/box2/bearing"} <= {ns + "/" + n for n, ns in heard.node.get_node_names_and_namespaces()}
+                ),
+                "both nodes",
+            )

@@ -1,0 +1,222 @@
+"""What comes over the wire, slow listeners and signals: the bench runs on, and ends when told to."""
+
+from __future__ import annotations
+
+import math
+import re
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+pytest.importorskip("rclpy", reason="the nodes need ROS 2; everything else is tested without")
+
+from ros_bench import PATIENCE, Listener, domain, environment, listener, node
+from test_bench import GARBAGE, parameters, status_of
+
+from dcrb_ros.configuration_file import parameter_fields
+from dcrb_ros.messages import decode_vibration
+from dcrb_ros.recording import Recording
+from dcrb_ros.topics import BENCH_DIAGNOSTICS, VIBRATION
+
+pytestmark = pytest.mark.node
+
+ODD = st.sampled_from([math.nan, math.inf, -math.inf, 5e-324, -0.0, 1e308, -1e308, 1e4, 0.0, 100.0, 0.002])
+NUMBERS = st.one_of(ODD, st.floats(width=64))
+KEYS = st.one_of(st.sampled_from([field.key for field in parameter_fields()]), st.text("abc._/ é", min_size=1, max_size=20))
+VALUES = st.one_of(
+    NUMBERS, st.booleans(), st.integers(-(2**63), 2**63 - 1), st.text("row1/ba,5\n", max_size=12), st.lists(NUMBERS, max_size=3)
+)
+ACTIONS = st.lists(
+    st.one_of(
+        st.tuples(st.just("speed"), NUMBERS),
+        st.tuples(st.just("load"), NUMBERS, NUMBERS),
+        st.tuples(st.just("garbage"), st.sampled_from(GARBAGE)),
+        st.tuples(st.just("set"), st.dictionaries(KEYS, VALUES, min_size=1, max_size=3)),
+        st.tuples(st.just("pause"), st.booleans()),
+        st.tuples(st.just("step")),
+        st.tuples(st.just("reset")),
+        st.tuples(st.just("record"), st.booleans()),
+    ),
+    max_size=9,
+)
+
+
+class Wire:
+    """Everything that can be sent to a bench."""
+
+    def __init__(self, heard: Listener) -> None:
+        from geometry_msgs.msg import Wrench
+        from std_msgs.msg import Float64
+
+        self.heard = heard
+        self.refused = {"parameters": 0, "calls": 0}
+        self._speed = heard.node.create_publisher(Float64, "command/speed", 100)
+        self._load = heard.node.create_publisher(Wrench, "command/load", 100)
+        heard.until(lambda: self._speed.get_subscription_count() and self._load.get_subscription_count(), "the simulator")
+
+    def send(self, kind: str, *values: Any) -> None:
+        from geometry_msgs.msg import Wrench
+        from std_msgs.msg import Float64
+        from std_srvs.srv import SetBool, Trigger
+
+        if kind == "speed":
+            self._speed.publish(Float64(data=values[0]))
+        elif kind == "load":
+            wrench = Wrench()
+            wrench.force.x, wrench.force.y = values
+            self._load.publish(wrench)
+        elif kind == "garbage":
+            self._speed.publish(values[0])
+        elif kind == "set":
+            self.refused["parameters"] += not self._set(values[0])
+        else:
+            request = (SetBool, {"data": values[0]}) if values else (Trigger, {})
+            self.refused["calls"] += not self.heard.ask(request[0], kind, **request[1]).success
+
+    def _set(self, values: dict[str, Any]) -> bool:
+        from rcl_interfaces.srv import SetParametersAtomically
+        from rclpy.parameter import Parameter
+
+        kinds = {bool: Parameter.Type.BOOL, int: Parameter.Type.INTEGER, float: Parameter.Type.DOUBLE, str: Parameter.Type.STRING}
+        wanted = [
+            Parameter(key, kinds.get(type(value), Parameter.Type.DOUBLE_ARRAY), value).to_parameter_msg() for key, value in values.items()
+        ]
+        found = self.heard.ask(SetParametersAtomically, "simulator/set_parameters_atomically", parameters=wanted).result
+        assert found.successful or found.reason
+        assert len(found.reason) <= 400
+        return bool(found.successful)
+
+
+def test_bench_runs_on_whatever_comes_over_the_wire(tmp_path: Path) -> None:
+    from std_srvs.srv import SetBool
+
+    number = domain()
+    values = {"recording__path": tmp_path / "bag", "publishing__block_size": 2048, "time_scale": 1.0}
+    with listener(number) as heard, node("simulator", parameters(**values), environment(number), tmp_path / "log") as simulator:
+        heard.until(lambda: heard.heard[VIBRATION], "the first block")
+        wire = Wire(heard)
+
+        @settings(max_examples=25, suppress_health_check=list(HealthCheck), database=None)
+        @given(ACTIONS)
+        def fuzz(actions: list[tuple[Any, ...]]) -> None:
+            for action in actions:
+                wire.send(*action)
+                assert simulator.process.poll() is None, simulator.words
+
+        fuzz()
+        assert heard.ask(SetBool, "pause", data=False).success
+        assert heard.set(time_scale=1.0)[0]
+        blocks = len(heard.heard[VIBRATION])
+        heard.until(lambda: len(heard.heard[VIBRATION]) > blocks + 10, "blocks after the storm")
+        reports = len(heard.heard[BENCH_DIAGNOSTICS])
+        heard.until(lambda: len(heard.heard[BENCH_DIAGNOSTICS]) > reports + 1, "a new report")
+        said = status_of(heard)
+        assert said["model"] == "running"
+        assert {key: int(said[f"rejected_{key}"]) for key in wire.refused} == wire.refused
+        assert "Traceback" not in simulator.words
+        assert "a callback failed" not in simulator.words
+        assert simulator.words.count("[WARN]") <= 20  # each kind at its first, tenth and hundredth refusal
+        assert simulator.end(signal.SIGINT) == 0, simulator.words
+    for bag in tmp_path.glob("bag*"):
+        recording = Recording(bag)
+        stamps = [message.time_ns for message in recording.messages((VIBRATION,))]
+        assert recording.complete
+        assert stamps == sorted(stamps)
+
+
+def test_a_refusal_is_explained_once_not_a_thousand_times(tmp_path: Path) -> None:
+    number = domain()
+    with listener(number) as heard, node("simulator", parameters(), environment(number), tmp_path / "log") as simulator:
+        heard.until(lambda: heard.heard[VIBRATION], "the first block")
+        wire = Wire(heard)
+        for count in range(1000):
+            wire.send("speed", math.nan)
+            if count % 5 == 4:
+                heard.executor.spin_once(timeout_sec=0.01)
+        # Its queue is short, so a flood loses some.
+        heard.until(lambda: int(status_of(heard).get("rejected_commands", "0")) >= 200, "the count")
+        assert 1 <= simulator.words.count("is refused") <= 4
+        assert heard.heard[VIBRATION]
+
+
+def test_a_slow_listener_does_not_slow_the_bench(tmp_path: Path) -> None:
+    number = domain()
+    code = (
+        "import rclpy; from sensor_msgs.msg import PointCloud2\n"
+        "rclpy.init(); n = rclpy.create_node('slow', namespace='dcrb')\n"
+        "n.create_subscription(PointCloud2, 'outer_ring/vibration', lambda m: print('heard', flush=True), 200)\n"
+        "rclpy.spin(n)"
+    )
+    slow = subprocess.Popen([sys.executable, "-c", code], env=environment(number), stdout=subprocess.PIPE, text=True)
+    try:
+        with listener(number) as heard, node("simulator", parameters(), environment(number), tmp_path / "log"):
+            assert slow.stdout is not None
+            assert slow.stdout.readline() == "heard\n"
+            slow.send_signal(signal.SIGSTOP)  # it is connected, acknowledges nothing and empties nothing
+            heard.until(lambda: len(heard.heard[BENCH_DIAGNOSTICS]) >= 2, "reports")
+            first = decode_vibration(heard.heard[VIBRATION][-1]).stamp_ns
+            began = time.monotonic()
+            heard.until(
+                lambda: decode_vibration(heard.heard[VIBRATION][-1]).stamp_ns >= first + 6e9, "six seconds, more than its queue holds"
+            )
+            took = time.monotonic() - began
+            indices = [decode_vibration(data).first_index(51200) for data in heard.heard[VIBRATION]]
+            assert np.all(np.diff(indices) == 1024)
+            assert took < 9.0  # real time, and some patience with a busy machine
+    finally:
+        slow.kill()
+        slow.wait(30)
+
+
+@pytest.mark.parametrize("kind", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("values", [{}, {"time_scale": 0.005}, {"time_scale": 0.0}], ids=["running", "in a long wait", "flat out"])
+def test_signals_end_the_node_at_once(kind: signal.Signals, values: dict[str, float], tmp_path: Path) -> None:
+    number, bag = domain(), tmp_path / "bag"
+    given_values = {**values, "recording__path": bag}
+    with listener(number) as heard, node("simulator", parameters(**given_values), environment(number), tmp_path / "log") as simulator:
+        heard.until(lambda: heard.heard[VIBRATION], "the first block")
+        began = time.monotonic()
+        assert simulator.end(kind) == 0, simulator.words
+        took = time.monotonic() - began
+    assert took < 1.0 + 1.0  # a second, and one for a busy machine
+    assert Recording(bag).complete
+
+
+def test_discovery_stays_on_this_machine(tmp_path: Path) -> None:
+    env = environment(domain())
+    del env["ROS_AUTOMATIC_DISCOVERY_RANGE"]
+    code = (
+        "import os, rclpy.node as r; begin = r.Node.__init__\n"
+        "def told(*a, **k): print('range', os.environ.get('ROS_AUTOMATIC_DISCOVERY_RANGE'), flush=True); raise SystemExit(0)\n"
+        "r.Node.__init__ = told\n"
+        "import sys; from dcrb_ros.nodes import {module}; {module}.run([])"
+    )
+    for module in ("simulator", "fault_detector"):
+        for asked, found in ((None, "LOCALHOST"), ("SUBNET", "SUBNET")):
+            wanted = env if asked is None else {**env, "ROS_AUTOMATIC_DISCOVERY_RANGE": asked}
+            done = subprocess.run(
+                [sys.executable, "-c", code.format(module=module)], env=wanted, capture_output=True, text=True, timeout=60, check=False
+            )
+            assert f"range {found}" in done.stdout, done.stderr
+
+
+def test_the_example_turns_blocks_into_numpy(tmp_path: Path) -> None:
+    number, example = domain(), Path(__file__).parents[2] / "examples" / "subscriber.py"
+    with listener(number) as heard, node("simulator", parameters(), environment(number), tmp_path / "log"):
+        heard.until(lambda: heard.heard[VIBRATION], "a block")
+        subscriber = subprocess.Popen([sys.executable, str(example)], env=environment(number), stdout=subprocess.PIPE, text=True)
+        try:
+            assert subscriber.stdout is not None
+            assert re.fullmatch(r" *\d+\.\d{3} s  1024 samples  rms +\d+\.\d m/s\^2\n", subscriber.stdout.readline())
+            subscriber.send_signal(signal.SIGINT)
+            assert subscriber.wait(PATIENCE) == 0
+        finally:
+            subscriber.kill()

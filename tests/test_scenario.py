@@ -1,0 +1,157 @@
+"""Scenarios: timelines in simulated time, exact to the step, refused with a sentence."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+import yaml
+
+from dcrb_ros.block import Block, Truth
+from dcrb_ros.configuration import Configuration
+from dcrb_ros.refusal import Refusal
+from dcrb_ros.scenario import first_step, read_scenario, timeline
+from dcrb_ros.simulation import Simulation
+
+STORY = """
+timeline:
+  - at: 0.0301
+    set: {operating.speed: 120.0, operating.load: 80000.0}
+  - at: 0.05
+    set:
+      faults:
+        outer_1: {width: 0.001, row: 1}
+  - at: 0.06
+    over: 0.2
+    set: {faults.outer_1.width: 0.003}
+  - at: 0.1
+    set: {faults.broken_bars: row2/bar3, sensor.noise_density: 0.05}
+  - at: 0.3
+    set: {faults.outer_1.width: 0.0}
+"""
+
+
+def run(block_size: int, tmp_path: Path) -> list[Block]:
+    path = tmp_path / "story.yaml"
+    path.write_text(STORY)
+    configuration = Configuration.model_validate({"publishing": {"block_size": block_size}})
+    return list(Simulation(configuration, read_scenario(path, configuration)).blocks(0.4))
+
+
+def samples(blocks: list[Block]) -> npt.NDArray[np.float32]:
+    return np.concatenate([np.column_stack([block.acceleration, block.shaft_angle]) for block in blocks])
+
+
+def truths(blocks: list[Block]) -> list[Truth]:
+    return [truth for block in blocks for truth in block.truths]
+
+
+def test_a_scenario_is_exact_whatever_the_block_size(tmp_path: Path) -> None:
+    one, other = run(1024, tmp_path), run(700, tmp_path)
+    assert np.array_equal(samples(one), samples(other))
+    assert truths(one) == truths(other)
+    said = {truth.time_ns: truth for truth in truths(one) if truth.changed.startswith("scenario: ")}
+    # The first step at or after the time; a step takes 1/102400 s.
+    assert list(said) == [-(-t * 102400 // 10**4) * 10**9 // 102400 for t in (301, 500, 1000, 1100, 2600, 3000)]
+    assert said[50_000_000].faults["outer_1"] == {"width": 0.001, "depth": 0.0003, "row": 1, "azimuth": 0.0, "onset": 0.05}
+    assert said[260_000_000].faults["outer_1"]["width"] == 0.003
+    assert said[260_000_000].faults["outer_1"]["onset"] == 0.05
+    assert set(said[300_000_000].faults) == {"broken_bars.row2/bar3"}
+    growing = [truth.faults["outer_1"]["width"] for truth in truths(one) if 0.055e9 < truth.time_ns < 0.3e9 and not truth.changed]
+    assert growing == sorted(growing)
+    assert truths(one)[-1].speed == pytest.approx(120.0)
+    assert truths(one)[-1].load[1] == pytest.approx(-80e3)
+
+
+def test_steps_at_or_after_a_time() -> None:
+    assert [first_step(t, 102400) for t in (0.0, 0.1, 1.0, 3600.0, 0.1 + 1e-17)] == [0, 10240, 102400, 368640000, 10240]
+    assert first_step(0.100001, 102400) == 10241
+
+
+@pytest.mark.parametrize(
+    ("tree", "sentence"),
+    [
+        ([], "is not a scenario"),
+        ({"timeline": {}}, "is not a scenario"),
+        ({"timeline": [{"at": 1.0}]}, "entry 1: it must have 'at'"),
+        ({"timeline": [{"at": 1.0, "sett": {}, "set": {"a": 1}}]}, "unknown key 'sett'; did you mean 'set'"),
+        ({"timeline": [{"at": -1.0, "set": {"faults.outer_1.width": 0.001}}]}, r"at = -1.0 is not a simulated time within 0"),
+        ({"timeline": [{"at": float("nan"), "set": {"faults.outer_1.width": 0.001}}]}, r"at = nan is not a simulated time"),
+        ({"timeline": [{"at": "soon", "set": {"faults.outer_1.width": 0.001}}]}, r"at = 'soon' is not a simulated time"),
+        ({"timeline": [{"at": 1.0, "set": {}}]}, "'set' must name parameters"),
+        ({"timeline": [{"at": 1.0, "set": {"faults.outer_1.width": 1.0}}]}, r"at 1 s\): faults.outer_1.width = 1.0 m is outside"),
+        ({"timeline": [{"at": 1.0, "set": {"operating.sped": 1.0}}]}, "did you mean 'operating.speed'"),
+        ({"timeline": [{"at": 1.0, "set": {"bearing.rows": 1}}]}, "bearing.rows is fixed while the bench runs"),
+        ({"timeline": [{"at": 1.0, "set": {"time_scale": 0.0}}]}, "time_scale is no part of a scenario"),
+        ({"timeline": [{"at": 1.0, "over": 1.0, "set": {"operating.speed": 1.0}}]}, "speed_ramp and load_ramp say"),
+        ({"timeline": [{"at": 1.0, "over": 1.0, "set": {"faults.outer_1.row": 1}}]}, "it is no decimal number"),
+        (
+            {
+                "timeline": [
+                    {"at": 1.0, "set": {"faults.outer_1.width": 0.002}},
+                    {"at": 1.0, "over": 4.0, "set": {"faults.outer_1.width": 0.01}},
+                    {"at": 2.0, "set": {"faults.outer_2.width": 0.002, "faults.outer_2.azimuth": 0.04}},
+                ]
+            },
+            r"at 5 s\): faults.outer_2 overlaps",
+        ),
+        (
+            {"timeline": [{"at": 2.0, "set": {"faults.broken_bars": ""}}, {"at": 1.0, "set": {"faults.broken_bars": "row1/bar2"}}]},
+            "does not heal",
+        ),
+    ],
+)
+def test_bad_scenarios_are_refused(tree: Any, sentence: str) -> None:
+    with pytest.raises(Refusal, match=sentence):
+        timeline(tree, Configuration(), "story.yaml")
+
+
+@pytest.mark.parametrize("text", ["timeline: [", "\x00", "timeline:\n - at: 1\n   at: 2\n"])
+def test_files_that_are_no_yaml_are_refused(text: str, tmp_path: Path) -> None:
+    path = tmp_path / "story.yaml"
+    path.write_text(text)
+    with pytest.raises(Refusal, match="is not valid YAML"):
+        read_scenario(path, Configuration())
+
+
+def test_a_live_change_can_forbid_an_event() -> None:
+    configuration = Configuration()
+    events = timeline(yaml.safe_load("timeline: [{at: 0.03, set: {faults.outer_1.width: 0.002}}]"), configuration, "story.yaml")
+    simulation = Simulation(configuration, events)
+    simulation.change({"faults.outer_2.width": 0.002})
+    said = [truth.changed for truth in truths(list(simulation.blocks(0.1))) if truth.changed]
+    assert said[-1].startswith("refused: scenario: faults.outer_1.width = 0.002: ")
+    assert set(simulation.configuration.faults.described()) == {"outer_2"}
+
+
+def test_the_shipped_scenario_is_found_by_name() -> None:
+    events = read_scenario(Path("growing_spall"), Configuration())
+    assert events[-1].words == "scenario: faults.broken_bars = 'row2/bar3'"
+    with pytest.raises(Refusal, match=r"there is no scenario 'growing_spal': .* did you mean 'growing_spall'\?"):
+        read_scenario(Path("growing_spal"), Configuration())
+
+
+def test_simulate_takes_a_scenario(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    from dcrb_ros.cli.app import main
+    from dcrb_ros.messages import decode_truth
+    from dcrb_ros.recording import Recording
+    from dcrb_ros.topics import GROUND_TRUTH
+
+    def dcrb(*words: str) -> int:
+        monkeypatch.setattr("sys.argv", ["dcrb", *words])
+        with pytest.raises(SystemExit) as end:
+            main()
+        return int(str(end.value.code or 0))
+
+    story = tmp_path / "story.yaml"
+    story.write_text(STORY)
+    assert dcrb("simulate", "healthy", "--scenario", str(story), "--duration", "0.2", "-o", str(tmp_path / "bag")) == 0
+    last = [decode_truth(message.data) for message in Recording(tmp_path / "bag").messages((GROUND_TRUTH,))][-1]
+    assert set(last.faults) == {"outer_1", "broken_bars.row2/bar3"}
+    story.write_text("timeline: [{at: 1.0, set: {bearing.rows: 1}}]")
+    assert dcrb("simulate", "healthy", "--scenario", str(story), "-o", str(tmp_path / "none")) == 2
+    assert "bearing.rows is fixed while the bench runs" in capsys.readouterr().err
+    assert not (tmp_path / "none").exists()
