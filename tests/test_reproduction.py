@@ -17,6 +17,7 @@ from dcrb_ros.manifest import model_fingerprint
 from dcrb_ros.recording import Recording
 from dcrb_ros.refusal import Refusal
 from dcrb_ros.reproduction import NotReproduced, Reproduction, recorded_samples
+from dcrb_ros.scenario import timeline
 from dcrb_ros.simulation import Simulation
 from dcrb_ros.sinks.recorder import Recorder
 
@@ -72,6 +73,22 @@ def test_the_same_samples_come_out_again(bag: Path, tmp_path: Path) -> None:
     old, new = Recording(bag), Recording(tmp_path / "again")
     assert [(m.topic, m.time_ns, m.data) for m in old.messages()] == [(m.topic, m.time_ns, m.data) for m in new.messages()]
     assert old.commands() == new.commands()
+
+
+def test_scenario_and_changes_while_it_runs_come_out_again(tmp_path: Path) -> None:
+    story = {"timeline": [{"at": 0.05, "over": 0.1, "set": {"faults.outer_1.width": 0.002}}]}
+    configuration = Configuration.model_validate({"faults": {"outer_1": {"width": 0.0005}}})
+    simulation = Simulation(configuration, timeline(story, configuration, "story"))
+    with Recorder(tmp_path / "run", configuration, simulation.layout, scenario=story) as recorder:
+        for number, block in enumerate(simulation.blocks(0.4)):
+            recorder.write(block)
+            if number == 6:
+                simulation.change({"faults.broken_bars": "row1/bar3", "sensor.noise_density": 0.01})
+    words = [command.words for command in Recording(tmp_path / "run").commands()]
+    assert words == ["faults.broken_bars = 'row1/bar3', sensor.noise_density = 0.01"]
+    done = dcrb("simulate", "--from", str(tmp_path / "run"))
+    assert done.returncode == 0, done.stderr
+    assert "the same 20480 samples" in done.stdout
 
 
 def test_a_cut_off_run_is_made_again_too(bag: Path, tmp_path: Path) -> None:
