@@ -10,10 +10,14 @@ Item = TypeVar("Item")
 
 
 def ahead(items: Iterator[Item]) -> Iterator[Item]:
-    """Yield ``items``; a thread makes the next one meanwhile, which pays where that lets go of the interpreter's lock."""
+    """Yield ``items``; a thread makes the next one meanwhile, which pays where that lets go of the interpreter's lock.
+
+    The first is made in the caller's own thread, where a compilation can be interrupted.
+    """
     end = object()
+    item = next(items, end)
     with ThreadPoolExecutor(1) as thread:
-        coming = thread.submit(next, items, end)
-        while (item := coming.result()) is not end:
+        while item is not end:
             coming = thread.submit(next, items, end)
             yield item  # type: ignore[misc]
+            item = coming.result()

@@ -1,0 +1,60 @@
+"""Items made ahead of their use."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Iterator
+
+import pytest
+
+from dcrb_ros.ahead import ahead
+
+
+def test_all_items_come_in_their_order() -> None:
+    assert list(ahead(iter(range(100)))) == list(range(100))
+    assert list(ahead(iter([]))) == []
+
+
+def test_the_next_item_is_made_while_the_last_is_used() -> None:
+    made: list[str] = []
+    ready = threading.Event()
+
+    def items() -> Iterator[int]:
+        for number in range(3):
+            made.append(threading.current_thread().name)
+            if number == 1:
+                ready.set()
+            yield number
+
+    source = ahead(items())
+    assert next(source) == 0
+    assert ready.wait(10.0)
+    assert list(source) == [1, 2]
+    assert made[0] == threading.current_thread().name
+    assert made[1] != made[0]
+
+
+def test_a_failure_comes_at_its_place() -> None:
+    def items() -> Iterator[int]:
+        yield 0
+        raise OSError("no room")
+
+    source = ahead(items())
+    assert next(source) == 0
+    with pytest.raises(OSError, match="no room"):
+        next(source)
+
+
+def test_a_source_left_alone_stops() -> None:
+    count = 0
+
+    def items() -> Iterator[int]:
+        nonlocal count
+        while True:
+            count += 1
+            yield count
+
+    source = ahead(items())
+    next(source)
+    source.close()  # type: ignore[attr-defined]
+    assert count <= 2
