@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-import multiprocessing
 import os
-import signal
 import tempfile
 from collections.abc import Callable, Sequence
-from concurrent.futures import Future, ProcessPoolExecutor, as_completed
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 from dcrb_ros.configuration_file import load_configuration
 from dcrb_ros.refusal import Refusal
-from dcrb_ros.validation.case import BENCH, cases, simulate
+from dcrb_ros.validation.case import BENCH, Run, cases, simulate
 from dcrb_ros.validation.faults import fault_rows
 from dcrb_ros.validation.figures import write_figures
 from dcrb_ros.validation.formulation import Agreement, agreement
@@ -21,6 +19,7 @@ from dcrb_ros.validation.motion import motion_rows
 from dcrb_ros.validation.report import markdown
 from dcrb_ros.validation.rest import WINDOWS, formulation_rows, freedom_rows, frequency_row, static_rows
 from dcrb_ros.validation.row import Row, Runs
+from dcrb_ros.workers import in_processes
 
 REPORT = "report.md"
 
@@ -36,25 +35,16 @@ def compare(name: str) -> Agreement:
 
 def run_all(workers: int, progress: Progress) -> tuple[Runs, dict[str, Agreement]]:
     """Run every case and comparison in processes of their own."""
-    runs, agreements = {}, {}
-    # Spawned: a process forked from one with threads may never start. Ctrl-C is for the parent, which ends its workers.
-    spawning, ignored = multiprocessing.get_context("spawn"), (signal.SIGINT, signal.SIG_IGN)
-    with ProcessPoolExecutor(workers, mp_context=spawning, initializer=signal.signal, initargs=ignored) as pool:
-        jobs: dict[Future[Any], tuple[str, str]] = {pool.submit(compare, name): (name, "") for name in WINDOWS}
-        jobs.update({pool.submit(simulate, case): case.key for case in cases()})
-        try:
-            for done, job in enumerate(as_completed(jobs), start=1):
-                name, joint = jobs[job]
-                if joint:
-                    runs[name, joint] = job.result()
-                else:
-                    agreements[name] = job.result()
-                progress(done, len(jobs), f"{name} {joint}".strip())
-        except BaseException:
-            pool.shutdown(wait=False, cancel_futures=True)
-            for worker in multiprocessing.active_children():
-                worker.terminate()
-            raise
+    calls: dict[tuple[str, str], Callable[[], Any]] = {(name, ""): partial(compare, name) for name in WINDOWS}
+    calls |= {case.key: partial(simulate, case) for case in cases()}
+    runs: dict[tuple[str, str], Run] = {}
+    agreements: dict[str, Agreement] = {}
+    for done, ((name, joint), result) in enumerate(in_processes(calls, workers), start=1):
+        if joint:
+            runs[name, joint] = result
+        else:
+            agreements[name] = result
+        progress(done, len(calls), f"{name} {joint}".strip())
     return runs, agreements
 
 
