@@ -89,16 +89,14 @@ class Watch:
 class Hands:
     """Somebody who commands the bench at random."""
 
-    def __init__(self, node: Any, chance: random.Random, *, bars: bool) -> None:
+    def __init__(self, node: Any, chance: random.Random) -> None:
         self._chance = chance
         self._speed = node.create_publisher(Float64, "command/speed", 10)
         self._load = node.create_publisher(Wrench, "command/load", 10)
         self._set = node.create_client(SetParametersAtomically, "simulator/set_parameters_atomically")
         self._pause = node.create_client(SetBool, "pause")
         self._bars: list[str] = []
-        self._acts = [self.speed, self.load, self.defect, self.defect, self.sensor, self.nonsense, self.pause]
-        if bars:
-            self._acts.append(self.bar)
+        self._acts = [self.speed, self.load, self.defect, self.defect, self.sensor, self.nonsense, self.pause, self.bar]
         self.acts: Counter[str] = Counter()
 
     def act(self) -> None:
@@ -140,13 +138,13 @@ class Hands:
         self._set.call_async(SetParametersAtomically.Request(parameters=parameters))
 
 
-def run(name: str, scale: float, seconds: float, seed: int, late: int, bars: bool) -> bool:
+def run(name: str, scale: float, seconds: float, seed: int, late: int) -> bool:
     """Run the bench for ``seconds`` [s] of simulated time; print what was found and return whether all held."""
     executor = SingleThreadedExecutor()
     node = rclpy.create_node("soak", namespace=NAMESPACE)
     executor.add_node(node)
     watch, chance = Watch(node), random.Random(seed)
-    hands = Hands(node, chance, bars=bars)
+    hands = Hands(node, chance)
     arguments = ["--duration", repr(seconds), "--ros-args", "-p", f"time_scale:={scale!r}", "-p", "publishing.clock:=true"]
     process = subprocess.Popen([sys.executable, "-m", "dcrb_ros.nodes.simulator", *arguments], stdin=subprocess.DEVNULL)
     due, warm, largest, began, looked = 1.0, 0.0, 0.0, time.monotonic(), 0.0
@@ -194,9 +192,6 @@ def main() -> int:
     parser.add_argument("--real-time", type=float, default=600.0, help="simulated time at time scale 1.0 [s]; 0 for none")
     parser.add_argument("--seed", type=int, default=int(time.time()), help="of the commands; printed, to repeat a run")
     parser.add_argument("--late", type=int, default=0, help="late blocks that are let pass, on a machine that does other things too")
-    parser.add_argument(
-        "--bars", action="store_true", help="break bars too: under a changing speed the model does not outlive that for long"
-    )
     options = parser.parse_args()
     signal.signal(signal.SIGTERM, signal.default_int_handler)  # so that the bench's process is ended too
     stay_on_this_machine()
@@ -204,7 +199,7 @@ def main() -> int:
     rclpy.init(args=[])
     try:
         parts = (("flat out", 0.0, options.flat_out), ("real time", 1.0, options.real_time))
-        found = [run(name, scale, seconds, options.seed, options.late, options.bars) for name, scale, seconds in parts if seconds > 0.0]
+        found = [run(name, scale, seconds, options.seed, options.late) for name, scale, seconds in parts if seconds > 0.0]
     finally:
         rclpy.try_shutdown()
     return 0 if all(found) else 1
