@@ -31,8 +31,8 @@ types: environment ## mypy --strict, on Python 3.11 and later
 architecture: environment ## The import contracts of pyproject.toml
 	$(BIN)/lint-imports --no-logo
 
-unit: environment ## The tests without ROS processes
-	$(BIN)/python -m pytest -m "not node"
+unit: environment ## The tests without ROS processes, file by file on two cores
+	$(BIN)/python -m pytest -m "not node" -n 2 --dist loadfile
 
 kernels: environment ## The laws of the kernels once more, without the compiler
 	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest -m kernel

@@ -65,6 +65,7 @@ setup(
         "test": [
             "pytest>=8,<10",
             "pytest-timeout>=2.3,<3",
+            "pytest-xdist>=3.5,<4",
             "hypothesis>=6.100,<7",
             "mcap-ros2-support>=0.5,<1",
             "import-linter>=2.1,<3",

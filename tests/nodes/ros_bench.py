@@ -108,9 +108,16 @@ class Listener:
         return result.successful, result.reason
 
     def until(self, reached: Callable[[], Any], why: str) -> None:
-        """Listen until something is reached; fail where it is not in time."""
+        """Listen until something is reached; fail where it is not in time. What looks at messages may find none yet."""
+
+        def there() -> bool:
+            try:
+                return bool(reached())
+            except LookupError:
+                return False
+
         end = time.monotonic() + PATIENCE
-        while not reached():
+        while not there():
             assert time.monotonic() < end, (
                 f"waited {PATIENCE} s in vain for {why}; heard { {t.name: len(m) for t, m in self.heard.items()} }"
             )
