@@ -21,6 +21,8 @@ def energy_of_force(payload: Payload, force: Floats, scale: float) -> Floats:
 
 def energy_of_bars(payload: Payload, state: State) -> float:
     """Return the energy of the contacts of free rollers with their bars, where they stand [J]."""
+    if not payload.any_free:
+        return 0.0
     cosine, sine = np.cos(state.cage_position[:, 2, None]), np.sin(state.cage_position[:, 2, None])
     px, py = payload.pocket_tangent[..., 0], payload.pocket_tangent[..., 1]
     arm = state.roller_position[..., :2] - state.cage_position[:, None, :2]
