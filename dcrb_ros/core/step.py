@@ -28,7 +28,7 @@ MOST_SWEEPS = 6
 STILL = 3e8
 """Square of an angular frequency [rad^2/s^2]: a pass that changes no mean velocity of rings and cages by more than STILL h^2 times
 the rings' change over the step needs no further one. What is left is a hundredth of it, and the order stays two."""
-QUIET = 1e10
+QUIET = 2e9
 """The same for rings that hardly move: a change of a mean velocity over the step cubed [m/s^4]."""
 
 
