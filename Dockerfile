@@ -15,6 +15,6 @@ RUN python3 -m pip install --no-cache-dir --break-system-packages --ignore-insta
 
 COPY . src/dcrb_ros
 RUN . /opt/ros/jazzy/setup.sh && colcon build
-RUN echo '. /workspace/install/setup.bash' >> /root/.bashrc \
+RUN echo '. /workspace/install/setup.bash' >> /etc/bash.bashrc \
     && sed --in-place 's|^exec |. /workspace/install/setup.bash\nexec |' /ros_entrypoint.sh
 CMD ["ros2", "launch", "dcrb_ros", "bench.launch.py"]
