@@ -16,6 +16,7 @@ from numba.extending import intrinsic
 
 from dcrb_ros.configuration import Configuration
 from dcrb_ros.configuration_file import load_configuration
+from dcrb_ros.core.bars import keep_lands, touch_cages
 from dcrb_ros.core.bodies import drift, finish_bodies, predict_bodies
 from dcrb_ros.core.jit import loop
 from dcrb_ros.core.payload import Floats, Payload
@@ -23,12 +24,13 @@ from dcrb_ros.core.raceway import turn_notches
 from dcrb_ros.core.remember import keep_bound
 from dcrb_ros.core.state import State
 from dcrb_ros.core.step import advance, begin, clear, lay_out, roll, solve
-from dcrb_ros.core.touch import draw_contacts, face_raceways, press_raceways
+from dcrb_ros.core.touch import draw_raceways, face_raceways
 from dcrb_ros.core.work import Workspace, workspace
 from dcrb_ros.model import build_payload, initial_state
 
-PHASES = ("geometry", "free rollers", "normal force", "friction", "linear solve", "integration")
-"""Free rollers that are not bound go through all of it in one loop; what follows is for the bound ones, rings and cages."""
+PHASES = ("geometry", "free rollers", "raceways", "bars and lands", "linear solve", "integration")
+"""Free rollers that are not bound go through all of it in one loop; what follows is for the bound ones, rings and cages. Normal force and
+friction at the raceways are one loop, too: apart, they would go through memory twice."""
 SETTLING, DURATION = 0.1, 0.5
 """Simulated time before and of the measurement [s]."""
 BENCHES = ("healthy", "outer_ring_defect", "inner_ring_defect", "cage_fracture")
@@ -64,13 +66,14 @@ def advance_by_phases(payload: Payload, state: State, work: Workspace, steps: in
         t3 = ticks()
         face_raceways(payload, state, work, count)
         t4 = ticks()
-        press_raceways(payload, state, work, count)
+        draw_raceways(payload, state, work, count)
         t5 = ticks()
-        draw_contacts(payload, state, work, count)
+        lands = touch_cages(payload, state, work, count)
         t6 = ticks()
-        solve(payload, state, work, count)
+        solve(payload, state, work, count, lands)
         t7 = ticks()
         keep_bound(payload, state, work, count)
+        keep_lands(payload, state, work, lands)
         finish_bodies(payload, state, work)
         drift(payload, state, 0.5 * payload.step)
         t8 = ticks()

@@ -33,24 +33,56 @@ def pocket_azimuths(bearing: Bearing) -> Floats:
     return pitch * (np.arange(bearing.rollers_per_row)[None, :] + stagger[:, None])
 
 
-def _notches(defects: Iterable[RacewayDefect], raceway_radius: float, fillet: float) -> Notches:
-    """Return the notches of a ring whose edges are rounded over a length ``fillet`` [m] beyond the width."""
+def _bottom(half_angle: float, edge: float, other: float, distance: float, hollow: bool) -> tuple[float, float]:
+    """Return the angle on either side of a notch's middle over which the other body stands on its floor [rad], and by how much the slope
+    of the depth drops at either end of that [m/rad].
+
+    ``edge`` is the radius on which the notch's edges lie, ``other`` the other body's [m]; ``distance`` [m] is that of the centres with the
+    floor in contact. ``hollow`` says that the other body is a raceway about the notched one.
+    """
+    squares = other**2 - edge**2 - distance**2 if hollow else distance**2 + edge**2 - other**2
+    cosine = squares / (2.0 * distance * edge)
+    inside = math.acos(cosine) if cosine > math.cos(half_angle) else half_angle
+    sine, cosine = edge * math.sin(inside), edge * math.cos(inside)
+    bend = sine * cosine / math.sqrt(other**2 - sine**2)
+    return half_angle - inside, abs(bend - sine if hollow or distance < edge else bend + sine)
+
+
+def _notches(defects: Iterable[RacewayDefect], raceway: float, roller: float, side: float, fillet: float) -> Notches:
+    """Return the notches of a ring whose edges are rounded over a length ``fillet`` [m] beyond the width.
+
+    ``side`` is 1 at the inner ring, -1 at the outer.
+    """
     found = list(defects)
+    half = np.array([0.5 * defect.width / raceway for defect in found], np.float64)
+    floor = [raceway + side * (roller - defect.depth) for defect in found]
+    bottom = np.array([_bottom(angle, raceway, roller, at, False) for angle, at in zip(half, floor, strict=True)]).reshape(-1, 2)
     return Notches(
         row=np.array([defect.row - 1 for defect in found], np.int64),
-        half_angle=np.array([0.5 * defect.width / raceway_radius for defect in found], np.float64),
-        nearness=np.cos(np.array([(0.5 * defect.width + fillet) / raceway_radius for defect in found], np.float64)),
+        half_angle=half,
+        nearness=np.cos(np.array([(0.5 * defect.width + fillet) / raceway for defect in found], np.float64)),
+        flat=bottom[:, 0].copy(),
+        kink=bottom[:, 1].copy(),
         depth=np.array([defect.depth for defect in found], np.float64),
         azimuth=np.array([defect.azimuth for defect in found], np.float64),
     )
 
 
-def _roller_notches(defects: Iterable[RollerDefect], roller_radius: float) -> RollerNotches:
+def _roller_notches(defects: Iterable[RollerDefect], roller: float, inner: float, outer: float) -> RollerNotches:
+    """Return the notches of rollers; ``inner`` and ``outer`` are the raceways' radii [m]."""
     found = list(defects)
+    half = np.array([0.5 * defect.width / roller for defect in found], np.float64)
+    on_inner = [_bottom(at, roller, inner, inner + roller - defect.depth, False) for at, defect in zip(half, found, strict=True)]
+    on_outer = [_bottom(at, roller, outer, outer - roller + defect.depth, True) for at, defect in zip(half, found, strict=True)]
+    bottoms = np.array([on_inner, on_outer]).reshape(2, -1, 2)
     return RollerNotches(
         row=np.array([defect.row - 1 for defect in found], np.int64),
         roller=np.array([defect.roller - 1 for defect in found], np.int64),
-        half_angle=np.array([0.5 * defect.width / roller_radius for defect in found], np.float64),
+        half_angle=half,
+        inner_flat=bottoms[0, :, 0].copy(),
+        outer_flat=bottoms[1, :, 0].copy(),
+        inner_kink=bottoms[0, :, 1].copy(),
+        outer_kink=bottoms[1, :, 1].copy(),
         depth=np.array([defect.depth for defect in found], np.float64),
         azimuth=np.array([defect.azimuth for defect in found], np.float64),
     )
@@ -144,9 +176,15 @@ def build_payload(configuration: Configuration) -> Payload:
         outer_width=width / (1.0 / b.roller_radius - 1.0 / b.outer_raceway_radius),
         notch_law={"sink": SINK, "edge": EDGE}[c.contact.notch],
         edge_radius=c.contact.edge_radius,
-        inner_notches=_notches((defect for _, defect in c.faults.raceway_defects("inner")), b.inner_raceway_radius, fillet),
-        outer_notches=_notches((defect for _, defect in c.faults.raceway_defects("outer")), b.outer_raceway_radius, fillet),
-        roller_notches=_roller_notches((defect for _, defect in c.faults.roller_defects()), b.roller_radius),
+        inner_notches=_notches(
+            (defect for _, defect in c.faults.raceway_defects("inner")), b.inner_raceway_radius, b.roller_radius, 1.0, fillet
+        ),
+        outer_notches=_notches(
+            (defect for _, defect in c.faults.raceway_defects("outer")), b.outer_raceway_radius, b.roller_radius, -1.0, fillet
+        ),
+        roller_notches=_roller_notches(
+            (defect for _, defect in c.faults.roller_defects()), b.roller_radius, b.inner_raceway_radius, b.outer_raceway_radius
+        ),
         pocket_clearance=c.cage.pocket_clearance,
         bar_coefficient=bar[0],
         bar_exponent=bar[1],

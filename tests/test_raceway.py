@@ -12,11 +12,11 @@ from hypothesis import strategies as st
 from dcrb_ros.configuration import Configuration
 from dcrb_ros.core import lanes as at
 from dcrb_ros.core.contact import johnson_force
-from dcrb_ros.core.jit import loop
+from dcrb_ros.core.jit import kernel, loop
 from dcrb_ros.core.payload import Payload, RollerNotches
-from dcrb_ros.core.raceway import inner_notch_depth, outer_notch_depth, roller_sink, turn_notches
+from dcrb_ros.core.raceway import inner_notch_depth, outer_notch_depth, passed, roller_notch_depth, roller_sink, turn_notches
 from dcrb_ros.core.state import State, empty_state
-from dcrb_ros.core.touch import face_raceways, press_raceways
+from dcrb_ros.core.touch import draw_raceways, face_raceways
 from dcrb_ros.core.work import Workspace, workspace
 from dcrb_ros.model import build_payload
 from dcrb_ros.parameters import Bearing
@@ -33,13 +33,13 @@ UNBOUNDED = 1.0
     ("width", "inner", "outer"), [(1e-3, 9.9e-6, 7.2e-6), (2e-3, 39.7e-6, 28.8e-6), (3e-3, 89.4e-6, 64.9e-6), (5e-3, 249e-6, 181e-6)]
 )
 def test_sink_depth(width: float, inner: float, outer: float) -> None:
-    assert inner_notch_depth(0.5 * width / R_I, UNBOUNDED, R_I, R_R)[0] == pytest.approx(inner, rel=0.008)
-    assert outer_notch_depth(0.5 * width / R_O, UNBOUNDED, R_O, R_R)[0] == pytest.approx(outer, rel=0.008)
+    assert inner_notch_depth(0.5 * width / R_I, UNBOUNDED, R_I, R_R) == pytest.approx(inner, rel=0.008)
+    assert outer_notch_depth(0.5 * width / R_O, UNBOUNDED, R_O, R_R) == pytest.approx(outer, rel=0.008)
 
 
 def test_depth_is_bounded_by_the_notch() -> None:
-    assert inner_notch_depth(0.03, 1e-4, R_I, R_R) == (1e-4, 0.0)
-    assert outer_notch_depth(0.03, 1e-4, R_O, R_R) == (1e-4, 0.0)
+    assert inner_notch_depth(0.03, 1e-4, R_I, R_R) == 1e-4
+    assert outer_notch_depth(0.03, 1e-4, R_O, R_R) == 1e-4
 
 
 def under(width: float, azimuth: float, ring: str, **contact: object) -> Payload:
@@ -52,11 +52,12 @@ def under(width: float, azimuth: float, ring: str, **contact: object) -> Payload
 def touch_one(payload: Payload, state: State, work: Workspace) -> None:
     """Write the first roller's contacts with both raceways."""
     face_raceways(payload, state, work, 1)
-    press_raceways(payload, state, work, 1)
+    draw_raceways(payload, state, work, 1)
 
 
-def touch(payload: Payload, inner: bool, azimuth: float, pressed: float, turn: float = 0.0) -> tuple[float, float, float, float, float]:
-    """Return force, stiffness, normal and sink speed (at 1 rad/s) of a roller at an azimuth, pressed in by ``pressed`` [m]."""
+def touch(payload: Payload, inner: bool, azimuth: float, pressed: float, turn: float = 0.0) -> tuple[float, float, float, float]:
+    """Return force without loss, normal and sink speed (at 1 rad/s) of a roller at an azimuth, pressed in by ``pressed`` [m]."""
+    payload = payload._replace(loss_time=0.0, contact_damping=0.0)
     state, work = empty_state(*payload.free.shape), workspace(payload)
     turn_notches(payload.inner_notches, turn, work.inner_towards)
     turn_notches(payload.outer_notches, turn, work.outer_towards)
@@ -66,18 +67,18 @@ def touch(payload: Payload, inner: bool, azimuth: float, pressed: float, turn: f
     lanes[at.PLACE_X], lanes[at.PLACE_Y] = distance * math.sin(azimuth), -distance * math.cos(azimuth)
     lanes[at.COMING_X], lanes[at.COMING_Y] = distance * math.cos(azimuth), distance * math.sin(azimuth)
     touch_one(payload, state, work)
-    force, stiffness, nx, ny, sink = (float(lanes[block + field]) for field in (at.FORCE, at.STIFFNESS, at.NORMAL_X, at.NORMAL_Y, at.SINK))
-    return force, stiffness, nx, ny, sink
+    force, nx, ny, sink = (float(lanes[block + field]) for field in (at.KNOWN, at.NORMAL_X, at.NORMAL_Y, at.SINK))
+    return force, nx, ny, sink
 
 
 @given(st.floats(-3.0, 3.0), st.floats(-0.02, 0.02), st.floats(-10.0, 10.0))
 def test_depth_seen_under_a_turned_ring(azimuth: float, offset: float, turn: float) -> None:
     width = 2e-3
-    force, _, _, _, sink_speed = touch(under(width, azimuth, "inner"), True, azimuth + turn + offset, 1e-4, turn)
+    force, _, _, sink_speed = touch(under(width, azimuth, "inner"), True, azimuth + turn + offset, 1e-4, turn)
     edge = 0.5 * width / R_I - abs(offset)
-    depth = inner_notch_depth(edge, 3e-4, R_I, R_R)[0] if edge > 0.0 else 0.0
+    depth = inner_notch_depth(edge, 3e-4, R_I, R_R) if edge > 0.0 else 0.0
     payload = under(width, azimuth, "inner")
-    assert force == pytest.approx(johnson_force(1e-4 - depth, payload.contact_modulus, payload.inner_scale)[0], rel=1e-6)
+    assert force == pytest.approx(johnson_force(1e-4 - depth, payload.contact_modulus, payload.inner_scale)[0], rel=5e-4)  # 10 urad a step
     assert sink_speed * offset <= 1e-12  # deeper towards the middle
 
 
@@ -86,8 +87,8 @@ def test_sink_speed_is_the_derivative_of_the_depth(ring: str, raceway: float) ->
     payload, inner = under(3e-3, 0.3, ring), ring == "inner"
     depth_at = inner_notch_depth if inner else outer_notch_depth
     here, step = 0.004, 1e-7
-    low, high = (depth_at(1.5e-3 / raceway - offset, 1.0, raceway, R_R)[0] for offset in (here - step, here + step))
-    assert touch(payload, inner, 0.3 + here, 1e-4)[4] == pytest.approx((high - low) / (2.0 * step), rel=1e-5)
+    low, high = (depth_at(1.5e-3 / raceway - offset, 1.0, raceway, R_R) for offset in (here - step, here + step))
+    assert touch(payload, inner, 0.3 + here, 1e-4)[3] == pytest.approx((high - low) / (2.0 * step), rel=1e-5)
 
 
 def test_notch_of_one_row_leaves_the_other() -> None:
@@ -98,17 +99,49 @@ def test_notch_of_one_row_leaves_the_other() -> None:
 
 @pytest.mark.parametrize("inner", [True, False])
 def test_notch_of_a_roller_turns_with_it(inner: bool) -> None:
-    notches = RollerNotches(np.array([0]), np.array([3]), np.array([0.05]), np.array([3e-4]), np.array([0.0]))
+    none = np.zeros(1)
+    notches = RollerNotches(np.array([0]), np.array([3]), np.array([0.05]), none, none, none, none, np.array([3e-4]), np.array([0.0]))
     raceway = R_I if inner else R_O
-    depth, _ = roller_sink(notches, 0, 3, 0.0, -1.0, 0.0, raceway, R_R, inner)
+    depth, _ = roller_sink(notches, 0, 3, 0.0, -1.0, 0.0, 1e-4, raceway, R_R, inner)
     # The edges' chord on a raceway of radius r: R (1 - cos a) less or more the raceway's own sagitta.
     bulge = math.sqrt(raceway**2 - (R_R * math.sin(0.05)) ** 2) - raceway
     assert depth == pytest.approx(R_R * (1.0 - math.cos(0.05)) + (-bulge if inner else bulge), rel=1e-9)
-    assert roller_sink(notches, 0, 3, 0.0, -1.0, math.pi, raceway, R_R, inner) == (0.0, 0.0)
-    assert roller_sink(notches, 0, 4, 0.0, -1.0, 0.0, raceway, R_R, inner) == (0.0, 0.0)
-    aside = roller_sink(notches, 0, 3, math.sin(2.03), -math.cos(2.03), 2.0, raceway, R_R, inner)
+    assert roller_sink(notches, 0, 3, 0.0, -1.0, math.pi, 1e-4, raceway, R_R, inner) == (0.0, 0.0)
+    assert roller_sink(notches, 0, 4, 0.0, -1.0, 0.0, 1e-4, raceway, R_R, inner) == (0.0, 0.0)
+    aside = roller_sink(notches, 0, 3, math.sin(2.03), -math.cos(2.03), 2.0, 1e-4, raceway, R_R, inner)
     assert 0.0 < aside[0] < depth
     assert aside[1] < 0.0  # shallower further from the middle
+
+
+NOTCH_KINDS = [("inner", 2e-3), ("inner", 8e-3), ("outer", 2e-3), ("outer", 5e-3), ("roller on inner", 3e-3), ("roller on outer", 8e-3)]
+
+
+@kernel
+def depth_in(edge: float, depth: float, inner: bool, own: bool) -> float:
+    """Return the depth [m] of one of the four kinds of notch at an angle inside the nearer edge [rad]."""
+    if own:
+        return roller_notch_depth(edge, depth, R_I if inner else R_O, R_R, inner)
+    return inner_notch_depth(edge, depth, R_I, R_R) if inner else outer_notch_depth(edge, depth, R_O, R_R)
+
+
+@pytest.mark.parametrize(("kind", "width"), NOTCH_KINDS)
+@given(share=st.floats(-1.2, 1.2), way=st.floats(1e-4, 3e-3))
+def test_depth_for_a_step_is_the_weighted_mean_about_it(kind: str, width: float, share: float, way: float) -> None:
+    # Against a fine sum over a step before and after, with weights that fall to zero there; the fault's kinks lie anywhere in it.
+    own, inner = kind.startswith("roller"), kind.endswith("inner")
+    fault = {"roller_1": {"roller": 1, "width": width, "depth": 1.5e-4}} if own else {f"{kind}_1": {"width": width, "depth": 1.5e-4}}
+    payload = build_payload(Configuration.model_validate({"faults": fault}))
+    rings, rollers = payload.inner_notches if inner else payload.outer_notches, payload.roller_notches
+    flat, kink = (rollers.inner_flat, rollers.inner_kink) if inner else (rollers.outer_flat, rollers.outer_kink)
+    half, flat, kink = (rollers.half_angle, flat, kink) if own else (rings.half_angle, rings.flat, rings.kink)
+    offset = share * (flat[0] + way)
+    found, change = passed(offset, way, half[0], flat[0], kink[0], 1.5e-4, R_I if inner else R_O, R_R, inner, own)
+    places, weights = offset + way * np.linspace(-1.0, 1.0, 401), 1.0 - np.abs(np.linspace(-1.0, 1.0, 401))
+    depths = np.array([depth_in(max(half[0] - abs(at), 0.0), 1.5e-4, inner, own) for at in places])
+    edges, other = (R_R, R_I if inner else R_O) if own else (R_I if inner else R_O, R_R)
+    curvature = edges * (edges / other + 1.0)
+    assert found == pytest.approx(float(depths @ weights / weights.sum()), abs=0.12 * curvature * way**2 + 1e-9)  # which is left out
+    assert change == pytest.approx(float(depths[300] - depths[100]), abs=1e-9)
 
 
 @given(st.floats(-0.05, 0.05), st.floats(2e-6, 6e-5), st.sampled_from(["inner", "outer"]))
@@ -117,11 +150,11 @@ def test_edges_have_a_potential(offset: float, pressed: float, ring: str) -> Non
     inner = ring == "inner"
     payload = under(2e-3, 0.0, ring, notch="edge", edge_radius=2e-4)
     smooth = touch(build_payload(Configuration()), inner, offset, pressed)
-    force, _, nx, ny, _ = touch(payload, inner, offset, pressed)
+    force, nx, ny, _ = touch(payload, inner, offset, pressed)
     assert force <= smooth[0] * (1.0 + 1e-9)
     half = 0.5e-3 * 2.0 / (R_I if inner else R_O)
     if abs(offset) > half + 2e-4 / (R_I if inner else R_O) * 1.01:
-        assert (force, nx, ny) == pytest.approx((smooth[0], smooth[2], smooth[3]))
+        assert (force, nx, ny) == pytest.approx(smooth[:3])
 
 
 @pytest.mark.parametrize("ring", ["inner", "outer"])
@@ -130,7 +163,7 @@ def test_edge_normal_leans_out_of_the_notch(ring: str) -> None:
     payload = under(2e-3, 0.0, ring, notch="edge", edge_radius=1e-4)
     raceway = R_I if inner else R_O
     offset = 0.6e-3 / raceway  # within the notch, nearer to the edge ahead
-    force, _, nx, ny, _ = touch(payload, inner, offset, 4e-5)
+    force, nx, ny, _ = touch(payload, inner, offset, 4e-5)
     along = nx * math.cos(offset) + ny * math.sin(offset)  # of the normal from ring to roller at the inner ring
     assert force > 0.0
     assert (along if inner else -along) < 0.0  # the edge ahead pushes the roller back into the notch

@@ -112,26 +112,43 @@ def meet(payload: Payload, lanes: Floats, found: int) -> None:
 
 
 @piece
-def press_lands(payload: Payload, state: State, work: Workspace, lands: int) -> None:
-    """Add what the cages and the outer ring's lands do to each other to the forces on both."""
+def land_force(lanes: Floats, mean: Floats, c: int, row: int) -> tuple[float, float]:
+    """Return normal force of a cage's contact with its land at the present mean velocities [N], and its speed of penetration [m/s]."""
+    vx, vy = mean[CAGE + row, 0] - mean[OUTER, 0], mean[CAGE + row, 1] - mean[OUTER, 1]
+    rate = vx * lanes[at.TOWARDS_X + c] + vy * lanes[at.TOWARDS_Y + c]
+    return max(lanes[at.ELASTIC + c] + lanes[at.YIELD + c] * (rate - lanes[at.CLOSING + c]) + lanes[at.LOSING + c] * rate, 0.0), rate
+
+
+@piece
+def push_lands(payload: Payload, work: Workspace, lands: int) -> None:
+    """Add what the cages and the outer ring's lands do to each other at the present mean velocities to the forces on both."""
     lanes = work.conformal
     for c in range(lands):
         row = work.touched[c]
-        rate, slip, damping = lanes[at.CLOSING + c], lanes[at.SLIDING + c], lanes[at.LOSING + c]
-        normal = lanes[at.ELASTIC + c] + damping * rate
-        friction = normal * (lanes[at.HOLD + c] + lanes[at.HOLD_SLOPE + c] * slip)
+        normal, _ = land_force(lanes, work.mean, c, row)
+        friction = normal * (lanes[at.HOLD + c] + lanes[at.HOLD_SLOPE + c] * lanes[at.SLIDING + c])
         nx, ny = lanes[at.TOWARDS_X + c], lanes[at.TOWARDS_Y + c]
         fx, fy = -normal * nx + friction * ny, -normal * ny - friction * nx
-        work.loose[CAGE + row, 0] += fx
-        work.loose[CAGE + row, 1] += fy
-        work.loose[CAGE + row, 2] -= payload.land_radius * friction
-        work.loose[OUTER, 0] -= fx
-        work.loose[OUTER, 1] -= fy
-        bent = bristle_after(lanes[at.BENT + c], slip, lanes[at.RELAXATION + c], lanes[at.WEIGHT + c], payload.step)
+        work.tight[CAGE + row, 0] += fx
+        work.tight[CAGE + row, 1] += fy
+        work.tight[CAGE + row, 2] -= payload.land_radius * friction
+        work.tight[OUTER, 0] -= fx
+        work.tight[OUTER, 1] -= fy
+
+
+@piece
+def keep_lands(payload: Payload, state: State, work: Workspace, lands: int) -> None:
+    """Keep what became of the contacts of the cages with their lands."""
+    lanes, h = work.conformal, payload.step
+    for c in range(lands):
+        row = work.touched[c]
+        normal, rate = land_force(lanes, work.mean, c, row)
+        slip = lanes[at.SLIDING + c]
+        bent = bristle_after(lanes[at.BENT + c], slip, lanes[at.RELAXATION + c], lanes[at.WEIGHT + c], h)
         state.land_force[row], state.land_bristle[row] = normal, bent if normal > 0.0 else 0.0
         state.land_impact[row] = lanes[at.CLOSED_AT + c]
-        state.account[FRICTION] += payload.step * friction * slip
-        state.account[LOSS] += payload.step * damping * rate * rate
+        state.account[FRICTION] += h * normal * (lanes[at.HOLD + c] + lanes[at.HOLD_SLOPE + c] * slip) * slip
+        state.account[LOSS] += h * lanes[at.LOSING + c] * rate * rate
 
 
 @piece
@@ -159,8 +176,8 @@ def clear_bars(near: Floats, count: int) -> None:
 
 
 @piece
-def touch_cages(payload: Payload, state: State, work: Workspace, count: int) -> None:
-    """Write the contacts of bound rollers, in ``count`` lanes, with bars, and add those of cages with lands to the forces on both."""
+def touch_cages(payload: Payload, state: State, work: Workspace, count: int) -> int:
+    """Write the contacts of cages with lands and of bound rollers, in ``count`` lanes, with bars; return how many lands are touched."""
     lands = find_lands(payload, state, work)
     found = lands
     if payload.any_free:
@@ -168,5 +185,5 @@ def touch_cages(payload: Payload, state: State, work: Workspace, count: int) -> 
         found = find_bars(payload, state, work, lands)
     if found > 0:
         meet(payload, work.conformal, found)
-        press_lands(payload, state, work, lands)
         draw_bars(work.bound, work.conformal, work.touched, lands, found)
+    return lands

@@ -6,9 +6,9 @@ import math
 
 from dcrb_ros.core import lanes as at
 from dcrb_ros.core.jit import piece
+from dcrb_ros.core.normal import DISPERSION
 from dcrb_ros.core.payload import Payload
 from dcrb_ros.core.state import HOUSING, LOAD, State
-from dcrb_ros.core.touch import DISPERSION
 from dcrb_ros.core.work import CAGE, INNER, OUTER, Workspace
 
 

@@ -40,7 +40,7 @@ def mean_force(first: float, last: float, coefficient: float, exponent: float) -
     """
     deep, deeper = max(first, LEAST_PENETRATION), max(last, LEAST_PENETRATION)
     before, after = coefficient * exponential(exponent * logarithm(deep)), coefficient * exponential(exponent * logarithm(deeper))
-    before, after = before if first > 0.0 else 0.0, after if last > 0.0 else 0.0
+    before, after = before if first > LEAST_PENETRATION else 0.0, after if last > LEAST_PENETRATION else 0.0
     way, share = last - first, 1.0 / (exponent + 1.0)
     still = abs(way) <= FEW * max(deep, deeper)
     by_way = 1.0 / (1.0 if still else way)
@@ -58,7 +58,10 @@ def strike(
     ``begin`` is the penetration at its beginning [m], ``rate`` the speed expected if the force ``known`` [N] of the last step
     went on, ``yielding`` what a force takes off it [m/(N s)]: half the step over the bodies' reduced mass.
     """
-    force, slope = mean_force(begin, begin + step * rate, coefficient, exponent)
-    rate += yielding * (known - force) / (1.0 + yielding * step * slope)
-    force, slope = mean_force(begin, begin + step * rate, coefficient, exponent)
+    expected, force, slope, change = rate, 0.0, 0.0, 0.0
+    # How far it gets hangs on the force, and this on how far: one step of Newton's method.
+    for _ in range(2):
+        rate += change
+        force, slope = mean_force(begin, begin + step * rate, coefficient, exponent)
+        change = (expected - rate + yielding * (known - force)) / (1.0 + yielding * step * slope)
     return force, step * slope, rate

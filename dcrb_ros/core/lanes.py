@@ -104,7 +104,7 @@ for a free roller; what tells how near to closing a contact is; 1 for a bound ro
 momentum without what the bodies touched add to it; how velocity and surface speed yield to momentum, and how they are coupled; powers."""
 
 CONTACT = LANES * ROLLER_FIELDS
-CONTACT_FIELDS = 21
+CONTACT_FIELDS = 20
 (
     NORMAL_X,
     NORMAL_Y,
@@ -113,8 +113,6 @@ CONTACT_FIELDS = 21
     DISTANCE,
     PENETRATION,
     SINK,
-    FORCE,
-    STIFFNESS,
     SURFACE_N,
     BRISTLE,
     PUSH,
@@ -125,15 +123,19 @@ CONTACT_FIELDS = 21
     PHI,
     KNOWN,
     DAMPING,
+    EXPECTED,
     FRICTION,
     SLIP,
 ) = (CONTACT + LANES * field for field in range(CONTACT_FIELDS))
-"""Of a contact: normal; direction from the ring; distance from its centre; penetration; speed at which a notch's floor falls away; elastic
-force and stiffness; surface speed of the ring along the normal; bristle; normal force PUSH +
-GIVE * approach, friction CONSTANT + SLOPE * slip and its bristle's law; normal force known beforehand; damping; friction and
+"""Of a contact: normal; direction from the ring; distance from its centre; penetration; speed at which a notch's floor falls away;
+surface speed of the ring along the normal; bristle; normal force PUSH + GIVE * approach, friction CONSTANT + SLOPE * slip and its
+bristle's law; normal force of the last step, then that expected, then that found; damping; speed of penetration expected; friction and
 slip found."""
 CUT, OVER = COMING_X, COMING_Y
 """Of a roller that is not bound, in the same places: depth of notches under it; 1 where there may be one."""
+CROSSES, LAST_FORCE = OUTER_NEAR, REST_X
+"""Of a bound roller, in the same places, while a raceway's contacts are drawn: 1 where one closes or opens within the step; its force in
+the last step."""
 LEVER_X, LEVER_Y, AHEAD, IMPACT = RADIAL_X, RADIAL_Y, DISTANCE, SINK
 """Of a bar's contact, in the same places: lever from the cage's centre; 1 for the bar ahead of the roller, -1 for the one behind, 0 for
 none in reach; speed at which the contact closed."""

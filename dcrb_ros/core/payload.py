@@ -26,6 +26,10 @@ class Notches(NamedTuple):
     """Half the angular width b/(2 r) [rad]."""
     nearness: Floats
     """Cosine of the angle from the middle at which the notch begins, its edges' fillets included [-]."""
+    flat: Floats
+    """Angle on either side of the middle over which the roller stands on the floor [rad]."""
+    kink: Floats
+    """By how much the slope of the depth drops at either end of that [m/rad]."""
     depth: Floats
     """Depth h [m]."""
     azimuth: Floats
@@ -40,6 +44,13 @@ class RollerNotches(NamedTuple):
     """Row and roller index."""
     half_angle: Floats
     """Half the angular width b/(2 r_R) [rad]."""
+    inner_flat: Floats
+    """Angle on either side of the middle over which the inner raceway reaches the floor [rad]."""
+    outer_flat: Floats
+    """The same of the outer raceway."""
+    inner_kink: Floats
+    """By how much the slope of the depth drops at either end of that [m/rad]."""
+    outer_kink: Floats
     depth: Floats
     """Depth h [m]."""
     azimuth: Floats

@@ -1,7 +1,8 @@
 """The rollers at the middle of a step: where they are, how they are expected to move, and which are bound.
 
 A roller is bound when what it does to rings and cage must be solved for together with them: it is pinned and touches a raceway, it touches
-the inner ring or a bar, or it lies beside a broken bar. The others are free and lie on the outer raceway, or on nothing.
+the inner ring or a bar, it strikes a raceway, or it lies beside a broken bar. The others are free and lie on the outer raceway, or on
+nothing.
 """
 
 from __future__ import annotations
@@ -11,6 +12,11 @@ from dcrb_ros.core.jit import piece
 from dcrb_ros.core.payload import EDGE, Payload
 from dcrb_ros.core.state import State
 from dcrb_ros.core.work import CAGE, Workspace
+
+ABOUT = 1.5
+"""How many half steps before and after the middle a strike on the outer raceway is looked for [-]: its speed is not known yet."""
+SLOW = 2e-3
+"""Speed below which a free roller's contact with the outer raceway may close or open as it will [m/s]: it is next to no energy."""
 
 
 @piece
@@ -29,7 +35,14 @@ def place_rollers(payload: Payload, state: State, work: Workspace, pinned: bool)
     place, old, heading = state.cage_position, state.cage_velocity, work.heading
     pitch, clearance = payload.pitch_radius, payload.pocket_clearance
     inner_x, inner_y, outer_x, outer_y = state.inner_position[0], state.inner_position[1], state.outer_position[0], state.outer_position[1]
+    inner_vx, inner_vy, outer_vx, outer_vy = (
+        state.inner_velocity[0],
+        state.inner_velocity[1],
+        state.outer_velocity[0],
+        state.outer_velocity[1],
+    )
     inner_reach, outer_reach = payload.inner_raceway_radius + payload.roller_radius, payload.outer_raceway_radius - payload.roller_radius
+    slow_way = h * SLOW * outer_reach
     inner_square, outer_square = inner_reach * inner_reach, outer_reach * outer_reach
     first_at, second_at = (place[0, 0], place[0, 1]), (place[last, 0], place[last, 1])
     first_old, second_old = (old[0, 0], old[0, 1], old[0, 2]), (old[last, 0], old[last, 1], old[last, 2])
@@ -41,19 +54,24 @@ def place_rollers(payload: Payload, state: State, work: Workspace, pinned: bool)
         px, py = own[at.POCKET_X + c], own[at.POCKET_Y + c]
         tx, ty = cosine * px - sine * py, sine * px + cosine * py
         x, y, bar_near, if_outer = cage_x + pitch * ty, cage_y - pitch * tx, -1.0, 1.0
+        old_x, old_y = second_old[0] if second else first_old[0], second_old[1] if second else first_old[1]
+        old_turn = second_old[2] if second else first_old[2]
+        vx, vy = old_x + pitch * old_turn * tx, old_y + pitch * old_turn * ty
         if not pinned:
             free = own[at.FREE + c] > 0.0
             x, y = own[at.X + c] if free else x, own[at.Y + c] if free else y
             ax, ay = x - cage_x, y - cage_y
-            old_x, old_y = second_old[0] if second else first_old[0], second_old[1] if second else first_old[1]
-            old_turn = second_old[2] if second else first_old[2]
-            # A bar counts where the roller touches it at the step's beginning, or will at its end.
-            rate = (own[at.VX + c] - old_x) * tx + (own[at.VY + c] - old_y) * ty - old_turn * (ax * ty - ay * tx)
+            vx, vy = own[at.VX + c] if free else vx, own[at.VY + c] if free else vy
+            rate = (vx - old_x) * tx + (vy - old_y) * ty - old_turn * (ax * ty - ay * tx)
             bar_near = abs(ax * tx + ay * ty) + 0.5 * h * abs(rate) - clearance if free else -1.0
             if_outer = 0.0 if free else 1.0
         ix, iy, ox, oy = x - inner_x, y - inner_y, x - outer_x, y - outer_y
-        inner_near, outer_near = inner_square - ix * ix - iy * iy, ox * ox + oy * oy - outer_square
-        nearest = max(max(inner_near, bar_near), if_outer * outer_near)
+        # What counts is whether a contact is closed at the step's beginning, or will be at its end.
+        inner_way = h * abs((vx - inner_vx) * ix + (vy - inner_vy) * iy)
+        outer_way = h * abs((vx - outer_vx) * ox + (vy - outer_vy) * oy)
+        inner_near, outer_deep = inner_square - ix * ix - iy * iy + inner_way, ox * ox + oy * oy - outer_square
+        outer_near, outer_turns = outer_deep + outer_way, ABOUT * (outer_way - slow_way) - abs(outer_deep)
+        nearest = max(max(inner_near, bar_near), max(if_outer * outer_near, outer_turns))
         step[at.PLACE_X + c], step[at.PLACE_Y + c], step[at.TAU_X + c], step[at.TAU_Y + c] = x, y, tx, ty
         step[at.OUTER_NEAR + c], step[at.BAR_NEAR + c], step[at.BOUND + c] = outer_near, bar_near, 1.0 if nearest > 0.0 else 0.0
 
@@ -106,6 +124,7 @@ def gather_bound(state: State, work: Workspace, bound: int) -> int:
         near[at.COMING_RIM + k] = own[at.CHANGE_SPIN + c]
         near[at.INNER + at.BRISTLE + k], near[at.OUTER + at.BRISTLE + k] = own[at.INNER_BRISTLE + c], own[at.OUTER_BRISTLE + c]
         near[at.BAR + at.BRISTLE + k] = own[at.BAR_BRISTLE + c]
+        near[at.INNER + at.KNOWN + k], near[at.OUTER + at.KNOWN + k] = own[at.INNER_FORCE + c], own[at.OUTER_FORCE + c]
     return count
 
 

@@ -10,49 +10,76 @@ from __future__ import annotations
 import math
 
 from dcrb_ros.core.contact import normal_force
-from dcrb_ros.core.jit import kernel, piece
+from dcrb_ros.core.jit import kernel
 from dcrb_ros.core.payload import Floats, Notches, Payload, RollerNotches
+
+STILL = 1e-12
+"""Way over a notch in a step below which the roller stands [rad]."""
 
 
 @kernel
-def inner_notch_depth(edge: float, depth: float, raceway: float, roller: float) -> tuple[float, float]:
-    """Return depth [m] and its slope [m/rad] at an angle ``edge`` [rad] inside the nearer edge of an inner notch, Eq. 8.
+def inner_notch_depth(edge: float, depth: float, raceway: float, roller: float) -> float:
+    """Return the depth [m] at an angle ``edge`` [rad] inside the nearer edge of an inner notch, Eq. 8.
 
     A notch on the roller against either raceway follows from it by exchanging the bodies.
     """
     sine, cosine = math.sin(edge), math.cos(edge)
-    root = math.sqrt(roller * roller - raceway * raceway * sine * sine)
-    sink = raceway * (1.0 - cosine) + roller - root
-    if sink >= depth:
-        return depth, 0.0
-    return sink, raceway * sine + raceway * raceway * sine * cosine / root
+    return min(raceway * (1.0 - cosine) + roller - math.sqrt(roller * roller - raceway * raceway * sine * sine), depth)
 
 
 @kernel
-def outer_notch_depth(edge: float, depth: float, raceway: float, roller: float) -> tuple[float, float]:
-    """Return depth [m] and its slope [m/rad] at an angle ``edge`` [rad] inside the nearer edge of an outer notch, Eq. 14."""
+def outer_notch_depth(edge: float, depth: float, raceway: float, roller: float) -> float:
+    """Return the depth [m] at an angle ``edge`` [rad] inside the nearer edge of an outer notch, Eq. 14."""
     sine, cosine = math.sin(edge), math.cos(edge)
-    root = math.sqrt(roller * roller - raceway * raceway * sine * sine)
-    sink = raceway * (cosine - 1.0) + roller - root
-    if sink >= depth:
-        return depth, 0.0
-    return sink, -raceway * sine + raceway * raceway * sine * cosine / root
+    return min(raceway * (cosine - 1.0) + roller - math.sqrt(roller * roller - raceway * raceway * sine * sine), depth)
 
 
-@piece
-def roller_notch_depth(edge: float, depth: float, raceway: float, roller: float, inner: bool) -> tuple[float, float]:
-    """Return depth [m] and its slope [m/rad] at an angle ``edge`` [rad] inside the nearer edge of a notch on the roller.
+@kernel
+def roller_notch_depth(edge: float, depth: float, raceway: float, roller: float, inner: bool) -> float:
+    """Return the depth [m] at an angle ``edge`` [rad] inside the nearer edge of a notch on the roller.
 
     Its two edges lie on the inner raceway as on the roller of Eq. 8; on the outer, which is hollow, they sink less.
     """
     if inner:
         return inner_notch_depth(edge, depth, roller, raceway)
     sine, cosine = math.sin(edge), math.cos(edge)
-    root = math.sqrt(raceway * raceway - roller * roller * sine * sine)
-    sink = roller * (1.0 - cosine) + root - raceway
-    if sink >= depth:
-        return depth, 0.0
-    return sink, roller * sine - roller * roller * sine * cosine / root
+    return min(roller * (1.0 - cosine) + math.sqrt(raceway * raceway - roller * roller * sine * sine) - raceway, depth)
+
+
+@kernel
+def passed(
+    offset: float,
+    way: float,
+    half_angle: float,
+    flat: float,
+    kink: float,
+    depth: float,
+    raceway: float,
+    roller: float,
+    inner: bool,
+    own: bool,
+) -> tuple[float, float]:
+    """Return the depth of a notch ``offset`` [rad] from its middle, for a step over a ``way`` [rad] there, and its change over it [m].
+
+    At the ends of the ``flat`` [rad] on either side of the middle the slope drops by ``kink`` [m/rad], within a step: no depth at one place
+    stands for it. Leapfrog joins one step's middle to the next, so the depth is the mean over a step before and after, with weights that
+    fall to zero there. ``own`` says that the notch is the roller's.
+    """
+    places, shares = (offset, offset - 0.5 * way, offset + 0.5 * way), (0.0, -1.0, 1.0)
+    middle, change = 0.0, 0.0
+    for k in range(len(places)):
+        edge = max(half_angle - abs(places[k]), 0.0)
+        if own:
+            here = roller_notch_depth(edge, depth, raceway, roller, inner)
+        elif inner:
+            here = inner_notch_depth(edge, depth, raceway, roller)
+        else:
+            here = outer_notch_depth(edge, depth, raceway, roller)
+        middle = here if k == 0 else middle
+        change += shares[k] * here
+    reach = max(abs(way), STILL)
+    before, after = max(1.0 - abs(offset - flat) / reach, 0.0), max(1.0 - abs(offset + flat) / reach, 0.0)
+    return middle - kink * reach * (before * before * before + after * after * after) / 6.0, change
 
 
 @kernel
@@ -79,11 +106,20 @@ def notch_under(notches: Notches, towards: Floats, row: int, nx: float, ny: floa
 
 @kernel
 def roller_sink(
-    notches: RollerNotches, row: int, i: int, nx: float, ny: float, angle: float, raceway: float, roller: float, inner: bool
+    notches: RollerNotches,
+    row: int,
+    i: int,
+    nx: float,
+    ny: float,
+    angle: float,
+    way: float,
+    raceway: float,
+    roller: float,
+    inner: bool,
 ) -> tuple[float, float]:
-    """Return depth [m] and slope over the normal's angle [m/rad] of a roller's notches under a contact normal.
+    """Return mean depth of a roller's notches under a contact normal, and its change over a ``way`` [rad] of the normal [m].
 
-    (nx, ny) points from the roller to the contact, ``angle`` is the roller's rotation [rad].
+    (nx, ny) points from the roller to the contact halfway, ``angle`` is the roller's rotation there [rad].
     """
     for k in range(notches.row.size):
         if notches.row[k] != row or notches.roller[k] != i:
@@ -92,8 +128,11 @@ def roller_sink(
         towards_x, towards_y = math.sin(azimuth), -math.cos(azimuth)
         if nx * towards_x + ny * towards_y > math.cos(notches.half_angle[k]):
             offset = math.asin(towards_x * ny - towards_y * nx)
-            depth, slope = roller_notch_depth(notches.half_angle[k] - abs(offset), notches.depth[k], raceway, roller, inner)
-            return depth, -slope if offset > 0.0 else slope
+            flat, kink = (
+                notches.inner_flat[k] if inner else notches.outer_flat[k],
+                notches.inner_kink[k] if inner else notches.outer_kink[k],
+            )
+            return passed(offset, way, notches.half_angle[k], flat, kink, notches.depth[k], raceway, roller, inner, True)
     return 0.0, 0.0
 
 

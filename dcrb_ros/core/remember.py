@@ -29,7 +29,9 @@ def settle(lanes: Floats, contact: int, count: int, mean_x: float, mean_y: float
         closing, bristle = approach - sink, lanes[contact + at.BRISTLE + c]
         bent = bristle_after(bristle, slip, lanes[contact + at.RATE + c], lanes[contact + at.PHI + c], step)
         lanes[contact + at.FRICTION + c], lanes[contact + at.SLIP + c] = friction, slip
-        lanes[contact + at.BRISTLE + c] = bent if lanes[contact + at.KNOWN + c] > 0.0 else 0.0
+        known = lanes[contact + at.KNOWN + c]
+        lanes[contact + at.KNOWN + c] = max(known + lanes[contact + at.DAMPING + c] * (closing - lanes[contact + at.EXPECTED + c]), 0.0)
+        lanes[contact + at.BRISTLE + c] = bent if known > 0.0 else 0.0
         lost, spent = friction * slip, lanes[contact + at.DAMPING + c] * closing * closing
         taken, driven = normal * sink, side * normal * surface_n - friction * surface
         lanes[at.LOST_IN_FRICTION + c] = lost if first else lost + lanes[at.LOST_IN_FRICTION + c]

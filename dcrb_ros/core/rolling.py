@@ -11,10 +11,11 @@ import math
 from dcrb_ros.core import lanes as at
 from dcrb_ros.core.friction import bristle_after
 from dcrb_ros.core.jit import piece
+from dcrb_ros.core.normal import elastic, lasting_line
 from dcrb_ros.core.payload import SINK, Payload
 from dcrb_ros.core.place import filled
 from dcrb_ros.core.state import State
-from dcrb_ros.core.touch import elastic, normal_line, notch_depth, raceway_friction
+from dcrb_ros.core.touch import notch_depth, raceway_friction
 from dcrb_ros.core.work import OUTER, Workspace
 
 LEAST_DISTANCE = 1e-12
@@ -67,15 +68,15 @@ def roll_free(payload: Payload, state: State, work: Workspace, johnson: bool) ->
         dx, dy = own[at.X + c] - ring_x, own[at.Y + c] - ring_y
         distance = max(math.sqrt(dx * dx + dy * dy), LEAST_DISTANCE)
         nx, ny, sink, bristle = dx / distance, dy / distance, light[at.SINK + c], own[at.OUTER_BRISTLE + c]
-        force, stiffness = elastic(distance - reach - light[at.CUT + c], payload.outer_scale, johnson, payload)
 
         own_x, own_y, spin = own[at.VX + c], own[at.VY + c], own[at.SPIN + c]
         vx, vy = own_x + 0.5 * own[at.CHANGE_X + c] - mean_x, own_y + 0.5 * own[at.CHANGE_Y + c] - mean_y
         along, rim = vy * nx - vx * ny, radius * spin
-        before = (own_x - old_x) * nx + (own_y - old_y) * ny
-        push, give, known, damping = normal_line(force, stiffness, vx * nx + vy * ny - sink, before, sink, payload)
+        before = (own_x - old_x) * nx + (own_y - old_y) * ny - sink
+        force, stiffness = elastic(distance - reach - light[at.CUT + c], payload.outer_scale, johnson, payload)
+        push, give, known, damping, expected = lasting_line(force, stiffness, vx * nx + vy * ny - sink, before, sink, payload)
         coming_slip = along + rim + 0.5 * radius * own[at.CHANGE_SPIN + c]
-        constant, slope, rate, phi = raceway_friction(coming_slip, bristle, along, distance, 0.0, force, False, payload)
+        constant, slope, rate, phi = raceway_friction(coming_slip, bristle, along, distance, 0.0, known, False, payload)
         constant, slope = constant * known, slope * known
 
         alone_x, alone_y = own_x - mean_x, own_y - fall - mean_y
@@ -84,14 +85,14 @@ def roll_free(payload: Payload, state: State, work: Workspace, johnson: bool) ->
         fx, fy = normal * nx - friction * ny, normal * ny + friction * nx
         x, y, turned = alone_x - by_mass * fx, alone_y - by_mass * fy, rim - by_inertia * friction
         slip, closing = y * nx - x * ny + turned, x * nx + y * ny - sink
-        bent = bristle_after(bristle, slip, rate, phi, h)
+        bent, found = bristle_after(bristle, slip, rate, phi, h), max(known + damping * (closing - expected), 0.0)
 
         bound = light[at.BOUND + c]
         light[at.ON_OUTER_X + c], light[at.ON_OUTER_Y + c] = (1.0 - bound) * fx, (1.0 - bound) * fy
         change_x, change_y, change = 2.0 * (x + mean_x - own_x), 2.0 * (y + mean_y - own_y), 2.0 * (turned - rim) * by_radius
         own[at.CHANGE_X + c], own[at.CHANGE_Y + c], own[at.CHANGE_SPIN + c] = change_x, change_y, change
         own[at.VX + c], own[at.VY + c], own[at.SPIN + c] = own_x + change_x, own_y + change_y, spin + change
-        own[at.OUTER_FORCE + c], own[at.OUTER_FRICTION + c], own[at.OUTER_SLIP + c] = known, friction, slip
+        own[at.OUTER_FORCE + c], own[at.OUTER_FRICTION + c], own[at.OUTER_SLIP + c] = found, friction, slip
         own[at.OUTER_BRISTLE + c] = bent if known > 0.0 else 0.0
         time = h * (1.0 - bound)
         own[at.FRICTION_LOSS + c] += time * friction * slip

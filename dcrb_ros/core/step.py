@@ -10,6 +10,7 @@ and further sweeps over the bound rollers take out what the prediction lacked, a
 from __future__ import annotations
 
 from dcrb_ros.core import lanes as at
+from dcrb_ros.core.bars import keep_lands, push_lands, touch_cages
 from dcrb_ros.core.bodies import drift, finish_bodies, move_cage, move_rings, predict_bodies
 from dcrb_ros.core.jit import kernel, loop, piece
 from dcrb_ros.core.neighbours import add_neighbours
@@ -20,7 +21,7 @@ from dcrb_ros.core.remember import forget, keep_bound
 from dcrb_ros.core.rolling import find_notches, let_go, push_free, roll_free
 from dcrb_ros.core.solve import prepare_bound, push_bound, solve_bound
 from dcrb_ros.core.state import State
-from dcrb_ros.core.touch import draw_contacts, face_raceways, press_raceways
+from dcrb_ros.core.touch import draw_raceways, face_raceways
 from dcrb_ros.core.work import Workspace
 
 MOST_SWEEPS = 6
@@ -92,14 +93,15 @@ def roll(payload: Payload, state: State, work: Workspace) -> None:
 
 
 @piece
-def solve(payload: Payload, state: State, work: Workspace, count: int) -> None:
-    """Solve for the mean velocities of the bound rollers and of rings and cages, which are predicted at first."""
+def solve(payload: Payload, state: State, work: Workspace, count: int, lands: int) -> None:
+    """Solve for the mean velocities of the bound rollers and of rings and cages, predicted at first; ``lands`` cages touch theirs."""
     prepare_bound(payload, work, count)
     surface = state.shaft[1] * payload.inner_raceway_radius
     h = payload.step
     for _ in range(MOST_SWEEPS):
         solve_bound(payload, work, count, surface)
         push_bound(payload, work)
+        push_lands(payload, work, lands)
         moved, changed = move_rings(payload, state, work)
         for row in range(payload.free.shape[0]):
             moved = max(moved, move_cage(payload, state, work, row))
@@ -138,10 +140,11 @@ def advance(payload: Payload, state: State, work: Workspace, acceleration: Float
         count = begin(payload, state, work)
         roll(payload, state, work)
         face_raceways(payload, state, work, count)
-        press_raceways(payload, state, work, count)
-        draw_contacts(payload, state, work, count)
-        solve(payload, state, work, count)
+        draw_raceways(payload, state, work, count)
+        lands = touch_cages(payload, state, work, count)
+        solve(payload, state, work, count, lands)
         keep_bound(payload, state, work, count)
+        keep_lands(payload, state, work, lands)
         finish_bodies(payload, state, work)
         for axis in range(2):
             acceleration[n, axis] = state.outer_change[axis] / h
