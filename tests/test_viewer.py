@@ -163,7 +163,7 @@ def test_level_is_taken_over_the_neighbourhood() -> None:
 
 
 def test_spectrum_of_an_outer_defect_peaks_at_bpfo(content: Content) -> None:
-    spectra = envelope_spectra(content.diagnoses)
+    spectra = envelope_spectra(content.judgement.diagnoses)
     assert spectra is not None
     comb = spectra.orders > 3.0  # above the first shaft orders
     bpfo = 16.0 * 0.07886 / (2.0 * 0.094)  # physics.md, section 5: pins at the pitch radius
@@ -186,6 +186,15 @@ def test_no_piece_spans_a_gap() -> None:
     found = [ticks[piece] for piece in pieces(waveform, 64)]
     assert np.concatenate(found).tolist() == ticks.tolist()
     assert all((np.diff(piece) == 1).all() and len(piece) <= 64 for piece in found)
+
+
+@pytest.mark.parametrize(("seconds", "windows"), [(0.4, 0), (4.0, 16), (30.0, 20), (60.0, 30)])
+def test_windows_are_enough_for_a_short_recording_and_few_for_a_long_one(seconds: float, windows: int) -> None:
+    count = round(seconds * 6400)
+    noise = np.random.default_rng(1).standard_normal((count, 2)).astype(np.float32)
+    angle = np.mod(PAPER_SPEED * np.arange(count) / 6400, 2.0 * math.pi).astype(np.float32)
+    waveform = Waveform(np.arange(count) * 10**9 // 6400, noise, angle, 6400)
+    assert len(diagnoses(waveform, characteristic_orders(Bearing()))) == windows
 
 
 # --- what is gathered ---
@@ -220,9 +229,9 @@ def test_recorded_verdict_comes_before_a_computed_one(run: Run, tmp_path: Path) 
             recorder.write(block)
         recorder.write_messages(diagnosis_messages(said))
     content = gather(Recording(path))
-    assert [(verdict.name, verdict.level) for verdict in content.verdicts] == [("inner_ring", 2)]
-    assert content.indicators is not None
-    assert dict(zip(content.indicators.names, content.indicators.values[0], strict=True)) == said.levels
+    assert [(verdict.name, verdict.level) for verdict in content.judgement.verdicts] == [("inner_ring", 2)]
+    assert content.judgement.indicators is not None
+    assert dict(zip(content.judgement.indicators.names, content.judgement.indicators.values[0], strict=True)) == said.levels
     assert "told so by the test" in markdown(content)
 
 
@@ -285,6 +294,7 @@ def test_file_holds_ours_beside_the_native_topics(run: Run, document: Path) -> N
     assert rows["/waveform"] == samples
     assert rows["/bearing/row1/rollers"] == rows["/bearing/row2/normal_force"] == rows["/forces/row1"] == states
     assert rows["/dcrb/roller_states"] == states
+    assert not any(entity.startswith("/dcrb/outer_ring/vibration") for entity in rows)  # once is enough
     assert rows["/indicators/BPFO"] > 0
     assert {"/envelope_spectrum/curve", "/envelope_spectrum/BPFO/peaks", "/summary", "/features/rms", "/diagnosis/verdict"} <= set(rows)
 
@@ -418,7 +428,7 @@ def test_loading_zone_lies_below_the_shaft(content: Content) -> None:
 
 
 def test_order_map_is_brightest_on_the_lines_of_the_defect(content: Content) -> None:
-    spectra = envelope_spectra(content.diagnoses)
+    spectra = envelope_spectra(content.judgement.diagnoses)
     assert spectra is not None
     picture = order_map.picture(spectra, 30.0)
     assert picture.shape == (330, 1000, 3)

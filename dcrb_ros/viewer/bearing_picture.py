@@ -9,7 +9,7 @@ import numpy as np
 import rerun as rr
 
 from dcrb_ros.block import Floats, Truth
-from dcrb_ros.viewer import palette
+from dcrb_ros.viewer import columns, palette
 from dcrb_ros.viewer.content import Content, Motion, Times
 from dcrb_ros.viewer.drawing import Drawing, arc, circle, on_circle, quaternions, rounded_up
 from dcrb_ros.viewer.fault_words import RacewayFault, RowFaults, faults_of_row
@@ -93,23 +93,19 @@ def log_rotation(path: str, time_ns: Times, angle: Floats) -> None:
 
 def log_rollers(drawing: Drawing, path: str, time_ns: Times, azimuth: Floats, force: Floats) -> None:
     """Log the rollers of a row, coloured by their normal force."""
-    count = azimuth.shape[1]
-    colours = palette.force_colours(force, drawing.largest_force)
-    positions = on_circle(drawing.pitch, azimuth).reshape(-1, 2)
-    columns = rr.Points2D.columns(positions=positions, colors=colours.reshape(-1, 4))
+    colours = columns.colours(rr.Points2D.descriptor_colors(), palette.force_colours(force, drawing.largest_force))
+    positions = columns.vectors(rr.Points2D.descriptor_positions(), on_circle(drawing.pitch, azimuth))
     rr.log(path, rr.Points2D.from_fields(radii=[drawing.roller], draw_order=4.0), static=True)
-    rr.send_columns(path, [time_column(time_ns)], columns.partition(np.full(len(time_ns), count)))
+    columns.send(path, time_ns, positions, colours)
 
 
 def log_bars(drawing: Drawing, path: str, time_ns: Times, azimuth: Floats, force: Floats) -> None:
     """Log a radial bar outside the ring for the normal force of every roller."""
-    count = azimuth.shape[1]
     colours = palette.force_colours(force, drawing.largest_force)
     colours[force <= 0.0, 3] = 0
-    strips = drawing.bars(azimuth, force).reshape(-1, 2, 2).astype(np.float32)
-    columns = rr.LineStrips2D.columns(strips=strips, colors=colours.reshape(-1, 4))
+    strips = columns.strips(drawing.bars(azimuth, force))
     rr.log(path, rr.LineStrips2D.from_fields(radii=[0.2 * drawing.roller], draw_order=4.0), static=True)
-    rr.send_columns(path, [time_column(time_ns)], columns.partition(np.full(len(time_ns), count)))
+    columns.send(path, time_ns, strips, columns.colours(rr.LineStrips2D.descriptor_colors(), colours))
 
 
 def log_faults(drawing: Drawing, content: Content, row: int) -> None:

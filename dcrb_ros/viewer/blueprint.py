@@ -22,9 +22,9 @@ def compose(content: Content, drawing: Drawing | None, *, picture_only: bool = F
         left.insert(0, rrb.Tabs(bearing(drawing), zone(drawing.bearing.rows), active_tab=0))
         right.append(motion())
     detected = [
-        *([indicators()] if content.indicators else []),
+        *([indicators()] if content.judgement.indicators else []),
         *([features()] if content.features else []),
-        *([verdicts()] if content.verdicts else []),
+        *([verdicts()] if content.judgement.verdicts else []),
     ]
     if detected:
         left.append(rrb.Tabs(*detected))

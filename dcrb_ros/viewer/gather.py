@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import replace
 
 import numpy as np
 
-from dcrb_ros.block import Layout
-from dcrb_ros.messages import Vibration, decode_alike, decode_diagnostics, decode_joints, decode_truth, decode_vibration, stamps
+from dcrb_ros.block import Layout, Truth
+from dcrb_ros.kinematics import Orders
+from dcrb_ros.messages import STAMP_END, decode_alike, decode_diagnostics, decode_joints, decode_truth, decode_waveform, stamps
 from dcrb_ros.parameters import Bearing
 from dcrb_ros.recording import Recording
 from dcrb_ros.refusal import Refusal
 from dcrb_ros.topics import DIAGNOSIS, FAULT_INDICATORS, FEATURES, GROUND_TRUTH, NAMESPACE, ROLLER_STATES, VIBRATION, Topic
-from dcrb_ros.viewer.content import Content, Motion, Series, Verdict, Waveform
+from dcrb_ros.viewer.content import Content, Judgement, Motion, Series, Verdict, Waveform
 from dcrb_ros.viewer.spectrum import diagnoses, indicators_of, verdicts_of
 
 SHOWN = (VIBRATION, ROLLER_STATES, GROUND_TRUTH, FEATURES, FAULT_INDICATORS, DIAGNOSIS)
@@ -28,14 +31,12 @@ def gather(recording: Recording) -> Content:
     found: dict[Topic, list[bytes]] = defaultdict(list)
     for message in recording.messages(SHOWN):
         found[message.topic].append(message.data)
-    blocks = [decode_vibration(data) for data in found[VIBRATION]]
-    if not blocks:
+    if not found[VIBRATION]:
         topic = VIBRATION.resolved(recording.namespace)
         raise Refusal(f"{recording.path} has no block on {topic} to show: give a recording of the bench with its waveform")
     bearing, orders = Bearing() if recording.imported else recording.configuration.bearing, recording.orders
     layout = Layout(bearing.rows, bearing.rollers_per_row)
-    waveform = waveform_of(blocks, recording.sampling_rate)
-    judged = diagnoses(waveform, orders)
+    waveform = Waveform(*decode_waveform(found[VIBRATION]), rate=recording.sampling_rate)
     return Content(
         title=recording.path.stem,
         bearing=bearing,
@@ -43,23 +44,40 @@ def gather(recording: Recording) -> Content:
         imported=recording.imported,
         layout=layout,
         waveform=waveform,
+        judging=_in_background(lambda: judgement_of(waveform, orders, found)),
         motion=motion_of(found[ROLLER_STATES], layout),
-        truths=tuple(decode_truth(data) for data in found[GROUND_TRUTH]),
+        truths=truths_of(found[GROUND_TRUTH]),
         features=series_of(found[FEATURES]),
-        indicators=series_of(found[FAULT_INDICATORS]) or indicators_of(judged),
-        verdicts=verdicts_in(found[DIAGNOSIS]) or verdicts_of(judged),
+    )
+
+
+def judgement_of(waveform: Waveform, orders: Orders, found: Mapping[Topic, Sequence[bytes]]) -> Judgement:
+    """Return what the detector says of a waveform, and what one said while it was recorded."""
+    judged = diagnoses(waveform, orders)
+    return Judgement(
+        indicators=series_of(found.get(FAULT_INDICATORS, ())) or indicators_of(judged),
+        verdicts=verdicts_in(found.get(DIAGNOSIS, ())) or verdicts_of(judged),
         diagnoses=tuple(judged),
     )
 
 
-def waveform_of(blocks: Sequence[Vibration], rate: int) -> Waveform:
-    """Return the samples of all blocks end to end."""
-    return Waveform(
-        time_ns=np.concatenate([block.stamp_ns + block.offsets_ns.astype(np.int64) for block in blocks]),
-        acceleration=np.concatenate([block.acceleration for block in blocks]),
-        shaft_angle=np.concatenate([block.shaft_angle for block in blocks]),
-        rate=rate,
-    )
+def _in_background(work: Callable[[], Judgement]) -> Future[Judgement]:
+    pool = ThreadPoolExecutor(1, "judgement")
+    future = pool.submit(work)
+    pool.shutdown(wait=False)
+    return future
+
+
+def truths_of(messages: Sequence[bytes]) -> tuple[Truth, ...]:
+    """Return the ground truth over time; what repeats itself but for the stamp is decoded once."""
+    known: dict[bytes, Truth] = {}
+    found = []
+    for time_ns, data in zip(stamps(messages).tolist(), messages, strict=True):
+        said = data[STAMP_END:]
+        if said not in known:
+            known[said] = decode_truth(data)
+        found.append(replace(known[said], time_ns=time_ns))
+    return tuple(found)
 
 
 def motion_of(messages: Sequence[bytes], layout: Layout) -> Motion | None:

@@ -8,12 +8,11 @@ import numpy as np
 import rerun as rr
 
 from dcrb_ros.block import Floats
-from dcrb_ros.viewer import palette
+from dcrb_ros.viewer import columns, palette
 from dcrb_ros.viewer.bearing_picture import thinned
 from dcrb_ros.viewer.content import Content, Motion
 from dcrb_ros.viewer.drawing import circle, on_circle
 from dcrb_ros.viewer.spectrum_picture import log_texts
-from dcrb_ros.viewer.timeline import time_column
 
 ROOT = "loading_zone"
 RADIUS = 100.0
@@ -73,10 +72,9 @@ def log_scale(path: str, largest: float, row: int) -> None:
 
 def log_now(path: str, motion: Motion, azimuth: Floats, share: Floats) -> None:
     """Log an arrow from the centre for the force of every roller over time, as a ``share`` of the largest."""
-    count = azimuth.shape[1]
-    tips = on_circle(RADIUS * np.clip(share, 0.0, 1.25), azimuth).reshape(-1, 2)
+    tips = on_circle(RADIUS * np.clip(share, 0.0, 1.25), azimuth)
     colours = palette.force_colours(share, 1.0)
     colours[share <= 0.0, 3] = 0
-    rr.log(f"{path}/now", rr.Arrows2D.from_fields(radii=[1.4], draw_order=3.0), static=True)
-    columns = rr.Arrows2D.columns(vectors=tips, origins=np.zeros_like(tips), colors=colours.reshape(-1, 4))
-    rr.send_columns(f"{path}/now", [time_column(motion.time_ns)], columns.partition(np.full(len(motion.time_ns), count)))
+    rr.log(f"{path}/now", rr.Arrows2D.from_fields(origins=[[0.0, 0.0]], radii=[1.4], draw_order=3.0), static=True)
+    arrows = columns.vectors(rr.Arrows2D.descriptor_vectors(), tips)
+    columns.send(f"{path}/now", motion.time_ns, arrows, columns.colours(rr.Arrows2D.descriptor_colors(), colours))

@@ -12,11 +12,10 @@ import numpy.typing as npt
 import rerun as rr
 
 from dcrb_ros.block import Floats
-from dcrb_ros.viewer import palette
+from dcrb_ros.viewer import columns, palette
 from dcrb_ros.viewer.content import Times
 from dcrb_ros.viewer.spectrum import Comb, Spectra
 from dcrb_ros.viewer.spectrum_picture import HEIGHT, TRACK, WIDTH, log_comb, log_texts, order_ticks
-from dcrb_ros.viewer.timeline import time_column
 
 ROOT = "order_map"
 TIME_TICKS = 6
@@ -77,4 +76,4 @@ def log_cursor(time_ns: Times) -> None:
     strips = np.stack([np.stack([np.zeros_like(y), y], -1), np.stack([np.full_like(y, WIDTH), y], -1)], axis=1)
     fixed = rr.LineStrips2D.from_fields(radii=rr.Radius.ui_points(0.8), colors=[palette.BRIGHT], draw_order=6.0)
     rr.log(f"{ROOT}/cursor", fixed, static=True)
-    rr.send_columns(f"{ROOT}/cursor", [time_column(time_ns)], rr.LineStrips2D.columns(strips=strips.astype(np.float32)))
+    columns.send(f"{ROOT}/cursor", time_ns, columns.strips(strips[:, None]))

@@ -9,9 +9,9 @@ import rerun as rr
 from rerun.components import AggregationPolicy
 
 from dcrb_ros.block import Floats, Samples
-from dcrb_ros.viewer import palette
+from dcrb_ros.viewer import columns, palette
 from dcrb_ros.viewer.content import Content, Motion, Series, Times, Verdict, Waveform
-from dcrb_ros.viewer.timeline import TIMELINE, time_column
+from dcrb_ros.viewer.timeline import TIMELINE
 
 KILO = 1e-3
 
@@ -34,8 +34,7 @@ def log_lines(
     # The default policy draws the mean of what falls on a pixel: a shock of 10 m/s^2 would show as 5.
     look = rr.SeriesLines(names=list(names), colors=list(colours), widths=[width] * len(names), aggregation_policy=AggregationPolicy.MinMax)
     rr.log(path, look, static=True)
-    columns = rr.Scalars.columns(scalars=values.reshape(-1).astype(np.float64)).partition(np.full(len(time_ns), len(names)))
-    rr.send_columns(path, [time_column(time_ns)], columns)
+    columns.send(path, time_ns, columns.scalars(values))
 
 
 def log_motion(content: Content, motion: Motion) -> None:

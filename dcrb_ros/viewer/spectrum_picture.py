@@ -13,10 +13,9 @@ import numpy as np
 import rerun as rr
 
 from dcrb_ros.block import Floats
-from dcrb_ros.viewer import palette
+from dcrb_ros.viewer import columns, palette
 from dcrb_ros.viewer.content import Times
 from dcrb_ros.viewer.spectrum import Comb, Spectra
-from dcrb_ros.viewer.timeline import time_column
 
 ROOT = "envelope_spectrum"
 WIDTH, HEIGHT, TRACK = 1000.0, 330.0, 40.0
@@ -108,6 +107,8 @@ def log_comb(highest_order: float, comb: Comb, y: float, *, root: str = ROOT) ->
 
 def log_peaks(axes: Axes, comb: Comb, time_ns: Times, orders: Floats, level: Floats) -> None:
     """Log a dot on the highest point of the spectrum near every harmonic."""
+    if not comb.orders:
+        return
     resolution = float(orders[1] - orders[0])
     places = np.empty((len(level), len(comb.orders), 2))
     for k, harmonic in enumerate(comb.orders):
@@ -117,8 +118,7 @@ def log_peaks(axes: Axes, comb: Comb, time_ns: Times, orders: Floats, level: Flo
     path = f"{ROOT}/{comb.name}/peaks"
     fixed = rr.Points2D.from_fields(radii=rr.Radius.ui_points(3.5), colors=[palette.FAULT_LINES[comb.name]], draw_order=5.0)
     rr.log(path, fixed, static=True)
-    columns = rr.Points2D.columns(positions=places.reshape(-1, 2)).partition(np.full(len(level), len(comb.orders)))
-    rr.send_columns(path, [time_column(time_ns)], columns)
+    columns.send(path, time_ns, columns.vectors(rr.Points2D.descriptor_positions(), places))
 
 
 def log_curve(axes: Axes, time_ns: Times, orders: Floats, level: Floats) -> None:
@@ -127,11 +127,9 @@ def log_curve(axes: Axes, time_ns: Times, orders: Floats, level: Floats) -> None
     foot = curve.copy()
     foot[..., 1] = HEIGHT
     area = np.stack([foot, curve], axis=2)
-    times = [time_column(time_ns)]
     half = 0.55 * WIDTH * float(orders[1] - orders[0]) / axes.highest_order
     rr.log(f"{ROOT}/area", rr.LineStrips2D.from_fields(radii=[half], colors=[palette.AREA], draw_order=2.0), static=True)
-    columns = rr.LineStrips2D.columns(strips=area.reshape(-1, 2, 2).astype(np.float32))
-    rr.send_columns(f"{ROOT}/area", times, columns.partition(np.full(len(level), len(orders))))
+    columns.send(f"{ROOT}/area", time_ns, columns.strips(area))
     fixed = rr.LineStrips2D.from_fields(radii=rr.Radius.ui_points(0.7), colors=[palette.CURVE], draw_order=3.0)
     rr.log(f"{ROOT}/curve", fixed, static=True)
-    rr.send_columns(f"{ROOT}/curve", times, rr.LineStrips2D.columns(strips=curve.astype(np.float32)))
+    columns.send(f"{ROOT}/curve", time_ns, columns.strips(curve[:, None]))
