@@ -4,13 +4,8 @@ from __future__ import annotations
 
 import dataclasses
 import math
-import os
-import re
-import signal
 import subprocess
 import sys
-import threading
-import urllib.request
 from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
@@ -436,23 +431,3 @@ def test_order_map_is_brightest_on_the_lines_of_the_defect(content: Content) -> 
     pixel = characteristic_orders(content.bearing).bpfo / spectra.highest_order * 1000.0
     harmonic = int(np.argmax(brightness)) / pixel
     assert harmonic == pytest.approx(round(harmonic), abs=0.02)
-
-
-def test_web_viewer_listens_to_this_machine_alone(bag: Path) -> None:
-    command = [sys.executable, "-c", "from dcrb_ros.cli.app import main; main()", "view", str(bag), "--web"]
-    environment = {**os.environ, "BROWSER": "true", "NO_COLOR": "1"}
-    viewer = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, env=environment, start_new_session=True)
-    assert viewer.stdout is not None
-    watchdog = threading.Timer(90.0, lambda: os.killpg(viewer.pid, signal.SIGKILL))
-    watchdog.start()
-    try:
-        found = next((at for line in viewer.stdout if (at := re.search(r"Hosting a web-viewer at http://127\.0\.0\.1:(\d+)", line))), None)
-        assert found is not None
-        with urllib.request.urlopen(f"http://127.0.0.1:{found[1]}/", timeout=30.0) as page:
-            assert b"<html" in page.read().lower()
-        listening = [line.split() for line in Path("/proc/net/tcp").read_text().splitlines() if f":{int(found[1]):04X} " in line]
-        assert {words[1].split(":")[0] for words in listening if words[3] == "0A"} == {"0100007F"}
-    finally:
-        watchdog.cancel()
-        os.killpg(viewer.pid, signal.SIGKILL)
-        viewer.wait(30.0)
