@@ -86,6 +86,7 @@ setup(
             "simulator = dcrb_ros.nodes.simulator:main",
             "replayer = dcrb_ros.nodes.replayer:main",
             "fault_detector = dcrb_ros.nodes.fault_detector:main",
+            "viewer = dcrb_ros.nodes.viewer:main",
         ],
     },
 )

@@ -427,6 +427,22 @@ def encode_spectrum(time_ns: int, orders: Floats, amplitude: Floats, shaft_frequ
     return encode_points(points, time_ns)
 
 
+def decode_spectrum(data: bytes) -> tuple[int, Floats, Floats, float]:
+    """Return stamp [ns], orders [-], amplitudes and shaft frequency [Hz] of an envelope spectrum.
+
+    Raises:
+        Refusal: another layout than `SPECTRUM`, or a length that does not fit the fields.
+    """
+    cloud = _decoded(data, POINT_CLOUD)
+    names = tuple(field.name for field in cloud.fields)
+    if names != SPECTRUM.names or cloud.point_step != SPECTRUM.itemsize or len(cloud.data) != cloud.width * SPECTRUM.itemsize:
+        raise Refusal(f"a PointCloud2 with the fields {list(names)} is no envelope spectrum: it must have frequency, order and amplitude")
+    points = np.frombuffer(cloud.data.tobytes(), SPECTRUM)
+    orders, frequency = points["order"].astype(np.float64), points["frequency"].astype(np.float64)
+    shaft_frequency = float(frequency[-1] / orders[-1]) if len(orders) and orders[-1] > 0.0 else 0.0
+    return stamp_of(cloud.header), orders, points["amplitude"].astype(np.float64), shaft_frequency
+
+
 def topic_of(name: str, topics: Iterable[Topic], namespace: str) -> Topic | None:
     """Return the topic that an absolute name belongs to, or none."""
     return next((topic for topic in topics if topic.resolved(namespace) == name), None)

@@ -24,7 +24,9 @@ def nodes(context: LaunchContext) -> list[Node]:
         "recording.path": LaunchConfiguration("record").perform(context),
         "publishing.clock": LaunchConfiguration("clock").perform(context) == "true",
     }
+    shown = LaunchConfiguration("rerun").perform(context) == "true"
     return [
+        *([Node(package="dcrb_ros", executable="viewer", namespace=namespace, output="screen")] if shown else []),
         Node(
             package="dcrb_ros",
             executable="simulator",
@@ -52,6 +54,7 @@ def generate_launch_description() -> LaunchDescription:
             DeclareLaunchArgument("record", default_value="", description="folder of a recording, empty for none"),
             DeclareLaunchArgument("time_scale", default_value="1.0", description="simulated over wall time, 0 as fast as possible"),
             DeclareLaunchArgument("clock", default_value="false", description="whether to publish /clock: true or false"),
+            DeclareLaunchArgument("rerun", default_value="false", description="whether to show it in Rerun: true or false"),
             DeclareLaunchArgument("namespace", default_value="dcrb", description="namespace of topics and nodes"),
             DeclareLaunchArgument("discovery", default_value="LOCALHOST", description="who may join: LOCALHOST or SUBNET"),
             SetEnvironmentVariable("ROS_AUTOMATIC_DISCOVERY_RANGE", LaunchConfiguration("discovery")),

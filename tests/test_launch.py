@@ -98,6 +98,12 @@ def test_bench_starts_both_nodes(monkeypatch: pytest.MonkeyPatch) -> None:
     assert configuration(nodes[1]) == DetectorParameters()
 
 
+def test_bench_is_shown_where_asked_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    nodes = started("bench", monkeypatch, rerun="true", namespace="wagon/box1")
+    assert (nodes[0].executable, nodes[0].namespace) == ("viewer", "wagon/box1")
+    assert len(nodes) == 3
+
+
 def test_axle_boxes_differ(monkeypatch: pytest.MonkeyPatch) -> None:
     nodes = started("axle_boxes", monkeypatch, clock="true")
     assert [node.namespace for node in nodes] == [f"wagon/box{box}" for box in (1, 2, 3, 4) for _ in range(2)]

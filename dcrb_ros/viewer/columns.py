@@ -51,14 +51,14 @@ def send(path: str, time_ns: Times, *columns: Column) -> None:
 
 def scalars(values: npt.NDArray[np.floating]) -> Column:
     """Return numbers of shape (times, names) as a column."""
-    flat = np.ascontiguousarray(values, np.float64).reshape(-1)
+    flat = _flat(values, np.float64)
     return Column(rr.Scalars.descriptor_scalars(), pa.array(flat), values.shape[1])
 
 
 def strips(points: npt.NDArray[np.floating]) -> Column:
     """Return line strips of one length, shape (times, strips, points, 2), as a column; Rerun's own way is a loop over them."""
     times, count, length, _ = points.shape
-    flat = np.ascontiguousarray(points, np.float32).reshape(-1)
+    flat = _flat(points, np.float32)
     kind = rr.components.LineStrip2DBatch([]).as_arrow_array().type
     inner = pa.FixedSizeListArray.from_arrays(pa.array(flat), type=kind.value_type)
     borders = np.arange(0, times * count * length + 1, length, dtype=np.int32)
@@ -74,5 +74,10 @@ def colours(descriptor: rr.ComponentDescriptor, values: npt.NDArray[np.uint8]) -
 def vectors(descriptor: rr.ComponentDescriptor, values: npt.NDArray[np.floating]) -> Column:
     """Return positions or vectors of shape (times, instances, 2) as a column."""
     kind = rr.components.Position2DBatch([]).as_arrow_array().type
-    flat = np.ascontiguousarray(values, np.float32).reshape(-1)
+    flat = _flat(values, np.float32)
     return Column(descriptor, pa.FixedSizeListArray.from_arrays(pa.array(flat), type=kind), values.shape[1])
+
+
+def _flat(values: npt.NDArray[np.floating], kind: type[np.floating]) -> npt.NDArray[np.floating]:
+    """Return numbers end to end and at multiples of their size, as Arrow wants them; where they were read in a message they may not be."""
+    return np.require(values, kind, ["C", "A"]).reshape(-1)

@@ -21,6 +21,25 @@ Times = npt.NDArray[np.int64]
 
 
 @dataclass(frozen=True)
+class Subject:
+    """What the messages are about."""
+
+    title: str
+    bearing: Bearing
+    """Of the bench; of imported data it means nothing."""
+    orders: Orders
+    rate: int
+    """Sampling rate [Hz]."""
+    imported: bool = False
+    """Whether these are data from elsewhere."""
+
+    @property
+    def layout(self) -> Layout:
+        """Rows and rollers."""
+        return Layout(self.bearing.rows, self.bearing.rollers_per_row)
+
+
+@dataclass(frozen=True)
 class Waveform:
     """The measured waveform, every sample of it."""
 

@@ -16,7 +16,7 @@ from dcrb_ros.parameters import Bearing
 from dcrb_ros.recording import Recording
 from dcrb_ros.refusal import Refusal
 from dcrb_ros.topics import DIAGNOSIS, FAULT_INDICATORS, FEATURES, GROUND_TRUTH, NAMESPACE, ROLLER_STATES, VIBRATION, Topic
-from dcrb_ros.viewer.content import Content, Judgement, Motion, Series, Verdict, Waveform
+from dcrb_ros.viewer.content import Content, Judgement, Motion, Series, Subject, Verdict, Waveform
 from dcrb_ros.viewer.spectrum import diagnoses, indicators_of, verdicts_of
 
 SHOWN = (VIBRATION, ROLLER_STATES, GROUND_TRUTH, FEATURES, FAULT_INDICATORS, DIAGNOSIS)
@@ -34,21 +34,37 @@ def gather(recording: Recording) -> Content:
     if not found[VIBRATION]:
         topic = VIBRATION.resolved(recording.namespace)
         raise Refusal(f"{recording.path} has no block on {topic} to show: give a recording of the bench with its waveform")
-    bearing, orders = Bearing() if recording.imported else recording.configuration.bearing, recording.orders
-    layout = Layout(bearing.rows, bearing.rollers_per_row)
-    waveform = Waveform(*decode_waveform(found[VIBRATION]), rate=recording.sampling_rate)
+    bearing = Bearing() if recording.imported else recording.configuration.bearing
+    subject = Subject(recording.path.stem, bearing, recording.orders, recording.sampling_rate, recording.imported)
+    return content_of(found, subject, lambda waveform: _in_background(lambda: judgement_of(waveform, recording.orders, found)))
+
+
+def content_of(found: Mapping[Topic, Sequence[bytes]], subject: Subject, judge: Callable[[Waveform], Future[Judgement]]) -> Content:
+    """Return what some messages show.
+
+    Raises:
+        Refusal: one cannot be decoded.
+    """
+    waveform = waveform_of(found.get(VIBRATION, ()), subject.rate)
     return Content(
-        title=recording.path.stem,
-        bearing=bearing,
-        orders=orders,
-        imported=recording.imported,
-        layout=layout,
+        title=subject.title,
+        bearing=subject.bearing,
+        orders=subject.orders,
+        imported=subject.imported,
+        layout=subject.layout,
         waveform=waveform,
-        judging=_in_background(lambda: judgement_of(waveform, orders, found)),
-        motion=motion_of(found[ROLLER_STATES], layout),
-        truths=truths_of(found[GROUND_TRUTH]),
-        features=series_of(found[FEATURES]),
+        judging=judge(waveform),
+        motion=motion_of(found.get(ROLLER_STATES, ()), subject.layout),
+        truths=truths_of(found.get(GROUND_TRUTH, ())),
+        features=series_of(found.get(FEATURES, ())),
     )
+
+
+def waveform_of(messages: Sequence[bytes], rate: int) -> Waveform:
+    """Return the samples of all blocks end to end."""
+    if messages:
+        return Waveform(*decode_waveform(messages), rate=rate)
+    return Waveform(np.zeros(0, np.int64), np.zeros((0, 2), np.float32), np.zeros(0, np.float32), rate)
 
 
 def judgement_of(waveform: Waveform, orders: Orders, found: Mapping[Topic, Sequence[bytes]]) -> Judgement:

@@ -25,12 +25,22 @@ LOUDEST_SHARE = 0.9995
 
 def log_order_map(spectra: Spectra, combs: Sequence[Comb]) -> None:
     """Log the map, its axes, the fault lines and a line at the time of the cursor under `ROOT`."""
+    log_map(spectra)
+    log_fault_lines(spectra.highest_order, combs)
+    log_cursor(spectra.time_ns)
+
+
+def log_map(spectra: Spectra) -> None:
+    """Log the picture of the spectra and its axes."""
     largest = max(10.0, 5.0 * np.ceil(float(np.quantile(spectra.level, LOUDEST_SHARE)) / 5.0))
     rr.log(f"{ROOT}/levels", rr.Image(picture(spectra, largest), draw_order=-1.0), static=True)
-    for place, comb in enumerate(combs):
-        log_comb(spectra.highest_order, comb, -TRACK * (len(combs) - place - 0.1), root=ROOT)
     log_axes(spectra, largest)
-    log_cursor(spectra.time_ns)
+
+
+def log_fault_lines(highest_order: float, combs: Sequence[Comb]) -> None:
+    """Log the fault lines through the map."""
+    for place, comb in enumerate(combs):
+        log_comb(highest_order, comb, -TRACK * (len(combs) - place - 0.1), root=ROOT)
 
 
 def picture(spectra: Spectra, largest: float) -> npt.NDArray[np.uint8]:

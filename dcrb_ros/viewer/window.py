@@ -33,6 +33,10 @@ EMPTY_BAR = 37
 """Height of the bar that the viewer leaves above the views when its top panel is hidden [pixels]."""
 DRIVER_REMEDY = "install a Vulkan driver, without a graphics card the software one (Debian, Ubuntu: apt-get install mesa-vulkan-drivers)"
 
+DISPLAY_REMEDY = "it needs a display; without one save the view into a file (viewer --save FILE.rrd)"
+MEMORY = "2GB"
+"""What a viewer of a running bench keeps; of more the oldest is left out."""
+
 Answer = TypeVar("Answer")
 
 
@@ -48,6 +52,21 @@ def open_window(document: Path, *, web: bool = False) -> int:
         return _serve_page(command, port) if web else subprocess.call(command)
     except KeyboardInterrupt:
         return 0
+
+
+@contextlib.contextmanager
+def window_to_fill() -> Iterator[tuple[subprocess.Popen[bytes], str]]:
+    """Open an empty viewer, bound to this machine alone; yield it with the address for data. It stays open afterwards.
+
+    Raises:
+        ViewerFailure: it cannot be opened.
+    """
+    port = _free_port()
+    command = [*_command(), "--bind", LOOPBACK, "--port", str(port), "--hide-welcome-screen", "--memory-limit", MEMORY]
+    with tempfile.TemporaryFile() as output:
+        viewer = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=output, stderr=output, start_new_session=True)
+        _awaited(viewer, "open its window", lambda: _listens(port), DISPLAY_REMEDY)
+        yield viewer, f"rerun+http://{LOOPBACK}:{port}/proxy"
 
 
 def page_address(page_port: int, port: int) -> str:
