@@ -315,20 +315,29 @@ def decode_waveform(messages: Sequence[bytes]) -> tuple[npt.NDArray[np.int64], S
 
 def _stretch(messages: Sequence[bytes]) -> tuple[npt.NDArray[np.int64], Samples, Samples]:
     """Return the samples of blocks whose messages have one length."""
-    first = decode_vibration(messages[0])
+    points = _repeated(messages, decode_vibration(messages[0]))
+    if points is not None:
+        time_ns = (stamps(messages)[:, None] + points["t"]).reshape(-1)
+        acceleration = np.stack([points["ax"].reshape(-1), points["ay"].reshape(-1)], axis=1)
+        return time_ns, acceleration, points["shaft_angle"].reshape(-1)
+    blocks = [decode_vibration(data) for data in messages]
+    found = [(block.stamp_ns + block.offsets_ns.astype(np.int64), block.acceleration, block.shaft_angle) for block in blocks]
+    times, accelerations, angles = zip(*found, strict=True)
+    return np.concatenate(times), np.concatenate(accelerations), np.concatenate(angles)
+
+
+def _repeated(messages: Sequence[bytes], first: Vibration) -> npt.NDArray[Any] | None:
+    """Return the samples of messages of one length, a row for each, where nothing but stamp and samples differs from the ``first``."""
     size = len(first.shaft_angle) * SAMPLE.itemsize
     rows = np.frombuffer(b"".join(messages), np.uint8).reshape(len(messages), -1)
     # Behind the samples, which begin at a multiple of four, one byte says that none is missing; up to three fill it up.
     begin = (rows.shape[1] - size - 1) // 4 * 4
-    if not np.array_equal(rows[:, STAMP_END:begin], np.broadcast_to(rows[0, STAMP_END:begin], (len(rows), begin - STAMP_END))):
-        blocks = [decode_vibration(data) for data in messages]
-        found = [(block.stamp_ns + block.offsets_ns.astype(np.int64), block.acceleration, block.shaft_angle) for block in blocks]
-        times, accelerations, angles = zip(*found, strict=True)
-        return np.concatenate(times), np.concatenate(accelerations), np.concatenate(angles)
+    if begin < STAMP_END or not (rows[:, STAMP_END:begin] == rows[0, STAMP_END:begin]).all():
+        return None
     points = np.ascontiguousarray(rows[:, begin : begin + size]).view(SAMPLE)
-    time_ns = (stamps(messages)[:, None] + points["t"]).reshape(-1)
-    acceleration = np.stack([points["ax"].reshape(-1), points["ay"].reshape(-1)], axis=1)
-    return time_ns, acceleration, points["shaft_angle"].reshape(-1)
+    as_read = [points["t"][0], points["ax"][0], points["ay"][0], points["shaft_angle"][0]]
+    alike = map(np.array_equal, as_read, [first.offsets_ns, *first.acceleration.T, first.shaft_angle])
+    return points if all(alike) else None
 
 
 def decode_joints(data: bytes) -> Joints:
