@@ -184,7 +184,9 @@ def test_no_piece_spans_a_gap() -> None:
     assert all((np.diff(piece) == 1).all() and len(piece) <= 64 for piece in found)
 
 
-@pytest.mark.parametrize(("seconds", "windows"), [(0.4, 0), (4.0, 16), (30.0, 20), (60.0, round(60.0 / min(3.0, DetectorParameters().window)))])
+@pytest.mark.parametrize(
+    ("seconds", "windows"), [(0.4, 0), (4.0, 16), (30.0, 20), (60.0, round(60.0 / min(3.0, DetectorParameters().window)))]
+)
 def test_windows_are_enough_for_a_short_recording_and_few_for_a_long_one(seconds: float, windows: int) -> None:
     count = round(seconds * 6400)
     noise = np.random.default_rng(1).standard_normal((count, 2)).astype(np.float32)

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from dcrb_ros.guard import guarded
-from dcrb_ros.nodes.ros import check_ros, create_node, spin, stay_on_this_machine, stop_on_signals
+from dcrb_ros.nodes.ros import own_arguments, running, spin
 from dcrb_ros.refusal import Refusal
 from dcrb_ros.sinks.publisher import message_class, qos
 
@@ -87,12 +87,7 @@ def run(arguments: list[str]) -> int:
     parser = argparse.ArgumentParser(prog="viewer", description="A running bench in Rerun.")
     parser.add_argument("--save", type=Path, default=None, help="write a Rerun file (.rrd) instead of opening a window")
     parser.add_argument("--connect", default="", help="show it in a viewer that runs, such as rerun+http://127.0.0.1:9876/proxy")
-    check_ros()
-    import rclpy
-    from rclpy.signals import SignalHandlerOptions
-    from rclpy.utilities import remove_ros_args, try_shutdown
-
-    options = parser.parse_args(remove_ros_args(["viewer", *arguments])[1:])
+    options = own_arguments(parser, arguments)
     if options.save is not None and options.connect:
         raise Refusal(f"--save {options.save} and --connect {options.connect} exclude each other: give one of them")
     if options.save is not None:
@@ -101,23 +96,15 @@ def run(arguments: list[str]) -> int:
         checked_output(options.save, suffix=".rrd", option="--save")
     from dcrb_ros.viewer.live import LiveView
 
-    told = stop_on_signals()
-    stay_on_this_machine()
     os.nice(MEEKNESS)
-    with _target(options.save, options.connect) as (begin, closed):
-        rclpy.init(args=arguments, signal_handler_options=SignalHandlerOptions.NO)
-        node = create_node("viewer")
+    with _target(options.save, options.connect) as (begin, closed), running("viewer", arguments) as (node, told):
+        view = LiveView(begin, node.get_namespace(), node.get_logger().warning)
+        ViewerWire(node, view)
         try:
-            view = LiveView(begin, node.get_namespace(), node.get_logger().warning)
-            ViewerWire(node, view)
-            try:
-                spin(node, closed, told)
-            finally:
-                view.close()
-            return 0
+            spin(node, closed, told)
         finally:
-            node.destroy_node()
-            try_shutdown()
+            view.close()
+    return 0
 
 
 def main() -> None:
