@@ -38,6 +38,7 @@ setup(
         (f"share/{NAME}/config/scenarios", files("config/scenarios", "*.yaml")),
         (f"share/{NAME}/launch", files("launch", "*.py")),
         (f"share/{NAME}/examples", files("examples", "*.py")),
+        (f"share/{NAME}/foxglove", files("foxglove", "*.json")),
         *((f"share/{NAME}/bags/{bag.name}", files(f"bags/{bag.name}", "*")) for bag in sorted((HERE / "bags").iterdir()) if bag.is_dir()),
     ],
     zip_safe=False,
@@ -86,6 +87,7 @@ setup(
             "simulator = dcrb_ros.nodes.simulator:main",
             "replayer = dcrb_ros.nodes.replayer:main",
             "fault_detector = dcrb_ros.nodes.fault_detector:main",
+            "viewer = dcrb_ros.nodes.viewer:main",
         ],
     },
 )

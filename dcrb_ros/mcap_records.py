@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import struct
 import zlib
-from collections.abc import Iterator
+from collections.abc import Container, Iterator
 from io import BytesIO
 from pathlib import Path
 from typing import Any, BinaryIO
@@ -20,6 +20,10 @@ LARGEST = 64 * 1024 * 1024
 """Largest record, packed or unpacked, that is read [bytes]; ours have a quarter of a megabyte."""
 HEAD = struct.Struct("<BQ")
 """Opcode and length before every record."""
+MESSAGE = struct.Struct("<HIQQ")
+"""Channel, sequence, log time and publish time before the data of a message."""
+CHANNEL = struct.Struct("<H")
+"""The first of them."""
 FOOTER = HEAD.size + 20
 """Size of the footer [bytes]; the magic follows it."""
 KINDS: dict[int, Any] = {
@@ -37,9 +41,11 @@ KINDS: dict[int, Any] = {
 class McapRecords:
     """The records of a file, chunks unpacked; iterating collects in `damage` what could not be read."""
 
-    def __init__(self, path: Path, *, chunks: bool = True) -> None:
-        """Read ``path``; without ``chunks`` only what lies between them, at the speed of a seek."""
-        self.path, self._chunks = path, chunks
+    def __init__(self, path: Path, *, chunks: bool = True, topics: Container[str] | None = None) -> None:
+        """Read ``path``; without ``chunks`` only what lies between them, at the speed of a seek; of messages those on ``topics``."""
+        self.path, self._chunks, self._topics = path, chunks, topics
+        self._unwanted: set[int] = set()
+        """Channels of other topics."""
         self.damage: list[str] = []
 
     def __iter__(self) -> Iterator[Any]:
@@ -50,7 +56,9 @@ class McapRecords:
                 self._remark("it does not begin as an MCAP file")
                 return
             known, starts = _summary(stream, size)
-            yield from known
+            for record in known:
+                self._heed(record)
+                yield record
             yield from self._data(stream, size, starts)
 
     def _data(self, stream: BinaryIO, size: int, starts: list[int]) -> Iterator[Any]:
@@ -86,6 +94,7 @@ class McapRecords:
             if isinstance(record, Chunk):
                 inner = unpacked(record)
             else:
+                self._heed(record)
                 yield record
                 return
         except Exception as error:  # a damaged record breaks parser or decompressor anywhere, each in its own way
@@ -95,18 +104,26 @@ class McapRecords:
 
     def _inside(self, data: bytes, at: int) -> Iterator[Any]:
         """Yield the records of a chunk's data."""
-        position = 0
+        position, view, unwanted = 0, memoryview(data), self._unwanted
         while position + HEAD.size <= len(data):
             opcode, length = HEAD.unpack_from(data, position)
             position += HEAD.size
             try:
                 if opcode == Opcode.MESSAGE:
-                    yield _message(memoryview(data)[position : position + length])
+                    if CHANNEL.unpack_from(data, position)[0] not in unwanted:
+                        yield _message(view[position : position + length])
                 elif opcode in (Opcode.SCHEMA, Opcode.CHANNEL):
-                    yield parsed(opcode, data[position : position + length])
+                    record = parsed(opcode, data[position : position + length])
+                    self._heed(record)
+                    yield record
             except (struct.error, ValueError, EOFError) as error:
                 self._remark(f"a record in the chunk at byte {at} is damaged ({error})")
             position += length
+
+    def _heed(self, record: Any) -> None:
+        """Note whether the messages of a channel are wanted."""
+        if isinstance(record, Channel) and self._topics is not None:
+            (self._unwanted.discard if record.topic in self._topics else self._unwanted.add)(record.id)
 
     def _remark(self, words: str) -> None:
         if len(self.damage) < 100:
@@ -121,8 +138,8 @@ def parsed(opcode: int, payload: bytes) -> Any:
 
 
 def _message(payload: memoryview) -> Message:
-    channel, sequence, log_time, publish_time = struct.unpack_from("<HIQQ", payload)
-    return Message(channel, log_time, bytes(payload[22:]), publish_time, sequence)
+    channel, sequence, log_time, publish_time = MESSAGE.unpack_from(payload)
+    return Message(channel, log_time, bytes(payload[MESSAGE.size :]), publish_time, sequence)
 
 
 def unpacked(chunk: Chunk) -> bytes:

@@ -10,6 +10,7 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
+from itertools import groupby
 from typing import Any
 
 import numpy as np
@@ -49,6 +50,8 @@ POINT_KINDS = {"<u4": UINT32, "<f4": FLOAT32}
 OK, WARN, ERROR = 0, 1, 2  # diagnostic_msgs/msg/DiagnosticStatus
 NO_ESTIMATE = -1.0  # first element of a covariance, sensor_msgs/msg/Imu
 MOST_SAMPLES = 1 << 20
+STAMP_END = 12
+"""Bytes of a message with a header before its frame."""
 
 
 @cache
@@ -298,6 +301,45 @@ def decode_vibration(data: bytes) -> Vibration:
     return Vibration(stamp_of(cloud.header), points["t"].copy(), acceleration, points["shaft_angle"].copy())
 
 
+def decode_waveform(messages: Sequence[bytes]) -> tuple[npt.NDArray[np.int64], Samples, Samples]:
+    """Return the samples of blocks end to end: time [ns], acceleration [m/s^2] of shape (samples, 2), shaft angle [rad].
+
+    Blocks of one length repeat their fields; reading those once is many times as fast.
+
+    Raises:
+        Refusal: as `decode_vibration`.
+    """
+    times, accelerations, angles = zip(*(_stretch(list(run)) for _, run in groupby(messages, len)), strict=True)
+    return np.concatenate(times), np.concatenate(accelerations), np.concatenate(angles)
+
+
+def _stretch(messages: Sequence[bytes]) -> tuple[npt.NDArray[np.int64], Samples, Samples]:
+    """Return the samples of blocks whose messages have one length."""
+    points = _repeated(messages, decode_vibration(messages[0]))
+    if points is not None:
+        time_ns = (stamps(messages)[:, None] + points["t"]).reshape(-1)
+        acceleration = np.stack([points["ax"].reshape(-1), points["ay"].reshape(-1)], axis=1)
+        return time_ns, acceleration, points["shaft_angle"].reshape(-1)
+    blocks = [decode_vibration(data) for data in messages]
+    found = [(block.stamp_ns + block.offsets_ns.astype(np.int64), block.acceleration, block.shaft_angle) for block in blocks]
+    times, accelerations, angles = zip(*found, strict=True)
+    return np.concatenate(times), np.concatenate(accelerations), np.concatenate(angles)
+
+
+def _repeated(messages: Sequence[bytes], first: Vibration) -> npt.NDArray[Any] | None:
+    """Return the samples of messages of one length, a row for each, where nothing but stamp and samples differs from the ``first``."""
+    size = len(first.shaft_angle) * SAMPLE.itemsize
+    rows = np.frombuffer(b"".join(messages), np.uint8).reshape(len(messages), -1)
+    # Behind the samples, which begin at a multiple of four, one byte says that none is missing; up to three fill it up.
+    begin = (rows.shape[1] - size - 1) // 4 * 4
+    if begin < STAMP_END or not (rows[:, STAMP_END:begin] == rows[0, STAMP_END:begin]).all():
+        return None
+    points = np.ascontiguousarray(rows[:, begin : begin + size]).view(SAMPLE)
+    as_read = [points["t"][0], points["ax"][0], points["ay"][0], points["shaft_angle"][0]]
+    alike = map(np.array_equal, as_read, [first.offsets_ns, *first.acceleration.T, first.shaft_angle])
+    return points if all(alike) else None
+
+
 def decode_joints(data: bytes) -> Joints:
     """Return a JointState."""
     joints = _decoded(data, JOINT_STATE)
@@ -392,6 +434,22 @@ def encode_spectrum(time_ns: int, orders: Floats, amplitude: Floats, shaft_frequ
     points["order"], points["amplitude"] = orders, amplitude
     points["frequency"] = orders * (shaft_frequency if math.isfinite(shaft_frequency) else 0.0)
     return encode_points(points, time_ns)
+
+
+def decode_spectrum(data: bytes) -> tuple[int, Floats, Floats, float]:
+    """Return stamp [ns], orders [-], amplitudes and shaft frequency [Hz] of an envelope spectrum.
+
+    Raises:
+        Refusal: another layout than `SPECTRUM`, or a length that does not fit the fields.
+    """
+    cloud = _decoded(data, POINT_CLOUD)
+    names = tuple(field.name for field in cloud.fields)
+    if names != SPECTRUM.names or cloud.point_step != SPECTRUM.itemsize or len(cloud.data) != cloud.width * SPECTRUM.itemsize:
+        raise Refusal(f"a PointCloud2 with the fields {list(names)} is no envelope spectrum: it must have frequency, order and amplitude")
+    points = np.frombuffer(cloud.data.tobytes(), SPECTRUM)
+    orders, frequency = points["order"].astype(np.float64), points["frequency"].astype(np.float64)
+    shaft_frequency = float(frequency[-1] / orders[-1]) if len(orders) and orders[-1] > 0.0 else 0.0
+    return stamp_of(cloud.header), orders, points["amplitude"].astype(np.float64), shaft_frequency
 
 
 def topic_of(name: str, topics: Iterable[Topic], namespace: str) -> Topic | None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import re
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Container, Iterable, Iterator, Mapping
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -119,9 +119,8 @@ class Recording:
         """Yield the messages of some topics, or of all that the bench knows, as they lie in the file."""
         where = self.namespace if namespace is None else namespace
         wanted = {topic.resolved(where): topic for topic in (topics or (*SIMULATED, *DETECTED))}
-        for channel, message in self._records():
-            if channel.topic in wanted:
-                yield Message(wanted[channel.topic], message.log_time, message.data)
+        for channel, message in self._records(wanted):
+            yield Message(wanted[channel.topic], message.log_time, message.data)
 
     def vibrations(self) -> Iterator[Vibration]:
         """Yield the blocks of the waveform.
@@ -174,10 +173,11 @@ class Recording:
                 found = record
         return _json(found, key) if found else None
 
-    def _records(self) -> Iterator[tuple[Channel, McapMessage]]:
+    def _records(self, topics: Container[str] | None = None) -> Iterator[tuple[Channel, McapMessage]]:
+        """Yield the messages on some topics, or all, with their channels."""
         for file in self.files:
             channels: dict[int, Channel] = {}
-            records = McapRecords(file)
+            records = McapRecords(file, topics=topics)
             for record in records:
                 if isinstance(record, Channel):
                     channels[record.id] = record

@@ -14,6 +14,7 @@ import pytest
 from dcrb_ros.configuration import Configuration
 from dcrb_ros.configuration_file import flatten, read_parameters, validated
 from dcrb_ros.diagnosis.parameters import DetectorParameters
+from dcrb_ros.replay import ReplayParameters
 
 ROOT = Path(__file__).parents[1]
 
@@ -29,7 +30,7 @@ class Node:
 
 
 class Argument:
-    def __init__(self, name: str, *, default_value: str, description: str) -> None:
+    def __init__(self, name: str, *, default_value: str | None, description: str) -> None:
         assert description
         self.name, self.default = name, default_value
 
@@ -40,6 +41,11 @@ class Value:
 
     def perform(self, context: dict[str, str]) -> str:
         return context[self.name]
+
+
+class Typed:
+    def __init__(self, value: Value, *, value_type: type) -> None:
+        self.value, self.kind = value, value_type
 
 
 class Anything:
@@ -54,6 +60,7 @@ def modules() -> dict[str, ModuleType]:
         "launch.substitutions": {"LaunchConfiguration": Value},
         "launch_ros": {},
         "launch_ros.actions": {"Node": Node},
+        "launch_ros.parameter_descriptions": {"ParameterValue": Typed},
         "ament_index_python": {},
         "ament_index_python.packages": {"get_package_share_directory": lambda name: str(ROOT)},
     }
@@ -63,15 +70,23 @@ def modules() -> dict[str, ModuleType]:
     return made
 
 
-def started(name: str, monkeypatch: pytest.MonkeyPatch, **given: str) -> list[Node]:
-    """Return the nodes that a launch file starts with its defaults and what is given."""
+def description(name: str, monkeypatch: pytest.MonkeyPatch) -> Any:
+    """Return the module of a launch file, with stand-ins for what it imports."""
     for module, made in modules().items():
         monkeypatch.setitem(sys.modules, module, made)
+    monkeypatch.delitem(sys.modules, "dcrb_ros.nodes.launching", raising=False)
     spec = importlib.util.spec_from_file_location("described", ROOT / "launch" / f"{name}.launch.py")
     assert spec is not None
     assert spec.loader is not None
     described = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(described)
+    monkeypatch.delitem(sys.modules, "dcrb_ros.nodes.launching", raising=False)
+    return described
+
+
+def started(name: str, monkeypatch: pytest.MonkeyPatch, **given: str) -> list[Node]:
+    """Return the nodes that a launch file starts with its defaults and what is given."""
+    described = description(name, monkeypatch)
     arguments = {action.name: action.default for action in described.generate_launch_description() if isinstance(action, Argument)}
     assert given.keys() <= arguments.keys()
     assert arguments["discovery"] == "LOCALHOST"
@@ -96,6 +111,27 @@ def test_bench_starts_both_nodes(monkeypatch: pytest.MonkeyPatch) -> None:
     assert (simulator.time_scale, simulator.publishing.clock) == (0.5, True)
     assert nodes[0].arguments == ["--scenario", "growing_spall"]
     assert configuration(nodes[1]) == DetectorParameters()
+
+
+def test_bench_is_shown_where_asked_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    nodes = started("bench", monkeypatch, rerun="true", namespace="wagon/box1")
+    assert (nodes[0].executable, nodes[0].namespace) == ("viewer", "wagon/box1")
+    assert len(nodes) == 3
+
+
+def test_replay_takes_its_parameters_from_the_arguments(monkeypatch: pytest.MonkeyPatch) -> None:
+    actions = description("replay", monkeypatch).generate_launch_description()
+    defaults = {action.name: action.default for action in actions if isinstance(action, Argument)}
+    assert [name for name, default in defaults.items() if default is None] == ["bag"]
+    replayer, detector = (action for action in actions if isinstance(action, Node))
+    given = {
+        name: typed.kind(defaults[typed.value.name] or "/tmp/bag")
+        for name, typed in replayer.parameters[0].items()
+        if typed.kind is not bool
+    }
+    assert ReplayParameters.model_validate({**given, "loop": False, "clock": False}) == ReplayParameters(bag="/tmp/bag")
+    assert (replayer.executable, detector.executable) == ("replayer", "fault_detector")
+    assert replayer.namespace.name == detector.namespace.name == "namespace"
 
 
 def test_axle_boxes_differ(monkeypatch: pytest.MonkeyPatch) -> None:

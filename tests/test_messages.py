@@ -23,6 +23,7 @@ from dcrb_ros.messages import (
     decode_text,
     decode_truth,
     decode_vibration,
+    decode_waveform,
     decode_wrench,
     encode_points,
     encode_text,
@@ -49,6 +50,29 @@ def test_waveform_round_trip(index: int, count: int, rate: int) -> None:
     assert found.first_index(rate) == index
     exact = [(index + k) * 10**9 // rate - found.stamp_ns for k in range(count)]
     assert found.offsets_ns.tolist() == exact
+
+
+@pytest.mark.parametrize("frames", [("outer_ring",), ("outer_ring", "inner_ring"), ("box1", "box12")])
+def test_waveform_of_many_messages_is_that_of_each(frames: tuple[str, ...]) -> None:
+    indices, counts = [0, 1024, 2048, 9000, 9512, 9700], [1024, 1024, 1024, 512, 188, 512]
+    data = [
+        encode_vibration(block, block.acceleration, frames[k % len(frames)])
+        for k, block in enumerate(block_at(*both) for both in zip(indices, counts, strict=True))
+    ]
+    # Middlewares fill a message up to four bytes.
+    data[2] += bytes(-len(data[2]) % 4)
+    time_ns, acceleration, shaft_angle = decode_waveform(data)
+    each = [decode_vibration(message) for message in data]
+    assert time_ns.tolist() == [block.stamp_ns + int(offset) for block in each for offset in block.offsets_ns]
+    assert np.array_equal(acceleration, np.concatenate([block.acceleration for block in each]))
+    assert np.array_equal(shaft_angle, np.concatenate([block.shaft_angle for block in each]))
+
+
+def test_waveform_with_a_foreign_message_is_refused() -> None:
+    block = block_at(0, 64)
+    data = encode_vibration(block, block.acceleration)
+    with pytest.raises(Refusal, match=r"is no waveform"):
+        decode_waveform([data, data.replace(b"shaft_angle", b"shift_angle")])
 
 
 def test_states_truth_and_features_round_trip() -> None:

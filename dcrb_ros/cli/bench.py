@@ -15,6 +15,7 @@ def bench(
     duration: Annotated[float, typer.Option(help="Simulated time [s].")] = 10.0,
     time_scale: Annotated[float, typer.Option(help="Simulated over wall time; 0 for as fast as possible.")] = 1.0,
     record: Annotated[Path | None, typer.Option(help="Folder of a recording.")] = None,
+    rerun: Annotated[bool, typer.Option("--rerun", help="Open Rerun and show the bench while it runs.")] = False,
     scenario: Annotated[Path | None, typer.Option(help="A timeline of speed, load, faults and sensor in simulated time (YAML).")] = None,
     settings: Annotated[list[str] | None, typer.Option("--set", help="KEY=VALUE, such as operating.speed=100.0.")] = None,
 ) -> None:
@@ -32,4 +33,4 @@ def bench(
         read_scenario(scenario, configuration)
     from dcrb_ros.nodes.bench import run
 
-    raise typer.Exit(run(config, configuration, seconds, scenario))
+    raise typer.Exit(run(config, configuration, seconds, scenario, shown=rerun))

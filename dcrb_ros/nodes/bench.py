@@ -10,7 +10,7 @@ import tempfile
 import threading
 import time
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -126,8 +126,11 @@ def node_process(module: str, arguments: Sequence[str], environment: dict[str, s
                 process.wait()
 
 
-def run(name: str, configuration: Configuration, duration: float, scenario: Path | None = None) -> int:
-    """Run the bench for ``duration`` [s] of simulated time, through a scenario if there is one; return the exit status."""
+def run(name: str, configuration: Configuration, duration: float, scenario: Path | None = None, *, shown: bool = False) -> int:
+    """Run the bench for ``duration`` [s] of simulated time, through a scenario if there is one; return the exit status.
+
+    With ``shown`` Rerun shows it meanwhile; where it cannot, the bench runs all the same.
+    """
     check_ros()
     told = stop_on_signals()
     stay_on_this_machine()
@@ -143,9 +146,12 @@ def run(name: str, configuration: Configuration, duration: float, scenario: Path
         )
         arguments = ["--duration", repr(duration), *(["--scenario", str(scenario)] if scenario else []), *ros]
         observer = Observer()
-        with _observing(observer) as node, node_process("fault_detector", [], environment) as detector:
+        with ExitStack() as stack:
+            node = stack.enter_context(_observing(observer))
+            detector = stack.enter_context(node_process("fault_detector", [], environment))
+            listeners = [detector, *([stack.enter_context(node_process("viewer", [], environment))] if shown else [])]
             # The simulator waits for its listeners, so that they get the first block and do not start up beside it.
-            _await_listener(node, detector, told)
+            _await_listeners(node, listeners, told)
             with node_process("simulator", arguments, environment) as simulator:
                 failed = _watch(observer, node, simulator, detector, duration, told, console)
     return failed or _conclude(observer, configuration, console)
@@ -168,12 +174,14 @@ def _observing(observer: Observer) -> Iterator[Any]:
         try_shutdown()
 
 
-def _await_listener(node: Any, detector: subprocess.Popen[bytes], told: threading.Event) -> None:
-    """Wait until the detector listens beside the observer, has ended or has had its time."""
+def _await_listeners(node: Any, listeners: Sequence[subprocess.Popen[bytes]], told: threading.Event) -> None:
+    """Wait until those of the listeners that have not ended listen beside the observer, or have had their time."""
     import rclpy
 
     topic, patience = VIBRATION.resolved(NAMESPACE), time.monotonic() + LISTENER_START
-    while node.count_subscribers(topic) < 2 and detector.poll() is None and not told.is_set() and time.monotonic() < patience:
+    while not told.is_set() and time.monotonic() < patience:
+        if node.count_subscribers(topic) > sum(listener.poll() is None for listener in listeners):
+            return
         rclpy.spin_once(node, timeout_sec=0.05)
 
 

@@ -8,9 +8,10 @@ import time
 from typing import TYPE_CHECKING, Any
 
 from dcrb_ros.guard import guarded
-from dcrb_ros.messages import OK, WARN, Status, encode_clock, encode_diagnostics
+from dcrb_ros.messages import OK, WARN, Status, encode_diagnostics
+from dcrb_ros.nodes.clock import ClockHand
 from dcrb_ros.nodes.pacing import Pacer
-from dcrb_ros.nodes.ros import changed, check_ros, create_node, declare, spin, stop_on_signals
+from dcrb_ros.nodes.ros import changed, declare, running, spin
 from dcrb_ros.refusal import Refusal
 from dcrb_ros.replay import Bundle, Replay, ReplayParameters
 from dcrb_ros.sinks.publisher import Publisher
@@ -23,8 +24,6 @@ LAST_BUNDLE = 1.0
 """Wall time that the thread gets to end once told to stop [s]."""
 DELIVERY = 2.0
 """Wall time for which the last messages of a topic are waited for [s]."""
-CLOCK_PERIOD = 0.01
-"""Shortest wall time between two messages on /clock [s]."""
 STILL = 0.5
 """Wall time without another subscriber after which the first block goes out [s]."""
 POLL = 0.05
@@ -43,7 +42,7 @@ class Replayer:
         clock = [CLOCK] if parameters.clock else []
         self._publisher = Publisher(node, [*self._replay.topics, BENCH_DIAGNOSTICS, *clock])
         self._time_ns = self._bundles = self._passes = 0
-        self._told_at = -CLOCK_PERIOD
+        self._clock = ClockHand(self._publisher, asked=parameters.clock)
         node.create_timer(1.0, self._report)
         node.add_on_set_parameters_callback(self._on_parameters)
         self._thread = threading.Thread(target=self._run, name="replay", daemon=True)
@@ -94,10 +93,7 @@ class Replayer:
             self._emit(bundle)
 
     def _emit(self, bundle: Bundle) -> None:
-        now = time.monotonic()
-        if self.parameters.clock and now - self._told_at >= CLOCK_PERIOD:
-            self._told_at = now
-            self._publisher.write_messages([Message(CLOCK, bundle.due_ns, encode_clock(bundle.due_ns))])
+        self._clock.tick(bundle.due_ns)
         self._publisher.write_messages(bundle.messages)
         self._time_ns = bundle.due_ns
         self._bundles += 1
@@ -132,15 +128,7 @@ class Replayer:
 
 def run(arguments: list[str]) -> int:
     """Run the node until the recording is over or a signal comes; return the exit status."""
-    check_ros()
-    import rclpy
-    from rclpy.signals import SignalHandlerOptions
-    from rclpy.utilities import try_shutdown
-
-    told = stop_on_signals()
-    rclpy.init(args=arguments, signal_handler_options=SignalHandlerOptions.NO)
-    node = create_node("replayer")
-    try:
+    with running("replayer", arguments) as (node, told):
         replayer = Replayer(node, declare(node, ReplayParameters, run_time=("rate",)))
         try:
             replayer.start()
@@ -153,9 +141,6 @@ def run(arguments: list[str]) -> int:
             node.get_logger().fatal(f"the replay stopped: {replayer.failure}")
             return 1
         return 0
-    finally:
-        node.destroy_node()
-        try_shutdown()
 
 
 def main() -> None:

@@ -1,13 +1,15 @@
-"""What both nodes share: checks before start, parameters from the schema, spinning until told to stop."""
+"""What all nodes share: checks before start, parameters from the schema, spinning until told to stop."""
 
 from __future__ import annotations
 
+import argparse
 import importlib.util
 import os
 import signal
 import sys
 import threading
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from types import FrameType
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -56,6 +58,33 @@ def middlewares() -> list[str]:
     folders += [Path(prefix) / "lib" for prefix in [*os.environ.get("AMENT_PREFIX_PATH", "").split(":"), sys.prefix] if prefix]
     names = {library.stem.removeprefix("lib") for folder in folders for library in folder.glob("librmw_*_cpp.so")}
     return sorted(name for name in names if "shared" not in name and "common" not in name)
+
+
+def own_arguments(parser: argparse.ArgumentParser, arguments: Sequence[str]) -> argparse.Namespace:
+    """Return what a node's own options say; those of ROS are left out."""
+    check_ros()
+    from rclpy.utilities import remove_ros_args
+
+    return parser.parse_args(remove_ros_args([parser.prog, *arguments])[1:])
+
+
+@contextmanager
+def running(name: str, arguments: Sequence[str]) -> Iterator[tuple[ObedientNode, threading.Event]]:
+    """Yield a node, and what is set once it is told to stop."""
+    check_ros()
+    import rclpy
+    from rclpy.signals import SignalHandlerOptions
+    from rclpy.utilities import try_shutdown
+
+    told = stop_on_signals()
+    stay_on_this_machine()
+    rclpy.init(args=list(arguments), signal_handler_options=SignalHandlerOptions.NO)
+    node = create_node(name)
+    try:
+        yield node, told
+    finally:
+        node.destroy_node()
+        try_shutdown()
 
 
 def create_node(name: str) -> ObedientNode:

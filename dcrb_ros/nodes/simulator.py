@@ -9,7 +9,7 @@ import sys
 import threading
 import time
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 from dcrb_ros.alteration import altered
 from dcrb_ros.cli.simulate import checked_duration
@@ -21,7 +21,7 @@ from dcrb_ros.nodes.gate import Gate
 from dcrb_ros.nodes.pacing import Pacer
 from dcrb_ros.nodes.refusals import Refusals
 from dcrb_ros.nodes.report import COMMANDS, Progress, Report
-from dcrb_ros.nodes.ros import check_ros, create_node, declare, spin, stay_on_this_machine, stop_on_signals
+from dcrb_ros.nodes.ros import declare, own_arguments, running, spin
 from dcrb_ros.nodes.services import Services
 from dcrb_ros.nodes.tape import Tape, free_path
 from dcrb_ros.refusal import Refusal
@@ -40,30 +40,22 @@ from dcrb_ros.topics import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Mapping
+    from collections.abc import Callable, Mapping
 
     from dcrb_ros.block import Block
+    from dcrb_ros.nodes.clock import Sink
     from dcrb_ros.nodes.parameters import ObedientNode
     from dcrb_ros.simulation import Simulation
     from dcrb_ros.sinks.queued import QueuedRecorder
 
 LAST_BLOCK = 0.7
 """Wall time that the model gets to end its block once told to stop [s]; compiling takes longer and is not waited for."""
-CLOCK_PERIOD = 0.01
-"""Least wall time between two messages on /clock [s]: each costs every node that uses them."""
 MODEL = "model"
 """Name of the model's thread."""
 TARGETS = {"operating.speed": COMMANDS[0], "operating.load": COMMANDS[1], "operating.lateral_load": COMMANDS[1]}
 """Parameters that have a topic of their own to change them."""
 RUN_TIME = tuple(field.key for field in parameter_fields() if field.run_time and field.key not in TARGETS)
 """Parameters that can be set while the node runs."""
-
-
-class Sink(Protocol):
-    """Where messages go."""
-
-    def write_messages(self, messages: Iterable[Message]) -> None:
-        """Take messages."""
 
 
 def _content(kind: str, decode: Callable[[bytes], Any], data: bytes) -> Any:
@@ -81,6 +73,7 @@ class Simulator:
         self, node: ObedientNode, configuration: Configuration, duration: float | None, story: Mapping[str, Any] | None = None
     ) -> None:
         from dcrb_ros.messages import BlockEncoder
+        from dcrb_ros.nodes.clock import ClockHand
         from dcrb_ros.sinks.publisher import Publisher
 
         self.node, self.configuration, self._duration, self._story = node, configuration, duration, story
@@ -100,7 +93,7 @@ class Simulator:
         asked = {VIBRATION_CLEAN: configuration.publishing.clean, ROLLER_CONTACTS: configuration.publishing.contacts}
         topics = [topic for topic in SIMULATED if asked.get(topic, True)]
         self._publisher: Sink = Publisher(node, [*topics, BENCH_DIAGNOSTICS, *([CLOCK] if configuration.publishing.clock else [])])
-        self._clock_due = 0.0
+        self._clock = ClockHand(self._publisher, asked=configuration.publishing.clock)
         self._report = Report(self._pacer, self.gate, self.tape, self.refusals)
         self._subscribe()
         self._thread = threading.Thread(target=self._run, name=MODEL, daemon=True)
@@ -214,7 +207,7 @@ class Simulator:
 
     def _emit(self, block: Block, messages: list[Message]) -> None:
         self.progress.simulated_ns = block.end_ns
-        self._tick(CLOCK_PERIOD)
+        self._clock.tick(block.end_ns)
         self._publisher.write_messages(messages)
         self.tape.write_messages(messages)
         self._commands += [command for truth in block.truths if (command := command_of(truth.time_ns, truth.changed))]
@@ -224,15 +217,6 @@ class Simulator:
         if self._began:
             self.node.get_logger().info(f"first block {time.monotonic() - self._began:.2f} s after the start")
             self._began = 0.0
-
-    def _tick(self, period: float) -> None:
-        """Publish the simulated time on /clock, not before the period [s of wall time] since the last time is over."""
-        from dcrb_ros.messages import encode_clock
-
-        now = time.monotonic()
-        if self.configuration.publishing.clock and now >= self._clock_due:
-            self._clock_due = now + period
-            self._publisher.write_messages([Message(CLOCK, self.progress.simulated_ns, encode_clock(self.progress.simulated_ns))])
 
     def _on_detected(self, topic: Topic, stamp: Callable[[bytes], int]) -> Callable[[bytes], None]:
         def record(data: bytes) -> None:
@@ -300,7 +284,7 @@ class Simulator:
         status = self._report.status(self.node.get_fully_qualified_name(), self.progress, failed=self.failure is not None)
         time_ns = self.progress.simulated_ns
         self._publisher.write_messages([Message(BENCH_DIAGNOSTICS, time_ns, encode_diagnostics(time_ns, [status]))])
-        self._tick(0.0)
+        self._clock.tick(time_ns, 0.0)
         self.show_parameters()
 
 
@@ -309,18 +293,9 @@ def run(arguments: list[str]) -> int:
     parser = argparse.ArgumentParser(prog="simulator", description="The simulated bearing as a ROS 2 node.")
     parser.add_argument("--duration", type=float, default=None, help="simulated time after which the node ends [s]")
     parser.add_argument("--scenario", type=Path, default=None, help="timeline of speed, load, faults and sensor in simulated time (YAML)")
-    check_ros()
-    import rclpy
-    from rclpy.signals import SignalHandlerOptions
-    from rclpy.utilities import remove_ros_args, try_shutdown
-
-    options = parser.parse_args(remove_ros_args(["simulator", *arguments])[1:])
+    options = own_arguments(parser, arguments)
     duration = None if options.duration is None else checked_duration(options.duration)
-    told = stop_on_signals()
-    stay_on_this_machine()
-    rclpy.init(args=arguments, signal_handler_options=SignalHandlerOptions.NO)
-    node = create_node("simulator")
-    try:
+    with running("simulator", arguments) as (node, told):
         configuration = declare(node, Configuration, run_time=RUN_TIME)
         story = read_story(options.scenario) if options.scenario else None
         if story is not None:
@@ -335,9 +310,6 @@ def run(arguments: list[str]) -> int:
             node.get_logger().fatal(f"the bench stopped: {simulator.failure}")
             return 1
         return 0
-    finally:
-        node.destroy_node()
-        try_shutdown()
 
 
 def main() -> None:

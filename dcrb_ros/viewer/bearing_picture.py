@@ -9,7 +9,7 @@ import numpy as np
 import rerun as rr
 
 from dcrb_ros.block import Floats, Truth
-from dcrb_ros.viewer import palette
+from dcrb_ros.viewer import columns, palette
 from dcrb_ros.viewer.content import Content, Motion, Times
 from dcrb_ros.viewer.drawing import Drawing, arc, circle, on_circle, quaternions, rounded_up
 from dcrb_ros.viewer.fault_words import RacewayFault, RowFaults, faults_of_row
@@ -32,11 +32,13 @@ def drawing_of(content: Content, motion: Motion) -> Drawing:
 def log_bearing(content: Content, motion: Motion, drawing: Drawing) -> None:
     """Log the moving bearing under `ROOT`."""
     motion = thinned(motion)
+    log_still(drawing)
     log_force_scale(drawing)
+    log_moving(drawing, motion)
     for row in range(content.layout.rows):
-        log_row(content, drawing, motion, row)
-        log_faults(drawing, content, row)
-    log_load(drawing, content.truths)
+        log_faults(drawing, row, content.truths, content.start_ns)
+    largest = max((math.hypot(*truth.load) for truth in content.truths), default=0.0)
+    log_load(drawing, content.truths, largest)
 
 
 def thinned(motion: Motion) -> Motion:
@@ -48,19 +50,30 @@ def thinned(motion: Motion) -> Motion:
     return Motion(motion.time_ns[::every], motion.azimuth[::every], motion.speed[::every], motion.force[::every])
 
 
-def log_row(content: Content, drawing: Drawing, motion: Motion, row: int) -> None:
-    """Log rings, cage, rollers and force bars of one row."""
-    path, count, layout = f"{ROOT}/row{row + 1}", content.layout.rollers_per_row, content.layout
-    of_row = slice(row * count, (row + 1) * count)
-    azimuth, force = motion.azimuth[:, of_row], motion.force[:, of_row]
-    cage = motion.azimuth[:, layout.rows * count + row]
-    rr.log(path, rr.Transform3D(translation=[*drawing.centre(row), 0.0]), static=True)
-    log_outer_ring(drawing, path)
-    log_inner_ring(drawing, f"{path}/inner_ring")
-    log_rotation(f"{path}/inner_ring", motion.time_ns, motion.azimuth[:, -1])
-    log_rotation(f"{path}/cage", motion.time_ns, cage)
-    log_rollers(drawing, f"{path}/rollers", motion.time_ns, azimuth, force)
-    log_bars(drawing, f"{path}/normal_force", motion.time_ns, azimuth, force)
+def log_still(drawing: Drawing) -> None:
+    """Log what does not change with time: places, rings, sizes."""
+    for row in range(drawing.bearing.rows):
+        path = f"{ROOT}/row{row + 1}"
+        rr.log(path, rr.Transform3D(translation=[*drawing.centre(row), 0.0]), static=True)
+        log_outer_ring(drawing, path)
+        log_inner_ring(drawing, f"{path}/inner_ring")
+        rr.log(f"{path}/rollers", rr.Points2D.from_fields(radii=[drawing.roller], draw_order=4.0), static=True)
+        rr.log(f"{path}/normal_force", rr.LineStrips2D.from_fields(radii=[0.2 * drawing.roller], draw_order=4.0), static=True)
+        rr.log(f"{path}/load", rr.Arrows2D.from_fields(radii=[1.6], colors=[palette.LOAD], draw_order=5.0), static=True)
+        size = rr.Points2D.from_fields(radii=[0.01], colors=[palette.LOAD], show_labels=True)
+        rr.log(f"{path}/load/size", size, static=True)
+
+
+def log_moving(drawing: Drawing, motion: Motion) -> None:
+    """Log rotations, rollers and force bars of every row over time."""
+    rows, count = drawing.bearing.rows, drawing.bearing.rollers_per_row
+    for row in range(rows):
+        path, of_row = f"{ROOT}/row{row + 1}", slice(row * count, (row + 1) * count)
+        azimuth, force = motion.azimuth[:, of_row], motion.force[:, of_row]
+        log_rotation(f"{path}/inner_ring", motion.time_ns, motion.azimuth[:, -1])
+        log_rotation(f"{path}/cage", motion.time_ns, motion.azimuth[:, rows * count + row])
+        log_rollers(drawing, f"{path}/rollers", motion.time_ns, azimuth, force)
+        log_bars(drawing, f"{path}/normal_force", motion.time_ns, azimuth, force)
 
 
 def log_outer_ring(drawing: Drawing, path: str) -> None:
@@ -93,34 +106,33 @@ def log_rotation(path: str, time_ns: Times, angle: Floats) -> None:
 
 def log_rollers(drawing: Drawing, path: str, time_ns: Times, azimuth: Floats, force: Floats) -> None:
     """Log the rollers of a row, coloured by their normal force."""
-    count = azimuth.shape[1]
-    colours = palette.force_colours(force, drawing.largest_force)
-    positions = on_circle(drawing.pitch, azimuth).reshape(-1, 2)
-    columns = rr.Points2D.columns(positions=positions, colors=colours.reshape(-1, 4))
-    rr.log(path, rr.Points2D.from_fields(radii=[drawing.roller], draw_order=4.0), static=True)
-    rr.send_columns(path, [time_column(time_ns)], columns.partition(np.full(len(time_ns), count)))
+    colours = columns.colours(rr.Points2D.descriptor_colors(), palette.force_colours(force, drawing.largest_force))
+    positions = columns.vectors(rr.Points2D.descriptor_positions(), on_circle(drawing.pitch, azimuth))
+    columns.send(path, time_ns, positions, colours)
 
 
 def log_bars(drawing: Drawing, path: str, time_ns: Times, azimuth: Floats, force: Floats) -> None:
     """Log a radial bar outside the ring for the normal force of every roller."""
-    count = azimuth.shape[1]
     colours = palette.force_colours(force, drawing.largest_force)
     colours[force <= 0.0, 3] = 0
-    strips = drawing.bars(azimuth, force).reshape(-1, 2, 2).astype(np.float32)
-    columns = rr.LineStrips2D.columns(strips=strips, colors=colours.reshape(-1, 4))
-    rr.log(path, rr.LineStrips2D.from_fields(radii=[0.2 * drawing.roller], draw_order=4.0), static=True)
-    rr.send_columns(path, [time_column(time_ns)], columns.partition(np.full(len(time_ns), count)))
+    strips = columns.strips(drawing.bars(azimuth, force))
+    columns.send(path, time_ns, strips, columns.colours(rr.LineStrips2D.descriptor_colors(), colours))
 
 
-def log_faults(drawing: Drawing, content: Content, row: int) -> None:
-    """Log the faults of a row from when the ground truth has them."""
-    shown = RowFaults()
-    log_row_faults(drawing, row, content.start_ns, shown)
-    for truth in content.truths:
-        faults = faults_of_row(truth, row)
+def log_faults(drawing: Drawing, row: int, truths: Sequence[Truth], start_ns: int, shown: RowFaults | None = None) -> RowFaults:
+    """Log the faults of a row from when the ground truth has them; return the last ones. ``shown`` are there already."""
+    if shown is None:
+        shown = RowFaults()
+        log_row_faults(drawing, row, start_ns, shown)
+    known = None
+    for truth in truths:
+        if truth.faults is known:
+            continue
+        known, faults = truth.faults, faults_of_row(truth, row)
         if faults != shown:
             log_row_faults(drawing, row, truth.time_ns, faults)
             shown = faults
+    return shown
 
 
 def log_row_faults(drawing: Drawing, row: int, time_ns: int, faults: RowFaults) -> None:
@@ -153,13 +165,13 @@ def log_cage(drawing: Drawing, path: str, broken: Sequence[int]) -> None:
     rr.log(f"{path}/broken", rr.LineStrips2D(missing, radii=[0.07 * drawing.roller], colors=[palette.DEFECT], draw_order=6.0))
 
 
-def log_load(drawing: Drawing, truths: Sequence[Truth]) -> None:
-    """Log the load on the inner ring as an arrow in the bore of every row."""
+def log_load(drawing: Drawing, truths: Sequence[Truth], largest: float) -> None:
+    """Log the load on the inner ring as an arrow in the bore of every row, of full length for the ``largest`` load [N]."""
     if not truths:
         return
     load = np.array([truth.load for truth in truths])
     size = np.hypot(load[:, 0], load[:, 1])
-    length = 0.8 * drawing.bore * size / max(float(size.max()), 1e-9)
+    length = 0.8 * drawing.bore * size / max(largest, 1e-9)
     direction = load * [1.0, -1.0] / np.maximum(size, 1e-9)[:, None]
     vectors = direction * length[:, None]
     times = time_column(np.array([truth.time_ns for truth in truths]))
@@ -167,9 +179,7 @@ def log_load(drawing: Drawing, truths: Sequence[Truth]) -> None:
     labels = [f"{value / 1e3:.4g} kN{rows}" for value in size]
     for row in range(drawing.bearing.rows):
         path = f"{ROOT}/row{row + 1}/load"
-        rr.log(path, rr.Arrows2D.from_fields(radii=[1.6], colors=[palette.LOAD], draw_order=5.0), static=True)
         rr.send_columns(path, [times], rr.Arrows2D.columns(vectors=vectors, origins=-0.1 * vectors))
-        rr.log(f"{path}/size", rr.Points2D.from_fields(radii=[0.01], colors=[palette.LOAD], show_labels=True), static=True)
         places = -0.75 * drawing.bore * direction
         rr.send_columns(f"{path}/size", [times], rr.Points2D.columns(positions=places, labels=labels))
 

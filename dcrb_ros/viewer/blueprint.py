@@ -11,36 +11,43 @@ from dcrb_ros.viewer.timeline import TIMELINE
 
 CLOSE_UP = 0.15
 """Stretch of the waveform before and after the cursor in the close-up [s]."""
+PANELS = (rrb.BlueprintPanel(state="collapsed"), rrb.SelectionPanel(state="collapsed"))
 PANEL = rrb.archetypes.PlotBackground(color=palette.BACKGROUND, show_grid=True)
 
 
 def compose(content: Content, drawing: Drawing | None, *, picture_only: bool = False) -> rrb.Blueprint:
-    """Return the arrangement; ``picture_only`` hides the bars around it, for a screenshot."""
-    left: list[rrb.View | rrb.Container] = [waveform()]
+    """Return the arrangement for a recording; ``picture_only`` hides the bars around it, for a screenshot."""
+    detected: list[rrb.View | rrb.Container] = [
+        *([indicators()] if content.judgement.indicators else []),
+        *([features()] if content.features else []),
+        *([verdicts()] if content.judgement.verdicts else []),
+    ]
+    time = rrb.TimePanel(state="collapsed", timeline=TIMELINE, playback_speed=0.1, play_state="playing")
+    bars = [rrb.TopPanel(state="hidden")] if picture_only else []
+    return rrb.Blueprint(arrangement(drawing, detected, around=(-CLOSE_UP, CLOSE_UP)), *bars, *PANELS, time, auto_views=False)
+
+
+def compose_live(drawing: Drawing | None) -> rrb.Blueprint:
+    """Return the arrangement for a running bench: the same, and the cursor stays at the newest sample."""
+    detected: list[rrb.View | rrb.Container] = [indicators(), features(), verdicts()]
+    time = rrb.TimePanel(state="collapsed", timeline=TIMELINE, play_state="following")
+    return rrb.Blueprint(arrangement(drawing, detected, around=(-2.0 * CLOSE_UP, 0.0)), *PANELS, time, auto_views=False)
+
+
+def arrangement(drawing: Drawing | None, detected: list[rrb.View | rrb.Container], *, around: tuple[float, float]) -> rrb.Horizontal:
+    """Return the views; close-ups show the time ``around`` the cursor [s]."""
+    axis = close_up(*around)
+    left: list[rrb.View | rrb.Container] = [waveform(axis)]
     right: list[rrb.View | rrb.Container] = [rrb.Tabs(spectrum(), orders(), active_tab=0), summary()]
     if drawing is not None:
         left.insert(0, rrb.Tabs(bearing(drawing), zone(drawing.bearing.rows), active_tab=0))
-        right.append(motion())
-    detected = [
-        *([indicators()] if content.indicators else []),
-        *([features()] if content.features else []),
-        *([verdicts()] if content.verdicts else []),
-    ]
+        right.append(motion(axis))
     if detected:
         left.append(rrb.Tabs(*detected))
-    columns = rrb.Horizontal(
+    return rrb.Horizontal(
         rrb.Vertical(*left, row_shares=[6.0, 3.0, 2.0][-len(left) :] if drawing is None else [6.0, 3.2, 2.4][: len(left)]),
         rrb.Vertical(*right, row_shares=[4.9, 3.1, 3.5][: len(right)]),
         column_shares=[5.6, 4.4],
-    )
-    bars = [rrb.TopPanel(state="hidden")] if picture_only else []
-    return rrb.Blueprint(
-        columns,
-        *bars,
-        rrb.BlueprintPanel(state="collapsed"),
-        rrb.SelectionPanel(state="collapsed"),
-        rrb.TimePanel(state="collapsed", timeline=TIMELINE, playback_speed=0.1, play_state="playing"),
-        auto_views=False,
     )
 
 
@@ -83,12 +90,12 @@ def zone(rows: int) -> rrb.Spatial2DView:
     return rrb.Spatial2DView(origin=loading_zone.ROOT, name=name, background=palette.BACKGROUND, visual_bounds=bounds)
 
 
-def waveform() -> rrb.Tabs:
+def waveform(axis: rrb.archetypes.TimeAxis) -> rrb.Tabs:
     """Return the waveform around the cursor and, on a second tab, the whole of it."""
     around = rrb.TimeSeriesView(
         origin="waveform",
         name="Acceleration of the outer ring [m/s²]",
-        axis_x=close_up(),
+        axis_x=axis,
         background=PANEL,
         plot_legend=rrb.PlotLegend(rrb.Corner2D.RightTop),
     )
@@ -96,16 +103,15 @@ def waveform() -> rrb.Tabs:
     return rrb.Tabs(around, whole, active_tab=0)
 
 
-def close_up() -> rrb.archetypes.TimeAxis:
-    """Return the time axis of a plot that follows the cursor closely."""
-    begin, end = (rrb.TimeRangeBoundary.cursor_relative(seconds=seconds) for seconds in (-CLOSE_UP, CLOSE_UP))
+def close_up(before: float, after: float) -> rrb.archetypes.TimeAxis:
+    """Return the time axis of a plot that follows the cursor closely, ``before`` to ``after`` it [s]."""
+    begin, end = (rrb.TimeRangeBoundary.cursor_relative(seconds=seconds) for seconds in (before, after))
     return rrb.archetypes.TimeAxis(view_range=rrb.TimeRange(start=begin, end=end))
 
 
-def motion() -> rrb.Tabs:
+def motion(axis: rrb.archetypes.TimeAxis) -> rrb.Tabs:
     """Return the states over time."""
     plain = rrb.PlotLegend(visible=False)
-    axis = close_up()
     forces = rrb.TimeSeriesView(origin="forces/row1", name="Roller forces, row 1 [kN]", axis_x=axis, background=PANEL, plot_legend=plain)
     spins = rrb.TimeSeriesView(origin="spins/row1", name="Spins [rad/s]", axis_x=axis, background=PANEL, plot_legend=plain)
     cages = rrb.TimeSeriesView(origin="cages", name="Cages [rad/s]", background=PANEL)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from concurrent.futures import Future
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -17,6 +18,25 @@ if TYPE_CHECKING:
     from dcrb_ros.diagnosis.detector import Diagnosis
 
 Times = npt.NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class Subject:
+    """What the messages are about."""
+
+    title: str
+    bearing: Bearing
+    """Of the bench; of imported data it means nothing."""
+    orders: Orders
+    rate: int
+    """Sampling rate [Hz]."""
+    imported: bool = False
+    """Whether these are data from elsewhere."""
+
+    @property
+    def layout(self) -> Layout:
+        """Rows and rollers."""
+        return Layout(self.bearing.rows, self.bearing.rollers_per_row)
 
 
 @dataclass(frozen=True)
@@ -67,6 +87,18 @@ class Verdict:
 
 
 @dataclass(frozen=True)
+class Judgement:
+    """What fault detectors say of the waveform."""
+
+    indicators: Series | None
+    """Levels at the fault orders [dB], as recorded or else by the detector with its default parameters."""
+    verdicts: tuple[Verdict, ...]
+    """As recorded, or else by that detector."""
+    diagnoses: tuple[Diagnosis, ...]
+    """What that detector says, with its spectra."""
+
+
+@dataclass(frozen=True)
 class Content:
     """All that is shown of one recording."""
 
@@ -76,15 +108,18 @@ class Content:
     orders: Orders
     layout: Layout
     waveform: Waveform
+    judging: Future[Judgement]
+    """What the detectors say, as soon as it is known: finding it out takes as long as all the rest."""
     motion: Motion | None = None
     truths: tuple[Truth, ...] = ()
     features: Series | None = None
-    indicators: Series | None = None
-    verdicts: tuple[Verdict, ...] = ()
     imported: bool = False
     """Whether these are data from elsewhere."""
-    diagnoses: tuple[Diagnosis, ...] = ()
-    """What the fault detector with its default parameters says of the waveform."""
+
+    @property
+    def judgement(self) -> Judgement:
+        """What the detectors say; waits until it is known."""
+        return self.judging.result()
 
     @property
     def start_ns(self) -> int:

@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import replace
 
 import numpy as np
 
-from dcrb_ros.block import Layout
-from dcrb_ros.messages import Vibration, decode_alike, decode_diagnostics, decode_joints, decode_truth, decode_vibration, stamps
+from dcrb_ros.block import Layout, Truth
+from dcrb_ros.kinematics import Orders
+from dcrb_ros.messages import STAMP_END, decode_alike, decode_diagnostics, decode_joints, decode_truth, decode_waveform, stamps
 from dcrb_ros.parameters import Bearing
 from dcrb_ros.recording import Recording
 from dcrb_ros.refusal import Refusal
 from dcrb_ros.topics import DIAGNOSIS, FAULT_INDICATORS, FEATURES, GROUND_TRUTH, NAMESPACE, ROLLER_STATES, VIBRATION, Topic
-from dcrb_ros.viewer.content import Content, Motion, Series, Verdict, Waveform
+from dcrb_ros.viewer.content import Content, Judgement, Motion, Series, Subject, Verdict, Waveform
 from dcrb_ros.viewer.spectrum import diagnoses, indicators_of, verdicts_of
 
 SHOWN = (VIBRATION, ROLLER_STATES, GROUND_TRUTH, FEATURES, FAULT_INDICATORS, DIAGNOSIS)
@@ -28,38 +31,69 @@ def gather(recording: Recording) -> Content:
     found: dict[Topic, list[bytes]] = defaultdict(list)
     for message in recording.messages(SHOWN):
         found[message.topic].append(message.data)
-    blocks = [decode_vibration(data) for data in found[VIBRATION]]
-    if not blocks:
+    if not found[VIBRATION]:
         topic = VIBRATION.resolved(recording.namespace)
         raise Refusal(f"{recording.path} has no block on {topic} to show: give a recording of the bench with its waveform")
-    bearing, orders = Bearing() if recording.imported else recording.configuration.bearing, recording.orders
-    layout = Layout(bearing.rows, bearing.rollers_per_row)
-    waveform = waveform_of(blocks, recording.sampling_rate)
-    judged = diagnoses(waveform, orders)
+    bearing = Bearing() if recording.imported else recording.configuration.bearing
+    subject = Subject(recording.path.stem, bearing, recording.orders, recording.sampling_rate, recording.imported)
+    return content_of(found, subject, lambda waveform: _in_background(lambda: judgement_of(waveform, recording.orders, found)))
+
+
+def content_of(found: Mapping[Topic, Sequence[bytes]], subject: Subject, judge: Callable[[Waveform], Future[Judgement]]) -> Content:
+    """Return what some messages show.
+
+    Raises:
+        Refusal: one cannot be decoded.
+    """
+    waveform = waveform_of(found.get(VIBRATION, ()), subject.rate)
     return Content(
-        title=recording.path.stem,
-        bearing=bearing,
-        orders=orders,
-        imported=recording.imported,
-        layout=layout,
+        title=subject.title,
+        bearing=subject.bearing,
+        orders=subject.orders,
+        imported=subject.imported,
+        layout=subject.layout,
         waveform=waveform,
-        motion=motion_of(found[ROLLER_STATES], layout),
-        truths=tuple(decode_truth(data) for data in found[GROUND_TRUTH]),
-        features=series_of(found[FEATURES]),
-        indicators=series_of(found[FAULT_INDICATORS]) or indicators_of(judged),
-        verdicts=verdicts_in(found[DIAGNOSIS]) or verdicts_of(judged),
+        judging=judge(waveform),
+        motion=motion_of(found.get(ROLLER_STATES, ()), subject.layout),
+        truths=truths_of(found.get(GROUND_TRUTH, ())),
+        features=series_of(found.get(FEATURES, ())),
+    )
+
+
+def waveform_of(messages: Sequence[bytes], rate: int) -> Waveform:
+    """Return the samples of all blocks end to end."""
+    if messages:
+        return Waveform(*decode_waveform(messages), rate=rate)
+    return Waveform(np.zeros(0, np.int64), np.zeros((0, 2), np.float32), np.zeros(0, np.float32), rate)
+
+
+def judgement_of(waveform: Waveform, orders: Orders, found: Mapping[Topic, Sequence[bytes]]) -> Judgement:
+    """Return what the detector says of a waveform, and what one said while it was recorded."""
+    judged = diagnoses(waveform, orders)
+    return Judgement(
+        indicators=series_of(found.get(FAULT_INDICATORS, ())) or indicators_of(judged),
+        verdicts=verdicts_in(found.get(DIAGNOSIS, ())) or verdicts_of(judged),
         diagnoses=tuple(judged),
     )
 
 
-def waveform_of(blocks: Sequence[Vibration], rate: int) -> Waveform:
-    """Return the samples of all blocks end to end."""
-    return Waveform(
-        time_ns=np.concatenate([block.stamp_ns + block.offsets_ns.astype(np.int64) for block in blocks]),
-        acceleration=np.concatenate([block.acceleration for block in blocks]),
-        shaft_angle=np.concatenate([block.shaft_angle for block in blocks]),
-        rate=rate,
-    )
+def _in_background(work: Callable[[], Judgement]) -> Future[Judgement]:
+    pool = ThreadPoolExecutor(1, "judgement")
+    future = pool.submit(work)
+    pool.shutdown(wait=False)
+    return future
+
+
+def truths_of(messages: Sequence[bytes]) -> tuple[Truth, ...]:
+    """Return the ground truth over time; what repeats itself but for the stamp is decoded once."""
+    known: dict[bytes, Truth] = {}
+    found = []
+    for time_ns, data in zip(stamps(messages).tolist(), messages, strict=True):
+        said = data[STAMP_END:]
+        if said not in known:
+            known[said] = decode_truth(data)
+        found.append(replace(known[said], time_ns=time_ns))
+    return tuple(found)
 
 
 def motion_of(messages: Sequence[bytes], layout: Layout) -> Motion | None:

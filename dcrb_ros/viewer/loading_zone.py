@@ -7,13 +7,12 @@ import math
 import numpy as np
 import rerun as rr
 
-from dcrb_ros.block import Floats
-from dcrb_ros.viewer import palette
+from dcrb_ros.block import Floats, Layout
+from dcrb_ros.viewer import columns, palette
 from dcrb_ros.viewer.bearing_picture import thinned
 from dcrb_ros.viewer.content import Content, Motion
 from dcrb_ros.viewer.drawing import circle, on_circle
 from dcrb_ros.viewer.spectrum_picture import log_texts
-from dcrb_ros.viewer.timeline import time_column
 
 ROOT = "loading_zone"
 RADIUS = 100.0
@@ -27,17 +26,34 @@ SPOKES = 12
 
 def log_loading_zone(content: Content, motion: Motion, largest: float) -> None:
     """Log the polar picture of every row, up to the ``largest`` force [N]."""
-    motion, layout = thinned(motion), content.layout
+    motion = thinned(motion)
+    log_still(content.layout, largest)
+    log_mean(content.layout, motion, largest)
+    log_now(content.layout, motion, largest)
+
+
+def log_still(layout: Layout, largest: float) -> None:
+    """Log where the rows are, and their scales."""
     for row in range(layout.rows):
-        of_row = slice(row * layout.rollers_per_row, (row + 1) * layout.rollers_per_row)
-        azimuth, force = motion.azimuth[:, of_row], motion.force[:, of_row]
         path = f"{ROOT}/row{row + 1}"
         rr.log(path, rr.Transform3D(translation=[(row - 0.5 * (layout.rows - 1)) * SPACING, 0.0, 0.0]), static=True)
+        rr.log(f"{path}/now", rr.Arrows2D.from_fields(origins=[[0.0, 0.0]], radii=[1.4], draw_order=3.0), static=True)
         log_scale(path, largest, row)
-        mean = closed(on_circle(RADIUS * mean_force(azimuth, force) / largest, middles()))
+
+
+def log_mean(layout: Layout, motion: Motion, largest: float) -> None:
+    """Log the mean force over the azimuth of every row as a line."""
+    for row in range(layout.rows):
+        mean = mean_force(*of_row(layout, motion, row))
+        strip = closed(on_circle(RADIUS * mean / largest, middles()))
         colour = palette.ROWS[row % len(palette.ROWS)]
-        rr.log(f"{path}/mean", rr.LineStrips2D([mean], radii=[1.2], colors=[colour], draw_order=2.0), static=True)
-        log_now(path, motion, azimuth, force / largest)
+        rr.log(f"{ROOT}/row{row + 1}/mean", rr.LineStrips2D([strip], radii=[1.2], colors=[colour], draw_order=2.0), static=True)
+
+
+def of_row(layout: Layout, motion: Motion, row: int) -> tuple[Floats, Floats]:
+    """Return azimuth [rad] and normal force [N] of the rollers of a row over time."""
+    rollers = slice(row * layout.rollers_per_row, (row + 1) * layout.rollers_per_row)
+    return motion.azimuth[:, rollers], motion.force[:, rollers]
 
 
 def middles() -> Floats:
@@ -71,12 +87,13 @@ def log_scale(path: str, largest: float, row: int) -> None:
     log_texts(f"{path}/name", np.array([[0.0, -1.32 * RADIUS]]), [f"row {row + 1}"], palette.BRIGHT, drop=6.0)
 
 
-def log_now(path: str, motion: Motion, azimuth: Floats, share: Floats) -> None:
-    """Log an arrow from the centre for the force of every roller over time, as a ``share`` of the largest."""
-    count = azimuth.shape[1]
-    tips = on_circle(RADIUS * np.clip(share, 0.0, 1.25), azimuth).reshape(-1, 2)
-    colours = palette.force_colours(share, 1.0)
-    colours[share <= 0.0, 3] = 0
-    rr.log(f"{path}/now", rr.Arrows2D.from_fields(radii=[1.4], draw_order=3.0), static=True)
-    columns = rr.Arrows2D.columns(vectors=tips, origins=np.zeros_like(tips), colors=colours.reshape(-1, 4))
-    rr.send_columns(f"{path}/now", [time_column(motion.time_ns)], columns.partition(np.full(len(motion.time_ns), count)))
+def log_now(layout: Layout, motion: Motion, largest: float) -> None:
+    """Log an arrow from the centre for the force of every roller over time."""
+    for row in range(layout.rows):
+        azimuth, force = of_row(layout, motion, row)
+        tips = on_circle(RADIUS * np.clip(force / largest, 0.0, 1.25), azimuth)
+        colours = palette.force_colours(force, largest)
+        colours[force <= 0.0, 3] = 0
+        arrows = columns.vectors(rr.Arrows2D.descriptor_vectors(), tips)
+        colour = columns.colours(rr.Arrows2D.descriptor_colors(), colours)
+        columns.send(f"{ROOT}/row{row + 1}/now", motion.time_ns, arrows, colour)

@@ -12,11 +12,10 @@ import numpy.typing as npt
 import rerun as rr
 
 from dcrb_ros.block import Floats
-from dcrb_ros.viewer import palette
+from dcrb_ros.viewer import columns, palette
 from dcrb_ros.viewer.content import Times
 from dcrb_ros.viewer.spectrum import Comb, Spectra
 from dcrb_ros.viewer.spectrum_picture import HEIGHT, TRACK, WIDTH, log_comb, log_texts, order_ticks
-from dcrb_ros.viewer.timeline import time_column
 
 ROOT = "order_map"
 TIME_TICKS = 6
@@ -26,12 +25,22 @@ LOUDEST_SHARE = 0.9995
 
 def log_order_map(spectra: Spectra, combs: Sequence[Comb]) -> None:
     """Log the map, its axes, the fault lines and a line at the time of the cursor under `ROOT`."""
+    log_map(spectra)
+    log_fault_lines(spectra.highest_order, combs)
+    log_cursor(spectra.time_ns)
+
+
+def log_map(spectra: Spectra) -> None:
+    """Log the picture of the spectra and its axes."""
     largest = max(10.0, 5.0 * np.ceil(float(np.quantile(spectra.level, LOUDEST_SHARE)) / 5.0))
     rr.log(f"{ROOT}/levels", rr.Image(picture(spectra, largest), draw_order=-1.0), static=True)
-    for place, comb in enumerate(combs):
-        log_comb(spectra.highest_order, comb, -TRACK * (len(combs) - place - 0.1), root=ROOT)
     log_axes(spectra, largest)
-    log_cursor(spectra.time_ns)
+
+
+def log_fault_lines(highest_order: float, combs: Sequence[Comb]) -> None:
+    """Log the fault lines through the map."""
+    for place, comb in enumerate(combs):
+        log_comb(highest_order, comb, -TRACK * (len(combs) - place - 0.1), root=ROOT)
 
 
 def picture(spectra: Spectra, largest: float) -> npt.NDArray[np.uint8]:
@@ -77,4 +86,4 @@ def log_cursor(time_ns: Times) -> None:
     strips = np.stack([np.stack([np.zeros_like(y), y], -1), np.stack([np.full_like(y, WIDTH), y], -1)], axis=1)
     fixed = rr.LineStrips2D.from_fields(radii=rr.Radius.ui_points(0.8), colors=[palette.BRIGHT], draw_order=6.0)
     rr.log(f"{ROOT}/cursor", fixed, static=True)
-    rr.send_columns(f"{ROOT}/cursor", [time_column(time_ns)], rr.LineStrips2D.columns(strips=strips.astype(np.float32)))
+    columns.send(f"{ROOT}/cursor", time_ns, columns.strips(strips[:, None]))

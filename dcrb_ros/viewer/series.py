@@ -1,4 +1,7 @@
-"""Everything that Rerun plots over time: waveform, forces, speeds, features, indicators."""
+"""Everything that Rerun plots over time: waveform, forces, speeds, features, indicators.
+
+Where more of the same follows (``fixed`` false) names and colours are not logged again.
+"""
 
 from __future__ import annotations
 
@@ -9,16 +12,17 @@ import rerun as rr
 from rerun.components import AggregationPolicy
 
 from dcrb_ros.block import Floats, Samples
-from dcrb_ros.viewer import palette
+from dcrb_ros.viewer import columns, palette
 from dcrb_ros.viewer.content import Content, Motion, Series, Times, Verdict, Waveform
-from dcrb_ros.viewer.timeline import TIMELINE, time_column
+from dcrb_ros.viewer.timeline import TIMELINE
 
 KILO = 1e-3
 
 
-def log_waveform(waveform: Waveform) -> None:
+def log_waveform(waveform: Waveform, *, fixed: bool = True) -> None:
     """Log every sample of the waveform, both axes [m/s^2]."""
-    log_lines("waveform", waveform.time_ns, waveform.acceleration, ["ax", "ay"], [palette.WAVEFORM_X, palette.WAVEFORM], width=1.0)
+    colours = [palette.WAVEFORM_X, palette.WAVEFORM]
+    log_lines("waveform", waveform.time_ns, waveform.acceleration, ["ax", "ay"], colours, width=1.0, fixed=fixed)
 
 
 def log_lines(
@@ -29,43 +33,46 @@ def log_lines(
     colours: Sequence[palette.Colour],
     *,
     width: float = 1.5,
+    fixed: bool = True,
 ) -> None:
     """Log several lines over time as one entity; values of shape (times, names), the last name on top."""
-    # The default policy draws the mean of what falls on a pixel: a shock of 10 m/s^2 would show as 5.
-    look = rr.SeriesLines(names=list(names), colors=list(colours), widths=[width] * len(names), aggregation_policy=AggregationPolicy.MinMax)
-    rr.log(path, look, static=True)
-    columns = rr.Scalars.columns(scalars=values.reshape(-1).astype(np.float64)).partition(np.full(len(time_ns), len(names)))
-    rr.send_columns(path, [time_column(time_ns)], columns)
+    if fixed:
+        # The default policy draws the mean of what falls on a pixel: a shock of 10 m/s^2 would show as 5.
+        policy, widths = AggregationPolicy.MinMax, [width] * len(names)
+        look = rr.SeriesLines(names=list(names), colors=list(colours), widths=widths, aggregation_policy=policy)
+        rr.log(path, look, static=True)
+    columns.send(path, time_ns, columns.scalars(values))
 
 
-def log_motion(content: Content, motion: Motion) -> None:
+def log_motion(content: Content, motion: Motion, *, fixed: bool = True) -> None:
     """Log normal forces [kN] and spins [rad/s] of the rollers, speeds of the cages [rad/s], and their slip [%]."""
     rows, count = content.layout.rows, content.layout.rollers_per_row
     names = [f"roller {i + 1}" for i in range(count)]
     colours = palette.wheel(count)
     for row in range(rows):
         rollers = slice(row * count, (row + 1) * count)
-        log_lines(f"forces/row{row + 1}", motion.time_ns, motion.force[:, rollers] * KILO, names, colours)
-        log_lines(f"spins/row{row + 1}", motion.time_ns, motion.speed[:, rollers], names, colours)
+        log_lines(f"forces/row{row + 1}", motion.time_ns, motion.force[:, rollers] * KILO, names, colours, fixed=fixed)
+        log_lines(f"spins/row{row + 1}", motion.time_ns, motion.speed[:, rollers], names, colours, fixed=fixed)
     cages = [f"cage {row + 1}" for row in range(rows)]
-    log_lines("cages", motion.time_ns, motion.speed[:, rows * count : rows * count + rows], cages, palette.ROWS[:rows])
+    speeds = motion.speed[:, rows * count : rows * count + rows]
+    log_lines("cages", motion.time_ns, speeds, cages, palette.ROWS[:rows], fixed=fixed)
 
 
-def log_truth(content: Content) -> None:
+def log_truth(content: Content, *, fixed: bool = True) -> None:
     """Log speed [rad/s] and load [kN] of the ground truth."""
     if content.truths:
         times = np.array([truth.time_ns for truth in content.truths])
         values = np.array([[truth.speed, np.hypot(*truth.load) * KILO] for truth in content.truths])
-        log_lines("operating", times, values, ["speed [rad/s]", "load [kN]"], [palette.BRIGHT, palette.LOAD])
+        log_lines("operating", times, values, ["speed [rad/s]", "load [kN]"], [palette.BRIGHT, palette.LOAD], fixed=fixed)
 
 
-def log_series(path: str, series: Series | None) -> None:
+def log_series(path: str, series: Series | None, *, fixed: bool = True) -> None:
     """Log each number of a series as an entity of its own, so that a view can choose."""
     if series is None:
         return
     for place, name in enumerate(series.names):
         colour = palette.FAULT_LINES.get({"BSF": "2BSF"}.get(name, name), palette.BRIGHT)
-        log_lines(f"{path}/{name}", series.time_ns, series.values[:, place : place + 1], [name], [colour])
+        log_lines(f"{path}/{name}", series.time_ns, series.values[:, place : place + 1], [name], [colour], fixed=fixed)
 
 
 def log_verdicts(verdicts: Sequence[Verdict]) -> None:

@@ -21,10 +21,10 @@ ORDER_STEP = 0.025
 """Distance of the orders at which spectra are shown [-]."""
 FINER = 2
 """Orders looked at for each one shown, which is the largest of them, so that no line is lost."""
-SHORTEST_HOP, LONGEST_HOP, SHORTEST_WINDOW = 0.25, 1.0, 0.5
-"""Time between two spectra at least and at most, and length of the window at least [s]."""
+SHORTEST_HOP, SHORTEST_WINDOW = 0.25, 0.5
+"""Time between two spectra and length of the window at least [s]."""
 SPECTRA_WANTED = 20
-"""Spectra that a short recording is cut into."""
+"""Spectra that a recording is cut into; of a long one there are more, and windows follow each other without overlap."""
 
 
 @dataclass(frozen=True)
@@ -75,7 +75,7 @@ def diagnoses(waveform: Waveform, orders: Orders) -> list[Diagnosis]:
     window = min(usual.window, seconds)
     if window < SHORTEST_WINDOW:
         return []
-    hop = min(window, LONGEST_HOP, max(SHORTEST_HOP, seconds / SPECTRA_WANTED))
+    hop = min(window, max(SHORTEST_HOP, seconds / SPECTRA_WANTED))
     detector = FaultDetector(orders, waveform.rate, usual.model_copy(update={"window": window, "hop": hop}))
     found = []
     for piece in pieces(waveform, round(hop * waveform.rate)):

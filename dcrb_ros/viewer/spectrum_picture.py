@@ -7,16 +7,15 @@ bars that cannot carry a label.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import rerun as rr
 
 from dcrb_ros.block import Floats
-from dcrb_ros.viewer import palette
+from dcrb_ros.viewer import columns, palette
 from dcrb_ros.viewer.content import Times
-from dcrb_ros.viewer.spectrum import Comb, Spectra
-from dcrb_ros.viewer.timeline import time_column
+from dcrb_ros.viewer.spectrum import ORDER_STEP, Comb, Spectra
 
 ROOT = "envelope_spectrum"
 WIDTH, HEIGHT, TRACK = 1000.0, 330.0, 40.0
@@ -53,14 +52,35 @@ def log_spectra(spectra: Spectra, combs: Sequence[Comb], start_ns: int) -> None:
     """
     times = spectra.time_ns.copy()
     times[0] = start_ns
-    orders, level = spectra.orders, spectra.level
-    highest = max(LEVEL_TICK * np.ceil(float(level.max(initial=0.0)) / LEVEL_TICK), 2.0 * LEVEL_TICK)
-    axes = Axes(spectra.highest_order, -0.5 * LEVEL_TICK, float(highest))
+    axes = axes_of(spectra)
     log_axes(axes, float(np.median(spectra.shaft_frequency)))
+    log_combs(axes, combs)
+    log_levels(axes, combs, replace(spectra, time_ns=times))
+
+
+def axes_of(spectra: Spectra) -> Axes:
+    """Return axes that hold all spectra."""
+    highest = max(LEVEL_TICK * np.ceil(float(spectra.level.max(initial=0.0)) / LEVEL_TICK), 2.0 * LEVEL_TICK)
+    return Axes(spectra.highest_order, -0.5 * LEVEL_TICK, float(highest))
+
+
+def log_combs(axes: Axes, combs: Sequence[Comb]) -> None:
+    """Log the fault lines and the look of curve, area and peaks."""
     for place, comb in enumerate(combs):
         log_comb(axes.highest_order, comb, -TRACK * (len(combs) - place - 0.1))
-        log_peaks(axes, comb, times, orders, level)
-    log_curve(axes, times, orders, level)
+        fixed = rr.Points2D.from_fields(radii=rr.Radius.ui_points(3.5), colors=[palette.FAULT_LINES[comb.name]], draw_order=5.0)
+        rr.log(f"{ROOT}/{comb.name}/peaks", fixed, static=True)
+    half = 0.55 * WIDTH * ORDER_STEP / axes.highest_order
+    rr.log(f"{ROOT}/area", rr.LineStrips2D.from_fields(radii=[half], colors=[palette.AREA], draw_order=2.0), static=True)
+    thin = rr.Radius.ui_points(0.7)
+    rr.log(f"{ROOT}/curve", rr.LineStrips2D.from_fields(radii=thin, colors=[palette.CURVE], draw_order=3.0), static=True)
+
+
+def log_levels(axes: Axes, combs: Sequence[Comb], spectra: Spectra) -> None:
+    """Log curve, area and peaks of every spectrum over time."""
+    for comb in combs:
+        log_peaks(axes, comb, spectra.time_ns, spectra.orders, spectra.level)
+    log_curve(axes, spectra.time_ns, spectra.orders, spectra.level)
 
 
 def log_axes(axes: Axes, shaft_frequency: float) -> None:
@@ -108,6 +128,8 @@ def log_comb(highest_order: float, comb: Comb, y: float, *, root: str = ROOT) ->
 
 def log_peaks(axes: Axes, comb: Comb, time_ns: Times, orders: Floats, level: Floats) -> None:
     """Log a dot on the highest point of the spectrum near every harmonic."""
+    if not comb.orders:
+        return
     resolution = float(orders[1] - orders[0])
     places = np.empty((len(level), len(comb.orders), 2))
     for k, harmonic in enumerate(comb.orders):
@@ -115,10 +137,7 @@ def log_peaks(axes: Axes, comb: Comb, time_ns: Times, orders: Floats, level: Flo
         best = near[np.argmax(level[:, near], axis=1)]
         places[:, k] = axes.points(orders[best], level[np.arange(len(level)), best])
     path = f"{ROOT}/{comb.name}/peaks"
-    fixed = rr.Points2D.from_fields(radii=rr.Radius.ui_points(3.5), colors=[palette.FAULT_LINES[comb.name]], draw_order=5.0)
-    rr.log(path, fixed, static=True)
-    columns = rr.Points2D.columns(positions=places.reshape(-1, 2)).partition(np.full(len(level), len(comb.orders)))
-    rr.send_columns(path, [time_column(time_ns)], columns)
+    columns.send(path, time_ns, columns.vectors(rr.Points2D.descriptor_positions(), places))
 
 
 def log_curve(axes: Axes, time_ns: Times, orders: Floats, level: Floats) -> None:
@@ -127,11 +146,5 @@ def log_curve(axes: Axes, time_ns: Times, orders: Floats, level: Floats) -> None
     foot = curve.copy()
     foot[..., 1] = HEIGHT
     area = np.stack([foot, curve], axis=2)
-    times = [time_column(time_ns)]
-    half = 0.55 * WIDTH * float(orders[1] - orders[0]) / axes.highest_order
-    rr.log(f"{ROOT}/area", rr.LineStrips2D.from_fields(radii=[half], colors=[palette.AREA], draw_order=2.0), static=True)
-    columns = rr.LineStrips2D.columns(strips=area.reshape(-1, 2, 2).astype(np.float32))
-    rr.send_columns(f"{ROOT}/area", times, columns.partition(np.full(len(level), len(orders))))
-    fixed = rr.LineStrips2D.from_fields(radii=rr.Radius.ui_points(0.7), colors=[palette.CURVE], draw_order=3.0)
-    rr.log(f"{ROOT}/curve", fixed, static=True)
-    rr.send_columns(f"{ROOT}/curve", times, rr.LineStrips2D.columns(strips=curve.astype(np.float32)))
+    columns.send(f"{ROOT}/area", time_ns, columns.strips(area))
+    columns.send(f"{ROOT}/curve", time_ns, columns.strips(curve[:, None]))

@@ -28,8 +28,8 @@ def markdown(content: Content) -> str:
 def _lines(content: Content) -> Iterator[str]:
     bearing, seconds = content.bearing, (content.end_ns - content.start_ns) / 1e9
     yield f"| Recording | {content.title}, {seconds:.2f} s at {content.waveform.rate / 1e3:g} kHz |\n|---|---|"
-    if content.verdicts:
-        verdict = content.verdicts[-1]
+    verdict = content.judgement.verdicts[-1] if content.judgement.verdicts else None
+    if verdict:
         yield f"| Detector's verdict | **{TITLES.get(verdict.name, verdict.name)}** |"
     if content.truths:
         truth = content.truths[-1]
@@ -41,8 +41,8 @@ def _lines(content: Content) -> Iterator[str]:
     else:
         diameter, pitch = 2e3 * bearing.roller_radius, 2e3 * bearing.pitch_radius
         yield f"| Bearing | {bearing.rows} x {bearing.rollers_per_row} rollers of {diameter:g} mm on a pitch circle of {pitch:g} mm |"
-    if content.verdicts and content.verdicts[-1].evidence.get("reason"):
-        yield f"\nWhy: {content.verdicts[-1].evidence['reason']}."
+    if verdict and verdict.evidence.get("reason"):
+        yield f"\nWhy: {verdict.evidence['reason']}."
 
 
 def _faults(truth: Truth) -> Iterator[str]:

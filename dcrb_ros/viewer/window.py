@@ -11,6 +11,8 @@ import subprocess
 import sys
 import tempfile
 import time
+import urllib.parse
+import webbrowser
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
@@ -31,6 +33,10 @@ EMPTY_BAR = 37
 """Height of the bar that the viewer leaves above the views when its top panel is hidden [pixels]."""
 DRIVER_REMEDY = "install a Vulkan driver, without a graphics card the software one (Debian, Ubuntu: apt-get install mesa-vulkan-drivers)"
 
+DISPLAY_REMEDY = "it needs a display; without one save the view into a file (viewer --save FILE.rrd)"
+MEMORY = "2GB"
+"""What a viewer of a running bench keeps; of more the oldest is left out."""
+
 Answer = TypeVar("Answer")
 
 
@@ -40,11 +46,57 @@ class ViewerFailure(RuntimeError):
 
 def open_window(document: Path, *, web: bool = False) -> int:
     """Show a Rerun file, bound to this machine alone, until the viewer is closed; return its exit status."""
-    options = ["--web-viewer", "--web-viewer-port", str(_free_port())] if web else []
+    port = _free_port()
+    command = [*_command(), "--bind", LOOPBACK, "--port", str(port), str(document)]
     try:
-        return subprocess.call([*_command(), "--bind", LOOPBACK, "--port", str(_free_port()), *options, str(document)])
+        return _serve_page(command, port) if web else subprocess.call(command)
     except KeyboardInterrupt:
         return 0
+
+
+@contextlib.contextmanager
+def window_to_fill() -> Iterator[tuple[subprocess.Popen[bytes], str]]:
+    """Open an empty viewer, bound to this machine alone; yield it with the address for data. It stays open afterwards.
+
+    Raises:
+        ViewerFailure: it cannot be opened.
+    """
+    port = _free_port()
+    command = [*_command(), "--bind", LOOPBACK, "--port", str(port), "--hide-welcome-screen", "--memory-limit", MEMORY]
+    with tempfile.TemporaryFile() as output:
+        viewer = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=output, stderr=output, start_new_session=True)
+        _awaited(viewer, "open its window", lambda: _listens(port), DISPLAY_REMEDY)
+        yield viewer, f"rerun+http://{LOOPBACK}:{port}/proxy"
+
+
+def page_address(page_port: int, port: int) -> str:
+    """Return where the browser finds the viewer's page, which gets its data from ``port``.
+
+    The pictures are made for the dark theme, whatever the browser prefers.
+    """
+    data = urllib.parse.quote(f"rerun+http://{LOOPBACK}:{port}/proxy", safe="")
+    return f"http://{LOOPBACK}:{page_port}/?url={data}&theme=dark&hide_welcome_screen"
+
+
+def _serve_page(command: list[str], port: int) -> int:
+    """Serve the viewer as a web page, open it in the browser and wait for the end."""
+    page_port = _free_port()
+    with subprocess.Popen([*command, "--serve-web", "--web-viewer-port", str(page_port)]) as server:
+        try:
+            _awaited(server, "serve its page", lambda: _listens(page_port) and _listens(port), "its words are above")
+            address = page_address(page_port, port)
+            print(f"the viewer is at {address} until Ctrl-C", flush=True)
+            webbrowser.open(address)
+            return server.wait()
+        except BaseException:
+            server.terminate()
+            raise
+
+
+def _listens(port: int) -> bool | None:
+    with contextlib.suppress(OSError), socket.create_connection((LOOPBACK, port), timeout=POLL):
+        return True
+    return None
 
 
 def save_screenshot(document: Path, picture: Path, *, at_ns: int, width: int = 1600, height: int = 1000) -> None:
@@ -108,12 +160,12 @@ def _end(viewer: subprocess.Popen[bytes]) -> None:
     viewer.wait(PATIENCE)
 
 
-def _awaited(viewer: subprocess.Popen[bytes], purpose: str, ask: Callable[[], Answer | None]) -> Answer:
+def _awaited(viewer: subprocess.Popen[bytes], purpose: str, ask: Callable[[], Answer | None], remedy: str = DRIVER_REMEDY) -> Answer:
     """Ask until there is an answer; raise `ViewerFailure` when the viewer ends or `PATIENCE` does."""
     deadline = time.monotonic() + PATIENCE
     while time.monotonic() < deadline:
         if viewer.poll() is not None:
-            raise ViewerFailure(f"the viewer ended before it could {purpose}: {DRIVER_REMEDY}")
+            raise ViewerFailure(f"the viewer ended before it could {purpose}: {remedy}")
         with contextlib.suppress(ConnectionError):
             answer = ask()
             if answer is not None:

@@ -1,0 +1,83 @@
+"""Components over time as Arrow arrays, sent to Rerun in pieces: a large array in one piece takes twice as long."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+import pyarrow as pa
+import rerun as rr
+
+from dcrb_ros.viewer.content import Times
+from dcrb_ros.viewer.timeline import time_column
+
+MOST_ROWS = 1 << 16
+"""Times in one piece."""
+
+
+@dataclass(frozen=True)
+class Batch:
+    """Values as Rerun asks for them."""
+
+    values: pa.Array
+
+    def as_arrow_array(self) -> pa.Array:
+        """Return the values."""
+        return self.values
+
+
+@dataclass(frozen=True)
+class Column:
+    """A component over time: its values end to end, ``each`` of them at a time."""
+
+    descriptor: rr.ComponentDescriptor
+    values: pa.Array
+    each: int = 1
+
+    def piece(self, first: int, last: int) -> rr.ComponentColumn:
+        """Return the values of the times ``first`` to ``last``, the latter not included, as Rerun takes them."""
+        values = self.values[first * self.each : last * self.each]
+        borders = np.arange(0, len(values) + 1, self.each, dtype=np.int32)
+        return rr.ComponentColumn(self.descriptor, Batch(values), offsets=borders)
+
+
+def send(path: str, time_ns: Times, *columns: Column) -> None:
+    """Send columns of an entity over simulated times [ns]."""
+    for first in range(0, len(time_ns), MOST_ROWS):
+        last = min(first + MOST_ROWS, len(time_ns))
+        rr.send_columns(path, [time_column(time_ns[first:last])], [column.piece(first, last) for column in columns])
+
+
+def scalars(values: npt.NDArray[np.floating]) -> Column:
+    """Return numbers of shape (times, names) as a column."""
+    flat = _flat(values, np.float64)
+    return Column(rr.Scalars.descriptor_scalars(), pa.array(flat), values.shape[1])
+
+
+def strips(points: npt.NDArray[np.floating]) -> Column:
+    """Return line strips of one length, shape (times, strips, points, 2), as a column; Rerun's own way is a loop over them."""
+    times, count, length, _ = points.shape
+    flat = _flat(points, np.float32)
+    kind = rr.components.LineStrip2DBatch([]).as_arrow_array().type
+    inner = pa.FixedSizeListArray.from_arrays(pa.array(flat), type=kind.value_type)
+    borders = np.arange(0, times * count * length + 1, length, dtype=np.int32)
+    return Column(rr.LineStrips2D.descriptor_strips(), pa.ListArray.from_arrays(pa.array(borders), inner, type=kind), count)
+
+
+def colours(descriptor: rr.ComponentDescriptor, values: npt.NDArray[np.uint8]) -> Column:
+    """Return colours of shape (times, instances, 4) as a column of an archetype's colours."""
+    packed = np.ascontiguousarray(values).view(">u4").reshape(-1).astype(np.uint32)
+    return Column(descriptor, pa.array(packed), values.shape[1])
+
+
+def vectors(descriptor: rr.ComponentDescriptor, values: npt.NDArray[np.floating]) -> Column:
+    """Return positions or vectors of shape (times, instances, 2) as a column."""
+    kind = rr.components.Position2DBatch([]).as_arrow_array().type
+    flat = _flat(values, np.float32)
+    return Column(descriptor, pa.FixedSizeListArray.from_arrays(pa.array(flat), type=kind), values.shape[1])
+
+
+def _flat(values: npt.NDArray[np.floating], kind: type[np.floating]) -> npt.NDArray[np.floating]:
+    """Return numbers end to end and at multiples of their size, as Arrow wants them; where they were read in a message they may not be."""
+    return np.require(values, kind, ["C", "A"]).reshape(-1)

@@ -1,0 +1,57 @@
+"""The viewer node as a real process beside a replay: everything that was published is in the Rerun file."""
+
+from __future__ import annotations
+
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+pytest.importorskip("rclpy", reason="the nodes need ROS 2; everything else is tested without")
+
+from ros_bench import PATIENCE, domain, environment, node
+from test_bench import parameters
+from test_live_view import rows
+
+from dcrb_ros.recording import Recording
+
+pytestmark = pytest.mark.node
+
+BAG = Path(__file__).parents[2] / "bags" / "outer_ring_defect"
+
+
+def test_viewer_shows_all_that_is_published(tmp_path: Path) -> None:
+    number, document = domain(), tmp_path / "live.rrd"
+    with node("viewer", ["--save", str(document)], environment(number), tmp_path / "viewer.log") as viewer:
+        given = parameters(bag=str(BAG), rate=3.0, listeners=1, wait=60.0)
+        with node("replayer", given, environment(number), tmp_path / "replayer.log") as replayer:
+            assert replayer.process.wait(PATIENCE) == 0, replayer.words
+        assert viewer.end(signal.SIGINT) == 0, viewer.words
+    assert "not shown" not in viewer.words
+    found, recorded = rows(document), Recording(BAG).counts()
+    assert found["/waveform"] == 1024 * recorded["/dcrb/outer_ring/vibration"]
+    assert found["/forces/row1"] == found["/bearing/row2/rollers"] == recorded["/dcrb/roller_states"]
+    assert found["/features/rms"] == recorded["/dcrb/outer_ring/features"]
+    assert found["/operating"] == recorded["/dcrb/ground_truth"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "status", "sentence"),
+    [
+        (["--save", "view.png"], 2, "--save view.png does not end in .rrd"),
+        (["--save", "view.rrd", "--connect", "rerun+http://127.0.0.1:9876/proxy"], 2, "exclude each other"),
+        ([], 1, "it needs a display; without one save the view into a file"),
+    ],
+)
+def test_viewer_says_what_is_wrong(
+    arguments: list[str], status: int, sentence: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    command = [sys.executable, "-m", "dcrb_ros.nodes.viewer", *arguments]
+    for name in ("DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET"):
+        monkeypatch.delenv(name, raising=False)
+    done = subprocess.run(command, env=environment(domain()), cwd=tmp_path, capture_output=True, text=True, timeout=PATIENCE, check=False)
+    assert done.returncode == status, done.stderr
+    assert sentence in done.stderr
+    assert "Traceback" not in done.stderr
