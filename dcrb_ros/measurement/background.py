@@ -31,12 +31,13 @@ class Shaking:
         c, rate = configuration, float(configuration.step_rate)
         self._rate, self._seed = rate, c.simulation.seed
         self._radius = 0.5 * c.operating.wheel_diameter
-        self._joints = Passings(c.background.joint_spacing / self._radius, JOINT_DURATION, rate)
-        self._flat = Passings(2.0 * math.pi, FLAT_DURATION, rate)
+        where = stream(self._seed, "passings").random(3)
+        self._joints = Passings(c.background.joint_spacing / self._radius, float(where[0]), Pulses(JOINT_DURATION, rate))
+        self._flat = Passings(2.0 * math.pi, float(where[1]), Pulses(FLAT_DURATION, rate))
+        self._phase = 2.0 * math.pi * float(where[2])
         self._impacts, self._impact_random = Pulses(IMPACT_DURATION, rate), stream(self._seed, "impacts")
         self._track = Filter(band_of_noise(c.background.track_low, c.background.track_high, rate))
         self._track_random = stream(self._seed, "track")
-        self._phase = 2.0 * math.pi * float(stream(self._seed, "unbalance").random())
         self.background = c.background
         """What it is like from now on."""
 
