@@ -7,7 +7,9 @@ import pytest
 from chain import SPEED, amplitude, chain, still
 from scipy import signal
 
+from dcrb_ros.block import Truth
 from dcrb_ros.measurement.sensor import Sensor
+from dcrb_ros.messages import decode_truth, encode_truth
 
 SPEED_SHARE = SPEED * 0.46 / 20.0
 """Vehicle speed over the one at which levels hold [-]."""
@@ -75,3 +77,9 @@ def test_levels_change_at_exact_steps() -> None:
     assert np.abs(found[999]).max() > 0.0
     assert np.abs(found[1000:1010]).max() < 1e-9
     assert found[1010:, 1].max() == pytest.approx(30.0 * SPEED_SHARE, rel=1e-2)
+
+
+def test_the_ground_truth_tells_it_from_faults() -> None:
+    levels, faults = {"unbalance": 1e-4}, {"sensor.stuck": {"severity": 1.0, "axis": 2.0, "onset": 0.5}}
+    truth = Truth(10, 1.0, (0.0, -1.0), {"FTF": 1.0, "BPFO": 2.0, "BPFI": 3.0, "BSF": 4.0}, faults, "", levels)
+    assert decode_truth(encode_truth(truth)) == truth
