@@ -19,8 +19,8 @@ FLAT_DURATION = 0.002
 """Duration of a wheel flat's pulse [s]."""
 IMPACT_DURATION = 1e-4
 """Duration of a look-alike impact [s]."""
-HUM = (1.0, 0.5, 0.33)
-"""Share of each harmonic of the mains in its fundamental [-]."""
+HUM_SECOND, HUM_THIRD = 0.5, 0.33
+"""Share of the mains' harmonics in their fundamental [-]."""
 
 
 class Shaking:
@@ -56,22 +56,24 @@ class Shaking:
         share = np.abs(speed) * (self._radius / REFERENCE_SPEED)
         shaking = np.zeros((len(speed), 2))
         if b.unbalance > 0.0:
-            shaking += self._unbalance(b, turned[1:], speed)
+            self._unbalance(b, turned[1:], speed, shaking)
         if b.joint_level > 0.0:
             shaking[:, 1] += self._joints.feed(first, turned, b.joint_level * share)
         if b.flat_level > 0.0:
             shaking[:, 1] += self._flat.feed(first, turned, b.flat_level * share)
         if b.track_level > 0.0:
-            shaking += self._track.feed(self._track_random.standard_normal(shaking.shape)) * (b.track_level * share)[:, None]
+            track = self._track.feed(self._track_random.standard_normal(shaking.shape))
+            for axis in (0, 1):
+                shaking[:, axis] += b.track_level * share * track[:, axis]
         if b.impact_rate > 0.0:
             shaking[:, 1] += self._look_alike(b, first, len(speed))
         return shaking
 
-    def _unbalance(self, b: Background, turned: Floats, speed: Floats) -> Floats:
-        """Return the acceleration of a force that turns with the shaft and grows with the square of its speed [m/s^2]."""
-        angle = turned + self._phase
-        force: Floats = (b.unbalance * speed**2)[:, None] * np.stack([np.cos(angle), np.sin(angle)], axis=1)
-        return force
+    def _unbalance(self, b: Background, turned: Floats, speed: Floats, shaking: Floats) -> None:
+        """Add the acceleration of a force that turns with the shaft and grows with the square of its speed [m/s^2]."""
+        angle, force = turned + self._phase, b.unbalance * speed**2
+        shaking[:, 0] += force * np.cos(angle)
+        shaking[:, 1] += force * np.sin(angle)
 
     def _look_alike(self, b: Background, first: int, count: int) -> Floats:
         """Return impacts at random times, of half to one and a half times their mean peak [m/s^2]."""
@@ -93,7 +95,7 @@ class Hum:
     def feed(self, first: int, count: int, level: float) -> Floats:
         """Return the hum of a ``level`` [m/s^2] from sample ``first`` on, shape (samples,) [m/s^2]."""
         turns = np.mod(self._frequency * np.arange(first, first + count), self._rate) * (2.0 * math.pi / self._rate) + self._phase
-        total = np.zeros(count)
-        for harmonic, share in enumerate(HUM, 1):
-            total += level * share * np.sin(harmonic * turns)
-        return total
+        sine, cosine = np.sin(turns), np.cos(turns)
+        second, third = 2.0 * sine * cosine, sine * (3.0 - 4.0 * sine**2)
+        hum: Floats = level * (sine + HUM_SECOND * second + HUM_THIRD * third)
+        return hum

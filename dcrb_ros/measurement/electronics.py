@@ -36,7 +36,9 @@ class Electronics:
         for piece in self.hum_levels.pieces(len(samples)):
             if self._hum_level > 0.0:
                 present = present.copy() if present is samples else present
-                present[piece] += self._hum.feed(first + piece.start, piece.stop - piece.start, self._hum_level)[:, None]
+                hum = self._hum.feed(first + piece.start, piece.stop - piece.start, self._hum_level)
+                for axis in (0, 1):
+                    present[piece, axis] += hum
         if self._walk > 0.0:
             present = present + self._drifting(len(samples))
         elif self._offset.any():
@@ -46,6 +48,8 @@ class Electronics:
     def _drifting(self, count: int) -> Floats:
         """Return the offset of the next samples, a random walk, shape (samples, 2) [m/s^2]."""
         steps = self._walk * self._random.standard_normal((count, 2))
-        path: Floats = np.cumsum(np.concatenate([self._offset[None, :], steps]), axis=0)
+        path: Floats = np.empty((count + 1, 2))
+        for axis in (0, 1):
+            np.cumsum(np.concatenate([self._offset[axis : axis + 1], steps[:, axis]]), out=path[:, axis])
         self._offset = path[-1]
         return path[1:]

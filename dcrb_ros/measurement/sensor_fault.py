@@ -48,11 +48,12 @@ class FaultySamples:
     def _axes(self) -> tuple[int, ...]:
         return AXES[self._sensor.fault_axis]
 
-    def limit(self) -> Floats:
-        """Return the largest acceleration of each axis [m/s^2]."""
+    def limit(self) -> Floats | float:
+        """Return the largest acceleration, of each axis where they differ [m/s^2]."""
+        if self.kind != "saturated":
+            return self._sensor.range
         limit = np.full(2, self._sensor.range)
-        if self.kind == "saturated":
-            limit[list(self._axes)] *= LEAST_LIMIT**self._sensor.fault_severity
+        limit[list(self._axes)] *= LEAST_LIMIT**self._sensor.fault_severity
         return limit
 
     def distorted(self, samples: Floats, first: int) -> Floats:
@@ -79,10 +80,12 @@ class FaultySamples:
     def _spikes(self, count: int) -> Floats:
         """Return spikes at random times that fall off exponentially [m/s^2]; they reach a fifth of the range up to all of it."""
         severity = self._sensor.fault_severity
-        chance, side = self._random.random((count, 2)).T
-        drawn = chance * (self._rate / (SPIKES * severity))
-        blows = np.where(drawn < 1.0, severity * self._sensor.range * (0.2 + 0.8 * drawn) * np.where(side < 0.5, -1.0, 1.0), 0.0)
-        falling: Floats = self._falling.feed(blows[:, None])[:, 0]
+        drawn = self._random.random(count) * (self._rate / (SPIKES * severity))
+        blows = np.zeros((count, 1))
+        for i in np.flatnonzero(drawn < 1.0):
+            share = 2.0 * float(drawn[i]) - 1.0
+            blows[i] = severity * self._sensor.range * np.copysign(0.2 + 0.8 * abs(share), share)
+        falling: Floats = self._falling.feed(blows)[:, 0]
         return falling
 
     def _spike_shape(self) -> Filter:
