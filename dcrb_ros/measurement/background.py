@@ -10,7 +10,7 @@ from dcrb_ros.configuration import Configuration
 from dcrb_ros.measurement.arrays import Floats
 from dcrb_ros.measurement.filters import Filter, band_of_noise
 from dcrb_ros.measurement.pulses import Passings, Pulses
-from dcrb_ros.measurement.streams import stream
+from dcrb_ros.measurement.streams import RandomTimes, stream
 from dcrb_ros.sensing import REFERENCE_SPEED, Background
 
 JOINT_DURATION = 0.004
@@ -35,7 +35,7 @@ class Shaking:
         self._joints = Passings(c.background.joint_spacing / self._radius, float(where[0]), Pulses(JOINT_DURATION, rate))
         self._flat = Passings(2.0 * math.pi, float(where[1]), Pulses(FLAT_DURATION, rate))
         self._phase = 2.0 * math.pi * float(where[2])
-        self._impacts, self._impact_random = Pulses(IMPACT_DURATION, rate), stream(self._seed, "impacts")
+        self._impacts, self._impact_times = Pulses(IMPACT_DURATION, rate), RandomTimes(stream(self._seed, "impacts"))
         self._track = Filter(band_of_noise(c.background.track_low, c.background.track_high, rate))
         self._track_random = stream(self._seed, "track")
         self.background = c.background
@@ -77,9 +77,8 @@ class Shaking:
 
     def _look_alike(self, b: Background, first: int, count: int) -> Floats:
         """Return impacts at random times, of half to one and a half times their mean peak [m/s^2]."""
-        drawn = self._impact_random.random(count) / (b.impact_rate / self._rate)
-        for i in np.flatnonzero(drawn < 1.0):
-            self._impacts.begin(float(first + i), b.impact_level * (0.5 + float(drawn[i])))
+        for at, share in self._impact_times.within(first, count, b.impact_rate / self._rate):
+            self._impacts.begin(at, b.impact_level * (0.5 + share))
         return self._impacts.feed(first, count)
 
 

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import numpy.typing as npt
 
 from dcrb_ros.measurement.arrays import Floats
 from dcrb_ros.measurement.filters import Filter
-from dcrb_ros.measurement.streams import stream
+from dcrb_ros.measurement.streams import RandomTimes, stream
 from dcrb_ros.sensing import SensorParameters
 
 SPIKES = 20.0
@@ -26,7 +28,7 @@ class FaultySamples:
 
     def __init__(self, sensor: SensorParameters, seed: int) -> None:
         self._rate = float(sensor.sampling_rate)
-        self._random = stream(seed, "spikes")
+        self._times = RandomTimes(stream(seed, "spikes"))
         self._falling = self._spike_shape()
         self._held = np.zeros(2)
         self._onset = 0
@@ -62,7 +64,7 @@ class FaultySamples:
         if self.kind not in ("dead", "gain_drift", "spikes"):
             return samples
         changed: Floats = samples.copy()
-        spikes = self._spikes(len(samples)) if self.kind == "spikes" else 0.0
+        spikes = self._spikes(first, len(samples)) if self.kind == "spikes" else 0.0
         for axis in self._axes:
             changed[:, axis] = gain * changed[:, axis] + spikes
         return changed
@@ -77,14 +79,12 @@ class FaultySamples:
             return fallen
         return 1.0
 
-    def _spikes(self, count: int) -> Floats:
+    def _spikes(self, first: int, count: int) -> Floats:
         """Return spikes at random times that fall off exponentially [m/s^2]; they reach a fifth of the range up to all of it."""
-        severity = self._sensor.fault_severity
-        drawn = self._random.random(count) * (self._rate / (SPIKES * severity))
-        blows = np.zeros((count, 1))
-        for i in np.flatnonzero(drawn < 1.0):
-            share = 2.0 * float(drawn[i]) - 1.0
-            blows[i] = severity * self._sensor.range * np.copysign(0.2 + 0.8 * abs(share), share)
+        severity, blows = self._sensor.fault_severity, np.zeros((count, 1))
+        for at, drawn in self._times.within(first, count, SPIKES * severity / self._rate):
+            share = 2.0 * drawn - 1.0
+            blows[int(at) - first] += severity * self._sensor.range * math.copysign(0.2 + 0.8 * abs(share), share)
         falling: Floats = self._falling.feed(blows)[:, 0]
         return falling
 
