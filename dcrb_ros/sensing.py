@@ -50,6 +50,11 @@ TYPICAL: Mapping[str, Mapping[str, Any]] = {
 """Presets: an accelerometer without errors, an industrial one with 100 mV/g and IEPE supply, and a wide-band MEMS one."""
 
 
+def typical(preset: str) -> dict[str, Any]:
+    """Return the parameters of a preset by dotted key, for what is set on top of a whole configuration; nothing for an unknown one."""
+    return {f"sensor.{key}": value for key, value in TYPICAL.get(preset, {}).items()}
+
+
 def numbers(text: str, key: str) -> list[float]:
     """Return the numbers of a list in a text.
 
