@@ -21,10 +21,11 @@ from dcrb_ros.parameters import (
     Operating,
     Publishing,
     Recording,
-    SensorParameters,
     SimulationParameters,
     quantity,
 )
+from dcrb_ros.sensing import Background, SensorParameters, Structure
+from dcrb_ros.sensing_limits import filters_beyond, impossible_bursts, impossible_modes
 
 
 class Configuration(Group):
@@ -38,6 +39,8 @@ class Configuration(Group):
     operating: Operating = Operating()
     faults: Faults = Faults()
     simulation: SimulationParameters = SimulationParameters()
+    structure: Structure = Structure()
+    background: Background = Background()
     sensor: SensorParameters = SensorParameters()
     publishing: Publishing = Publishing()
     recording: Recording = Recording()
@@ -48,6 +51,10 @@ class Configuration(Group):
         for fault in inconsistencies(self):
             raise ValueError(fault)
         return self
+
+    def described_faults(self) -> dict[str, dict[str, float]]:
+        """Return the fields of every fault of bearing and sensor by its name in the ground truth."""
+        return self.faults.described() | self.sensor.described()
 
     @property
     def steps_per_sample(self) -> int:
@@ -70,6 +77,9 @@ def inconsistencies(c: Configuration) -> Iterator[str]:
     yield from _bars(c)
     yield from _stability(c)
     yield from _splitting(c)
+    yield from filters_beyond(c.sensor, c.background, c.step_rate)
+    yield from impossible_modes(c.structure)
+    yield from impossible_bursts(c.publishing, c.sensor.sampling_rate)
     if c.friction.static_coefficient < c.friction.kinetic_coefficient:
         yield (
             f"friction.static_coefficient = {c.friction.static_coefficient:g} is below friction.kinetic_coefficient = "

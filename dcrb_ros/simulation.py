@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 import threading
 from collections import deque
@@ -20,6 +21,7 @@ from dcrb_ros.energy import stored_energy
 from dcrb_ros.kinematics import characteristic_orders
 from dcrb_ros.measurement.decimation import Cascade
 from dcrb_ros.measurement.sensor import Measurement, Sensor
+from dcrb_ros.measurement.transmission import Transmission
 from dcrb_ros.model import build_payload, initial_state, layout
 from dcrb_ros.observation import observe
 from dcrb_ros.parameters import Operating
@@ -67,6 +69,7 @@ class Simulation:
         self._work = workspace(self._payload)
         self._stored = stored_energy(self._payload, self._state)
         self._sensor = Sensor(configuration)
+        self._transmission = Transmission(configuration)
         self._preview = Cascade(configuration.sensor.sampling_rate // configuration.publishing.preview_rate)
         self._orders = characteristic_orders(configuration.bearing)
         self._steps = 0
@@ -78,7 +81,6 @@ class Simulation:
         self._truths: deque[Truth] = deque()
         self._previews: deque[tuple[int, npt.NDArray[np.float64]]] = deque()
         self._preview_count = 0
-        self._angles = np.zeros(0)
         self._note("start")
 
     @property
@@ -147,22 +149,24 @@ class Simulation:
     def _block(self, size: int) -> Block:
         self._obey()
         first, rate = self._samples, self.configuration.sensor.sampling_rate
-        per_sample = self.configuration.steps_per_sample
-        self._step_to((first + size - 1) * per_sample + self._sensor.lead + 1)
+        lost = self._transmission.loses()
+        if lost:
+            self._note(f"lost: samples {first} .. {first + size - 1}")
+        self._step_to(self._sensor.steps(first + size))
         measured = self._take(size)
         self._samples += size
         end_ns = nanoseconds(self._samples, rate)
-        angles, self._angles = self._angles[: size * per_sample : per_sample], self._angles[size * per_sample :]
         self._feed_preview(measured.clean)
         previews = _before(self._previews, end_ns, lambda item: item[0])
         return Block(
             index=first,
             rate=rate,
             acceleration=measured.measured.astype(np.float32),
-            shaft_angle=_within_a_turn(angles),
+            shaft_angle=_within_a_turn(measured.angle),
             clean=measured.clean.astype(np.float32),
             clipped=int(measured.clipped.sum()),
             range=self.configuration.sensor.range,
+            lost=lost or self._transmission.between_bursts(first),
             preview=np.array([sample for _, sample in previews], np.float32).reshape(-1, 2),
             preview_ns=tuple(time for time, _ in previews),
             states=tuple(_before(self._states, end_ns, lambda states: states.time_ns)),
@@ -194,9 +198,12 @@ class Simulation:
         if after.faults != before.faults:
             self._payload = refitted(after, self._payload, self._state)
             self._work = workspace(self._payload)
-            self._onsets = onsets(self._onsets, after, self._steps / after.step_rate)
-        if after.sensor != before.sensor:
-            self._sensor.change(after.sensor, -(-self._steps // after.steps_per_sample))
+        self._onsets = onsets(self._onsets, after, self._steps / after.step_rate)
+        if after.operating != before.operating:
+            ramps = after.operating
+            self._payload = self._payload._replace(speed_ramp=ramps.speed_ramp, load_ramp=ramps.load_ramp)
+        if (after.sensor, after.background) != (before.sensor, before.background):
+            self._sensor.change(after.sensor, -(-self._steps // after.steps_per_sample), after.background)
         targets = ("operating.speed", 0, after.operating.speed), ("operating.lateral_load", 1, after.operating.lateral_load)
         for key, axis, target in (*targets, ("operating.load", 2, -after.operating.load)):
             if key in changes:
@@ -205,6 +212,7 @@ class Simulation:
 
     def _step_to(self, end: int) -> None:
         """Step the model to step ``end``, stopping on the way at every time of a state or a truth."""
+        motion: list[tuple[Floats, Floats]] = []
         while self._steps < end:
             self._meet_events()
             publishing, rate = self.configuration.publishing, self.configuration.step_rate
@@ -218,12 +226,14 @@ class Simulation:
             advance(self._payload, self._state, self._work, acceleration, angles)
             self._steps += count
             self._guard(acceleration)
-            self._measured.append(self._sensor.measure(acceleration))
-            self._angles = np.concatenate([self._angles, angles])
+            motion.append((acceleration, angles))
             if self._steps == state_due:
                 self._states.append(observe(self._payload, self._state, self.time_ns, self._stored))
             if self._steps == truth_due:
                 self._note("")
+        if motion:
+            accelerations, shaft = zip(*motion, strict=True)
+            self._measured.append(self._sensor.measure(np.concatenate(accelerations), np.concatenate(shaft)))
 
     def _guard(self, acceleration: Floats) -> None:
         off_seat = float(np.abs(self._state.outer_position).max())
@@ -235,10 +245,9 @@ class Simulation:
 
     def _take(self, size: int) -> Measurement:
         """Take the next ``size`` samples from what has been measured."""
-        parts, clean = list(self._measured), np.concatenate([part.clean for part in self._measured])
-        measured, clipped = np.concatenate([part.measured for part in parts]), np.concatenate([part.clipped for part in parts])
-        self._measured = deque([Measurement(clean[size:], measured[size:], clipped[size:])])
-        return Measurement(clean[:size], measured[:size], clipped[:size])
+        joined = [np.concatenate([getattr(part, field.name) for part in self._measured]) for field in dataclasses.fields(Measurement)]
+        self._measured = deque([Measurement(*(samples[size:] for samples in joined))])
+        return Measurement(*(samples[:size] for samples in joined))
 
     def _feed_preview(self, clean: npt.NDArray[np.float64]) -> None:
         for sample in self._preview.feed(clean):
@@ -249,9 +258,10 @@ class Simulation:
     def _note(self, changed: str) -> None:
         """Keep the truth of this moment."""
         speed, load = float(self._state.shaft[1]), self._state.load
-        faults = {name: {**fields, "onset": self._onsets[name]} for name, fields in self.configuration.faults.described().items()}
+        faults = {name: {**fields, "onset": self._onsets[name]} for name, fields in self.configuration.described_faults().items()}
         frequencies = self._orders.frequencies(speed / (2.0 * math.pi))
-        self._truths.append(Truth(self.time_ns, speed, (float(load[0]), float(load[1])), frequencies, faults, changed))
+        background = self.configuration.background.described()
+        self._truths.append(Truth(self.time_ns, speed, (float(load[0]), float(load[1])), frequencies, faults, changed, background))
 
 
 def _next_tick(step: int, rate: int, step_rate: int) -> int:

@@ -13,7 +13,7 @@ import yaml
 from dcrb_ros.block import Block, Truth
 from dcrb_ros.configuration import Configuration
 from dcrb_ros.refusal import Refusal
-from dcrb_ros.scenario import first_step, read_scenario, timeline
+from dcrb_ros.scenario import begun, first_step, read_scenario, read_story, timeline
 from dcrb_ros.simulation import Simulation
 
 STORY = """
@@ -86,8 +86,17 @@ def test_steps_at_or_after_a_time() -> None:
         ({"timeline": [{"at": 1.0, "set": {"operating.sped": 1.0}}]}, "did you mean 'operating.speed'"),
         ({"timeline": [{"at": 1.0, "set": {"bearing.rows": 1}}]}, "bearing.rows is fixed while the bench runs"),
         ({"timeline": [{"at": 1.0, "set": {"time_scale": 0.0}}]}, "time_scale is no part of a scenario"),
-        ({"timeline": [{"at": 1.0, "over": 1.0, "set": {"operating.speed": 1.0}}]}, "speed_ramp and load_ramp say"),
-        ({"timeline": [{"at": 1.0, "over": 1.0, "set": {"faults.outer_1.row": 1}}]}, "it is no decimal number"),
+        ({"timeline": [{"at": 1.0, "over": 1.0, "set": {"operating.speed_ramp": 1.0}}]}, "it changes at once or not at all"),
+        (
+            {"timeline": [{"at": 1.0, "over": 1e6, "set": {"operating.speed": 126.0}}]},
+            "operating.speed_ramp = 3.3.*e-07 rad/s.2 is outside",
+        ),
+        (
+            {"timeline": [{"at": 1.0, "set": {"operating.speed_kmh": "fast"}}]},
+            r"operating.speed_kmh = 'fast' km/h is not a number within -1000",
+        ),
+        ({"timeline": [{"at": 1.0, "set": {"operating.speed_kmh": 9.0, "operating.speed": 1.0}}]}, "give one of them"),
+        ({"timeline": [{"at": 1.0, "over": 1.0, "set": {"faults.outer_1.row": 1}}]}, "it changes at once or not at all"),
         (
             {
                 "timeline": [
@@ -155,3 +164,88 @@ def test_simulate_takes_a_scenario(tmp_path: Path, monkeypatch: pytest.MonkeyPat
     assert dcrb("simulate", "healthy", "--scenario", str(story), "-o", str(tmp_path / "none")) == 2
     assert "bearing.rows is fixed while the bench runs" in capsys.readouterr().err
     assert not (tmp_path / "none").exists()
+
+
+PROFILES = sorted((Path(__file__).parents[1] / "config" / "scenarios").glob("*.yaml"))
+
+
+@pytest.mark.parametrize("profile", PROFILES, ids=lambda path: path.stem)
+def test_shipped_scenarios_are_possible_on_the_default_bench(profile: Path) -> None:
+    assert read_scenario(Path(profile.stem), Configuration())
+
+
+def story(text: str, seconds: float, **operating: float) -> list[Truth]:
+    configuration = Configuration.model_validate(
+        {"cage": {"joint": "revolute"}, "operating": operating, "publishing": {"truth_rate": 100, "block_size": 512}}
+    )
+    events = timeline(yaml.safe_load(text), configuration, "story.yaml")
+    return truths(list(Simulation(configuration, events).blocks(seconds)))
+
+
+def test_the_speed_takes_its_time_and_the_ramp_of_before_holds_again() -> None:
+    text = """
+timeline:
+  - {at: 0.05, over: 0.1, set: {operating.speed_kmh: 180.0}}
+  - {at: 0.15, over: 0.1, set: {operating.load: 80000.0, operating.lateral_load: 10000.0}}
+  - {at: 0.25, set: {operating.speed: 110.0}}
+"""
+    told = story(text, 0.3, speed=100.0)
+    reached = 180.0 / 3.6 / 0.46
+    by_time = {truth.time_ns: truth for truth in told}
+    assert by_time[100_000_000].speed == pytest.approx(100.0 + 0.5 * (reached - 100.0), abs=0.01)
+    assert by_time[150_000_000].speed == pytest.approx(reached, abs=0.01)
+    assert by_time[200_000_000].load == pytest.approx((10000.0, -90000.0), rel=1e-3)
+    assert by_time[230_000_000].load == pytest.approx((10000.0, -84000.0), rel=1e-3)
+    assert by_time[270_000_000].speed == pytest.approx(reached + 50.0 * 0.02, abs=0.01)
+    assert [truth.changed for truth in told if truth.changed][1].endswith("over 0.1 s begins")
+
+
+def test_a_reversal_goes_through_a_standstill() -> None:
+    told = story("timeline: [{at: 0.02, over: 0.2, set: {operating.speed: -4.0}}]", 0.25, speed=4.0)
+    speeds = [truth.speed for truth in told]
+    assert (speeds[0], speeds[-1]) == (4.0, -4.0)
+    assert min(np.abs(speeds)) < 0.2
+
+
+def test_a_shipped_profile_runs() -> None:
+    own, profile = Configuration.model_validate({"cage": {"joint": "revolute"}}), Path("run_up")
+    configuration = begun(read_story(profile), own, "run_up")
+    told = truths(list(Simulation(configuration, read_scenario(profile, own)).blocks(2.3)))
+    slope = (160.0 - 20.0) / 3.6 / 0.46 / 40.0
+    last = told[-1]
+    assert last.speed == pytest.approx(20.0 / 3.6 / 0.46 + slope * (last.time_ns * 1e-9 - 2.0), abs=0.01)
+
+
+def test_sensor_and_background_follow_a_scenario_and_the_truth_tells_them_apart() -> None:
+    text = """
+timeline:
+  - {at: 0.02, set: {background.hum_level: 2.0, background.unbalance: 0.0001}}
+  - {at: 0.04, set: {sensor.fault: stuck, sensor.fault_axis: x}}
+  - {at: 0.06, set: {sensor.fault: none, background.hum_level: 0.0}}
+"""
+    told = {truth.time_ns: truth for truth in story(text, 0.08)}
+    assert told[30_000_000].background == {"unbalance": 0.0001, "hum_level": 2.0}
+    assert told[30_000_000].faults == {}
+    assert told[50_000_000].faults == {"sensor.stuck": {"severity": 1.0, "axis": 1, "onset": 0.04}}
+    assert (told[70_000_000].faults, told[70_000_000].background) == ({}, {"unbalance": 0.0001})
+
+
+@pytest.mark.parametrize(
+    ("start", "sentence"),
+    [
+        ([1], "'start' must name parameters"),
+        ({"simulation.seed": 3}, "simulation.seed is no part of a scenario; it may begin with operating"),
+        ({"operating.sped": 3.0}, "unknown parameter 'operating.sped'; did you mean 'operating.speed'"),
+        ({"operating": {"speed_kmh": 5000.0}}, r"operating.speed_kmh = 5000.0 km/h is not a number within -1000"),
+        ({"operating.load": 5e6}, "the cage would bear the load"),
+    ],
+)
+def test_impossible_starts_are_refused(start: Any, sentence: str) -> None:
+    with pytest.raises(Refusal, match=sentence):
+        begun({"start": start, "timeline": []}, Configuration(), "story.yaml")
+
+
+def test_a_scenario_may_begin_with_a_preset() -> None:
+    start = {"sensor": {"preset": "mems", "adc_bits": 12}}
+    sensor = begun({"start": start, "timeline": []}, Configuration(), "story.yaml").sensor
+    assert (sensor.preset, sensor.white_noise_ug, sensor.adc_bits) == ("mems", 30.0, 12)

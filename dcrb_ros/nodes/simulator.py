@@ -25,7 +25,7 @@ from dcrb_ros.nodes.ros import declare, own_arguments, running, spin
 from dcrb_ros.nodes.services import Services
 from dcrb_ros.nodes.tape import Tape, free_path
 from dcrb_ros.refusal import Refusal
-from dcrb_ros.scenario import read_story, timeline
+from dcrb_ros.scenario import begun, read_story, timeline
 from dcrb_ros.sinks.publisher import message_class, qos
 from dcrb_ros.topics import (
     BENCH_DIAGNOSTICS,
@@ -296,8 +296,8 @@ def run(arguments: list[str]) -> int:
     options = own_arguments(parser, arguments)
     duration = None if options.duration is None else checked_duration(options.duration)
     with running("simulator", arguments) as (node, told):
-        configuration = declare(node, Configuration, run_time=RUN_TIME)
         story = read_story(options.scenario) if options.scenario else None
+        configuration = declare(node, Configuration, run_time=RUN_TIME, begun=lambda c: begun(story, c, str(options.scenario)))
         if story is not None:
             timeline(story, configuration, str(options.scenario))
         simulator = Simulator(node, configuration, duration, story)

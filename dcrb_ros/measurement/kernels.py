@@ -1,0 +1,79 @@
+"""The loops over samples that numpy cannot do at once, compiled. They call nothing, and round alike however the samples are cut."""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+import dcrb_ros.core  # noqa: F401  names the folder of the compiled kernels
+from dcrb_ros.measurement.arrays import Floats, Integers
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def filtered(sections: Floats, memory: Floats, samples: Floats) -> Floats:
+    """Return ``samples``, shape (samples, columns), through second-order sections, shape (sections, 6), in transposed direct form II.
+
+    ``memory``, shape (sections, 2, columns), is what the sections remember, before and after.
+    """
+    found: Floats = samples.copy()
+    for i in range(found.shape[0]):
+        for column in range(found.shape[1]):
+            x = found[i, column]
+            for k in range(sections.shape[0]):
+                y = sections[k, 0] * x + memory[k, 0, column]
+                memory[k, 0, column] = sections[k, 1] * x - sections[k, 4] * y + memory[k, 1, column]
+                memory[k, 1, column] = sections[k, 2] * x - sections[k, 5] * y
+                x = y
+            found[i, column] = x
+    return found
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def decimated(taps: Floats, known: Floats, first: int, factor: int, count: int) -> Floats:
+    """Return every ``factor``-th sum of symmetric ``taps`` times samples, from sample ``first`` on, shape (count, 2).
+
+    Every sum adds up its products in the order of time; four at once keep the processor busy.
+    """
+    found = np.empty((count, 2))
+    whole = count - count % 4
+    for k in range(0, whole, 4):
+        a = first + k * factor
+        b, c, d = a + factor, a + 2 * factor, a + 3 * factor
+        ax = ay = bx = by = cx = cy = dx = dy = 0.0
+        for tap, weight in enumerate(taps):
+            ax += known[a + tap, 0] * weight
+            ay += known[a + tap, 1] * weight
+            bx += known[b + tap, 0] * weight
+            by += known[b + tap, 1] * weight
+            cx += known[c + tap, 0] * weight
+            cy += known[c + tap, 1] * weight
+            dx += known[d + tap, 0] * weight
+            dy += known[d + tap, 1] * weight
+        found[k, 0], found[k, 1], found[k + 1, 0], found[k + 1, 1] = ax, ay, bx, by
+        found[k + 2, 0], found[k + 2, 1], found[k + 3, 0], found[k + 3, 1] = cx, cy, dx, dy
+    for k in range(whole, count):
+        x = y = 0.0
+        for tap, weight in enumerate(taps):
+            x += known[first + k * factor + tap, 0] * weight
+            y += known[first + k * factor + tap, 1] * weight
+        found[k, 0], found[k, 1] = x, y
+    return found
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def between(known: Floats, at: Integers, place: Floats, weights: Floats, out: Floats) -> None:
+    """Write the first two columns of ``known``, shape (samples, columns), at a ``place`` from 0 to 1 after the samples ``at`` to ``out``.
+
+    ``weights``, shape (phases + 1, taps), are those of the samples around; between two phases they are interpolated.
+    """
+    phases, taps = weights.shape[0] - 1, weights.shape[1]
+    for i in range(len(at)):
+        row = min(int(place[i] * phases), phases - 1)
+        share = place[i] * phases - row
+        first = at[i] + 1 - taps // 2
+        x = y = 0.0
+        for tap in range(taps):
+            weight = weights[row, tap] + share * (weights[row + 1, tap] - weights[row, tap])
+            x += weight * known[first + tap, 0]
+            y += weight * known[first + tap, 1]
+        out[i, 0], out[i, 1] = x, y
