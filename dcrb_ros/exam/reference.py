@@ -1,0 +1,31 @@
+"""The shipped detector as an examinee, in this process."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from dcrb_ros.diagnosis.detector import FaultDetector
+from dcrb_ros.diagnosis.parameters import DetectorParameters
+from dcrb_ros.exam.case import Case
+from dcrb_ros.exam.library import recorded
+from dcrb_ros.exam.opinion import Opinion, opinion_of
+from dcrb_ros.messages import encode_diagnosis
+from dcrb_ros.recording import Recording
+
+
+def opinions(bag: Path) -> list[Opinion]:
+    """Return what the shipped detector says of a recording, taken from the message that its node would publish."""
+    recording = Recording(bag)
+    rate = recording.sampling_rate
+    detector = FaultDetector(recording.orders, rate, DetectorParameters())
+    found = []
+    for block in recording.vibrations():
+        diagnosis = detector.update(block.first_index(rate), block.acceleration, block.shaft_angle)
+        if diagnosis is not None:
+            found.append(opinion_of(encode_diagnosis(diagnosis)))
+    return found
+
+
+def examined(case: Case, folder: Path) -> list[Opinion]:
+    """Return what the shipped detector says of a case, simulated where it is not in ``folder`` yet."""
+    return opinions(recorded(case, folder))
