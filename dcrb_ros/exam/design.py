@@ -14,7 +14,7 @@ from typing import Any, Literal
 from pydantic import Field, ValidationError
 
 from dcrb_ros.configuration import Configuration
-from dcrb_ros.configuration_file import flatten, load_configuration, read_yaml, shipped_folder, validated
+from dcrb_ros.configuration_file import find_configuration, flatten, read_parameters, read_yaml, shipped_folder, validated
 from dcrb_ros.exam.case import Case, Run, canonical, described
 from dcrb_ros.exam.criteria import Criteria
 from dcrb_ros.exam.opinion import VERDICTS
@@ -145,7 +145,8 @@ def _cases(design: Design, entry: Entry, source: str) -> Iterator[Case]:
     unknown = [name for name in names if name not in design.points]
     if unknown:
         raise Refusal(f"{where}: there is no operating point '{unknown[0]}'{nearest(unknown[0], design.points)}")
-    base = load_configuration(entry.base or design.base)
+    # As its file gives it, not as it comes out: a preset fills in what nobody has given.
+    base = read_parameters(find_configuration(entry.base or design.base), "simulator")
     for point in names or [""]:
         for seed in entry.seeds or design.seeds:
             for fixed, fault, words in _variations(entry):
@@ -168,9 +169,9 @@ def _variations(entry: Entry) -> Iterator[tuple[dict[str, Any], dict[str, Any], 
 
 
 def _case(
-    design: Design, entry: Entry, where: str, name: str, base: Configuration, overlay: Mapping[str, Any], fault: Mapping[str, Any]
+    design: Design, entry: Entry, where: str, name: str, base: Mapping[str, Any], overlay: Mapping[str, Any], fault: Mapping[str, Any]
 ) -> Case:
-    configuration = validated({**flatten(base.model_dump()), **overlay}, Configuration, where)
+    configuration = validated({**base, **overlay}, Configuration, where)
     duration = entry.duration or design.duration
     onset = (design.onset if entry.onset is None else entry.onset) if fault else 0.0
     faulty = entry.verdict != "healthy"

@@ -29,15 +29,15 @@ def write_figure(report: Report, file: Path) -> None:
     Raises:
         Refusal: the file cannot be written.
     """
-    figure = Figure(figsize=(11, 8), dpi=110, layout="constrained")
+    if file.suffix not in KINDS:
+        raise Refusal(f"--figure {file} is of no known kind: the name must end in {', '.join(KINDS)}")
+    figure = Figure(figsize=(11, 8), dpi=90, layout="constrained")
     (detection, delay), (confusion, roc) = figure.subplots(2, 2)
     _detection(detection, report)
     _delay(delay, report)
     _confusion(confusion, report)
     _roc(roc, report)
     figure.suptitle(f"{report.exam}: {'passed' if report.passed else 'failed'}, {report.detector}", fontsize=12)
-    if file.suffix not in KINDS:
-        raise Refusal(f"--figure {file} is of no known kind: the name must end in {', '.join(KINDS)}")
     try:
         figure.savefig(file)
     except OSError as error:
@@ -65,7 +65,8 @@ def _detection(axes: Axes, report: Report) -> None:
         widths = [row.width * 1e3 + shift for row in own]
         axes.errorbar(widths, [p.value for p in found], error, marker="o", ms=4, lw=1.2, capsize=3, color=COLOURS[verdict], label=verdict)
     axes.axvline(report.criteria.smallest_width * 1e3, color="black", lw=0.8, ls=":", label="required from here on")
-    axes.set(xlabel="width [mm]", ylabel="found in time and named right [-]", ylim=(-0.03, 1.03), xlim=(0.0, None))
+    widest = max(row.width for row in rows) * 1e3
+    axes.set(xlabel="width [mm]", ylabel="found in time and named right [-]", ylim=(-0.03, 1.03), xlim=(0.0, 1.1 * widest))
     axes.legend(fontsize=8, loc="lower right")
     axes.grid(alpha=0.25)
 
@@ -87,7 +88,7 @@ def _delay(axes: Axes, report: Report) -> None:
     axes.plot([], [], color="red", lw=1.0, ls="--", label="limit")
     axes.set_xticks(range(len(rows)), [f"{row.verdict}\n{row.found} of {row.asked}" for row in rows], fontsize=8)
     axes.set(ylabel="delay [s]", ylim=(0.0, None), xlim=(-0.6, len(rows) - 0.4))
-    axes.legend(fontsize=8)
+    axes.legend(fontsize=8, loc="center right")
     axes.grid(alpha=0.25, axis="y")
 
 

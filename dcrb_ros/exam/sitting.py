@@ -9,7 +9,7 @@ from typing import TypeVar
 
 from dcrb_ros.exam.case import Case
 from dcrb_ros.exam.criteria import Criteria
-from dcrb_ros.exam.library import recorded
+from dcrb_ros.exam.library import place, recorded
 from dcrb_ros.exam.marking import Mark, mark
 from dcrb_ros.exam.opinion import Opinion
 from dcrb_ros.exam.reference import examined, opinions
@@ -24,7 +24,11 @@ Told = Callable[[str], None]
 
 def record_all(cases: Sequence[Case], folder: Path, workers: int, told: Told) -> dict[str, Path]:
     """Return the recording of every case, simulated where there is none yet."""
-    return _each({case.question.name: partial(recorded, case, folder) for case in cases}, workers, told)
+    there = {case.question.name: place(case, folder) for case in cases}
+    found = {name: path for name, path in there.items() if path.is_dir()}
+    for name in found:
+        told(name)
+    return found | _each({c.question.name: partial(recorded, c, folder) for c in cases if c.question.name not in found}, workers, told)
 
 
 def examine_reference(cases: Sequence[Case], folder: Path, workers: int, told: Told) -> dict[str, list[Opinion]]:
@@ -38,8 +42,8 @@ def examine_reference_on(tapes: Sequence[Tape], workers: int, told: Told) -> dic
 
 
 def _each(calls: Mapping[str, Callable[[], Value]], workers: int, told: Told) -> dict[str, Value]:
-    found = {}
-    for name, value in in_processes(calls, max(1, min(workers, len(calls)))):
+    found: dict[str, Value] = {}
+    for name, value in in_processes(calls, min(workers, len(calls))) if calls else ():
         found[name] = value
         told(name)
     return found
