@@ -51,4 +51,4 @@ def refitted(configuration: Configuration, payload: Payload, state: State) -> Pa
 
 def onsets(known: Mapping[str, float], configuration: Configuration, now: float) -> dict[str, float]:
     """Return since when [s] each fault of a configuration is present: as known, or since ``now``."""
-    return {name: known.get(name, now) for name in configuration.faults.described()}
+    return {name: known.get(name, now) for name in configuration.described_faults()}

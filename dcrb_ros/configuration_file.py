@@ -20,6 +20,9 @@ from dcrb_ros.refusal import Refusal, nearest
 LARGEST_FILE = 1_000_000
 """Largest configuration file [bytes]; real ones have a few hundred."""
 
+COMMANDED = ("operating.speed", "operating.load", "operating.lateral_load")
+"""Parameters that have a topic of their own to change them."""
+
 Scalar = bool | int | float | str
 Model = TypeVar("Model", bound=Group)
 
@@ -279,7 +282,7 @@ def to_yaml(configuration: Group) -> str:
 
 def _changeable(field: ParameterField) -> str:
     """Return how a parameter changes while the bench runs: by a command, by being set, or not."""
-    return "" if not field.run_time else "by command" if field.key.startswith("operating.") else "yes"
+    return "" if not field.run_time else "by command" if field.key in COMMANDED else "yes"
 
 
 def parameter_table(model: type[Group] = Configuration) -> str:

@@ -74,7 +74,7 @@ def opening(
         "bodies": layout.names,
         "bearing": {**configuration.bearing.model_dump(), "radial_gap": configuration.bearing.radial_gap},
         "orders": {"FTF": orders.ftf, "BPFO": orders.bpfo, "BPFI": orders.bpfi, "BSF": orders.bsf},
-        "faults": configuration.faults.described(),
+        "faults": configuration.described_faults(),
         "sampling_rate": configuration.sensor.sampling_rate,
         "sensor": json.loads(sensor_text(configuration)),
         "units": UNITS,

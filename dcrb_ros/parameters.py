@@ -7,9 +7,10 @@ the docs. Table 1 and equation numbers refer to Fan et al. 2025 (Lubricants 13(2
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from typing import Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 LENGTH_REMEDY = "lengths are in metres, a catalogue gives millimetres"
 SHORTEST_STEP = 1e-7
@@ -181,12 +182,31 @@ class Operating(Group):
         100e3, "N", "Load on the inner ring, downwards (-Y)", -1e7, 1e7, symbol="Q", remedy="give newtons, not kN", run_time=True
     )
     lateral_load: float = quantity(0.0, "N", "Load on the inner ring along X", -1e7, 1e7, remedy="give newtons, not kN", run_time=True)
-    speed_ramp: float = quantity(50.0, "rad/s^2", "Slope at which a commanded speed is reached", 0.1, 1e5)
-    load_ramp: float = quantity(2e5, "N/s", "Slope at which a commanded load is reached, per axis", 1.0, 1e9)
+    speed_kmh: float = quantity(
+        0.0,
+        "km/h",
+        "Speed of the vehicle, in place of operating.speed, which takes it by wheel_diameter; 0 for none",
+        -1000.0,
+        1000.0,
+    )
+    wheel_diameter: float = quantity(0.92, "m", "Diameter of the wheel on the shaft", 0.05, 5.0, symbol="D", remedy=LENGTH_REMEDY)
+    speed_ramp: float = quantity(50.0, "rad/s^2", "Slope at which a commanded speed is reached", 0.001, 1e5, run_time=True)
+    load_ramp: float = quantity(2e5, "N/s", "Slope at which a commanded load is reached, per axis", 1.0, 1e9, run_time=True)
     gravity: float = quantity(9.81, "m/s^2", "Gravity, downwards", 0.0, 100.0, symbol="g")
     start: Literal["warm", "cold"] = choice(
         "warm", "warm: static equilibrium and kinematic rolling; cold: cage and rollers at rest (the paper's Fig. 8)"
     )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _by_the_wheel(cls, given: Any) -> Any:
+        """Take a speed in km/h as the shaft's; what is no number within its range is left for the fields to refuse."""
+        if not isinstance(given, Mapping) or not isinstance(given.get("speed_kmh"), float) or not given["speed_kmh"]:
+            return given
+        kmh, diameter = given["speed_kmh"], given.get("wheel_diameter", cls.model_fields["wheel_diameter"].default)
+        if not (abs(kmh) <= 1000.0 and isinstance(diameter, float) and diameter > 0.0):
+            return given
+        return {**given, "speed": shaft_speed(kmh, diameter), "speed_kmh": 0.0}
 
 
 class SimulationParameters(Group):
@@ -204,36 +224,16 @@ class SimulationParameters(Group):
     seed: int = quantity(1, "-", "Seed of every random number", 0, 2**31 - 1)
 
 
-class SensorParameters(Group):
-    """The accelerometer on the outer ring."""
-
-    sampling_rate: int = quantity(51200, "Hz", "Sampling rate", 1000, 204800, symbol="f_s")
-    range: float = quantity(
-        5000.0,
-        "m/s^2",
-        "Range: larger accelerations are clipped and counted",
-        1.0,
-        1e6,
-        remedy="give m/s^2, 1 g is 9.81 m/s^2",
-        run_time=True,
-    )
-    noise_density: float = quantity(
-        2e-3,
-        "m/s^2/sqrt(Hz)",
-        "White noise density (IEPE: 0.5e-3 to 4e-3, that is 50 to 400 ug/sqrt(Hz))",
-        0.0,
-        10.0,
-        remedy="100 ug/sqrt(Hz) is 0.00098 m/s^2/sqrt(Hz)",
-        run_time=True,
-    )
-    adc_bits: int = quantity(24, "bit", "Resolution of the converter over the range; 0 for none", 0, 32, run_time=True)
-
-
 class Publishing(Group):
     """Blocks and rates on the topics."""
 
     block_size: int = quantity(1024, "samples", "Samples in a block", 16, 65536)
     state_rate: int = quantity(100, "Hz", "Rate of roller_states in simulated time; 100 to 1000 for a live topic", 1, 10000)
+    loss_probability: float = quantity(
+        0.0, "-", "Probability that a block of the waveform is lost on its way", 0.0, 0.9, remedy="give a share, not per cent"
+    )
+    burst_length: float = quantity(0.0, "s", "Burst mode: length of a burst; blocks that begin in it are published", 0.0, 1e5)
+    burst_period: float = quantity(0.0, "s", "Burst mode: period of the bursts; 0 for a waveform without pauses", 0.0, 1e6)
     preview_rate: int = quantity(200, "Hz", "Rate of the low-passed preview in simulated time", 10, 1000)
     truth_rate: int = quantity(10, "Hz", "Rate of ground_truth in simulated time, besides every change", 1, 100)
     clock: bool = choice(False, "Publish /clock too, the simulated time, at most 100 times a second of wall time")
@@ -258,3 +258,8 @@ class Recording(Group):
 def rpm(speed: float) -> float:
     """Return a speed [rad/s] in revolutions per minute."""
     return speed * 30.0 / math.pi
+
+
+def shaft_speed(kmh: float, wheel_diameter: float) -> float:
+    """Return the shaft's speed [rad/s] of a vehicle at ``kmh`` [km/h] on wheels of a diameter [m]."""
+    return kmh / 3.6 / (0.5 * wheel_diameter)

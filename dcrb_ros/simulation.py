@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 import threading
 from collections import deque
@@ -78,7 +79,6 @@ class Simulation:
         self._truths: deque[Truth] = deque()
         self._previews: deque[tuple[int, npt.NDArray[np.float64]]] = deque()
         self._preview_count = 0
-        self._angles = np.zeros(0)
         self._note("start")
 
     @property
@@ -147,19 +147,17 @@ class Simulation:
     def _block(self, size: int) -> Block:
         self._obey()
         first, rate = self._samples, self.configuration.sensor.sampling_rate
-        per_sample = self.configuration.steps_per_sample
-        self._step_to((first + size - 1) * per_sample + self._sensor.lead + 1)
+        self._step_to(self._sensor.steps(first + size))
         measured = self._take(size)
         self._samples += size
         end_ns = nanoseconds(self._samples, rate)
-        angles, self._angles = self._angles[: size * per_sample : per_sample], self._angles[size * per_sample :]
         self._feed_preview(measured.clean)
         previews = _before(self._previews, end_ns, lambda item: item[0])
         return Block(
             index=first,
             rate=rate,
             acceleration=measured.measured.astype(np.float32),
-            shaft_angle=_within_a_turn(angles),
+            shaft_angle=_within_a_turn(measured.angle),
             clean=measured.clean.astype(np.float32),
             clipped=int(measured.clipped.sum()),
             range=self.configuration.sensor.range,
@@ -194,9 +192,12 @@ class Simulation:
         if after.faults != before.faults:
             self._payload = refitted(after, self._payload, self._state)
             self._work = workspace(self._payload)
-            self._onsets = onsets(self._onsets, after, self._steps / after.step_rate)
-        if after.sensor != before.sensor:
-            self._sensor.change(after.sensor, -(-self._steps // after.steps_per_sample))
+        self._onsets = onsets(self._onsets, after, self._steps / after.step_rate)
+        if after.operating != before.operating:
+            ramps = after.operating
+            self._payload = self._payload._replace(speed_ramp=ramps.speed_ramp, load_ramp=ramps.load_ramp)
+        if (after.sensor, after.background) != (before.sensor, before.background):
+            self._sensor.change(after.sensor, -(-self._steps // after.steps_per_sample), after.background)
         targets = ("operating.speed", 0, after.operating.speed), ("operating.lateral_load", 1, after.operating.lateral_load)
         for key, axis, target in (*targets, ("operating.load", 2, -after.operating.load)):
             if key in changes:
@@ -218,8 +219,7 @@ class Simulation:
             advance(self._payload, self._state, self._work, acceleration, angles)
             self._steps += count
             self._guard(acceleration)
-            self._measured.append(self._sensor.measure(acceleration))
-            self._angles = np.concatenate([self._angles, angles])
+            self._measured.append(self._sensor.measure(acceleration, angles))
             if self._steps == state_due:
                 self._states.append(observe(self._payload, self._state, self.time_ns, self._stored))
             if self._steps == truth_due:
@@ -235,10 +235,9 @@ class Simulation:
 
     def _take(self, size: int) -> Measurement:
         """Take the next ``size`` samples from what has been measured."""
-        parts, clean = list(self._measured), np.concatenate([part.clean for part in self._measured])
-        measured, clipped = np.concatenate([part.measured for part in parts]), np.concatenate([part.clipped for part in parts])
-        self._measured = deque([Measurement(clean[size:], measured[size:], clipped[size:])])
-        return Measurement(clean[:size], measured[:size], clipped[:size])
+        joined = [np.concatenate([getattr(part, field.name) for part in self._measured]) for field in dataclasses.fields(Measurement)]
+        self._measured = deque([Measurement(*(samples[size:] for samples in joined))])
+        return Measurement(*(samples[:size] for samples in joined))
 
     def _feed_preview(self, clean: npt.NDArray[np.float64]) -> None:
         for sample in self._preview.feed(clean):
@@ -249,7 +248,7 @@ class Simulation:
     def _note(self, changed: str) -> None:
         """Keep the truth of this moment."""
         speed, load = float(self._state.shaft[1]), self._state.load
-        faults = {name: {**fields, "onset": self._onsets[name]} for name, fields in self.configuration.faults.described().items()}
+        faults = {name: {**fields, "onset": self._onsets[name]} for name, fields in self.configuration.described_faults().items()}
         frequencies = self._orders.frequencies(speed / (2.0 * math.pi))
         self._truths.append(Truth(self.time_ns, speed, (float(load[0]), float(load[1])), frequencies, faults, changed))
 

@@ -1,0 +1,61 @@
+"""The way of the acceleration through the axle box: a bank of modes between outer ring and accelerometer."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from dcrb_ros.measurement.filters import Filter, Floats, transmissibility
+from dcrb_ros.measurement.streams import stream
+from dcrb_ros.sensing import Structure, numbers
+
+LOWEST, HIGHEST = 500.0, 8000.0
+"""Band in which modes are drawn [Hz]."""
+LEAST_DAMPING, MOST_DAMPING = 0.01, 0.05
+"""Damping ratios that are drawn [-]."""
+USUAL_DAMPING = 0.02
+"""Damping ratio of a given mode without one [-]."""
+
+
+class Mode(NamedTuple):
+    """A mode of the axle box."""
+
+    frequency: float
+    """Natural frequency [Hz]."""
+    damping: float
+    """Damping ratio [-]."""
+    share: tuple[float, float]
+    """Part of the acceleration in X and Y that goes through it [-]; those of all modes add up to 1."""
+
+
+def modes(structure: Structure) -> list[Mode]:
+    """Return the modes of an axle box: given ones, or one drawn in each of so many equal stretches of the band's logarithm."""
+    random = stream(structure.seed, "structure")
+    frequencies = numbers(structure.frequencies, "structure.frequencies")
+    dampings = numbers(structure.dampings, "structure.dampings") or [USUAL_DAMPING] * len(frequencies)
+    if not frequencies:
+        places = (np.arange(structure.modes) + random.random(structure.modes)) / max(1, structure.modes)
+        frequencies = [float(frequency) for frequency in LOWEST * (HIGHEST / LOWEST) ** places]
+        dampings = [float(damping) for damping in random.uniform(LEAST_DAMPING, MOST_DAMPING, structure.modes)]
+    shares = random.uniform(0.2, 1.0, (len(frequencies), 2))
+    shares /= shares.sum(axis=0)
+    return [Mode(f, z, (float(x), float(y))) for f, z, (x, y) in zip(frequencies, dampings, shares, strict=True)]
+
+
+class ModeBank:
+    """Modes side by side; the acceleration at rest goes through unchanged."""
+
+    def __init__(self, structure: Structure, rate: float) -> None:
+        """Prepare the bank at a ``rate`` [Hz]."""
+        found = modes(structure)
+        self._filters = [Filter(transmissibility(mode.frequency, mode.damping, rate)) for mode in found]
+        self._shares = [structure.coupling * np.array(mode.share) for mode in found]
+        self._straight = 1.0 - structure.coupling
+
+    def feed(self, acceleration: Floats) -> Floats:
+        """Return what arrives of ``acceleration``, shape (steps, 2) [m/s^2]."""
+        arriving = self._straight * acceleration
+        for mode, share in zip(self._filters, self._shares, strict=True):
+            arriving += share * mode.feed(acceleration)
+        return arriving
