@@ -28,7 +28,7 @@ def on_block(message: PointCloud2) -> None:
     lines = [abs(np.mean(envelope * np.exp(-1j * about["orders"][name] * angle))) for name in ("BPFO", "BPFI")]
     healthy.extend([lines] if len(healthy) < 2 else [])
     rise = np.array(lines) / np.max(healthy, axis=0)
-    verdict = ("outer_ring", "inner_ring")[int(np.argmax(rise))] if rise.max() > 4.0 else "healthy"
+    verdict = ("outer_ring", "inner_ring")[np.argmax(lines * (rise > 4.0))] if rise.max() > 4.0 else "healthy"
     tell(message.header.stamp, verdict, float(rise.max()))
 
 

@@ -188,7 +188,7 @@ def _case(
     tags = {**described(configuration, fault), **entry.tags}
     narrow = faulty and 0.0 < float(tags.get("width", 0.0)) < design.criteria.smallest_width
     twin = "?" if faulty and entry.twin and fault else ""
-    question = Question(name, entry.verdict, duration, onset if faulty else 0.0, tags, twin, entry.required and not narrow)
+    question = Question(name, entry.verdict, duration, onset if faulty else 0.0, tags, twin, required=entry.required and not narrow)
     return Case(question, Run(configuration, story, duration))
 
 
