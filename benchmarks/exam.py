@@ -21,7 +21,9 @@ MOST_FLAWS = 60
 
 def sat(exam: str, image: str, options: list[str]) -> dict[str, Any]:
     """Return the report of an exam as JSON; its figure goes beside the documentation."""
-    done = subprocess.run([*SCORE, exam, "--json", "--figure", str(IMAGES / image), *options], stdout=subprocess.PIPE, text=True, check=False)
+    done = subprocess.run(
+        [*SCORE, exam, "--json", "--figure", str(IMAGES / image), *options], stdout=subprocess.PIPE, text=True, check=False
+    )
     if done.returncode not in (0, 1) or not done.stdout:
         sys.exit(f"the exam {exam} was not sat: status {done.returncode}")
     report: dict[str, Any] = json.loads(done.stdout)

@@ -102,9 +102,11 @@ class Truth:
     frequencies: Mapping[str, float]
     """FTF, BPFO, BPFI, BSF at the present speed [Hz]."""
     faults: Mapping[str, Mapping[str, Any]]
-    """Every fault present, by its configuration key (``outer_1``): its fields and ``onset`` [s]."""
+    """Every fault present, by its configuration key (``outer_1``) or its kind (``sensor.stuck``): its fields and ``onset`` [s]."""
     changed: str = ""
     """Why it was sent out of turn (``command/speed 130.0 rad/s``); empty for the 10 Hz repetition."""
+    background: Mapping[str, float] = field(default_factory=dict)
+    """Levels of what shakes the axle box besides the bearing, by key; they are no faults."""
 
 
 @dataclass(frozen=True)
@@ -129,6 +131,8 @@ class Block:
     """Low-passed acceleration for viewers, shape (previews, 2) [m/s^2]."""
     preview_ns: tuple[int, ...] = ()
     """Simulated time of each preview sample [ns]."""
+    lost: bool = False
+    """Whether its waveform is not published: lost on its way, or between two bursts."""
     states: tuple[States, ...] = ()
     truths: tuple[Truth, ...] = ()
 

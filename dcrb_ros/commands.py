@@ -14,8 +14,8 @@ from dcrb_ros.refusal import Refusal
 WORDS = re.compile(r"(command/speed) (\S+) rad/s|(command/load) (\S+) (\S+) N")
 CHANGE = re.compile(r"([\w.]+) = (.*?)(?:, (?=[\w.]+ = )|$)")
 """A parameter and its value, as `dcrb_ros.alteration.spoken` says a change."""
-ASIDE = ("start", "scenario:", "refused:")
-"""How what is no command begins: the start, what a scenario does by itself, and what was refused."""
+ASIDE = ("start", "scenario:", "refused:", "lost:")
+"""How what is no command begins: the start, what a scenario does by itself, what was refused, and a block that was lost."""
 
 
 class Commanded(Protocol):

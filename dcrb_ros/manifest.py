@@ -91,6 +91,8 @@ class Outcome:
         self._rate, self._digest = rate, hashlib.sha256()
         self.first_index: int | None = None
         self.samples = 0
+        self.end_index = 0
+        """Index after the last sample; blocks before it may be missing where the configuration loses some."""
         self.commands = list(commands)
 
     def note(self, message: Message) -> None:
@@ -101,6 +103,7 @@ class Outcome:
                 self.first_index = block.first_index(self._rate)
             self._digest.update(block.packed())
             self.samples += len(block.shaft_angle)
+            self.end_index = block.first_index(self._rate) + len(block.shaft_angle)
         elif message.topic == GROUND_TRUTH:
             truth = decode_truth(message.data)
             command = command_of(truth.time_ns, truth.changed)
@@ -117,6 +120,7 @@ class Outcome:
         about: dict[str, Any] = {
             "first_index": self.first_index or 0,
             "samples": self.samples,
+            "end_index": self.end_index,
             "sha256": self.sha256,
             "hashed": "ax, ay, shaft_angle of every sample as little-endian float32",
             "commands": [command.described() for command in self.commands],

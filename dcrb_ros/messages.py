@@ -204,6 +204,8 @@ def encode_truth(truth: Truth) -> bytes:
     operating = {"speed [rad/s]": repr(truth.speed), "load_x [N]": repr(truth.load[0]), "load_y [N]": repr(truth.load[1])}
     operating |= {f"{name} [Hz]": repr(frequency) for name, frequency in truth.frequencies.items()}
     statuses = [Status("operating", OK, truth.changed, operating)]
+    if truth.background:
+        statuses.append(Status("background", OK, "no fault", {key: repr(value) for key, value in truth.background.items()}))
     for name, fields in truth.faults.items():
         statuses.append(Status(f"faults.{name}", ERROR, "present", {key: repr(value) for key, value in fields.items()}))
     return encode_diagnostics(truth.time_ns, statuses)
@@ -251,18 +253,21 @@ class BlockEncoder:
 
     def encode(self, block: Block) -> list[Message]:
         """Return the messages of a block in the order of their times."""
-        messages = self._described(block)
-        messages.append(Message(VIBRATION, block.stamp_ns, encode_vibration(block, block.acceleration, self._frame)))
-        if self._configuration.publishing.clean:
-            messages.append(Message(VIBRATION_CLEAN, block.stamp_ns, encode_vibration(block, block.clean, self._frame)))
-        messages.append(Message(FEATURES, block.stamp_ns, encode_features(block)))
+        messages = self._described(block) + ([] if block.lost else self._waveform(block))
         messages += [Message(ROLLER_STATES, states.time_ns, encode_states(states, self._names)) for states in block.states]
         if self._configuration.publishing.contacts:
             messages += [Message(ROLLER_CONTACTS, states.time_ns, encode_contacts(states, self._names)) for states in block.states]
         messages += [Message(GROUND_TRUTH, truth.time_ns, encode_truth(truth)) for truth in block.truths]
-        for time_ns, sample in zip(block.preview_ns, block.preview, strict=True):
-            messages.append(Message(ACCELERATION, time_ns, encode_preview(time_ns, sample, self._frame)))
         return sorted(messages, key=lambda message: message.time_ns)
+
+    def _waveform(self, block: Block) -> list[Message]:
+        """Return the messages that are made of a block's samples."""
+        messages = [Message(VIBRATION, block.stamp_ns, encode_vibration(block, block.acceleration, self._frame))]
+        if self._configuration.publishing.clean:
+            messages.append(Message(VIBRATION_CLEAN, block.stamp_ns, encode_vibration(block, block.clean, self._frame)))
+        messages.append(Message(FEATURES, block.stamp_ns, encode_features(block)))
+        previews = zip(block.preview_ns, block.preview, strict=True)
+        return messages + [Message(ACCELERATION, time_ns, encode_preview(time_ns, sample, self._frame)) for time_ns, sample in previews]
 
 
 def _decoded(data: bytes, type_name: str) -> Any:
@@ -376,14 +381,16 @@ def decode_truth(data: bytes) -> Truth:
     time_ns, statuses = decode_diagnostics(data)
     if not statuses or statuses[0].name != "operating":
         raise Refusal("a DiagnosticArray without the status 'operating' is no ground truth of the bench")
-    operating, faults = statuses[0], statuses[1:]
+    operating, faults = statuses[0], [status for status in statuses if status.name.startswith("faults.")]
+    background = next((status.values for status in statuses if status.name == "background"), {})
 
     def number(key: str) -> float:
         return float(operating.values.get(key, "nan"))
 
     frequencies = {name: number(f"{name} [Hz]") for name in ("FTF", "BPFO", "BPFI", "BSF")}
     found = {s.name.removeprefix("faults."): {key: float(value) for key, value in s.values.items()} for s in faults}
-    return Truth(time_ns, number("speed [rad/s]"), (number("load_x [N]"), number("load_y [N]")), frequencies, found, operating.message)
+    load, levels = (number("load_x [N]"), number("load_y [N]")), {key: float(level) for key, level in background.items()}
+    return Truth(time_ns, number("speed [rad/s]"), load, frequencies, found, operating.message, levels)
 
 
 def encode_spectrum(time_ns: int, orders: Floats, amplitude: Floats, shaft_frequency: float) -> bytes:

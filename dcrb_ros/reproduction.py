@@ -27,11 +27,8 @@ class Samples:
     first_index: int
     count: int
     sha256: str
-
-    @property
-    def end(self) -> int:
-        """Index after the last sample."""
-        return self.first_index + self.count
+    end: int
+    """Index after the last sample."""
 
 
 def recorded_samples(recording: Recording) -> Samples:
@@ -43,18 +40,23 @@ def recorded_samples(recording: Recording) -> Samples:
     told = recording.outcome
     try:
         if told is not None:
-            return Samples(int(told["first_index"]), int(told["samples"]), str(told["sha256"]))
+            first, count = int(told["first_index"]), int(told["samples"])
+            return Samples(first, count, str(told["sha256"]), int(told.get("end_index", first + count)))
     except (KeyError, TypeError, ValueError):
         pass  # damaged, so it is read from the waveform as if there were none
-    digest, first, reached, rate = hashlib.sha256(), None, 0, recording.sampling_rate
+    digest, rate = hashlib.sha256(), recording.sampling_rate
+    begin: int | None = None
+    reached = count = 0
+    publishing = recording.configuration.publishing
+    whole = not (publishing.loss_probability or publishing.burst_period)
     for block in recording.vibrations():
         index = block.first_index(rate)
-        first = index if first is None else first
-        if reached and index != reached:
+        begin = index if begin is None else begin
+        if whole and reached and index != reached:
             raise Refusal(f"{recording.path} is damaged: the samples {reached} .. {index - 1} are missing, so it cannot be checked")
         digest.update(block.packed())
-        reached = index + len(block.shaft_angle)
-    return Samples(first or 0, reached - (first or 0), digest.hexdigest())
+        reached, count = index + len(block.shaft_angle), count + len(block.shaft_angle)
+    return Samples(begin or 0, count, digest.hexdigest(), reached)
 
 
 class Reproduction:
@@ -80,7 +82,7 @@ class Reproduction:
         agenda.give(simulation)
         for block in simulation.blocks(self.duration):
             skipped = max(0, self.samples.first_index - block.index)
-            if skipped < len(block.shaft_angle):
+            if skipped < len(block.shaft_angle) and not block.lost:
                 self._digest.update(packed(block.acceleration[skipped:], block.shaft_angle[skipped:]))
             yield block
             agenda.give(simulation)

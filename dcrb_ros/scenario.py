@@ -10,7 +10,8 @@ from typing import Any
 
 from dcrb_ros.alteration import altered, spoken
 from dcrb_ros.configuration import Configuration
-from dcrb_ros.configuration_file import flatten, read_yaml, shipped_folder
+from dcrb_ros.configuration_file import COMMANDED, flatten, read_yaml, shipped_folder
+from dcrb_ros.parameters import shaft_speed
 from dcrb_ros.refusal import Refusal, nearest
 
 TICK = 0.05
@@ -19,6 +20,9 @@ MOST_TICKS = 20_000
 LONGEST = 1e6
 """Latest time of an event [s]."""
 MOST_EVENTS = 10_000
+SPEED, KMH = "operating.speed", "operating.speed_kmh"
+RAMPS = {SPEED: "operating.speed_ramp", "operating.load": "operating.load_ramp", "operating.lateral_load": "operating.load_ramp"}
+"""The slope at which each command is followed."""
 KEYS = ("at", "over", "set")
 
 
@@ -72,7 +76,7 @@ def timeline(tree: Any, configuration: Configuration, source: str) -> list[Event
         raise Refusal(f"{source} is not a scenario: it must hold 'timeline:' and below it a list of entries with 'at' and 'set'")
     if len(tree["timeline"]) > MOST_EVENTS:
         raise Refusal(f"{source} has {len(tree['timeline'])} entries; a scenario has at most {MOST_EVENTS}")
-    entries = [_entry(item, f"{source}, entry {number}") for number, item in enumerate(tree["timeline"], 1)]
+    entries = [_entry(item, configuration, f"{source}, entry {number}") for number, item in enumerate(tree["timeline"], 1)]
     events: list[Event] = []
     moments = sorted({entry.at for entry in entries} | {entry.at + entry.over for entry in entries})
     present = configuration
@@ -88,7 +92,7 @@ def timeline(tree: Any, configuration: Configuration, source: str) -> list[Event
     return sorted(events, key=lambda event: event.step)
 
 
-def _entry(item: Any, source: str) -> _Entry:
+def _entry(item: Any, configuration: Configuration, source: str) -> _Entry:
     if not isinstance(item, Mapping) or not {"at", "set"} <= set(item):
         raise Refusal(f"{source}: it must have 'at' [s] and 'set', and may have 'over' [s]")
     for key in item:
@@ -96,10 +100,22 @@ def _entry(item: Any, source: str) -> _Entry:
             raise Refusal(f"{source}: unknown key '{key}'{nearest(str(key), KEYS)}; an entry has 'at', 'set' and 'over'")
     if not isinstance(item["set"], Mapping) or not item["set"]:
         raise Refusal(f"{source}: 'set' must name parameters and their values, such as faults.outer_1.width: 0.002")
-    values = {str(key): value for key, value in flatten(item["set"]).items()}
+    values = _by_the_wheel({str(key): value for key, value in flatten(item["set"]).items()}, configuration, source)
     if "time_scale" in values:
         raise Refusal(f"{source}: time_scale is no part of a scenario, which goes by simulated time; give it to the bench")
     return _Entry(_seconds(item["at"], "at", source), _seconds(item.get("over", 0.0), "over", source), values, source)
+
+
+def _by_the_wheel(values: dict[str, Any], configuration: Configuration, source: str) -> dict[str, Any]:
+    """Return values with a speed of the vehicle turned into the shaft's."""
+    if KMH not in values:
+        return values
+    kmh = values.pop(KMH)
+    if SPEED in values:
+        raise Refusal(f"{source}: it sets {SPEED} and {KMH}; give one of them")
+    if isinstance(kmh, bool) or not isinstance(kmh, (int, float)) or not abs(kmh) <= 1000.0:
+        raise Refusal(f"{source}: {KMH} = {kmh!r} km/h is not a number within -1000 .. 1000 km/h")
+    return {SPEED: shaft_speed(float(kmh), configuration.operating.wheel_diameter), **values}
 
 
 def _seconds(value: Any, key: str, source: str) -> float:
@@ -124,15 +140,43 @@ def _events(entry: _Entry, present: Configuration, step_rate: int) -> Iterator[E
     before = flatten(present.model_dump())
     altered(present, entry.values, f"{entry.source} (at {entry.at + entry.over:g} s)")
     for key, value in entry.values.items():
-        if not isinstance(value, float) or key.startswith("operating."):
-            raise Refusal(
-                f"{entry.source}: {key} cannot change 'over' {entry.over:g} s: "
-                + ("operating.speed_ramp and load_ramp say how it follows" if key.startswith("operating.") else "it is no decimal number")
-            )
+        if not isinstance(value, float) or (key.startswith("operating.") and key not in COMMANDED):
+            raise Refusal(f"{entry.source}: {key} cannot change 'over' {entry.over:g} s: it changes at once or not at all")
+    ramped = {key: value for key, value in entry.values.items() if key in COMMANDED}
+    grown = {key: value for key, value in entry.values.items() if key not in COMMANDED}
+    slopes = _slopes(entry, ramped, before)
+    altered(present, slopes, f"{entry.source} (from {entry.at:g} s to {entry.at + entry.over:g} s)")
+    yield from _ramps(entry, ramped, slopes, before, (first, last))
+    yield from _growth(entry, grown, before, (first, last))
+
+
+def _slopes(entry: _Entry, values: Mapping[str, float], before: Mapping[str, Any]) -> dict[str, float]:
+    """Return the ramps by which speeds and loads take the entry's time; of two loads, the one that changes more does."""
+    slopes: dict[str, float] = {}
+    for key, value in values.items():
+        slope = abs(value - before[key]) / entry.over
+        slopes[RAMPS[key]] = max(slope, slopes.get(RAMPS[key], 0.0))
+    return {key: slope for key, slope in slopes.items() if slope > 0.0}
+
+
+def _ramps(
+    entry: _Entry, values: Mapping[str, float], slopes: Mapping[str, float], before: Mapping[str, Any], span: tuple[int, int]
+) -> Iterator[Event]:
+    """Yield the begin and the end of speeds and loads that change at one slope each; the ramps of before hold again at the end."""
+    if slopes:
+        yield Event(span[0], {**slopes, **values}, f"scenario: {spoken(values)} over {entry.over:g} s begins")
+        yield Event(span[1], {key: before[key] for key in slopes}, f"scenario: {spoken(values)}")
+
+
+def _growth(entry: _Entry, values: Mapping[str, float], before: Mapping[str, Any], span: tuple[int, int]) -> Iterator[Event]:
+    """Yield the sizes of what grows, at equal steps between its begin and its end."""
+    if not values:
+        return
+    first, last = span
     count = max(1, min(MOST_TICKS, math.floor(entry.over / TICK)))
     for k in range(1, count):
         share = k / count
-        sizes = {key: before[key] + share * (value - before[key]) for key, value in entry.values.items()}
+        sizes = {key: before[key] + share * (value - before[key]) for key, value in values.items()}
         step = first + (last - first) * k // count
-        yield Event(step, sizes, f"scenario: {spoken(entry.values)} over {entry.over:g} s begins" if k == 1 else "")
-    yield Event(last, entry.values, f"scenario: {spoken(entry.values)}")
+        yield Event(step, sizes, f"scenario: {spoken(values)} over {entry.over:g} s begins" if k == 1 else "")
+    yield Event(last, values, f"scenario: {spoken(values)}")

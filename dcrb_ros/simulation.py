@@ -21,6 +21,7 @@ from dcrb_ros.energy import stored_energy
 from dcrb_ros.kinematics import characteristic_orders
 from dcrb_ros.measurement.decimation import Cascade
 from dcrb_ros.measurement.sensor import Measurement, Sensor
+from dcrb_ros.measurement.transmission import Transmission
 from dcrb_ros.model import build_payload, initial_state, layout
 from dcrb_ros.observation import observe
 from dcrb_ros.parameters import Operating
@@ -68,6 +69,7 @@ class Simulation:
         self._work = workspace(self._payload)
         self._stored = stored_energy(self._payload, self._state)
         self._sensor = Sensor(configuration)
+        self._transmission = Transmission(configuration)
         self._preview = Cascade(configuration.sensor.sampling_rate // configuration.publishing.preview_rate)
         self._orders = characteristic_orders(configuration.bearing)
         self._steps = 0
@@ -147,6 +149,9 @@ class Simulation:
     def _block(self, size: int) -> Block:
         self._obey()
         first, rate = self._samples, self.configuration.sensor.sampling_rate
+        lost = self._transmission.loses()
+        if lost:
+            self._note(f"lost: samples {first} .. {first + size - 1}")
         self._step_to(self._sensor.steps(first + size))
         measured = self._take(size)
         self._samples += size
@@ -161,6 +166,7 @@ class Simulation:
             clean=measured.clean.astype(np.float32),
             clipped=int(measured.clipped.sum()),
             range=self.configuration.sensor.range,
+            lost=lost or self._transmission.between_bursts(first / rate),
             preview=np.array([sample for _, sample in previews], np.float32).reshape(-1, 2),
             preview_ns=tuple(time for time, _ in previews),
             states=tuple(_before(self._states, end_ns, lambda states: states.time_ns)),
@@ -206,6 +212,7 @@ class Simulation:
 
     def _step_to(self, end: int) -> None:
         """Step the model to step ``end``, stopping on the way at every time of a state or a truth."""
+        motion: list[tuple[Floats, Floats]] = []
         while self._steps < end:
             self._meet_events()
             publishing, rate = self.configuration.publishing, self.configuration.step_rate
@@ -219,11 +226,14 @@ class Simulation:
             advance(self._payload, self._state, self._work, acceleration, angles)
             self._steps += count
             self._guard(acceleration)
-            self._measured.append(self._sensor.measure(acceleration, angles))
+            motion.append((acceleration, angles))
             if self._steps == state_due:
                 self._states.append(observe(self._payload, self._state, self.time_ns, self._stored))
             if self._steps == truth_due:
                 self._note("")
+        if motion:
+            accelerations, shaft = zip(*motion, strict=True)
+            self._measured.append(self._sensor.measure(np.concatenate(accelerations), np.concatenate(shaft)))
 
     def _guard(self, acceleration: Floats) -> None:
         off_seat = float(np.abs(self._state.outer_position).max())
@@ -250,7 +260,8 @@ class Simulation:
         speed, load = float(self._state.shaft[1]), self._state.load
         faults = {name: {**fields, "onset": self._onsets[name]} for name, fields in self.configuration.described_faults().items()}
         frequencies = self._orders.frequencies(speed / (2.0 * math.pi))
-        self._truths.append(Truth(self.time_ns, speed, (float(load[0]), float(load[1])), frequencies, faults, changed))
+        background = self.configuration.background.described()
+        self._truths.append(Truth(self.time_ns, speed, (float(load[0]), float(load[1])), frequencies, faults, changed, background))
 
 
 def _next_tick(step: int, rate: int, step_rate: int) -> int:

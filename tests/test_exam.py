@@ -263,6 +263,12 @@ def test_recordings_are_made_once_and_twins_part_at_the_onset(tmp_path: Path) ->
     assert tape.question.tags["width"] == 0.001
 
 
+def test_lost_blocks_are_not_recorded(tmp_path: Path) -> None:
+    lossy = {"name": "lossy", "verdict": "healthy", "set": {"publishing.loss_probability": 0.5}}
+    case = tiny(scenarios=[lossy]).cases[0]
+    assert 0 < sum(1 for _ in Recording(recorded(case, tmp_path)).vibrations()) < 10
+
+
 def test_a_case_with_other_samples_has_another_place(tmp_path: Path) -> None:
     places = {place(case, tmp_path) for exam in (tiny(), tiny(seeds=[2]), tiny(duration=0.25)) for case in exam.cases}
     assert len(places) == 9

@@ -86,8 +86,17 @@ def test_steps_at_or_after_a_time() -> None:
         ({"timeline": [{"at": 1.0, "set": {"operating.sped": 1.0}}]}, "did you mean 'operating.speed'"),
         ({"timeline": [{"at": 1.0, "set": {"bearing.rows": 1}}]}, "bearing.rows is fixed while the bench runs"),
         ({"timeline": [{"at": 1.0, "set": {"time_scale": 0.0}}]}, "time_scale is no part of a scenario"),
-        ({"timeline": [{"at": 1.0, "over": 1.0, "set": {"operating.speed": 1.0}}]}, "speed_ramp and load_ramp say"),
-        ({"timeline": [{"at": 1.0, "over": 1.0, "set": {"faults.outer_1.row": 1}}]}, "it is no decimal number"),
+        ({"timeline": [{"at": 1.0, "over": 1.0, "set": {"operating.speed_ramp": 1.0}}]}, "it changes at once or not at all"),
+        (
+            {"timeline": [{"at": 1.0, "over": 1e6, "set": {"operating.speed": 126.0}}]},
+            "operating.speed_ramp = 3.3.*e-07 rad/s.2 is outside",
+        ),
+        (
+            {"timeline": [{"at": 1.0, "set": {"operating.speed_kmh": "fast"}}]},
+            r"operating.speed_kmh = 'fast' km/h is not a number within -1000",
+        ),
+        ({"timeline": [{"at": 1.0, "set": {"operating.speed_kmh": 9.0, "operating.speed": 1.0}}]}, "give one of them"),
+        ({"timeline": [{"at": 1.0, "over": 1.0, "set": {"faults.outer_1.row": 1}}]}, "it changes at once or not at all"),
         (
             {
                 "timeline": [

@@ -76,4 +76,5 @@ def _simulate(case: Case, path: Path) -> None:
             # A detector gets the waveform; what else the bench publishes would only take room and time.
             truths = [Message(GROUND_TRUTH, truth.time_ns, encode_truth(truth)) for truth in block.truths]
             frame = run.configuration.publishing.frame
-            recorder.write_messages([Message(VIBRATION, block.stamp_ns, encode_vibration(block, block.acceleration, frame)), *truths])
+            waveform = [] if block.lost else [Message(VIBRATION, block.stamp_ns, encode_vibration(block, block.acceleration, frame))]
+            recorder.write_messages([*waveform, *truths])

@@ -7,9 +7,10 @@ from typing import NamedTuple
 import numpy as np
 
 from dcrb_ros.configuration import Configuration
+from dcrb_ros.measurement.arrays import Floats
 from dcrb_ros.measurement.background import Shaking
-from dcrb_ros.measurement.filters import Filter, Floats, low_pass, resonance
-from dcrb_ros.measurement.structure import ModeBank
+from dcrb_ros.measurement.filters import Filter, low_pass, resonance
+from dcrb_ros.measurement.structure import sections
 from dcrb_ros.measurement.timetable import Timetable
 from dcrb_ros.sensing import Background, SensorParameters
 
@@ -28,85 +29,75 @@ class Surroundings(NamedTuple):
     background: Background
 
 
-class Mount:
-    """The sensor on its mount: rigid, resonant or loose."""
+class Path:
+    """From the axle box to the sensor's terminals: structure, mount and bandwidth, axis by axis."""
 
-    def __init__(self, rate: float) -> None:
+    def __init__(self, configuration: Configuration) -> None:
+        c, rate = configuration, float(configuration.step_rate)
         self._rate = rate
-        self._filter: Filter | None = None
-        self._like: tuple[float, float] | None = None
+        self._structure = [Filter(axis, columns=1) for axis in sections(c.structure, rate)] if c.structure.on else []
+        self._low_pass = Filter(low_pass(c.sensor.bandwidth, rate)) if c.sensor.bandwidth > 0.0 else None
+        self._mount: Filter | None = None
+        self._mounted = (0.0, 0.0)
         self._rattle = 0.0
+        self.set(c.sensor)
 
     def set(self, sensor: SensorParameters) -> None:
-        """Mount the sensor as its parameters say; what stays alike goes on swinging."""
+        """Mount the sensor as its parameters say; a mount that stays alike goes on swinging."""
         loose = sensor.fault_severity if sensor.fault == "loose" else 0.0
-        frequency, damping = sensor.mount_frequency, sensor.mount_damping
-        if loose > 0.0:
-            frequency, damping = LOOSE_FREQUENCY * 0.1**loose, LOOSE_DAMPING
-        self._rattle = RATTLE * loose
-        like = (frequency, damping)
-        if like != self._like:
-            self._filter = Filter(resonance(*like, self._rate)) if frequency > 0.0 else None
-            self._like = like
+        frequency, damping = (LOOSE_FREQUENCY * 0.1**loose, LOOSE_DAMPING) if loose else (sensor.mount_frequency, sensor.mount_damping)
+        if (frequency, damping) != self._mounted:
+            self._mount = Filter(resonance(frequency, damping, self._rate)) if frequency > 0.0 else None
+        self._mounted, self._rattle = (frequency, damping), RATTLE * loose
 
     @property
     def on(self) -> bool:
-        """Whether the mount is anything but rigid."""
-        return self._filter is not None
+        """Whether anything happens on the way."""
+        return bool(self._structure) or self._mount is not None or self._low_pass is not None
 
     def feed(self, acceleration: Floats) -> Floats:
-        """Return the acceleration of the sensor, shape (steps, 2) [m/s^2]."""
-        if self._filter is None:
-            return acceleration
-        swinging = self._filter.feed(acceleration)
-        return swinging + self._rattle * np.abs(swinging) if self._rattle else swinging
+        """Return what arrives of an acceleration, shape (steps, 2) [m/s^2]."""
+        present = acceleration
+        if self._structure:
+            axes = (bank.feed(present[:, axis : axis + 1]) for axis, bank in enumerate(self._structure))
+            present = np.concatenate(list(axes), axis=1)
+        for stage in (self._mount, self._low_pass):
+            present = stage.feed(present) if stage is not None else present
+        return present + self._rattle * np.abs(present) if self._rattle else present
 
 
 class Analog:
     """The stages before sampling in their order; those that are off cost nothing."""
 
     def __init__(self, configuration: Configuration) -> None:
-        c, rate = configuration, float(configuration.step_rate)
-        self._step = 1.0 / rate
-        self._start_speed = c.operating.speed
-        self._shaking = Shaking(c)
-        self._structure = ModeBank(c.structure, rate) if c.structure.on else None
-        self._mount = Mount(rate)
-        self._low_pass = Filter(low_pass(c.sensor.bandwidth, rate)) if c.sensor.bandwidth > 0.0 else None
+        c = configuration
+        self._path, self._shaking = Path(c), Shaking(c)
         self._turned: float | None = None
+        self._first_turn = c.operating.speed / c.step_rate
         self.changes: Timetable[Surroundings] = Timetable(self._set)
         """Changes by the time step at which they come."""
-        self._set(Surroundings(c.sensor, c.background))
 
     def _set(self, surroundings: Surroundings) -> None:
-        self._mount.set(surroundings.sensor)
+        self._path.set(surroundings.sensor)
         self._shaking.background = surroundings.background
 
     def touches(self, count: int) -> bool:
         """Return whether anything happens to the acceleration of the next ``count`` steps."""
-        steady = self._structure is not None or self._low_pass is not None
-        return steady or self._mount.on or self._shaking.on or self.changes.due(count)
+        return self._path.on or self._shaking.on or self.changes.due(count)
 
     def feed(self, acceleration: Floats, angle: Floats) -> Floats:
         """Return what comes out for the outer ring's acceleration, shape (steps, 2) [m/s^2], while the shaft is at ``angle`` [rad]."""
-        before = self._before(angle)
-        turned = np.concatenate([[before], angle])
-        arriving = np.empty_like(acceleration)
-        first = self.changes.reached
+        if not len(angle):
+            return acceleration
+        before = float(angle[0]) - self._first_turn if self._turned is None else self._turned
+        self._turned = float(angle[-1])
+        touched, first = self.touches(len(angle)), self.changes.reached
+        turned = np.concatenate([[before], angle]) if touched else angle
+        arriving = np.empty_like(acceleration) if touched else acceleration
         for piece in self.changes.pieces(len(acceleration)):
             present = acceleration[piece]
             if self._shaking.on:
                 present = present + self._shaking.feed(first + piece.start, turned[piece.start : piece.stop + 1])
-            for stage in (self._structure, self._mount, self._low_pass):
-                present = stage.feed(present) if stage is not None else present
-            arriving[piece] = present
+            if touched:
+                arriving[piece] = self._path.feed(present)
         return arriving
-
-    def _before(self, angle: Floats) -> float:
-        """Return the shaft's angle at the step before [rad], and keep the last one of these."""
-        before = self._turned
-        if before is None:
-            before = float(angle[0]) - self._start_speed * self._step if len(angle) else 0.0
-        if len(angle):
-            self._turned = float(angle[-1])
-        return before

@@ -7,7 +7,8 @@ import math
 import numpy as np
 
 from dcrb_ros.configuration import Configuration
-from dcrb_ros.measurement.filters import Filter, Floats, band_of_noise
+from dcrb_ros.measurement.arrays import Floats
+from dcrb_ros.measurement.filters import Filter, band_of_noise
 from dcrb_ros.measurement.pulses import Passings, Pulses
 from dcrb_ros.measurement.streams import stream
 from dcrb_ros.sensing import REFERENCE_SPEED, Background
@@ -68,7 +69,8 @@ class Shaking:
     def _unbalance(self, b: Background, turned: Floats, speed: Floats) -> Floats:
         """Return the acceleration of a force that turns with the shaft and grows with the square of its speed [m/s^2]."""
         angle = turned + self._phase
-        return (b.unbalance * speed**2)[:, None] * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+        force: Floats = (b.unbalance * speed**2)[:, None] * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+        return force
 
     def _look_alike(self, b: Background, first: int, count: int) -> Floats:
         """Return impacts at random times, of half to one and a half times their mean peak [m/s^2]."""

@@ -5,14 +5,14 @@ from __future__ import annotations
 import math
 
 import numpy as np
-import numpy.typing as npt
 from scipy import special
 
 from dcrb_ros.configuration import Configuration
-from dcrb_ros.measurement.filters import Floats
+from dcrb_ros.measurement.arrays import Floats
+from dcrb_ros.measurement.kernels import between
 from dcrb_ros.measurement.streams import stream
 
-HALF_WIDTH = 16
+HALF_WIDTH = 14
 """Samples on either side from which a value between two is made."""
 BETA = 8.3
 """Shape of the Kaiser window: 85 dB, as the anti-alias filter's [-]."""
@@ -23,9 +23,9 @@ MOST_JITTER = 6.0
 
 
 def interpolation_weights() -> Floats:
-    """Return the weights of a windowed sinc for every place from one sample to the next, shape (2 HALF_WIDTH, PHASES + 1)."""
+    """Return the weights of a windowed sinc for every place from one sample to the next, shape (PHASES + 1, 2 HALF_WIDTH)."""
     place = np.arange(PHASES + 1) / PHASES
-    distance = place[None, :] - np.arange(1 - HALF_WIDTH, HALF_WIDTH + 1)[:, None]
+    distance = place[:, None] - np.arange(1 - HALF_WIDTH, HALF_WIDTH + 1)[None, :]
     inside = np.clip(1.0 - (distance / HALF_WIDTH) ** 2, 0.0, None)
     weights: Floats = np.sinc(distance) * special.i0(BETA * np.sqrt(inside)) / special.i0(BETA)
     return weights
@@ -68,10 +68,12 @@ class Clock:
             late = late + self._jitter * np.clip(self._random.standard_normal(count), -MOST_JITTER, MOST_JITTER)
         whole = np.floor(late)
         at, place = index + whole.astype(np.int64) - self._begin, late - whole
-        taken = self._between(at, place), self._known[at, 2] + place * (self._known[at + 1, 2] - self._known[at, 2])
+        taken = np.empty((count, 2))
+        between(self._known, at, place, self._weights, taken)
+        turned = self._known[at, 2] + place * (self._known[at + 1, 2] - self._known[at, 2])
         self._taken += count
         self._forget()
-        return taken
+        return taken, turned
 
     def _due(self) -> int:
         """Return how many samples can be taken from what is known."""
@@ -80,17 +82,6 @@ class Clock:
         while count > 0 and self.needed(self._taken + count) > reached:
             count -= 1
         return count
-
-    def _between(self, at: npt.NDArray[np.int64], place: Floats) -> Floats:
-        """Return the acceleration at a ``place`` from 0 to 1 after the known sample ``at``, shape (samples, 2) [m/s^2]."""
-        phase = place * PHASES
-        row = np.minimum(phase.astype(np.int64), PHASES - 1)
-        share = phase - row
-        total = np.zeros((len(at), 2))
-        for tap, weights in enumerate(self._weights):
-            weight = weights[row] + share * (weights[row + 1] - weights[row])
-            total += weight[:, None] * self._known[at + (tap + 1 - HALF_WIDTH), :2]
-        return total
 
     def _forget(self) -> None:
         """Let go of what no later sample needs."""

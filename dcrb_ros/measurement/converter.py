@@ -8,7 +8,8 @@ import numpy as np
 import numpy.typing as npt
 
 from dcrb_ros.configuration import Configuration
-from dcrb_ros.measurement.filters import Filter, Floats, pink
+from dcrb_ros.measurement.arrays import Floats
+from dcrb_ros.measurement.filters import Filter, pink
 from dcrb_ros.measurement.sensor_fault import FaultySamples
 from dcrb_ros.measurement.streams import stream
 from dcrb_ros.measurement.timetable import Timetable

@@ -6,12 +6,14 @@ Resonances and low-passes are made discrete by the bilinear transform, warped so
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from typing import Any, cast
 
 import numpy as np
-import numpy.typing as npt
-from scipy import signal
+from scipy import linalg, signal
 
-Floats = npt.NDArray[np.float64]
+from dcrb_ros.measurement.arrays import Floats
+from dcrb_ros.measurement.kernels import filtered
 
 PINK_LOWEST = 0.05
 """Lowest frequency at which pink noise falls as it should [Hz]; below it is white."""
@@ -22,17 +24,14 @@ PINK_PER_DECADE = 2
 class Filter:
     """A recursive filter for columns of samples; before the start the input is taken as zero."""
 
-    def __init__(self, sections: Floats, *, columns: int = 2) -> None:
-        self._sections = sections
-        self._memory = np.zeros((len(sections), 2, columns))
+    def __init__(self, *cascade: Floats, columns: int = 2) -> None:
+        """Prepare for sections in a row."""
+        self._sections = np.concatenate(cascade)
+        self._memory = np.zeros((len(self._sections), 2, columns))
 
     def feed(self, samples: Floats) -> Floats:
         """Filter ``samples`` of shape (samples, columns)."""
-        if not len(samples):
-            return samples
-        filtered, self._memory = signal.sosfilt(self._sections, samples, axis=0, zi=self._memory)
-        found: Floats = filtered
-        return found
+        return filtered(self._sections, self._memory, samples)
 
 
 def resonance(frequency: float, damping: float, rate: float) -> Floats:
@@ -51,6 +50,22 @@ def _second_order(frequency: float, damping: float, rate: float, numerator: list
     top, bottom = signal.bilinear(numerator, [1.0, 2.0 * damping, 1.0], fs=0.5 / tangent)
     section: Floats = np.concatenate([top, bottom])[None, :]
     return section
+
+
+def side_by_side(bank: Sequence[Floats], shares: Sequence[float], straight: float) -> Floats:
+    """Return the sections of a sum: ``shares`` of single sections, and ``straight`` of the signal itself.
+
+    The zeros of the sum are the eigenvalues of A - B C / D of its modes as one system.
+    """
+    systems = [signal.tf2ss(section[0, :3], section[0, 3:]) for section in bank]
+    a = linalg.block_diag(*(system[0] for system in systems))
+    b = np.concatenate([system[1] for system in systems])
+    c = np.concatenate([share * system[2] for share, system in zip(shares, systems, strict=True)], axis=1)
+    gain = straight + sum(share * float(system[3][0, 0]) for share, system in zip(shares, systems, strict=True))
+    # The stubs of zpk2sos know real zeros and poles only.
+    zeros, poles = (cast(Any, linalg.eigvals(matrix)) for matrix in (a - b @ c / gain, a))
+    sections: Floats = signal.zpk2sos(zeros, poles, gain)
+    return sections
 
 
 def low_pass(frequency: float, rate: float) -> Floats:

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from dcrb_ros.measurement.filters import Floats
+from dcrb_ros.measurement.arrays import Floats
 
 
 class Pulses:

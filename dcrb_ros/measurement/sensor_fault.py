@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from dcrb_ros.measurement.filters import Filter, Floats
+from dcrb_ros.measurement.arrays import Floats
+from dcrb_ros.measurement.filters import Filter
 from dcrb_ros.measurement.streams import stream
 from dcrb_ros.sensing import SensorParameters
 
@@ -59,11 +60,10 @@ class FaultySamples:
         gain = self._gain(first, len(samples))
         if self.kind not in ("dead", "gain_drift", "spikes"):
             return samples
-        changed = samples.copy()
+        changed: Floats = samples.copy()
+        spikes = self._spikes(len(samples)) if self.kind == "spikes" else 0.0
         for axis in self._axes:
-            changed[:, axis] *= gain
-        if self.kind == "spikes":
-            changed[:, self._axes] += self._spikes(len(samples))[:, None]
+            changed[:, axis] = gain * changed[:, axis] + spikes
         return changed
 
     def _gain(self, first: int, count: int) -> Floats | float:
@@ -72,16 +72,18 @@ class FaultySamples:
             return 1.0 - self._sensor.fault_severity
         if self.kind == "gain_drift":
             since = (np.arange(first, first + count) - self._onset) / (self._sensor.fault_time * self._rate)
-            fallen: Floats = 1.0 - self._sensor.fault_severity * np.minimum(1.0, since)
+            fallen: Floats = 1.0 - self._sensor.fault_severity * np.clip(since, 0.0, 1.0)
             return fallen
         return 1.0
 
     def _spikes(self, count: int) -> Floats:
         """Return spikes at random times that fall off exponentially [m/s^2]; they reach a fifth of the range up to all of it."""
         severity = self._sensor.fault_severity
-        drawn, side = self._random.random(count) * (self._rate / (SPIKES * severity)), self._random.random(count)
+        chance, side = self._random.random((count, 2)).T
+        drawn = chance * (self._rate / (SPIKES * severity))
         blows = np.where(drawn < 1.0, severity * self._sensor.range * (0.2 + 0.8 * drawn) * np.where(side < 0.5, -1.0, 1.0), 0.0)
-        return self._falling.feed(blows[:, None])[:, 0]
+        falling: Floats = self._falling.feed(blows[:, None])[:, 0]
+        return falling
 
     def _spike_shape(self) -> Filter:
         decay = float(np.exp(-1.0 / (SPIKE_LENGTH * self._rate)))

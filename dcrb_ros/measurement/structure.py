@@ -6,7 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dcrb_ros.measurement.filters import Filter, Floats, transmissibility
+from dcrb_ros.measurement.arrays import Floats
+from dcrb_ros.measurement.filters import side_by_side, transmissibility
 from dcrb_ros.measurement.streams import stream
 from dcrb_ros.sensing import Structure, numbers
 
@@ -43,19 +44,10 @@ def modes(structure: Structure) -> list[Mode]:
     return [Mode(f, z, (float(x), float(y))) for f, z, (x, y) in zip(frequencies, dampings, shares, strict=True)]
 
 
-class ModeBank:
-    """Modes side by side; the acceleration at rest goes through unchanged."""
-
-    def __init__(self, structure: Structure, rate: float) -> None:
-        """Prepare the bank at a ``rate`` [Hz]."""
-        found = modes(structure)
-        self._filters = [Filter(transmissibility(mode.frequency, mode.damping, rate)) for mode in found]
-        self._shares = [structure.coupling * np.array(mode.share) for mode in found]
-        self._straight = 1.0 - structure.coupling
-
-    def feed(self, acceleration: Floats) -> Floats:
-        """Return what arrives of ``acceleration``, shape (steps, 2) [m/s^2]."""
-        arriving = self._straight * acceleration
-        for mode, share in zip(self._filters, self._shares, strict=True):
-            arriving += share * mode.feed(acceleration)
-        return arriving
+def sections(structure: Structure, rate: float) -> tuple[Floats, Floats]:
+    """Return the way through the axle box in X and in Y as sections at a rate [Hz]; acceleration at rest goes through unchanged."""
+    found = modes(structure)
+    bank = [transmissibility(mode.frequency, mode.damping, rate) for mode in found]
+    x, y = ([structure.coupling * mode.share[axis] for mode in found] for axis in (0, 1))
+    straight = 1.0 - structure.coupling
+    return side_by_side(bank, x, straight), side_by_side(bank, y, straight)

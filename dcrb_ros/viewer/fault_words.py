@@ -32,6 +32,8 @@ def words_of(name: str, fault: Mapping[str, Any]) -> str:
     """Return a fault in a few words."""
     if name.startswith("broken_bars"):
         return f"bar {int(fault['bar'])} broken"
+    if name.startswith("sensor."):
+        return f"sensor {name.removeprefix('sensor.')}"
     size = f"{float(fault['width']) * 1e3:g} mm wide"
     return f"{name}: {size} on roller {int(fault['roller'])}" if name.startswith("roller") else f"{name}: {size}"
 
