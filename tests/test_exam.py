@@ -35,8 +35,8 @@ from dcrb_ros.refusal import Refusal
 from dcrb_ros.sinks.recorder import Recorder
 from dcrb_ros.topics import DIAGNOSIS, GROUND_TRUTH, Message
 
-SPALL = Question("outer", "outer_ring", 10.0, 4.0, {"width": 0.002}, twin="twin1")
-HEALTHY = Question("twin1", "healthy", 10.0)
+SPALL = Question("outer", "outer_ring", 10.0, 4.0, {"width": 0.002}, twin="twin")
+HEALTHY = Question("twin", "healthy", 10.0)
 TINY: dict[str, Any] = {
     "exam": "tiny",
     "duration": 0.2,

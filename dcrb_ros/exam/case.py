@@ -43,13 +43,14 @@ def canonical(tree: Any) -> str:
 
 
 def scenarios_hash(cases: Iterable[Case]) -> str:
-    """Return the SHA-256 of all scenarios: configurations, timelines, durations and right verdicts, whatever their order."""
+    """Return the SHA-256 of all scenarios: configurations, timelines, durations and right verdicts, whatever their names and order."""
     found = [
-        {"name": c.question.name, "verdict": c.question.verdict, "onset": c.question.onset, "required": c.question.required}
-        | c.run.described()
+        canonical(
+            {"verdict": c.question.verdict, "onset": c.question.onset, "required": c.question.required, "run": c.run.described()},
+        )
         for c in cases
     ]
-    return hashlib.sha256(canonical(sorted(found, key=lambda case: str(case["name"]))).encode()).hexdigest()
+    return hashlib.sha256(canonical(sorted(found)).encode()).hexdigest()
 
 
 def described(configuration: Configuration, changes: Mapping[str, Any]) -> dict[str, str | float]:

@@ -154,7 +154,9 @@ def _cases(design: Design, entry: Entry, source: str) -> Iterator[Case]:
                 parts = [entry.name, *([point] if len(names) > 1 else []), *words]
                 many_seeds = len(entry.seeds or design.seeds) > 1
                 name = "/".join([*parts, *([f"seed{seed}"] if many_seeds else [])])
-                yield _case(design, entry, f"{source}, scenario '{name}'", name, base, overlay, fault)
+                tags: dict[str, str] = {**({"point": point} if point else {}), **entry.tags}
+                tagged = entry.model_copy(update={"tags": tags})
+                yield _case(design, tagged, f"{source}, scenario '{name}'", name, base, overlay, fault)
 
 
 def _variations(entry: Entry) -> Iterator[tuple[dict[str, Any], dict[str, Any], list[str]]]:
@@ -175,7 +177,7 @@ def _case(
     duration = entry.duration or design.duration
     onset = (design.onset if entry.onset is None else entry.onset) if fault else 0.0
     faulty = entry.verdict != "healthy"
-    if faulty and duration < onset + design.criteria.delay.of(entry.verdict):
+    if faulty and duration < onset + design.criteria.delay.of(entry.verdict) - 1e-9:
         raise Refusal(
             f"{where}: it ends {duration - onset:g} s after the onset, within the {design.criteria.delay.of(entry.verdict):g} s that "
             f"criteria.delay.{entry.verdict} allows: make the duration longer or the limit shorter"
@@ -198,6 +200,13 @@ def _without_fault(case: Case) -> Mapping[str, Any] | None:
     return {"timeline": told} if told else None
 
 
+def _twin_name(case: Case, taken: Sequence[str]) -> str:
+    """Return a name for a case's twin, after the operating point."""
+    point = case.question.tags.get("point")
+    name = f"twin/{point}" if point else "twin"
+    return next(free for free in itertools.chain([name], (f"{name}-{number}" for number in itertools.count(2))) if free not in taken)
+
+
 def _with_twins(cases: Sequence[Case]) -> Iterator[Case]:
     """Yield the cases, those with a fault naming their twins, and then the twins: one for each operating point and seed."""
     twins: dict[str, Case] = {}
@@ -209,8 +218,9 @@ def _with_twins(cases: Sequence[Case]) -> Iterator[Case]:
         key = canonical([case.run.configuration.model_dump(), story])
         known = twins.get(key)
         duration = max(case.run.duration, known.run.duration if known else 0.0)
-        name = known.question.name if known else f"twin{len(twins) + 1}"
-        tags = described(case.run.configuration, {})
+        name = known.question.name if known else _twin_name(case, [twin.question.name for twin in twins.values()])
+        point = {"point": case.question.tags["point"]} if "point" in case.question.tags else {}
+        tags = {**described(case.run.configuration, {}), **point}
         twins[key] = Case(Question(name, "healthy", duration, 0.0, tags), Run(case.run.configuration, story, duration))
         yield replace(case, question=replace(case.question, twin=name))
     yield from twins.values()

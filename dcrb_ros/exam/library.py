@@ -7,6 +7,7 @@ import os
 import re
 import shutil
 import tempfile
+import time
 from pathlib import Path
 
 import platformdirs
@@ -19,6 +20,9 @@ from dcrb_ros.scenario import timeline
 from dcrb_ros.simulation import Simulation
 from dcrb_ros.sinks.recorder import Recorder
 from dcrb_ros.topics import GROUND_TRUTH, VIBRATION, Message
+
+ABANDONED = 86400.0
+"""Age from which a half-made recording is one of a run that was broken off [s]."""
 
 
 def default_folder() -> Path:
@@ -35,7 +39,11 @@ def checked_folder(folder: Path) -> Path:
     try:
         folder.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=folder):
-            return folder
+            pass
+        for left in folder.glob(".making-*"):
+            if time.time() - left.stat().st_mtime > ABANDONED:
+                shutil.rmtree(left, ignore_errors=True)
+        return folder
     except OSError as error:
         raise Refusal(f"{folder} cannot hold the exam's recordings: {error.strerror}; give another folder with --recordings") from None
 

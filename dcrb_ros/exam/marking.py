@@ -43,6 +43,8 @@ class Mark:
     opinions: int
     flaw: str
     """Why it is not passed; empty where it is."""
+    broken: bool = False
+    """Whether the detector failed, fell silent or had no verdict at all."""
 
     @property
     def passed(self) -> bool:
@@ -72,7 +74,8 @@ def mark(question: Question, opinions: Sequence[Opinion], criteria: Criteria, *,
     if not criteria.name_right and answer in right:
         answer = question.verdict
     scores = [o.score for o in said if o.score is not None and (o.time >= onset or not question.faulty)]
-    flaw = failure or _silence(question, said, criteria) or _flaw(question, answer, delay, limit, alarms)
+    broken = failure or _silence(question, said, criteria)
+    flaw = broken or _flaw(question, answer, delay, limit, alarms)
     return Mark(
         question,
         answer,
@@ -83,6 +86,7 @@ def mark(question: Question, opinions: Sequence[Opinion], criteria: Criteria, *,
         max(scores, default=None),
         len(said),
         flaw,
+        bool(broken) or answer in (NOTHING, WAITING),
     )
 
 

@@ -93,7 +93,7 @@ class Report:
         """Return every criterion, and whether it holds."""
         required = [mark for mark in self.faulty if mark.question.required]
         found = sum(mark.found for mark in required)
-        broken = [mark for mark in self.marks if mark.answer in (NOTHING, WAITING) or mark.flaw.startswith("silent")]
+        broken = [mark for mark in self.marks if mark.broken]
         limit, ratio = self.criteria.found, found / len(required) if required else 1.0
         named = " and named right" if self.criteria.name_right else ""
         return [

@@ -41,9 +41,20 @@ def examine_reference_on(tapes: Sequence[Tape], workers: int, told: Told) -> dic
     return _each({tape.question.name: partial(opinions, tape.path) for tape in tapes}, workers, told)
 
 
+def named(name: str, call: Callable[[], Value]) -> Value:
+    """Return what a call returns; what goes wrong in it is told with the scenario's name."""
+    try:
+        return call()
+    except Refusal as refusal:
+        raise Refusal(f"scenario '{name}': {refusal}") from None
+    except Exception as error:
+        raise RuntimeError(f"scenario '{name}' could not be examined: {error or type(error).__name__}") from error
+
+
 def _each(calls: Mapping[str, Callable[[], Value]], workers: int, told: Told) -> dict[str, Value]:
     found: dict[str, Value] = {}
-    for name, value in in_processes(calls, min(workers, len(calls))) if calls else ():
+    told_by = {name: partial(named, name, call) for name, call in calls.items()}
+    for name, value in in_processes(told_by, min(workers, len(calls))) if calls else ():
         found[name] = value
         told(name)
     return found
@@ -59,8 +70,8 @@ def marked(tapes: Iterable[Tape], criteria: Criteria) -> tuple[Mark, ...]:
     for tape in tapes:
         if not tape.opinions:
             raise Refusal(
-                f"{tape.path} holds no messages on diagnosis: record it beside a running detector (ros2 bag record -a), or have it judged "
-                "now with --reference or --node COMMAND"
+                f"{tape.path} holds no messages on diagnosis: record it beside a running detector (dcrb bench --record, or "
+                "ros2 bag record -a), or have it judged now with --reference or --node COMMAND"
             )
         marks.append(mark(tape.question, tape.opinions, criteria))
     return tuple(marks)

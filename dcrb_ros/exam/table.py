@@ -42,7 +42,9 @@ def tables(report: Report) -> RenderableType:
 def words(report: Report) -> Iterator[str]:
     """Yield what takes a sentence."""
     yield (
-        f"false alarms: {report.alarms} in {report.hours * 60.0:.1f} min of healthy signal, {bounds(report.alarm_rate(), 1)} an hour "
+        "false alarms: nothing to count, for there is no healthy signal"
+        if not report.hours
+        else f"false alarms: {report.alarms} in {report.hours * 60.0:.1f} min of healthy signal, {bounds(report.alarm_rate(), 1)} an hour "
         f"({CONFIDENCE:.0%} Poisson bounds)"
     )
     curve = report.characteristic()

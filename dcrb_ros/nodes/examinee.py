@@ -9,7 +9,7 @@ import subprocess
 import tempfile
 import time
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from itertools import pairwise
 from pathlib import Path
@@ -200,13 +200,17 @@ def _process(command: Sequence[str], domain: int) -> Iterator[tuple[subprocess.P
         try:
             yield process, log
         finally:
-            for number, patience in ((signal.SIGINT, CHILD_END), (signal.SIGKILL, CHILD_END)):
-                if process.poll() is None:
-                    os.killpg(process.pid, number)
-                    try:
-                        process.wait(patience)
-                    except subprocess.TimeoutExpired:
-                        continue
+            _end(process)
+
+
+def _end(process: subprocess.Popen[bytes]) -> None:
+    """End a process as Ctrl-C would, and then whatever is left of its group."""
+    with suppress(subprocess.TimeoutExpired, ProcessLookupError):
+        os.killpg(process.pid, signal.SIGINT)
+        process.wait(CHILD_END)
+    with suppress(ProcessLookupError):
+        os.killpg(process.pid, signal.SIGKILL)
+    process.wait()
 
 
 def _last_lines(log: IO[bytes]) -> str:

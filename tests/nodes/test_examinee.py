@@ -55,11 +55,11 @@ def answers(capsys: pytest.CaptureFixture[str]) -> tuple[dict[str, Any], dict[st
 def test_the_tutorials_detector_passes_and_the_naive_one_fails(short: list[str], capsys: pytest.CaptureFixture[str]) -> None:
     assert dcrb(*short, "--json", "--node", python(str(ROOT / "examples/my_detector.py"))) == 0
     about, found = answers(capsys)
-    assert found == {"outer": "outer_ring", "twin1": "healthy"}
+    assert found == {"outer": "outer_ring", "twin": "healthy"}
     assert about["roc"]["area"] == 1.0
     assert dcrb(*short, "--json", "--node", python(str(ROOT / "examples/naive_detector.py"))) == 1
     about, found = answers(capsys)
-    assert found == {"outer": "outer_ring", "twin1": "outer_ring"}
+    assert found == {"outer": "outer_ring", "twin": "outer_ring"}
     assert about["false_alarms"]["count"] >= 1
     assert [check["holds"] for check in about["checks"]] == [False, False, True]
 
