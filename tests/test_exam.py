@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterator
+from copy import deepcopy
 from pathlib import Path
 from typing import Any
 
@@ -237,6 +239,7 @@ SPALLED = {"name": "outer", "verdict": "outer_ring", "fault": {"faults.outer_1.w
         ({"scenarios": [{**SPALLED, "base": "heathy"}]}, "did you mean 'healthy'?"),
         ({"scenarios": [{**SPALLED, "scenario": "growing_spal"}]}, "did you mean 'growing_spall'?"),
         ({"scenarios": []}, "makes 0 scenarios"),
+        ({"scenarios": [{**SPALLED, "set": {"operating.speed": []}}]}, "operating.speed has an empty list"),
         ({"seeds": ["one"]}, "seeds"),
         ({"duration": "long"}, "duration = 'long' is refused"),
     ],
@@ -245,6 +248,48 @@ def test_a_bad_exam_is_refused_with_the_place(changes: dict[str, Any], sentence:
     with pytest.raises(Refusal) as refused:
         tiny(**changes)
     assert sentence in str(refused.value)
+
+
+JUNK = [None, 0, -1, 1e9, "x", "", [], {}, [[]], [1, "a"], {"a": 1}, {1: 2}, True, float("nan"), 10**30, ["a"], {"at": 1}]
+
+
+def places(tree: Any, path: tuple[Any, ...] = ()) -> Iterator[tuple[Any, ...]]:
+    """Yield the path of everything in a tree."""
+    yield path
+    for key in tree if isinstance(tree, dict) else range(len(tree)) if isinstance(tree, list) else ():
+        yield from places(tree[key], (*path, key))
+
+
+WHOLE = {
+    **TINY,
+    "points": {"slow": {"operating.speed": 60.0}},
+    "scenarios": [
+        {
+            **SPALLED,
+            "points": ["slow"],
+            "seeds": [1],
+            "onset": 0.1,
+            "set": {"sensor.preset": ["none", "mems"]},
+            "fault": {"faults.outer_1.width": [0.002]},
+            "timeline": [{"at": 0.0, "set": {"operating.speed": 70.0}}],
+            "tags": {"where": "here"},
+            "scenario": "run_up",
+        }
+    ],
+}
+
+
+@given(st.sampled_from(list(places(WHOLE))[1:]), st.sampled_from(JUNK))
+def test_whatever_stands_in_the_file_is_taken_or_refused(path: tuple[Any, ...], junk: Any) -> None:
+    tree = deepcopy(WHOLE)
+    branch: Any = tree
+    for key in path[:-1]:
+        branch = branch[key]
+    branch[path[-1]] = junk
+    try:
+        assert exam_of(tree, "junk").cases
+    except Refusal as refusal:
+        assert str(refusal)
 
 
 def test_recordings_are_made_once_and_twins_part_at_the_onset(tmp_path: Path) -> None:

@@ -57,7 +57,8 @@ def described(configuration: Configuration, changes: Mapping[str, Any]) -> dict[
     """Return the tags that follow from a configuration and what changes in it: speed, load, width of the largest defect."""
     operating = configuration.operating
     widths = [defect.width for _, defect in configuration.faults.present()]
-    widths += [float(value) for key, value in changes.items() if key.startswith("faults.") and key.endswith(".width")]
+    told = (value for key, value in changes.items() if key.startswith("faults.") and key.endswith(".width"))
+    widths += [value for value in told if isinstance(value, float)]
     tags: dict[str, str | float] = {
         "speed": operating.speed,
         "speed_rpm": round(rpm(operating.speed), 1),

@@ -149,7 +149,7 @@ def _cases(design: Design, entry: Entry, source: str) -> Iterator[Case]:
     base = read_parameters(find_configuration(entry.base or design.base), "simulator")
     for point in names or [""]:
         for seed in entry.seeds or design.seeds:
-            for fixed, fault, words in _variations(entry):
+            for fixed, fault, words in _variations(entry, where):
                 overlay = {**flatten(design.points.get(point, {})), "simulation.seed": seed, **fixed}
                 parts = [entry.name, *([point] if len(names) > 1 else []), *words]
                 many_seeds = len(entry.seeds or design.seeds) > 1
@@ -159,10 +159,13 @@ def _cases(design: Design, entry: Entry, source: str) -> Iterator[Case]:
                 yield _case(design, tagged, f"{source}, scenario '{name}'", name, base, overlay, fault)
 
 
-def _variations(entry: Entry) -> Iterator[tuple[dict[str, Any], dict[str, Any], list[str]]]:
+def _variations(entry: Entry, where: str) -> Iterator[tuple[dict[str, Any], dict[str, Any], list[str]]]:
     """Yield what is set, the fault and the words that tell it from the others, for every combination of listed values."""
     fixed, fault = flatten(entry.set), flatten(entry.fault)
     lists = [(group, key, value) for group in (fixed, fault) for key, value in group.items() if isinstance(value, list)]
+    empty = next((key for _, key, values in lists if not values), None)
+    if empty is not None:
+        raise Refusal(f"{where}: {empty} has an empty list: give the values to try, or one without a list")
     for values in itertools.product(*(value for _, _, value in lists)):
         own = dict(fixed), dict(fault)
         for (group, key, _), value in zip(lists, values, strict=True):
