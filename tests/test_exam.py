@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator
+from contextlib import suppress
 from copy import deepcopy
 from pathlib import Path
 from typing import Any
@@ -286,10 +287,8 @@ def test_whatever_stands_in_the_file_is_taken_or_refused(path: tuple[Any, ...], 
     for key in path[:-1]:
         branch = branch[key]
     branch[path[-1]] = junk
-    try:
+    with suppress(Refusal):
         assert exam_of(tree, "junk").cases
-    except Refusal as refusal:
-        assert str(refusal)
 
 
 def test_recordings_are_made_once_and_twins_part_at_the_onset(tmp_path: Path) -> None:
