@@ -43,6 +43,7 @@ from dcrb_ros.topics import (
 
 FRAME = "outer_ring"
 SAMPLE = np.dtype([("t", "<u4"), ("ax", "<f4"), ("ay", "<f4"), ("shaft_angle", "<f4")])
+UNTRACKED_SAMPLE = np.dtype([("t", "<u4"), ("ax", "<f4"), ("ay", "<f4")])
 SPECTRUM = np.dtype([("frequency", "<f4"), ("order", "<f4"), ("amplitude", "<f4")])
 UINT32, FLOAT32 = 6, 7  # sensor_msgs/msg/PointField
 POINT_KINDS = {"<u4": UINT32, "<f4": FLOAT32}
@@ -278,29 +279,32 @@ def _decoded(data: bytes, type_name: str) -> Any:
 
 
 def decode_vibration(data: bytes) -> Vibration:
-    """Return the waveform of a PointCloud2.
+    """Return the waveform of a PointCloud2; without the field ``shaft_angle`` the angles are no numbers.
 
     Raises:
         Refusal: another layout than `SAMPLE`, or a length that does not fit the fields.
     """
     cloud = _decoded(data, POINT_CLOUD)
     found = [(field.name, field.offset, field.datatype, field.count) for field in cloud.fields]
-    expected = [
-        (name, offset, POINT_KINDS[dtype.str], 1) for name, (dtype, offset) in ((n, e[:2]) for n, e in (SAMPLE.fields or {}).items())
-    ]
-    if found != expected or cloud.is_bigendian or cloud.point_step != SAMPLE.itemsize or cloud.height != 1:
+    layout = next((kind for kind in (SAMPLE, UNTRACKED_SAMPLE) if found == _fields(kind) and cloud.point_step == kind.itemsize), None)
+    if layout is None or cloud.is_bigendian or cloud.height != 1:
         raise Refusal(
             f"a PointCloud2 with the fields {[name for name, *_ in found]} is no waveform: it must have t, ax, ay and shaft_angle, "
-            f"{SAMPLE.itemsize} bytes a sample, little endian, height 1"
+            f"{SAMPLE.itemsize} bytes a sample, or {UNTRACKED_SAMPLE.itemsize} without shaft_angle, little endian, height 1"
         )
-    if not 0 < cloud.width <= MOST_SAMPLES or len(cloud.data) != cloud.width * SAMPLE.itemsize:
+    if not 0 < cloud.width <= MOST_SAMPLES or len(cloud.data) != cloud.width * layout.itemsize:
         raise Refusal(
             f"a waveform block claims {cloud.width} samples in {len(cloud.data)} bytes; "
-            f"each takes {SAMPLE.itemsize}, and {MOST_SAMPLES} are the most"
+            f"each takes {layout.itemsize}, and {MOST_SAMPLES} are the most"
         )
-    points = np.frombuffer(cloud.data.tobytes(), SAMPLE)
+    points = np.frombuffer(cloud.data.tobytes(), layout)
     acceleration = np.stack([points["ax"], points["ay"]], axis=1)
-    return Vibration(stamp_of(cloud.header), points["t"].copy(), acceleration, points["shaft_angle"].copy())
+    angle = points["shaft_angle"].copy() if layout is SAMPLE else np.full(len(points), np.nan, np.float32)
+    return Vibration(stamp_of(cloud.header), points["t"].copy(), acceleration, angle)
+
+
+def _fields(kind: np.dtype[Any]) -> list[tuple[str, int, int, int]]:
+    return [(name, entry[1], POINT_KINDS[entry[0].str], 1) for name, entry in (kind.fields or {}).items()]
 
 
 def decode_joints(data: bytes) -> Joints:
@@ -420,6 +424,9 @@ def encode_diagnosis(diagnosis: Diagnosis) -> bytes:
         "gaps": str(diagnosis.gaps),
     }
     values |= {f"{name} [dB]": f"{diagnosis.levels.get(name, 0.0):.2f}" for name in INDICATORS}
+    values |= {"severity [m/s^2]": f"{diagnosis.severity:.3f}", "trend [dB/min]": f"{diagnosis.trend:.2f}"}
+    values |= {f"score {kind} [dB]": f"{score:.2f}" for kind, score in diagnosis.scores.items()}
+    values |= {"clipped": str(diagnosis.clipped), "remarks": "; ".join(diagnosis.remarks)}
     status = Status("fault_detector", LEVELS.get(diagnosis.verdict, ERROR), diagnosis.verdict, values)
     return encode_diagnostics(round(diagnosis.time * 1e9), [status])
 
@@ -459,3 +466,12 @@ def decode_sensor(data: bytes) -> tuple[int, Orders]:
     if rate <= 0 or not all(math.isfinite(order) and order > 0.0 for order in orders.values()):
         raise Refusal(f"the sensor's description gives {rate} Hz and orders {orders}: both must be positive")
     return rate, Orders(orders["FTF"], orders["BPFO"], orders["BPFI"], orders["BSF"])
+
+
+def decode_range(data: bytes) -> float:
+    """Return the range from the sensor's description [m/s^2], 0 where it does not say."""
+    try:
+        found = float(json.loads(decode_text(data)).get("range", 0.0))
+    except (ValueError, TypeError, AttributeError, OverflowError, RecursionError):
+        return 0.0
+    return found if math.isfinite(found) and found > 0.0 else 0.0

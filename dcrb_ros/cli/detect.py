@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -22,7 +23,7 @@ def detect(
 
     recording, parameters = Recording(bag), DetectorParameters()
     rate = recording.sampling_rate
-    detector = FaultDetector(recording.orders, rate, parameters)
+    detector = FaultDetector(recording.orders, rate, parameters, sensor_range=_range(recording.manifest))
     found, seconds = [], 0.0
     for vibration in recording.vibrations():
         diagnosis = detector.update(vibration.first_index(rate), vibration.acceleration, vibration.shaft_angle)
@@ -44,7 +45,12 @@ def detect(
             "first_time": first.time,
             "levels": last.levels,
             "shaft_frequency": last.shaft_frequency,
+            "scores": last.scores,
+            "severity": last.severity,
+            "trend": last.trend,
             "gaps": last.gaps,
+            "clipped": last.clipped,
+            "remarks": last.remarks,
             "complete": recording.complete,
             "history": [{"time": d.time, "verdict": d.verdict, "confidence": d.confidence} for d in found],
         }
@@ -53,13 +59,22 @@ def detect(
     from rich.console import Console
     from rich.table import Table
 
-    table = Table("indicator", "level over background [dB]", title=f"{bag}: {last.verdict}")
-    for name, level in last.levels.items():
-        table.add_row(name, f"{level:.1f}")
+    table = Table("fault", "lines", "level over background [dB]", "beyond threshold [dB]", title=f"{bag}: {last.verdict}")
+    for (fault, score), (name, level) in zip(last.scores.items(), last.levels.items(), strict=False):
+        table.add_row(fault, name, f"{level:.1f}", f"{score:.1f}")
     console = Console()
     console.print(table)
     console.print(
         f"{last.verdict}, confidence {last.confidence:.2f}, first at {first.time:.2f} s of {seconds:.2f} s: {last.reason}", highlight=False
     )
+    for remark in last.remarks:
+        console.print(remark, highlight=False)
     if not recording.complete:
         console.print("the recording is cut off; the verdict rests on what is readable")
+
+
+def _range(manifest: Mapping[str, Any]) -> float:
+    """Return the sensor's range as the manifest tells it [m/s^2], or 0."""
+    about = manifest.get("sensor") or manifest.get("configuration", {}).get("sensor")
+    found = about.get("range") if isinstance(about, Mapping) else None
+    return float(found) if isinstance(found, int | float) and found > 0.0 else 0.0

@@ -1,44 +1,43 @@
-"""The first fault detector: from samples and shaft angle to a verdict on the raceways.
+"""The reference fault detector: blocks of samples in, verdicts out, with bounded memory.
 
-A healthy roller bearing has a BPFO line of its own: its compliance varies as the rollers pass the load line, and with little
-noise that line stands 35 dB over its background. So a line is only evidence when it is larger than the healthy bearing's, and:
-
-* outer ring: the BPFO harmonics exceed the healthy baseline of this speed by a margin, and stand well over the background;
-* inner ring: the BPFI harmonics with their sidebands at one and two orders (the defect turns through the loading zone) exceed
-  their baseline, stand over the background, and modulate the squared envelope; the last tells them from the rattle that a
-  strong outer-ring defect leaves between its own lines.
-
-Roller and cage are measured (levels at 2 BSF and FTF), but no verdict is drawn from them yet. A defect outside the loading
-zone, or one that no loaded roller strikes, is not seen.
+Every hop: the stream is mended, the sensor's health is looked at, and the squared envelopes of a tree of bands are laid over the turns of the
+shaft. From the hops of a window come order spectra, from these the lines of each fault, from these the verdict.
 """
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from dcrb_ros.diagnosis.envelope import Floats, comb_order, line_level, order_spectrum, squared_envelope
+from dcrb_ros.diagnosis.bands import Band, BandBank, band_tree, kurtosis
+from dcrb_ros.diagnosis.envelope import OrderSpectrum, order_spectra
+from dcrb_ros.diagnosis.evidence import HARMONICS, KINDS, SHAFT_SIDEBANDS, BandEvidence, Finding, Kind, Limits, families, findings
+from dcrb_ros.diagnosis.gain import LevelHealth
+from dcrb_ros.diagnosis.health import SampleHealth
+from dcrb_ros.diagnosis.hops import REFERENCE_FREQUENCY, Hop, Window, margin_samples
+from dcrb_ros.diagnosis.judgement import Judge, Trend, Verdict, confidence
 from dcrb_ros.diagnosis.parameters import DetectorParameters
+from dcrb_ros.diagnosis.speed import estimated_frequency
+from dcrb_ros.diagnosis.stream import Stream, Stretch
 from dcrb_ros.kinematics import Orders
 from dcrb_ros.refusal import Refusal
 
-Verdict = Literal["waiting", "healthy", "outer_ring", "inner_ring", "compound", "cage", "roller", "sensor"]
-
 DEFAULTS = DetectorParameters()
 
-REFERENCE_FREQUENCY = 20.0
-"""Shaft frequency at which the baselines are stated [Hz]."""
-HARMONICS = 3
-SIDEBANDS = (-2, -1, 0, 1, 2)
-"""Sidebands looked at round every BPFI harmonic [orders]."""
-EDGE_PERIODS = 10.0
-"""Periods of the band's lower edge left out at both ends of a window."""
+TREE_LEVELS = 2
+"""Halvings of the band."""
+MARGIN_PERIODS = 10.0
+"""Periods of the lowest band's edge that a hop's envelope needs beside it."""
+NYQUIST_SHARE = 0.45
+"""Highest usable frequency over the sampling rate [-]: beyond it an anti-alias filter has its way."""
+BINS_PER_ORDER = 3
+"""Angle bins per turn and highest order; 2 would be Nyquist's."""
 
-Spectrum = tuple[Floats, Floats]
+Spectrum = tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]
 
 
 def _no_levels() -> dict[str, float]:
@@ -51,10 +50,10 @@ def _no_spectrum() -> Spectrum:
 
 @dataclass(frozen=True)
 class Diagnosis:
-    """What the detector thinks of one window."""
+    """What the detector thinks at the end of one hop."""
 
     index: int
-    """Index of the window's last sample."""
+    """Index of the last sample that was seen."""
     time: float
     """Time of that sample [s]."""
     verdict: Verdict
@@ -70,212 +69,233 @@ class Diagnosis:
     """Orders [-], and root of the squared envelope's amplitude there [m/s^2]; empty when there is none."""
     gaps: int = 0
     """Interruptions of the stream so far."""
-
-
-@dataclass(frozen=True)
-class Comb:
-    """A family of lines as one: medians, which a single foreign line cannot move."""
-
-    order: float
-    """Fundamental as found [-]."""
-    amplitude: float
-    """Amplitude [m/s^2]."""
-    level: float
-    """Level over background [dB]."""
-
-
-@dataclass(frozen=True)
-class Finding:
-    """How far the lines of one raceway are beyond what names a defect [dB]; negative: short of it."""
-
-    comb: Comb
-    baseline: float
-    """Amplitude of the healthy bearing at this speed [m/s^2]."""
-    excess: float
-
-    def describe(self, name: str) -> str:
-        """Return the finding as words."""
-        return (
-            f"{name} at {self.comb.order:.3f} orders has {self.comb.amplitude:.3g} m/s^2 where the healthy bearing has up to "
-            f"{self.baseline:.3g}, {self.comb.level:.1f} dB over background"
-        )
+    scores: dict[str, float] = field(default_factory=dict)
+    """Evidence for each fault over its threshold, negative below it [dB]."""
+    severity: float = 0.0
+    """Lines of the named fault in the squared envelope, as an amplitude at 20 Hz of shaft frequency [m/s^2]."""
+    trend: float = 0.0
+    """Growth of the severity since the verdict began [dB/min]."""
+    clipped: int = 0
+    """Samples at the ends of the sensor's range so far."""
+    remarks: tuple[str, ...] = ()
+    """What was wrong with the stream, or special about it, without forbidding a verdict."""
 
 
 class FaultDetector:
-    """Judge a stream of blocks, window by window.
+    """Judge a stream of blocks, hop by hop.
 
-    Memory is bounded by one window. The verdicts do not depend on how the stream is cut into blocks, but `update` returns
-    one at most: of a block longer than the hop, the last.
+    Memory is bounded by one window and the longest gap that is bridged. The verdicts do not depend on how the stream is cut into
+    blocks, but `update` returns one at most: of a block longer than the hop, the last.
     """
 
-    def __init__(self, orders: Orders, rate: int, parameters: DetectorParameters = DEFAULTS) -> None:
-        """Watch a bearing of characteristic ``orders``, sampled at ``rate`` [Hz]."""
+    def __init__(self, orders: Orders, rate: int, parameters: DetectorParameters = DEFAULTS, *, sensor_range: float = 0.0) -> None:
+        """Watch a bearing of characteristic ``orders``, sampled at ``rate`` [Hz] by a sensor of a range [m/s^2], 0 where it is not known."""
+        p = parameters
         self.orders, self.rate, self.parameters = orders, rate, parameters
-        self.gaps = 0
-        self.band = _band(rate, parameters)
-        self._window, self._hop = round(parameters.window * rate), max(1, round(parameters.hop * rate))
-        self._edge = math.ceil(EDGE_PERIODS * rate / parameters.band_low)
-        highest = max(orders.bpfo, orders.bpfi, orders.bsf)
-        self._highest_order = (1.0 + parameters.slip) * HARMONICS * highest + max(SIDEBANDS) + 0.5
-        self._acceleration = np.zeros((0, 2), np.float32)
-        self._angle = np.zeros(0, np.float32)
-        self._next: int | None = None
-        self._seen = 0
+        self.band, self._high, bands = _bands(rate, p)
+        below = bands[-1]
+        self._branches = {*band_tree(p.band_low, p.band_high, TREE_LEVELS)[-(2**TREE_LEVELS) :], below}
+        self._hop = max(1, round(p.hop * rate))
+        margin = margin_samples(rate, below.low, MARGIN_PERIODS)
+        if self._hop < 2 * margin:
+            raise Refusal(f"hop = {p.hop:g} s is below {2 * margin / rate:.2g} s, what the band from {p.band_low:g} Hz needs: make it longer")
+        self._highest_order = (1.0 + p.slip) * (HARMONICS[-1] * max(2.0 * orders.bpfo, 2.0 * orders.bpfi, 2.0 * orders.bsf) + SHAFT_SIDEBANDS[-1])
+        bins = math.ceil(BINS_PER_ORDER * self._highest_order)
+        bank = BandBank(bands, rate, self._hop + 2 * margin)
+        self._window = Window(bank, rate, self._hop, margin, bins, max(1, round(p.window / p.hop)), p.speed_exponent)
+        self._needed = min(p.least_window, p.window) - 0.5 * p.hop
+        self._bands = bands
+        self._stream = Stream(self._hop, margin, round(p.longest_gap * rate))
+        self._margin = margin
+        self._samples, self._levels = SampleHealth(p, rate, sensor_range), LevelHealth(p)
+        self._judge, self._trend = Judge(p), Trend(p.trend_time, p.hop)
+        self._learned, self._learning = Limits(0.0, 0.0), p.learn
+        self._flawed, self._flaw = 0, ""
 
-    def update(self, index: int, acceleration: npt.NDArray[Any], shaft_angle: npt.NDArray[Any]) -> Diagnosis | None:
+    @property
+    def gaps(self) -> int:
+        """Interruptions of the stream so far."""
+        return self._stream.counts.gaps
+
+    def update(self, index: int, acceleration: npt.NDArray[Any], shaft_angle: npt.NDArray[Any] | None = None) -> Diagnosis | None:
         """Take the block of first sample ``index``; return the diagnosis when one falls due within it.
 
-        ``acceleration`` has shape (samples, 2) [m/s^2], ``shaft_angle`` (samples,) [rad]. An ``index`` that does not follow
-        on the last block counts as a gap and starts a new window.
+        ``acceleration`` has shape (samples, 2) [m/s^2], ``shaft_angle`` (samples,) [rad]; without a tacho leave it out or let it be NaN.
+
+        Raises:
+            Refusal: arrays of another shape or kind; the detector goes on with the next block.
         """
-        samples = len(shaft_angle)
-        if acceleration.shape != (samples, 2) or shaft_angle.shape != (samples,):
-            raise Refusal(
-                f"a block with acceleration {acceleration.shape} and shaft_angle {shaft_angle.shape} is refused: "
-                "they must be (samples, 2) and (samples,); the detector waits for the next block"
-            )
-        if self._next is not None and index != self._next:
-            self._start_afresh()
-        self._next = index + samples
-        due = (self._seen + samples) // self._hop * self._hop - self._seen
-        if due <= 0:
-            self._append(acceleration, shaft_angle)
-            return None
-        self._append(acceleration[:due], shaft_angle[:due])
-        diagnosis = self._judge(index + due - 1)
-        self._append(acceleration[due:], shaft_angle[due:])
+        diagnosis = None
+        for stretch in self._stream.take(index, acceleration, shaft_angle):
+            diagnosis = self._hopped(stretch)
         return diagnosis
 
-    def _start_afresh(self) -> None:
-        self.gaps += 1
-        self._seen = 0
-        self._acceleration, self._angle = self._acceleration[:0], self._angle[:0]
-
-    def _append(self, acceleration: npt.NDArray[Any], shaft_angle: npt.NDArray[Any]) -> None:
-        self._seen += len(shaft_angle)
-        self._acceleration = _latest(self._acceleration, acceleration, self._window)
-        self._angle = _latest(self._angle, shaft_angle, self._window)
-
-    def _judge(self, last: int) -> Diagnosis:
-        flaw = _sensor_flaw(self._acceleration, self._angle)
-        if flaw:
-            return self._without_verdict(last, "sensor", flaw)
-        turned = np.unwrap(self._angle.astype(np.float64))
-        turns = abs(turned[-1] - turned[0]) / (2.0 * math.pi)
-        frequency = turns * self.rate / (len(turned) - 1)
-        wait = self._wait(turned, turns)
+    def _hopped(self, stretch: Stretch) -> Diagnosis:
+        if stretch.fresh:
+            self._window.clear()
+            self._judge.forget()
+            self._levels.forget()
+        inside = slice(self._margin, self._margin + self._hop)
+        flaw = self._samples.flaw(stretch.acceleration[inside], stretch.missing[inside], stretch.senseless)
+        hop = self._window.add(stretch, self.parameters.fastest, useless=bool(flaw))
+        flaw = flaw or (self._level_flaw(hop) if hop else "")
+        self._flawed = round(self.parameters.window / self.parameters.hop) if flaw else max(0, self._flawed - 1)
+        self._flaw = flaw or self._flaw
+        if self._flawed:
+            self._judge.forget()
+            return self._without_verdict(stretch.last, "sensor", self._flaw)
+        wait = self._wait()
         if wait:
-            return self._without_verdict(last, "waiting", wait, frequency)
-        return self._verdict(last, turned, frequency)
+            return self._without_verdict(stretch.last, "waiting", wait)
+        return self._judged(stretch.last)
 
-    def _wait(self, turned: Floats, turns: float) -> str:
+    def _level_flaw(self, hop: Hop) -> str:
+        """Return what the levels of the tree's lowest branches and of the band below it say of the sensor, or nothing."""
+        powers = hop.powers
+        chosen = [k for k, band in enumerate(self._bands) if band in self._branches]
+        top = chosen.index(self._bands.index(self._high)) if self._high in self._bands else None
+        return self._levels.flaw(powers[chosen], hop.turns * self.rate / self._hop, top=top, below=len(chosen) - 1)
+
+    @property
+    def sensor_range(self) -> float:
+        """Range of the sensor [m/s^2], 0 where it is not known; it may change under way."""
+        return self._samples.range
+
+    @sensor_range.setter
+    def sensor_range(self, value: float) -> None:
+        self._samples.range = value
+
+    def _wait(self) -> str:
         """Return why there is no verdict yet, or nothing."""
-        if len(turned) < self._window:
-            return f"{len(turned) / self.rate:.1f} s of the {self.parameters.window:g} s of a window have come in"
-        if turns < self.parameters.least_turns:
-            least = self.parameters.least_turns
-            return f"the shaft makes {turns:.2g} turns in {self.parameters.window:g} s where a verdict needs {least:g}"
-        if float(np.abs(np.diff(turned)).sum()) > 1.01 * 2.0 * math.pi * turns:
+        p, window = self.parameters, self._window
+        if window.turned_back:
             return "the shaft turned back within the window"
+        seconds = len(window) * self._hop / self.rate
+        if seconds < self._needed:
+            return f"{seconds:.1f} s of the {p.least_window:g} s that a verdict needs have come in"
+        if window.tracked and window.turns < p.least_turns:
+            return f"the shaft makes {window.turns:.2g} turns in {seconds:g} s where a verdict needs {p.least_turns:g}"
+        if window.missing_share > p.most_missing:
+            return f"{100.0 * window.missing_share:.0f} % of the window are missing where {100.0 * p.most_missing:.0f} % are the most"
         return ""
 
-    def _without_verdict(self, last: int, verdict: Verdict, reason: str, frequency: float = 0.0) -> Diagnosis:
-        return Diagnosis(last, last / self.rate, verdict, reason, shaft_frequency=frequency, gaps=self.gaps)
-
-    def _verdict(self, last: int, turned: Floats, frequency: float) -> Diagnosis:
-        inside = slice(self._edge, -self._edge)
-        envelope = squared_envelope(self._acceleration, self.rate, self.band)[inside]
-        forward = turned if turned[-1] > turned[0] else -turned
-        orders, squared = order_spectrum(envelope, forward[inside], self._highest_order)
-        spectrum = orders, np.sqrt(squared)
-        outer, inner = self._outer(spectrum, frequency), self._inner(spectrum, frequency)
-        verdict, reason, margin = _decide(outer, inner)
+    def _without_verdict(self, last: int, verdict: Verdict, reason: str) -> Diagnosis:
+        frequency = self._window.frequency if self._window.tracked else 0.0
+        counts = self._stream.counts
         return Diagnosis(
             last,
             last / self.rate,
             verdict,
             reason,
-            confidence=1.0 - 0.5 * 10.0 ** (-margin / 10.0),
-            levels={
-                "BPFO": outer.comb.level,
-                "BPFI": inner.comb.level,
-                "BSF": self._comb(spectrum, 2.0 * self.orders.bsf, harmonics=1).level,
-                "FTF": self._comb(spectrum, self.orders.ftf).level,
-            },
             shaft_frequency=frequency,
-            spectrum=spectrum,
-            gaps=self.gaps,
+            gaps=counts.gaps,
+            clipped=self._samples.clipped,
+            remarks=self._remarks(),
         )
 
-    def _outer(self, spectrum: Spectrum, frequency: float) -> Finding:
+    def _judged(self, last: int) -> Diagnosis:
         p = self.parameters
-        comb = self._comb(spectrum, self.orders.bpfo)
-        baseline = self._baseline(p.outer_baseline, frequency)
-        return Finding(comb, baseline, min(_decibels(comb.amplitude, baseline) - p.outer_margin, comb.level - p.outer_level))
+        envelopes, missing = self._window.envelopes()
+        spectra = order_spectra(envelopes, missing, self._window.bins_per_turn)
+        frequency = self._window.frequency
+        if not self._window.tracked:
+            told = estimated_frequency((spectra[0], spectra[-1]), p.fastest, self.orders, p.slowest, p.fastest)
+            if told.score < p.speed_score or told.rival > p.speed_rival:
+                why = f"{told.frequency:.2f} Hz explains its lines with {told.score:.0f} dB, another speed with {told.rival:.0%} of that"
+                return self._without_verdict(last, "waiting", f"there is no shaft angle, and the signal does not tell the speed: {why}")
+            frequency = told.frequency
+            spectra = [_retold(spectrum, p.fastest / frequency, self._scale(frequency)) for spectrum in spectra]
+        evidence = [families(band, s, self.orders, p.slip) for band, s in zip(self._bands, spectra, strict=True)]
+        limits = Limits(max(p.outer_limit, self._learned.whole), max(p.outer_limit_high, self._learned.high))
+        found = findings(evidence, self.band, self._high, limits, p)
+        if self._learning > 0.0:
+            self._learn(evidence)
+            found["outer_ring"] = found["outer_ring"]._replace(excess=min(-1.0, found["outer_ring"].excess))
+        sharpest = int(np.argmax(kurtosis(envelopes[: len(self._bands) - 1]))) if p.band == "kurtogram" else 0
+        return self._told(last, frequency, found, evidence, sharpest)
 
-    def _inner(self, spectrum: Spectrum, frequency: float) -> Finding:
-        p = self.parameters
-        comb = self._comb(spectrum, self.orders.bpfi, sidebands=SIDEBANDS)
-        baseline = self._baseline(p.inner_baseline, frequency)
-        mean_root = float(spectrum[1][0])
-        over = _decibels(comb.amplitude, baseline) - p.inner_margin
-        deep = _decibels(comb.amplitude, math.sqrt(p.inner_depth) * mean_root)
-        return Finding(comb, baseline, min(over, deep, comb.level - p.inner_level))
+    def _scale(self, frequency: float) -> float:
+        """Return what a squared envelope at a shaft frequency [Hz] is over that at the reference frequency [-]."""
+        return float((frequency / REFERENCE_FREQUENCY) ** (2.0 * self.parameters.speed_exponent))
 
-    def _comb(self, spectrum: Spectrum, order: float, *, harmonics: int = HARMONICS, sidebands: tuple[int, ...] = (0,)) -> Comb:
-        orders, amplitude = spectrum
-        fundamental = comb_order(orders, amplitude, order, search=self.parameters.slip, harmonics=harmonics)
-        teeth = [k * fundamental + shift for k in range(1, harmonics + 1) for shift in sidebands]
-        # The spectrum is padded to twice its length: two orders' steps are the window's resolution.
-        width = 2.0 * float(orders[1] - orders[0])
-        lines = [line_level(orders, amplitude, tooth, search=0.0, resolution=width) for tooth in teeth]
-        amplitudes, levels = [line.amplitude for line in lines], [line.level for line in lines]
-        return Comb(fundamental, float(np.median(amplitudes)), float(np.median(levels)))
+    def _learn(self, evidence: list[BandEvidence]) -> None:
+        """Raise the limits of the outer ring above what a bearing that is taken for healthy shows."""
+        self._learning -= self.parameters.hop
+        margin = 10.0 ** (self.parameters.learn_margin / 20.0)
+        sizes = {one.band: margin * math.sqrt(one.combs["outer_ring"].amplitude) for one in evidence}
+        self._learned = Limits(max(self._learned.whole, sizes[self.band]), max(self._learned.high, sizes.get(self._high, 0.0)))
 
-    def _baseline(self, amplitude: float, frequency: float) -> float:
-        return amplitude * math.pow(frequency / REFERENCE_FREQUENCY, self.parameters.speed_exponent)
+    def _told(self, last: int, frequency: float, found: dict[Kind, Finding], evidence: list[BandEvidence], sharpest: int) -> Diagnosis:
+        excess = {kind: found[kind].excess for kind in KINDS}
+        verdict = self._judge.weigh(excess)
+        named = self._judge.named
+        severity = max((math.sqrt(evidence[0].combs[kind].amplitude) for kind in named), default=0.0)
+        time, levels = last / self.rate, {kind: finding.comb.level for kind, finding in found.items()}
+        return Diagnosis(
+            last,
+            time,
+            verdict,
+            self._reason(verdict, found),
+            confidence=confidence(verdict, named, excess),
+            levels={"BPFO": levels["outer_ring"], "BPFI": levels["inner_ring"], "BSF": levels["roller"], "FTF": levels["cage"]},
+            shaft_frequency=frequency,
+            spectrum=self._spectrum(evidence[sharpest].spectrum, frequency),
+            gaps=self._stream.counts.gaps,
+            scores={str(kind): value for kind, value in excess.items()},
+            severity=severity,
+            trend=self._trend.slope(time, verdict, severity),
+            clipped=self._samples.clipped,
+            remarks=self._remarks(f"the spectrum is of the band from {evidence[sharpest].band}"),
+        )
+
+    def _reason(self, verdict: Verdict, found: dict[Kind, Finding]) -> str:
+        named = self._judge.named or (self._judge.suspected if verdict == "waiting" else [])
+        words = ", and ".join(found[kind].describe(kind) for kind in named)
+        if verdict == "waiting":
+            return f"to be confirmed by the next judgement: {words or 'no line is beyond a healthy bearing'}"
+        if named:
+            return words
+        return f"no line is beyond a healthy bearing; {found['outer_ring'].describe('outer_ring')}, which its varying compliance explains"
+
+    def _spectrum(self, spectrum: OrderSpectrum, frequency: float) -> Spectrum:
+        """Return the part of a spectrum that is published, as amplitudes at the present speed."""
+        kept = spectrum.orders <= self._highest_order
+        amplitude = np.sqrt(spectrum.amplitude[kept] * self._scale(max(frequency, 0.0)))
+        amplitude[0] = math.sqrt(spectrum.mean * self._scale(max(frequency, 0.0)))
+        return spectrum.orders[kept], amplitude
+
+    def _remarks(self, *more: str) -> tuple[str, ...]:
+        counts = self._stream.counts
+        said = {
+            "samples lost in gaps": counts.lost,
+            "samples came again or too late and were left out": counts.repeated,
+            "samples are no finite numbers": counts.senseless,
+            "times the stream began anew": counts.restarts,
+            "samples stood at the end of the range": self._samples.clipped,
+        }
+        remarks = [f"{number} {words}" for words, number in said.items() if number]
+        if not self._window.tracked:
+            remarks.append("no shaft angle: the speed is estimated from the signal")
+        if self._learning > 0.0:
+            remarks.append(f"learning for {self._learning:.1f} s more: outer-ring defects are not named yet")
+        return (*remarks, *more)
 
 
-def _band(rate: int, parameters: DetectorParameters) -> tuple[float, float]:
-    high = min(parameters.band_high, 0.45 * rate)
-    if high < 1.25 * parameters.band_low:
+def _retold(spectrum: OrderSpectrum, stretched: float, scale: float) -> OrderSpectrum:
+    """Return a spectrum over a clock's turns as one over the shaft's, at the reference frequency."""
+    return OrderSpectrum(spectrum.orders * stretched, spectrum.amplitude / scale, spectrum.mean / scale, spectrum.background / scale)
+
+
+def _bands(rate: int, p: DetectorParameters) -> tuple[Band, Band, tuple[Band, ...]]:
+    """Return the whole band, its upper quarter, and all bands: the whole first, then its parts, last the one below it."""
+    highest = NYQUIST_SHARE * rate
+    high = min(p.band_high, highest)
+    if high < 1.25 * p.band_low:
         raise Refusal(
-            f"band_low = {parameters.band_low:g} Hz leaves no band below {high:g} Hz, the smaller of band_high and 0.45 of the "
+            f"band_low = {p.band_low:g} Hz leaves no band below {high:g} Hz, the smaller of band_high and {NYQUIST_SHARE:g} of the "
             f"sampling rate of {rate} Hz: it must be at most {high / 1.25:g} Hz; lower it or sample faster"
         )
-    return parameters.band_low, high
-
-
-def _latest(kept: npt.NDArray[np.float32], come: npt.NDArray[Any], samples: int) -> npt.NDArray[np.float32]:
-    """Return the last ``samples`` of what was kept and what has come."""
-    return np.concatenate([kept, come[-samples:]], dtype=np.float32, casting="same_kind")[-samples:]
-
-
-def _sensor_flaw(acceleration: npt.NDArray[np.float32], shaft_angle: npt.NDArray[np.float32]) -> str:
-    """Return what is wrong with the samples, or nothing."""
-    bad = int(np.count_nonzero(~(np.isfinite(acceleration).all(axis=1) & np.isfinite(shaft_angle))))
-    if bad:
-        return f"{bad} of {len(shaft_angle)} samples are not finite numbers"
-    still = " and ".join(axis for axis, column in zip("XY", acceleration.T, strict=True) if float(np.ptp(column)) == 0.0)
-    if still:
-        return f"the acceleration in {still} does not change: the sensor is dead, or the signal below its resolution"
-    return ""
-
-
-def _decibels(value: float, reference: float) -> float:
-    """Return a ratio of amplitudes [dB], held within 120 dB."""
-    if value <= 0.0 or reference <= 0.0:
-        return -120.0 if value <= 0.0 else 120.0
-    return min(120.0, max(-120.0, 20.0 * math.log10(value / reference)))
-
-
-def _decide(outer: Finding, inner: Finding) -> tuple[Verdict, str, float]:
-    """Return verdict, evidence and the margin to the nearest other verdict [dB]."""
-    margin = min(abs(outer.excess), abs(inner.excess))
-    if outer.excess >= 0.0 and inner.excess >= 0.0:
-        return "compound", f"{outer.describe('BPFO')}, and {inner.describe('BPFI with its sidebands')}", margin
-    if outer.excess >= 0.0:
-        return "outer_ring", outer.describe("BPFO"), margin
-    if inner.excess >= 0.0:
-        return "inner_ring", inner.describe("BPFI with its sidebands"), margin
-    return "healthy", f"{outer.describe('BPFO')}, which its varying compliance explains, and BPFI stays within its own", margin
+    whole, tree = Band(p.band_low, high), band_tree(p.band_low, p.band_high, TREE_LEVELS)
+    parts = tuple(band for band in tree[1:] if band.high <= high) if p.band == "kurtogram" else ()
+    below = Band(0.5 * p.band_low, p.band_low)
+    return whole, tree[-1], (whole, *parts, below)

@@ -5,13 +5,11 @@ from __future__ import annotations
 import sys
 from typing import TYPE_CHECKING
 
-from dcrb_ros.diagnosis.detector import Diagnosis, FaultDetector
 from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.guard import guarded
-from dcrb_ros.kinematics import Orders
-from dcrb_ros.messages import decode_sensor, decode_vibration, diagnosis_messages
+from dcrb_ros.messages import diagnosis_messages
+from dcrb_ros.nodes.hearing import Hearing, Said
 from dcrb_ros.nodes.ros import check_ros, create_node, declare, spin, stay_on_this_machine, stop_on_signals
-from dcrb_ros.refusal import Refusal
 from dcrb_ros.sinks.publisher import Publisher, message_class, qos
 from dcrb_ros.topics import DETECTED, SENSOR, VIBRATION
 
@@ -23,50 +21,22 @@ class DetectorWire:
     """The wires between the topics and the detector."""
 
     def __init__(self, node: Node, parameters: DetectorParameters) -> None:
-        self.node, self._parameters = node, parameters
-        self._detector: FaultDetector | None = None
-        self._rate = 0
-        self._orders: Orders | None = None
-        self._verdict = ""
-        self._refused = 0
+        self.node, self._hearing, self._verdict = node, Hearing(parameters), ""
         self._publisher = Publisher(node, DETECTED)
-        node.create_subscription(message_class(SENSOR), SENSOR.name, self._on_sensor, qos(SENSOR), raw=True)
-        node.create_subscription(message_class(VIBRATION), VIBRATION.name, self._on_block, qos(VIBRATION), raw=True)
+        node.create_subscription(message_class(SENSOR), SENSOR.name, lambda data: self._tell(self._hearing.sensor(bytes(data))), qos(SENSOR), raw=True)
+        node.create_subscription(message_class(VIBRATION), VIBRATION.name, lambda data: self._tell(self._hearing.block(bytes(data))), qos(VIBRATION), raw=True)
 
-    def _on_sensor(self, data: bytes) -> None:
-        try:
-            rate, orders = decode_sensor(bytes(data))
-            if (rate, orders) == (self._rate, self._orders):
-                return  # another range of the sensor is nothing to begin anew for
-            self._orders = orders
-            self._detector, self._rate = FaultDetector(orders, rate, self._parameters), rate
-            self.node.get_logger().info(f"watching a bearing at {self._rate} Hz, BPFO {orders.bpfo:.3f}, BPFI {orders.bpfi:.3f} orders")
-        except Refusal as refusal:
-            self._complain(refusal)
-
-    def _on_block(self, data: bytes) -> None:
-        if self._detector is None:
+    def _tell(self, said: Said) -> None:
+        if said.news:
+            self.node.get_logger().info(said.news)
+        if said.complaint:
+            self.node.get_logger().warning(said.complaint)
+        if said.diagnosis is None:
             return
-        try:
-            block = decode_vibration(bytes(data))
-            diagnosis = self._detector.update(block.first_index(self._rate), block.acceleration, block.shaft_angle)
-        except Refusal as refusal:
-            self._complain(refusal)
-            return
-        if diagnosis is not None:
-            self._tell(diagnosis)
-
-    def _tell(self, diagnosis: Diagnosis) -> None:
-        self._publisher.write_messages(diagnosis_messages(diagnosis))
-        if diagnosis.verdict != self._verdict:
-            self._verdict = diagnosis.verdict
-            self.node.get_logger().info(f"{diagnosis.verdict} at {diagnosis.time:.2f} s: {diagnosis.reason}")
-
-    def _complain(self, refusal: Refusal) -> None:
-        """Log the first refusal of a series; the others are only counted."""
-        self._refused += 1
-        if self._refused & (self._refused - 1) == 0:
-            self.node.get_logger().warning(f"{refusal} ({self._refused} so far)")
+        self._publisher.write_messages(diagnosis_messages(said.diagnosis))
+        if said.diagnosis.verdict != self._verdict:
+            self._verdict = said.diagnosis.verdict
+            self.node.get_logger().info(f"{self._verdict} at {said.diagnosis.time:.2f} s: {said.diagnosis.reason}")
 
 
 def run(arguments: list[str]) -> int:

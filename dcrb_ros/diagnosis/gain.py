@@ -1,0 +1,62 @@
+"""The sensor's health by its levels: a gain that falls, and a mounting that is loose."""
+
+from __future__ import annotations
+
+from collections import deque
+
+import numpy as np
+import numpy.typing as npt
+
+from dcrb_ros.diagnosis.parameters import DetectorParameters
+
+Floats = npt.NDArray[np.float64]
+
+SETTLING = 4
+"""Hops whose mean is compared: half of them make a level that its scatter does not move by a decibel."""
+SAME_SPEED = 0.03
+"""Change of the shaft frequency from which levels are not compared any more, relative."""
+
+
+class LevelHealth:
+    """Watches the power in every band, hop by hop."""
+
+    def __init__(self, parameters: DetectorParameters) -> None:
+        self._parameters = parameters
+        self._latest: deque[Floats] = deque(maxlen=SETTLING)
+        self._reference: Floats | None = None
+        self._frequency = 0.0
+
+    def forget(self) -> None:
+        """Begin anew."""
+        self._latest.clear()
+        self._reference = None
+
+    def flaw(self, powers: npt.NDArray[np.floating], frequency: float, *, top: int | None, below: int) -> str:
+        """Return what is wrong with the ``powers`` of bands beside each other, or nothing.
+
+        ``top`` is the place of the uppermost band, if the sampling rate lets it be seen, ``below`` that of the lowest.
+        """
+        if not np.all(powers > 0.0) or frequency <= 0.0:
+            return ""
+        if abs(frequency - self._frequency) > SAME_SPEED * self._frequency:
+            self.forget()
+            self._frequency = frequency
+        self._latest.append(10.0 * np.log10(np.asarray(powers, np.float64)))
+        if len(self._latest) < SETTLING:
+            return ""
+        levels = np.mean(self._latest, axis=0)
+        if self._reference is None:
+            self._reference = levels
+        return self._fallen(levels - self._reference) or (self._loose(float(levels[top] - levels[below])) if top is not None else "")
+
+    def _fallen(self, change: Floats) -> str:
+        p = self._parameters
+        if len(change) < 2 or float(change.mean()) > -p.gain_drop or float(np.ptp(change)) > p.gain_spread:
+            return ""
+        return f"all bands have fallen by {-change.mean():.1f} dB at the same speed: the sensor's gain drifts"
+
+    def _loose(self, level: float) -> str:
+        p = self._parameters
+        if level > p.loose_level:
+            return ""
+        return f"the uppermost band is {-level:.1f} dB below the lowest, where a firm sensor is at most {-p.loose_level:g}: its mounting is loose"

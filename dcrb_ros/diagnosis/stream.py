@@ -1,0 +1,181 @@
+"""From blocks as they come to stretches without holes: repeated, late, lost and meaningless samples are dealt with here, and counted."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from dcrb_ros.diagnosis.turning import turns_of
+from dcrb_ros.refusal import Refusal
+
+Floats = npt.NDArray[np.float64]
+AXES = 2
+
+
+class Stretch(NamedTuple):
+    """A hop of the stream with a margin on either side, which belongs to its neighbours too."""
+
+    last: int
+    """Index of its last sample."""
+    acceleration: Floats
+    """Shape (samples, 2), zero where missing [m/s^2]."""
+    turns: Floats | None
+    """Turns of the shaft since the first sample, signed; None without a shaft angle."""
+    missing: npt.NDArray[np.bool_]
+    """Samples that were lost or are no numbers."""
+    senseless: int
+    """Samples that came but are no numbers."""
+    fresh: bool
+    """Whether it does not follow on the stretch before it."""
+
+
+class Piece(NamedTuple):
+    """Samples that wait to be cut; not a number where they are missing."""
+
+    acceleration: npt.NDArray[Any]
+    angle: npt.NDArray[Any]
+
+
+@dataclass
+class Counts:
+    """What was wrong with the stream so far."""
+
+    gaps: int = 0
+    """Interruptions."""
+    lost: int = 0
+    """Samples that never came."""
+    repeated: int = 0
+    """Samples that came again or too late, and were left out."""
+    senseless: int = 0
+    """Samples that are no finite numbers."""
+    restarts: int = 0
+    """Times that the stream began anew."""
+
+
+class Stream:
+    """Cut blocks into stretches; the memory is bounded by one of them and the longest gap that is bridged."""
+
+    def __init__(self, hop: int, margin: int, longest_gap: int) -> None:
+        """Yield stretches of ``hop`` samples and twice the ``margin``; bridge gaps of up to ``longest_gap`` samples."""
+        self.hop, self.margin, self._longest_gap = hop, margin, longest_gap
+        self.counts = Counts()
+        self._next: int | None = None
+        self._late: int | None = None
+        self._begin()
+
+    def _begin(self) -> None:
+        """Forget the samples: what lies before the next one counts as missing."""
+        self._pieces: list[Piece] = []
+        self._held, self._senseless = 0, 0
+        self._fresh = True
+        self._append(_nothing(2 * self.margin), counted=False)
+
+    def take(self, index: int, acceleration: npt.NDArray[Any], shaft_angle: npt.NDArray[Any] | None) -> Iterator[Stretch]:
+        """Take the block of first sample ``index``; yield the stretches that it completes.
+
+        ``acceleration`` has shape (samples, 2) [m/s^2], ``shaft_angle`` (samples,) [rad] or is None where there is no tacho.
+        """
+        samples = len(acceleration)
+        angle = np.full(samples, np.nan, np.float32) if shaft_angle is None else np.asarray(shaft_angle)
+        _check(acceleration, angle)
+        skip = self._continued(index, samples)
+        if skip < samples:
+            self._append(Piece(acceleration[skip:], angle[skip:]), counted=True)
+            self._next = index + samples
+        while self._held >= self.hop + 2 * self.margin:
+            yield self._cut()
+
+    def _continued(self, index: int, samples: int) -> int:
+        """Bridge what is missing before ``index``; return how many samples of the block are known already."""
+        if self._next is None or index == self._next:
+            self._late = None
+            return 0
+        if index > self._next:
+            self._bridge(index - self._next)
+            self._late = None
+            return 0
+        if self._late == index and samples:  # a second old block follows on the first: the source has begun anew
+            self.counts.restarts += 1
+            self._late = None
+            self._begin()
+            return 0
+        self._late = index + samples
+        known = min(samples, self._next - index)
+        self.counts.repeated += known
+        return known
+
+    def _bridge(self, lost: int) -> None:
+        self.counts.gaps += 1
+        self.counts.lost += lost
+        if lost > self._longest_gap:
+            self._begin()
+            return
+        self._append(_nothing(lost), counted=False)
+
+    def _append(self, piece: Piece, *, counted: bool) -> None:
+        self._pieces.append(Piece(piece.acceleration.astype(np.float32), piece.angle.astype(np.float32)))
+        self._held += len(piece.angle)
+        if counted:
+            senseless = int(np.count_nonzero(~np.isfinite(piece.acceleration).all(axis=1)))
+            self.counts.senseless += senseless
+            self._senseless += senseless
+
+    def _cut(self) -> Stretch:
+        acceleration, angle = (np.concatenate(arrays) for arrays in zip(*self._pieces, strict=True))
+        length = self.hop + 2 * self.margin
+        last = (self._next or 0) - (self._held - length) - 1
+        self._pieces, self._held = [Piece(acceleration[self.hop :], angle[self.hop :])], self._held - self.hop
+        missing = ~np.isfinite(acceleration[:length]).all(axis=1)
+        senseless, self._senseless = self._senseless, 0
+        known = np.where(missing[:, None], 0.0, acceleration[:length].astype(np.float64))
+        stretch = Stretch(last, known, bridged_turns(angle[:length]), missing, senseless, self._fresh)
+        self._fresh = False
+        return stretch
+
+
+def _nothing(samples: int) -> Piece:
+    return Piece(np.full((samples, AXES), np.nan, np.float32), np.full(samples, np.nan, np.float32))
+
+
+def bridged_turns(angle: npt.NDArray[Any]) -> Floats | None:
+    """Return the turns of the shaft, carried over missing angles at the speed on their sides; None where there are too few.
+
+    A bridge makes a whole number of turns more or less than the wrapped angles say: the one nearest to the mean speed counts.
+    """
+    known = np.flatnonzero(np.isfinite(angle))
+    if len(known) < max(2, len(angle) // 2):
+        return None
+    turns = turns_of(angle[known])
+    steps = np.diff(known)
+    if len(known) == len(angle):
+        return turns
+    ordinary = steps == 1
+    speed = float(np.median(np.diff(turns)[ordinary])) if ordinary.any() else 0.0
+    wide = np.where(ordinary, 0.0, np.round(speed * steps - np.diff(turns)))
+    turns = turns + np.concatenate([[0.0], np.cumsum(wide)])
+    places = np.arange(len(angle), dtype=np.float64)
+    found = np.interp(places, known, turns)
+    before, after = places < known[0], places > known[-1]
+    found[before] = turns[0] + speed * (places[before] - known[0])
+    found[after] = turns[-1] + speed * (places[after] - known[-1])
+    return np.asarray(found - found[0], np.float64)
+
+
+def _check(acceleration: npt.NDArray[Any], angle: npt.NDArray[Any]) -> None:
+    samples = len(acceleration)
+    if acceleration.shape != (samples, AXES) or angle.shape != (samples,):
+        raise Refusal(
+            f"a block with acceleration {acceleration.shape} and shaft_angle {angle.shape} is refused: "
+            "they must be (samples, 2) and (samples,); the detector waits for the next block"
+        )
+    if not (np.issubdtype(acceleration.dtype, np.number) and np.issubdtype(angle.dtype, np.number)):
+        raise Refusal(
+            f"a block of {acceleration.dtype} and {angle.dtype} is refused: accelerations [m/s^2] and angles [rad] must be numbers; "
+            "the detector waits for the next block"
+        )
+
+

@@ -1,0 +1,84 @@
+"""What the fault detector node makes of messages, without ROS: every block that it cannot use is answered by a diagnosis that says why."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from dcrb_ros.diagnosis.detector import Diagnosis, FaultDetector
+from dcrb_ros.diagnosis.parameters import DetectorParameters
+from dcrb_ros.kinematics import Orders
+from dcrb_ros.messages import Vibration, decode_range, decode_sensor, decode_vibration
+from dcrb_ros.refusal import Refusal
+from dcrb_ros.topics import SENSOR
+
+RATE_TOLERANCE = 0.01
+"""Departure of the samples' times from the sampling rate that is believed, relative."""
+
+
+@dataclass(frozen=True)
+class Said:
+    """What comes of a message."""
+
+    diagnosis: Diagnosis | None = None
+    news: str = ""
+    complaint: str = ""
+
+
+class Hearing:
+    """The detector behind the messages: made by the sensor's description, fed by the blocks."""
+
+    def __init__(self, parameters: DetectorParameters) -> None:
+        self._parameters = parameters
+        self._detector: FaultDetector | None = None
+        self._about: tuple[int, Orders] | None = None
+        self._refused = 0
+        self._time = 0.0
+
+    def sensor(self, data: bytes) -> Said:
+        """Take the sensor's description."""
+        try:
+            about = decode_sensor(data)
+            if about != self._about:
+                rate, orders = about
+                self._detector = FaultDetector(orders, rate, self._parameters)
+                self._about = about
+                news = f"watching a bearing at {rate} Hz, BPFO {orders.bpfo:.3f}, BPFI {orders.bpfi:.3f} orders"
+            else:
+                news = ""  # another range of the sensor is nothing to begin anew for
+            if self._detector is not None:
+                self._detector.sensor_range = decode_range(data)
+            return Said(news=news)
+        except Refusal as refusal:
+            return self._refuse(refusal)
+
+    def block(self, data: bytes) -> Said:
+        """Take a block of the waveform."""
+        try:
+            block = decode_vibration(data)
+            self._time = block.stamp_ns * 1e-9
+            if self._detector is None:
+                raise Refusal(f"blocks come, but no description on {SENSOR.name} that tells the rate and the bearing: publish it, latched")
+            _check_rate(block, self._detector.rate)
+            return Said(self._detector.update(block.first_index(self._detector.rate), block.acceleration, block.shaft_angle))
+        except Refusal as refusal:
+            return self._refuse(refusal)
+
+    def _refuse(self, refusal: Refusal) -> Said:
+        """Say the first refusals of a series, then fewer and fewer; all are counted."""
+        self._refused += 1
+        if self._refused & (self._refused - 1):
+            return Said()
+        words = f"{refusal} ({self._refused} so far)"
+        return Said(Diagnosis(0, self._time, "waiting", f"refused: {words}"), complaint=words)
+
+
+def _check_rate(block: Vibration, rate: int) -> None:
+    if len(block.offsets_ns) < 2:
+        return
+    step = float(np.median(np.diff(block.offsets_ns.astype(np.int64))))
+    if abs(step * rate - 1e9) > RATE_TOLERANCE * 1e9 + rate:
+        raise Refusal(
+            f"samples come every {step:.0f} ns where {rate} Hz on {SENSOR.name} mean {1e9 / rate:.0f} ns: one of them is wrong, describe the sensor anew"
+        )
