@@ -151,6 +151,8 @@ def test_what_our_detector_publishes_is_understood() -> None:
     found = opinion_of(encode_diagnosis(Diagnosis(51200, 1.0, "inner_ring", "a line", confidence=0.9)))
     assert (found.time, found.verdict, found.score, found.alarm) == (1.0, "inner_ring", 0.9, True)
     assert opinion_of(encode_diagnosis(Diagnosis(51200, 1.0, "healthy", "", confidence=0.9))).score == pytest.approx(0.1)
+    scores = {"outer_ring": -3.0, "cage": 2.0}
+    assert opinion_of(encode_diagnosis(Diagnosis(51200, 1.0, "cage", "", confidence=0.9, scores=scores))).score == 2.0
     assert evidence("waiting", 0.0) is None
 
 

@@ -14,12 +14,11 @@ import platformdirs
 
 from dcrb_ros.exam.case import Case, canonical
 from dcrb_ros.manifest import model_fingerprint, software
-from dcrb_ros.messages import encode_truth, encode_vibration
 from dcrb_ros.refusal import Refusal
 from dcrb_ros.scenario import timeline
 from dcrb_ros.simulation import Simulation
 from dcrb_ros.sinks.recorder import Recorder
-from dcrb_ros.topics import GROUND_TRUTH, VIBRATION, Message
+from dcrb_ros.topics import GROUND_TRUTH, VIBRATION
 
 ABANDONED = 86400.0
 """Age from which a half-made recording is one of a run that was broken off [s]."""
@@ -79,10 +78,8 @@ def recorded(case: Case, folder: Path) -> Path:
 def _simulate(case: Case, path: Path) -> None:
     run, source = case.run, case.question.name
     simulation = Simulation(run.configuration, timeline(run.story, run.configuration, source) if run.story else ())
-    with Recorder(path, run.configuration, simulation.layout, scenario=run.story) as recorder:
+    # A detector gets the waveform; what else the bench publishes would only take room.
+    wanted = run.configuration.recording.model_copy(update={"topics": f"{VIBRATION.name}, {GROUND_TRUTH.name}"})
+    with Recorder(path, run.configuration.model_copy(update={"recording": wanted}), simulation.layout, scenario=run.story) as recorder:
         for block in simulation.blocks(run.duration):
-            # A detector gets the waveform; what else the bench publishes would only take room and time.
-            truths = [Message(GROUND_TRUTH, truth.time_ns, encode_truth(truth)) for truth in block.truths]
-            frame = run.configuration.publishing.frame
-            waveform = [] if block.lost else [Message(VIBRATION, block.stamp_ns, encode_vibration(block, block.acceleration, frame))]
-            recorder.write_messages([*waveform, *truths])
+            recorder.write(block)

@@ -9,8 +9,9 @@ from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.exam.case import Case
 from dcrb_ros.exam.library import recorded
 from dcrb_ros.exam.opinion import Opinion, opinion_of
-from dcrb_ros.messages import encode_diagnosis
+from dcrb_ros.messages import decode_range, decode_vibration, encode_diagnosis
 from dcrb_ros.recording import Recording
+from dcrb_ros.topics import SENSOR, VIBRATION
 
 
 def opinions(bag: Path) -> list[Opinion]:
@@ -19,7 +20,11 @@ def opinions(bag: Path) -> list[Opinion]:
     rate = recording.sampling_rate
     detector = FaultDetector(recording.orders, rate, DetectorParameters())
     found = []
-    for block in recording.vibrations():
+    for message in recording.messages((SENSOR, VIBRATION)):
+        if message.topic == SENSOR:
+            detector.sensor_range = decode_range(message.data)
+            continue
+        block = decode_vibration(message.data)
         diagnosis = detector.update(block.first_index(rate), block.acceleration, block.shaft_angle)
         if diagnosis is not None:
             found.append(opinion_of(encode_diagnosis(diagnosis)))
