@@ -166,7 +166,7 @@ class Simulation:
             clean=measured.clean.astype(np.float32),
             clipped=int(measured.clipped.sum()),
             range=self.configuration.sensor.range,
-            lost=lost or self._transmission.between_bursts(first / rate),
+            lost=lost or self._transmission.between_bursts(first),
             preview=np.array([sample for _, sample in previews], np.float32).reshape(-1, 2),
             preview_ns=tuple(time for time, _ in previews),
             states=tuple(_before(self._states, end_ns, lambda states: states.time_ns)),

@@ -164,3 +164,66 @@ def test_simulate_takes_a_scenario(tmp_path: Path, monkeypatch: pytest.MonkeyPat
     assert dcrb("simulate", "healthy", "--scenario", str(story), "-o", str(tmp_path / "none")) == 2
     assert "bearing.rows is fixed while the bench runs" in capsys.readouterr().err
     assert not (tmp_path / "none").exists()
+
+
+PROFILES = sorted((Path(__file__).parents[1] / "config" / "scenarios").glob("*.yaml"))
+
+
+@pytest.mark.parametrize("profile", PROFILES, ids=lambda path: path.stem)
+def test_shipped_scenarios_are_possible_on_the_default_bench(profile: Path) -> None:
+    assert read_scenario(Path(profile.stem), Configuration())
+
+
+def story(text: str, seconds: float, **operating: float) -> list[Truth]:
+    configuration = Configuration.model_validate(
+        {"cage": {"joint": "revolute"}, "operating": operating, "publishing": {"truth_rate": 100, "block_size": 512}}
+    )
+    events = timeline(yaml.safe_load(text), configuration, "story.yaml")
+    return truths(list(Simulation(configuration, events).blocks(seconds)))
+
+
+def test_the_speed_takes_its_time_and_the_ramp_of_before_holds_again() -> None:
+    text = """
+timeline:
+  - {at: 0.05, over: 0.1, set: {operating.speed_kmh: 180.0}}
+  - {at: 0.15, over: 0.1, set: {operating.load: 80000.0, operating.lateral_load: 10000.0}}
+  - {at: 0.25, set: {operating.speed: 110.0}}
+"""
+    told = story(text, 0.3, speed=100.0)
+    reached = 180.0 / 3.6 / 0.46
+    by_time = {truth.time_ns: truth for truth in told}
+    assert by_time[100_000_000].speed == pytest.approx(100.0 + 0.5 * (reached - 100.0), abs=0.01)
+    assert by_time[150_000_000].speed == pytest.approx(reached, abs=0.01)
+    assert by_time[200_000_000].load == pytest.approx((10000.0, -90000.0), rel=1e-3)
+    assert by_time[230_000_000].load == pytest.approx((10000.0, -84000.0), rel=1e-3)
+    assert by_time[270_000_000].speed == pytest.approx(reached + 50.0 * 0.02, abs=0.01)
+    assert [truth.changed for truth in told if truth.changed][1].endswith("over 0.1 s begins")
+
+
+def test_a_reversal_goes_through_a_standstill() -> None:
+    told = story("timeline: [{at: 0.02, over: 0.2, set: {operating.speed: -4.0}}]", 0.25, speed=4.0)
+    speeds = [truth.speed for truth in told]
+    assert (speeds[0], speeds[-1]) == (4.0, -4.0)
+    assert min(np.abs(speeds)) < 0.2
+
+
+def test_a_shipped_profile_runs() -> None:
+    configuration = Configuration.model_validate({"cage": {"joint": "revolute"}, "operating": {"speed_kmh": 20.0}})
+    told = truths(list(Simulation(configuration, read_scenario(Path("run_up"), configuration)).blocks(2.3)))
+    slope = (160.0 - 20.0) / 3.6 / 0.46 / 40.0
+    last = told[-1]
+    assert last.speed == pytest.approx(20.0 / 3.6 / 0.46 + slope * (last.time_ns * 1e-9 - 2.0), abs=0.01)
+
+
+def test_sensor_and_background_follow_a_scenario_and_the_truth_tells_them_apart() -> None:
+    text = """
+timeline:
+  - {at: 0.02, set: {background.hum_level: 2.0, background.unbalance: 0.0001}}
+  - {at: 0.04, set: {sensor.fault: stuck, sensor.fault_axis: x}}
+  - {at: 0.06, set: {sensor.fault: none, background.hum_level: 0.0}}
+"""
+    told = {truth.time_ns: truth for truth in story(text, 0.08)}
+    assert told[30_000_000].background == {"unbalance": 0.0001, "hum_level": 2.0}
+    assert told[30_000_000].faults == {}
+    assert told[50_000_000].faults == {"sensor.stuck": {"severity": 1.0, "axis": 1, "onset": 0.04}}
+    assert (told[70_000_000].faults, told[70_000_000].background) == ({}, {"unbalance": 0.0001})

@@ -10,7 +10,7 @@ from dcrb_ros.configuration import Configuration
 from dcrb_ros.measurement.arrays import Floats
 from dcrb_ros.measurement.filters import Filter, band_of_noise
 from dcrb_ros.measurement.pulses import Passings, Pulses
-from dcrb_ros.measurement.streams import stream
+from dcrb_ros.measurement.streams import RandomTimes, stream
 from dcrb_ros.sensing import REFERENCE_SPEED, Background
 
 JOINT_DURATION = 0.004
@@ -19,8 +19,8 @@ FLAT_DURATION = 0.002
 """Duration of a wheel flat's pulse [s]."""
 IMPACT_DURATION = 1e-4
 """Duration of a look-alike impact [s]."""
-HUM = (1.0, 0.5, 0.33)
-"""Share of each harmonic of the mains in its fundamental [-]."""
+HUM_SECOND, HUM_THIRD = 0.5, 0.33
+"""Share of the mains' harmonics in their fundamental [-]."""
 
 
 class Shaking:
@@ -31,12 +31,13 @@ class Shaking:
         c, rate = configuration, float(configuration.step_rate)
         self._rate, self._seed = rate, c.simulation.seed
         self._radius = 0.5 * c.operating.wheel_diameter
-        self._joints = Passings(c.background.joint_spacing / self._radius, JOINT_DURATION, rate)
-        self._flat = Passings(2.0 * math.pi, FLAT_DURATION, rate)
-        self._impacts, self._impact_random = Pulses(IMPACT_DURATION, rate), stream(self._seed, "impacts")
+        where = stream(self._seed, "passings").random(3)
+        self._joints = Passings(c.background.joint_spacing / self._radius, float(where[0]), Pulses(JOINT_DURATION, rate))
+        self._flat = Passings(2.0 * math.pi, float(where[1]), Pulses(FLAT_DURATION, rate))
+        self._phase = 2.0 * math.pi * float(where[2])
+        self._impacts, self._impact_times = Pulses(IMPACT_DURATION, rate), RandomTimes(stream(self._seed, "impacts"))
         self._track = Filter(band_of_noise(c.background.track_low, c.background.track_high, rate))
         self._track_random = stream(self._seed, "track")
-        self._phase = 2.0 * math.pi * float(stream(self._seed, "unbalance").random())
         self.background = c.background
         """What it is like from now on."""
 
@@ -55,28 +56,29 @@ class Shaking:
         share = np.abs(speed) * (self._radius / REFERENCE_SPEED)
         shaking = np.zeros((len(speed), 2))
         if b.unbalance > 0.0:
-            shaking += self._unbalance(b, turned[1:], speed)
+            self._unbalance(b, turned[1:], speed, shaking)
         if b.joint_level > 0.0:
             shaking[:, 1] += self._joints.feed(first, turned, b.joint_level * share)
         if b.flat_level > 0.0:
             shaking[:, 1] += self._flat.feed(first, turned, b.flat_level * share)
         if b.track_level > 0.0:
-            shaking += self._track.feed(self._track_random.standard_normal(shaking.shape)) * (b.track_level * share)[:, None]
+            track = self._track.feed(self._track_random.standard_normal(shaking.shape))
+            for axis in (0, 1):
+                shaking[:, axis] += b.track_level * share * track[:, axis]
         if b.impact_rate > 0.0:
             shaking[:, 1] += self._look_alike(b, first, len(speed))
         return shaking
 
-    def _unbalance(self, b: Background, turned: Floats, speed: Floats) -> Floats:
-        """Return the acceleration of a force that turns with the shaft and grows with the square of its speed [m/s^2]."""
-        angle = turned + self._phase
-        force: Floats = (b.unbalance * speed**2)[:, None] * np.stack([np.cos(angle), np.sin(angle)], axis=1)
-        return force
+    def _unbalance(self, b: Background, turned: Floats, speed: Floats, shaking: Floats) -> None:
+        """Add the acceleration of a force that turns with the shaft and grows with the square of its speed [m/s^2]."""
+        angle, force = turned + self._phase, b.unbalance * speed**2
+        shaking[:, 0] += force * np.cos(angle)
+        shaking[:, 1] += force * np.sin(angle)
 
     def _look_alike(self, b: Background, first: int, count: int) -> Floats:
         """Return impacts at random times, of half to one and a half times their mean peak [m/s^2]."""
-        drawn = self._impact_random.random(count) / (b.impact_rate / self._rate)
-        for i in np.flatnonzero(drawn < 1.0):
-            self._impacts.begin(float(first + i), b.impact_level * (0.5 + float(drawn[i])))
+        for at, share in self._impact_times.within(first, count, b.impact_rate / self._rate):
+            self._impacts.begin(at, b.impact_level * (0.5 + share))
         return self._impacts.feed(first, count)
 
 
@@ -92,7 +94,7 @@ class Hum:
     def feed(self, first: int, count: int, level: float) -> Floats:
         """Return the hum of a ``level`` [m/s^2] from sample ``first`` on, shape (samples,) [m/s^2]."""
         turns = np.mod(self._frequency * np.arange(first, first + count), self._rate) * (2.0 * math.pi / self._rate) + self._phase
-        total = np.zeros(count)
-        for harmonic, share in enumerate(HUM, 1):
-            total += level * share * np.sin(harmonic * turns)
-        return total
+        sine, cosine = np.sin(turns), np.cos(turns)
+        second, third = 2.0 * sine * cosine, sine * (3.0 - 4.0 * sine**2)
+        hum: Floats = level * (sine + HUM_SECOND * second + HUM_THIRD * third)
+        return hum

@@ -57,4 +57,5 @@ class Converter:
         limited = np.clip(noisy, -limit, limit)
         if self._resolution > 0.0:
             limited = np.round(limited / self._resolution) * self._resolution
-        return limited, np.any(np.abs(noisy) > limit, axis=1)
+        beyond = np.abs(noisy) > limit
+        return limited, beyond[:, 0] | beyond[:, 1]

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 from scipy import signal
+
+from dcrb_ros.measurement.arrays import Floats
+from dcrb_ros.measurement.kernels import decimated
 
 STOP_ATTENUATION = 85.0
 """Attenuation of what would fold into the pass band [dB]."""
@@ -14,7 +16,7 @@ PASS_SHARE = 0.8
 LARGEST_STAGE = 16
 
 
-def anti_alias_taps(factor: int, *, between: bool) -> npt.NDArray[np.float64]:
+def anti_alias_taps(factor: int, *, between: bool) -> Floats:
     """Return symmetric taps that let pass up to 0.8 of the new Nyquist frequency.
 
     The stop band begins where the spectrum would fold back into the pass band (1.2 of the new Nyquist frequency). An even
@@ -23,39 +25,34 @@ def anti_alias_taps(factor: int, *, between: bool) -> npt.NDArray[np.float64]:
     width = 2.0 * (1.0 - PASS_SHARE) / factor
     count, beta = signal.kaiserord(STOP_ATTENUATION, width)
     count += (count % 2 == 1) == between
-    taps: npt.NDArray[np.float64] = signal.firwin(count, 1.0 / factor, window=("kaiser", beta))
+    taps: Floats = signal.firwin(count, 1.0 / factor, window=("kaiser", beta))
     return taps
 
 
 class Decimator:
-    """A decimator for columns of samples that is fed stretch by stretch.
+    """A decimator for samples in two columns that is fed stretch by stretch.
 
     Output ``k`` stands at the time of input ``k * factor``; with ``between`` the inputs are means over the interval that
     follows their index, so that the output stands at the interval's beginning. It comes out as soon as ``lead`` inputs
     beyond it are in. Before the start the input is taken as zero.
     """
 
-    def __init__(self, factor: int, *, between: bool = False, columns: int = 2) -> None:
+    def __init__(self, factor: int, *, between: bool = False) -> None:
         if factor < 2:
             raise ValueError(f"a decimation factor of {factor} is below 2")
         self.factor = factor
         self._taps = anti_alias_taps(factor, between=between)
         self.lead = (len(self._taps) - 1) // 2
         """Inputs needed beyond the last output [-]."""
-        # Zeros at the end that change nothing but let the outputs that are due fall on those that upfirdn computes.
-        self._padded = np.append(self._taps, np.zeros(-(len(self._taps) - 1) % factor))
-        self._memory = np.zeros((len(self._padded) - 1, columns))
+        self._memory = np.zeros((len(self._taps) - 1, 2))
         self._skip = self.lead
 
-    def feed(self, samples: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
-        """Filter ``samples`` of shape (inputs, columns); return the outputs that are due, shape (outputs, columns)."""
-        known, past = np.concatenate([self._memory, samples]), len(self._memory)
+    def feed(self, samples: Floats) -> Floats:
+        """Filter ``samples`` of shape (inputs, 2); return the outputs that are due, shape (outputs, 2)."""
+        known = np.concatenate([self._memory, samples])
         self._memory = known[len(samples) :]
         count = max(0, -(-(len(samples) - self._skip) // self.factor))
-        first = past // self.factor
-        # Every output sums the same products in the same order, however the inputs are cut.
-        filtered = signal.upfirdn(self._padded, known[self._skip :], down=self.factor, axis=0) if count else samples[:0]
-        due: npt.NDArray[np.float64] = filtered[first : first + count] if count else filtered
+        due = decimated(self._taps, known, self._skip, self.factor, count)
         self._skip -= len(samples)
         if self._skip < 0:
             self._skip %= self.factor
@@ -65,11 +62,11 @@ class Decimator:
 class Cascade:
     """Decimators in a row for large factors; output ``k`` stands at the time of input ``k * factor``."""
 
-    def __init__(self, factor: int, *, columns: int = 2) -> None:
-        self._stages = [Decimator(stage, columns=columns) for stage in stages(factor)]
+    def __init__(self, factor: int) -> None:
+        self._stages = [Decimator(stage) for stage in stages(factor)]
 
-    def feed(self, samples: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
-        """Filter ``samples`` of shape (inputs, columns); return the outputs that are due, shape (outputs, columns)."""
+    def feed(self, samples: Floats) -> Floats:
+        """Filter ``samples`` of shape (inputs, 2); return the outputs that are due, shape (outputs, 2)."""
         for stage in self._stages:
             samples = stage.feed(samples)
         return samples

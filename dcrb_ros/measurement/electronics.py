@@ -31,21 +31,32 @@ class Electronics:
 
     def feed(self, samples: Floats) -> Floats:
         """Return what comes out for samples of shape (samples, 2) [m/s^2]."""
-        present = samples + self._cross * samples[:, ::-1] if self._cross else samples
+        present = self._crossed(samples) if self._cross else samples
         first = self.hum_levels.reached
         for piece in self.hum_levels.pieces(len(samples)):
             if self._hum_level > 0.0:
                 present = present.copy() if present is samples else present
-                present[piece] += self._hum.feed(first + piece.start, piece.stop - piece.start, self._hum_level)[:, None]
+                hum = self._hum.feed(first + piece.start, piece.stop - piece.start, self._hum_level)
+                for axis in (0, 1):
+                    present[piece, axis] += hum
         if self._walk > 0.0:
             present = present + self._drifting(len(samples))
         elif self._offset.any():
             present = present + self._offset
         return self._high_pass.feed(present) if self._high_pass is not None else present
 
+    def _crossed(self, samples: Floats) -> Floats:
+        """Return what each axis has of the other, with its own."""
+        crossed = samples.copy()
+        for axis in (0, 1):
+            crossed[:, axis] += self._cross * samples[:, 1 - axis]
+        return crossed
+
     def _drifting(self, count: int) -> Floats:
         """Return the offset of the next samples, a random walk, shape (samples, 2) [m/s^2]."""
         steps = self._walk * self._random.standard_normal((count, 2))
-        path: Floats = np.cumsum(np.concatenate([self._offset[None, :], steps]), axis=0)
+        path: Floats = np.empty((count + 1, 2))
+        for axis in (0, 1):
+            np.cumsum(np.concatenate([self._offset[axis : axis + 1], steps[:, axis]]), out=path[:, axis])
         self._offset = path[-1]
         return path[1:]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numpy as np
 from numba import njit
 
 import dcrb_ros.core  # noqa: F401  names the folder of the compiled kernels
@@ -28,8 +29,40 @@ def filtered(sections: Floats, memory: Floats, samples: Floats) -> Floats:
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
+def decimated(taps: Floats, known: Floats, first: int, factor: int, count: int) -> Floats:
+    """Return every ``factor``-th sum of symmetric ``taps`` times samples, from sample ``first`` on, shape (count, 2).
+
+    Every sum adds up its products in the order of time; four at once keep the processor busy.
+    """
+    found = np.empty((count, 2))
+    whole = count - count % 4
+    for k in range(0, whole, 4):
+        a = first + k * factor
+        b, c, d = a + factor, a + 2 * factor, a + 3 * factor
+        ax = ay = bx = by = cx = cy = dx = dy = 0.0
+        for tap, weight in enumerate(taps):
+            ax += known[a + tap, 0] * weight
+            ay += known[a + tap, 1] * weight
+            bx += known[b + tap, 0] * weight
+            by += known[b + tap, 1] * weight
+            cx += known[c + tap, 0] * weight
+            cy += known[c + tap, 1] * weight
+            dx += known[d + tap, 0] * weight
+            dy += known[d + tap, 1] * weight
+        found[k, 0], found[k, 1], found[k + 1, 0], found[k + 1, 1] = ax, ay, bx, by
+        found[k + 2, 0], found[k + 2, 1], found[k + 3, 0], found[k + 3, 1] = cx, cy, dx, dy
+    for k in range(whole, count):
+        x = y = 0.0
+        for tap, weight in enumerate(taps):
+            x += known[first + k * factor + tap, 0] * weight
+            y += known[first + k * factor + tap, 1] * weight
+        found[k, 0], found[k, 1] = x, y
+    return found
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
 def between(known: Floats, at: Integers, place: Floats, weights: Floats, out: Floats) -> None:
-    """Write the values of ``known``, shape (samples, columns), at a ``place`` from 0 to 1 after the samples ``at`` to ``out``.
+    """Write the first two columns of ``known``, shape (samples, columns), at a ``place`` from 0 to 1 after the samples ``at`` to ``out``.
 
     ``weights``, shape (phases + 1, taps), are those of the samples around; between two phases they are interpolated.
     """
@@ -38,9 +71,9 @@ def between(known: Floats, at: Integers, place: Floats, weights: Floats, out: Fl
         row = min(int(place[i] * phases), phases - 1)
         share = place[i] * phases - row
         first = at[i] + 1 - taps // 2
-        for column in range(out.shape[1]):
-            out[i, column] = 0.0
+        x = y = 0.0
         for tap in range(taps):
             weight = weights[row, tap] + share * (weights[row + 1, tap] - weights[row, tap])
-            for column in range(out.shape[1]):
-                out[i, column] += weight * known[first + tap, column]
+            x += weight * known[first + tap, 0]
+            y += weight * known[first + tap, 1]
+        out[i, 0], out[i, 1] = x, y

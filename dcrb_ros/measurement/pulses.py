@@ -34,14 +34,14 @@ class Pulses:
 
 
 class Passings:
-    """Pulses each time the shaft has turned by a ``period`` [rad], forwards or backwards; the peak grows with the speed."""
+    """Pulses each time the shaft has turned by a ``period`` [rad], forwards or backwards, ``phase`` periods after its zero."""
 
-    def __init__(self, period: float, duration: float, rate: float) -> None:
-        self._period, self._pulses = period, Pulses(duration, rate)
+    def __init__(self, period: float, phase: float, pulses: Pulses) -> None:
+        self._period, self._phase, self._pulses = period, phase, pulses
 
     def feed(self, first: int, turned: Floats, peak: Floats) -> Floats:
         """Return their sum [m/s^2]; ``turned`` is the shaft's angle at the step before ``first`` and the steps from there on [rad]."""
-        place = turned / self._period
+        place = turned / self._period - self._phase
         cell = np.floor(place)
         for i in np.flatnonzero(cell[1:] != cell[:-1]):
             edge = max(cell[i], cell[i + 1])

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import numpy.typing as npt
 
 from dcrb_ros.measurement.arrays import Floats
 from dcrb_ros.measurement.filters import Filter
-from dcrb_ros.measurement.streams import stream
+from dcrb_ros.measurement.streams import RandomTimes, stream
 from dcrb_ros.sensing import SensorParameters
 
 SPIKES = 20.0
@@ -26,7 +28,7 @@ class FaultySamples:
 
     def __init__(self, sensor: SensorParameters, seed: int) -> None:
         self._rate = float(sensor.sampling_rate)
-        self._random = stream(seed, "spikes")
+        self._times = RandomTimes(stream(seed, "spikes"))
         self._falling = self._spike_shape()
         self._held = np.zeros(2)
         self._onset = 0
@@ -48,11 +50,12 @@ class FaultySamples:
     def _axes(self) -> tuple[int, ...]:
         return AXES[self._sensor.fault_axis]
 
-    def limit(self) -> Floats:
-        """Return the largest acceleration of each axis [m/s^2]."""
+    def limit(self) -> Floats | float:
+        """Return the largest acceleration, of each axis where they differ [m/s^2]."""
+        if self.kind != "saturated":
+            return self._sensor.range
         limit = np.full(2, self._sensor.range)
-        if self.kind == "saturated":
-            limit[list(self._axes)] *= LEAST_LIMIT**self._sensor.fault_severity
+        limit[list(self._axes)] *= LEAST_LIMIT**self._sensor.fault_severity
         return limit
 
     def distorted(self, samples: Floats, first: int) -> Floats:
@@ -61,7 +64,7 @@ class FaultySamples:
         if self.kind not in ("dead", "gain_drift", "spikes"):
             return samples
         changed: Floats = samples.copy()
-        spikes = self._spikes(len(samples)) if self.kind == "spikes" else 0.0
+        spikes = self._spikes(first, len(samples)) if self.kind == "spikes" else 0.0
         for axis in self._axes:
             changed[:, axis] = gain * changed[:, axis] + spikes
         return changed
@@ -76,13 +79,13 @@ class FaultySamples:
             return fallen
         return 1.0
 
-    def _spikes(self, count: int) -> Floats:
+    def _spikes(self, first: int, count: int) -> Floats:
         """Return spikes at random times that fall off exponentially [m/s^2]; they reach a fifth of the range up to all of it."""
-        severity = self._sensor.fault_severity
-        chance, side = self._random.random((count, 2)).T
-        drawn = chance * (self._rate / (SPIKES * severity))
-        blows = np.where(drawn < 1.0, severity * self._sensor.range * (0.2 + 0.8 * drawn) * np.where(side < 0.5, -1.0, 1.0), 0.0)
-        falling: Floats = self._falling.feed(blows[:, None])[:, 0]
+        severity, blows = self._sensor.fault_severity, np.zeros((count, 1))
+        for at, drawn in self._times.within(first, count, SPIKES * severity / self._rate):
+            share = 2.0 * drawn - 1.0
+            blows[int(at) - first] += severity * self._sensor.range * math.copysign(0.2 + 0.8 * abs(share), share)
+        falling: Floats = self._falling.feed(blows)[:, 0]
         return falling
 
     def _spike_shape(self) -> Filter:

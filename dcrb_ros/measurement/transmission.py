@@ -12,12 +12,13 @@ class Transmission:
     def __init__(self, configuration: Configuration) -> None:
         publishing = configuration.publishing
         self._probability = publishing.loss_probability
-        self._length, self._period = publishing.burst_length, publishing.burst_period
+        rate = configuration.sensor.sampling_rate
+        self._length, self._period = round(publishing.burst_length * rate), round(publishing.burst_period * rate)
         self._random = stream(configuration.simulation.seed, "transmission")
 
-    def between_bursts(self, begin: float) -> bool:
-        """Return whether a block that begins at a time [s] lies between two bursts."""
-        return self._period > 0.0 and begin % self._period >= self._length
+    def between_bursts(self, first: int) -> bool:
+        """Return whether a block that begins with a sample ``first`` lies between two bursts."""
+        return self._period > 0 and first % self._period >= self._length
 
     def loses(self) -> bool:
         """Return whether the next block is lost on its way."""

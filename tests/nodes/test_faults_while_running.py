@@ -15,7 +15,7 @@ from ros_bench import Listener, domain, environment, listener, node
 from test_bench import parameters, status_of
 
 from dcrb_ros.block import Truth
-from dcrb_ros.configuration_file import parameter_fields
+from dcrb_ros.configuration_file import COMMANDED, parameter_fields
 from dcrb_ros.messages import decode_text, decode_truth
 from dcrb_ros.topics import GROUND_TRUTH, SENSOR, VIBRATION
 
@@ -38,6 +38,8 @@ def test_faults_come_and_are_refused_as_a_whole(tmp_path: Path) -> None:
             ({"faults__broken_bars": "bar 3"}, "'bar' is no bar; write row1/bar15"),
             ({"bearing__roller_radius": 0.01}, "bearing.roller_radius is fixed while the bench runs"),
             ({"operating__speed": 100.0, "faults__outer_1__width": 0.002}, "operating.speed changes by"),
+            ({"sensor__fault": "stuk"}, "did you mean 'stuck'?"),
+            ({"sensor__preset": "mems"}, "sensor.preset is fixed while the bench runs"),
             ({"faults__outer_1__with": 0.1}, "did you mean 'faults.outer_1.width'?"),
             ({"time_scale": -1.0}, "time_scale = -1.0 is outside 0 .. 1000"),
         ]
@@ -55,6 +57,11 @@ def test_faults_come_and_are_refused_as_a_whole(tmp_path: Path) -> None:
         assert (done, "does not heal" in said) == (False, True)
         assert heard.set(faults__outer_1__width=0.0) == (True, "")
         heard.until(lambda: set(truths(heard)[-1].faults) == {"broken_bars.row2/bar7"}, "the defect gone")
+        assert heard.set(sensor__fault="stuck", background__hum_level=2.0) == (True, "")
+        heard.until(lambda: "sensor.stuck" in truths(heard)[-1].faults, "the sensor's fault")
+        assert truths(heard)[-1].background == {"hum_level": 2.0}
+        assert heard.set(sensor__fault="none") == (True, "")
+        heard.until(lambda: "sensor.stuck" not in truths(heard)[-1].faults, "a sound sensor")
         blocks = len(heard.heard[VIBRATION])
         heard.until(lambda: len(heard.heard[VIBRATION]) > blocks + 20, "blocks")
         heard.until(lambda: status_of(heard)["rejected_parameters"] == str(len(refusals) + 1), "the count of refusals")
@@ -97,7 +104,7 @@ def test_every_parameter_is_declared_from_the_schema(tmp_path: Path) -> None:
             field = fields[about.name]
             assert about.description.startswith(field.description)
             assert about.type == kinds[field.kind]
-            assert about.read_only == (not field.run_time or field.key.startswith("operating."))
+            assert about.read_only == (not field.run_time or field.key in COMMANDED)
             ranges = [*about.floating_point_range, *about.integer_range]
             assert [(r.from_value, r.to_value) for r in ranges] == ([] if field.low is None else [(field.low, field.high)])
 
