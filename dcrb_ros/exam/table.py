@@ -9,8 +9,10 @@ from rich.console import Group as Stack
 from rich.console import RenderableType
 from rich.table import Table
 
+from dcrb_ros import __version__
 from dcrb_ros.exam.report import Report
 from dcrb_ros.exam.statistics import CONFIDENCE, Interval
+from dcrb_ros.manifest import model_fingerprint
 
 MOST_FLAWS = 40
 """Scenarios that went wrong and are listed; JSON and JUnit have them all."""
@@ -55,6 +57,7 @@ def words(report: Report) -> Iterator[str]:
     )
     if report.scenarios:
         yield f"scenarios: sha256 {report.scenarios}"
+    yield f"dcrb_ros {__version__}, model {model_fingerprint()}"
 
 
 def _checks(report: Report) -> Table:
@@ -67,7 +70,7 @@ def _checks(report: Report) -> Table:
 def _delays(report: Report) -> Iterator[Table]:
     rows = report.delays()
     if rows:
-        table = Table("fault", "found", "delay, median [s]", "95 % [s]", "limit [s]", title="Delay from the onset to the right verdict")
+        table = Table("fault", "found", "delay, median [s]", "95 % [s]", "limit [s]", title="Delay of the right verdict")
         for row in rows:
             table.add_row(row.verdict, f"{row.found} of {row.asked}", number(row.median), number(row.late), f"{row.limit:g}")
         yield table
@@ -87,7 +90,7 @@ def _detections(report: Report) -> Iterator[Table]:
 def _confusion(report: Report) -> Table:
     found = report.confusion()
     answers = [answer for answer in next(iter(found.values()), {}) if any(row[answer] for row in found.values())]
-    table = Table("true \\ said", *answers, title="Right verdict and answer, in scenarios")
+    table = Table("true \\ said", *answers, title="Right verdict and answer")
     for verdict, row in found.items():
         cells = [f"[bold]{row[a]}[/bold]" if a == verdict else f"[red]{row[a]}[/red]" if row[a] else "." for a in answers]
         table.add_row(verdict, *cells)
