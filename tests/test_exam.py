@@ -430,6 +430,7 @@ def test_the_command_sits_an_exam(tmp_path: Path, capsys: pytest.CaptureFixture[
         (["smoke", "standard"], "2 exams at once"),
         (["smoke", "bags/healthy"], "smoke is no recording and bags/healthy is one"),
         (["bags/healthy", "bags/healthy"], "is given twice"),
+        (["bags/healthy", "--only", "h*"], "belong to an exam, and bags/healthy is a recording"),
         (["smoke", "--rate", "nan"], "--rate nan is outside"),
         (["smoke", "--workers", "-1"], "--workers -1 is outside"),
         (["smoke", "--only", "cage*"], "--only 'cage*' fits no scenario of smoke"),

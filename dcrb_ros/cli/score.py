@@ -50,6 +50,8 @@ def score(
     bags = [source for source in given if _is_recording(Path(source))]
     if bags and len(bags) < len(given):
         raise Refusal(f"{next(s for s in given if s not in bags)} is no recording and {bags[0]} is one: give one exam, or recordings alone")
+    if bags and (only or show or recordings):
+        raise Refusal(f"--only, --list and --recordings belong to an exam, and {bags[0]} is a recording: leave them out")
     if bags:
         report = _score_bags([Path(bag) for bag in bags], node, reference, rate, patience, count)
     else:
