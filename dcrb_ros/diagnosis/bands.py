@@ -66,12 +66,12 @@ class BandBank:
     def _envelope(self, part: npt.NDArray[np.complex128]) -> tuple[Floats, Floats]:
         count = fft.next_fast_len(OVERSAMPLING * part.shape[1])
         analytic = fft.ifft(part, count) * (count / self._length)
-        places = np.arange(count) * (self._length / count)
-        return places, np.asarray((analytic.real**2 + analytic.imag**2).sum(axis=0), np.float64)
+        places = np.arange(count, dtype=np.float64) * (self._length / count)
+        return np.asarray(places, np.float64), np.asarray((analytic.real**2 + analytic.imag**2).sum(axis=0), np.float64)
 
 
 def kurtosis(squared: npt.NDArray[Any]) -> Floats:
     """Return the spectral kurtosis of each row of squared envelopes: 0 for noise, large for impacts [-]."""
-    mean = squared.mean(axis=1)
+    mean = squared.mean(axis=1, dtype=np.float64)
     fourth = (squared.astype(np.float64) ** 2).mean(axis=1)
     return np.asarray(np.divide(fourth, mean**2, out=np.full(len(mean), 2.0), where=mean > 0.0) - 2.0, np.float64)

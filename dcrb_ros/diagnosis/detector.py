@@ -94,12 +94,16 @@ class FaultDetector:
         self.orders, self.rate, self.parameters = orders, rate, parameters
         self.band, self._high, bands = _bands(rate, p)
         below = bands[-1]
-        self._branches = {*band_tree(p.band_low, p.band_high, TREE_LEVELS)[-(2**TREE_LEVELS) :], below}
+        self._branches = (*band_tree(p.band_low, p.band_high, TREE_LEVELS)[-(2**TREE_LEVELS) :], below)
         self._hop = max(1, round(p.hop * rate))
         margin = margin_samples(rate, below.low, MARGIN_PERIODS)
         if self._hop < 2 * margin:
-            raise Refusal(f"hop = {p.hop:g} s is below {2 * margin / rate:.2g} s, what the band from {p.band_low:g} Hz needs: make it longer")
-        self._highest_order = (1.0 + p.slip) * (HARMONICS[-1] * max(2.0 * orders.bpfo, 2.0 * orders.bpfi, 2.0 * orders.bsf) + SHAFT_SIDEBANDS[-1])
+            raise Refusal(
+                f"hop = {p.hop:g} s is below {2 * margin / rate:.2g} s, what the band from {p.band_low:g} Hz needs: make it longer"
+            )
+        self._highest_order = (1.0 + p.slip) * (
+            HARMONICS[-1] * max(2.0 * orders.bpfo, 2.0 * orders.bpfi, 2.0 * orders.bsf) + SHAFT_SIDEBANDS[-1]
+        )
         bins = math.ceil(BINS_PER_ORDER * self._highest_order)
         bank = BandBank(bands, rate, self._hop + 2 * margin)
         self._window = Window(bank, rate, self._hop, margin, bins, max(1, round(p.window / p.hop)), p.speed_exponent)
@@ -153,8 +157,9 @@ class FaultDetector:
         """Return what the levels of the tree's lowest branches and of the band below it say of the sensor, or nothing."""
         powers = hop.powers
         chosen = [k for k, band in enumerate(self._bands) if band in self._branches]
-        top = chosen.index(self._bands.index(self._high)) if self._high in self._bands else None
-        return self._levels.flaw(powers[chosen], hop.turns * self.rate / self._hop, top=top, below=len(chosen) - 1)
+        third = self._branches[-3]
+        high = chosen.index(self._bands.index(third)) if third in self._bands else None
+        return self._levels.flaw(powers[chosen], hop.turns * self.rate / self._hop, high=high, below=len(chosen) - 1)
 
     @property
     def sensor_range(self) -> float:
@@ -283,7 +288,7 @@ class FaultDetector:
 
 def _retold(spectrum: OrderSpectrum, stretched: float, scale: float) -> OrderSpectrum:
     """Return a spectrum over a clock's turns as one over the shaft's, at the reference frequency."""
-    return OrderSpectrum(spectrum.orders * stretched, spectrum.amplitude / scale, spectrum.mean / scale, spectrum.background / scale)
+    return OrderSpectrum(spectrum.orders * stretched, spectrum.amplitude / np.float32(scale), spectrum.mean / scale)
 
 
 def _bands(rate: int, p: DetectorParameters) -> tuple[Band, Band, tuple[Band, ...]]:

@@ -20,6 +20,8 @@ FITTED_HARMONICS = np.array([1.0, 2.0, 3.0])
 """Harmonics that a fundamental is fitted to; later ones are too faint to trust."""
 NEAR = np.arange(-2, 3)
 """Steps of a spectrum padded to twice its length that the resolution reaches to."""
+BESIDE = 0.3
+"""Orders beyond the last line of a family that its background is taken from [-]."""
 FLOOR_FROM = 0.3
 """Order from which the background is taken [-]: below it lies what changes over the window."""
 
@@ -33,8 +35,11 @@ class OrderSpectrum(NamedTuple):
     """One-sided amplitudes [unit^2]."""
     mean: float
     """Mean of the squared envelope: twice the power in the band [unit^2]."""
-    background: float
-    """Median amplitude [unit^2]."""
+
+    def background(self, highest: float) -> float:
+        """Return the median amplitude up to the ``highest`` order [unit^2]: a spectrum of impacts falls with the order."""
+        first, last = np.searchsorted(self.orders, [FLOOR_FROM, highest + BESIDE])
+        return float(np.median(self.amplitude[first:last])) if last > first else 0.0
 
     def lines(self, orders: npt.ArrayLike) -> Floats:
         """Return the largest amplitude within the resolution of each of ``orders`` [unit^2]."""
@@ -74,8 +79,7 @@ def order_spectra(envelopes: npt.NDArray[np.floating], missing: npt.NDArray[np.b
     amplitude = np.abs(fft.rfft(values, length, axis=1)) * np.float32(2.0 / (float(window.sum()) or 1.0))
     orders = np.arange(amplitude.shape[1]) * (bins_per_turn / length)
     amplitude /= np.sinc(orders / bins_per_turn).astype(np.float32)  # what averaging within a bin took
-    floor = np.median(amplitude[:, orders >= FLOOR_FROM], axis=1)
-    return [OrderSpectrum(orders, row, float(mean), float(low)) for row, mean, low in zip(amplitude, means, floor, strict=True)]
+    return [OrderSpectrum(orders, row, float(mean)) for row, mean in zip(amplitude, means, strict=True)]
 
 
 def decibels(ratio: float) -> float:
@@ -103,5 +107,6 @@ def fitted_order(spectrum: OrderSpectrum, order: float, slip: float) -> float:
 def comb(spectrum: OrderSpectrum, order: float, teeth: npt.ArrayLike) -> Comb:
     """Return the lines at ``teeth`` [orders] of a family whose fundamental is ``order``."""
     amplitude = float(np.median(spectrum.lines(teeth)))
-    depth, level = ratio(amplitude, spectrum.mean), decibels(ratio(amplitude, spectrum.background)) if amplitude > 0.0 else 0.0
-    return Comb(order, amplitude, depth, level)
+    background = spectrum.background(float(np.max(teeth)))
+    level = decibels(ratio(amplitude, background)) if amplitude > 0.0 and background > 0.0 else 0.0
+    return Comb(order, amplitude, ratio(amplitude, spectrum.mean), level)

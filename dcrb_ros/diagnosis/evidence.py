@@ -114,7 +114,9 @@ def findings(bands: Sequence[BandEvidence], whole: Band, high: Band, limits: Lim
                 found[kind].append(_outer(evidence, sizes[evidence.band], parameters))
             elif kind == "cage" or (kind != "outer_ring" and evidence.band.low >= whole.low):
                 found[kind].append(_modulated(evidence, kind, parameters))
-    best = {kind: max(own, key=lambda finding: finding.excess, default=Finding(NO_COMB, whole, LEAST_EXCESS)) for kind, own in found.items()}
+    best = {
+        kind: max(own, key=lambda finding: finding.excess, default=Finding(NO_COMB, whole, LEAST_EXCESS)) for kind, own in found.items()
+    }
     return _without_mirrors(best, bands, parameters)
 
 

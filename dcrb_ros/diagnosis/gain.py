@@ -25,17 +25,21 @@ class LevelHealth:
         self._latest: deque[Floats] = deque(maxlen=SETTLING)
         self._reference: Floats | None = None
         self._frequency = 0.0
+        self._firm = parameters.firm_level
 
     def forget(self) -> None:
         """Begin anew."""
         self._latest.clear()
         self._reference = None
 
-    def flaw(self, powers: npt.NDArray[np.floating], frequency: float, *, top: int | None, below: int) -> str:
+    def flaw(self, powers: npt.NDArray[np.floating], frequency: float, *, high: int | None, below: int) -> str:
         """Return what is wrong with the ``powers`` of bands beside each other, or nothing.
 
-        ``top`` is the place of the uppermost band, if the sampling rate lets it be seen, ``below`` that of the lowest.
+        ``high`` is the place of the band from which a mounting is judged, if the sampling rate lets it be seen, ``below`` that of the lowest.
         """
+        silence = 2.0 * self._parameters.silence**2
+        if 0.0 < float(powers.max()) < silence:
+            return f"no band holds more than {self._parameters.silence:g} m/s^2: the sensor is dead, or the signal below its resolution"
         if not np.all(powers > 0.0) or frequency <= 0.0:
             return ""
         if abs(frequency - self._frequency) > SAME_SPEED * self._frequency:
@@ -47,7 +51,7 @@ class LevelHealth:
         levels = np.mean(self._latest, axis=0)
         if self._reference is None:
             self._reference = levels
-        return self._fallen(levels - self._reference) or (self._loose(float(levels[top] - levels[below])) if top is not None else "")
+        return self._fallen(levels - self._reference) or (self._loose(float(levels[high] - levels[below])) if high is not None else "")
 
     def _fallen(self, change: Floats) -> str:
         p = self._parameters
@@ -57,6 +61,7 @@ class LevelHealth:
 
     def _loose(self, level: float) -> str:
         p = self._parameters
-        if level > p.loose_level:
+        self._firm = max(self._firm, level)
+        if level > p.loose_level or level > self._firm - p.loose_drop:
             return ""
-        return f"the uppermost band is {-level:.1f} dB below the lowest, where a firm sensor is at most {-p.loose_level:g}: its mounting is loose"
+        return f"the high band has fallen to {-level:.1f} dB below the low one, from {-self._firm:.1f} dB: the sensor's mounting is loose"

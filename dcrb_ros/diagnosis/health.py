@@ -106,7 +106,7 @@ BEFORE = 4
 
 
 def spikes(column: Floats, after: int, p: DetectorParameters) -> int:
-    """Return how many samples jump out of the quiet, and do not swing back within ``after`` samples."""
+    """Return how many samples jump out of the quiet to their height at once, and do not swing back within ``after`` samples."""
     centred = column - np.median(column)
     least = p.spike_height * float(np.median(np.abs(centred)))
     jumps = np.flatnonzero(np.abs(np.diff(centred)) > least) + 1
@@ -115,6 +115,7 @@ def spikes(column: Floats, after: int, p: DetectorParameters) -> int:
         return 0
     top = centred[jumps]
     before = np.abs(centred[jumps[:, None] - np.arange(1, BEFORE + 1)]).max(axis=1)
-    swing = (-np.sign(top)[:, None] * centred[jumps[:, None] + np.arange(after)]).max(axis=1)
-    size = np.abs(top)
-    return int(np.count_nonzero((size > least) & (before < p.spike_quiet * size) & (swing < p.spike_swing * size)))
+    course = np.sign(top)[:, None] * centred[jumps[:, None] + np.arange(after)]
+    size, highest, swing = np.abs(top), course.max(axis=1), -course.min(axis=1)
+    sharp = (before < p.spike_quiet * size) & (size > p.spike_front * highest) & (swing < p.spike_swing * size)
+    return int(np.count_nonzero(sharp & (size > least)))

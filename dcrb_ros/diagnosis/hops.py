@@ -17,6 +17,8 @@ REFERENCE_FREQUENCY = 20.0
 """Shaft frequency at which limits are stated and envelopes are kept [Hz]."""
 SLOWEST = 0.5
 """Shaft frequency below which an envelope is not scaled up any more [Hz]."""
+LOUDEST = 1e30
+"""Squared envelope that a single float still squares without overflow in a mean [(m/s^2)^2]."""
 MOST_TURNED_BACK = 0.02
 """Turns that an angle may go back by within a hop, its jitter set aside [-]."""
 
@@ -63,7 +65,7 @@ class Window:
         Without a shaft angle it is laid over the turns of a ``clock`` [Hz]. ``useless`` samples count as missing.
         """
         tracked = stretch.turns is not None
-        turns = stretch.turns if stretch.turns is not None else np.arange(len(stretch.missing)) * (clock / self._rate)
+        turns = stretch.turns if stretch.turns is not None else np.arange(len(stretch.missing), dtype=np.float64) * (clock / self._rate)
         inside = turns[self._margin : self._margin + self._hop + 1]
         net = float(inside[-1] - inside[0])
         self.turned_back = turns_back(inside, MOST_TURNED_BACK)
@@ -89,7 +91,7 @@ class Window:
             frequency = self._rate / (np.maximum(np.diff(places), 1e-9) * self.bins_per_turn)
             means = means / (np.maximum(frequency, SLOWEST) / REFERENCE_FREQUENCY) ** (2.0 * self._exponent)
         missing = np.ones(len(places) - 1, np.bool_) if useless else _missing_bins(stretch.missing, places, self._margin // 2)
-        return Hop(means.astype(np.float32), missing, length)
+        return Hop(np.minimum(means, LOUDEST).astype(np.float32), missing, length)
 
     @property
     def tracked(self) -> bool:

@@ -42,14 +42,22 @@ class DetectorParameters(Group):
         38.0, "m/s^2", "BPFO lines in the whole band from which an outer-ring defect is named, at 20 Hz; healthy up to 26", 0.0, 1e6
     )
     outer_limit_high: float = quantity(
-        12.0, "m/s^2", "BPFO lines in the band's upper quarter from which it is named, at 20 Hz; healthy up to 5, 10 by a mount that rings", 0.0, 1e6
+        12.0,
+        "m/s^2",
+        "BPFO lines in the band's upper quarter from which it is named, at 20 Hz; healthy up to 5, 10 by a mount that rings",
+        0.0,
+        1e6,
     )
     speed_exponent: float = quantity(1.0, "-", "Exponent of the shaft frequency over 20 Hz in both limits", 0.0, 4.0)
     outer_depth: float = quantity(
         0.3, "-", "Share of the mean squared envelope that BPFO lines of a defect must have; noise has 0.05", 0.0, 2.0
     )
     learn: float = quantity(
-        0.0, "s", "Time from the first judgement over which the bearing is taken for healthy and raises the outer limits; 0 for none", 0.0, 1e5
+        0.0,
+        "s",
+        "Time from the first judgement over which the bearing is taken for healthy and raises the outer limits; 0 for none",
+        0.0,
+        1e5,
     )
     learn_margin: float = quantity(4.0, "dB", "Margin over the largest BPFO lines that were learned", 0.0, 40.0)
 
@@ -66,7 +74,11 @@ class DetectorParameters(Group):
     )
     cage_level: float = quantity(6.0, "dB", "Comb at k FTF over its background; healthy up to 3", 0.0, 60.0)
     shadow: float = quantity(
-        2.0, "-", "Ratio of depths from which BPFI or 2 BSF lines explain a fault's that are found beside them, in the same band", 0.1, 100.0
+        2.0,
+        "-",
+        "Ratio of depths from which BPFI or 2 BSF lines explain a fault's that are found beside them, in the same band",
+        0.1,
+        100.0,
     )
     comb_shadow: float = quantity(
         0.7, "-", "The same for the comb at k FTF, whose teeth stand near every line; real ones rise well above it", 0.1, 100.0
@@ -83,19 +95,32 @@ class DetectorParameters(Group):
     dead_level: float = quantity(
         6.0, "dB", "Power density from 200 to 2000 Hz over that near the Nyquist frequency; a turning bearing has 12 and more", 0.0, 60.0
     )
-    dead_kurtosis: float = quantity(4.0, "-", "Kurtosis below which a flat spectrum is noise, which has 3; impacts have 6 and more", 3.0, 100.0)
+    dead_kurtosis: float = quantity(
+        4.0, "-", "Kurtosis below which a flat spectrum is noise, which has 3; impacts have 6 and more", 3.0, 100.0
+    )
     spike_height: float = quantity(25.0, "-", "Jump within a sample over the median size of the samples that may be a spike", 5.0, 1e4)
     spike_quiet: float = quantity(0.12, "-", "Share of a spike's height that the samples before it reach; a blow has a rise", 0.0, 1.0)
+    spike_front: float = quantity(0.9, "-", "Share of a spike's height that it reaches within one sample; a shock takes several", 0.0, 1.0)
     spike_swing: float = quantity(0.15, "-", "Share of a spike's height by which it swings to the other side; a blow rings", 0.0, 1.0)
     spike_time: float = quantity(0.001, "s", "Time within which a blow on the bearing swings back and a spike does not", 1e-5, 0.1)
     most_spikes: int = quantity(3, "spikes", "Spikes in a window from which the cable is blamed", 1, 100000)
+    silence: float = quantity(
+        1e-3, "m/s^2", "RMS that some band must reach at 20 Hz, or the sensor is dead; the softest healthy bearing has 0.2", 0.0, 10.0
+    )
     gain_drop: float = quantity(3.0, "dB", "Fall of all bands at the same speed from which the sensor's gain is blamed", 0.5, 60.0)
     gain_spread: float = quantity(
         1.5, "dB", "Largest difference between the bands' falls; a change of load moves them 5 dB and more apart", 0.1, 20.0
     )
     loose_level: float = quantity(
-        -30.0, "dB", "Power of the uppermost band over the lowest below which the mounting is loose; a healthy bearing has -24 and more",
-        -120.0, 0.0,
+        -23.0,
+        "dB",
+        "Power of the band's third quarter over that of the band below it, under which a mounting may be loose; healthy down to -22",
+        -120.0,
+        0.0,
+    )
+    loose_drop: float = quantity(8.0, "dB", "Fall of that level since it was highest from which the mounting is loose", 1.0, 60.0)
+    firm_level: float = quantity(
+        -60.0, "dB", "That level of a firm sensor, where the first seconds must not decide; a rigid mount has -10", -120.0, 60.0
     )
 
     confirm: int = quantity(2, "judgements", "Judgements in a row that name a fault, or clear the bearing at the beginning", 1, 100)

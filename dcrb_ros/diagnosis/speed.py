@@ -52,9 +52,10 @@ def estimated_frequency(spectra: Sequence[OrderSpectrum], unit: float, orders: O
     tried = np.exp(np.arange(np.log(slowest), np.log(fastest), STEP))
     score = np.zeros(len(tried))
     for spectrum in spectra:
-        if spectrum.background <= 0.0:
+        background = spectrum.background(float(spectrum.orders[-1]))
+        if background <= 0.0:
             continue
-        level = np.clip(10.0 * np.log10(np.maximum(spectrum.amplitude / spectrum.background, 1e-12)), 0.0, LEVEL_HELD)
+        level = np.clip(10.0 * np.log10(np.maximum(spectrum.amplitude / background, 1e-12)), 0.0, LEVEL_HELD)
         fits = [_fit(tried[:, None] * (teeth / unit), spectrum.orders, level) for teeth in teeth_of_families(orders)]
         score += np.max(fits, axis=0)
     best = int(np.argmax(score))

@@ -177,5 +177,3 @@ def _check(acceleration: npt.NDArray[Any], angle: npt.NDArray[Any]) -> None:
             f"a block of {acceleration.dtype} and {angle.dtype} is refused: accelerations [m/s^2] and angles [rad] must be numbers; "
             "the detector waits for the next block"
         )
-
-

@@ -23,8 +23,14 @@ class DetectorWire:
     def __init__(self, node: Node, parameters: DetectorParameters) -> None:
         self.node, self._hearing, self._verdict = node, Hearing(parameters), ""
         self._publisher = Publisher(node, DETECTED)
-        node.create_subscription(message_class(SENSOR), SENSOR.name, lambda data: self._tell(self._hearing.sensor(bytes(data))), qos(SENSOR), raw=True)
-        node.create_subscription(message_class(VIBRATION), VIBRATION.name, lambda data: self._tell(self._hearing.block(bytes(data))), qos(VIBRATION), raw=True)
+        node.create_subscription(message_class(SENSOR), SENSOR.name, self._on_sensor, qos(SENSOR), raw=True)
+        node.create_subscription(message_class(VIBRATION), VIBRATION.name, self._on_block, qos(VIBRATION), raw=True)
+
+    def _on_sensor(self, data: bytes) -> None:
+        self._tell(self._hearing.sensor(bytes(data)))
+
+    def _on_block(self, data: bytes) -> None:
+        self._tell(self._hearing.block(bytes(data)))
 
     def _tell(self, said: Said) -> None:
         if said.news:

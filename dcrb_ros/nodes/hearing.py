@@ -80,5 +80,6 @@ def _check_rate(block: Vibration, rate: int) -> None:
     step = float(np.median(np.diff(block.offsets_ns.astype(np.int64))))
     if abs(step * rate - 1e9) > RATE_TOLERANCE * 1e9 + rate:
         raise Refusal(
-            f"samples come every {step:.0f} ns where {rate} Hz on {SENSOR.name} mean {1e9 / rate:.0f} ns: one of them is wrong, describe the sensor anew"
+            f"samples come every {step:.0f} ns where {rate} Hz on {SENSOR.name} mean {1e9 / rate:.0f} ns: "
+            "one of them is wrong, describe the sensor anew"
         )
