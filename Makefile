@@ -5,7 +5,7 @@ STAMPED := $(shell date +%Y%m%d-%H%M%S)
 # A sourced ROS, or a middleware that is not in .venv, would end every node at once.
 unexport RMW_IMPLEMENTATION PYTHONPATH PYTHONHOME AMENT_PREFIX_PATH
 
-.PHONY: help environment demo test lint types architecture unit kernels nodes validate bench soak bags docs colcon clean
+.PHONY: help environment demo test lint types architecture unit kernels nodes validate bench soak exam bags docs colcon clean
 .DEFAULT_GOAL := help
 
 help: ## Show this list
@@ -58,6 +58,9 @@ bags: environment ## Make the recordings of bags/ anew, where the model has chan
 
 soak: environment ## An hour flat out and ten minutes in real time, with random commands and faults (SOAK='--flat-out 60 ...')
 	$(BIN)/python benchmarks/soak.py $(SOAK)
+
+exam: environment ## The standard exam of the shipped detector, and the naive one's failure: docs/exam.md anew
+	$(BIN)/python benchmarks/exam.py $(EXAM)
 
 docs: environment ## The site, into site/
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet

@@ -36,6 +36,7 @@ setup(
         (f"share/{NAME}", ["package.xml"]),
         (f"share/{NAME}/config", files("config", "*.yaml")),
         (f"share/{NAME}/config/scenarios", files("config/scenarios", "*.yaml")),
+        (f"share/{NAME}/config/exams", files("config/exams", "*.yaml")),
         (f"share/{NAME}/launch", files("launch", "*.py")),
         (f"share/{NAME}/examples", files("examples", "*.py")),
         (f"share/{NAME}/foxglove", files("foxglove", "*.json")),
@@ -57,6 +58,7 @@ setup(
         "rosbags>=0.10.10,<0.12",
         "rerun-sdk>=0.39,<0.42",
         "pyarrow>=14",
+        "junitparser>=3,<6",
     ],
     extras_require={
         "ros": [

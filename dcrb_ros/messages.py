@@ -487,6 +487,7 @@ def encode_diagnosis(diagnosis: Diagnosis) -> bytes:
     values |= {f"{name} [dB]": f"{diagnosis.levels.get(name, 0.0):.2f}" for name in INDICATORS}
     values |= {"severity [m/s^2]": f"{diagnosis.severity:.3f}", "trend [dB/min]": f"{diagnosis.trend:.2f}"}
     values |= {f"score {kind} [dB]": f"{score:.2f}" for kind, score in diagnosis.scores.items()}
+    values |= {"score": f"{max(diagnosis.scores.values()):.2f}"} if diagnosis.scores else {}  # the exam's evidence for any fault
     values |= {"clipped": str(diagnosis.clipped), "remarks": "; ".join(diagnosis.remarks)}
     status = Status("fault_detector", LEVELS.get(diagnosis.verdict, ERROR), diagnosis.verdict, values)
     return encode_diagnostics(round(diagnosis.time * 1e9), [status])

@@ -20,7 +20,7 @@ def dcrb(*arguments: str, timeout: float = 200.0) -> subprocess.CompletedProcess
 def test_help_lists_the_commands_without_loading_what_they_need() -> None:
     done = dcrb("--help")
     assert done.returncode == 0
-    for command in ("simulate", "bench", "detect", "view", "info", "config"):
+    for command in ("simulate", "bench", "detect", "score", "view", "info", "config"):
         assert command in done.stdout
     heavy = {"numba", "rclpy", "rerun", "scipy", "rosbags", "pydantic"}
     code = f"import sys; import dcrb_ros.cli.app; print(sorted({heavy} & set(sys.modules)))"

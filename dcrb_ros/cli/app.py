@@ -7,7 +7,7 @@ import sys
 import typer
 
 from dcrb_ros import __version__
-from dcrb_ros.cli import bench, config, detect, exchange, info, recover, replay, simulate, validate, view
+from dcrb_ros.cli import bench, config, detect, exchange, info, recover, replay, score, simulate, validate, view
 from dcrb_ros.guard import guarded
 
 app = typer.Typer(add_completion=False, no_args_is_help=True, pretty_exceptions_enable=False)
@@ -15,6 +15,7 @@ app.command("simulate")(simulate.simulate)
 app.command("bench")(bench.bench)
 app.command("replay")(replay.replay)
 app.command("detect")(detect.detect)
+app.command("score")(score.score)
 app.command("view")(view.view)
 app.command("info")(info.info)
 app.command("recover")(recover.recover)

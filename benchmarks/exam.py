@@ -1,0 +1,119 @@
+"""The reports in docs/exam.md: the shipped detector on an exam, and the naive one on another; recordings are kept for the next time."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import re
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+ROOT = Path(__file__).resolve().parents[1]
+PAGE, IMAGES = ROOT / "docs/exam.md", ROOT / "docs/images"
+SCORE = [sys.executable, "-c", "from dcrb_ros.cli.app import main; main()", "score"]
+MOST_FLAWS = 60
+
+
+def sat(exam: str, image: str, options: list[str]) -> dict[str, Any]:
+    """Return the report of an exam as JSON; its figure goes beside the documentation."""
+    # The report names the detector's command: it must not depend on where the interpreter lies.
+    path = {**os.environ, "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ.get('PATH', '')}"}
+    command = [*SCORE, exam, "--json", "--figure", str(IMAGES / image), *options]
+    done = subprocess.run(command, stdout=subprocess.PIPE, text=True, check=False, cwd=ROOT, env=path)
+    if done.returncode not in (0, 1) or not done.stdout:
+        sys.exit(f"the exam {exam} was not sat: status {done.returncode}")
+    report: dict[str, Any] = json.loads(done.stdout)
+    return report
+
+
+def number(value: float | None, digits: int = 2) -> str:
+    """Return a number, or a dash where there is none."""
+    return "–" if value is None else f"{value:.{digits}f}"
+
+
+def interval(found: dict[str, Any], digits: int = 2) -> str:
+    """Return an estimate with its bounds."""
+    return f"{number(found['value'], digits)} ({number(found['low'], digits)} to {number(found['high'], digits)})"
+
+
+def table(headings: list[str], rows: list[list[str]]) -> Iterator[str]:
+    """Yield the lines of a table."""
+    yield ""
+    yield "| " + " | ".join(headings) + " |"
+    yield "|" + "---|" * len(headings)
+    yield from ("| " + " | ".join(row) + " |" for row in rows)
+    yield ""
+
+
+def told(report: dict[str, Any], image: str, words: str) -> Iterator[str]:
+    """Yield a report as lines of Markdown."""
+    date = time.strftime("%d %B %Y", time.gmtime()).lstrip("0")
+    seconds = sum(scenario["duration"] for scenario in report["scenarios"])
+    yield (
+        f"{len(report['scenarios'])} scenarios, {seconds:.0f} s of signal; dcrb_ros {report['dcrb_ros']}, model `{report['model']}`, "
+        f"{date}; scenarios `{report['scenarios_sha256'][:16]}`."
+    )
+    yield from table(
+        ["criterion", "wanted", "got", ""],
+        [[c["name"], c["wanted"], c["got"], "holds" if c["holds"] else "**fails**"] for c in report["checks"]],
+    )
+    yield f"![{words}](images/{image})"
+    delays = [
+        [verdict, f"{d['found']} of {d['asked']}", number(d["median"]), number(d["p95"]), f"{d['limit']:g}"]
+        for verdict, d in report["delay"].items()
+    ]
+    yield from table(["fault", "found", "delay, median [s]", "95 % [s]", "limit [s]"], delays)
+    sizes = [
+        [d["verdict"], f"{d['width'] * 1e3:g}", f"{d['found']} of {d['asked']}", interval(d["probability"])] for d in report["detection"]
+    ]
+    yield from table(["fault", "width [mm]", "found", "probability of detection, 95 % bounds"], sizes)
+    alarms = report["false_alarms"]
+    yield (
+        f"False alarms: {alarms['count']} in {alarms['healthy_hours'] * 60.0:.1f} min of healthy signal, "
+        f"{interval(alarms['per_hour'], 1)} an hour. ROC area: {number(report['roc'] and report['roc']['area'], 3)}."
+    )
+    wrong = [scenario for scenario in report["scenarios"] if not scenario["passed"]]
+    if wrong:
+        yield ""
+        yield f"What went wrong, {len(wrong)} of {len(report['scenarios'])}:"
+        rows = [[f"`{s['name']}`", s["verdict"], s["flaw"], "" if s["required"] else "not required"] for s in wrong[:MOST_FLAWS]]
+        yield from table(["scenario", "right", "what", ""], rows)
+
+
+def replace(name: str, lines: Iterator[str]) -> None:
+    """Put a report in the place that the page keeps for it."""
+    text = "\n".join(lines).strip()
+    page, count = re.subn(
+        rf"(<!-- report {name} -->\n).*?(\n<!-- end of report -->)",
+        lambda found: found[1] + text + found[2],
+        PAGE.read_text(encoding="utf-8"),
+        flags=re.DOTALL,
+    )
+    if count != 1:
+        sys.exit(f"{PAGE} has {count} places for the report {name}: there must be one")
+    PAGE.write_text(page, encoding="utf-8")
+
+
+def main() -> None:
+    """Sit both exams and write both reports."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--exam", default="standard", help="for the shipped detector")
+    parser.add_argument("--recordings", help="folder that keeps the recordings")
+    parser.add_argument("--workers", default="0", help="runs at a time; 0 for one per core")
+    given = parser.parse_args()
+    options = ["--workers", given.workers, *(["--recordings", given.recordings] if given.recordings else [])]
+    began = time.monotonic()
+    replace("shipped", told(sat(given.exam, "exam-shipped.png", options), "exam-shipped.png", "The shipped detector's report"))
+    print(f"{given.exam}: {time.monotonic() - began:.0f} s of wall time with what was recorded before")
+    naive = ["--node", "python examples/naive_detector.py"]
+    replace("naive", told(sat("smoke", "exam-naive.png", options + naive), "exam-naive.png", "The naive detector's report"))
+    print(f"reports: {PAGE}")
+
+
+if __name__ == "__main__":
+    main()

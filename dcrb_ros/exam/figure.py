@@ -1,0 +1,124 @@
+"""The report as a figure: detection over width, delays, confusion, evidence."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from dcrb_ros.exam.report import Report
+from dcrb_ros.refusal import Refusal
+
+COLOURS = {
+    "outer_ring": "#1f6fb4",
+    "inner_ring": "#e07b00",
+    "roller": "#2a9d5c",
+    "cage": "#a23b72",
+    "compound": "#6b5b95",
+    "sensor": "#8a8a8a",
+}
+KINDS = (".png", ".svg", ".pdf")
+
+
+def write_figure(report: Report, file: Path) -> None:
+    """Draw the report.
+
+    Raises:
+        Refusal: the file cannot be written.
+    """
+    if file.suffix not in KINDS:
+        raise Refusal(f"--figure {file} is of no known kind: the name must end in {', '.join(KINDS)}")
+    figure = Figure(figsize=(11, 8), dpi=90, layout="constrained")
+    (detection, delay), (confusion, roc) = figure.subplots(2, 2)
+    _detection(detection, report)
+    _delay(delay, report)
+    _confusion(confusion, report)
+    _roc(roc, report)
+    figure.suptitle(f"{report.exam}: {'passed' if report.passed else 'failed'}, {report.detector}", fontsize=12)
+    try:
+        figure.savefig(file)
+    except OSError as error:
+        raise Refusal(f"{file} cannot be written: {error.strerror}; give another file to --figure") from None
+
+
+def _empty(axes: Axes, words: str) -> None:
+    axes.text(0.5, 0.5, words, ha="center", va="center", transform=axes.transAxes, color="#666666", wrap=True)
+    axes.set_xticks([])
+    axes.set_yticks([])
+
+
+def _detection(axes: Axes, report: Report) -> None:
+    axes.set_title("Probability of detection, 95 % bounds", fontsize=10)
+    rows = report.detections()
+    if not rows:
+        _empty(axes, "no defect with a width")
+        return
+    verdicts = list(dict.fromkeys(row.verdict for row in rows))
+    for place, verdict in enumerate(verdicts):
+        own = [row for row in rows if row.verdict == verdict]
+        shift = 0.04 * (place - 0.5 * (len(verdicts) - 1))
+        found = [row.probability for row in own]
+        error = [[p.value - p.low for p in found], [p.high - p.value for p in found]]
+        widths = [row.width * 1e3 + shift for row in own]
+        axes.errorbar(widths, [p.value for p in found], error, marker="o", ms=4, lw=1.2, capsize=3, color=COLOURS[verdict], label=verdict)
+    axes.axvline(report.criteria.smallest_width * 1e3, color="black", lw=0.8, ls=":", label="required from here on")
+    widest = max(row.width for row in rows) * 1e3
+    axes.set(xlabel="width [mm]", ylabel="found in time and named right [-]", ylim=(-0.03, 1.03), xlim=(0.0, 1.1 * widest))
+    axes.legend(fontsize=8, loc="lower right")
+    axes.grid(alpha=0.25)
+
+
+def _delay(axes: Axes, report: Report) -> None:
+    axes.set_title("Delay of what was found", fontsize=10)
+    rows = [row for row in report.delays() if row.asked]
+    if not rows:
+        _empty(axes, "no scenario with a fault")
+        return
+    for place, row in enumerate(rows):
+        delays = [m.delay for m in report.faulty if m.question.verdict == row.verdict and m.found and m.delay is not None]
+        spread = np.linspace(-0.2, 0.2, len(delays)) if len(delays) > 1 else np.zeros(len(delays))
+        axes.plot(place + spread, delays, "o", ms=3.5, alpha=0.7, color=COLOURS[row.verdict])
+        if math.isfinite(row.median):
+            axes.hlines(row.median, place - 0.3, place + 0.3, color="black", lw=1.5)
+        axes.hlines(row.limit, place - 0.4, place + 0.4, color="red", lw=1.0, ls="--")
+    axes.plot([], [], color="black", lw=1.5, label="median")
+    axes.plot([], [], color="red", lw=1.0, ls="--", label="limit")
+    axes.set_xticks(range(len(rows)), [f"{row.verdict}\n{row.found} of {row.asked}" for row in rows], fontsize=8)
+    axes.set(ylabel="delay [s]", ylim=(0.0, None), xlim=(-0.6, len(rows) - 0.4))
+    axes.legend(fontsize=8, loc="center right")
+    axes.grid(alpha=0.25, axis="y")
+
+
+def _confusion(axes: Axes, report: Report) -> None:
+    axes.set_title("Right verdict (rows) and answer (columns), in scenarios", fontsize=10)
+    found = report.confusion()
+    answers = [answer for answer in next(iter(found.values()), {}) if answer in found or any(row[answer] for row in found.values())]
+    counts = np.array([[row[answer] for answer in answers] for row in found.values()], dtype=float).reshape(len(found), len(answers))
+    if not counts.size:
+        _empty(axes, "no scenario")
+        return
+    shares = counts / np.maximum(counts.sum(axis=1, keepdims=True), 1.0)
+    axes.imshow(shares, cmap="Blues", vmin=0.0, vmax=1.2, aspect="auto")
+    for i, verdict in enumerate(found):
+        for j, answer in enumerate(answers):
+            right = answer == verdict
+            colour = "white" if shares[i, j] > 0.6 else "black" if right or not counts[i, j] else "#c00000"
+            axes.text(j, i, f"{counts[i, j]:.0f}", ha="center", va="center", fontsize=9, color=colour, fontweight="bold" if right else None)
+    axes.set_xticks(range(len(answers)), answers, rotation=35, ha="right", fontsize=8)
+    axes.set_yticks(range(len(found)), list(found), fontsize=8)
+
+
+def _roc(axes: Axes, report: Report) -> None:
+    curve = report.characteristic()
+    axes.set_title("Receiver operating characteristic, a score a scenario", fontsize=10)
+    if curve is None:
+        _empty(axes, "the detector publishes neither score nor confidence,\nor not on both faulty and healthy scenarios")
+        return
+    axes.plot(curve.false, curve.true, color="#1f6fb4", lw=1.5, drawstyle="steps-post", label=f"area {curve.area:.3f}")
+    axes.plot([0.0, 1.0], [0.0, 1.0], color="#8a8a8a", lw=0.8, ls=":")
+    axes.set(xlabel="healthy runs above the threshold [-]", ylabel="bearing faults above it [-]", xlim=(-0.02, 1.02), ylim=(-0.02, 1.02))
+    axes.legend(fontsize=8, loc="lower right")
+    axes.grid(alpha=0.25)

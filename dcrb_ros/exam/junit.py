@@ -1,0 +1,48 @@
+"""The report as JUnit XML, which every continuous integration shows."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from junitparser import Failure, JUnitXml, Skipped, TestCase, TestSuite
+
+from dcrb_ros import __version__
+from dcrb_ros.exam.report import Report
+from dcrb_ros.refusal import Refusal
+
+
+def write_junit(report: Report, file: Path) -> None:
+    """Write a suite of the criteria and one of the scenarios; a scenario that is not required never fails.
+
+    Raises:
+        Refusal: the file cannot be written.
+    """
+    document = JUnitXml("dcrb score")
+    document.add_testsuite(_criteria(report))
+    document.add_testsuite(_scenarios(report))
+    try:
+        document.write(str(file), pretty=True)
+    except OSError as error:
+        raise Refusal(f"{file} cannot be written: {error.strerror}; give another file to --junit") from None
+
+
+def _criteria(report: Report) -> TestSuite:
+    suite = TestSuite(f"{report.exam}: criteria")
+    for key, value in (("detector", report.detector), ("scenarios_sha256", report.scenarios), ("dcrb_ros", __version__)):
+        suite.add_property(key, value)
+    for check in report.checks():
+        case = TestCase(check.name, f"{report.exam}.criteria")
+        if not check.holds:
+            case.result = [Failure(f"wanted {check.wanted}, got {check.got}")]
+        suite.add_testcase(case)
+    return suite
+
+
+def _scenarios(report: Report) -> TestSuite:
+    suite = TestSuite(f"{report.exam}: scenarios")
+    for mark in report.marks:
+        case = TestCase(mark.question.name, f"{report.exam}.{mark.question.verdict}", mark.delay or 0.0)
+        if not mark.passed:
+            case.result = [Failure(mark.flaw) if mark.question.required else Skipped(f"not required: {mark.flaw}")]
+        suite.add_testcase(case)
+    return suite

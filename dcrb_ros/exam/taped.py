@@ -1,0 +1,98 @@
+"""Recordings as questions: the truth, and what a detector said while it was recorded."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from mcap.records import Channel, Message
+
+from dcrb_ros.block import Truth
+from dcrb_ros.exam.opinion import Opinion, opinion_of
+from dcrb_ros.exam.question import Question
+from dcrb_ros.mcap_records import McapRecords
+from dcrb_ros.messages import decode_truth
+from dcrb_ros.parameters import rpm
+from dcrb_ros.recording import mcap_files
+from dcrb_ros.refusal import Refusal
+from dcrb_ros.topics import DIAGNOSIS, GROUND_TRUTH
+
+KINDS = {"outer": "outer_ring", "inner": "inner_ring", "roller": "roller", "broken_bars": "cage", "sensor": "sensor"}
+"""Verdicts by the beginning of a fault's name in the ground truth."""
+
+
+@dataclass(frozen=True)
+class Tape:
+    """A recording that tells the truth, and perhaps what a detector said."""
+
+    path: Path
+    question: Question
+    opinions: tuple[Opinion, ...]
+
+
+def read_tape(path: Path, *, name: str = "") -> Tape:
+    """Return the question that a recording asks, and the answers in it; of the bench or of `ros2 bag record`.
+
+    Raises:
+        Refusal: no recording, no ground truth in it, or one that a single verdict cannot answer.
+    """
+    truths, opinions = [], []
+    for topic, data in _messages(path):
+        if topic.endswith(f"/{GROUND_TRUTH.name}"):
+            truths.append(decode_truth(data))
+        elif topic.endswith(f"/{DIAGNOSIS.name}"):
+            opinions.append(opinion_of(data))
+    if not truths:
+        raise Refusal(
+            f"{path} holds no messages on {GROUND_TRUTH.name}: nobody knows what would be right; give a recording of the bench "
+            "(dcrb simulate, dcrb bench --record, or ros2 bag record -a beside it)"
+        )
+    return Tape(path, _question(path, name or path.name, truths, opinions), tuple(opinions))
+
+
+def _messages(path: Path) -> Iterator[tuple[str, bytes]]:
+    for file in mcap_files(path):
+        channels: dict[int, Channel] = {}
+        for record in McapRecords(file):
+            if isinstance(record, Channel):
+                channels[record.id] = record
+            elif isinstance(record, Message) and record.channel_id in channels:
+                yield channels[record.channel_id].topic, record.data
+
+
+def _question(path: Path, name: str, truths: Sequence[Truth], opinions: Sequence[Opinion]) -> Question:
+    present: Mapping[str, Mapping[str, Any]] = {}
+    for truth in truths:
+        gone = set(present) - set(truth.faults)
+        if gone:
+            raise Refusal(
+                f"{path}: the fault {sorted(gone)[0]} ends at {truth.time_ns * 1e-9:g} s; a scenario has one right verdict from the "
+                "onset on: cut the recording there"
+            )
+        present = truth.faults
+    last = truths[-1]
+    duration = max([last.time_ns * 1e-9, *(opinion.time for opinion in opinions)])
+    onsets = [float(fault.get("onset", 0.0)) for fault in present.values()] or [0.0]
+    tags: dict[str, str | float] = {"speed": last.speed, "speed_rpm": round(rpm(last.speed), 1), "load": -last.load[1]}
+    widths = [float(fault["width"]) for fault in present.values() if "width" in fault]
+    tags |= {"width": max(widths)} if widths else {}
+    return Question(name, right_verdict(present), duration, max(onsets), tags, first_onset=min(onsets))
+
+
+def right_verdict(faults: Mapping[str, Any]) -> str:
+    """Return the verdict that faults, by their names in the ground truth, ask for; a broken sensor hides the rest.
+
+    Raises:
+        Refusal: a fault that the exam does not know.
+    """
+    kinds = set()
+    for name in faults:
+        kind = next((verdict for beginning, verdict in KINDS.items() if name.startswith(beginning)), None)
+        if kind is None:
+            raise Refusal(f"the ground truth names the fault '{name}', for which the exam knows no verdict")
+        kinds.add(kind)
+    if "sensor" in kinds:
+        return "sensor"
+    return "compound" if len(kinds) > 1 else next(iter(kinds), "healthy")
