@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import math
 import threading
 from collections import deque
@@ -14,6 +15,7 @@ import numpy.typing as npt
 from dcrb_ros.alteration import altered, onsets, refitted, spoken
 from dcrb_ros.block import Block, Floats, Layout, States, Truth, nanoseconds
 from dcrb_ros.configuration import Configuration
+from dcrb_ros.core.state import copy_of
 from dcrb_ros.core.step import advance
 from dcrb_ros.core.work import workspace
 from dcrb_ros.energy import stored_energy
@@ -120,6 +122,20 @@ class Simulation:
             altered(self.configuration, {**self._coming, **changes})
             self._await(lambda: self._alter(changes, spoken(changes)))
             self._coming.update(changes)
+
+    def fork(self) -> Simulation:
+        """Return a bearing that goes on from here by itself: with the same samples, until one of the two is told otherwise.
+
+        Raises:
+            ValueError: commands or changes wait for the next block.
+        """
+        with self._lock:
+            if self._pending:
+                raise ValueError(f"{len(self._pending)} commands wait for the next block; fork once it is made")
+            # What is constant is shared; the state's views of its lanes and the lock cannot be copied like the rest.
+            apart = (self._state, copy_of(self._state)), (self._work, workspace(self._payload)), (self._lock, threading.Lock())
+            shared = (self._payload, self._payload), (self.configuration, self.configuration)
+            return copy.deepcopy(self, {id(part): other for part, other in (*apart, *shared)})
 
     @property
     def awaited(self) -> bool:
