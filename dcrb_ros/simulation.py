@@ -57,7 +57,9 @@ class Simulation:
     The samples follow from the configuration, the scenario and the simulated times of the commands alone.
     """
 
-    def __init__(self, configuration: Configuration, scenario: Iterable[Event] = ()) -> None:
+    def __init__(self, configuration: Configuration, scenario: Iterable[Event] = (), *, waveform_only: bool = False) -> None:
+        """Start a bearing; with ``waveform_only`` its blocks have no states and no preview, and the same samples and truths."""
+        self._waveform_only = waveform_only
         self.configuration = configuration
         """As it is now: with the changes that have taken effect."""
         self._events = deque(scenario)
@@ -236,7 +238,7 @@ class Simulation:
             self._guard(acceleration)
             self._measured.append(self._sensor.measure(acceleration))
             self._angles = np.concatenate([self._angles, angles])
-            if self._steps == state_due:
+            if self._steps == state_due and not self._waveform_only:
                 self._states.append(observe(self._payload, self._state, self.time_ns, self._stored))
             if self._steps == truth_due:
                 self._note("")
@@ -257,6 +259,8 @@ class Simulation:
         return Measurement(clean[:size], measured[:size], clipped[:size])
 
     def _feed_preview(self, clean: npt.NDArray[np.float64]) -> None:
+        if self._waveform_only:
+            return
         for sample in self._preview.feed(clean):
             time_ns = nanoseconds(self._preview_count, self.configuration.publishing.preview_rate)
             self._previews.append((time_ns, sample))

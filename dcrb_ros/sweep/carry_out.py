@@ -19,7 +19,7 @@ from dcrb_ros.configuration import Configuration
 from dcrb_ros.configuration_file import flatten, validated
 from dcrb_ros.messages import packed
 from dcrb_ros.refusal import Refusal
-from dcrb_ros.scenario import timeline
+from dcrb_ros.scenario import Event, timeline
 from dcrb_ros.simulation import ModelFailure, Simulation
 from dcrb_ros.sinks.recorder import Recorder, RecordingFailed
 from dcrb_ros.sweep.design import Value
@@ -30,7 +30,7 @@ from dcrb_ros.sweep.sweep_file import Sweep, Windows
 from dcrb_ros.sweep.windows import cut, labelled, packed_windows, starts
 
 QUIET = {"block_size": 8192, "state_rate": 1}
-"""What of `publishing` a waveform does without; the samples do not depend on it."""
+"""`publishing` for a waveform alone: the samples do not depend on it."""
 
 
 @dataclass(frozen=True)
@@ -141,7 +141,7 @@ class _Settled:
         """Return the bearing of a run that has turned healthy until now and goes on with what is wrong."""
         if self._known is None or self._known[0] != run.twin:
             start = _configured(self._recipe, run.healthy)
-            self._known = run.twin, _Turning(Simulation(start), start, ()).skip(self._recipe.branch_at)
+            self._known = run.twin, _begun(self._recipe, start).skip(self._recipe.branch_at)
         settled = self._known[1]
         simulation = settled.simulation.fork()
         before, after = flatten(simulation.configuration.model_dump()), {**self._recipe.base, **run.changes}
@@ -180,7 +180,11 @@ def _made(recipe: Recipe, run: Run, settled: _Settled) -> dict[str, Any]:
 def _started(recipe: Recipe, run: Run) -> _Turning:
     configuration = _configured(recipe, run.changes)
     events = timeline(recipe.stories[run.scenario], configuration, f"scenario {run.scenario}") if run.scenario else ()
-    return _Turning(Simulation(configuration, events), configuration, ())
+    return _begun(recipe, configuration, events)
+
+
+def _begun(recipe: Recipe, configuration: Configuration, events: Iterable[Event] = ()) -> _Turning:
+    return _Turning(Simulation(configuration, events, waveform_only=recipe.output != "bag"), configuration, ())
 
 
 def _taken(blocks: Iterable[Block], before: Iterable[Truth], *, keep: bool) -> Taken:

@@ -8,7 +8,6 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.stats import qmc
 
 Value = bool | int | float | str
 
@@ -87,5 +86,7 @@ def _shares(design: str, axes: int, count: int, seed: int) -> Iterator[np.ndarra
         for number in range(count):
             yield np.random.default_rng([seed, number]).random(axes)
     else:
+        from scipy.stats import qmc  # takes a second to import, which workers need not
+
         # The stratification needs all points at once: 8 bytes each per axis.
         yield from qmc.LatinHypercube(axes, seed=seed).random(count)

@@ -43,8 +43,8 @@ def workers_here(count: int | None, memory: str) -> Iterator[Client]:
         limit = None if memory == "auto" else parse_bytes(memory)
     except ValueError:
         raise Refusal(f"--memory {memory}: it is no size; write such as 2GB, or auto for an equal share of the machine's") from None
-    # Without bokeh there is no dashboard, and no need of a web server.
-    place = "127.0.0.1:8787" if dashboard_there() else None
+    # There is a web server even without bokeh, and so without a dashboard.
+    place = "127.0.0.1:8787" if dashboard_there() else "127.0.0.1:0"
     with (
         dask.config.set({"distributed.worker.daemon": True, "distributed.logging.distributed": "critical"}),
         LocalCluster(

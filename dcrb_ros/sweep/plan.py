@@ -56,7 +56,9 @@ class Plan:
 
     def __init__(self, sweep: Sweep) -> None:
         self.sweep = sweep
-        self._made_by = [__version__, model_fingerprint(), sweep.file.duration, sweep.file.settle, sweep.file.branch_at]
+        file, base = sweep.file, dict(sweep.base)
+        self._common = digest([base, __version__, model_fingerprint(), file.duration, file.settle, file.branch_at])
+        self._bearing = digest({key: value for key, value in base.items() if not _no_condition(key)})
         conditions = {self._condition(point) for point in self._points()}
         self._splits = splits(conditions, sweep.file.split)
         self.conditions = len(conditions)
@@ -115,11 +117,12 @@ class Plan:
         for values in zip(*drawn, strict=True):
             yield list(zip(cases, values, strict=True))
 
+    def _other(self, changes: Point) -> Point:
+        """Return what differs from the base: equal bearings have equal differences, which are short."""
+        return {key: value for key, value in changes.items() if self.sweep.base.get(key) != value}
+
     def _condition(self, point: Point) -> str:
-        chosen = {**self.sweep.base, **point}
-        return digest(
-            {key: value for key, value in chosen.items() if key.split(".")[0] not in NO_CONDITION and key not in (SEED, SCENARIO)}
-        )
+        return digest([self._bearing, self._other({key: value for key, value in point.items() if not _no_condition(key)})])
 
     def _seeds(self, condition: str) -> list[int]:
         """Return the seeds at a condition: given, or drawn so that no two conditions have the same noise."""
@@ -130,13 +133,12 @@ class Plan:
         wrong = {**point, **values}
         scenario = str(wrong.pop(SCENARIO, ""))
         changes = {**wrong, SEED: seed}
-        healthy = {**{key: value for key, value in point.items() if key != SCENARIO}, **SOUND, SEED: seed}
-        resolved = {**self.sweep.base, **changes}
+        healthy = self._other({**{key: value for key, value in point.items() if key != SCENARIO}, **SOUND, SEED: seed})
         return Run(
             place,
-            digest([resolved, self.sweep.stories.get(scenario), *self._made_by]),
+            digest([self._common, self._other(changes), self.sweep.stories.get(scenario)]),
             case,
-            digest({**self.sweep.base, **healthy, SCENARIO: point.get(SCENARIO, "")}),
+            digest([self._common, healthy, point.get(SCENARIO, "")]),
             condition,
             self._splits[condition],
             changes,
@@ -144,6 +146,11 @@ class Plan:
             scenario,
             seed,
         )
+
+
+def _no_condition(key: str) -> bool:
+    """Return whether a parameter says nothing of the bearing, its speed and its load."""
+    return key.split(".")[0] in NO_CONDITION or key in (SEED, SCENARIO)
 
 
 def splits(conditions: set[str], shares: Shares) -> dict[str, str]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 from pydantic import ValidationError
 from pydantic_core import ErrorDetails
@@ -113,8 +113,7 @@ def _value(key: str, given: Any, field: ParameterField, source: str) -> Value:
     if field.low is not None and field.high is not None and not field.low <= given <= field.high:
         remedy = field.remedy or f"{field.description.lower()} lies within it"
         raise Refusal(f"{source}: {key} = {value!r} is outside {field.low:g} .. {field.high:g} {field.unit}: {remedy}")
-    checked: Value = value
-    return checked
+    return cast(Value, value)
 
 
 _KINDS = {float: "a number", int: "a whole number", bool: "true or false", str: "a text"}
@@ -237,6 +236,4 @@ def _branching(sweep: Sweep, fields: Mapping[str, ParameterField], source: str) 
     for name, axes in sweep.cases.items():
         for key in axes:
             if not fields[key].run_time:
-                raise Refusal(
-                    f"{source}: cases.{name}: {key} cannot change while the bearing turns, as branch_at asks for: set branch_at to 0"
-                )
+                raise Refusal(f"{source}: cases.{name}: {key} cannot change as the bearing turns: set branch_at to 0")

@@ -21,6 +21,8 @@ def starts(samples: int, windows: Windows) -> npt.NDArray[np.int64]:
 
 def cut(acceleration: Samples, windows: Windows) -> Samples:
     """Return the windows of a waveform, shape (windows, 2, length) [m/s^2]."""
+    if len(acceleration) < windows.length:
+        return np.zeros((0, 2, windows.length), np.float32)
     view = np.lib.stride_tricks.sliding_window_view(acceleration, windows.length, axis=0)
     found: Samples = np.ascontiguousarray(view[starts(len(acceleration), windows)])
     return found
