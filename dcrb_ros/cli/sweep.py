@@ -38,6 +38,9 @@ def sweep(
     from dcrb_ros.sweep.reading import read_sweep
 
     plan = Plan(read_sweep(sweep))
+    if plan.conditions < 3:
+        missing = "validation split" if plan.conditions == 2 else "validation and no test split"
+        typer.echo(f"{plan.conditions} condition of the bearing gives no {missing}: vary speed or load for more", err=True)
     if dry_run:
         _estimate(plan, workers or os.cpu_count() or 1)
         return
@@ -100,7 +103,7 @@ def _made(data_set: DataSet, client: Client) -> Tally:
         try:
             tally = data_set.make(client, progress)
         except KeyboardInterrupt:
-            reached = len(data_set.done) + sum(seen.values())
+            reached = sum(1 for _ in data_set.store.names("labels"))
             bar.console.print(f"stopped after {reached} of {total} runs; the same command goes on from there")
             raise
         bar.update(task, total=sum(tally.statuses.values()), completed=sum(tally.statuses.values()))

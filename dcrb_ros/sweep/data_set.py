@@ -15,7 +15,7 @@ from dcrb_ros.sweep.carry_out import error_label, recipe, write_label
 from dcrb_ros.sweep.dispatch import dispatched
 from dcrb_ros.sweep.label import ERROR
 from dcrb_ros.sweep.plan import Plan
-from dcrb_ros.sweep.store import Store
+from dcrb_ros.sweep.store import Store, StoreFailed
 from dcrb_ros.sweep.table import Tally, write_table
 
 if TYPE_CHECKING:
@@ -35,8 +35,7 @@ class DataSet:
         """Begin a data set, or go on with one.
 
         Raises:
-            Refusal: something else lies there, or what was begun with another sweep, model or version.
-            StoreFailed: the place cannot be written.
+            Refusal: something else lies there, or what was begun with another sweep, model or version, or it cannot be written.
         """
         self.plan, self.store = plan, store
         about = _about(plan)
@@ -44,10 +43,13 @@ class DataSet:
         if known is None:
             if any(True for _ in store.names("")):
                 raise Refusal(f"{store.address} holds something else: give a folder that is empty or not there yet")
-            store.write(COPY, plan.sweep.text.encode())
-            store.write(ABOUT, json.dumps(about, indent=1).encode())
         else:
             _same(json.loads(known), about, store)
+        try:
+            store.write(COPY, plan.sweep.text.encode())
+            store.write(ABOUT, json.dumps(about, indent=1).encode())
+        except StoreFailed as failure:
+            raise Refusal(str(failure)) from None
         store.sweep_up()
         self.done = {name.removesuffix(".json") for name in store.names("labels")}
         """Runs that have a label."""

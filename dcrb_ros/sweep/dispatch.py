@@ -46,7 +46,7 @@ def workers_here(count: int | None, memory: str) -> Iterator[Client]:
     # There is a web server even without bokeh, and so without a dashboard.
     place = "127.0.0.1:8787" if dashboard_there() else "127.0.0.1:0"
     with (
-        dask.config.set({"distributed.worker.daemon": True, "distributed.logging.distributed": "critical"}),
+        dask.config.set({"distributed.worker.profile.enabled": False}),
         LocalCluster(
             n_workers=count or os.cpu_count() or 1,
             threads_per_worker=1,
