@@ -88,7 +88,7 @@ def measured(joint: str, runs: int, duration: float) -> str:
     factor = tally.seconds / spent
     return (
         f"| {joint} | {runs} of {duration:g} s | {alone:.2f} | {factor:.2f} | {factor / alone:.2f} | {tally.seconds / wall:.2f} | "
-        f"{100 * spent / (wall * workers):.0f} % | {100 * foreign:.0f} % | {100 * share:.1f} % | {1e3 * gap:.1f} ms |"
+        f"{100 * spent / (wall * workers):.0f} % | {100 * foreign:.0f} % | {100 * share:.2f} % | {1e3 * gap:.2f} ms |"
     )
 
 

@@ -117,12 +117,9 @@ def _tell(tally: Tally, address: str) -> None:
         typer.echo(f"{count} x {reason}", err=True)
     if not done:
         raise RuntimeError(f"no run of {address} was done ({counts}): the reasons stand above and in labels.parquet")
-    splits = Counter[str]()
-    for (split, _), count in tally.classes.items():
-        splits[split] += count
-    print(
-        f"{address}: {counts}; {', '.join(f'{count} {split}' for split, count in sorted(splits.items()))}; {tally.seconds:.6g} s recorded"
-    )
+    splits = {split: sum(count for (of, _), count in tally.classes.items() if of == split) for split in ("train", "validation", "test")}
+    shares = ", ".join(f"{count} {split}" for split, count in splits.items() if count)
+    print(f"{address}: {counts}; {shares}; {tally.seconds:.6g} s recorded")
     print(f"load it with: pandas.read_parquet('{address}/labels.parquet')")
 
 
