@@ -233,6 +233,7 @@ def test_a_scenario_labels_its_windows(tmp_path: Path) -> None:
     table = pd.read_parquet(tmp_path / "set" / "windows" / run.split / f"{run.name}.parquet")
     assert list(table["fault"]) == ["healthy"] * 4 + ["outer_ring"] * 3
     assert list(table["mixed"]) == [False, False, False, True, False, False, False]
+    assert pd.read_parquet(tmp_path / "set" / "windows")["start"].equals(table["start"])
     held = np.load(tmp_path / "set" / label["file"])
     assert np.array_equal(table["ay"][2], held["ay"][512:1024])
     assert list(table["start"]) == [256 * k for k in range(7)]
@@ -304,6 +305,19 @@ def test_an_address_of_fsspec(client: Client) -> None:
         table = pd.read_parquet(stream)
     assert len(table) == 4
     assert DataSet(plan_of({**VARIED, "points": 2, "seeds": 1}), store).done == set(table["run"])
+
+
+def test_a_store_here_and_elsewhere(tmp_path: Path) -> None:
+    assert Store(f"file://{tmp_path}").folder == tmp_path
+    elsewhere = Store("memory://elsewhere")
+    assert elsewhere.folder is None
+    (tmp_path / "bag").mkdir()
+    (tmp_path / "bag" / "metadata.yaml").write_text("whole")
+    elsewhere.put(tmp_path / "bag", "runs/bag")
+    assert elsewhere.read("runs/bag/metadata.yaml") == b"whole"
+    assert elsewhere.read("runs/none") is None
+    assert list(elsewhere.names("nothing")) == []
+    assert not (tmp_path / "bag").exists()
 
 
 def test_failed_runs_are_recorded_and_stop_no_other(tmp_path: Path, client: Client, monkeypatch: pytest.MonkeyPatch) -> None:

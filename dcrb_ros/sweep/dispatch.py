@@ -23,6 +23,14 @@ PATIENCE = 10.0
 WAITING = 3
 """Tasks per worker that are handed over at once: one runs, the others keep it from waiting."""
 
+SELDOM = {
+    "distributed.worker.profile.enabled": False,
+    "distributed.admin.tick.interval": "500ms",
+    "distributed.admin.system-monitor.interval": "2s",
+    "distributed.worker.memory.monitor-interval": "500ms",
+}
+"""How often workers look after themselves: as Dask has it, that takes each of them 2 % of a core."""
+
 Outcome = list[tuple[str, str]] | Exception
 """Name and outcome of each run of a task, or why there is none."""
 
@@ -46,7 +54,7 @@ def workers_here(count: int | None, memory: str) -> Iterator[Client]:
     # There is a web server even without bokeh, and so without a dashboard.
     place = "127.0.0.1:8787" if dashboard_there() else "127.0.0.1:0"
     with (
-        dask.config.set({"distributed.worker.profile.enabled": False}),
+        dask.config.set(SELDOM),
         LocalCluster(
             n_workers=count or os.cpu_count() or 1,
             threads_per_worker=1,
