@@ -26,7 +26,7 @@ class Waveform(NamedTuple):
 
 def waveform(configuration: Configuration, duration: float) -> Waveform:
     """Return the waveform of a bearing from its settled start over ``duration`` [s]."""
-    blocks = list(Simulation(configuration).blocks(duration))
+    blocks = list(Simulation(configuration, waveform_only=True).blocks(duration))
     return Waveform(np.concatenate([block.acceleration for block in blocks]), np.concatenate([block.shaft_angle for block in blocks]))
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import dataclasses
 import math
 import threading
@@ -15,6 +16,7 @@ import numpy.typing as npt
 from dcrb_ros.alteration import altered, onsets, refitted, spoken
 from dcrb_ros.block import Block, Floats, Layout, States, Truth, nanoseconds
 from dcrb_ros.configuration import Configuration
+from dcrb_ros.core.state import copy_of
 from dcrb_ros.core.step import advance
 from dcrb_ros.core.work import workspace
 from dcrb_ros.energy import stored_energy
@@ -57,7 +59,9 @@ class Simulation:
     The samples follow from the configuration, the scenario and the simulated times of the commands alone.
     """
 
-    def __init__(self, configuration: Configuration, scenario: Iterable[Event] = ()) -> None:
+    def __init__(self, configuration: Configuration, scenario: Iterable[Event] = (), *, waveform_only: bool = False) -> None:
+        """Start a bearing; with ``waveform_only`` its blocks have no states and no preview, and the same samples and truths."""
+        self._waveform_only = waveform_only
         self.configuration = configuration
         """As it is now: with the changes that have taken effect."""
         self._events = deque(scenario)
@@ -122,6 +126,20 @@ class Simulation:
             altered(self.configuration, {**self._coming, **changes})
             self._await(lambda: self._alter(changes, spoken(changes)))
             self._coming.update(changes)
+
+    def fork(self) -> Simulation:
+        """Return a bearing that goes on from here by itself: with the same samples, until one of the two is told otherwise.
+
+        Raises:
+            ValueError: commands or changes wait for the next block.
+        """
+        with self._lock:
+            if self._pending:
+                raise ValueError(f"{len(self._pending)} commands wait for the next block; fork once it is made")
+            # What is constant is shared; the state's views of its lanes and the lock cannot be copied like the rest.
+            apart = (self._state, copy_of(self._state)), (self._work, workspace(self._payload)), (self._lock, threading.Lock())
+            shared = (self._payload, self._payload), (self.configuration, self.configuration)
+            return copy.deepcopy(self, {id(part): other for part, other in (*apart, *shared)})
 
     @property
     def awaited(self) -> bool:
@@ -227,7 +245,7 @@ class Simulation:
             self._steps += count
             self._guard(acceleration)
             motion.append((acceleration, angles))
-            if self._steps == state_due:
+            if self._steps == state_due and not self._waveform_only:
                 self._states.append(observe(self._payload, self._state, self.time_ns, self._stored))
             if self._steps == truth_due:
                 self._note("")
@@ -250,6 +268,8 @@ class Simulation:
         return Measurement(*(samples[:size] for samples in joined))
 
     def _feed_preview(self, clean: npt.NDArray[np.float64]) -> None:
+        if self._waveform_only:
+            return
         for sample in self._preview.feed(clean):
             time_ns = nanoseconds(self._preview_count, self.configuration.publishing.preview_rate)
             self._previews.append((time_ns, sample))

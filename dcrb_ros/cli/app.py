@@ -7,7 +7,7 @@ import sys
 import typer
 
 from dcrb_ros import __version__
-from dcrb_ros.cli import bench, config, detect, exchange, info, recover, replay, score, simulate, validate, view
+from dcrb_ros.cli import bench, config, detect, exchange, info, recover, replay, score, simulate, sweep, validate, view
 from dcrb_ros.guard import guarded
 
 app = typer.Typer(add_completion=False, no_args_is_help=True, pretty_exceptions_enable=False)
@@ -21,6 +21,7 @@ app.command("info")(info.info)
 app.command("recover")(recover.recover)
 app.command("export")(exchange.export)
 app.command("import")(exchange.import_)
+app.command("sweep")(sweep.sweep)
 app.command("validate")(validate.validate)
 app.add_typer(config.app, name="config")
 

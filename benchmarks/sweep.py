@@ -1,0 +1,129 @@
+"""What a sweep costs beside the model: simulated time per core second against the kernel, busy cores, time between two runs, a long plan.
+
+The kernel runs in as many processes at once as there are workers, before and after; processor time is compared with processor time.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import resource
+import statistics
+import tempfile
+import time
+import tracemalloc
+from collections.abc import Iterator
+from functools import partial
+from itertools import pairwise
+from typing import Any
+
+import psutil
+from distributed import Client, get_task_stream
+from real_time import kernel
+
+from dcrb_ros.configuration import Configuration
+from dcrb_ros.sweep.data_set import DataSet
+from dcrb_ros.sweep.dispatch import workers_here
+from dcrb_ros.sweep.plan import Plan
+from dcrb_ros.sweep.reading import sweep_of
+from dcrb_ros.sweep.store import Store
+from dcrb_ros.workers import in_processes
+
+
+def plan(joint: str, runs: int, duration: float, **more: Any) -> Plan:
+    """Return a plan of healthy and faulty runs of a duration [s]."""
+    cases = {"healthy": {}, "outer": {"faults.outer_1.width": {"low": 0.001, "high": 0.003}}}
+    vary = {"operating.load": {"low": 4e4, "high": 1.2e5}}
+    tree = {"set": {"cage.joint": joint}, "design": "random", "points": max(runs // 2, 1), "vary": vary, "cases": cases}
+    return Plan(sweep_of({**tree, "duration": duration, **more}, "benchmark"))
+
+
+def kernel_factor(joint: str, duration: float) -> float:
+    """Return simulated over processor time of the kernel alone [-]."""
+    run = kernel(Configuration.model_validate({"cage": {"joint": joint}}))
+    run(0.2)
+    begin = time.process_time()
+    run(duration)
+    return duration / (time.process_time() - begin)
+
+
+def kernels(joint: str, duration: float, workers: int) -> Iterator[float]:
+    """Yield the factor of each of some kernels that run at once."""
+    for _, factor in in_processes({k: partial(kernel_factor, joint, duration) for k in range(workers)}, workers):
+        yield factor
+
+
+def processor_time(client: Client) -> float:
+    """Return the processor time of all workers [s]."""
+    usage = client.run(lambda: sum(resource.getrusage(resource.RUSAGE_SELF)[:2]))
+    return float(sum(usage.values()))
+
+
+def between(tasks: list[dict[str, Any]]) -> tuple[float, float]:
+    """Return the time of workers between two tasks, as a share of all from the first to the last, and the median of it [s]."""
+    gaps, whole = [], 0.0
+    for worker in {task["worker"] for task in tasks}:
+        spans = sorted((part["start"], part["stop"]) for task in tasks if task["worker"] == worker for part in task["startstops"])
+        gaps += [max(0.0, after[0] - before[1]) for before, after in pairwise(spans)]
+        whole += spans[-1][1] - spans[0][0]
+    return sum(gaps) / whole, statistics.median(gaps)
+
+
+def measured(joint: str, runs: int, duration: float) -> str:
+    """Return a row of the table."""
+    workers = os.cpu_count() or 1
+    before = list(kernels(joint, 3.0, workers))
+    with tempfile.TemporaryDirectory() as folder, workers_here(workers, "auto") as client:
+        DataSet(plan(joint, 2 * workers, 0.1), Store(f"{folder}/warm")).make(client, lambda _: None)
+        data_set = DataSet(plan(joint, runs, duration), Store(f"{folder}/set"))
+        others = psutil.cpu_times()
+        spent, begin = processor_time(client), time.perf_counter()
+        with get_task_stream(client) as stream:
+            tally = data_set.make(client, lambda _: None)
+        wall, spent = time.perf_counter() - begin, processor_time(client) - spent
+        share, gap = between([task for task in stream.data if task["key"].startswith("sweep-")])
+        later = psutil.cpu_times()
+    alone = statistics.mean([*before, *kernels(joint, 3.0, workers)])
+    foreign = (later.user + later.system + later.nice - others.user - others.system - others.nice - spent) / (wall * workers)
+    factor = tally.seconds / spent
+    return (
+        f"| {joint} | {runs} of {duration:g} s | {alone:.2f} | {factor:.2f} | {factor / alone:.2f} | {tally.seconds / wall:.2f} | "
+        f"{100 * spent / (wall * workers):.0f} % | {100 * foreign:.0f} % | {100 * share:.2f} % | {1e3 * gap:.2f} ms |"
+    )
+
+
+def long_plan(runs: int) -> None:
+    """Print how long a long plan takes to its first task and to its last, and the memory that it takes."""
+    tracemalloc.start()
+    begin = time.perf_counter()
+    long = plan("revolute", runs, 10.0)
+    tasks = long.tasks(set(), 2.0)
+    next(tasks)
+    first, after_first = time.perf_counter() - begin, tracemalloc.get_traced_memory()[0]
+    count = 1 + sum(1 for _ in tasks)
+    last, peak = time.perf_counter() - begin, tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    print(
+        f"\nA plan of {runs} runs: first task after {first:.2f} s, all {count} tasks after {last:.2f} s, {after_first / 1e6:.1f} MB at the "
+        f"first and {peak / 1e6:.1f} MB at most (traced, which slows it)."
+    )
+
+
+def main() -> None:
+    """Print the table."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--runs", type=int, default=16)
+    parser.add_argument("--duration", type=float, default=10.0, help="simulated time of a run [s]")
+    parser.add_argument("--joints", nargs="+", default=["revolute", "pocket"])
+    options = parser.parse_args()
+    print(f"Load of the machine before: {os.getloadavg()[0]:.1f}\n")
+    head = "joint", "runs", "kernel, x real time", "sweep, per core second", "ratio", "all workers", "busy", "others", "between runs", "gap"
+    print(f"| {' | '.join(head)} |")
+    print("|---|---|---|---|---|---|---|---|---|---|")
+    for joint in options.joints:
+        print(measured(joint, options.runs, options.duration), flush=True)
+    long_plan(10_000)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,118 @@
+"""The data set as it grows: begun or gone on with, its runs made, its table and card written."""
+
+from __future__ import annotations
+
+import json
+from collections import Counter
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+from dcrb_ros import __version__
+from dcrb_ros.manifest import model_fingerprint
+from dcrb_ros.refusal import Refusal
+from dcrb_ros.sweep.card import card
+from dcrb_ros.sweep.carry_out import error_label, recipe, write_label
+from dcrb_ros.sweep.dispatch import dispatched
+from dcrb_ros.sweep.label import ERROR
+from dcrb_ros.sweep.plan import Plan
+from dcrb_ros.sweep.store import Store, StoreFailed
+from dcrb_ros.sweep.table import Tally, write_table
+
+if TYPE_CHECKING:
+    from distributed import Client
+
+ABOUT, COPY, CARD = "sweep.json", "sweep.yaml", "README.md"
+TASK_SECONDS = 2.0
+"""Simulated time in a task below which short runs go together [s]: handing over a task costs some milliseconds."""
+
+Progress = Callable[[Counter[str]], None]
+
+
+class DataSet:
+    """A data set at its place."""
+
+    def __init__(self, plan: Plan, store: Store) -> None:
+        """Begin a data set, or go on with one.
+
+        Raises:
+            Refusal: something else lies there, or what was begun with another sweep, model or version, or it cannot be written.
+        """
+        self.plan, self.store = plan, store
+        about = _about(plan)
+        known = store.read(ABOUT)
+        if known is None:
+            if any(True for _ in store.names("")):
+                raise Refusal(f"{store.address} holds something else: give a folder that is empty or not there yet")
+        else:
+            _same(json.loads(known), about, store)
+        try:
+            store.write(COPY, plan.sweep.text.encode())
+            store.write(ABOUT, json.dumps(about, indent=1).encode())
+        except StoreFailed as failure:
+            raise Refusal(str(failure)) from None
+        store.sweep_up()
+        self.done = {name.removesuffix(".json") for name in store.names("labels")}
+        """Runs that have a label."""
+
+    def make(self, client: Client, progress: Progress) -> Tally:
+        """Make what is missing, then the table and the card; tell of ``progress`` the outcomes of each task."""
+        common, runs = recipe(self.plan.sweep, self.store), self.plan.tasks(self.done, self._task_seconds(client))
+        for task, outcome in dispatched(client, common, runs):
+            if isinstance(outcome, Exception):
+                for run in task:
+                    if not self.store.exists(f"labels/{run.name}.json"):
+                        write_label(self.store, error_label(self.plan.sweep.base, run, str(outcome) or type(outcome).__name__))
+                progress(Counter({ERROR: len(task)}))
+            else:
+                for name, status in outcome:
+                    if status != ERROR:
+                        self.store.remove(f"errors/{name}.json")
+                progress(Counter(status for _, status in outcome))
+        return self.finish()
+
+    def finish(self) -> Tally:
+        """Write the table and the card."""
+        tally = write_table(self.plan, self.store)
+        self.store.write(CARD, card(self.plan, tally).encode())
+        return tally
+
+    def _task_seconds(self, client: Client) -> float:
+        """Return the simulated time of a task [s]: short, but no shorter than what keeps all workers busy to the end."""
+        file, workers = self.plan.sweep.file, max(1, sum(client.nthreads().values()))
+        fair: float = self.plan.sweep.count * (file.duration + file.settle) / (8 * workers)
+        return min(TASK_SECONDS, fair)
+
+
+def _about(plan: Plan) -> dict[str, Any]:
+    """Return what a data set was begun with, all that is needed to make it again."""
+    sweep = plan.sweep
+    return {
+        "name": plan.name,
+        "sweep": sweep.file.model_dump(mode="json", by_alias=True),
+        "base": dict(sweep.base),
+        "scenarios": dict(sweep.stories),
+        "dcrb_ros": __version__,
+        "model": model_fingerprint(),
+    }
+
+
+def _same(known: dict[str, Any], about: dict[str, Any], store: Store) -> None:
+    """Refuse to go on with a data set that was begun otherwise."""
+    if known.get("name") == about["name"]:
+        return
+    if known.get("model") != about["model"] or known.get("dcrb_ros") != about["dcrb_ros"]:
+        raise Refusal(
+            f"{store.address} was begun with dcrb_ros {known.get('dcrb_ros')} and model {known.get('model')}, this is "
+            f"{about['dcrb_ros']} with model {about['model']}: give another folder, a data set is of one model"
+        )
+    parts = [part for part in ("sweep", "base", "scenarios") if known.get(part) != about[part]]
+    keys = [
+        key
+        for part in parts
+        for key in sorted({*known.get(part, {}), *about[part]})
+        if known.get(part, {}).get(key) != about[part].get(key)
+    ]
+    raise Refusal(
+        f"{store.address} was begun with another sweep ({', '.join(keys[:5])} differ{'s' if len(keys) == 1 else ''}): give another folder, "
+        f"or take up the old one with its {COPY}"
+    )

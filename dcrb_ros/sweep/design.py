@@ -1,0 +1,92 @@
+"""Designs of experiments: points in the space of what varies, made one after the other."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+Value = bool | int | float | str
+
+GRID, RANDOM, LATIN_HYPERCUBE = "grid", "random", "latin_hypercube"
+
+
+@dataclass(frozen=True)
+class Choice:
+    """One of some values."""
+
+    values: tuple[Value, ...]
+
+    def at(self, share: float) -> Value:
+        """Return the value at a share of the axis, 0 .. 1 [-]."""
+        return self.values[min(int(share * len(self.values)), len(self.values) - 1)]
+
+    def grid(self) -> tuple[Value, ...]:
+        """Return the values of a grid."""
+        return self.values
+
+
+@dataclass(frozen=True)
+class Span:
+    """A closed range."""
+
+    low: float
+    high: float
+    log: bool = False
+    """Whether equal shares are equal ratios."""
+    whole: bool = False
+    """Whether only whole numbers are meant."""
+    count: int = 0
+    """Values of a grid [-]."""
+
+    def at(self, share: float) -> Value:
+        """Return the value at a share of the axis, 0 .. 1 [-]."""
+        if self.whole and not self.log:
+            return min(math.floor(self.low + share * (self.high - self.low + 1.0)), int(self.high))
+        exact = self.low * (self.high / self.low) ** share if self.log else self.low + share * (self.high - self.low)
+        held = min(max(exact, self.low), self.high)
+        return round(held) if self.whole else held
+
+    def grid(self) -> tuple[Value, ...]:
+        """Return the values of a grid, both ends among them."""
+        last = max(self.count - 1, 1)
+        if self.whole and not self.log:
+            return tuple(round(self.low + k * (self.high - self.low) / last) for k in range(self.count))
+        return tuple(self.at(k / last) for k in range(self.count))
+
+
+Axis = Choice | Span
+Axes = Mapping[str, Axis]
+Point = dict[str, Value]
+
+
+def size(design: str, axes: Axes, count: int) -> int:
+    """Return the number of points of a design; ``count`` is what a grid does not need [-]."""
+    return math.prod(len(axis.grid()) for axis in axes.values()) if design == GRID else count
+
+
+def points(design: str, axes: Axes, count: int, seed: int) -> Iterator[Point]:
+    """Yield the points of a design; the same arguments yield the same points."""
+    if design == GRID:
+        for values in itertools.product(*(axis.grid() for axis in axes.values())):
+            yield dict(zip(axes, values, strict=True))
+    else:
+        for shares in _shares(design, len(axes), count, seed):
+            yield {key: axis.at(float(share)) for (key, axis), share in zip(axes.items(), shares, strict=True)}
+
+
+def _shares(design: str, axes: int, count: int, seed: int) -> Iterator[np.ndarray[tuple[int, ...], np.dtype[np.float64]]]:
+    """Yield ``count`` points of the unit cube."""
+    if not axes:
+        yield from (np.zeros(0) for _ in range(count))
+    elif design == RANDOM:
+        for number in range(count):
+            yield np.random.default_rng([seed, number]).random(axes)
+    else:
+        from scipy.stats import qmc  # takes a second to import, which workers need not
+
+        # The stratification needs all points at once: 8 bytes each per axis.
+        yield from qmc.LatinHypercube(axes, seed=seed).random(count)

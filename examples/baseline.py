@@ -1,0 +1,50 @@
+"""A baseline classifier on a data set of `dcrb sweep`: python examples/baseline.py DIR."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+from load_dataset import labels, waveform
+from scipy import signal
+from sklearn.ensemble import RandomForestClassifier
+from sklearn.metrics import balanced_accuracy_score, confusion_matrix
+
+
+def features(folder: Path, row: pd.Series) -> list[float]:
+    """Return level, kurtosis and the lines of the envelope spectrum, as logarithms over their background."""
+    acceleration, angle = waveform(folder, row["file"])
+    found: list[float] = []
+    turns = np.unwrap(angle) / (2.0 * np.pi)
+    for axis in acceleration:
+        sound = signal.sosfiltfilt(signal.butter(4, 2000.0, "highpass", fs=row["sampling_rate"], output="sos"), axis)
+        envelope = np.abs(signal.hilbert(sound))
+        found += [np.log(np.std(axis)), np.log(np.mean((axis - axis.mean()) ** 4) / np.var(axis) ** 2)]
+        # Resampled over the angle of the shaft, the lines stand at the same orders at any speed.
+        even = np.interp(np.linspace(turns[0], turns[-1], len(turns)), turns, envelope)
+        spectrum = np.abs(np.fft.rfft((even - even.mean()) * np.hanning(len(even))))
+        order, shaft = np.arange(len(spectrum)) / (turns[-1] - turns[0]), abs(row["speed"]) / (2.0 * np.pi)
+        for name in ("ftf", "bpfo", "bpfi", "bsf"):
+            for harmonic in (1, 2, 3, 4):
+                line = harmonic * row[name] / shaft
+                near, around = np.abs(order - line) < 0.3, np.abs(order - line) < 3.0
+                found.append(np.log(spectrum[near].max() / np.median(spectrum[around])))
+    return found
+
+
+def main(folder: Path) -> float:
+    """Train on train, print how test comes out, and return the balanced accuracy [-]."""
+    tables = {split: labels(folder, split) for split in ("train", "test")}
+    x = {split: np.array([features(folder, row) for _, row in table.iterrows()]) for split, table in tables.items()}
+    forest = RandomForestClassifier(300, random_state=1).fit(x["train"], tables["train"]["fault"])
+    found, truth = forest.predict(x["test"]), tables["test"]["fault"]
+    print(pd.DataFrame(confusion_matrix(truth, found, labels=forest.classes_), forest.classes_, forest.classes_))
+    accuracy = float(balanced_accuracy_score(truth, found))
+    print(f"balanced accuracy on test: {accuracy:.2f}, by chance {1.0 / len(forest.classes_):.2f}")
+    return accuracy
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]))

@@ -1,0 +1,55 @@
+"""A data set of `dcrb sweep` as arrays, with numpy and pandas alone: python examples/load_dataset.py DIR."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+CLASSES = ["healthy", "outer_ring", "inner_ring", "roller", "cage", "compound"]
+
+
+def labels(folder: Path, split: str) -> pd.DataFrame:
+    """Return the rows of one split: ``train``, ``validation`` or ``test``."""
+    table = pd.read_parquet(folder / "labels.parquet")
+    return table[(table["split"] == split) & (table["status"] == "done")].reset_index(drop=True)
+
+
+def waveform(folder: Path, file: str) -> tuple[np.ndarray, np.ndarray]:
+    """Return acceleration in X and Y, shape (2, samples) [m/s^2], and the angle of the inner ring, shape (samples,) [rad]."""
+    held = pd.read_parquet(folder / file) if file.endswith(".parquet") else np.load(folder / file)
+    return np.stack([held["ax"], held["ay"]]), np.asarray(held["shaft_angle"])
+
+
+def windows(folder: Path, split: str, length: int = 4096, hop: int = 2048) -> Iterator[tuple[np.ndarray, int]]:
+    """Yield windows of shape (2, length) with the number of their class in `CLASSES`; no more than one run is held in memory."""
+    for row in labels(folder, split).itertuples():
+        acceleration, _ = waveform(folder, row.file)
+        for begin in range(0, acceleration.shape[1] - length + 1, hop):
+            yield acceleration[:, begin : begin + length], CLASSES.index(row.fault)
+
+
+try:  # PyTorch, where it is installed
+    from torch.utils.data import IterableDataset
+
+    class Windows(IterableDataset):
+        """Windows and classes for `torch.utils.data.DataLoader`."""
+
+        def __init__(self, folder: Path, split: str) -> None:
+            self.folder, self.split = folder, split
+
+        def __iter__(self) -> Iterator[tuple[np.ndarray, int]]:
+            return windows(self.folder, self.split)
+except ImportError:
+    pass
+
+
+if __name__ == "__main__":
+    place = Path(sys.argv[1])
+    for name in ("train", "validation", "test"):
+        found = list(windows(place, name))
+        counts = np.bincount([number for _, number in found], minlength=len(CLASSES))
+        print(f"{name}: {len(found)} windows; {', '.join(f'{count} {CLASSES[k]}' for k, count in enumerate(counts) if count)}")
