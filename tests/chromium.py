@@ -10,6 +10,7 @@ import shutil
 import subprocess
 import tempfile
 import threading
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -33,11 +34,17 @@ FLAGS = (
 )
 PATIENCE = 150.0
 """Longest life of a browser [s]."""
+ARRIVAL = 30.0
+"""How long it may take to a page [s]."""
 
 
 def found() -> str | None:
     """Return the browser of this machine, if it has one."""
     return next((path for name in NAMES if (path := shutil.which(name))), None)
+
+
+class NotNow(RuntimeError):
+    """The browser refused a command; while it goes to a page it has none that it could show."""
 
 
 class Page:
@@ -61,7 +68,8 @@ class Page:
         while True:
             answer = self._message()
             if answer.get("id") == self._number:
-                assert "error" not in answer, answer
+                if "error" in answer:
+                    raise NotNow(answer["error"]["message"])
                 return answer["result"]
 
     def _message(self) -> Any:
@@ -73,8 +81,15 @@ class Page:
         return json.loads(message)
 
     def png(self) -> bytes:
-        """Return what the page shows."""
-        return base64.b64decode(self.ask("Page.captureScreenshot", format="png")["data"])
+        """Return what the page shows, as soon as there is one."""
+        end = time.monotonic() + ARRIVAL
+        while True:
+            try:
+                return base64.b64decode(self.ask("Page.captureScreenshot", format="png")["data"])
+            except NotNow:
+                if time.monotonic() > end:
+                    raise
+                time.sleep(0.1)
 
     def pixels(self) -> npt.NDArray[np.int64]:
         """Return the colours of the page, shape (height, width, 3)."""
