@@ -13,6 +13,7 @@ from scipy import signal
 
 from dcrb_ros.configuration import Configuration
 from dcrb_ros.configuration_file import load_configuration
+from dcrb_ros.measurement.decimation import anti_alias_taps
 from dcrb_ros.measurement.sensor import Sensor
 from dcrb_ros.sensing import MICRO_G, TYPICAL
 from dcrb_ros.simulation import Simulation
@@ -44,23 +45,25 @@ def response(axis: int, **groups: Any) -> tuple[npt.NDArray[np.float64], npt.NDA
 def transfer(path: Path) -> None:
     """Draw the gain of the stages."""
     box = {"modes": 6}
-    curves = {
-        "anti-alias filter, 51.2 kHz": response(0),
-        "anti-alias filter, 12.8 kHz": response(0, sensor={"sampling_rate": 12800}),
-        "iepe_100mv_g": response(0, sensor={"preset": "iepe_100mv_g"}),
-        "mems": response(0, sensor={"preset": "mems"}),
-        "axle box, 6 modes, X": response(0, structure=box),
-        "axle box, 6 modes, Y": response(1, structure=box),
-    }
-    figure, panels = plt.subplots(1, 2, figsize=(10.0, 3.8), layout="constrained", sharey=True)
-    for panel, names in zip(panels, (list(curves)[:4], list(curves)[4:]), strict=True):
-        for name in names:
-            panel.semilogx(*curves[name], label=name, linewidth=1.1)
-        panel.set(xlim=(0.4, 25600), ylim=(-60, 25), xlabel="frequency [Hz]")
+    presets = {name: response(0, sensor={"preset": name}) for name in ("ideal", "iepe_100mv_g", "mems")}
+    boxes = {f"axle box, 6 modes, {axis}": response(k, structure=box) for k, axis in enumerate("XY")}
+    figure, panels = plt.subplots(1, 3, figsize=(11.0, 3.6), layout="constrained")
+    for panel, curves in zip(panels, (presets, boxes), strict=False):
+        for name, curve in curves.items():
+            panel.semilogx(*curve, label=name, linewidth=1.1)
+        panel.set(xlim=(0.4, 25600), ylim=(-30, 25))
+    for rate, factor, steps in ((12800, 8, 102400), (25600, 4, 102400), (51200, 2, 102400), (102400, 2, 204800)):
+        frequency, gain = signal.freqz(anti_alias_taps(factor, between=True), worN=8192, fs=steps)
+        panels[2].plot(frequency / 1e3, 20.0 * np.log10(np.maximum(np.abs(gain), 1e-7)), label=f"{rate / 1e3:g} kHz", linewidth=0.9)
+    panels[2].axhline(-80.0, color="black", linewidth=0.8, linestyle="--")
+    panels[2].set(xlim=(0, 102), ylim=(-120, 5), xlabel="frequency before decimation [kHz]", title="anti-alias filter by output rate")
+    panels[0].set(ylabel="gain [dB]", xlabel="frequency [Hz]", title="presets")
+    panels[1].set(xlabel="frequency [Hz]", title="structural path")
+    for panel in panels:
+        panel.title.set_fontsize(10)
         panel.grid(alpha=0.3)
-        panel.legend(loc="lower left", fontsize=8)
-    panels[0].set_ylabel("gain [dB]")
-    figure.savefig(path / "measurement-transfer.png", dpi=110)
+        panel.legend(loc="lower left" if panel is not panels[2] else "upper right", fontsize=8)
+    figure.savefig(path / "measurement-transfer.png", dpi=105)
 
 
 def noise(path: Path) -> None:
