@@ -1,7 +1,7 @@
 """The reference fault detector: blocks of samples in, verdicts out, with bounded memory.
 
-Every hop: the stream is mended, the sensor's health is looked at, and the squared envelopes of a tree of bands are laid over the turns of the
-shaft. From the hops of a window come order spectra, from these the lines of each fault, from these the verdict.
+Every hop: the stream is mended, the sensor's health is looked at, and the squared envelopes of a tree of bands are laid over the
+turns of the shaft. From the hops of a window come order spectra, from these the lines of each fault, from these the verdict.
 """
 
 from __future__ import annotations
@@ -89,7 +89,7 @@ class FaultDetector:
     """
 
     def __init__(self, orders: Orders, rate: int, parameters: DetectorParameters = DEFAULTS, *, sensor_range: float = 0.0) -> None:
-        """Watch a bearing of characteristic ``orders``, sampled at ``rate`` [Hz] by a sensor of a range [m/s^2], 0 where it is not known."""
+        """Watch a bearing of characteristic ``orders``, sampled at ``rate`` [Hz] by a sensor of a range [m/s^2], 0 if not known."""
         p = parameters
         self.orders, self.rate, self.parameters = orders, rate, parameters
         self.band, self._high, bands = _bands(rate, p)

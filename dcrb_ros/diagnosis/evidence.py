@@ -51,11 +51,12 @@ class Finding(NamedTuple):
 
     def describe(self, kind: Kind) -> str:
         """Return the finding as words."""
-        size = f"has {self.comb.amplitude**0.5:.3g} m/s^2 where {self.limit:.3g} are a fault, " if self.limit else ""
-        return (
-            f"{LINES[kind]} at {self.comb.order:.3f} orders {size}{'' if size else 'modulates by '}{self.comb.depth:.2f} "
-            f"{'of the mean ' if size else 'of the mean squared envelope '}and stands {self.comb.level:.1f} dB over background from {self.band}"
-        )
+        lines = self.comb
+        place = f"{LINES[kind]} at {lines.order:.3f} orders"
+        level = f"{lines.level:.1f} dB over background from {self.band}"
+        if self.limit:
+            return f"{place} has {lines.amplitude**0.5:.3g} m/s^2 at 20 Hz where {self.limit:g} is a defect, {level}"
+        return f"{place} modulates the squared envelope by {lines.depth:.2f} of its mean, {level}"
 
 
 class BandEvidence(NamedTuple):

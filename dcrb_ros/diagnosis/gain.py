@@ -35,7 +35,8 @@ class LevelHealth:
     def flaw(self, powers: npt.NDArray[np.floating], frequency: float, *, high: int | None, below: int) -> str:
         """Return what is wrong with the ``powers`` of bands beside each other, or nothing.
 
-        ``high`` is the place of the band from which a mounting is judged, if the sampling rate lets it be seen, ``below`` that of the lowest.
+        ``high`` is the place of the band from which a mounting is judged, if the sampling rate lets it be seen, ``below`` that of
+        the lowest.
         """
         silence = 2.0 * self._parameters.silence**2
         if 0.0 < float(powers.max()) < silence:

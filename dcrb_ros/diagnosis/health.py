@@ -72,7 +72,7 @@ class SampleHealth:
         limit, share = max(abs(end) for end in ends), clipped / len(column)
         if share > p.most_clipped or (share > p.least_clipped and limit < p.range_share * self.range):
             told = f" where its range is {self.range:g}" if self.range else ""
-            return f"the acceleration in {axis} stands at its limit of {limit:.3g} m/s^2{told} for {share:.1%} of the time: the sensor saturates"
+            return f"the acceleration in {axis} stands at {limit:.3g} m/s^2{told} for {share:.1%} of the time: the sensor saturates"
         return ""
 
     def _dead(self, axis: str, column: Floats) -> str:
@@ -85,7 +85,7 @@ class SampleHealth:
         peaked = float(np.mean(centred**4)) / float(np.mean(centred**2)) ** 2
         if level >= p.dead_level or peaked >= p.dead_kurtosis:
             return ""
-        return f"the acceleration in {axis} is noise, {level:.1f} dB louder where a turning bearing is heard than beside it: the sensor is dead"
+        return f"the acceleration in {axis} is noise, only {level:.1f} dB louder where a bearing is heard: the sensor is dead"
 
     @property
     def _high(self) -> tuple[float, float]:
