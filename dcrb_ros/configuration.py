@@ -24,7 +24,8 @@ from dcrb_ros.parameters import (
     SimulationParameters,
     quantity,
 )
-from dcrb_ros.sensing import Background, SensorParameters, Structure, numbers
+from dcrb_ros.sensing import Background, SensorParameters, Structure
+from dcrb_ros.sensing_limits import filters_beyond, impossible_bursts, impossible_modes
 
 
 class Configuration(Group):
@@ -76,9 +77,9 @@ def inconsistencies(c: Configuration) -> Iterator[str]:
     yield from _bars(c)
     yield from _stability(c)
     yield from _splitting(c)
-    yield from _filters(c)
-    yield from _modes_of_the_box(c)
-    yield from _bursts(c)
+    yield from filters_beyond(c.sensor, c.background, c.step_rate)
+    yield from impossible_modes(c.structure)
+    yield from impossible_bursts(c.publishing, c.sensor.sampling_rate)
     if c.friction.static_coefficient < c.friction.kinetic_coefficient:
         yield (
             f"friction.static_coefficient = {c.friction.static_coefficient:g} is below friction.kinetic_coefficient = "
@@ -123,69 +124,6 @@ def _rates(c: Configuration) -> Iterator[str]:
             f"publishing.preview_rate = {c.publishing.preview_rate} Hz does not divide sensor.sampling_rate = {rate} Hz; "
             "take a divisor, such as 100 or 200"
         )
-
-
-HIGHEST_SHARE = 0.45
-"""Highest frequency of a filter at the step rate, as a share of it [-]."""
-
-
-def _filters(c: Configuration) -> Iterator[str]:
-    """Compare the frequencies of filters with the step rate, at which they run."""
-    highest = HIGHEST_SHARE * c.step_rate
-    filters = {
-        "sensor.mount_frequency": c.sensor.mount_frequency,
-        "sensor.bandwidth": c.sensor.bandwidth,
-        "background.track_high": c.background.track_high,
-    }
-    for key, frequency in filters.items():
-        if frequency > highest:
-            yield (f"{key} = {frequency:g} Hz is above {highest:g} Hz, {HIGHEST_SHARE:g} of the step rate: give less or a shorter step")
-    if 0.0 < c.sensor.mount_frequency < 100.0:
-        yield f"sensor.mount_frequency = {c.sensor.mount_frequency:g} Hz is below 100 Hz: give 0.0 for a rigid mount or more, it is in Hz"
-    if 0.0 < c.sensor.bandwidth < 10.0:
-        yield f"sensor.bandwidth = {c.sensor.bandwidth:g} Hz is below 10 Hz: give 0.0 for no low-pass or more, it is in Hz"
-    if c.background.track_high < 1.2 * c.background.track_low:
-        yield (
-            f"background.track_high = {c.background.track_high:g} Hz is not 1.2 times "
-            f"background.track_low = {c.background.track_low:g} Hz: make the band wider"
-        )
-
-
-MODE_RANGE = (50.0, 20000.0)
-"""Natural frequencies of given modes [Hz]."""
-DAMPING_RANGE = (0.001, 0.5)
-"""Damping ratios of given modes [-]."""
-
-
-def _modes_of_the_box(c: Configuration) -> Iterator[str]:
-    try:
-        frequencies = numbers(c.structure.frequencies, "structure.frequencies")
-        dampings = numbers(c.structure.dampings, "structure.dampings")
-    except ValueError as error:
-        yield str(error)
-        return
-    for key, found, (low, high), unit in (
-        ("frequencies", frequencies, MODE_RANGE, " Hz"),
-        ("dampings", dampings, DAMPING_RANGE, ""),
-    ):
-        for value in found:
-            if not low <= value <= high:
-                yield f"structure.{key}: {value:g}{unit} is outside {low:g} .. {high:g}{unit}"
-        if len(found) > 24:
-            yield f"structure.{key} has {len(found)} numbers; 24 are the most"
-    if dampings and len(dampings) != len(frequencies):
-        yield f"structure.dampings has {len(dampings)} numbers for {len(frequencies)} structure.frequencies: give one each, or none"
-
-
-def _bursts(c: Configuration) -> Iterator[str]:
-    length, period, block = c.publishing.burst_length, c.publishing.burst_period, c.publishing.block_size / c.sensor.sampling_rate
-    if period and not block <= length <= period:
-        yield (
-            f"publishing.burst_length = {length:g} s is outside {block:.4g} .. {period:g} s, a block and publishing.burst_period: "
-            "give a length between them, or a period of 0.0 for no pauses"
-        )
-    if length and not period:
-        yield f"publishing.burst_length = {length:g} s has no publishing.burst_period: give the period too, or a length of 0.0"
 
 
 SMALLEST_FILE = 1_000_000

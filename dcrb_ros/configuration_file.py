@@ -16,6 +16,7 @@ from pydantic_core import ErrorDetails
 from dcrb_ros.configuration import Configuration
 from dcrb_ros.parameters import Group
 from dcrb_ros.refusal import Refusal, nearest
+from dcrb_ros.sensing import typical
 
 LARGEST_FILE = 1_000_000
 """Largest configuration file [bytes]; real ones have a few hundred."""
@@ -238,6 +239,11 @@ def _settings(settings: Sequence[str], fields: Mapping[str, ParameterField]) -> 
     return flat
 
 
+def overlaid(whole: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a whole configuration, flat, with changes on top; a preset of the sensor among them brings its values."""
+    return {**whole, **typical(str(changes.get("sensor.preset", ""))), **changes}
+
+
 def load_configuration(source: str | Path, settings: Sequence[str] = ()) -> Configuration:
     """Return the configuration of a file or a shipped name (``healthy``), with ``KEY=VALUE`` settings on top.
 
@@ -246,8 +252,10 @@ def load_configuration(source: str | Path, settings: Sequence[str] = ()) -> Conf
     """
     path = find_configuration(source)
     fields = {field.key: field for field in parameter_fields()}
-    flat = {**read_parameters(path, "simulator"), **_settings(settings, fields)}
-    return validated(flat, Configuration, str(source))
+    flat, asked = read_parameters(path, "simulator"), _settings(settings, fields)
+    if "operating.speed" in asked:
+        flat.pop("operating.speed_kmh", None)
+    return validated({**flat, **asked}, Configuration, str(source))
 
 
 def find_configuration(source: str | Path) -> Path:

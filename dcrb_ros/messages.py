@@ -228,6 +228,9 @@ def sensor_text(configuration: Configuration) -> str:
         "orders": {"FTF": orders.ftf, "BPFO": orders.bpfo, "BPFI": orders.bpfi, "BSF": orders.bsf},
         "first_sample_index": "round(stamp * sampling_rate); sample k is taken at k / sampling_rate of simulated time",
     }
+    publishing = configuration.publishing
+    if publishing.burst_period > 0.0:
+        about |= {"burst_length": publishing.burst_length, "burst_period": publishing.burst_period, "burst_unit": "s"}
     return json.dumps(about, sort_keys=True)
 
 

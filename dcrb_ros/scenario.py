@@ -10,7 +10,7 @@ from typing import Any
 
 from dcrb_ros.alteration import altered, spoken
 from dcrb_ros.configuration import Configuration
-from dcrb_ros.configuration_file import COMMANDED, flatten, read_yaml, shipped_folder
+from dcrb_ros.configuration_file import COMMANDED, flatten, overlaid, read_yaml, shipped_folder, validated
 from dcrb_ros.parameters import shaft_speed
 from dcrb_ros.refusal import Refusal, nearest
 
@@ -24,6 +24,8 @@ SPEED, KMH = "operating.speed", "operating.speed_kmh"
 RAMPS = {SPEED: "operating.speed_ramp", "operating.load": "operating.load_ramp", "operating.lateral_load": "operating.load_ramp"}
 """The slope at which each command is followed."""
 KEYS = ("at", "over", "set")
+STARTS = ("operating", "faults", "structure", "background", "sensor")
+"""Groups of parameters that a scenario may begin with."""
 
 
 @dataclass(frozen=True)
@@ -54,7 +56,8 @@ def read_scenario(path: Path, configuration: Configuration) -> list[Event]:
     Raises:
         Refusal: the file cannot be read or is no scenario, or the bench refuses what it asks for at some time.
     """
-    return timeline(read_story(path), configuration, str(path))
+    story = read_story(path)
+    return timeline(story, begun(story, configuration, str(path)), str(path))
 
 
 def read_story(path: Path) -> Any:
@@ -70,10 +73,29 @@ def _found(path: Path) -> Path:
     return path if path.is_file() else shipped[str(path)]
 
 
+def begun(tree: Any, configuration: Configuration, source: str) -> Configuration:
+    """Return a bench as a scenario begins it: with the parameters that stand below ``start``, if any.
+
+    Raises:
+        Refusal: they are no parameters of operation, faults or sensor, or not possible.
+    """
+    start = tree.get("start", {}) if isinstance(tree, Mapping) else {}
+    if not isinstance(start, Mapping):
+        raise Refusal(f"{source}: 'start' must name parameters and their values, such as operating.speed_kmh: 20.0")
+    values = {str(key): value for key, value in flatten(start).items()}
+    for key in values:
+        if not key.startswith(tuple(f"{group}." for group in STARTS)):
+            raise Refusal(f"{source}: start: {key} is no part of a scenario; it may begin with {', '.join(STARTS)}")
+    values = _by_the_wheel(values, configuration, f"{source}: start")
+    return validated(overlaid(flatten(configuration.model_dump()), values), Configuration, f"{source}: start") if values else configuration
+
+
 def timeline(tree: Any, configuration: Configuration, source: str) -> list[Event]:
-    """Return the events of a scenario as YAML gives it; see `read_scenario`."""
-    if not isinstance(tree, Mapping) or set(tree) != {"timeline"} or not isinstance(tree["timeline"], list):
-        raise Refusal(f"{source} is not a scenario: it must hold 'timeline:' and below it a list of entries with 'at' and 'set'")
+    """Return the events of a scenario as YAML gives it, for a bench as `begun`; see `read_scenario`."""
+    if not isinstance(tree, Mapping) or set(tree) - {"start"} != {"timeline"} or not isinstance(tree["timeline"], list):
+        raise Refusal(
+            f"{source} is not a scenario: it must hold 'timeline:' and below it a list of entries with 'at' and 'set'; it may hold 'start:'"
+        )
     if len(tree["timeline"]) > MOST_EVENTS:
         raise Refusal(f"{source} has {len(tree['timeline'])} entries; a scenario has at most {MOST_EVENTS}")
     entries = [_entry(item, configuration, f"{source}, entry {number}") for number, item in enumerate(tree["timeline"], 1)]

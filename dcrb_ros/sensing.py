@@ -23,7 +23,7 @@ TYPICAL: Mapping[str, Mapping[str, Any]] = {
     "none": {},
     "ideal": {"range": 1e6, "noise_density": 0.0, "adc_bits": 0},
     "iepe_100mv_g": {
-        "range": 50.0 * GRAVITY,
+        "range": 80.0 * GRAVITY,
         "noise_density": 0.0,
         "white_noise_ug": 4.0,
         "pink_noise_ug": 25.0,
@@ -34,9 +34,9 @@ TYPICAL: Mapping[str, Mapping[str, Any]] = {
         "adc_bits": 24,
     },
     "mems": {
-        "range": 50.0 * GRAVITY,
+        "range": 100.0 * GRAVITY,
         "noise_density": 0.0,
-        "white_noise_ug": 25.0,
+        "white_noise_ug": 30.0,
         "pink_noise_ug": 100.0,
         "mount_frequency": 21000.0,
         "mount_damping": 0.05,
@@ -48,6 +48,11 @@ TYPICAL: Mapping[str, Mapping[str, Any]] = {
     },
 }
 """Presets: an accelerometer without errors, an industrial one with 100 mV/g and IEPE supply, and a wide-band MEMS one."""
+
+
+def typical(preset: str) -> dict[str, Any]:
+    """Return the parameters of a preset by dotted key, for what is set on top of a whole configuration; nothing for an unknown one."""
+    return {f"sensor.{key}": value for key, value in TYPICAL.get(preset, {}).items()}
 
 
 def numbers(text: str, key: str) -> list[float]:

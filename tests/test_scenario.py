@@ -13,7 +13,7 @@ import yaml
 from dcrb_ros.block import Block, Truth
 from dcrb_ros.configuration import Configuration
 from dcrb_ros.refusal import Refusal
-from dcrb_ros.scenario import first_step, read_scenario, timeline
+from dcrb_ros.scenario import begun, first_step, read_scenario, read_story, timeline
 from dcrb_ros.simulation import Simulation
 
 STORY = """
@@ -208,8 +208,9 @@ def test_a_reversal_goes_through_a_standstill() -> None:
 
 
 def test_a_shipped_profile_runs() -> None:
-    configuration = Configuration.model_validate({"cage": {"joint": "revolute"}, "operating": {"speed_kmh": 20.0}})
-    told = truths(list(Simulation(configuration, read_scenario(Path("run_up"), configuration)).blocks(2.3)))
+    own, profile = Configuration.model_validate({"cage": {"joint": "revolute"}}), Path("run_up")
+    configuration = begun(read_story(profile), own, "run_up")
+    told = truths(list(Simulation(configuration, read_scenario(profile, own)).blocks(2.3)))
     slope = (160.0 - 20.0) / 3.6 / 0.46 / 40.0
     last = told[-1]
     assert last.speed == pytest.approx(20.0 / 3.6 / 0.46 + slope * (last.time_ns * 1e-9 - 2.0), abs=0.01)
@@ -227,3 +228,24 @@ timeline:
     assert told[30_000_000].faults == {}
     assert told[50_000_000].faults == {"sensor.stuck": {"severity": 1.0, "axis": 1, "onset": 0.04}}
     assert (told[70_000_000].faults, told[70_000_000].background) == ({}, {"unbalance": 0.0001})
+
+
+@pytest.mark.parametrize(
+    ("start", "sentence"),
+    [
+        ([1], "'start' must name parameters"),
+        ({"simulation.seed": 3}, "simulation.seed is no part of a scenario; it may begin with operating"),
+        ({"operating.sped": 3.0}, "unknown parameter 'operating.sped'; did you mean 'operating.speed'"),
+        ({"operating": {"speed_kmh": 5000.0}}, r"operating.speed_kmh = 5000.0 km/h is not a number within -1000"),
+        ({"operating.load": 5e6}, "the cage would bear the load"),
+    ],
+)
+def test_impossible_starts_are_refused(start: Any, sentence: str) -> None:
+    with pytest.raises(Refusal, match=sentence):
+        begun({"start": start, "timeline": []}, Configuration(), "story.yaml")
+
+
+def test_a_scenario_may_begin_with_a_preset() -> None:
+    start = {"sensor": {"preset": "mems", "adc_bits": 12}}
+    sensor = begun({"start": start, "timeline": []}, Configuration(), "story.yaml").sensor
+    assert (sensor.preset, sensor.white_noise_ug, sensor.adc_bits) == ("mems", 30.0, 12)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -155,9 +156,13 @@ def test_what_cannot_be_measured_is_refused(setting: str, sentence: str) -> None
         load_configuration("healthy", [setting])
 
 
-def test_kilometres_per_hour_turn_the_wheel() -> None:
+def test_kilometres_per_hour_turn_the_wheel(tmp_path: Path) -> None:
     operating = load_configuration("healthy", ["operating.speed_kmh=-72.0", "operating.wheel_diameter=1.0"]).operating
     assert (operating.speed, operating.speed_kmh) == (-40.0, 0.0)
+    path = tmp_path / "bench.yaml"
+    path.write_text("/**: {ros__parameters: {operating: {speed_kmh: 90.0}}}", encoding="utf-8")
+    assert load_configuration(path).operating.speed == pytest.approx(25.0 / 0.46)
+    assert load_configuration(path, ["operating.speed=40.0"]).operating.speed == 40.0
 
 
 def with_fault(kind: str, severity: float = 1.0, **sensor: Any) -> Measurement:

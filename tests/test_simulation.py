@@ -113,3 +113,14 @@ def test_a_model_out_of_its_domain_ends_with_a_reason() -> None:
     simulation = bench(operating={"load": 1e7}, housing={"stiffness": 1e6}, cage={"land_clearance": 0.005})
     with pytest.raises(ModelFailure, match=r"outer ring is .* m off its seat"):
         list(simulation.blocks(0.1))
+
+
+@pytest.mark.parametrize("rate", [12800, 25600, 102400])
+def test_other_rates_hear_the_same_bearing(rate: int) -> None:
+    step = 1.0 / max(102400, 2 * rate)
+    groups = {"simulation": {"step": step}, "cage": {"joint": "revolute"}}
+    one, other = (bench(sensor={"sampling_rate": r, "preset": "ideal"}, **groups) for r in (rate, 51200 if rate < 51200 else 25600))
+    found, known = (samples(list(simulation.blocks(0.08)))[:, :2] for simulation in (one, other))
+    assert len(found) == round(0.08 * rate)
+    heard, expected = (np.fft.rfft(s, axis=0)[:300] / len(s) for s in (found, known))  # to 3.7 kHz, where both let pass
+    assert np.abs(heard - expected).max() < 2e-3 * np.abs(expected).max()

@@ -50,10 +50,10 @@ def simulate(
         raise Refusal("Missing argument 'CONFIG': give a YAML file or a shipped name, such as healthy, or --from BAG")
     seconds = checked_duration(duration)
     from dcrb_ros.configuration_file import load_configuration
-    from dcrb_ros.scenario import read_story
+    from dcrb_ros.scenario import begun, read_story
 
-    configuration = load_configuration(config, settings or ())
     story = read_story(scenario) if scenario else None
+    configuration = begun(story, load_configuration(config, settings or ()), str(scenario))
     path = output or Path(Path(config).stem)
     _refuse_existing(path)
     from dcrb_ros.sinks.recorder import Recorder

@@ -47,7 +47,7 @@ class Electronics:
 
     def _crossed(self, samples: Floats) -> Floats:
         """Return what each axis has of the other, with its own."""
-        crossed = samples.copy()
+        crossed: Floats = samples.copy()
         for axis in (0, 1):
             crossed[:, axis] += self._cross * samples[:, 1 - axis]
         return crossed

@@ -18,7 +18,7 @@ from dcrb_ros.measurement.kernels import filtered
 PINK_LOWEST = 0.05
 """Lowest frequency at which pink noise falls as it should [Hz]; below it is white."""
 PINK_PER_DECADE = 2
-"""Poles of the pink filter per decade [-]; with two the density is within 0.2 dB of its law."""
+"""Poles of the pink filter per decade [-]; with two the density is within 0.3 dB of its law."""
 
 
 class Filter:

@@ -65,8 +65,12 @@ def create_node(name: str) -> ObedientNode:
     return ObedientNode(name, namespace=NAMESPACE, automatically_declare_parameters_from_overrides=True)
 
 
-def declare(node: Node, model: type[Model], *, run_time: Sequence[str] = ()) -> Model:
+def declare(
+    node: Node, model: type[Model], *, run_time: Sequence[str] = (), begun: Callable[[Model], Model] = lambda given: given
+) -> Model:
     """Declare every parameter of a model with type, range and description; return the model with the node's overrides.
+
+    ``begun`` changes what the node was given, before it is declared.
 
     Raises:
         Refusal: an override that is unknown, mistyped or out of range.
@@ -75,7 +79,7 @@ def declare(node: Node, model: type[Model], *, run_time: Sequence[str] = ()) -> 
 
     found: dict[str, Any] = node.get_parameters_by_prefix("")
     given = {key: parameter.value for key, parameter in found.items() if key not in OWN}
-    checked = validated(given, model, "parameters")
+    checked = begun(validated(given, model, "parameters"))
     values = flatten(checked.model_dump())
     for field in parameter_fields(model):
         if node.has_parameter(field.key):

@@ -25,7 +25,7 @@ from dcrb_ros.nodes.ros import check_ros, create_node, declare, spin, stay_on_th
 from dcrb_ros.nodes.services import Services
 from dcrb_ros.nodes.tape import Tape, free_path
 from dcrb_ros.refusal import Refusal
-from dcrb_ros.scenario import read_story, timeline
+from dcrb_ros.scenario import begun, read_story, timeline
 from dcrb_ros.sinks.publisher import message_class, qos
 from dcrb_ros.topics import (
     BENCH_DIAGNOSTICS,
@@ -321,8 +321,8 @@ def run(arguments: list[str]) -> int:
     rclpy.init(args=arguments, signal_handler_options=SignalHandlerOptions.NO)
     node = create_node("simulator")
     try:
-        configuration = declare(node, Configuration, run_time=RUN_TIME)
         story = read_story(options.scenario) if options.scenario else None
+        configuration = declare(node, Configuration, run_time=RUN_TIME, begun=lambda c: begun(story, c, str(options.scenario)))
         if story is not None:
             timeline(story, configuration, str(options.scenario))
         simulator = Simulator(node, configuration, duration, story)

@@ -73,13 +73,20 @@ def test_parameters_say_how_the_bench_is(tmp_path: Path) -> None:
     from std_srvs.srv import Trigger
 
     story, number = tmp_path / "story.yaml", domain()
-    story.write_text("timeline: [{at: 0.1, set: {faults.outer_1.width: 0.002, sensor.range: 1000.0}}]")
-    with listener(number) as heard, node("simulator", ["--scenario", str(story), *parameters()], environment(number), tmp_path / "log"):
+    events = "timeline: [{at: 0.1, set: {faults.outer_1.width: 0.002, sensor.range: 1000.0}}]"
+    story.write_text(f"start: {{operating.speed: 100.0, sensor.fault: dead}}\n{events}")
+    given = ["--scenario", str(story), *parameters(sensor__preset="mems", sensor__range=5000.0)]
+    with listener(number) as heard, node("simulator", given, environment(number), tmp_path / "log"):
+
+        def value(*names: str) -> list[float]:
+            return [found.double_value for found in heard.ask(GetParameters, "simulator/get_parameters", names=list(names)).values]
 
         def width() -> float:
-            return float(heard.ask(GetParameters, "simulator/get_parameters", names=["faults.outer_1.width"]).values[0].double_value)
+            return value("faults.outer_1.width")[0]
 
         heard.until(lambda: heard.heard[VIBRATION], "a block")
+        assert value("operating.speed", "sensor.white_noise_ug") == [100.0, 30.0]  # the scenario's start, the preset
+        assert set(truths(heard)[0].faults) == {"sensor.dead"}
         heard.until(lambda: width() == 0.002, "what the scenario has set")
         assert heard.set(faults__outer_1__width=0.001, time_scale=0.01) == (True, "")
         assert width() == 0.001  # though it has hardly taken effect yet
