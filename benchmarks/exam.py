@@ -87,7 +87,7 @@ def told(report: dict[str, Any], image: str, words: str) -> Iterator[str]:
 
 def replace(name: str, lines: Iterator[str]) -> None:
     """Put a report in the place that the page keeps for it."""
-    text = "\n".join(lines).strip()
+    text = re.sub(r"\n{3,}", "\n\n", "\n".join(lines)).strip()
     page, count = re.subn(
         rf"(<!-- report {name} -->\n).*?(\n<!-- end of report -->)",
         lambda found: found[1] + text + found[2],

@@ -56,18 +56,17 @@ def _detection(axes: Axes, report: Report) -> None:
     if not rows:
         _empty(axes, "no defect with a width")
         return
-    verdicts = list(dict.fromkeys(row.verdict for row in rows))
+    verdicts, widest = list(dict.fromkeys(row.verdict for row in rows)), max(row.width for row in rows) * 1e3
     for place, verdict in enumerate(verdicts):
         own = [row for row in rows if row.verdict == verdict]
-        shift = 0.04 * (place - 0.5 * (len(verdicts) - 1))
+        shift = 0.012 * widest * (place - 0.5 * (len(verdicts) - 1))
         found = [row.probability for row in own]
         error = [[p.value - p.low for p in found], [p.high - p.value for p in found]]
         widths = [row.width * 1e3 + shift for row in own]
         axes.errorbar(widths, [p.value for p in found], error, marker="o", ms=4, lw=1.2, capsize=3, color=COLOURS[verdict], label=verdict)
     axes.axvline(report.criteria.smallest_width * 1e3, color="black", lw=0.8, ls=":", label="required from here on")
-    widest = max(row.width for row in rows) * 1e3
     axes.set(xlabel="width [mm]", ylabel="found in time and named right [-]", ylim=(-0.03, 1.03), xlim=(0.0, 1.1 * widest))
-    axes.legend(fontsize=8, loc="lower right")
+    axes.legend(fontsize=7, loc="upper center", bbox_to_anchor=(0.5, -0.14), ncols=3, frameon=False)
     axes.grid(alpha=0.25)
 
 
@@ -101,12 +100,12 @@ def _confusion(axes: Axes, report: Report) -> None:
         _empty(axes, "no scenario")
         return
     shares = counts / np.maximum(counts.sum(axis=1, keepdims=True), 1.0)
-    axes.imshow(shares, cmap="Blues", vmin=0.0, vmax=1.2, aspect="auto")
-    for i, verdict in enumerate(found):
-        for j, answer in enumerate(answers):
-            right = answer == verdict
-            colour = "white" if shares[i, j] > 0.6 else "black" if right or not counts[i, j] else "#c00000"
-            axes.text(j, i, f"{counts[i, j]:.0f}", ha="center", va="center", fontsize=9, color=colour, fontweight="bold" if right else None)
+    right = np.array([[answer == verdict for answer in answers] for verdict in found])
+    axes.imshow(np.ma.masked_where(~right, shares), cmap="Blues", vmin=0.0, vmax=1.2, aspect="auto")
+    axes.imshow(np.ma.masked_where(right, shares), cmap="Reds", vmin=0.0, vmax=1.2, aspect="auto")
+    for i, j in np.ndindex(shares.shape):
+        colour, weight = "white" if shares[i, j] > 0.6 else "black", "bold" if right[i, j] else "normal"
+        axes.text(j, i, f"{counts[i, j]:.0f}", ha="center", va="center", fontsize=9, color=colour, fontweight=weight)
     axes.set_xticks(range(len(answers)), answers, rotation=35, ha="right", fontsize=8)
     axes.set_yticks(range(len(found)), list(found), fontsize=8)
 
