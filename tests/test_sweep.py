@@ -257,6 +257,7 @@ def test_classes() -> None:
     assert fault_class({"outer_1": {}, "outer_2": {}}) == "outer_ring"
     assert fault_class({"broken_bars.row1/bar3": {}}) == "cage"
     assert fault_class({"outer_1": {}, "roller_1": {}}) == "compound"
+    assert fault_class({"sensor.stuck": {}}) == "sensor"
 
 
 def test_waveform_only_has_the_same_samples_and_truths() -> None:

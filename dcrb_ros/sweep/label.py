@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Mapping
 from typing import Any
 
@@ -13,12 +14,12 @@ from dcrb_ros.sweep.plan import Run
 
 DONE, REFUSED, FAILED, ERROR = "done", "refused", "failed", "error"
 """What becomes of a run. A refused or failed one would fail again; after an error it is tried again by the next call."""
-CLASSES = {"outer": "outer_ring", "inner": "inner_ring", "roller": "roller", "broken": "cage"}
+CLASSES = {"outer": "outer_ring", "inner": "inner_ring", "roller": "roller", "broken": "cage", "sensor": "sensor"}
 
 
 def fault_class(faults: Mapping[str, Any]) -> str:
-    """Return what is wrong in the detector's words: healthy, outer_ring, inner_ring, roller, cage, or compound for several."""
-    found = {CLASSES[name.split("_")[0]] for name in faults}
+    """Return what is wrong in the detector's words: healthy, outer_ring, inner_ring, roller, cage, sensor, or compound for several."""
+    found = {CLASSES[re.split("[_.]", name)[0]] for name in faults}
     return "compound" if len(found) > 1 else next(iter(found), "healthy")
 
 
@@ -52,7 +53,7 @@ def fault_label(truths: list[Truth]) -> dict[str, Any]:
         "depth": largest.get("depth"),
         "row": largest.get("row"),
         "azimuth": largest.get("azimuth"),
-        "broken_bars": len(last.faults) - len(notches),
+        "broken_bars": sum(name.startswith("broken_bars") for name in last.faults),
         "onset": min((fault["onset"] for fault in last.faults.values()), default=None),
         "speed": last.speed,
         "load": math.hypot(*last.load),

@@ -16,8 +16,8 @@ from dcrb_ros.sweep.design import GRID, Point, Value, points
 from dcrb_ros.sweep.sweep_file import SCENARIO, SOUND, Shares, Sweep
 
 SEED = "simulation.seed"
-NO_CONDITION = ("faults", "sensor", "publishing", "recording", "time_scale")
-"""Groups of parameters that are no condition of the bearing: what is wrong, and how it is looked at."""
+NO_CONDITION = ("faults", "structure", "background", "sensor", "publishing", "recording", "time_scale")
+"""Groups of parameters that are no condition of the bearing: what is wrong, and how it is measured."""
 
 
 def digest(about: Any) -> str:

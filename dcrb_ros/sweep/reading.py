@@ -24,7 +24,7 @@ from dcrb_ros.scenario import read_story
 from dcrb_ros.sweep.design import GRID, Axes, Axis, Choice, Span, Value
 from dcrb_ros.sweep.sweep_file import SCENARIO, SOUND, Shares, Sweep, SweepFile, Windows
 
-CASE_GROUPS = ("faults", "sensor")
+CASE_GROUPS = ("faults", "background", "sensor")
 """What a case may set: what is wrong. All else is a condition of the bearing."""
 HEALTHY = "healthy"
 LONGEST = 600.0

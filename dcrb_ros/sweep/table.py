@@ -30,7 +30,7 @@ COLUMNS: Mapping[str, str] = {
     "condition": "shared by the runs of one bearing at one speed and load; never in two splits",
     "split": "train, validation or test",
     "case": "the sweep's name for what is wrong",
-    "fault": "healthy, outer_ring, inner_ring, roller, cage or compound",
+    "fault": "healthy, outer_ring, inner_ring, roller, cage, sensor or compound",
     "width": "width of the largest notch [m]; none without",
     "depth": "its depth [m]",
     "row": "its row, 0 for all",
