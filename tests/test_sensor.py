@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import copy
+import pickle
 from pathlib import Path
 from typing import Any
 
@@ -63,6 +65,17 @@ def test_same_bits_for_any_split_with_every_stage_and_changes(cuts: list[int], a
     whole, cut_up = run([count]), run(cuts)
     for name in Measurement.__dataclass_fields__:
         assert np.array_equal(getattr(whole, name), getattr(cut_up, name)), name
+
+
+def test_a_copy_goes_on_by_itself() -> None:
+    c = Configuration.model_validate(EVERYTHING)
+    sensor, ring, angle = Sensor(c), np.random.default_rng(7).normal(0.0, 30.0, (3000, 2)), 1e-3 * np.arange(3000)
+    sensor.measure(ring[:1500], angle[:1500])
+    sensor.change(c.sensor.model_copy(update={"fault": "stuck"}), 1000)
+    copies = copy.deepcopy(sensor), pickle.loads(pickle.dumps(sensor))
+    found = sensor.measure(ring[1500:], angle[1500:]).measured
+    for other in copies:
+        assert np.array_equal(other.measure(ring[1500:], angle[1500:]).measured, found)
 
 
 def test_switching_one_stage_on_changes_no_random_number_of_another() -> None:
