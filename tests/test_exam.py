@@ -201,6 +201,15 @@ def test_a_preset_fills_in_what_is_not_given() -> None:
     assert [case.run.configuration.sensor.adc_bits for case in exam.cases] == [24, 16]
 
 
+def test_a_shipped_profile_begins_as_it_says(tmp_path: Path) -> None:
+    exam = tiny(scenarios=[{"name": "profile", "verdict": "healthy", "scenario": "run_up"}])
+    assert exam.cases[0].run.configuration.operating.speed == pytest.approx(20.0 / 3.6 / 0.46)  # 20 km/h on wheels of 0.92 m
+    assert exam.cases[0].run.story is not None
+    (tmp_path / "none.yaml").write_text("42", encoding="utf-8")
+    with pytest.raises(Refusal, match="is not a scenario"):
+        tiny(scenarios=[{"name": "profile", "verdict": "healthy", "scenario": str(tmp_path / "none.yaml")}])
+
+
 def test_the_hash_is_of_what_is_asked() -> None:
     cases = list(tiny().cases)
     assert scenarios_hash(cases) == scenarios_hash(cases[::-1])

@@ -21,7 +21,7 @@ from dcrb_ros.exam.opinion import VERDICTS
 from dcrb_ros.exam.question import Question
 from dcrb_ros.parameters import Group, choice, quantity
 from dcrb_ros.refusal import Refusal, nearest
-from dcrb_ros.scenario import read_story, timeline
+from dcrb_ros.scenario import begun, read_story, timeline
 
 MOST_CASES = 10_000
 Verdict = Literal["healthy", "outer_ring", "inner_ring", "roller", "cage", "compound", "sensor"]
@@ -185,7 +185,12 @@ def _case(
             f"{where}: it ends {duration - onset:g} s after the onset, within the {design.criteria.delay.of(entry.verdict):g} s that "
             f"criteria.delay.{entry.verdict} allows: make the duration longer or the limit shorter"
         )
-    told = list(read_story(Path(entry.scenario))["timeline"]) if entry.scenario else []
+    told: list[Any] = []
+    if entry.scenario:
+        profile = read_story(Path(entry.scenario))
+        configuration = begun(profile, configuration, where)
+        timeline(profile, configuration, f"{where}, {entry.scenario}")
+        told += profile["timeline"]
     told += [*entry.timeline, *([{"at": onset, "set": dict(fault)}] if fault else [])]
     story = {"timeline": told} if told else None
     if story:
