@@ -28,7 +28,7 @@ from hypothesis import strategies as st
 
 from dcrb_ros.cli.app import app
 from dcrb_ros.configuration import Configuration
-from dcrb_ros.configuration_file import validated
+from dcrb_ros.configuration_file import flatten, load_configuration, validated
 from dcrb_ros.guard import guarded
 from dcrb_ros.many import waveform
 from dcrb_ros.recording import Recording
@@ -291,6 +291,8 @@ def test_a_second_call_does_what_is_missing_and_nothing_else(tmp_path: Path, cli
     assert sorted(counted) == sorted(table["run"][:7])
     assert again.equals(table)
     assert contents(tmp_path / "set") == before
+    base = load_configuration(tmp_path / "set" / "base.yaml")
+    assert flatten(base.model_dump()) == plan_of(tree).sweep.base
     card = (tmp_path / "set" / "README.md").read_text()
     for words in ("m/s^2", "51200 Hz", "CC-BY-4.0", "dcrb sweep sweep.yaml", "| train | 3 | 6 | 6 | 12 |"):
         assert words in card
@@ -532,6 +534,7 @@ def test_wrong_usage_ends_with_status_2(tmp_path: Path, capsys: pytest.CaptureFi
         (["sweep", free, "-o", "/proc/set"], "/proc/set cannot be written"),
         (["sweep", free, "-o", "memory://set"], "would be gone with this command"),
         (["sweep", free, "-o", "nowhere://set"], "is no place for a data set"),
+        (["sweep", free, "-o", folder, "--workers", "0"], "--workers"),
         (["sweep", free, "-o", folder, "--memory", "much"], "--memory much: it is no size"),
         (["sweep", free, "-o", folder, "--scheduler", "tcp://127.0.0.1:9"], "the scheduler tcp://127.0.0.1:9 cannot be reached"),
         (["sweep", free, "-o", folder, "--scheduler", "tcp://127.0.0.1:9", "--workers", "2"], "leave out --workers"),
@@ -540,6 +543,15 @@ def test_wrong_usage_ends_with_status_2(tmp_path: Path, capsys: pytest.CaptureFi
         said = capsys.readouterr().err.strip().splitlines()
         assert sentence in said[-1]
         assert len([line for line in said if "gives no validation" not in line]) == 1
+
+
+def test_without_dask_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    monkeypatch.setitem(sys.modules, "distributed", None)
+    with pytest.raises(Refusal, match="pip install dask distributed pandas"), workers_here(1, "auto"):
+        pass
+    monkeypatch.setitem(sys.modules, "fsspec", None)
+    assert dcrb("sweep", "two_hundred", "-o", str(tmp_path)) == 2
+    assert "pip install dask distributed pandas" in capsys.readouterr().err
 
 
 def test_a_sweep_without_a_single_run_done_fails(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -62,7 +62,7 @@ def _require_fsspec() -> None:
     try:
         import fsspec  # noqa: F401
     except ImportError:
-        raise Refusal("dcrb sweep needs Dask and fsspec: pip install 'dcrb_ros[sweep]', or dask, distributed and pandas") from None
+        raise Refusal("dcrb sweep needs Dask and fsspec: pip install dask distributed pandas") from None
 
 
 def _compile() -> None:

@@ -68,7 +68,7 @@ def _files(sweep: Sweep) -> str:
         "* `labels.parquet`: a row per run; `pandas.read_parquet`",
         f"* {waveform}",
         "* `labels/RUN.json`: the same label by itself",
-        "* `sweep.yaml`: the sweep file; `sweep.json`: the same with the base configuration and the scenarios in full",
+        "* `sweep.yaml`: the sweep file; `base.yaml`: its base in full; `sweep.json`: both, with the scenarios",
     ]
     if windows is not None:
         what = "array `x` of shape (windows, 2, length)" if windows.kind == "npz" else "columns `ax`, `ay`, lists of `length` samples"
@@ -116,8 +116,7 @@ def _again(sweep: Sweep) -> str:
     return f"""## To make it again
 
 ```sh
-pip install 'dcrb_ros[sweep]=={__version__}'
-dcrb sweep sweep.yaml -o DIR
+dcrb sweep sweep.yaml -o DIR    # dcrb_ros {__version__}
 ```
 
 `sweep.yaml` has the SHA-256 {text}. It was made with {here}; on the same kind of machine the samples are the same to the last bit, on

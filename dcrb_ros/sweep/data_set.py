@@ -7,7 +7,10 @@ from collections import Counter
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
+import yaml
+
 from dcrb_ros import __version__
+from dcrb_ros.configuration_file import nest
 from dcrb_ros.manifest import model_fingerprint
 from dcrb_ros.refusal import Refusal
 from dcrb_ros.sweep.card import card
@@ -21,7 +24,7 @@ from dcrb_ros.sweep.table import Tally, write_table
 if TYPE_CHECKING:
     from distributed import Client
 
-ABOUT, COPY, CARD = "sweep.json", "sweep.yaml", "README.md"
+ABOUT, COPY, BASE, CARD = "sweep.json", "sweep.yaml", "base.yaml", "README.md"
 TASK_SECONDS = 2.0
 """Simulated time in a task below which short runs go together [s]: handing over a task costs some milliseconds."""
 
@@ -47,6 +50,7 @@ class DataSet:
             _same(json.loads(known), about, store)
         try:
             store.write(COPY, plan.sweep.text.encode())
+            store.write(BASE, _as_file(plan).encode())
             store.write(ABOUT, json.dumps(about, indent=1).encode())
         except StoreFailed as failure:
             raise Refusal(str(failure)) from None
@@ -94,6 +98,11 @@ def _about(plan: Plan) -> dict[str, Any]:
         "dcrb_ros": __version__,
         "model": model_fingerprint(),
     }
+
+
+def _as_file(plan: Plan) -> str:
+    """Return the base of a plan as a configuration file."""
+    return str(yaml.safe_dump({"/**": {"ros__parameters": nest(plan.sweep.base)}}, sort_keys=False))
 
 
 def _same(known: dict[str, Any], about: dict[str, Any], store: Store) -> None:

@@ -171,4 +171,4 @@ def _require_dask() -> None:
     try:
         import distributed  # noqa: F401
     except ImportError:
-        raise Refusal("dcrb sweep needs Dask: pip install 'dcrb_ros[sweep]', or dask, distributed and pandas") from None
+        raise Refusal("dcrb sweep needs Dask: pip install dask distributed pandas") from None
