@@ -260,6 +260,11 @@ def test_classes() -> None:
     assert fault_class({"sensor.stuck": {}}) == "sensor"
 
 
+def test_a_preset_brings_its_sensor() -> None:
+    made = sweep_of({"duration": 0.1, "set": {"sensor.preset": "mems"}, "vary": {"operating.speed": [100.0]}}, "test")
+    assert made.base["sensor.range"] == load_configuration("healthy", ["sensor.preset=mems"]).sensor.range
+
+
 def test_waveform_only_has_the_same_samples_and_truths() -> None:
     configuration = Configuration.model_validate({"cage": {"joint": "revolute"}})
     (whole,), (lean,) = (list(Simulation(configuration, waveform_only=only).blocks(0.02)) for only in (False, True))
@@ -506,6 +511,7 @@ def test_the_room_is_estimated(tmp_path: Path) -> None:
         ({"branch_at": 0.1, "settle": 0.1, "cases": {"slow": {"sensor.sampling_rate": 25600}}}, "cannot change as the bearing turns"),
         ({"branch_at": 0.1, "settle": 0.1, "cases": {"grows": {"scenario": "growing_spall"}}}, "do not go together"),
         ({"output": "wav"}, "output = 'wav'"),
+        ({"vary": {"publishing.loss_probability": [0.0, 0.1]}}, "publishing.loss_probability leaves gaps"),
     ],
 )
 def test_what_is_wrong_in_a_sweep_is_told_in_a_sentence(tree: dict[str, Any], sentence: str) -> None:

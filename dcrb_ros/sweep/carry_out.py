@@ -16,7 +16,7 @@ import numpy as np
 from dcrb_ros.block import Block, Samples, Truth, nanoseconds
 from dcrb_ros.commands import command_of
 from dcrb_ros.configuration import Configuration
-from dcrb_ros.configuration_file import flatten, validated
+from dcrb_ros.configuration_file import flatten, overlaid, validated
 from dcrb_ros.messages import packed
 from dcrb_ros.refusal import Refusal
 from dcrb_ros.scenario import Event, timeline
@@ -144,7 +144,7 @@ class _Settled:
             self._known = run.twin, _begun(self._recipe, start).skip(self._recipe.branch_at)
         settled = self._known[1]
         simulation = settled.simulation.fork()
-        before, after = flatten(simulation.configuration.model_dump()), {**self._recipe.base, **run.changes}
+        before, after = flatten(simulation.configuration.model_dump()), overlaid(self._recipe.base, run.changes)
         changes = {key: value for key, value in after.items() if value != before[key] and not key.startswith("publishing.")}
         if changes:
             simulation.change(changes)
@@ -152,7 +152,7 @@ class _Settled:
 
 
 def _configured(recipe: Recipe, changes: Mapping[str, Value]) -> Configuration:
-    configuration = validated({**recipe.base, **changes}, Configuration, "run")
+    configuration = validated(overlaid(recipe.base, changes), Configuration, "run")
     if recipe.output == "bag":
         return configuration
     return configuration.model_copy(update={"publishing": configuration.publishing.model_copy(update=QUIET)})

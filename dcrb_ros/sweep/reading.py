@@ -15,6 +15,7 @@ from dcrb_ros.configuration_file import (
     find_configuration,
     flatten,
     load_configuration,
+    overlaid,
     parameter_fields,
     read_yaml,
     shipped_folder,
@@ -56,12 +57,16 @@ def found_sweep(source: str | Path) -> Path:
     return path if path.is_file() else shipped[str(source)]
 
 
+GAPS = ("publishing.loss_probability", "publishing.burst_period")
+"""Parameters that leave blocks out."""
+
+
 def sweep_of(tree: Mapping[str, Any], source: str, folder: Path = Path(), text: str = "") -> Sweep:
     """Return the sweep of a file as YAML gives it; names of other files count from ``folder``, too."""
     file = _file(tree, source)
     fields = {field.key: field for field in parameter_fields()}
     fixed = {key: _value(key, value, _known(key, fields, f"{source}: set"), f"{source}: set") for key, value in flatten(file.fixed).items()}
-    base = {**flatten(load_configuration(_beside(file.base, folder)).model_dump()), **fixed}
+    base = overlaid(flatten(load_configuration(_beside(file.base, folder)).model_dump()), fixed)
     vary = _axes(file.vary, file.design, fields, f"{source}: vary")
     cases = {name: _axes(case, file.design, fields, f"{source}: cases.{name}") for name, case in file.cases.items()} or {"base": {}}
     if file.twins:
@@ -210,6 +215,11 @@ def _consistent(sweep: Sweep, fields: Mapping[str, ParameterField], source: str)
     if held and file.duration > LONGEST:
         raise Refusal(
             f"{source}: duration = {file.duration:g} s is above {LONGEST:g} s, too long for memory: take 'output: bag' and no windows"
+        )
+    gaps = [key for key in GAPS if sweep.base[key] or key in sweep.vary]
+    if held and gaps:
+        raise Refusal(
+            f"{source}: {gaps[0]} leaves gaps, which waveform files and windows have no place for: take 'output: bag' and no windows"
         )
     rate = sweep.base["sensor.sampling_rate"]
     if file.windows is not None and "sensor.sampling_rate" not in sweep.vary and file.windows.length > file.duration * float(rate):
