@@ -21,7 +21,8 @@ import numpy as np
 import numpy.typing as npt
 
 from dcrb_ros.configuration import Configuration
-from dcrb_ros.diagnosis.detector import Diagnosis, FaultDetector
+from dcrb_ros.diagnosis.detector import DEFAULTS, Diagnosis, FaultDetector
+from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.kinematics import characteristic_orders
 from dcrb_ros.many import simulate_many
 from dcrb_ros.simulation import Simulation
@@ -91,10 +92,11 @@ def watch(detector: FaultDetector, stream: Stream, first: int = 0) -> list[Diagn
     return [diagnosis for diagnosis in found if diagnosis is not None]
 
 
-def detector_of(scenario: Scenario) -> FaultDetector:
+def detector_of(scenario: Scenario, parameters: DetectorParameters = DEFAULTS) -> FaultDetector:
     """Return a fresh detector for a scenario's bearing."""
     sensor = scenario.configuration.sensor
-    return FaultDetector(characteristic_orders(scenario.configuration.bearing), sensor.sampling_rate, sensor_range=sensor.range)
+    orders = characteristic_orders(scenario.configuration.bearing)
+    return FaultDetector(orders, sensor.sampling_rate, parameters, sensor_range=sensor.range)
 
 
 def judge(design: str, count: int, data: Path) -> int:
@@ -122,7 +124,7 @@ def onsets(design: str, count: int, data: Path) -> int:
             continue
         detector, before = detector_of(scenario), healthy[len(delays.get(scenario.kind, [])) % len(healthy)]
         watch(detector, before)
-        said = watch(detector, stream, len(before[1]))
+        said = watch(detector, (stream[0], _turned_on(before[1], stream[1])), len(before[1]))
         delay = next((d.time - len(before[1]) / detector.rate for d in said if d.verdict == scenario.kind), np.inf)
         wrong = {d.verdict for d in said} - {"waiting", "healthy", scenario.kind}
         delays.setdefault(scenario.kind, []).append(delay)
@@ -132,6 +134,12 @@ def onsets(design: str, count: int, data: Path) -> int:
     for kind, own in delays.items():
         print(f"{kind:12s} {len(own):3d} onsets, found after {statistics.median(own):.1f} s (median), {max(own):.1f} s at most")
     return late
+
+
+def _turned_on(before: npt.NDArray[np.float32], angle: npt.NDArray[np.float32]) -> npt.NDArray[np.float32]:
+    """Return the angles as a shaft has them that comes from the end of ``before`` [rad]."""
+    step = float(np.mod(before[-1] - before[-2], 2.0 * np.pi))
+    return np.mod(angle.astype(np.float64) - angle[0] + before[-1] + step, 2.0 * np.pi).astype(np.float32)
 
 
 def healthy_minutes(minutes: float, seed: int) -> int:
