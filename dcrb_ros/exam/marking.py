@@ -22,6 +22,8 @@ class FalseAlarm:
     time: float
     """When it was raised [s]."""
     verdict: str
+    reason: str = ""
+    """What the detector said for it."""
 
 
 @dataclass(frozen=True)
@@ -102,7 +104,7 @@ def _false_alarms(question: Question, said: Sequence[Opinion]) -> Iterator[False
     for opinion in said:
         innocent = opinion.time < question.clean_until or (question.verdict == "sensor" and opinion.verdict in BEARING)
         if innocent and opinion.alarm and opinion.verdict != standing:
-            yield FalseAlarm(opinion.time, opinion.verdict)
+            yield FalseAlarm(opinion.time, opinion.verdict, opinion.reason)
         if opinion.verdict != WAITING:
             standing = opinion.verdict if opinion.alarm else ""
 
