@@ -7,13 +7,13 @@ turns of the shaft. From the hops of a window come order spectra, from these the
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from dcrb_ros.diagnosis.bands import Band, BandBank, band_tree, kurtosis
+from dcrb_ros.diagnosis.diagnosis import Diagnosis, Spectrum
 from dcrb_ros.diagnosis.envelope import OrderSpectrum, order_spectra
 from dcrb_ros.diagnosis.evidence import HARMONICS, KINDS, SHAFT_SIDEBANDS, BandEvidence, Finding, Kind, Limits, families, findings
 from dcrb_ros.diagnosis.gain import LevelHealth
@@ -26,6 +26,8 @@ from dcrb_ros.diagnosis.stream import Stream, Stretch
 from dcrb_ros.kinematics import Orders
 from dcrb_ros.refusal import Refusal
 
+__all__ = ["Diagnosis", "FaultDetector"]
+
 DEFAULTS = DetectorParameters()
 
 TREE_LEVELS = 2
@@ -36,49 +38,6 @@ NYQUIST_SHARE = 0.45
 """Highest usable frequency over the sampling rate [-]: beyond it an anti-alias filter has its way."""
 BINS_PER_ORDER = 3
 """Angle bins per turn and highest order; 2 would be Nyquist's."""
-
-Spectrum = tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]
-
-
-def _no_levels() -> dict[str, float]:
-    return {"BPFO": 0.0, "BPFI": 0.0, "BSF": 0.0, "FTF": 0.0}
-
-
-def _no_spectrum() -> Spectrum:
-    return np.zeros(0), np.zeros(0)
-
-
-@dataclass(frozen=True)
-class Diagnosis:
-    """What the detector thinks at the end of one hop."""
-
-    index: int
-    """Index of the last sample that was seen."""
-    time: float
-    """Time of that sample [s]."""
-    verdict: Verdict
-    reason: str
-    """The evidence in one sentence."""
-    confidence: float = 0.0
-    """From 0.5 at a threshold towards 1 far from it; 0 without a verdict on the bearing."""
-    levels: dict[str, float] = field(default_factory=_no_levels)
-    """Level over background at BPFO, BPFI, BSF (twice its order) and FTF [dB]."""
-    shaft_frequency: float = 0.0
-    """Mean over the window [Hz]."""
-    spectrum: Spectrum = field(default_factory=_no_spectrum)
-    """Orders [-], and root of the squared envelope's amplitude there [m/s^2]; empty when there is none."""
-    gaps: int = 0
-    """Interruptions of the stream so far."""
-    scores: dict[str, float] = field(default_factory=dict)
-    """Evidence for each fault over its threshold, negative below it [dB]."""
-    severity: float = 0.0
-    """Lines of the named fault in the squared envelope, as an amplitude at 20 Hz of shaft frequency [m/s^2]."""
-    trend: float = 0.0
-    """Growth of the severity since the verdict began [dB/min]."""
-    clipped: int = 0
-    """Samples at the ends of the sensor's range so far."""
-    remarks: tuple[str, ...] = ()
-    """What was wrong with the stream, or special about it, without forbidding a verdict."""
 
 
 class FaultDetector:
