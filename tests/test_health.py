@@ -136,6 +136,14 @@ def test_coarse_converter_is_no_saturation() -> None:
     assert found[-1].verdict == "healthy"
 
 
+@pytest.mark.parametrize("silence", [dead, constant])
+def test_standing_bearing_is_silent_with_a_sound_sensor(silence: Callable[[Samples], Samples]) -> None:
+    acceleration, angle = stream(seconds=5.0)
+    acceleration[ONSET:], angle[ONSET:] = silence(acceleration[ONSET:]), angle[ONSET]
+    diagnoses = watch(FaultDetector(ORDERS, RATE, sensor_range=RANGE), (acceleration, angle))
+    assert {diagnosis.verdict for diagnosis in diagnoses} <= {"waiting", "healthy"}
+
+
 def test_change_of_load_is_no_drift() -> None:
     assert "sensor" not in {diagnosis.verdict for diagnosis in judged(_unevenly, seconds=6.0)}
 

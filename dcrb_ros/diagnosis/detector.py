@@ -99,9 +99,10 @@ class FaultDetector:
             self._judge.forget()
             self._levels.forget()
         inside = slice(self._margin, self._margin + self._hop)
-        flaw = self._samples.flaw(stretch.acceleration[inside], stretch.missing[inside], stretch.senseless)
+        turning = self._turning(stretch, inside)
+        flaw = self._samples.flaw(stretch.acceleration[inside], stretch.missing[inside], stretch.senseless, turning=turning)
         hop = self._window.add(stretch, self.parameters.fastest, useless=bool(flaw))
-        flaw = flaw or (self._level_flaw(hop) if hop else "")
+        flaw = flaw or (self._level_flaw(hop) if hop and turning else "")
         self._flawed = round(self.parameters.window / self.parameters.hop) if flaw else max(0, self._flawed - 1)
         self._flaw = flaw or self._flaw
         if self._flawed:
@@ -111,6 +112,13 @@ class FaultDetector:
         if wait:
             return self._without_verdict(stretch.last, "waiting", wait)
         return self._judged(stretch.last)
+
+    def _turning(self, stretch: Stretch, inside: slice) -> bool:
+        """Return whether the bearing turns fast enough to be heard, all the hop; without a tacho it is taken for turning."""
+        if stretch.turns is None:
+            return True
+        turns, p = stretch.turns[inside], self.parameters
+        return abs(float(turns[-1] - turns[0])) >= p.least_turns * p.hop / p.least_window
 
     def _level_flaw(self, hop: Hop) -> str:
         """Return what the levels of the tree's lowest branches and of the band below it say of the sensor, or nothing."""

@@ -34,15 +34,18 @@ class SampleHealth:
         """Samples at the ends of the range so far."""
         self._spikes: list[int] = []
 
-    def flaw(self, acceleration: Floats, missing: Flags, senseless: int) -> str:
-        """Return what is wrong with a hop of samples, shape (samples, 2) [m/s^2], or nothing; ``senseless`` of them are no numbers."""
+    def flaw(self, acceleration: Floats, missing: Flags, senseless: int, *, turning: bool = True) -> str:
+        """Return what is wrong with a hop of samples, shape (samples, 2) [m/s^2], or nothing; ``senseless`` of them are no numbers.
+
+        Silence is a flaw where the bearing is ``turning``; one that stands has nothing to say.
+        """
         p, count = self._parameters, len(missing)
         if senseless > p.most_senseless * count:
             return f"{senseless} of {count} samples are no finite numbers"
         known = acceleration[~missing]
         if len(known) < FEWEST_SAMPLES:
             return ""
-        looks = (self._still, self._stuck, self._saturated, self._dead)
+        looks = (self._still, self._stuck, self._saturated, self._dead) if turning else (self._saturated,)
         flaws = (look(name, column) for look in looks for name, column in zip(AXES, known.T, strict=True))
         return next((flaw for flaw in flaws if flaw), "") or self._spiking(known)
 
