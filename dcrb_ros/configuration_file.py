@@ -240,8 +240,10 @@ def _settings(settings: Sequence[str], fields: Mapping[str, ParameterField]) -> 
 
 
 def overlaid(whole: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
-    """Return a whole configuration, flat, with changes on top; a preset of the sensor among them brings its values."""
-    return {**whole, **typical(str(changes.get("sensor.preset", ""))), **changes}
+    """Return a whole configuration, flat, with changes on top; another preset of the sensor among them brings its values."""
+    preset = changes.get("sensor.preset")
+    brought = typical(str(preset)) if preset not in (None, whole.get("sensor.preset")) else {}
+    return {**whole, **brought, **changes}
 
 
 def load_configuration(source: str | Path, settings: Sequence[str] = ()) -> Configuration:

@@ -42,7 +42,7 @@ def _bottom(half_angle: float, edge: float, other: float, distance: float, hollo
     """
     squares = other**2 - edge**2 - distance**2 if hollow else distance**2 + edge**2 - other**2
     cosine = squares / (2.0 * distance * edge)
-    inside = math.acos(cosine) if cosine > math.cos(half_angle) else half_angle
+    inside = math.acos(min(cosine, 1.0)) if cosine > math.cos(half_angle) else half_angle
     sine, cosine = edge * math.sin(inside), edge * math.cos(inside)
     bend = sine * cosine / math.sqrt(other**2 - sine**2)
     return half_angle - inside, abs(bend - sine if hollow or distance < edge else bend + sine)

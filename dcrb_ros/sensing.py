@@ -51,8 +51,15 @@ TYPICAL: Mapping[str, Mapping[str, Any]] = {
 
 
 def typical(preset: str) -> dict[str, Any]:
-    """Return the parameters of a preset by dotted key, for what is set on top of a whole configuration; nothing for an unknown one."""
-    return {f"sensor.{key}": value for key, value in TYPICAL.get(preset, {}).items()}
+    """Return all that presets set, as this one has it, by dotted key: for what is set on top of a whole configuration, of another preset.
+
+    An unknown one sets nothing.
+    """
+    if preset not in SensorParameters.model_fields["preset"].annotation.__args__:  # type: ignore[union-attr]
+        return {}
+    keys = sorted({key for values in TYPICAL.values() for key in values})
+    own = TYPICAL.get(preset, {})
+    return {f"sensor.{key}": own.get(key, SensorParameters.model_fields[key].default) for key in keys}
 
 
 def numbers(text: str, key: str) -> list[float]:

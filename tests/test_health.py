@@ -144,6 +144,14 @@ def test_standing_bearing_is_silent_with_a_sound_sensor(silence: Callable[[Sampl
     assert {diagnosis.verdict for diagnosis in diagnoses} <= {"waiting", "healthy"}
 
 
+@pytest.mark.parametrize("frequency", [4.0, 5.5])
+@pytest.mark.parametrize("silence", [dead, constant])
+def test_slow_bearing_with_a_dead_sensor_is_not_judged(silence: Callable[[Samples], Samples], frequency: float) -> None:
+    acceleration, angle = stream(seconds=6.0, frequency=frequency)
+    diagnoses = watch(FaultDetector(ORDERS, RATE, sensor_range=RANGE), (silence(acceleration), angle))
+    assert {diagnosis.verdict for diagnosis in diagnoses} <= {"waiting", "sensor"}
+
+
 def test_change_of_load_is_no_drift() -> None:
     assert "sensor" not in {diagnosis.verdict for diagnosis in judged(_unevenly, seconds=6.0)}
 

@@ -125,7 +125,7 @@ def depth_in(edge: float, depth: float, inner: bool, own: bool) -> float:
 
 
 @pytest.mark.parametrize(("kind", "width"), NOTCH_KINDS)
-@given(share=st.floats(-1.2, 1.2), way=st.floats(1e-4, 3e-3))
+@given(share=st.floats(-1.2, 1.2), way=st.floats(-3e-3, 3e-3))
 def test_depth_for_a_step_is_the_weighted_mean_about_it(kind: str, width: float, share: float, way: float) -> None:
     # Against a fine sum over a step before and after, with weights that fall to zero there; the fault's kinks lie anywhere in it.
     own, inner = kind.startswith("roller"), kind.endswith("inner")
@@ -134,7 +134,7 @@ def test_depth_for_a_step_is_the_weighted_mean_about_it(kind: str, width: float,
     rings, rollers = payload.inner_notches if inner else payload.outer_notches, payload.roller_notches
     flat, kink = (rollers.inner_flat, rollers.inner_kink) if inner else (rollers.outer_flat, rollers.outer_kink)
     half, flat, kink = (rollers.half_angle, flat, kink) if own else (rings.half_angle, rings.flat, rings.kink)
-    offset = share * (flat[0] + way)
+    offset = share * (flat[0] + abs(way))
     found, change = passed(offset, way, half[0], flat[0], kink[0], 1.5e-4, R_I if inner else R_O, R_R, inner, own)
     places, weights = offset + way * np.linspace(-1.0, 1.0, 401), 1.0 - np.abs(np.linspace(-1.0, 1.0, 401))
     depths = np.array([depth_in(max(half[0] - abs(at), 0.0), 1.5e-4, inner, own) for at in places])
@@ -142,6 +142,15 @@ def test_depth_for_a_step_is_the_weighted_mean_about_it(kind: str, width: float,
     curvature = edges * (edges / other + 1.0)
     assert found == pytest.approx(float(depths @ weights / weights.sum()), abs=0.12 * curvature * way**2 + 1e-9)  # which is left out
     assert change == pytest.approx(float(depths[300] - depths[100]), abs=1e-9)
+
+
+@pytest.mark.parametrize("fault", ["inner_1", "outer_1", "roller_1"])
+def test_notch_without_depth_is_none(fault: str) -> None:
+    payload = build_payload(Configuration.model_validate({"faults": {fault: {"width": 2e-3, "depth": 0.0}}}))
+    for notches in (payload.inner_notches, payload.outer_notches):
+        assert notches.flat == pytest.approx(notches.half_angle, abs=1e-6)
+        assert notches.kink == pytest.approx(0.0, abs=1e-6)
+    assert payload.roller_notches.outer_flat == pytest.approx(payload.roller_notches.half_angle, abs=1e-6)
 
 
 @given(st.floats(-0.05, 0.05), st.floats(2e-6, 6e-5), st.sampled_from(["inner", "outer"]))

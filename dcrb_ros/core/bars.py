@@ -112,11 +112,11 @@ def meet(payload: Payload, lanes: Floats, found: int) -> None:
 
 
 @piece
-def land_force(lanes: Floats, mean: Floats, c: int, row: int) -> tuple[float, float]:
-    """Return normal force of a cage's contact with its land at the present mean velocities [N], and its speed of penetration [m/s]."""
+def land_rate(lanes: Floats, mean: Floats, c: int, row: int) -> float:
+    """Return the speed of penetration of a cage's contact with its land at the present mean velocities [m/s]."""
     vx, vy = mean[CAGE + row, 0] - mean[OUTER, 0], mean[CAGE + row, 1] - mean[OUTER, 1]
-    rate = vx * lanes[at.TOWARDS_X + c] + vy * lanes[at.TOWARDS_Y + c]
-    return max(lanes[at.ELASTIC + c] + lanes[at.YIELD + c] * (rate - lanes[at.CLOSING + c]) + lanes[at.LOSING + c] * rate, 0.0), rate
+    rate: float = vx * lanes[at.TOWARDS_X + c] + vy * lanes[at.TOWARDS_Y + c]
+    return rate
 
 
 @piece
@@ -125,7 +125,12 @@ def push_lands(payload: Payload, work: Workspace, lands: int) -> None:
     lanes = work.conformal
     for c in range(lands):
         row = work.touched[c]
-        normal, _ = land_force(lanes, work.mean, c, row)
+        rate = land_rate(lanes, work.mean, c, row)
+        force = max(lanes[at.ELASTIC + c] + lanes[at.YIELD + c] * (rate - lanes[at.CLOSING + c]) + lanes[at.LOSING + c] * rate, 0.0)
+        # The mean velocities are those under the force before: a step of Newton's method, or a stiff land would swing up.
+        yielding = lanes[at.LIGHTNESS + c] * (lanes[at.YIELD + c] + lanes[at.LOSING + c])
+        normal = (force + yielding * lanes[at.LAST + c]) / (1.0 + yielding)
+        lanes[at.LAST + c] = normal
         friction = normal * (lanes[at.HOLD + c] + lanes[at.HOLD_SLOPE + c] * lanes[at.SLIDING + c])
         nx, ny = lanes[at.TOWARDS_X + c], lanes[at.TOWARDS_Y + c]
         fx, fy = -normal * nx + friction * ny, -normal * ny - friction * nx
@@ -142,8 +147,7 @@ def keep_lands(payload: Payload, state: State, work: Workspace, lands: int) -> N
     lanes, h = work.conformal, payload.step
     for c in range(lands):
         row = work.touched[c]
-        normal, rate = land_force(lanes, work.mean, c, row)
-        slip = lanes[at.SLIDING + c]
+        normal, rate, slip = lanes[at.LAST + c], land_rate(lanes, work.mean, c, row), lanes[at.SLIDING + c]
         bent = bristle_after(lanes[at.BENT + c], slip, lanes[at.RELAXATION + c], lanes[at.WEIGHT + c], h)
         state.land_force[row], state.land_bristle[row] = normal, bent if normal > 0.0 else 0.0
         state.land_impact[row] = lanes[at.CLOSED_AT + c]

@@ -167,9 +167,10 @@ CONFORMAL_FIELDS = 19
     RELAXATION,
     WEIGHT,
 ) = (LANES * field for field in range(CONFORMAL_FIELDS))
-"""Penetration at the step's beginning; speed of penetration before the step and over it; slip; force of the last step; speed at which the
-contact closed; bristle; coefficient and exponent of its law; half the step over the bodies' reduced mass; normal of a land. Found: elastic
-force and its slope over the speed of penetration, damping, friction per normal force as a line over the slip, its bristle's law."""
+"""Penetration at the step's beginning; speed of penetration before the step and over it; slip; force of the last step, then of the last
+sweep; speed at which the contact closed; bristle; coefficient and exponent of its law; half the step over the bodies' reduced mass; normal
+of a land. Found: elastic force and its slope over the speed of penetration, damping, friction per normal force as a line over the slip, its
+bristle's law."""
 
 
 def empty_lanes(fields: int) -> Floats:

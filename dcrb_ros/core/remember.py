@@ -54,6 +54,8 @@ def settle_bars(lanes: Floats, mean: Floats, count: int, step: float) -> None:
         vy = lanes[at.MEAN_Y + k] - own_y - turn * lanes[contact + at.LEVER_X + k]
         approach, slip = sign * (vx * nx + vy * ny), vx * ny - vy * nx - sign * lanes[at.MEAN_RIM + k]
         friction = lanes[contact + at.CONSTANT + k] + lanes[contact + at.SLOPE + k] * slip
+        found = max(lanes[contact + at.PUSH + k] + lanes[contact + at.GIVE + k] * approach, 0.0)
+        lanes[contact + at.KNOWN + k] = found if sign != 0.0 else 0.0
         bristle = lanes[contact + at.BRISTLE + k]
         bent = bristle_after(bristle, slip, lanes[contact + at.RATE + k], lanes[contact + at.PHI + k], step)
         lanes[contact + at.BRISTLE + k] = bent if sign != 0.0 else 0.0

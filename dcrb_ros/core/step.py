@@ -1,10 +1,11 @@
 """The time loop: drift half a step, forces at the midpoint, implicit velocity update, drift half a step.
 
 One force evaluation per step, second order. Every contact is a straight line over the mean velocities of the bodies
-it joins: normal forces explicit with a mass correction, their loss and the friction linearly implicit, so that gross
-sliding (bristle rates of 2e7 1/s) needs no shorter step. A roller is light and its contacts stiff: its velocity and spin
-are solved for exactly between the bodies it touches. Rings and cages are heavy: they start from the velocities predicted,
-and further sweeps over the bound rollers take out what the prediction lacked, a hundredth each time, until nothing moves.
+it joins: normal forces explicit with a mass correction, or by their potential where they close or open, their loss and the
+friction linearly implicit, so that gross sliding (bristle rates of 2e7 1/s) needs no shorter step. A roller is light and its
+contacts stiff: its velocity and spin are solved for exactly between the bodies it touches. Rings and cages are heavy: they
+start from the velocities predicted, and further sweeps over the bound rollers take out what the prediction lacked, a
+hundredth each time, until nothing moves.
 """
 
 from __future__ import annotations

@@ -35,7 +35,8 @@ class Workspace(NamedTuple):
     conformal: Floats
     """Contacts of cages with lands and of rollers with bars."""
     touched: Integers
-    """Row of the cage, or lane of ``bound`` of the roller, in each of these contacts."""
+    """Row of the cage, or lane of ``bound`` of the roller, in each of these contacts; before, the lanes whose contact with
+    a raceway closes or opens."""
     order: Integers
     """Which roller is in which lane of ``bound``, row by row."""
     rows: Integers

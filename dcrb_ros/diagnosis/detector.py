@@ -118,7 +118,7 @@ class FaultDetector:
         if stretch.turns is None:
             return True
         turns, p = stretch.turns[inside], self.parameters
-        return abs(float(turns[-1] - turns[0])) >= p.least_turns * p.hop / p.least_window
+        return abs(float(turns[-1] - turns[0])) >= p.least_turns * p.hop / p.window
 
     def _level_flaw(self, hop: Hop) -> str:
         """Return what the levels of the tree's lowest branches and of the band below it say of the sensor, or nothing."""

@@ -16,7 +16,7 @@ from pydantic import Field, ValidationError
 from dcrb_ros.configuration import Configuration
 from dcrb_ros.configuration_file import find_configuration, flatten, read_parameters, read_yaml, shipped_folder, validated
 from dcrb_ros.exam.case import Case, Run, canonical, described
-from dcrb_ros.exam.criteria import Criteria
+from dcrb_ros.exam.criteria import Criteria, DelayLimits
 from dcrb_ros.exam.opinion import VERDICTS
 from dcrb_ros.exam.question import Question
 from dcrb_ros.parameters import Group, choice, quantity
@@ -35,8 +35,8 @@ class Entry(Group):
     points: list[str] | None = None
     """Operating points by name; all without this key."""
     seeds: list[int] | None = None
-    duration: float | None = None
-    onset: float | None = None
+    duration: float | None = Field(None, ge=0.1, le=1e5)
+    onset: float | None = Field(None, ge=0.0, le=1e5)
     base: str | None = None
     """A configuration of its own."""
     set: dict[str, Any] = Field(default_factory=dict)
@@ -118,8 +118,9 @@ def _sentence(error: ValidationError, tree: Mapping[str, Any]) -> str:
     problem = error.errors()[0]
     where, key = _place(problem["loc"][:-1], tree), str(problem["loc"][-1])
     if problem["type"] == "extra_forbidden":
-        models: dict[int, type[Group]] = {0: Design, 2: Entry}
-        known = models.get(len(problem["loc"]) - 1, Criteria).model_fields
+        inside = problem["loc"][:-1]
+        model = Design if not inside else Entry if inside[0] == "scenarios" else DelayLimits if "delay" in inside else Criteria
+        known = model.model_fields
         return f"{where}unknown key '{key}'{nearest(key, known)} (known: {', '.join(known)})"
     if key == "verdict":
         said = "has no expected verdict" if problem["type"] == "missing" else f"expects {problem['input']!r}, which is no verdict"
@@ -176,7 +177,9 @@ def _variations(entry: Entry, where: str) -> Iterator[tuple[dict[str, Any], dict
 def _case(
     design: Design, entry: Entry, where: str, name: str, base: Mapping[str, Any], overlay: Mapping[str, Any], fault: Mapping[str, Any]
 ) -> Case:
-    configuration = validated({**base, **overlay}, Configuration, where)
+    # A speed in km/h that the file gives would outlive one in rad/s of the exam.
+    given = {key: value for key, value in base.items() if key != "operating.speed_kmh" or "operating.speed" not in overlay}
+    configuration = validated({**given, **overlay}, Configuration, where)
     duration = entry.duration or design.duration
     onset = (design.onset if entry.onset is None else entry.onset) if fault else 0.0
     faulty = entry.verdict != "healthy"
@@ -195,8 +198,9 @@ def _case(
     story = {"timeline": told} if told else None
     if story:
         timeline(story, configuration, where)
-    tags = {**described(configuration, fault), **entry.tags}
-    narrow = faulty and 0.0 < float(tags.get("width", 0.0)) < design.criteria.smallest_width
+    facts = described(configuration, fault)
+    tags = {**facts, **entry.tags}
+    narrow = faulty and 0.0 < float(facts.get("width", 0.0)) < design.criteria.smallest_width
     twin = "?" if faulty and entry.twin and fault else ""
     question = Question(name, entry.verdict, duration, onset if faulty else 0.0, tags, twin, required=entry.required and not narrow)
     return Case(question, Run(configuration, story, duration))

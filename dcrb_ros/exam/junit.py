@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 from junitparser import Failure, JUnitXml, Skipped, TestCase, TestSuite
@@ -9,6 +10,9 @@ from junitparser import Failure, JUnitXml, Skipped, TestCase, TestSuite
 from dcrb_ros import __version__
 from dcrb_ros.exam.report import Report
 from dcrb_ros.refusal import Refusal
+
+UNSPEAKABLE = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\ufffe\uffff]")
+"""Characters that XML cannot hold, such as a terminal's colours."""
 
 
 def write_junit(report: Report, file: Path) -> None:
@@ -43,6 +47,7 @@ def _scenarios(report: Report) -> TestSuite:
     for mark in report.marks:
         case = TestCase(mark.question.name, f"{report.exam}.{mark.question.verdict}", mark.delay or 0.0)
         if not mark.passed:
-            case.result = [Failure(mark.flaw) if mark.question.required else Skipped(f"not required: {mark.flaw}")]
+            flaw = UNSPEAKABLE.sub("?", mark.flaw)
+            case.result = [Failure(flaw) if mark.question.required else Skipped(f"not required: {flaw}")]
         suite.add_testcase(case)
     return suite

@@ -19,7 +19,7 @@ from dcrb_ros.configuration import Configuration
 from dcrb_ros.configuration_file import flatten, overlaid, validated
 from dcrb_ros.messages import packed
 from dcrb_ros.refusal import Refusal
-from dcrb_ros.scenario import Event, timeline
+from dcrb_ros.scenario import Event, begun, timeline
 from dcrb_ros.simulation import ModelFailure, Simulation
 from dcrb_ros.sinks.recorder import Recorder, RecordingFailed
 from dcrb_ros.sweep.design import Value
@@ -144,7 +144,7 @@ class _Settled:
             self._known = run.twin, _begun(self._recipe, start).skip(self._recipe.branch_at)
         settled = self._known[1]
         simulation = settled.simulation.fork()
-        before, after = flatten(simulation.configuration.model_dump()), overlaid(self._recipe.base, run.changes)
+        before, after = (flatten(c.model_dump()) for c in (simulation.configuration, _configured(self._recipe, run.changes)))
         changes = {key: value for key, value in after.items() if value != before[key] and not key.startswith("publishing.")}
         if changes:
             simulation.change(changes)
@@ -179,8 +179,11 @@ def _made(recipe: Recipe, run: Run, settled: _Settled) -> dict[str, Any]:
 
 def _started(recipe: Recipe, run: Run) -> _Turning:
     configuration = _configured(recipe, run.changes)
-    events = timeline(recipe.stories[run.scenario], configuration, f"scenario {run.scenario}") if run.scenario else ()
-    return _begun(recipe, configuration, events)
+    if not run.scenario:
+        return _begun(recipe, configuration)
+    story, source = recipe.stories[run.scenario], f"scenario {run.scenario}"
+    configuration = begun(story, configuration, source)
+    return _begun(recipe, configuration, timeline(story, configuration, source))
 
 
 def _begun(recipe: Recipe, configuration: Configuration, events: Iterable[Event] = ()) -> _Turning:
@@ -192,10 +195,12 @@ def _taken(blocks: Iterable[Block], before: Iterable[Truth], *, keep: bool) -> T
     digest, first, samples, clipped = hashlib.sha256(), 0, 0, 0
     accelerations, angles, truths = [np.zeros((0, 2), np.float32)], [np.zeros(0, np.float32)], list(before)[-1:]
     for block in blocks:
+        truths += block.truths
+        if block.lost:
+            continue
         first = block.index if samples == 0 else first
         samples, clipped = samples + len(block.shaft_angle), clipped + block.clipped
         digest.update(packed(block.acceleration, block.shaft_angle))
-        truths += block.truths
         if keep:
             accelerations.append(block.acceleration)
             angles.append(block.shaft_angle)

@@ -49,9 +49,10 @@ class DataSet:
         else:
             _same(json.loads(known), about, store)
         try:
+            # By this one the folder is known again, so it comes first.
+            store.write(ABOUT, json.dumps(about, indent=1).encode())
             store.write(COPY, plan.sweep.text.encode())
             store.write(BASE, _as_file(plan).encode())
-            store.write(ABOUT, json.dumps(about, indent=1).encode())
         except StoreFailed as failure:
             raise Refusal(str(failure)) from None
         store.sweep_up()

@@ -9,6 +9,7 @@ from typing import Any
 
 from dcrb_ros import __version__
 from dcrb_ros.block import Truth
+from dcrb_ros.configuration_file import overlaid
 from dcrb_ros.manifest import model_fingerprint
 from dcrb_ros.sweep.plan import Run
 
@@ -18,14 +19,17 @@ CLASSES = {"outer": "outer_ring", "inner": "inner_ring", "roller": "roller", "br
 
 
 def fault_class(faults: Mapping[str, Any]) -> str:
-    """Return what is wrong in the detector's words: healthy, outer_ring, inner_ring, roller, cage, sensor, or compound for several."""
+    """Return what is wrong in the detector's words: healthy, outer_ring, inner_ring, roller, cage, compound for several of them, or
+    sensor, which hides the rest."""
     found = {CLASSES[re.split("[_.]", name)[0]] for name in faults}
+    if "sensor" in found:
+        return "sensor"
     return "compound" if len(found) > 1 else next(iter(found), "healthy")
 
 
 def base_label(run: Run, base: Mapping[str, Any]) -> dict[str, Any]:
     """Return what is known of a run before it has run."""
-    parameters = {**base, **run.changes}
+    parameters = overlaid(base, run.changes)
     return {
         "run": run.name,
         "place": run.place,

@@ -245,5 +245,5 @@ def _branching(sweep: Sweep, fields: Mapping[str, ParameterField], source: str) 
         )
     for name, axes in sweep.cases.items():
         for key in axes:
-            if not fields[key].run_time:
+            if key != SCENARIO and not fields[key].run_time:
                 raise Refusal(f"{source}: cases.{name}: {key} cannot change as the bearing turns: set branch_at to 0")

@@ -127,6 +127,7 @@ class Listener:
         """Leave the graph."""
         import rclpy
 
+        self.executor.shutdown()
         self.node.destroy_node()
         rclpy.try_shutdown(context=self.context)
 
