@@ -49,7 +49,7 @@ def test_rollers_straddling_the_load(joint: str) -> None:
 
 
 @pytest.mark.parametrize("joint", JOINTS)
-@settings(max_examples=20)
+@settings(max_examples=10)
 @given(size=st.floats(1e3, 4e5), direction=st.floats(-np.pi, np.pi))
 def test_any_load_is_balanced(joint: str, size: float, direction: float) -> None:
     payload = bearing(joint)
@@ -85,7 +85,7 @@ def test_free_rollers_of_a_running_bearing_lie_on_the_outer_raceway() -> None:
 
 
 @pytest.mark.parametrize("joint", JOINTS)
-@settings(max_examples=20)
+@settings(max_examples=10)
 @given(load=st.floats(1e3, 4e5))
 def test_rows_in_phase_rest_alike_to_the_last_bit(joint: str, load: float) -> None:
     rest = static_equilibrium(bearing(joint), np.array([0.0, -load]), orbit=52.8)

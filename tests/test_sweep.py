@@ -239,6 +239,28 @@ def test_a_scenario_labels_its_windows(tmp_path: Path) -> None:
     assert list(table["start"]) == [256 * k for k in range(7)]
 
 
+def test_a_scenario_starts_as_it_says(tmp_path: Path) -> None:
+    story = tmp_path / "story.yaml"
+    story.write_text("start: {operating.speed: 40.0}\ntimeline: [{at: 1.0, set: {operating.speed: 50.0}}]", encoding="utf-8")
+    ((_, label),) = run_alone({**QUICK, "cases": {"slow": {"scenario": str(story)}}}, tmp_path / "set")
+    assert label["speed"] == pytest.approx(40.0)
+
+
+def test_a_label_tells_the_sensor_of_its_preset(tmp_path: Path) -> None:
+    tree = {**QUICK, "vary": {"sensor.preset": ["mems", "ideal"]}}
+    labels = [label for _, label in run_alone(tree, tmp_path / "set")]
+    found = {label["configuration"]["sensor.preset"]: label["configuration"]["sensor.white_noise_ug"] for label in labels}
+    assert found == {"mems": 30.0, "ideal": 0.0}
+
+
+def test_lost_blocks_do_not_count(tmp_path: Path) -> None:
+    tree = {**QUICK, "duration": 0.1, "output": "bag", "set": {"publishing.loss_probability": 0.5, "publishing.block_size": 512}}
+    ((_, label),) = run_alone(tree, tmp_path / "set")
+    recording = Recording(tmp_path / "set" / label["file"])
+    kept = sum(len(vibration.acceleration) for vibration in recording.vibrations())
+    assert label["samples"] == kept < 0.1 * recording.sampling_rate
+
+
 @given(st.integers(16, 300), st.floats(0.0, 0.99), st.integers(0, 2000))
 def test_windows_lie_within_the_run(length: int, overlap: float, samples: int) -> None:
     windows = Windows(length=length, overlap=overlap)

@@ -184,7 +184,7 @@ def test_wrong_parameters_end_with_a_sentence(values: dict[str, object], sentenc
     [
         (["--duration", "nan"], "--duration nan s is outside 0 .. 1e+06 s"),
         (["--duration", "-1"], "--duration -1.0 s is outside"),
-        (["--scenario", "nowhere"], "there is no scenario 'nowhere': give a YAML file or one of growing_spall"),
+        (["--scenario", "nowhere"], "there is no scenario 'nowhere': give a YAML file or one of braking, failing_sensor"),
     ],
 )
 def test_wrong_arguments_end_with_a_sentence(arguments: list[str], sentence: str, tmp_path: Path) -> None:
