@@ -26,11 +26,14 @@ class LevelHealth:
         self._reference: Floats | None = None
         self._frequency = 0.0
         self._firm = parameters.firm_level
+        self._low = False
+        """Whether the levels fell together and have stayed down."""
 
     def forget(self) -> None:
         """Begin anew."""
         self._latest.clear()
         self._reference = None
+        self._low = False
 
     def flaw(self, powers: npt.NDArray[np.floating], frequency: float, *, high: int | None, below: int) -> str:
         """Return what is wrong with the ``powers`` of bands beside each other, or nothing.
@@ -56,7 +59,10 @@ class LevelHealth:
 
     def _fallen(self, change: Floats) -> str:
         p = self._parameters
-        if len(change) < 2 or float(change.mean()) > -p.gain_drop or float(np.ptp(change)) > p.gain_spread:
+        together = len(change) > 1 and float(change.mean()) <= -p.gain_drop and float(np.ptp(change)) <= p.gain_spread
+        # Further down the sensor's noise holds up the weaker bands, and they no longer fall together.
+        self._low = together or (self._low and float(change.max()) <= -p.gain_drop)
+        if not self._low:
             return ""
         return f"all bands have fallen by {-change.mean():.1f} dB at the same speed: the sensor's gain drifts"
 
