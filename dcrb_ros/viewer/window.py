@@ -34,6 +34,8 @@ EMPTY_BAR = 37
 DRIVER_REMEDY = "install a Vulkan driver, without a graphics card the software one (Debian, Ubuntu: apt-get install mesa-vulkan-drivers)"
 
 DISPLAY_REMEDY = "it needs a display; without one save the view into a file (viewer --save FILE.rrd)"
+DISPLAYS = ("DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET")
+"""Environment variables of which a desktop on Linux sets one."""
 MEMORY = "2GB"
 """What a viewer of a running bench keeps; of more the oldest is left out."""
 
@@ -61,6 +63,9 @@ def window_to_fill() -> Iterator[tuple[subprocess.Popen[bytes], str]]:
     Raises:
         ViewerFailure: it cannot be opened.
     """
+    if sys.platform == "linux" and not any(os.environ.get(name) for name in DISPLAYS):
+        # The viewer listens before it finds that out.
+        raise ViewerFailure(f"the viewer cannot open its window: {DISPLAY_REMEDY}")
     port = _free_port()
     command = [*_command(), "--bind", LOOPBACK, "--port", str(port), "--hide-welcome-screen", "--memory-limit", MEMORY]
     with tempfile.TemporaryFile() as output:
