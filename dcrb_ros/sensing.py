@@ -55,7 +55,7 @@ def typical(preset: str) -> dict[str, Any]:
 
     An unknown one sets nothing.
     """
-    if preset not in SensorParameters.model_fields["preset"].annotation.__args__:  # type: ignore[union-attr]
+    if preset not in (*TYPICAL, SensorParameters.model_fields["preset"].default):
         return {}
     keys = sorted({key for values in TYPICAL.values() for key in values})
     own = TYPICAL.get(preset, {})

@@ -532,6 +532,7 @@ def test_the_room_is_estimated(tmp_path: Path) -> None:
         ({"branch_at": 0.1}, "settle = 0 s is below 0.005 s"),
         ({"branch_at": 0.1, "settle": 0.1, "cases": {"slow": {"sensor.sampling_rate": 25600}}}, "cannot change as the bearing turns"),
         ({"branch_at": 0.1, "settle": 0.1, "cases": {"grows": {"scenario": "growing_spall"}}}, "do not go together"),
+        ({"set": {"operating.speed_kmh": 80.0}, "vary": {"operating.speed": [100.0]}}, "would win over operating.speed"),
         ({"output": "wav"}, "output = 'wav'"),
         ({"vary": {"publishing.loss_probability": [0.0, 0.1]}}, "publishing.loss_probability leaves gaps"),
     ],

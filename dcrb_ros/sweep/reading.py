@@ -216,6 +216,8 @@ def _consistent(sweep: Sweep, fields: Mapping[str, ParameterField], source: str)
         raise Refusal(
             f"{source}: duration = {file.duration:g} s is above {LONGEST:g} s, too long for memory: take 'output: bag' and no windows"
         )
+    if "operating.speed_kmh" in flatten(file.fixed) and "operating.speed" in sweep.vary:
+        raise Refusal(f"{source}: set: operating.speed_kmh would win over operating.speed under 'vary': give one of them")
     gaps = [key for key in GAPS if sweep.base[key] or key in sweep.vary]
     if held and gaps:
         raise Refusal(
