@@ -116,7 +116,7 @@ def lone_roller() -> tuple[Payload, State]:
 def with_step(payload: Payload, state: State, step: float) -> tuple[Payload, State]:
     """Return payload and a copy of the state to go on from with another step [s]."""
     copy = copy_of(state)
-    for change in (copy.outer_change, copy.inner_change, copy.cage_change, copy.earlier_change, copy.roller_change):
+    for change in (copy.change, copy.earlier_change, copy.roller_change):
         change *= step / payload.step
     return payload._replace(step=step), copy
 

@@ -20,9 +20,9 @@ from dcrb_ros.core import lanes as at
 from dcrb_ros.core.jit import loop
 from dcrb_ros.core.payload import Floats, Payload
 from dcrb_ros.core.rolling import roll_free
-from dcrb_ros.core.state import State, copy_of
+from dcrb_ros.core.state import OUTER, State, copy_of
 from dcrb_ros.core.step import advance
-from dcrb_ros.core.work import OUTER, Workspace, workspace
+from dcrb_ros.core.work import Workspace, workspace
 from dcrb_ros.model import build_payload, initial_state
 
 FIELDS = """

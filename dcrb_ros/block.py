@@ -86,7 +86,6 @@ class States:
     """Centre of each cage from the outer ring's, shape (rows, 2) [m]."""
     inner_ring_force: tuple[float, float]
     """Total force of the rollers on the inner ring in X and Y [N]."""
-    energy: Account
 
 
 @dataclass(frozen=True)

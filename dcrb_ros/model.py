@@ -11,7 +11,7 @@ import numpy.typing as npt
 from dcrb_ros.block import Floats, Layout
 from dcrb_ros.configuration import Configuration
 from dcrb_ros.conformal import conformal_law
-from dcrb_ros.core.payload import EDGE, JOHNSON, POWER, SINK, Notches, Payload, RollerNotches
+from dcrb_ros.core.payload import EDGE, JOHNSON, NOTCH, POWER, ROLLER_NOTCH, SINK, Notches, Payload, RollerNotches
 from dcrb_ros.core.state import State, empty_state
 from dcrb_ros.equilibrium import roller_forces, static_equilibrium
 from dcrb_ros.faults import RacewayDefect, RollerDefect
@@ -53,39 +53,25 @@ def _notches(defects: Iterable[RacewayDefect], raceway: float, roller: float, si
 
     ``side`` is 1 at the inner ring, -1 at the outer.
     """
-    found = list(defects)
-    half = np.array([0.5 * defect.width / raceway for defect in found], np.float64)
-    floor = [raceway + side * (roller - defect.depth) for defect in found]
-    bottom = np.array([_bottom(angle, raceway, roller, at, False) for angle, at in zip(half, floor, strict=True)]).reshape(-1, 2)
-    return Notches(
-        row=np.array([defect.row - 1 for defect in found], np.int64),
-        half_angle=half,
-        nearness=np.cos(np.array([(0.5 * defect.width + fillet) / raceway for defect in found], np.float64)),
-        flat=bottom[:, 0].copy(),
-        kink=bottom[:, 1].copy(),
-        depth=np.array([defect.depth for defect in found], np.float64),
-        azimuth=np.array([defect.azimuth for defect in found], np.float64),
-    )
+    found = []
+    for defect in defects:
+        half, floor = 0.5 * defect.width / raceway, raceway + side * (roller - defect.depth)
+        bottom, kink = _bottom(half, raceway, roller, floor, False)
+        nearness = math.cos((0.5 * defect.width + fillet) / raceway)
+        found.append((defect.row - 1, half, nearness, bottom, kink, defect.depth, defect.azimuth))
+    return np.array(found, NOTCH).view(np.recarray)
 
 
 def _roller_notches(defects: Iterable[RollerDefect], roller: float, inner: float, outer: float) -> RollerNotches:
     """Return the notches of rollers; ``inner`` and ``outer`` are the raceways' radii [m]."""
-    found = list(defects)
-    half = np.array([0.5 * defect.width / roller for defect in found], np.float64)
-    on_inner = [_bottom(at, roller, inner, inner + roller - defect.depth, False) for at, defect in zip(half, found, strict=True)]
-    on_outer = [_bottom(at, roller, outer, outer - roller + defect.depth, True) for at, defect in zip(half, found, strict=True)]
-    bottoms = np.array([on_inner, on_outer]).reshape(2, -1, 2)
-    return RollerNotches(
-        row=np.array([defect.row - 1 for defect in found], np.int64),
-        roller=np.array([defect.roller - 1 for defect in found], np.int64),
-        half_angle=half,
-        inner_flat=bottoms[0, :, 0].copy(),
-        outer_flat=bottoms[1, :, 0].copy(),
-        inner_kink=bottoms[0, :, 1].copy(),
-        outer_kink=bottoms[1, :, 1].copy(),
-        depth=np.array([defect.depth for defect in found], np.float64),
-        azimuth=np.array([defect.azimuth for defect in found], np.float64),
-    )
+    found = []
+    for defect in defects:
+        half = 0.5 * defect.width / roller
+        inner_bottom, inner_kink = _bottom(half, roller, inner, inner + roller - defect.depth, False)
+        outer_bottom, outer_kink = _bottom(half, roller, outer, outer - roller + defect.depth, True)
+        notch = (half, inner_bottom, outer_bottom, inner_kink, outer_kink, defect.depth, defect.azimuth)
+        found.append((defect.row - 1, defect.roller - 1, *notch))
+    return np.array(found, ROLLER_NOTCH).view(np.recarray)
 
 
 def broken_bars(configuration: Configuration) -> npt.NDArray[np.bool_]:

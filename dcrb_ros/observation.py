@@ -1,4 +1,4 @@
-"""From the kernels' state to what is published of it: the bodies' states and the energy account."""
+"""From the kernels' state to what is published of it: the bodies' states."""
 
 from __future__ import annotations
 
@@ -7,10 +7,9 @@ import math
 import numpy as np
 
 from dcrb_ros.block import Floats, States
+from dcrb_ros.core import lanes as at
 from dcrb_ros.core.payload import Payload
 from dcrb_ros.core.state import State
-from dcrb_ros.energy import account
-from dcrb_ros.equilibrium import radial_directions
 
 
 def wrapped(angle: Floats) -> Floats:
@@ -22,62 +21,59 @@ def place_pinned_rollers(payload: Payload, state: State) -> None:
     """Write position and velocity of the pinned rollers, which their cages carry."""
     if payload.all_free:
         return
-    cosine, sine = np.cos(state.cage_position[:, 2, None]), np.sin(state.cage_position[:, 2, None])
-    at_zero, pinned = radial_directions(payload), ~payload.free
-    arm = payload.pitch_radius * np.stack(
-        [cosine * at_zero[..., 0] - sine * at_zero[..., 1], sine * at_zero[..., 0] + cosine * at_zero[..., 1]], axis=-1
+    cage, velocity = state.cage_position, state.cage_velocity
+    cosine, sine = np.cos(cage[:, 2, None]), np.sin(cage[:, 2, None])
+    tx, ty, free = payload.pocket_tangent[..., 0], payload.pocket_tangent[..., 1], payload.free
+    # A pocket lies a quarter turn behind its tangent.
+    arm_x, arm_y = payload.pitch_radius * (sine * tx + cosine * ty), payload.pitch_radius * (sine * ty - cosine * tx)
+    carried = (
+        (at.X, cage[:, 0, None] + arm_x),
+        (at.Y, cage[:, 1, None] + arm_y),
+        (at.VX, velocity[:, 0, None] - velocity[:, 2, None] * arm_y),
+        (at.VY, velocity[:, 1, None] + velocity[:, 2, None] * arm_x),
     )
-    turning = state.cage_velocity[:, None, 2, None] * np.stack([-arm[..., 1], arm[..., 0]], axis=-1)
-    state.roller_position[pinned] = (state.cage_position[:, None, :2] + arm)[pinned]
-    state.roller_velocity[pinned, :2] = (state.cage_velocity[:, None, :2] + turning)[pinned]
+    for field, value in carried:
+        state.lanes[field : field + free.size][~free.ravel()] = value[~free]
 
 
-def inner_normals(state: State) -> Floats:
-    """Return the directions from the inner ring to each roller, shape (rows, rollers, 2) [-]."""
-    offset = state.roller_position - state.inner_position
-    return np.asarray(offset / np.hypot(offset[..., :1], offset[..., 1:]))
-
-
-def inner_slip(payload: Payload, state: State, normal: Floats) -> Floats:
-    """Return the slip at the inner raceway of every roller, touching or not, shape (rows, rollers) [m/s]."""
-    velocity = state.roller_velocity[..., :2] - state.inner_velocity
-    passing = velocity[..., 1] * normal[..., 0] - velocity[..., 0] * normal[..., 1]
-    slip: Floats = passing - state.roller_velocity[..., 2] * payload.roller_radius - state.shaft[1] * payload.inner_raceway_radius
-    return slip
-
-
-def force_on_inner_ring(state: State, normal: Floats) -> tuple[float, float]:
-    """Return the total force of the rollers on the inner ring in X and Y [N]."""
-    nx, ny = normal[..., 0], normal[..., 1]
-    push, hold = state.inner_force, state.inner_friction
-    return float((-push * nx - hold * ny).sum()), float((hold * nx - push * ny).sum())
-
-
-def observe(payload: Payload, state: State, time_ns: int, stored_at_start: float) -> States:
-    """Return the states of all bodies at ``time_ns``; ``stored_at_start`` [J] is what the energy account began with."""
+def observe(payload: Payload, state: State, time_ns: int) -> States:
+    """Return the states of all bodies at ``time_ns``."""
     place_pinned_rollers(payload, state)
-    offset = state.roller_position - state.outer_position
-    azimuth = np.arctan2(offset[..., 0], -offset[..., 1])
-    pocket = np.arctan2(payload.pocket_tangent[:, 0, 1], payload.pocket_tangent[:, 0, 0]) + state.cage_position[:, 2]
-    normal = inner_normals(state)
-    cages, none = state.cage_velocity[:, 2], np.zeros(len(state.cage_position) + 1)
-    spin = state.roller_velocity[..., 2]
+    rows, count = len(payload.free), payload.free.size
+    x, y, vx, vy, spin = state.lanes[: 5 * at.LANES].reshape(5, at.LANES)[:, :count]
 
-    def bodies(rollers: Floats, others: Floats) -> Floats:
-        return np.concatenate([rollers.ravel(), others])
+    def of(field: int) -> Floats:
+        return state.lanes[field : field + count]
 
+    found = np.zeros((9, count + rows + 1))
+    rollers, cages, ring = found[:, :count], found[:, count:-1], found[:, -1]
+    (outer_x, outer_y), (inner_x, inner_y), (inner_vx, inner_vy) = state.outer_position, state.inner_position, state.inner_velocity
+    turning, tangent = state.cage_velocity[:, 2], payload.pocket_tangent[:, 0]
+    nx, ny = x - inner_x, y - inner_y
+    distance = np.hypot(nx, ny)
+    nx, ny = nx / distance, ny / distance
+    push, hold = of(at.INNER_FORCE), of(at.INNER_FRICTION)
+
+    rollers[0], cages[0] = np.arctan2(x - outer_x, outer_y - y), np.arctan2(tangent[:, 1], tangent[:, 0]) + state.cage_position[:, 2]
+    rollers[1], cages[1] = spin, turning
+    rollers[2], rollers[3] = push, of(at.OUTER_FORCE)
+    # At the inner raceway of every roller, touching or not.
+    rollers[4] = (vy - inner_vy) * nx - (vx - inner_vx) * ny - spin * payload.roller_radius - state.shaft[1] * payload.inner_raceway_radius
+    rollers[5], rollers[6] = hold, payload.roller_radius * (hold - of(at.OUTER_FRICTION))
+    rollers[7] = spin - np.repeat(turning, count // rows)
+    rollers[8], cages[8] = of(at.BAR_FORCE), state.land_force
+    ring[:3] = state.shaft[0], state.shaft[1], push.sum()
     return States(
         time_ns=time_ns,
-        azimuth=wrapped(bodies(azimuth, np.array([*pocket, state.shaft[0]]))),
-        speed=bodies(spin, np.array([*cages, state.shaft[1]])),
-        inner_force=bodies(state.inner_force, np.array([*none[:-1], state.inner_force.sum()])),
-        outer_force=bodies(state.outer_force, none),
-        slip=bodies(inner_slip(payload, state, normal), none),
-        friction=bodies(state.inner_friction, none),
-        torque=bodies(payload.roller_radius * (state.inner_friction - state.outer_friction), none),
-        relative_speed=bodies(spin - cages[:, None], none),
-        bar_force=bodies(state.bar_force, np.array([*state.land_force, 0.0])),
+        azimuth=wrapped(found[0]),
+        speed=found[1],
+        inner_force=found[2],
+        outer_force=found[3],
+        slip=found[4],
+        friction=found[5],
+        torque=found[6],
+        relative_speed=found[7],
+        bar_force=found[8],
         cage_offset=state.cage_position[:, :2] - state.outer_position,
-        inner_ring_force=force_on_inner_ring(state, normal),
-        energy=account(payload, state, stored_at_start),
+        inner_ring_force=(float(-(push @ nx) - hold @ ny), float(hold @ nx - push @ ny)),
     )

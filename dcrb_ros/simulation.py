@@ -14,12 +14,13 @@ import numpy as np
 import numpy.typing as npt
 
 from dcrb_ros.alteration import altered, onsets, refitted, spoken
-from dcrb_ros.block import Block, Floats, Layout, States, Truth, nanoseconds
+from dcrb_ros.block import Account, Block, Floats, Layout, States, Truth, nanoseconds
 from dcrb_ros.configuration import Configuration
+from dcrb_ros.core.compilation import compile_ahead
 from dcrb_ros.core.state import copy_of
 from dcrb_ros.core.step import advance
 from dcrb_ros.core.work import workspace
-from dcrb_ros.energy import stored_energy
+from dcrb_ros.energy import account, stored_energy
 from dcrb_ros.kinematics import characteristic_orders
 from dcrb_ros.measurement.decimation import Cascade
 from dcrb_ros.measurement.sensor import Measurement, Sensor
@@ -71,6 +72,7 @@ class Simulation:
         self._payload = build_payload(configuration)
         self._state = initial_state(configuration, self._payload)
         self._work = workspace(self._payload)
+        compile_ahead(self._payload, self._state, self._work)
         self._stored = stored_energy(self._payload, self._state)
         self._sensor = Sensor(configuration)
         self._transmission = Transmission(configuration)
@@ -91,6 +93,11 @@ class Simulation:
     def time_ns(self) -> int:
         """Simulated time reached by the model [ns]; the next command takes effect here."""
         return nanoseconds(self._steps, self.configuration.step_rate)
+
+    @property
+    def energy(self) -> Account:
+        """The energy account up to `time_ns`; to be asked for between two blocks."""
+        return account(self._payload, self._state, self._stored)
 
     def command_speed(self, speed: float) -> None:
         """Ask for a speed [rad/s], reached with the configured ramp from the next block on."""
@@ -246,7 +253,7 @@ class Simulation:
             self._guard(acceleration)
             motion.append((acceleration, angles))
             if self._steps == state_due and not self._waveform_only:
-                self._states.append(observe(self._payload, self._state, self.time_ns, self._stored))
+                self._states.append(observe(self._payload, self._state, self.time_ns))
             if self._steps == truth_due:
                 self._note("")
         if motion:

@@ -13,7 +13,7 @@ from dcrb_ros.configuration import Configuration
 from dcrb_ros.core import lanes as at
 from dcrb_ros.core.contact import johnson_force
 from dcrb_ros.core.jit import kernel, loop
-from dcrb_ros.core.payload import Payload, RollerNotches
+from dcrb_ros.core.payload import ROLLER_NOTCH, Payload
 from dcrb_ros.core.raceway import inner_notch_depth, outer_notch_depth, passed, roller_notch_depth, roller_sink, turn_notches
 from dcrb_ros.core.state import State, empty_state
 from dcrb_ros.core.touch import draw_raceways, face_raceways
@@ -99,8 +99,7 @@ def test_notch_of_one_row_leaves_the_other() -> None:
 
 @pytest.mark.parametrize("inner", [True, False])
 def test_notch_of_a_roller_turns_with_it(inner: bool) -> None:
-    none = np.zeros(1)
-    notches = RollerNotches(np.array([0]), np.array([3]), np.array([0.05]), none, none, none, none, np.array([3e-4]), np.array([0.0]))
+    notches = np.array([(0, 3, 0.05, 0.0, 0.0, 0.0, 0.0, 3e-4, 0.0)], ROLLER_NOTCH).view(np.recarray)
     raceway = R_I if inner else R_O
     depth, _ = roller_sink(notches, 0, 3, 0.0, -1.0, 0.0, 1e-4, raceway, R_R, inner)
     # The edges' chord on a raceway of radius r: R (1 - cos a) less or more the raceway's own sagitta.
@@ -132,10 +131,10 @@ def test_depth_for_a_step_is_the_weighted_mean_about_it(kind: str, width: float,
     fault = {"roller_1": {"roller": 1, "width": width, "depth": 1.5e-4}} if own else {f"{kind}_1": {"width": width, "depth": 1.5e-4}}
     payload = build_payload(Configuration.model_validate({"faults": fault}))
     rings, rollers = payload.inner_notches if inner else payload.outer_notches, payload.roller_notches
-    flat, kink = (rollers.inner_flat, rollers.inner_kink) if inner else (rollers.outer_flat, rollers.outer_kink)
-    half, flat, kink = (rollers.half_angle, flat, kink) if own else (rings.half_angle, rings.flat, rings.kink)
-    offset = share * (flat[0] + abs(way))
-    found, change = passed(offset, way, half[0], flat[0], kink[0], 1.5e-4, R_I if inner else R_O, R_R, inner, own)
+    bottom, kink = (rollers.inner_bottom, rollers.inner_kink) if inner else (rollers.outer_bottom, rollers.outer_kink)
+    half, bottom, kink = (rollers.half_angle, bottom, kink) if own else (rings.half_angle, rings.bottom, rings.kink)
+    offset = share * (bottom[0] + abs(way))
+    found, change = passed(offset, way, half[0], bottom[0], kink[0], 1.5e-4, R_I if inner else R_O, R_R, inner, own)
     places, weights = offset + way * np.linspace(-1.0, 1.0, 401), 1.0 - np.abs(np.linspace(-1.0, 1.0, 401))
     depths = np.array([depth_in(max(half[0] - abs(at), 0.0), 1.5e-4, inner, own) for at in places])
     edges, other = (R_R, R_I if inner else R_O) if own else (R_I if inner else R_O, R_R)
@@ -148,9 +147,9 @@ def test_depth_for_a_step_is_the_weighted_mean_about_it(kind: str, width: float,
 def test_notch_without_depth_is_none(fault: str) -> None:
     payload = build_payload(Configuration.model_validate({"faults": {fault: {"width": 2e-3, "depth": 0.0}}}))
     for notches in (payload.inner_notches, payload.outer_notches):
-        assert notches.flat == pytest.approx(notches.half_angle, abs=1e-6)
+        assert notches.bottom == pytest.approx(notches.half_angle, abs=1e-6)
         assert notches.kink == pytest.approx(0.0, abs=1e-6)
-    assert payload.roller_notches.outer_flat == pytest.approx(payload.roller_notches.half_angle, abs=1e-6)
+    assert payload.roller_notches.outer_bottom == pytest.approx(payload.roller_notches.half_angle, abs=1e-6)
 
 
 @given(st.floats(-0.05, 0.05), st.floats(2e-6, 6e-5), st.sampled_from(["inner", "outer"]))

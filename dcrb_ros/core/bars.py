@@ -14,8 +14,8 @@ from dcrb_ros.core.friction import bristle_after, friction_line
 from dcrb_ros.core.jit import piece
 from dcrb_ros.core.payload import Floats, Integers, Payload
 from dcrb_ros.core.place import bar_at, filled
-from dcrb_ros.core.state import FRICTION, LOSS, State
-from dcrb_ros.core.work import CAGE, OUTER, Workspace
+from dcrb_ros.core.state import CAGE, FRICTION, LOSS, OUTER, State
+from dcrb_ros.core.work import Workspace
 
 CONCENTRIC = 1e-15
 """Least distance of two centres, so that there is a direction from one to the other [m]."""
@@ -26,10 +26,12 @@ def find_lands(payload: Payload, state: State, work: Workspace) -> int:
     """Write how the cages in reach of the outer ring's land lie to it, in the first conformal lanes; return where they end."""
     lanes, h, found = work.conformal, payload.step, 0
     for row in range(payload.free.shape[0]):
-        dx, dy = state.cage_position[row, 0] - state.outer_position[0], state.cage_position[row, 1] - state.outer_position[1]
+        dx, dy = state.position[CAGE + row, 0] - state.position[OUTER, 0], state.position[CAGE + row, 1] - state.position[OUTER, 1]
         distance = max(math.sqrt(dx * dx + dy * dy), CONCENTRIC)
         nx, ny = dx / distance, dy / distance
-        before = (state.cage_velocity[row, 0] - state.outer_velocity[0]) * nx + (state.cage_velocity[row, 1] - state.outer_velocity[1]) * ny
+        before = (state.velocity[CAGE + row, 0] - state.velocity[OUTER, 0]) * nx + (
+            state.velocity[CAGE + row, 1] - state.velocity[OUTER, 1]
+        ) * ny
         if distance + 0.5 * h * abs(before) <= payload.land_clearance:
             state.land_force[row] = state.land_impact[row] = state.land_bristle[row] = 0.0
             continue
@@ -54,26 +56,25 @@ def find_bars(payload: Payload, state: State, work: Workspace, found: int) -> in
     for k in range(work.ends[work.ends.size - 1]):
         if near[at.BAR_NEAR + k] <= 0.0:
             continue
-        row = work.rows[k]
-        i = work.order[k] - row * payload.free.shape[1]
+        c, row = work.order[k], work.rows[k]
         tx, ty = near[at.TAU_X + k], near[at.TAU_Y + k]
-        ax, ay = near[at.PLACE_X + k] - state.cage_position[row, 0], near[at.PLACE_Y + k] - state.cage_position[row, 1]
+        ax, ay = near[at.PLACE_X + k] - state.position[CAGE + row, 0], near[at.PLACE_Y + k] - state.position[CAGE + row, 1]
         along = ax * tx + ay * ty
         ahead = along > 0.0
-        if not bar_at(payload, row, i, ahead):
+        if not bar_at(payload, row, c - row * payload.free.shape[1], ahead):
             continue
         sign = 1.0 if ahead else -1.0
         rx, ry = ax + sign * radius * tx, ay + sign * radius * ty
         body = CAGE + row
-        turn, old_turn = work.mean[body, 2], state.cage_velocity[row, 2]
+        turn, old_turn = work.mean[body, 2], state.velocity[CAGE + row, 2]
         vx, vy = near[at.COMING_X + k] - work.mean[body, 0] + turn * ry, near[at.COMING_Y + k] - work.mean[body, 1] - turn * rx
-        ux = near[at.BEFORE_X + k] - state.cage_velocity[row, 0] + old_turn * ry
-        uy = near[at.BEFORE_Y + k] - state.cage_velocity[row, 1] - old_turn * rx
+        ux = near[at.BEFORE_X + k] - state.velocity[CAGE + row, 0] + old_turn * ry
+        uy = near[at.BEFORE_Y + k] - state.velocity[CAGE + row, 1] - old_turn * rx
         before = sign * (ux * tx + uy * ty)
         lanes[at.BEGIN + found], lanes[at.BEFORE + found] = abs(along) - payload.pocket_clearance - 0.5 * h * before, before
         lanes[at.CLOSING + found] = sign * (vx * tx + vy * ty)
         lanes[at.SLIDING + found] = vx * ty - vy * tx - sign * near[at.COMING_RIM + k]
-        lanes[at.LAST + found], lanes[at.CLOSED_AT + found] = abs(state.bar_force[row, i]), state.bar_impact[row, i]
+        lanes[at.LAST + found], lanes[at.CLOSED_AT + found] = abs(state.lanes[at.BAR_FORCE + c]), state.lanes[at.BAR_IMPACT + c]
         lanes[at.BENT + found] = near[at.BAR + at.BRISTLE + k]
         lanes[at.COEFFICIENT + found], lanes[at.EXPONENT + found] = payload.bar_coefficient, payload.bar_exponent
         lanes[at.LIGHTNESS + found] = 0.5 * h / payload.roller_mass

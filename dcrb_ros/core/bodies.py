@@ -8,24 +8,21 @@ from dcrb_ros.core import lanes as at
 from dcrb_ros.core.jit import piece
 from dcrb_ros.core.normal import DISPERSION
 from dcrb_ros.core.payload import Payload
-from dcrb_ros.core.state import HOUSING, LOAD, State
-from dcrb_ros.core.work import CAGE, INNER, OUTER, Workspace
+from dcrb_ros.core.state import CAGE, HOUSING, INNER, LOAD, OUTER, State
+from dcrb_ros.core.work import Workspace
 
 
 @piece
 def predict_bodies(payload: Payload, state: State, work: Workspace) -> None:
     """Write how the cages stand, and the mean velocities expected of the step: as if their last change went on growing."""
-    for axis in range(2):
-        work.mean[OUTER, axis] = state.outer_velocity[axis] + state.outer_change[axis] - 0.5 * state.earlier_change[OUTER, axis]
-        work.mean[INNER, axis] = state.inner_velocity[axis] + state.inner_change[axis] - 0.5 * state.earlier_change[INNER, axis]
-    for row in range(state.cage_velocity.shape[0]):
-        work.heading[row, 0], work.heading[row, 1] = math.cos(state.cage_position[row, 2]), math.sin(state.cage_position[row, 2])
+    for body in range(state.velocity.shape[0]):
+        for part in range(3):
+            work.mean[body, part] = state.velocity[body, part] + state.change[body, part] - 0.5 * state.earlier_change[body, part]
+    for row in range(work.heading.shape[0]):
+        turn = state.position[CAGE + row, 2]
+        work.heading[row, 0], work.heading[row, 1] = math.cos(turn), math.sin(turn)
         work.moment[row, 0] = work.heading[row, 0] * payload.train_moment[row, 0] - work.heading[row, 1] * payload.train_moment[row, 1]
         work.moment[row, 1] = work.heading[row, 1] * payload.train_moment[row, 0] + work.heading[row, 0] * payload.train_moment[row, 1]
-        for part in range(3):
-            work.mean[CAGE + row, part] = (
-                state.cage_velocity[row, part] + state.cage_change[row, part] - 0.5 * state.earlier_change[CAGE + row, part]
-            )
 
 
 @piece
@@ -43,8 +40,8 @@ def move_cage(payload: Payload, state: State, work: Workspace, row: int) -> floa
     by_mass, by_inertia = payload.train_yield[row, 0], payload.train_yield[row, 1]
     lift_x, lift_y = 0.5 * h * fx * by_mass, 0.5 * h * fy * by_mass
     turn = (0.5 * h * torque - sx * lift_x - sy * lift_y) * by_inertia
-    x, y = state.cage_velocity[row, 0] + lift_x - sx * by_mass * turn, state.cage_velocity[row, 1] + lift_y - sy * by_mass * turn
-    speed = state.cage_velocity[row, 2] + turn
+    x, y = state.velocity[CAGE + row, 0] + lift_x - sx * by_mass * turn, state.velocity[CAGE + row, 1] + lift_y - sy * by_mass * turn
+    speed = state.velocity[CAGE + row, 2] + turn
     moved: float = max(abs(x - work.mean[body, 0]), abs(y - work.mean[body, 1])) + payload.pitch_radius * abs(speed - work.mean[body, 2])
     work.mean[body, 0], work.mean[body, 1], work.mean[body, 2] = x, y, speed
     return moved
@@ -60,13 +57,13 @@ def move_rings(payload: Payload, state: State, work: Workspace) -> tuple[float, 
     for axis in range(2):
         weight = payload.gravity if axis == 1 else 0.0
         outer = (
-            work.loose[OUTER, axis] + work.tight[OUTER, axis] - stiffness * state.outer_position[axis] - payload.outer_ring_mass * weight
+            work.loose[OUTER, axis] + work.tight[OUTER, axis] - stiffness * state.position[OUTER, axis] - payload.outer_ring_mass * weight
         )
         inner = work.loose[INNER, axis] + work.tight[INNER, axis] + state.load[axis] - payload.inner_ring_mass * weight
-        outer = (outer_inertia * state.outer_velocity[axis] + h * outer) * by_outer
-        inner = state.inner_velocity[axis] + by_inner * inner
+        outer = (outer_inertia * state.velocity[OUTER, axis] + h * outer) * by_outer
+        inner = state.velocity[INNER, axis] + by_inner * inner
         moved = max(moved, max(abs(outer - work.mean[OUTER, axis]), abs(inner - work.mean[INNER, axis])))
-        changed = max(changed, max(abs(outer - state.outer_velocity[axis]), abs(inner - state.inner_velocity[axis])))
+        changed = max(changed, max(abs(outer - state.velocity[OUTER, axis]), abs(inner - state.velocity[INNER, axis])))
         work.mean[OUTER, axis], work.mean[INNER, axis] = outer, inner
     return moved, changed
 
@@ -79,27 +76,19 @@ def finish_bodies(payload: Payload, state: State, work: Workspace) -> None:
         outer, inner = work.mean[OUTER, axis], work.mean[INNER, axis]
         state.account[LOAD] += h * state.load[axis] * inner
         state.account[HOUSING] += h * payload.housing_damping * outer * outer
-        state.earlier_change[OUTER, axis], state.earlier_change[INNER, axis] = state.outer_change[axis], state.inner_change[axis]
-        state.outer_change[axis] = 2.0 * (outer - state.outer_velocity[axis])
-        state.inner_change[axis] = 2.0 * (inner - state.inner_velocity[axis])
-        state.outer_velocity[axis] += state.outer_change[axis]
-        state.inner_velocity[axis] += state.inner_change[axis]
-    for row in range(state.cage_velocity.shape[0]):
+    for body in range(state.velocity.shape[0]):
         for part in range(3):
-            state.earlier_change[CAGE + row, part] = state.cage_change[row, part]
-            state.cage_change[row, part] = 2.0 * (work.mean[CAGE + row, part] - state.cage_velocity[row, part])
-            state.cage_velocity[row, part] += state.cage_change[row, part]
+            state.earlier_change[body, part] = state.change[body, part]
+            state.change[body, part] = 2.0 * (work.mean[body, part] - state.velocity[body, part])
+            state.velocity[body, part] += state.change[body, part]
 
 
 @piece
 def drift(payload: Payload, state: State, time: float) -> None:
     """Move all bodies with their velocities for ``time`` [s]; where a pinned roller is follows from its cage."""
-    for axis in range(2):
-        state.outer_position[axis] += time * state.outer_velocity[axis]
-        state.inner_position[axis] += time * state.inner_velocity[axis]
-    for row in range(state.cage_position.shape[0]):
+    for body in range(state.position.shape[0]):
         for part in range(3):
-            state.cage_position[row, part] += time * state.cage_velocity[row, part]
+            state.position[body, part] += time * state.velocity[body, part]
     lanes = state.lanes
     for c in range(payload.free.size):
         lanes[at.ANGLE + c] += time * lanes[at.SPIN + c]

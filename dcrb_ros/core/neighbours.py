@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from dcrb_ros.core import lanes as at
 from dcrb_ros.core.contact import loss_coefficient, normal_force
 from dcrb_ros.core.friction import bristle_after, friction_line
 from dcrb_ros.core.jit import piece
@@ -12,26 +13,27 @@ from dcrb_ros.core.state import FRICTION, LOSS, State
 
 
 @piece
-def predicted(state: State, row: int, i: int, part: int) -> float:
-    """Return a part of a roller's mean velocity over the coming step [m/s, m/s, rad/s]."""
-    mean: float = state.roller_velocity[row, i, part] + 0.5 * state.roller_change[row, i, part]
-    return mean
+def predicted(lanes: Floats, c: int) -> tuple[float, float, float]:
+    """Return the mean velocity of the roller in lane ``c`` over the coming step [m/s, m/s, rad/s]."""
+    vx, vy = lanes[at.VX + c] + 0.5 * lanes[at.CHANGE_X + c], lanes[at.VY + c] + 0.5 * lanes[at.CHANGE_Y + c]
+    return vx, vy, lanes[at.SPIN + c] + 0.5 * lanes[at.CHANGE_SPIN + c]
 
 
 @piece
 def touch_neighbours(payload: Payload, state: State, external: Floats, row: int, i: int, j: int) -> None:
     """Add the contact of rollers ``i`` and ``j`` to the forces on both, at their predicted velocities."""
-    dx = state.roller_position[row, i, 0] - state.roller_position[row, j, 0]
-    dy = state.roller_position[row, i, 1] - state.roller_position[row, j, 1]
+    lanes, first = state.lanes, row * payload.free.shape[1]
+    dx, dy = lanes[at.X + first + i] - lanes[at.X + first + j], lanes[at.Y + first + i] - lanes[at.Y + first + j]
     distance = math.sqrt(dx * dx + dy * dy)
     penetration = 2.0 * payload.roller_radius - distance
     if penetration <= 0.0:
         state.next_force[row, i] = state.next_bristle[row, i] = 0.0
         return
     nx, ny = dx / distance, dy / distance
-    vx, vy = predicted(state, row, i, 0) - predicted(state, row, j, 0), predicted(state, row, i, 1) - predicted(state, row, j, 1)
+    own, other = predicted(lanes, first + i), predicted(lanes, first + j)
+    vx, vy = own[0] - other[0], own[1] - other[1]
     rate = -(vx * nx + vy * ny)
-    slip = vy * nx - vx * ny - payload.roller_radius * (predicted(state, row, i, 2) + predicted(state, row, j, 2))
+    slip = vy * nx - vx * ny - payload.roller_radius * (own[2] + other[2])
     force, stiffness = normal_force(penetration, payload.roller_scale, payload)
     damping = loss_coefficient(force, stiffness * payload.loss_time + payload.contact_damping, rate)
     normal = force + damping * rate

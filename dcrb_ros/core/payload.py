@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -17,44 +17,35 @@ SINK, EDGE = 0, 1
 """Notch laws: the paper's depth, or edges with a contact normal of their own."""
 
 
-class Notches(NamedTuple):
-    """Raceway defects of one ring; arrays of one entry per defect."""
+Notches = np.recarray[Any, np.dtype[np.record]]
+"""Raceway defects of one ring, an entry of the fields `NOTCH` each; one array of records, for each array costs compile time."""
+RollerNotches = np.recarray[Any, np.dtype[np.record]]
+"""Defects of rollers, an entry of the fields `ROLLER_NOTCH` each."""
 
-    row: Integers
-    """Row index of the defect, -1 for all rows."""
-    half_angle: Floats
-    """Half the angular width b/(2 r) [rad]."""
-    nearness: Floats
-    """Cosine of the angle from the middle at which the notch begins, its edges' fillets included [-]."""
-    flat: Floats
-    """Angle on either side of the middle over which the roller stands on the floor [rad]."""
-    kink: Floats
-    """By how much the slope of the depth drops at either end of that [m/rad]."""
-    depth: Floats
-    """Depth h [m]."""
-    azimuth: Floats
-    """Azimuth of the middle from the load line; on the inner ring at shaft angle zero [rad]."""
-
-
-class RollerNotches(NamedTuple):
-    """Defects of rollers; arrays of one entry per defect."""
-
-    row: Integers
-    roller: Integers
-    """Row and roller index."""
-    half_angle: Floats
-    """Half the angular width b/(2 r_R) [rad]."""
-    inner_flat: Floats
-    """Angle on either side of the middle over which the inner raceway reaches the floor [rad]."""
-    outer_flat: Floats
-    """The same of the outer raceway."""
-    inner_kink: Floats
-    """By how much the slope of the depth drops at either end of that [m/rad]."""
-    outer_kink: Floats
-    depth: Floats
-    """Depth h [m]."""
-    azimuth: Floats
-    """Angle of the middle on the roller at spin angle zero, from -Y [rad]."""
+NOTCH = np.dtype(
+    [
+        ("row", np.int64),  # of the defect, -1 for all rows
+        ("half_angle", np.float64),  # half the angular width b/(2 r) [rad]
+        ("nearness", np.float64),  # cosine of the angle from the middle at which the notch begins, its edges' fillets included [-]
+        ("bottom", np.float64),  # angle on either side of the middle over which the roller stands on the floor [rad]
+        ("kink", np.float64),  # by how much the slope of the depth drops at either end of that [m/rad]
+        ("depth", np.float64),  # h [m]
+        ("azimuth", np.float64),  # of the middle from the load line; on the inner ring at shaft angle zero [rad]
+    ]
+)
+ROLLER_NOTCH = np.dtype(
+    [
+        ("row", np.int64),
+        ("roller", np.int64),
+        ("half_angle", np.float64),  # half the angular width b/(2 r_R) [rad]
+        ("inner_bottom", np.float64),  # angle on either side of the middle over which the inner raceway reaches the floor [rad]
+        ("outer_bottom", np.float64),  # the same of the outer raceway
+        ("inner_kink", np.float64),  # by how much the slope of the depth drops at either end of that [m/rad]
+        ("outer_kink", np.float64),
+        ("depth", np.float64),  # h [m]
+        ("azimuth", np.float64),  # of the middle on the roller at spin angle zero, from -Y [rad]
+    ]
+)
 
 
 class Payload(NamedTuple):

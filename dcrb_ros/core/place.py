@@ -10,8 +10,8 @@ from __future__ import annotations
 from dcrb_ros.core import lanes as at
 from dcrb_ros.core.jit import piece
 from dcrb_ros.core.payload import EDGE, Payload
-from dcrb_ros.core.state import State
-from dcrb_ros.core.work import CAGE, Workspace
+from dcrb_ros.core.state import CAGE, INNER, OUTER, State
+from dcrb_ros.core.work import Workspace
 
 ABOUT = 1.5
 """How many half steps before and after the middle a strike on the outer raceway is looked for [-]: its speed is not known yet."""
@@ -31,22 +31,27 @@ def place_rollers(payload: Payload, state: State, work: Workspace, pinned: bool)
 
     ``pinned`` says that all of them are: it is for the compiler, which leaves out what free ones need.
     """
-    own, step, h, last = state.lanes, work.light, payload.step, state.cage_position.shape[0] - 1
-    place, old, heading = state.cage_position, state.cage_velocity, work.heading
+    own, step, h, heading = state.lanes, work.light, payload.step, work.heading
+    place, old, last = state.position, state.velocity, state.position.shape[0] - 1
     pitch, clearance = payload.pitch_radius, payload.pocket_clearance
-    inner_x, inner_y, outer_x, outer_y = state.inner_position[0], state.inner_position[1], state.outer_position[0], state.outer_position[1]
+    inner_x, inner_y, outer_x, outer_y = (
+        state.position[INNER, 0],
+        state.position[INNER, 1],
+        state.position[OUTER, 0],
+        state.position[OUTER, 1],
+    )
     inner_vx, inner_vy, outer_vx, outer_vy = (
-        state.inner_velocity[0],
-        state.inner_velocity[1],
-        state.outer_velocity[0],
-        state.outer_velocity[1],
+        state.velocity[INNER, 0],
+        state.velocity[INNER, 1],
+        state.velocity[OUTER, 0],
+        state.velocity[OUTER, 1],
     )
     inner_reach, outer_reach = payload.inner_raceway_radius + payload.roller_radius, payload.outer_raceway_radius - payload.roller_radius
     slow_way = h * SLOW * outer_reach
     inner_square, outer_square = inner_reach * inner_reach, outer_reach * outer_reach
-    first_at, second_at = (place[0, 0], place[0, 1]), (place[last, 0], place[last, 1])
-    first_old, second_old = (old[0, 0], old[0, 1], old[0, 2]), (old[last, 0], old[last, 1], old[last, 2])
-    first_way, second_way = (heading[0, 0], heading[0, 1]), (heading[last, 0], heading[last, 1])
+    first_at, second_at = (place[CAGE, 0], place[CAGE, 1]), (place[last, 0], place[last, 1])
+    first_old, second_old = (old[CAGE, 0], old[CAGE, 1], old[CAGE, 2]), (old[last, 0], old[last, 1], old[last, 2])
+    first_way, second_way = (heading[0, 0], heading[0, 1]), (heading[last - CAGE, 0], heading[last - CAGE, 1])
     for c in range(filled(payload.free.size)):
         second = own[at.IN_SECOND + c] > 0.0
         cage_x, cage_y = second_at[0] if second else first_at[0], second_at[1] if second else first_at[1]
@@ -135,10 +140,10 @@ def expect_bound(payload: Payload, state: State, work: Workspace, count: int) ->
     Where they go, `gather_bound` has left velocities and spins, and their changes over the last step.
     """
     near, radius, pitch, last = work.bound, payload.roller_radius, payload.pitch_radius, work.mean.shape[0] - 1
-    old, mean, fall = state.cage_velocity, work.mean, 0.5 * payload.step * payload.gravity
+    old, mean, fall = state.velocity, work.mean, 0.5 * payload.step * payload.gravity
     first_old, second_old = (
-        (old[0, 0], old[0, 1], pitch * old[0, 2]),
-        (old[last - CAGE, 0], old[last - CAGE, 1], pitch * old[last - CAGE, 2]),
+        (old[CAGE, 0], old[CAGE, 1], pitch * old[CAGE, 2]),
+        (old[last, 0], old[last, 1], pitch * old[last, 2]),
     )
     first_mean = (mean[CAGE, 0], mean[CAGE, 1], pitch * mean[CAGE, 2])
     second_mean = (mean[last, 0], mean[last, 1], pitch * mean[last, 2])

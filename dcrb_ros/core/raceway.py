@@ -51,7 +51,7 @@ def passed(
     offset: float,
     way: float,
     half_angle: float,
-    flat: float,
+    bottom: float,
     kink: float,
     depth: float,
     raceway: float,
@@ -61,9 +61,9 @@ def passed(
 ) -> tuple[float, float]:
     """Return the depth of a notch ``offset`` [rad] from its middle, for a step over a ``way`` [rad] there, and its change over it [m].
 
-    At the ends of the ``flat`` [rad] on either side of the middle the slope drops by ``kink`` [m/rad], within a step: no depth at one place
-    stands for it. Leapfrog joins one step's middle to the next, so the depth is the mean over a step before and after, with weights that
-    fall to zero there. ``own`` says that the notch is the roller's.
+    At the ends of the ``bottom`` [rad] on either side of the middle the slope drops by ``kink`` [m/rad], within a step: no depth at one
+    place stands for it. Leapfrog joins one step's middle to the next, so the depth is the mean over a step before and after, with weights
+    that fall to zero there. ``own`` says that the notch is the roller's.
     """
     places, shares = (offset, offset - 0.5 * way, offset + 0.5 * way), (0.0, -1.0, 1.0)
     middle, change = 0.0, 0.0
@@ -78,7 +78,7 @@ def passed(
         middle = here if k == 0 else middle
         change += shares[k] * here
     reach = max(abs(way), STILL)
-    before, after = max(1.0 - abs(offset - flat) / reach, 0.0), max(1.0 - abs(offset + flat) / reach, 0.0)
+    before, after = max(1.0 - abs(offset - bottom) / reach, 0.0), max(1.0 - abs(offset + bottom) / reach, 0.0)
     return middle - kink * reach * (before * before * before + after * after * after) / 6.0, change
 
 
@@ -128,11 +128,11 @@ def roller_sink(
         towards_x, towards_y = math.sin(azimuth), -math.cos(azimuth)
         if nx * towards_x + ny * towards_y > math.cos(notches.half_angle[k]):
             offset = math.asin(towards_x * ny - towards_y * nx)
-            flat, kink = (
-                notches.inner_flat[k] if inner else notches.outer_flat[k],
+            bottom, kink = (
+                notches.inner_bottom[k] if inner else notches.outer_bottom[k],
                 notches.inner_kink[k] if inner else notches.outer_kink[k],
             )
-            return passed(offset, way, notches.half_angle[k], flat, kink, notches.depth[k], raceway, roller, inner, True)
+            return passed(offset, way, notches.half_angle[k], bottom, kink, notches.depth[k], raceway, roller, inner, True)
     return 0.0, 0.0
 
 

@@ -6,8 +6,8 @@ from dcrb_ros.core import lanes as at
 from dcrb_ros.core.friction import bristle_after
 from dcrb_ros.core.jit import piece
 from dcrb_ros.core.payload import Floats, Payload
-from dcrb_ros.core.state import State
-from dcrb_ros.core.work import CAGE, INNER, OUTER, Workspace
+from dcrb_ros.core.state import CAGE, INNER, OUTER, State
+from dcrb_ros.core.work import Workspace
 
 
 @piece

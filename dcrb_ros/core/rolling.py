@@ -14,9 +14,9 @@ from dcrb_ros.core.jit import piece
 from dcrb_ros.core.normal import elastic, lasting_line
 from dcrb_ros.core.payload import SINK, Payload
 from dcrb_ros.core.place import filled
-from dcrb_ros.core.state import State
+from dcrb_ros.core.state import OUTER, State
 from dcrb_ros.core.touch import notch_depth, raceway_friction
-from dcrb_ros.core.work import OUTER, Workspace
+from dcrb_ros.core.work import Workspace
 
 LEAST_DISTANCE = 1e-12
 """Least distance from the ring's centre, for lanes without a roller [m]."""
@@ -29,7 +29,7 @@ def find_notches(payload: Payload, state: State, work: Workspace) -> None:
     for c in range(filled(payload.free.size)):
         light[at.CUT + c] = light[at.SINK + c] = light[at.OVER + c] = 0.0
     if payload.notch_law == SINK:
-        reach, x, y = payload.outer_raceway_radius - payload.roller_radius, state.outer_position[0], state.outer_position[1]
+        reach, x, y = payload.outer_raceway_radius - payload.roller_radius, state.position[OUTER, 0], state.position[OUTER, 1]
         for k in range(payload.outer_notches.row.size):
             tx, ty, least = work.outer_towards[k, 0], work.outer_towards[k, 1], payload.outer_notches.nearness[k] * reach
             for c in range(payload.free.size):
@@ -46,7 +46,7 @@ def find_notches(payload: Payload, state: State, work: Workspace) -> None:
 def sink_free(payload: Payload, state: State, work: Workspace, c: int) -> None:
     """Write depth and sinking of the notches under a free roller that touches the outer raceway."""
     own, row = state.lanes, c // payload.free.shape[1]
-    dx, dy = own[at.X + c] - state.outer_position[0], own[at.Y + c] - state.outer_position[1]
+    dx, dy = own[at.X + c] - state.position[OUTER, 0], own[at.Y + c] - state.position[OUTER, 1]
     distance = math.sqrt(dx * dx + dy * dy)
     nx, ny = dx / distance, dy / distance
     vx = own[at.VX + c] + 0.5 * own[at.CHANGE_X + c] - work.mean[OUTER, 0]
@@ -62,8 +62,8 @@ def roll_free(payload: Payload, state: State, work: Workspace, johnson: bool) ->
     own, light, h, radius = state.lanes, work.light, payload.step, payload.roller_radius
     by_mass, by_inertia = 0.5 * h / payload.roller_mass, 0.5 * h * radius * radius / payload.roller_inertia
     by_radius, fall, reach = 1.0 / radius, by_mass * payload.roller_mass * payload.gravity, payload.outer_raceway_radius - radius
-    ring_x, ring_y, mean_x, mean_y = state.outer_position[0], state.outer_position[1], work.mean[OUTER, 0], work.mean[OUTER, 1]
-    old_x, old_y = state.outer_velocity[0], state.outer_velocity[1]
+    ring_x, ring_y, mean_x, mean_y = state.position[OUTER, 0], state.position[OUTER, 1], work.mean[OUTER, 0], work.mean[OUTER, 1]
+    old_x, old_y = state.velocity[OUTER, 0], state.velocity[OUTER, 1]
     for c in range(filled(payload.free.size)):
         dx, dy = own[at.X + c] - ring_x, own[at.Y + c] - ring_y
         distance = max(math.sqrt(dx * dx + dy * dy), LEAST_DISTANCE)

@@ -5,7 +5,8 @@ from __future__ import annotations
 from dcrb_ros.core import lanes as at
 from dcrb_ros.core.jit import piece
 from dcrb_ros.core.payload import Payload
-from dcrb_ros.core.work import CAGE, INNER, OUTER, Workspace
+from dcrb_ros.core.state import CAGE, INNER, OUTER
+from dcrb_ros.core.work import Workspace
 
 
 @piece

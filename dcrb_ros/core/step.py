@@ -21,7 +21,7 @@ from dcrb_ros.core.raceway import turn_notches
 from dcrb_ros.core.remember import forget, keep_bound
 from dcrb_ros.core.rolling import find_notches, let_go, push_free, roll_free
 from dcrb_ros.core.solve import prepare_bound, push_bound, solve_bound
-from dcrb_ros.core.state import State
+from dcrb_ros.core.state import OUTER, State
 from dcrb_ros.core.touch import draw_raceways, face_raceways
 from dcrb_ros.core.work import Workspace
 
@@ -148,6 +148,6 @@ def advance(payload: Payload, state: State, work: Workspace, acceleration: Float
         keep_lands(payload, state, work, lands)
         finish_bodies(payload, state, work)
         for axis in range(2):
-            acceleration[n, axis] = state.outer_change[axis] / h
+            acceleration[n, axis] = state.change[OUTER, axis] / h
         drift(payload, state, 0.5 * h)
         state.shaft[1] = speed_after

@@ -10,8 +10,8 @@ from dcrb_ros.core.jit import piece
 from dcrb_ros.core.normal import crosses, crossing_line, elastic, lasting_line
 from dcrb_ros.core.payload import JOHNSON, SINK, Floats, Notches, Payload
 from dcrb_ros.core.raceway import edge_contact, notch_under, passed, roller_sink
-from dcrb_ros.core.state import State
-from dcrb_ros.core.work import INNER, OUTER, Workspace
+from dcrb_ros.core.state import INNER, OUTER, State
+from dcrb_ros.core.work import Workspace
 
 NEARING = 1.0
 """A contact may close within a step when its gap is less than this speed covers [m/s]; idle rollers are slower."""
@@ -68,7 +68,7 @@ def raceway_notch(
         offset,
         passing * payload.step,
         notches.half_angle[k],
-        notches.flat[k],
+        notches.bottom[k],
         notches.kink[k],
         notches.depth[k],
         raceway,
@@ -169,9 +169,9 @@ def cut_edges(
     """Put force, normal and friction of a notch with edges in the place of the smooth raceway's."""
     contact, lanes, side = max(contact, 0), work.bound, 1.0 if inner else -1.0
     surface = ring_speed * payload.inner_raceway_radius
-    place, notches, towards = state.outer_position, payload.outer_notches, work.outer_towards
+    ring, notches, towards = OUTER, payload.outer_notches, work.outer_towards
     if inner:
-        place, notches, towards = state.inner_position, payload.inner_notches, work.inner_towards
+        ring, notches, towards = INNER, payload.inner_notches, work.inner_towards
     for c in range(work.ends[work.ends.size - 1]):
         gap = -lanes[contact + at.PENETRATION + c]
         if gap >= NEARING * payload.step:
@@ -179,7 +179,7 @@ def cut_edges(
         rx, ry = lanes[contact + at.RADIAL_X + c], lanes[contact + at.RADIAL_Y + c]
         k, _ = notch_under(notches, towards, work.rows[c], rx, ry)
         if k >= 0:
-            dx, dy = lanes[at.PLACE_X + c] - place[0], lanes[at.PLACE_Y + c] - place[1]
+            dx, dy = lanes[at.PLACE_X + c] - state.position[ring, 0], lanes[at.PLACE_Y + c] - state.position[ring, 1]
             force, stiffness, nx, ny = edge_contact(
                 dx, dy, towards[k, 0], towards[k, 1], notches.half_angle[k], notches.depth[k], gap, inner, payload
             )
@@ -195,7 +195,12 @@ def face_raceways(payload: Payload, state: State, work: Workspace, count: int) -
     """Write how bound rollers, in ``count`` lanes, lie to the raceways."""
     lanes, radius = work.bound, payload.roller_radius
     outer_reach, inner_reach = payload.outer_raceway_radius - radius, payload.inner_raceway_radius + radius
-    outer_x, outer_y, inner_x, inner_y = state.outer_position[0], state.outer_position[1], state.inner_position[0], state.inner_position[1]
+    outer_x, outer_y, inner_x, inner_y = (
+        state.position[OUTER, 0],
+        state.position[OUTER, 1],
+        state.position[INNER, 0],
+        state.position[INNER, 1],
+    )
     for c in range(count):
         face(lanes, at.OUTER, c, outer_x, outer_y, outer_reach, -1.0)
         face(lanes, at.INNER, c, inner_x, inner_y, inner_reach, 1.0)
@@ -277,6 +282,6 @@ def draw_raceway(
 def draw_raceways(payload: Payload, state: State, work: Workspace, count: int) -> None:
     """Write the contacts of bound rollers with both raceways as lines over the mean velocities of the step."""
     outer_mean, inner_mean = (work.mean[OUTER, 0], work.mean[OUTER, 1]), (work.mean[INNER, 0], work.mean[INNER, 1])
-    outer_old, inner_old = (state.outer_velocity[0], state.outer_velocity[1]), (state.inner_velocity[0], state.inner_velocity[1])
+    outer_old, inner_old = (state.velocity[OUTER, 0], state.velocity[OUTER, 1]), (state.velocity[INNER, 0], state.velocity[INNER, 1])
     draw_raceway(payload, state, work, count, at.OUTER, outer_mean, outer_old, 0.0, False)
     draw_raceway(payload, state, work, count, at.INNER, inner_mean, inner_old, state.shaft[1], True)

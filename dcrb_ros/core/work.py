@@ -9,9 +9,6 @@ import numpy as np
 from dcrb_ros.core.lanes import CONFORMAL_FIELDS, LANES, STEP_FIELDS, empty_lanes
 from dcrb_ros.core.payload import Floats, Integers, Payload
 
-OUTER, INNER, CAGE = 0, 1, 2
-"""Bodies that rollers touch: the rings, then the cages row by row."""
-
 
 class Workspace(NamedTuple):
     """Scratch arrays of the time loop."""

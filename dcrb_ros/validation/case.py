@@ -191,7 +191,8 @@ def simulate(case: Case) -> Run:
     """Run a case."""
     configuration = case.configuration()
     rows, count = configuration.bearing.rows, configuration.bearing.rows * configuration.bearing.rollers_per_row
-    blocks = list(Simulation(configuration).blocks(case.duration))
+    simulation = Simulation(configuration)
+    blocks = list(simulation.blocks(case.duration))
     states = [states for block in blocks for states in block.states]
 
     def series(field: str) -> Singles:
@@ -214,5 +215,5 @@ def simulate(case: Case) -> Run:
         torque=series("torque")[:, :count],
         cage_speed=speed[:, count : count + rows],
         inner_ring_force=np.array([state.inner_ring_force[1] for state in states]),
-        energy=states[-1].energy,
+        energy=simulation.energy,
     )

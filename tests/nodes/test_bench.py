@@ -304,6 +304,19 @@ def test_malformed_commands_are_counted_and_the_bench_runs_on(kind: signal.Signa
     assert Recording(bag).complete
 
 
+def compilers_in(folder: Path) -> list[str]:
+    """Return the processes that compile kernels into a cache below ``folder``."""
+    found = []
+    for process in Path("/proc").glob("[0-9]*"):
+        try:
+            command, variables = (process / "cmdline").read_bytes(), (process / "environ").read_bytes()
+        except OSError:
+            continue
+        if b"dcrb_ros.core.compilation" in command and str(folder).encode() in variables:
+            found.append(process.name)
+    return found
+
+
 @pytest.mark.parametrize("kind", [signal.SIGINT, signal.SIGTERM])
 def test_signals_do_not_wait_for_the_compiler(kind: signal.Signals, tmp_path: Path) -> None:
     from std_msgs.msg import Float64
@@ -317,6 +330,7 @@ def test_signals_do_not_wait_for_the_compiler(kind: signal.Signals, tmp_path: Pa
         began = time.monotonic()
         assert simulator.end(kind) == 0, simulator.words
         assert time.monotonic() - began < PROMPT
+        heard.until(lambda: not compilers_in(tmp_path), "the end of the process that compiles with it")
     assert not heard.heard[VIBRATION]
     assert Recording(bag).complete
 

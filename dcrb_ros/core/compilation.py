@@ -1,0 +1,68 @@
+"""The first compilation, on two cores: another process compiles the raceways' contacts, this one the rest, and both meet in the cache."""
+
+from __future__ import annotations
+
+import os
+import pickle
+import subprocess
+import sys
+import threading
+
+import numba
+
+from dcrb_ros.core import CACHE, compiled
+from dcrb_ros.core.bars import touch_cages
+from dcrb_ros.core.payload import Payload
+from dcrb_ros.core.remember import keep_bound
+from dcrb_ros.core.state import State
+from dcrb_ros.core.step import begin, roll, solve
+from dcrb_ros.core.touch import draw_raceways
+from dcrb_ros.core.work import Workspace
+
+MODULE = "dcrb_ros.core.compilation"
+COUNT = numba.types.int64
+HERE = ((begin, ()), (touch_cages, (COUNT,)), (solve, (COUNT, COUNT)), (keep_bound, (COUNT,)))
+"""Pieces of the time loop that this process compiles, and the types of what they take besides payload, state and work."""
+THERE = ((roll, ()), (draw_raceways, (COUNT,)))
+"""Those that the other one compiles meanwhile: half of the work."""
+
+
+def compile_pieces(pieces: tuple[tuple[object, tuple[object, ...]], ...], arguments: tuple[object, ...]) -> None:
+    """Compile pieces for the types of payload, state and work into the cache."""
+    for piece, more in pieces:
+        piece.compile((*arguments, *more))  # type: ignore[attr-defined] # numba's dispatchers are untyped
+
+
+def compile_ahead(payload: Payload, state: State, work: Workspace) -> None:
+    """Compile the pieces of the time loop on two cores, unless it lies compiled in the cache already or there is but one core.
+
+    What the other process could not do is compiled here when it is needed.
+    """
+    if compiled() or getattr(numba.config, "DISABLE_JIT") or (os.cpu_count() or 1) < 2:  # noqa: B009 - untyped
+        return
+    arguments = tuple(numba.typeof(part) for part in (payload, state, work))  # type: ignore[no-untyped-call]
+    command, environment = [sys.executable, "-m", MODULE], {**os.environ, "NUMBA_CACHE_DIR": str(CACHE)}
+    other = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, env=environment)
+    try:
+        assert other.stdin is not None
+        pickle.dump(arguments, other.stdin)
+        other.stdin.flush()
+        compile_pieces(HERE, arguments)
+        other.wait()
+    except BrokenPipeError:
+        pass
+    finally:
+        other.kill()
+        other.wait()
+
+
+def _end_with_parent() -> None:
+    """End this process once the one that started it is no more."""
+    sys.stdin.buffer.read()
+    os._exit(1)
+
+
+if __name__ == "__main__":
+    wanted = pickle.load(sys.stdin.buffer)
+    threading.Thread(target=_end_with_parent, daemon=True).start()
+    compile_pieces(THERE, wanted)
