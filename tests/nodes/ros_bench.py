@@ -13,6 +13,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+from dcrb_ros.messages import decode_diagnostics
 from dcrb_ros.sinks.publisher import message_class, qos
 from dcrb_ros.topics import BENCH_DIAGNOSTICS, CLOCK, DETECTED, NAMESPACE, SIMULATED, Topic
 
@@ -107,6 +108,12 @@ class Listener:
         result = self.ask(SetParametersAtomically, "simulator/set_parameters_atomically", parameters=wanted).result
         return result.successful, result.reason
 
+    @property
+    def status(self) -> dict[str, str]:
+        """The values of the simulator's last status, none before the first."""
+        found = self.heard[BENCH_DIAGNOSTICS]
+        return dict(decode_diagnostics(found[-1])[1][0].values) if found else {}
+
     def until(self, reached: Callable[[], Any], why: str) -> None:
         """Listen until something is reached; fail where it is not in time. What looks at messages may find none yet."""
 
@@ -119,7 +126,8 @@ class Listener:
         end = time.monotonic() + PATIENCE
         while not there():
             assert time.monotonic() < end, (
-                f"waited {PATIENCE} s in vain for {why}; heard { {t.name: len(m) for t, m in self.heard.items()} }"
+                f"waited {PATIENCE} s in vain for {why}; heard { {t.name: len(m) for t, m in self.heard.items()} }, "
+                f"the status is {self.status}"
             )
             self.executor.spin_once(timeout_sec=0.1)
 

@@ -16,7 +16,7 @@ import pytest
 
 pytest.importorskip("rclpy", reason="the nodes need ROS 2; everything else is tested without")
 
-from ros_bench import PATIENCE, Listener, domain, environment, listener, node
+from ros_bench import PATIENCE, domain, environment, listener, node
 
 from dcrb_ros.configuration import Configuration
 from dcrb_ros.diagnosis.detector import Diagnosis
@@ -89,8 +89,8 @@ def test_detector_names_the_fault_over_dds(fault: str, verdict: str, tmp_path: P
         about = json.loads(decode_text(heard.heard[SENSOR][0]))
         indices = [decode_vibration(data).first_index(about["sampling_rate"]) for data in heard.heard[VIBRATION]]
         assert np.all(np.diff(indices) == about["block_size"])  # nothing is dropped
-        heard.until(lambda: status_of(heard).get("energy_residual [J]", "0") != "0", "the energy account")
-        assert abs(float(status_of(heard)["energy_residual [J]"])) < 10.0
+        heard.until(lambda: heard.status.get("energy_residual [J]", "0") != "0", "the energy account")
+        assert abs(float(heard.status["energy_residual [J]"])) < 10.0
         states = decode_joints(heard.heard[ROLLER_STATES][-1])
         assert len(states.names) == 35
         assert states.effort[:32].max() > 15e3
@@ -270,12 +270,6 @@ def test_time_scale_changes_while_running(tmp_path: Path) -> None:
         heard.until(lambda: asked() == "0.5", "the new time scale in /diagnostics")
 
 
-def status_of(heard: Listener) -> dict[str, str]:
-    """Return the values of the simulator's last status, empty before the first."""
-    found = heard.heard[BENCH_DIAGNOSTICS]
-    return dict(decode_diagnostics(found[-1])[1][0].values) if found else {}
-
-
 @pytest.mark.parametrize("kind", [signal.SIGINT, signal.SIGTERM])
 def test_malformed_commands_are_counted_and_the_bench_runs_on(kind: signal.Signals, tmp_path: Path) -> None:
     from geometry_msgs.msg import Wrench
@@ -289,7 +283,7 @@ def test_malformed_commands_are_counted_and_the_bench_runs_on(kind: signal.Signa
         for data in GARBAGE:
             speed.publish(data)
             load.publish(data)
-        heard.until(lambda: status_of(heard).get("rejected_commands") == str(2 * len(GARBAGE)), "the refusals")
+        heard.until(lambda: heard.status.get("rejected_commands") == str(2 * len(GARBAGE)), "the refusals")
         blocks = len(heard.heard[VIBRATION])
         speed.publish(Float64(data=140.0))
         heard.until(lambda: decode_truth(heard.heard[GROUND_TRUTH][-1]).speed == pytest.approx(140.0), "the speed commanded")
@@ -326,7 +320,7 @@ def test_signals_do_not_wait_for_the_compiler(kind: signal.Signals, tmp_path: Pa
     with listener(number) as heard, node("simulator", parameters(recording__path=bag), env, tmp_path / "log") as simulator:
         speed = heard.node.create_publisher(Float64, "command/speed", 10)
         heard.until(speed.get_subscription_count, "the simulator")
-        assert "compiling the kernels" in simulator.words
+        heard.until(lambda: "compiling the kernels" in simulator.words, "the compiler")
         began = time.monotonic()
         assert simulator.end(kind) == 0, simulator.words
         assert time.monotonic() - began < PROMPT
@@ -348,10 +342,10 @@ def test_only_verdicts_of_this_run_are_recorded(tmp_path: Path) -> None:
 
         def rejected() -> str:
             assert simulator.process.poll() is None, simulator.words
-            return status_of(heard).get("rejected_messages", "")
+            return heard.status.get("rejected_messages", "")
 
         heard.until(lambda: rejected() == str(2 * (len(GARBAGE) + 2)), "the refusals")
-        assert status_of(heard)["rejected_commands"] == "0"
+        assert heard.status["rejected_commands"] == "0"
         assert simulator.end(signal.SIGINT) == 0, simulator.words
     assert "diagnosis: a message of" in simulator.words
     assert simulator.words.count("[WARN]") <= 4  # explained, not repeated

@@ -12,7 +12,7 @@ pytest.importorskip("rclpy", reason="the nodes need ROS 2; everything else is te
 
 from rcl_interfaces.srv import GetParameters
 from ros_bench import Listener, domain, environment, listener, node
-from test_bench import parameters, status_of
+from test_bench import parameters
 
 from dcrb_ros.block import Truth
 from dcrb_ros.configuration_file import COMMANDED, parameter_fields
@@ -64,7 +64,7 @@ def test_faults_come_and_are_refused_as_a_whole(tmp_path: Path) -> None:
         heard.until(lambda: "sensor.stuck" not in truths(heard)[-1].faults, "a sound sensor")
         blocks = len(heard.heard[VIBRATION])
         heard.until(lambda: len(heard.heard[VIBRATION]) > blocks + 20, "blocks")
-        heard.until(lambda: status_of(heard)["rejected_parameters"] == str(len(refusals) + 1), "the count of refusals")
+        heard.until(lambda: heard.status["rejected_parameters"] == str(len(refusals) + 1), "the count of refusals")
         assert bench.words.count("[WARN]") <= 2
         assert "Traceback" not in bench.words
 

@@ -10,7 +10,7 @@ import pytest
 pytest.importorskip("rclpy", reason="the nodes need ROS 2; everything else is tested without")
 
 from ros_bench import domain, environment, listener, node
-from test_bench import parameters, status_of
+from test_bench import parameters
 
 from dcrb_ros.messages import ERROR, decode_diagnostics
 from dcrb_ros.recording import Recording
@@ -23,10 +23,10 @@ def test_a_full_disk_is_reported_and_the_topics_stay_alive(tmp_path: Path) -> No
     number, bag = domain(), tmp_path / "bag"
     given = parameters(recording__path=str(bag))
     with listener(number) as heard, node("simulator", given, environment(number), tmp_path / "log") as simulator:
-        heard.until(lambda: status_of(heard).get("recorder"), "the recorder in /diagnostics")
-        assert status_of(heard)["recorder"] == "recording"
+        heard.until(lambda: heard.status.get("recorder"), "the recorder in /diagnostics")
+        assert heard.status["recorder"] == "recording"
         resource.prlimit(simulator.process.pid, resource.RLIMIT_FSIZE, (800_000, 800_000))
-        heard.until(lambda: "File too large" in status_of(heard)["recorder"], "the error in /diagnostics")
+        heard.until(lambda: "File too large" in heard.status["recorder"], "the error in /diagnostics")
         assert decode_diagnostics(heard.heard[BENCH_DIAGNOSTICS][-1])[1][0].level == ERROR
         blocks = len(heard.heard[VIBRATION])
         heard.until(lambda: len(heard.heard[VIBRATION]) > blocks + 50, "more of the waveform")

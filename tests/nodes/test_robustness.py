@@ -19,7 +19,7 @@ from hypothesis import strategies as st
 pytest.importorskip("rclpy", reason="the nodes need ROS 2; everything else is tested without")
 
 from ros_bench import PATIENCE, Listener, domain, environment, listener, node
-from test_bench import GARBAGE, parameters, status_of
+from test_bench import GARBAGE, parameters
 
 from dcrb_ros.configuration_file import parameter_fields
 from dcrb_ros.messages import decode_vibration
@@ -118,7 +118,7 @@ def test_bench_runs_on_whatever_comes_over_the_wire(tmp_path: Path) -> None:
         heard.until(lambda: len(heard.heard[VIBRATION]) > blocks + 10, "blocks after the storm")
         reports = len(heard.heard[BENCH_DIAGNOSTICS])
         heard.until(lambda: len(heard.heard[BENCH_DIAGNOSTICS]) > reports + 1, "a new report")
-        said = status_of(heard)
+        said = heard.status
         assert said["model"] == "running"
         assert {key: int(said[f"rejected_{key}"]) for key in wire.refused} == wire.refused
         assert "Traceback" not in simulator.words
@@ -142,7 +142,7 @@ def test_a_refusal_is_explained_once_not_a_thousand_times(tmp_path: Path) -> Non
             if count % 5 == 4:
                 heard.executor.spin_once(timeout_sec=0.01)
         # Its queue is short, so a flood loses some.
-        heard.until(lambda: int(status_of(heard).get("rejected_commands", "0")) >= 200, "the count")
+        heard.until(lambda: int(heard.status.get("rejected_commands", "0")) >= 200, "the count")
         assert 1 <= simulator.words.count("is refused") <= 4
         assert heard.heard[VIBRATION]
 

@@ -14,7 +14,7 @@ import pytest
 pytest.importorskip("rclpy", reason="the nodes need ROS 2; everything else is tested without")
 
 from ros_bench import PATIENCE, Listener, domain, environment, listener, node
-from test_bench import parameters, status_of
+from test_bench import parameters
 
 from dcrb_ros.configuration import Configuration
 from dcrb_ros.messages import decode_clock, decode_truth, decode_vibration
@@ -74,7 +74,7 @@ def test_pause_holds_and_steps_go_one_block(tmp_path: Path) -> None:
         answer = heard.ask(SetBool, "pause", data=True)
         assert answer.success
         assert answer.message.startswith("paused at ")
-        heard.until(lambda: status_of(heard).get("model") == "paused", "the pause in /diagnostics")
+        heard.until(lambda: heard.status.get("model") == "paused", "the pause in /diagnostics")
         # What was on its way has come by then: a report later.
         held = indices(heard)
         for count in (1, 2, 3):
@@ -86,7 +86,7 @@ def test_pause_holds_and_steps_go_one_block(tmp_path: Path) -> None:
         assert heard.ask(SetBool, "pause", data=False).success
         heard.until(lambda: len(indices(heard)) > len(held) + 30, "blocks after the pause")
         assert np.all(np.diff(indices(heard)) == 1024)  # nothing is lost, nothing twice
-        heard.until(lambda: status_of(heard)["model"] == "running", "running in /diagnostics")
+        heard.until(lambda: heard.status["model"] == "running", "running in /diagnostics")
         assert "Traceback" not in simulator.words
 
 
@@ -110,7 +110,7 @@ def test_reset_gives_the_same_samples_and_a_new_recording(tmp_path: Path) -> Non
         assert heard.set(faults__outer_2__width=0.002) == (True, "")  # where outer_1 was: it is gone
         heard.until(lambda: set(decode_truth(heard.heard[GROUND_TRUTH][-1]).faults) == {"outer_2"}, "the other defect")
         assert heard.ask(Trigger, "reset").success
-        heard.until(lambda: status_of(heard)["recording"] == f"{bag}-3", "the third recording")
+        heard.until(lambda: heard.status["recording"] == f"{bag}-3", "the third recording")
         assert simulator.end(2) == 0, simulator.words
     first, second = Recording(bag), Recording(tmp_path / "bag-2")
     for recording in (first, second):
@@ -133,7 +133,7 @@ def test_record_starts_and_ends_recordings(tmp_path: Path) -> None:
         blocks = len(heard.heard[VIBRATION])
         heard.until(lambda: len(heard.heard[VIBRATION]) > blocks + 10, "blocks")
         assert heard.ask(SetBool, "record", data=True).message == f"recording to {bag}-2"
-        heard.until(lambda: status_of(heard)["recording"] == f"{bag}-2", "the recording in /diagnostics")
+        heard.until(lambda: heard.status["recording"] == f"{bag}-2", "the recording in /diagnostics")
         assert heard.ask(SetBool, "record", data=False).success
     assert Recording(bag).complete
     later = Recording(tmp_path / "bag-2")
