@@ -9,12 +9,15 @@ from scipy.optimize import least_squares, minimize
 from scipy.special import lambertw
 
 from dcrb_ros.block import Floats
-from dcrb_ros.core.payload import JOHNSON, Payload
+from dcrb_ros.core.payload import JOHNSON, SINK, Payload
+from dcrb_ros.core.raceway import inner_notch_depth, outer_notch_depth, roller_notch_depth
 
 START_PENETRATION = 2e-5
 """Penetration of the lowest roller that the search starts from [m]."""
 
 MICROMETRE = 1e-6
+ALIKE = 1e-9
+"""Rollers of rows that are built alike and lie within this of each other lie alike [m]; over a notch in one row they do not."""
 LIGHTEST = 1e-3
 """Force with which a free roller rests on the outer raceway at least, so that its place is defined [N]."""
 
@@ -70,6 +73,35 @@ def radial_directions(payload: Payload) -> Floats:
     return np.stack([tangent[..., 1], -tangent[..., 0]], axis=-1)
 
 
+def _edges(direction: Floats, middle: float, half_angle: float) -> Floats:
+    """Return the angles by which directions lie inside the nearer edge of a notch, not above zero outside it; shape of all but the last."""
+    offset = np.arctan2(direction[..., 0], -direction[..., 1]) - middle
+    return half_angle - np.abs(np.mod(offset + np.pi, 2.0 * np.pi) - np.pi)
+
+
+def notch_depths(payload: Payload, from_ring: Floats, inner: bool) -> Floats:
+    """Return by how much deeper a raceway and the rollers lie where they touch, at shaft and spin angle zero, shape (rows, rollers) [m].
+
+    Nothing for edges with normals of their own: what they bear is no matter of depth.
+    """
+    depths = np.zeros(payload.free.shape)
+    if payload.notch_law != SINK:
+        return depths
+    raceway = payload.inner_raceway_radius if inner else payload.outer_raceway_radius
+    law, notches = (inner_notch_depth, payload.inner_notches) if inner else (outer_notch_depth, payload.outer_notches)
+    for notch in notches:
+        edges = _edges(from_ring, notch.azimuth, notch.half_angle)
+        rows = slice(None) if notch.row < 0 else slice(notch.row, notch.row + 1)
+        for row, i in np.argwhere(edges[rows] > 0.0):
+            at = row + max(notch.row, 0), i
+            depths[at] += law(edges[at], notch.depth, raceway, payload.roller_radius)
+    for notch in payload.roller_notches:
+        at = notch.row, notch.roller
+        edge = float(_edges(-from_ring[at] if inner else from_ring[at], notch.azimuth, notch.half_angle))
+        depths[at] += roller_notch_depth(edge, notch.depth, raceway, payload.roller_radius, inner) if edge > 0.0 else 0.0
+    return depths
+
+
 def penetrations(payload: Payload, outer: Floats, inner: Floats, rollers: Floats) -> tuple[Floats, Floats, Floats, Floats]:
     """Return the vectors from inner and outer ring to each roller and the penetrations there [m].
 
@@ -78,6 +110,7 @@ def penetrations(payload: Payload, outer: Floats, inner: Floats, rollers: Floats
     from_inner, from_outer = rollers - inner, rollers - outer
     inner_depth = payload.inner_raceway_radius + payload.roller_radius - np.linalg.norm(from_inner, axis=-1)
     outer_depth = np.linalg.norm(from_outer, axis=-1) + payload.roller_radius - payload.outer_raceway_radius
+    inner_depth, outer_depth = inner_depth - notch_depths(payload, from_inner, True), outer_depth - notch_depths(payload, from_outer, False)
     return from_inner, from_outer, inner_depth, outer_depth
 
 
@@ -168,7 +201,7 @@ class _Problem:
 def static_equilibrium(payload: Payload, load: Floats, orbit: float = 0.0) -> Rest:
     """Return where the bodies rest under ``load`` [N], the rollers orbiting at ``orbit`` [rad/s].
 
-    The cages stand at angle zero and no defect is under a roller.
+    The cages stand at angle zero. A roller over a notch lies as deep as the notch lets it.
     """
     problem = _Problem(payload, load, orbit)
     scale = max(float(np.linalg.norm(load)) + payload.inner_ring_mass * payload.gravity, 1.0)
@@ -191,5 +224,6 @@ def static_equilibrium(payload: Payload, load: Floats, orbit: float = 0.0) -> Re
 def _make_rows_alike(payload: Payload, rest: Rest) -> None:
     """Give rows that are built alike the same bits: left to rounding, which differs between machines, some would drift apart."""
     for row in range(1, len(rest.cages)):
-        if np.array_equal(payload.pocket_tangent[row], payload.pocket_tangent[0]) and np.array_equal(payload.free[row], payload.free[0]):
+        same = np.array_equal(payload.pocket_tangent[row], payload.pocket_tangent[0]) and np.array_equal(payload.free[row], payload.free[0])
+        if same and np.allclose(rest.rollers[row], rest.rollers[0], rtol=0.0, atol=ALIKE):
             rest.cages[row], rest.rollers[row] = rest.cages[0], rest.rollers[0]
