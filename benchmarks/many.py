@@ -1,4 +1,8 @@
-"""How much many bearings at once gain: simulated over wall time with one process and with one per core, against the kernel alone."""
+"""How much many bearings at once gain: simulated over wall time with one process and with one per core, against the kernel alone.
+
+And what the vector lanes of one core could gain at most if they were shared between bearings: the kernel fills them with the rollers of one
+bearing already, so what a second row of rollers costs beside the first tells what a second bearing's would.
+"""
 
 from __future__ import annotations
 
@@ -22,8 +26,22 @@ def throughput(configurations: list[Configuration], duration: float, workers: in
     return duration * (len(configurations) - workers) / (arrived[-1] - first)
 
 
+def lanes_gain(joint: str, duration: float, runs: int = 9) -> tuple[float, float, float]:
+    """Return the cost of a step with one row and with two [us], and by how much two bearings in the same lanes would beat two in turn [-].
+
+    As if a second bearing's rings and cages were free: what does not grow with the rollers is paid once for both.
+    """
+    costs = []
+    for rows, load in ((1, 50e3), (2, 100e3)):
+        settings = {"bearing": {"rows": rows}, "cage": {"joint": joint}, "operating": {"load": load}}
+        configuration = Configuration.model_validate(settings)
+        costs.append(1e6 / (max(factors(kernel(configuration), duration, runs)) * configuration.step_rate))
+    one, two = costs
+    return one, two, 2.0 * two / (two + 2.0 * (two - one))
+
+
 def main() -> None:
-    """Print a table."""
+    """Print the tables."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--duration", type=float, default=3.0, help="simulated time of a bearing [s]")
     parser.add_argument("--bearings", type=int, default=6, help="bearings for each process [-]")
@@ -35,6 +53,10 @@ def main() -> None:
             groups = [{"cage": {"joint": joint}, "simulation": {"seed": seed}} for seed in range((1 + options.bearings) * workers)]
             found = throughput([Configuration.model_validate(group) for group in groups], options.duration, workers)
             print(f"| {joint} | {workers} | {found:.2f} | {found / workers / alone:.2f} |", flush=True)
+    print("\n| joint | step, one row [us] | two rows [us] | two bearings in the same lanes, at most |\n|---|---|---|---|")
+    for joint in ("pocket", "revolute"):
+        one, two, gain = lanes_gain(joint, 0.1)
+        print(f"| {joint} | {one:.2f} | {two:.2f} | {gain:.2f} x |", flush=True)
 
 
 if __name__ == "__main__":
