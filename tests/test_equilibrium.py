@@ -9,8 +9,10 @@ from hypothesis import strategies as st
 
 from dcrb_ros.configuration import Configuration
 from dcrb_ros.core.payload import Payload
+from dcrb_ros.core.step import advance
+from dcrb_ros.core.work import workspace
 from dcrb_ros.equilibrium import penetration_under, roller_forces, static_equilibrium, stored_energy
-from dcrb_ros.model import build_payload
+from dcrb_ros.model import build_payload, initial_state
 
 DOWN = np.array([0.0, -100e3])
 JOINTS = ("revolute", "pocket")
@@ -91,3 +93,35 @@ def test_rows_in_phase_rest_alike_to_the_last_bit(joint: str, load: float) -> No
     rest = static_equilibrium(bearing(joint), np.array([0.0, -load]), orbit=52.8)
     assert np.array_equal(rest.rollers[0], rest.rollers[1])
     assert np.array_equal(rest.cages[0], rest.cages[1])
+
+
+NOTCHES = {
+    "outer_1": {"width": 2e-3},
+    "inner_1": {"width": 2e-3, "row": 2},
+    "roller_1": {"roller": 1, "width": 2e-3, "depth": 2e-5},
+}
+
+
+@pytest.mark.parametrize("joint", JOINTS)
+@pytest.mark.parametrize("fault", NOTCHES)
+def test_a_run_begins_with_the_forces_of_its_first_instant(joint: str, fault: str) -> None:
+    # The roller under the load stands over the notch, and bears less than the 30.3 kN that it would without; nothing jumps.
+    configuration = Configuration.model_validate(
+        {"cage": {"joint": joint}, "faults": {fault: NOTCHES[fault]}, "contact": {"loss_time": 0.0}}
+    )
+    payload = build_payload(configuration)._replace(step=1e-9, contact_damping=0.0)
+    state = initial_state(configuration, payload)
+    begun = np.array([state.inner_force, state.outer_force])
+    advance(payload, state, workspace(payload), np.empty((1, 2)), np.empty(1))
+    assert np.array([state.inner_force, state.outer_force]) == pytest.approx(begun, rel=1e-3, abs=1.0)
+    over = 1 if fault == "inner_1" else 0
+    assert begun[:, over, 0].min() < 25e3
+    inner, _ = forces(payload, DOWN)
+    carried = 9.81 * (payload.inner_ring_mass + 32 * payload.roller_mass * payload.free.all())
+    assert inner.sum(axis=(0, 1)) == pytest.approx(DOWN, abs=carried + 1.0)
+
+
+def test_edges_with_normals_of_their_own_change_no_start() -> None:
+    edged = {"faults": {"outer_1": {"width": 2e-3}}, "contact": {"notch": "edge"}}
+    rests = [static_equilibrium(build_payload(Configuration.model_validate(each)), DOWN) for each in ({}, edged)]
+    assert rests[0].inner == pytest.approx(rests[1].inner, abs=1e-12)
