@@ -10,6 +10,7 @@ from pathlib import Path
 
 from dcrb_ros.sinks.bag import RecordingFailed
 from dcrb_ros.sinks.recorder import Recorder
+from dcrb_ros.threads import NamedThread
 from dcrb_ros.topics import Message
 
 LAST_WRITE = 10.0
@@ -32,7 +33,7 @@ class QueuedRecorder:
         self._lock = threading.Lock()
         self._failure: RecordingFailed | None = None
         self._over = False
-        self._thread = threading.Thread(target=self._run, name="recorder", daemon=True)
+        self._thread = NamedThread("recorder", self._run)
         self._thread.start()
 
     @property
