@@ -82,6 +82,8 @@ setup(
             # The baseline of the tutorial on sweeps.
             "scikit-learn>=1.4,<2",
         ],
+        # A peer that benchmarks/peers.py measures beside ours; nothing else needs it.
+        "bench": ["exudyn>=1.9,<2"],
         "mat73": ["h5py>=3.8,<4"],
         "sweep": ["dask>=2024.2", "distributed>=2024.2", "fsspec>=2024.2", "pandas>=2.2,<4"],
         "docs": ["mkdocs>=1.6,<2", "mkdocs-material>=9.5,<10"],

@@ -1,7 +1,7 @@
 """What others take for the same bearing: the paper's formulation, and general solvers on the paper's equations.
 
 All start alike, with pinned rollers and an outer-ring defect. What is compared is the waveform up to a common end, against the
-production solver at a twentieth of its step; processor time, one thread.
+production solver at a twentieth of its step; processor time, one thread. Exudyn gets a table of its own: it cannot do all of that.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ import time
 from collections.abc import Callable
 from typing import NamedTuple
 
+import exudyn_bearing
 import numpy as np
 from scipy.integrate import solve_ivp
 
@@ -108,6 +109,7 @@ def main() -> None:
         rate = rates.get(peer.name, peer.simulated / peer.seconds)
         error = np.linalg.norm(peer.velocity - exact.velocity) / np.linalg.norm(exact.velocity)
         print(f"| {peer.name} | {rate:.3g} | {rates[ours.name] / rate:.3g} | {100.0 * error:.2f} % |", flush=True)
+    exudyn_bearing.main()
 
 
 if __name__ == "__main__":

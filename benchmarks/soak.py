@@ -20,6 +20,7 @@ from typing import Any
 
 import rclpy
 from geometry_msgs.msg import Wrench
+from process import resident
 from rcl_interfaces.srv import SetParametersAtomically
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.parameter import Parameter
@@ -37,15 +38,6 @@ LEAK = 0.2
 WARM_UP = 0.1
 START = 120.0
 """Longest wall time without a message [s]; the first block may have to be compiled for."""
-
-
-def resident(pid: int) -> float:
-    """Return the resident memory of a process [MB]; 0 once it has ended."""
-    try:
-        with open(f"/proc/{pid}/statm") as file:
-            return int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE") / 1e6
-    except (OSError, IndexError):
-        return 0.0
 
 
 class Watch:

@@ -7,9 +7,10 @@ from __future__ import annotations
 
 import json
 import math
+import struct
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, lru_cache
 from itertools import groupby
 from typing import Any
 
@@ -24,6 +25,7 @@ from dcrb_ros.diagnosis.detector import Diagnosis
 from dcrb_ros.kinematics import Orders, characteristic_orders
 from dcrb_ros.measurement.features import features
 from dcrb_ros.refusal import Refusal
+from dcrb_ros.stencil import Stencil, marks
 from dcrb_ros.topics import (
     ACCELERATION,
     DIAGNOSIS,
@@ -51,6 +53,8 @@ POINT_KINDS = {"<u4": UINT32, "<f4": FLOAT32}
 OK, WARN, ERROR = 0, 1, 2  # diagnostic_msgs/msg/DiagnosticStatus
 NO_ESTIMATE = -1.0  # first element of a covariance, sensor_msgs/msg/Imu
 MOST_SAMPLES = 1 << 20
+STENCILS = 64
+"""Kinds of messages that are remembered, so that one that differs in stamp and numbers only is not encoded anew."""
 STAMP_END = 12
 """Bytes of a message with a header before its frame."""
 
@@ -130,16 +134,19 @@ def stamp_of(header: Any) -> int:
 
 def encode_points(points: npt.NDArray[Any], time_ns: int, frame: str = FRAME) -> bytes:
     """Return a PointCloud2 of structured points, one field per column."""
-    kind, point_type = points.dtype, _type("sensor_msgs/msg/PointField")
+    return _points_stencil(points.dtype, len(points), frame).filled(time_ns, points.tobytes())
+
+
+@lru_cache(STENCILS)
+def _points_stencil(kind: np.dtype[Any], count: int, frame: str) -> Stencil:
+    point_type, mark = _type("sensor_msgs/msg/PointField"), marks(kind.itemsize * count)
     fields = [
         point_type(name, offset, POINT_KINDS[dtype.str], 1)
         for name, (dtype, offset) in ((name, (entry[0], entry[1])) for name, entry in (kind.fields or {}).items())
     ]
-    raw = np.frombuffer(points.tobytes(), np.uint8)
-    cloud = _type(POINT_CLOUD)(
-        _header(time_ns, frame), 1, len(points), fields, False, kind.itemsize, kind.itemsize * len(points), raw, True
-    )
-    return _encoded(POINT_CLOUD, cloud)
+    raw = np.frombuffer(mark, np.uint8)
+    cloud = _type(POINT_CLOUD)(_header(0, frame), 1, count, fields, False, kind.itemsize, kind.itemsize * count, raw, True)
+    return Stencil(_encoded(POINT_CLOUD, cloud), mark)
 
 
 def encode_vibration(block: Block, acceleration: Samples, frame: str = FRAME) -> bytes:
@@ -154,7 +161,17 @@ def encode_vibration(block: Block, acceleration: Samples, frame: str = FRAME) ->
 
 def encode_joints(time_ns: int, names: Sequence[str], position: Floats, velocity: Floats, effort: Floats) -> bytes:
     """Return a JointState."""
-    return _encoded(JOINT_STATE, _type(JOINT_STATE)(_header(time_ns, ""), list(names), position, velocity, effort))
+    numbers = [np.asarray(values, "<f8").tobytes() for values in (position, velocity, effort)]
+    return _joints_stencil(tuple(names), *map(len, numbers)).filled(time_ns, *numbers)
+
+
+@lru_cache(STENCILS)
+def _joints_stencil(names: tuple[str, ...], *sizes: int) -> Stencil:
+    """Return a JointState without its numbers, of which each array takes so many bytes."""
+    mark = marks(sum(sizes))
+    holes = [mark[sum(sizes[:k]) : sum(sizes[: k + 1])] for k in range(len(sizes))]
+    arrays = [np.frombuffer(hole, "<f8") for hole in holes]
+    return Stencil(_encoded(JOINT_STATE, _type(JOINT_STATE)(_header(0, ""), list(names), *arrays)), *holes)
 
 
 def encode_states(states: States, names: Sequence[str]) -> bytes:
@@ -175,13 +192,18 @@ def encode_features(block: Block) -> bytes:
 
 def encode_preview(time_ns: int, acceleration: npt.NDArray[np.float32], frame: str = FRAME) -> bytes:
     """Return a preview sample as an Imu; orientation and rotation are absent, the covariances unknown."""
-    vector, quaternion = _type("geometry_msgs/msg/Vector3"), _type("geometry_msgs/msg/Quaternion")
+    return _preview_stencil(frame).filled(time_ns, acceleration.astype("<f8").tobytes())
+
+
+@lru_cache(STENCILS)
+def _preview_stencil(frame: str) -> Stencil:
+    vector, quaternion, mark = _type("geometry_msgs/msg/Vector3"), _type("geometry_msgs/msg/Quaternion"), marks(16)
     unknown = np.zeros(9)
     unknown[0] = NO_ESTIMATE
-    linear = vector(float(acceleration[0]), float(acceleration[1]), 0.0)
+    linear = vector(*struct.unpack("<dd", mark), 0.0)
     name = "sensor_msgs/msg/Imu"
-    imu = _type(name)(_header(time_ns, frame), quaternion(0.0, 0.0, 0.0, 1.0), unknown, vector(0.0, 0.0, 0.0), unknown, linear, unknown)
-    return _encoded(name, imu)
+    imu = _type(name)(_header(0, frame), quaternion(0.0, 0.0, 0.0, 1.0), unknown, vector(0.0, 0.0, 0.0), unknown, linear, unknown)
+    return Stencil(_encoded(name, imu), mark)
 
 
 def encode_text(text: str) -> bytes:
@@ -242,7 +264,7 @@ class BlockEncoder:
 
     def __init__(self, configuration: Configuration, layout: Layout) -> None:
         self._configuration = configuration
-        self._names = layout.names
+        self._names = tuple(layout.names)
         self._frame = configuration.publishing.frame
 
     def start(self, time_ns: int = 0) -> list[Message]:

@@ -45,6 +45,21 @@ def test_a_failure_comes_at_its_place() -> None:
         next(source)
 
 
+def test_only_what_is_wanted_is_made_ahead() -> None:
+    made: list[int] = []
+
+    def items() -> Iterator[int]:
+        for number in range(6):
+            made.append(number)
+            yield number
+
+    eager = {2, 3}
+    for number in ahead(items(), lambda: len(made) - 1 in eager):
+        if number not in eager:
+            assert made[-1] == number
+    assert made == list(range(6))
+
+
 def test_a_source_left_alone_stops() -> None:
     count = 0
 
@@ -56,5 +71,5 @@ def test_a_source_left_alone_stops() -> None:
 
     source = ahead(items())
     next(source)
-    source.close()  # type: ignore[attr-defined]
+    source.close()
     assert count <= 2

@@ -8,9 +8,11 @@ import os
 import sys
 import threading
 import time
+from contextlib import closing
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from dcrb_ros.ahead import ahead
 from dcrb_ros.alteration import altered
 from dcrb_ros.cli.simulate import checked_duration
 from dcrb_ros.commands import Command, command_of
@@ -27,6 +29,7 @@ from dcrb_ros.nodes.tape import Tape, free_path
 from dcrb_ros.refusal import Refusal
 from dcrb_ros.scenario import begun, read_story, timeline
 from dcrb_ros.sinks.publisher import message_class, qos
+from dcrb_ros.threads import NamedThread
 from dcrb_ros.topics import (
     BENCH_DIAGNOSTICS,
     CLOCK,
@@ -96,7 +99,7 @@ class Simulator:
         self._clock = ClockHand(self._publisher, asked=configuration.publishing.clock)
         self._report = Report(self._pacer, self.gate, self.tape, self.refusals)
         self._subscribe()
-        self._thread = threading.Thread(target=self._run, name=MODEL, daemon=True)
+        self._thread = NamedThread(MODEL, self._run)
 
     def _start_model(self) -> Simulation:
         from dcrb_ros.core import compiled
@@ -182,12 +185,17 @@ class Simulator:
 
     def _play(self) -> bool:
         """Send the simulation's blocks; return false if they were cut short by a reset or the node's end."""
-        for block in self._simulation.blocks(self._duration):
-            # Encoded before the wait: a block goes out at its deadline, and the first one's preparations do not count.
-            messages = self._encoder.encode(block)
-            if not self.gate.send(block.stamp_ns * 1e-9, block.end_ns * 1e-9, lambda b=block, m=messages: self._emit(b, m)):  # type: ignore[misc]
-                return False
+        with closing(ahead(self._simulation.blocks(self._duration), self._hurried)) as blocks:
+            for block in blocks:
+                # Encoded before the wait: a block goes out at its deadline, and the first one's preparations do not count.
+                messages = self._encoder.encode(block)
+                if not self.gate.send(block.stamp_ns * 1e-9, block.end_ns * 1e-9, lambda b=block, m=messages: self._emit(b, m)):  # type: ignore[misc]
+                    return False
         return True
+
+    def _hurried(self) -> bool:
+        """Return whether the next block is made while the last one is sent; at a time scale, commands would wait for a block more."""
+        return self._pacer.scale == 0.0 and not self.gate.paused
 
     def _begin_anew(self) -> None:
         """Put the bearing, the simulated time and the scenario back to the start; a running recording goes on in the next folder."""

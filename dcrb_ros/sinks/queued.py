@@ -3,19 +3,22 @@
 from __future__ import annotations
 
 import contextlib
-import queue
 import threading
+from collections import deque
 from collections.abc import Iterable
 from pathlib import Path
 
 from dcrb_ros.sinks.bag import RecordingFailed
 from dcrb_ros.sinks.recorder import Recorder
+from dcrb_ros.threads import NamedThread
 from dcrb_ros.topics import Message
 
 LAST_WRITE = 10.0
 """Wall time that the disk gets to take what waits, once the recording is closed [s]."""
-POLL = 0.1
-"""Wall time between two looks at whether the recording was closed [s]."""
+GATHER_NS = 100_000_000
+"""Simulated time that is gathered before it is written [ns]: waking for every block costs half as much again."""
+PATIENCE = 0.25
+"""Wall time after which what waits is written all the same [s]."""
 
 
 class QueuedRecorder:
@@ -27,12 +30,14 @@ class QueuedRecorder:
     def __init__(self, recorder: Recorder, blocks: int) -> None:
         """Record by ``recorder``; at most ``blocks`` lists of messages wait."""
         self._recorder, self._blocks = recorder, blocks
-        self._queue: queue.Queue[list[Message]] = queue.Queue(blocks)
+        self._waiting: deque[list[Message]] = deque()
+        self._gathered_ns = 0
         self._closing = threading.Event()
+        self._called = threading.Event()
         self._lock = threading.Lock()
         self._failure: RecordingFailed | None = None
         self._over = False
-        self._thread = threading.Thread(target=self._run, name="recorder", daemon=True)
+        self._thread = NamedThread("recorder", self._run)
         self._thread.start()
 
     @property
@@ -50,16 +55,23 @@ class QueuedRecorder:
         if self._over:
             return
         taken = list(messages)
-        try:
-            self._queue.put_nowait(taken)
-        except queue.Full:
+        if len(self._waiting) >= self._blocks:
             reached = max((message.time_ns for message in taken), default=0) * 1e-9
             self._fail(
                 f"the recording {self._recorder.path} ended at {reached:.1f} s: the disk is slower than the bench, "
                 f"{self._blocks} blocks were waiting; record to a faster one, fewer topics, or raise recording.queue"
             )
-            self._closing.set()  # what waits is still written, and the file finished
+            self._end()  # what waits is still written, and the file finished
             self._raise_failure()
+            return
+        self._waiting.append(taken)
+        self._call(max((message.time_ns for message in taken), default=0))
+
+    def _call(self, time_ns: int) -> None:
+        """Call the thread where enough waits at a simulated time [ns]: now, right after a block, it is in nobody's way."""
+        if time_ns >= self._gathered_ns + GATHER_NS or len(self._waiting) > self._blocks // 4:
+            self._gathered_ns = time_ns
+            self._called.set()
 
     def close(self) -> None:
         """Write what waits and finish the recording; a second call does nothing.
@@ -67,20 +79,25 @@ class QueuedRecorder:
         Raises:
             RecordingFailed: it could not be finished.
         """
-        self._closing.set()
+        self._end()
         self._thread.join(LAST_WRITE)
         if self._thread.is_alive():
             self._fail(f"the recording {self._recorder.path} could not be finished: the disk did not answer for {LAST_WRITE:g} s")
         self._raise_failure()
         self._over = True
 
+    def _end(self) -> None:
+        self._closing.set()
+        self._called.set()
+
     def _run(self) -> None:
         try:
-            while not (self._closing.is_set() and self._queue.empty()):
-                try:
-                    self._recorder.write_messages(self._queue.get(timeout=POLL))
-                except queue.Empty:
-                    continue
+            while not (self._closing.is_set() and not self._waiting):
+                self._called.wait(PATIENCE)
+                if not self._closing.is_set():
+                    self._called.clear()
+                while self._waiting:
+                    self._recorder.write_messages(self._waiting.popleft())
             self._recorder.close()
         except Exception as error:  # the thread's end must be heard of, whatever it is
             self._fail(str(error) or type(error).__name__)

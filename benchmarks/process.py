@@ -1,0 +1,35 @@
+"""What a process takes, as Linux tells it."""
+
+from __future__ import annotations
+
+import os
+from collections import Counter
+from pathlib import Path
+
+TICK = os.sysconf("SC_CLK_TCK")
+"""Ticks of processor time in a second [Hz]."""
+
+
+def resident(pid: int) -> float:
+    """Return the resident memory of a process [MB]; 0 once it has ended."""
+    try:
+        return int(Path(f"/proc/{pid}/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE") / 1e6
+    except (OSError, IndexError):
+        return 0.0
+
+
+def processor_times(pid: int) -> Counter[str]:
+    """Return the processor time of a process's threads by their names [s]; what ended threads took is under ``ended``."""
+    found: Counter[str] = Counter()
+    for task in Path(f"/proc/{pid}/task").iterdir():
+        name, seconds = _processor_time(task / "stat")
+        found[name] += seconds
+    found["ended"] = max(0.0, _processor_time(Path(f"/proc/{pid}/stat"))[1] - found.total())
+    return found
+
+
+def _processor_time(stat: Path) -> tuple[str, float]:
+    """Return the name and the processor time [s] that a file ``stat`` tells."""
+    name, _, rest = stat.read_text().partition("(")[2].rpartition(")")
+    user, system = rest.split()[11:13]
+    return name, (int(user) + int(system)) / TICK
