@@ -134,6 +134,8 @@ class Block:
     """Whether its waveform is not published: lost on its way, or between two bursts."""
     states: tuple[States, ...] = ()
     truths: tuple[Truth, ...] = ()
+    energy: Account | None = None
+    """The energy account at the end of a block with a truth in it; it is worked out no more often."""
 
     @property
     def stamp_ns(self) -> int:

@@ -21,13 +21,15 @@ from dcrb_ros.block import Layout
 from dcrb_ros.commands import Command, command_of
 from dcrb_ros.configuration import Configuration
 from dcrb_ros.kinematics import characteristic_orders
-from dcrb_ros.messages import decode_truth, decode_vibration, sensor_text
+from dcrb_ros.messages import decode_truth, decode_waveform, index_at, packed, sensor_text
 from dcrb_ros.topics import GROUND_TRUTH, MANIFEST, VIBRATION, Message
 
 FORMAT = 2
 """Format of the manifest; the first had no second record."""
 OUTCOME = f"{MANIFEST}_outcome"
 """Name of the second record."""
+GATHERED = 1 << 20
+"""Bytes of blocks that wait before they are read and hashed together."""
 LARGEST = 16 * 1024 * 1024
 """Largest record of the manifest [bytes], some 200000 commands; beyond it they are counted, and read from the ground truth."""
 UNITS = {"acceleration": "m/s^2", "angle": "rad", "speed": "rad/s", "force": "N", "time": "s, simulated, from zero"}
@@ -89,30 +91,57 @@ class Outcome:
     def __init__(self, rate: int, commands: Iterable[Command] = ()) -> None:
         """Begin with no sample of a waveform of ``rate`` [Hz]; ``commands`` came before."""
         self._rate, self._digest = rate, hashlib.sha256()
-        self.first_index: int | None = None
-        self.samples = 0
-        self.end_index = 0
-        """Index after the last sample; blocks before it may be missing where the configuration loses some."""
+        self._waiting: list[bytes] = []
+        self._first_index: int | None = None
+        self._samples = self._end_index = 0
         self.commands = list(commands)
 
     def note(self, message: Message) -> None:
         """Take account of a message."""
         if message.topic == VIBRATION:
-            block = decode_vibration(message.data)
-            if self.first_index is None:
-                self.first_index = block.first_index(self._rate)
-            self._digest.update(block.packed())
-            self.samples += len(block.shaft_angle)
-            self.end_index = block.first_index(self._rate) + len(block.shaft_angle)
+            self._waiting.append(message.data)
+            if sum(map(len, self._waiting)) > GATHERED:
+                self._take()
         elif message.topic == GROUND_TRUTH:
             truth = decode_truth(message.data)
             command = command_of(truth.time_ns, truth.changed)
             if command is not None:
                 self.commands.append(command)
 
+    def _take(self) -> None:
+        """Take account of the samples that wait: many blocks together are read in a fifth of the time."""
+        if not self._waiting:
+            return
+        time_ns, acceleration, angle = decode_waveform(self._waiting)
+        self._waiting.clear()
+        if self._first_index is None:
+            self._first_index = index_at(int(time_ns[0]), self._rate)
+        self._digest.update(packed(acceleration, angle))
+        self._samples += len(angle)
+        self._end_index = index_at(int(time_ns[-1]), self._rate) + 1
+
+    @property
+    def first_index(self) -> int | None:
+        """Index of the first sample; none without any."""
+        self._take()
+        return self._first_index
+
+    @property
+    def samples(self) -> int:
+        """Count of the samples."""
+        self._take()
+        return self._samples
+
+    @property
+    def end_index(self) -> int:
+        """Index after the last sample; blocks before it may be missing where the configuration loses some."""
+        self._take()
+        return self._end_index
+
     @property
     def sha256(self) -> str:
         """Hash of ax, ay and shaft angle of every sample, as little-endian single floats; the blocks do not matter."""
+        self._take()
         return self._digest.hexdigest()
 
     def records(self) -> dict[str, dict[str, str]]:

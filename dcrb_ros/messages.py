@@ -65,6 +65,11 @@ def typestore() -> Typestore:
     return get_typestore(Stores.ROS2_JAZZY)
 
 
+def index_at(time_ns: int, rate: int) -> int:
+    """Return the index of the sample at a simulated time [ns]: the time times the sampling rate [Hz], rounded."""
+    return (time_ns * rate + 500_000_000) // 1_000_000_000
+
+
 @dataclass(frozen=True)
 class Vibration:
     """A block of the waveform as it comes over the wire or from a recording."""
@@ -80,7 +85,7 @@ class Vibration:
 
     def first_index(self, rate: int) -> int:
         """Return the index of the first sample at a sampling rate [Hz]: its time times the rate, rounded."""
-        return (self.stamp_ns * rate + 500_000_000) // 1_000_000_000
+        return index_at(self.stamp_ns, rate)
 
     def packed(self) -> bytes:
         """Return the samples as `packed` does."""

@@ -183,6 +183,7 @@ class Simulation:
         end_ns = nanoseconds(self._samples, rate)
         self._feed_preview(measured.clean)
         previews = _before(self._previews, end_ns, lambda item: item[0])
+        truths = tuple(_before(self._truths, end_ns, lambda truth: truth.time_ns))
         return Block(
             index=first,
             rate=rate,
@@ -195,7 +196,8 @@ class Simulation:
             preview=np.array([sample for _, sample in previews], np.float32).reshape(-1, 2),
             preview_ns=tuple(time for time, _ in previews),
             states=tuple(_before(self._states, end_ns, lambda states: states.time_ns)),
-            truths=tuple(_before(self._truths, end_ns, lambda truth: truth.time_ns)),
+            truths=truths,
+            energy=self.energy if truths and not self._waveform_only else None,
         )
 
     def _obey(self) -> None:

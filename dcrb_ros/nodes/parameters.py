@@ -7,6 +7,7 @@ from typing import Any
 
 from rcl_interfaces.msg import SetParametersResult
 from rclpy.node import Node
+from rclpy.parameter import Parameter
 
 from dcrb_ros.nodes.refusals import shortened
 from dcrb_ros.refusal import Refusal
@@ -24,7 +25,8 @@ class ObedientNode(Node):
     obey: Callable[[dict[str, Any]], None] | None = None
 
     def set_parameters_atomically(self, parameter_list: list[Any]) -> Any:
-        """Carry out a change of parameters, or say why not."""
+        """Carry out a change of parameters, or say why not; 1 will do for 1.0."""
+        parameter_list = [self._as_declared(parameter) for parameter in parameter_list]
         changes = {parameter.name: parameter.value for parameter in parameter_list if parameter.name not in OWN}
         if self.obey is not None and changes:
             try:
@@ -32,3 +34,10 @@ class ObedientNode(Node):
             except Refusal as refusal:
                 return SetParametersResult(successful=False, reason=shortened(str(refusal)))
         return super().set_parameters_atomically(parameter_list)
+
+    def _as_declared(self, parameter: Any) -> Any:
+        """Return a parameter with its integer as a floating-point number, where such a one is declared."""
+        whole = parameter.type_ == Parameter.Type.INTEGER and self.has_parameter(parameter.name)
+        if whole and self.get_parameter(parameter.name).type_ == Parameter.Type.DOUBLE:
+            return Parameter(parameter.name, Parameter.Type.DOUBLE, float(parameter.value))
+        return parameter

@@ -220,8 +220,8 @@ class Simulator:
         self.tape.write_messages(messages)
         self._commands += [command for truth in block.truths if (command := command_of(truth.time_ns, truth.changed))]
         self.progress.blocks += 1
-        if block.truths:
-            self.progress.residual = self._simulation.energy.residual
+        if block.energy is not None:
+            self.progress.residual = block.energy.residual
         if self._began:
             self.node.get_logger().info(f"first block {time.monotonic() - self._began:.2f} s after the start")
             self._began = 0.0

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import itertools
+import signal
 import time
 from pathlib import Path
 
@@ -160,6 +161,16 @@ def test_no_clock_unless_asked_for(tmp_path: Path) -> None:
         heard.until(lambda: len(heard.heard[BENCH_DIAGNOSTICS]) >= 2, "two reports")
         assert not heard.heard[CLOCK]
         assert heard.node.count_publishers("/clock") == 0
+
+
+def test_a_whole_number_will_do(tmp_path: Path) -> None:
+    number = domain()
+    with listener(number) as heard, node("simulator", parameters(), environment(number), tmp_path / "log") as simulator:
+        heard.until(lambda: heard.heard[VIBRATION], "the first block")
+        assert heard.set(time_scale=2) == (True, "")  # as of `ros2 param set /dcrb/simulator time_scale 2`
+        heard.until(lambda: heard.status.get("time_scale") == "2", "the time scale in the status")
+        assert not heard.set(publishing__block_size=2.0)[0]
+        assert simulator.end(signal.SIGINT) == 0, simulator.words
 
 
 def test_a_command_takes_effect_within_two_blocks(tmp_path: Path) -> None:
