@@ -23,8 +23,9 @@ def turns_of(shaft_angle: npt.NDArray[Any]) -> Floats:
 
 def turns_back(turns: Floats, tolerance: float) -> bool:
     """Return whether the shaft turned both ways by more than ``tolerance`` [turns], a jitter of the angle set aside."""
-    highest, lowest = np.maximum.accumulate(turns), np.minimum.accumulate(turns)
-    return bool((highest - turns).max() > tolerance and (turns - lowest).max() > tolerance)
+    if (np.maximum.accumulate(turns) - turns).max() <= tolerance:
+        return False
+    return bool((turns - np.minimum.accumulate(turns)).max() > tolerance)
 
 
 def borders_between(first: float, last: float, bins_per_turn: int) -> Floats:
