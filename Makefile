@@ -62,6 +62,7 @@ bench: environment ## Speed and accuracy, some minutes on a machine that does no
 	$(BIN)/python benchmarks/start.py
 	$(BIN)/python benchmarks/recording.py
 	$(BIN)/python benchmarks/node.py
+	$(BIN)/python benchmarks/live_view.py
 	$(BIN)/python benchmarks/accuracy.py
 
 bags: environment ## Make the recordings of bags/ anew, where the model has changed

@@ -7,6 +7,10 @@ from __future__ import annotations
 
 import argparse
 import dataclasses
+import os
+import statistics
+import subprocess
+import sys
 import tempfile
 import time
 from collections.abc import Callable, Iterator
@@ -55,11 +59,62 @@ def written(path: Path, configuration: Configuration, simulation: Simulation, bl
             recorder.write_messages(messages)
 
 
+@dataclasses.dataclass(frozen=True)
+class Cost:
+    """What some work took."""
+
+    wall: float
+    """Wall time [s]."""
+    processor: float
+    """Time on processors, all threads together [s]."""
+
+
+def converted(bag: Path, file: Path) -> Cost:
+    """Return what the conversion takes in a process in which everything is imported."""
+    from dcrb_ros.viewer.show import view_recording
+
+    file.unlink(missing_ok=True)
+    busy = time.process_time()
+    wall = timed(lambda: view_recording(bag, save=file, screenshot=None, web=False))
+    return Cost(wall, time.process_time() - busy)
+
+
+def commanded(bag: Path, file: Path) -> Cost:
+    """Return what the whole command takes, the start of Python and all imports with it."""
+    file.unlink(missing_ok=True)
+    command = [sys.executable, "-c", "from dcrb_ros.cli.app import main; main()", "view", str(bag), "--save", str(file)]
+    before = os.times()
+    wall = timed(lambda: subprocess.run(command, check=True, stdout=subprocess.DEVNULL))
+    after = os.times()
+    return Cost(wall, after.children_user - before.children_user + after.children_system - before.children_system)
+
+
+def print_view(folder: Path, simulation: Simulation, blocks: list[Block], seconds: float, runs: int) -> None:
+    """Print how fast ``seconds`` [s] of recording become a Rerun file: the median of ``runs``, and their extremes."""
+    bag, file = folder / "view", folder / "view.rrd"
+    configuration = load_configuration("outer_ring_defect")
+    encoder = BlockEncoder(configuration, simulation.layout)
+    written(bag, configuration, simulation, [encoder.encode(block) for block in repeated(blocks, seconds)])
+    converted(bag, file)  # imports, once
+    print(
+        f"\n| `dcrb view --save` of {seconds:g} s, median of {runs} | x real time | slowest, fastest | wall time [s] | processor time [s] |"
+    )
+    print("|---|---|---|---|---|")
+    for name, work in (("conversion", converted), ("whole command, start-up included", commanded)):
+        costs = [work(bag, file) for _ in range(runs)]
+        walls = sorted(cost.wall for cost in costs)
+        wall, processor = statistics.median(walls), statistics.median(cost.processor for cost in costs)
+        extremes = f"{seconds / walls[-1]:.1f}, {seconds / walls[0]:.1f}"
+        print(f"| {name} | {seconds / wall:.1f} | {extremes} | {wall:.2f} | {processor:.2f} |", flush=True)
+    print(f"\n{file.stat().st_size / seconds / 1e6:.2f} MB a second")
+
+
 def main() -> None:
-    """Print a table."""
+    """Print tables."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--duration", type=float, default=30.0, help="recorded time [s]")
     parser.add_argument("--view", type=float, default=30.0, help="recorded time that is made into a Rerun file [s]; 0 for none")
+    parser.add_argument("--runs", type=int, default=7, help="times that it is made")
     options = parser.parse_args()
     simulation = Simulation(load_configuration("outer_ring_defect"))
     blocks = list(simulation.blocks(1.0))
@@ -91,18 +146,7 @@ def main() -> None:
                 flush=True,
             )
         if options.view:
-            from dcrb_ros.viewer.show import view_recording
-
-            bag, file = Path(folder) / "view", Path(folder) / "view.rrd"
-            configuration = load_configuration("outer_ring_defect")
-            encoder = BlockEncoder(configuration, simulation.layout)
-            written(bag, configuration, simulation, [encoder.encode(block) for block in repeated(blocks, options.view)])
-            view_recording(bag, save=file, screenshot=None, web=False)  # imports, once
-            file.unlink()
-            took = timed(lambda: view_recording(bag, save=file, screenshot=None, web=False))
-            print(
-                f"\n`dcrb view --save`: {options.view / took:.1f} x real time, {file.stat().st_size / options.view / 1e6:.2f} MB a second"
-            )
+            print_view(Path(folder), simulation, blocks, options.view, options.runs)
         messages = sum(1 for _ in Recording(Path(folder) / "zstd").messages((VIBRATION,)))
         assert messages == len(encoded)
 

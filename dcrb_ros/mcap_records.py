@@ -24,6 +24,8 @@ MESSAGE = struct.Struct("<HIQQ")
 """Channel, sequence, log time and publish time before the data of a message."""
 CHANNEL = struct.Struct("<H")
 """The first of them."""
+START = struct.Struct("<QQQ")
+"""First and last time in a chunk and where it begins, at the head of its index."""
 FOOTER = HEAD.size + 20
 """Size of the footer [bytes]; the magic follows it."""
 KINDS: dict[int, Any] = {
@@ -194,7 +196,7 @@ def _summary(stream: BinaryIO, size: int) -> tuple[list[Any], list[int]]:
             if opcode in (Opcode.SCHEMA, Opcode.CHANNEL):
                 known.append(parsed(opcode, data[position : position + length]))
             elif opcode == Opcode.CHUNK_INDEX:
-                starts.append(parsed(opcode, data[position : position + length]).chunk_start_offset)
+                starts.append(START.unpack_from(data[position : position + length])[2])
         except Exception:  # a damaged summary is one that is not there
             return known, sorted(starts)
         position += length

@@ -9,9 +9,10 @@ import numpy.typing as npt
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.signal import windows
 
-from dcrb_ros.diagnosis.bands import Band, BandBank, band_tree, kurtosis
-from dcrb_ros.diagnosis.envelope import OrderSpectrum, comb, fitted_order, order_spectra
+from dcrb_ros.diagnosis.bands import TAPER, Band, BandBank, band_tree, kurtosis, tukey
+from dcrb_ros.diagnosis.envelope import OrderSpectrum, combs, fitted_orders, median, order_spectra
 from dcrb_ros.diagnosis.turning import bin_means, borders_between, turns_back, turns_of
 
 RATE = 51200
@@ -100,8 +101,8 @@ def test_spectrum_shows_the_order_and_the_amplitude(order: float, frequency: flo
 def test_ramp_of_the_speed_does_not_smear_the_order() -> None:
     turns = 12.0 * TIME + 6.0 * TIME**2  # 12 to 36 Hz
     found = spectrum(modulated(6.71, turns), turns)
-    assert fitted_order(found, 6.7, 0.004) == pytest.approx(6.71, abs=0.01)
-    line = comb(found, 6.71, [6.71])
+    assert fitted_orders(found, [6.7], 0.004) == pytest.approx(6.71, abs=0.01)
+    (line,) = combs(found, [(6.71, np.array([6.71]))])
     assert line.amplitude == pytest.approx(2.0 * 0.4 * 9.0, rel=0.06)
     assert line.depth == pytest.approx(2.0 * 0.4 / (1.0 + 0.5 * 0.4**2), rel=0.06)
     assert line.level > 30.0
@@ -146,11 +147,23 @@ def test_comb_follows_the_family_and_not_a_foreign_line() -> None:
         amplitude[np.abs(orders - 6.71 * k) < 0.015] = 20.0
     amplitude[np.abs(orders - 6.745) < 0.004] = 300.0  # foreign, within the search
     found = OrderSpectrum(orders, amplitude, 10.0)
-    assert fitted_order(found, 6.7234, 0.004) == pytest.approx(6.71, abs=0.01)
-    family = comb(found, 6.71, [6.71, 13.42, 20.13])
+    assert fitted_orders(found, [6.7234], 0.004) == pytest.approx(6.71, abs=0.01)
+    (family,) = combs(found, [(6.71, np.array([6.71, 13.42, 20.13]))])
     assert (family.amplitude, family.depth, family.level) == (20.0, 2.0, pytest.approx(13.0, abs=0.02))
 
 
 def test_silence_has_no_lines() -> None:
     (found,) = order_spectra(np.zeros((1, 4000)), np.zeros(4000, np.bool_), 100)
-    assert comb(found, 6.7, [6.7, 13.4])[1:] == (0.0, 0.0, 0.0)
+    assert combs(found, [(6.7, np.array([6.7, 13.4]))])[0][1:] == (0.0, 0.0, 0.0)
+
+
+@pytest.mark.parametrize("length", [1, 2, 3, 10, 11, 4096, 22501])
+def test_window_is_the_one_of_scipy(length: int) -> None:
+    assert tukey(length, TAPER).tolist() == windows.tukey(length, TAPER).tolist()
+
+
+@pytest.mark.parametrize("kind", [np.float32, np.float64])
+@pytest.mark.parametrize("length", [1, 2, 3, 15, 400, 4001])
+def test_median_is_the_one_of_numpy(length: int, kind: type[np.floating]) -> None:
+    values = np.random.default_rng(length).standard_normal(length).astype(kind)
+    assert median(values) == np.median(values)

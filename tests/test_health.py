@@ -12,7 +12,7 @@ import pytest
 from test_detector import ORDERS, RATE, stream, watch
 
 from dcrb_ros.diagnosis.detector import Diagnosis, FaultDetector
-from dcrb_ros.diagnosis.health import spikes
+from dcrb_ros.diagnosis.health import runs_of_one_value, spikes
 from dcrb_ros.diagnosis.parameters import DetectorParameters
 
 Samples = npt.NDArray[np.float32]
@@ -170,3 +170,11 @@ def _unevenly(samples: Samples) -> Samples:
 
     high = sosfilt(butter(4, 6000.0, "highpass", fs=RATE, output="sos"), samples, axis=0)
     return np.asarray(0.4 * (samples - high) + high, np.float32)
+
+
+@pytest.mark.parametrize(
+    ("column", "ends", "lengths"),
+    [([1, 2, 3], [], []), ([1, 1, 2, 3, 3, 3], [1, 5], [2, 3]), ([4, 4, 4], [2], [3]), ([1, 2, 2, 3, 3, 1], [2, 4], [2, 2])],
+)
+def test_runs_of_one_value_are_found(column: list[float], ends: list[int], lengths: list[int]) -> None:
+    assert [found.tolist() for found in runs_of_one_value(np.array(column, float))] == [ends, lengths]

@@ -6,12 +6,12 @@ where the envelope is most impulsive. Here every band of the tree comes from one
 
 from __future__ import annotations
 
+import math
 from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 from scipy import fft
-from scipy.signal.windows import tukey
 
 Floats = npt.NDArray[np.float64]
 
@@ -45,6 +45,21 @@ def band_tree(low: float, high: float, levels: int) -> tuple[Band, ...]:
     return tuple(tree)
 
 
+def tukey(length: int, taper: float) -> Floats:
+    """Return a window of ones whose edges fall to zero as half a cosine over ``taper`` of its length [-].
+
+    Harris 1978, "On the use of windows for harmonic analysis with the discrete Fourier transform", eq. 38; `scipy.signal`, which has
+    it too, takes a second to import.
+    """
+    if length < 2:
+        return np.ones(length)
+    last = length - 1
+    edge = np.arange(math.floor(0.5 * taper * last) + 1)
+    rise = 0.5 * (1.0 + np.cos(math.pi * (-1.0 + 2.0 * edge / taper / last)))
+    fall = 0.5 * (1.0 + np.cos(math.pi * (-2.0 / taper + 1.0 + 2.0 * (last - edge[::-1]) / taper / last)))
+    return np.concatenate([rise, np.ones(length - 2 * len(edge)), fall])
+
+
 class BandBank:
     """Squared envelopes of stretches of equal length in several bands."""
 
@@ -54,6 +69,8 @@ class BandBank:
         self._length = fft.next_fast_len(samples, real=True)
         self._bins = [range(round(band.low * self._length / rate), round(band.high * self._length / rate)) for band in bands]
         self._gains = [2.0 * tukey(len(bins), TAPER) for bins in self._bins]
+        counts = [fft.next_fast_len(OVERSAMPLING * len(bins)) for bins in self._bins]
+        self._places = [np.arange(count, dtype=np.float64) * (self._length / count) for count in counts]
 
     def squared_envelopes(self, stretch: npt.NDArray[Any]) -> list[tuple[Floats, Floats]]:
         """Return for each band the places [samples] and the squared envelope there, summed over the columns [unit^2].
@@ -61,13 +78,14 @@ class BandBank:
         ``stretch`` has shape (samples, columns). The mean of an envelope is twice the power in its band.
         """
         spectrum = fft.rfft(np.ascontiguousarray(stretch.T, np.float64), self._length)
-        return [self._envelope(spectrum[:, bins.start : bins.stop] * gain) for bins, gain in zip(self._bins, self._gains, strict=True)]
+        parts = zip(self._bins, self._gains, self._places, strict=True)
+        return [(places, self._envelope(spectrum[:, bins.start : bins.stop] * gain, len(places))) for bins, gain, places in parts]
 
-    def _envelope(self, part: npt.NDArray[np.complex128]) -> tuple[Floats, Floats]:
-        count = fft.next_fast_len(OVERSAMPLING * part.shape[1])
-        analytic = fft.ifft(part, count) * (count / self._length)
-        places = np.arange(count, dtype=np.float64) * (self._length / count)
-        return np.asarray(places, np.float64), np.asarray((analytic.real**2 + analytic.imag**2).sum(axis=0), np.float64)
+    def _envelope(self, part: npt.NDArray[np.complex128], count: int) -> Floats:
+        analytic = fft.ifft(part, count)
+        analytic *= count / self._length
+        squared = np.square(analytic.view(np.float64))
+        return np.asarray((squared[:, ::2] + squared[:, 1::2]).sum(axis=0), np.float64)
 
 
 def kurtosis(squared: npt.NDArray[Any]) -> Floats:

@@ -6,7 +6,8 @@ envelope is the quantity to look at; Randall and Antoni 2011, "Rolling element b
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from collections.abc import Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -14,6 +15,7 @@ from scipy import fft
 
 Floats = npt.NDArray[np.float64]
 
+SMALLEST = np.finfo(np.float64).tiny
 CANDIDATES = np.linspace(-1.0, 1.0, 41)
 """Fundamentals tried, as shares of the tolerance for slip."""
 FITTED_HARMONICS = np.array([1.0, 2.0, 3.0])
@@ -24,6 +26,13 @@ BESIDE = 0.3
 """Orders beyond the last line of a family that its background is taken from [-]."""
 FLOOR_FROM = 0.3
 """Order from which the background is taken [-]: below it lies what changes over the window."""
+
+
+def median(values: npt.NDArray[Any]) -> Any:
+    """Return what `numpy.median` does of numbers, bit by bit, in a fifth of its time: that looks for a NaN and selects three times."""
+    middle = len(values) // 2
+    parted = np.partition(values, middle)
+    return parted[middle] if len(values) % 2 else (parted[:middle].max() + parted[middle]) / 2
 
 
 class OrderSpectrum(NamedTuple):
@@ -39,7 +48,7 @@ class OrderSpectrum(NamedTuple):
     def background(self, highest: float) -> float:
         """Return the median amplitude up to the ``highest`` order [unit^2]: a spectrum of impacts falls with the order."""
         first, last = np.searchsorted(self.orders, [FLOOR_FROM, highest + BESIDE])
-        return float(np.median(self.amplitude[first:last])) if last > first else 0.0
+        return float(median(self.amplitude[first:last])) if last > first else 0.0
 
     def lines(self, orders: npt.ArrayLike) -> Floats:
         """Return the largest amplitude within the resolution of each of ``orders`` [unit^2]."""
@@ -84,7 +93,7 @@ def order_spectra(envelopes: npt.NDArray[np.floating], missing: npt.NDArray[np.b
 
 def decibels(ratio: float) -> float:
     """Return a ratio of squared amplitudes [dB], held within 120 dB."""
-    return float(10.0 * np.log10(np.clip(ratio, 1e-12, 1e12)))
+    return float(10.0 * np.log10(min(max(ratio, 1e-12), 1e12)))
 
 
 def ratio(value: float, reference: float) -> float:
@@ -92,21 +101,28 @@ def ratio(value: float, reference: float) -> float:
     return min(value / reference, 1e12) if reference > 0.0 else 0.0
 
 
-def fitted_order(spectrum: OrderSpectrum, order: float, slip: float) -> float:
-    """Return the order within ``slip`` (relative) of ``order`` whose first harmonics are largest together.
+def fitted_orders(spectrum: OrderSpectrum, orders: npt.ArrayLike, slip: float) -> Floats:
+    """Return for each of ``orders`` the one within ``slip`` (relative) of it whose first harmonics are largest together.
 
     Rollers slip a little, and pins at the pitch circle make them roll 0.2 % off the kinematic order. The product of the
     harmonics is compared, so that one strong foreign line does not decide.
     """
-    candidates = order * (1.0 + slip * CANDIDATES)
-    places = FITTED_HARMONICS[:, None] * candidates
-    found = np.interp(places, spectrum.orders, spectrum.amplitude)
-    return float(candidates[np.argmax(np.log(np.maximum(found, np.finfo(np.float64).tiny)).sum(axis=0))])
+    candidates = np.multiply.outer(np.asarray(orders, np.float64), 1.0 + slip * CANDIDATES)
+    found = np.interp(np.multiply.outer(FITTED_HARMONICS, candidates), spectrum.orders, spectrum.amplitude)
+    best = np.argmax(np.log(np.maximum(found, SMALLEST)).sum(axis=0), axis=1)
+    return np.asarray(candidates[np.arange(len(best)), best], np.float64)
 
 
-def comb(spectrum: OrderSpectrum, order: float, teeth: npt.ArrayLike) -> Comb:
-    """Return the lines at ``teeth`` [orders] of a family whose fundamental is ``order``."""
-    amplitude = float(np.median(spectrum.lines(teeth)))
-    background = spectrum.background(float(np.max(teeth)))
+def combs(spectrum: OrderSpectrum, families: Sequence[tuple[float, Floats]]) -> list[Comb]:
+    """Return each family of lines, given by its fundamental and its teeth [orders]."""
+    lines, end = spectrum.lines(np.concatenate([teeth for _, teeth in families])), 0
+    found = []
+    for order, teeth in families:
+        begin, end = end, end + len(teeth)
+        found.append(_comb(order, float(median(lines[begin:end])), spectrum.background(float(teeth.max())), spectrum.mean))
+    return found
+
+
+def _comb(order: float, amplitude: float, background: float, mean: float) -> Comb:
     level = decibels(ratio(amplitude, background)) if amplitude > 0.0 and background > 0.0 else 0.0
-    return Comb(order, amplitude, ratio(amplitude, spectrum.mean), level)
+    return Comb(order, amplitude, ratio(amplitude, mean), level)

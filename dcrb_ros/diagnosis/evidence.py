@@ -12,13 +12,13 @@ as they enter it. So BPFO lines count by their size, all others by their depth o
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Literal, NamedTuple
 
 import numpy as np
 
 from dcrb_ros.diagnosis.bands import Band
-from dcrb_ros.diagnosis.envelope import NO_COMB, Comb, OrderSpectrum, comb, decibels, fitted_order, ratio
+from dcrb_ros.diagnosis.envelope import NO_COMB, Comb, OrderSpectrum, combs, decibels, fitted_orders, ratio
 from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.kinematics import Orders
 
@@ -69,27 +69,22 @@ class BandEvidence(NamedTuple):
 
 def families(band: Band, spectrum: OrderSpectrum, orders: Orders, slip: float) -> BandEvidence:
     """Return the families of lines of a band."""
-    odd, even = (fitted_order(spectrum, factor * orders.bpfo, slip) for factor in (1, 2))
-    outer = _deeper(comb(spectrum, base, HARMONICS * base) for base in (odd, even))
-    inner = _deeper(_turning(spectrum, fitted_order(spectrum, factor * orders.bpfi, slip)) for factor in (1, 2))
-    roller = fitted_order(spectrum, 2.0 * orders.bsf, slip)
-    ftf = orders.ftf * odd / orders.bpfo
-    combs: dict[Kind, Comb] = {
-        "outer_ring": outer,
-        "inner_ring": inner,
-        "roller": comb(spectrum, roller, np.add.outer(HARMONICS * roller, ftf * CAGE_SIDEBANDS).ravel()),
-        "cage": comb(spectrum, ftf, CAGE_TEETH * ftf),
-    }
-    return BandEvidence(band, spectrum, combs)
+    bases = [orders.bpfo, 2.0 * orders.bpfo, orders.bpfi, 2.0 * orders.bpfi, 2.0 * orders.bsf]
+    *rings, roller = fitted_orders(spectrum, bases, slip).tolist()
+    ftf = orders.ftf * rings[0] / orders.bpfo
+    teeth = [
+        *((base, HARMONICS * base) for base in rings[:2]),
+        *((base, np.add.outer(HARMONICS * base, SHAFT_SIDEBANDS).ravel()) for base in rings[2:]),
+        (roller, np.add.outer(HARMONICS * roller, ftf * CAGE_SIDEBANDS).ravel()),
+        (ftf, CAGE_TEETH * ftf),
+    ]
+    odd, even, inner, twice_inner, rollers, cage = combs(spectrum, teeth)
+    found: dict[Kind, Comb] = {"outer_ring": _deeper(odd, even), "inner_ring": _deeper(inner, twice_inner), "roller": rollers, "cage": cage}
+    return BandEvidence(band, spectrum, found)
 
 
-def _deeper(combs: Iterable[Comb]) -> Comb:
-    return max(combs, key=lambda found: found.depth)
-
-
-def _turning(spectrum: OrderSpectrum, order: float) -> Comb:
-    """Return the lines at ``order`` and its harmonics with the sidebands of what turns with the shaft."""
-    return comb(spectrum, order, np.add.outer(HARMONICS * order, SHAFT_SIDEBANDS).ravel())
+def _deeper(first: Comb, second: Comb) -> Comb:
+    return second if second.depth > first.depth else first
 
 
 class Limits(NamedTuple):

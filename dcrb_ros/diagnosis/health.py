@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy import fft
 
+from dcrb_ros.diagnosis.envelope import median
 from dcrb_ros.diagnosis.parameters import DetectorParameters
 
 Floats = npt.NDArray[np.float64]
@@ -42,12 +43,13 @@ class SampleHealth:
         p, count = self._parameters, len(missing)
         if senseless > p.most_senseless * count:
             return f"{senseless} of {count} samples are no finite numbers"
-        known = acceleration[~missing]
+        known = acceleration[~missing] if missing.any() else acceleration
         if len(known) < FEWEST_SAMPLES:
             return ""
+        columns = np.ascontiguousarray(known.T)
         looks = (self._still, self._stuck, self._saturated, self._dead) if turning else (self._saturated,)
-        flaws = (look(name, column) for look in looks for name, column in zip(AXES, known.T, strict=True))
-        return next((flaw for flaw in flaws if flaw), "") or self._spiking(known)
+        flaws = (look(name, column) for look in looks for name, column in zip(AXES, columns, strict=True))
+        return next((flaw for flaw in flaws if flaw), "") or self._spiking(columns)
 
     def _still(self, axis: str, column: Floats) -> str:
         return f"the acceleration in {axis} does not change: the sensor is dead" if float(np.ptp(column)) == 0.0 else ""
@@ -55,10 +57,8 @@ class SampleHealth:
     def _stuck(self, axis: str, column: Floats) -> str:
         """Look for runs of one and the same value that last."""
         least = max(2, round(self._parameters.stuck_time * self._rate))
-        changes = np.flatnonzero(np.diff(column) != 0.0)
-        runs = np.diff(np.concatenate([[-1], changes, [len(column) - 1]]))
-        ends = np.concatenate([changes, [len(column) - 1]])
-        long = (runs >= least) & (np.abs(column[ends]) < np.abs(column).max())
+        ends, runs = runs_of_one_value(column)
+        long = (runs >= least) & (np.abs(column[ends]) < max(float(column.max()), -float(column.min())))
         share = float(runs[long].sum()) / len(column)
         if share <= self._parameters.stuck_share:
             return ""
@@ -82,11 +82,13 @@ class SampleHealth:
         """Look for noise only: as loud where a turning bearing is silent as where it is not, and without its impacts."""
         p = self._parameters
         centred = column - column.mean()
+        squared = np.square(centred)
+        if float(np.mean(np.square(squared))) / float(np.mean(squared)) ** 2 >= p.dead_kurtosis:
+            return ""
         power = np.abs(fft.rfft(centred)) ** 2
         low, high = (power[slice(*(round(edge * len(column) / self._rate) for edge in band))] for band in (LOW, self._high))
         level = 10.0 * math.log10(max(float(low.mean()), 1e-30) / max(float(high.mean()), 1e-30))
-        peaked = float(np.mean(centred**4)) / float(np.mean(centred**2)) ** 2
-        if level >= p.dead_level or peaked >= p.dead_kurtosis:
+        if level >= p.dead_level:
             return ""
         return f"the acceleration in {axis} is noise, only {level:.1f} dB louder where a bearing is heard: the sensor is dead"
 
@@ -94,14 +96,24 @@ class SampleHealth:
     def _high(self) -> tuple[float, float]:
         return HIGH_SHARES[0] * self._rate, HIGH_SHARES[1] * self._rate
 
-    def _spiking(self, known: Floats) -> str:
+    def _spiking(self, columns: Floats) -> str:
         """Look for jumps out of the quiet within one sample that do not ring: a blow on the bearing swings to the other side."""
         p = self._parameters
-        found = sum(spikes(column, max(4, round(p.spike_time * self._rate)), p) for column in known.T)
+        found = sum(spikes(column, max(4, round(p.spike_time * self._rate)), p) for column in columns)
         self._spikes = [*self._spikes, found][-max(1, round(p.window / p.hop)) :]
         if sum(self._spikes) < p.most_spikes or not found:
             return ""
         return f"{sum(self._spikes)} spikes that no body could follow are in the window: a cable or its plug is loose"
+
+
+def runs_of_one_value(column: Floats) -> tuple[npt.NDArray[np.intp], npt.NDArray[np.intp]]:
+    """Return where runs of two and more equal samples end, and how long they are."""
+    equal = np.flatnonzero(column[1:] == column[:-1])
+    if not len(equal):
+        return equal, equal
+    border = np.diff(equal) != 1
+    first, last = equal[np.concatenate([[True], border])], equal[np.concatenate([border, [True]])]
+    return last + 1, last - first + 2
 
 
 BEFORE = 4
@@ -110,15 +122,19 @@ BEFORE = 4
 
 def spikes(column: Floats, after: int, p: DetectorParameters) -> int:
     """Return how many samples jump out of the quiet to their height at once, and do not swing back within ``after`` samples."""
-    centred = column - np.median(column)
-    least = p.spike_height * float(np.median(np.abs(centred)))
-    jumps = np.flatnonzero(np.abs(np.diff(centred)) > least) + 1
+    centred = column - median(column)
+    size, steps = np.abs(centred), np.abs(np.diff(centred))
+    # Where most samples are larger than that, so is their median: no step is high enough, and it need not be worked out.
+    if 2 * np.count_nonzero(size > 1.001 * float(steps.max()) / p.spike_height) > len(column) + 1:
+        return 0
+    least = p.spike_height * float(median(size))
+    jumps = np.flatnonzero(steps > least) + 1
     jumps = jumps[(jumps >= BEFORE) & (jumps < len(column) - after)]
     if not len(jumps) or least == 0.0:
         return 0
     top = centred[jumps]
     before = np.abs(centred[jumps[:, None] - np.arange(1, BEFORE + 1)]).max(axis=1)
     course = np.sign(top)[:, None] * centred[jumps[:, None] + np.arange(after)]
-    size, highest, swing = np.abs(top), course.max(axis=1), -course.min(axis=1)
-    sharp = (before < p.spike_quiet * size) & (size > p.spike_front * highest) & (swing < p.spike_swing * size)
-    return int(np.count_nonzero(sharp & (size > least)))
+    height, highest, swing = np.abs(top), course.max(axis=1), -course.min(axis=1)
+    sharp = (before < p.spike_quiet * height) & (height > p.spike_front * highest) & (swing < p.spike_swing * height)
+    return int(np.count_nonzero(sharp & (height > least)))

@@ -23,8 +23,9 @@ def turns_of(shaft_angle: npt.NDArray[Any]) -> Floats:
 
 def turns_back(turns: Floats, tolerance: float) -> bool:
     """Return whether the shaft turned both ways by more than ``tolerance`` [turns], a jitter of the angle set aside."""
-    highest, lowest = np.maximum.accumulate(turns), np.minimum.accumulate(turns)
-    return bool((highest - turns).max() > tolerance and (turns - lowest).max() > tolerance)
+    if (np.maximum.accumulate(turns) - turns).max() <= tolerance:
+        return False
+    return bool((turns - np.minimum.accumulate(turns)).max() > tolerance)
 
 
 def borders_between(first: float, last: float, bins_per_turn: int) -> Floats:
@@ -37,6 +38,7 @@ def bin_means(places: Floats, values: Floats, borders: Floats) -> Floats:
 
     Bins share the samples at their borders in proportion: an anti-alias filter that keeps the energy.
     """
-    steps = np.diff(places) * 0.5 * (values[1:] + values[:-1])
-    energy = np.interp(borders, places, np.concatenate([[0.0], np.cumsum(steps)]))
+    sums = np.zeros(len(places))
+    np.cumsum(np.diff(places) * 0.5 * (values[1:] + values[:-1]), out=sums[1:])
+    energy = np.interp(borders, places, sums)
     return np.asarray(np.diff(energy) / np.maximum(np.diff(borders), np.finfo(np.float64).tiny), np.float64)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from functools import lru_cache
 
 import numpy as np
 import rerun as rr
@@ -19,6 +20,8 @@ ROOT = "bearing"
 PICTURE_RATE = 100.0
 """Pictures per second of simulated time at most [Hz]."""
 SCALE_STEPS = 4
+Pictures = dict[str, rr.AsComponents]
+"""What is drawn, by its place below a row."""
 NOTCH = 1.4
 """Depth of a defect as drawn [mm]."""
 
@@ -51,17 +54,13 @@ def thinned(motion: Motion) -> Motion:
 
 
 def log_still(drawing: Drawing) -> None:
-    """Log what does not change with time: places, rings, sizes."""
+    """Log what does not change with time: places, rings, sizes. Rows look alike, so a picture is made once for all of them."""
+    pictures = {**outer_ring(drawing), **inner_ring(drawing), **sizes(drawing)}
     for row in range(drawing.bearing.rows):
         path = f"{ROOT}/row{row + 1}"
         rr.log(path, rr.Transform3D(translation=[*drawing.centre(row), 0.0]), static=True)
-        log_outer_ring(drawing, path)
-        log_inner_ring(drawing, f"{path}/inner_ring")
-        rr.log(f"{path}/rollers", rr.Points2D.from_fields(radii=[drawing.roller], draw_order=4.0), static=True)
-        rr.log(f"{path}/normal_force", rr.LineStrips2D.from_fields(radii=[0.2 * drawing.roller], draw_order=4.0), static=True)
-        rr.log(f"{path}/load", rr.Arrows2D.from_fields(radii=[1.6], colors=[palette.LOAD], draw_order=5.0), static=True)
-        size = rr.Points2D.from_fields(radii=[0.01], colors=[palette.LOAD], show_labels=True)
-        rr.log(f"{path}/load/size", size, static=True)
+        for place, picture in pictures.items():
+            rr.log(f"{path}/{place}", picture, static=True)
 
 
 def log_moving(drawing: Drawing, motion: Motion) -> None:
@@ -76,27 +75,41 @@ def log_moving(drawing: Drawing, motion: Motion) -> None:
         log_bars(drawing, f"{path}/normal_force", motion.time_ns, azimuth, force)
 
 
-def log_outer_ring(drawing: Drawing, path: str) -> None:
-    """Log the outer ring, the force scale around it and the load line."""
+def sizes(drawing: Drawing) -> Pictures:
+    """Return how large and in which order that is drawn which moves."""
+    return {
+        "rollers": rr.Points2D.from_fields(radii=[drawing.roller], draw_order=4.0),
+        "normal_force": rr.LineStrips2D.from_fields(radii=[0.2 * drawing.roller], draw_order=4.0),
+        "load": rr.Arrows2D.from_fields(radii=[1.6], colors=[palette.LOAD], draw_order=5.0),
+        "load/size": rr.Points2D.from_fields(radii=[0.01], colors=[palette.LOAD], show_labels=True),
+    }
+
+
+def outer_ring(drawing: Drawing) -> Pictures:
+    """Return the outer ring, the force scale around it and the place of the row's name."""
     middle, half = 0.5 * (drawing.outer_raceway + drawing.rim), 0.5 * drawing.ring_thickness
     rings = [circle(middle), circle(drawing.outer_raceway), circle(drawing.rim)]
     colours = [palette.STEEL, palette.STEEL_EDGE, palette.STEEL_EDGE]
-    rr.log(f"{path}/outer_ring", rr.LineStrips2D(rings, radii=[half, 0.5, 0.35], colors=colours, draw_order=1.0), static=True)
     steps = [drawing.bars_start + drawing.bars_length * k / SCALE_STEPS for k in range(SCALE_STEPS + 1)]
     arcs = [arc(radius, -0.75 * math.pi, 0.75 * math.pi) for radius in steps]
-    rr.log(f"{path}/force_scale", rr.LineStrips2D(arcs, radii=[0.25], colors=[palette.FAINT], draw_order=0.0), static=True)
-    above = rr.Points2D.from_fields(positions=[on_circle(drawing.rim + 1.6 * drawing.roller, math.pi)], radii=[0.01], show_labels=True)
-    rr.log(f"{path}/name", above, static=True)
+    above = on_circle(drawing.rim + 1.6 * drawing.roller, math.pi)
+    return {
+        "outer_ring": rr.LineStrips2D(rings, radii=[half, 0.5, 0.35], colors=colours, draw_order=1.0),
+        "force_scale": rr.LineStrips2D(arcs, radii=[0.25], colors=[palette.FAINT], draw_order=0.0),
+        "name": rr.Points2D.from_fields(positions=[above], radii=[0.01], show_labels=True),
+    }
 
 
-def log_inner_ring(drawing: Drawing, path: str) -> None:
-    """Log the inner ring with the mark that shows its rotation."""
+def inner_ring(drawing: Drawing) -> Pictures:
+    """Return the inner ring with the mark that shows its rotation."""
     middle, half = 0.5 * (drawing.inner_raceway + drawing.bore), 0.5 * (drawing.inner_raceway - drawing.bore)
     rings = [circle(middle), circle(drawing.inner_raceway), circle(drawing.bore)]
     colours = [palette.STEEL, palette.STEEL_EDGE, palette.STEEL_EDGE]
-    rr.log(path, rr.LineStrips2D(rings, radii=[half, 0.5, 0.35], colors=colours, draw_order=1.0), static=True)
     mark = [on_circle(np.array([drawing.bore + 0.25 * half, drawing.inner_raceway - 0.25 * half]), 0.0)]
-    rr.log(f"{path}/mark", rr.LineStrips2D(mark, radii=[1.1], colors=[palette.BRIGHT], draw_order=3.0), static=True)
+    return {
+        "inner_ring": rr.LineStrips2D(rings, radii=[half, 0.5, 0.35], colors=colours, draw_order=1.0),
+        "inner_ring/mark": rr.LineStrips2D(mark, radii=[1.1], colors=[palette.BRIGHT], draw_order=3.0),
+    }
 
 
 def log_rotation(path: str, time_ns: Times, angle: Floats) -> None:
@@ -140,7 +153,8 @@ def log_row_faults(drawing: Drawing, row: int, time_ns: int, faults: RowFaults) 
     rr.set_time(TIMELINE, timestamp=np.datetime64(time_ns, "ns"))
     path = f"{ROOT}/row{row + 1}"
     log_notches(drawing, path, faults.raceways)
-    log_cage(drawing, f"{path}/cage", faults.bars)
+    for place, picture in cage(drawing, faults.bars).items():
+        rr.log(f"{path}/{place}", picture)
     label = ", ".join([f"row {row + 1}", *faults.words])
     rr.log(f"{path}/name", rr.Points2D.from_fields(labels=[label], colors=[palette.DEFECT if any(faults) else palette.MUTED]))
 
@@ -156,13 +170,16 @@ def log_notches(drawing: Drawing, path: str, faults: Sequence[RacewayFault]) -> 
         rr.log(place, rr.LineStrips2D(notches, radii=[1.3 * NOTCH], colors=[palette.DEFECT], draw_order=6.0))
 
 
-def log_cage(drawing: Drawing, path: str, broken: Sequence[int]) -> None:
-    """Log the bars of a cage between its pockets; where one is broken, the mark of a fault lies in its place."""
+@lru_cache(4)
+def cage(drawing: Drawing, broken: tuple[int, ...]) -> Pictures:
+    """Return the bars of a cage between its pockets; where one is broken, the mark of a fault lies in its place."""
     bars = drawing.cage_bars()
     whole = [bar for number, bar in enumerate(bars, start=1) if number not in broken]
-    rr.log(path, rr.LineStrips2D(whole, radii=[0.24 * drawing.roller], colors=[palette.BRASS], draw_order=2.0))
     missing = [bars[number - 1] for number in broken if number <= len(bars)]
-    rr.log(f"{path}/broken", rr.LineStrips2D(missing, radii=[0.07 * drawing.roller], colors=[palette.DEFECT], draw_order=6.0))
+    return {
+        "cage": rr.LineStrips2D(whole, radii=[0.24 * drawing.roller], colors=[palette.BRASS], draw_order=2.0),
+        "cage/broken": rr.LineStrips2D(missing, radii=[0.07 * drawing.roller], colors=[palette.DEFECT], draw_order=6.0),
+    }
 
 
 def log_load(drawing: Drawing, truths: Sequence[Truth], largest: float) -> None:

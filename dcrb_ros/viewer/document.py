@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import rerun as rr
@@ -23,18 +25,21 @@ def write_document(content: Content, path: Path, *, native: tuple[Path, ...] = (
     drawing = bearing_picture.drawing_of(content, content.motion) if content.motion else None
     with rr.RecordingStream(APPLICATION) as recording:
         recording.save(path)
-        for file in native:
-            log_native(recording, file)
-        log_content(content, drawing)
-        log_judgement(content)
+        # Rerun reads in threads of its own and only has to be waited for.
+        with ThreadPoolExecutor(1, "native") as beside:
+            reading = beside.submit(log_native, recording, native)
+            log_content(content, drawing)
+            log_judgement(content)
+            reading.result()
         recording.send_blueprint(blueprint.compose(content, drawing, picture_only=picture_only))
         recording.disconnect()
 
 
-def log_native(recording: rr.RecordingStream, file: Path) -> None:
-    """Log the topics of an MCAP file as Rerun itself reads them, but for those of which we log every number."""
-    reader = McapReader(file, exclude_topic_regex=[f"/{topic.name}$" for topic in OURS])
-    recording.send_chunks(reader.stream())
+def log_native(recording: rr.RecordingStream, files: Iterable[Path]) -> None:
+    """Log the topics of MCAP files as Rerun itself reads them, but for those of which we log every number."""
+    for file in files:
+        reader = McapReader(file, exclude_topic_regex=[f"/{topic.name}$" for topic in OURS])
+        recording.send_chunks(reader.stream())
 
 
 def log_content(content: Content, drawing: Drawing | None) -> None:

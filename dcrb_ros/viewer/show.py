@@ -10,9 +10,7 @@ import numpy as np
 from dcrb_ros.recording import Recording
 from dcrb_ros.refusal import Refusal
 from dcrb_ros.viewer.content import Content
-from dcrb_ros.viewer.document import write_document
 from dcrb_ros.viewer.gather import gather
-from dcrb_ros.viewer.window import open_window, save_screenshot
 
 
 def checked_output(path: Path, *, suffix: str, option: str) -> Path:
@@ -34,6 +32,9 @@ def checked_output(path: Path, *, suffix: str, option: str) -> Path:
 
 def save_document(recording: Recording, content: Content, path: Path) -> None:
     """Write the Rerun file with the native topics beside ours, whole or not at all."""
+    # Rerun takes a second to import, in which the fault detector is at work already.
+    from dcrb_ros.viewer.document import write_document
+
     native = tuple(recording.files) if recording.complete else ()
     with tempfile.TemporaryDirectory(dir=path.absolute().parent, prefix=".dcrb-view-") as folder:
         part = Path(folder, path.name)
@@ -43,6 +44,9 @@ def save_document(recording: Recording, content: Content, path: Path) -> None:
 
 def take_picture(content: Content, path: Path) -> None:
     """Write a PNG of the viewer at a telling moment."""
+    from dcrb_ros.viewer.document import write_document
+    from dcrb_ros.viewer.window import save_screenshot
+
     with tempfile.TemporaryDirectory(prefix="dcrb-view-") as folder:
         document = Path(folder, "picture.rrd")
         write_document(content, document, picture_only=True)
@@ -51,6 +55,8 @@ def take_picture(content: Content, path: Path) -> None:
 
 def show(recording: Recording, content: Content, *, web: bool = False) -> int:
     """Open the viewer on the recording; return its exit status when it is closed."""
+    from dcrb_ros.viewer.window import open_window
+
     with tempfile.TemporaryDirectory(prefix="dcrb-view-") as folder:
         document = Path(folder, f"{content.title}.rrd")
         save_document(recording, content, document)

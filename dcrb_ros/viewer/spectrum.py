@@ -115,7 +115,8 @@ def over_background(amplitude: Floats) -> Floats:
     """Return the level of each amplitude over the median within an order on either side, shape (windows, orders) [dB]."""
     from scipy.ndimage import median_filter
 
-    floor = median_filter(amplitude, size=(1, 2 * round(1.0 / ORDER_STEP) + 1), mode="nearest")
+    # Row by row: over more dimensions than one the filter begins anew at every place, and takes ten times as long.
+    floor = np.array([median_filter(row, size=2 * round(1.0 / ORDER_STEP) + 1, mode="nearest") for row in amplitude])
     smallest = np.finfo(np.float64).tiny
     return np.asarray(20.0 * np.log10(np.maximum(amplitude, smallest) / np.maximum(floor, smallest)), np.float64)
 
