@@ -263,7 +263,7 @@ class Simulation:
             self._measured.append(self._sensor.measure(np.concatenate(accelerations), np.concatenate(shaft)))
 
     def _guard(self, acceleration: Floats) -> None:
-        off_seat = float(np.abs(self._state.outer_position).max())
+        off_seat = max(map(abs, self._state.outer_position.tolist()))
         if not (math.isfinite(float(acceleration.sum())) and off_seat < self._payload.roller_radius):
             raise ModelFailure(
                 f"the model failed at {self.time_ns / 1e9:.6f} s: the outer ring is {off_seat:.3g} m off its seat; "
