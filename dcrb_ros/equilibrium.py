@@ -16,6 +16,8 @@ START_PENETRATION = 2e-5
 """Penetration of the lowest roller that the search starts from [m]."""
 
 MICROMETRE = 1e-6
+MOST_POLISHING = 100
+"""Steps of the last search; it needs ten to forty, or swings on in the last bits for ever."""
 ALIKE = 1e-9
 """Rollers of rows that are built alike and lie within this of each other lie alike [m]; over a notch in one row they do not."""
 LIGHTEST = 1e-3
@@ -61,10 +63,14 @@ def penetration_under(payload: Payload, force: Floats, scale: float) -> Floats:
 
 def stored_energy(payload: Payload, penetration: Floats, scale: float) -> Floats:
     """Return the energy of contacts [J]: F delta/2 - F^2/(4 pi E* L), or F delta/(n + 1) of the power law; any shape."""
-    force = normal_forces(payload, penetration, scale)
+    return _energy_under(payload, normal_forces(payload, penetration, scale), penetration)
+
+
+def _energy_under(payload: Payload, force: Floats, penetration: Floats) -> Floats:
+    depth = np.maximum(penetration, 0.0)
     if payload.contact_law == JOHNSON:
-        return 0.5 * force * np.maximum(penetration, 0.0) - force**2 / (4.0 * payload.contact_modulus)
-    return force * np.maximum(penetration, 0.0) / (payload.power_exponent + 1.0)
+        return np.asarray(0.5 * force * depth - force**2 / (4.0 * payload.contact_modulus))
+    return np.asarray(force * depth / (payload.power_exponent + 1.0))
 
 
 def radial_directions(payload: Payload) -> Floats:
@@ -116,12 +122,19 @@ def penetrations(payload: Payload, outer: Floats, inner: Floats, rollers: Floats
 
 def roller_forces(payload: Payload, outer: Floats, inner: Floats, rollers: Floats) -> tuple[Floats, Floats]:
     """Return the forces on each roller from the inner and from the outer raceway, shape (rows, rollers, 2) [N]."""
+    return _pushed(payload, outer, inner, rollers)[:2]
+
+
+def _pushed(payload: Payload, outer: Floats, inner: Floats, rollers: Floats) -> tuple[Floats, Floats, float]:
+    """Return `roller_forces`, and the energy of all contacts [J]."""
     from_inner, from_outer, inner_depth, outer_depth = penetrations(payload, outer, inner, rollers)
     inner_force = normal_forces(payload, inner_depth, payload.inner_scale)
     outer_force = normal_forces(payload, outer_depth, payload.outer_scale)
+    energy = _energy_under(payload, inner_force, inner_depth).sum() + _energy_under(payload, outer_force, outer_depth).sum()
     return (
         from_inner * (inner_force / np.linalg.norm(from_inner, axis=-1))[..., None],
         -from_outer * (outer_force / np.linalg.norm(from_outer, axis=-1))[..., None],
+        float(energy),
     )
 
 
@@ -156,20 +169,14 @@ class _Problem:
         rollers[self.free] = middle + x[self.first_free :, None] * self.radial[self.free]
         return Rest(outer, inner, cages, rollers)
 
-    def energy(self, x: Floats) -> float:
-        """Return the potential energy [J]."""
+    def balance(self, x: Floats) -> tuple[float, Floats]:
+        """Return the potential energy [J] and the generalised forces left [N], which are zero in equilibrium."""
         p, rest = self.payload, self.places(x)
-        _, _, inner_depth, outer_depth = penetrations(p, rest.outer, rest.inner, rest.rollers)
-        contacts = stored_energy(p, inner_depth, p.inner_scale).sum() + stored_energy(p, outer_depth, p.outer_scale).sum()
+        inner, outer, contacts = _pushed(p, rest.outer, rest.inner, rest.rollers)
         weights = p.outer_ring_mass * rest.outer[1] + p.inner_ring_mass * rest.inner[1]
         weights += (p.train_mass * rest.cages[:, 1])[self.carrying].sum()
         housing = 0.5 * p.housing_stiffness * rest.outer @ rest.outer
-        return float(contacts + housing + p.gravity * weights - self.load @ rest.inner - self.outward @ x[self.first_free :])
-
-    def unbalanced(self, x: Floats) -> Floats:
-        """Return the generalised forces left [N]; zero in equilibrium."""
-        p, rest = self.payload, self.places(x)
-        inner, outer = roller_forces(p, rest.outer, rest.inner, rest.rollers)
+        energy = contacts + housing + p.gravity * weights - self.load @ rest.inner - self.outward @ x[self.first_free :]
         both = inner + outer
         rings = np.array([-p.housing_stiffness * rest.outer - outer.sum(axis=(0, 1)), self.load - inner.sum(axis=(0, 1))])
         rings += 0.5 * both[self.free].sum(axis=0)
@@ -177,7 +184,7 @@ class _Problem:
         cages = np.where(self.free[..., None], 0.0, both).sum(axis=1)
         cages[:, 1] -= p.train_mass * p.gravity
         radii = (both[self.free] * self.radial[self.free]).sum(axis=-1) + self.outward
-        return np.concatenate([rings.ravel(), cages[self.carrying].ravel(), radii])
+        return float(energy), np.concatenate([rings.ravel(), cages[self.carrying].ravel(), radii])
 
     def start(self) -> Floats:
         """Return coordinates [m] with the rings pressed together along the load, so that the search cannot fall into the gap."""
@@ -207,15 +214,15 @@ def static_equilibrium(payload: Payload, load: Floats, orbit: float = 0.0) -> Re
     scale = max(float(np.linalg.norm(load)) + payload.inner_ring_mass * payload.gravity, 1.0)
 
     def energy(x: Floats) -> tuple[float, Floats]:
-        at = x * MICROMETRE
-        return problem.energy(at) / (scale * MICROMETRE), -problem.unbalanced(at) / scale
+        height, left = problem.balance(x * MICROMETRE)
+        return height / (scale * MICROMETRE), -left / scale
 
     def residual(x: Floats) -> Floats:
-        return problem.unbalanced(x * MICROMETRE) / scale
+        return problem.balance(x * MICROMETRE)[1] / scale
 
     # The energy leads over open contacts, where the forces alone give no direction; least squares then polish.
     lowest = minimize(energy, problem.start() / MICROMETRE, jac=True, method="BFGS", options={"gtol": 1e-6, "maxiter": 5000}).x
-    found = least_squares(residual, lowest, method="lm", xtol=1e-15, ftol=1e-15, gtol=1e-15, max_nfev=3000).x
+    found = least_squares(residual, lowest, method="lm", xtol=1e-15, ftol=1e-15, gtol=1e-15, max_nfev=MOST_POLISHING).x
     rest = problem.places(found * MICROMETRE)
     _make_rows_alike(payload, rest)
     return rest

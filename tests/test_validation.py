@@ -76,7 +76,7 @@ def test_the_paper_holds_and_a_wrong_bearing_does_not() -> None:
     healthy, cold = short("healthy"), short("cold start", "operating.start=cold")
     held = verdicts(healthy, cold)
     assert all(held.values()), held
-    wrong = short("healthy", "operating.load=60000.0")
+    wrong = short("healthy", "operating.load=140000.0")
     slippery = short("cold start", "operating.start=cold", "friction.kinetic_coefficient=0.02", "friction.static_coefficient=0.02")
     missed = {quantity for quantity, holds in verdicts(wrong, slippery).items() if not holds}
     assert missed == {"Largest roller force, and where", "Friction in the sweep of the cold start"}
