@@ -243,10 +243,8 @@ class Simulation:
         while self._steps < end:
             self._meet_events()
             publishing, rate = self.configuration.publishing, self.configuration.step_rate
-            state_due, truth_due = (
-                _next_tick(self._steps, publishing.state_rate, rate),
-                _next_tick(self._steps, publishing.truth_rate, rate),
-            )
+            state_due = end if self._waveform_only else _next_tick(self._steps, publishing.state_rate, rate)
+            truth_due = _next_tick(self._steps, publishing.truth_rate, rate)
             event_due = self._events[0].step if self._events else end
             count = min(end, state_due, truth_due, event_due) - self._steps
             acceleration, angles = np.empty((count, 2)), np.empty(count)

@@ -114,6 +114,15 @@ class Listener:
         found = self.heard[BENCH_DIAGNOSTICS]
         return dict(decode_diagnostics(found[-1])[1][0].values) if found else {}
 
+    def meet(self, *publishers: Any, count: int = 1) -> None:
+        """Wait until publishers of this node know ``count`` subscriptions each, and the bench, which may learn of them later, too.
+
+        What is sent to a subscription that does not know its publisher yet may be lost: hence two reports of the bench more.
+        """
+        self.until(lambda: all(publisher.get_subscription_count() >= count for publisher in publishers), "the subscriptions")
+        reports = len(self.heard[BENCH_DIAGNOSTICS])
+        self.until(lambda: len(self.heard[BENCH_DIAGNOSTICS]) > reports + 1, "two reports of the bench")
+
     def until(self, reached: Callable[[], Any], why: str) -> None:
         """Listen until something is reached; fail where it is not in time. What looks at messages may find none yet."""
 

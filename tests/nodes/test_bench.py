@@ -105,7 +105,7 @@ def test_commands_take_effect_and_bad_ones_are_refused(tmp_path: Path) -> None:
     with listener(number) as heard, node("simulator", parameters(), environment(number), tmp_path / "log") as simulator:
         speed = heard.node.create_publisher(Float64, "command/speed", 10)
         load = heard.node.create_publisher(Wrench, "command/load", 10)
-        heard.until(lambda: heard.heard[VIBRATION] and speed.get_subscription_count() and load.get_subscription_count(), "the simulator")
+        heard.meet(speed, load)
         for value in (float("nan"), float("inf"), 1e9, -1e300):
             speed.publish(Float64(data=value))
         wrench = Wrench()
@@ -279,7 +279,7 @@ def test_malformed_commands_are_counted_and_the_bench_runs_on(kind: signal.Signa
     with listener(number) as heard, node("simulator", parameters(recording__path=bag), environment(number), tmp_path / "log") as simulator:
         speed = heard.node.create_publisher(Float64, "command/speed", 10)
         load = heard.node.create_publisher(Wrench, "command/load", 10)
-        heard.until(lambda: heard.heard[VIBRATION] and speed.get_subscription_count() and load.get_subscription_count(), "the simulator")
+        heard.meet(speed, load)
         for data in GARBAGE:
             speed.publish(data)
             load.publish(data)
@@ -334,8 +334,7 @@ def test_only_verdicts_of_this_run_are_recorded(tmp_path: Path) -> None:
     early, good, late = (Diagnosis(0, seconds, "healthy", "said so") for seconds in (-1.0, 0.01, 1e6))
     with listener(number) as heard, node("simulator", parameters(recording__path=bag), environment(number), tmp_path / "log") as simulator:
         publishers = [heard.node.create_publisher(message_class(topic), topic.name, qos(topic)) for topic in (DIAGNOSIS, FAULT_INDICATORS)]
-        # Two: the simulator and the listener itself.
-        heard.until(lambda: heard.heard[VIBRATION] and all(p.get_subscription_count() == 2 for p in publishers), "the simulator")
+        heard.meet(*publishers, count=2)  # the simulator and the listener itself
         for publisher, encode in zip(publishers, (encode_diagnosis, encode_indicators), strict=True):
             for data in (*GARBAGE, encode(early), encode(late), encode(good)):
                 publisher.publish(data)

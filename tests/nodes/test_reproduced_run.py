@@ -28,7 +28,7 @@ def test_a_commanded_run_is_made_again_without_ros(tmp_path: Path) -> None:
     with listener(number) as heard, node("simulator", given, environment(number), tmp_path / "log") as simulator:
         speed = heard.node.create_publisher(Float64, "command/speed", 10)
         load = heard.node.create_publisher(Wrench, "command/load", 10)
-        heard.until(lambda: heard.heard[VIBRATION] and speed.get_subscription_count() and load.get_subscription_count(), "the simulator")
+        heard.meet(speed, load)
         speed.publish(Float64(data=140.0))
         wrench = Wrench()
         wrench.force.x, wrench.force.y = 500.0, -60e3

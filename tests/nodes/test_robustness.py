@@ -60,7 +60,7 @@ class Wire:
         self.refused = {"parameters": 0, "calls": 0}
         self._speed = heard.node.create_publisher(Float64, "command/speed", 100)
         self._load = heard.node.create_publisher(Wrench, "command/load", 100)
-        heard.until(lambda: self._speed.get_subscription_count() and self._load.get_subscription_count(), "the simulator")
+        heard.meet(self._speed, self._load)
 
     def send(self, kind: str, *values: Any) -> None:
         from geometry_msgs.msg import Wrench
