@@ -482,6 +482,21 @@ def test_an_existing_cluster(tmp_path: Path, client: Client, capsys: pytest.Capt
     assert "has no workers: start some with 'dask worker" in capsys.readouterr().err
 
 
+def test_workers_of_another_version_are_refused(
+    tmp_path: Path, client: Client, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def what_runs_here() -> tuple[str, str]:  # the workers are threads
+        return ("0.1.0" if threading.current_thread() is threading.main_thread() else "9.9.9"), "0123456789abcdef"
+
+    monkeypatch.setattr("dcrb_ros.sweep.dispatch.what_runs_here", what_runs_here)
+    (tmp_path / "small.yaml").write_text("duration: 0.02", encoding="utf-8")
+    assert dcrb("sweep", str(tmp_path / "small.yaml"), "-o", str(tmp_path / "set"), "--scheduler", client.scheduler.address) == 2
+    said = capsys.readouterr().err
+    assert "run dcrb_ros 9.9.9 with model 0123456789abcdef, this is 0.1.0 with" in said
+    assert "install the same on all machines" in said
+    assert not list(tmp_path.rglob("*.npz"))
+
+
 def test_a_dry_run_counts_and_writes_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     (tmp_path / "small.yaml").write_text(SMALL, encoding="utf-8")
     monkeypatch.chdir(tmp_path)
