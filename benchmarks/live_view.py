@@ -17,7 +17,7 @@ from typing import Any
 
 import rclpy
 
-from dcrb_ros.messages import decode_diagnostics
+from dcrb_ros.messages.statuses import decode_diagnostics
 from dcrb_ros.nodes.bench import node_process
 from dcrb_ros.nodes.ros import stay_on_this_machine
 from dcrb_ros.sinks.publisher import message_class, qos

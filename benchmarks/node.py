@@ -24,7 +24,7 @@ from rclpy.executors import SingleThreadedExecutor
 from real_time import kernel
 
 from dcrb_ros.configuration import Configuration
-from dcrb_ros.messages import decode_diagnostics
+from dcrb_ros.messages.statuses import decode_diagnostics
 from dcrb_ros.nodes.bench import node_process
 from dcrb_ros.nodes.ros import stay_on_this_machine
 from dcrb_ros.sinks.publisher import message_class, qos

@@ -20,7 +20,7 @@ from dcrb_ros.configuration import Configuration
 from dcrb_ros.configuration_file import load_configuration
 from dcrb_ros.core.step import advance
 from dcrb_ros.core.work import workspace
-from dcrb_ros.messages import BlockEncoder
+from dcrb_ros.messages.encoder import BlockEncoder
 from dcrb_ros.model import build_payload, initial_state
 from dcrb_ros.simulation import Simulation
 from dcrb_ros.sinks.recorder import Recorder

@@ -19,7 +19,7 @@ from pathlib import Path
 from dcrb_ros.block import Block
 from dcrb_ros.configuration import Configuration
 from dcrb_ros.configuration_file import load_configuration
-from dcrb_ros.messages import BlockEncoder
+from dcrb_ros.messages.encoder import BlockEncoder
 from dcrb_ros.recording import Recording
 from dcrb_ros.simulation import Simulation
 from dcrb_ros.sinks.recorder import Recorder

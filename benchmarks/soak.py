@@ -27,7 +27,7 @@ from rclpy.parameter import Parameter
 from std_msgs.msg import Float64
 from std_srvs.srv import SetBool
 
-from dcrb_ros.messages import decode_diagnostics
+from dcrb_ros.messages.statuses import decode_diagnostics
 from dcrb_ros.nodes.ros import stay_on_this_machine
 from dcrb_ros.sinks.publisher import message_class, qos
 from dcrb_ros.topics import BENCH_DIAGNOSTICS, CLOCK, FEATURES, GROUND_TRUTH, NAMESPACE, ROLLER_STATES, VIBRATION, Topic

@@ -21,7 +21,9 @@ from dcrb_ros.block import Layout
 from dcrb_ros.commands import Command, command_of
 from dcrb_ros.configuration import Configuration
 from dcrb_ros.kinematics import characteristic_orders
-from dcrb_ros.messages import decode_truth, decode_waveform, index_at, packed, sensor_text
+from dcrb_ros.messages.description import sensor_text
+from dcrb_ros.messages.points import decode_waveform, index_at, packed
+from dcrb_ros.messages.statuses import decode_truth
 from dcrb_ros.topics import GROUND_TRUTH, MANIFEST, VIBRATION, Message
 
 FORMAT = 2

@@ -20,7 +20,8 @@ from dcrb_ros.configuration import Configuration
 from dcrb_ros.kinematics import Orders, characteristic_orders
 from dcrb_ros.manifest import OUTCOME
 from dcrb_ros.mcap_records import MAGIC, McapRecords
-from dcrb_ros.messages import Vibration, decode_truth, decode_vibration
+from dcrb_ros.messages.points import Vibration, decode_vibration
+from dcrb_ros.messages.statuses import decode_truth
 from dcrb_ros.refusal import Refusal
 from dcrb_ros.topics import DETECTED, GROUND_TRUTH, MANIFEST, NAMESPACE, SIMULATED, VIBRATION, Message, Topic
 

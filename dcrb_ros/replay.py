@@ -7,7 +7,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from dcrb_ros.block import nanoseconds
-from dcrb_ros.messages import decode_vibration, encode_text, sensor_text
+from dcrb_ros.messages.description import sensor_text
+from dcrb_ros.messages.plain import encode_text
+from dcrb_ros.messages.points import decode_vibration
 from dcrb_ros.parameters import Group, choice, quantity
 from dcrb_ros.recording import Recording
 from dcrb_ros.refusal import Refusal

@@ -10,7 +10,7 @@ from dcrb_ros import __version__
 from dcrb_ros.block import Block
 from dcrb_ros.commands import Agenda
 from dcrb_ros.manifest import model_fingerprint, software
-from dcrb_ros.messages import packed
+from dcrb_ros.messages.points import packed
 from dcrb_ros.recording import Recording
 from dcrb_ros.refusal import Refusal
 from dcrb_ros.simulation import Simulation

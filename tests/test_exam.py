@@ -32,7 +32,8 @@ from dcrb_ros.exam.question import Question
 from dcrb_ros.exam.report import Report
 from dcrb_ros.exam.statistics import characteristic, rate, share
 from dcrb_ros.exam.taped import read_tape, right_verdict
-from dcrb_ros.messages import Status, encode_diagnosis, encode_diagnostics, encode_truth
+from dcrb_ros.messages.statuses import Status, encode_diagnostics, encode_truth
+from dcrb_ros.messages.verdicts import encode_diagnosis
 from dcrb_ros.recording import Recording
 from dcrb_ros.refusal import Refusal
 from dcrb_ros.sinks.recorder import Recorder

@@ -19,7 +19,7 @@ from dcrb_ros.exchange.description import read_description
 from dcrb_ros.exchange.export import export
 from dcrb_ros.exchange.files import READERS, WRITERS, channel, read_foreign
 from dcrb_ros.exchange.importing import Import
-from dcrb_ros.messages import decode_sensor
+from dcrb_ros.messages.description import decode_sensor
 from dcrb_ros.recording import Recording
 from dcrb_ros.refusal import Refusal
 from dcrb_ros.topics import SENSOR, VIBRATION

@@ -15,7 +15,9 @@ import numpy as np
 import pytest
 
 from dcrb_ros.diagnosis.detector import Diagnosis
-from dcrb_ros.messages import decode_vibration, diagnosis_messages, typestore
+from dcrb_ros.messages.cdr import typestore
+from dcrb_ros.messages.points import decode_vibration
+from dcrb_ros.messages.verdicts import diagnosis_messages
 from dcrb_ros.recording import Recording
 from dcrb_ros.topics import BENCH_DIAGNOSTICS, DETECTED, NAMESPACE, SIMULATED, VIBRATION
 

@@ -10,7 +10,9 @@ from made_up import blocks
 
 from dcrb_ros.configuration import Configuration
 from dcrb_ros.diagnosis.parameters import DetectorParameters
-from dcrb_ros.messages import SPECTRUM, UNTRACKED_SAMPLE, decode_vibration, encode_points, encode_text, encode_vibration, sensor_text
+from dcrb_ros.messages.description import sensor_text
+from dcrb_ros.messages.plain import encode_text
+from dcrb_ros.messages.points import SPECTRUM, UNTRACKED_SAMPLE, decode_vibration, encode_points, encode_vibration
 from dcrb_ros.nodes.hearing import Hearing, Said
 
 RATE = 51200

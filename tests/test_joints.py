@@ -6,7 +6,8 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dcrb_ros.messages import decode_alike, decode_joints, encode_joints, stamps
+from dcrb_ros.messages.cdr import stamps
+from dcrb_ros.messages.joints import decode_alike, decode_joints, encode_joints
 
 TIMES = st.integers(0, 2**31 * 1_000_000_000 - 1)
 

@@ -13,7 +13,10 @@ import rerun as rr
 from conftest import Run, simulated
 
 from dcrb_ros.diagnosis.detector import Diagnosis
-from dcrb_ros.messages import BlockEncoder, decode_spectrum, diagnosis_messages, encode_text
+from dcrb_ros.messages.encoder import BlockEncoder
+from dcrb_ros.messages.plain import encode_text
+from dcrb_ros.messages.points import decode_spectrum
+from dcrb_ros.messages.verdicts import diagnosis_messages
 from dcrb_ros.model import layout
 from dcrb_ros.refusal import Refusal
 from dcrb_ros.topics import DIAGNOSIS, ENVELOPE_SPECTRUM, ROLLER_STATES, SENSOR, VIBRATION, Message

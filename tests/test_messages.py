@@ -13,24 +13,13 @@ from hypothesis import strategies as st
 
 from dcrb_ros.block import Block, Layout
 from dcrb_ros.configuration import Configuration
-from dcrb_ros.messages import (
-    SAMPLE,
-    BlockEncoder,
-    decode_diagnostics,
-    decode_float,
-    decode_joints,
-    decode_sensor,
-    decode_text,
-    decode_truth,
-    decode_vibration,
-    decode_waveform,
-    decode_wrench,
-    encode_points,
-    encode_text,
-    encode_vibration,
-    sensor_text,
-    typestore,
-)
+from dcrb_ros.messages.cdr import typestore
+from dcrb_ros.messages.description import decode_sensor, sensor_text
+from dcrb_ros.messages.encoder import BlockEncoder
+from dcrb_ros.messages.joints import decode_joints
+from dcrb_ros.messages.plain import decode_float, decode_text, decode_wrench, encode_text
+from dcrb_ros.messages.points import SAMPLE, decode_vibration, decode_waveform, encode_points, encode_vibration
+from dcrb_ros.messages.statuses import decode_diagnostics, decode_truth
 from dcrb_ros.refusal import Refusal
 from dcrb_ros.topics import FEATURES, GROUND_TRUTH, ROLLER_STATES
 

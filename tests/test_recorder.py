@@ -19,7 +19,7 @@ from rosbags.highlevel import AnyReader
 
 from dcrb_ros.configuration import Configuration
 from dcrb_ros.configuration_file import load_configuration
-from dcrb_ros.messages import BlockEncoder
+from dcrb_ros.messages.encoder import BlockEncoder
 from dcrb_ros.recording import Recording, metadata_flaw
 from dcrb_ros.refusal import Refusal
 from dcrb_ros.sinks.bag import RecordingFailed

@@ -17,7 +17,7 @@ from mcap_ros2.decoder import DecoderFactory
 from rosbags.highlevel import AnyReader
 
 from dcrb_ros.block import Layout
-from dcrb_ros.messages import SAMPLE
+from dcrb_ros.messages.points import SAMPLE
 from dcrb_ros.recording import Recording
 from dcrb_ros.refusal import Refusal
 from dcrb_ros.sinks.recorder import Recorder, RecordingFailed

@@ -145,7 +145,7 @@ def test_the_shipped_scenario_is_found_by_name() -> None:
 
 def test_simulate_takes_a_scenario(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     from dcrb_ros.cli.app import main
-    from dcrb_ros.messages import decode_truth
+    from dcrb_ros.messages.statuses import decode_truth
     from dcrb_ros.recording import Recording
     from dcrb_ros.topics import GROUND_TRUTH
 

@@ -7,8 +7,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dcrb_ros.messages import SAMPLE, SPECTRUM, decode_joints, encode_joints, encode_points, encode_preview, typestore
-from dcrb_ros.stencil import Stencil, marks
+from dcrb_ros.messages.cdr import typestore
+from dcrb_ros.messages.joints import decode_joints, encode_joints
+from dcrb_ros.messages.plain import encode_preview
+from dcrb_ros.messages.points import SAMPLE, SPECTRUM, encode_points
+from dcrb_ros.messages.stencil import Stencil, marks
 from dcrb_ros.topics import JOINT_STATE, POINT_CLOUD
 
 STAMPS = st.integers(0, 2**31 * 1_000_000_000 - 1)

@@ -8,7 +8,8 @@ import numpy as np
 
 from dcrb_ros.configuration import Configuration
 from dcrb_ros.measurement.transmission import Transmission
-from dcrb_ros.messages import BlockEncoder, decode_truth
+from dcrb_ros.messages.encoder import BlockEncoder
+from dcrb_ros.messages.statuses import decode_truth
 from dcrb_ros.recording import Recording
 from dcrb_ros.reproduction import Reproduction
 from dcrb_ros.simulation import Simulation

@@ -24,7 +24,7 @@ from dcrb_ros.configuration_file import load_configuration
 from dcrb_ros.diagnosis.detector import Diagnosis
 from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.kinematics import characteristic_orders
-from dcrb_ros.messages import diagnosis_messages
+from dcrb_ros.messages.verdicts import diagnosis_messages
 from dcrb_ros.model import layout
 from dcrb_ros.parameters import Bearing
 from dcrb_ros.recording import Recording

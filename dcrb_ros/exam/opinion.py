@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from dcrb_ros.messages import decode_diagnostics
+from dcrb_ros.messages.statuses import decode_diagnostics
 from dcrb_ros.refusal import Refusal, nearest
 
 BEARING = ("outer_ring", "inner_ring", "roller", "cage", "compound")

@@ -9,7 +9,9 @@ from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.exam.case import Case
 from dcrb_ros.exam.library import recorded
 from dcrb_ros.exam.opinion import Opinion, opinion_of
-from dcrb_ros.messages import decode_range, decode_vibration, encode_diagnosis
+from dcrb_ros.messages.description import decode_range
+from dcrb_ros.messages.points import decode_vibration
+from dcrb_ros.messages.verdicts import encode_diagnosis
 from dcrb_ros.recording import Recording
 from dcrb_ros.topics import SENSOR, VIBRATION
 

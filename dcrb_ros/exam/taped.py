@@ -13,7 +13,7 @@ from dcrb_ros.block import Truth
 from dcrb_ros.exam.opinion import Opinion, opinion_of
 from dcrb_ros.exam.question import Question
 from dcrb_ros.mcap_records import McapRecords
-from dcrb_ros.messages import decode_truth
+from dcrb_ros.messages.statuses import decode_truth
 from dcrb_ros.parameters import rpm
 from dcrb_ros.recording import mcap_files
 from dcrb_ros.refusal import Refusal

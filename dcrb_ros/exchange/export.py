@@ -9,7 +9,8 @@ import numpy as np
 import yaml
 
 from dcrb_ros.exchange.files import WRITERS, Array
-from dcrb_ros.messages import decode_truth, decode_vibration
+from dcrb_ros.messages.points import decode_vibration
+from dcrb_ros.messages.statuses import decode_truth
 from dcrb_ros.recording import Recording
 from dcrb_ros.refusal import Refusal
 from dcrb_ros.topics import GROUND_TRUTH, VIBRATION

@@ -18,7 +18,10 @@ from dcrb_ros.exchange.description import Description, read_description
 from dcrb_ros.exchange.files import Array, Foreign, channel, read_foreign
 from dcrb_ros.kinematics import Orders
 from dcrb_ros.manifest import FORMAT, UNITS, Outcome, now
-from dcrb_ros.messages import FRAME, encode_features, encode_text, encode_vibration
+from dcrb_ros.messages.cdr import FRAME
+from dcrb_ros.messages.joints import encode_features
+from dcrb_ros.messages.plain import encode_text
+from dcrb_ros.messages.points import encode_vibration
 from dcrb_ros.refusal import Refusal
 from dcrb_ros.sinks.bag import Bag
 from dcrb_ros.sinks.recorder import channel_of

@@ -18,7 +18,8 @@ from rich.console import Console
 
 from dcrb_ros.configuration import Configuration
 from dcrb_ros.configuration_file import to_yaml
-from dcrb_ros.messages import Joints, Status, decode_diagnostics, decode_joints
+from dcrb_ros.messages.joints import Joints, decode_joints
+from dcrb_ros.messages.statuses import Status, decode_diagnostics
 from dcrb_ros.nodes.ros import check_ros, stay_on_this_machine, stop_on_signals
 from dcrb_ros.refusal import Refusal
 from dcrb_ros.sinks.publisher import message_class, qos

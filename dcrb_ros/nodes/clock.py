@@ -6,7 +6,7 @@ import time
 from collections.abc import Iterable
 from typing import Protocol
 
-from dcrb_ros.messages import encode_clock
+from dcrb_ros.messages.plain import encode_clock
 from dcrb_ros.topics import CLOCK, Message
 
 CLOCK_PERIOD = 0.01

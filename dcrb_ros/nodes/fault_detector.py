@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.guard import guarded
-from dcrb_ros.messages import diagnosis_messages
+from dcrb_ros.messages.verdicts import diagnosis_messages
 from dcrb_ros.nodes.hearing import Hearing, Said
 from dcrb_ros.nodes.ros import check_ros, create_node, declare, spin, stay_on_this_machine, stop_on_signals
 from dcrb_ros.sinks.publisher import Publisher, message_class, qos

@@ -9,7 +9,8 @@ import numpy as np
 from dcrb_ros.diagnosis.detector import Diagnosis, FaultDetector
 from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.kinematics import Orders
-from dcrb_ros.messages import Vibration, decode_range, decode_sensor, decode_vibration
+from dcrb_ros.messages.description import decode_range, decode_sensor
+from dcrb_ros.messages.points import Vibration, decode_vibration
 from dcrb_ros.refusal import Refusal
 from dcrb_ros.topics import SENSOR
 

@@ -8,7 +8,7 @@ import time
 from typing import TYPE_CHECKING, Any
 
 from dcrb_ros.guard import guarded
-from dcrb_ros.messages import OK, WARN, Status, encode_diagnostics
+from dcrb_ros.messages.statuses import OK, WARN, Status, encode_diagnostics
 from dcrb_ros.nodes.clock import ClockHand
 from dcrb_ros.nodes.pacing import Pacer
 from dcrb_ros.nodes.ros import changed, declare, running, spin

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from dataclasses import dataclass
 
-from dcrb_ros.messages import ERROR, OK, WARN, Status
+from dcrb_ros.messages.statuses import ERROR, OK, WARN, Status
 from dcrb_ros.nodes.gate import Gate
 from dcrb_ros.nodes.pacing import Pacer
 from dcrb_ros.nodes.refusals import Refusals

@@ -75,7 +75,7 @@ class Simulator:
     def __init__(
         self, node: ObedientNode, configuration: Configuration, duration: float | None, story: Mapping[str, Any] | None = None
     ) -> None:
-        from dcrb_ros.messages import BlockEncoder
+        from dcrb_ros.messages.encoder import BlockEncoder
         from dcrb_ros.nodes.clock import ClockHand
         from dcrb_ros.sinks.publisher import Publisher
 
@@ -140,7 +140,8 @@ class Simulator:
         from rclpy.clock_type import ClockType
         from std_msgs.msg import Float64
 
-        from dcrb_ros.messages import decode_diagnostics, decode_joints
+        from dcrb_ros.messages.joints import decode_joints
+        from dcrb_ros.messages.statuses import decode_diagnostics
 
         node = self.node
         # Raw, because the middleware's own decoder drops malformed bytes without a word.
@@ -199,7 +200,7 @@ class Simulator:
 
     def _begin_anew(self) -> None:
         """Put the bearing, the simulated time and the scenario back to the start; a running recording goes on in the next folder."""
-        from dcrb_ros.messages import BlockEncoder
+        from dcrb_ros.messages.encoder import BlockEncoder
 
         finished = self.tape.stop()
         self._simulation = self._start_model()
@@ -250,13 +251,13 @@ class Simulator:
             )
 
     def _on_speed(self, data: bytes) -> None:
-        from dcrb_ros.messages import decode_float
+        from dcrb_ros.messages.plain import decode_float
 
         with self.refusals.of("command/speed"):
             self._simulation.command_speed(_content("command/speed", decode_float, data))
 
     def _on_load(self, data: bytes) -> None:
-        from dcrb_ros.messages import decode_wrench
+        from dcrb_ros.messages.plain import decode_wrench
 
         with self.refusals.of("command/load"):
             self._simulation.command_load(*_content("command/load", decode_wrench, data))
@@ -287,7 +288,7 @@ class Simulator:
 
     def _publish_report(self) -> None:
         """Publish the state of the bench on /diagnostics; the standing time of a paused bench is told again with it."""
-        from dcrb_ros.messages import encode_diagnostics
+        from dcrb_ros.messages.statuses import encode_diagnostics
 
         status = self._report.status(self.node.get_fully_qualified_name(), self.progress, failed=self.failure is not None)
         time_ns = self.progress.simulated_ns

@@ -15,7 +15,8 @@ from dcrb_ros.block import Block, Layout
 from dcrb_ros.commands import Command
 from dcrb_ros.configuration import Configuration
 from dcrb_ros.manifest import Outcome, opening
-from dcrb_ros.messages import BlockEncoder, typestore
+from dcrb_ros.messages.cdr import typestore
+from dcrb_ros.messages.encoder import BlockEncoder
 from dcrb_ros.refusal import Refusal, nearest
 from dcrb_ros.sinks.bag import SECOND, Bag, RecordingFailed, Splitting, new_folder
 from dcrb_ros.sinks.mcap_file import Channel

@@ -17,7 +17,7 @@ from dcrb_ros.block import Block, Samples, Truth, nanoseconds
 from dcrb_ros.commands import command_of
 from dcrb_ros.configuration import Configuration
 from dcrb_ros.configuration_file import flatten, overlaid, validated
-from dcrb_ros.messages import packed
+from dcrb_ros.messages.points import packed
 from dcrb_ros.refusal import Refusal
 from dcrb_ros.scenario import Event, begun, timeline
 from dcrb_ros.simulation import ModelFailure, Simulation

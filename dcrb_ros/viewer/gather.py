@@ -11,7 +11,10 @@ import numpy as np
 
 from dcrb_ros.block import Layout, Truth
 from dcrb_ros.kinematics import Orders
-from dcrb_ros.messages import STAMP_END, decode_alike, decode_diagnostics, decode_joints, decode_truth, decode_waveform, stamps
+from dcrb_ros.messages.cdr import STAMP_END, stamps
+from dcrb_ros.messages.joints import decode_alike, decode_joints
+from dcrb_ros.messages.points import decode_waveform
+from dcrb_ros.messages.statuses import decode_diagnostics, decode_truth
 from dcrb_ros.parameters import Bearing
 from dcrb_ros.recording import Recording
 from dcrb_ros.refusal import Refusal

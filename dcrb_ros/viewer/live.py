@@ -9,7 +9,10 @@ from collections.abc import Callable, Mapping, Sequence
 import rerun as rr
 
 from dcrb_ros.diagnosis.detector import Diagnosis
-from dcrb_ros.messages import STAMP_END, decode_sensor, decode_spectrum, decode_text, stamps
+from dcrb_ros.messages.cdr import STAMP_END, stamps
+from dcrb_ros.messages.description import decode_sensor
+from dcrb_ros.messages.plain import decode_text
+from dcrb_ros.messages.points import decode_spectrum
 from dcrb_ros.parameters import Bearing
 from dcrb_ros.refusal import Refusal
 from dcrb_ros.topics import (

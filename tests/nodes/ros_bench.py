@@ -13,7 +13,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from dcrb_ros.messages import decode_diagnostics
+from dcrb_ros.messages.statuses import decode_diagnostics
 from dcrb_ros.sinks.publisher import message_class, qos
 from dcrb_ros.topics import BENCH_DIAGNOSTICS, CLOCK, DETECTED, NAMESPACE, SIMULATED, Topic
 

@@ -20,20 +20,11 @@ from ros_bench import PATIENCE, domain, environment, listener, node
 
 from dcrb_ros.configuration import Configuration
 from dcrb_ros.diagnosis.detector import Diagnosis
-from dcrb_ros.messages import (
-    OK,
-    Status,
-    decode_diagnostics,
-    decode_joints,
-    decode_text,
-    decode_truth,
-    decode_vibration,
-    encode_diagnosis,
-    encode_diagnostics,
-    encode_indicators,
-    encode_joints,
-    encode_text,
-)
+from dcrb_ros.messages.joints import decode_joints, encode_joints
+from dcrb_ros.messages.plain import decode_text, encode_text
+from dcrb_ros.messages.points import decode_vibration
+from dcrb_ros.messages.statuses import OK, Status, decode_diagnostics, decode_truth, encode_diagnostics
+from dcrb_ros.messages.verdicts import encode_diagnosis, encode_indicators
 from dcrb_ros.nodes.bench import Observer
 from dcrb_ros.nodes.ros import spin
 from dcrb_ros.recording import Recording

@@ -16,7 +16,8 @@ from test_bench import parameters
 
 from dcrb_ros.block import Truth
 from dcrb_ros.configuration_file import COMMANDED, parameter_fields
-from dcrb_ros.messages import decode_text, decode_truth
+from dcrb_ros.messages.plain import decode_text
+from dcrb_ros.messages.statuses import decode_truth
 from dcrb_ros.topics import GROUND_TRUTH, SENSOR, VIBRATION
 
 pytestmark = pytest.mark.node

@@ -12,7 +12,7 @@ pytest.importorskip("rclpy", reason="the nodes need ROS 2; everything else is te
 from ros_bench import domain, environment, listener, node
 from test_bench import parameters
 
-from dcrb_ros.messages import ERROR, decode_diagnostics
+from dcrb_ros.messages.statuses import ERROR, decode_diagnostics
 from dcrb_ros.recording import Recording
 from dcrb_ros.topics import BENCH_DIAGNOSTICS, VIBRATION
 

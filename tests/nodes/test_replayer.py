@@ -17,7 +17,8 @@ from made_up import recorded
 from ros_bench import PATIENCE, domain, environment, listener, node
 from test_bench import parameters
 
-from dcrb_ros.messages import decode_diagnostics, decode_vibration
+from dcrb_ros.messages.points import decode_vibration
+from dcrb_ros.messages.statuses import decode_diagnostics
 from dcrb_ros.recording import Recording
 from dcrb_ros.replay import Replay, ReplayParameters
 from dcrb_ros.sinks.publisher import message_class, qos

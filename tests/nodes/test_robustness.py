@@ -22,7 +22,7 @@ from ros_bench import PATIENCE, Listener, domain, environment, listener, node
 from test_bench import GARBAGE, parameters
 
 from dcrb_ros.configuration_file import parameter_fields
-from dcrb_ros.messages import decode_vibration
+from dcrb_ros.messages.points import decode_vibration
 from dcrb_ros.recording import Recording
 from dcrb_ros.topics import BENCH_DIAGNOSTICS, VIBRATION
 

@@ -18,7 +18,9 @@ from ros_bench import PATIENCE, Listener, domain, environment, listener, node
 from test_bench import parameters
 
 from dcrb_ros.configuration import Configuration
-from dcrb_ros.messages import decode_clock, decode_truth, decode_vibration
+from dcrb_ros.messages.plain import decode_clock
+from dcrb_ros.messages.points import decode_vibration
+from dcrb_ros.messages.statuses import decode_truth
 from dcrb_ros.recording import Recording
 from dcrb_ros.scenario import read_scenario
 from dcrb_ros.simulation import Simulation

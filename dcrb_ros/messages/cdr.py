@@ -1,0 +1,66 @@
+"""CDR, the bytes of messages: from rosbags' type store, so that a machine without ROS encodes the very same ones."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cache
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+from rosbags.typesys import Stores, get_typestore
+from rosbags.typesys.store import Typestore
+
+from dcrb_ros.refusal import Refusal
+
+FRAME = "outer_ring"
+STENCILS = 64
+"""Kinds of messages that are remembered, so that one that differs in stamp and numbers only is not encoded anew."""
+STAMP_END = 12
+"""Bytes of a message with a header before its frame."""
+
+
+@cache
+def typestore() -> Typestore:
+    """Return the message types of ROS 2 Jazzy."""
+    return get_typestore(Stores.ROS2_JAZZY)
+
+
+def ros_type(name: str) -> Any:
+    """Return the class of a message."""
+    return typestore().types[name]
+
+
+def encoded(type_name: str, message: Any) -> bytes:
+    """Return the bytes of a message."""
+    return bytes(typestore().serialize_cdr(message, type_name))
+
+
+def header(time_ns: int, frame: str = FRAME) -> Any:
+    """Return a header with a stamp [ns]."""
+    stamp = ros_type("builtin_interfaces/msg/Time")(time_ns // 1_000_000_000, time_ns % 1_000_000_000)
+    return ros_type("std_msgs/msg/Header")(stamp, frame)
+
+
+def stamp_of(header: Any) -> int:
+    """Return the stamp of a decoded header [ns]."""
+    return int(header.stamp.sec) * 1_000_000_000 + int(header.stamp.nanosec)
+
+
+def decoded(data: bytes, type_name: str) -> Any:
+    """Return a message.
+
+    Raises:
+        Refusal: the bytes are no such message.
+    """
+    try:
+        return typestore().deserialize_cdr(data, type_name)
+    except Exception as error:  # rosbags raises whatever its generated decoder runs into
+        raise Refusal(f"a message of {len(data)} bytes is no valid {type_name}: {type(error).__name__}") from None
+
+
+def stamps(messages: Sequence[bytes]) -> npt.NDArray[np.int64]:
+    """Return the stamps of messages that begin with a header [ns]."""
+    heads = np.frombuffer(b"".join(data[4:12] for data in messages), np.dtype([("sec", "<i4"), ("nanosec", "<u4")]))
+    found: npt.NDArray[np.int64] = heads["sec"].astype(np.int64) * 1_000_000_000 + heads["nanosec"]
+    return found

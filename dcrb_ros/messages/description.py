@@ -1,0 +1,63 @@
+"""The sensor's description: what a reader must know of the waveform, as JSON."""
+
+from __future__ import annotations
+
+import json
+import math
+
+from dcrb_ros.configuration import Configuration
+from dcrb_ros.kinematics import Orders, characteristic_orders
+from dcrb_ros.messages.plain import decode_text
+from dcrb_ros.refusal import Refusal
+
+INDICATORS = ("BPFO", "BPFI", "BSF", "FTF")
+
+
+def sensor_text(configuration: Configuration) -> str:
+    """Return what a reader must know of the waveform, as JSON: rate, units, axes, geometry, orders, index rule."""
+    orders = characteristic_orders(configuration.bearing)
+    about = {
+        "sampling_rate": configuration.sensor.sampling_rate,
+        "sampling_rate_unit": "Hz",
+        "acceleration_unit": "m/s^2",
+        "axes": {"ax": "X, right", "ay": "Y, up"},
+        "shaft_angle_unit": "rad",
+        "range": configuration.sensor.range,
+        "block_size": configuration.publishing.block_size,
+        "frame": configuration.publishing.frame,
+        "bearing": configuration.bearing.model_dump(),
+        "orders": {"FTF": orders.ftf, "BPFO": orders.bpfo, "BPFI": orders.bpfi, "BSF": orders.bsf},
+        "first_sample_index": "round(stamp * sampling_rate); sample k is taken at k / sampling_rate of simulated time",
+    }
+    publishing = configuration.publishing
+    if publishing.burst_period > 0.0:
+        about |= {"burst_length": publishing.burst_length, "burst_period": publishing.burst_period, "burst_unit": "s"}
+    return json.dumps(about, sort_keys=True)
+
+
+def decode_sensor(data: bytes) -> tuple[int, Orders]:
+    """Return sampling rate [Hz] and characteristic orders from the sensor's description.
+
+    Raises:
+        Refusal: no such description.
+    """
+    try:
+        about = json.loads(decode_text(data))
+        orders = {name: float(about["orders"][name]) for name in INDICATORS}
+        rate = int(about["sampling_rate"])
+    except (ValueError, KeyError, TypeError, OverflowError, RecursionError) as error:
+        raise Refusal(
+            f"the sensor's description is not understood ({type(error).__name__}): it must give sampling_rate and orders as JSON"
+        ) from None
+    if rate <= 0 or not all(math.isfinite(order) and order > 0.0 for order in orders.values()):
+        raise Refusal(f"the sensor's description gives {rate} Hz and orders {orders}: both must be positive")
+    return rate, Orders(orders["FTF"], orders["BPFO"], orders["BPFI"], orders["BSF"])
+
+
+def decode_range(data: bytes) -> float:
+    """Return the range from the sensor's description [m/s^2], 0 where it does not say."""
+    try:
+        found = float(json.loads(decode_text(data)).get("range", 0.0))
+    except (ValueError, TypeError, AttributeError, OverflowError, RecursionError):
+        return 0.0
+    return found if math.isfinite(found) and found > 0.0 else 0.0

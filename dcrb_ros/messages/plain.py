@@ -1,0 +1,71 @@
+"""Messages of one value: text, number, force, clock, a sample of the preview."""
+
+from __future__ import annotations
+
+import struct
+from functools import lru_cache
+
+import numpy as np
+import numpy.typing as npt
+
+from dcrb_ros.messages.cdr import FRAME, STENCILS, decoded, encoded, header, ros_type
+from dcrb_ros.messages.stencil import Stencil, marks
+
+NO_ESTIMATE = -1.0  # first element of a covariance, sensor_msgs/msg/Imu
+
+
+def encode_preview(time_ns: int, acceleration: npt.NDArray[np.float32], frame: str = FRAME) -> bytes:
+    """Return a preview sample as an Imu; orientation and rotation are absent, the covariances unknown."""
+    return _preview_stencil(frame).filled(time_ns, acceleration.astype("<f8").tobytes())
+
+
+@lru_cache(STENCILS)
+def _preview_stencil(frame: str) -> Stencil:
+    vector, quaternion, mark = ros_type("geometry_msgs/msg/Vector3"), ros_type("geometry_msgs/msg/Quaternion"), marks(16)
+    unknown = np.zeros(9)
+    unknown[0] = NO_ESTIMATE
+    linear = vector(*struct.unpack("<dd", mark), 0.0)
+    name = "sensor_msgs/msg/Imu"
+    imu = ros_type(name)(header(0, frame), quaternion(0.0, 0.0, 0.0, 1.0), unknown, vector(0.0, 0.0, 0.0), unknown, linear, unknown)
+    return Stencil(encoded(name, imu), mark)
+
+
+def encode_text(text: str) -> bytes:
+    """Return a String."""
+    return encoded("std_msgs/msg/String", ros_type("std_msgs/msg/String")(text))
+
+
+def encode_clock(time_ns: int) -> bytes:
+    """Return a Clock."""
+    name = "rosgraph_msgs/msg/Clock"
+    return encoded(name, ros_type(name)(ros_type("builtin_interfaces/msg/Time")(time_ns // 1_000_000_000, time_ns % 1_000_000_000)))
+
+
+def decode_clock(data: bytes) -> int:
+    """Return the time of a Clock [ns]."""
+    clock = decoded(data, "rosgraph_msgs/msg/Clock").clock
+    return int(clock.sec) * 1_000_000_000 + int(clock.nanosec)
+
+
+def decode_float(data: bytes) -> float:
+    """Return the number of a Float64.
+
+    Raises:
+        Refusal: no such message.
+    """
+    return float(decoded(data, "std_msgs/msg/Float64").data)
+
+
+def decode_wrench(data: bytes) -> tuple[float, float]:
+    """Return the force of a Wrench in X and Y [N].
+
+    Raises:
+        Refusal: no such message.
+    """
+    force = decoded(data, "geometry_msgs/msg/Wrench").force
+    return float(force.x), float(force.y)
+
+
+def decode_text(data: bytes) -> str:
+    """Return the text of a String."""
+    return str(decoded(data, "std_msgs/msg/String").data)

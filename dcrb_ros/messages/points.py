@@ -1,0 +1,177 @@
+"""Point clouds: the waveform and the envelope spectrum, a column for each field."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from itertools import groupby
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from dcrb_ros.block import Block, Floats, Samples
+from dcrb_ros.messages.cdr import FRAME, STAMP_END, STENCILS, decoded, encoded, header, ros_type, stamp_of, stamps
+from dcrb_ros.messages.stencil import Stencil, marks
+from dcrb_ros.refusal import Refusal
+from dcrb_ros.topics import POINT_CLOUD
+
+SAMPLE = np.dtype([("t", "<u4"), ("ax", "<f4"), ("ay", "<f4"), ("shaft_angle", "<f4")])
+UNTRACKED_SAMPLE = np.dtype([("t", "<u4"), ("ax", "<f4"), ("ay", "<f4")])
+SPECTRUM = np.dtype([("frequency", "<f4"), ("order", "<f4"), ("amplitude", "<f4")])
+UINT32, FLOAT32 = 6, 7  # sensor_msgs/msg/PointField
+POINT_KINDS = {"<u4": UINT32, "<f4": FLOAT32}
+MOST_SAMPLES = 1 << 20
+
+
+def index_at(time_ns: int, rate: int) -> int:
+    """Return the index of the sample at a simulated time [ns]: the time times the sampling rate [Hz], rounded."""
+    return (time_ns * rate + 500_000_000) // 1_000_000_000
+
+
+@dataclass(frozen=True)
+class Vibration:
+    """A block of the waveform as it comes over the wire or from a recording."""
+
+    stamp_ns: int
+    """Simulated time of the first sample [ns]."""
+    offsets_ns: npt.NDArray[np.uint32]
+    """Time of each sample after the stamp [ns]."""
+    acceleration: Samples
+    """Shape (samples, 2) [m/s^2]."""
+    shaft_angle: Samples
+    """Wrapped to [0, 2 pi) [rad]."""
+
+    def first_index(self, rate: int) -> int:
+        """Return the index of the first sample at a sampling rate [Hz]: its time times the rate, rounded."""
+        return index_at(self.stamp_ns, rate)
+
+    def packed(self) -> bytes:
+        """Return the samples as `packed` does."""
+        return packed(self.acceleration, self.shaft_angle)
+
+
+def packed(acceleration: Samples, shaft_angle: Samples) -> bytes:
+    """Return ax, ay and shaft angle of every sample as little-endian single floats: what a recording's hash is of."""
+    return np.column_stack([acceleration, shaft_angle]).astype("<f4", copy=False).tobytes()
+
+
+def encode_points(points: npt.NDArray[Any], time_ns: int, frame: str = FRAME) -> bytes:
+    """Return a PointCloud2 of structured points, one field per column."""
+    return _points_stencil(points.dtype, len(points), frame).filled(time_ns, points.tobytes())
+
+
+@lru_cache(STENCILS)
+def _points_stencil(kind: np.dtype[Any], count: int, frame: str) -> Stencil:
+    point_type, mark = ros_type("sensor_msgs/msg/PointField"), marks(kind.itemsize * count)
+    fields = [
+        point_type(name, offset, POINT_KINDS[dtype.str], 1)
+        for name, (dtype, offset) in ((name, (entry[0], entry[1])) for name, entry in (kind.fields or {}).items())
+    ]
+    raw = np.frombuffer(mark, np.uint8)
+    cloud = ros_type(POINT_CLOUD)(header(0, frame), 1, count, fields, False, kind.itemsize, kind.itemsize * count, raw, True)
+    return Stencil(encoded(POINT_CLOUD, cloud), mark)
+
+
+def encode_vibration(block: Block, acceleration: Samples, frame: str = FRAME) -> bytes:
+    """Return the waveform of a block as a PointCloud2 with the fields of `SAMPLE`."""
+    points = np.empty(len(acceleration), SAMPLE)
+    # What the first sample's time lost by rounding down counts for the others.
+    lost = block.index * 1_000_000_000 % block.rate
+    points["t"] = (lost + np.arange(len(acceleration), dtype=np.int64) * 1_000_000_000) // block.rate
+    points["ax"], points["ay"], points["shaft_angle"] = acceleration[:, 0], acceleration[:, 1], block.shaft_angle
+    return encode_points(points, block.stamp_ns, frame)
+
+
+def decode_vibration(data: bytes) -> Vibration:
+    """Return the waveform of a PointCloud2; without the field ``shaft_angle`` the angles are no numbers.
+
+    Raises:
+        Refusal: another layout than `SAMPLE`, or a length that does not fit the fields.
+    """
+    cloud = decoded(data, POINT_CLOUD)
+    found = [(field.name, field.offset, field.datatype, field.count) for field in cloud.fields]
+    layout = next((kind for kind in (SAMPLE, UNTRACKED_SAMPLE) if found == _fields(kind) and cloud.point_step == kind.itemsize), None)
+    if layout is None or cloud.is_bigendian or cloud.height != 1:
+        raise Refusal(
+            f"a PointCloud2 with the fields {[name for name, *_ in found]} is no waveform: it must have t, ax, ay and shaft_angle, "
+            f"{SAMPLE.itemsize} bytes a sample, or {UNTRACKED_SAMPLE.itemsize} without shaft_angle, little endian, height 1"
+        )
+    if not 0 < cloud.width <= MOST_SAMPLES or len(cloud.data) != cloud.width * layout.itemsize:
+        raise Refusal(
+            f"a waveform block claims {cloud.width} samples in {len(cloud.data)} bytes; "
+            f"each takes {layout.itemsize}, and {MOST_SAMPLES} are the most"
+        )
+    points = np.frombuffer(cloud.data.tobytes(), layout)
+    acceleration = np.stack([points["ax"], points["ay"]], axis=1)
+    angle = points["shaft_angle"].copy() if layout is SAMPLE else np.full(len(points), np.nan, np.float32)
+    return Vibration(stamp_of(cloud.header), points["t"].copy(), acceleration, angle)
+
+
+def _fields(kind: np.dtype[Any]) -> list[tuple[str, int, int, int]]:
+    return [(name, entry[1], POINT_KINDS[entry[0].str], 1) for name, entry in (kind.fields or {}).items()]
+
+
+def decode_waveform(messages: Sequence[bytes]) -> tuple[npt.NDArray[np.int64], Samples, Samples]:
+    """Return the samples of blocks end to end: time [ns], acceleration [m/s^2] of shape (samples, 2), shaft angle [rad].
+
+    Blocks of one length repeat their fields; reading those once is many times as fast.
+
+    Raises:
+        Refusal: as `decode_vibration`.
+    """
+    times, accelerations, angles = zip(*(_stretch(list(run)) for _, run in groupby(messages, len)), strict=True)
+    return np.concatenate(times), np.concatenate(accelerations), np.concatenate(angles)
+
+
+def _stretch(messages: Sequence[bytes]) -> tuple[npt.NDArray[np.int64], Samples, Samples]:
+    """Return the samples of blocks whose messages have one length."""
+    points = _repeated(messages, decode_vibration(messages[0]))
+    if points is not None:
+        time_ns = (stamps(messages)[:, None] + points["t"]).reshape(-1)
+        acceleration = np.stack([points["ax"].reshape(-1), points["ay"].reshape(-1)], axis=1)
+        return time_ns, acceleration, points["shaft_angle"].reshape(-1)
+    blocks = [decode_vibration(data) for data in messages]
+    found = [(block.stamp_ns + block.offsets_ns.astype(np.int64), block.acceleration, block.shaft_angle) for block in blocks]
+    times, accelerations, angles = zip(*found, strict=True)
+    return np.concatenate(times), np.concatenate(accelerations), np.concatenate(angles)
+
+
+def _repeated(messages: Sequence[bytes], first: Vibration) -> npt.NDArray[Any] | None:
+    """Return the samples of messages of one length, a row for each, where nothing but stamp and samples differs from the ``first``."""
+    size = len(first.shaft_angle) * SAMPLE.itemsize
+    rows = np.frombuffer(b"".join(messages), np.uint8).reshape(len(messages), -1)
+    # Behind the samples, which begin at a multiple of four, one byte says that none is missing; up to three fill it up.
+    begin = (rows.shape[1] - size - 1) // 4 * 4
+    if begin < STAMP_END or not (rows[:, STAMP_END:begin] == rows[0, STAMP_END:begin]).all():
+        return None
+    points = np.ascontiguousarray(rows[:, begin : begin + size]).view(SAMPLE)
+    as_read = [points["t"][0], points["ax"][0], points["ay"][0], points["shaft_angle"][0]]
+    alike = map(np.array_equal, as_read, [first.offsets_ns, *first.acceleration.T, first.shaft_angle])
+    return points if all(alike) else None
+
+
+def encode_spectrum(time_ns: int, orders: Floats, amplitude: Floats, shaft_frequency: float) -> bytes:
+    """Return an envelope spectrum as a PointCloud2 with frequency [Hz], order [-] and amplitude."""
+    points = np.empty(len(orders), SPECTRUM)
+    points["order"], points["amplitude"] = orders, amplitude
+    points["frequency"] = orders * (shaft_frequency if math.isfinite(shaft_frequency) else 0.0)
+    return encode_points(points, time_ns)
+
+
+def decode_spectrum(data: bytes) -> tuple[int, Floats, Floats, float]:
+    """Return stamp [ns], orders [-], amplitudes and shaft frequency [Hz] of an envelope spectrum.
+
+    Raises:
+        Refusal: another layout than `SPECTRUM`, or a length that does not fit the fields.
+    """
+    cloud = decoded(data, POINT_CLOUD)
+    names = tuple(field.name for field in cloud.fields)
+    if names != SPECTRUM.names or cloud.point_step != SPECTRUM.itemsize or len(cloud.data) != cloud.width * SPECTRUM.itemsize:
+        raise Refusal(f"a PointCloud2 with the fields {list(names)} is no envelope spectrum: it must have frequency, order and amplitude")
+    points = np.frombuffer(cloud.data.tobytes(), SPECTRUM)
+    orders, frequency = points["order"].astype(np.float64), points["frequency"].astype(np.float64)
+    shaft_frequency = float(frequency[-1] / orders[-1]) if len(orders) and orders[-1] > 0.0 else 0.0
+    return stamp_of(cloud.header), orders, points["amplitude"].astype(np.float64), shaft_frequency
