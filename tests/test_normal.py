@@ -67,18 +67,41 @@ def test_strike_without_loss_gives_back_what_it_took(law: str, speed: float, pha
     assert impulse == pytest.approx(payload.roller_mass * (speed - after), rel=1e-9)
 
 
+@pytest.mark.parametrize("loss", [{"loss_time": 2.5e-6}, {"damping": 2e3}], ids=["of the stiffness", "constant"])
 @given(speed=st.floats(1e-2, 0.5), phase=phases)
-def test_strike_with_loss_leaves_at_the_laws_speed(speed: float, phase: float) -> None:
-    payload = bearing(loss_time=2.5e-6)
+def test_strike_with_loss_leaves_at_the_laws_speed(loss: dict[str, float], speed: float, phase: float) -> None:
+    payload = bearing(**loss)
 
     def law(_: float, state: list[float]) -> list[float]:
         depth, rate = state
         force, stiffness = johnson_force(depth, payload.contact_modulus, payload.outer_scale) if depth > 0.0 else (0.0, 0.0)
-        return [rate, -max(force + stiffness * payload.loss_time * rate, 0.0) / payload.roller_mass]
+        damping = stiffness * payload.loss_time + (payload.contact_damping if depth > 0.0 else 0.0)
+        return [rate, -max(force + damping * rate, 0.0) / payload.roller_mass]
 
     exact = solve_ivp(law, (0.0, 1e-4), [0.0, speed], max_step=2e-7, rtol=1e-9, atol=1e-14).y[1, -1]
     after = fly(payload, -phase * payload.step * speed, speed, True, 40)[0]
     assert after == pytest.approx(exact, rel=0.015)
+
+
+@loop
+def line_over_floor(payload: Payload, middle: float, closing: float, sink: float, crossing: bool) -> tuple[float, float]:
+    """Return push and give of a contact that closes at a speed against a floor that falls away with ``sink`` [m/s]."""
+    if crossing:
+        found = crossing_line(middle, closing, closing, sink, 0.0, 0.0, payload.outer_scale, payload)
+    else:
+        force, stiffness = elastic(middle, payload.outer_scale, True, payload)
+        found = lasting_line(force, stiffness, closing, closing, sink, payload)
+    return found[0], found[1]
+
+
+@given(middle=st.floats(-1e-6, 1e-5), closing=speeds, sink=st.floats(-0.5, 0.5), crossing=st.booleans())
+def test_a_falling_floor_shifts_the_approach(middle: float, closing: float, sink: float, crossing: bool) -> None:
+    # The line is over the approach to the ring; the floor's fall is no penetration.
+    payload = bearing(loss_time=1e-6)
+    push, give = line_over_floor(payload, middle, closing, sink, crossing)
+    still_push, still_give = line_over_floor(payload, middle, closing, 0.0, crossing)
+    assert give == still_give
+    assert push + give * (closing + sink) == pytest.approx(still_push + still_give * closing, rel=1e-9, abs=1e-9)
 
 
 @given(depth=st.floats(5e-6, 3e-5), johnson=st.booleans())
