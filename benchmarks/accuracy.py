@@ -360,14 +360,20 @@ def drift(case: Swing, blow: float, part: int) -> tuple[float, float]:
     payload = build_payload(configuration)._replace(step=STEP / part)
     state, work = initial_state(configuration, payload), workspace(payload)
     state.inner_velocity[1] = -blow
-    energies, height = [], [potential_of_weight(payload, state)]
+
+    def height() -> float:
+        """Return the energy of position of what may fall: cages and rollers in pockets [J]."""
+        rings = payload.outer_ring_mass * state.outer_position[1] + payload.inner_ring_mass * state.inner_position[1]
+        return potential_of_weight(payload, state) - payload.gravity * float(rings) if payload.any_free else 0.0
+
+    energies, heights = [], [height()]
     for _ in range(WINDOW * case.windows * part):
         advance(payload, state, work, np.empty((1, 2)), np.empty(1))
         energies.append(mechanical_energy(payload, state))
-        height.append(potential_of_weight(payload, state))
+        heights.append(height())
     means = np.array(energies).reshape(case.windows, -1).mean(axis=1)
     changed, struck = float(np.abs(means - means[0]).max()), 0.5 * payload.inner_ring_mass * blow**2
-    return changed / (struck + height[0] - min(height)), changed / struck
+    return changed / (struck + heights[0] - min(heights)), changed / struck
 
 
 def drifts() -> Iterator[Entry]:

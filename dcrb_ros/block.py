@@ -11,6 +11,8 @@ import numpy.typing as npt
 
 Floats = npt.NDArray[np.float64]
 Samples = npt.NDArray[np.float32]
+LONGEST_BLOCK = 4.29
+"""Longest block [s]: messages tell the time of a sample after the block's stamp in nanoseconds of 32 bits."""
 
 
 def nanoseconds(count: int, rate: int) -> int:

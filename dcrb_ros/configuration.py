@@ -25,7 +25,7 @@ from dcrb_ros.parameters import (
     quantity,
 )
 from dcrb_ros.sensing import Background, SensorParameters, Structure
-from dcrb_ros.sensing_limits import filters_beyond, impossible_bursts, impossible_modes
+from dcrb_ros.sensing_limits import endless_blocks, filters_beyond, impossible_bursts, impossible_modes
 
 
 class Configuration(Group):
@@ -79,6 +79,7 @@ def inconsistencies(c: Configuration) -> Iterator[str]:
     yield from _splitting(c)
     yield from filters_beyond(c.sensor, c.background, c.step_rate)
     yield from impossible_modes(c.structure)
+    yield from endless_blocks(c.publishing, c.sensor.sampling_rate)
     yield from impossible_bursts(c.publishing, c.sensor.sampling_rate)
     if c.friction.static_coefficient < c.friction.kinetic_coefficient:
         yield (

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from scipy.optimize import least_squares, minimize
+from scipy.optimize import approx_fprime, least_squares, minimize
 from scipy.special import lambertw
 
 from dcrb_ros.block import Floats
@@ -16,6 +16,8 @@ START_PENETRATION = 2e-5
 """Penetration of the lowest roller that the search starts from [m]."""
 
 MICROMETRE = 1e-6
+DIFFERENCE = 1.5e-8
+"""Share of a coordinate by which it is changed to find a slope [-]."""
 MOST_POLISHING = 100
 """Steps of the last search; it needs ten to forty, or swings on in the last bits for ever."""
 ALIKE = 1e-9
@@ -108,16 +110,19 @@ def notch_depths(payload: Payload, from_ring: Floats, inner: bool) -> Floats:
     return depths
 
 
-def penetrations(payload: Payload, outer: Floats, inner: Floats, rollers: Floats) -> tuple[Floats, Floats, Floats, Floats]:
+def penetrations(
+    payload: Payload, outer: Floats, inner: Floats, rollers: Floats, cut: tuple[Floats, Floats] | None = None
+) -> tuple[Floats, Floats, Floats, Floats]:
     """Return the vectors from inner and outer ring to each roller and the penetrations there [m].
 
-    ``rollers`` holds the rollers' centres, shape (rows, rollers, 2) [m].
+    ``rollers`` holds the rollers' centres, shape (rows, rollers, 2), ``cut`` the depths of the notches under them, where they are to be
+    held, at the inner and the outer raceway, shape (rows, rollers) [m].
     """
     from_inner, from_outer = rollers - inner, rollers - outer
     inner_depth = payload.inner_raceway_radius + payload.roller_radius - np.linalg.norm(from_inner, axis=-1)
     outer_depth = np.linalg.norm(from_outer, axis=-1) + payload.roller_radius - payload.outer_raceway_radius
-    inner_depth, outer_depth = inner_depth - notch_depths(payload, from_inner, True), outer_depth - notch_depths(payload, from_outer, False)
-    return from_inner, from_outer, inner_depth, outer_depth
+    inner_cut, outer_cut = cut or (notch_depths(payload, from_inner, True), notch_depths(payload, from_outer, False))
+    return from_inner, from_outer, inner_depth - inner_cut, outer_depth - outer_cut
 
 
 def roller_forces(payload: Payload, outer: Floats, inner: Floats, rollers: Floats) -> tuple[Floats, Floats]:
@@ -125,9 +130,11 @@ def roller_forces(payload: Payload, outer: Floats, inner: Floats, rollers: Float
     return _pushed(payload, outer, inner, rollers)[:2]
 
 
-def _pushed(payload: Payload, outer: Floats, inner: Floats, rollers: Floats) -> tuple[Floats, Floats, float]:
+def _pushed(
+    payload: Payload, outer: Floats, inner: Floats, rollers: Floats, cut: tuple[Floats, Floats] | None = None
+) -> tuple[Floats, Floats, float]:
     """Return `roller_forces`, and the energy of all contacts [J]."""
-    from_inner, from_outer, inner_depth, outer_depth = penetrations(payload, outer, inner, rollers)
+    from_inner, from_outer, inner_depth, outer_depth = penetrations(payload, outer, inner, rollers, cut)
     inner_force = normal_forces(payload, inner_depth, payload.inner_scale)
     outer_force = normal_forces(payload, outer_depth, payload.outer_scale)
     energy = _energy_under(payload, inner_force, inner_depth).sum() + _energy_under(payload, outer_force, outer_depth).sum()
@@ -169,10 +176,18 @@ class _Problem:
         rollers[self.free] = middle + x[self.first_free :, None] * self.radial[self.free]
         return Rest(outer, inner, cages, rollers)
 
-    def balance(self, x: Floats) -> tuple[float, Floats]:
-        """Return the potential energy [J] and the generalised forces left [N], which are zero in equilibrium."""
+    def cut(self, x: Floats) -> tuple[Floats, Floats]:
+        """Return the depths of the notches under the rollers at the inner and the outer raceway, shape (rows, rollers) [m]."""
+        rest = self.places(x)
+        return notch_depths(self.payload, rest.rollers - rest.inner, True), notch_depths(self.payload, rest.rollers - rest.outer, False)
+
+    def balance(self, x: Floats, cut: tuple[Floats, Floats] | None = None) -> tuple[float, Floats]:
+        """Return the potential energy [J] and the generalised forces left [N], which are zero in equilibrium.
+
+        Only with the notches' depths held by ``cut`` are the forces the slope of the energy: a depth has no force along the raceway.
+        """
         p, rest = self.payload, self.places(x)
-        inner, outer, contacts = _pushed(p, rest.outer, rest.inner, rest.rollers)
+        inner, outer, contacts = _pushed(p, rest.outer, rest.inner, rest.rollers, cut)
         weights = p.outer_ring_mass * rest.outer[1] + p.inner_ring_mass * rest.inner[1]
         weights += (p.train_mass * rest.cages[:, 1])[self.carrying].sum()
         housing = 0.5 * p.housing_stiffness * rest.outer @ rest.outer
@@ -214,15 +229,20 @@ def static_equilibrium(payload: Payload, load: Floats, orbit: float = 0.0) -> Re
     scale = max(float(np.linalg.norm(load)) + payload.inner_ring_mass * payload.gravity, 1.0)
 
     def energy(x: Floats) -> tuple[float, Floats]:
-        height, left = problem.balance(x * MICROMETRE)
+        height, left = problem.balance(x * MICROMETRE, cut)
         return height / (scale * MICROMETRE), -left / scale
 
     def residual(x: Floats) -> Floats:
         return problem.balance(x * MICROMETRE)[1] / scale
 
+    def slope(x: Floats) -> Floats:
+        return np.asarray(approx_fprime(x, residual, DIFFERENCE * np.maximum(1.0, np.abs(x))))
+
     # The energy leads over open contacts, where the forces alone give no direction; least squares then polish.
-    lowest = minimize(energy, problem.start() / MICROMETRE, jac=True, method="BFGS", options={"gtol": 1e-6, "maxiter": 5000}).x
-    found = least_squares(residual, lowest, method="lm", xtol=1e-15, ftol=1e-15, gtol=1e-15, max_nfev=MOST_POLISHING).x
+    begin = problem.start()
+    cut = problem.cut(begin)
+    lowest = minimize(energy, begin / MICROMETRE, jac=True, method="BFGS", options={"gtol": 1e-6, "maxiter": 5000}).x
+    found = least_squares(residual, lowest, jac=slope, method="lm", xtol=1e-15, ftol=1e-15, gtol=1e-15, max_nfev=MOST_POLISHING).x
     rest = problem.places(found * MICROMETRE)
     _make_rows_alike(payload, rest)
     return rest

@@ -22,7 +22,7 @@ from dcrb_ros.commands import Command, command_of
 from dcrb_ros.configuration import Configuration
 from dcrb_ros.kinematics import characteristic_orders
 from dcrb_ros.messages.description import sensor_text
-from dcrb_ros.messages.points import decode_waveform, index_at, packed
+from dcrb_ros.messages.points import decode_vibration, decode_waveform, packed
 from dcrb_ros.messages.statuses import decode_truth
 from dcrb_ros.topics import GROUND_TRUTH, MANIFEST, VIBRATION, Message
 
@@ -52,7 +52,7 @@ def model_fingerprint() -> str:
 
 def software() -> dict[str, str]:
     """Return what else the last bits of the samples may depend on."""
-    versions = {name: importlib.metadata.version(name) for name in ("numpy", "numba")}
+    versions = {name: importlib.metadata.version(name) for name in ("numpy", "numba", "scipy")}
     return {"python": platform.python_version(), **versions, "machine": f"{platform.system()} {platform.machine()}"}
 
 
@@ -94,6 +94,7 @@ class Outcome:
         """Begin with no sample of a waveform of ``rate`` [Hz]; ``commands`` came before."""
         self._rate, self._digest = rate, hashlib.sha256()
         self._waiting: list[bytes] = []
+        self._size = 0
         self._first_index: int | None = None
         self._samples = self._end_index = 0
         self.commands = list(commands)
@@ -102,7 +103,8 @@ class Outcome:
         """Take account of a message."""
         if message.topic == VIBRATION:
             self._waiting.append(message.data)
-            if sum(map(len, self._waiting)) > GATHERED:
+            self._size += len(message.data)
+            if self._size > GATHERED:
                 self._take()
         elif message.topic == GROUND_TRUTH:
             truth = decode_truth(message.data)
@@ -114,13 +116,14 @@ class Outcome:
         """Take account of the samples that wait: many blocks together are read in a fifth of the time."""
         if not self._waiting:
             return
-        time_ns, acceleration, angle = decode_waveform(self._waiting)
-        self._waiting.clear()
+        waiting, self._waiting, self._size = self._waiting, [], 0
+        _, acceleration, angle = decode_waveform(waiting)
+        first, last = decode_vibration(waiting[0]), decode_vibration(waiting[-1])
         if self._first_index is None:
-            self._first_index = index_at(int(time_ns[0]), self._rate)
+            self._first_index = first.first_index(self._rate)
         self._digest.update(packed(acceleration, angle))
         self._samples += len(angle)
-        self._end_index = index_at(int(time_ns[-1]), self._rate) + 1
+        self._end_index = last.first_index(self._rate) + len(last.shaft_angle)
 
     @property
     def first_index(self) -> int | None:

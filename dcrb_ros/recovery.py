@@ -13,6 +13,8 @@ from mcap.records import Message as McapMessage
 
 from dcrb_ros.manifest import OUTCOME, Outcome, now
 from dcrb_ros.mcap_records import McapRecords
+from dcrb_ros.messages.points import decode_vibration
+from dcrb_ros.messages.statuses import decode_truth
 from dcrb_ros.recording import Recording, mcap_files
 from dcrb_ros.refusal import Refusal
 from dcrb_ros.sinks import mcap_file
@@ -23,6 +25,10 @@ ENCODING = ("cdr", "ros2msg")
 """Encodings of messages and their definitions that ROS 2 records."""
 RECOVERY = f"{MANIFEST}_recovery"
 """Name of the record that says what was lost."""
+
+
+MOST_REMARKS = 100
+"""What could not be read is told so many times at most."""
 
 
 @dataclass
@@ -78,19 +84,27 @@ class Recovery:
                     schemas[record.id] = record
                 elif isinstance(record, Channel) and record.schema_id in schemas:
                     channels[record.id] = _channel(record, schemas[record.schema_id])
-                elif isinstance(record, McapMessage) and record.channel_id in channels:
-                    self._note(channels[record.channel_id], record)
+                elif not isinstance(record, McapMessage) or record.channel_id not in channels:
+                    continue
+                elif self._noted(channels[record.channel_id], record):
                     yield channels[record.channel_id], record.log_time, record.data
             self._damage += [words for words in records.damage if words not in self._damage]
 
-    def _note(self, channel: mcap_file.Channel, record: McapMessage) -> None:
+    def _noted(self, channel: mcap_file.Channel, record: McapMessage) -> bool:
+        """Take account of a message; return false for one of ours that is none."""
+        for topic in (VIBRATION, GROUND_TRUTH):
+            if self._ours is not None and self._outcome is not None and channel.name == topic.resolved(self._ours.namespace):
+                try:
+                    check = decode_vibration if topic == VIBRATION else decode_truth
+                    check(record.data)
+                    self._outcome.note(Message(topic, record.log_time, record.data))
+                except Refusal as refusal:
+                    if len(self._damage) < MOST_REMARKS:
+                        self._damage.append(f"{topic.name} at {record.log_time * 1e-9:.3f} s: {refusal}")
+                    return False
         self._salvage.messages += 1
         self._salvage.last_ns = max(self._salvage.last_ns, record.log_time)
-        if self._ours is None or self._outcome is None:
-            return
-        for topic in (VIBRATION, GROUND_TRUTH):
-            if channel.name == topic.resolved(self._ours.namespace):
-                self._outcome.note(Message(topic, record.log_time, record.data))
+        return True
 
     def _opening(self) -> dict[str, dict[str, str]]:
         """Return the metadata records of the source, but those that say how it ended."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from dcrb_ros.block import LONGEST_BLOCK
 from dcrb_ros.parameters import Publishing
 from dcrb_ros.sensing import Background, SensorParameters, Structure, numbers
 
@@ -66,6 +67,16 @@ def _outside(key: str, found: list[float], span: tuple[float, float], unit: str)
             yield f"{key}: {value:g}{unit} is outside {low:g} .. {high:g}{unit}"
     if len(found) > MOST_MODES:
         yield f"{key} has {len(found)} numbers; {MOST_MODES} are the most"
+
+
+def endless_blocks(publishing: Publishing, rate: int) -> Iterator[str]:
+    """Yield a sentence for blocks in which a sample's time after the stamp finds no room, at a sampling rate [Hz]."""
+    most = int(LONGEST_BLOCK * rate)
+    if publishing.block_size > most:
+        yield (
+            f"publishing.block_size = {publishing.block_size} lasts {publishing.block_size / rate:.4g} s at sensor.sampling_rate = "
+            f"{rate} Hz: the time of a sample within its block is told in nanoseconds up to {LONGEST_BLOCK:g} s; give {most} or fewer"
+        )
 
 
 def impossible_bursts(publishing: Publishing, rate: int) -> Iterator[str]:

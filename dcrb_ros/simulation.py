@@ -72,7 +72,6 @@ class Simulation:
         self._payload = build_payload(configuration)
         self._state = initial_state(configuration, self._payload)
         self._work = workspace(self._payload)
-        compile_ahead(self._payload, self._state, self._work)
         self._stored = stored_energy(self._payload, self._state)
         self._sensor = Sensor(configuration)
         self._transmission = Transmission(configuration)
@@ -172,6 +171,8 @@ class Simulation:
             yield self._block(size if last is None else min(size, last - self._samples))
 
     def _block(self, size: int) -> Block:
+        if self._samples == 0:
+            compile_ahead(self._payload, self._state, self._work)
         self._obey()
         first, rate = self._samples, self.configuration.sensor.sampling_rate
         lost = self._transmission.loses()

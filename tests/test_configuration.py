@@ -81,6 +81,10 @@ ROLLER_NOTCHES = ("faults.roller_1.width=0.002", "faults.roller_2.width=0.002", 
 @pytest.mark.parametrize(
     ("settings", "sentence"),
     [
+        (
+            ("publishing.block_size=65536", "sensor.sampling_rate=12800"),
+            r"publishing.block_size = 65536 lasts 5.12 s at .* give 54912 or fewer",
+        ),
         (NOTCHES, r"faults.outer_2 overlaps faults.outer_1: .* 0\.001091 m apart; move an azimuth or join them"),
         ((*NOTCHES[:2], "faults.outer_1.azimuth=3.14", "faults.outer_2.azimuth=-3.14"), r"0\.0003476 m apart"),
         ((*NOTCHES, "faults.outer_2.row=2"), r"faults.outer_2 overlaps faults.outer_1"),

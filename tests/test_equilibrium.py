@@ -8,10 +8,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from dcrb_ros.configuration import Configuration
+from dcrb_ros.configuration_file import load_configuration
 from dcrb_ros.core.payload import Payload
 from dcrb_ros.core.step import advance
 from dcrb_ros.core.work import workspace
-from dcrb_ros.equilibrium import penetration_under, roller_forces, static_equilibrium, stored_energy
+from dcrb_ros.equilibrium import penetration_under, penetrations, roller_forces, static_equilibrium, stored_energy
 from dcrb_ros.model import build_payload, initial_state
 
 DOWN = np.array([0.0, -100e3])
@@ -95,6 +96,11 @@ def test_rows_in_phase_rest_alike_to_the_last_bit(joint: str, load: float) -> No
     assert np.array_equal(rest.cages[0], rest.cages[1])
 
 
+def rest_of(configuration: Configuration) -> np.ndarray:
+    """Return where the rollers of a run begin, shape (rows, rollers, 2) [m]."""
+    return initial_state(configuration, build_payload(configuration)).roller_position
+
+
 NOTCHES = {
     "outer_1": {"width": 2e-3},
     "inner_1": {"width": 2e-3, "row": 2},
@@ -116,6 +122,8 @@ def test_a_run_begins_with_the_forces_of_its_first_instant(joint: str, fault: st
     assert np.array([state.inner_force, state.outer_force]) == pytest.approx(begun, rel=1e-3, abs=1.0)
     over = 1 if fault == "inner_1" else 0
     assert begun[:, over, 0].min() < 25e3
+    _, _, *depths = penetrations(payload, state.outer_position, state.inner_position, rest_of(configuration))
+    assert np.maximum(*depths)[payload.free].min(initial=1.0) > 0.0  # no free roller hangs between the raceways
     inner, _ = forces(payload, DOWN)
     carried = 9.81 * (payload.inner_ring_mass + 32 * payload.roller_mass * payload.free.all())
     assert inner.sum(axis=(0, 1)) == pytest.approx(DOWN, abs=carried + 1.0)
@@ -125,3 +133,25 @@ def test_edges_with_normals_of_their_own_change_no_start() -> None:
     edged = {"faults": {"outer_1": {"width": 2e-3}}, "contact": {"notch": "edge"}}
     rests = [static_equilibrium(build_payload(Configuration.model_validate(each)), DOWN) for each in ({}, edged)]
     assert rests[0].inner == pytest.approx(rests[1].inner, abs=1e-12)
+
+
+@pytest.mark.parametrize("name", ["outer_ring_defect", "inner_ring_defect", "compound", "cage_fracture", "healthy"])
+def test_no_roller_of_a_shipped_bench_begins_in_the_air(name: str) -> None:
+    configuration = load_configuration(name, ["cage.joint=pocket"])
+    payload = build_payload(configuration)
+    state = initial_state(configuration, payload)
+    _, _, *depths = penetrations(payload, state.outer_position, state.inner_position, state.roller_position)
+    assert np.maximum(*depths).min() > 0.0
+
+
+@settings(max_examples=15, deadline=None)
+@given(width=st.floats(5e-4, 6e-3), azimuth=st.floats(-0.3, 0.3), load=st.floats(3e4, 1.5e5), ring=st.sampled_from(["inner_1", "outer_1"]))
+def test_forces_balance_over_any_notch(width: float, azimuth: float, load: float, ring: str) -> None:
+    faults = {ring: {"width": width, "azimuth": azimuth}}
+    payload = build_payload(Configuration.model_validate({"faults": faults}))
+    rest = static_equilibrium(payload, np.array([0.0, -load]), 52.8)
+    _, _, *depths = penetrations(payload, rest.outer, rest.inner, rest.rollers)
+    assert np.maximum(*depths).min() > 0.0
+    inner, _ = roller_forces(payload, rest.outer, rest.inner, rest.rollers)
+    carried = 9.81 * (payload.inner_ring_mass + 32 * payload.roller_mass) + 32 * payload.roller_mass * payload.pitch_radius * 52.8**2
+    assert inner.sum(axis=(0, 1)) == pytest.approx([0.0, -load], abs=carried)

@@ -98,6 +98,17 @@ def test_exports_carry_labels_and_manifest(tmp_path: Path) -> None:
         export(bag, tmp_path / "none" / "a.npz")
 
 
+def test_slow_data_come_in_shorter_blocks(tmp_path: Path) -> None:
+    # 1024 samples at 100 Hz last 10 s, for which the time within a block has no room.
+    np.savez(tmp_path / "x.npz", de=np.sin(np.arange(3000) * 0.1))
+    Import(tmp_path / "x.npz", described(tmp_path, sampling_rate=100)).write(tmp_path / "bag")
+    recording = Recording(tmp_path / "bag")
+    times = np.concatenate([block.stamp_ns + block.offsets_ns.astype(np.int64) for block in recording.vibrations()])
+    assert np.array_equal(np.diff(times), np.full(2999, 10_000_000))
+    assert recording.outcome is not None
+    assert (recording.outcome["samples"], recording.outcome["end_index"]) == (3000, 3000)
+
+
 def test_one_axis_in_g_at_a_stated_speed(noise: np.ndarray[Any, Any], tmp_path: Path) -> None:
     """As a CWRU file is: one variable, its rate and speed known from elsewhere."""
     savemat(tmp_path / "97.mat", {"X097_DE_time": noise[:, None], "X097RPM": 1797.0})

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from made_up import recorded
+from mcap.reader import make_reader
 from mcap.writer import Writer
 from rosbags.highlevel import AnyReader
 from test_cli import dcrb
@@ -82,6 +83,31 @@ def test_damaged_lengths_lose_one_chunk(bag: Path, tmp_path: Path) -> None:
     found = [block.first_index(51200) for block in recording.vibrations()]
     assert 130 < len(found) < 150
     assert not recording.complete
+
+
+def test_a_message_that_is_none_is_left_out_and_named(bag: Path, tmp_path: Path) -> None:
+    # Damage that no checksum tells of.
+    broken, blocks = tmp_path / "broken.mcap", 0
+    with (bag / "bag_0.mcap").open("rb") as source, broken.open("wb") as stream:
+        reader, writer, channels = make_reader(source), Writer(stream), {}
+        writer.start(profile="ros2")
+        for schema, channel, message in reader.iter_messages():
+            if channel.topic not in channels:
+                known = writer.register_schema(schema.name, schema.encoding, schema.data)
+                channels[channel.topic] = writer.register_channel(channel.topic, channel.message_encoding, known, channel.metadata)
+            blocks += channel.topic == VIBRATION.resolved(NAMESPACE)
+            third = channel.topic == VIBRATION.resolved(NAMESPACE) and blocks == 3
+            data = message.data[:40] + b"\xff" * 8 + message.data[48:] if third else message.data
+            writer.add_message(channels[channel.topic], message.log_time, data, message.publish_time, message.sequence)
+        for metadata in reader.iter_metadata():
+            writer.add_metadata(metadata.name, dict(metadata.metadata))
+        writer.finish()
+    salvage = recover(broken, tmp_path / "new")
+    assert any("outer_ring/vibration at 0.040 s" in words for words in salvage.damage)
+    recording = Recording(tmp_path / "new")
+    assert recording.complete
+    assert metadata_flaw(tmp_path / "new") == ""
+    assert waveform(tmp_path / "new") == [index for index in waveform(bag) if index != 2048]
 
 
 def test_foreign_recordings_are_repaired_too(tmp_path: Path) -> None:

@@ -42,7 +42,11 @@ def compile_ahead(payload: Payload, state: State, work: Workspace) -> None:
         return
     arguments = tuple(numba.typeof(part) for part in (payload, state, work))  # type: ignore[no-untyped-call]
     command, environment = [sys.executable, "-m", MODULE], {**os.environ, "NUMBA_CACHE_DIR": str(CACHE)}
-    other = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, env=environment)
+    silent = subprocess.DEVNULL
+    try:
+        other = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=silent, stderr=silent, env=environment)
+    except OSError:  # no room for another process
+        return
     try:
         assert other.stdin is not None
         pickle.dump(arguments, other.stdin)
@@ -66,3 +70,5 @@ if __name__ == "__main__":
     wanted = pickle.load(sys.stdin.buffer)
     threading.Thread(target=_end_with_parent, daemon=True).start()
     compile_pieces(THERE, wanted)
+    # The thread waits in a read, under which the interpreter cannot be taken down.
+    os._exit(0)

@@ -26,7 +26,8 @@ class State(NamedTuple):
     lanes: Floats
     """All that belongs to rollers, field by field, see `dcrb_ros.core.lanes`."""
     position: Floats
-    """Centre X, Y [m] and angle [rad] of outer ring, inner ring and cages, shape (2 + rows, 3); the inner ring's angle is the shaft's."""
+    """Centre X, Y [m] and angle [rad] of outer ring, inner ring and cages, shape (2 + rows, 3); the rings' angles stay
+    zero, for the inner ring's see ``shaft``."""
     velocity: Floats
     """Shape (2 + rows, 3) [m/s, m/s, rad/s]."""
     change: Floats

@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from dcrb_ros import __version__
-from dcrb_ros.block import Block
+from dcrb_ros.block import LONGEST_BLOCK, Block
 from dcrb_ros.exchange.description import Description, read_description
 from dcrb_ros.exchange.files import Array, Foreign, channel, read_foreign
 from dcrb_ros.kinematics import Orders
@@ -101,9 +101,14 @@ class Import:
         within[within >= np.float32(TURN)] = 0.0
         return within
 
+    @property
+    def block_size(self) -> int:
+        """Samples in a block: those asked for, but no more than fit into `LONGEST_BLOCK`."""
+        return max(1, min(self.description.block_size, int(LONGEST_BLOCK * self.rate)))
+
     def blocks(self) -> Iterator[Block]:
         """Yield the waveform; a block ends where samples are missing."""
-        size, count = self.description.block_size, len(self.index)
+        size, count = self.block_size, len(self.index)
         breaks = [0, *(np.flatnonzero(np.diff(self.index) != 1) + 1), count]
         for begin, end in itertools.pairwise(breaks):
             for at in range(int(begin), int(end), size):
@@ -121,7 +126,7 @@ class Import:
             "axes": {"ax": str(channels.ax), "ay": "a copy of ax" if channels.ay is None else str(channels.ay)},
             "shaft_angle_unit": "rad",
             "shaft_angle": "measured" if channels.shaft_angle is not None else "from the stated speed",
-            "block_size": d.block_size,
+            "block_size": self.block_size,
             "frame": FRAME,
             "bearing": d.bearing.model_dump() if d.bearing else None,
             "orders": {"FTF": self.orders.ftf, "BPFO": self.orders.bpfo, "BPFI": self.orders.bpfi, "BSF": self.orders.bsf},
