@@ -87,8 +87,7 @@ def test_parameters_say_how_the_bench_is(tmp_path: Path) -> None:
 
         heard.until(lambda: heard.heard[VIBRATION] and truths(heard), "a block and its truth")
         assert value("operating.speed", "sensor.white_noise_ug") == [100.0, 30.0]  # the scenario's start, the preset
-        first = truths(heard)[0]  # of those heard; the bench may have begun before it was known here
-        assert set(first.faults) == ({"sensor.dead"} if first.time_ns < 100_000_000 else {"sensor.dead", "outer_1"})
+        assert "sensor.dead" in truths(heard)[0].faults  # of those heard: the bench may have begun before it was known here
         heard.until(lambda: width() == 0.002, "what the scenario has set")
         assert heard.set(faults__outer_1__width=0.001, time_scale=0.01) == (True, "")
         assert width() == 0.001  # though it has hardly taken effect yet
