@@ -1,12 +1,12 @@
 """Blocks of the waveform as numpy arrays: python examples/subscriber.py, beside a running bench."""
 
 import signal
-from contextlib import suppress
+import threading
 
 import numpy as np
 import rclpy
-from rclpy.executors import ExternalShutdownException
 from rclpy.qos import QoSProfile
+from rclpy.signals import SignalHandlerOptions
 from sensor_msgs.msg import PointCloud2
 
 SAMPLE = np.dtype([("t", "<u4"), ("ax", "<f4"), ("ay", "<f4"), ("shaft_angle", "<f4")])
@@ -18,9 +18,11 @@ def on_block(message: PointCloud2) -> None:
     print(f"{start:9.3f} s  {len(samples)} samples  rms {np.std(samples['ay']):8.1f} m/s^2", flush=True)
 
 
-signal.signal(signal.SIGINT, lambda *_: None)  # rclpy's own handler ends the spin; an interrupt amid a message would not end well
-rclpy.init()
+stopped = threading.Event()
+for number in (signal.SIGINT, signal.SIGTERM):
+    signal.signal(number, lambda *_: stopped.set())  # rclpy's own handlers may end the context amid a spin, with a traceback
+rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
 node = rclpy.create_node("subscriber", namespace="dcrb")
 node.create_subscription(PointCloud2, "outer_ring/vibration", on_block, QoSProfile(depth=200))
-with suppress(ExternalShutdownException):
-    rclpy.spin(node)
+while not stopped.is_set():
+    rclpy.spin_once(node, timeout_sec=0.1)
