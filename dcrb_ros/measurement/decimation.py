@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy import signal
+import scipy  # whose parts are imported when they are first used
 
 from dcrb_ros.measurement.arrays import Floats
+from dcrb_ros.measurement.designs import kept
 from dcrb_ros.measurement.kernels import decimated
 
 STOP_ATTENUATION = 85.0
@@ -16,6 +17,7 @@ PASS_SHARE = 0.8
 LARGEST_STAGE = 16
 
 
+@kept
 def anti_alias_taps(factor: int, *, between: bool) -> Floats:
     """Return symmetric taps that let pass up to 0.8 of the new Nyquist frequency.
 
@@ -23,9 +25,9 @@ def anti_alias_taps(factor: int, *, between: bool) -> Floats:
     number of taps, ``between``, moves the samples by half an input, an odd one leaves them where they are.
     """
     width = 2.0 * (1.0 - PASS_SHARE) / factor
-    count, beta = signal.kaiserord(STOP_ATTENUATION, width)
+    count, beta = scipy.signal.kaiserord(STOP_ATTENUATION, width)
     count += (count % 2 == 1) == between
-    taps: Floats = signal.firwin(count, 1.0 / factor, window=("kaiser", beta))
+    taps: Floats = scipy.signal.firwin(count, 1.0 / factor, window=("kaiser", beta))
     return taps
 
 
