@@ -220,7 +220,7 @@ def test_the_hash_is_of_what_is_asked() -> None:
     assert scenarios_hash(cases) != scenarios_hash(tiny(onset=0.05).cases)
 
 
-@pytest.mark.parametrize("name", ["smoke", "standard"])
+@pytest.mark.parametrize("name", ["smoke", "standard", "blind"])
 def test_shipped_exams_can_be_sat(name: str) -> None:
     exam = read_exam(name)
     assert exam.name == name
@@ -229,7 +229,17 @@ def test_shipped_exams_can_be_sat(name: str) -> None:
 
 
 def test_shipped_exams_are_found() -> None:
-    assert set(shipped_exams()) == {"smoke", "standard", "full"}
+    assert set(shipped_exams()) == {"smoke", "standard", "blind", "full", "hours"}
+
+
+def test_the_healthy_hours_are_four_and_vary() -> None:
+    cases = read_exam("hours").cases
+    assert not any(case.question.faulty for case in cases)
+    assert sum(case.run.duration for case in cases) >= 4 * 3600.0
+    configurations = [case.run.configuration for case in cases]
+    assert {c.sensor.preset for c in configurations} >= {"ideal", "iepe_100mv_g", "mems"}
+    assert len({(c.operating.speed, c.operating.load) for c in configurations}) >= 10
+    assert sum(bool(case.run.story) for case in cases) >= 30
 
 
 SPALLED = {"name": "outer", "verdict": "outer_ring", "fault": {"faults.outer_1.width": 0.002}}
@@ -435,8 +445,8 @@ def test_the_command_sits_an_exam(tmp_path: Path, capsys: pytest.CaptureFixture[
 @pytest.mark.parametrize(
     ("arguments", "sentence"),
     [
-        ([], "there is nothing to score: give an exam (full, smoke, standard or a YAML file), or recordings"),
-        (["smok"], "there is no exam 'smok': give a YAML file or one of full, smoke, standard; did you mean 'smoke'?"),
+        ([], "there is nothing to score: give an exam (blind, full, hours, smoke, standard or a YAML file), or recordings"),
+        (["smok"], "there is no exam 'smok': give a YAML file or one of blind, full, hours, smoke, standard; did you mean 'smoke'?"),
         (["smoke", "standard"], "2 exams at once"),
         (["smoke", "bags/healthy"], "smoke is no recording and bags/healthy is one"),
         (["bags/healthy", "bags/healthy"], "is given twice"),

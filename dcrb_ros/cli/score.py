@@ -28,7 +28,8 @@ REFERENCE = "the shipped detector"
 
 def score(
     sources: Annotated[
-        list[str] | None, typer.Argument(metavar="EXAM | BAG ...", help="An exam (smoke, standard, full, a YAML file), or recordings.")
+        list[str] | None,
+        typer.Argument(metavar="EXAM | BAG ...", help="An exam (smoke, standard, blind, full, hours, a file) or recordings."),
     ] = None,
     exam: Annotated[str | None, typer.Option(help="The exam, as the argument.")] = None,
     node: Annotated[str | None, typer.Option(help="Command of a detector node; it is started for every scenario.")] = None,
