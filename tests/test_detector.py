@@ -305,6 +305,13 @@ def test_without_tacho_noise_tells_no_speed() -> None:
     assert "does not tell the speed" in found.reason
 
 
+def test_without_tacho_a_level_that_falls_may_be_the_speed() -> None:
+    acceleration, angle = stream(outer=900.0, frequency=23.0, seconds=8.0)
+    acceleration[len(angle) // 2 :] *= 0.3
+    for tacho, verdicts in ((angle, {"sensor"}), (np.full_like(angle, np.nan), {"outer_ring", "waiting"})):
+        assert {diagnosis.verdict for diagnosis in watch(FaultDetector(ORDERS, RATE), (acceleration, tacho))[-4:]} <= verdicts
+
+
 def test_silence_is_the_sensor_and_a_roar_no_crash() -> None:
     acceleration, angle = stream()
     slow = np.linspace(0.0, 1.0, len(angle), dtype=np.float32)
@@ -357,6 +364,48 @@ def test_no_stream_crashes_it_and_no_verdict_is_silent(pieces: list[tuple[str, i
                 assert math.isfinite(found.confidence if found else 0.0)
             assert words
         index += samples
+
+
+def test_window_shorter_than_the_hop_is_refused() -> None:
+    with pytest.raises(Refusal, match=r"window = 0.5 s is below hop = 1 s"):
+        FaultDetector(ORDERS, RATE, DetectorParameters(window=0.5, least_window=0.5, hop=1.0))
+
+
+def test_a_gap_that_cannot_be_bridged_keeps_the_tacho() -> None:
+    acceleration, angle = stream(outer=600.0, seconds=8.0)
+    detector = FaultDetector(ORDERS, RATE, DetectorParameters(longest_gap=2.0))
+    watch(detector, (acceleration[: 3 * RATE], angle[: 3 * RATE]))
+    after = watch(detector, (acceleration[round(3.4 * RATE) :], angle[round(3.4 * RATE) :]), first=round(3.4 * RATE))
+    assert not any("no shaft angle" in remark for diagnosis in after for remark in diagnosis.remarks)
+    assert after[-1].verdict == "outer_ring"
+
+
+def test_a_stream_that_begins_anew_is_not_blamed_for_what_was() -> None:
+    acceleration, angle = stream(outer=600.0, seconds=6.0)
+    acceleration[2 * RATE : 3 * RATE] = 0.0
+    detector = FaultDetector(ORDERS, RATE)
+    assert watch(detector, (acceleration[: 3 * RATE], angle[: 3 * RATE]))[-1].verdict == "sensor"
+    after = watch(detector, (acceleration[3 * RATE :], angle[3 * RATE :]), first=9 * RATE)
+    assert [diagnosis.verdict for diagnosis in after] == ["waiting"] * 4 + ["outer_ring"] * 2
+
+
+def test_each_block_may_come_twice_in_pairs() -> None:
+    acceleration, angle = stream(outer=600.0)
+    detector, found = FaultDetector(ORDERS, RATE), []
+    for k in range(0, len(angle), 2048):
+        for first in (k, k + 1024, k, k + 1024):
+            found.append(detector.update(first, acceleration[first : first + 1024], angle[first : first + 1024]))
+    final = [diagnosis for diagnosis in found if diagnosis is not None][-1]
+    assert final.verdict == "outer_ring"
+    assert not any("began anew" in remark for remark in final.remarks)
+
+
+@pytest.mark.parametrize("block", [1024, 2 * RATE])
+def test_samples_that_are_no_numbers_count_in_their_own_hop(block: int) -> None:
+    acceleration, angle = stream(outer=600.0, seconds=4.0)
+    acceleration[2 * RATE :][:: RATE // 100] = np.nan
+    whole = watch(FaultDetector(ORDERS, RATE), (acceleration, angle), block=1024)
+    assert comparable(watch(FaultDetector(ORDERS, RATE), (acceleration, angle), block=block)[-1]) == comparable(whole[-1])
 
 
 def test_shipped_parameters_are_the_defaults() -> None:

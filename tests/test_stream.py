@@ -86,6 +86,40 @@ def test_stream_that_begins_again_is_followed() -> None:
     assert stream.counts.repeated == 500
 
 
+@pytest.mark.parametrize(
+    ("order", "lost", "repeated"),
+    [([0, 3, 4, 1, 2, 5, 6, 7, 8, 9, 10], 2, 2), ([k + m for k in range(0, 12, 2) for m in (0, 1, 0, 1)], 0, 12)],
+)
+def test_blocks_that_overtake_each_other_are_no_new_beginning(order: list[int], lost: int, repeated: int) -> None:
+    stream, found = fed([(200 * k, 200) for k in order])
+    assert (stream.counts.restarts, stream.counts.lost, stream.counts.repeated) == (0, 200 * lost, 200 * repeated)
+    assert [stretch.last for stretch in found] == [HOP - 1, 2 * HOP - 1]
+
+
+def test_what_comes_again_from_close_by_is_left_out() -> None:
+    stream, found = fed([(first, 200) for first in (0, 200, 400, 600, *range(0, 4000, 200))])
+    assert (stream.counts.restarts, stream.counts.repeated) == (0, 800)
+    assert [stretch.last for stretch in found] == [999, 1999, 2999, 3999]
+
+
+def test_an_empty_block_ahead_makes_no_gap() -> None:
+    stream, _ = fed([(0, 1000), (1200, 0), (1200, 0), (1200, 1000)])
+    assert (stream.counts.gaps, stream.counts.lost) == (1, 200)
+
+
+@given(cuts=st.lists(st.integers(1, 3000), min_size=1, max_size=8), places=st.sets(st.integers(0, 3999), max_size=20))
+def test_what_is_no_number_counts_in_its_hop(cuts: list[int], places: set[int]) -> None:
+    acceleration, angle = signal(0, 4000)
+    acceleration[sorted(places), 0] = np.nan
+    stream, first, found = Stream(HOP, MARGIN, GAP), 0, []
+    for cut in (*cuts, 4000):
+        found += list(stream.take(first, acceleration[first : first + cut], angle[first : first + cut]))
+        first = min(4000, first + cut)
+    assert [stretch.senseless for stretch in found] == [
+        sum(HOP * k - MARGIN <= place < HOP * (k + 1) - MARGIN for place in places) for k in range(len(found))
+    ]
+
+
 def test_too_few_angles_are_none() -> None:
     angle = np.full(100, np.nan, np.float32)
     assert bridged_turns(angle) is None

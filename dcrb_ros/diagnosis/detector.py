@@ -60,6 +60,8 @@ class FaultDetector:
             raise Refusal(
                 f"hop = {p.hop:g} s is below {2 * margin / rate:.2g} s, what the band from {p.band_low:g} Hz needs: make it longer"
             )
+        if p.window < p.hop:
+            raise Refusal(f"window = {p.window:g} s is below hop = {p.hop:g} s, how often it is judged: make it longer, or hop shorter")
         self._highest_order = (1.0 + p.slip) * (
             HARMONICS[-1] * max(2.0 * orders.bpfo, 2.0 * orders.bpfi, 2.0 * orders.bsf) + SHAFT_SIDEBANDS[-1]
         )
@@ -68,7 +70,7 @@ class FaultDetector:
         self._window = Window(bank, rate, self._hop, margin, bins, max(1, round(p.window / p.hop)), p.speed_exponent)
         self._needed = min(p.least_window, p.window) - 0.5 * p.hop
         self._bands = bands
-        self._stream = Stream(self._hop, margin, round(p.longest_gap * rate))
+        self._stream = Stream(self._hop, margin, round(min(p.longest_gap, 0.5 * p.hop) * rate))
         self._margin = margin
         self._samples, self._levels = SampleHealth(p, rate, sensor_range), LevelHealth(p)
         self._judge, self._trend = Judge(p), Trend(p.trend_time, p.hop)
@@ -98,6 +100,7 @@ class FaultDetector:
             self._window.clear()
             self._judge.forget()
             self._levels.forget()
+            self._flawed = 0
         inside = slice(self._margin, self._margin + self._hop)
         turning = self._turning(stretch, inside)
         flaw = self._samples.flaw(stretch.acceleration[inside], stretch.missing[inside], stretch.senseless, turning=turning)
@@ -126,7 +129,9 @@ class FaultDetector:
         chosen = [k for k, band in enumerate(self._bands) if band in self._branches]
         third = self._branches[-3]
         high = chosen.index(self._bands.index(third)) if third in self._bands else None
-        return self._levels.flaw(powers[chosen], hop.turns * self.rate / self._hop, high=high, below=len(chosen) - 1)
+        # Without a shaft angle nobody knows whether the levels fell with the speed: they are not compared.
+        frequency = hop.turns * self.rate / self._hop if self._window.tracked else 0.0
+        return self._levels.flaw(powers[chosen], frequency, high=high, below=len(chosen) - 1)
 
     @property
     def sensor_range(self) -> float:

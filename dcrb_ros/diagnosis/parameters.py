@@ -15,7 +15,11 @@ class DetectorParameters(Group):
     hop: float = quantity(0.5, "s", "Signal between two verdicts", 0.05, 60.0)
     least_turns: float = quantity(12.0, "-", "Turns of the shaft that a window must hold; a verdict waits for them", 4.0, 1000.0)
     longest_gap: float = quantity(
-        0.25, "s", "Longest gap in the stream that is bridged and left out of the averages; a longer one starts a new window", 0.0, 10.0
+        0.25,
+        "s",
+        "Longest gap in the stream that is bridged, at most half a hop, and left out of the averages; a longer one starts a new window",
+        0.0,
+        10.0,
     )
     most_missing: float = quantity(0.3, "-", "Share of a window that may be missing; a verdict waits for more", 0.0, 0.9)
 

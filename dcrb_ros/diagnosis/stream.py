@@ -28,13 +28,13 @@ class Stretch(NamedTuple):
     missing: npt.NDArray[np.bool_]
     """Samples that were lost or are no numbers."""
     senseless: int
-    """Samples that came but are no numbers."""
+    """Samples of the hop that came but are no numbers."""
     fresh: bool
     """Whether it does not follow on the stretch before it."""
 
 
 class Piece(NamedTuple):
-    """Samples that wait to be cut; not a number where they are missing."""
+    """Samples that wait to be cut; not a number where they are missing, infinite where they came and were none."""
 
     acceleration: npt.NDArray[Any]
     angle: npt.NDArray[Any]
@@ -70,7 +70,7 @@ class Stream:
     def _begin(self) -> None:
         """Forget the samples: what lies before the next one counts as missing."""
         self._pieces: list[Piece] = []
-        self._held, self._senseless = 0, 0
+        self._held = 0
         self._fresh = True
         self._append(_nothing(2 * self.margin), counted=False)
 
@@ -82,6 +82,8 @@ class Stream:
         samples = len(acceleration)
         angle = np.full(samples, np.nan, np.float32) if shaft_angle is None else np.asarray(shaft_angle)
         _check(acceleration, angle)
+        if not samples:
+            return
         skip = self._continued(index, samples)
         if skip < samples:
             self._append(Piece(acceleration[skip:], angle[skip:]), counted=True)
@@ -91,14 +93,13 @@ class Stream:
 
     def _continued(self, index: int, samples: int) -> int:
         """Bridge what is missing before ``index``; return how many samples of the block are known already."""
-        if self._next is None or index == self._next:
+        if self._next is None or index >= self._next:
+            if self._next is not None and index > self._next:
+                self._bridge(index - self._next)
             self._late = None
             return 0
-        if index > self._next:
-            self._bridge(index - self._next)
-            self._late = None
-            return 0
-        if self._late == index and samples:  # a second old block follows on the first: the source has begun anew
+        # Blocks overtake each other, but not by that much: the source has begun anew.
+        if self._late == index and self._next - index > self.hop + self._longest_gap:
             self.counts.restarts += 1
             self._late = None
             self._begin()
@@ -117,12 +118,12 @@ class Stream:
         self._append(_nothing(lost), counted=False)
 
     def _append(self, piece: Piece, *, counted: bool) -> None:
-        self._pieces.append(Piece(piece.acceleration.astype(np.float32), piece.angle.astype(np.float32)))
+        acceleration = piece.acceleration.astype(np.float32)
+        if counted and not (known := _known(acceleration)).all():
+            self.counts.senseless += int(np.count_nonzero(~known))
+            acceleration[~known] = np.inf
+        self._pieces.append(Piece(acceleration, piece.angle.astype(np.float32)))
         self._held += len(piece.angle)
-        if counted:
-            senseless = int(np.count_nonzero(~_known(piece.acceleration)))
-            self.counts.senseless += senseless
-            self._senseless += senseless
 
     def _cut(self) -> Stretch:
         acceleration, angle = (np.concatenate(arrays) for arrays in zip(*self._pieces, strict=True))
@@ -130,7 +131,7 @@ class Stream:
         last = (self._next or 0) - (self._held - length) - 1
         self._pieces, self._held = [Piece(acceleration[self.hop :], angle[self.hop :])], self._held - self.hop
         missing = ~_known(acceleration[:length])
-        senseless, self._senseless = self._senseless, 0
+        senseless = int(np.count_nonzero(np.isinf(acceleration[self.margin : self.margin + self.hop, 0])))
         known = acceleration[:length].astype(np.float64)
         if missing.any():
             known[missing] = 0.0
