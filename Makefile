@@ -46,7 +46,7 @@ unit: environment ## The tests without ROS processes, file by file on two cores
 kernels: environment ## The laws of the kernels once more, without the compiler
 	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest -m kernel
 
-nodes: environment ## The tests that start ROS nodes
+nodes: environment compiled ## The tests that start ROS nodes
 	$(BIN)/python -m pytest -m node
 
 validate: environment ## The paper's numbers and figures: a table, and a report in validation/

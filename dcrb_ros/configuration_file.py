@@ -21,6 +21,9 @@ from dcrb_ros.sensing import typical
 LARGEST_FILE = 1_000_000
 """Largest configuration file [bytes]; real ones have a few hundred."""
 
+LEAST = sys.float_info.min
+"""Least size of a number that is not zero: quotients of smaller ones overflow."""
+
 COMMANDED = ("operating.speed", "operating.load", "operating.lateral_load")
 """Parameters that have a topic of their own to change them."""
 
@@ -114,6 +117,9 @@ def validated(flat: Mapping[str, Any], model: type[Model], source: str) -> Model
     unknown = [key for key in flat if key not in fields]
     if unknown:
         raise Refusal(f"{source}: unknown parameter '{unknown[0]}'{nearest(unknown[0], fields)}{_more(len(unknown))}")
+    for key, value in flat.items():
+        if isinstance(value, float) and 0.0 < abs(value) < LEAST:
+            raise Refusal(f"{source}: {key} = {value!r} is too near to zero to reckon with: give 0.0, or {LEAST:g} and more in size")
     try:
         return model.model_validate(nest(flat))
     except ValidationError as error:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import signal
 import sys
 from collections.abc import Callable
 from typing import Any
@@ -10,6 +11,11 @@ from typing import Any
 import typer
 
 from dcrb_ros.refusal import Refusal
+
+ENDING = tuple(signal.Signals[name] for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name))
+"""Signals that ask a process to end: Ctrl-C, a CI that cancels, a terminal that is closed."""
+STOPPED = 130
+"""Exit status of what was asked to end before its time."""
 
 
 def complain(program: str, sentence: str) -> None:
@@ -23,11 +29,9 @@ def guarded(program: str, command: Callable[[], Any]) -> int:
     Whatever goes wrong becomes one sentence; the environment variable DCRB_DEBUG=1 lets a traceback through.
     """
     if os.environ.get("DCRB_DEBUG") == "1":
-        command()
-        return 0
+        return _status(command())
     try:
-        status = command()
-        return status if isinstance(status, int) else 0
+        return _status(command())
     except Refusal as refusal:
         complain(program, str(refusal))
         return 2
@@ -35,7 +39,7 @@ def guarded(program: str, command: Callable[[], Any]) -> int:
         return int(end.exit_code)
     except (KeyboardInterrupt, typer.Abort):
         complain(program, "stopped")
-        return 130
+        return STOPPED
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
@@ -48,3 +52,7 @@ def guarded(program: str, command: Callable[[], Any]) -> int:
         where = "" if isinstance(error, RuntimeError) else " (DCRB_DEBUG=1 shows where)"
         complain(program, f"{error or type(error).__name__}{where}")
         return 1
+
+
+def _status(returned: Any) -> int:
+    return returned if isinstance(returned, int) else 0

@@ -35,7 +35,7 @@ def test_shipped_configurations_are_valid() -> None:
         load_configuration(name)
 
 
-@given(st.floats(60.0, 190.0), st.floats(0.0, 0.003), st.integers(0, 2**31 - 1), st.sampled_from(["warm", "cold"]))
+@given(st.floats(60.0, 190.0), st.floats(0.0, 0.003, allow_subnormal=False), st.integers(0, 2**31 - 1), st.sampled_from(["warm", "cold"]))
 def test_yaml_round_trip(tmp_path_factory: pytest.TempPathFactory, speed: float, width: float, seed: int, start: str) -> None:
     groups = {"operating": {"speed": speed, "start": start}, "faults": {"inner_1": {"width": width}}, "simulation": {"seed": seed}}
     configuration = Configuration.model_validate(groups)
@@ -54,6 +54,7 @@ def test_yaml_round_trip(tmp_path_factory: pytest.TempPathFactory, speed: float,
         ),
         ("faults.outer_1.width=2.0", r"did you mean 0\.002\?"),
         ("bearing.roler_radius=0.015", r"unknown parameter 'bearing.roler_radius'; did you mean 'bearing.roller_radius'\?"),
+        ("operating.speed=5.0e-324", r"operating.speed = 5e-324 is too near to zero to reckon with: give 0\.0, or 2\.22507e-308 and more"),
         ("operating.speed=.nan", r"operating.speed = nan rad/s is outside -1000 \.\. 1000 rad/s"),
         ("operating.speed=1200", r"1200 rpm is 125\.664 rad/s"),
         ("operating.load=fast", r"operating.load = 'fast' N is not a number within"),

@@ -69,6 +69,17 @@ def test_a_reset_begins_anew_even_in_a_long_wait() -> None:
     assert model.sent == [0, *range(len(model.sent) - 1)]
 
 
+def test_a_scale_next_to_nothing_waits_and_can_be_changed() -> None:
+    model = Model(1e-13)
+    wait_for(lambda: model.sent)
+    assert model.thread.is_alive()
+    model.gate.rescale(5e-324)
+    time.sleep(0.01)
+    model.gate.rescale(0.0)
+    wait_for(lambda: len(model.sent) > 100)
+    model.close()
+
+
 @pytest.mark.parametrize("paused", [True, False])
 def test_closing_ends_every_wait(paused: bool) -> None:
     model = Model(1e-6)

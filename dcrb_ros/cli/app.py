@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import signal
 import sys
 
 import typer
 
 from dcrb_ros import __version__
 from dcrb_ros.cli import bench, config, detect, exchange, info, recover, replay, score, simulate, sweep, validate, view
-from dcrb_ros.guard import guarded
+from dcrb_ros.guard import ENDING, guarded
 
 app = typer.Typer(add_completion=False, no_args_is_help=True, pretty_exceptions_enable=False)
 app.command("simulate")(simulate.simulate)
@@ -39,4 +40,8 @@ def dcrb(version: bool = typer.Option(False, "--version", callback=_version, is_
 
 def main() -> None:
     """Run the command line."""
+    # Whatever asks the command to end also ends what it has started, as Ctrl-C does.
+    for number in ENDING:
+        if signal.getsignal(number) is signal.SIG_DFL:
+            signal.signal(number, signal.default_int_handler)
     sys.exit(guarded("dcrb", lambda: app(standalone_mode=False)))

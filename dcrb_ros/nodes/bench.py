@@ -18,9 +18,10 @@ from rich.console import Console
 
 from dcrb_ros.configuration import Configuration
 from dcrb_ros.configuration_file import to_yaml
+from dcrb_ros.guard import STOPPED
 from dcrb_ros.messages.joints import Joints, decode_joints
 from dcrb_ros.messages.statuses import Status, decode_diagnostics
-from dcrb_ros.nodes.ros import check_ros, stay_on_this_machine, stop_on_signals
+from dcrb_ros.nodes.ros import check_ros, signals_held, stay_on_this_machine, stop_on_signals
 from dcrb_ros.refusal import Refusal
 from dcrb_ros.sinks.publisher import message_class, qos
 from dcrb_ros.topics import BENCH_DIAGNOSTICS, DIAGNOSIS, FEATURES, NAMESPACE, VIBRATION, Topic
@@ -112,9 +113,9 @@ class Observer:
 @contextmanager
 def node_process(module: str, arguments: Sequence[str], environment: dict[str, str]) -> Iterator[subprocess.Popen[bytes]]:
     """Run a node as a process; whatever happens, it is ended."""
-    process = subprocess.Popen(
-        [sys.executable, "-m", f"dcrb_ros.nodes.{module}", *arguments], env=environment, stdin=subprocess.DEVNULL, start_new_session=True
-    )
+    command = [sys.executable, "-m", f"dcrb_ros.nodes.{module}", *arguments]
+    with signals_held():
+        process = subprocess.Popen(command, env=environment, stdin=subprocess.DEVNULL, start_new_session=True)
     try:
         yield process
     finally:
@@ -153,6 +154,9 @@ def run(name: str, configuration: Configuration, duration: float, scenario: Path
             listeners = [detector, *([stack.enter_context(node_process("viewer", [], environment))] if shown else [])]
             # The simulator waits for its listeners, so that they get the first block and do not start up beside it.
             _await_listeners(node, listeners, told)
+            if told.is_set():
+                console.print("stopped before the simulator was started")
+                return STOPPED
             with node_process("simulator", arguments, environment) as simulator:
                 failed = _watch(observer, node, simulator, detector, duration, told, console)
     return failed or _conclude(observer, configuration, console)
@@ -210,11 +214,11 @@ def _watch(
                 shown = now
             if detector.poll() is not None:
                 console.print(f"the fault detector ended with status {detector.returncode}")
-                return detector.returncode or 1
+                return 1
             if simulator.poll() is None:
                 continue
             if simulator.returncode != 0:
-                return simulator.returncode
+                return simulator.returncode if simulator.returncode > 0 else 1  # below zero it was killed by a signal
             patience = patience or now + LAST_WORDS
             if now > patience or observer.verdict_ns >= end_ns:
                 return 0

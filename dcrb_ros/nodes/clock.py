@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 import time
 from collections.abc import Iterable
 from typing import Protocol
@@ -25,10 +26,14 @@ class ClockHand:
 
     def __init__(self, sink: Sink, *, asked: bool) -> None:
         self._sink, self._asked, self._due = sink, asked, 0.0
+        self._lock = threading.Lock()
 
     def tick(self, time_ns: int, period: float = CLOCK_PERIOD) -> None:
         """Publish a simulated time [ns], not before the period [s of wall time] since the last one is over."""
-        now = time.monotonic()
-        if self._asked and now >= self._due:
-            self._due = now + period
-            self._sink.write_messages([Message(CLOCK, time_ns, encode_clock(time_ns))])
+        if not self._asked:
+            return
+        with self._lock:
+            now = time.monotonic()
+            if now >= self._due:
+                self._due = now + period
+                self._sink.write_messages([Message(CLOCK, time_ns, encode_clock(time_ns))])

@@ -9,7 +9,7 @@ from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.guard import guarded
 from dcrb_ros.messages.verdicts import diagnosis_messages
 from dcrb_ros.nodes.hearing import Hearing, Said
-from dcrb_ros.nodes.ros import check_ros, create_node, declare, spin, stay_on_this_machine, stop_on_signals
+from dcrb_ros.nodes.ros import declare, running, spin
 from dcrb_ros.sinks.publisher import Publisher, message_class, qos
 from dcrb_ros.topics import DETECTED, SENSOR, VIBRATION
 
@@ -47,22 +47,10 @@ class DetectorWire:
 
 def run(arguments: list[str]) -> int:
     """Run the node until a signal comes; return the exit status."""
-    check_ros()
-    import rclpy
-    from rclpy.signals import SignalHandlerOptions
-    from rclpy.utilities import try_shutdown
-
-    told = stop_on_signals()
-    stay_on_this_machine()
-    rclpy.init(args=arguments, signal_handler_options=SignalHandlerOptions.NO)
-    node = create_node("fault_detector")
-    try:
+    with running("fault_detector", arguments) as (node, told):
         DetectorWire(node, declare(node, DetectorParameters))
         spin(node, lambda: False, told)
-        return 0
-    finally:
-        node.destroy_node()
-        try_shutdown()
+    return 0
 
 
 def main() -> None:

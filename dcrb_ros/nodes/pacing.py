@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Callable
 
 LARGEST_LAG = 1.0
@@ -63,4 +64,4 @@ class Pacer:
             self.late += 1
         if self.lag > LARGEST_LAG:
             self._wall, self._simulated = now, end
-        return max(0.0, ahead)
+        return min(max(0.0, ahead), threading.TIMEOUT_MAX)  # longer no lock can wait: a scale may be next to nothing

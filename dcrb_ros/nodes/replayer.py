@@ -5,11 +5,13 @@ from __future__ import annotations
 import sys
 import threading
 import time
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from dcrb_ros.guard import guarded
 from dcrb_ros.messages.statuses import OK, WARN, Status, encode_diagnostics
 from dcrb_ros.nodes.clock import ClockHand
+from dcrb_ros.nodes.gate import Gate
 from dcrb_ros.nodes.pacing import Pacer
 from dcrb_ros.nodes.ros import changed, declare, running, spin
 from dcrb_ros.refusal import Refusal
@@ -23,7 +25,7 @@ if TYPE_CHECKING:
 LAST_BUNDLE = 1.0
 """Wall time that the thread gets to end once told to stop [s]."""
 DELIVERY = 2.0
-"""Wall time for which the last messages of a topic are waited for [s]."""
+"""Wall time for which the last messages are waited for [s]."""
 STILL = 0.5
 """Wall time without another subscriber after which the first block goes out [s]."""
 POLL = 0.05
@@ -34,16 +36,21 @@ class Replayer:
     """The wires between a recording and ROS."""
 
     def __init__(self, node: Node, parameters: ReplayParameters) -> None:
+        from rclpy.clock import Clock
+        from rclpy.clock_type import ClockType
+
         self.node, self.parameters = node, parameters
         self.stop = threading.Event()
         self.failure: Exception | None = None
         self._replay = Replay(parameters)
         self._pacer = Pacer(parameters.rate, time.monotonic)
+        self._gate = Gate(self._pacer, time.monotonic)
         clock = [CLOCK] if parameters.clock else []
         self._publisher = Publisher(node, [*self._replay.topics, BENCH_DIAGNOSTICS, *clock])
         self._time_ns = self._bundles = self._passes = 0
         self._clock = ClockHand(self._publisher, asked=parameters.clock)
-        node.create_timer(1.0, self._report)
+        # Of wall time, whatever the node's clock: a replay that stands still reports, too.
+        node.create_timer(1.0, self._report, clock=Clock(clock_type=ClockType.STEADY_TIME))
         node.add_on_set_parameters_callback(self._on_parameters)
         self._thread = threading.Thread(target=self._run, name="replay", daemon=True)
 
@@ -59,6 +66,7 @@ class Replayer:
     def close(self) -> None:
         """Stop, and wait until what was published has arrived."""
         self.stop.set()
+        self._gate.close()
         if self._thread.ident is not None:
             self._thread.join(LAST_BUNDLE)
         self._publisher.settle(DELIVERY)
@@ -88,9 +96,8 @@ class Replayer:
     def _play(self) -> None:
         self._pacer.start_over()
         for bundle in self._replay.bundles():
-            if self.stop.wait(self._pacer.until(bundle.begin_ns * 1e-9, bundle.due_ns * 1e-9)):
+            if not self._gate.send(bundle.begin_ns * 1e-9, bundle.due_ns * 1e-9, partial(self._emit, bundle)):
                 return
-            self._emit(bundle)
 
     def _emit(self, bundle: Bundle) -> None:
         self._clock.tick(bundle.due_ns)
@@ -105,7 +112,7 @@ class Replayer:
             self.parameters = changed(self.parameters, {parameter.name: parameter.value for parameter in parameters})
         except Refusal as refusal:
             return SetParametersResult(successful=False, reason=str(refusal))
-        self._pacer.scale = self.parameters.rate
+        self._gate.rescale(self.parameters.rate)
         return SetParametersResult(successful=True)
 
     def _report(self) -> None:

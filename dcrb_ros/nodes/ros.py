@@ -15,6 +15,7 @@ from types import FrameType
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from dcrb_ros.configuration_file import ParameterField, flatten, parameter_fields, validated
+from dcrb_ros.guard import ENDING
 from dcrb_ros.parameters import Group
 from dcrb_ros.refusal import Refusal
 from dcrb_ros.topics import NAMESPACE
@@ -172,12 +173,27 @@ def _log_failure(node: Node, error: Exception, count: int) -> None:
 
 
 def stop_on_signals() -> threading.Event:
-    """Return an event that SIGINT and SIGTERM set, however often they come."""
+    """Return an event that SIGINT, SIGTERM and SIGHUP set, however often they come.
+
+    A hangup that is ignored stays so (``nohup``); what was held back by `signals_held` comes now.
+    """
     stop = threading.Event()
 
     def told(number: int, frame: FrameType | None) -> None:
         stop.set()
 
-    signal.signal(signal.SIGINT, told)
-    signal.signal(signal.SIGTERM, told)
+    for number in ENDING:
+        if signal.getsignal(number) is not signal.SIG_IGN or number != signal.SIGHUP:
+            signal.signal(number, told)
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, ENDING)
     return stop
+
+
+@contextmanager
+def signals_held() -> Iterator[None]:
+    """Let processes started meanwhile keep back what would end them until `stop_on_signals`, so that none ends amid its imports."""
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, ENDING)
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)

@@ -293,7 +293,7 @@ class Simulator:
         status = self._report.status(self.node.get_fully_qualified_name(), self.progress, failed=self.failure is not None)
         time_ns = self.progress.simulated_ns
         self._publisher.write_messages([Message(BENCH_DIAGNOSTICS, time_ns, encode_diagnostics(time_ns, [status]))])
-        self._clock.tick(time_ns, 0.0)
+        self._clock.tick(self.progress.simulated_ns, 0.0)
         self.show_parameters()
 
 

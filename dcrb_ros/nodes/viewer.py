@@ -97,7 +97,7 @@ def run(arguments: list[str]) -> int:
     from dcrb_ros.viewer.live import LiveView
 
     os.nice(MEEKNESS)
-    with _target(options.save, options.connect) as (begin, closed), running("viewer", arguments) as (node, told):
+    with running("viewer", arguments) as (node, told), _target(options.save, options.connect) as (begin, closed):
         view = LiveView(begin, node.get_namespace(), node.get_logger().warning)
         ViewerWire(node, view)
         try:

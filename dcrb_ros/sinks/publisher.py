@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import time
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
@@ -47,8 +48,9 @@ class Publisher:
         return int(self._publishers[topic].get_subscription_count())
 
     def settle(self, seconds: float) -> None:
-        """Wait until what was published has arrived, at most ``seconds`` [s] for each topic."""
+        """Wait until what was published has arrived, at most ``seconds`` [s] in all."""
         from rclpy.duration import Duration
 
+        end = time.monotonic() + seconds
         for publisher in self._publishers.values():
-            publisher.wait_for_all_acked(Duration(seconds=seconds))
+            publisher.wait_for_all_acked(Duration(seconds=max(0.0, end - time.monotonic())))

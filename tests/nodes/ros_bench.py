@@ -17,7 +17,7 @@ from dcrb_ros.messages.statuses import decode_diagnostics
 from dcrb_ros.sinks.publisher import message_class, qos
 from dcrb_ros.topics import BENCH_DIAGNOSTICS, CLOCK, DETECTED, NAMESPACE, SIMULATED, Topic
 
-PATIENCE = 90.0
+PATIENCE = 200.0
 """Longest wait for anything [s]; a cold compile is the longest."""
 
 _domains = itertools.count(1)

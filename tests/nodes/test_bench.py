@@ -235,6 +235,41 @@ def test_bench_command_ends_with_the_verdict(tmp_path: Path) -> None:
     assert truths[-1].load[1] == pytest.approx(-95e3)
 
 
+def processes(module: str, variable: str) -> list[str]:
+    """Return the processes that run a module of this package with ``variable`` in their environment."""
+    found = []
+    for process in Path("/proc").glob("[0-9]*"):
+        try:
+            command, variables = (process / "cmdline").read_bytes(), (process / "environ").read_bytes()
+        except OSError:
+            continue
+        if module.encode() in command and variable.encode() in variables:
+            found.append(process.name)
+    return found
+
+
+@pytest.mark.parametrize(
+    ("kind", "moment"), [(signal.SIGINT, "as ROS 2 nodes"), (signal.SIGHUP, "x real time"), (signal.SIGTERM, "x real time")]
+)
+def test_what_ends_the_bench_command_ends_its_nodes(kind: signal.Signals, moment: str, tmp_path: Path) -> None:
+    number, log = domain(), tmp_path / "log"
+    command = [sys.executable, "-c", "from dcrb_ros.cli.app import main; main()", "bench", "healthy"]
+    with log.open("wb") as output:
+        bench = subprocess.Popen(command, env=environment(number), stdout=output, stderr=subprocess.STDOUT)
+    try:
+        end = time.monotonic() + PATIENCE
+        while moment not in log.read_text():
+            assert time.monotonic() < end, log.read_text()
+            assert bench.poll() is None, log.read_text()
+            time.sleep(0.05)
+        bench.send_signal(kind)
+        assert bench.wait(PATIENCE) in (0, 1, 130), log.read_text()
+    finally:
+        bench.kill()
+    assert not processes("dcrb_ros.nodes.", f"ROS_DOMAIN_ID={number}\0")
+    assert "Traceback" not in log.read_text()
+
+
 def test_time_scale_changes_while_running(tmp_path: Path) -> None:
     from rcl_interfaces.srv import SetParameters
     from rclpy.parameter import Parameter
@@ -289,19 +324,6 @@ def test_malformed_commands_are_counted_and_the_bench_runs_on(kind: signal.Signa
     assert Recording(bag).complete
 
 
-def compilers_in(folder: Path) -> list[str]:
-    """Return the processes that compile kernels into a cache below ``folder``."""
-    found = []
-    for process in Path("/proc").glob("[0-9]*"):
-        try:
-            command, variables = (process / "cmdline").read_bytes(), (process / "environ").read_bytes()
-        except OSError:
-            continue
-        if b"dcrb_ros.core.compilation" in command and str(folder).encode() in variables:
-            found.append(process.name)
-    return found
-
-
 @pytest.mark.parametrize("kind", [signal.SIGINT, signal.SIGTERM])
 def test_signals_do_not_wait_for_the_compiler(kind: signal.Signals, tmp_path: Path) -> None:
     from std_msgs.msg import Float64
@@ -315,7 +337,7 @@ def test_signals_do_not_wait_for_the_compiler(kind: signal.Signals, tmp_path: Pa
         began = time.monotonic()
         assert simulator.end(kind) == 0, simulator.words
         assert time.monotonic() - began < PROMPT
-        heard.until(lambda: not compilers_in(tmp_path), "the end of the process that compiles with it")
+        heard.until(lambda: not processes("dcrb_ros.core.compilation", str(tmp_path)), "the end of the process that compiles with it")
     assert not heard.heard[VIBRATION]
     assert Recording(bag).complete
 

@@ -92,7 +92,7 @@ def test_parameters_say_how_the_bench_is(tmp_path: Path) -> None:
         assert heard.set(faults__outer_1__width=0.001, time_scale=0.01) == (True, "")
         assert width() == 0.001  # though it has hardly taken effect yet
         assert heard.ask(Trigger, "reset").success
-        assert width() == 0.0
+        heard.until(lambda: width() == 0.0, "the width of the start")
         about = [json.loads(decode_text(data))["range"] for data in heard.heard[SENSOR]]
         assert about[-2:] == [1000.0, 5000.0]  # told anew with every change
 

@@ -76,7 +76,7 @@ def test_loop_offset_and_clock(tmp_path: Path) -> None:
     bag, number, clock = recorded(tmp_path / "bag", 40), domain(), []
     with listener(number) as heard:
         heard.node.create_subscription(message_class(CLOCK), "/clock", clock.append, qos(CLOCK), raw=True)
-        given = parameters(bag=str(bag), rate=0.0, loop="true", offset=0.5, clock="true", wait=60.0)
+        given = parameters(bag=str(bag), rate=10.0, loop="true", offset=0.5, clock="true", wait=60.0)
         with node("replayer", given, environment(number), tmp_path / "log") as replayer:
             heard.until(lambda: len(heard.heard[VIBRATION]) > 100 and clock, "several passes and the clock")
             assert replayer.end(signal.SIGINT) == 0
