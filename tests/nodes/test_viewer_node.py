@@ -5,7 +5,6 @@ from __future__ import annotations
 import signal
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import pytest
@@ -23,23 +22,12 @@ pytestmark = pytest.mark.node
 BAG = Path(__file__).parents[2] / "bags" / "outer_ring_defect"
 
 
-def settled(document: Path) -> None:
-    """Wait until a file has not grown for a second: what came last is in it."""
-    end, size, since = time.monotonic() + PATIENCE, -1, time.monotonic()
-    while time.monotonic() < since + 1.0:
-        assert time.monotonic() < end, f"{document} grows on"
-        if (found := document.stat().st_size) != size:
-            size, since = found, time.monotonic()
-        time.sleep(0.05)
-
-
 def test_viewer_shows_all_that_is_published(tmp_path: Path) -> None:
     number, document = domain(), tmp_path / "live.rrd"
     with node("viewer", ["--save", str(document)], environment(number), tmp_path / "viewer.log") as viewer:
         given = parameters(bag=str(BAG), rate=1.0, listeners=1, wait=60.0)
         with node("replayer", given, environment(number), tmp_path / "replayer.log") as replayer:
             assert replayer.process.wait(PATIENCE) == 0, replayer.words
-        settled(document)
         assert viewer.end(signal.SIGINT) == 0, viewer.words
     assert "not shown" not in viewer.words
     found, recorded = rows(document), Recording(BAG).counts()
