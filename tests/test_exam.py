@@ -15,7 +15,7 @@ import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 from junitparser import JUnitXml
-from made_up import LAYOUT, blocks
+from made_up import LAYOUT
 
 from dcrb_ros.block import Truth
 from dcrb_ros.cli.app import main
@@ -106,6 +106,17 @@ def test_a_broken_sensor_is_no_broken_bearing() -> None:
     found = marked(broken, said((4.5, "outer_ring"), (5.0, "sensor")))
     assert found.flaw == "false alarm at 4.5 s (outer_ring)"
     assert found.healthy_time == 10.0
+
+
+@pytest.mark.parametrize(("bearing", "alarms", "healthy"), [(2.0, 0, 2.0), (10.0, 0, 10.0), (12.0, 1, 12.0), (None, 2, 15.0)])
+def test_a_bearing_may_be_broken_beside_its_sensor(bearing: float | None, alarms: int, healthy: float) -> None:
+    first = 10.0 if bearing is None else min(10.0, bearing)
+    both = Question("both", "sensor", 15.0, 10.0, first_onset=first, bearing_onset=bearing)
+    verdicts = said((3.5, "outer_ring" if bearing == 2.0 else "healthy"), (10.5, "sensor"), until=15.0)
+    raised = [Opinion(10.5, "sensor"), Opinion(11.0, "outer_ring"), Opinion(11.5, "sensor"), Opinion(13.0, "outer_ring")]
+    found = marked(both, [*verdicts[:20], *raised, *verdicts[26:]])
+    assert (len(found.false_alarms), found.healthy_time) == (alarms, healthy)
+    assert found.passed is (alarms == 0)
 
 
 def test_silence_is_no_verdict() -> None:
@@ -340,17 +351,23 @@ def test_a_case_with_other_samples_has_another_place(tmp_path: Path) -> None:
     assert len(places) == 9
 
 
-def taped(path: Path, faults: list[dict[str, dict[str, float]]], verdicts: list[str]) -> Path:
-    """Record blocks of noise with a truth and a diagnosis for each, as `ros2 bag record` would beside the bench."""
+def taped(path: Path, faults: list[dict[str, dict[str, float]]], verdicts: list[str], begin: float = 0.0, every: float = 0.02) -> Path:
+    """Record a truth and a diagnosis at regular times [s], as `ros2 bag record` would beside the bench."""
     with Recorder(path, Configuration(), LAYOUT) as recorder:
-        for number, block in enumerate(blocks(max(len(faults), len(verdicts)))):
+        for number in range(max(len(faults), len(verdicts))):
+            stamp = round((begin + number * every) * 1e9)
             if number < len(faults):
-                truth = encode_truth(Truth(block.stamp_ns, 125.0, (0.0, -1e5), {}, faults[number]))
-                recorder.write_messages([Message(GROUND_TRUTH, block.stamp_ns, truth)])
+                truth = encode_truth(Truth(stamp, 125.0, (0.0, -1e5), {}, faults[number]))
+                recorder.write_messages([Message(GROUND_TRUTH, stamp, truth)])
             if number < len(verdicts):
                 status = Status("mine", 0, "", {"verdict": verdicts[number]})
-                recorder.write_messages([Message(DIAGNOSIS, block.stamp_ns, encode_diagnostics(block.stamp_ns, [status]))])
+                recorder.write_messages([Message(DIAGNOSIS, stamp, encode_diagnostics(stamp, [status]))])
     return path
+
+
+def judged(bag: Path) -> tuple[Question, tuple[Opinion, ...]]:
+    tape = read_tape(bag)
+    return tape.question, tape.opinions
 
 
 def test_a_recording_with_diagnoses_is_marked(tmp_path: Path) -> None:
@@ -360,6 +377,50 @@ def test_a_recording_with_diagnoses_is_marked(tmp_path: Path) -> None:
     found = mark(tape.question, tape.opinions, Criteria())
     assert found.passed
     assert found.delay == pytest.approx(0.02)
+
+
+def test_a_recording_may_begin_in_the_middle_of_a_run(tmp_path: Path) -> None:
+    old = {"outer_1": {"width": 0.002, "onset": 2.0}}
+    bag = taped(tmp_path / "healthy", [{}] * 13, ["healthy"] * 13, begin=7.0, every=0.5)
+    found = mark(*judged(bag), Criteria())
+    assert (found.flaw, found.healthy_time, found.question.duration) == ("", 6.0, 6.0)
+    bag = taped(tmp_path / "old", [old] * 13, ["outer_ring"] * 13, begin=7.0, every=0.5)
+    found = mark(*judged(bag), Criteria())
+    assert (found.flaw, found.delay, found.healthy_time) == ("", 0.0, 0.0)
+    bag = taped(
+        tmp_path / "later", [{}] * 4 + [{"outer_1": {"width": 0.002, "onset": 9.0}}] * 9, ["healthy"] * 6 + ["outer_ring"] * 7, 7.0, 0.5
+    )
+    found = mark(*judged(bag), Criteria())
+    assert (found.flaw, found.delay, found.healthy_time) == ("", 1.0, 2.0)
+
+
+def test_what_was_said_of_the_time_before_a_recording_does_not_count(tmp_path: Path) -> None:
+    bag = tmp_path / "bag"
+    with Recorder(bag, Configuration(), LAYOUT) as recorder:
+        for time in (7.0, 7.5, 8.0):
+            truth = encode_truth(Truth(round(time * 1e9), 125.0, (0.0, -1e5), {}, {"outer_1": {"width": 0.002, "onset": 2.0}}))
+            recorder.write_messages([Message(GROUND_TRUTH, round(time * 1e9), truth)])
+            late = round((time - 0.2) * 1e9)
+            status = Status("mine", 2, "", {"verdict": "outer_ring"})
+            recorder.write_messages([Message(DIAGNOSIS, late, encode_diagnostics(late, [status]))])
+    question, opinions = judged(bag)
+    assert [opinion.time for opinion in opinions] == pytest.approx([7.3, 7.8])
+    assert mark(question, opinions, Criteria()).passed
+
+
+@pytest.mark.parametrize(
+    ("onsets", "since"),
+    [
+        ({"outer_1": 2.0, "outer_2": 8.0}, ("outer_ring", 2.0)),
+        ({"outer_1": 2.0, "inner_1": 3.0, "roller_1": 8.0}, ("compound", 3.0)),
+        ({"sensor.dead": 2.0, "outer_1": 8.0}, ("sensor", 2.0)),
+        ({"sensor.dead": 8.0, "outer_1": 2.0}, ("sensor", 8.0)),
+    ],
+)
+def test_the_onset_is_when_the_verdict_becomes_right(onsets: dict[str, float], since: tuple[str, float], tmp_path: Path) -> None:
+    truths = [{name: {"onset": onset} for name, onset in onsets.items() if onset <= time} for time in range(11)]
+    question, _ = judged(taped(tmp_path / "bag", truths, [], every=1.0))
+    assert (question.verdict, question.onset, question.first_onset) == (*since, 2.0)
 
 
 def test_recordings_that_cannot_be_marked_are_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -52,6 +52,8 @@ class Answers:
     """What broke; empty where nothing did."""
     heard_at: float = 0.0
     """Wall time of the last diagnosis [s]."""
+    begin: float = 0.0
+    """When the signal begins [s]."""
 
     def hear(self, data: bytes) -> None:
         """Take a message on `diagnosis`."""
@@ -64,12 +66,12 @@ class Answers:
     @property
     def latest(self) -> float:
         """Latest time judged [s]."""
-        return max((opinion.time for opinion in self.opinions), default=0.0)
+        return max((opinion.time for opinion in self.opinions), default=self.begin)
 
     @property
     def period(self) -> float:
         """Longest time between two diagnoses so far, the first one's included [s]."""
-        times = sorted({0.0, *(opinion.time for opinion in self.opinions)})
+        times = sorted({self.begin, *(opinion.time for opinion in self.opinions)})
         return max((later - sooner for sooner, later in pairwise(times)), default=0.0)
 
 
@@ -131,7 +133,9 @@ class Examinee:
     def _feed(self, replay: Replay, publisher: Publisher, answers: Answers, spin: Any, process: subprocess.Popen[bytes]) -> str:
         """Send the recording and wait for the last diagnosis; return what broke."""
         pacer, end = Pacer(self._rate, time.monotonic), 0.0
-        for bundle in replay.bundles():
+        for number, bundle in enumerate(replay.bundles()):
+            if number == 0:
+                answers.begin = bundle.begin_ns * 1e-9
             end = bundle.due_ns * 1e-9
             self._hold(bundle, pacer, answers, spin)
             if process.poll() is not None:
