@@ -93,6 +93,14 @@ def test_an_alarm_that_stood_before_the_onset_found_nothing() -> None:
     assert again.delay == 2.0
 
 
+@pytest.mark.parametrize("period", [2, 3])
+def test_waiting_in_between_raises_nothing_anew(period: int) -> None:
+    flapping = [Opinion(0.5 * k, "waiting" if k % period else "outer_ring") for k in range(21)]
+    found = marked(SPALL, flapping)
+    assert (found.delay, found.alarm_delay, found.found) == (None, None, False)
+    assert len(found.false_alarms) == 1
+
+
 def test_alarms_count_when_they_are_raised() -> None:
     found = marked(HEALTHY, said((2.0, "outer_ring"), (4.0, "waiting"), (5.0, "outer_ring"), (6.0, "healthy"), (8.0, "sensor")))
     assert [(alarm.time, alarm.verdict) for alarm in found.false_alarms] == [(2.0, "outer_ring"), (8.0, "sensor")]
@@ -128,6 +136,13 @@ def test_silence_is_no_verdict() -> None:
 def test_any_alarm_will_do_where_names_do_not_count() -> None:
     found = marked(SPALL, said((5.0, "roller")), name_right=False)
     assert (found.passed, found.found, found.delay) == (True, True, 1.0)
+
+
+def test_names_that_do_not_count_are_one_answer() -> None:
+    last = [*["outer_ring"] * 3, *["inner_ring"] * 3, *["roller"] * 3, *["healthy"] * 4]
+    opinions = [*said((4.5, "outer_ring"), until=8.5), *(Opinion(9.0 + 0.05 * k, verdict) for k, verdict in enumerate(last))]
+    assert marked(SPALL, opinions, name_right=False).passed
+    assert marked(SPALL, opinions).flaw == "called healthy"
 
 
 def test_bounds_are_those_of_the_tables() -> None:

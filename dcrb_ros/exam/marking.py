@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 from dcrb_ros.exam.criteria import Criteria
@@ -72,9 +72,9 @@ def mark(question: Question, opinions: Sequence[Opinion], criteria: Criteria, *,
     alarms = tuple(_false_alarms(question, said))
     right = _right(question, criteria)
     delay = _first(said, right, onset, limit) if question.faulty else None
-    answer = _answer([o for o in said if not question.faulty or o.time >= onset + limit] or said[-1:])
-    if not criteria.name_right and answer in right:
-        answer = question.verdict
+    last = [o for o in said if not question.faulty or o.time >= onset + limit] or said[-1:]
+    # Names that are all right are one answer: together they outvote what is wrong.
+    answer = _answer([replace(o, verdict=question.verdict) if o.verdict in right else o for o in last])
     scores = [o.score for o in said if o.score is not None and (o.time >= onset or not question.faulty)]
     broken = failure or _silence(question, said, criteria)
     flaw = broken or _flaw(question, answer, delay, limit, alarms)
@@ -116,14 +116,13 @@ def _innocent_time(question: Question) -> float:
 
 def _first(said: Sequence[Opinion], wanted: frozenset[str], onset: float, limit: float) -> float | None:
     """Return how long after the onset a wanted verdict was first raised [s]; one that stood already knows nothing of it."""
-    before = [opinion.verdict for opinion in said if opinion.time < onset]
-    standing = before[-1] if before else ""
+    standing = ""
     for opinion in said:
-        if opinion.time < onset:
-            continue
-        if opinion.verdict in wanted and standing not in wanted:
+        if opinion.time >= onset and opinion.verdict in wanted and standing not in wanted:
             return opinion.time - onset if opinion.time <= onset + limit + 1e-9 else None
-        standing = opinion.verdict
+        # Waiting neither raises nor ends an alarm.
+        if opinion.verdict != WAITING:
+            standing = opinion.verdict
     return None
 
 
