@@ -6,6 +6,7 @@ import json
 from collections.abc import Iterator
 from contextlib import suppress
 from copy import deepcopy
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +20,7 @@ from made_up import LAYOUT
 
 from dcrb_ros.block import Truth
 from dcrb_ros.cli.app import main
+from dcrb_ros.cli.score import _progress, _tell
 from dcrb_ros.configuration import Configuration
 from dcrb_ros.diagnosis.detector import Diagnosis
 from dcrb_ros.exam.case import Case, scenarios_hash
@@ -493,6 +495,37 @@ def test_a_report_is_json_junit_and_a_figure(tmp_path: Path) -> None:
         assert (tmp_path / f"{name}.png").stat().st_size > 10_000
 
 
+def test_whatever_names_and_last_words_hold_the_results_are_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    name, words = "outer [my_detector-1] \x01", "it ended; its last words:\n    [/usr/lib/libfoo.so] $a^$ \x1b[31m"
+    marks = mark(replace(SPALL, name=name), [], Criteria(), failure=words), *GOOD
+    found = Report("an exam (only [ab]*) $x^$ \x01", "bash -c '[/x] $a^$'", Criteria(), "0" * 64, marks)
+    _tell(found, as_json=False, junit=tmp_path / "junit.xml", figure=None)
+    told = capsys.readouterr().out
+    assert all(part in told for part in ("[my_detector-1]", "[/usr/lib/libfoo.so]", "(only [ab]*)", "[/x]"))
+    suites = {suite.name: suite for suite in JUnitXml.fromfile(str(tmp_path / "junit.xml"))}
+    assert next(case.name for case in suites["an exam (only [ab]*) $x^$ ?: scenarios"]) == "outer [my_detector-1] ?"
+    write_figure(replace(found, exam="$x^$"), tmp_path / "figure.png")
+    assert (tmp_path / "figure.png").is_file()
+
+
+def test_results_are_printed_before_they_are_written(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    for as_json in (True, False):
+        with pytest.raises(Refusal, match="cannot be written"):
+            _tell(report(*GOOD), as_json=as_json, junit=tmp_path / "gone/junit.xml", figure=None)
+        assert "made up" in capsys.readouterr().out
+
+
+def test_names_in_brackets_are_listed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = tmp_path / "tiny.yaml"
+    file.write_text(yaml.safe_dump({**TINY, "about": "[/x]", "scenarios": [{**SPALLED, "name": "outer [a]"}]}), encoding="utf-8")
+    assert dcrb("score", str(file), "--list") == 0
+    told = capsys.readouterr().out
+    assert all(part in told for part in ("outer [a]", "[/x]"))
+    with _progress("examined", 1) as done:
+        done("outer [/a]")
+    assert "outer [/a]" in capsys.readouterr().err
+
+
 def dcrb(*arguments: str) -> int:
     """Run the command line in this process and return its exit status."""
     with pytest.MonkeyPatch.context() as patch:
@@ -531,6 +564,9 @@ def test_the_command_sits_an_exam(tmp_path: Path, capsys: pytest.CaptureFixture[
         (["smoke", "--workers", "-1"], "--workers -1 is outside"),
         (["smoke", "--only", "cage*"], "--only 'cage*' fits no scenario of smoke"),
         (["smoke", "--figure", "figure.bmp"], "must end in .png"),
+        (["smoke", "--figure", "no/such/figure.png"], "--figure no/such/figure.png cannot be written: there is no folder no/such"),
+        (["smoke", "--junit", "no/such/junit.xml"], "--junit no/such/junit.xml cannot be written: there is no folder no/such"),
+        (["smoke", "--junit", "docs"], "--junit docs is a folder"),
         (["smoke", "--node", "x", "--reference"], "name two detectors"),
         (["smoke", "--recordings", "/dev/null/x"], "cannot hold the exam's recordings"),
         (["README.md"], "README.md is no MCAP file"),
