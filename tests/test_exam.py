@@ -219,6 +219,39 @@ def test_lists_vary_and_twins_are_shared() -> None:
     assert {case.run.configuration.operating.speed for case in exam.cases} == {60.0, 180.0}
 
 
+TIMED = {"name": "outer", "verdict": "outer_ring", "timeline": [{"at": 0.05, "set": {"faults.outer_1.width": 0.002}}]}
+
+
+@pytest.mark.parametrize(
+    ("changes", "onset"),
+    [
+        ({}, 0.05),
+        ({"onset": 0.08}, 0.08),
+        ({"timeline": [{"at": 0.05, "over": 0.1, "set": {"faults.outer_1.width": 0.002}}]}, 0.1),  # its first size
+        ({"timeline": [{"at": 0.02, "set": {"faults.inner_1.width": 0.002}}, *TIMED["timeline"]], "verdict": "compound"}, 0.05),
+        ({"timeline": [], "set": {"faults.outer_1.width": 0.002}}, 0.0),
+        ({"timeline": [{"at": 0.06, "set": {"sensor.fault": "dead"}}], "verdict": "sensor"}, 0.06),
+        ({"verdict": "healthy", "timeline": [], "onset": 0.05}, 0.0),
+    ],
+)
+def test_the_onset_follows_from_the_timeline_unless_it_is_given(changes: dict[str, Any], onset: float) -> None:
+    limits = {"delay": dict.fromkeys(("outer_ring", "compound", "sensor"), 0.1)}
+    (case,) = tiny(criteria=limits, scenarios=[{**TIMED, **changes}]).cases
+    assert case.question.onset == pytest.approx(onset, abs=1e-3)
+
+
+def test_a_bearing_may_break_with_its_sensor() -> None:
+    fault = {"sensor.fault": "dead", "faults.outer_1.width": 0.002}
+    both, _ = tiny(criteria={"delay": {"sensor": 0.1}}, scenarios=[{"name": "both", "verdict": "sensor", "fault": fault}]).cases
+    assert both.question.bearing_onset == both.question.onset == 0.1
+
+
+def test_twins_have_names_of_their_own() -> None:
+    exam = tiny(scenarios=[{"name": "twin", "verdict": "healthy", "set": {"operating.speed": 60.0}}, SPALLED])
+    assert [case.question.name for case in exam.cases] == ["twin", "outer", "twin-2"]
+    assert exam.cases[1].question.twin == "twin-2"
+
+
 def test_small_defects_are_not_required() -> None:
     fault = {"faults.outer_1.width": [0.0005, 0.001]}
     exam = tiny(scenarios=[{"name": "outer", "verdict": "outer_ring", "fault": fault}])
@@ -285,6 +318,7 @@ SPALLED = {"name": "outer", "verdict": "outer_ring", "fault": {"faults.outer_1.w
         ({"scenarios": [{**SPALLED, "set": {"operating.speed": 1e6}}]}, "operating.speed = 1000000.0 rad/s is outside"),
         ({"scenarios": [{**SPALLED, "fault": {"bearing.rows": 1}}]}, "bearing.rows is fixed while the bench runs"),
         ({"scenarios": [{**SPALLED, "points": ["slow"]}]}, "there is no operating point 'slow'"),
+        ({"scenarios": [{"name": "outer", "verdict": "outer_ring"}]}, "nothing in it makes outer_ring right"),
         ({"scenarios": [SPALLED, SPALLED]}, "two scenarios are called 'outer'"),
         ({"scenarios": [{**SPALLED, "duration": 0.15}]}, "it ends 0.05 s after the onset, within the 0.1 s"),
         ({"scenarios": [{**SPALLED, "base": "heathy"}]}, "did you mean 'healthy'?"),
