@@ -95,6 +95,13 @@ def test_an_alarm_that_stood_before_the_onset_found_nothing() -> None:
     assert again.delay == 2.0
 
 
+def test_a_diagnosis_that_came_late_counts_from_then() -> None:
+    prompt = said((5.5, "outer_ring"))
+    late = [replace(opinion, known=opinion.time + 2.0) for opinion in prompt]
+    assert marked(SPALL, late).delay == 3.5
+    assert marked(SPALL, [replace(opinion, known=10.0) for opinion in prompt]).flaw == "not found within 5 s"
+
+
 @pytest.mark.parametrize("period", [2, 3])
 def test_waiting_in_between_raises_nothing_anew(period: int) -> None:
     flapping = [Opinion(0.5 * k, "waiting" if k % period else "outer_ring") for k in range(21)]

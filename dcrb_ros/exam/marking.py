@@ -119,7 +119,7 @@ def _first(said: Sequence[Opinion], wanted: frozenset[str], onset: float, limit:
     standing = ""
     for opinion in said:
         if opinion.time >= onset and opinion.verdict in wanted and standing not in wanted:
-            return opinion.time - onset if opinion.time <= onset + limit + 1e-9 else None
+            return opinion.given - onset if opinion.given <= onset + limit + 1e-9 else None
         # Waiting neither raises nor ends an alarm.
         if opinion.verdict != WAITING:
             standing = opinion.verdict
