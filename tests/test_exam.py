@@ -6,6 +6,7 @@ import json
 from collections.abc import Iterator
 from contextlib import suppress
 from copy import deepcopy
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -15,10 +16,11 @@ import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 from junitparser import JUnitXml
-from made_up import LAYOUT, blocks
+from made_up import LAYOUT
 
 from dcrb_ros.block import Truth
 from dcrb_ros.cli.app import main
+from dcrb_ros.cli.score import _progress, _tell
 from dcrb_ros.configuration import Configuration
 from dcrb_ros.diagnosis.detector import Diagnosis
 from dcrb_ros.exam.case import Case, scenarios_hash
@@ -93,6 +95,21 @@ def test_an_alarm_that_stood_before_the_onset_found_nothing() -> None:
     assert again.delay == 2.0
 
 
+def test_a_diagnosis_that_came_late_counts_from_then() -> None:
+    prompt = said((5.5, "outer_ring"))
+    late = [replace(opinion, known=opinion.time + 2.0) for opinion in prompt]
+    assert marked(SPALL, late).delay == 3.5
+    assert marked(SPALL, [replace(opinion, known=10.0) for opinion in prompt]).flaw == "not found within 5 s"
+
+
+@pytest.mark.parametrize("period", [2, 3])
+def test_waiting_in_between_raises_nothing_anew(period: int) -> None:
+    flapping = [Opinion(0.5 * k, "waiting" if k % period else "outer_ring") for k in range(21)]
+    found = marked(SPALL, flapping)
+    assert (found.delay, found.alarm_delay, found.found) == (None, None, False)
+    assert len(found.false_alarms) == 1
+
+
 def test_alarms_count_when_they_are_raised() -> None:
     found = marked(HEALTHY, said((2.0, "outer_ring"), (4.0, "waiting"), (5.0, "outer_ring"), (6.0, "healthy"), (8.0, "sensor")))
     assert [(alarm.time, alarm.verdict) for alarm in found.false_alarms] == [(2.0, "outer_ring"), (8.0, "sensor")]
@@ -108,6 +125,17 @@ def test_a_broken_sensor_is_no_broken_bearing() -> None:
     assert found.healthy_time == 10.0
 
 
+@pytest.mark.parametrize(("bearing", "alarms", "healthy"), [(2.0, 0, 2.0), (10.0, 0, 10.0), (12.0, 1, 12.0), (None, 2, 15.0)])
+def test_a_bearing_may_be_broken_beside_its_sensor(bearing: float | None, alarms: int, healthy: float) -> None:
+    first = 10.0 if bearing is None else min(10.0, bearing)
+    both = Question("both", "sensor", 15.0, 10.0, first_onset=first, bearing_onset=bearing)
+    verdicts = said((3.5, "outer_ring" if bearing == 2.0 else "healthy"), (10.5, "sensor"), until=15.0)
+    raised = [Opinion(10.5, "sensor"), Opinion(11.0, "outer_ring"), Opinion(11.5, "sensor"), Opinion(13.0, "outer_ring")]
+    found = marked(both, [*verdicts[:20], *raised, *verdicts[26:]])
+    assert (len(found.false_alarms), found.healthy_time) == (alarms, healthy)
+    assert found.passed is (alarms == 0)
+
+
 def test_silence_is_no_verdict() -> None:
     assert marked(HEALTHY, [*said(until=3.0), Opinion(9.5, "healthy")]).flaw == "silent from 3.0 s to 9.5 s"
     assert marked(HEALTHY, [*said(until=3.0), Opinion(9.5, "healthy")], silence=7.0).passed
@@ -117,6 +145,13 @@ def test_silence_is_no_verdict() -> None:
 def test_any_alarm_will_do_where_names_do_not_count() -> None:
     found = marked(SPALL, said((5.0, "roller")), name_right=False)
     assert (found.passed, found.found, found.delay) == (True, True, 1.0)
+
+
+def test_names_that_do_not_count_are_one_answer() -> None:
+    last = [*["outer_ring"] * 3, *["inner_ring"] * 3, *["roller"] * 3, *["healthy"] * 4]
+    opinions = [*said((4.5, "outer_ring"), until=8.5), *(Opinion(9.0 + 0.05 * k, verdict) for k, verdict in enumerate(last))]
+    assert marked(SPALL, opinions, name_right=False).passed
+    assert marked(SPALL, opinions).flaw == "called healthy"
 
 
 def test_bounds_are_those_of_the_tables() -> None:
@@ -191,6 +226,39 @@ def test_lists_vary_and_twins_are_shared() -> None:
     assert {case.run.configuration.operating.speed for case in exam.cases} == {60.0, 180.0}
 
 
+TIMED = {"name": "outer", "verdict": "outer_ring", "timeline": [{"at": 0.05, "set": {"faults.outer_1.width": 0.002}}]}
+
+
+@pytest.mark.parametrize(
+    ("changes", "onset"),
+    [
+        ({}, 0.05),
+        ({"onset": 0.08}, 0.08),
+        ({"timeline": [{"at": 0.05, "over": 0.1, "set": {"faults.outer_1.width": 0.002}}]}, 0.1),  # its first size
+        ({"timeline": [{"at": 0.02, "set": {"faults.inner_1.width": 0.002}}, *TIMED["timeline"]], "verdict": "compound"}, 0.05),
+        ({"timeline": [], "set": {"faults.outer_1.width": 0.002}}, 0.0),
+        ({"timeline": [{"at": 0.06, "set": {"sensor.fault": "dead"}}], "verdict": "sensor"}, 0.06),
+        ({"verdict": "healthy", "timeline": [], "onset": 0.05}, 0.0),
+    ],
+)
+def test_the_onset_follows_from_the_timeline_unless_it_is_given(changes: dict[str, Any], onset: float) -> None:
+    limits = {"delay": dict.fromkeys(("outer_ring", "compound", "sensor"), 0.1)}
+    (case,) = tiny(criteria=limits, scenarios=[{**TIMED, **changes}]).cases
+    assert case.question.onset == pytest.approx(onset, abs=1e-3)
+
+
+def test_a_bearing_may_break_with_its_sensor() -> None:
+    fault = {"sensor.fault": "dead", "faults.outer_1.width": 0.002}
+    both, _ = tiny(criteria={"delay": {"sensor": 0.1}}, scenarios=[{"name": "both", "verdict": "sensor", "fault": fault}]).cases
+    assert both.question.bearing_onset == both.question.onset == 0.1
+
+
+def test_twins_have_names_of_their_own() -> None:
+    exam = tiny(scenarios=[{"name": "twin", "verdict": "healthy", "set": {"operating.speed": 60.0}}, SPALLED])
+    assert [case.question.name for case in exam.cases] == ["twin", "outer", "twin-2"]
+    assert exam.cases[1].question.twin == "twin-2"
+
+
 def test_small_defects_are_not_required() -> None:
     fault = {"faults.outer_1.width": [0.0005, 0.001]}
     exam = tiny(scenarios=[{"name": "outer", "verdict": "outer_ring", "fault": fault}])
@@ -257,6 +325,7 @@ SPALLED = {"name": "outer", "verdict": "outer_ring", "fault": {"faults.outer_1.w
         ({"scenarios": [{**SPALLED, "set": {"operating.speed": 1e6}}]}, "operating.speed = 1000000.0 rad/s is outside"),
         ({"scenarios": [{**SPALLED, "fault": {"bearing.rows": 1}}]}, "bearing.rows is fixed while the bench runs"),
         ({"scenarios": [{**SPALLED, "points": ["slow"]}]}, "there is no operating point 'slow'"),
+        ({"scenarios": [{"name": "outer", "verdict": "outer_ring"}]}, "nothing in it makes outer_ring right"),
         ({"scenarios": [SPALLED, SPALLED]}, "two scenarios are called 'outer'"),
         ({"scenarios": [{**SPALLED, "duration": 0.15}]}, "it ends 0.05 s after the onset, within the 0.1 s"),
         ({"scenarios": [{**SPALLED, "base": "heathy"}]}, "did you mean 'healthy'?"),
@@ -340,17 +409,23 @@ def test_a_case_with_other_samples_has_another_place(tmp_path: Path) -> None:
     assert len(places) == 9
 
 
-def taped(path: Path, faults: list[dict[str, dict[str, float]]], verdicts: list[str]) -> Path:
-    """Record blocks of noise with a truth and a diagnosis for each, as `ros2 bag record` would beside the bench."""
+def taped(path: Path, faults: list[dict[str, dict[str, float]]], verdicts: list[str], begin: float = 0.0, every: float = 0.02) -> Path:
+    """Record a truth and a diagnosis at regular times [s], as `ros2 bag record` would beside the bench."""
     with Recorder(path, Configuration(), LAYOUT) as recorder:
-        for number, block in enumerate(blocks(max(len(faults), len(verdicts)))):
+        for number in range(max(len(faults), len(verdicts))):
+            stamp = round((begin + number * every) * 1e9)
             if number < len(faults):
-                truth = encode_truth(Truth(block.stamp_ns, 125.0, (0.0, -1e5), {}, faults[number]))
-                recorder.write_messages([Message(GROUND_TRUTH, block.stamp_ns, truth)])
+                truth = encode_truth(Truth(stamp, 125.0, (0.0, -1e5), {}, faults[number]))
+                recorder.write_messages([Message(GROUND_TRUTH, stamp, truth)])
             if number < len(verdicts):
                 status = Status("mine", 0, "", {"verdict": verdicts[number]})
-                recorder.write_messages([Message(DIAGNOSIS, block.stamp_ns, encode_diagnostics(block.stamp_ns, [status]))])
+                recorder.write_messages([Message(DIAGNOSIS, stamp, encode_diagnostics(stamp, [status]))])
     return path
+
+
+def judged(bag: Path) -> tuple[Question, tuple[Opinion, ...]]:
+    tape = read_tape(bag)
+    return tape.question, tape.opinions
 
 
 def test_a_recording_with_diagnoses_is_marked(tmp_path: Path) -> None:
@@ -360,6 +435,50 @@ def test_a_recording_with_diagnoses_is_marked(tmp_path: Path) -> None:
     found = mark(tape.question, tape.opinions, Criteria())
     assert found.passed
     assert found.delay == pytest.approx(0.02)
+
+
+def test_a_recording_may_begin_in_the_middle_of_a_run(tmp_path: Path) -> None:
+    old = {"outer_1": {"width": 0.002, "onset": 2.0}}
+    bag = taped(tmp_path / "healthy", [{}] * 13, ["healthy"] * 13, begin=7.0, every=0.5)
+    found = mark(*judged(bag), Criteria())
+    assert (found.flaw, found.healthy_time, found.question.duration) == ("", 6.0, 6.0)
+    bag = taped(tmp_path / "old", [old] * 13, ["outer_ring"] * 13, begin=7.0, every=0.5)
+    found = mark(*judged(bag), Criteria())
+    assert (found.flaw, found.delay, found.healthy_time) == ("", 0.0, 0.0)
+    bag = taped(
+        tmp_path / "later", [{}] * 4 + [{"outer_1": {"width": 0.002, "onset": 9.0}}] * 9, ["healthy"] * 6 + ["outer_ring"] * 7, 7.0, 0.5
+    )
+    found = mark(*judged(bag), Criteria())
+    assert (found.flaw, found.delay, found.healthy_time) == ("", 1.0, 2.0)
+
+
+def test_what_was_said_of_the_time_before_a_recording_does_not_count(tmp_path: Path) -> None:
+    bag = tmp_path / "bag"
+    with Recorder(bag, Configuration(), LAYOUT) as recorder:
+        for time in (7.0, 7.5, 8.0):
+            truth = encode_truth(Truth(round(time * 1e9), 125.0, (0.0, -1e5), {}, {"outer_1": {"width": 0.002, "onset": 2.0}}))
+            recorder.write_messages([Message(GROUND_TRUTH, round(time * 1e9), truth)])
+            late = round((time - 0.2) * 1e9)
+            status = Status("mine", 2, "", {"verdict": "outer_ring"})
+            recorder.write_messages([Message(DIAGNOSIS, late, encode_diagnostics(late, [status]))])
+    question, opinions = judged(bag)
+    assert [opinion.time for opinion in opinions] == pytest.approx([7.3, 7.8])
+    assert mark(question, opinions, Criteria()).passed
+
+
+@pytest.mark.parametrize(
+    ("onsets", "since"),
+    [
+        ({"outer_1": 2.0, "outer_2": 8.0}, ("outer_ring", 2.0)),
+        ({"outer_1": 2.0, "inner_1": 3.0, "roller_1": 8.0}, ("compound", 3.0)),
+        ({"sensor.dead": 2.0, "outer_1": 8.0}, ("sensor", 2.0)),
+        ({"sensor.dead": 8.0, "outer_1": 2.0}, ("sensor", 8.0)),
+    ],
+)
+def test_the_onset_is_when_the_verdict_becomes_right(onsets: dict[str, float], since: tuple[str, float], tmp_path: Path) -> None:
+    truths = [{name: {"onset": onset} for name, onset in onsets.items() if onset <= time} for time in range(11)]
+    question, _ = judged(taped(tmp_path / "bag", truths, [], every=1.0))
+    assert (question.verdict, question.onset, question.first_onset) == (*since, 2.0)
 
 
 def test_recordings_that_cannot_be_marked_are_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -417,6 +536,37 @@ def test_a_report_is_json_junit_and_a_figure(tmp_path: Path) -> None:
         assert (tmp_path / f"{name}.png").stat().st_size > 10_000
 
 
+def test_whatever_names_and_last_words_hold_the_results_are_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    name, words = "outer [my_detector-1] \x01", "it ended; its last words:\n    [/usr/lib/libfoo.so] $a^$ \x1b[31m"
+    marks = mark(replace(SPALL, name=name), [], Criteria(), failure=words), *GOOD
+    found = Report("an exam (only [ab]*) $x^$ \x01", "bash -c '[/x] $a^$'", Criteria(), "0" * 64, marks)
+    _tell(found, as_json=False, junit=tmp_path / "junit.xml", figure=None)
+    told = capsys.readouterr().out
+    assert all(part in told for part in ("[my_detector-1]", "[/usr/lib/libfoo.so]", "(only [ab]*)", "[/x]"))
+    suites = {suite.name: suite for suite in JUnitXml.fromfile(str(tmp_path / "junit.xml"))}
+    assert next(case.name for case in suites["an exam (only [ab]*) $x^$ ?: scenarios"]) == "outer [my_detector-1] ?"
+    write_figure(replace(found, exam="$x^$"), tmp_path / "figure.png")
+    assert (tmp_path / "figure.png").is_file()
+
+
+def test_results_are_printed_before_they_are_written(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    for as_json in (True, False):
+        with pytest.raises(Refusal, match="cannot be written"):
+            _tell(report(*GOOD), as_json=as_json, junit=tmp_path / "gone/junit.xml", figure=None)
+        assert "made up" in capsys.readouterr().out
+
+
+def test_names_in_brackets_are_listed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = tmp_path / "tiny.yaml"
+    file.write_text(yaml.safe_dump({**TINY, "about": "[/x]", "scenarios": [{**SPALLED, "name": "outer [a]"}]}), encoding="utf-8")
+    assert dcrb("score", str(file), "--list") == 0
+    told = capsys.readouterr().out
+    assert all(part in told for part in ("outer [a]", "[/x]"))
+    with _progress("examined", 1) as done:
+        done("outer [/a]")
+    assert "outer [/a]" in capsys.readouterr().err
+
+
 def dcrb(*arguments: str) -> int:
     """Run the command line in this process and return its exit status."""
     with pytest.MonkeyPatch.context() as patch:
@@ -455,6 +605,9 @@ def test_the_command_sits_an_exam(tmp_path: Path, capsys: pytest.CaptureFixture[
         (["smoke", "--workers", "-1"], "--workers -1 is outside"),
         (["smoke", "--only", "cage*"], "--only 'cage*' fits no scenario of smoke"),
         (["smoke", "--figure", "figure.bmp"], "must end in .png"),
+        (["smoke", "--figure", "no/such/figure.png"], "--figure no/such/figure.png cannot be written: there is no folder no/such"),
+        (["smoke", "--junit", "no/such/junit.xml"], "--junit no/such/junit.xml cannot be written: there is no folder no/such"),
+        (["smoke", "--junit", "docs"], "--junit docs is a folder"),
         (["smoke", "--node", "x", "--reference"], "name two detectors"),
         (["smoke", "--recordings", "/dev/null/x"], "cannot hold the exam's recordings"),
         (["README.md"], "README.md is no MCAP file"),

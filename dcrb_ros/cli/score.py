@@ -46,7 +46,8 @@ def score(
 ) -> None:
     """Examine a fault detector: the shipped one, a node of yours, or what recordings hold; exit status 1 if it fails."""
     given = [*(sources or ()), *([exam] if exam else [])]
-    _check(given, rate, patience, workers, node, reference, figure)
+    _check(given, rate, patience, workers, node, reference)
+    _check_files(junit, figure)
     count = workers or len(os.sched_getaffinity(0))
     bags = [source for source in given if _is_recording(Path(source))]
     if bags and len(bags) < len(given):
@@ -70,9 +71,7 @@ def score(
         raise typer.Exit(1)
 
 
-def _check(
-    given: Sequence[str], rate: float, patience: float, workers: int, node: str | None, reference: bool, figure: Path | None
-) -> None:
+def _check(given: Sequence[str], rate: float, patience: float, workers: int, node: str | None, reference: bool) -> None:
     from dcrb_ros.exam.design import shipped_exams
 
     if not given:
@@ -85,8 +84,21 @@ def _check(
         raise Refusal(f"--workers {workers} is outside 0 .. 256: 0 takes one per core")
     if node is not None and reference:
         raise Refusal("--node and --reference name two detectors: examine one after the other")
+
+
+def _check_files(junit: Path | None, figure: Path | None) -> None:
+    """Refuse files that could not be written: at the end of the exam it would be late to say so."""
     if figure is not None and figure.suffix not in (".png", ".svg", ".pdf"):
         raise Refusal(f"--figure {figure} is of no known kind: the name must end in .png, .svg or .pdf")
+    for option, file in (("--junit", junit), ("--figure", figure)):
+        if file is None:
+            continue
+        if not file.parent.is_dir():
+            raise Refusal(f"{option} {file} cannot be written: there is no folder {file.parent}; make it or give another file")
+        if file.is_dir():
+            raise Refusal(f"{option} {file} is a folder: give the name of a file in it")
+        if not os.access(file if file.exists() else file.parent, os.W_OK):
+            raise Refusal(f"{option} {file} cannot be written: permission denied; give another file")
 
 
 def _is_recording(path: Path) -> bool:
@@ -111,16 +123,17 @@ def _only(exam: Exam, pattern: str) -> Exam:
 def _list(exam: Exam) -> None:
     from rich.console import Console
     from rich.table import Table
+    from rich.text import Text
 
     from dcrb_ros.exam.case import scenarios_hash
 
-    table = Table("scenario", "right verdict", "onset [s]", "duration [s]", "twin", title=f"{exam.name}: {exam.about}")
+    # What users name is text: a name in brackets is no markup.
+    table = Table("scenario", "right verdict", "onset [s]", "duration [s]", "twin", title=Text(f"{exam.name}: {exam.about}"))
     for case in exam.cases:
         question = case.question
         name = question.name if question.required else f"{question.name} (not required)"
-        table.add_row(
-            name, question.verdict, f"{question.onset:g}" if question.faulty else "-", f"{question.duration:g}", question.twin or "-"
-        )
+        onset = f"{question.onset:g}" if question.faulty else "-"
+        table.add_row(Text(name), question.verdict, onset, f"{question.duration:g}", Text(question.twin or "-"))
     console = Console()
     Console(width=None if console.is_terminal else 160).print(table)
     seconds = sum(case.run.duration for case in exam.cases)
@@ -222,14 +235,24 @@ def _progress(words: str, total: int) -> Iterator[Callable[[str], None]]:
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
-    columns = TextColumn("scenarios " + words), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn(), TextColumn("{task.description}")
+    columns = (
+        TextColumn("scenarios " + words),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TimeElapsedColumn(),
+        TextColumn("{task.description}", markup=False),
+    )
     with Progress(*columns, console=Console(stderr=True)) as progress:
         task = progress.add_task("", total=total)
         yield lambda name: progress.update(task, advance=1, description=name)
 
 
 def _tell(report: Report, as_json: bool, junit: Path | None, figure: Path | None) -> None:
-    """Print and write a report."""
+    """Print a report, and then write it: what is printed is there even where a file cannot be written."""
+    if as_json:
+        print(json.dumps(report.described(), indent=2, allow_nan=False), flush=True)
+    else:
+        _print(report)
     if junit is not None:
         from dcrb_ros.exam.junit import write_junit
 
@@ -238,9 +261,9 @@ def _tell(report: Report, as_json: bool, junit: Path | None, figure: Path | None
         from dcrb_ros.exam.figure import write_figure
 
         write_figure(report, figure)
-    if as_json:
-        print(json.dumps(report.described(), indent=2, allow_nan=False))
-        return
+
+
+def _print(report: Report) -> None:
     from rich.console import Console
 
     from dcrb_ros.exam.table import tables

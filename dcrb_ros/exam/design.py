@@ -13,15 +13,17 @@ from typing import Any, Literal
 
 from pydantic import Field, ValidationError
 
+from dcrb_ros.alteration import altered
 from dcrb_ros.configuration import Configuration
 from dcrb_ros.configuration_file import find_configuration, flatten, read_parameters, read_yaml, shipped_folder, validated
 from dcrb_ros.exam.case import Case, Run, canonical, described
 from dcrb_ros.exam.criteria import Criteria, DelayLimits
 from dcrb_ros.exam.opinion import VERDICTS
 from dcrb_ros.exam.question import Question
+from dcrb_ros.exam.taped import right_verdict
 from dcrb_ros.parameters import Group, choice, quantity
 from dcrb_ros.refusal import Refusal, nearest
-from dcrb_ros.scenario import begun, read_story, timeline
+from dcrb_ros.scenario import Event, begun, read_story, timeline
 
 MOST_CASES = 10_000
 Verdict = Literal["healthy", "outer_ring", "inner_ring", "roller", "cage", "compound", "sensor"]
@@ -42,7 +44,7 @@ class Entry(Group):
     set: dict[str, Any] = Field(default_factory=dict)
     """Parameters from the start on; of a list one each."""
     fault: dict[str, Any] = Field(default_factory=dict)
-    """Parameters that appear at the onset; of a list one each."""
+    """Parameters that appear at the onset; of a list one each. Without any, `set` or the timeline must bring what is to be found."""
     scenario: str = choice("", "A shipped scenario or a file, beside the fault")
     timeline: list[dict[str, Any]] = Field(default_factory=list)
     """Entries of a scenario, beside the fault."""
@@ -181,29 +183,45 @@ def _case(
     given = {key: value for key, value in base.items() if key != "operating.speed_kmh" or "operating.speed" not in overlay}
     configuration = validated({**given, **overlay}, Configuration, where)
     duration = entry.duration or design.duration
-    onset = (design.onset if entry.onset is None else entry.onset) if fault else 0.0
     faulty = entry.verdict != "healthy"
-    if faulty and duration < onset + design.criteria.delay.of(entry.verdict) - 1e-9:
-        raise Refusal(
-            f"{where}: it ends {duration - onset:g} s after the onset, within the {design.criteria.delay.of(entry.verdict):g} s that "
-            f"criteria.delay.{entry.verdict} allows: make the duration longer or the limit shorter"
-        )
+    appears = design.onset if entry.onset is None else entry.onset
     told: list[Any] = []
     if entry.scenario:
         profile = read_story(Path(entry.scenario))
         configuration = begun(profile, configuration, where)
         timeline(profile, configuration, f"{where}, {entry.scenario}")
         told += profile["timeline"]
-    told += [*entry.timeline, *([{"at": onset, "set": dict(fault)}] if fault else [])]
+    told += [*entry.timeline, *([{"at": appears, "set": dict(fault)}] if fault else [])]
     story = {"timeline": told} if told else None
-    if story:
-        timeline(story, configuration, where)
+    events = timeline(story, configuration, where) if story else []
+    onset = 0.0
+    if faulty:
+        onset = appears if fault or entry.onset is not None else _since(configuration, events, entry.verdict, where)
+    if faulty and duration < onset + design.criteria.delay.of(entry.verdict) - 1e-9:
+        raise Refusal(
+            f"{where}: it ends {duration - onset:g} s after the onset, within the {design.criteria.delay.of(entry.verdict):g} s that "
+            f"criteria.delay.{entry.verdict} allows: make the duration longer or the limit shorter"
+        )
     facts = described(configuration, fault)
     tags = {**facts, **entry.tags}
     narrow = faulty and 0.0 < float(facts.get("width", 0.0)) < design.criteria.smallest_width
     twin = "?" if faulty and entry.twin and fault else ""
-    question = Question(name, entry.verdict, duration, onset if faulty else 0.0, tags, twin, required=entry.required and not narrow)
+    both = entry.verdict == "sensor" and any(key.startswith("faults.") for key in fault)
+    required, bearing = entry.required and not narrow, onset if both else None
+    question = Question(name, entry.verdict, duration, onset, tags, twin, required=required, bearing_onset=bearing)
     return Case(question, Run(configuration, story, duration))
+
+
+def _since(configuration: Configuration, events: Sequence[Event], verdict: str, where: str) -> float:
+    """Return since when a verdict is right where no fault appears at an onset: from the start on, or by the timeline [s]."""
+    present = configuration
+    if right_verdict(present.described_faults()) == verdict:
+        return 0.0
+    for event in events:
+        present = altered(present, event.changes, where)
+        if right_verdict(present.described_faults()) == verdict:
+            return event.step / present.step_rate
+    raise Refusal(f"{where}: nothing in it makes {verdict} right: give 'fault', a timeline with one, or 'onset' for what is meant")
 
 
 def _without_fault(case: Case) -> Mapping[str, Any] | None:
@@ -222,6 +240,7 @@ def _twin_name(case: Case, taken: Sequence[str]) -> str:
 def _with_twins(cases: Sequence[Case]) -> Iterator[Case]:
     """Yield the cases, those with a fault naming their twins, and then the twins: one for each operating point and seed."""
     twins: dict[str, Case] = {}
+    names = [case.question.name for case in cases]
     for case in cases:
         if not case.question.twin:
             yield case
@@ -230,7 +249,7 @@ def _with_twins(cases: Sequence[Case]) -> Iterator[Case]:
         key = canonical([case.run.configuration.model_dump(), story])
         known = twins.get(key)
         duration = max(case.run.duration, known.run.duration if known else 0.0)
-        name = known.question.name if known else _twin_name(case, [twin.question.name for twin in twins.values()])
+        name = known.question.name if known else _twin_name(case, [*names, *(twin.question.name for twin in twins.values())])
         point = {"point": case.question.tags["point"]} if "point" in case.question.tags else {}
         tags = {**described(case.run.configuration, {}), **point}
         twins[key] = Case(Question(name, "healthy", duration, 0.0, tags), Run(case.run.configuration, story, duration))

@@ -37,7 +37,7 @@ def write_figure(report: Report, file: Path) -> None:
     _delay(delay, report)
     _confusion(confusion, report)
     _roc(roc, report)
-    figure.suptitle(f"{report.exam}: {'passed' if report.passed else 'failed'}, {report.detector}", fontsize=12)
+    figure.suptitle(f"{report.exam}: {'passed' if report.passed else 'failed'}, {report.detector}", fontsize=12, parse_math=False)
     try:
         figure.savefig(file)
     except OSError as error:

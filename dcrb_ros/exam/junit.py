@@ -31,11 +31,12 @@ def write_junit(report: Report, file: Path) -> None:
 
 
 def _criteria(report: Report) -> TestSuite:
-    suite = TestSuite(f"{report.exam}: criteria")
-    for key, value in (("detector", report.detector), ("scenarios_sha256", report.scenarios), ("dcrb_ros", __version__)):
+    exam = _spoken(report.exam)
+    suite = TestSuite(f"{exam}: criteria")
+    for key, value in (("detector", _spoken(report.detector)), ("scenarios_sha256", report.scenarios), ("dcrb_ros", __version__)):
         suite.add_property(key, value)
     for check in report.checks():
-        case = TestCase(check.name, f"{report.exam}.criteria")
+        case = TestCase(check.name, f"{exam}.criteria")
         if not check.holds:
             case.result = [Failure(f"wanted {check.wanted}, got {check.got}")]
         suite.add_testcase(case)
@@ -43,11 +44,17 @@ def _criteria(report: Report) -> TestSuite:
 
 
 def _scenarios(report: Report) -> TestSuite:
-    suite = TestSuite(f"{report.exam}: scenarios")
+    exam = _spoken(report.exam)
+    suite = TestSuite(f"{exam}: scenarios")
     for mark in report.marks:
-        case = TestCase(mark.question.name, f"{report.exam}.{mark.question.verdict}", mark.delay or 0.0)
+        case = TestCase(_spoken(mark.question.name), f"{exam}.{mark.question.verdict}", mark.delay or 0.0)
         if not mark.passed:
-            flaw = UNSPEAKABLE.sub("?", mark.flaw)
+            flaw = _spoken(mark.flaw)
             case.result = [Failure(flaw) if mark.question.required else Skipped(f"not required: {flaw}")]
         suite.add_testcase(case)
     return suite
+
+
+def _spoken(text: str) -> str:
+    """Return a text that users gave without what XML cannot hold."""
+    return UNSPEAKABLE.sub("?", text)

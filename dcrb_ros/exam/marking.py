@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 from dcrb_ros.exam.criteria import Criteria
@@ -67,14 +67,14 @@ class Mark:
 def mark(question: Question, opinions: Sequence[Opinion], criteria: Criteria, *, failure: str = "") -> Mark:
     """Return the mark of a scenario; ``failure`` is why there are no more opinions, if something broke."""
     said = sorted(opinions, key=lambda opinion: opinion.time)
-    onset = question.onset if question.faulty else question.duration
+    onset = question.onset if question.faulty else question.end
     limit = criteria.delay.of(question.verdict) if question.faulty else 0.0
     alarms = tuple(_false_alarms(question, said))
     right = _right(question, criteria)
     delay = _first(said, right, onset, limit) if question.faulty else None
-    answer = _answer([o for o in said if not question.faulty or o.time >= onset + limit] or said[-1:])
-    if not criteria.name_right and answer in right:
-        answer = question.verdict
+    last = [o for o in said if not question.faulty or o.time >= onset + limit] or said[-1:]
+    # Names that are all right are one answer: together they outvote what is wrong.
+    answer = _answer([replace(o, verdict=question.verdict) if o.verdict in right else o for o in last])
     scores = [o.score for o in said if o.score is not None and (o.time >= onset or not question.faulty)]
     broken = failure or _silence(question, said, criteria)
     flaw = broken or _flaw(question, answer, delay, limit, alarms)
@@ -99,11 +99,11 @@ def _right(question: Question, criteria: Criteria) -> frozenset[str]:
 
 
 def _false_alarms(question: Question, said: Sequence[Opinion]) -> Iterator[FalseAlarm]:
-    """Yield the alarms raised before the onset, and those on the bearing where the sensor is at fault."""
+    """Yield the alarms raised before the onset, and those on the bearing where only the sensor is at fault."""
     standing = ""
     for opinion in said:
-        innocent = opinion.time < question.clean_until or (question.verdict == "sensor" and opinion.verdict in BEARING)
-        if innocent and opinion.alarm and opinion.verdict != standing:
+        clean_until = question.bearing_clean_until if opinion.verdict in BEARING else question.clean_until
+        if opinion.time < clean_until and opinion.alarm and opinion.verdict != standing:
             yield FalseAlarm(opinion.time, opinion.verdict, opinion.reason)
         if opinion.verdict != WAITING:
             standing = opinion.verdict if opinion.alarm else ""
@@ -111,22 +111,18 @@ def _false_alarms(question: Question, said: Sequence[Opinion]) -> Iterator[False
 
 def _innocent_time(question: Question) -> float:
     """Return the time in which an alarm on the bearing is a false one, without what the twin has as well [s]."""
-    before = 0.0 if question.twin else question.clean_until
-    if question.verdict == "sensor":
-        return before + question.duration - question.onset
-    return before
+    return question.bearing_clean_until - (question.onset if question.twin else question.begin)
 
 
 def _first(said: Sequence[Opinion], wanted: frozenset[str], onset: float, limit: float) -> float | None:
     """Return how long after the onset a wanted verdict was first raised [s]; one that stood already knows nothing of it."""
-    before = [opinion.verdict for opinion in said if opinion.time < onset]
-    standing = before[-1] if before else ""
+    standing = ""
     for opinion in said:
-        if opinion.time < onset:
-            continue
-        if opinion.verdict in wanted and standing not in wanted:
-            return opinion.time - onset if opinion.time <= onset + limit + 1e-9 else None
-        standing = opinion.verdict
+        if opinion.time >= onset and opinion.verdict in wanted and standing not in wanted:
+            return opinion.given - onset if opinion.given <= onset + limit + 1e-9 else None
+        # Waiting neither raises nor ends an alarm.
+        if opinion.verdict != WAITING:
+            standing = opinion.verdict
     return None
 
 
@@ -141,7 +137,7 @@ def _answer(said: Sequence[Opinion]) -> str:
 
 def _silence(question: Question, said: Sequence[Opinion], criteria: Criteria) -> str:
     """Return where the detector said nothing for too long, in words, or nothing."""
-    times = [0.0, *(opinion.time for opinion in said), question.duration]
+    times = [question.begin, *(opinion.time for opinion in said), question.end]
     for begin, end in pairwise(times):
         if end - begin > criteria.silence:
             return f"silent from {begin:.1f} s to {end:.1f} s" if said else "nothing was said"

@@ -28,6 +28,13 @@ class Opinion:
     score: float | None = None
     """Evidence for a fault, of any unit; none where the detector publishes none."""
     reason: str = ""
+    known: float | None = None
+    """What had been heard of the signal when it came, where that is more than it judges [s]; none where it came at once."""
+
+    @property
+    def given(self) -> float:
+        """When it counts as given [s]."""
+        return self.time if self.known is None else max(self.time, self.known)
 
     @property
     def alarm(self) -> bool:

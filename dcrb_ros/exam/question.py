@@ -16,7 +16,7 @@ class Question:
     duration: float
     """Simulated time [s]."""
     onset: float = 0.0
-    """Since when the fault is there [s]; without meaning where the bearing is healthy."""
+    """Since when the verdict is right [s]; without meaning where the bearing is healthy."""
     tags: Mapping[str, str | float] = field(default_factory=dict)
     """Kind and width [m] of the fault, speed [rad/s], load [N] and whatever the exam adds."""
     twin: str = ""
@@ -25,6 +25,10 @@ class Question:
     """When the first of several faults came [s], where that is before the onset; alarms are false until then."""
     required: bool = True
     """Whether missing it fails the exam; else it counts for the statistics alone."""
+    begin: float = 0.0
+    """When the signal begins [s]; a recording may begin in the middle of a run."""
+    bearing_onset: float | None = None
+    """Since when the bearing is at fault too, where the sensor hides it [s]; none where the bearing is sound."""
 
     @property
     def faulty(self) -> bool:
@@ -32,11 +36,23 @@ class Question:
         return self.verdict != "healthy"
 
     @property
+    def end(self) -> float:
+        """When the signal ends [s]."""
+        return self.begin + self.duration
+
+    @property
     def clean_until(self) -> float:
-        """Until when the bearing is healthy [s]."""
+        """Until when every alarm is a false one [s]."""
         if not self.faulty:
-            return self.duration
+            return self.end
         return self.onset if self.first_onset is None else self.first_onset
+
+    @property
+    def bearing_clean_until(self) -> float:
+        """Until when an alarm on the bearing is a false one [s]."""
+        if self.verdict != "sensor":
+            return self.clean_until
+        return self.end if self.bearing_onset is None else self.bearing_onset
 
     @property
     def width(self) -> float:

@@ -179,6 +179,7 @@ def _described(mark: Mark) -> dict[str, Any]:
         "required": question.required,
         "flaw": mark.flaw,
         "onset": question.onset if question.faulty else None,
+        "begin": question.begin,
         "duration": question.duration,
         "delay": mark.delay,
         "alarm_delay": mark.alarm_delay,

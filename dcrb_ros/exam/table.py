@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from rich.console import Group as Stack
 from rich.console import RenderableType
 from rich.table import Table
+from rich.text import Text
 
 from dcrb_ros import __version__
 from dcrb_ros.exam.report import Report
@@ -61,7 +62,9 @@ def words(report: Report) -> Iterator[str]:
 
 
 def _checks(report: Report) -> Table:
-    table = Table("criterion", "wanted", "got", "", title=f"{report.exam}: {'passed' if report.passed else 'FAILED'}, {report.detector}")
+    # What users name is text: a name in brackets is no markup.
+    title = Text(f"{report.exam}: {'passed' if report.passed else 'FAILED'}, {report.detector}")
+    table = Table("criterion", "wanted", "got", "", title=title)
     for check in report.checks():
         table.add_row(check.name, check.wanted, check.got, "holds" if check.holds else "FAILS", style="" if check.holds else "bold red")
     return table
@@ -104,7 +107,7 @@ def _flaws(report: Report) -> Iterator[RenderableType]:
     table = Table("scenario", "right", "what went wrong", title=f"{len(wrong)} of {len(report.marks)} scenarios went wrong")
     for mark in wrong[:MOST_FLAWS]:
         counts = "" if mark.question.required else " (not required)"
-        table.add_row(mark.question.name + counts, mark.question.verdict, mark.flaw)
+        table.add_row(Text(mark.question.name + counts), mark.question.verdict, Text(mark.flaw))
     yield table
     if len(wrong) > MOST_FLAWS:
         yield f"and {len(wrong) - MOST_FLAWS} more: --json or --junit has them all"

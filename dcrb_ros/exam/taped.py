@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -49,6 +49,8 @@ def read_tape(path: Path, *, name: str = "") -> Tape:
             f"{path} holds no messages on {GROUND_TRUTH.name}: nobody knows what would be right; give a recording of the bench "
             "(dcrb simulate, dcrb bench --record, or ros2 bag record -a beside it)"
         )
+    # A diagnosis that came while the recording began may judge what was before.
+    opinions = [opinion for opinion in opinions if opinion.time >= truths[0].time_ns * 1e-9]
     return Tape(path, _question(path, name or path.name, truths, opinions), tuple(opinions))
 
 
@@ -73,15 +75,32 @@ def _question(path: Path, name: str, truths: Sequence[Truth], opinions: Sequence
             )
         present = truth.faults
     last = truths[-1]
-    duration = max([last.time_ns * 1e-9, *(opinion.time for opinion in opinions)])
-    onsets = [float(fault.get("onset", 0.0)) for fault in present.values()] or [0.0]
+    begin, end = truths[0].time_ns * 1e-9, max([last.time_ns * 1e-9, *(opinion.time for opinion in opinions)])
+    # What is older than the recording can be found from its beginning on.
+    onsets = {fault: max(begin, float(fields.get("onset", 0.0))) for fault, fields in present.items()}
+    verdict = right_verdict(present)
     tags: dict[str, str | float] = {"speed": last.speed, "speed_rpm": round(rpm(last.speed), 1), "load": -last.load[1]}
     widths = [float(fault["width"]) for fault in present.values() if "width" in fault]
     tags |= {"width": max(widths)} if widths else {}
-    return Question(name, right_verdict(present), duration, max(onsets), tags, first_onset=min(onsets))
+    return Question(
+        name,
+        verdict,
+        end - begin,
+        _since(onsets, verdict),
+        tags,
+        first_onset=min(onsets.values(), default=begin),
+        begin=begin,
+        bearing_onset=min((onset for fault, onset in onsets.items() if right_verdict([fault]) != "sensor"), default=None),
+    )
 
 
-def right_verdict(faults: Mapping[str, Any]) -> str:
+def _since(onsets: Mapping[str, float], verdict: str) -> float:
+    """Return since when a verdict is right, faults coming one after the other [s]: another defect of a kind does not change it."""
+    moments = sorted(set(onsets.values()))
+    return next((now for now in moments if right_verdict([f for f, onset in onsets.items() if onset <= now]) == verdict), 0.0)
+
+
+def right_verdict(faults: Iterable[str]) -> str:
     """Return the verdict that faults, by their names in the ground truth, ask for; a broken sensor hides the rest.
 
     Raises:

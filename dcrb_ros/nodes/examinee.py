@@ -8,9 +8,10 @@ import signal
 import subprocess
 import tempfile
 import time
+from bisect import bisect_left
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from pathlib import Path
 from typing import IO, Any
@@ -27,6 +28,10 @@ LEAD = 0.5
 """Signal sent beyond the next diagnosis expected [s]: 25 blocks, which a subscriber's queue should hold."""
 LAST_WORDS = 2.0
 """Wall time without a diagnosis after which none is expected any more [s]."""
+PUNCTUAL = 2.0
+"""Wall time after its signal was sent within which the stamp of a diagnosis is believed [s]."""
+AHEAD = 1.0
+"""Signal by which a stamp may be ahead of what was sent [s], for a detector that counts samples itself."""
 SETTLING = 0.3
 """Wall time between the discovery of the detector and the first block [s]."""
 CHILD_END = 5.0
@@ -52,24 +57,52 @@ class Answers:
     """What broke; empty where nothing did."""
     heard_at: float = 0.0
     """Wall time of the last diagnosis [s]."""
+    begin: float = 0.0
+    """When the signal begins [s]."""
+    _ends: list[float] = field(default_factory=list)
+    """Until when the signal had been sent after each bundle [s]."""
+    _walls: list[float] = field(default_factory=list)
+    """Wall time at which each bundle was sent [s]."""
+
+    def send(self, end: float) -> None:
+        """Note that the signal has been sent up to a time [s]."""
+        self._ends.append(end)
+        self._walls.append(time.monotonic())
 
     def hear(self, data: bytes) -> None:
         """Take a message on `diagnosis`."""
         self.heard_at = time.monotonic()
         try:
-            self.opinions.append(opinion_of(data))
+            opinion = opinion_of(data)
+            self.opinions.append(replace(opinion, known=self._known(opinion.time)))
         except Refusal as refusal:
             self.refused.append(str(refusal))
+
+    def _known(self, stamp: float) -> float:
+        """Return when a diagnosis counts as given [s]: at its stamp, unless it came after a later one or long after its signal.
+
+        Raises:
+            Refusal: it judges what has not been sent yet.
+        """
+        sent = self._ends[-1] if self._ends else self.begin
+        if stamp > sent + AHEAD:
+            raise Refusal(
+                f"a diagnosis is stamped {stamp:.2f} s when the signal had been sent up to {sent:.2f} s: the stamp must be the simulated "
+                "time that it judges, taken from the block's header"
+            )
+        place = bisect_left(self._ends, stamp)
+        late = place < len(self._walls) and self.heard_at - self._walls[place] > PUNCTUAL
+        return max(stamp, self.latest, sent if late else stamp)
 
     @property
     def latest(self) -> float:
         """Latest time judged [s]."""
-        return max((opinion.time for opinion in self.opinions), default=0.0)
+        return max((opinion.time for opinion in self.opinions), default=self.begin)
 
     @property
     def period(self) -> float:
         """Longest time between two diagnoses so far, the first one's included [s]."""
-        times = sorted({0.0, *(opinion.time for opinion in self.opinions)})
+        times = sorted({self.begin, *(opinion.time for opinion in self.opinions)})
         return max((later - sooner for sooner, later in pairwise(times)), default=0.0)
 
 
@@ -131,12 +164,15 @@ class Examinee:
     def _feed(self, replay: Replay, publisher: Publisher, answers: Answers, spin: Any, process: subprocess.Popen[bytes]) -> str:
         """Send the recording and wait for the last diagnosis; return what broke."""
         pacer, end = Pacer(self._rate, time.monotonic), 0.0
-        for bundle in replay.bundles():
+        for number, bundle in enumerate(replay.bundles()):
+            if number == 0:
+                answers.begin = bundle.begin_ns * 1e-9
             end = bundle.due_ns * 1e-9
             self._hold(bundle, pacer, answers, spin)
             if process.poll() is not None:
                 return f"it ended with status {process.returncode} at {end:.1f} s of the signal"
             publisher.write_messages(bundle.messages)
+            answers.send(end)
         answers.heard_at = time.monotonic()
         while answers.latest < end - answers.period and time.monotonic() < answers.heard_at + LAST_WORDS:
             spin(0.05)
@@ -205,12 +241,14 @@ def _process(command: Sequence[str], domain: int) -> Iterator[tuple[subprocess.P
 
 def _end(process: subprocess.Popen[bytes]) -> None:
     """End a process as Ctrl-C would, and then whatever is left of its group."""
-    with suppress(subprocess.TimeoutExpired, ProcessLookupError):
-        os.killpg(process.pid, signal.SIGINT)
-        process.wait(CHILD_END)
-    with suppress(ProcessLookupError):
-        os.killpg(process.pid, signal.SIGKILL)
-    process.wait()
+    try:
+        with suppress(subprocess.TimeoutExpired, ProcessLookupError):
+            os.killpg(process.pid, signal.SIGINT)
+            process.wait(CHILD_END)
+    finally:  # a second Ctrl-C must not leave it behind
+        with suppress(ProcessLookupError):
+            os.killpg(process.pid, signal.SIGKILL)
+        process.wait()
 
 
 def _last_lines(log: IO[bytes]) -> str:

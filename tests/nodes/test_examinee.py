@@ -16,7 +16,8 @@ pytest.importorskip("rclpy", reason="the nodes need ROS 2; everything else is te
 
 from test_exam import dcrb
 
-from dcrb_ros.nodes.examinee import Examinee
+from dcrb_ros.messages.statuses import Status, encode_diagnostics
+from dcrb_ros.nodes.examinee import Answers, Examinee
 
 pytestmark = pytest.mark.node
 
@@ -119,6 +120,67 @@ def test_a_detector_that_cannot_be_started_is_refused(capsys: pytest.CaptureFixt
     for command, sentence in (("", "--node is empty"), ("'", "--node ''' is no command"), ("no-such-program", "cannot be started")):
         assert dcrb("score", str(ROOT / "bags/healthy"), "--node", command) == 2
         assert sentence in capsys.readouterr().err
+
+
+def heard(*moments: tuple[float, float], pace: float = 1.0, begin: float = 0.0) -> Answers:
+    """Return the answers to 10 s of signal sent at a pace, of stamps [s] that came at wall times [s] from its beginning on."""
+    answers, ends = Answers(begin=begin), (0.02 * number for number in range(1, 501))
+    events = sorted([(wall, "said", stamp) for stamp, wall in moments] + [(end / pace, "sent", begin + end) for end in ends])
+    for wall, what, time in events:
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr("dcrb_ros.nodes.examinee.time.monotonic", lambda wall=wall: wall)
+            if what == "sent":
+                answers.send(time)
+            else:
+                answers.hear(encode_diagnostics(round(time * 1e9), [Status("mine", 0, "", {"verdict": "healthy"})]))
+    return answers
+
+
+@pytest.mark.parametrize(
+    ("moments", "pace", "given"),
+    [
+        ([(0.5, 0.6), (1.0, 1.1)], 1.0, [0.5, 1.0]),
+        ([(0.5, 2.4), (1.0, 2.9), (1.5, 3.4)], 1.0, [0.5, 1.0, 1.5]),  # slow, but not by more than the exam waits at the end
+        ([(2.5, 0.13), (5.0, 0.26)], 20.0, [2.5, 5.0]),  # fed as fast as it answers
+        ([(4.5, 10.1), (5.0, 10.1), (9.5, 10.1)], 1.0, [10.0, 10.0, 9.5]),  # it had heard everything
+        ([(9.5, 0.5), (4.5, 0.6)], 20.0, [9.5, 9.5]),  # it had judged what came after
+    ],
+)
+def test_stamps_are_believed_that_come_in_time(moments: list[tuple[float, float]], pace: float, given: list[float]) -> None:
+    answers = heard(*moments, pace=pace)
+    assert not answers.refused
+    assert [opinion.given for opinion in answers.opinions] == pytest.approx(given)
+
+
+def test_nobody_judges_what_has_not_been_sent() -> None:
+    answers = heard((1.0, 1.1), (9.0, 2.01))
+    assert len(answers.opinions) == 1
+    assert "stamped 9.00 s when the signal had been sent up to 2.00 s" in answers.refused[0]
+
+
+def test_the_period_counts_from_the_beginning_of_the_signal() -> None:
+    answers = heard((7.5, 0.6), (8.0, 1.1), begin=7.0)
+    assert (answers.latest, answers.period) == pytest.approx((8.0, 0.5))
+
+
+HINDSIGHT = """
+    global stamps
+    stamps = [*globals().get("stamps", []), message.header.stamp]
+    if len(stamps) == 140:
+        for stamp in stamps[::25]:
+            array = DiagnosticArray(status=[DiagnosticStatus(values=[KeyValue(key="verdict", value="outer_ring")])])
+            array.header.stamp = stamp
+            publisher.publish(array)
+"""
+
+
+def test_who_has_heard_everything_is_not_believed_to_have_known_at_once() -> None:
+    answers = Examinee(python("-c", SPEAKING.format(HINDSIGHT.strip()))).examine(ROOT / "bags/outer_ring_defect")
+    assert not answers.failure
+    assert len(answers.opinions) == 6
+    early = [opinion for opinion in answers.opinions if opinion.time < 1.0]
+    assert len(early) == 2
+    assert all(opinion.given > 2.5 for opinion in early)
 
 
 def test_a_rate_is_kept(capsys: pytest.CaptureFixture[str]) -> None:
