@@ -126,13 +126,13 @@ def heard(*moments: tuple[float, float], pace: float = 1.0, begin: float = 0.0) 
     """Return the answers to 10 s of signal sent at a pace, of stamps [s] that came at wall times [s] from its beginning on."""
     answers, ends = Answers(begin=begin), (0.02 * number for number in range(1, 501))
     events = sorted([(wall, "said", stamp) for stamp, wall in moments] + [(end / pace, "sent", begin + end) for end in ends])
-    for wall, what, time in events:
+    for wall, what, moment in events:
         with pytest.MonkeyPatch.context() as patch:
             patch.setattr("dcrb_ros.nodes.examinee.time.monotonic", lambda wall=wall: wall)
             if what == "sent":
-                answers.send(time)
+                answers.send(moment)
             else:
-                answers.hear(encode_diagnostics(round(time * 1e9), [Status("mine", 0, "", {"verdict": "healthy"})]))
+                answers.hear(encode_diagnostics(round(moment * 1e9), [Status("mine", 0, "", {"verdict": "healthy"})]))
     return answers
 
 
