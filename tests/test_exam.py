@@ -87,6 +87,11 @@ def test_what_is_wrong_is_told(opinions: list[Opinion], flaw: str) -> None:
     assert marked(SPALL, opinions).flaw == flaw
 
 
+def test_an_alarm_at_the_very_end_is_a_false_one_too() -> None:
+    found = marked(Question("well", "healthy", 10.0), said((10.0, "outer_ring")))
+    assert [alarm.time for alarm in found.false_alarms] == [10.0]
+
+
 def test_an_alarm_that_stood_before_the_onset_found_nothing() -> None:
     found = marked(SPALL, said((3.5, "outer_ring")))
     assert found.delay is None

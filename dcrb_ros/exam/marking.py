@@ -103,7 +103,8 @@ def _false_alarms(question: Question, said: Sequence[Opinion]) -> Iterator[False
     standing = ""
     for opinion in said:
         clean_until = question.bearing_clean_until if opinion.verdict in BEARING else question.clean_until
-        if opinion.time < clean_until and opinion.alarm and opinion.verdict != standing:
+        innocent = opinion.time < clean_until or clean_until >= question.end
+        if innocent and opinion.alarm and opinion.verdict != standing:
             yield FalseAlarm(opinion.time, opinion.verdict, opinion.reason)
         if opinion.verdict != WAITING:
             standing = opinion.verdict if opinion.alarm else ""
