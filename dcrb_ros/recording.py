@@ -20,10 +20,11 @@ from dcrb_ros.configuration import Configuration
 from dcrb_ros.kinematics import Orders, characteristic_orders
 from dcrb_ros.manifest import OUTCOME
 from dcrb_ros.mcap_records import MAGIC, McapRecords
+from dcrb_ros.messages.description import decode_range
 from dcrb_ros.messages.points import Vibration, decode_vibration
 from dcrb_ros.messages.statuses import decode_truth
 from dcrb_ros.refusal import Refusal
-from dcrb_ros.topics import DETECTED, GROUND_TRUTH, MANIFEST, NAMESPACE, SIMULATED, VIBRATION, Message, Topic
+from dcrb_ros.topics import DETECTED, GROUND_TRUTH, MANIFEST, NAMESPACE, SENSOR, SIMULATED, VIBRATION, Message, Topic
 
 METADATA = "metadata.yaml"
 LARGEST_METADATA = 4_000_000
@@ -124,15 +125,22 @@ class Recording:
             yield Message(wanted[channel.topic], message.log_time, message.data)
 
     def vibrations(self) -> Iterator[Vibration]:
-        """Yield the blocks of the waveform.
+        """Yield the blocks of the waveform; see `ranged_vibrations`."""
+        return (vibration for vibration, _ in self.ranged_vibrations())
+
+    def ranged_vibrations(self) -> Iterator[tuple[Vibration, float]]:
+        """Yield the blocks of the waveform, each with the sensor's range then [m/s^2], 0 where nothing tells it.
 
         Raises:
             Refusal: the recording has no waveform.
         """
-        found = False
-        for message in self.messages((VIBRATION,)):
+        found, sensor_range = False, self._first_range()
+        for message in self.messages((SENSOR, VIBRATION)):
+            if message.topic == SENSOR:
+                sensor_range = decode_range(message.data)
+                continue
             found = True
-            yield decode_vibration(message.data)
+            yield decode_vibration(message.data), sensor_range
         if not found:
             raise Refusal(f"{self.path} holds no messages on {VIBRATION.resolved(self.namespace)}: give a recording of the bench")
 
@@ -165,6 +173,12 @@ class Recording:
                 f"the configuration in {self.path} was written by dcrb_ros {self.manifest.get('dcrb_ros', 'of an unknown version')} and is "
                 f"not understood by {__version__} ({first}): read it with that version"
             ) from None
+
+    def _first_range(self) -> float:
+        """Return the sensor's range as the manifest tells it [m/s^2], or 0."""
+        about = self.manifest.get("sensor") or self.manifest.get("configuration", {}).get("sensor")
+        found = about.get("range") if isinstance(about, Mapping) else None
+        return float(found) if isinstance(found, int | float) and found > 0.0 else 0.0
 
     def _last(self, name: str, key: str) -> dict[str, Any] | None:
         """Return the last metadata record of a name in the last file."""

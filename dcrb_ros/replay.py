@@ -57,21 +57,26 @@ class Replay:
         self._offset_ns = round(parameters.offset * 1e9)
         asked = sorted(chosen_topics(parameters.topics), key=lambda topic: topic.name) if parameters.topics else SIMULATED
         self.topics: tuple[Topic, ...] = tuple(asked)
+        found = next(self.recording.messages((SENSOR,)), None)
+        self._first = found or Message(SENSOR, 0, encode_text(_sensor(self.recording)))
+        self._told = self._first
 
     def start(self) -> list[Message]:
         """Return what comes before the first block: the sensor's description, recorded or from the manifest."""
-        found = next(self.recording.messages((SENSOR,)), None)
-        return [found or Message(SENSOR, 0, encode_text(_sensor(self.recording)))]
+        return [self._first]
 
     def bundles(self) -> Iterator[Bundle]:
-        """Yield the bundles in their order.
+        """Yield the bundles in their order; the sensor's description is in one where it is another than the last.
 
         Raises:
             Refusal: no message is left behind the offset.
         """
         begin = due = start = None
-        waiting: list[Message] = []
-        for message in self.recording.messages([topic for topic in self.topics if topic != SENSOR]):
+        described, waiting = self._first, list[Message]()
+        for message in self.recording.messages({SENSOR, *self.topics}):
+            if message.topic == SENSOR:
+                described = message
+                continue
             start = message.time_ns if start is None else start
             if message.time_ns < start + self._offset_ns:
                 continue
@@ -82,12 +87,20 @@ class Replay:
                 yield Bundle(begin, due, tuple(waiting))
                 begin, waiting = due, []
             due = end
-            waiting.append(message)
+            # A description goes out with what it describes, not with the block before.
+            waiting += [*self._news(described), message]
         if begin is None or due is None:
             raise Refusal(
                 f"{self.recording.path} has no message to replay {self._offset_ns * 1e-9:g} s after its beginning: lower the offset"
             )
         yield Bundle(begin, due, tuple(waiting))
+
+    def _news(self, described: Message) -> list[Message]:
+        """Return a description if it says something else than the last one."""
+        if described.data == self._told.data:
+            return []
+        self._told = described
+        return [described]
 
     def _end_of(self, message: Message) -> int:
         """Return when a message is due [ns]: a block of the waveform at its end, anything else at its time."""

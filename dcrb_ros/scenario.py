@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -46,8 +46,22 @@ class _Entry:
 
     at: float
     over: float
+    first: int
+    """Time step at which it begins."""
+    last: int
+    """Time step at which it ends."""
     values: Mapping[str, Any]
     source: str
+
+    @property
+    def moving(self) -> bool:
+        """Whether it takes its time."""
+        return self.last > self.first
+
+    @property
+    def keys(self) -> set[str]:
+        """What it sets, the ramps of speed and load among it."""
+        return {*self.values, *(RAMPS[key] for key in self.values if key in RAMPS)}
 
 
 def read_scenario(path: Path, configuration: Configuration) -> list[Event]:
@@ -98,20 +112,37 @@ def timeline(tree: Any, configuration: Configuration, source: str) -> list[Event
         )
     if len(tree["timeline"]) > MOST_EVENTS:
         raise Refusal(f"{source} has {len(tree['timeline'])} entries; a scenario has at most {MOST_EVENTS}")
-    entries = [_entry(item, configuration, f"{source}, entry {number}") for number, item in enumerate(tree["timeline"], 1)]
+    told = [_entry(item, configuration, f"{source}, entry {number}") for number, item in enumerate(tree["timeline"], 1)]
+    # What is set at once comes before what begins to move from there.
+    entries = sorted(told, key=lambda entry: (entry.first, entry.moving))
+    _refuse_overlaps(entries)
     events: list[Event] = []
-    moments = sorted({entry.at for entry in entries} | {entry.at + entry.over for entry in entries})
     present = configuration
-    for moment in moments:
+    for moment in sorted({entry.first for entry in entries} | {entry.last for entry in entries}):
         for entry in entries:
             # What ends comes before what begins.
-            if entry.over and entry.at + entry.over == moment:
-                present = altered(present, entry.values, f"{entry.source} (at {moment:g} s)")
+            if entry.moving and entry.last == moment:
+                present = altered(present, entry.values, f"{entry.source} (at {entry.at + entry.over:g} s)")
         for entry in entries:
-            if entry.at == moment:
-                events += _events(entry, present, configuration.step_rate)
-                present = present if entry.over else altered(present, entry.values, f"{entry.source} (at {moment:g} s)")
+            if entry.first == moment:
+                events += _events(entry, present)
+                present = present if entry.moving else altered(present, entry.values, f"{entry.source} (at {entry.at:g} s)")
     return sorted(events, key=lambda event: event.step)
+
+
+def _refuse_overlaps(entries: Sequence[_Entry]) -> None:
+    """Refuse an entry, of all in their order, that sets what another still moves: one of them would be lost."""
+    moved: dict[str, _Entry] = {}
+    for entry in entries:
+        for key in sorted(entry.keys & set(moved)):
+            other = moved[key]
+            if entry.first < other.last:
+                raise Refusal(
+                    f"{entry.source}: it sets {key} at {entry.at:g} s, which another entry moves from {other.at:g} s to "
+                    f"{other.at + other.over:g} s; begin this one when that one ends, or let it end sooner"
+                )
+        if entry.moving:
+            moved.update(dict.fromkeys(entry.keys, entry))
 
 
 def _entry(item: Any, configuration: Configuration, source: str) -> _Entry:
@@ -125,7 +156,9 @@ def _entry(item: Any, configuration: Configuration, source: str) -> _Entry:
     values = _by_the_wheel({str(key): value for key, value in flatten(item["set"]).items()}, configuration, source)
     if "time_scale" in values:
         raise Refusal(f"{source}: time_scale is no part of a scenario, which goes by simulated time; give it to the bench")
-    return _Entry(_seconds(item["at"], "at", source), _seconds(item.get("over", 0.0), "over", source), values, source)
+    at, over = _seconds(item["at"], "at", source), _seconds(item.get("over", 0.0), "over", source)
+    first, last = (first_step(seconds, configuration.step_rate) for seconds in (at, at + over))
+    return _Entry(at, over, first, last, values, source)
 
 
 def _by_the_wheel(values: dict[str, Any], configuration: Configuration, source: str) -> dict[str, Any]:
@@ -153,11 +186,10 @@ def first_step(seconds: float, step_rate: int) -> int:
     return near if abs(exact - near) < 1e-3 else math.ceil(exact)
 
 
-def _events(entry: _Entry, present: Configuration, step_rate: int) -> Iterator[Event]:
+def _events(entry: _Entry, present: Configuration) -> Iterator[Event]:
     """Yield an entry's events, the bench being as it is at its beginning."""
-    first, last = first_step(entry.at, step_rate), first_step(entry.at + entry.over, step_rate)
-    if last <= first:
-        yield Event(first, entry.values, f"scenario: {spoken(entry.values)}")
+    if not entry.moving:
+        yield Event(entry.first, entry.values, f"scenario: {spoken(entry.values)}")
         return
     before = flatten(present.model_dump())
     altered(present, entry.values, f"{entry.source} (at {entry.at + entry.over:g} s)")
@@ -168,8 +200,8 @@ def _events(entry: _Entry, present: Configuration, step_rate: int) -> Iterator[E
     grown = {key: value for key, value in entry.values.items() if key not in COMMANDED}
     slopes = _slopes(entry, ramped, before)
     altered(present, slopes, f"{entry.source} (from {entry.at:g} s to {entry.at + entry.over:g} s)")
-    yield from _ramps(entry, ramped, slopes, before, (first, last))
-    yield from _growth(entry, grown, before, (first, last))
+    yield from _ramps(entry, ramped, slopes, before)
+    yield from _growth(entry, grown, before)
 
 
 def _slopes(entry: _Entry, values: Mapping[str, float], before: Mapping[str, Any]) -> dict[str, float]:
@@ -181,20 +213,18 @@ def _slopes(entry: _Entry, values: Mapping[str, float], before: Mapping[str, Any
     return {key: slope for key, slope in slopes.items() if slope > 0.0}
 
 
-def _ramps(
-    entry: _Entry, values: Mapping[str, float], slopes: Mapping[str, float], before: Mapping[str, Any], span: tuple[int, int]
-) -> Iterator[Event]:
+def _ramps(entry: _Entry, values: Mapping[str, float], slopes: Mapping[str, float], before: Mapping[str, Any]) -> Iterator[Event]:
     """Yield the begin and the end of speeds and loads that change at one slope each; the ramps of before hold again at the end."""
     if slopes:
-        yield Event(span[0], {**slopes, **values}, f"scenario: {spoken(values)} over {entry.over:g} s begins")
-        yield Event(span[1], {key: before[key] for key in slopes}, f"scenario: {spoken(values)}")
+        yield Event(entry.first, {**slopes, **values}, f"scenario: {spoken(values)} over {entry.over:g} s begins")
+        yield Event(entry.last, {key: before[key] for key in slopes}, f"scenario: {spoken(values)}")
 
 
-def _growth(entry: _Entry, values: Mapping[str, float], before: Mapping[str, Any], span: tuple[int, int]) -> Iterator[Event]:
+def _growth(entry: _Entry, values: Mapping[str, float], before: Mapping[str, Any]) -> Iterator[Event]:
     """Yield the sizes of what grows, at equal steps between its begin and its end."""
     if not values:
         return
-    first, last = span
+    first, last = entry.first, entry.last
     count = max(1, min(MOST_TICKS, math.floor(entry.over / TICK)))
     for k in range(1, count):
         share = k / count

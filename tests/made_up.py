@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -33,4 +34,14 @@ def recorded(path: Path, count: int, *, commands: dict[int, str] | None = None, 
     with Recorder(path, configuration, LAYOUT) as recorder:
         for block in blocks(count, commands=commands):
             recorder.write(block)
+    return path
+
+
+def narrowed(path: Path, count: int, *, at: int, limit: float) -> Path:
+    """Record blocks of dull noise, 10 m/s^2 rms, whose sensor has another range from a block on and stands at it now and then."""
+    with Recorder(path, Configuration(), LAYOUT) as recorder:
+        for number, block in enumerate(blocks(count)):
+            dull = np.stack([np.convolve(column, np.full(16, 0.25), "same") for column in block.acceleration.T], axis=1)
+            span = limit if number >= at else 5000.0
+            recorder.write(replace(block, acceleration=np.clip(dull, -span, span).astype(np.float32), range=span))
     return path

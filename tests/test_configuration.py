@@ -187,6 +187,9 @@ def test_modes_beyond_every_step_are_refused_with_what_to_check() -> None:
         load_configuration("healthy", ["bearing.cage_mass=0.0001", "contact.law=power", "contact.power_coefficient=1e15"])
 
 
+DOUBLINGS = "a: &x0 {x: 1}\n" + "".join(f"a{k}: &x{k} {{x: *x{k - 1}, y: *x{k - 1}}}\n" for k in range(1, 26))
+
+
 @pytest.mark.parametrize(
     ("text", "sentence"),
     [
@@ -195,6 +198,14 @@ def test_modes_beyond_every_step_are_refused_with_what_to_check() -> None:
         ("/**: {ros__parameters: {operating: {speed: 1772}}}", r"write 1772\.0"),
         ("/**:\n  ros__parameters:\n    a: 1\n    a: 2\n", "the key 'a' stands twice"),
         ("/**: [1, 2", "is not valid YAML"),
+        ("/**:\n  speed: 2026-13-45", r"not valid YAML in line 2: '2026-13-45' cannot be read as timestamp; a text stands in quotes"),
+        ("/**: {? [1, 2] : 3}", "in line 1: a key is a list or a mapping"),
+        ("/**: " + 5000 * "9", "'9{40}' cannot be read as int"),
+        ("/**: 0x" + 5000 * "f", "'0xf{38}...' is too large a number"),
+        ("/**: !!int ''", "'' cannot be read as int"),
+        ('/**: "\\UFFFFFFFF"', "names a character that does not exist"),
+        (1000 * "[", "nested too deeply"),
+        (DOUBLINGS, "its aliases stand for more than 2000000 values"),
         ("/**: {ros__parameters: {faults: {broken_bars: 15}}}", "faults.broken_bars = 15 is not a text; broken cage bars"),
         ("/**: {operating: {speed: 1.0}}", "must hold 'ros__parameters:'"),
     ],
@@ -222,6 +233,18 @@ def test_sections_of_the_node_win_and_other_nodes_are_left_alone(tmp_path: Path)
         encoding="utf-8",
     )
     assert load_configuration(path).operating.speed == 90.0
+
+
+@pytest.mark.parametrize("value", ["2026-13-45", 400 * "9", 5000 * "9", 1000 * "[", '"\\UFFFFFFFF"'])
+def test_broken_settings_are_refused(value: str) -> None:
+    with pytest.raises(Refusal, match="the value is not a plain number or text"):
+        load_configuration("healthy", [f"operating.speed={value}"])
+
+
+def test_plain_aliases_are_put_in(tmp_path: Path) -> None:
+    path = tmp_path / "bench.yaml"
+    path.write_text("/**: {ros__parameters: {faults: {outer_1: &notch {width: 0.002}, inner_1: *notch}}}", encoding="utf-8")
+    assert load_configuration(path).faults.inner_1.width == 0.002
 
 
 def test_misspelt_name_suggests_the_nearest() -> None:

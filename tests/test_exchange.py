@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import json
 from pathlib import Path
 from typing import Any
@@ -191,6 +192,9 @@ def test_kinds_of_csv(text: str, tmp_path: Path) -> None:
         ({"sampling_rate": 0}, "sampling_rate = 0 is refused"),
         ({"channels": None}, "channels is refused: field required"),
         ({"channels": {"ax": "fe"}}, r"has no channel 'fe'; did you mean 'de'\?|has no channel 'fe'"),
+        ({"first_index": 10**15}, r"first_index = 10{15} leads to sample 1e\+15, beyond 2147483648 s at 12000 Hz"),
+        ({"first_index": 10**30}, r"first_index = 10{30} leads to sample 1e\+30"),
+        ({"labels": {"x": float("nan")}}, "nan is no finite number; write null"),
         ({"speeed": 3.0}, r"unknown key 'speeed'; did you mean 'speed'\?"),
         (
             {"orders": None, "bearing": {"rollers_per_row": 9, "roller_radius": 0.02, "pitch_radius": 0.0195}},
@@ -211,12 +215,67 @@ def test_what_is_missing_is_never_guessed(changes: dict[str, Any], sentence: str
         ({"de": np.zeros((3, 4))}, "a channel is one row of numbers"),
         ({"de": np.array(["a", "b"])}, "a channel is one row of numbers"),
         ({"de": np.zeros(0)}, "not empty"),
+        ({"de": np.array([1.0, 1e300])}, r"sample 1 of 'de' is 1e\+300, more than 3e\+38 m/s\^2, what a message holds"),
     ],
 )
 def test_unusable_channels_are_refused(arrays: dict[str, Any], sentence: str, tmp_path: Path) -> None:
     np.savez(tmp_path / "x.npz", **arrays)
     with pytest.raises(Refusal, match=sentence):
         Import(tmp_path / "x.npz", described(tmp_path))
+
+
+@pytest.mark.parametrize(
+    ("index", "sentence"),
+    [
+        (np.arange(3) * 1.7, "'i' is no index: 1.7 is not a whole number"),
+        (np.array([0.0, 1.0, 1e300]), r"'i' leads to sample 1e\+300, beyond 2147483648 s"),
+        (np.array([0, 2, 1]), "begins at 0 or later and rises"),
+        (np.array([-1, 0, 1]), "begins at 0 or later and rises"),
+    ],
+)
+def test_what_is_no_index_is_refused(index: np.ndarray[Any, Any], sentence: str, tmp_path: Path) -> None:
+    np.savez(tmp_path / "x.npz", de=np.ones(3), i=index)
+    with pytest.raises(Refusal, match=sentence):
+        Import(tmp_path / "x.npz", described(tmp_path, channels={"ax": "de", "index": "i"}))
+
+
+def test_descriptions_are_read_as_configurations_are(tmp_path: Path) -> None:
+    path = tmp_path / "about.yaml"
+    text = "{channels: {ax: de}, speed: 1e2, sampling_rate: 5.12e4, labels: {2026-01-02: ok, 3: {when: 2026-01-03}}}"
+    path.write_text(text, encoding="utf-8")
+    found = read_description(path)
+    assert (found.sampling_rate, found.speed) == (51200, 100.0)
+    assert json.dumps(found.labels) == '{"2026-01-02": "ok", "3": {"when": "2026-01-03"}}'
+    path.write_text("channels: {ax: de}\nsampling_rate: 12000\nsampling_rate: 25600\n", encoding="utf-8")
+    with pytest.raises(Refusal, match="the key 'sampling_rate' stands twice"):
+        read_description(path)
+
+
+def test_an_import_or_export_that_fails_leaves_nothing(
+    noise: np.ndarray[Any, Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    np.savez(tmp_path / "x.npz", de=noise)
+    whole = Import(tmp_path / "x.npz", described(tmp_path))
+    monkeypatch.setattr(Import, "blocks", stopped)
+    with pytest.raises(KeyboardInterrupt):
+        whole.write(tmp_path / "bag")
+    monkeypatch.undo()
+    whole.write(tmp_path / "bag")
+    recording = Recording(tmp_path / "bag")
+    monkeypatch.setattr(Path, "write_text", half_written)
+    with pytest.raises(Refusal, match=r"cannot be written: No space left on device; make room"):
+        export(recording, tmp_path / "out.csv")
+    monkeypatch.undo()
+    export(recording, tmp_path / "out.csv")
+
+
+def stopped(_: Import) -> Any:
+    raise KeyboardInterrupt
+
+
+def half_written(path: Path, text: str, **_: Any) -> int:
+    path.write_bytes(text[: len(text) // 2].encode())
+    raise OSError(errno.ENOSPC, "No space left on device")
 
 
 def test_geometry_gives_the_orders(noise: np.ndarray[Any, Any], tmp_path: Path) -> None:

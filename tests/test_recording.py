@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import resource
 import subprocess
 import sys
@@ -12,11 +13,14 @@ import numpy.typing as npt
 import pytest
 import yaml
 from conftest import Run, simulated
+from made_up import narrowed
 from mcap.reader import make_reader
 from mcap_ros2.decoder import DecoderFactory
 from rosbags.highlevel import AnyReader
 
 from dcrb_ros.block import Layout
+from dcrb_ros.cli.detect import detect
+from dcrb_ros.exam.reference import opinions
 from dcrb_ros.messages.points import SAMPLE
 from dcrb_ros.recording import Recording
 from dcrb_ros.refusal import Refusal
@@ -199,3 +203,12 @@ def test_full_disk_ends_with_a_reason_and_a_readable_file(run: Run, tmp_path: Pa
     recording = Recording(tmp_path / "full")
     assert sum(1 for _ in recording.vibrations()) > 10
     assert not recording.complete
+
+
+def test_a_range_that_changes_is_followed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    bag = narrowed(tmp_path / "bag", 175, at=75, limit=20.0)
+    assert [span for _, span in Recording(bag).ranged_vibrations()] == [5000.0] * 75 + [20.0] * 100
+    detect(bag, as_json=True)
+    verdicts = [found["verdict"] for found in json.loads(capsys.readouterr().out)["history"]]
+    assert verdicts == [opinion.verdict for opinion in opinions(bag)]
+    assert "sensor" not in verdicts

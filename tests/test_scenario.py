@@ -108,6 +108,33 @@ def test_steps_at_or_after_a_time() -> None:
             r"at 5 s\): faults.outer_2 overlaps",
         ),
         (
+            {
+                "timeline": [
+                    {"at": 0.0, "over": 10.0, "set": {"operating.speed": 200.0}},
+                    {"at": 5.0, "over": 5.0, "set": {"operating.speed_kmh": 104.0}},
+                ]
+            },
+            r"entry 2: it sets operating.speed at 5 s, which another entry moves from 0 s to 10 s; begin this one when",
+        ),
+        (
+            {
+                "timeline": [
+                    {"at": 1.5, "set": {"faults.outer_1.width": 0.0}},
+                    {"at": 1.0, "over": 1.0, "set": {"faults.outer_1.width": 0.002}},
+                ]
+            },
+            r"entry 1: it sets faults.outer_1.width at 1.5 s, which another entry moves from 1 s to 2 s",
+        ),
+        (
+            {
+                "timeline": [
+                    {"at": 1.0, "over": 1.0, "set": {"operating.load": 50000.0}},
+                    {"at": 1.0, "over": 4.0, "set": {"operating.lateral_load": 10000.0}},
+                ]
+            },
+            r"entry 2: it sets operating.load_ramp at 1 s, which another entry moves",
+        ),
+        (
             {"timeline": [{"at": 2.0, "set": {"faults.broken_bars": ""}}, {"at": 1.0, "set": {"faults.broken_bars": "row1/bar2"}}]},
             "does not heal",
         ),
@@ -198,6 +225,22 @@ timeline:
     assert by_time[230_000_000].load == pytest.approx((10000.0, -84000.0), rel=1e-3)
     assert by_time[270_000_000].speed == pytest.approx(reached + 50.0 * 0.02, abs=0.01)
     assert [truth.changed for truth in told if truth.changed][1].endswith("over 0.1 s begins")
+
+
+def test_entries_that_touch_each_other_follow_each_other() -> None:
+    text = """
+timeline:
+  - {at: 0.1, over: 0.2, set: {faults.outer_1.width: 0.002, operating.speed: 120.0}}
+  - {at: 0.1, set: {faults.outer_1.width: 0.001}}
+  - {at: 0.3, over: 0.3, set: {faults.outer_1.width: 0.004, operating.speed: 100.0}}
+  - {at: 0.6, set: {faults.outer_1.width: 0.0}}
+"""
+    events = timeline(yaml.safe_load(text), Configuration.model_validate({"operating": {"speed": 110.0}}), "story.yaml")
+    widths = [event.changes["faults.outer_1.width"] for event in events if "faults.outer_1.width" in event.changes]
+    # 0.1 + 0.2 is a little above 0.3; they are one step.
+    assert widths == pytest.approx([0.001, 0.00125, 0.0015, 0.00175, 0.002, *np.arange(0.0024, 0.0041, 0.0004), 0.0], abs=1e-9)
+    slopes = [event.changes["operating.speed_ramp"] for event in events if "operating.speed" in event.changes]
+    assert slopes == pytest.approx([50.0, 20.0 / 0.3])
 
 
 def test_a_reversal_goes_through_a_standstill() -> None:

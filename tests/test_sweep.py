@@ -23,7 +23,7 @@ pytest.importorskip("distributed")
 
 import pandas as pd
 from distributed import Client
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from dcrb_ros.cli.app import app
@@ -142,10 +142,11 @@ def test_sensors_and_faults_make_no_new_condition() -> None:
     assert len({run.condition for run in runs}) == 3
 
 
-@given(st.integers(1, 40), st.floats(0.1, 0.8))
-def test_every_split_has_its_share(count: int, train: float) -> None:
+@given(st.integers(1, 40), st.floats(0.01, 0.8), st.floats(0.01, 0.99))
+@example(3, 0.1, 0.5 / 0.9)
+def test_every_split_has_its_share(count: int, train: float, validation: float) -> None:
     conditions = {f"{number:x}" for number in range(count)}
-    shares = Shares(train=train, validation=(1.0 - train) / 2.0, test=(1.0 - train) / 2.0)
+    shares = Shares(train=train, validation=(1.0 - train) * validation, test=(1.0 - train) * (1.0 - validation))
     found = splits(conditions, shares)
     assert set(found) == conditions
     assert found == splits(conditions, shares)
@@ -567,6 +568,9 @@ def test_wrong_usage_ends_with_status_2(tmp_path: Path, capsys: pytest.CaptureFi
     (tmp_path / "other").mkdir()
     (tmp_path / "other" / "thesis.txt").touch()
     DataSet(plan_of({"duration": 0.03}), Store(str(begun)))
+    damaged = tmp_path / "damaged"
+    damaged.mkdir()
+    (damaged / "sweep.json").write_text('{"name": "3f', encoding="utf-8")
     folder, free = str(tmp_path / "set"), str(file)
     for arguments, sentence in (
         (["sweep"], "Missing argument"),
@@ -576,6 +580,8 @@ def test_wrong_usage_ends_with_status_2(tmp_path: Path, capsys: pytest.CaptureFi
         (["sweep", free, "-o", str(tmp_path / "other")], "holds something else"),
         (["sweep", free, "-o", str(begun)], "was begun with another sweep (duration differs)"),
         (["sweep", free, "-o", "/proc/set"], "/proc/set cannot be written"),
+        (["sweep", free, "-o", str(tmp_path / "list.yaml")], "list.yaml cannot be read: Not a directory; give a folder that is empty"),
+        (["sweep", free, "-o", str(damaged)], "sweep.json is damaged, so nobody knows"),
         (["sweep", free, "-o", "memory://set"], "would be gone with this command"),
         (["sweep", free, "-o", "nowhere://set"], "is no place for a data set"),
         (["sweep", free, "-o", folder, "--workers", "0"], "--workers"),

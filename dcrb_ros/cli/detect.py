@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
 
@@ -23,9 +22,10 @@ def detect(
 
     recording, parameters = Recording(bag), DetectorParameters()
     rate = recording.sampling_rate
-    detector = FaultDetector(recording.orders, rate, parameters, sensor_range=_range(recording.manifest))
+    detector = FaultDetector(recording.orders, rate, parameters)
     found, seconds = [], 0.0
-    for vibration in recording.vibrations():
+    for vibration, sensor_range in recording.ranged_vibrations():
+        detector.sensor_range = sensor_range
         diagnosis = detector.update(vibration.first_index(rate), vibration.acceleration, vibration.shaft_angle)
         seconds += len(vibration.shaft_angle) / rate
         if diagnosis is not None:
@@ -71,10 +71,3 @@ def detect(
         console.print(remark, highlight=False)
     if not recording.complete:
         console.print("the recording is cut off; the verdict rests on what is readable")
-
-
-def _range(manifest: Mapping[str, Any]) -> float:
-    """Return the sensor's range as the manifest tells it [m/s^2], or 0."""
-    about = manifest.get("sensor") or manifest.get("configuration", {}).get("sensor")
-    found = about.get("range") if isinstance(about, Mapping) else None
-    return float(found) if isinstance(found, int | float) and found > 0.0 else 0.0

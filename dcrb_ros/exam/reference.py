@@ -9,11 +9,8 @@ from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.exam.case import Case
 from dcrb_ros.exam.library import recorded
 from dcrb_ros.exam.opinion import Opinion, opinion_of
-from dcrb_ros.messages.description import decode_range
-from dcrb_ros.messages.points import decode_vibration
 from dcrb_ros.messages.verdicts import encode_diagnosis
 from dcrb_ros.recording import Recording
-from dcrb_ros.topics import SENSOR, VIBRATION
 
 
 def opinions(bag: Path) -> list[Opinion]:
@@ -22,11 +19,8 @@ def opinions(bag: Path) -> list[Opinion]:
     rate = recording.sampling_rate
     detector = FaultDetector(recording.orders, rate, DetectorParameters())
     found = []
-    for message in recording.messages((SENSOR, VIBRATION)):
-        if message.topic == SENSOR:
-            detector.sensor_range = decode_range(message.data)
-            continue
-        block = decode_vibration(message.data)
+    for block, sensor_range in recording.ranged_vibrations():
+        detector.sensor_range = sensor_range
         diagnosis = detector.update(block.first_index(rate), block.acceleration, block.shaft_angle)
         if diagnosis is not None:
             found.append(opinion_of(encode_diagnosis(diagnosis)))

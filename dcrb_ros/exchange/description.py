@@ -2,20 +2,40 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
-import yaml
-from pydantic import Field, ValidationError
+from pydantic import BeforeValidator, Field, ValidationError
 
+from dcrb_ros.configuration_file import read_yaml
 from dcrb_ros.kinematics import Orders, characteristic_orders
 from dcrb_ros.parameters import Bearing, Group
 from dcrb_ros.refusal import Refusal, nearest
 
-LARGEST = 1_000_000
-"""Largest description [bytes]."""
 UNITS = {"m/s^2": 1.0, "g": 9.80665, "mm/s^2": 1e-3}
 """Units of acceleration in m/s^2."""
+
+
+def _whole(given: Any) -> Any:
+    """Return a decimal number that is a whole one, such as 5.12e4, as that."""
+    return int(given) if isinstance(given, float) and given.is_integer() else given
+
+
+def _plain(given: Any) -> Any:
+    """Return labels as JSON can say them: a date, as a key too, becomes its text."""
+    if isinstance(given, Mapping):
+        return {str(key): _plain(value) for key, value in given.items()}
+    if isinstance(given, (list, tuple)):
+        return [_plain(value) for value in given]
+    if isinstance(given, float) and not math.isfinite(given):
+        raise ValueError(f"{given} is no finite number; write null for what is not known")
+    return given if given is None or isinstance(given, (bool, int, float, str)) else str(given)
+
+
+Whole = Annotated[int, BeforeValidator(_whole)]
+Labels = Annotated[dict[str, Any], BeforeValidator(_plain)]
 
 
 class Channels(Group):
@@ -54,7 +74,7 @@ class Description(Group):
     """What a foreign waveform is of."""
 
     channels: Channels
-    sampling_rate: int | None = Field(None, ge=100, le=10_000_000)
+    sampling_rate: Whole | None = Field(None, ge=100, le=10_000_000)
     """[Hz]"""
     unit: Literal["m/s^2", "g", "mm/s^2"] | None = None
     full_scale: float | None = Field(None, gt=0.0)
@@ -64,9 +84,9 @@ class Description(Group):
     speed_rpm: float | None = Field(None, ge=-1e6, le=1e6)
     bearing: Geometry | None = None
     orders: GivenOrders | None = None
-    first_index: int = Field(0, ge=0)
-    block_size: int = Field(1024, ge=16, le=65536)
-    labels: dict[str, Any] = Field(default_factory=dict)
+    first_index: Whole = Field(0, ge=0)
+    block_size: Whole = Field(1024, ge=16, le=65536)
+    labels: Labels = Field(default_factory=dict)
     """Whatever is known of the truth; kept, not used."""
 
     def fault_orders(self, source: Path) -> Orders:
@@ -115,14 +135,7 @@ def read_description(path: Path) -> Description:
     Raises:
         Refusal: it cannot be read, or a key is unknown, missing or out of range.
     """
-    try:
-        if path.stat().st_size > LARGEST:
-            raise Refusal(f"{path} has {path.stat().st_size} bytes; a description has at most {LARGEST}")
-        tree = yaml.safe_load(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise Refusal(f"{path} cannot be read: {error.strerror}") from None
-    except (yaml.YAMLError, UnicodeDecodeError, ValueError, RecursionError):
-        raise Refusal(f"{path} is not valid YAML") from None
+    tree = read_yaml(path)
     if not isinstance(tree, dict):
         raise Refusal(f"{path} is no description: it must give channels, unit, sampling_rate, a speed and a bearing")
     for key in tree:
@@ -130,8 +143,11 @@ def read_description(path: Path) -> Description:
             raise Refusal(f"{path}: unknown key '{key}'{nearest(str(key), Description.model_fields)}")
     try:
         return Description.model_validate(tree)
+    except RecursionError:
+        raise Refusal(f"{path}: the labels are nested too deeply, or hold themselves: make them flatter") from None
     except ValidationError as error:
         first = error.errors()[0]
         key = ".".join(str(part) for part in first["loc"])
         given = "" if first["type"] == "missing" else f" = {first['input']!r}"
-        raise Refusal(f"{path}: {key}{given} is refused: {first['msg'][0].lower()}{first['msg'][1:]}") from None
+        words = first["msg"].removeprefix("Value error, ")
+        raise Refusal(f"{path}: {key}{given} is refused: {words[0].lower()}{words[1:]}") from None

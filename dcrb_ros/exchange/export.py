@@ -36,11 +36,11 @@ def export(recording: Recording, path: Path) -> Path:
     try:
         writer(path, columns, extra, recording.sampling_rate, about)
         beside.write_text(yaml.safe_dump(description, sort_keys=False), encoding="utf-8")
-    except OSError as error:
-        path.unlink(missing_ok=True)
-        raise Refusal(f"{path} cannot be written: {error.strerror}; make room or give another folder") from None
-    except BaseException:
-        path.unlink(missing_ok=True)
+    except BaseException as error:
+        for file in (path, beside):
+            file.unlink(missing_ok=True)
+        if isinstance(error, OSError):
+            raise Refusal(f"{path} cannot be written: {error.strerror}; make room or give another folder") from None
         raise
     return beside
 

@@ -5,7 +5,9 @@ from __future__ import annotations
 import hashlib
 import itertools
 import json
+import shutil
 from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -23,11 +25,13 @@ from dcrb_ros.messages.joints import encode_features
 from dcrb_ros.messages.plain import encode_text
 from dcrb_ros.messages.points import encode_vibration
 from dcrb_ros.refusal import Refusal
-from dcrb_ros.sinks.bag import Bag
+from dcrb_ros.sinks.bag import Bag, RecordingFailed
 from dcrb_ros.sinks.recorder import channel_of
 from dcrb_ros.topics import FEATURES, MANIFEST, NAMESPACE, SENSOR, VIBRATION, Message
 
 TURN = 2.0 * np.pi
+LATEST = 2**31
+"""Time from which on the stamp of a message has no room [s]."""
 
 
 class Import:
@@ -45,14 +49,14 @@ class Import:
         self.orders: Orders = self.description.fault_orders(about)
         factor = self._factor(foreign)
         channels = self.description.channels
-        ax = self._finite(foreign, channels.ax) * factor
-        ay = ax if channels.ay is None else self._finite(foreign, channels.ay) * factor
+        ax = self._axis(foreign, channels.ax, factor)
+        ay = ax if channels.ay is None else self._axis(foreign, channels.ay, factor)
         self.index = self._index(foreign, len(ax))
         angle = self._angle(foreign, self.index)
         lengths = {"ax": len(ax), "ay": len(ay), "shaft_angle": len(angle), "index": len(self.index)}
         if len(set(lengths.values())) > 1 or not len(ax):
             raise Refusal(f"{file}: the channels must be of one length and not empty: {lengths}")
-        self.acceleration = np.column_stack([ax, ay]).astype(np.float32)
+        self.acceleration = np.column_stack([ax, ay])
         self.angle = angle
 
     def _rate(self, foreign: Foreign) -> int:
@@ -80,14 +84,38 @@ class Import:
             raise Refusal(f"{self._file}: {bad} of {len(values)} samples of '{name}' are not finite numbers: cut them out first")
         return values.astype(np.float64)
 
+    def _axis(self, foreign: Foreign, name: str | int, factor: float) -> npt.NDArray[np.float32]:
+        """Return the acceleration of a channel [m/s^2]."""
+        with np.errstate(over="ignore"):
+            values = (self._finite(foreign, name) * factor).astype(np.float32)
+        bad = np.flatnonzero(~np.isfinite(values))
+        if len(bad):
+            raise Refusal(
+                f"{self._file}: sample {bad[0]} of '{name}' is {float(channel(foreign, self._file, name)[bad[0]]):g}, more than "
+                f"{np.finfo(np.float32).max:.1g} m/s^2, what a message holds: cut it out, or check the unit"
+            )
+        return values
+
     def _index(self, foreign: Foreign, count: int) -> npt.NDArray[np.int64]:
-        name = self.description.channels.index
+        name, first = self.description.channels.index, self.description.first_index
         if name is None:
-            return self.description.first_index + np.arange(count, dtype=np.int64)
-        found = self._finite(foreign, name).astype(np.int64)
+            self._in_time(first + count - 1, f"{self._about}: first_index = {first}")
+            return first + np.arange(count, dtype=np.int64)
+        found = self._finite(foreign, name)
+        broken = found[found != np.rint(found)]
+        if len(broken):
+            raise Refusal(
+                f"{self._file}: '{name}' is no index: {broken[0]:g} is not a whole number; an index counts samples, gaps included"
+            )
         if len(found) and (found[0] < 0 or np.any(np.diff(found) <= 0)):
             raise Refusal(f"{self._file}: '{name}' must be an index that begins at 0 or later and rises")
-        return found
+        self._in_time(float(found[-1]) if len(found) else 0.0, f"{self._file}: '{name}'")
+        return found.astype(np.int64)
+
+    def _in_time(self, last: float, source: str) -> None:
+        """Refuse an index whose time a message cannot tell."""
+        if last >= LATEST * self.rate:
+            raise Refusal(f"{source} leads to sample {last:.3g}, beyond {LATEST} s at {self.rate} Hz, where stamps end: begin at 0")
 
     def _angle(self, foreign: Foreign, index: npt.NDArray[np.int64]) -> npt.NDArray[np.float32]:
         """Return the shaft's angle within [0, 2 pi), as it is in the file or as it follows from the speed."""
@@ -161,6 +189,10 @@ class Import:
                 outcome.note(waveform)
                 features = (channels[FEATURES], block.stamp_ns, encode_features(block))
                 bag.write([(channels[VIBRATION], block.stamp_ns, waveform.data), features])
-        finally:
             bag.close()
+        except BaseException:
+            with suppress(RecordingFailed):
+                bag.close()
+            shutil.rmtree(bag.path, ignore_errors=True)
+            raise
         return outcome.samples

@@ -25,6 +25,8 @@ if TYPE_CHECKING:
     from distributed import Client
 
 ABOUT, COPY, BASE, CARD = "sweep.json", "sweep.yaml", "base.yaml", "README.md"
+PARTS = ("sweep", "base", "scenarios")
+"""What a data set is made from, by the names in `ABOUT`."""
 TASK_SECONDS = 2.0
 """Simulated time in a task below which short runs go together [s]: handing over a task costs some milliseconds."""
 
@@ -42,12 +44,11 @@ class DataSet:
         """
         self.plan, self.store = plan, store
         about = _about(plan)
-        known = store.read(ABOUT)
-        if known is None:
-            if any(True for _ in store.names("")):
-                raise Refusal(f"{store.address} holds something else: give a folder that is empty or not there yet")
-        else:
-            _same(json.loads(known), about, store)
+        known = _known(store)
+        if known:
+            _same(known, about, store)
+        elif any(True for _ in store.names("")):
+            raise Refusal(f"{store.address} holds something else: give a folder that is empty or not there yet")
         try:
             # By this one the folder is known again, so it comes first.
             store.write(ABOUT, json.dumps(about, indent=1).encode())
@@ -88,6 +89,27 @@ class DataSet:
         return min(TASK_SECONDS, fair)
 
 
+def _known(store: Store) -> dict[str, Any]:
+    """Return what the data set at a place was begun with; nothing where there is none.
+
+    Raises:
+        Refusal: the place is no folder or cannot be read, or what it says of itself is damaged.
+    """
+    try:
+        known = store.read(ABOUT)
+    except OSError as error:
+        raise Refusal(f"{store.address} cannot be read: {error.strerror or error}; give a folder that is empty or not there yet") from None
+    if known is None:
+        return {}
+    try:
+        about = json.loads(known)
+    except (ValueError, RecursionError):
+        about = None
+    if not isinstance(about, dict) or not all(isinstance(about.get(part, {}), dict) for part in PARTS):
+        raise Refusal(f"{store.path(ABOUT)} is damaged, so nobody knows what the data set was begun with: give another folder")
+    return about
+
+
 def _about(plan: Plan) -> dict[str, Any]:
     """Return what a data set was begun with, all that is needed to make it again."""
     sweep = plan.sweep
@@ -115,7 +137,7 @@ def _same(known: dict[str, Any], about: dict[str, Any], store: Store) -> None:
             f"{store.address} was begun with dcrb_ros {known.get('dcrb_ros')} and model {known.get('model')}, this is "
             f"{about['dcrb_ros']} with model {about['model']}: give another folder, a data set is of one model"
         )
-    parts = [part for part in ("sweep", "base", "scenarios") if known.get(part) != about[part]]
+    parts = [part for part in PARTS if known.get(part) != about[part]]
     keys = [
         key
         for part in parts

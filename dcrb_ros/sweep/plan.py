@@ -159,6 +159,8 @@ def splits(conditions: set[str], shares: Shares) -> dict[str, str]:
     if len(order) < len(named):
         named = [(name, share) for name, share in named if name != "validation"]
     counts = [max(round(share * len(order)), 1) for _, share in named]
+    while sum(counts[1:]) >= len(order) and max(counts[1:]) > 1:
+        counts[counts.index(max(counts[1:]), 1)] -= 1
     # Training bears what rounding leaves over or takes away.
     counts[0] = max(len(order) - sum(counts[1:]), 1)
     names = itertools.chain.from_iterable([name] * count for (name, _), count in zip(named, counts, strict=True))
