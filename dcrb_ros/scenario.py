@@ -10,9 +10,10 @@ from typing import Any
 
 from dcrb_ros.alteration import altered, spoken
 from dcrb_ros.configuration import Configuration
-from dcrb_ros.configuration_file import COMMANDED, flatten, overlaid, read_yaml, shipped_folder, validated
+from dcrb_ros.configuration_file import COMMANDED, flatten, overlaid, shipped_folder, validated
 from dcrb_ros.parameters import shaft_speed
 from dcrb_ros.refusal import Refusal, nearest
+from dcrb_ros.yaml_file import read_yaml
 
 TICK = 0.05
 """Simulated time between two sizes of what grows [s]; longer where that made more than `MOST_TICKS`."""

@@ -15,7 +15,7 @@ from pydantic import Field, ValidationError
 
 from dcrb_ros.alteration import altered
 from dcrb_ros.configuration import Configuration
-from dcrb_ros.configuration_file import find_configuration, flatten, read_parameters, read_yaml, shipped_folder, validated
+from dcrb_ros.configuration_file import find_configuration, flatten, read_parameters, shipped_folder, validated
 from dcrb_ros.exam.case import Case, Run, canonical, described
 from dcrb_ros.exam.criteria import Criteria, DelayLimits
 from dcrb_ros.exam.opinion import VERDICTS
@@ -24,6 +24,7 @@ from dcrb_ros.exam.taped import right_verdict
 from dcrb_ros.parameters import Group, choice, quantity
 from dcrb_ros.refusal import Refusal, nearest
 from dcrb_ros.scenario import Event, begun, read_story, timeline
+from dcrb_ros.yaml_file import read_yaml
 
 MOST_CASES = 10_000
 Verdict = Literal["healthy", "outer_ring", "inner_ring", "roller", "cage", "compound", "sensor"]

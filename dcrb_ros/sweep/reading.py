@@ -17,13 +17,13 @@ from dcrb_ros.configuration_file import (
     load_configuration,
     overlaid,
     parameter_fields,
-    read_yaml,
     shipped_folder,
 )
 from dcrb_ros.refusal import Refusal, nearest
 from dcrb_ros.scenario import read_story
 from dcrb_ros.sweep.design import GRID, Axes, Axis, Choice, Span, Value
 from dcrb_ros.sweep.sweep_file import SCENARIO, SOUND, Shares, Sweep, SweepFile, Windows
+from dcrb_ros.yaml_file import read_yaml
 
 CASE_GROUPS = ("faults", "background", "sensor")
 """What a case may set: what is wrong. All else is a condition of the bearing."""
