@@ -168,6 +168,20 @@ def test_a_full_disk_behind_the_queue_is_said_once_and_the_file_has_an_end(tmp_p
     assert about(tmp_path / "bag")["message_count"] >= kept  # type: ignore[operator]
 
 
+def test_a_disk_that_fills_up_at_the_beginning_is_refused_and_leaves_nothing(tmp_path: Path) -> None:
+    Recorder(tmp_path / "whole", Configuration(), LAYOUT)
+    size = (tmp_path / "whole" / "whole_0.mcap").stat().st_size
+    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    for limit in range(0, size, size // 20):
+        resource.setrlimit(resource.RLIMIT_FSIZE, (limit, hard))
+        try:
+            with pytest.raises(Refusal, match="File too large; make room or give another folder"):
+                Recorder(tmp_path / "bag", Configuration(), LAYOUT)
+        finally:
+            resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+        assert not (tmp_path / "bag").exists()
+
+
 WRITER = """
 import os, sys
 from pathlib import Path

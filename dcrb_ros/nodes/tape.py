@@ -77,7 +77,7 @@ class Tape:
             try:
                 self._recorder.write_messages(messages)
             except RecordingFailed as error:
-                self._fail(str(error))
+                self.fail(str(error))
 
     def stop(self) -> Path | None:
         """Finish the recording that runs; return its folder."""
@@ -90,9 +90,10 @@ class Tape:
             try:
                 recorder.close()
             except RecordingFailed as error:
-                self._fail(str(error))
+                self.fail(str(error))
             return recorder.path
 
-    def _fail(self, why: str) -> None:
+    def fail(self, why: str) -> None:
+        """Say why nothing is recorded that should be."""
         self._recorder, self._failure = None, why
         self._log(why)

@@ -5,7 +5,8 @@ from __future__ import annotations
 import os
 import shutil
 from collections import Counter
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -100,21 +101,19 @@ class Bag:
         """Write messages, each with its channel and simulated time [ns]; nothing once the bag is closed."""
         if not self.open:
             return
-        try:
+        with self._ending_on_failure():
             for channel, time_ns, data in messages:
                 if self._splitting.due(self._file, time_ns):
                     self._split()
                 self._file.write(channel, time_ns, data, self._sequences[channel])
                 self._sequences[channel] += 1
             self._file.keep_up()
-        except OSError as error:
-            self._abandon()
-            raise RecordingFailed(f"the recording {self.path} ended at {self._reached():.1f} s: {error.strerror}") from None
 
     def flush(self) -> None:
         """Bring everything so far into the file."""
-        self.write(())
-        if self.open:
+        if not self.open:
+            return
+        with self._ending_on_failure():
             self._file.flush()
 
     def close(self) -> None:
@@ -128,6 +127,15 @@ class Bag:
             self._abandon()
             raise RecordingFailed(f"the recording {self.path} could not be finished: {error.strerror}") from None
         self.open = False
+
+    @contextmanager
+    def _ending_on_failure(self) -> Iterator[None]:
+        """End the recording where what happens within cannot be written."""
+        try:
+            yield
+        except OSError as error:
+            self._abandon()
+            raise RecordingFailed(f"the recording {self.path} ended at {self._reached():.1f} s: {error.strerror}") from None
 
     def _next_file(self) -> McapFile:
         return McapFile(self.path / f"{self.path.name}_{len(self._ended)}.mcap", self._opening, self._compression)
