@@ -86,7 +86,7 @@ class Bag:
         self._sequences: Counter[Channel] = Counter()
         self.open = True
         try:
-            self._file = self._next_file()
+            self._file = self._begin_file(0)
             self._write_metadata()
         except OSError as error:
             shutil.rmtree(self.path, ignore_errors=True)
@@ -137,13 +137,14 @@ class Bag:
             self._abandon()
             raise RecordingFailed(f"the recording {self.path} ended at {self._reached():.1f} s: {error.strerror}") from None
 
-    def _next_file(self) -> McapFile:
-        return McapFile(self.path / f"{self.path.name}_{len(self._ended)}.mcap", self._opening, self._compression)
+    def _begin_file(self, number: int) -> McapFile:
+        return McapFile(self.path / f"{self.path.name}_{number}.mcap", self._opening, self._compression)
 
     def _split(self) -> None:
         self._end_file()
+        following = self._begin_file(len(self._ended) + 1)
         self._ended.append(self._file)
-        self._file = self._next_file()
+        self._file = following
         self._write_metadata()
 
     def _end_file(self) -> None:
