@@ -12,9 +12,11 @@ from test_recorder import SlowRecorder
 
 from dcrb_ros.configuration import Configuration
 from dcrb_ros.messages.encoder import BlockEncoder
+from dcrb_ros.nodes.bench import CHILD_END
+from dcrb_ros.nodes.simulator import LAST_BLOCK
 from dcrb_ros.nodes.tape import Tape
 from dcrb_ros.recording import Recording
-from dcrb_ros.sinks.queued import QueuedRecorder
+from dcrb_ros.sinks.queued import LAST_WRITE, QueuedRecorder
 from dcrb_ros.topics import Message
 
 PATIENCE = 20.0
@@ -76,3 +78,7 @@ def test_a_recording_that_is_late_does_not_blame_the_next(tmp_path: Path, monkey
     tape.start(lambda: QueuedRecorder(SlowRecorder(tmp_path / "bag-2"), 10))
     assert (tape.state, tape.failed, len(log)) == ("recording", False, 1)
     slow.allowed.set()
+
+
+def test_a_node_ends_before_the_bench_loses_its_patience() -> None:
+    assert LAST_BLOCK + LAST_WRITE < CHILD_END - 1.0  # and a second to leave the graph
