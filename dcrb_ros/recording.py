@@ -48,9 +48,8 @@ class Recording:
 
     def __init__(self, path: str | Path) -> None:
         self.path = Path(path)
-        self.files = mcap_files(self.path)
-        self.damage: list[str] = []
-        """What could not be read so far, in words."""
+        self.files, self.damage = sound_files(self.path)
+        """The MCAP files in their order; what could not be read so far, in words."""
         self.manifest = self._manifest()
         if self.manifest.get("format", 1) != 1 and self.outcome is None:
             self._remark(f"{self.files[-1].name}: the end is missing, the recording was cut off")
@@ -217,25 +216,45 @@ def _json(record: Metadata, key: str) -> dict[str, Any] | None:
 
 
 def mcap_files(path: Path) -> list[Path]:
-    """Return the MCAP files of a folder in their order, or a single one, checked by their first bytes.
+    """Return the MCAP files of a folder in their order, or a single one; what is none beside others is left out.
 
     Raises:
-        Refusal: there are none, or one is no MCAP file.
+        Refusal: there are none.
+    """
+    return sound_files(path)[0]
+
+
+def sound_files(path: Path) -> tuple[list[Path], list[str]]:
+    """Return the MCAP files of a folder or a single one, by their first bytes, and in words what is none and left out.
+
+    A crash or a power loss after a split leaves an empty file behind whole ones.
+
+    Raises:
+        Refusal: there are none.
     """
     if not path.exists():
         raise Refusal(f"there is no recording {path}: give a folder made by dcrb simulate or dcrb bench, or an .mcap file")
     files = sorted(path.glob("*.mcap"), key=_in_order) if path.is_dir() else [path]
     if not files:
         raise Refusal(f"{path} holds no .mcap file: give the folder of a recording")
-    for file in files:
-        try:
-            with file.open("rb") as stream:
-                magic = stream.read(len(MAGIC))
-        except OSError as error:
-            raise Refusal(f"{file} cannot be read: {error.strerror}") from None
-        if magic != MAGIC:
-            raise Refusal(f"{file} is no MCAP file: it {f'must begin with {MAGIC!r}' if magic else 'is empty'}")
-    return files
+    flaws = {file: flaw for file in files if (flaw := _flaw(file))}
+    if len(flaws) == len(files):
+        raise Refusal(f"{files[0]} is no MCAP file: it {flaws[files[0]]}")
+    return [file for file in files if file not in flaws], [
+        f"{file.name}: left out, no MCAP file: it {flaw}" for file, flaw in flaws.items()
+    ]
+
+
+def _flaw(file: Path) -> str:
+    """Return what is wrong with the first bytes of an MCAP file, or nothing."""
+    try:
+        with file.open("rb") as stream:
+            magic = stream.read(len(MAGIC))
+    except OSError as error:
+        raise Refusal(f"{file} cannot be read: {error.strerror}") from None
+    if magic == MAGIC:
+        return ""
+    return f"must begin with {MAGIC!r}" if magic else "is empty"
 
 
 def _in_order(path: Path) -> tuple[str, int, str]:

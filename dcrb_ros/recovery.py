@@ -15,7 +15,7 @@ from dcrb_ros.manifest import OUTCOME, Outcome, now
 from dcrb_ros.mcap_records import McapRecords
 from dcrb_ros.messages.points import decode_vibration
 from dcrb_ros.messages.statuses import decode_truth
-from dcrb_ros.recording import Recording, mcap_files
+from dcrb_ros.recording import Recording, sound_files
 from dcrb_ros.refusal import Refusal
 from dcrb_ros.sinks import mcap_file
 from dcrb_ros.sinks.bag import SECOND, Bag, Splitting
@@ -46,11 +46,10 @@ class Recovery:
     """A recording on its way into a new bag."""
 
     def __init__(self, source: Path) -> None:
-        self._files = mcap_files(source)
+        self._files, self._damage = sound_files(source)
         self._ours = _recording(source)
         self._source = source
         self._salvage = Salvage()
-        self._damage: list[str] = []
         self._outcome = Outcome(self._ours.sampling_rate, ()) if self._ours else None
 
     def write(self, target: Path) -> Salvage:

@@ -168,6 +168,38 @@ def test_a_full_disk_behind_the_queue_is_said_once_and_the_file_has_an_end(tmp_p
     assert about(tmp_path / "bag")["message_count"] >= kept  # type: ignore[operator]
 
 
+def test_a_disk_that_is_full_at_a_split_leaves_the_files_before_it_whole(tmp_path: Path) -> None:
+    bag, encoder = tmp_path / "bag", BlockEncoder(Configuration(), LAYOUT)
+    recorder = Recorder(bag, Configuration.model_validate({"recording": {"split_duration": 0.5}}), LAYOUT)
+    (bag / "bag_1.mcap").symlink_to("/dev/full")
+    with pytest.raises(RecordingFailed, match=r"ended at 0\.5 s: No space left on device"):
+        recorder.write_messages(message for block in blocks(60) for message in encoder.encode(block))
+    assert sorted(file.name for file in bag.iterdir()) == ["bag_0.mcap", "metadata.yaml"]
+    assert about(bag)["relative_file_paths"] == ["bag_0.mcap"]
+    with (bag / "bag_0.mcap").open("rb") as stream:
+        summary = make_reader(stream).get_summary()
+    assert summary is not None  # not cut off
+    assert summary.statistics is not None
+    assert summary.statistics.message_count == about(bag)["message_count"]
+    recording = Recording(bag)
+    assert sum(1 for _ in recording.vibrations()) == 25
+    assert recording.complete
+
+
+def test_a_disk_that_fills_up_at_the_beginning_is_refused_and_leaves_nothing(tmp_path: Path) -> None:
+    Recorder(tmp_path / "whole", Configuration(), LAYOUT)
+    size = (tmp_path / "whole" / "whole_0.mcap").stat().st_size
+    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    for limit in range(0, size, size // 20):
+        resource.setrlimit(resource.RLIMIT_FSIZE, (limit, hard))
+        try:
+            with pytest.raises(Refusal, match="File too large; make room or give another folder"):
+                Recorder(tmp_path / "bag", Configuration(), LAYOUT)
+        finally:
+            resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+        assert not (tmp_path / "bag").exists()
+
+
 WRITER = """
 import os, sys
 from pathlib import Path

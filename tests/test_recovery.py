@@ -110,6 +110,26 @@ def test_a_message_that_is_none_is_left_out_and_named(bag: Path, tmp_path: Path)
     assert waveform(tmp_path / "new") == [index for index in waveform(bag) if index != 2048]
 
 
+@pytest.mark.parametrize("headless", [b"", bytes(4096)], ids=["empty", "zeros"])  # what a power loss leaves of a file just begun
+def test_a_file_that_has_not_begun_is_left_out_and_named(headless: bytes, tmp_path: Path) -> None:
+    split = recorded(tmp_path / "split", 60, split_duration=0.5)
+    (split / "split_2.mcap").write_bytes(headless)
+    recording = Recording(split)
+    assert waveform(split) == [1024 * k for k in range(50)]
+    assert not recording.complete
+    told = dcrb("info", str(split))
+    assert (told.returncode, "damaged: split_2.mcap: left out, no MCAP file" in told.stdout) == (0, True), told.stdout + told.stderr
+    salvage = recover(split, tmp_path / "new")
+    assert len(salvage.damage) == 1
+    assert "split_2.mcap: left out" in salvage.damage[0]
+    assert waveform(tmp_path / "new") == waveform(split)
+    assert Recording(tmp_path / "new").complete
+    for file in split.glob("*.mcap"):
+        file.write_bytes(headless)
+    with pytest.raises(Refusal, match=r"split_0\.mcap is no MCAP file"):
+        Recording(split)
+
+
 def test_foreign_recordings_are_repaired_too(tmp_path: Path) -> None:
     path = tmp_path / "foreign.mcap"
     with path.open("wb") as stream:

@@ -70,6 +70,8 @@ class Services:
         tape = self._of.tape
         if not request.data:
             path = tape.stop()
+            if path and tape.failed:
+                raise Refusal(tape.state)
             return f"{path} is finished at {self._now()}" if path else "no recording runs"
         wanted = wanted_path(self._of.configuration.recording.path, self._of.node.get_namespace())
         return f"recording to {tape.path or self._of.record_on(wanted)}"

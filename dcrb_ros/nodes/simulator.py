@@ -208,9 +208,11 @@ class Simulator:
         self.progress.simulated_ns = self.progress.blocks = 0
         self._commands.clear()
         if finished is not None:
-            with self.refusals.of("record"):
+            try:
                 path = self.record_on(self._series)
                 self.node.get_logger().info(f"reset: {finished} is finished, {path} records from the start")
+            except Refusal as refusal:
+                self.tape.fail(f"no recording since the reset: {refusal}")
         self._publisher.write_messages(self._encoder.start())
         self.gate.begun_anew()
 

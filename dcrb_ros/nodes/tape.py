@@ -39,6 +39,8 @@ class Tape:
         self._log = log
         self._lock = threading.Lock()
         self._recorder: QueuedRecorder | None = None
+        self._ending: list[QueuedRecorder] = []
+        """Recorders that get no more and may still be writing."""
         self._failure = ""
 
     @property
@@ -77,22 +79,42 @@ class Tape:
             try:
                 self._recorder.write_messages(messages)
             except RecordingFailed as error:
-                self._fail(str(error))
+                self._retire()
+                self.fail(str(error))
 
     def stop(self) -> Path | None:
-        """Finish the recording that runs; return its folder."""
+        """Finish the recording that runs, and what is still written of earlier ones; return its folder.
+
+        Who calls waits for the disk, who writes meanwhile does not.
+        """
+        with self._lock:
+            recorder = self._retire()
+            ending = tuple(self._ending)
+        self._finish(ending)
+        return recorder.path if recorder else None
+
+    def _retire(self) -> QueuedRecorder | None:
+        """Give the recorder no more, with the lock held; what waits in it is still written."""
+        recorder, self._recorder = self._recorder, None
+        self._ending = [earlier for earlier in self._ending if earlier.writing]
+        if recorder is not None:
+            self._ending.append(recorder)
+        return recorder
+
+    def _finish(self, ending: Iterable[QueuedRecorder]) -> None:
+        """Wait for recorders to end, for all of them together as long as for one."""
+        from dcrb_ros.sinks.queued import LAST_WRITE
         from dcrb_ros.sinks.recorder import RecordingFailed
 
-        with self._lock:
-            recorder, self._recorder = self._recorder, None
-            if recorder is None:
-                return None
+        latest = time.monotonic() + LAST_WRITE
+        for recorder in ending:
             try:
-                recorder.close()
+                recorder.close(max(0.0, latest - time.monotonic()))
             except RecordingFailed as error:
-                self._fail(str(error))
-            return recorder.path
+                self.fail(str(error))
 
-    def _fail(self, why: str) -> None:
-        self._recorder, self._failure = None, why
+    def fail(self, why: str) -> None:
+        """Say why nothing is recorded that should be."""
+        if self._recorder is None:
+            self._failure = why
         self._log(why)

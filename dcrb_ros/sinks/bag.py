@@ -5,7 +5,8 @@ from __future__ import annotations
 import os
 import shutil
 from collections import Counter
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -85,7 +86,7 @@ class Bag:
         self._sequences: Counter[Channel] = Counter()
         self.open = True
         try:
-            self._file = self._next_file()
+            self._file = self._begin_file(0)
             self._write_metadata()
         except OSError as error:
             shutil.rmtree(self.path, ignore_errors=True)
@@ -100,21 +101,19 @@ class Bag:
         """Write messages, each with its channel and simulated time [ns]; nothing once the bag is closed."""
         if not self.open:
             return
-        try:
+        with self._ending_on_failure():
             for channel, time_ns, data in messages:
                 if self._splitting.due(self._file, time_ns):
                     self._split()
                 self._file.write(channel, time_ns, data, self._sequences[channel])
                 self._sequences[channel] += 1
             self._file.keep_up()
-        except OSError as error:
-            self._abandon()
-            raise RecordingFailed(f"the recording {self.path} ended at {self._reached():.1f} s: {error.strerror}") from None
 
     def flush(self) -> None:
         """Bring everything so far into the file."""
-        self.write(())
-        if self.open:
+        if not self.open:
+            return
+        with self._ending_on_failure():
             self._file.flush()
 
     def close(self) -> None:
@@ -129,13 +128,23 @@ class Bag:
             raise RecordingFailed(f"the recording {self.path} could not be finished: {error.strerror}") from None
         self.open = False
 
-    def _next_file(self) -> McapFile:
-        return McapFile(self.path / f"{self.path.name}_{len(self._ended)}.mcap", self._opening, self._compression)
+    @contextmanager
+    def _ending_on_failure(self) -> Iterator[None]:
+        """End the recording where what happens within cannot be written."""
+        try:
+            yield
+        except OSError as error:
+            self._abandon()
+            raise RecordingFailed(f"the recording {self.path} ended at {self._reached():.1f} s: {error.strerror}") from None
+
+    def _begin_file(self, number: int) -> McapFile:
+        return McapFile(self.path / f"{self.path.name}_{number}.mcap", self._opening, self._compression)
 
     def _split(self) -> None:
         self._end_file()
+        following = self._begin_file(len(self._ended) + 1)
         self._ended.append(self._file)
-        self._file = self._next_file()
+        self._file = following
         self._write_metadata()
 
     def _end_file(self) -> None:

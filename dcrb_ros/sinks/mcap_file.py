@@ -77,7 +77,8 @@ class McapFile:
         self._ids: dict[Channel, int] = {}
         self._schemas: dict[tuple[str, str], int] = {}
         self._flushed_ns = self._whole = 0
-        self._stream: BinaryIO = open(path, "wb")  # noqa: SIM115 - closed in close() or abandon()
+        self._complete = False
+        self._stream: BinaryIO = open(path, "wb")  # noqa: SIM115 - closed in close(), abandon() or _remove()
         try:
             self._writer = Writer(self._stream, chunk_size=CHUNK, compression=COMPRESSIONS[compression])
             self._writer.start(profile="ros2", library=f"dcrb_ros {__version__}")
@@ -85,7 +86,7 @@ class McapFile:
                 self._writer.add_metadata(name, dict(record))
             self.flush()
         except OSError:
-            self.abandon()
+            self._remove()
             raise
 
     @property
@@ -119,12 +120,13 @@ class McapFile:
             self._writer.add_metadata(name, dict(record))
         self._writer.finish()
         self._stream.close()
+        self._complete = True
 
     def abandon(self) -> None:
         """Cut off what is not whole and put an end to it, so that any reader takes the file; needs 50 bytes of room."""
-        # Closing tries to write the rest once more; the descriptor is closed all the same.
-        with contextlib.suppress(OSError):
-            self._stream.close()
+        if self._complete:
+            return
+        self._release()
         try:
             os.truncate(self.path, self._whole)
             with self.path.open("ab") as stream:
@@ -132,6 +134,17 @@ class McapFile:
         except OSError:
             # Not even that: the file ends within a record, which our reader and `dcrb recover` take too.
             return
+
+    def _remove(self) -> None:
+        """Remove a file that did not even begin; no reader would take it."""
+        self._release()
+        with contextlib.suppress(OSError):
+            self.path.unlink()
+
+    def _release(self) -> None:
+        # Closing tries to write the rest once more; the descriptor is closed all the same.
+        with contextlib.suppress(OSError):
+            self._stream.close()
 
     def _id(self, channel: Channel) -> int:
         found = self._ids.get(channel)

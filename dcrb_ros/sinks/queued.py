@@ -13,8 +13,8 @@ from dcrb_ros.sinks.recorder import Recorder
 from dcrb_ros.threads import NamedThread
 from dcrb_ros.topics import Message
 
-LAST_WRITE = 10.0
-"""Wall time that the disk gets to take what waits, once the recording is closed [s]."""
+LAST_WRITE = 3.0
+"""Wall time that the disk gets to take what waits, once the recording is closed [s]; `dcrb bench` gives a node 5 s for all of its end."""
 GATHER_NS = 100_000_000
 """Simulated time that is gathered before it is written [ns]: waking for every block costs half as much again."""
 PATIENCE = 0.25
@@ -73,16 +73,24 @@ class QueuedRecorder:
             self._gathered_ns = time_ns
             self._called.set()
 
-    def close(self) -> None:
-        """Write what waits and finish the recording; a second call does nothing.
+    @property
+    def writing(self) -> bool:
+        """Whether something may still be written."""
+        return self._thread.is_alive()
+
+    def close(self, patience: float = LAST_WRITE) -> None:
+        """Write what waits and finish the recording, within ``patience`` [s] of wall time; a second call waits once more.
 
         Raises:
             RecordingFailed: it could not be finished.
         """
         self._end()
-        self._thread.join(LAST_WRITE)
-        if self._thread.is_alive():
-            self._fail(f"the recording {self._recorder.path} could not be finished: the disk did not answer for {LAST_WRITE:g} s")
+        self._thread.join(patience)
+        if self.writing:
+            self._fail(
+                f"the recording {self._recorder.path} could not be finished in time: the disk takes more than {LAST_WRITE:g} s; "
+                "it is written on for as long as the node runs"
+            )
         self._raise_failure()
         self._over = True
 
