@@ -30,7 +30,7 @@ LAST_WORDS = 3.0
 """Wall time that the detector gets for its last verdict after the last block [s]."""
 LISTENER_START = 20.0
 """Wall time that the detector gets to come up [s]."""
-CHILD_END = 5.0
+CHILD_END = 10.0
 """Wall time that a node gets to end after SIGINT [s]."""
 
 

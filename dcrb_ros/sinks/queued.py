@@ -14,7 +14,7 @@ from dcrb_ros.threads import NamedThread
 from dcrb_ros.topics import Message
 
 LAST_WRITE = 3.0
-"""Wall time that the disk gets to take what waits, once the recording is closed [s]; `dcrb bench` gives a node 5 s for all of its end."""
+"""Wall time that the disk gets to take what waits, once the recording is closed [s]; `dcrb bench` gives a node 10 s for all of its end."""
 GATHER_NS = 100_000_000
 """Simulated time that is gathered before it is written [ns]: waking for every block costs half as much again."""
 PATIENCE = 0.25
