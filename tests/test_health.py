@@ -160,6 +160,20 @@ def test_slow_bearing_with_a_dead_sensor_is_not_judged(silence: Callable[[Sample
     assert {diagnosis.verdict for diagnosis in diagnoses} <= {"waiting", "sensor"}
 
 
+@pytest.mark.parametrize(("share", "verdict"), [(0.0, "sensor"), (0.2, "sensor"), (0.4, "outer_ring")])
+def test_a_gain_moves_all_bands_alike_and_a_load_does_not(share: float, verdict: str) -> None:
+    """The healthy hours' load step at 1800 rpm moved all bands by 3.2 to 4.7 dB, a gain moves them by 0.2 of its fall at most."""
+    from scipy.signal import butter, sosfilt
+
+    fall = 10.0 ** (-4.0 * np.array([1.0 - 0.5 * share, 1.0 + 0.5 * share]) / 20.0)
+
+    def change(samples: Samples) -> Samples:
+        low = sosfilt(butter(1, 8000.0, fs=RATE, output="sos"), samples, axis=0)
+        return (fall[0] * low + fall[1] * (samples - low)).astype(np.float32)
+
+    assert judged(change, seconds=7.0, outer=600.0)[-1].verdict == verdict
+
+
 def test_change_of_load_is_no_drift() -> None:
     assert "sensor" not in {diagnosis.verdict for diagnosis in judged(_unevenly, seconds=6.0)}
 

@@ -59,12 +59,13 @@ class LevelHealth:
 
     def _fallen(self, change: Floats) -> str:
         p = self._parameters
-        together = len(change) > 1 and float(change.mean()) <= -p.gain_drop and float(np.ptp(change)) <= p.gain_spread
+        fall = -float(change.mean())
+        together = len(change) > 1 and fall >= p.gain_drop and float(np.ptp(change)) <= p.gain_spread * fall
         # Further down the sensor's noise holds up the weaker bands, and they no longer fall together.
         self._low = together or (self._low and float(change.max()) <= -p.gain_drop)
         if not self._low:
             return ""
-        return f"all bands have fallen by {-change.mean():.1f} dB at the same speed: the sensor's gain drifts"
+        return f"all bands have fallen by {fall:.1f} dB at the same speed: the sensor's gain drifts"
 
     def _loose(self, level: float) -> str:
         p = self._parameters

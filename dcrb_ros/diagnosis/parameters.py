@@ -113,7 +113,7 @@ class DetectorParameters(Group):
     )
     gain_drop: float = quantity(3.0, "dB", "Fall of all bands at the same speed from which the sensor's gain is blamed", 0.5, 60.0)
     gain_spread: float = quantity(
-        1.5, "dB", "Largest difference between the bands' falls; a change of load moves them 5 dB and more apart", 0.1, 20.0
+        0.25, "-", "Largest difference between the bands' falls over their mean; a gain has 0.2, a change of load 0.3 and more", 0.01, 10.0
     )
     loose_level: float = quantity(
         -23.0,
