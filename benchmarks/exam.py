@@ -28,6 +28,8 @@ def sat(exam: str, image: str, options: list[str]) -> dict[str, Any]:
     if done.returncode not in (0, 1) or not done.stdout:
         sys.exit(f"the exam {exam} was not sat: status {done.returncode}")
     report: dict[str, Any] = json.loads(done.stdout)
+    if not report["delay"]:  # of healthy runs alone there is nothing to draw
+        (IMAGES / image).unlink(missing_ok=True)
     return report
 
 
@@ -42,7 +44,9 @@ def interval(found: dict[str, Any], digits: int = 2) -> str:
 
 
 def table(headings: list[str], rows: list[list[str]]) -> Iterator[str]:
-    """Yield the lines of a table."""
+    """Yield the lines of a table, if it has rows."""
+    if not rows:
+        return
     yield ""
     yield "| " + " | ".join(headings) + " |"
     yield "|" + "---|" * len(headings)
@@ -62,7 +66,8 @@ def told(report: dict[str, Any], image: str, words: str) -> Iterator[str]:
         ["criterion", "wanted", "got", ""],
         [[c["name"], c["wanted"], c["got"], "holds" if c["holds"] else "**fails**"] for c in report["checks"]],
     )
-    yield f"![{words}](images/{image})"
+    if report["delay"]:
+        yield f"![{words}](images/{image})"
     delays = [
         [verdict, f"{d['found']} of {d['asked']}", number(d["median"]), number(d["p95"]), f"{d['limit']:g}"]
         for verdict, d in report["delay"].items()
@@ -89,8 +94,8 @@ def replace(name: str, lines: Iterator[str]) -> None:
     """Put a report in the place that the page keeps for it."""
     text = re.sub(r"\n{3,}", "\n\n", "\n".join(lines)).strip()
     page, count = re.subn(
-        rf"(<!-- report {name} -->\n).*?(\n<!-- end of report -->)",
-        lambda found: found[1] + text + found[2],
+        rf"(<!-- report {name} -->\n).*?(<!-- end of report -->)",
+        lambda found: f"{found[1]}{text}\n{found[2]}",
         PAGE.read_text(encoding="utf-8"),
         flags=re.DOTALL,
     )
