@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
-from scipy.optimize import approx_fprime, least_squares, minimize
+from scipy.optimize import least_squares, minimize
 from scipy.special import lambertw
 
 from dcrb_ros.block import Floats
@@ -16,14 +17,17 @@ START_PENETRATION = 2e-5
 """Penetration of the lowest roller that the search starts from [m]."""
 
 MICROMETRE = 1e-6
-DIFFERENCE = 1.5e-8
-"""Share of a coordinate by which it is changed to find a slope [-]."""
+TURN = 1e-7
+"""By how much a direction is turned to find the slope of a notch [rad]."""
 MOST_POLISHING = 100
-"""Steps of the last search; it needs ten to forty, or swings on in the last bits for ever."""
+"""Steps of the last search; it needs three to ten, or swings on in the last bits for ever."""
 ALIKE = 1e-9
 """Rollers of rows that are built alike and lie within this of each other lie alike [m]; over a notch in one row they do not."""
 LIGHTEST = 1e-3
 """Force with which a free roller rests on the outer raceway at least, so that its place is defined [N]."""
+GRAIN = 2.0**-43
+"""Coordinates found are rounded to a multiple of this [m], some mN of a raceway: the libraries that search differ in the last bits
+from processor to processor, and idle rollers would make another run of that."""
 
 
 class Rest(NamedTuple):
@@ -54,6 +58,16 @@ def normal_forces(payload: Payload, penetration: Floats, scale: float) -> Floats
     if payload.contact_law == JOHNSON:
         return johnson_forces(penetration, payload.contact_modulus, scale)
     return np.asarray(payload.power_coefficient * np.maximum(penetration, 0.0) ** payload.power_exponent)
+
+
+def stiffnesses(payload: Payload, penetration: Floats, scale: float) -> Floats:
+    """Return the slopes of `normal_forces` over the penetration [N/m], zero where a contact is open; any shape."""
+    force = normal_forces(payload, penetration, scale)
+    closed = force > 0.0
+    if payload.contact_law == JOHNSON:
+        logarithm = np.log(payload.contact_modulus * scale / np.where(closed, force, 1.0))
+        return np.where(closed, payload.contact_modulus / (logarithm - 2.0), 0.0)
+    return np.where(closed, payload.power_exponent * force / np.where(closed, penetration, 1.0), 0.0)
 
 
 def penetration_under(payload: Payload, force: Floats, scale: float) -> Floats:
@@ -147,7 +161,7 @@ def _pushed(
 
 def _within(offset: Floats, most: float) -> Floats:
     """Return an offset shortened to ``most`` [m]."""
-    return offset * min(1.0, most / max(float(np.linalg.norm(offset)), 1e-12))
+    return offset * min(1.0, most / max(math.hypot(*offset), 1e-12))
 
 
 class _Problem:
@@ -201,6 +215,50 @@ class _Problem:
         radii = (both[self.free] * self.radial[self.free]).sum(axis=-1) + self.outward
         return float(energy), np.concatenate([rings.ravel(), cages[self.carrying].ravel(), radii])
 
+    def slope(self, x: Floats) -> Floats:
+        """Return the derivatives of the generalised forces of `balance`, shape (coordinates, coordinates) [N/m].
+
+        Those of the notches' depths are differences; they lead the search, and do not say where it ends.
+        """
+        p, rest = self.payload, self.places(x)
+        along = self._motions(len(x))
+        total = np.zeros((len(x), len(x)))
+        total[:2, :2] -= p.housing_stiffness * np.eye(2)
+        from_inner, from_outer, inner, outer = penetrations(p, rest.outer, rest.inner, rest.rollers)
+        for ring, away, depth, scale, sign in ((1, from_inner, inner, p.inner_scale, 1.0), (0, from_outer, outer, p.outer_scale, -1.0)):
+            distance = np.linalg.norm(away, axis=-1)[..., None]
+            normal = away / distance
+            across = np.stack([-normal[..., 1], normal[..., 0]], axis=-1)
+            ahead, behind = (notch_depths(p, away + turn * distance * across, ring == 1) for turn in (TURN, -TURN))
+            closing = -sign * normal - (ahead - behind)[..., None] / (2.0 * TURN * distance) * across
+            force, stiffness = normal_forces(p, depth, scale)[..., None], stiffnesses(p, depth, scale)[..., None]
+            block = (stiffness * sign * normal)[..., None] * closing[..., None, :]
+            block += (sign * force / distance * across)[..., None] * across[..., None, :]
+            moved = along.copy()
+            moved[..., 2 * ring : 2 * ring + 2] -= np.eye(2)
+            total += np.einsum("rnai,rnab,rnbj->ij", moved, block, moved)
+        return total
+
+    def _motions(self, count: int) -> Floats:
+        """Return how the rollers move with the coordinates, shape (rows, rollers, 2, coordinates) [-]."""
+        along = np.zeros((*self.free.shape, 2, count))
+        along[self.free, :, :4] = 0.5 * np.tile(np.eye(2), 2)
+        for k, row in enumerate(np.flatnonzero(self.carrying)):
+            along[row, ~self.free[row], :, 4 + 2 * k : 6 + 2 * k] = np.eye(2)
+        free = np.argwhere(self.free)
+        along[free[:, 0], free[:, 1], :, self.first_free + np.arange(len(free))] = self.radial[self.free]
+        return along
+
+    def laid_down(self, x: Floats) -> Floats:
+        """Return coordinates [m] with the free rollers that touch nothing moved to the raceway on which they rest."""
+        p, rest = self.payload, self.places(x)
+        inner, outer = (depth[self.free] for depth in penetrations(p, rest.outer, rest.inner, rest.rollers)[2:])
+        outside, weight = self.outward > 0.0, np.maximum(np.abs(self.outward), LIGHTEST)
+        down = np.where(outside, penetration_under(p, weight, p.outer_scale) - outer, inner - penetration_under(p, weight, p.inner_scale))
+        laid: Floats = x.copy()
+        laid[self.first_free :] += np.where(np.maximum(inner, outer) > 0.0, 0.0, down)
+        return laid
+
     def start(self) -> Floats:
         """Return coordinates [m] with the rings pressed together along the load, so that the search cannot fall into the gap."""
         p = self.payload
@@ -236,14 +294,17 @@ def static_equilibrium(payload: Payload, load: Floats, orbit: float = 0.0) -> Re
         return problem.balance(x * MICROMETRE)[1] / scale
 
     def slope(x: Floats) -> Floats:
-        return np.asarray(approx_fprime(x, residual, DIFFERENCE * np.maximum(1.0, np.abs(x))))
+        return problem.slope(x * MICROMETRE) * (MICROMETRE / scale)
 
-    # The energy leads over open contacts, where the forces alone give no direction; least squares then polish.
+    # The energy leads over open contacts, where the forces alone give no direction, but hardly sees what weighs a newton. Least squares
+    # then polish, twice, because they move the rings by more than the lightest rollers are pressed in.
     begin = problem.start()
     cut = problem.cut(begin)
-    lowest = minimize(energy, begin / MICROMETRE, jac=True, method="BFGS", options={"gtol": 1e-6, "maxiter": 5000}).x
-    found = least_squares(residual, lowest, jac=slope, method="lm", xtol=1e-15, ftol=1e-15, gtol=1e-15, max_nfev=MOST_POLISHING).x
-    rest = problem.places(found * MICROMETRE)
+    found = minimize(energy, begin / MICROMETRE, jac=True, method="BFGS", options={"gtol": 1e-6, "maxiter": 5000}).x
+    for _ in range(2):
+        laid = problem.laid_down(found * MICROMETRE) / MICROMETRE
+        found = least_squares(residual, laid, jac=slope, method="lm", xtol=1e-15, ftol=1e-15, gtol=1e-15, max_nfev=MOST_POLISHING).x
+    rest = problem.places(np.round(found * MICROMETRE / GRAIN) * GRAIN + 0.0)  # no negative zero
     _make_rows_alike(payload, rest)
     return rest
 

@@ -28,7 +28,7 @@ def test_shipped_recordings_are_whole_and_small(bag: Path) -> None:
 
 @pytest.mark.parametrize("bag", BAGS, ids=lambda bag: bag.name)
 def test_shipped_recordings_are_what_this_model_makes(bag: Path) -> None:
-    # Before idle rollers rattle apart: what differs by a last bit, on another processor say, has not grown by then.
+    # Before idle rollers rattle apart: what differs by a last bit, by another library say, has not grown by then.
     recording = Recording(bag)
     simulation = Simulation(recording.configuration)
     made = np.concatenate([block.acceleration for block in simulation.blocks(BEFORE_CHAOS)])

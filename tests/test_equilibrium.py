@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import os
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -12,7 +16,15 @@ from dcrb_ros.configuration_file import load_configuration
 from dcrb_ros.core.payload import Payload
 from dcrb_ros.core.step import advance
 from dcrb_ros.core.work import workspace
-from dcrb_ros.equilibrium import penetration_under, penetrations, roller_forces, static_equilibrium, stored_energy
+from dcrb_ros.equilibrium import (
+    LIGHTEST,
+    penetration_under,
+    penetrations,
+    radial_directions,
+    roller_forces,
+    static_equilibrium,
+    stored_energy,
+)
 from dcrb_ros.model import build_payload, initial_state
 
 DOWN = np.array([0.0, -100e3])
@@ -142,6 +154,42 @@ def test_no_roller_of_a_shipped_bench_begins_in_the_air(name: str) -> None:
     state = initial_state(configuration, payload)
     _, _, *depths = penetrations(payload, state.outer_position, state.inner_position, state.roller_position)
     assert np.maximum(*depths).min() > 0.0
+
+
+@settings(max_examples=25, deadline=None)
+@given(load=st.floats(1e3, 2e5), speed=st.floats(-20.0, 20.0))
+def test_no_roller_of_a_slow_bearing_begins_in_the_air(load: float, speed: float) -> None:
+    # What holds a roller against a raceway goes through zero here, at another speed for each.
+    payload = bearing("pocket")
+    rest = static_equilibrium(payload, np.array([0.0, -load]), speed)
+    _, _, *depths = penetrations(payload, rest.outer, rest.inner, rest.rollers)
+    assert np.maximum(*depths).min() > 0.0
+    along = (sum(roller_forces(payload, rest.outer, rest.inner, rest.rollers)) * radial_directions(payload)).sum(axis=-1)
+    held = payload.roller_mass * (payload.gravity * radial_directions(payload)[..., 1] - payload.pitch_radius * speed**2)
+    assert along == pytest.approx(held, abs=2.0 * LIGHTEST)
+
+
+STARTS = """
+import hashlib
+from dcrb_ros.configuration_file import load_configuration
+from dcrb_ros.model import build_payload, initial_state
+
+digest = hashlib.sha256()
+for name in ("healthy", "outer_ring_defect", "compound", "cage_fracture", "paper"):
+    for speed in (20.0, 40.0, 124.8):
+        configuration = load_configuration(name, (f"operating.speed={speed}",))
+        digest.update(b"".join(part.tobytes() for part in initial_state(configuration, build_payload(configuration))))
+print(digest.hexdigest())
+"""
+
+
+def test_every_processor_starts_with_the_same_bits() -> None:
+    # OpenBLAS adds in another order on each; it can be told to take a processor for an older one.
+    starts = set()
+    for taken in ({}, {"OPENBLAS_CORETYPE": "Prescott"}, {"OPENBLAS_CORETYPE": "Haswell"}):
+        command = [sys.executable, "-c", STARTS]
+        starts.add(subprocess.run(command, env=os.environ | taken, capture_output=True, text=True, check=True, timeout=120.0).stdout)
+    assert len(starts) == 1
 
 
 @settings(max_examples=15, deadline=None)
