@@ -16,6 +16,7 @@ from pathlib import Path
 import numpy as np
 
 from dcrb_ros.ahead import ahead
+from dcrb_ros.cli.simulate import AHEAD
 from dcrb_ros.configuration import Configuration
 from dcrb_ros.configuration_file import load_configuration
 from dcrb_ros.core.step import advance
@@ -63,7 +64,7 @@ def recorded(configuration: Configuration) -> Callable[[float], None]:
 
     def run(duration: float) -> None:
         with tempfile.TemporaryDirectory() as folder, Recorder(Path(folder) / "bag", configuration, simulation.layout) as recorder:
-            for block in ahead(simulation.blocks(duration)):
+            for block in ahead(simulation.blocks(duration), most=AHEAD):
                 recorder.write(block)
 
     return run

@@ -60,7 +60,8 @@ def test_only_what_is_wanted_is_made_ahead() -> None:
     assert made == list(range(6))
 
 
-def test_a_source_left_alone_stops() -> None:
+@pytest.mark.parametrize("most", [1, 4])
+def test_a_source_left_alone_stops(most: int) -> None:
     count = 0
 
     def items() -> Iterator[int]:
@@ -69,7 +70,26 @@ def test_a_source_left_alone_stops() -> None:
             count += 1
             yield count
 
-    source = ahead(items())
+    source = ahead(items(), most=most)
     next(source)
     source.close()
-    assert count <= 2
+    assert count <= 1 + most
+
+
+def test_as_many_as_asked_for_are_made_while_one_is_used() -> None:
+    made: list[int] = []
+    ready = threading.Event()
+
+    def items() -> Iterator[int]:
+        for number in range(9):
+            made.append(number)
+            if number == 4:
+                ready.set()
+            yield number
+
+    source = ahead(items(), most=4)
+    assert next(source) == 0
+    assert ready.wait(10.0)
+    assert made == list(range(5))
+    assert list(source) == list(range(1, 9))
+    assert made == list(range(9))

@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 
 LONGEST = 1e6
 """Longest run that is accepted [s]."""
+AHEAD = 4
+"""Blocks made while one is written."""
 
 
 def checked_duration(duration: float) -> float:
@@ -124,7 +126,7 @@ def _run(name: str, blocks: Iterable[Block], seconds: float, write: Callable[[Bl
     with Progress(*columns, console=console) as progress:
         task = progress.add_task(name, total=seconds)
         try:
-            for block in ahead(iter(blocks)):
+            for block in ahead(iter(blocks), most=AHEAD):
                 if write is not None:
                     write(block)
                 done = block.end_ns * 1e-9

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from dcrb_ros.block import Block
@@ -14,13 +16,14 @@ def features(block: Block) -> dict[str, float]:
     """
     y = block.acceleration[:, 1].astype(np.float64)
     y -= y.mean()
-    rms = float(np.sqrt(np.mean(y**2)))
+    power = y * y
+    rms = math.sqrt(power.mean())
     peak = float(np.abs(y).max())
     still = rms == 0.0
     return {
         "rms": rms,
         "peak": peak,
         "crest": 0.0 if still else peak / rms,
-        "kurtosis": 0.0 if still else float(np.mean(y**4)) / rms**4,
+        "kurtosis": 0.0 if still else float(np.mean(power * power)) / rms**4,
         "clipped": float(block.clipped),
     }
