@@ -223,12 +223,12 @@ def test_bench_command_ends_with_the_verdict(tmp_path: Path) -> None:
     bag, story = tmp_path / "bench", tmp_path / "story.yaml"
     story.write_text("timeline: [{at: 0.5, set: {operating.load: 95000.0}}]")
     command = [sys.executable, "-c", "from dcrb_ros.cli.app import main; main()", "bench", "outer_ring_defect"]
-    command += ["--duration", "5", "--record", str(bag), "--scenario", str(story)]
+    command += ["--duration", "10", "--record", str(bag), "--scenario", str(story)]
     done = subprocess.run(command, env=environment(domain()), capture_output=True, text=True, timeout=2 * PATIENCE, check=False)
     assert done.returncode == 0, done.stderr
     assert "verdict: outer_ring" in done.stdout
     recording = Recording(bag)
-    assert sum(len(v.shaft_angle) for v in recording.vibrations()) == 5 * 51200
+    assert sum(len(v.shaft_angle) for v in recording.vibrations()) == 10 * 51200
     assert recording.counts()["/dcrb/diagnosis"] > 3
     truths = [decode_truth(message.data) for message in recording.messages((GROUND_TRUTH,))]
     assert [t.time_ns for t in truths if t.changed == "scenario: operating.load = 95000.0"] == [500_000_000]
