@@ -13,7 +13,7 @@ from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.messages.description import sensor_text
 from dcrb_ros.messages.plain import encode_text
 from dcrb_ros.messages.points import SPECTRUM, UNTRACKED_SAMPLE, decode_vibration, encode_points, encode_vibration
-from dcrb_ros.nodes.hearing import Hearing, Said
+from dcrb_ros.nodes.hearing import HELD, Hearing, Said
 
 RATE = 51200
 
@@ -33,14 +33,34 @@ def hearing() -> Hearing:
 
 
 def reason(said: Said) -> str:
-    assert said.diagnosis is not None
-    assert said.diagnosis.verdict == "waiting"
+    (diagnosis,) = said.diagnoses
+    assert diagnosis.verdict == "waiting"
     assert said.complaint
-    return said.diagnosis.reason
+    return diagnosis.reason
 
 
 def test_blocks_without_a_description_are_answered() -> None:
-    assert "no description on outer_ring/sensor" in reason(Hearing(DetectorParameters()).block(waveform()[0]))
+    heard = Hearing(DetectorParameters())
+    assert all(heard.block(waveform()[0]) == Said() for _ in range(HELD))
+    assert "no description on outer_ring/sensor" in reason(heard.block(waveform()[0]))
+
+
+@pytest.mark.parametrize("late", [1, HELD])
+def test_a_description_may_come_after_the_first_blocks(late: int) -> None:
+    messages = waveform(100)
+    in_time, heard = hearing(), Hearing(DetectorParameters())
+    expected = [diagnosis for data in messages for diagnosis in in_time.block(data).diagnoses]
+    found = [diagnosis for data in messages[:late] for diagnosis in heard.block(data).diagnoses]
+    found += heard.sensor(described()).diagnoses
+    found += [diagnosis for data in messages[late:] for diagnosis in heard.block(data).diagnoses]
+    assert len(found) > 2
+    assert [(d.index, d.verdict, d.reason) for d in found] == [(d.index, d.verdict, d.reason) for d in expected]
+
+
+def test_blocks_that_do_not_fit_the_description_after_them_are_answered() -> None:
+    heard = Hearing(DetectorParameters())
+    heard.block(waveform()[0])
+    assert f"mean {1e9 / 25600:.0f} ns" in reason(heard.sensor(described(sampling_rate=25600)))
 
 
 def test_other_fields_are_answered() -> None:
@@ -58,9 +78,9 @@ def test_another_rate_than_described_is_answered(rate: int) -> None:
 
 
 def test_refusals_become_rarer_and_are_counted() -> None:
-    heard = Hearing(DetectorParameters())
-    said = [heard.block(waveform()[0]) for _ in range(20)]
-    assert [k + 1 for k, one in enumerate(said) if one.diagnosis] == [1, 2, 4, 8, 16]
+    heard = hearing()
+    said = [heard.block(waveform(rate=25600)[0]) for _ in range(20)]
+    assert [k + 1 for k, one in enumerate(said) if one.diagnoses] == [1, 2, 4, 8, 16]
     assert "16 so far" in said[15].complaint
 
 
@@ -83,5 +103,5 @@ def test_blocks_without_shaft_angle_are_heard() -> None:
 
 def test_verdict_comes_out_of_blocks() -> None:
     heard = hearing()
-    said = [heard.block(data).diagnosis for data in waveform(60)]
+    said = [diagnosis for data in waveform(60) for diagnosis in heard.block(data).diagnoses]
     assert [diagnosis.index for diagnosis in said if diagnosis] == [25599, 51199]

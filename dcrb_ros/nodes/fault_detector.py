@@ -37,12 +37,11 @@ class DetectorWire:
             self.node.get_logger().info(said.news)
         if said.complaint:
             self.node.get_logger().warning(said.complaint)
-        if said.diagnosis is None:
-            return
-        self._publisher.write_messages(diagnosis_messages(said.diagnosis))
-        if said.diagnosis.verdict != self._verdict:
-            self._verdict = said.diagnosis.verdict
-            self.node.get_logger().info(f"{self._verdict} at {said.diagnosis.time:.2f} s: {said.diagnosis.reason}")
+        for diagnosis in said.diagnoses:
+            self._publisher.write_messages(diagnosis_messages(diagnosis))
+            if diagnosis.verdict != self._verdict:
+                self._verdict = diagnosis.verdict
+                self.node.get_logger().info(f"{self._verdict} at {diagnosis.time:.2f} s: {diagnosis.reason}")
 
 
 def run(arguments: list[str]) -> int:

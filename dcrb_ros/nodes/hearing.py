@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import deque
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,13 +17,15 @@ from dcrb_ros.topics import SENSOR
 
 RATE_TOLERANCE = 0.01
 """Departure of the samples' times from the sampling rate that is believed, relative."""
+HELD = 50
+"""Blocks kept for a description that comes after them, one second by default: topics have no order among each other."""
 
 
 @dataclass(frozen=True)
 class Said:
     """What comes of a message."""
 
-    diagnosis: Diagnosis | None = None
+    diagnoses: tuple[Diagnosis, ...] = ()
     news: str = ""
     complaint: str = ""
 
@@ -34,11 +37,12 @@ class Hearing:
         self._parameters = parameters
         self._detector: FaultDetector | None = None
         self._about: tuple[int, Orders] | None = None
+        self._held: deque[Vibration] = deque(maxlen=HELD)
         self._refused = 0
         self._time = 0.0
 
     def sensor(self, data: bytes) -> Said:
-        """Take the sensor's description."""
+        """Take the sensor's description, and the blocks that came before it."""
         try:
             about = decode_sensor(data)
             if about != self._about:
@@ -50,7 +54,9 @@ class Hearing:
                 news = ""  # another range of the sensor is nothing to begin anew for
             if self._detector is not None:
                 self._detector.sensor_range = decode_range(data)
-            return Said(news=news)
+            told = [self._judge(self._held.popleft()) for _ in range(len(self._held))]
+            complaint = next((said.complaint for said in told if said.complaint), "")
+            return Said(tuple(diagnosis for said in told for diagnosis in said.diagnoses), news, complaint)
         except Refusal as refusal:
             return self._refuse(refusal)
 
@@ -59,10 +65,24 @@ class Hearing:
         try:
             block = decode_vibration(data)
             self._time = block.stamp_ns * 1e-9
-            if self._detector is None:
+            if self._detector is not None:
+                return self._judge(block)
+            full = len(self._held) == HELD
+            self._held.append(block)
+            if full:
                 raise Refusal(f"blocks come, but no description on {SENSOR.name} that tells the rate and the bearing: publish it, latched")
+            return Said()
+        except Refusal as refusal:
+            return self._refuse(refusal)
+
+    def _judge(self, block: Vibration) -> Said:
+        """Give a block to the detector, or refuse it."""
+        if self._detector is None:
+            return Said()
+        try:
             _check_rate(block, self._detector.rate)
-            return Said(self._detector.update(block.first_index(self._detector.rate), block.acceleration, block.shaft_angle))
+            diagnosis = self._detector.update(block.first_index(self._detector.rate), block.acceleration, block.shaft_angle)
+            return Said((diagnosis,) if diagnosis else ())
         except Refusal as refusal:
             return self._refuse(refusal)
 
@@ -72,7 +92,7 @@ class Hearing:
         if self._refused & (self._refused - 1):
             return Said()
         words = f"{refusal} ({self._refused} so far)"
-        return Said(Diagnosis(0, self._time, "waiting", f"refused: {words}"), complaint=words)
+        return Said((Diagnosis(0, self._time, "waiting", f"refused: {words}"),), complaint=words)
 
 
 def _check_rate(block: Vibration, rate: int) -> None:
