@@ -149,8 +149,9 @@ class Simulation:
 
     @property
     def awaited(self) -> bool:
-        """Whether commands or changes wait for the next block."""
-        return bool(self._pending)
+        """Whether commands or changes wait for the next block; to be asked for from another thread, it waits while they take effect."""
+        with self._lock:
+            return bool(self._pending)
 
     def _await(self, apply: Callable[[], str]) -> None:
         """Keep a command for the next block; there may be none for long, while the bench is paused."""

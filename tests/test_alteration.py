@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from concurrent.futures import Future, ThreadPoolExecutor, wait
 from typing import Any
 
 import numpy as np
 import pytest
 
+from dcrb_ros.alteration import altered
 from dcrb_ros.block import Block, Truth
 from dcrb_ros.configuration import Configuration
 from dcrb_ros.refusal import Refusal
@@ -127,3 +129,21 @@ def test_changes_are_checked_together_with_those_on_their_way() -> None:
         simulation.change({"faults.outer_2.width": 0.002})
     list(simulation.blocks(0.02))
     assert set(simulation.configuration.faults.described()) == {"outer_1"}
+
+
+def test_a_change_is_awaited_until_the_configuration_has_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    simulation = bench()
+    simulation.change({"faults.outer_1.width": 0.002})
+    assert simulation.awaited
+    with ThreadPoolExecutor(1) as other:
+        looks: list[Future[tuple[bool, Configuration]]] = []
+
+        def amid(*arguments: Any) -> Configuration:
+            looks.append(other.submit(lambda: (simulation.awaited, simulation.configuration)))
+            wait(looks, timeout=0.1)
+            return altered(*arguments)
+
+        monkeypatch.setattr("dcrb_ros.simulation.altered", amid)
+        next(simulation.blocks(0.02))
+        awaited, configuration = looks[0].result(timeout=10.0)
+    assert (awaited, configuration.faults.outer_1.width) == (False, 0.002)

@@ -41,10 +41,31 @@ def test_everything_but_the_nodes_works_without_ros(tmp_path: Path) -> None:
     assert scene.stat().st_size > 10_000
 
 
-def test_kernels_compile_without_a_home(tmp_path: Path) -> None:
-    blocked = tmp_path / "file"
-    blocked.write_text("no folder can be made below a file")
-    env = {**os.environ, "XDG_CACHE_HOME": str(blocked / "cache")}
-    code = "from dcrb_ros.core.contact import johnson_force; print(johnson_force(1e-5, 1e10, 0.4)[0] > 0.0)"
+def compiled_without_a_home(tmp_path: Path) -> tuple[str, Path]:
+    """Compile a kernel in a process whose home cannot be written; return what it found, and the folder of its cache."""
+    (tmp_path / "file").write_text("no folder can be made below a file")
+    env = {**os.environ, "XDG_CACHE_HOME": str(tmp_path / "file" / "cache"), "TMPDIR": str(tmp_path)}
+    code = (
+        "from dcrb_ros.core import CACHE\n"
+        "from dcrb_ros.core.contact import johnson_force\n"
+        "print(johnson_force(1e-5, 1e10, 0.4)[0] > 0.0, sum(johnson_force.stats.cache_hits.values()), CACHE)"
+    )
     done = subprocess.run([sys.executable, "-c", code], env=env, capture_output=True, text=True, timeout=200, check=False)
-    assert done.stdout.strip() == "True", done.stderr
+    assert done.returncode == 0, done.stderr
+    force, hits, cache = done.stdout.split()
+    return f"{force} {hits}", Path(cache)
+
+
+def test_kernels_are_compiled_once_without_a_home(tmp_path: Path) -> None:
+    first, cache = compiled_without_a_home(tmp_path)
+    assert (first, cache.parent.parent, cache.parent.stat().st_mode & 0o777) == ("True 0", tmp_path, 0o700)
+    assert compiled_without_a_home(tmp_path) == ("True 1", cache)
+
+
+def test_kernels_are_not_read_from_where_others_can_write(tmp_path: Path) -> None:
+    folder = tmp_path / f"dcrb_ros-{os.getuid()}"
+    folder.mkdir()
+    folder.chmod(0o777)
+    for _ in range(2):
+        found, cache = compiled_without_a_home(tmp_path)
+        assert (found, cache.parent) == ("True 0", tmp_path)

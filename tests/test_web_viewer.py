@@ -41,7 +41,7 @@ def bag(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def served(bag: Path) -> Iterator[str]:
     """Run `dcrb view --web`; yield the address that it prints."""
     command = [sys.executable, "-c", "from dcrb_ros.cli.app import main; main()", "view", str(bag), "--web"]
-    environment = {**os.environ, "BROWSER": "true", "NO_COLOR": "1"}
+    environment = {**os.environ, "BROWSER": "true", "NO_COLOR": "1", "TMPDIR": str(bag.parent)}  # it is killed, its files would stay
     viewer = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, env=environment, start_new_session=True)
     assert viewer.stdout is not None
     watchdog = threading.Timer(2.0 * PATIENCE, lambda: os.killpg(viewer.pid, signal.SIGKILL))

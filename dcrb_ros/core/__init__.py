@@ -9,6 +9,7 @@ from __future__ import annotations
 import hashlib
 import os
 import platform
+import stat
 import tempfile
 from pathlib import Path
 
@@ -16,24 +17,43 @@ import numba
 import platformdirs
 
 
-def _cache_folder() -> Path:
+def _folder_name() -> str:
     digest = hashlib.sha256(f"{numba.__version__} {platform.python_version()}".encode())
     for source in sorted(Path(__file__).parent.glob("*.py")):
         digest.update(source.read_bytes())
-    return Path(platformdirs.user_cache_dir("dcrb_ros")) / f"kernels-{digest.hexdigest()[:16]}"
+    return f"kernels-{digest.hexdigest()[:16]}"
+
+
+def _own_temporary_folder() -> Path:
+    """Return a folder for temporary files that is this user's alone, the same in every process."""
+    user: int = os.getuid() if hasattr(os, "getuid") else 0
+    folder = Path(tempfile.gettempdir(), f"dcrb_ros-{user}")
+    folder.mkdir(mode=0o700, exist_ok=True)
+    found = folder.lstat()
+    # What lies there is executed: nobody else may have made it, or write into it.
+    if not stat.S_ISDIR(found.st_mode) or found.st_uid != user or (os.name == "posix" and found.st_mode & 0o022):
+        raise PermissionError
+    return folder
+
+
+def _made(folder: Path) -> Path:
+    folder.mkdir(parents=True, exist_ok=True)
+    if not os.access(folder, os.W_OK):
+        raise PermissionError
+    return folder
 
 
 def _choose_cache() -> Path:
     if "NUMBA_CACHE_DIR" in os.environ:
         return Path(os.environ["NUMBA_CACHE_DIR"])
-    folder = _cache_folder()
+    # Without a folder that can be written numba would refuse to import the kernels at all.
     try:
-        folder.mkdir(parents=True, exist_ok=True)
-        if not os.access(folder, os.W_OK):
-            raise PermissionError
+        folder = _made(Path(platformdirs.user_cache_dir("dcrb_ros")) / _folder_name())
     except OSError:
-        # Without a home that can be written numba would refuse to import the kernels at all.
-        folder = Path(tempfile.mkdtemp(prefix="dcrb_ros-kernels-"))
+        try:
+            folder = _made(_own_temporary_folder() / _folder_name())
+        except OSError:
+            folder = Path(tempfile.mkdtemp(prefix="dcrb_ros-kernels-"))
     setattr(numba.config, "CACHE_DIR", str(folder))  # noqa: B010 - numba's configuration is untyped
     return folder
 
