@@ -92,10 +92,10 @@ setup(
     entry_points={
         "console_scripts": [
             "dcrb = dcrb_ros.cli.app:main",
-            "simulator = dcrb_ros.nodes.simulator:main",
-            "replayer = dcrb_ros.nodes.replayer:main",
-            "fault_detector = dcrb_ros.nodes.fault_detector:main",
-            "viewer = dcrb_ros.nodes.viewer:main",
+            "simulator = dcrb_ros.nodes.programs:simulator",
+            "replayer = dcrb_ros.nodes.programs:replayer",
+            "fault_detector = dcrb_ros.nodes.programs:fault_detector",
+            "viewer = dcrb_ros.nodes.programs:viewer",
         ],
     },
 )

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import signal
 import sys
 from collections.abc import Callable
 from typing import Any
@@ -12,8 +11,6 @@ import typer
 
 from dcrb_ros.refusal import Refusal
 
-ENDING = tuple(signal.Signals[name] for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name))
-"""Signals that ask a process to end: Ctrl-C, a CI that cancels, a terminal that is closed."""
 STOPPED = 130
 """Exit status of what was asked to end before its time."""
 

@@ -15,7 +15,7 @@ from types import FrameType
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from dcrb_ros.configuration_file import ParameterField, flatten, parameter_fields, validated
-from dcrb_ros.guard import ENDING
+from dcrb_ros.ending import ENDING
 from dcrb_ros.parameters import Group
 from dcrb_ros.refusal import Refusal
 from dcrb_ros.topics import NAMESPACE

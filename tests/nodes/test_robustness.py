@@ -223,3 +223,25 @@ def test_the_example_turns_blocks_into_numpy(tmp_path: Path) -> None:
             assert subscriber.wait(PATIENCE) == 0
         finally:
             subscriber.kill()
+
+
+AMID_IMPORT = """
+import importlib, os, signal
+from dcrb_ros.nodes import programs
+
+imported = importlib.import_module
+
+def interrupted(*arguments, **named):
+    os.kill(os.getpid(), signal.SIGINT)
+    return imported(*arguments, **named)
+
+importlib.import_module = interrupted
+programs.{program}()
+"""
+
+
+@pytest.mark.parametrize("program", ["simulator", "fault_detector"])
+def test_a_program_interrupted_while_it_starts_ends_without_a_traceback(program: str) -> None:
+    command = [sys.executable, "-c", AMID_IMPORT.format(program=program)]
+    done = subprocess.run(command, env=environment(domain()), capture_output=True, text=True, timeout=PATIENCE, check=False)
+    assert (done.returncode, "Traceback" in done.stderr) == (0, False), done.stderr
