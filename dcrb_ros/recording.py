@@ -215,15 +215,6 @@ def _json(record: Metadata, key: str) -> dict[str, Any] | None:
     return found if sound else None
 
 
-def mcap_files(path: Path) -> list[Path]:
-    """Return the MCAP files of a folder in their order, or a single one; what is none beside others is left out.
-
-    Raises:
-        Refusal: there are none.
-    """
-    return sound_files(path)[0]
-
-
 def sound_files(path: Path) -> tuple[list[Path], list[str]]:
     """Return the MCAP files of a folder or a single one, by their first bytes, and in words what is none and left out.
 
@@ -272,7 +263,7 @@ def metadata_flaw(path: Path) -> str:
         if file.stat().st_size > LARGEST_METADATA:
             return f"{METADATA} has {file.stat().st_size} bytes, {LARGEST_METADATA} are the most"
         about = yaml.safe_load(file.read_text(encoding="utf-8"))["rosbag2_bagfile_information"]
-        named, there = [str(name) for name in about["relative_file_paths"]], [found.name for found in mcap_files(path)]
+        named, there = [str(name) for name in about["relative_file_paths"]], [found.name for found in sound_files(path)[0]]
     except OSError as error:
         return f"{METADATA} cannot be read: {error.strerror}"
     except (yaml.YAMLError, UnicodeDecodeError, *DAMAGED):

@@ -442,6 +442,16 @@ def test_a_recording_with_diagnoses_is_marked(tmp_path: Path) -> None:
     assert found.delay == pytest.approx(0.02)
 
 
+def test_what_cannot_be_read_of_a_recording_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    bag = taped(tmp_path / "bag", [{}] * 5, ["healthy"] * 5)
+    (bag / "bag_1.mcap").touch()  # what a power loss leaves behind after a split
+    whole = bag / "bag_0.mcap"
+    whole.write_bytes(whole.read_bytes()[:-200])
+    assert dcrb("score", str(bag)) == 0
+    assert "left out, no MCAP file: it is empty; what is readable is scored" in (told := capsys.readouterr().err)
+    assert "bag_0.mcap" in told
+
+
 def test_a_recording_may_begin_in_the_middle_of_a_run(tmp_path: Path) -> None:
     old = {"outer_1": {"width": 0.002, "onset": 2.0}}
     bag = taped(tmp_path / "healthy", [{}] * 13, ["healthy"] * 13, begin=7.0, every=0.5)

@@ -205,6 +205,9 @@ def _score_bags(bags: Sequence[Path], node: str | None, reference: bool, rate: f
 
     names = _names(bags)
     tapes: list[Tape] = [read_tape(bag, name=name) for bag, name in zip(bags, names, strict=True)]
+    for tape in tapes:
+        for words in tape.damage:
+            typer.echo(f"{tape.path}: {words}; what is readable is scored", err=True)
     criteria = Criteria()
     failures: dict[str, str] = {}
     marks: tuple[Mark, ...]

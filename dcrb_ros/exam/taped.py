@@ -15,7 +15,7 @@ from dcrb_ros.exam.question import Question
 from dcrb_ros.mcap_records import McapRecords
 from dcrb_ros.messages.statuses import decode_truth
 from dcrb_ros.parameters import rpm
-from dcrb_ros.recording import mcap_files
+from dcrb_ros.recording import sound_files
 from dcrb_ros.refusal import Refusal
 from dcrb_ros.topics import DIAGNOSIS, GROUND_TRUTH
 
@@ -30,6 +30,8 @@ class Tape:
     path: Path
     question: Question
     opinions: tuple[Opinion, ...]
+    damage: tuple[str, ...]
+    """What could not be read, in words."""
 
 
 def read_tape(path: Path, *, name: str = "") -> Tape:
@@ -39,11 +41,15 @@ def read_tape(path: Path, *, name: str = "") -> Tape:
         Refusal: no recording, no ground truth in it, or one that a single verdict cannot answer.
     """
     truths, opinions = [], []
-    for topic, data in _messages(path):
-        if topic.endswith(f"/{GROUND_TRUTH.name}"):
-            truths.append(decode_truth(data))
-        elif topic.endswith(f"/{DIAGNOSIS.name}"):
-            opinions.append(opinion_of(data))
+    files, damage = sound_files(path)
+    for file in files:
+        records = McapRecords(file)
+        for topic, data in _messages(records):
+            if topic.endswith(f"/{GROUND_TRUTH.name}"):
+                truths.append(decode_truth(data))
+            elif topic.endswith(f"/{DIAGNOSIS.name}"):
+                opinions.append(opinion_of(data))
+        damage += records.damage
     if not truths:
         raise Refusal(
             f"{path} holds no messages on {GROUND_TRUTH.name}: nobody knows what would be right; give a recording of the bench "
@@ -51,17 +57,16 @@ def read_tape(path: Path, *, name: str = "") -> Tape:
         )
     # A diagnosis that came while the recording began may judge what was before.
     opinions = [opinion for opinion in opinions if opinion.time >= truths[0].time_ns * 1e-9]
-    return Tape(path, _question(path, name or path.name, truths, opinions), tuple(opinions))
+    return Tape(path, _question(path, name or path.name, truths, opinions), tuple(opinions), tuple(damage))
 
 
-def _messages(path: Path) -> Iterator[tuple[str, bytes]]:
-    for file in mcap_files(path):
-        channels: dict[int, Channel] = {}
-        for record in McapRecords(file):
-            if isinstance(record, Channel):
-                channels[record.id] = record
-            elif isinstance(record, Message) and record.channel_id in channels:
-                yield channels[record.channel_id].topic, record.data
+def _messages(records: McapRecords) -> Iterator[tuple[str, bytes]]:
+    channels: dict[int, Channel] = {}
+    for record in records:
+        if isinstance(record, Channel):
+            channels[record.id] = record
+        elif isinstance(record, Message) and record.channel_id in channels:
+            yield channels[record.channel_id].topic, record.data
 
 
 def _question(path: Path, name: str, truths: Sequence[Truth], opinions: Sequence[Opinion]) -> Question:
