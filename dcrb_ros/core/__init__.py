@@ -48,8 +48,8 @@ def _choose_cache() -> Path:
         return Path(os.environ["NUMBA_CACHE_DIR"])
     # Without a folder that can be written numba would refuse to import the kernels at all.
     try:
-        folder = _made(Path(platformdirs.user_cache_dir("dcrb_ros")) / _folder_name())
-    except OSError:
+        folder = _made(Path(platformdirs.user_cache_dir("dcrb_ros")).expanduser() / _folder_name())
+    except (OSError, RuntimeError):  # the latter where a user has no home at all
         try:
             folder = _made(_own_temporary_folder() / _folder_name())
         except OSError:
