@@ -29,9 +29,15 @@ class Witnesses:
         self._folder = folder
 
     def stops(self) -> list[Stop]:
-        """Return the stops of any core, in the order in which they began."""
+        """Return when any core stood still, in the order of time; stops of several at once are one."""
         lines = [line for path in self._folder.glob("core*") for line in path.read_text(encoding="utf-8").splitlines()]
-        return sorted((float(begin), float(end)) for begin, end in (line.split() for line in lines))
+        found: list[Stop] = []
+        for begin, end in sorted((float(begin), float(end)) for begin, end in (line.split() for line in lines)):
+            if found and begin <= found[-1][1]:
+                found[-1] = found[-1][0], max(end, found[-1][1])
+            else:
+                found.append((begin, end))
+        return found
 
 
 @contextmanager
@@ -40,16 +46,19 @@ def witnesses(folder: Path) -> Iterator[Witnesses]:
     with ExitStack() as stack:
         for core in sorted(os.sched_getaffinity(0)):
             command = [sys.executable, __file__, str(core), str(folder / f"core{core}")]
-            stack.callback(subprocess.Popen(command, stdin=subprocess.DEVNULL).kill)
+            witness = subprocess.Popen(command, stdin=subprocess.DEVNULL, start_new_session=True)
+            stack.callback(witness.wait)
+            stack.callback(witness.kill)
         yield Witnesses(folder)
 
 
 def watch(core: int, path: Path) -> None:
-    """Write every stop of a core, until killed."""
+    """Write every stop of a core, until killed or left alone."""
     os.sched_setaffinity(0, {core})
+    parent = os.getppid()
     with path.open("w", encoding="utf-8", buffering=1) as file:
         before = time.monotonic()
-        while True:
+        while os.getppid() == parent:
             time.sleep(NAP)
             now = time.monotonic()
             if now - before > NAP + STOP:

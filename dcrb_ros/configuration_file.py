@@ -139,8 +139,6 @@ def _sentence(problem: ErrorDetails, fields: Mapping[str, ParameterField]) -> st
     kind = {float: "a number", int: "a whole number", bool: "true or false", str: "a text"}[field.kind]
     if field.choices:
         return f"{said} is not one of {', '.join(field.choices)}{nearest(str(value), field.choices)}"
-    if field.kind is float and isinstance(value, int) and not isinstance(value, bool):
-        return f"{said} is a whole number where ROS wants a decimal one: write {value}.0"
     if field.low is None or field.high is None:
         return f"{said} is not {kind}; {field.description[0].lower()}{field.description[1:]}"
     span = f"{field.low:g} .. {field.high:g} {field.unit}".removesuffix(" -")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterator, Sequence
 from functools import partial
 from typing import NamedTuple
@@ -12,7 +11,7 @@ import numpy as np
 from dcrb_ros.block import Samples
 from dcrb_ros.configuration import Configuration
 from dcrb_ros.simulation import Simulation
-from dcrb_ros.workers import in_processes
+from dcrb_ros.workers import cores, in_processes
 
 
 class Waveform(NamedTuple):
@@ -38,4 +37,4 @@ def simulate_many(
     A process per worker, as many as there are cores without ``workers``; the samples are those of `waveform`, whatever their number.
     """
     calls = {place: partial(waveform, configuration, duration) for place, configuration in enumerate(configurations)}
-    return in_processes(calls, min(workers or os.cpu_count() or 1, max(len(calls), 1)))
+    return in_processes(calls, min(workers or cores(), max(len(calls), 1)))

@@ -8,7 +8,7 @@ from __future__ import annotations
 from launch.actions import OpaqueFunction
 from launch_ros.actions import Node
 
-from dcrb_ros.nodes.launching import TIME_SCALE, arguments, fault_detector, given, simulator
+from dcrb_ros.nodes.launching import TIME_SCALE, arguments, asked, fault_detector, given, simulator
 from launch import LaunchContext, LaunchDescription
 
 BOXES = 4
@@ -25,10 +25,10 @@ def nodes(context: LaunchContext) -> list[Node]:
             "publishing.frame": f"{namespace}/outer_ring",
             # There is one /clock in a graph; the boxes start together and keep the same time scale.
             "publishing.clock": box == 1 and given(context, "clock") == "true",
-            "time_scale": float(given(context, "time_scale")),
+            **asked(context, {"time_scale": ("time_scale", float)}),
         }
         config = given(context, "fault" if box == FAULTY else "config")
-        found += [simulator(namespace, config, own), fault_detector(namespace)]
+        found += [simulator(namespace, config, own), fault_detector(namespace, given(context, "detector"))]
     return found
 
 
@@ -37,7 +37,7 @@ def generate_launch_description() -> LaunchDescription:
     described = {
         "config": ("healthy", "bench of the sound boxes: a YAML file or a shipped one"),
         "fault": ("outer_ring_defect", f"bench of box {FAULTY}"),
-        "time_scale": ("1.0", TIME_SCALE),
+        "time_scale": ("", TIME_SCALE),
         "clock": ("false", "whether box 1 publishes /clock: true or false"),
     }
     return LaunchDescription([*arguments(described, namespace="wagon"), OpaqueFunction(function=nodes)])

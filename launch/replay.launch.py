@@ -2,11 +2,18 @@
 
 from __future__ import annotations
 
+from launch.actions import OpaqueFunction
 from launch.substitutions import LaunchConfiguration
+from launch_ros.actions import Node
 from launch_ros.parameter_descriptions import ParameterValue
 
-from dcrb_ros.nodes.launching import arguments, fault_detector, node
-from launch import LaunchDescription
+from dcrb_ros.nodes.launching import arguments, fault_detector, given, node
+from launch import LaunchContext, LaunchDescription
+
+
+def listener(context: LaunchContext) -> list[Node]:
+    """Return the fault detector."""
+    return [fault_detector(given(context, "namespace"), given(context, "detector"))]
 
 
 def generate_launch_description() -> LaunchDescription:
@@ -21,6 +28,5 @@ def generate_launch_description() -> LaunchDescription:
         "offset": ("0.0", "recorded time to skip at the beginning [s]"),
         "clock": ("false", "publish /clock"),
     }
-    return LaunchDescription(
-        [*arguments(described, namespace="dcrb"), node("replayer", namespace, [parameters]), fault_detector(namespace)]
-    )
+    replayer, detector = node("replayer", namespace, [parameters]), OpaqueFunction(function=listener)
+    return LaunchDescription([*arguments(described, namespace="dcrb"), replayer, detector])

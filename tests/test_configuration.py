@@ -195,7 +195,7 @@ DOUBLINGS = "a: &x0 {x: 1}\n" + "".join(f"a{k}: &x{k} {{x: *x{k - 1}, y: *x{k - 
     [
         ("", "is not a ROS parameter file"),
         ("just words", "is not a ROS parameter file"),
-        ("/**: {ros__parameters: {operating: {speed: 1772}}}", r"write 1772\.0"),
+        ("/**: {ros__parameters: {operating: {speed: 1772}}}", r"outside -1000 \.\. 1000 rad/s"),
         ("/**:\n  ros__parameters:\n    a: 1\n    a: 2\n", "the key 'a' stands twice"),
         ("/**: [1, 2", "is not valid YAML"),
         ("/**:\n  speed: 2026-13-45", r"not valid YAML in line 2: '2026-13-45' cannot be read as timestamp; a text stands in quotes"),

@@ -450,6 +450,10 @@ def test_what_cannot_be_read_of_a_recording_is_told(tmp_path: Path, capsys: pyte
     assert dcrb("score", str(bag)) == 0
     assert "left out, no MCAP file: it is empty; what is readable is scored" in (told := capsys.readouterr().err)
     assert "bag_0.mcap" in told
+    whole.write_bytes(whole.read_bytes()[:2000])
+    assert dcrb("score", str(bag)) == 2
+    assert "nobody knows what would be right" in (told := capsys.readouterr().err)
+    assert "not all of it could be read: bag_1.mcap" in told
 
 
 def test_a_recording_may_begin_in_the_middle_of_a_run(tmp_path: Path) -> None:

@@ -10,6 +10,7 @@ from types import ModuleType
 from typing import Any
 
 import pytest
+import yaml
 
 from dcrb_ros.configuration import Configuration
 from dcrb_ros.configuration_file import flatten, read_parameters, validated
@@ -43,6 +44,12 @@ class Value:
         return context[self.name]
 
 
+@dataclass
+class Environment:
+    name: str
+    default_value: str
+
+
 class Typed:
     def __init__(self, value: Value, *, value_type: type) -> None:
         self.value, self.kind = value, value_type
@@ -57,7 +64,7 @@ def modules() -> dict[str, ModuleType]:
     contents: dict[str, dict[str, Any]] = {
         "launch": {"LaunchContext": Anything, "LaunchDescription": list},
         "launch.actions": {"DeclareLaunchArgument": Argument, "OpaqueFunction": Anything, "SetEnvironmentVariable": Anything},
-        "launch.substitutions": {"LaunchConfiguration": Value},
+        "launch.substitutions": {"EnvironmentVariable": Environment, "LaunchConfiguration": Value},
         "launch_ros": {},
         "launch_ros.actions": {"Node": Node},
         "launch_ros.parameter_descriptions": {"ParameterValue": Typed},
@@ -89,7 +96,7 @@ def started(name: str, monkeypatch: pytest.MonkeyPatch, **given: str) -> list[No
     described = description(name, monkeypatch)
     arguments = {action.name: action.default for action in described.generate_launch_description() if isinstance(action, Argument)}
     assert given.keys() <= arguments.keys()
-    assert arguments["discovery"] == "LOCALHOST"
+    assert arguments["discovery"] == Environment("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")  # what the user has set stays
     found: list[Node] = described.nodes({**arguments, **given})
     return found
 
@@ -113,6 +120,17 @@ def test_bench_starts_both_nodes(monkeypatch: pytest.MonkeyPatch) -> None:
     assert configuration(nodes[1]) == DetectorParameters()
 
 
+def test_bench_leaves_to_the_configuration_what_is_not_asked_for(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    mine, judging = tmp_path / "mine.yaml", tmp_path / "judging.yaml"
+    own = {"time_scale": 0.5, "recording": {"path": "/tmp/mine"}, "publishing": {"clock": True}}
+    mine.write_text(yaml.safe_dump({"/**": {"ros__parameters": own}}))
+    judging.write_text(yaml.safe_dump({"/**/fault_detector": {"ros__parameters": {"learn": 10.0}}}))
+    simulator, detector = started("bench", monkeypatch, config=str(mine), detector=str(judging))
+    found = configuration(simulator)
+    assert (found.time_scale, found.recording.path, found.publishing.clock) == (0.5, "/tmp/mine", True)
+    assert configuration(detector) == DetectorParameters(learn=10.0)
+
+
 def test_bench_is_shown_where_asked_for(monkeypatch: pytest.MonkeyPatch) -> None:
     nodes = started("bench", monkeypatch, rerun="true", namespace="wagon/box1")
     assert (nodes[0].executable, nodes[0].namespace) == ("viewer", "wagon/box1")
@@ -120,10 +138,12 @@ def test_bench_is_shown_where_asked_for(monkeypatch: pytest.MonkeyPatch) -> None
 
 
 def test_replay_takes_its_parameters_from_the_arguments(monkeypatch: pytest.MonkeyPatch) -> None:
-    actions = description("replay", monkeypatch).generate_launch_description()
+    described = description("replay", monkeypatch)
+    actions = described.generate_launch_description()
     defaults = {action.name: action.default for action in actions if isinstance(action, Argument)}
     assert [name for name, default in defaults.items() if default is None] == ["bag"]
-    replayer, detector = (action for action in actions if isinstance(action, Node))
+    replayer = next(action for action in actions if isinstance(action, Node))
+    (detector,) = described.listener({"namespace": "dcrb", "detector": "detector"})
     given = {
         name: typed.kind(defaults[typed.value.name] or "/tmp/bag")
         for name, typed in replayer.parameters[0].items()
@@ -131,7 +151,7 @@ def test_replay_takes_its_parameters_from_the_arguments(monkeypatch: pytest.Monk
     }
     assert ReplayParameters.model_validate({**given, "loop": False, "clock": False}) == ReplayParameters(bag="/tmp/bag")
     assert (replayer.executable, detector.executable) == ("replayer", "fault_detector")
-    assert replayer.namespace.name == detector.namespace.name == "namespace"
+    assert (replayer.namespace.name, detector.namespace) == ("namespace", "dcrb")
 
 
 def test_axle_boxes_differ(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -4,29 +4,46 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from dcrb_ros.refusal import Refusal
 
+if TYPE_CHECKING:
+    from dcrb_ros.diagnosis.parameters import DetectorParameters
+
+
+def detector_parameters(file: Path | None) -> DetectorParameters:
+    """Return the fault detector's parameters, as a ROS parameter file says where there is one.
+
+    Raises:
+        Refusal: see `read_parameters` and `validated`.
+    """
+    from dcrb_ros.configuration_file import read_parameters, validated
+    from dcrb_ros.diagnosis.parameters import DetectorParameters
+
+    return DetectorParameters() if file is None else validated(read_parameters(file, "fault_detector"), DetectorParameters, str(file))
+
 
 def detect(
     bag: Annotated[Path, typer.Argument(help="Folder of a recording or an .mcap file.")],
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON instead of a table.")] = False,
+    detector: Annotated[
+        Path | None, typer.Option(help="Parameters of the detector (YAML), such as a copy of config/detector.yaml.")
+    ] = None,
 ) -> None:
     """Run the fault detector over a recording and print its verdict."""
     from dcrb_ros.diagnosis.detector import FaultDetector
-    from dcrb_ros.diagnosis.parameters import DetectorParameters
     from dcrb_ros.recording import Recording
 
-    recording, parameters = Recording(bag), DetectorParameters()
+    recording, parameters = Recording(bag), detector_parameters(detector)
     rate = recording.sampling_rate
-    detector = FaultDetector(recording.orders, rate, parameters)
+    judge = FaultDetector(recording.orders, rate, parameters)
     found, seconds = [], 0.0
     for vibration, sensor_range in recording.ranged_vibrations():
-        detector.sensor_range = sensor_range
-        diagnosis = detector.update(vibration.first_index(rate), vibration.acceleration, vibration.shaft_angle)
+        judge.sensor_range = sensor_range
+        diagnosis = judge.update(vibration.first_index(rate), vibration.acceleration, vibration.shaft_angle)
         seconds += len(vibration.shaft_angle) / rate
         if diagnosis is not None:
             found.append(diagnosis)

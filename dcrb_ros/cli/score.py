@@ -45,10 +45,12 @@ def score(
     show: Annotated[bool, typer.Option("--list", help="List the scenarios and end.")] = False,
 ) -> None:
     """Examine a fault detector: the shipped one, a node of yours, or what recordings hold; exit status 1 if it fails."""
+    from dcrb_ros.workers import cores
+
     given = [*(sources or ()), *([exam] if exam else [])]
     _check(given, rate, patience, workers, node, reference)
     _check_files(junit, figure)
-    count = workers or len(os.sched_getaffinity(0))
+    count = workers or cores()
     bags = [source for source in given if _is_recording(Path(source))]
     if bags and len(bags) < len(given):
         raise Refusal(f"{next(s for s in given if s not in bags)} is no recording and {bags[0]} is one: give one exam, or recordings alone")

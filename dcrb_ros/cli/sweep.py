@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections import Counter
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -36,13 +35,14 @@ def sweep(
     _require_fsspec()
     from dcrb_ros.sweep.plan import Plan
     from dcrb_ros.sweep.reading import read_sweep
+    from dcrb_ros.workers import cores
 
     plan = Plan(read_sweep(sweep))
     if plan.conditions < 3:
         missing = "validation split" if plan.conditions == 2 else "validation and no test split"
         typer.echo(f"{plan.conditions} condition of the bearing gives no {missing}: vary speed or load for more", err=True)
     if dry_run:
-        _estimate(plan, workers or os.cpu_count() or 1)
+        _estimate(plan, workers or cores())
         return
     from dcrb_ros.sweep.data_set import DataSet
     from dcrb_ros.sweep.store import Store

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import os
 from pathlib import Path
 from typing import Annotated
 
@@ -26,6 +25,7 @@ def validate(
     from dcrb_ros.core import compiled
     from dcrb_ros.validation.report import HEADINGS, cells, summary
     from dcrb_ros.validation.validate import made_folder, run_all, table, write_report
+    from dcrb_ros.workers import cores
 
     folder, console = made_folder(output), Console(stderr=True)
     if not compiled():
@@ -34,7 +34,7 @@ def validate(
         with Progress(console=console) as progress:
             task = progress.add_task("runs", total=None)
             runs, agreements = run_all(
-                workers or len(os.sched_getaffinity(0)),
+                workers or cores(),
                 lambda done, total, name: progress.update(task, completed=done, total=total, description=name),
             )
     except BaseException:

@@ -54,6 +54,7 @@ def read_tape(path: Path, *, name: str = "") -> Tape:
         raise Refusal(
             f"{path} holds no messages on {GROUND_TRUTH.name}: nobody knows what would be right; give a recording of the bench "
             "(dcrb simulate, dcrb bench --record, or ros2 bag record -a beside it)"
+            + (f"; not all of it could be read: {damage[0]}" if damage else "")
         )
     # A diagnosis that came while the recording began may judge what was before.
     opinions = [opinion for opinion in opinions if opinion.time >= truths[0].time_ns * 1e-9]

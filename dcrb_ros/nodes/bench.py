@@ -18,10 +18,12 @@ from rich.console import Console
 
 from dcrb_ros.configuration import Configuration
 from dcrb_ros.configuration_file import to_yaml
+from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.guard import STOPPED
 from dcrb_ros.messages.joints import Joints, decode_joints
 from dcrb_ros.messages.statuses import Status, decode_diagnostics
 from dcrb_ros.nodes.ros import check_ros, signals_held, stay_on_this_machine, stop_on_signals
+from dcrb_ros.parameters import Group
 from dcrb_ros.refusal import Refusal
 from dcrb_ros.sinks.publisher import message_class, qos
 from dcrb_ros.topics import BENCH_DIAGNOSTICS, DIAGNOSIS, FEATURES, NAMESPACE, VIBRATION, Topic
@@ -128,7 +130,15 @@ def node_process(module: str, arguments: Sequence[str], environment: dict[str, s
                 process.wait()
 
 
-def run(name: str, configuration: Configuration, duration: float, scenario: Path | None = None, *, shown: bool = False) -> int:
+def run(
+    name: str,
+    configuration: Configuration,
+    detecting: DetectorParameters,
+    duration: float,
+    scenario: Path | None = None,
+    *,
+    shown: bool = False,
+) -> int:
     """Run the bench for ``duration`` [s] of simulated time, through a scenario if there is one; return the exit status.
 
     With ``shown`` Rerun shows it meanwhile; where it cannot, the bench runs all the same.
@@ -139,9 +149,7 @@ def run(name: str, configuration: Configuration, duration: float, scenario: Path
     environment = dict(os.environ)
     console = Console(stderr=True)
     with tempfile.TemporaryDirectory(prefix="dcrb-") as folder:
-        parameters = Path(folder) / "bench.yaml"
-        parameters.write_text(to_yaml(configuration), encoding="utf-8")
-        ros = ["--ros-args", "--params-file", str(parameters)]
+        ros, ros_of_detector = (_in_file(Path(folder) / f"{i}.yaml", group) for i, group in enumerate((configuration, detecting)))
         console.print(
             f"bench '{name}': simulator and fault detector as ROS 2 nodes in {NAMESPACE}, "
             f"{duration:g} s at time scale {configuration.time_scale:g}"
@@ -150,7 +158,7 @@ def run(name: str, configuration: Configuration, duration: float, scenario: Path
         observer = Observer()
         with ExitStack() as stack:
             node = stack.enter_context(_observing(observer))
-            detector = stack.enter_context(node_process("fault_detector", [], environment))
+            detector = stack.enter_context(node_process("fault_detector", ros_of_detector, environment))
             listeners = [detector, *([stack.enter_context(node_process("viewer", [], environment))] if shown else [])]
             # The simulator waits for its listeners, so that they get the first block and do not start up beside it.
             _await_listeners(node, listeners, told)
@@ -160,6 +168,12 @@ def run(name: str, configuration: Configuration, duration: float, scenario: Path
             with node_process("simulator", arguments, environment) as simulator:
                 failed = _watch(observer, node, simulator, detector, duration, told, console)
     return failed or _conclude(observer, configuration, console)
+
+
+def _in_file(path: Path, parameters: Group) -> list[str]:
+    """Write parameters into a file; return the arguments with which a node reads it."""
+    path.write_text(to_yaml(parameters), encoding="utf-8")
+    return ["--ros-args", "--params-file", str(path)]
 
 
 @contextmanager

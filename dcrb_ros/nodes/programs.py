@@ -13,7 +13,8 @@ from dcrb_ros.ending import ENDING
 
 
 def _run(node: str) -> None:
-    signal.pthread_sigmask(signal.SIG_BLOCK, ENDING)
+    if hasattr(signal, "pthread_sigmask"):  # elsewhere the node itself will say that there is no ROS
+        signal.pthread_sigmask(signal.SIG_BLOCK, ENDING)
     importlib.import_module(f"dcrb_ros.nodes.{node}").main()
 
 

@@ -136,7 +136,10 @@ class Replayer:
 def run(arguments: list[str]) -> int:
     """Run the node until the recording is over or a signal comes; return the exit status."""
     with running("replayer", arguments) as (node, told):
-        replayer = Replayer(node, declare(node, ReplayParameters, run_time=("rate",)))
+        parameters = declare(node, ReplayParameters, run_time=("rate",))
+        if told.is_set():
+            return 0
+        replayer = Replayer(node, parameters)
         try:
             replayer.start()
             spin(node, replayer.ended, told)

@@ -311,6 +311,8 @@ def run(arguments: list[str]) -> int:
         configuration = declare(node, Configuration, run_time=RUN_TIME, begun=lambda c: begun(story, c, str(options.scenario)))
         if story is not None:
             timeline(story, configuration, str(options.scenario))
+        if told.is_set():
+            return 0
         simulator = Simulator(node, configuration, duration, story)
         try:
             simulator.start()

@@ -97,13 +97,16 @@ def run(arguments: list[str]) -> int:
     from dcrb_ros.viewer.live import LiveView
 
     os.nice(MEEKNESS)
-    with running("viewer", arguments) as (node, told), _target(options.save, options.connect) as (begin, closed):
-        view = LiveView(begin, node.get_namespace(), node.get_logger().warning)
-        ViewerWire(node, view)
-        try:
-            spin(node, closed, told)
-        finally:
-            view.close()
+    with running("viewer", arguments) as (node, told):
+        if told.is_set():
+            return 0
+        with _target(options.save, options.connect) as (begin, closed):
+            view = LiveView(begin, node.get_namespace(), node.get_logger().warning)
+            ViewerWire(node, view)
+            try:
+                spin(node, closed, told)
+            finally:
+                view.close()
     return 0
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
@@ -14,6 +13,7 @@ from dcrb_ros.refusal import Refusal
 from dcrb_ros.sweep.carry_out import Recipe, carry_out
 from dcrb_ros.sweep.plan import Task
 from dcrb_ros.sweep.store import StoreFailed
+from dcrb_ros.workers import cores
 
 if TYPE_CHECKING:
     from distributed import Client, Future
@@ -56,7 +56,7 @@ def workers_here(count: int | None, memory: str) -> Iterator[Client]:
     with (
         dask.config.set(SELDOM),
         LocalCluster(
-            n_workers=count or os.cpu_count() or 1,
+            n_workers=count or cores(),
             threads_per_worker=1,
             processes=True,
             memory_limit=limit or "auto",
