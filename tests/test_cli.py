@@ -6,9 +6,14 @@ import json
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import pytest
+import yaml
 
+from dcrb_ros.cli.app import main
+from dcrb_ros.configuration import Configuration
+from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.recording import Recording
 
 
@@ -102,3 +107,35 @@ def test_shipped_recordings_are_whole_and_named_right(name: str) -> None:
     verdicts = {"outer_ring_defect": "outer_ring", "inner_ring_defect": "inner_ring"}
     assert json.loads(dcrb("detect", str(bag), "--json").stdout)["verdict"] == verdicts.get(name, "healthy")
     assert Recording(bag).manifest["seed"] == 1
+
+
+def test_the_bench_takes_from_the_file_what_is_not_asked_for(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    runs: list[tuple[Configuration, DetectorParameters]] = []
+
+    def run(name: str, configuration: Configuration, detecting: DetectorParameters, *others: Any, **more: Any) -> int:
+        runs.append((configuration, detecting))
+        return 0
+
+    monkeypatch.setattr("dcrb_ros.nodes.bench.run", run)
+    mine, judging = tmp_path / "mine.yaml", tmp_path / "judging.yaml"
+    mine.write_text(yaml.safe_dump({"/**": {"ros__parameters": {"time_scale": 0.5, "recording": {"path": "kept"}}}}))
+    judging.write_text(yaml.safe_dump({"/**/fault_detector": {"ros__parameters": {"learn": 10.0}}}))
+    for options in ([], ["--set", "time_scale=0.25"], ["--time-scale", "0", "--record", "asked"], ["--detector", str(judging)]):
+        monkeypatch.setattr("sys.argv", ["dcrb", "bench", str(mine), *options])
+        with pytest.raises(SystemExit) as end:
+            main()
+        assert end.value.code == 0
+    assert [configuration.time_scale for configuration, _ in runs] == [0.5, 0.25, 0.0, 0.5]
+    assert [configuration.recording.path for configuration, _ in runs] == ["kept", "kept", "asked", "kept"]
+    assert [detecting.learn for _, detecting in runs] == [0.0, 0.0, 0.0, 10.0]
+
+
+def test_the_detector_takes_parameters_of_a_file(tmp_path: Path) -> None:
+    bag, judging = tmp_path / "bag", tmp_path / "judging.yaml"
+    assert dcrb("simulate", "outer_ring_defect", "-o", str(bag), "--duration", "2.6").returncode == 0
+    judging.write_text(yaml.safe_dump({"/**/fault_detector": {"ros__parameters": {"outer_limit": 5000.0, "outer_limit_high": 5000.0}}}))
+    verdicts = [json.loads(dcrb("detect", str(bag), "--json", *more).stdout)["verdict"] for more in ([], ["--detector", str(judging)])]
+    assert verdicts == ["outer_ring", "healthy"]
+    judging.write_text(yaml.safe_dump({"/**/fault_detector": {"ros__parameters": {"outer_limt": 50.0}}}))
+    refused = dcrb("detect", str(bag), "--detector", str(judging))
+    assert (refused.returncode, "did you mean" in refused.stderr, refused.stderr.count("\n")) == (2, True, 1), refused.stderr
