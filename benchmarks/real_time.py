@@ -30,7 +30,14 @@ WARM_UP = 0.2
 """Simulated time before every measurement, compiling included [s]."""
 OPENING = 5
 """How many times as long a run is that ends in a recording, which takes 40 ms to open and close."""
-BENCHES = ("healthy", "outer_ring_defect", "inner_ring_defect", "cage_fracture")
+BENCHES = {
+    "healthy": (),
+    "outer_ring_defect": (),
+    "inner_ring_defect": (),
+    "cage_fracture": (),
+    "healthy, 48 rpm": ("operating.speed=5.0",),
+}
+"""Settings by bench. On a slow shaft idle rollers lean on their bars, and more are bound."""
 JOINTS = ("revolute", "pocket")
 
 
@@ -89,8 +96,8 @@ def main() -> None:
     options = parser.parse_args()
     print("| bench | joint | part | median x real time | least | most | us per step | of the kernel |")
     print("|---|---|---|---|---|---|---|---|")
-    for name, joint in itertools.product(BENCHES, JOINTS):
-        configuration = load_configuration(name, [f"cage.joint={joint}"])
+    for (name, settings), joint in itertools.product(BENCHES.items(), JOINTS):
+        configuration = load_configuration(name.partition(",")[0], [f"cage.joint={joint}", *settings])
         alone = 0.0
         for part, make, longer in (("kernel", kernel, 1), ("blocks, encoded", blocks, 1), ("simulate, recorded", recorded, OPENING)):
             found = factors(make(configuration), longer * options.duration, options.runs)
