@@ -628,6 +628,8 @@ def test_the_command_sits_an_exam(tmp_path: Path, capsys: pytest.CaptureFixture[
         (["smoke", "--junit", "no/such/junit.xml"], "--junit no/such/junit.xml cannot be written: there is no folder no/such"),
         (["smoke", "--junit", "docs"], "--junit docs is a folder"),
         (["smoke", "--node", "x", "--reference"], "name two detectors"),
+        (["smoke", "--node", "x", "--detector", "config/detector.yaml"], "is for the shipped detector and --node names another"),
+        (["smoke", "--detector", "config/none.yaml"], "config/none.yaml"),
         (["smoke", "--recordings", "/dev/null/x"], "cannot hold the exam's recordings"),
         (["README.md"], "README.md is no MCAP file"),
     ],
@@ -643,6 +645,14 @@ def test_ours_is_examined_on_recordings(capsys: pytest.CaptureFixture[str]) -> N
     assert dcrb("score", "bags/outer_ring_defect", "bags/healthy", "--reference", "--json", "--workers", "1") == 0
     about = json.loads(capsys.readouterr().out)
     assert {found["name"]: found["answer"] for found in about["scenarios"]} == {"outer_ring_defect": "outer_ring", "healthy": "healthy"}
+
+
+def test_ours_is_examined_with_other_parameters(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    deaf = tmp_path / "deaf.yaml"
+    deaf.write_text(yaml.safe_dump({"/**/fault_detector": {"ros__parameters": {"outer_limit": 5000.0, "outer_limit_high": 5000.0}}}))
+    assert dcrb("score", "bags/outer_ring_defect", "--detector", str(deaf), "--json", "--workers", "1") == 1
+    about = json.loads(capsys.readouterr().out)
+    assert (about["detector"], about["scenarios"][0]["answer"]) == ("the shipped detector with deaf.yaml", "healthy")
 
 
 def test_case_is_hashable_by_content() -> None:

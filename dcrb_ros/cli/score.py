@@ -9,13 +9,14 @@ import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 import typer
 
 from dcrb_ros.refusal import Refusal
 
 if TYPE_CHECKING:
+    from dcrb_ros.diagnosis.parameters import DetectorParameters
     from dcrb_ros.exam.case import Case
     from dcrb_ros.exam.design import Exam
     from dcrb_ros.exam.marking import Mark
@@ -26,6 +27,18 @@ if TYPE_CHECKING:
 REFERENCE = "the shipped detector"
 
 
+class Candidate(NamedTuple):
+    """Who is examined: a node, or the shipped detector."""
+
+    name: str
+    node: str | None
+    """Command of the node."""
+    parameters: DetectorParameters
+    """Of the shipped detector."""
+    rate: float
+    patience: float
+
+
 def score(
     sources: Annotated[
         list[str] | None,
@@ -34,6 +47,7 @@ def score(
     exam: Annotated[str | None, typer.Option(help="The exam, as the argument.")] = None,
     node: Annotated[str | None, typer.Option(help="Command of a detector node; it is started for every scenario.")] = None,
     reference: Annotated[bool, typer.Option("--reference", help="Examine the shipped detector on recordings.")] = False,
+    detector: Annotated[Path | None, typer.Option(help="Parameters of the shipped detector (YAML).")] = None,
     rate: Annotated[float, typer.Option(help="Recorded over wall time for --node; 0 for as fast as it answers.")] = 0.0,
     patience: Annotated[float, typer.Option(help="Wall time that the node gets to come up [s].")] = 30.0,
     only: Annotated[str, typer.Option(help="Scenarios by name, such as 'outer/*'; their twins come with them.")] = "",
@@ -48,16 +62,16 @@ def score(
     from dcrb_ros.workers import cores
 
     given = [*(sources or ()), *([exam] if exam else [])]
-    _check(given, rate, patience, workers, node, reference)
+    _check(given, rate, patience, workers, node, detector, reference)
     _check_files(junit, figure)
-    count = workers or cores()
+    count, candidate = workers or cores(), _candidate(node, detector, rate, patience)
     bags = [source for source in given if _is_recording(Path(source))]
     if bags and len(bags) < len(given):
         raise Refusal(f"{next(s for s in given if s not in bags)} is no recording and {bags[0]} is one: give one exam, or recordings alone")
     if bags and (only or show or recordings):
         raise Refusal(f"--only, --list and --recordings belong to an exam, and {bags[0]} is a recording: leave them out")
     if bags:
-        report = _score_bags([Path(bag) for bag in bags], node, reference, rate, patience, count)
+        report = _score_bags([Path(bag) for bag in bags], candidate, judged=bool(node or detector or reference), workers=count)
     else:
         from dcrb_ros.exam.design import read_exam
 
@@ -67,13 +81,15 @@ def score(
         if show:
             _list(chosen)
             return
-        report = _sit(chosen, node, rate, patience, recordings, count)
+        report = _sit(chosen, candidate, recordings, count)
     _tell(report, as_json, junit, figure)
     if not report.passed:
         raise typer.Exit(1)
 
 
-def _check(given: Sequence[str], rate: float, patience: float, workers: int, node: str | None, reference: bool) -> None:
+def _check(
+    given: Sequence[str], rate: float, patience: float, workers: int, node: str | None, detector: Path | None, reference: bool
+) -> None:
     from dcrb_ros.exam.design import shipped_exams
 
     if not given:
@@ -86,6 +102,15 @@ def _check(given: Sequence[str], rate: float, patience: float, workers: int, nod
         raise Refusal(f"--workers {workers} is outside 0 .. 256: 0 takes one per core")
     if node is not None and reference:
         raise Refusal("--node and --reference name two detectors: examine one after the other")
+    if node is not None and detector is not None:
+        raise Refusal(f"--detector {detector} is for the shipped detector and --node names another: give its parameters in its command")
+
+
+def _candidate(node: str | None, detector: Path | None, rate: float, patience: float) -> Candidate:
+    from dcrb_ros.cli.detect import detector_parameters
+
+    shipped = REFERENCE if detector is None else f"{REFERENCE} with {detector.name}"
+    return Candidate(node or shipped, node, detector_parameters(detector), rate, patience)
 
 
 def _check_files(junit: Path | None, figure: Path | None) -> None:
@@ -142,7 +167,7 @@ def _list(exam: Exam) -> None:
     print(f"{len(exam.cases)} scenarios, {seconds:.0f} s simulated, sha256 {scenarios_hash(exam.cases)}")
 
 
-def _sit(exam: Exam, node: str | None, rate: float, patience: float, recordings: Path | None, workers: int) -> Report:
+def _sit(exam: Exam, candidate: Candidate, recordings: Path | None, workers: int) -> Report:
     """Return the report of an exam."""
     from dcrb_ros.core import compiled
     from dcrb_ros.exam.case import scenarios_hash
@@ -155,16 +180,16 @@ def _sit(exam: Exam, node: str | None, rate: float, patience: float, recordings:
     if not compiled():
         typer.echo("compiling the kernels (once, about half a minute) ...", err=True)
     failures: dict[str, str] = {}
-    if node is None:
+    if candidate.node is None:
         with _progress("examined", len(exam.cases)) as told:
-            found: Mapping[str, Sequence[Opinion]] = examine_reference(exam.cases, folder, workers, told)
+            found: Mapping[str, Sequence[Opinion]] = examine_reference(exam.cases, folder, candidate.parameters, workers, told)
     else:
-        bags = _recorded(exam.cases, folder, workers, node, patience)
-        found, failures = _examine_node(bags, node, rate, patience)
+        bags = _recorded(exam.cases, folder, workers, candidate.node, candidate.patience)
+        found, failures = _examine_node(bags, candidate.node, candidate.rate, candidate.patience)
     marks = [
         mark(case.question, found[case.question.name], exam.criteria, failure=failures.get(case.question.name, "")) for case in exam.cases
     ]
-    return Report(exam.name, node or REFERENCE, exam.criteria, scenarios_hash(exam.cases), tuple(marks))
+    return Report(exam.name, candidate.name, exam.criteria, scenarios_hash(exam.cases), tuple(marks))
 
 
 def _recorded(cases: Sequence[Case], folder: Path, workers: int, node: str, patience: float) -> dict[str, Path]:
@@ -197,8 +222,8 @@ def _examine_node(bags: Mapping[str, Path], node: str, rate: float, patience: fl
     return found, failures
 
 
-def _score_bags(bags: Sequence[Path], node: str | None, reference: bool, rate: float, patience: float, workers: int) -> Report:
-    """Return the report of recordings."""
+def _score_bags(bags: Sequence[Path], candidate: Candidate, *, judged: bool, workers: int) -> Report:
+    """Return the report of recordings: of the candidate where they are to be ``judged`` now, or of the diagnoses in them."""
     from dcrb_ros.exam.criteria import Criteria
     from dcrb_ros.exam.marking import mark
     from dcrb_ros.exam.report import Report
@@ -213,15 +238,15 @@ def _score_bags(bags: Sequence[Path], node: str | None, reference: bool, rate: f
     criteria = Criteria()
     failures: dict[str, str] = {}
     marks: tuple[Mark, ...]
-    if node is None and not reference:
+    if not judged:
         return Report("recordings", "the recorded diagnoses", criteria, "", marked(tapes, criteria))
-    if node is None:
+    if candidate.node is None:
         with _progress("examined", len(tapes)) as told:
-            found = examine_reference_on(tapes, workers, told)
+            found = examine_reference_on(tapes, candidate.parameters, workers, told)
     else:
-        found, failures = _examine_node(dict(zip(names, bags, strict=True)), node, rate, patience)
+        found, failures = _examine_node(dict(zip(names, bags, strict=True)), candidate.node, candidate.rate, candidate.patience)
     marks = tuple(mark(t.question, found[t.question.name], criteria, failure=failures.get(t.question.name, "")) for t in tapes)
-    return Report("recordings", node or REFERENCE, criteria, "", marks)
+    return Report("recordings", candidate.name, criteria, "", marks)
 
 
 def _names(bags: Sequence[Path]) -> list[str]:

@@ -13,11 +13,11 @@ from dcrb_ros.messages.verdicts import encode_diagnosis
 from dcrb_ros.recording import Recording
 
 
-def opinions(bag: Path) -> list[Opinion]:
+def opinions(bag: Path, parameters: DetectorParameters) -> list[Opinion]:
     """Return what the shipped detector says of a recording, taken from the message that its node would publish."""
     recording = Recording(bag)
     rate = recording.sampling_rate
-    detector = FaultDetector(recording.orders, rate, DetectorParameters())
+    detector = FaultDetector(recording.orders, rate, parameters)
     found = []
     for block, sensor_range in recording.ranged_vibrations():
         detector.sensor_range = sensor_range
@@ -27,6 +27,6 @@ def opinions(bag: Path) -> list[Opinion]:
     return found
 
 
-def examined(case: Case, folder: Path) -> list[Opinion]:
+def examined(case: Case, folder: Path, parameters: DetectorParameters) -> list[Opinion]:
     """Return what the shipped detector says of a case, simulated where it is not in ``folder`` yet."""
-    return opinions(recorded(case, folder))
+    return opinions(recorded(case, folder), parameters)

@@ -7,6 +7,7 @@ from functools import partial
 from pathlib import Path
 from typing import TypeVar
 
+from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.exam.case import Case
 from dcrb_ros.exam.criteria import Criteria
 from dcrb_ros.exam.library import place, recorded
@@ -31,14 +32,16 @@ def record_all(cases: Sequence[Case], folder: Path, workers: int, told: Told) ->
     return found | _each({c.question.name: partial(recorded, c, folder) for c in cases if c.question.name not in found}, workers, told)
 
 
-def examine_reference(cases: Sequence[Case], folder: Path, workers: int, told: Told) -> dict[str, list[Opinion]]:
+def examine_reference(
+    cases: Sequence[Case], folder: Path, parameters: DetectorParameters, workers: int, told: Told
+) -> dict[str, list[Opinion]]:
     """Return what the shipped detector says of every case."""
-    return _each({case.question.name: partial(examined, case, folder) for case in cases}, workers, told)
+    return _each({case.question.name: partial(examined, case, folder, parameters) for case in cases}, workers, told)
 
 
-def examine_reference_on(tapes: Sequence[Tape], workers: int, told: Told) -> dict[str, list[Opinion]]:
+def examine_reference_on(tapes: Sequence[Tape], parameters: DetectorParameters, workers: int, told: Told) -> dict[str, list[Opinion]]:
     """Return what the shipped detector says of recordings."""
-    return _each({tape.question.name: partial(opinions, tape.path) for tape in tapes}, workers, told)
+    return _each({tape.question.name: partial(opinions, tape.path, parameters) for tape in tapes}, workers, told)
 
 
 def named(name: str, call: Callable[[], Value]) -> Value:
