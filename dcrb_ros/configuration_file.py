@@ -150,7 +150,7 @@ def _sentence(problem: ErrorDetails, fields: Mapping[str, ParameterField]) -> st
 
 def _millimetres(field: ParameterField, value: Any) -> str:
     """Return a guess of what was meant when a length was given in millimetres."""
-    if field.unit != "m" or not isinstance(value, float) or field.low is None or field.high is None:
+    if field.unit != "m" or not isinstance(value, (int, float)) or field.low is None or field.high is None:
         return ""
     return f" (did you mean {value / 1000.0:g}?)" if field.low <= value / 1000.0 <= field.high else ""
 

@@ -105,7 +105,7 @@ def test_sensor_changes_from_the_first_sample_at_its_time() -> None:
     [
         ({"faults.outer_1.width": 0.5}, r"faults.outer_1.width = 0.5 m is outside 0 .. 0.05 m"),
         ({"faults.outer_1.width": float("nan")}, r"faults.outer_1.width = nan m is outside"),
-        ({"faults.outer_1.width": 1}, r"write 1\.0"),
+        ({"faults.outer_1.width": 1}, r"did you mean 0\.001"),
         ({"faults.outer_1.width": 0.002, "faults.outer_2.width": 0.002}, r"faults.outer_2 overlaps faults.outer_1"),
         ({"faults.outer_1.widht": 0.002}, r"unknown parameter 'faults.outer_1.widht'; did you mean 'faults.outer_1.width'\?"),
         ({"faults.broken_bars": "row3/bar1"}, r"row3/bar1 is outside row1/bar1 .. row2/bar16"),
