@@ -71,7 +71,8 @@ def score(
     if bags and (only or show or recordings):
         raise Refusal(f"--only, --list and --recordings belong to an exam, and {bags[0]} is a recording: leave them out")
     if bags:
-        report = _score_bags([Path(bag) for bag in bags], candidate, judged=bool(node or detector or reference), workers=count)
+        judged = reference or node is not None or detector is not None
+        report = _score_bags([Path(bag) for bag in bags], candidate, judged=judged, workers=count)
     else:
         from dcrb_ros.exam.design import read_exam
 
@@ -110,7 +111,7 @@ def _candidate(node: str | None, detector: Path | None, rate: float, patience: f
     from dcrb_ros.cli.detect import detector_parameters
 
     shipped = REFERENCE if detector is None else f"{REFERENCE} with {detector.name}"
-    return Candidate(node or shipped, node, detector_parameters(detector), rate, patience)
+    return Candidate(shipped if node is None else node, node, detector_parameters(detector), rate, patience)
 
 
 def _check_files(junit: Path | None, figure: Path | None) -> None:
