@@ -35,7 +35,7 @@ types: environment ## mypy --strict, on Python 3.11 and later
 	else echo "Types are checked on Python 3.11 and later only."; fi
 
 compiled: environment ## The kernels, so that not every test process compiles them for itself
-	$(BIN)/python -c 'from dcrb_ros.configuration import Configuration as C; from dcrb_ros.simulation import Simulation as S; next(S(C()).blocks())'
+	$(BIN)/python -c 'from dcrb_ros.settings.configuration import Configuration as C; from dcrb_ros.simulation.loop import Simulation as S; next(S(C()).blocks())'
 
 architecture: environment ## The import contracts of pyproject.toml
 	$(BIN)/lint-imports --no-logo

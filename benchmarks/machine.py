@@ -15,7 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
-from dcrb_ros.configuration_file import load_configuration
+from dcrb_ros.bearing.payload import build_payload, initial_state
 from dcrb_ros.core import lanes as at
 from dcrb_ros.core.jit import loop
 from dcrb_ros.core.payload import Floats, Payload
@@ -23,7 +23,7 @@ from dcrb_ros.core.rolling import roll_free
 from dcrb_ros.core.state import OUTER, State, copy_of
 from dcrb_ros.core.step import advance
 from dcrb_ros.core.work import Workspace, workspace
-from dcrb_ros.model import build_payload, initial_state
+from dcrb_ros.settings.files import load_configuration
 
 FIELDS = """
     X Y VX VY SPIN CHANGE_X CHANGE_Y CHANGE_SPIN OUTER_BRISTLE OUTER_FORCE OUTER_FRICTION OUTER_SLIP FRICTION_LOSS CONTACT_LOSS

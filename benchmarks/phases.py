@@ -14,8 +14,7 @@ from llvmlite import ir
 from numba import types
 from numba.extending import intrinsic
 
-from dcrb_ros.configuration import Configuration
-from dcrb_ros.configuration_file import load_configuration
+from dcrb_ros.bearing.payload import build_payload, initial_state
 from dcrb_ros.core.bars import keep_lands, touch_cages
 from dcrb_ros.core.bodies import drift, finish_bodies, predict_bodies
 from dcrb_ros.core.jit import loop
@@ -26,7 +25,8 @@ from dcrb_ros.core.state import State
 from dcrb_ros.core.step import advance, begin, clear, lay_out, roll, solve
 from dcrb_ros.core.touch import draw_raceways, face_raceways
 from dcrb_ros.core.work import Workspace, workspace
-from dcrb_ros.model import build_payload, initial_state
+from dcrb_ros.settings.configuration import Configuration
+from dcrb_ros.settings.files import load_configuration
 
 PHASES = ("geometry", "free rollers", "raceways", "bars and lands", "linear solve", "integration")
 """Free rollers that are not bound go through all of it in one loop; what follows is for the bound ones, rings and cages. Normal force and

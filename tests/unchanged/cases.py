@@ -14,12 +14,12 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
-from dcrb_ros.block import Block
-from dcrb_ros.configuration_file import load_configuration
+from dcrb_ros.bearing.payload import layout
 from dcrb_ros.messages.encoder import BlockEncoder
-from dcrb_ros.model import layout
-from dcrb_ros.scenario import read_scenario
-from dcrb_ros.simulation import Simulation
+from dcrb_ros.settings.files import load_configuration
+from dcrb_ros.simulation.block import Block
+from dcrb_ros.simulation.loop import Simulation
+from dcrb_ros.simulation.scenario import read_scenario
 
 FILE = Path(__file__).with_name("fingerprints.json")
 ROOT = Path(__file__).parents[2]

@@ -12,10 +12,10 @@ import pytest
 from typer.testing import CliRunner
 
 from dcrb_ros.cli.app import app
-from dcrb_ros.manifest import software
-from dcrb_ros.recording import Recording
-from dcrb_ros.reproduction import Reproduction
-from dcrb_ros.simulation import Simulation
+from dcrb_ros.recordings.manifest import software
+from dcrb_ros.recordings.reader import Recording
+from dcrb_ros.recordings.reproduction import Reproduction
+from dcrb_ros.simulation.loop import Simulation
 
 KNOWN: dict[str, Any] = json.loads(cases.FILE.read_text())
 BAGS = sorted(path.parent for path in (cases.ROOT / "bags").glob("*/metadata.yaml"))
