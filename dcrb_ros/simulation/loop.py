@@ -27,7 +27,7 @@ from dcrb_ros.measurement.decimation import Cascade
 from dcrb_ros.measurement.sensor import Measurement, Sensor
 from dcrb_ros.runtime.arrays import Floats
 from dcrb_ros.runtime.refusal import Refusal
-from dcrb_ros.runtime.timestamps import nanoseconds
+from dcrb_ros.runtime.simulated_time import nanoseconds
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.parameters import Operating
 from dcrb_ros.simulation.block import Block, Truth
