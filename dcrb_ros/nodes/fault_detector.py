@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import sys
+
 from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.messages.topics import DETECTED, SENSOR, VIBRATION
 from dcrb_ros.messages.verdicts import diagnosis_messages
 from dcrb_ros.nodes.base import BenchNode
 from dcrb_ros.nodes.detector_input import DetectorInput, Response
+from dcrb_ros.nodes.programs import main
 from dcrb_ros.nodes.publisher import Publisher
 from dcrb_ros.nodes.ros import run_node
 
@@ -41,3 +44,7 @@ class FaultDetectorNode(BenchNode):
 def run(arguments: list[str]) -> int:
     """Run the node until a termination signal arrives; return the exit status."""
     return run_node(FaultDetectorNode, arguments)
+
+
+if __name__ == "__main__":
+    main("fault_detector", sys.argv[1:])

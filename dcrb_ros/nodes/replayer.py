@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 import time
 from typing import Any
 
@@ -12,6 +13,7 @@ from dcrb_ros.nodes.clock import ClockPublisher
 from dcrb_ros.nodes.engine import Engine, Progress, Sink
 from dcrb_ros.nodes.gate import Gate
 from dcrb_ros.nodes.pacing import Pacer
+from dcrb_ros.nodes.programs import main
 from dcrb_ros.nodes.publisher import Publisher
 from dcrb_ros.nodes.ros import run_node
 from dcrb_ros.recordings.replay import Replay, ReplayParameters
@@ -109,3 +111,7 @@ class ReplayerNode(BenchNode):
 def run(arguments: list[str], parameters: ReplayParameters | None = None) -> int:
     """Run the node until the recording is over or a termination signal arrives; return the exit status."""
     return run_node(lambda: ReplayerNode(parameters), arguments)
+
+
+if __name__ == "__main__":
+    main("replayer", sys.argv[1:])

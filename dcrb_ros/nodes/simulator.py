@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import math
+import sys
 import time
 from collections.abc import Callable, Generator, Sequence
 from contextlib import closing
@@ -39,7 +40,7 @@ from dcrb_ros.nodes.clock import ClockPublisher
 from dcrb_ros.nodes.engine import Engine, Progress, Sink
 from dcrb_ros.nodes.gate import Gate
 from dcrb_ros.nodes.pacing import Pacer
-from dcrb_ros.nodes.programs import MODEL_THREAD
+from dcrb_ros.nodes.programs import MODEL_THREAD, main
 from dcrb_ros.nodes.publisher import Publisher
 from dcrb_ros.nodes.recording_switch import RecordingSwitch
 from dcrb_ros.nodes.refusals import Refusals
@@ -251,3 +252,7 @@ def run(arguments: list[str]) -> int:
     options = own_arguments(parser, arguments)
     duration = None if options.duration is None else checked_duration(options.duration)
     return run_node(lambda: SimulatorNode(duration, options.scenario), arguments)
+
+
+if __name__ == "__main__":
+    main("simulator", sys.argv[1:])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import os
+import sys
 from contextlib import ExitStack
 from functools import partial
 from pathlib import Path
@@ -11,6 +12,7 @@ from pathlib import Path
 import rerun as rr
 
 from dcrb_ros.nodes.base import BenchNode
+from dcrb_ros.nodes.programs import main
 from dcrb_ros.nodes.ros import own_arguments, run_node
 from dcrb_ros.runtime.refusal import Refusal
 from dcrb_ros.viewer.document import APPLICATION
@@ -76,3 +78,7 @@ def run(arguments: list[str]) -> int:
         checked_output(options.save, suffix=".rrd", option="--save")
     os.nice(NICENESS)
     return run_node(lambda: ViewerNode(options.save, options.connect), arguments)
+
+
+if __name__ == "__main__":
+    main("viewer", sys.argv[1:])

@@ -201,8 +201,8 @@ def test_a_command_takes_effect_within_two_blocks(tmp_path: Path) -> None:
                 assert heard.ask(Trigger, "step").success
             command = SpeedCommand(100.0 + count)
             heard.until(lambda c=command: command_times(heard, c), "the command in the ground truth")
-            heard.until(lambda n=len(sent): len(indices(heard)) == n + 2, "both blocks")
-            end, latest = (nanoseconds(sent[-1] + blocks * 1024, 51200) for blocks in (1, 2))
+            heard.until(lambda known=sent: len(indices(heard)) == len(known) + 2, "both blocks")
+            end, latest = (nanoseconds(sent[-1] + 1024 * blocks, 51200) for blocks in (1, 2))
             (time_ns,) = command_times(heard, command)
             assert end <= time_ns <= latest + LEAD_NS
 
