@@ -1,19 +1,61 @@
-"""What the site takes from the code when it is built."""
+"""Reference pages that are generated from the code when the site is built."""
 
 from __future__ import annotations
 
-import re
-from pathlib import Path
+import inspect
+from collections.abc import Iterator
 from typing import Any
 
-from dcrb_ros.configuration_file import parameter_table
+import typer
 
-EXAMPLE = re.compile("<!-- example: (.*) -->")
-EXAMPLES = Path(__file__).parents[1] / "examples"
-PARAMETERS = "<!-- parameter table -->"
+from dcrb_ros.cli.app import app
+from dcrb_ros.configuration import Configuration
+from dcrb_ros.configuration_file import parameter_table
+from dcrb_ros.diagnosis.parameters import DetectorParameters
+
+PARAMETERS = "<!-- parameters -->"
+DETECTOR_PARAMETERS = "<!-- detector parameters -->"
+COMMANDS = "<!-- commands -->"
 
 
 def on_page_markdown(markdown: str, **_: Any) -> str:
-    """Put the parameter table and the examples in the places kept for them."""
-    markdown = EXAMPLE.sub(lambda found: f"```python\n{(EXAMPLES / found[1]).read_text()}```", markdown)
-    return markdown.replace(PARAMETERS, parameter_table()) if PARAMETERS in markdown else markdown
+    """Replace the markers of a page by what is generated for them."""
+    if PARAMETERS in markdown:
+        markdown = markdown.replace(PARAMETERS, parameter_table(Configuration))
+    if DETECTOR_PARAMETERS in markdown:
+        markdown = markdown.replace(DETECTOR_PARAMETERS, parameter_table(DetectorParameters))
+    if COMMANDS in markdown:
+        markdown = markdown.replace(COMMANDS, command_reference())
+    return markdown
+
+
+def command_reference() -> str:
+    """Return the commands of `dcrb` as Markdown: usage, description, and a table of arguments and options."""
+    return "\n".join(_described(typer.main.get_command(app), "dcrb"))
+
+
+def _described(command: Any, name: str) -> Iterator[str]:
+    """Yield the description of a command and of those below it."""
+    if below := getattr(command, "commands", {}):
+        for part, subcommand in below.items():
+            yield from _described(subcommand, f"{name} {part}")
+        return
+    arguments = [parameter for parameter in command.params if parameter.param_type_name == "argument"]
+    placeholders = [argument.metavar or str(argument.name).upper() for argument in arguments]
+    usage = " ".join([name, *(text if a.required else f"[{text}]" for a, text in zip(arguments, placeholders, strict=True)), "[OPTIONS]"])
+    yield from (f"## {name}", "", inspect.cleandoc(command.help or ""), "", f"```sh\n{usage}\n```", "")
+    yield from ("| argument or option | default | meaning |", "|---|---|---|")
+    for parameter in command.params:
+        if parameter.name == "help":
+            continue
+        argument = parameter.param_type_name == "argument"
+        names = [parameter.metavar or str(parameter.name).upper()] if argument else parameter.opts
+        label = ", ".join(f"`{option}`" for option in names).replace("|", "\\|")
+        default = "required" if parameter.required else _shown(parameter.default)
+        yield f"| {label} | {default} | {(parameter.help or '').replace('|', chr(92) + '|')} |"
+    yield ""
+
+
+def _shown(default: Any) -> str:
+    """Return a default as a user would type it; nothing for a flag and for what may be left out."""
+    return "" if default is None or isinstance(default, bool) or default == "" else f"`{default}`"
