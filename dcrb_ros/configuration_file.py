@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import re
 import sys
 from collections.abc import Iterator, Mapping, Sequence
@@ -249,18 +250,20 @@ UNIT_SIGNS = (("^2", "²"), ("sqrt(Hz)", "√Hz"), ("ug/", "µg/"))
 
 
 def parameter_table(model: type[Group] = Configuration) -> str:
-    """Return the parameters as Markdown: a table per group, with name, unit and range in one column, default and meaning."""
+    """Return the parameters as Markdown: a table per group, with name, range and unit in one column, default and meaning."""
     lines: list[str] = []
-    heading = None
-    for field in parameter_fields(model):
-        group = field.key.rpartition(".")[0].partition(".")[0]
-        if group != heading:
-            heading = group
-            lines += ["", f"### {group}" if group else "### On the top level", ""]
-            lines += ["| parameter, unit, range | default | meaning |", "|---|---|---|"]
-        default = f"{field.default:.6g}" if isinstance(field.default, float) else str(field.default)
-        lines.append(f"| `{field.key}`{_range(field)} | {default} | {field.description}{_symbol(field)}{_changeable(field)} |")
+    for group, fields in itertools.groupby(parameter_fields(model), lambda field: field.key.partition(".")[0] if "." in field.key else ""):
+        if group or lines:
+            lines += ["", f"### {group or 'no group'}", ""]
+        lines += ["| parameter, range, unit | default | meaning |", "|---|---|---|"]
+        lines += [_row(field) for field in fields]
     return "\n".join(lines).strip()
+
+
+def _row(field: ParameterField) -> str:
+    """Return a parameter as a row of its table."""
+    default = f"{field.default:.6g}" if isinstance(field.default, float) else str(field.default)
+    return f"| `{field.key}`{_range(field)} | {default} | {field.description}{_symbol(field)}{_changeable(field)} |"
 
 
 def _range(field: ParameterField) -> str:
@@ -272,7 +275,8 @@ def _range(field: ParameterField) -> str:
     unit = field.unit if field.unit != "-" else ""
     for plain, sign in UNIT_SIGNS:
         unit = unit.replace(plain, sign)
-    return f"<br>{field.low:g} to {field.high:g} {unit}".rstrip()
+    low, high = (str(limit) if isinstance(limit, int) else f"{limit:g}" for limit in (field.low, field.high))
+    return f"<br>{low} to {high} {unit}".rstrip()
 
 
 def _symbol(field: ParameterField) -> str:

@@ -1,8 +1,9 @@
-"""Reference pages that are generated from the code when the site is built."""
+"""Reference pages that are generated from the code, and tables that fit a narrow screen, when the site is built."""
 
 from __future__ import annotations
 
 import inspect
+import re
 from collections.abc import Iterator
 from typing import Any
 
@@ -16,6 +17,8 @@ from dcrb_ros.diagnosis.parameters import DetectorParameters
 PARAMETERS = "<!-- parameters -->"
 DETECTOR_PARAMETERS = "<!-- detector parameters -->"
 COMMANDS = "<!-- commands -->"
+TABLE = re.compile("<table>.*?</table>", re.DOTALL)
+CODE = re.compile("<code>[^<]*</code>")
 
 
 def on_page_markdown(markdown: str, **_: Any) -> str:
@@ -27,6 +30,15 @@ def on_page_markdown(markdown: str, **_: Any) -> str:
     if COMMANDS in markdown:
         markdown = markdown.replace(COMMANDS, command_reference())
     return markdown
+
+
+def on_page_content(html: str, **_: Any) -> str:
+    """Let long names in tables break after a dot, an underscore or a slash."""
+
+    def broken(code: re.Match[str]) -> str:
+        return re.sub(r"(?<=\w)([._/])(?=\w)", r"\1<wbr>", code[0])
+
+    return TABLE.sub(lambda table: CODE.sub(broken, table[0]), html)
 
 
 def command_reference() -> str:
