@@ -1,4 +1,4 @@
-"""The reports in docs/exam.md: the shipped detector on three exams, the naive one on another; recordings are kept for the next time."""
+"""The reports in docs/explanation/exam-results.md: three exams of the shipped detector, one of the naive detector; recordings are kept."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 ROOT = Path(__file__).resolve().parents[1]
-PAGE, IMAGES = ROOT / "docs/exam.md", ROOT / "docs/images"
+PAGE, IMAGES = ROOT / "docs/explanation/exam-results.md", ROOT / "docs/images"
 SCORE = [sys.executable, "-c", "from dcrb_ros.cli.app import main; main()", "score"]
 MOST_FLAWS = 60
 
@@ -67,7 +67,7 @@ def told(report: dict[str, Any], image: str, words: str) -> Iterator[str]:
         [[c["name"], c["wanted"], c["got"], "holds" if c["holds"] else "**fails**"] for c in report["checks"]],
     )
     if report["delay"]:
-        yield f"![{words}](images/{image})"
+        yield f"![{words}](../images/{image})"
     delays = [
         [verdict, f"{d['found']} of {d['asked']}", number(d["median"]), number(d["p95"]), f"{d['limit']:g}"]
         for verdict, d in report["delay"].items()
