@@ -63,8 +63,8 @@ def told(report: dict[str, Any], image: str, words: str) -> Iterator[str]:
         f"{date}; scenarios `{report['scenarios_sha256'][:16]}`."
     )
     yield from table(
-        ["criterion", "wanted", "got", ""],
-        [[c["name"], c["wanted"], c["got"], "holds" if c["holds"] else "**fails**"] for c in report["checks"]],
+        ["criterion", "required", "result", "status"],
+        [[c["name"], c["wanted"], c["got"], "passed" if c["holds"] else "**failed**"] for c in report["checks"]],
     )
     if report["delay"]:
         yield f"![{words}](../images/{image})"
@@ -85,9 +85,9 @@ def told(report: dict[str, Any], image: str, words: str) -> Iterator[str]:
     wrong = [scenario for scenario in report["scenarios"] if not scenario["passed"]]
     if wrong:
         yield ""
-        yield f"What went wrong, {len(wrong)} of {len(report['scenarios'])}:"
+        yield f"Errors in {len(wrong)} of {len(report['scenarios'])} scenarios:"
         rows = [[f"`{s['name']}`", s["verdict"], s["flaw"], "" if s["required"] else "not required"] for s in wrong[:MOST_FLAWS]]
-        yield from table(["scenario", "right", "what", ""], rows)
+        yield from table(["scenario", "correct verdict", "error", "remark"], rows)
 
 
 def replace(name: str, lines: Iterator[str]) -> None:
@@ -106,7 +106,7 @@ def replace(name: str, lines: Iterator[str]) -> None:
 
 REPORTS = {
     "shipped": ("standard", [], "The shipped detector's report"),
-    "blind": ("blind", [], "The shipped detector's report on what it was not tuned on"),
+    "blind": ("blind", [], "The shipped detector's report on scenarios it was not tuned on"),
     "hours": ("hours", [], "The shipped detector's report on four healthy hours"),
     "naive": ("smoke", ["--node", "python examples/naive_detector.py"], "The naive detector's report"),
 }

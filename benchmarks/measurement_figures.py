@@ -1,4 +1,4 @@
-"""The figures of docs/explanation/measurement-chain.md: transfer functions, noise, background and sensor faults, measured."""
+"""The figures of docs/explanation/measurement-chain.md, measured: transfer functions, noise, background and sensor faults."""
 
 from __future__ import annotations
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import html
 import inspect
 import re
 from collections.abc import Iterator
@@ -32,13 +33,13 @@ def on_page_markdown(markdown: str, **_: Any) -> str:
     return markdown
 
 
-def on_page_content(html: str, **_: Any) -> str:
+def on_page_content(content: str, **_: Any) -> str:
     """Let long names in tables break after a dot, an underscore or a slash."""
 
     def broken(code: re.Match[str]) -> str:
         return re.sub(r"(?<=\w)([._/])(?=\w)", r"\1<wbr>", code[0])
 
-    return TABLE.sub(lambda table: CODE.sub(broken, table[0]), html)
+    return TABLE.sub(lambda table: CODE.sub(broken, table[0]), content)
 
 
 def command_reference() -> str:
@@ -52,19 +53,19 @@ def _described(command: Any, name: str) -> Iterator[str]:
         for part, subcommand in below.items():
             yield from _described(subcommand, f"{name} {part}")
         return
-    arguments = [parameter for parameter in command.params if parameter.param_type_name == "argument"]
-    placeholders = [argument.metavar or str(argument.name).upper() for argument in arguments]
-    usage = " ".join([name, *(text if a.required else f"[{text}]" for a, text in zip(arguments, placeholders, strict=True)), "[OPTIONS]"])
-    yield from (f"## {name}", "", inspect.cleandoc(command.help or ""), "", f"```sh\n{usage}\n```", "")
-    yield from ("| argument or option | default | meaning |", "|---|---|---|")
-    for parameter in command.params:
-        if parameter.name == "help":
-            continue
-        argument = parameter.param_type_name == "argument"
-        names = [parameter.metavar or str(parameter.name).upper()] if argument else parameter.opts
-        label = ", ".join(f"`{option}`" for option in names).replace("|", "\\|")
+    parameters = [parameter for parameter in command.params if parameter.name != "help"]
+    names = {p: [p.metavar or p.name.upper()] if p.param_type_name == "argument" else p.opts for p in parameters}
+    usage = [name]
+    usage += [names[p][0] if p.required else f"[{names[p][0]}]" for p in parameters if p.param_type_name == "argument"]
+    usage += ["[OPTIONS]"] if any(p.param_type_name == "option" for p in parameters) else []
+    yield from (f"## {name}", "", inspect.cleandoc(command.help or ""), "", f"```sh\n{' '.join(usage)}\n```", "")
+    if parameters:
+        yield from ("| argument or option | default | meaning |", "|---|---|---|")
+    for parameter in parameters:
+        label = ", ".join(f'<code class="option">{html.escape(part)}</code>' for part in names[parameter])
         default = "required" if parameter.required else _shown(parameter.default)
-        yield f"| {label} | {default} | {(parameter.help or '').replace('|', chr(92) + '|')} |"
+        meaning = html.escape(parameter.help or "")
+        yield "| " + " | ".join(cell.replace("|", "&#124;") for cell in (label, default, meaning)) + " |"
     yield ""
 
 
