@@ -17,10 +17,10 @@ import numpy.typing as npt
 
 from dcrb_ros.configuration import Configuration
 from dcrb_ros.configuration_file import load_configuration
+from dcrb_ros.core.layout.state import State, copy_of
+from dcrb_ros.core.layout.workspace import workspace
 from dcrb_ros.core.payload import Payload
-from dcrb_ros.core.state import State, copy_of
-from dcrb_ros.core.step import advance
-from dcrb_ros.core.work import workspace
+from dcrb_ros.core.solver.step import advance
 from dcrb_ros.energy import energy_of_bars, energy_of_lands, kinetic_energy, potential_of_weight
 from dcrb_ros.equilibrium import penetrations, radial_directions, stored_energy
 from dcrb_ros.model import build_payload, initial_state

@@ -20,8 +20,8 @@ import numpy as np
 
 from dcrb_ros.block import Floats
 from dcrb_ros.configuration_file import load_configuration
-from dcrb_ros.core.step import advance
-from dcrb_ros.core.work import workspace
+from dcrb_ros.core.layout.workspace import workspace
+from dcrb_ros.core.solver.step import advance
 from dcrb_ros.model import build_payload, initial_state, pocket_azimuths
 from dcrb_ros.observation import place_pinned_rollers
 

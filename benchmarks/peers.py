@@ -17,8 +17,8 @@ from scipy.integrate import solve_ivp
 
 from dcrb_ros.block import Floats
 from dcrb_ros.configuration_file import load_configuration
-from dcrb_ros.core.step import advance
-from dcrb_ros.core.work import workspace
+from dcrb_ros.core.layout.workspace import workspace
+from dcrb_ros.core.solver.step import advance
 from dcrb_ros.model import build_payload, initial_state
 from dcrb_ros.parameters import SimulationParameters
 from dcrb_ros.reference.bodies import OUTER_RING

@@ -19,8 +19,8 @@ from dcrb_ros.ahead import ahead
 from dcrb_ros.cli.simulate import AHEAD
 from dcrb_ros.configuration import Configuration
 from dcrb_ros.configuration_file import load_configuration
-from dcrb_ros.core.step import advance
-from dcrb_ros.core.work import workspace
+from dcrb_ros.core.layout.workspace import workspace
+from dcrb_ros.core.solver.step import advance
 from dcrb_ros.messages.encoder import BlockEncoder
 from dcrb_ros.model import build_payload, initial_state
 from dcrb_ros.simulation import Simulation

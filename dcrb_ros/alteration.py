@@ -7,8 +7,8 @@ from typing import Any
 
 from dcrb_ros.configuration import Configuration
 from dcrb_ros.configuration_file import flatten, parameter_fields, validated
+from dcrb_ros.core.layout.state import State
 from dcrb_ros.core.payload import Payload
-from dcrb_ros.core.state import State
 from dcrb_ros.model import build_payload
 from dcrb_ros.observation import place_pinned_rollers
 from dcrb_ros.refusal import Refusal, nearest

@@ -10,8 +10,8 @@ from scipy.optimize import least_squares, minimize
 from scipy.special import lambertw
 
 from dcrb_ros.block import Floats
+from dcrb_ros.core.contacts.notch import inner_notch_depth, outer_notch_depth, roller_notch_depth
 from dcrb_ros.core.payload import JOHNSON, SINK, Payload
-from dcrb_ros.core.raceway import inner_notch_depth, outer_notch_depth, roller_notch_depth
 
 START_PENETRATION = 2e-5
 """Penetration of the lowest roller that the search starts from [m]."""

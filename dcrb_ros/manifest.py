@@ -35,7 +35,7 @@ GATHERED = 1 << 20
 LARGEST = 16 * 1024 * 1024
 """Largest record of the manifest [bytes], some 200000 commands; beyond it they are counted, and read from the ground truth."""
 UNITS = {"acceleration": "m/s^2", "angle": "rad", "speed": "rad/s", "force": "N", "time": "s, simulated, from zero"}
-MODEL = ("core", "measurement", "conformal.py", "equilibrium.py", "model.py", "simulation.py")
+MODEL = ("core", "measurement", "equilibrium.py", "model.py", "simulation.py")
 """Sources on which the samples depend."""
 
 

@@ -17,9 +17,9 @@ from dcrb_ros.alteration import altered, onsets, refitted, spoken
 from dcrb_ros.block import Account, Block, Floats, Layout, States, Truth, nanoseconds
 from dcrb_ros.configuration import Configuration
 from dcrb_ros.core.compilation import compile_ahead
-from dcrb_ros.core.state import copy_of
-from dcrb_ros.core.step import advance
-from dcrb_ros.core.work import workspace
+from dcrb_ros.core.layout.state import copy_of
+from dcrb_ros.core.layout.workspace import workspace
+from dcrb_ros.core.solver.step import advance
 from dcrb_ros.energy import account, stored_energy
 from dcrb_ros.kinematics import characteristic_orders
 from dcrb_ros.measurement.decimation import Cascade

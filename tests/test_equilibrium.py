@@ -13,9 +13,9 @@ from hypothesis import strategies as st
 
 from dcrb_ros.configuration import Configuration
 from dcrb_ros.configuration_file import load_configuration
+from dcrb_ros.core.layout.workspace import workspace
 from dcrb_ros.core.payload import Payload
-from dcrb_ros.core.step import advance
-from dcrb_ros.core.work import workspace
+from dcrb_ros.core.solver.step import advance
 from dcrb_ros.equilibrium import (
     LIGHTEST,
     penetration_under,
@@ -171,6 +171,9 @@ def test_no_roller_of_a_slow_bearing_begins_in_the_air(load: float, speed: float
 
 STARTS = """
 import hashlib
+
+import numpy as np
+
 from dcrb_ros.configuration_file import load_configuration
 from dcrb_ros.model import build_payload, initial_state
 
@@ -178,7 +181,7 @@ digest = hashlib.sha256()
 for name in ("healthy", "outer_ring_defect", "compound", "cage_fracture", "paper"):
     for speed in (20.0, 40.0, 124.8):
         configuration = load_configuration(name, (f"operating.speed={speed}",))
-        digest.update(b"".join(part.tobytes() for part in initial_state(configuration, build_payload(configuration))))
+        digest.update(b"".join(np.asarray(part).tobytes() for part in initial_state(configuration, build_payload(configuration))))
 print(digest.hexdigest())
 """
 

@@ -8,8 +8,8 @@ import numpy as np
 
 from dcrb_ros.block import Floats
 from dcrb_ros.configuration import Configuration
-from dcrb_ros.core.step import advance
-from dcrb_ros.core.work import workspace
+from dcrb_ros.core.layout.workspace import workspace
+from dcrb_ros.core.solver.step import advance
 from dcrb_ros.model import build_payload, initial_state
 from dcrb_ros.reference.solver import History, Reference
 
