@@ -6,10 +6,10 @@ import shutil
 import sys
 from pathlib import Path
 
-from dcrb_ros.commands import Agenda, Command
-from dcrb_ros.configuration_file import load_configuration
-from dcrb_ros.simulation import Simulation
-from dcrb_ros.sinks.recorder import Recorder
+from dcrb_ros.recordings.recorder import Recorder
+from dcrb_ros.settings.files import load_configuration
+from dcrb_ros.simulation.events import Agenda, Command
+from dcrb_ros.simulation.loop import Simulation
 
 HERE = Path(__file__).resolve().parent
 SECONDS = 3.0

@@ -15,18 +15,18 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from dcrb_ros.configuration import Configuration
-from dcrb_ros.configuration_file import load_configuration
+from dcrb_ros.bearing.energy import energy_of_bars, energy_of_lands, kinetic_energy, potential_of_weight
+from dcrb_ros.bearing.equilibrium import penetrations, radial_directions, stored_energy
+from dcrb_ros.bearing.observation import place_pinned_rollers, wrapped
+from dcrb_ros.bearing.payload import build_payload, initial_state
 from dcrb_ros.core.layout.state import State, copy_of
 from dcrb_ros.core.layout.workspace import workspace
 from dcrb_ros.core.payload import Payload
 from dcrb_ros.core.solver.step import advance
-from dcrb_ros.energy import energy_of_bars, energy_of_lands, kinetic_energy, potential_of_weight
-from dcrb_ros.equilibrium import penetrations, radial_directions, stored_energy
-from dcrb_ros.model import build_payload, initial_state
-from dcrb_ros.observation import place_pinned_rollers, wrapped
-from dcrb_ros.parameters import SimulationParameters
-from dcrb_ros.simulation import Simulation
+from dcrb_ros.settings.configuration import Configuration
+from dcrb_ros.settings.files import load_configuration
+from dcrb_ros.settings.parameters import SimulationParameters
+from dcrb_ros.simulation.loop import Simulation
 from dcrb_ros.validation.measures import envelope_spectrum, kurtosis
 
 Floats = npt.NDArray[np.float64]

@@ -20,12 +20,12 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from dcrb_ros.configuration import Configuration
+from dcrb_ros.bearing.kinematics import characteristic_orders
 from dcrb_ros.diagnosis.detector import DEFAULTS, Diagnosis, FaultDetector
 from dcrb_ros.diagnosis.parameters import DetectorParameters
-from dcrb_ros.kinematics import characteristic_orders
-from dcrb_ros.many import simulate_many
-from dcrb_ros.simulation import Simulation
+from dcrb_ros.settings.configuration import Configuration
+from dcrb_ros.simulation.batch import simulate_many
+from dcrb_ros.simulation.loop import Simulation
 
 SEEDS = {"tuned": 11, "untuned": 22}
 KINDS = ("healthy", "outer_ring", "inner_ring", "roller", "cage", "healthy", "outer_ring", "inner_ring", "roller")

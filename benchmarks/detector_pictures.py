@@ -15,7 +15,7 @@ from detector import Scenario, detector_of, scenarios, watch, waveforms
 
 from dcrb_ros.diagnosis.detector import FaultDetector
 from dcrb_ros.diagnosis.parameters import DetectorParameters
-from dcrb_ros.recording import Recording
+from dcrb_ros.recordings.reader import Recording
 
 mpl.use("Agg")
 import matplotlib.pyplot as plt

@@ -18,10 +18,10 @@ from typing import Any
 import rclpy
 
 from dcrb_ros.messages.statuses import decode_diagnostics
+from dcrb_ros.messages.topics import BENCH_DIAGNOSTICS, NAMESPACE, VIBRATION
 from dcrb_ros.nodes.bench import node_process
+from dcrb_ros.nodes.publisher import message_class, qos
 from dcrb_ros.nodes.ros import stay_on_this_machine
-from dcrb_ros.sinks.publisher import message_class, qos
-from dcrb_ros.topics import BENCH_DIAGNOSTICS, NAMESPACE, VIBRATION
 
 START = 60.0
 """Longest wall time that the viewer may take to come up [s]."""

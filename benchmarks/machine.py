@@ -15,7 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
-from dcrb_ros.configuration_file import load_configuration
+from dcrb_ros.bearing.payload import build_payload, initial_state
 from dcrb_ros.core.jit import loop
 from dcrb_ros.core.layout.records import VECTOR, Floats, dtype_of
 from dcrb_ros.core.layout.rollers import Rollers, RollerStep
@@ -24,7 +24,7 @@ from dcrb_ros.core.layout.workspace import Workspace, workspace
 from dcrb_ros.core.payload import Payload
 from dcrb_ros.core.solver.free import advance_free
 from dcrb_ros.core.solver.step import advance
-from dcrb_ros.model import build_payload, initial_state
+from dcrb_ros.settings.files import load_configuration
 
 STATE_FIELDS = """
     x y vx vy spin change_vx change_vy change_spin outer.bristle outer.force outer.friction outer.slip friction_loss contact_loss notch_loss

@@ -13,8 +13,8 @@ import time
 
 from real_time import factors, kernel
 
-from dcrb_ros.configuration import Configuration
-from dcrb_ros.many import simulate_many
+from dcrb_ros.settings.configuration import Configuration
+from dcrb_ros.simulation.batch import simulate_many
 
 
 def throughput(configurations: list[Configuration], duration: float, workers: int) -> float:

@@ -12,8 +12,8 @@ from typing import Any
 
 import numpy as np
 
-from dcrb_ros.configuration import Configuration
 from dcrb_ros.measurement.sensor import Sensor
+from dcrb_ros.settings.configuration import Configuration
 
 BACKGROUND = {"unbalance": 1e-4, "joint_level": 40.0, "flat_level": 30.0, "track_level": 4.0, "impact_rate": 20.0, "hum_level": 1.0}
 EVERYTHING = {"preset": "mems", "ac_coupling": 0.5, "clock_offset_ppm": 20.0, "clock_jitter": 1e-9, "fault": "spikes"}

@@ -11,12 +11,12 @@ import numpy as np
 import numpy.typing as npt
 from scipy import signal
 
-from dcrb_ros.configuration import Configuration
-from dcrb_ros.configuration_file import load_configuration
 from dcrb_ros.measurement.decimation import anti_alias_taps
 from dcrb_ros.measurement.sensor import Sensor
-from dcrb_ros.sensing import MICRO_G, TYPICAL
-from dcrb_ros.simulation import Simulation
+from dcrb_ros.settings.configuration import Configuration
+from dcrb_ros.settings.files import load_configuration
+from dcrb_ros.settings.sensor import MICRO_G, TYPICAL
+from dcrb_ros.simulation.loop import Simulation
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt

@@ -23,12 +23,12 @@ from process import processor_times, resident
 from rclpy.executors import SingleThreadedExecutor
 from real_time import kernel
 
-from dcrb_ros.configuration import Configuration
 from dcrb_ros.messages.statuses import decode_diagnostics
+from dcrb_ros.messages.topics import BENCH_DIAGNOSTICS, NAMESPACE, SIMULATED, VIBRATION, Topic
 from dcrb_ros.nodes.bench import node_process
+from dcrb_ros.nodes.publisher import message_class, qos
 from dcrb_ros.nodes.ros import stay_on_this_machine
-from dcrb_ros.sinks.publisher import message_class, qos
-from dcrb_ros.topics import BENCH_DIAGNOSTICS, NAMESPACE, SIMULATED, VIBRATION, Topic
+from dcrb_ros.settings.configuration import Configuration
 
 PATIENCE = 120.0
 """Longest wait for the next report [s]; the kernels may have to be compiled before the first one."""

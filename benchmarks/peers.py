@@ -15,14 +15,14 @@ import exudyn_bearing
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from dcrb_ros.block import Floats
-from dcrb_ros.configuration_file import load_configuration
+from dcrb_ros.bearing.payload import build_payload, initial_state
 from dcrb_ros.core.layout.workspace import workspace
 from dcrb_ros.core.solver.step import advance
-from dcrb_ros.model import build_payload, initial_state
-from dcrb_ros.parameters import SimulationParameters
 from dcrb_ros.reference.bodies import OUTER_RING
 from dcrb_ros.reference.solver import Motion, Reference
+from dcrb_ros.runtime.arrays import Floats
+from dcrb_ros.settings.files import load_configuration
+from dcrb_ros.settings.parameters import SimulationParameters
 
 CONFIGURATION = load_configuration("outer_ring_defect", ["cage.joint=revolute"])
 STEP = SimulationParameters().step

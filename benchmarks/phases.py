@@ -14,8 +14,7 @@ from llvmlite import ir
 from numba import types
 from numba.extending import intrinsic
 
-from dcrb_ros.configuration import Configuration
-from dcrb_ros.configuration_file import load_configuration
+from dcrb_ros.bearing.payload import build_payload, initial_state
 from dcrb_ros.core.contacts.conformal import linearize_cages, store_lands
 from dcrb_ros.core.contacts.notch import turn_notches
 from dcrb_ros.core.contacts.raceway import linearize_raceways, locate_raceways
@@ -27,7 +26,8 @@ from dcrb_ros.core.payload import Payload
 from dcrb_ros.core.solver.bodies import drift, finish_bodies, predict_bodies
 from dcrb_ros.core.solver.step import advance, advance_unbound, clear, find_bound, solve, write_pockets
 from dcrb_ros.core.solver.update import store_bound
-from dcrb_ros.model import build_payload, initial_state
+from dcrb_ros.settings.configuration import Configuration
+from dcrb_ros.settings.files import load_configuration
 
 PHASES = ("geometry", "free rollers", "raceways", "bars and lands", "linear solve", "integration")
 """Free rollers that are not bound go through all of it in one loop; what follows is for the bound ones, rings and cages. Normal force and

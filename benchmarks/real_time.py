@@ -15,16 +15,16 @@ from pathlib import Path
 
 import numpy as np
 
-from dcrb_ros.ahead import ahead
+from dcrb_ros.bearing.payload import build_payload, initial_state
 from dcrb_ros.cli.simulate import AHEAD
-from dcrb_ros.configuration import Configuration
-from dcrb_ros.configuration_file import load_configuration
 from dcrb_ros.core.layout.workspace import workspace
 from dcrb_ros.core.solver.step import advance
 from dcrb_ros.messages.encoder import BlockEncoder
-from dcrb_ros.model import build_payload, initial_state
-from dcrb_ros.simulation import Simulation
-from dcrb_ros.sinks.recorder import Recorder
+from dcrb_ros.recordings.recorder import Recorder
+from dcrb_ros.runtime.prefetch import ahead
+from dcrb_ros.settings.configuration import Configuration
+from dcrb_ros.settings.files import load_configuration
+from dcrb_ros.simulation.loop import Simulation
 
 WARM_UP = 0.2
 """Simulated time before every measurement, compiling included [s]."""

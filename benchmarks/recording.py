@@ -16,14 +16,14 @@ import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
-from dcrb_ros.block import Block
-from dcrb_ros.configuration import Configuration
-from dcrb_ros.configuration_file import load_configuration
 from dcrb_ros.messages.encoder import BlockEncoder
-from dcrb_ros.recording import Recording
-from dcrb_ros.simulation import Simulation
-from dcrb_ros.sinks.recorder import Recorder
-from dcrb_ros.topics import VIBRATION, Message
+from dcrb_ros.messages.topics import VIBRATION, Message
+from dcrb_ros.recordings.reader import Recording
+from dcrb_ros.recordings.recorder import Recorder
+from dcrb_ros.settings.configuration import Configuration
+from dcrb_ros.settings.files import load_configuration
+from dcrb_ros.simulation.block import Block
+from dcrb_ros.simulation.loop import Simulation
 
 RAW = 12
 """Bytes of a sample: ax, ay and shaft angle as single floats."""

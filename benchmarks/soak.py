@@ -33,9 +33,9 @@ from std_srvs.srv import SetBool
 from witness import Stop, Witnesses, witnesses
 
 from dcrb_ros.messages.statuses import decode_diagnostics
+from dcrb_ros.messages.topics import BENCH_DIAGNOSTICS, CLOCK, FEATURES, GROUND_TRUTH, NAMESPACE, ROLLER_STATES, VIBRATION, Topic
+from dcrb_ros.nodes.publisher import message_class, qos
 from dcrb_ros.nodes.ros import stay_on_this_machine
-from dcrb_ros.sinks.publisher import message_class, qos
-from dcrb_ros.topics import BENCH_DIAGNOSTICS, CLOCK, FEATURES, GROUND_TRUTH, NAMESPACE, ROLLER_STATES, VIBRATION, Topic
 
 RATE, BLOCK = 51200, 1024
 LEAK = 0.2

@@ -15,7 +15,7 @@ import time
 from pathlib import Path
 from typing import NamedTuple
 
-FIRST_BLOCK = "from dcrb_ros.configuration_file import load_configuration as load; from dcrb_ros.simulation import Simulation; "
+FIRST_BLOCK = "from dcrb_ros.settings.files import load_configuration as load; from dcrb_ros.simulation.loop import Simulation; "
 FIRST_BLOCK += "next(Simulation(load('healthy', ['cage.joint={}'])).blocks())"
 
 

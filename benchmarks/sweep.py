@@ -21,13 +21,13 @@ import psutil
 from distributed import Client, get_task_stream
 from real_time import kernel
 
-from dcrb_ros.configuration import Configuration
+from dcrb_ros.runtime.processes import in_processes
+from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.sweep.data_set import DataSet
 from dcrb_ros.sweep.dispatch import workers_here
 from dcrb_ros.sweep.plan import Plan
 from dcrb_ros.sweep.reading import sweep_of
 from dcrb_ros.sweep.store import Store
-from dcrb_ros.workers import in_processes
 
 
 def plan(joint: str, runs: int, duration: float, **more: Any) -> Plan:

@@ -6,7 +6,7 @@ import re
 from pathlib import Path
 from typing import Any
 
-from dcrb_ros.configuration_file import parameter_table
+from dcrb_ros.settings.files import parameter_table
 
 EXAMPLE = re.compile("<!-- example: (.*) -->")
 EXAMPLES = Path(__file__).parents[1] / "examples"

@@ -1,62 +1,8 @@
-"""Settings and runs that several tests share."""
+"""Settings that all tests share."""
 
 from __future__ import annotations
 
-import functools
-from dataclasses import dataclass
-from typing import Any
-
-import numpy as np
-import numpy.typing as npt
 from hypothesis import settings
-
-from dcrb_ros.block import Block, States
-from dcrb_ros.configuration import Configuration
-from dcrb_ros.simulation import Simulation
 
 settings.register_profile("bench", deadline=None, max_examples=60)
 settings.load_profile("bench")
-
-PAPER_SPEED = 124.8  # rad/s, printed in Fan et al. 2025, section 2.3.2
-
-
-@dataclass(frozen=True)
-class Run:
-    """A simulated run, its blocks joined."""
-
-    configuration: Configuration
-    blocks: list[Block]
-
-    @property
-    def clean(self) -> npt.NDArray[np.float64]:
-        """Acceleration before noise, shape (samples, 2) [m/s^2]."""
-        return np.concatenate([block.clean for block in self.blocks]).astype(np.float64)
-
-    @property
-    def states(self) -> list[States]:
-        """States in the order of time."""
-        return [states for block in self.blocks for states in block.states]
-
-    def series(self, field: str) -> npt.NDArray[np.float64]:
-        """Return a field of the states, shape (times, bodies)."""
-        return np.array([getattr(states, field) for states in self.states])
-
-
-@functools.cache
-def _simulated(duration: float, fault: str, width: float, speed: float, start: str, state_rate: int) -> Run:
-    groups: dict[str, Any] = {
-        "operating": {"speed": speed, "start": start},
-        "publishing": {"state_rate": state_rate},
-        "sensor": {"noise_density": 0.0},
-    }
-    if fault:
-        groups["faults"] = {fault: {"width": width}}
-    configuration = Configuration.model_validate(groups)
-    return Run(configuration, list(Simulation(configuration).blocks(duration)))
-
-
-def simulated(
-    duration: float, *, fault: str = "", width: float = 0.002, speed: float = PAPER_SPEED, start: str = "warm", state_rate: int = 1000
-) -> Run:
-    """Return a noiseless run; the same arguments are simulated once."""
-    return _simulated(duration, fault, width, speed, start, state_rate)

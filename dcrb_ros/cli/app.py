@@ -9,8 +9,8 @@ import typer
 
 from dcrb_ros import __version__
 from dcrb_ros.cli import bench, config, detect, exchange, info, recover, replay, score, simulate, sweep, validate, view
-from dcrb_ros.ending import ENDING
-from dcrb_ros.guard import guarded
+from dcrb_ros.runtime.exit_status import guarded
+from dcrb_ros.runtime.signals import ENDING
 
 app = typer.Typer(add_completion=False, no_args_is_help=True, pretty_exceptions_enable=False)
 app.command("simulate")(simulate.simulate)

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from dcrb_ros.refusal import Refusal
+from dcrb_ros.runtime.refusal import Refusal
 
 
 def bench(
@@ -27,8 +27,8 @@ def bench(
     """Run the bench: simulator and fault detector as ROS 2 nodes."""
     from dcrb_ros.cli.detect import detector_parameters
     from dcrb_ros.cli.simulate import checked_duration
-    from dcrb_ros.configuration_file import load_configuration
-    from dcrb_ros.scenario import read_scenario
+    from dcrb_ros.settings.files import load_configuration
+    from dcrb_ros.simulation.scenario import read_scenario
 
     seconds = checked_duration(duration)
     extra = [f"time_scale={time_scale!r}"] if time_scale is not None else []

@@ -15,7 +15,7 @@ Settings = Annotated[list[str] | None, typer.Option("--set", help="KEY=VALUE on 
 @app.command("list")
 def list_() -> None:
     """List the shipped configurations."""
-    from dcrb_ros.configuration_file import shipped_configurations
+    from dcrb_ros.settings.files import shipped_configurations
 
     for name, path in shipped_configurations().items():
         remark = path.read_text(encoding="utf-8").splitlines()[0].lstrip("# ")
@@ -25,7 +25,7 @@ def list_() -> None:
 @app.command()
 def show(config: Source, settings: Settings = None) -> None:
     """Print a configuration with every parameter in it."""
-    from dcrb_ros.configuration_file import load_configuration, to_yaml
+    from dcrb_ros.settings.files import load_configuration, to_yaml
 
     print(to_yaml(load_configuration(config, settings or ())), end="")
 
@@ -33,7 +33,7 @@ def show(config: Source, settings: Settings = None) -> None:
 @app.command()
 def check(config: Source, settings: Settings = None) -> None:
     """Check a configuration; exit status 2 and the reason where it is refused."""
-    from dcrb_ros.configuration_file import load_configuration
+    from dcrb_ros.settings.files import load_configuration
 
     load_configuration(config, settings or ())
     print(f"{config} is valid")
@@ -42,6 +42,6 @@ def check(config: Source, settings: Settings = None) -> None:
 @app.command()
 def docs() -> None:
     """Print the table of all parameters in Markdown."""
-    from dcrb_ros.configuration_file import parameter_table
+    from dcrb_ros.settings.files import parameter_table
 
     print(parameter_table())

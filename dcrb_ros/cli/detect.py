@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from dcrb_ros.refusal import Refusal
+from dcrb_ros.runtime.refusal import Refusal
 
 if TYPE_CHECKING:
     from dcrb_ros.diagnosis.parameters import DetectorParameters
@@ -20,8 +20,8 @@ def detector_parameters(file: Path | None) -> DetectorParameters:
     Raises:
         Refusal: see `read_parameters` and `validated`.
     """
-    from dcrb_ros.configuration_file import read_parameters, validated
     from dcrb_ros.diagnosis.parameters import DetectorParameters
+    from dcrb_ros.settings.files import read_parameters, validated
 
     return DetectorParameters() if file is None else validated(read_parameters(file, "fault_detector"), DetectorParameters, str(file))
 
@@ -35,7 +35,7 @@ def detect(
 ) -> None:
     """Run the fault detector over a recording and print its verdict."""
     from dcrb_ros.diagnosis.detector import FaultDetector
-    from dcrb_ros.recording import Recording
+    from dcrb_ros.recordings.reader import Recording
 
     recording, parameters = Recording(bag), detector_parameters(detector)
     rate = recording.sampling_rate

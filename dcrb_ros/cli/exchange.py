@@ -14,7 +14,7 @@ def export(
 ) -> None:
     """Write a recording's waveform for other tools, with a description beside it."""
     from dcrb_ros.exchange.export import export as exported
-    from dcrb_ros.recording import Recording
+    from dcrb_ros.recordings.reader import Recording
 
     recording = Recording(bag)
     beside = exported(recording, output)

@@ -11,7 +11,7 @@ import typer
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from dcrb_ros.recording import Recording
+    from dcrb_ros.recordings.reader import Recording
 
 SHOWN_COMMANDS = 20
 """Commands printed in the table; --json gives all."""
@@ -22,7 +22,7 @@ def info(
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON: the manifest, contents and what is damaged.")] = False,
 ) -> None:
     """Print the manifest and the contents of a recording."""
-    from dcrb_ros.recording import Recording, metadata_flaw
+    from dcrb_ros.recordings.reader import Recording, metadata_flaw
 
     recording = Recording(bag)
     counts, flaw = recording.counts(), metadata_flaw(bag)
@@ -73,8 +73,8 @@ def _lines(recording: Recording) -> list[str]:
 
 
 def _changed(recording: Recording) -> list[tuple[str, str]]:
-    from dcrb_ros.configuration import Configuration
-    from dcrb_ros.configuration_file import flatten
+    from dcrb_ros.settings.configuration import Configuration
+    from dcrb_ros.settings.files import flatten
 
     default = flatten(Configuration().model_dump())
     return [(key, str(value)) for key, value in flatten(recording.configuration.model_dump()).items() if value != default[key]]

@@ -13,7 +13,7 @@ def recover(
     output: Annotated[Path, typer.Option("-o", "--output", help="Folder of the repaired recording.")],
 ) -> None:
     """Write what can be read of a damaged recording to a new one that plays and opens like any other."""
-    from dcrb_ros.recovery import recover as recovered
+    from dcrb_ros.recordings.recovery import recover as recovered
 
     salvage = recovered(bag, output)
     for words in salvage.damage:

@@ -9,7 +9,7 @@ from typing import Annotated
 
 import typer
 
-from dcrb_ros.refusal import Refusal
+from dcrb_ros.runtime.refusal import Refusal
 
 
 def replay(
@@ -24,8 +24,8 @@ def replay(
     for name, value in (("--rate", rate), ("--offset", offset)):
         if not math.isfinite(value):
             raise Refusal(f"{name} {value} is refused: give a number")
-    from dcrb_ros.configuration_file import to_yaml, validated
-    from dcrb_ros.replay import Replay, ReplayParameters
+    from dcrb_ros.recordings.replay import Replay, ReplayParameters
+    from dcrb_ros.settings.files import to_yaml, validated
 
     given = {"bag": str(bag), "rate": rate, "loop": loop, "offset": offset, "clock": clock, "topics": topics}
     parameters = validated(given, ReplayParameters, "replay")

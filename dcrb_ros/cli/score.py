@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 import typer
 
-from dcrb_ros.refusal import Refusal
+from dcrb_ros.runtime.refusal import Refusal
 
 if TYPE_CHECKING:
     from dcrb_ros.diagnosis.parameters import DetectorParameters
@@ -21,8 +21,8 @@ if TYPE_CHECKING:
     from dcrb_ros.exam.design import Exam
     from dcrb_ros.exam.marking import Mark
     from dcrb_ros.exam.opinion import Opinion
+    from dcrb_ros.exam.recorded_case import Tape
     from dcrb_ros.exam.report import Report
-    from dcrb_ros.exam.taped import Tape
 
 REFERENCE = "the shipped detector"
 
@@ -59,7 +59,7 @@ def score(
     show: Annotated[bool, typer.Option("--list", help="List the scenarios and end.")] = False,
 ) -> None:
     """Examine a fault detector: the shipped one, a node of yours, or what recordings hold; exit status 1 if it fails."""
-    from dcrb_ros.workers import cores
+    from dcrb_ros.runtime.processes import cores
 
     given = [*(sources or ()), *([exam] if exam else [])]
     _check(given, rate, patience, workers, node, detector, reference)
@@ -227,9 +227,9 @@ def _score_bags(bags: Sequence[Path], candidate: Candidate, *, judged: bool, wor
     """Return the report of recordings: of the candidate where they are to be ``judged`` now, or of the diagnoses in them."""
     from dcrb_ros.exam.criteria import Criteria
     from dcrb_ros.exam.marking import mark
+    from dcrb_ros.exam.recorded_case import read_tape
     from dcrb_ros.exam.report import Report
     from dcrb_ros.exam.sitting import examine_reference_on, marked
-    from dcrb_ros.exam.taped import read_tape
 
     names = _names(bags)
     tapes: list[Tape] = [read_tape(bag, name=name) for bag, name in zip(bags, names, strict=True)]

@@ -11,12 +11,12 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from dcrb_ros.refusal import Refusal
+from dcrb_ros.runtime.refusal import Refusal
 
 if TYPE_CHECKING:
-    from dcrb_ros.block import Block
-    from dcrb_ros.configuration import Configuration
-    from dcrb_ros.simulation import Simulation
+    from dcrb_ros.settings.configuration import Configuration
+    from dcrb_ros.simulation.block import Block
+    from dcrb_ros.simulation.loop import Simulation
 
 LONGEST = 1e6
 """Longest run that is accepted [s]."""
@@ -51,14 +51,14 @@ def simulate(
     if config is None:
         raise Refusal("Missing argument 'CONFIG': give a YAML file or a shipped name, such as healthy, or --from BAG")
     seconds = checked_duration(duration)
-    from dcrb_ros.configuration_file import load_configuration
-    from dcrb_ros.scenario import begun, read_story
+    from dcrb_ros.settings.files import load_configuration
+    from dcrb_ros.simulation.scenario import begun, read_story
 
     story = read_story(scenario) if scenario else None
     configuration = begun(story, load_configuration(config, settings or ()), str(scenario))
     path = output or Path(Path(config).stem)
     _refuse_existing(path)
-    from dcrb_ros.sinks.recorder import Recorder
+    from dcrb_ros.recordings.recorder import Recorder
 
     simulation = _started(configuration, story, str(scenario))
     with Recorder(path, configuration, simulation.layout, scenario=story) as recorder:
@@ -69,9 +69,9 @@ def simulate(
 
 def reproduce(source: Path, output: Path | None) -> None:
     """Simulate a recording again and compare the samples; write them to a recording where one is asked for."""
-    from dcrb_ros.recording import Recording
-    from dcrb_ros.reproduction import Reproduction
-    from dcrb_ros.sinks.recorder import Recorder
+    from dcrb_ros.recordings.reader import Recording
+    from dcrb_ros.recordings.recorder import Recorder
+    from dcrb_ros.recordings.reproduction import Reproduction
 
     if output is not None:
         _refuse_existing(output)
@@ -99,8 +99,8 @@ def _refuse_existing(path: Path) -> None:
 
 def _started(configuration: Configuration, story: Mapping[str, Any] | None, source: str) -> Simulation:
     from dcrb_ros.core import compiled
-    from dcrb_ros.scenario import timeline
-    from dcrb_ros.simulation import Simulation
+    from dcrb_ros.simulation.loop import Simulation
+    from dcrb_ros.simulation.scenario import timeline
 
     events = timeline(story, configuration, source) if story else []
     if not compiled():
@@ -113,7 +113,7 @@ def _run(name: str, blocks: Iterable[Block], seconds: float, write: Callable[[Bl
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
-    from dcrb_ros.ahead import ahead
+    from dcrb_ros.runtime.prefetch import ahead
 
     console = Console(stderr=True)
     started, done = time.perf_counter(), 0.0

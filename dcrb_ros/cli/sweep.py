@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from dcrb_ros.refusal import Refusal
+from dcrb_ros.runtime.refusal import Refusal
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -33,9 +33,9 @@ def sweep(
     if scheduler is not None and (workers is not None or memory != "auto"):
         raise Refusal("--scheduler brings its own workers: leave out --workers and --memory")
     _require_fsspec()
+    from dcrb_ros.runtime.processes import cores
     from dcrb_ros.sweep.plan import Plan
     from dcrb_ros.sweep.reading import read_sweep
-    from dcrb_ros.workers import cores
 
     plan = Plan(read_sweep(sweep))
     if plan.conditions < 3:
@@ -67,9 +67,9 @@ def _require_fsspec() -> None:
 
 def _compile() -> None:
     """Compile once, before every worker would."""
-    from dcrb_ros.configuration import Configuration
     from dcrb_ros.core import compiled
-    from dcrb_ros.simulation import Simulation
+    from dcrb_ros.settings.configuration import Configuration
+    from dcrb_ros.simulation.loop import Simulation
 
     if not compiled():
         typer.echo("compiling the kernels (once, about half a minute) ...", err=True)

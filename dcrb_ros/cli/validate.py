@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from dcrb_ros.refusal import Refusal
+from dcrb_ros.runtime.refusal import Refusal
 
 
 def validate(
@@ -23,9 +23,9 @@ def validate(
     from rich.table import Table
 
     from dcrb_ros.core import compiled
+    from dcrb_ros.runtime.processes import cores
     from dcrb_ros.validation.report import HEADINGS, cells, summary
     from dcrb_ros.validation.validate import made_folder, run_all, table, write_report
-    from dcrb_ros.workers import cores
 
     folder, console = made_folder(output), Console(stderr=True)
     if not compiled():

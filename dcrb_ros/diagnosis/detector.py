@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from dcrb_ros.bearing.kinematics import Orders
 from dcrb_ros.diagnosis.bands import Band, BandBank, band_tree, kurtosis
 from dcrb_ros.diagnosis.diagnosis import Diagnosis, Spectrum
 from dcrb_ros.diagnosis.envelope import OrderSpectrum, order_spectra
@@ -23,8 +24,7 @@ from dcrb_ros.diagnosis.judgement import Judge, Trend, Verdict, confidence
 from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.diagnosis.speed import estimated_frequency
 from dcrb_ros.diagnosis.stream import Stream, Stretch
-from dcrb_ros.kinematics import Orders
-from dcrb_ros.refusal import Refusal
+from dcrb_ros.runtime.refusal import Refusal
 
 __all__ = ["Diagnosis", "FaultDetector"]
 

@@ -17,10 +17,10 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
+from dcrb_ros.bearing.kinematics import Orders
 from dcrb_ros.diagnosis.bands import Band
 from dcrb_ros.diagnosis.envelope import NO_COMB, Comb, OrderSpectrum, combs, decibels, fitted_orders, ratio
 from dcrb_ros.diagnosis.parameters import DetectorParameters
-from dcrb_ros.kinematics import Orders
 
 Kind = Literal["outer_ring", "inner_ring", "roller", "cage"]
 KINDS: tuple[Kind, ...] = ("outer_ring", "inner_ring", "roller", "cage")

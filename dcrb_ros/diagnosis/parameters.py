@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Literal
 
-from dcrb_ros.parameters import Group, choice, quantity
+from dcrb_ros.schema.fields import Group, choice, quantity
 
 
 class DetectorParameters(Group):

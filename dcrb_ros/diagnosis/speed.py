@@ -8,8 +8,8 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from dcrb_ros.bearing.kinematics import Orders
 from dcrb_ros.diagnosis.envelope import OrderSpectrum
-from dcrb_ros.kinematics import Orders
 
 Floats = npt.NDArray[np.float64]
 

@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from dcrb_ros.diagnosis.turning import turns_of
-from dcrb_ros.refusal import Refusal
+from dcrb_ros.runtime.refusal import Refusal
 
 Floats = npt.NDArray[np.float64]
 AXES = 2

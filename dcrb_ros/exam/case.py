@@ -9,9 +9,9 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from dcrb_ros.configuration import Configuration
 from dcrb_ros.exam.question import Question
-from dcrb_ros.parameters import rpm
+from dcrb_ros.settings.configuration import Configuration
+from dcrb_ros.settings.parameters import rpm
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dcrb_ros.parameters import Group, choice, quantity
+from dcrb_ros.schema.fields import Group, choice, quantity
 
 
 class DelayLimits(Group):

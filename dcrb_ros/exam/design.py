@@ -13,18 +13,18 @@ from typing import Any, Literal
 
 from pydantic import Field, ValidationError
 
-from dcrb_ros.alteration import altered
-from dcrb_ros.configuration import Configuration
-from dcrb_ros.configuration_file import find_configuration, flatten, read_parameters, shipped_folder, validated
+from dcrb_ros.bearing.runtime_change import altered
 from dcrb_ros.exam.case import Case, Run, canonical, described
 from dcrb_ros.exam.criteria import Criteria, DelayLimits
 from dcrb_ros.exam.opinion import VERDICTS
 from dcrb_ros.exam.question import Question
-from dcrb_ros.exam.taped import right_verdict
-from dcrb_ros.parameters import Group, choice, quantity
-from dcrb_ros.refusal import Refusal, nearest
-from dcrb_ros.scenario import Event, begun, read_story, timeline
-from dcrb_ros.yaml_file import read_yaml
+from dcrb_ros.exam.recorded_case import right_verdict
+from dcrb_ros.runtime.refusal import Refusal, nearest
+from dcrb_ros.schema.fields import Group, choice, quantity
+from dcrb_ros.settings.configuration import Configuration
+from dcrb_ros.settings.files import find_configuration, flatten, read_parameters, shipped_folder, validated
+from dcrb_ros.settings.yaml import read_yaml
+from dcrb_ros.simulation.scenario import Event, begun, read_story, timeline
 
 MOST_CASES = 10_000
 Verdict = Literal["healthy", "outer_ring", "inner_ring", "roller", "cage", "compound", "sensor"]

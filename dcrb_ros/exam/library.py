@@ -13,12 +13,12 @@ from pathlib import Path
 import platformdirs
 
 from dcrb_ros.exam.case import Case, canonical
-from dcrb_ros.manifest import model_fingerprint, software
-from dcrb_ros.refusal import Refusal
-from dcrb_ros.scenario import timeline
-from dcrb_ros.simulation import Simulation
-from dcrb_ros.sinks.recorder import Recorder
-from dcrb_ros.topics import GROUND_TRUTH, VIBRATION
+from dcrb_ros.messages.topics import GROUND_TRUTH, VIBRATION
+from dcrb_ros.recordings.manifest import model_fingerprint, software
+from dcrb_ros.recordings.recorder import Recorder
+from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.simulation.loop import Simulation
+from dcrb_ros.simulation.scenario import timeline
 
 ABANDONED = 86400.0
 """Age from which a half-made recording is one of a run that was broken off [s]."""

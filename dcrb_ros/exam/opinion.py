@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 
 from dcrb_ros.messages.statuses import decode_diagnostics
-from dcrb_ros.refusal import Refusal, nearest
+from dcrb_ros.runtime.refusal import Refusal, nearest
 
 BEARING = ("outer_ring", "inner_ring", "roller", "cage", "compound")
 """Verdicts that name a fault of the bearing."""

@@ -10,7 +10,7 @@ from dcrb_ros.exam.case import Case
 from dcrb_ros.exam.library import recorded
 from dcrb_ros.exam.opinion import Opinion, opinion_of
 from dcrb_ros.messages.verdicts import encode_diagnosis
-from dcrb_ros.recording import Recording
+from dcrb_ros.recordings.reader import Recording
 
 
 def opinions(bag: Path, parameters: DetectorParameters) -> list[Opinion]:

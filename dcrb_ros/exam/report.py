@@ -12,7 +12,7 @@ from dcrb_ros.exam.criteria import Criteria
 from dcrb_ros.exam.marking import NOTHING, Mark
 from dcrb_ros.exam.opinion import VERDICTS, WAITING
 from dcrb_ros.exam.statistics import Characteristic, Interval, characteristic, percentile, rate, share
-from dcrb_ros.manifest import model_fingerprint, software
+from dcrb_ros.recordings.manifest import model_fingerprint, software
 
 
 @dataclass(frozen=True)

@@ -13,10 +13,10 @@ from dcrb_ros.exam.criteria import Criteria
 from dcrb_ros.exam.library import place, recorded
 from dcrb_ros.exam.marking import Mark, mark
 from dcrb_ros.exam.opinion import Opinion
+from dcrb_ros.exam.recorded_case import Tape
 from dcrb_ros.exam.reference import examined, opinions
-from dcrb_ros.exam.taped import Tape
-from dcrb_ros.refusal import Refusal
-from dcrb_ros.workers import in_processes
+from dcrb_ros.runtime.processes import in_processes
+from dcrb_ros.runtime.refusal import Refusal
 
 Value = TypeVar("Value")
 Told = Callable[[str], None]

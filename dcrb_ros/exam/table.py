@@ -13,7 +13,7 @@ from rich.text import Text
 from dcrb_ros import __version__
 from dcrb_ros.exam.report import Report
 from dcrb_ros.exam.statistics import CONFIDENCE, Interval
-from dcrb_ros.manifest import model_fingerprint
+from dcrb_ros.recordings.manifest import model_fingerprint
 
 MOST_FLAWS = 40
 """Scenarios that went wrong and are listed; JSON and JUnit have them all."""

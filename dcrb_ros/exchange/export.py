@@ -11,9 +11,9 @@ import yaml
 from dcrb_ros.exchange.files import WRITERS, Array
 from dcrb_ros.messages.points import decode_vibration
 from dcrb_ros.messages.statuses import decode_truth
-from dcrb_ros.recording import Recording
-from dcrb_ros.refusal import Refusal
-from dcrb_ros.topics import GROUND_TRUTH, VIBRATION
+from dcrb_ros.messages.topics import GROUND_TRUTH, VIBRATION
+from dcrb_ros.recordings.reader import Recording
+from dcrb_ros.runtime.refusal import Refusal
 
 
 def export(recording: Recording, path: Path) -> Path:

@@ -15,19 +15,20 @@ import numpy as np
 import numpy.typing as npt
 
 from dcrb_ros import __version__
-from dcrb_ros.block import LONGEST_BLOCK, Block
+from dcrb_ros.bearing.kinematics import Orders
 from dcrb_ros.exchange.description import Description, read_description
 from dcrb_ros.exchange.files import Array, Foreign, channel, read_foreign
-from dcrb_ros.kinematics import Orders
-from dcrb_ros.manifest import FORMAT, UNITS, Outcome, now
 from dcrb_ros.messages.cdr import FRAME
 from dcrb_ros.messages.joints import encode_features
 from dcrb_ros.messages.plain import encode_text
 from dcrb_ros.messages.points import encode_vibration
-from dcrb_ros.refusal import Refusal
-from dcrb_ros.sinks.bag import Bag, RecordingFailed
-from dcrb_ros.sinks.recorder import channel_of
-from dcrb_ros.topics import FEATURES, MANIFEST, NAMESPACE, SENSOR, VIBRATION, Message
+from dcrb_ros.messages.topics import FEATURES, MANIFEST, NAMESPACE, SENSOR, VIBRATION, Message
+from dcrb_ros.recordings.manifest import FORMAT, UNITS, Outcome, now
+from dcrb_ros.recordings.recorder import channel_of
+from dcrb_ros.recordings.rosbag2 import Bag, RecordingFailed
+from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.settings.sensor_limits import LONGEST_BLOCK
+from dcrb_ros.simulation.block import Block
 
 TURN = 2.0 * np.pi
 LATEST = 2**31

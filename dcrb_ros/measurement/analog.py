@@ -6,13 +6,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dcrb_ros.configuration import Configuration
-from dcrb_ros.measurement.arrays import Floats
 from dcrb_ros.measurement.background import Shaking
 from dcrb_ros.measurement.filters import Filter, low_pass, resonance
 from dcrb_ros.measurement.structure import sections
 from dcrb_ros.measurement.timetable import Timetable
-from dcrb_ros.sensing import Background, SensorParameters
+from dcrb_ros.runtime.arrays import Floats
+from dcrb_ros.settings.configuration import Configuration
+from dcrb_ros.settings.sensor import Background, SensorParameters
 
 LOOSE_FREQUENCY = 8000.0
 """Resonance of a mount that is about to come loose [Hz]; it falls to a tenth with the severity."""

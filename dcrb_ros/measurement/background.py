@@ -6,12 +6,12 @@ import math
 
 import numpy as np
 
-from dcrb_ros.configuration import Configuration
-from dcrb_ros.measurement.arrays import Floats
 from dcrb_ros.measurement.filters import Filter, band_of_noise
 from dcrb_ros.measurement.pulses import Passings, Pulses
 from dcrb_ros.measurement.streams import RandomTimes, stream
-from dcrb_ros.sensing import REFERENCE_SPEED, Background
+from dcrb_ros.runtime.arrays import Floats
+from dcrb_ros.settings.configuration import Configuration
+from dcrb_ros.settings.sensor import REFERENCE_SPEED, Background
 
 JOINT_DURATION = 0.004
 """Duration of a rail joint's pulse [s]."""

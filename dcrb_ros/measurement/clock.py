@@ -7,10 +7,10 @@ import math
 import numpy as np
 from scipy import special
 
-from dcrb_ros.configuration import Configuration
-from dcrb_ros.measurement.arrays import Floats
 from dcrb_ros.measurement.kernels import between
 from dcrb_ros.measurement.streams import stream
+from dcrb_ros.runtime.arrays import Floats
+from dcrb_ros.settings.configuration import Configuration
 
 HALF_WIDTH = 14
 """Samples on either side from which a value between two is made."""

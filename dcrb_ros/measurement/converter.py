@@ -7,13 +7,13 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from dcrb_ros.configuration import Configuration
-from dcrb_ros.measurement.arrays import Floats
 from dcrb_ros.measurement.filters import Filter, pink
 from dcrb_ros.measurement.sensor_fault import FaultySamples
 from dcrb_ros.measurement.streams import stream
 from dcrb_ros.measurement.timetable import Timetable
-from dcrb_ros.sensing import MICRO_G, SensorParameters
+from dcrb_ros.runtime.arrays import Floats
+from dcrb_ros.settings.configuration import Configuration
+from dcrb_ros.settings.sensor import MICRO_G, SensorParameters
 
 
 class Converter:

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import scipy  # whose parts are imported when they are first used
 
-from dcrb_ros.measurement.arrays import Floats
 from dcrb_ros.measurement.designs import kept
 from dcrb_ros.measurement.kernels import decimated
+from dcrb_ros.runtime.arrays import Floats
 
 STOP_ATTENUATION = 85.0
 """Attenuation of what would fold into the pass band [dB]."""

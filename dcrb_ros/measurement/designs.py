@@ -16,7 +16,7 @@ import numpy as np
 import scipy
 
 from dcrb_ros.core import CACHE
-from dcrb_ros.measurement.arrays import Floats
+from dcrb_ros.runtime.arrays import Floats
 
 FOLDER = CACHE / "filters"
 
@@ -46,7 +46,7 @@ def kept(design: Callable[P, Floats]) -> Callable[P, Floats]:
 @functools.cache
 def _made_with() -> bytes:
     digest = hashlib.sha256(f"{scipy.__version__} {np.__version__}".encode())
-    for source in sorted(Path(__file__).parent.glob("*.py")):
+    for source in sorted(Path(__file__).parent.rglob("*.py")):
         digest.update(source.read_bytes())
     return digest.digest()
 

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from dcrb_ros.configuration import Configuration
-from dcrb_ros.measurement.arrays import Floats
 from dcrb_ros.measurement.background import Hum
 from dcrb_ros.measurement.filters import Filter, high_pass
 from dcrb_ros.measurement.streams import stream
 from dcrb_ros.measurement.timetable import Timetable
+from dcrb_ros.runtime.arrays import Floats
+from dcrb_ros.settings.configuration import Configuration
 
 
 class Electronics:

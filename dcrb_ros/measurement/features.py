@@ -6,15 +6,16 @@ import math
 
 import numpy as np
 
-from dcrb_ros.block import Block
+from dcrb_ros.runtime.arrays import Samples
 
 
-def features(block: Block) -> dict[str, float]:
-    """Return rms and peak [m/s^2], crest factor and kurtosis [-] of the vertical axis, and the clipped samples [-].
+def features(acceleration: Samples, clipped: int) -> dict[str, float]:
+    """Return rms and peak [m/s^2], crest factor and kurtosis [-] of the vertical axis of ``acceleration``, shape (samples, 2), and
+    the number of clipped samples.
 
-    The mean is left out; a block without motion has a crest factor and kurtosis of zero.
+    The mean is removed; a block without motion has a crest factor and a kurtosis of zero.
     """
-    y = block.acceleration[:, 1].astype(np.float64)
+    y = acceleration[:, 1].astype(np.float64)
     y -= y.mean()
     power = y * y
     rms = math.sqrt(power.mean())
@@ -25,5 +26,5 @@ def features(block: Block) -> dict[str, float]:
         "peak": peak,
         "crest": 0.0 if still else peak / rms,
         "kurtosis": 0.0 if still else float(np.mean(power * power)) / rms**4,
-        "clipped": float(block.clipped),
+        "clipped": float(clipped),
     }

@@ -12,9 +12,9 @@ from typing import Any, cast
 import numpy as np
 import scipy  # whose parts are imported when they are first used
 
-from dcrb_ros.measurement.arrays import Floats
 from dcrb_ros.measurement.designs import kept
 from dcrb_ros.measurement.kernels import filtered
+from dcrb_ros.runtime.arrays import Floats
 
 PINK_LOWEST = 0.05
 """Lowest frequency at which pink noise falls as it should [Hz]; below it is white."""

@@ -12,13 +12,13 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from dcrb_ros.configuration import Configuration
 from dcrb_ros.measurement.analog import Analog, Surroundings
 from dcrb_ros.measurement.clock import Clock
 from dcrb_ros.measurement.converter import Converter
 from dcrb_ros.measurement.decimation import Decimator
 from dcrb_ros.measurement.electronics import Electronics
-from dcrb_ros.sensing import Background, SensorParameters
+from dcrb_ros.settings.configuration import Configuration
+from dcrb_ros.settings.sensor import Background, SensorParameters
 
 
 @dataclass(frozen=True)

@@ -7,10 +7,10 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from dcrb_ros.measurement.arrays import Floats
 from dcrb_ros.measurement.filters import Filter
 from dcrb_ros.measurement.streams import RandomTimes, stream
-from dcrb_ros.sensing import SensorParameters
+from dcrb_ros.runtime.arrays import Floats
+from dcrb_ros.settings.sensor import SensorParameters
 
 SPIKES = 20.0
 """Cable spikes a second at full severity."""

@@ -6,10 +6,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dcrb_ros.measurement.arrays import Floats
 from dcrb_ros.measurement.filters import side_by_side, transmissibility
 from dcrb_ros.measurement.streams import stream
-from dcrb_ros.sensing import Structure, numbers
+from dcrb_ros.runtime.arrays import Floats
+from dcrb_ros.settings.sensor import Structure, numbers
 
 LOWEST, HIGHEST = 500.0, 8000.0
 """Band in which modes are drawn [Hz]."""

@@ -11,7 +11,7 @@ import numpy.typing as npt
 from rosbags.typesys import Stores, get_typestore
 from rosbags.typesys.store import Typestore
 
-from dcrb_ros.refusal import Refusal
+from dcrb_ros.runtime.refusal import Refusal
 
 FRAME = "outer_ring"
 STENCILS = 64

@@ -5,10 +5,10 @@ from __future__ import annotations
 import json
 import math
 
-from dcrb_ros.configuration import Configuration
-from dcrb_ros.kinematics import Orders, characteristic_orders
+from dcrb_ros.bearing.kinematics import Orders, characteristic_orders
 from dcrb_ros.messages.plain import decode_text
-from dcrb_ros.refusal import Refusal
+from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.settings.configuration import Configuration
 
 INDICATORS = ("BPFO", "BPFI", "BSF", "FTF")
 

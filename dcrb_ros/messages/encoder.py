@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from dcrb_ros.block import Block, Layout
-from dcrb_ros.configuration import Configuration
+from dcrb_ros.bearing.states import Layout
 from dcrb_ros.messages.description import sensor_text
 from dcrb_ros.messages.joints import encode_contacts, encode_features, encode_states
 from dcrb_ros.messages.plain import encode_preview, encode_text
 from dcrb_ros.messages.points import encode_vibration
 from dcrb_ros.messages.statuses import encode_truth
-from dcrb_ros.topics import (
+from dcrb_ros.messages.topics import (
     ACCELERATION,
     FEATURES,
     GROUND_TRUTH,
@@ -20,6 +19,8 @@ from dcrb_ros.topics import (
     VIBRATION_CLEAN,
     Message,
 )
+from dcrb_ros.settings.configuration import Configuration
+from dcrb_ros.simulation.block import Block
 
 
 class BlockEncoder:

@@ -8,11 +8,13 @@ from functools import lru_cache
 
 import numpy as np
 
-from dcrb_ros.block import Block, Floats, States
+from dcrb_ros.bearing.states import States
 from dcrb_ros.measurement.features import features
 from dcrb_ros.messages.cdr import STENCILS, decoded, encoded, header, ros_type, stamp_of
-from dcrb_ros.messages.stencil import Stencil, marks
-from dcrb_ros.topics import JOINT_STATE
+from dcrb_ros.messages.message_template import Stencil, marks
+from dcrb_ros.messages.topics import JOINT_STATE
+from dcrb_ros.runtime.arrays import Floats
+from dcrb_ros.simulation.block import Block
 
 
 @dataclass(frozen=True)
@@ -53,7 +55,7 @@ def encode_contacts(states: States, names: Sequence[str]) -> bytes:
 
 def encode_features(block: Block) -> bytes:
     """Return the features of a block as a JointState; the values are in position."""
-    found, none = features(block), np.zeros(0)
+    found, none = features(block.acceleration, block.clipped), np.zeros(0)
     return encode_joints(block.stamp_ns, list(found), np.array(list(found.values())), none, none)
 
 

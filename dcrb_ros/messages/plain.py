@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from dcrb_ros.messages.cdr import FRAME, STENCILS, decoded, encoded, header, ros_type
-from dcrb_ros.messages.stencil import Stencil, marks
+from dcrb_ros.messages.message_template import Stencil, marks
 
 NO_ESTIMATE = -1.0  # first element of a covariance, sensor_msgs/msg/Imu
 

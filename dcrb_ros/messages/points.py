@@ -12,11 +12,12 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from dcrb_ros.block import Block, Floats, Samples
 from dcrb_ros.messages.cdr import FRAME, STAMP_END, STENCILS, decoded, encoded, header, ros_type, stamp_of, stamps
-from dcrb_ros.messages.stencil import Stencil, marks
-from dcrb_ros.refusal import Refusal
-from dcrb_ros.topics import POINT_CLOUD
+from dcrb_ros.messages.message_template import Stencil, marks
+from dcrb_ros.messages.topics import POINT_CLOUD
+from dcrb_ros.runtime.arrays import Floats, Samples
+from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.simulation.block import Block
 
 SAMPLE = np.dtype([("t", "<u4"), ("ax", "<f4"), ("ay", "<f4"), ("shaft_angle", "<f4")])
 UNTRACKED_SAMPLE = np.dtype([("t", "<u4"), ("ax", "<f4"), ("ay", "<f4")])

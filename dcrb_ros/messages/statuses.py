@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
-from dcrb_ros.block import Truth
 from dcrb_ros.messages.cdr import decoded, encoded, header, ros_type, stamp_of
-from dcrb_ros.refusal import Refusal
+from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.simulation.block import Truth
 
 OK, WARN, ERROR = 0, 1, 2  # diagnostic_msgs/msg/DiagnosticStatus
 

@@ -9,7 +9,7 @@ from dcrb_ros.messages.description import INDICATORS
 from dcrb_ros.messages.joints import encode_joints
 from dcrb_ros.messages.points import encode_spectrum
 from dcrb_ros.messages.statuses import ERROR, OK, WARN, Status, encode_diagnostics
-from dcrb_ros.topics import DIAGNOSIS, ENVELOPE_SPECTRUM, FAULT_INDICATORS, Message
+from dcrb_ros.messages.topics import DIAGNOSIS, ENVELOPE_SPECTRUM, FAULT_INDICATORS, Message
 
 LEVELS = {"waiting": OK, "healthy": OK, "sensor": WARN}
 

@@ -16,17 +16,17 @@ from typing import Any
 
 from rich.console import Console
 
-from dcrb_ros.configuration import Configuration
-from dcrb_ros.configuration_file import to_yaml
 from dcrb_ros.diagnosis.parameters import DetectorParameters
-from dcrb_ros.guard import STOPPED
 from dcrb_ros.messages.joints import Joints, decode_joints
 from dcrb_ros.messages.statuses import Status, decode_diagnostics
+from dcrb_ros.messages.topics import BENCH_DIAGNOSTICS, DIAGNOSIS, FEATURES, NAMESPACE, VIBRATION, Topic
+from dcrb_ros.nodes.publisher import message_class, qos
 from dcrb_ros.nodes.ros import check_ros, signals_held, stay_on_this_machine, stop_on_signals
-from dcrb_ros.parameters import Group
-from dcrb_ros.refusal import Refusal
-from dcrb_ros.sinks.publisher import message_class, qos
-from dcrb_ros.topics import BENCH_DIAGNOSTICS, DIAGNOSIS, FEATURES, NAMESPACE, VIBRATION, Topic
+from dcrb_ros.runtime.exit_status import STOPPED
+from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.schema.fields import Group
+from dcrb_ros.settings.configuration import Configuration
+from dcrb_ros.settings.files import to_yaml
 
 LAST_WORDS = 3.0
 """Wall time that the detector gets for its last verdict after the last block [s]."""

@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from typing import Protocol
 
 from dcrb_ros.messages.plain import encode_clock
-from dcrb_ros.topics import CLOCK, Message
+from dcrb_ros.messages.topics import CLOCK, Message
 
 CLOCK_PERIOD = 0.01
 """Least wall time between two messages [s]."""

@@ -17,12 +17,12 @@ from pathlib import Path
 from typing import IO, Any
 
 from dcrb_ros.exam.opinion import Opinion, opinion_of
+from dcrb_ros.messages.topics import DIAGNOSIS, NAMESPACE, SENSOR, VIBRATION
 from dcrb_ros.nodes.pacing import Pacer
+from dcrb_ros.nodes.publisher import Publisher, message_class, qos
 from dcrb_ros.nodes.ros import DISCOVERY, check_ros
-from dcrb_ros.refusal import Refusal
-from dcrb_ros.replay import Bundle, Replay, ReplayParameters
-from dcrb_ros.sinks.publisher import Publisher, message_class, qos
-from dcrb_ros.topics import DIAGNOSIS, NAMESPACE, SENSOR, VIBRATION
+from dcrb_ros.recordings.replay import Bundle, Replay, ReplayParameters
+from dcrb_ros.runtime.refusal import Refusal
 
 LEAD = 0.5
 """Signal sent beyond the next diagnosis expected [s]: 25 blocks, which a subscriber's queue should hold."""

@@ -6,12 +6,12 @@ import sys
 from typing import TYPE_CHECKING
 
 from dcrb_ros.diagnosis.parameters import DetectorParameters
-from dcrb_ros.guard import guarded
+from dcrb_ros.messages.topics import DETECTED, SENSOR, VIBRATION
 from dcrb_ros.messages.verdicts import diagnosis_messages
-from dcrb_ros.nodes.hearing import Hearing, Said
+from dcrb_ros.nodes.detector_input import Hearing, Said
+from dcrb_ros.nodes.publisher import Publisher, message_class, qos
 from dcrb_ros.nodes.ros import declare, running, spin
-from dcrb_ros.sinks.publisher import Publisher, message_class, qos
-from dcrb_ros.topics import DETECTED, SENSOR, VIBRATION
+from dcrb_ros.runtime.exit_status import guarded
 
 if TYPE_CHECKING:
     from rclpy.node import Node

@@ -10,7 +10,7 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 
 from dcrb_ros.nodes.refusals import shortened
-from dcrb_ros.refusal import Refusal
+from dcrb_ros.runtime.refusal import Refusal
 
 OWN = ("use_sim_time", "start_type_description_service")
 """Parameters that rclpy declares by itself."""

@@ -9,7 +9,7 @@ from __future__ import annotations
 import importlib
 import signal
 
-from dcrb_ros.ending import ENDING
+from dcrb_ros.runtime.signals import ENDING
 
 
 def _run(node: str) -> None:

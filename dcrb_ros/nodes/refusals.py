@@ -7,7 +7,7 @@ from collections import Counter
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
-from dcrb_ros.refusal import Refusal
+from dcrb_ros.runtime.refusal import Refusal
 
 LONGEST_SENTENCE = 400
 """Longest refusal that is logged or answered [characters]; what was sent may be long and stands in it."""

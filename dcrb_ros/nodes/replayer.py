@@ -8,16 +8,16 @@ import time
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from dcrb_ros.guard import guarded
 from dcrb_ros.messages.statuses import OK, WARN, Status, encode_diagnostics
+from dcrb_ros.messages.topics import BENCH_DIAGNOSTICS, CLOCK, VIBRATION, Message
 from dcrb_ros.nodes.clock import ClockHand
 from dcrb_ros.nodes.gate import Gate
 from dcrb_ros.nodes.pacing import Pacer
+from dcrb_ros.nodes.publisher import Publisher
 from dcrb_ros.nodes.ros import changed, declare, running, spin
-from dcrb_ros.refusal import Refusal
-from dcrb_ros.replay import Bundle, Replay, ReplayParameters
-from dcrb_ros.sinks.publisher import Publisher
-from dcrb_ros.topics import BENCH_DIAGNOSTICS, CLOCK, VIBRATION, Message
+from dcrb_ros.recordings.replay import Bundle, Replay, ReplayParameters
+from dcrb_ros.runtime.exit_status import guarded
+from dcrb_ros.runtime.refusal import Refusal
 
 if TYPE_CHECKING:
     from rclpy.node import Node

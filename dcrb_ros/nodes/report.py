@@ -6,11 +6,11 @@ import time
 from dataclasses import dataclass
 
 from dcrb_ros.messages.statuses import ERROR, OK, WARN, Status
+from dcrb_ros.messages.topics import DIAGNOSIS, FAULT_INDICATORS
 from dcrb_ros.nodes.gate import Gate
 from dcrb_ros.nodes.pacing import Pacer
+from dcrb_ros.nodes.recording_switch import Tape
 from dcrb_ros.nodes.refusals import Refusals
-from dcrb_ros.nodes.tape import Tape
-from dcrb_ros.topics import DIAGNOSIS, FAULT_INDICATORS
 
 COMMANDS = ("command/speed", "command/load")
 DETECTED = (DIAGNOSIS.name, FAULT_INDICATORS.name)

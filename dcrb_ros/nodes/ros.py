@@ -14,11 +14,11 @@ from pathlib import Path
 from types import FrameType
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from dcrb_ros.configuration_file import ParameterField, flatten, parameter_fields, validated
-from dcrb_ros.ending import ENDING
-from dcrb_ros.parameters import Group
-from dcrb_ros.refusal import Refusal
-from dcrb_ros.topics import NAMESPACE
+from dcrb_ros.messages.topics import NAMESPACE
+from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.runtime.signals import ENDING
+from dcrb_ros.schema.fields import Group
+from dcrb_ros.settings.files import ParameterField, flatten, parameter_fields, validated
 
 if TYPE_CHECKING:
     from rclpy.node import Node

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
-from dcrb_ros.nodes.tape import wanted_path
-from dcrb_ros.refusal import Refusal
+from dcrb_ros.nodes.recording_switch import wanted_path
+from dcrb_ros.runtime.refusal import Refusal
 
 if TYPE_CHECKING:
     from dcrb_ros.nodes.simulator import Simulator

@@ -12,25 +12,9 @@ from contextlib import closing
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from dcrb_ros.ahead import ahead
-from dcrb_ros.alteration import altered
+from dcrb_ros.bearing.runtime_change import altered
 from dcrb_ros.cli.simulate import checked_duration
-from dcrb_ros.commands import Command, command_of
-from dcrb_ros.configuration import Configuration
-from dcrb_ros.configuration_file import flatten, parameter_fields
-from dcrb_ros.guard import guarded
-from dcrb_ros.nodes.gate import Gate
-from dcrb_ros.nodes.pacing import Pacer
-from dcrb_ros.nodes.refusals import Refusals
-from dcrb_ros.nodes.report import COMMANDS, Progress, Report
-from dcrb_ros.nodes.ros import declare, own_arguments, running, spin
-from dcrb_ros.nodes.services import Services
-from dcrb_ros.nodes.tape import Tape, free_path
-from dcrb_ros.refusal import Refusal
-from dcrb_ros.scenario import begun, read_story, timeline
-from dcrb_ros.sinks.publisher import message_class, qos
-from dcrb_ros.threads import NamedThread
-from dcrb_ros.topics import (
+from dcrb_ros.messages.topics import (
     BENCH_DIAGNOSTICS,
     CLOCK,
     DIAGNOSIS,
@@ -41,15 +25,31 @@ from dcrb_ros.topics import (
     Message,
     Topic,
 )
+from dcrb_ros.nodes.gate import Gate
+from dcrb_ros.nodes.pacing import Pacer
+from dcrb_ros.nodes.publisher import message_class, qos
+from dcrb_ros.nodes.recording_switch import Tape, free_path
+from dcrb_ros.nodes.refusals import Refusals
+from dcrb_ros.nodes.report import COMMANDS, Progress, Report
+from dcrb_ros.nodes.ros import declare, own_arguments, running, spin
+from dcrb_ros.nodes.services import Services
+from dcrb_ros.runtime.exit_status import guarded
+from dcrb_ros.runtime.prefetch import ahead
+from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.runtime.threads import NamedThread
+from dcrb_ros.settings.configuration import Configuration
+from dcrb_ros.settings.files import flatten, parameter_fields
+from dcrb_ros.simulation.events import Command, command_of
+from dcrb_ros.simulation.scenario import begun, read_story, timeline
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-    from dcrb_ros.block import Block
     from dcrb_ros.nodes.clock import Sink
     from dcrb_ros.nodes.parameters import ObedientNode
-    from dcrb_ros.simulation import Simulation
-    from dcrb_ros.sinks.queued import QueuedRecorder
+    from dcrb_ros.recordings.recorder_thread import QueuedRecorder
+    from dcrb_ros.simulation.block import Block
+    from dcrb_ros.simulation.loop import Simulation
 
 LAST_BLOCK = 0.7
 """Wall time that the model gets to end its block once told to stop [s]; compiling takes longer and is not waited for."""
@@ -77,7 +77,7 @@ class Simulator:
     ) -> None:
         from dcrb_ros.messages.encoder import BlockEncoder
         from dcrb_ros.nodes.clock import ClockHand
-        from dcrb_ros.sinks.publisher import Publisher
+        from dcrb_ros.nodes.publisher import Publisher
 
         self.node, self.configuration, self._duration, self._story = node, configuration, duration, story
         self._commands: list[Command] = []
@@ -106,7 +106,7 @@ class Simulator:
 
         if not compiled():
             self.node.get_logger().info("compiling the kernels (once, about half a minute) ...")
-        from dcrb_ros.simulation import Simulation
+        from dcrb_ros.simulation.loop import Simulation
 
         return Simulation(self.configuration, timeline(self._story, self.configuration, "scenario") if self._story else ())
 
@@ -117,8 +117,8 @@ class Simulator:
 
     def _start_recording(self, path: Path) -> Path:
         """Begin a recording with the next block, unless one runs; return the folder of the one that runs."""
-        from dcrb_ros.sinks.queued import QueuedRecorder
-        from dcrb_ros.sinks.recorder import Recorder
+        from dcrb_ros.recordings.recorder import Recorder
+        from dcrb_ros.recordings.recorder_thread import QueuedRecorder
 
         def make() -> QueuedRecorder:
             recorder = Recorder(

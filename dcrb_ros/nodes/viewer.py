@@ -11,16 +11,16 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from dcrb_ros.guard import guarded
+from dcrb_ros.nodes.publisher import message_class, qos
 from dcrb_ros.nodes.ros import own_arguments, running, spin
-from dcrb_ros.refusal import Refusal
-from dcrb_ros.sinks.publisher import message_class, qos
+from dcrb_ros.runtime.exit_status import guarded
+from dcrb_ros.runtime.refusal import Refusal
 
 if TYPE_CHECKING:
     import rerun as rr
     from rclpy.node import Node
 
-    from dcrb_ros.topics import Topic
+    from dcrb_ros.messages.topics import Topic
     from dcrb_ros.viewer.live import LiveView
 
 PERIOD = 0.2

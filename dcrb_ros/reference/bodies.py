@@ -8,8 +8,8 @@ from functools import cached_property
 import numpy as np
 import numpy.typing as npt
 
-from dcrb_ros.block import Floats
-from dcrb_ros.parameters import Bearing
+from dcrb_ros.runtime.arrays import Floats
+from dcrb_ros.settings.parameters import Bearing
 
 Indices = npt.NDArray[np.int64]
 

@@ -9,12 +9,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dcrb_ros.block import Floats
-from dcrb_ros.configuration import Configuration
-from dcrb_ros.model import pocket_azimuths
+from dcrb_ros.bearing.payload import pocket_azimuths
 from dcrb_ros.reference.bodies import ANGLE, CAGE, Bodies, Indices, pocket_directions
 from dcrb_ros.reference.laws import impact_loss, johnson, pereira, stribeck, with_loss
 from dcrb_ros.reference.raceways import Approach, Contacts, dot, rub, turned
+from dcrb_ros.runtime.arrays import Floats
+from dcrb_ros.settings.configuration import Configuration
 
 
 def add_at(force: Floats, bodies: Indices, push: Floats, torque: Floats) -> None:

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from scipy.special import lambertw
 
-from dcrb_ros.block import Floats
-from dcrb_ros.parameters import Friction
+from dcrb_ros.runtime.arrays import Floats
+from dcrb_ros.settings.parameters import Friction
 
 FLOOR_SPEED = 1e-3
 """Least impact speed that the loss of a bar contact is referred to [m/s]."""

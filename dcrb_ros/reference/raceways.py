@@ -8,11 +8,11 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from dcrb_ros.block import Floats
-from dcrb_ros.configuration import Configuration
-from dcrb_ros.faults import RacewayDefect
+from dcrb_ros.faults.defects import RacewayDefect
 from dcrb_ros.reference.bodies import ANGLE, INNER_RING, OUTER_RING, Bodies
 from dcrb_ros.reference.laws import johnson, lugre, stribeck, with_loss
+from dcrb_ros.runtime.arrays import Floats
+from dcrb_ros.settings.configuration import Configuration
 
 BoolArray = npt.NDArray[np.bool_]
 

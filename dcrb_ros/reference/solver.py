@@ -6,14 +6,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dcrb_ros.block import Floats
-from dcrb_ros.configuration import Configuration
-from dcrb_ros.model import build_payload, initial_state, pocket_azimuths
+from dcrb_ros.bearing.payload import build_payload, initial_state, pocket_azimuths
 from dcrb_ros.reference.bodies import ANGLE, CAGE, INNER_RING, OUTER_RING, Bodies, pocket_directions
 from dcrb_ros.reference.cage_fracture import IntactBars
 from dcrb_ros.reference.constraints import Constraints
 from dcrb_ros.reference.forces import Forces, Loading
-from dcrb_ros.refusal import Refusal
+from dcrb_ros.runtime.arrays import Floats
+from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.settings.configuration import Configuration
 
 BAUMGARTE = 5e3
 """Feedback coefficients alpha and beta [1/s]; the paper leaves them open."""

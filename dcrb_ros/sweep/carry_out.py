@@ -13,15 +13,17 @@ from typing import Any
 
 import numpy as np
 
-from dcrb_ros.block import Block, Samples, Truth, nanoseconds
-from dcrb_ros.commands import command_of
-from dcrb_ros.configuration import Configuration
-from dcrb_ros.configuration_file import flatten, overlaid, validated
 from dcrb_ros.messages.points import packed
-from dcrb_ros.refusal import Refusal
-from dcrb_ros.scenario import Event, begun, timeline
-from dcrb_ros.simulation import ModelFailure, Simulation
-from dcrb_ros.sinks.recorder import Recorder, RecordingFailed
+from dcrb_ros.recordings.recorder import Recorder, RecordingFailed
+from dcrb_ros.runtime.arrays import Samples
+from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.runtime.timestamps import nanoseconds
+from dcrb_ros.settings.configuration import Configuration
+from dcrb_ros.settings.files import flatten, overlaid, validated
+from dcrb_ros.simulation.block import Block, Truth
+from dcrb_ros.simulation.events import command_of
+from dcrb_ros.simulation.loop import ModelFailure, Simulation
+from dcrb_ros.simulation.scenario import Event, begun, timeline
 from dcrb_ros.sweep.design import Value
 from dcrb_ros.sweep.label import DONE, ERROR, FAILED, REFUSED, base_label, fault_label
 from dcrb_ros.sweep.plan import Run, Task

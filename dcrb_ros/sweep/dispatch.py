@@ -8,12 +8,12 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 from dcrb_ros import __version__
-from dcrb_ros.manifest import model_fingerprint
-from dcrb_ros.refusal import Refusal
+from dcrb_ros.recordings.manifest import model_fingerprint
+from dcrb_ros.runtime.processes import cores
+from dcrb_ros.runtime.refusal import Refusal
 from dcrb_ros.sweep.carry_out import Recipe, carry_out
 from dcrb_ros.sweep.plan import Task
 from dcrb_ros.sweep.store import StoreFailed
-from dcrb_ros.workers import cores
 
 if TYPE_CHECKING:
     from distributed import Client, Future

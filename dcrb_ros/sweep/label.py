@@ -8,9 +8,9 @@ from collections.abc import Mapping
 from typing import Any
 
 from dcrb_ros import __version__
-from dcrb_ros.block import Truth
-from dcrb_ros.configuration_file import overlaid
-from dcrb_ros.manifest import model_fingerprint
+from dcrb_ros.recordings.manifest import model_fingerprint
+from dcrb_ros.settings.files import overlaid
+from dcrb_ros.simulation.block import Truth
 from dcrb_ros.sweep.plan import Run
 
 DONE, REFUSED, FAILED, ERROR = "done", "refused", "failed", "error"

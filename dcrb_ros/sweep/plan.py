@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from dcrb_ros import __version__
-from dcrb_ros.manifest import model_fingerprint
+from dcrb_ros.recordings.manifest import model_fingerprint
 from dcrb_ros.sweep.design import GRID, Point, Value, points
 from dcrb_ros.sweep.sweep_file import SCENARIO, SOUND, Shares, Sweep
 

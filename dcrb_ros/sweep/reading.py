@@ -10,7 +10,8 @@ from typing import Any, cast
 from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
-from dcrb_ros.configuration_file import (
+from dcrb_ros.runtime.refusal import Refusal, nearest
+from dcrb_ros.settings.files import (
     ParameterField,
     find_configuration,
     flatten,
@@ -19,11 +20,10 @@ from dcrb_ros.configuration_file import (
     parameter_fields,
     shipped_folder,
 )
-from dcrb_ros.refusal import Refusal, nearest
-from dcrb_ros.scenario import read_story
+from dcrb_ros.settings.yaml import read_yaml
+from dcrb_ros.simulation.scenario import read_story
 from dcrb_ros.sweep.design import GRID, Axes, Axis, Choice, Span, Value
 from dcrb_ros.sweep.sweep_file import SCENARIO, SOUND, Shares, Sweep, SweepFile, Windows
-from dcrb_ros.yaml_file import read_yaml
 
 CASE_GROUPS = ("faults", "background", "sensor")
 """What a case may set: what is wrong. All else is a condition of the bearing."""

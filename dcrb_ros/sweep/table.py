@@ -10,7 +10,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from dcrb_ros.configuration_file import parameter_fields
+from dcrb_ros.settings.files import parameter_fields
 from dcrb_ros.sweep.label import DONE
 from dcrb_ros.sweep.plan import Plan, Run
 from dcrb_ros.sweep.store import Store

@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from dcrb_ros.block import Samples, Truth
+from dcrb_ros.runtime.arrays import Samples
+from dcrb_ros.simulation.block import Truth
 from dcrb_ros.sweep.label import fault_class
 from dcrb_ros.sweep.sweep_file import Windows
 

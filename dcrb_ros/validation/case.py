@@ -7,12 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from dcrb_ros.block import Account
-from dcrb_ros.configuration import Configuration
-from dcrb_ros.configuration_file import load_configuration
-from dcrb_ros.kinematics import characteristic_orders
-from dcrb_ros.model import cage_speed
-from dcrb_ros.simulation import Simulation
+from dcrb_ros.bearing.kinematics import characteristic_orders
+from dcrb_ros.bearing.payload import cage_speed
+from dcrb_ros.bearing.states import Account
+from dcrb_ros.settings.configuration import Configuration
+from dcrb_ros.settings.files import load_configuration
+from dcrb_ros.simulation.loop import Simulation
 
 Floats = npt.NDArray[np.float64]
 Singles = npt.NDArray[np.float32]

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from dcrb_ros.block import Floats
+from dcrb_ros.runtime.arrays import Floats
 from dcrb_ros.validation.case import BROKEN_BAR, JOINTS, WIDTHS, Run
 from dcrb_ros.validation.measures import Spectrum, decibels, envelope_spectrum, kurtosis, loading_zone, profile
 from dcrb_ros.validation.motion import LOADED, energy_residual

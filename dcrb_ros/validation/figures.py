@@ -10,7 +10,7 @@ import numpy.typing as npt
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from dcrb_ros.kinematics import characteristic_orders
+from dcrb_ros.bearing.kinematics import characteristic_orders
 from dcrb_ros.validation.case import BROKEN_BAR, JOINTS, Run
 from dcrb_ros.validation.faults import spectrum
 from dcrb_ros.validation.row import Runs

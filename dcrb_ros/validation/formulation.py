@@ -6,12 +6,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dcrb_ros.block import Floats
-from dcrb_ros.configuration import Configuration
+from dcrb_ros.bearing.payload import build_payload, initial_state
 from dcrb_ros.core.layout.workspace import workspace
 from dcrb_ros.core.solver.step import advance
-from dcrb_ros.model import build_payload, initial_state
 from dcrb_ros.reference.solver import History, Reference
+from dcrb_ros.runtime.arrays import Floats
+from dcrb_ros.settings.configuration import Configuration
 
 STEP = 1e-6
 """Step of both solvers [s]: the classical scheme of Eqs. 39 and 40 must resolve the friction."""

@@ -6,11 +6,11 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from dcrb_ros.block import Floats
-from dcrb_ros.configuration_file import load_configuration
-from dcrb_ros.equilibrium import roller_forces, static_equilibrium
-from dcrb_ros.kinematics import characteristic_orders
-from dcrb_ros.model import build_payload, degrees_of_freedom
+from dcrb_ros.bearing.equilibrium import roller_forces, static_equilibrium
+from dcrb_ros.bearing.kinematics import characteristic_orders
+from dcrb_ros.bearing.payload import build_payload, degrees_of_freedom
+from dcrb_ros.runtime.arrays import Floats
+from dcrb_ros.settings.files import load_configuration
 from dcrb_ros.validation.case import BENCH, JOINTS
 from dcrb_ros.validation.formulation import Agreement
 from dcrb_ros.validation.row import Row, within

@@ -9,8 +9,9 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from dcrb_ros.configuration_file import load_configuration
-from dcrb_ros.refusal import Refusal
+from dcrb_ros.runtime.processes import in_processes
+from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.settings.files import load_configuration
 from dcrb_ros.validation.case import BENCH, Run, cases, simulate
 from dcrb_ros.validation.faults import fault_rows
 from dcrb_ros.validation.figures import write_figures
@@ -19,7 +20,6 @@ from dcrb_ros.validation.motion import motion_rows
 from dcrb_ros.validation.report import markdown
 from dcrb_ros.validation.rest import WINDOWS, formulation_rows, freedom_rows, frequency_row, static_rows
 from dcrb_ros.validation.row import Row, Runs
-from dcrb_ros.workers import in_processes
 
 REPORT = "report.md"
 

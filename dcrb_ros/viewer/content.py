@@ -10,9 +10,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
-from dcrb_ros.block import Floats, Layout, Samples, Truth
-from dcrb_ros.kinematics import Orders
-from dcrb_ros.parameters import Bearing
+from dcrb_ros.bearing.kinematics import Orders
+from dcrb_ros.bearing.states import Layout
+from dcrb_ros.runtime.arrays import Floats, Samples
+from dcrb_ros.settings.parameters import Bearing
+from dcrb_ros.simulation.block import Truth
 
 if TYPE_CHECKING:
     from dcrb_ros.diagnosis.detector import Diagnosis

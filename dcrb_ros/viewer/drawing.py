@@ -11,8 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dcrb_ros.block import Floats
-from dcrb_ros.parameters import Bearing
+from dcrb_ros.runtime.arrays import Floats
+from dcrb_ros.settings.parameters import Bearing
 
 MILLIMETRES = 1e3
 ARC_STEP = math.radians(2.0)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
-from dcrb_ros.block import Truth
+from dcrb_ros.simulation.block import Truth
 
 
 class RacewayFault(NamedTuple):

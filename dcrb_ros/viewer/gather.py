@@ -9,16 +9,17 @@ from dataclasses import replace
 
 import numpy as np
 
-from dcrb_ros.block import Layout, Truth
-from dcrb_ros.kinematics import Orders
+from dcrb_ros.bearing.kinematics import Orders
+from dcrb_ros.bearing.states import Layout
 from dcrb_ros.messages.cdr import STAMP_END, stamps
 from dcrb_ros.messages.joints import decode_alike, decode_joints
 from dcrb_ros.messages.points import decode_waveform
 from dcrb_ros.messages.statuses import decode_diagnostics, decode_truth
-from dcrb_ros.parameters import Bearing
-from dcrb_ros.recording import Recording
-from dcrb_ros.refusal import Refusal
-from dcrb_ros.topics import DIAGNOSIS, FAULT_INDICATORS, FEATURES, GROUND_TRUTH, NAMESPACE, ROLLER_STATES, VIBRATION, Topic
+from dcrb_ros.messages.topics import DIAGNOSIS, FAULT_INDICATORS, FEATURES, GROUND_TRUTH, NAMESPACE, ROLLER_STATES, VIBRATION, Topic
+from dcrb_ros.recordings.reader import Recording
+from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.settings.parameters import Bearing
+from dcrb_ros.simulation.block import Truth
 from dcrb_ros.viewer.content import Content, Judgement, Motion, Series, Subject, Verdict, Waveform
 from dcrb_ros.viewer.spectrum import diagnoses, indicators_of, verdicts_of
 

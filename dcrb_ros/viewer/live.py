@@ -13,9 +13,7 @@ from dcrb_ros.messages.cdr import STAMP_END, stamps
 from dcrb_ros.messages.description import decode_sensor
 from dcrb_ros.messages.plain import decode_text
 from dcrb_ros.messages.points import decode_spectrum
-from dcrb_ros.parameters import Bearing
-from dcrb_ros.refusal import Refusal
-from dcrb_ros.topics import (
+from dcrb_ros.messages.topics import (
     DIAGNOSIS,
     ENVELOPE_SPECTRUM,
     FAULT_INDICATORS,
@@ -26,6 +24,8 @@ from dcrb_ros.topics import (
     VIBRATION,
     Topic,
 )
+from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.settings.parameters import Bearing
 from dcrb_ros.viewer.content import Judgement, Subject
 from dcrb_ros.viewer.gather import content_of, series_of, verdicts_in
 from dcrb_ros.viewer.live_run import LiveRun, known

@@ -7,7 +7,8 @@ import math
 import numpy as np
 import rerun as rr
 
-from dcrb_ros.block import Floats, Layout
+from dcrb_ros.bearing.states import Layout
+from dcrb_ros.runtime.arrays import Floats
 from dcrb_ros.viewer import columns, palette
 from dcrb_ros.viewer.bearing_picture import thinned
 from dcrb_ros.viewer.content import Content, Motion

@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 import rerun as rr
 
-from dcrb_ros.block import Floats
+from dcrb_ros.runtime.arrays import Floats
 from dcrb_ros.viewer import columns, palette
 from dcrb_ros.viewer.content import Times
 from dcrb_ros.viewer.spectrum import Comb, Spectra

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
-from dcrb_ros.recording import Recording
-from dcrb_ros.refusal import Refusal
+from dcrb_ros.recordings.reader import Recording
+from dcrb_ros.runtime.refusal import Refusal
 from dcrb_ros.viewer.content import Content
 from dcrb_ros.viewer.gather import gather
 

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from dcrb_ros.block import Floats
-from dcrb_ros.kinematics import Orders
+from dcrb_ros.bearing.kinematics import Orders
 from dcrb_ros.messages.statuses import ERROR
 from dcrb_ros.messages.verdicts import LEVELS
+from dcrb_ros.runtime.arrays import Floats
 from dcrb_ros.viewer.content import Series, Times, Verdict, Waveform
 
 if TYPE_CHECKING:

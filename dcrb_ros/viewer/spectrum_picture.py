@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import rerun as rr
 
-from dcrb_ros.block import Floats
+from dcrb_ros.runtime.arrays import Floats
 from dcrb_ros.viewer import columns, palette
 from dcrb_ros.viewer.content import Times
 from dcrb_ros.viewer.spectrum import ORDER_STEP, Comb, Spectra

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from dcrb_ros.block import Truth
+from dcrb_ros.simulation.block import Truth
 from dcrb_ros.viewer.content import Content
 from dcrb_ros.viewer.fault_words import words_of
 

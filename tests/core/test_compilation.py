@@ -11,10 +11,10 @@ from pathlib import Path
 import numba
 import pytest
 
-from dcrb_ros.configuration import Configuration
+from dcrb_ros.bearing.payload import build_payload, initial_state
 from dcrb_ros.core import compilation
 from dcrb_ros.core.layout.workspace import workspace
-from dcrb_ros.model import build_payload, initial_state
+from dcrb_ros.settings.configuration import Configuration
 
 PATIENCE = 60.0
 

@@ -13,24 +13,18 @@ from typing import Any
 
 import numpy as np
 import pytest
+from node_arguments import GARBAGE, parameters
 
 pytest.importorskip("rclpy", reason="the nodes need ROS 2; everything else is tested without")
 
 from ros_bench import PATIENCE, domain, environment, listener, node
 
-from dcrb_ros.configuration import Configuration
 from dcrb_ros.diagnosis.detector import Diagnosis
 from dcrb_ros.messages.joints import decode_joints, encode_joints
 from dcrb_ros.messages.plain import decode_text, encode_text
 from dcrb_ros.messages.points import decode_vibration
 from dcrb_ros.messages.statuses import OK, Status, decode_diagnostics, decode_truth, encode_diagnostics
-from dcrb_ros.messages.verdicts import encode_diagnosis, encode_indicators
-from dcrb_ros.nodes.bench import Observer
-from dcrb_ros.nodes.ros import spin
-from dcrb_ros.recording import Recording
-from dcrb_ros.simulation import Simulation
-from dcrb_ros.sinks.publisher import message_class, qos
-from dcrb_ros.topics import (
+from dcrb_ros.messages.topics import (
     ACCELERATION,
     BENCH_DIAGNOSTICS,
     DIAGNOSIS,
@@ -41,20 +35,18 @@ from dcrb_ros.topics import (
     SENSOR,
     VIBRATION,
 )
+from dcrb_ros.messages.verdicts import encode_diagnosis, encode_indicators
+from dcrb_ros.nodes.bench import Observer
+from dcrb_ros.nodes.publisher import message_class, qos
+from dcrb_ros.nodes.ros import spin
+from dcrb_ros.recordings.reader import Recording
+from dcrb_ros.settings.configuration import Configuration
+from dcrb_ros.simulation.loop import Simulation
 
 pytestmark = pytest.mark.node
 
 PROMPT = 3.0
 """Longest time that a node takes to end after a signal [s]."""
-GARBAGE = (b"\x00", b"\x00\x01\x00\x00", b"\x00\x01\x00\x00abc", b"\xff" * 12, b"\x4a\x93\x05\xe1\x77\x0c\xb2")
-"""Bytes that are no CDR of any message here; short enough for every publisher to send them.
-
-Not among them is the empty message: the middleware never delivers it, nor what the same publisher sends after it.
-"""
-
-
-def parameters(**values: object) -> list[str]:
-    return ["--ros-args", *(word for key, value in values.items() for word in ("-p", f"{key.replace('__', '.')}:={value}"))]
 
 
 @pytest.mark.parametrize(("fault", "verdict"), [("outer_1", "outer_ring"), ("inner_1", "inner_ring"), ("", "healthy")])

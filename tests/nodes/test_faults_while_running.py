@@ -10,15 +10,15 @@ import pytest
 
 pytest.importorskip("rclpy", reason="the nodes need ROS 2; everything else is tested without")
 
+from node_arguments import parameters
 from rcl_interfaces.srv import GetParameters
 from ros_bench import Listener, domain, environment, listener, node
-from test_bench import parameters
 
-from dcrb_ros.block import Truth
-from dcrb_ros.configuration_file import COMMANDED, parameter_fields
 from dcrb_ros.messages.plain import decode_text
 from dcrb_ros.messages.statuses import decode_truth
-from dcrb_ros.topics import GROUND_TRUTH, SENSOR, VIBRATION
+from dcrb_ros.messages.topics import GROUND_TRUTH, SENSOR, VIBRATION
+from dcrb_ros.settings.files import COMMANDED, parameter_fields
+from dcrb_ros.simulation.block import Truth
 
 pytestmark = pytest.mark.node
 

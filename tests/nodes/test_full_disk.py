@@ -9,12 +9,12 @@ import pytest
 
 pytest.importorskip("rclpy", reason="the nodes need ROS 2; everything else is tested without")
 
+from node_arguments import parameters
 from ros_bench import domain, environment, listener, node
-from test_bench import parameters
 
 from dcrb_ros.messages.statuses import ERROR, decode_diagnostics
-from dcrb_ros.recording import Recording
-from dcrb_ros.topics import BENCH_DIAGNOSTICS, VIBRATION
+from dcrb_ros.messages.topics import BENCH_DIAGNOSTICS, VIBRATION
+from dcrb_ros.recordings.reader import Recording
 
 pytestmark = pytest.mark.node
 

@@ -13,17 +13,17 @@ import pytest
 
 pytest.importorskip("rclpy", reason="the nodes need ROS 2; everything else is tested without")
 
-from made_up import narrowed, recorded
+from made_up_blocks import narrowed, recorded
+from node_arguments import parameters
 from ros_bench import PATIENCE, domain, environment, listener, node
-from test_bench import parameters
 
 from dcrb_ros.messages.description import decode_range
 from dcrb_ros.messages.points import decode_vibration
 from dcrb_ros.messages.statuses import decode_diagnostics
-from dcrb_ros.recording import Recording
-from dcrb_ros.replay import Replay, ReplayParameters
-from dcrb_ros.sinks.publisher import message_class, qos
-from dcrb_ros.topics import BENCH_DIAGNOSTICS, CLOCK, DIAGNOSIS, FEATURES, GROUND_TRUTH, ROLLER_STATES, SENSOR, VIBRATION
+from dcrb_ros.messages.topics import BENCH_DIAGNOSTICS, CLOCK, DIAGNOSIS, FEATURES, GROUND_TRUTH, ROLLER_STATES, SENSOR, VIBRATION
+from dcrb_ros.nodes.publisher import message_class, qos
+from dcrb_ros.recordings.reader import Recording
+from dcrb_ros.recordings.replay import Replay, ReplayParameters
 
 pytestmark = pytest.mark.node
 

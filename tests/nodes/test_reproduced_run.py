@@ -9,12 +9,12 @@ import pytest
 
 pytest.importorskip("rclpy", reason="the nodes need ROS 2; everything else is tested without")
 
+from command import dcrb
+from node_arguments import parameters
 from ros_bench import domain, environment, listener, node
-from test_bench import parameters
-from test_cli import dcrb
 
-from dcrb_ros.recording import Recording
-from dcrb_ros.topics import VIBRATION
+from dcrb_ros.messages.topics import VIBRATION
+from dcrb_ros.recordings.reader import Recording
 
 pytestmark = pytest.mark.node
 

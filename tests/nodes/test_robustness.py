@@ -18,13 +18,13 @@ from hypothesis import strategies as st
 
 pytest.importorskip("rclpy", reason="the nodes need ROS 2; everything else is tested without")
 
+from node_arguments import GARBAGE, parameters
 from ros_bench import PATIENCE, Listener, domain, environment, listener, node
-from test_bench import GARBAGE, parameters
 
-from dcrb_ros.configuration_file import parameter_fields
 from dcrb_ros.messages.points import decode_vibration
-from dcrb_ros.recording import Recording
-from dcrb_ros.topics import BENCH_DIAGNOSTICS, VIBRATION
+from dcrb_ros.messages.topics import BENCH_DIAGNOSTICS, VIBRATION
+from dcrb_ros.recordings.reader import Recording
+from dcrb_ros.settings.files import parameter_fields
 
 pytestmark = pytest.mark.node
 ROOT = Path(__file__).parents[2]

@@ -14,17 +14,17 @@ import pytest
 
 pytest.importorskip("rclpy", reason="the nodes need ROS 2; everything else is tested without")
 
+from node_arguments import parameters
 from ros_bench import PATIENCE, Listener, domain, environment, listener, node
-from test_bench import parameters
 
-from dcrb_ros.configuration import Configuration
 from dcrb_ros.messages.plain import decode_clock
 from dcrb_ros.messages.points import decode_vibration
 from dcrb_ros.messages.statuses import decode_truth
-from dcrb_ros.recording import Recording
-from dcrb_ros.scenario import read_scenario
-from dcrb_ros.simulation import Simulation
-from dcrb_ros.topics import BENCH_DIAGNOSTICS, CLOCK, GROUND_TRUTH, VIBRATION
+from dcrb_ros.messages.topics import BENCH_DIAGNOSTICS, CLOCK, GROUND_TRUTH, VIBRATION
+from dcrb_ros.recordings.reader import Recording
+from dcrb_ros.settings.configuration import Configuration
+from dcrb_ros.simulation.loop import Simulation
+from dcrb_ros.simulation.scenario import read_scenario
 
 pytestmark = pytest.mark.node
 

@@ -11,11 +11,11 @@ import pytest
 
 pytest.importorskip("rclpy", reason="the nodes need ROS 2; everything else is tested without")
 
+from node_arguments import parameters
+from rerun_documents import rows
 from ros_bench import PATIENCE, domain, environment, node
-from test_bench import parameters
-from test_live_view import rows
 
-from dcrb_ros.recording import Recording
+from dcrb_ros.recordings.reader import Recording
 
 pytestmark = pytest.mark.node
 

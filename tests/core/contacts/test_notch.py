@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dcrb_ros.configuration import Configuration
+from dcrb_ros.bearing.payload import build_payload
 from dcrb_ros.core.contacts.notch import inner_notch_depth, outer_notch_depth, passed, roller_notch_depth, roller_notch_under, turn_notches
 from dcrb_ros.core.contacts.raceway import linearize_raceways, locate_raceways
 from dcrb_ros.core.jit import kernel, loop
@@ -17,8 +17,8 @@ from dcrb_ros.core.laws.johnson import johnson_force
 from dcrb_ros.core.layout.state import State, empty_state
 from dcrb_ros.core.layout.workspace import Workspace, workspace
 from dcrb_ros.core.payload import ROLLER_NOTCH, Payload
-from dcrb_ros.model import build_payload
-from dcrb_ros.parameters import Bearing
+from dcrb_ros.settings.configuration import Configuration
+from dcrb_ros.settings.parameters import Bearing
 
 pytestmark = pytest.mark.kernel
 

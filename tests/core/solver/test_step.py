@@ -8,16 +8,16 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from dcrb_ros.configuration import Configuration
+from dcrb_ros.bearing.energy import account, energy_of_bars, energy_of_lands, kinetic_energy, potential_of_weight, stored_energy
+from dcrb_ros.bearing.equilibrium import penetrations, roller_forces, static_equilibrium
+from dcrb_ros.bearing.equilibrium import stored_energy as contact_energy
+from dcrb_ros.bearing.observation import place_pinned_rollers
+from dcrb_ros.bearing.payload import build_payload, initial_state
 from dcrb_ros.core.layout.state import State
 from dcrb_ros.core.layout.workspace import workspace
 from dcrb_ros.core.payload import Payload
 from dcrb_ros.core.solver.step import advance
-from dcrb_ros.energy import account, energy_of_bars, energy_of_lands, kinetic_energy, potential_of_weight, stored_energy
-from dcrb_ros.equilibrium import penetrations, roller_forces, static_equilibrium
-from dcrb_ros.equilibrium import stored_energy as contact_energy
-from dcrb_ros.model import build_payload, initial_state
-from dcrb_ros.observation import place_pinned_rollers
+from dcrb_ros.settings.configuration import Configuration
 
 
 def model(step: float, groups: dict[str, Any]) -> tuple[Payload, State]:

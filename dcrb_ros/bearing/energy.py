@@ -1,0 +1,93 @@
+"""The energy account: what came in, what was lost, what is stored; what does not add up is a diagnostic of the integration."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from dcrb_ros.bearing.equilibrium import penetration_under
+from dcrb_ros.bearing.states import Account
+from dcrb_ros.core.layout.state import FRICTION, HOUSING, LOAD, LOSS, State
+from dcrb_ros.core.payload import JOHNSON, Payload
+from dcrb_ros.runtime.arrays import Floats
+
+
+def energy_of_force(payload: Payload, force: Floats, scale: float) -> Floats:
+    """Return the energy [J] of contacts under normal forces [N]: F delta/2 - F^2/(4 pi E* L), or F delta/(n + 1); any shape."""
+    bearing = np.maximum(force, 1e-9)
+    depth = penetration_under(payload, bearing, scale)
+    if payload.contact_law == JOHNSON:
+        return np.asarray(0.5 * bearing * depth - bearing**2 / (4.0 * payload.contact_modulus))
+    return np.asarray(bearing * depth / (payload.power_exponent + 1.0))
+
+
+def energy_of_bars(payload: Payload, state: State) -> float:
+    """Return the energy of the contacts of free rollers with their bars, where they stand [J]."""
+    if not payload.any_free:
+        return 0.0
+    cosine, sine = np.cos(state.cage_position[:, 2, None]), np.sin(state.cage_position[:, 2, None])
+    px, py = payload.pocket_tangent[..., 0], payload.pocket_tangent[..., 1]
+    arm = state.roller_position[..., :2] - state.cage_position[:, None, :2]
+    along = arm[..., 0] * (cosine * px - sine * py) + arm[..., 1] * (sine * px + cosine * py)
+    barred = payload.free & ~np.where(along > 0.0, payload.broken, np.roll(payload.broken, 1, axis=1))
+    depth = np.where(barred, np.maximum(np.abs(along) - payload.pocket_clearance, 0.0), 0.0)
+    return float((payload.bar_coefficient * depth ** (payload.bar_exponent + 1.0)).sum()) / (payload.bar_exponent + 1.0)
+
+
+def energy_of_lands(payload: Payload, state: State) -> float:
+    """Return the energy of the contacts of the cages with their lands, where they stand [J]."""
+    offset = np.linalg.norm(state.cage_position[:, :2] - state.outer_position, axis=-1)
+    depth = np.maximum(offset - payload.land_clearance, 0.0)
+    return float((payload.land_coefficient * depth ** (payload.land_exponent + 1.0)).sum()) / (payload.land_exponent + 1.0)
+
+
+def elastic_energy(payload: Payload, state: State) -> float:
+    """Return the energy of the housing and of all contacts, but for bars and lands as the last step's forces tell it [J]."""
+    energy = 0.5 * payload.housing_stiffness * float(state.outer_position @ state.outer_position)
+    scales = (payload.inner_scale, payload.outer_scale, payload.roller_scale)
+    for force, scale in zip((state.inner_force, state.outer_force, state.of_rollers(state.rollers[0].pair.force)), scales, strict=True):
+        energy += float(energy_of_force(payload, force, scale).sum())
+    return energy + energy_of_bars(payload, state) + energy_of_lands(payload, state)
+
+
+def potential_of_weight(payload: Payload, state: State) -> float:
+    """Return the energy of position of all weights [J]."""
+    free = payload.free
+    moment = payload.outer_ring_mass * state.outer_position[1] + payload.inner_ring_mass * state.inner_position[1]
+    moment += float(payload.train_mass @ state.cage_position[:, 1]) + payload.roller_mass * float(state.roller_position[free, 1].sum())
+    cosine, sine = np.cos(state.cage_position[:, 2]), np.sin(state.cage_position[:, 2])
+    # The pinned rollers' centre of mass lies a quarter turn behind the sum of their tangents.
+    moment += float((-cosine * payload.train_moment[:, 0] + sine * payload.train_moment[:, 1]).sum())
+    return payload.gravity * float(moment)
+
+
+def kinetic_energy(payload: Payload, state: State) -> float:
+    """Return the energy of motion of all bodies but the driven rotation of the inner ring [J]."""
+    rings = payload.outer_ring_mass * state.outer_velocity @ state.outer_velocity
+    rings += payload.inner_ring_mass * state.inner_velocity @ state.inner_velocity
+    linear, turning = state.cage_velocity[:, :2], state.cage_velocity[:, 2]
+    cosine, sine = np.cos(state.cage_position[:, 2]), np.sin(state.cage_position[:, 2])
+    mx, my = payload.train_moment[:, 0], payload.train_moment[:, 1]
+    swept = (cosine * mx - sine * my) * linear[:, 0] + (sine * mx + cosine * my) * linear[:, 1]
+    cages = payload.train_mass @ (linear**2).sum(axis=1) + payload.train_inertia @ turning**2 + 2.0 * (turning * swept).sum()
+    rollers = payload.roller_inertia * (state.roller_velocity[..., 2] ** 2).sum()
+    rollers += payload.roller_mass * (state.roller_velocity[payload.free, :2] ** 2).sum()
+    return 0.5 * float(rings + cages + rollers)
+
+
+def stored_energy(payload: Payload, state: State) -> float:
+    """Return all energy that is stored [J]."""
+    return kinetic_energy(payload, state) + elastic_energy(payload, state) + potential_of_weight(payload, state)
+
+
+def account(payload: Payload, state: State, stored_at_start: float) -> Account:
+    """Return the energy account since the start."""
+    booked = state.account
+    return Account(
+        drive=float(state.of_rollers(state.rollers[0].drive_work).sum()),
+        load=float(booked[LOAD]),
+        friction=float(booked[FRICTION] + state.of_rollers(state.rollers[0].friction_loss).sum()),
+        loss=float(booked[LOSS] + state.of_rollers(state.rollers[0].contact_loss).sum()),
+        housing=float(booked[HOUSING]),
+        notch=float(state.of_rollers(state.rollers[0].notch_loss).sum()),
+        stored=stored_energy(payload, state) - stored_at_start,
+    )

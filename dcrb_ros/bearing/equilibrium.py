@@ -1,0 +1,317 @@
+"""Static equilibrium of the bearing under its load, without friction: where every run starts."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from scipy.optimize import least_squares, minimize
+from scipy.special import lambertw
+
+from dcrb_ros.core.contacts.notch import inner_notch_depth, outer_notch_depth, roller_notch_depth
+from dcrb_ros.core.payload import JOHNSON, SINK, Payload
+from dcrb_ros.runtime.arrays import Floats
+
+START_PENETRATION = 2e-5
+"""Penetration of the lowest roller that the search starts from [m]."""
+
+MICROMETRE = 1e-6
+TURN = 1e-7
+"""By how much a direction is turned to find the slope of a notch [rad]."""
+MOST_POLISHING = 100
+"""Steps of the last search; it needs three to ten, or swings on in the last bits for ever."""
+ALIKE = 1e-9
+"""Rollers of rows that are built alike and lie within this of each other lie alike [m]; over a notch in one row they do not."""
+LIGHTEST = 1e-3
+"""Force with which a free roller rests on the outer raceway at least, so that its place is defined [N]."""
+GRAIN = 2.0**-43
+"""Coordinates found are rounded to a multiple of this [m], some mN of a raceway: the libraries that search differ in the last bits
+from processor to processor, and idle rollers would make another run of that."""
+
+
+class Rest(NamedTuple):
+    """Where the bodies rest."""
+
+    outer: Floats
+    """Centre of the outer ring, shape (2,) [m]."""
+    inner: Floats
+    cages: Floats
+    """Centres of the cages, shape (rows, 2) [m]."""
+    rollers: Floats
+    """Centres of the rollers, shape (rows, rollers, 2) [m]."""
+
+
+def johnson_forces(penetration: Floats, modulus: float, scale: float) -> Floats:
+    """Return Johnson's normal forces [N], zero where the penetration [m] is not above zero.
+
+    The library's Lambert W instead of the kernels' Newton steps; any shape.
+    """
+    closed = penetration > 0.0
+    depth = np.where(closed, penetration, 1.0)
+    forces = -modulus * depth / lambertw(-np.e * depth / scale, -1).real
+    return np.where(closed, forces, 0.0)
+
+
+def normal_forces(payload: Payload, penetration: Floats, scale: float) -> Floats:
+    """Return the normal forces [N] of the contact law chosen; any shape."""
+    if payload.contact_law == JOHNSON:
+        return johnson_forces(penetration, payload.contact_modulus, scale)
+    return np.asarray(payload.power_coefficient * np.maximum(penetration, 0.0) ** payload.power_exponent)
+
+
+def stiffnesses(payload: Payload, penetration: Floats, scale: float) -> Floats:
+    """Return the slopes of `normal_forces` over the penetration [N/m], zero where a contact is open; any shape."""
+    force = normal_forces(payload, penetration, scale)
+    closed = force > 0.0
+    if payload.contact_law == JOHNSON:
+        logarithm = np.log(payload.contact_modulus * scale / np.where(closed, force, 1.0))
+        return np.where(closed, payload.contact_modulus / (logarithm - 2.0), 0.0)
+    return np.where(closed, payload.power_exponent * force / np.where(closed, penetration, 1.0), 0.0)
+
+
+def penetration_under(payload: Payload, force: Floats, scale: float) -> Floats:
+    """Return the penetrations [m] under forces [N] above zero, Eq. 4 as printed or the power law's inverse; any shape."""
+    if payload.contact_law == JOHNSON:
+        return np.asarray(force / payload.contact_modulus * (np.log(payload.contact_modulus * scale / force) - 1.0))
+    return np.asarray((force / payload.power_coefficient) ** (1.0 / payload.power_exponent))
+
+
+def stored_energy(payload: Payload, penetration: Floats, scale: float) -> Floats:
+    """Return the energy of contacts [J]: F delta/2 - F^2/(4 pi E* L), or F delta/(n + 1) of the power law; any shape."""
+    return _energy_under(payload, normal_forces(payload, penetration, scale), penetration)
+
+
+def _energy_under(payload: Payload, force: Floats, penetration: Floats) -> Floats:
+    depth = np.maximum(penetration, 0.0)
+    if payload.contact_law == JOHNSON:
+        return np.asarray(0.5 * force * depth - force**2 / (4.0 * payload.contact_modulus))
+    return np.asarray(force * depth / (payload.power_exponent + 1.0))
+
+
+def radial_directions(payload: Payload) -> Floats:
+    """Return the directions from a cage's centre to its pockets at cage angle zero, shape (rows, rollers, 2) [-]."""
+    tangent = payload.pocket_tangent
+    return np.stack([tangent[..., 1], -tangent[..., 0]], axis=-1)
+
+
+def _edges(direction: Floats, middle: float, half_angle: float) -> Floats:
+    """Return the angles by which directions lie inside the nearer edge of a notch, not above zero outside it; shape of all but the last."""
+    offset = np.arctan2(direction[..., 0], -direction[..., 1]) - middle
+    return half_angle - np.abs(np.mod(offset + np.pi, 2.0 * np.pi) - np.pi)
+
+
+def notch_depths(payload: Payload, from_ring: Floats, inner: bool) -> Floats:
+    """Return by how much deeper a raceway and the rollers lie where they touch, at shaft and spin angle zero, shape (rows, rollers) [m].
+
+    Nothing for edges with normals of their own: what they bear is no matter of depth.
+    """
+    depths = np.zeros(payload.free.shape)
+    if payload.notch_law != SINK:
+        return depths
+    raceway = payload.inner_raceway_radius if inner else payload.outer_raceway_radius
+    law, notches = (inner_notch_depth, payload.inner_notches) if inner else (outer_notch_depth, payload.outer_notches)
+    for notch in notches:
+        edges = _edges(from_ring, notch.azimuth, notch.half_angle)
+        rows = slice(None) if notch.row < 0 else slice(notch.row, notch.row + 1)
+        for row, i in np.argwhere(edges[rows] > 0.0):
+            at = row + max(notch.row, 0), i
+            depths[at] += law(edges[at], notch.depth, raceway, payload.roller_radius)
+    for notch in payload.roller_notches:
+        at = notch.row, notch.roller
+        edge = float(_edges(-from_ring[at] if inner else from_ring[at], notch.azimuth, notch.half_angle))
+        depths[at] += roller_notch_depth(edge, notch.depth, raceway, payload.roller_radius, inner) if edge > 0.0 else 0.0
+    return depths
+
+
+def penetrations(
+    payload: Payload, outer: Floats, inner: Floats, rollers: Floats, cut: tuple[Floats, Floats] | None = None
+) -> tuple[Floats, Floats, Floats, Floats]:
+    """Return the vectors from inner and outer ring to each roller and the penetrations there [m].
+
+    ``rollers`` holds the rollers' centres, shape (rows, rollers, 2), ``cut`` the depths of the notches under them, where they are to be
+    held, at the inner and the outer raceway, shape (rows, rollers) [m].
+    """
+    from_inner, from_outer = rollers - inner, rollers - outer
+    inner_depth = payload.inner_raceway_radius + payload.roller_radius - np.linalg.norm(from_inner, axis=-1)
+    outer_depth = np.linalg.norm(from_outer, axis=-1) + payload.roller_radius - payload.outer_raceway_radius
+    inner_cut, outer_cut = cut or (notch_depths(payload, from_inner, True), notch_depths(payload, from_outer, False))
+    return from_inner, from_outer, inner_depth - inner_cut, outer_depth - outer_cut
+
+
+def roller_forces(payload: Payload, outer: Floats, inner: Floats, rollers: Floats) -> tuple[Floats, Floats]:
+    """Return the forces on each roller from the inner and from the outer raceway, shape (rows, rollers, 2) [N]."""
+    return _pushed(payload, outer, inner, rollers)[:2]
+
+
+def _pushed(
+    payload: Payload, outer: Floats, inner: Floats, rollers: Floats, cut: tuple[Floats, Floats] | None = None
+) -> tuple[Floats, Floats, float]:
+    """Return `roller_forces`, and the energy of all contacts [J]."""
+    from_inner, from_outer, inner_depth, outer_depth = penetrations(payload, outer, inner, rollers, cut)
+    inner_force = normal_forces(payload, inner_depth, payload.inner_scale)
+    outer_force = normal_forces(payload, outer_depth, payload.outer_scale)
+    energy = _energy_under(payload, inner_force, inner_depth).sum() + _energy_under(payload, outer_force, outer_depth).sum()
+    return (
+        from_inner * (inner_force / np.linalg.norm(from_inner, axis=-1))[..., None],
+        -from_outer * (outer_force / np.linalg.norm(from_outer, axis=-1))[..., None],
+        float(energy),
+    )
+
+
+def _within(offset: Floats, most: float) -> Floats:
+    """Return an offset shortened to ``most`` [m]."""
+    return offset * min(1.0, most / max(math.hypot(*offset), 1e-12))
+
+
+class _Problem:
+    """The bearing over its free coordinates: rings, cages that carry rollers, and how far out each free roller lies.
+
+    Free rollers keep their azimuth round the middle between the rings, as friction would hold them; a cage without
+    pinned rollers stands there, or as near to it as its land lets it.
+    """
+
+    def __init__(self, payload: Payload, load: Floats, orbit: float) -> None:
+        self.payload, self.load = payload, load
+        self.free, self.radial = payload.free, radial_directions(payload)
+        self.carrying = ~payload.free.all(axis=1)
+        self.first_free = 4 + 2 * int(self.carrying.sum())
+        # Weight and the orbit's centrifugal force say on which raceway a free roller rests that nothing squeezes.
+        weight = -payload.roller_mass * payload.gravity * self.radial[..., 1]
+        self.outward = (weight + payload.roller_mass * payload.pitch_radius * orbit**2 + LIGHTEST)[self.free]
+
+    def places(self, x: Floats) -> Rest:
+        """Return where the bodies are at coordinates ``x`` [m]."""
+        outer, inner = x[:2], x[2:4]
+        middle = 0.5 * (outer + inner)
+        cages = np.tile(outer + _within(middle - outer, self.payload.land_clearance), (len(self.free), 1))
+        cages[self.carrying] = x[4 : self.first_free].reshape(-1, 2)
+        rollers = cages[:, None] + self.payload.pitch_radius * self.radial
+        rollers[self.free] = middle + x[self.first_free :, None] * self.radial[self.free]
+        return Rest(outer, inner, cages, rollers)
+
+    def cut(self, x: Floats) -> tuple[Floats, Floats]:
+        """Return the depths of the notches under the rollers at the inner and the outer raceway, shape (rows, rollers) [m]."""
+        rest = self.places(x)
+        return notch_depths(self.payload, rest.rollers - rest.inner, True), notch_depths(self.payload, rest.rollers - rest.outer, False)
+
+    def balance(self, x: Floats, cut: tuple[Floats, Floats] | None = None) -> tuple[float, Floats]:
+        """Return the potential energy [J] and the generalised forces left [N], which are zero in equilibrium.
+
+        Only with the notches' depths held by ``cut`` are the forces the slope of the energy: a depth has no force along the raceway.
+        """
+        p, rest = self.payload, self.places(x)
+        inner, outer, contacts = _pushed(p, rest.outer, rest.inner, rest.rollers, cut)
+        weights = p.outer_ring_mass * rest.outer[1] + p.inner_ring_mass * rest.inner[1]
+        weights += (p.train_mass * rest.cages[:, 1])[self.carrying].sum()
+        housing = 0.5 * p.housing_stiffness * rest.outer @ rest.outer
+        energy = contacts + housing + p.gravity * weights - self.load @ rest.inner - self.outward @ x[self.first_free :]
+        both = inner + outer
+        rings = np.array([-p.housing_stiffness * rest.outer - outer.sum(axis=(0, 1)), self.load - inner.sum(axis=(0, 1))])
+        rings += 0.5 * both[self.free].sum(axis=0)
+        rings[:, 1] -= p.gravity * np.array([p.outer_ring_mass, p.inner_ring_mass])
+        cages = np.where(self.free[..., None], 0.0, both).sum(axis=1)
+        cages[:, 1] -= p.train_mass * p.gravity
+        radii = (both[self.free] * self.radial[self.free]).sum(axis=-1) + self.outward
+        return float(energy), np.concatenate([rings.ravel(), cages[self.carrying].ravel(), radii])
+
+    def slope(self, x: Floats) -> Floats:
+        """Return the derivatives of the generalised forces of `balance`, shape (coordinates, coordinates) [N/m].
+
+        Those of the notches' depths are differences; they lead the search, and do not say where it ends.
+        """
+        p, rest = self.payload, self.places(x)
+        along = self._motions(len(x))
+        total = np.zeros((len(x), len(x)))
+        total[:2, :2] -= p.housing_stiffness * np.eye(2)
+        from_inner, from_outer, inner, outer = penetrations(p, rest.outer, rest.inner, rest.rollers)
+        for ring, away, depth, scale, sign in ((1, from_inner, inner, p.inner_scale, 1.0), (0, from_outer, outer, p.outer_scale, -1.0)):
+            distance = np.linalg.norm(away, axis=-1)[..., None]
+            normal = away / distance
+            across = np.stack([-normal[..., 1], normal[..., 0]], axis=-1)
+            ahead, behind = (notch_depths(p, away + turn * distance * across, ring == 1) for turn in (TURN, -TURN))
+            closing = -sign * normal - (ahead - behind)[..., None] / (2.0 * TURN * distance) * across
+            force, stiffness = normal_forces(p, depth, scale)[..., None], stiffnesses(p, depth, scale)[..., None]
+            block = (stiffness * sign * normal)[..., None] * closing[..., None, :]
+            block += (sign * force / distance * across)[..., None] * across[..., None, :]
+            moved = along.copy()
+            moved[..., 2 * ring : 2 * ring + 2] -= np.eye(2)
+            total += np.einsum("rnai,rnab,rnbj->ij", moved, block, moved)
+        return total
+
+    def _motions(self, count: int) -> Floats:
+        """Return how the rollers move with the coordinates, shape (rows, rollers, 2, coordinates) [-]."""
+        along = np.zeros((*self.free.shape, 2, count))
+        along[self.free, :, :4] = 0.5 * np.tile(np.eye(2), 2)
+        for k, row in enumerate(np.flatnonzero(self.carrying)):
+            along[row, ~self.free[row], :, 4 + 2 * k : 6 + 2 * k] = np.eye(2)
+        free = np.argwhere(self.free)
+        along[free[:, 0], free[:, 1], :, self.first_free + np.arange(len(free))] = self.radial[self.free]
+        return along
+
+    def laid_down(self, x: Floats) -> Floats:
+        """Return coordinates [m] with the free rollers that touch nothing moved to the raceway on which they rest."""
+        p, rest = self.payload, self.places(x)
+        inner, outer = (depth[self.free] for depth in penetrations(p, rest.outer, rest.inner, rest.rollers)[2:])
+        outside, weight = self.outward > 0.0, np.maximum(np.abs(self.outward), LIGHTEST)
+        down = np.where(outside, penetration_under(p, weight, p.outer_scale) - outer, inner - penetration_under(p, weight, p.inner_scale))
+        laid: Floats = x.copy()
+        laid[self.first_free :] += np.where(np.maximum(inner, outer) > 0.0, 0.0, down)
+        return laid
+
+    def start(self) -> Floats:
+        """Return coordinates [m] with the rings pressed together along the load, so that the search cannot fall into the gap."""
+        p = self.payload
+        pinned = p.train_mass.sum() if self.carrying.any() else 0.0
+        total = self.load + np.array([0.0, -p.gravity * (p.inner_ring_mass + pinned)])
+        size = float(np.linalg.norm(total))
+        direction = total / size if size > 0.0 else np.array([0.0, -1.0])
+        half_gap = 0.5 * (p.outer_raceway_radius - p.inner_raceway_radius) - p.roller_radius
+        outer = total / p.housing_stiffness
+        inner = outer + (2.0 * half_gap + 2.0 * START_PENETRATION) * direction
+        middle = 0.5 * (p.inner_raceway_radius + p.outer_raceway_radius) - p.pitch_radius
+        cages = np.tile(outer + (half_gap + START_PENETRATION + middle) * direction, (int(self.carrying.sum()), 1))
+        facing = self.radial[self.free] @ direction
+        below = p.outer_raceway_radius - p.roller_radius - half_gap * facing + START_PENETRATION * np.maximum(facing, 0.0)
+        above = p.inner_raceway_radius + p.roller_radius + half_gap * facing
+        radii = np.where((facing > 0.0) | (self.outward > 0.0), below, above)
+        return np.concatenate([outer, inner, cages.ravel(), radii])
+
+
+def static_equilibrium(payload: Payload, load: Floats, orbit: float = 0.0) -> Rest:
+    """Return where the bodies rest under ``load`` [N], the rollers orbiting at ``orbit`` [rad/s].
+
+    The cages stand at angle zero. A roller over a notch lies as deep as the notch lets it.
+    """
+    problem = _Problem(payload, load, orbit)
+    scale = max(float(np.linalg.norm(load)) + payload.inner_ring_mass * payload.gravity, 1.0)
+
+    def energy(x: Floats) -> tuple[float, Floats]:
+        height, left = problem.balance(x * MICROMETRE, cut)
+        return height / (scale * MICROMETRE), -left / scale
+
+    def residual(x: Floats) -> Floats:
+        return problem.balance(x * MICROMETRE)[1] / scale
+
+    def slope(x: Floats) -> Floats:
+        return problem.slope(x * MICROMETRE) * (MICROMETRE / scale)
+
+    # The energy leads over open contacts, where the forces alone give no direction, but hardly sees what weighs a newton. Least squares
+    # then polish, twice, because they move the rings by more than the lightest rollers are pressed in.
+    begin = problem.start()
+    cut = problem.cut(begin)
+    found = minimize(energy, begin / MICROMETRE, jac=True, method="BFGS", options={"gtol": 1e-6, "maxiter": 5000}).x
+    for _ in range(2):
+        laid = problem.laid_down(found * MICROMETRE) / MICROMETRE
+        found = least_squares(residual, laid, jac=slope, method="lm", xtol=1e-15, ftol=1e-15, gtol=1e-15, max_nfev=MOST_POLISHING).x
+    rest = problem.places(np.round(found * MICROMETRE / GRAIN) * GRAIN + 0.0)  # no negative zero
+    _make_rows_alike(payload, rest)
+    return rest
+
+
+def _make_rows_alike(payload: Payload, rest: Rest) -> None:
+    """Give rows that are built alike the same bits: left to rounding, which differs between machines, some would drift apart."""
+    for row in range(1, len(rest.cages)):
+        same = np.array_equal(payload.pocket_tangent[row], payload.pocket_tangent[0]) and np.array_equal(payload.free[row], payload.free[0])
+        if same and np.allclose(rest.rollers[row], rest.rollers[0], rtol=0.0, atol=ALIKE):
+            rest.cages[row], rest.rollers[row] = rest.cages[0], rest.rollers[0]

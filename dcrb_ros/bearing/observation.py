@@ -1,0 +1,52 @@
+"""From the kernels' state to what is published of it: the bodies' states."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from dcrb_ros.bearing.states import States
+from dcrb_ros.core import observation as of
+from dcrb_ros.core.layout.state import State
+from dcrb_ros.core.payload import Payload
+from dcrb_ros.runtime.arrays import Floats
+
+
+def wrapped(angle: Floats) -> Floats:
+    """Return angles [rad] wrapped to (-pi, pi]."""
+    return math.pi - np.mod(math.pi - angle, 2.0 * math.pi)
+
+
+def place_pinned_rollers(payload: Payload, state: State) -> None:
+    """Write position and velocity of the pinned rollers, which their cages carry."""
+    if not payload.all_free:
+        of.place_pinned(state.rollers, payload.free, payload.pocket_tangent, state.position, state.velocity, payload.pitch_radius)
+
+
+def observe(payload: Payload, state: State, time_ns: int) -> States:
+    """Return the states of all bodies at ``time_ns``."""
+    place_pinned_rollers(payload, state)
+    rows, count = len(payload.free), payload.free.size
+    found = np.zeros((of.OBSERVED, count + rows + 1))
+    surface = float(state.shaft[1]) * payload.inner_raceway_radius
+    force = of.observe_rollers(state.rollers, payload.free, state.position, state.velocity, surface, payload.roller_radius, found)
+    cages, ring, tangent = found[:, count:-1], found[:, -1], payload.pocket_tangent[:, 0]
+    cages[of.AZIMUTH] = np.arctan2(tangent[:, 1], tangent[:, 0]) + state.cage_position[:, 2]
+    cages[of.SPEED], cages[of.BAR_FORCE] = state.cage_velocity[:, 2], state.land[0].force[:rows]
+    ring[of.AZIMUTH], ring[of.SPEED] = state.shaft
+    ring[of.INNER_FORCE] = found[of.INNER_FORCE, :count].sum()
+    return States(
+        time_ns=time_ns,
+        azimuth=wrapped(found[of.AZIMUTH]),
+        speed=found[of.SPEED],
+        inner_force=found[of.INNER_FORCE],
+        outer_force=found[of.OUTER_FORCE],
+        slip=found[of.SLIP],
+        friction=found[of.FRICTION],
+        torque=found[of.TORQUE],
+        relative_speed=found[of.RELATIVE_SPEED],
+        bar_force=found[of.BAR_FORCE],
+        cage_offset=state.cage_position[:, :2] - state.outer_position,
+        inner_ring_force=force,
+    )

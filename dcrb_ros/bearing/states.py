@@ -1,0 +1,77 @@
+"""What is observed of a bearing: the names of its bodies, their states at one instant, and the energy account."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from dcrb_ros.runtime.arrays import Floats
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Rows and rollers of the bearing, and the body names that follow from them."""
+
+    rows: int
+    rollers_per_row: int
+
+    @property
+    def names(self) -> list[str]:
+        """Body names in the order of `States`: row by row the rollers, then the cages, then the inner ring."""
+        rollers = [f"row{row + 1}/roller{i + 1:02d}" for row in range(self.rows) for i in range(self.rollers_per_row)]
+        return [*rollers, *(f"cage{row + 1}" for row in range(self.rows)), "inner_ring"]
+
+
+@dataclass(frozen=True)
+class Account:
+    """Energy since the start [J]."""
+
+    drive: float
+    """Work of the shaft."""
+    load: float
+    """Work of the load on the inner ring."""
+    friction: float
+    """Lost in friction."""
+    loss: float
+    """Lost in normal contacts."""
+    housing: float
+    """Lost in the housing's damper."""
+    notch: float
+    """Taken by the notch law: it has depth, but no tangential force at the edge that would do the work."""
+    stored: float
+    """Gained in motion, contacts, housing and height."""
+
+    @property
+    def residual(self) -> float:
+        """What does not add up [J]: the error of the integration."""
+        return self.drive + self.load - self.friction - self.loss - self.housing - self.notch - self.stored
+
+
+@dataclass(frozen=True)
+class States:
+    """The bodies at one instant; arrays of one entry per name of `Layout.names`."""
+
+    time_ns: int
+    """Simulated time [ns]."""
+    azimuth: Floats
+    """Azimuth from the load line (-Y), counter-clockwise, of rollers and of each cage's first pocket;
+    rotation angle of the inner ring [rad]. All wrapped to (-pi, pi]."""
+    speed: Floats
+    """Absolute spin of rollers, rotation of cages and inner ring [rad/s]."""
+    inner_force: Floats
+    """Normal force between roller and inner raceway [N]; zero for cages, the sum of magnitudes for the inner ring."""
+    outer_force: Floats
+    """Normal force between roller and outer raceway [N]; zero for cages and the inner ring."""
+    slip: Floats
+    """Slip at the inner raceway [m/s]; zero for cages and the inner ring."""
+    friction: Floats
+    """Friction force at the inner raceway [N]; zero for cages and the inner ring."""
+    torque: Floats
+    """Friction torque of both raceways on a roller [N m]; zero for cages and the inner ring."""
+    relative_speed: Floats
+    """Spin of rollers against their cage [rad/s]; zero for cages and the inner ring."""
+    bar_force: Floats
+    """Normal force between a roller and its bar, positive at the bar ahead [N]; of a cage, the force of its land."""
+    cage_offset: Floats
+    """Centre of each cage from the outer ring's, shape (rows, 2) [m]."""
+    inner_ring_force: tuple[float, float]
+    """Total force of the rollers on the inner ring in X and Y [N]."""

@@ -1,0 +1,1 @@
+"""The faults that a bench can carry."""

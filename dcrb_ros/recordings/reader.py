@@ -1,0 +1,272 @@
+"""Reading recordings back: whole ones, and what can be read of damaged ones."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections import Counter
+from collections.abc import Container, Iterable, Iterator, Mapping
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import yaml
+from mcap.records import Channel, Metadata
+from mcap.records import Message as McapMessage
+
+from dcrb_ros import __version__
+from dcrb_ros.bearing.kinematics import Orders, characteristic_orders
+from dcrb_ros.messages.description import decode_range
+from dcrb_ros.messages.points import Vibration, decode_vibration
+from dcrb_ros.messages.statuses import decode_truth
+from dcrb_ros.messages.topics import DETECTED, GROUND_TRUTH, MANIFEST, NAMESPACE, SENSOR, SIMULATED, VIBRATION, Message, Topic
+from dcrb_ros.recordings.manifest import OUTCOME
+from dcrb_ros.recordings.mcap_reader import MAGIC, McapRecords
+from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.settings.configuration import Configuration
+from dcrb_ros.simulation.events import Command, command_of
+
+METADATA = "metadata.yaml"
+LARGEST_METADATA = 4_000_000
+"""Largest metadata.yaml [bytes]; ours have a few thousand."""
+SHAPES: dict[str, type] = {
+    **dict.fromkeys(("units", "software", "orders", "faults", "imported", "sensor", "configuration"), dict),
+    **dict.fromkeys(("format", "first_index", "samples", "sampling_rate"), int),
+    **dict.fromkeys(("namespace", "sha256", "dcrb_ros", "model"), str),
+}
+"""What some entries of a manifest must be, for those who read it."""
+DAMAGED = (ValueError, KeyError, TypeError, RecursionError)
+"""What reading a damaged manifest raises."""
+
+
+class Recording:
+    """A recording of the bench, or of imported data: a rosbag2 folder or a single MCAP file.
+
+    Raises:
+        Refusal: there is no recording, or it is not one of the bench.
+    """
+
+    def __init__(self, path: str | Path) -> None:
+        self.path = Path(path)
+        self.files, self.damage = sound_files(self.path)
+        """The MCAP files in their order; what could not be read so far, in words."""
+        self.manifest = self._manifest()
+        if self.manifest.get("format", 1) != 1 and self.outcome is None:
+            self._remark(f"{self.files[-1].name}: the end is missing, the recording was cut off")
+        self._configuration = self._read_configuration()
+
+    @property
+    def complete(self) -> bool:
+        """Whether all that was read so far was whole."""
+        return not self.damage
+
+    @property
+    def configuration(self) -> Configuration:
+        """Configuration of the bench.
+
+        Raises:
+            Refusal: the recording holds imported data.
+        """
+        if self._configuration is None:
+            raise Refusal(f"{self.path} holds imported data, not a run of the bench: it has no configuration")
+        return self._configuration
+
+    @property
+    def imported(self) -> bool:
+        """Whether the recording holds imported data."""
+        return self._configuration is None
+
+    @property
+    def namespace(self) -> str:
+        """Namespace of the topics."""
+        return str(self.manifest.get("namespace", NAMESPACE))
+
+    @cached_property
+    def sampling_rate(self) -> int:
+        """Sampling rate [Hz]."""
+        rate = self.manifest.get("sampling_rate")
+        if not isinstance(rate, int) or not 0 < rate <= 10_000_000:
+            raise Refusal(f"the manifest of {self.path} gives a sampling rate of {rate!r} Hz: it must be a whole number above 0")
+        return rate
+
+    @cached_property
+    def orders(self) -> Orders:
+        """Characteristic orders of the bearing."""
+        if self._configuration is not None:
+            return characteristic_orders(self._configuration.bearing)
+        try:
+            return Orders(*(float(self.manifest["orders"][name]) for name in ("FTF", "BPFO", "BPFI", "BSF")))
+        except DAMAGED:
+            raise Refusal(f"the manifest of {self.path} gives no fault orders: import the data again") from None
+
+    @cached_property
+    def outcome(self) -> Mapping[str, Any] | None:
+        """What the end of the recording says came of it; none where it was cut off."""
+        return self._last(OUTCOME, "outcome")
+
+    def commands(self) -> list[Command]:
+        """Return the commands of the run, from its end or from the ground truth."""
+        told = (self.outcome or {}).get("commands")
+        if isinstance(told, list):
+            try:
+                return [Command(int(command["time_ns"]), str(command["command"])) for command in told]
+            except DAMAGED:
+                self._remark("the commands in the manifest are damaged")
+        truths = (decode_truth(message.data) for message in self.messages((GROUND_TRUTH,)))
+        found = (command_of(truth.time_ns, truth.changed) for truth in truths)
+        return [command for command in found if command is not None]
+
+    def messages(self, topics: Iterable[Topic] | None = None, *, namespace: str | None = None) -> Iterator[Message]:
+        """Yield the messages of some topics, or of all that the bench knows, as they lie in the file."""
+        where = self.namespace if namespace is None else namespace
+        wanted = {topic.resolved(where): topic for topic in (topics or (*SIMULATED, *DETECTED))}
+        for channel, message in self._records(wanted):
+            yield Message(wanted[channel.topic], message.log_time, message.data)
+
+    def vibrations(self) -> Iterator[Vibration]:
+        """Yield the blocks of the waveform; see `ranged_vibrations`."""
+        return (vibration for vibration, _ in self.ranged_vibrations())
+
+    def ranged_vibrations(self) -> Iterator[tuple[Vibration, float]]:
+        """Yield the blocks of the waveform, each with the sensor's range then [m/s^2], 0 where nothing tells it.
+
+        Raises:
+            Refusal: the recording has no waveform.
+        """
+        found, sensor_range = False, self._first_range()
+        for message in self.messages((SENSOR, VIBRATION)):
+            if message.topic == SENSOR:
+                sensor_range = decode_range(message.data)
+                continue
+            found = True
+            yield decode_vibration(message.data), sensor_range
+        if not found:
+            raise Refusal(f"{self.path} holds no messages on {VIBRATION.resolved(self.namespace)}: give a recording of the bench")
+
+    def counts(self) -> dict[str, int]:
+        """Return the messages per topic."""
+        return dict(sorted(Counter(channel.topic for channel, _ in self._records()).items()))
+
+    def _manifest(self) -> dict[str, Any]:
+        """Return the manifest from the first file that has one; every file should."""
+        for file in self.files:
+            for record in McapRecords(file, chunks=False):
+                if isinstance(record, Metadata) and record.name == MANIFEST:
+                    found = _json(record, "manifest")
+                    if found is not None:
+                        return found
+                    break
+        raise Refusal(
+            f"{self.path} carries no manifest of the bench: give a recording made by dcrb simulate, dcrb bench or dcrb import; "
+            "dcrb recover repairs the container of any other"
+        )
+
+    def _read_configuration(self) -> Configuration | None:
+        if "imported" in self.manifest:
+            return None
+        try:
+            return Configuration.model_validate(self.manifest["configuration"])
+        except DAMAGED as error:
+            first = str(error).splitlines()[0] if str(error) else type(error).__name__
+            raise Refusal(
+                f"the configuration in {self.path} was written by dcrb_ros {self.manifest.get('dcrb_ros', 'of an unknown version')} and is "
+                f"not understood by {__version__} ({first}): read it with that version"
+            ) from None
+
+    def _first_range(self) -> float:
+        """Return the sensor's range as the manifest tells it [m/s^2], or 0."""
+        about = self.manifest.get("sensor") or self.manifest.get("configuration", {}).get("sensor")
+        found = about.get("range") if isinstance(about, Mapping) else None
+        return float(found) if isinstance(found, int | float) and found > 0.0 else 0.0
+
+    def _last(self, name: str, key: str) -> dict[str, Any] | None:
+        """Return the last metadata record of a name in the last file."""
+        found = None
+        for record in McapRecords(self.files[-1], chunks=False):
+            if isinstance(record, Metadata) and record.name == name:
+                found = record
+        return _json(found, key) if found else None
+
+    def _records(self, topics: Container[str] | None = None) -> Iterator[tuple[Channel, McapMessage]]:
+        """Yield the messages on some topics, or all, with their channels."""
+        for file in self.files:
+            channels: dict[int, Channel] = {}
+            records = McapRecords(file, topics=topics)
+            for record in records:
+                if isinstance(record, Channel):
+                    channels[record.id] = record
+                elif isinstance(record, McapMessage) and record.channel_id in channels:
+                    yield channels[record.channel_id], record
+            for words in records.damage:
+                self._remark(words)
+
+    def _remark(self, words: str) -> None:
+        if words not in self.damage:
+            self.damage.append(words)
+
+
+def _json(record: Metadata, key: str) -> dict[str, Any] | None:
+    """Return the JSON object in a metadata record; none where there is none."""
+    try:
+        found = json.loads(record.metadata[key])
+    except DAMAGED:
+        return None
+    sound = isinstance(found, dict) and all(isinstance(found.get(name, kind()), kind) for name, kind in SHAPES.items())
+    return found if sound else None
+
+
+def sound_files(path: Path) -> tuple[list[Path], list[str]]:
+    """Return the MCAP files of a folder or a single one, by their first bytes, and in words what is none and left out.
+
+    A crash or a power loss after a split leaves an empty file behind whole ones.
+
+    Raises:
+        Refusal: there are none.
+    """
+    if not path.exists():
+        raise Refusal(f"there is no recording {path}: give a folder made by dcrb simulate or dcrb bench, or an .mcap file")
+    files = sorted(path.glob("*.mcap"), key=_in_order) if path.is_dir() else [path]
+    if not files:
+        raise Refusal(f"{path} holds no .mcap file: give the folder of a recording")
+    flaws = {file: flaw for file in files if (flaw := _flaw(file))}
+    if len(flaws) == len(files):
+        raise Refusal(f"{files[0]} is no MCAP file: it {flaws[files[0]]}")
+    return [file for file in files if file not in flaws], [
+        f"{file.name}: left out, no MCAP file: it {flaw}" for file, flaw in flaws.items()
+    ]
+
+
+def _flaw(file: Path) -> str:
+    """Return what is wrong with the first bytes of an MCAP file, or nothing."""
+    try:
+        with file.open("rb") as stream:
+            magic = stream.read(len(MAGIC))
+    except OSError as error:
+        raise Refusal(f"{file} cannot be read: {error.strerror}") from None
+    if magic == MAGIC:
+        return ""
+    return f"must begin with {MAGIC!r}" if magic else "is empty"
+
+
+def _in_order(path: Path) -> tuple[str, int, str]:
+    """Return a key by which NAME_2 comes before NAME_10."""
+    found = re.fullmatch(r"(.*)_(\d{1,9})", path.stem)
+    return (found[1], int(found[2]), path.name) if found else (path.stem, -1, path.name)
+
+
+def metadata_flaw(path: Path) -> str:
+    """Return what is wrong with the metadata.yaml of a recording's folder, or nothing; our reader does without it, ROS does not."""
+    file = path / METADATA
+    if not path.is_dir():
+        return ""
+    try:
+        if file.stat().st_size > LARGEST_METADATA:
+            return f"{METADATA} has {file.stat().st_size} bytes, {LARGEST_METADATA} are the most"
+        about = yaml.safe_load(file.read_text(encoding="utf-8"))["rosbag2_bagfile_information"]
+        named, there = [str(name) for name in about["relative_file_paths"]], [found.name for found in sound_files(path)[0]]
+    except OSError as error:
+        return f"{METADATA} cannot be read: {error.strerror}"
+    except (yaml.YAMLError, UnicodeDecodeError, *DAMAGED):
+        return f"{METADATA} is damaged"
+    missing = [name for name in there if name not in named]
+    return f"{METADATA} does not name {', '.join(missing)}" if missing else ""

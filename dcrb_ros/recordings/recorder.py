@@ -1,0 +1,140 @@
+"""The recorder: what the bench says, into a rosbag2 folder that plays in ROS, opens in Rerun and explains itself."""
+
+from __future__ import annotations
+
+import re
+import shutil
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from types import TracebackType
+from typing import Any
+
+import yaml
+
+from dcrb_ros.bearing.states import Layout
+from dcrb_ros.messages.cdr import typestore
+from dcrb_ros.messages.encoder import BlockEncoder
+from dcrb_ros.messages.topics import DETECTED, NAMESPACE, SENSOR, SIMULATED, Message, Topic
+from dcrb_ros.recordings.manifest import Outcome, opening
+from dcrb_ros.recordings.mcap_writer import Channel
+from dcrb_ros.recordings.rosbag2 import SECOND, Bag, RecordingFailed, Splitting, new_folder
+from dcrb_ros.runtime.refusal import Refusal, nearest
+from dcrb_ros.settings.configuration import Configuration
+from dcrb_ros.simulation.block import Block
+from dcrb_ros.simulation.events import Command
+
+__all__ = ["Recorder", "RecordingFailed", "channel_of", "chosen_topics", "new_folder", "quality"]
+
+
+def quality(topic: Topic) -> list[dict[str, Any]]:
+    """Return the offered QoS of a topic as rosbag2 writes it."""
+    never = {"sec": 9223372036, "nsec": 854775807}
+    return [
+        {
+            "history": "keep_last",
+            "depth": topic.depth,
+            "reliability": "reliable",
+            "durability": "transient_local" if topic.latched else "volatile",
+            "deadline": never,
+            "lifespan": never,
+            "liveliness": "automatic",
+            "liveliness_lease_duration": never,
+            "avoid_ros_namespace_conventions": False,
+        }
+    ]
+
+
+def channel_of(topic: Topic, namespace: str) -> Channel:
+    """Return a topic as a file describes it."""
+    store = typestore()
+    definition, _ = store.generate_msgdef(topic.type, ros_version=2)
+    profiles = str(yaml.safe_dump(quality(topic), sort_keys=False))
+    return Channel(topic.resolved(namespace), topic.type, definition, profiles, store.hash_rihs01(topic.type))
+
+
+def chosen_topics(words: str) -> frozenset[Topic]:
+    """Return the topics that ``recording.topics`` names, all without a name; the sensor's description is always among them.
+
+    Raises:
+        Refusal: a name that is no topic of the bench.
+    """
+    known = {topic.name: topic for topic in (*SIMULATED, *DETECTED)}
+    names = [name for name in re.split(r"[,\s]+", words) if name]
+    for name in names:
+        if name not in known:
+            raise Refusal(f"recording.topics: there is no topic '{name}'{nearest(name, known)} (known: {', '.join(known)})")
+    return frozenset(known[name] for name in names or known) | {SENSOR}
+
+
+class Recorder:
+    """A sink of blocks or messages that writes a recording.
+
+    Raises:
+        Refusal: the path exists or cannot be created, or a topic is unknown.
+        RecordingFailed: a write failed later.
+    """
+
+    def __init__(
+        self,
+        path: str | Path,
+        configuration: Configuration,
+        layout: Layout,
+        *,
+        namespace: str = NAMESPACE,
+        scenario: Mapping[str, Any] | None = None,
+        commands: Iterable[Command] = (),
+        start_ns: int = 0,
+    ) -> None:
+        """Begin a recording at ``start_ns`` [ns] of a run that follows a ``scenario``, if any, and has had some ``commands`` before."""
+        asked = configuration.recording
+        self._topics, self._namespace = chosen_topics(asked.topics), namespace
+        self._encoder = BlockEncoder(configuration, layout)
+        self._channels: dict[Topic, Channel] = {}
+        self.outcome = Outcome(configuration.sensor.sampling_rate, commands)
+        self._bag = Bag(
+            Path(path),
+            opening=opening(configuration, layout, namespace, scenario=scenario),
+            closing=self.outcome.records,
+            compression=asked.compression,
+            splitting=Splitting(asked.split_size, round(asked.split_duration * SECOND)),
+        )
+        self.path = self._bag.path
+        try:
+            self.write_messages(self._encoder.start(start_ns))
+            self._bag.flush()
+        except RecordingFailed as error:
+            shutil.rmtree(self.path, ignore_errors=True)
+            raise Refusal(f"{error}; make room or give another folder") from None
+
+    def __enter__(self) -> Recorder:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, value: BaseException | None, trace: TracebackType | None) -> None:
+        self.close()
+
+    @property
+    def file(self) -> Path:
+        """The first MCAP file of the recording."""
+        return self._bag.files[0]
+
+    def write(self, block: Block) -> None:
+        """Record a block."""
+        self.write_messages(self._encoder.encode(block))
+
+    def write_messages(self, messages: Iterable[Message]) -> None:
+        """Record messages."""
+        if not self._bag.open:
+            return
+        taken = list(messages)
+        for message in taken:
+            self.outcome.note(message)
+        self._bag.write((self._channel(message.topic), message.time_ns, message.data) for message in taken if message.topic in self._topics)
+
+    def _channel(self, topic: Topic) -> Channel:
+        if topic not in self._channels:
+            self._channels[topic] = channel_of(topic, self._namespace)
+        return self._channels[topic]
+
+    def close(self) -> None:
+        """Finish the recording; a second call does nothing."""
+        self._bag.close()

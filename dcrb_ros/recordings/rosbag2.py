@@ -1,0 +1,217 @@
+"""A rosbag2 folder being written: MCAP files that split, and a metadata.yaml that is there whole or not at all."""
+
+from __future__ import annotations
+
+import os
+import shutil
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from dcrb_ros import __version__
+from dcrb_ros.recordings.mcap_writer import Channel, McapFile, Span
+from dcrb_ros.runtime.refusal import Refusal
+
+SECOND = 1_000_000_000
+METADATA = "metadata.yaml"
+
+Records = Mapping[str, Mapping[str, str]]
+"""Metadata records by name."""
+
+
+class RecordingFailed(RuntimeError):
+    """Writing failed (a full disk, say); what was flushed before is readable."""
+
+
+@dataclass(frozen=True)
+class Splitting:
+    """When a bag goes on in its next file; zero means never."""
+
+    size: int = 0
+    """Size of a file [bytes]."""
+    duration_ns: int = 0
+    """Simulated time in a file [ns]."""
+
+    def due(self, file: McapFile, time_ns: int) -> bool:
+        """Return whether a message of ``time_ns`` [ns] begins the next file."""
+        first = file.span.first_ns
+        if first is None:
+            return False
+        return bool((self.size and file.size >= self.size) or (self.duration_ns and time_ns - first >= self.duration_ns))
+
+
+def new_folder(path: Path) -> Path:
+    """Create the folder of a recording.
+
+    Raises:
+        Refusal: it exists or cannot be created.
+    """
+    if path.exists():
+        raise Refusal(f"{path} exists: give another name or remove it, a recording is never overwritten")
+    try:
+        path.mkdir(parents=True)
+    except OSError as error:
+        raise Refusal(f"{path} cannot be created: {error.strerror}; give a folder that can be written") from None
+    return path
+
+
+class Bag:
+    """A rosbag2 recording to which messages are written, in one MCAP file or several.
+
+    Every file begins with the records ``opening`` and ends with the records that ``closing`` returns.
+
+    Raises:
+        Refusal: the path exists or cannot be written.
+        RecordingFailed: a write failed later.
+    """
+
+    def __init__(
+        self,
+        path: Path,
+        *,
+        opening: Records,
+        closing: Callable[[], Records],
+        compression: str = "zstd",
+        splitting: Splitting | None = None,
+    ) -> None:
+        self.path = new_folder(path)
+        self._opening, self._closing = opening, closing
+        self._compression, self._splitting = compression, splitting or Splitting()
+        self._ended: list[McapFile] = []
+        self._sequences: Counter[Channel] = Counter()
+        self.open = True
+        try:
+            self._file = self._begin_file(0)
+            self._write_metadata()
+        except OSError as error:
+            shutil.rmtree(self.path, ignore_errors=True)
+            raise Refusal(f"{self.path} cannot be written: {error.strerror}; make room or give another folder") from None
+
+    @property
+    def files(self) -> list[Path]:
+        """The MCAP files so far."""
+        return [file.path for file in self._all()]
+
+    def write(self, messages: Iterable[tuple[Channel, int, bytes]]) -> None:
+        """Write messages, each with its channel and simulated time [ns]; nothing once the bag is closed."""
+        if not self.open:
+            return
+        with self._ending_on_failure():
+            for channel, time_ns, data in messages:
+                if self._splitting.due(self._file, time_ns):
+                    self._split()
+                self._file.write(channel, time_ns, data, self._sequences[channel])
+                self._sequences[channel] += 1
+            self._file.keep_up()
+
+    def flush(self) -> None:
+        """Bring everything so far into the file."""
+        if not self.open:
+            return
+        with self._ending_on_failure():
+            self._file.flush()
+
+    def close(self) -> None:
+        """Finish the bag; a second call does nothing."""
+        if not self.open:
+            return
+        try:
+            self._end_file()
+            self._write_metadata()
+        except OSError as error:
+            self._abandon()
+            raise RecordingFailed(f"the recording {self.path} could not be finished: {error.strerror}") from None
+        self.open = False
+
+    @contextmanager
+    def _ending_on_failure(self) -> Iterator[None]:
+        """End the recording where what happens within cannot be written."""
+        try:
+            yield
+        except OSError as error:
+            self._abandon()
+            raise RecordingFailed(f"the recording {self.path} ended at {self._reached():.1f} s: {error.strerror}") from None
+
+    def _begin_file(self, number: int) -> McapFile:
+        return McapFile(self.path / f"{self.path.name}_{number}.mcap", self._opening, self._compression)
+
+    def _split(self) -> None:
+        self._end_file()
+        following = self._begin_file(len(self._ended) + 1)
+        self._ended.append(self._file)
+        self._file = following
+        self._write_metadata()
+
+    def _end_file(self) -> None:
+        serialized = yaml.safe_dump(self._metadata([self._file]), sort_keys=False)
+        self._file.close({**self._closing(), "rosbag2": {"serialized_metadata": serialized}})
+
+    def _abandon(self) -> None:
+        """Give up writing; what is in the files stays, and stays readable."""
+        self.open = False
+        self._file.abandon()
+        try:
+            self._write_metadata()
+        except OSError:
+            # The metadata of the last split stays; `dcrb recover` makes new ones.
+            (self.path / f".{METADATA}").unlink(missing_ok=True)
+
+    def _reached(self) -> float:
+        return max((file.span.last_ns for file in self._all()), default=0) / SECOND
+
+    def _all(self) -> list[McapFile]:
+        return [*self._ended, self._file]
+
+    def _metadata(self, files: list[McapFile]) -> dict[str, Any]:
+        """Return what metadata.yaml, version 9, says of some files; every key is mandatory."""
+        whole = Span()
+        counts: Counter[Channel] = Counter()
+        for file in files:
+            whole = whole.joined(file.span)
+            counts.update(file.counts)
+        return {
+            "version": 9,
+            "storage_identifier": "mcap",
+            "duration": {"nanoseconds": whole.duration_ns},
+            "starting_time": {"nanoseconds_since_epoch": whole.first_ns or 0},
+            "message_count": sum(counts.values()),
+            "topics_with_message_count": [_topic(channel, count) for channel, count in counts.items()],
+            "compression_format": "",
+            "compression_mode": "",
+            "relative_file_paths": [file.path.name for file in files],
+            "files": [_file(file) for file in files],
+            "custom_data": {"dcrb_ros": __version__},
+            "ros_distro": "jazzy",
+        }
+
+    def _write_metadata(self) -> None:
+        """Write metadata.yaml so that it is there whole or not at all."""
+        temporary = self.path / f".{METADATA}"
+        document = {"rosbag2_bagfile_information": self._metadata(self._all())}
+        temporary.write_text(yaml.safe_dump(document, sort_keys=False), encoding="utf-8")
+        os.replace(temporary, self.path / METADATA)
+
+
+def _topic(channel: Channel, count: int) -> dict[str, Any]:
+    about = {
+        "name": channel.name,
+        "type": channel.type,
+        "serialization_format": "cdr",
+        "offered_qos_profiles": channel.profiles(),
+        "type_description_hash": channel.type_hash,
+    }
+    return {"topic_metadata": about, "message_count": count}
+
+
+def _file(file: McapFile) -> dict[str, Any]:
+    return {
+        "path": file.path.name,
+        "starting_time": {"nanoseconds_since_epoch": file.span.first_ns or 0},
+        "duration": {"nanoseconds": file.span.duration_ns},
+        "message_count": sum(file.counts.values()),
+    }

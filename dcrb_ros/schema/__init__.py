@@ -1,0 +1,1 @@
+"""Fields of parameters: unit, range, description and remedy."""

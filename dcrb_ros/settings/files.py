@@ -1,0 +1,259 @@
+"""Reading, writing and explaining configurations: YAML in the shape of a ROS parameter file."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, TypeVar, get_args
+
+import yaml
+from pydantic import ValidationError
+from pydantic.fields import FieldInfo
+from pydantic_core import ErrorDetails
+
+from dcrb_ros.runtime.refusal import Refusal, nearest
+from dcrb_ros.schema.fields import Group
+from dcrb_ros.settings.configuration import Configuration
+from dcrb_ros.settings.sensor import typical
+from dcrb_ros.settings.yaml import parsed, read_yaml
+
+LEAST = sys.float_info.min
+"""Least size of a number that is not zero: quotients of smaller ones overflow."""
+
+COMMANDED = ("operating.speed", "operating.load", "operating.lateral_load")
+"""Parameters that have a topic of their own to change them."""
+
+Scalar = bool | int | float | str
+Model = TypeVar("Model", bound=Group)
+
+
+@dataclass(frozen=True)
+class ParameterField:
+    """One parameter as the schema knows it."""
+
+    key: str
+    """Dotted key, ``faults.outer_1.width``."""
+    kind: type
+    """bool, int, float or str."""
+    default: Scalar
+    low: float | int | None
+    high: float | int | None
+    unit: str
+    symbol: str
+    description: str
+    remedy: str
+    run_time: bool
+    """Whether a running node accepts a change."""
+    choices: tuple[str, ...] = ()
+
+
+def _field(key: str, info: FieldInfo) -> ParameterField:
+    extra: dict[str, Any] = dict(info.json_schema_extra) if isinstance(info.json_schema_extra, dict) else {}
+    low = next((m.ge for m in info.metadata if hasattr(m, "ge")), None)
+    high = next((m.le for m in info.metadata if hasattr(m, "le")), None)
+    choices = tuple(str(choice) for choice in get_args(info.annotation))
+    kind = str if choices else info.annotation
+    if not isinstance(kind, type):
+        raise TypeError(f"{key} has no plain type")
+    return ParameterField(
+        key,
+        kind,
+        info.default,
+        low,
+        high,
+        extra.get("unit", "-"),
+        extra.get("symbol", ""),
+        info.description or "",
+        extra.get("remedy", ""),
+        extra.get("run_time", False),
+        choices,
+    )
+
+
+def parameter_fields(model: type[Group] = Configuration, prefix: str = "") -> Iterator[ParameterField]:
+    """Yield every parameter of a model, groups flattened to dotted keys."""
+    for name, info in model.model_fields.items():
+        if isinstance(info.annotation, type) and issubclass(info.annotation, Group):
+            yield from parameter_fields(info.annotation, f"{prefix}{name}.")
+        else:
+            yield _field(prefix + name, info)
+
+
+def flatten(tree: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
+    """Return a nested mapping with dotted keys."""
+    flat: dict[str, Any] = {}
+    for name, value in tree.items():
+        if isinstance(value, Mapping):
+            flat.update(flatten(value, f"{prefix}{name}."))
+        else:
+            flat[f"{prefix}{name}"] = value
+    return flat
+
+
+def nest(flat: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a mapping with dotted keys as a tree."""
+    tree: dict[str, Any] = {}
+    for key, value in flat.items():
+        *groups, name = key.split(".")
+        branch = tree
+        for group in groups:
+            branch = branch.setdefault(group, {})
+        branch[name] = value
+    return tree
+
+
+def validated(flat: Mapping[str, Any], model: type[Model], source: str) -> Model:
+    """Return the model of flat parameters, or refuse the first that is wrong in one sentence.
+
+    Raises:
+        Refusal: an unknown key (with the nearest known one), a wrong type, a value out of range, or values that cannot
+            be true together.
+    """
+    fields = {field.key: field for field in parameter_fields(model)}
+    unknown = [key for key in flat if key not in fields]
+    if unknown:
+        raise Refusal(f"{source}: unknown parameter '{unknown[0]}'{nearest(unknown[0], fields)}{_more(len(unknown))}")
+    for key, value in flat.items():
+        if isinstance(value, float) and 0.0 < abs(value) < LEAST:
+            raise Refusal(f"{source}: {key} = {value!r} is too near to zero to reckon with: give 0.0, or {LEAST:g} and more in size")
+    try:
+        return model.model_validate(nest(flat))
+    except ValidationError as error:
+        problems = error.errors()
+        raise Refusal(f"{source}: {_sentence(problems[0], fields)}{_more(len(problems))}") from None
+
+
+def _more(count: int) -> str:
+    return f" (and {count - 1} more)" if count > 1 else ""
+
+
+def _sentence(problem: ErrorDetails, fields: Mapping[str, ParameterField]) -> str:
+    """Return one sentence with the value, the range and the remedy."""
+    key = ".".join(str(part) for part in problem["loc"])
+    if key not in fields:
+        return problem["msg"].removeprefix("Value error, ")
+    field, value = fields[key], problem["input"]
+    said = f"{key} = {value!r}" + (f" {field.unit}" if field.unit != "-" else "")
+    kind = {float: "a number", int: "a whole number", bool: "true or false", str: "a text"}[field.kind]
+    if field.choices:
+        return f"{said} is not one of {', '.join(field.choices)}{nearest(str(value), field.choices)}"
+    if field.low is None or field.high is None:
+        return f"{said} is not {kind}; {field.description[0].lower()}{field.description[1:]}"
+    span = f"{field.low:g} .. {field.high:g} {field.unit}".removesuffix(" -")
+    if isinstance(value, (bool, str)) or not isinstance(value, (int, float)) or (field.kind is int and isinstance(value, float)):
+        return f"{said} is not {kind} within {span}"
+    remedy = f": {field.remedy}" if field.remedy else f"; {field.description.lower()} lies within it"
+    return f"{said} is outside {span}{remedy}{_millimetres(field, value)}"
+
+
+def _millimetres(field: ParameterField, value: Any) -> str:
+    """Return a guess of what was meant when a length was given in millimetres."""
+    if field.unit != "m" or not isinstance(value, (int, float)) or field.low is None or field.high is None:
+        return ""
+    return f" (did you mean {value / 1000.0:g}?)" if field.low <= value / 1000.0 <= field.high else ""
+
+
+def read_parameters(path: Path, node: str) -> dict[str, Any]:
+    """Return the flat parameters that a ROS parameter file gives to a node: ``/**`` first, then its own section.
+
+    Raises:
+        Refusal: the file cannot be read, is no YAML or is not in the shape of a ROS parameter file.
+    """
+    tree = read_yaml(path)
+    if not isinstance(tree, Mapping) or not all(isinstance(section, Mapping) for section in tree.values()):
+        raise Refusal(f"{path} is not a ROS parameter file; it must begin with '/**:' and 'ros__parameters:'")
+    flat: dict[str, Any] = {}
+    for name in ("/**", node, f"/{node}", f"/dcrb/{node}", f"/**/{node}"):
+        section = tree.get(name, {})
+        if section and (set(section) != {"ros__parameters"} or not isinstance(section["ros__parameters"], Mapping)):
+            raise Refusal(f"{path}: '{name}' must hold 'ros__parameters:' and nothing else")
+        flat.update({str(key): value for key, value in flatten(section.get("ros__parameters", {})).items()})
+    if not flat and not any(str(name).strip("/").split("/")[-1] for name in tree):
+        raise Refusal(f"{path} holds no parameters for the node '{node}'; they stand below '/**:' and 'ros__parameters:'")
+    return flat
+
+
+def _settings(settings: Sequence[str], fields: Mapping[str, ParameterField]) -> dict[str, Any]:
+    flat: dict[str, Any] = {}
+    for setting in settings:
+        key, equals, text = setting.partition("=")
+        if not equals:
+            raise Refusal(f"--set {setting}: write KEY=VALUE, such as operating.speed=125.664")
+        known = fields.get(key)
+        try:
+            value = parsed(text)
+        except yaml.YAMLError:
+            raise Refusal(f"--set {setting}: the value is not a plain number or text") from None
+        if known and known.kind is str and type(value) is not str:
+            value = text
+        flat[key] = float(value) if known and known.kind is float and type(value) is int else value
+    return flat
+
+
+def overlaid(whole: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a whole configuration, flat, with changes on top; another preset of the sensor among them brings its values."""
+    preset = changes.get("sensor.preset")
+    brought = typical(str(preset)) if preset not in (None, whole.get("sensor.preset")) else {}
+    return {**whole, **brought, **changes}
+
+
+def load_configuration(source: str | Path, settings: Sequence[str] = ()) -> Configuration:
+    """Return the configuration of a file or a shipped name (``healthy``), with ``KEY=VALUE`` settings on top.
+
+    Raises:
+        Refusal: see `read_parameters` and `validated`.
+    """
+    path = find_configuration(source)
+    fields = {field.key: field for field in parameter_fields()}
+    flat, asked = read_parameters(path, "simulator"), _settings(settings, fields)
+    if "operating.speed" in asked:
+        flat.pop("operating.speed_kmh", None)
+    return validated({**flat, **asked}, Configuration, str(source))
+
+
+def find_configuration(source: str | Path) -> Path:
+    """Return the path of a configuration given as a file or by a shipped name."""
+    path = Path(source)
+    if path.is_file():
+        return path
+    shipped = shipped_configurations()
+    name = path.stem if path.suffix in (".yaml", ".yml") and path.parent.name in ("", "config") else str(source)
+    if name in shipped and not path.exists():
+        return shipped[name]
+    raise Refusal(f"there is no configuration '{source}': give a YAML file or one of {', '.join(shipped)}{nearest(str(source), shipped)}")
+
+
+def shipped_folder() -> Path:
+    """Return the folder of the shipped configurations, in a checkout or below the installation's share folder."""
+    package = Path(__file__).resolve().parents[1]
+    candidates = [package.parent / "config", *(parent / "share" / "dcrb_ros" / "config" for parent in package.parents)]
+    candidates.append(Path(sys.prefix) / "share" / "dcrb_ros" / "config")
+    return next((folder for folder in candidates if (folder / "healthy.yaml").is_file()), candidates[0])
+
+
+def shipped_configurations() -> dict[str, Path]:
+    """Return the shipped benches by name."""
+    return {path.stem: path for path in sorted(shipped_folder().glob("*.yaml")) if path.stem != "detector"}
+
+
+def to_yaml(configuration: Group) -> str:
+    """Return a configuration as a ROS parameter file with every parameter in it."""
+    return str(yaml.safe_dump({"/**": {"ros__parameters": configuration.model_dump()}}, sort_keys=False))
+
+
+def _changeable(field: ParameterField) -> str:
+    """Return how a parameter changes while the bench runs: by a command, by being set, or not."""
+    return "" if not field.run_time else "by command" if field.key in COMMANDED else "yes"
+
+
+def parameter_table(model: type[Group] = Configuration) -> str:
+    """Return the parameters as a Markdown table."""
+    lines = ["| parameter | symbol | default | range | unit | changes at run time | meaning |", "|---|---|---|---|---|---|---|"]
+    for field in parameter_fields(model):
+        span = ", ".join(field.choices) or (f"{field.low:g} .. {field.high:g}" if field.low is not None and field.high is not None else "")
+        default = f"{field.default:.6g}" if isinstance(field.default, float) else str(field.default)
+        cells = (f"`{field.key}`", field.symbol, default, span, field.unit, _changeable(field), field.description)
+        lines.append("| " + " | ".join(cells) + " |")
+    return "\n".join(lines)

@@ -1,0 +1,230 @@
+"""What the user says about the bench: one group of parameters per class, in SI units.
+
+These models are the one schema behind the YAML files, the ROS parameters, the manifest of a recording and the table in
+the docs. Table 1 and equation numbers refer to Fan et al. 2025 (Lubricants 13(2), 80).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any, Literal
+
+from pydantic import model_validator
+
+from dcrb_ros.schema.fields import LENGTH_REMEDY, Group, choice, length, quantity
+
+SHORTEST_STEP = 1e-7
+"""Shortest time step [s]."""
+
+
+class Bearing(Group):
+    """Geometry, masses and material. Defaults: NJ(P)3226X1, Table 1, with the roller's spin inertia m r^2/2."""
+
+    rows: int = quantity(2, "-", "Rows of rollers", 1, 2)
+    rollers_per_row: int = quantity(16, "-", "Rollers in each row", 6, 60)
+    inner_raceway_radius: float = length(0.07886, "Inner raceway radius", 0.002, 2.0, symbol="r_I")
+    outer_raceway_radius: float = length(0.10914, "Outer raceway radius", 0.003, 2.5, symbol="r_O")
+    pitch_radius: float = length(0.094, "Pitch radius", 0.0025, 2.2, symbol="r_M")
+    roller_radius: float = length(0.015, "Roller radius", 0.0005, 0.2, symbol="r_R")
+    roller_length: float = length(0.048, "Effective roller length", 0.001, 0.5, symbol="L")
+    row_phase: float = quantity(0.0, "pitch", "Stagger of the second row in pitches (0 in phase, 0.5 half a pitch)", 0.0, 1.0)
+    outer_ring_mass: float = quantity(13.49, "kg", "Mass of the outer ring", 0.001, 1e4, symbol="m_O")
+    inner_ring_mass: float = quantity(7.316, "kg", "Mass of the inner ring", 0.001, 1e4, symbol="m_I")
+    cage_mass: float = quantity(2.459, "kg", "Mass of one cage", 0.0001, 1e3, symbol="m_C")
+    roller_mass: float = quantity(0.248, "kg", "Mass of one roller", 0.00001, 1e2, symbol="m_R")
+    cage_inertia: float = quantity(2.19e-2, "kg m^2", "Moment of inertia of one cage", 1e-10, 1e3, symbol="I_C")
+    roller_inertia: float = quantity(
+        2.79e-5,
+        "kg m^2",
+        "Spin inertia of one roller; Table 1 prints 6.15e-5, the transverse one",
+        1e-12,
+        1e1,
+        symbol="I_R",
+        remedy="for a solid roller it is mass * radius^2 / 2",
+    )
+    youngs_modulus: float = quantity(
+        207.5e9, "Pa", "Young's modulus of rings and rollers", 1e9, 1e12, symbol="E", remedy="give pascals, not GPa"
+    )
+    poisson_ratio: float = quantity(0.3, "-", "Poisson's ratio of rings and rollers", 0.0, 0.49, symbol="nu")
+
+    @property
+    def radial_gap(self) -> float:
+        """Radial gap r_O - r_I - 2 r_R [m]."""
+        return self.outer_raceway_radius - self.inner_raceway_radius - 2.0 * self.roller_radius
+
+    @property
+    def effective_modulus(self) -> float:
+        """Effective modulus E* of two equal materials, Eq. 5 [Pa]."""
+        return self.youngs_modulus / (2.0 * (1.0 - self.poisson_ratio**2))
+
+
+class Housing(Group):
+    """Spring and damper between outer ring and ground, alike in X and Y (Table 1)."""
+
+    stiffness: float = quantity(212e6, "N/m", "Stiffness of the housing in X and in Y", 1e3, 1e12, symbol="k_h")
+    damping: float = quantity(1e5, "N s/m", "Damping of the housing in X and in Y", 0.0, 1e8, symbol="c_h")
+
+
+class Contact(Group):
+    """Normal contact of rollers and raceways, its loss, and what a notch does to it."""
+
+    law: Literal["johnson", "power"] = choice(
+        "johnson", "Normal force: johnson, the line contact of Eq. 4 (the paper), or power, coefficient * penetration^exponent"
+    )
+    power_coefficient: float = quantity(3.449e9, "N/m^n", "Coefficient of the power law", 1e3, 1e15, symbol="K")
+    power_exponent: float = quantity(1.0766, "-", "Exponent of the power law", 1.0, 2.0, symbol="n")
+    loss_time: float = quantity(
+        2.5e-6, "s", "Loss of the normal contact: damping over stiffness; 0 as in the paper", 0.0, 1e-4, symbol="beta"
+    )
+    damping: float = quantity(0.0, "N s/m", "Constant damping of a closed contact, beside its loss", 0.0, 1e5, symbol="c")
+    notch: Literal["sink", "edge"] = choice(
+        "sink", "Defect law: sink, the paper's depth min(h, ...) along the raceway's normal, or edge, fillets with normals of their own"
+    )
+    edge_radius: float = length(0.0001, "Radius of a defect's edges, of the law edge", 1e-6, 0.005, symbol="rho")
+
+
+class Friction(Group):
+    """LuGre friction in coefficient form (Eqs. 6 and 7)."""
+
+    kinetic_coefficient: float = quantity(0.05, "-", "Kinetic friction coefficient", 0.0, 1.0, symbol="mu_k")
+    static_coefficient: float = quantity(0.06, "-", "Static friction coefficient, not below the kinetic one", 0.0, 1.0, symbol="mu_s")
+    stribeck_speed: float = quantity(0.01, "m/s", "Stribeck velocity", 1e-6, 10.0, symbol="v_s")
+    bristle_stiffness: float = quantity(
+        1e5,
+        "1/m",
+        "Bristle stiffness per normal force",
+        1.0,
+        1e8,
+        symbol="sigma_0",
+        remedy="the coefficient form is in 1/m; the paper prints N/m",
+    )
+    bristle_damping: float = quantity(
+        0.0133,
+        "s/m",
+        "Bristle damping per normal force (400 N s/m at 30 kN)",
+        0.0,
+        10.0,
+        symbol="sigma_1",
+        remedy="the coefficient form is in s/m; the paper's 400 N s/m is 0.0133 s/m at 30 kN",
+    )
+    viscous: float = quantity(0.0, "s/m", "Viscous friction per normal force", 0.0, 10.0, symbol="sigma_2")
+    convection: float = quantity(
+        0.0, "-", "Rolling convection of the bristles: 0 for plain LuGre (the paper), 0.7 for Carter's creep", 0.0, 10.0, symbol="kappa"
+    )
+
+
+class Cage(Group):
+    """How rollers and cage are joined, and what they touch."""
+
+    joint: Literal["revolute", "pocket"] = choice(
+        "pocket",
+        "Roller-cage joint: pocket leaves every roller free between the bars, revolute pins its centre to the pocket's (the paper)",
+    )
+    pocket_clearance: float = length(
+        0.0001, "Circumferential clearance between a roller and a bar, on either side", 5e-6, 0.005, symbol="c_p"
+    )
+    land_clearance: float = length(0.0003, "Radial clearance between cage and outer land", 5e-6, 0.01, symbol="c_l")
+    land_radius: float = length(0.0, "Radius of the outer land; 0 for midway between pitch circle and outer raceway", 0.0, 2.5)
+    restitution: float = quantity(0.9, "-", "Restitution of an impact on bar or land (steel)", 0.0, 1.0, symbol="c_e")
+    friction_coefficient: float = quantity(0.05, "-", "Friction coefficient of bars and land", 0.0, 1.0)
+
+
+class Operating(Group):
+    """Speed, load and how the run starts."""
+
+    speed: float = quantity(
+        125.664,
+        "rad/s",
+        "Speed of the inner ring, counter-clockwise positive",
+        -1000.0,
+        1000.0,
+        symbol="omega_I",
+        remedy="speeds are in rad/s, 1200 rpm is 125.664 rad/s",
+        run_time=True,
+    )
+    load: float = quantity(
+        100e3, "N", "Load on the inner ring, downwards (-Y)", -1e7, 1e7, symbol="Q", remedy="give newtons, not kN", run_time=True
+    )
+    lateral_load: float = quantity(0.0, "N", "Load on the inner ring along X", -1e7, 1e7, remedy="give newtons, not kN", run_time=True)
+    speed_kmh: float = quantity(
+        0.0,
+        "km/h",
+        "Speed of the vehicle, in place of operating.speed, which takes it by wheel_diameter; 0 for none",
+        -1000.0,
+        1000.0,
+    )
+    wheel_diameter: float = quantity(0.92, "m", "Diameter of the wheel on the shaft", 0.05, 5.0, symbol="D", remedy=LENGTH_REMEDY)
+    speed_ramp: float = quantity(50.0, "rad/s^2", "Slope at which a commanded speed is reached", 0.001, 1e5, run_time=True)
+    load_ramp: float = quantity(2e5, "N/s", "Slope at which a commanded load is reached, per axis", 1.0, 1e9, run_time=True)
+    gravity: float = quantity(9.81, "m/s^2", "Gravity, downwards", 0.0, 100.0, symbol="g")
+    start: Literal["warm", "cold"] = choice(
+        "warm", "warm: static equilibrium and kinematic rolling; cold: cage and rollers at rest (the paper's Fig. 8)"
+    )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _by_the_wheel(cls, given: Any) -> Any:
+        """Take a speed in km/h as the shaft's; what is no number within its range is left for the fields to refuse."""
+        if not isinstance(given, Mapping) or not isinstance(given.get("speed_kmh"), float) or not given["speed_kmh"]:
+            return given
+        kmh, diameter = given["speed_kmh"], given.get("wheel_diameter", cls.model_fields["wheel_diameter"].default)
+        if not (abs(kmh) <= 1000.0 and isinstance(diameter, float) and diameter > 0.0):
+            return given
+        return {**given, "speed": shaft_speed(kmh, diameter), "speed_kmh": 0.0}
+
+
+class SimulationParameters(Group):
+    """Time step and seed."""
+
+    step: float = quantity(
+        1.0 / 102400.0,
+        "s",
+        "Time step; a whole number of steps make a sample",
+        SHORTEST_STEP,
+        2e-5,
+        symbol="h",
+        remedy="the contacts oscillate at up to 18 kHz and want 20 us or less",
+    )
+    seed: int = quantity(1, "-", "Seed of every random number", 0, 2**31 - 1)
+
+
+class Publishing(Group):
+    """Blocks and rates on the topics."""
+
+    block_size: int = quantity(1024, "samples", "Samples in a block", 16, 65536)
+    state_rate: int = quantity(100, "Hz", "Rate of roller_states in simulated time; 100 to 1000 for a live topic", 1, 10000)
+    loss_probability: float = quantity(
+        0.0, "-", "Probability that a block of the waveform is lost on its way", 0.0, 0.9, remedy="give a share, not per cent"
+    )
+    burst_length: float = quantity(0.0, "s", "Burst mode: length of a burst; blocks that begin in it are published", 0.0, 1e5)
+    burst_period: float = quantity(0.0, "s", "Burst mode: period of the bursts; 0 for a waveform without pauses", 0.0, 1e6)
+    preview_rate: int = quantity(200, "Hz", "Rate of the low-passed preview in simulated time", 10, 1000)
+    truth_rate: int = quantity(10, "Hz", "Rate of ground_truth in simulated time, besides every change", 1, 100)
+    clock: bool = choice(False, "Publish /clock too, the simulated time, at most 100 times a second of wall time")
+    frame: str = choice("outer_ring", "Frame id of the sensor's messages; several bearings in one graph want different ones")
+    clean: bool = choice(False, "Publish outer_ring/vibration_clean too, the waveform before noise, clipping and ADC")
+    contacts: bool = choice(False, "Publish roller_contacts too: outer normal force, slip and friction of every roller")
+
+
+class Recording(Group):
+    """The MCAP recording."""
+
+    path: str = choice("", "Folder of the recording to write; empty for none")
+    compression: Literal["zstd", "lz4", "none"] = choice("zstd", "Compression of the chunks")
+    topics: str = choice("", "Topics to record, such as 'outer_ring/vibration, ground_truth'; empty for all that are published")
+    split_size: int = quantity(
+        0, "B", "Size at which the recording goes on in its next file; 0 for never", 0, 2**40, remedy="1 GB is 1000000000 bytes"
+    )
+    split_duration: float = quantity(0.0, "s", "Simulated time after which the recording goes on in its next file; 0 for never", 0.0, 1e6)
+    queue: int = quantity(500, "blocks", "Blocks that may wait for the disk before the node ends the recording", 10, 100000)
+
+
+def rpm(speed: float) -> float:
+    """Return a speed [rad/s] in revolutions per minute."""
+    return speed * 30.0 / math.pi
+
+
+def shaft_speed(kmh: float, wheel_diameter: float) -> float:
+    """Return the shaft's speed [rad/s] of a vehicle at ``kmh`` [km/h] on wheels of a diameter [m]."""
+    return kmh / 3.6 / (0.5 * wheel_diameter)

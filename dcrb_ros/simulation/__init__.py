@@ -1,0 +1,1 @@
+"""The time loop in blocks, its scenario and its commands."""

@@ -1,0 +1,317 @@
+"""The loop: step the model, sample the sensor, yield blocks. No ROS, no files."""
+
+from __future__ import annotations
+
+import copy
+import dataclasses
+import math
+import threading
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from typing import Any, TypeVar
+
+import numpy as np
+import numpy.typing as npt
+
+from dcrb_ros.bearing.energy import account, stored_energy
+from dcrb_ros.bearing.kinematics import characteristic_orders
+from dcrb_ros.bearing.observation import observe
+from dcrb_ros.bearing.payload import build_payload, initial_state, layout
+from dcrb_ros.bearing.runtime_change import altered, onsets, refitted, spoken
+from dcrb_ros.bearing.states import Account, Layout, States
+from dcrb_ros.core.compilation import compile_ahead
+from dcrb_ros.core.layout.state import copy_of
+from dcrb_ros.core.layout.workspace import workspace
+from dcrb_ros.core.solver.step import advance
+from dcrb_ros.measurement.decimation import Cascade
+from dcrb_ros.measurement.sensor import Measurement, Sensor
+from dcrb_ros.runtime.arrays import Floats
+from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.runtime.timestamps import nanoseconds
+from dcrb_ros.settings.configuration import Configuration
+from dcrb_ros.settings.parameters import Operating
+from dcrb_ros.simulation.block import Block, Truth
+from dcrb_ros.simulation.scenario import Event
+from dcrb_ros.simulation.transmission import Transmission
+
+Item = TypeVar("Item")
+MOST_PENDING = 1000
+"""Commands that may wait for the next block."""
+
+
+class ModelFailure(RuntimeError):
+    """The model left its domain (not a number, or a ring out of its seat); the run cannot go on."""
+
+
+def _checked(name: str, key: str, value: float, unit: str) -> float:
+    low, high = (
+        next((m.ge for m in Operating.model_fields[key].metadata if hasattr(m, "ge")), -math.inf),
+        next((m.le for m in Operating.model_fields[key].metadata if hasattr(m, "le")), math.inf),
+    )
+    if not (math.isfinite(value) and low <= value <= high):
+        raise Refusal(
+            f"{name} = {value} {unit} is refused: it must be a number within {low:g} .. {high:g} {unit}; the bench keeps its course"
+        )
+    return float(value)
+
+
+class Simulation:
+    """A source of blocks: the bearing stepped from its settled start.
+
+    Commands and changes may come from any thread; they take effect at the next block's first step, which the truth states. The
+    events of a scenario take effect at their own steps.
+    The samples follow from the configuration, the scenario and the simulated times of the commands alone.
+    """
+
+    def __init__(self, configuration: Configuration, scenario: Iterable[Event] = (), *, waveform_only: bool = False) -> None:
+        """Start a bearing; with ``waveform_only`` its blocks have no states and no preview, and the same samples and truths."""
+        self._waveform_only = waveform_only
+        self.configuration = configuration
+        """As it is now: with the changes that have taken effect."""
+        self._events = deque(scenario)
+        self._coming: dict[str, Any] = {}
+        self._onsets = onsets({}, configuration, 0.0)
+        self.layout: Layout = layout(configuration)
+        self._payload = build_payload(configuration)
+        self._state = initial_state(configuration, self._payload)
+        self._work = workspace(self._payload)
+        self._stored = stored_energy(self._payload, self._state)
+        self._sensor = Sensor(configuration)
+        self._transmission = Transmission(configuration)
+        self._preview = Cascade(configuration.sensor.sampling_rate // configuration.publishing.preview_rate)
+        self._orders = characteristic_orders(configuration.bearing)
+        self._steps = 0
+        self._samples = 0
+        self._pending: deque[Callable[[], str]] = deque()
+        self._lock = threading.Lock()
+        self._measured: deque[Measurement] = deque()
+        self._states: deque[States] = deque()
+        self._truths: deque[Truth] = deque()
+        self._previews: deque[tuple[int, npt.NDArray[np.float64]]] = deque()
+        self._preview_count = 0
+        self._note("start")
+
+    @property
+    def time_ns(self) -> int:
+        """Simulated time reached by the model [ns]; the next command takes effect here."""
+        return nanoseconds(self._steps, self.configuration.step_rate)
+
+    @property
+    def energy(self) -> Account:
+        """The energy account up to `time_ns`; to be asked for between two blocks."""
+        return account(self._payload, self._state, self._stored)
+
+    def command_speed(self, speed: float) -> None:
+        """Ask for a speed [rad/s], reached with the configured ramp from the next block on."""
+        value = _checked("command/speed", "speed", speed, "rad/s")
+        altered(self.configuration, {"operating.speed": value}, "command/speed")
+
+        def apply() -> str:
+            self._state.target[0] = value
+            return f"command/speed {value!r} rad/s"
+
+        with self._lock:
+            self._await(apply)
+
+    def command_load(self, x: float, y: float) -> None:
+        """Ask for a force on the inner ring in X and Y [N], reached with the configured ramp from the next block on."""
+        force = _checked("command/load force.x", "lateral_load", x, "N"), _checked("command/load force.y", "load", y, "N")
+        altered(self.configuration, {"operating.lateral_load": force[0], "operating.load": -force[1]}, "command/load")
+
+        def apply() -> str:
+            self._state.target[1:] = force
+            return f"command/load {force[0]!r} {force[1]!r} N"
+
+        with self._lock:
+            self._await(apply)
+
+    def change(self, changes: Mapping[str, Any]) -> None:
+        """Ask for other faults or another sensor from the next block on: dotted keys and values, checked as a whole.
+
+        Raises:
+            Refusal: see `dcrb_ros.bearing.runtime_change.altered`.
+        """
+        with self._lock:
+            altered(self.configuration, {**self._coming, **changes})
+            self._await(lambda: self._alter(changes, spoken(changes)))
+            self._coming.update(changes)
+
+    def fork(self) -> Simulation:
+        """Return a bearing that goes on from here by itself: with the same samples, until one of the two is told otherwise.
+
+        Raises:
+            ValueError: commands or changes wait for the next block.
+        """
+        with self._lock:
+            if self._pending:
+                raise ValueError(f"{len(self._pending)} commands wait for the next block; fork once it is made")
+            # What is constant is shared; the state's views of its lanes and the lock cannot be copied like the rest.
+            apart = (self._state, copy_of(self._state)), (self._work, workspace(self._payload)), (self._lock, threading.Lock())
+            shared = (self._payload, self._payload), (self.configuration, self.configuration)
+            return copy.deepcopy(self, {id(part): other for part, other in (*apart, *shared)})
+
+    @property
+    def awaited(self) -> bool:
+        """Whether commands or changes wait for the next block; to be asked for from another thread, it waits while they take effect."""
+        with self._lock:
+            return bool(self._pending)
+
+    def _await(self, apply: Callable[[], str]) -> None:
+        """Keep a command for the next block; there may be none for long, while the bench is paused."""
+        if len(self._pending) >= MOST_PENDING:
+            raise Refusal(
+                f"{MOST_PENDING} commands wait for the next block already; this one is refused, send it again once the bench runs"
+            )
+        self._pending.append(apply)
+
+    def blocks(self, duration: float | None = None) -> Iterator[Block]:
+        """Yield blocks until ``duration`` [s] of samples is reached, for ever without one.
+
+        The last block may be shorter, so that exactly the samples before ``duration`` come out.
+        """
+        rate, size = self.configuration.sensor.sampling_rate, self.configuration.publishing.block_size
+        last = None if duration is None else self._samples + round(duration * rate)
+        while last is None or self._samples < last:
+            yield self._block(size if last is None else min(size, last - self._samples))
+
+    def _block(self, size: int) -> Block:
+        if self._samples == 0:
+            compile_ahead(self._payload, self._state, self._work)
+        self._obey()
+        first, rate = self._samples, self.configuration.sensor.sampling_rate
+        lost = self._transmission.loses()
+        if lost:
+            self._note(f"lost: samples {first} .. {first + size - 1}")
+        self._step_to(self._sensor.steps(first + size))
+        measured = self._take(size)
+        self._samples += size
+        end_ns = nanoseconds(self._samples, rate)
+        self._feed_preview(measured.clean)
+        previews = _before(self._previews, end_ns, lambda item: item[0])
+        truths = tuple(_before(self._truths, end_ns, lambda truth: truth.time_ns))
+        return Block(
+            index=first,
+            rate=rate,
+            acceleration=measured.measured.astype(np.float32),
+            shaft_angle=_within_a_turn(measured.angle),
+            clean=measured.clean.astype(np.float32),
+            clipped=int(measured.clipped.sum()),
+            range=self.configuration.sensor.range,
+            lost=lost or self._transmission.between_bursts(first),
+            preview=np.array([sample for _, sample in previews], np.float32).reshape(-1, 2),
+            preview_ns=tuple(time for time, _ in previews),
+            states=tuple(_before(self._states, end_ns, lambda states: states.time_ns)),
+            truths=truths,
+            energy=self.energy if truths and not self._waveform_only else None,
+        )
+
+    def _obey(self) -> None:
+        with self._lock:
+            while self._pending:
+                self._note(self._pending.popleft()())
+            self._coming.clear()
+
+    def _meet_events(self) -> None:
+        """Let the scenario's events of this step take effect."""
+        while self._events and self._events[0].step <= self._steps:
+            event = self._events.popleft()
+            with self._lock:
+                said = self._alter(event.changes, event.words)
+            if event.words:
+                self._note(said)
+
+    def _alter(self, changes: Mapping[str, Any], words: str) -> str:
+        """Change what the bench is from this step on; return what the truth says of it."""
+        try:
+            after = altered(self.configuration, changes)
+        except Refusal as refusal:  # what came in between forbids it
+            return f"refused: {words}: {refusal}"
+        before, self.configuration = self.configuration, after
+        if after.faults != before.faults:
+            self._payload = refitted(after, self._payload, self._state)
+            self._work = workspace(self._payload)
+        self._onsets = onsets(self._onsets, after, self._steps / after.step_rate)
+        if after.operating != before.operating:
+            ramps = after.operating
+            self._payload = self._payload._replace(speed_ramp=ramps.speed_ramp, load_ramp=ramps.load_ramp)
+        if (after.sensor, after.background) != (before.sensor, before.background):
+            self._sensor.change(after.sensor, -(-self._steps // after.steps_per_sample), after.background)
+        targets = ("operating.speed", 0, after.operating.speed), ("operating.lateral_load", 1, after.operating.lateral_load)
+        for key, axis, target in (*targets, ("operating.load", 2, -after.operating.load)):
+            if key in changes:
+                self._state.target[axis] = target
+        return words
+
+    def _step_to(self, end: int) -> None:
+        """Step the model to step ``end``, stopping on the way at every time of a state or a truth."""
+        motion: list[tuple[Floats, Floats]] = []
+        while self._steps < end:
+            self._meet_events()
+            publishing, rate = self.configuration.publishing, self.configuration.step_rate
+            state_due = end if self._waveform_only else _next_tick(self._steps, publishing.state_rate, rate)
+            truth_due = _next_tick(self._steps, publishing.truth_rate, rate)
+            event_due = self._events[0].step if self._events else end
+            count = min(end, state_due, truth_due, event_due) - self._steps
+            acceleration, angles = np.empty((count, 2)), np.empty(count)
+            advance(self._payload, self._state, self._work, acceleration, angles)
+            self._steps += count
+            self._guard(acceleration)
+            motion.append((acceleration, angles))
+            if self._steps == state_due and not self._waveform_only:
+                self._states.append(observe(self._payload, self._state, self.time_ns))
+            if self._steps == truth_due:
+                self._note("")
+        if motion:
+            accelerations, shaft = zip(*motion, strict=True)
+            self._measured.append(self._sensor.measure(np.concatenate(accelerations), np.concatenate(shaft)))
+
+    def _guard(self, acceleration: Floats) -> None:
+        off_seat = max(map(abs, self._state.outer_position.tolist()))
+        if not (math.isfinite(float(acceleration.sum())) and off_seat < self._payload.roller_radius):
+            raise ModelFailure(
+                f"the model failed at {self.time_ns / 1e9:.6f} s: the outer ring is {off_seat:.3g} m off its seat; "
+                "a shorter simulation.step or a smaller load keeps it in its domain"
+            )
+
+    def _take(self, size: int) -> Measurement:
+        """Take the next ``size`` samples from what has been measured."""
+        joined = [np.concatenate([getattr(part, field.name) for part in self._measured]) for field in dataclasses.fields(Measurement)]
+        self._measured = deque([Measurement(*(samples[size:] for samples in joined))])
+        return Measurement(*(samples[:size] for samples in joined))
+
+    def _feed_preview(self, clean: npt.NDArray[np.float64]) -> None:
+        if self._waveform_only:
+            return
+        for sample in self._preview.feed(clean):
+            time_ns = nanoseconds(self._preview_count, self.configuration.publishing.preview_rate)
+            self._previews.append((time_ns, sample))
+            self._preview_count += 1
+
+    def _note(self, changed: str) -> None:
+        """Keep the truth of this moment."""
+        speed, load = float(self._state.shaft[1]), self._state.load
+        faults = {name: {**fields, "onset": self._onsets[name]} for name, fields in self.configuration.described_faults().items()}
+        frequencies = self._orders.frequencies(speed / (2.0 * math.pi))
+        background = self.configuration.background.described()
+        self._truths.append(Truth(self.time_ns, speed, (float(load[0]), float(load[1])), frequencies, faults, changed, background))
+
+
+def _next_tick(step: int, rate: int, step_rate: int) -> int:
+    """Return the first step after ``step`` at which a clock of ``rate`` [Hz] ticks."""
+    tick = step * rate // step_rate + 1
+    return -(-tick * step_rate // rate)
+
+
+def _within_a_turn(angle: Floats) -> npt.NDArray[np.float32]:
+    """Return angles wrapped to [0, 2 pi) in single precision, where 2 pi itself could round up into the range."""
+    turned = np.mod(angle, 2.0 * math.pi).astype(np.float32)
+    turned[turned >= np.float32(2.0 * math.pi)] = 0.0
+    return turned
+
+
+def _before(items: deque[Item], end_ns: int, time_of: Callable[[Item], int]) -> list[Item]:
+    """Take the items with a time before ``end_ns`` [ns] off the queue."""
+    taken = []
+    while items and time_of(items[0]) < end_ns:
+        taken.append(items.popleft())
+    return taken

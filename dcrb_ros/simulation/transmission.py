@@ -1,0 +1,25 @@
+"""The way of blocks to the topics: some are lost, and a sensor that sends bursts leaves most of them out."""
+
+from __future__ import annotations
+
+from dcrb_ros.measurement.streams import stream
+from dcrb_ros.settings.configuration import Configuration
+
+
+class Transmission:
+    """Says of each block, in their order, whether its waveform arrives."""
+
+    def __init__(self, configuration: Configuration) -> None:
+        publishing = configuration.publishing
+        self._probability = publishing.loss_probability
+        rate = configuration.sensor.sampling_rate
+        self._length, self._period = round(publishing.burst_length * rate), round(publishing.burst_period * rate)
+        self._random = stream(configuration.simulation.seed, "transmission")
+
+    def between_bursts(self, first: int) -> bool:
+        """Return whether a block that begins with a sample ``first`` lies between two bursts."""
+        return self._period > 0 and first % self._period >= self._length
+
+    def loses(self) -> bool:
+        """Return whether the next block is lost on its way."""
+        return self._probability > 0.0 and float(self._random.random()) < self._probability

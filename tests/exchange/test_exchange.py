@@ -1,0 +1,305 @@
+"""Waveforms of other tools: in, out, and in again."""
+
+from __future__ import annotations
+
+import errno
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import yaml
+from command import dcrb
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from made_up_blocks import recorded
+from scipy.io import savemat, wavfile
+
+from dcrb_ros.exchange.description import read_description
+from dcrb_ros.exchange.export import export
+from dcrb_ros.exchange.files import READERS, WRITERS, channel, read_foreign
+from dcrb_ros.exchange.importing import Import
+from dcrb_ros.messages.description import decode_sensor
+from dcrb_ros.messages.topics import SENSOR, VIBRATION
+from dcrb_ros.recordings.reader import Recording
+from dcrb_ros.runtime.refusal import Refusal
+
+BAGS = Path(__file__).parents[2] / "bags"
+# SKF 6205-2RS JEM, the drive end of the CWRU rig: orders as its bearing data centre prints them
+ORDERS = {"FTF": 0.39828, "BPFO": 3.5848, "BPFI": 5.4152, "BSF": 2.35695}
+KNOWN: dict[str, Any] = {"channels": {"ax": "de"}, "sampling_rate": 12000, "unit": "g", "speed_rpm": 1797, "orders": ORDERS}
+
+
+def described(folder: Path, **changes: Any) -> Path:
+    about = {key: value for key, value in {**KNOWN, **changes}.items() if value is not None}
+    path = folder / "about.yaml"
+    path.write_text(yaml.safe_dump(about), encoding="utf-8")
+    return path
+
+
+@pytest.fixture(scope="module")
+def noise() -> np.ndarray[Any, Any]:
+    return np.random.default_rng(8).normal(0.0, 0.3, 5000)
+
+
+@pytest.mark.parametrize("suffix", list(WRITERS))
+def test_a_recording_exported_and_imported_is_the_same(suffix: str, tmp_path: Path) -> None:
+    bag = BAGS / "outer_ring_defect"
+    file = tmp_path / f"wave{suffix}"
+    done = dcrb("export", str(bag), "-o", str(file))
+    assert done.returncode == 0, done.stderr
+    again = dcrb("import", str(file), "--about", str(file.with_suffix(".yaml")), "-o", str(tmp_path / "new"))
+    assert again.returncode == 0, again.stderr
+    old, new = Recording(bag), Recording(tmp_path / "new")
+    assert [m.data for m in old.messages((VIBRATION,))] == [m.data for m in new.messages((VIBRATION,))]
+    assert new.orders == old.orders
+    assert new.complete
+    assert new.manifest["imported"]["labels"]["faults"]["outer_1"]["width"] == 0.002
+    if suffix == ".npz":
+        verdict = json.loads(dcrb("detect", str(tmp_path / "new"), "--json").stdout)["verdict"]
+        assert verdict == "outer_ring"
+        assert "imported" in dcrb("info", str(tmp_path / "new")).stdout
+
+
+@pytest.mark.parametrize("suffix", [".npz", ".csv", ".mat", ".parquet", ".wav"])
+def test_gaps_survive_or_are_refused(suffix: str, tmp_path: Path) -> None:
+    bag = recorded(tmp_path / "bag", 60, split_duration=0.4)
+    (bag / "bag_1.mcap").unlink()
+    file = tmp_path / f"wave{suffix}"
+    if suffix == ".wav":
+        with pytest.raises(Refusal, match="1 gaps, and a WAV file cannot say so"):
+            export(Recording(bag), file)
+        assert not file.exists()
+        return
+    beside = export(Recording(bag), file)
+    Import(file, beside).write(tmp_path / "new")
+    old, new = Recording(bag), Recording(tmp_path / "new")
+    assert [m.data for m in old.messages((VIBRATION,))] == [m.data for m in new.messages((VIBRATION,))]
+
+
+def test_exports_carry_labels_and_manifest(tmp_path: Path) -> None:
+    from pyarrow import parquet
+
+    bag = Recording(BAGS / "inner_ring_defect")
+    export(bag, tmp_path / "a.npz")
+    with np.load(tmp_path / "a.npz") as held:
+        about = json.loads(str(held["about"]))
+        assert about["labels"]["faults"]["inner_1"]["width"] == 0.002
+        assert about["manifest"]["seed"] == 1
+        assert held["truth_speed"][0] == pytest.approx(125.664)
+        assert held["ax"].dtype == np.float32
+    export(bag, tmp_path / "b.parquet")
+    assert json.loads(parquet.read_schema(tmp_path / "b.parquet").metadata[b"dcrb_ros"])["labels"]["faults"]
+    with pytest.raises(Refusal, match="exists: give another name"):
+        export(bag, tmp_path / "a.npz")
+    with pytest.raises(Refusal, match=r"must end in \.csv"):
+        export(bag, tmp_path / "a.xlsx")
+    with pytest.raises(Refusal, match="there is no folder"):
+        export(bag, tmp_path / "none" / "a.npz")
+
+
+def test_slow_data_come_in_shorter_blocks(tmp_path: Path) -> None:
+    # 1024 samples at 100 Hz last 10 s, for which the time within a block has no room.
+    np.savez(tmp_path / "x.npz", de=np.sin(np.arange(3000) * 0.1))
+    Import(tmp_path / "x.npz", described(tmp_path, sampling_rate=100)).write(tmp_path / "bag")
+    recording = Recording(tmp_path / "bag")
+    times = np.concatenate([block.stamp_ns + block.offsets_ns.astype(np.int64) for block in recording.vibrations()])
+    assert np.array_equal(np.diff(times), np.full(2999, 10_000_000))
+    assert recording.outcome is not None
+    assert (recording.outcome["samples"], recording.outcome["end_index"]) == (3000, 3000)
+
+
+def test_one_axis_in_g_at_a_stated_speed(noise: np.ndarray[Any, Any], tmp_path: Path) -> None:
+    """As a CWRU file is: one variable, its rate and speed known from elsewhere."""
+    savemat(tmp_path / "97.mat", {"X097_DE_time": noise[:, None], "X097RPM": 1797.0})
+    found = Import(tmp_path / "97.mat", described(tmp_path, channels={"ax": "X097_DE_time"}))
+    assert found.write(tmp_path / "bag") == 5000
+    recording = Recording(tmp_path / "bag")
+    blocks = list(recording.vibrations())
+    acceleration = np.concatenate([block.acceleration for block in blocks])
+    assert np.array_equal(acceleration[:, 0], (noise * 9.80665).astype(np.float32))  # CGPM 1901
+    assert np.array_equal(acceleration[:, 0], acceleration[:, 1])
+    angle = np.unwrap(np.concatenate([block.shaft_angle for block in blocks]).astype(float))
+    assert (angle[-1] - angle[0]) * 12000 / 4999 == pytest.approx(1797 * np.pi / 30, rel=1e-6)
+    rate, orders = decode_sensor(next(recording.messages((SENSOR,))).data)
+    assert (rate, orders.bpfi) == (12000, 5.4152)
+    assert recording.imported
+    with pytest.raises(Refusal, match="imported data, not a run of the bench"):
+        _ = recording.configuration
+
+
+def test_structures_in_mat_files(noise: np.ndarray[Any, Any], tmp_path: Path) -> None:
+    """As MFPT (bearing.gs) and Paderborn (run.Y[2].Data) files are."""
+    series = np.array([({"Name": "speed", "Data": np.ones(3)}), ({"Name": "vibration", "Data": noise})], dtype=object)
+    savemat(tmp_path / "x.mat", {"bearing": {"gs": noise, "sr": 12000}, "run": {"Y": series}})
+    foreign = read_foreign(tmp_path / "x.mat")
+    for name in ("bearing.gs", "run.Y[2].Data"):
+        assert np.array_equal(channel(foreign, tmp_path / "x.mat", name), noise)
+    with pytest.raises(Refusal, match=r"has no channel 'bearing\.gz'.*there are: bearing, run"):
+        channel(foreign, tmp_path / "x.mat", "bearing.gz")
+
+
+def test_mat_of_version_7_3(noise: np.ndarray[Any, Any], tmp_path: Path) -> None:
+    h5py = pytest.importorskip("h5py", reason="an extra of the package")
+    with h5py.File(tmp_path / "x.mat", "w", userblock_size=512) as file:
+        file["run/de"] = noise[None, :]
+    with (tmp_path / "x.mat").open("r+b") as stream:
+        stream.write(b"MATLAB 7.3 MAT-file".ljust(124) + bytes([0, 2]) + b"IM")
+    found = Import(tmp_path / "x.mat", described(tmp_path, channels={"ax": "run.de"}, unit="m/s^2"))
+    assert np.array_equal(found.acceleration[:, 0], noise.astype(np.float32))
+
+
+def test_mat_of_version_7_3_without_h5py_names_the_remedy(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(__import__("sys").modules, "h5py", None)
+    (tmp_path / "x.mat").write_bytes(b"MATLAB 7.3 MAT-file".ljust(124) + bytes([0, 2]) + b"IM" + b"\x89HDF\r\n\x1a\n" + bytes(600))
+    with pytest.raises(Refusal, match="pip install h5py"):
+        read_foreign(tmp_path / "x.mat")
+
+
+def test_wav_of_integers_needs_its_full_scale(noise: np.ndarray[Any, Any], tmp_path: Path) -> None:
+    path = tmp_path / "x.wav"
+    wavfile.write(path, 12000, np.array([0, 16384, -32768, 8192] * 40, np.int16))
+    with pytest.raises(Refusal, match="must give full_scale"):
+        Import(path, described(tmp_path, channels={"ax": 1}))
+    found = Import(path, described(tmp_path, channels={"ax": 1}, full_scale=50.0, unit="m/s^2", sampling_rate=None))
+    assert found.rate == 12000
+    assert found.acceleration[:4, 0].tolist() == [0.0, 25.0, -50.0, 12.5]
+    with pytest.raises(Refusal, match=r"sampling_rate = 48000 Hz and .*x\.wav itself 12000 Hz"):
+        Import(path, described(tmp_path, channels={"ax": 1}, full_scale=50.0, sampling_rate=48000))
+
+
+@pytest.mark.parametrize("text", ["de;fe\n1.5;2\n3;4\n", "# a rig\n1.5 2\n3 4\n", '"de","fe"\n1.5,2\n3,4\n', "1.5\t2\n3\t4\n"])
+def test_kinds_of_csv(text: str, tmp_path: Path) -> None:
+    path = tmp_path / "x.csv"
+    path.write_text(text, encoding="utf-8")
+    foreign = read_foreign(path)
+    name: str | int = "de" if "de" in text else 1
+    assert channel(foreign, path, name).tolist() == [1.5, 3.0]
+
+
+@pytest.mark.parametrize(
+    ("changes", "sentence"),
+    [
+        ({"sampling_rate": None}, "gives no sampling_rate, and .* it is never guessed"),
+        ({"unit": None}, "gives no unit: add unit, one of"),
+        ({"unit": "volt"}, "unit = 'volt' is refused"),
+        ({"speed_rpm": None}, "must give speed in rad/s, or speed_rpm, or a channel shaft_angle"),
+        ({"speed": 188.0}, "must give speed in rad/s, or speed_rpm"),
+        ({"orders": None}, "gives neither bearing nor orders"),
+        ({"orders": {"FTF": 0.4}}, r"orders\.BPFO is refused: field required"),
+        ({"sampling_rate": 12000.5}, "sampling_rate = 12000.5 is refused"),
+        ({"sampling_rate": 0}, "sampling_rate = 0 is refused"),
+        ({"channels": None}, "channels is refused: field required"),
+        ({"channels": {"ax": "fe"}}, r"has no channel 'fe'; did you mean 'de'\?|has no channel 'fe'"),
+        ({"first_index": 10**15}, r"first_index = 10{15} leads to sample 1e\+15, beyond 2147483648 s at 12000 Hz"),
+        ({"first_index": 10**30}, r"first_index = 10{30} leads to sample 1e\+30"),
+        ({"labels": {"x": float("nan")}}, "nan is no finite number; write null"),
+        ({"speeed": 3.0}, r"unknown key 'speeed'; did you mean 'speed'\?"),
+        (
+            {"orders": None, "bearing": {"rollers_per_row": 9, "roller_radius": 0.02, "pitch_radius": 0.0195}},
+            "must be below pitch_radius",
+        ),
+    ],
+)
+def test_what_is_missing_is_never_guessed(changes: dict[str, Any], sentence: str, noise: np.ndarray[Any, Any], tmp_path: Path) -> None:
+    np.savez(tmp_path / "x.npz", de=noise)
+    with pytest.raises(Refusal, match=sentence):
+        Import(tmp_path / "x.npz", described(tmp_path, **changes))
+
+
+@pytest.mark.parametrize(
+    ("arrays", "sentence"),
+    [
+        ({"de": np.array([1.0, np.nan, 2.0])}, "1 of 3 samples of 'de' are not finite"),
+        ({"de": np.zeros((3, 4))}, "a channel is one row of numbers"),
+        ({"de": np.array(["a", "b"])}, "a channel is one row of numbers"),
+        ({"de": np.zeros(0)}, "not empty"),
+        ({"de": np.array([1.0, 1e300])}, r"sample 1 of 'de' is 1e\+300, more than 3e\+38 m/s\^2, what a message holds"),
+    ],
+)
+def test_unusable_channels_are_refused(arrays: dict[str, Any], sentence: str, tmp_path: Path) -> None:
+    np.savez(tmp_path / "x.npz", **arrays)
+    with pytest.raises(Refusal, match=sentence):
+        Import(tmp_path / "x.npz", described(tmp_path))
+
+
+@pytest.mark.parametrize(
+    ("index", "sentence"),
+    [
+        (np.arange(3) * 1.7, "'i' is no index: 1.7 is not a whole number"),
+        (np.array([0.0, 1.0, 1e300]), r"'i' leads to sample 1e\+300, beyond 2147483648 s"),
+        (np.array([0, 2, 1]), "begins at 0 or later and rises"),
+        (np.array([-1, 0, 1]), "begins at 0 or later and rises"),
+    ],
+)
+def test_what_is_no_index_is_refused(index: np.ndarray[Any, Any], sentence: str, tmp_path: Path) -> None:
+    np.savez(tmp_path / "x.npz", de=np.ones(3), i=index)
+    with pytest.raises(Refusal, match=sentence):
+        Import(tmp_path / "x.npz", described(tmp_path, channels={"ax": "de", "index": "i"}))
+
+
+def test_descriptions_are_read_as_configurations_are(tmp_path: Path) -> None:
+    path = tmp_path / "about.yaml"
+    text = "{channels: {ax: de}, speed: 1e2, sampling_rate: 5.12e4, labels: {2026-01-02: ok, 3: {when: 2026-01-03}}}"
+    path.write_text(text, encoding="utf-8")
+    found = read_description(path)
+    assert (found.sampling_rate, found.speed) == (51200, 100.0)
+    assert json.dumps(found.labels) == '{"2026-01-02": "ok", "3": {"when": "2026-01-03"}}'
+    path.write_text("channels: {ax: de}\nsampling_rate: 12000\nsampling_rate: 25600\n", encoding="utf-8")
+    with pytest.raises(Refusal, match="the key 'sampling_rate' stands twice"):
+        read_description(path)
+
+
+def test_an_import_or_export_that_fails_leaves_nothing(
+    noise: np.ndarray[Any, Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    np.savez(tmp_path / "x.npz", de=noise)
+    whole = Import(tmp_path / "x.npz", described(tmp_path))
+    monkeypatch.setattr(Import, "blocks", stopped)
+    with pytest.raises(KeyboardInterrupt):
+        whole.write(tmp_path / "bag")
+    monkeypatch.undo()
+    whole.write(tmp_path / "bag")
+    recording = Recording(tmp_path / "bag")
+    monkeypatch.setattr(Path, "write_text", half_written)
+    with pytest.raises(Refusal, match=r"cannot be written: No space left on device; make room"):
+        export(recording, tmp_path / "out.csv")
+    monkeypatch.undo()
+    export(recording, tmp_path / "out.csv")
+
+
+def stopped(_: Import) -> Any:
+    raise KeyboardInterrupt
+
+
+def half_written(path: Path, text: str, **_: Any) -> int:
+    path.write_bytes(text[: len(text) // 2].encode())
+    raise OSError(errno.ENOSPC, "No space left on device")
+
+
+def test_geometry_gives_the_orders(noise: np.ndarray[Any, Any], tmp_path: Path) -> None:
+    np.savez(tmp_path / "x.npz", de=noise)
+    # 6205: 9 balls of 7.94 mm on 39.04 mm, CWRU's bearing data; the orders are those printed there
+    geometry = {"rollers_per_row": 9, "roller_radius": 0.00397, "pitch_radius": 0.01952}
+    orders = Import(tmp_path / "x.npz", described(tmp_path, orders=None, bearing=geometry)).orders
+    assert (orders.ftf, orders.bpfo, orders.bpfi) == pytest.approx((0.39828, 3.5848, 5.4152), rel=1e-3)
+
+
+@given(st.sampled_from(list(READERS)), st.binary(max_size=200))
+@settings(max_examples=150)
+def test_any_file_is_read_or_refused(tmp_path_factory: pytest.TempPathFactory, suffix: str, content: bytes) -> None:
+    path = tmp_path_factory.mktemp("foreign") / f"x{suffix}"
+    path.write_bytes(content)
+    try:
+        read_foreign(path)
+    except Refusal as refusal:
+        assert "\n" not in str(refusal)  # noqa: PT017 - a refusal is one of the two right answers
+
+
+@given(st.text(max_size=60))
+def test_any_description_is_read_or_refused(tmp_path_factory: pytest.TempPathFactory, text: str) -> None:
+    path = tmp_path_factory.mktemp("about") / "x.yaml"
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(Refusal):
+        read_description(path)

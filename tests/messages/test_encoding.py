@@ -1,0 +1,146 @@
+"""Blocks to messages and back."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from runs import simulated
+
+from dcrb_ros.bearing.states import Layout
+from dcrb_ros.messages.cdr import typestore
+from dcrb_ros.messages.description import decode_sensor, sensor_text
+from dcrb_ros.messages.encoder import BlockEncoder
+from dcrb_ros.messages.joints import decode_joints
+from dcrb_ros.messages.plain import decode_float, decode_text, decode_wrench, encode_text
+from dcrb_ros.messages.points import SAMPLE, decode_vibration, decode_waveform, encode_points, encode_vibration
+from dcrb_ros.messages.statuses import decode_diagnostics, decode_truth
+from dcrb_ros.messages.topics import FEATURES, GROUND_TRUTH, ROLLER_STATES
+from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.settings.configuration import Configuration
+from dcrb_ros.simulation.block import Block
+
+
+def block_at(index: int, count: int, rate: int = 51200) -> Block:
+    random = np.random.default_rng(index)
+    samples = random.standard_normal((count, 2)).astype(np.float32)
+    return Block(index, rate, samples, random.uniform(0.0, 6.28, count).astype(np.float32), samples)
+
+
+@given(st.integers(0, 10**12), st.integers(1, 3000), st.sampled_from([12800, 25600, 51200, 102400]))
+def test_waveform_round_trip(index: int, count: int, rate: int) -> None:
+    block = block_at(index, count, rate)
+    found = decode_vibration(encode_vibration(block, block.acceleration))
+    assert np.array_equal(found.acceleration, block.acceleration)
+    assert np.array_equal(found.shaft_angle, block.shaft_angle)
+    assert found.first_index(rate) == index
+    exact = [(index + k) * 10**9 // rate - found.stamp_ns for k in range(count)]
+    assert found.offsets_ns.tolist() == exact
+
+
+@pytest.mark.parametrize("frames", [("outer_ring",), ("outer_ring", "inner_ring"), ("box1", "box12")])
+def test_waveform_of_many_messages_is_that_of_each(frames: tuple[str, ...]) -> None:
+    indices, counts = [0, 1024, 2048, 9000, 9512, 9700], [1024, 1024, 1024, 512, 188, 512]
+    data = [
+        encode_vibration(block, block.acceleration, frames[k % len(frames)])
+        for k, block in enumerate(block_at(*both) for both in zip(indices, counts, strict=True))
+    ]
+    # Middlewares fill a message up to four bytes.
+    data[2] += bytes(-len(data[2]) % 4)
+    time_ns, acceleration, shaft_angle = decode_waveform(data)
+    each = [decode_vibration(message) for message in data]
+    assert time_ns.tolist() == [block.stamp_ns + int(offset) for block in each for offset in block.offsets_ns]
+    assert np.array_equal(acceleration, np.concatenate([block.acceleration for block in each]))
+    assert np.array_equal(shaft_angle, np.concatenate([block.shaft_angle for block in each]))
+
+
+def test_waveform_with_a_foreign_message_is_refused() -> None:
+    block = block_at(0, 64)
+    data = encode_vibration(block, block.acceleration)
+    with pytest.raises(Refusal, match=r"is no waveform"):
+        decode_waveform([data, data.replace(b"shaft_angle", b"shift_angle")])
+
+
+def test_states_truth_and_features_round_trip() -> None:
+    run = simulated(0.3, fault="outer_1", state_rate=100)
+    encoder = BlockEncoder(run.configuration, Layout(2, 16))
+    messages = [message for block in run.blocks for message in encoder.encode(block)]
+    states = [decode_joints(m.data) for m in messages if m.topic is ROLLER_STATES]
+    assert [s.stamp_ns for s in states] == [s.time_ns for s in run.states]
+    for joints, expected in zip(states, run.states, strict=True):
+        assert joints.names == tuple(Layout(2, 16).names)
+        assert np.array_equal(joints.position, expected.azimuth)
+        assert np.array_equal(joints.velocity, expected.speed)
+        assert np.array_equal(joints.effort, expected.inner_force)
+    truths = [decode_truth(m.data) for m in messages if m.topic is GROUND_TRUTH]
+    expected_truths = [truth for block in run.blocks for truth in block.truths]
+    assert [(t.time_ns, t.speed, t.load, t.changed) for t in truths] == [(t.time_ns, t.speed, t.load, t.changed) for t in expected_truths]
+    assert truths[0].faults["outer_1"]["width"] == 0.002
+    rms = decode_joints(next(m.data for m in messages if m.topic is FEATURES)).position[0]
+    y = run.blocks[0].acceleration[:, 1].astype(float)
+    assert rms == pytest.approx(y.std(), rel=1e-6)
+
+
+def test_sensor_explains_the_waveform() -> None:
+    about = json.loads(decode_text(encode_text(sensor_text(Configuration()))))
+    assert about["sampling_rate"] == 51200
+    assert about["acceleration_unit"] == "m/s^2"
+    rate, orders = decode_sensor(encode_text(sensor_text(Configuration())))
+    assert (rate, round(orders.bpfo, 4)) == (51200, 6.7234)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "",
+        "{}",
+        "[1]",
+        "[" * 100_000,
+        '{"sampling_rate": "fast", "orders": {}}',
+        '{"sampling_rate": -1, "orders": {"FTF":1,"BPFO":1,"BPFI":1,"BSF":1}}',
+    ],
+)
+def test_foreign_sensor_texts_are_refused(text: str) -> None:
+    with pytest.raises(Refusal, match="sensor's description"):
+        decode_sensor(encode_text(text))
+
+
+def test_foreign_clouds_are_refused() -> None:
+    points = np.zeros(4, [("x", "<f4"), ("y", "<f4")])
+    with pytest.raises(Refusal, match=r"\['x', 'y'\] is no waveform"):
+        decode_vibration(encode_points(points, 0))
+    with pytest.raises(Refusal, match="claims 0 samples"):
+        decode_vibration(encode_points(np.zeros(0, SAMPLE), 0))
+
+
+@given(st.binary(max_size=600))
+def test_any_bytes_are_decoded_or_refused(data: bytes) -> None:
+    with pytest.raises(Refusal):
+        decode_vibration(data)
+
+
+@given(st.binary(max_size=600), st.sampled_from([b"", b"\x00\x01\x00\x00"]))
+def test_any_bytes_lead_to_nothing_but_a_refusal(data: bytes, begin: bytes) -> None:
+    for decode in (decode_float, decode_wrench, decode_joints, decode_diagnostics, decode_sensor):
+        with contextlib.suppress(Refusal):
+            decode(begin + data)
+
+
+def test_commands_are_decoded() -> None:
+    store = typestore()
+    number = store.types["std_msgs/msg/Float64"](140.5)
+    assert decode_float(bytes(store.serialize_cdr(number, "std_msgs/msg/Float64"))) == 140.5
+    vector, name = store.types["geometry_msgs/msg/Vector3"], "geometry_msgs/msg/Wrench"
+    wrench = store.types[name](vector(1.0, -2.0, 3.0), vector(4.0, 5.0, 6.0))
+    assert decode_wrench(bytes(store.serialize_cdr(wrench, name))) == (1.0, -2.0)
+
+
+@pytest.mark.parametrize("data", [b"", b"\x00\x01\x00\x00", b"\x00\x01\x00\x00abc", b"\xff" * 12, b"\x00\x01\x00\x00" + bytes(90)])
+def test_malformed_commands_are_refused(data: bytes) -> None:
+    for decode in (decode_float, decode_wrench):
+        with pytest.raises(Refusal, match=f"a message of {len(data)} bytes is no valid"):
+            decode(data)

@@ -1,0 +1,100 @@
+"""The layout for Foxglove: every panel has its place, every path its number, and the script unrolls a block."""
+
+from __future__ import annotations
+
+import json
+import re
+import shutil
+import subprocess
+from collections.abc import Iterator
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from dcrb_ros.diagnosis.detector import Diagnosis
+from dcrb_ros.messages.cdr import typestore
+from dcrb_ros.messages.points import decode_vibration
+from dcrb_ros.messages.topics import BENCH_DIAGNOSTICS, DETECTED, NAMESPACE, SIMULATED, VIBRATION
+from dcrb_ros.messages.verdicts import diagnosis_messages
+from dcrb_ros.recordings.reader import Recording
+
+ROOT = Path(__file__).parents[2]
+LAYOUT: dict[str, Any] = json.loads((ROOT / "foxglove" / "dcrb.json").read_text(encoding="utf-8"))
+SCRIPT = next(iter(LAYOUT["userNodes"].values()))["sourceCode"]
+OUTPUT = re.search(r'output = "([^"]+)"', SCRIPT)[1]  # type: ignore[index]
+
+
+@cache
+def said() -> dict[str, Any]:
+    """Return a message of every topic of the bench."""
+    messages = [*Recording(ROOT / "bags" / "outer_ring_defect").messages(), *diagnosis_messages(Diagnosis(0, 0.0, "healthy", "made up"))]
+    return {m.topic.resolved(NAMESPACE): typestore().deserialize_cdr(m.data, m.topic.type) for m in messages}
+
+
+def panels(place: Any) -> Iterator[str]:
+    """Yield the panels of a part of the layout."""
+    if isinstance(place, dict):
+        yield from panels(place["first"])
+        yield from panels(place["second"])
+        return
+    yield place
+    for tab in LAYOUT["configById"][place].get("tabs", ()):
+        yield from panels(tab["layout"])
+
+
+def paths() -> list[tuple[str, str]]:
+    """Return every message path with its label."""
+    configured = LAYOUT["configById"].values()
+    plotted = [(path["value"], path["label"]) for config in configured for path in config.get("paths", ())]
+    shown = [(config["topicPath"], "") for config in configured if "topicPath" in config]
+    return [*plotted, *shown]
+
+
+def test_every_panel_has_a_place_and_a_configuration() -> None:
+    placed = list(panels(LAYOUT["layout"]))
+    assert sorted(placed) == sorted(LAYOUT["configById"])
+
+
+def test_every_topic_is_one_of_the_bench() -> None:
+    topics = {topic.resolved(NAMESPACE) for topic in (*SIMULATED, *DETECTED, BENCH_DIAGNOSTICS)}
+    rendered = {config["topicToRender"] for config in LAYOUT["configById"].values() if "topicToRender" in config}
+    assert rendered <= topics
+    assert set(re.findall(r'inputs = \["([^"]+)"\]', SCRIPT)) == {VIBRATION.resolved(NAMESPACE)}
+
+
+@pytest.mark.parametrize(("path", "label"), [both for both in paths() if not both[0].startswith(OUTPUT)])
+def test_every_path_leads_to_what_its_label_says(path: str, label: str) -> None:
+    topic, *steps = re.split(r"\.|(?=\[)", path)
+    value = message = said()[topic]
+    for step in steps:
+        value = value[int(step[1:-1])] if step.startswith("[") else getattr(value, step)
+    names = getattr(message, "name", None)
+    if names:
+        assert isinstance(value, float)
+        number = int(steps[-1][1:-1])
+        assert label.replace(" ", "_") in (
+            names[number],
+            names[number].replace("row1/roller", "roller_").replace("_0", "_"),
+            f"cage_{names[number][-1]}",
+        )
+
+
+def test_script_unrolls_a_block(tmp_path: Path) -> None:
+    node = shutil.which("node")
+    if node is None:
+        pytest.skip("needs node (Debian: apt-get install nodejs)")
+    cloud = said()[VIBRATION.resolved(NAMESPACE)]
+    data = next(m.data for m in Recording(ROOT / "bags" / "outer_ring_defect").messages((VIBRATION,)))
+    block = decode_vibration(data)
+    plain = re.sub(r"^import .*$|^type .*$|: Input<[^>]*>|: Waveform", "", SCRIPT, flags=re.MULTILINE)
+    message = {"data": typestore().deserialize_cdr(data, VIBRATION.type).data.tolist(), "point_step": cloud.point_step}
+    call = f"\nconst message = {json.dumps(message)};\nmessage.data = new Uint8Array(message.data);\n"
+    (tmp_path / "script.mjs").write_text(plain + call + "console.log(JSON.stringify(script({ message })));\n", encoding="utf-8")
+    done = subprocess.run([node, str(tmp_path / "script.mjs")], capture_output=True, text=True, timeout=60, check=False)
+    assert done.returncode == 0, done.stderr
+    found = json.loads(done.stdout)
+    assert found["time"] == pytest.approx(block.offsets_ns * 1e-6)
+    assert np.array_equal(np.array([found["ax"], found["ay"]], np.float32).T, block.acceleration)

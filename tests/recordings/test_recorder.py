@@ -1,0 +1,217 @@
+"""The recorder: files that split, topics that are chosen, disks that are slow or full, a process that is killed."""
+
+from __future__ import annotations
+
+import os
+import resource
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+from made_up_blocks import LAYOUT, blocks, recorded
+from mcap.reader import make_reader
+from rosbags.highlevel import AnyReader
+from slow_recorder import SlowRecorder
+
+from dcrb_ros.messages.encoder import BlockEncoder
+from dcrb_ros.messages.topics import NAMESPACE, VIBRATION
+from dcrb_ros.recordings.reader import Recording, metadata_flaw
+from dcrb_ros.recordings.recorder import Recorder
+from dcrb_ros.recordings.recorder_thread import QueuedRecorder
+from dcrb_ros.recordings.rosbag2 import RecordingFailed
+from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.settings.configuration import Configuration
+from dcrb_ros.settings.files import load_configuration
+
+WAVEFORM = VIBRATION.resolved(NAMESPACE)
+
+
+def about(bag: Path) -> dict[str, object]:
+    found: dict[str, object] = yaml.safe_load((bag / "metadata.yaml").read_text())["rosbag2_bagfile_information"]
+    return found
+
+
+@pytest.mark.parametrize("keys", [{"split_duration": 0.5}, {"split_size": 1_000_000, "compression": "none"}])
+def test_a_recording_goes_on_in_the_next_file(tmp_path: Path, keys: dict[str, object]) -> None:
+    bag = recorded(tmp_path / "bag", 160, **keys)
+    names = about(bag)["relative_file_paths"]
+    assert isinstance(names, list)
+    assert len(names) >= 3
+    files = about(bag)["files"]
+    assert isinstance(files, list)
+    assert [file["path"] for file in files] == names
+    assert sum(file["message_count"] for file in files) == about(bag)["message_count"]
+    starts = [file["starting_time"]["nanoseconds_since_epoch"] for file in files]
+    assert starts == sorted(set(starts))
+    with AnyReader([bag]) as reader:
+        assert sum(1 for _ in reader.messages([c for c in reader.connections if c.topic == WAVEFORM])) == 160
+    for name in names:  # every file explains itself
+        assert Recording(bag / name).manifest["seed"] == 1
+    recording = Recording(bag)
+    assert [block.first_index(51200) for block in recording.vibrations()] == [1024 * k for k in range(160)]
+    assert recording.complete
+    assert metadata_flaw(bag) == ""
+
+
+def test_more_than_ten_files_are_read_in_their_order(tmp_path: Path) -> None:
+    bag = recorded(tmp_path / "bag", 75, split_duration=0.1)
+    assert len(Recording(bag).files) > 11
+    assert [block.first_index(51200) for block in Recording(bag).vibrations()] == [1024 * k for k in range(75)]
+
+
+@pytest.mark.parametrize("compression", ["zstd", "lz4", "none"])
+def test_each_compression_is_read_by_others(tmp_path: Path, compression: str) -> None:
+    bag = recorded(tmp_path / "bag", 60, compression=compression)
+    with (bag / "bag_0.mcap").open("rb") as stream:
+        reader = make_reader(stream, validate_crcs=True)
+        summary = reader.get_summary()
+        assert summary is not None
+        assert {index.compression for index in summary.chunk_indexes} == {"" if compression == "none" else compression}
+        assert all(index.uncompressed_size < 300_000 for index in summary.chunk_indexes)
+        assert sum(1 for _, channel, _ in reader.iter_messages() if channel.topic == WAVEFORM) == 60
+    with AnyReader([bag]) as other:
+        assert {c.topic: c.msgcount for c in other.connections}[WAVEFORM] == 60
+
+
+def test_only_chosen_topics_are_recorded_and_the_hash_is_of_all(tmp_path: Path) -> None:
+    bag = recorded(tmp_path / "bag", 10, topics="outer_ring/features, ground_truth", commands={3: "command/speed 130.0 rad/s"})
+    recording = Recording(bag)
+    assert set(recording.counts()) == {"/dcrb/outer_ring/features", "/dcrb/ground_truth", "/dcrb/outer_ring/sensor"}
+    assert recording.outcome is not None
+    assert recording.outcome["samples"] == 10 * 1024
+    assert recording.outcome["sha256"] == Recording(recorded(tmp_path / "all", 10)).outcome["sha256"]  # type: ignore[index]
+
+
+@pytest.mark.parametrize(
+    ("setting", "sentence"),
+    [
+        ("recording.split_size=5", "below 1000000 B"),
+        ("recording.split_duration=0.01", r"below 0\.1 s"),
+        ("recording.compression=zip", "is not one of zstd, lz4, none"),
+        ("recording.queue=1", r"is outside 10 \.\. 100000 blocks"),
+    ],
+)
+def test_impossible_keys_are_refused(setting: str, sentence: str) -> None:
+    with pytest.raises(Refusal, match=sentence):
+        load_configuration("healthy", [setting])
+
+
+def test_an_unknown_topic_is_refused_before_a_folder_is_made(tmp_path: Path) -> None:
+    with pytest.raises(Refusal, match=r"no topic 'ground_thruth'; did you mean 'ground_truth'\?"):
+        recorded(tmp_path / "bag", 1, topics="ground_thruth")
+    assert not (tmp_path / "bag").exists()
+
+
+def test_a_slow_disk_ends_the_recording_and_nobody_waits_for_it(tmp_path: Path) -> None:
+    slow = SlowRecorder(tmp_path / "bag")
+    queued, encoder = QueuedRecorder(slow, 10), BlockEncoder(Configuration(), LAYOUT)
+    written, failures = 0, []
+    for block in blocks(40):
+        try:
+            queued.write_messages(encoder.encode(block))
+            written += 1
+        except RecordingFailed as error:
+            failures.append(str(error))
+    assert len(failures) == 1  # said once
+    assert "the disk is slower than the bench, 10 blocks were waiting" in failures[0]
+    slow.allowed.set()
+    queued.close()
+    recording = Recording(tmp_path / "bag")
+    kept = sum(1 for _ in recording.vibrations())
+    assert 10 <= kept <= 11  # what waited was still written
+    assert recording.complete
+
+
+def test_a_full_disk_behind_the_queue_is_said_once_and_the_file_has_an_end(tmp_path: Path) -> None:
+    encoder = BlockEncoder(Configuration(), LAYOUT)
+    queued = QueuedRecorder(Recorder(tmp_path / "bag", Configuration(), LAYOUT), 500)
+    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (700_000, hard))
+    failures = []
+    try:
+        for block in blocks(300):
+            try:
+                queued.write_messages(encoder.encode(block))
+            except RecordingFailed as error:
+                failures.append(str(error))
+        try:
+            queued.close()
+        except RecordingFailed as error:
+            failures.append(str(error))
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+    assert len(failures) == 1
+    assert "File too large" in failures[0]
+    recording = Recording(tmp_path / "bag")
+    kept = sum(1 for _ in recording.vibrations())
+    assert kept > 10
+    assert not recording.complete
+    with (tmp_path / "bag" / "bag_0.mcap").open("rb") as stream:  # a whole file to others too
+        assert sum(1 for _, channel, _ in make_reader(stream).iter_messages() if channel.topic == WAVEFORM) == kept
+    assert about(tmp_path / "bag")["message_count"] >= kept  # type: ignore[operator]
+
+
+def test_a_disk_that_is_full_at_a_split_leaves_the_files_before_it_whole(tmp_path: Path) -> None:
+    bag, encoder = tmp_path / "bag", BlockEncoder(Configuration(), LAYOUT)
+    recorder = Recorder(bag, Configuration.model_validate({"recording": {"split_duration": 0.5}}), LAYOUT)
+    (bag / "bag_1.mcap").symlink_to("/dev/full")
+    with pytest.raises(RecordingFailed, match=r"ended at 0\.5 s: No space left on device"):
+        recorder.write_messages(message for block in blocks(60) for message in encoder.encode(block))
+    assert sorted(file.name for file in bag.iterdir()) == ["bag_0.mcap", "metadata.yaml"]
+    assert about(bag)["relative_file_paths"] == ["bag_0.mcap"]
+    with (bag / "bag_0.mcap").open("rb") as stream:
+        summary = make_reader(stream).get_summary()
+    assert summary is not None  # not cut off
+    assert summary.statistics is not None
+    assert summary.statistics.message_count == about(bag)["message_count"]
+    recording = Recording(bag)
+    assert sum(1 for _ in recording.vibrations()) == 25
+    assert recording.complete
+
+
+def test_a_disk_that_fills_up_at_the_beginning_is_refused_and_leaves_nothing(tmp_path: Path) -> None:
+    Recorder(tmp_path / "whole", Configuration(), LAYOUT)
+    size = (tmp_path / "whole" / "whole_0.mcap").stat().st_size
+    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    for limit in range(0, size, size // 20):
+        resource.setrlimit(resource.RLIMIT_FSIZE, (limit, hard))
+        try:
+            with pytest.raises(Refusal, match="File too large; make room or give another folder"):
+                Recorder(tmp_path / "bag", Configuration(), LAYOUT)
+        finally:
+            resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+        assert not (tmp_path / "bag").exists()
+
+
+WRITER = """
+import os, sys
+from pathlib import Path
+from made_up_blocks import LAYOUT, blocks
+from dcrb_ros.settings.configuration import Configuration
+from dcrb_ros.recordings.recorder import Recorder
+recorder = Recorder(Path(sys.argv[1]), Configuration.model_validate({"recording": {"split_duration": 3.0}}), LAYOUT)
+for block in blocks(100000):
+    recorder.write(block)
+    os.write(1, b"%d\\n" % block.end_ns)
+"""
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_a_killed_writer_loses_a_second_at_most(tmp_path: Path, seed: int) -> None:
+    bag = tmp_path / "bag"
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(Path(__file__).parents[1] / "support"), *sys.path])}
+    writer = subprocess.Popen([sys.executable, "-c", WRITER, str(bag)], stdout=subprocess.PIPE, env=environment)
+    assert writer.stdout is not None
+    told = int(np.random.default_rng(seed).integers(30, 600))  # the first chunk is full by then
+    lines = [writer.stdout.readline() for _ in range(told)]
+    writer.send_signal(signal.SIGKILL)
+    rest, _ = writer.communicate(timeout=60.0)
+    written_ns = int(b"".join([*lines, rest]).rstrip(b"\n").split(b"\n")[-1])
+    recording = Recording(bag)
+    last = [(block.stamp_ns + int(block.offsets_ns[-1])) for block in recording.vibrations()][-1]
+    assert not recording.complete
+    assert written_ns - last <= 1_000_000_000

@@ -1,0 +1,200 @@
+"""A recording explains itself and makes itself again."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from command import dcrb
+from made_up_blocks import LAYOUT, blocks, recorded
+
+from dcrb_ros.recordings.manifest import model_fingerprint
+from dcrb_ros.recordings.reader import Recording
+from dcrb_ros.recordings.recorder import Recorder
+from dcrb_ros.recordings.reproduction import NotReproduced, Reproduction, recorded_samples
+from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.settings.configuration import Configuration
+from dcrb_ros.simulation.events import Agenda, Command
+from dcrb_ros.simulation.loop import Simulation
+from dcrb_ros.simulation.scenario import timeline
+
+
+@pytest.fixture(scope="module")
+def bag(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A short run with a command for speed, one for load and both at once."""
+    path = tmp_path_factory.mktemp("bags") / "run"
+    configuration = Configuration.model_validate(
+        {"simulation": {"seed": 11}, "faults": {"inner_1": {"width": 0.002}}, "publishing": {"block_size": 700}}
+    )
+    simulation = Simulation(configuration)
+    with Recorder(path, configuration, simulation.layout) as recorder:
+        for number, block in enumerate(simulation.blocks(0.4)):
+            recorder.write(block)
+            if number in (5, 20):
+                simulation.command_speed(110.0 + number / 3.0)
+            if number in (12, 20):
+                simulation.command_load(-1e3 / 3.0, -80e3)
+    return path
+
+
+def test_the_manifest_holds_what_explains_the_run(bag: Path) -> None:
+    recording = Recording(bag)
+    manifest, outcome = recording.manifest, recording.outcome
+    assert outcome is not None
+    assert manifest["model"] == model_fingerprint()
+    assert manifest["seed"] == 11
+    assert manifest["faults"]["inner_1"]["width"] == 0.002
+    assert manifest["bearing"]["pitch_radius"] == 0.094
+    assert manifest["bearing"]["radial_gap"] == pytest.approx(0.00028)  # Table 1 of Fan et al. 2025
+    assert manifest["orders"]["BPFO"] == pytest.approx(6.7234, abs=1e-4)
+    assert manifest["sensor"]["acceleration_unit"] == "m/s^2"
+    assert manifest["sampling_rate"] == 51200
+    samples = [np.column_stack([block.acceleration, block.shaft_angle]) for block in recording.vibrations()]
+    assert outcome["sha256"] == hashlib.sha256(np.concatenate(samples).astype("<f4").tobytes()).hexdigest()
+    words = [command.words for command in recording.commands()]
+    assert words == [
+        "command/speed 111.66666666666667 rad/s",
+        "command/load -333.3333333333333 -80000.0 N",
+        "command/speed 116.66666666666667 rad/s",
+        "command/load -333.3333333333333 -80000.0 N",
+    ]
+    times = [command.time_ns for command in recording.commands()]
+    assert times[2] == times[3]
+    assert times == sorted(times)
+
+
+def test_the_same_samples_come_out_again(bag: Path, tmp_path: Path) -> None:
+    done = dcrb("simulate", "--from", str(bag), "-o", str(tmp_path / "again"))
+    assert done.returncode == 0, done.stderr
+    assert "the same 20480 samples" in done.stdout
+    old, new = Recording(bag), Recording(tmp_path / "again")
+    assert [(m.topic, m.time_ns, m.data) for m in old.messages()] == [(m.topic, m.time_ns, m.data) for m in new.messages()]
+    assert old.commands() == new.commands()
+
+
+def test_scenario_and_changes_while_it_runs_come_out_again(tmp_path: Path) -> None:
+    story = {"timeline": [{"at": 0.05, "over": 0.1, "set": {"faults.outer_1.width": 0.002}}]}
+    configuration = Configuration.model_validate({"faults": {"outer_1": {"width": 0.0005}}})
+    simulation = Simulation(configuration, timeline(story, configuration, "story"))
+    with Recorder(tmp_path / "run", configuration, simulation.layout, scenario=story) as recorder:
+        for number, block in enumerate(simulation.blocks(0.4)):
+            recorder.write(block)
+            if number == 6:
+                simulation.change({"faults.broken_bars": "row1/bar3", "sensor.noise_density": 0.01})
+    words = [command.words for command in Recording(tmp_path / "run").commands()]
+    assert words == ["faults.broken_bars = 'row1/bar3', sensor.noise_density = 0.01"]
+    done = dcrb("simulate", "--from", str(tmp_path / "run"))
+    assert done.returncode == 0, done.stderr
+    assert "the same 20480 samples" in done.stdout
+
+
+def test_a_cut_off_run_is_made_again_too(bag: Path, tmp_path: Path) -> None:
+    whole = (bag / "run_0.mcap").read_bytes()
+    path = tmp_path / "cut.mcap"
+    path.write_bytes(whole[: len(whole) - 9000])
+    reproduction = Reproduction(Recording(path))
+    assert 0 < reproduction.samples.count <= 20480
+    simulation = Simulation(reproduction.configuration)
+    for _ in reproduction.blocks(simulation):
+        pass
+    reproduction.check()
+
+
+def test_other_samples_end_with_the_reason(bag: Path, tmp_path: Path) -> None:
+    recording = Recording(bag)
+    recording.manifest["model"] = "0123456789abcdef"
+    recording.__dict__["outcome"] = {**(recording.outcome or {}), "sha256": "0" * 64, "samples": 700}
+    reproduction = Reproduction(recording)
+    for _ in reproduction.blocks(Simulation(reproduction.configuration)):
+        pass
+    with pytest.raises(NotReproduced, match=r"instead of 000000000000.*with model 0123456789abcdef, this is"):
+        reproduction.check()
+    made_up = recorded(tmp_path / "noise", 2)
+    done = dcrb("simulate", "--from", str(made_up))
+    assert done.returncode == 1
+    assert "the samples differ from those of" in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+def test_unknown_commands_are_refused(tmp_path: Path) -> None:
+    bag = recorded(tmp_path / "bag", 4, commands={2: "command/tilt 3.0 rad"})
+    done = dcrb("simulate", "--from", str(bag))
+    assert done.returncode == 2
+    assert "the command 'command/tilt 3.0 rad' at 0.04 s, which cannot be repeated" in done.stderr
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        (["--from", "nothing"], "there is no recording nothing"),
+        (["healthy", "--from", "nothing"], "leave out CONFIG"),
+        ([], "Missing argument 'CONFIG'"),
+    ],
+)
+def test_wrong_usage_is_refused(arguments: list[str], sentence: str) -> None:
+    done = dcrb("simulate", *arguments)
+    assert done.returncode == 2
+    assert sentence in done.stderr
+
+
+def test_a_damaged_waveform_cannot_be_compared(tmp_path: Path) -> None:
+    bag = recorded(tmp_path / "bag", 60)
+    broken = bytearray((bag / "bag_0.mcap").read_bytes())
+    broken[len(broken) // 2] ^= 0xFF
+    path = tmp_path / "broken.mcap"
+    path.write_bytes(broken)
+    assert recorded_samples(Recording(path)).count == 60 * 1024  # the end still knows
+    recording = Recording(path)
+    recording.__dict__["outcome"] = None
+    with pytest.raises(Refusal, match="are missing, so it cannot be checked"):
+        recorded_samples(recording)
+
+
+def test_info_tells_it_in_words_and_as_json(bag: Path) -> None:
+    words = dcrb("info", str(bag))
+    assert words.returncode == 0, words.stderr
+    for word in ("sha256", "BPFO 6.72340", "command/speed 111.66666666666667 rad/s", "publishing.block_size", "inner_1"):
+        assert word in words.stdout
+    about = json.loads(dcrb("info", str(bag), "--json").stdout)
+    assert about["manifest"]["seed"] == 11
+    assert about["damage"] == []
+    assert len(about["commands"]) == 4
+
+
+@pytest.mark.parametrize(("count", "where"), [(20_000, "manifest"), (300_000, "ground truth")])
+def test_many_commands_are_all_kept(count: int, where: str, tmp_path: Path) -> None:
+    """A controller may send a command with every block for hours."""
+    before = [Command(k, f"command/speed {k}.0 rad/s") for k in range(count)]
+    with Recorder(tmp_path / "bag", Configuration(), LAYOUT, commands=before) as recorder:
+        for block in blocks(3, commands={1: "command/speed 1.5 rad/s"}):
+            recorder.write(block)
+    recording = Recording(tmp_path / "bag")
+    assert recording.outcome is not None
+    assert recording.outcome["command_count"] == count + 1
+    found = recording.commands()
+    assert found[-1].words == "command/speed 1.5 rad/s"
+    assert len(found) == (count + 1 if where == "manifest" else 1)
+
+
+def test_commands_wait_for_their_time() -> None:
+    class Clock:
+        time_ns = 0
+        speeds: list[float] = []  # noqa: RUF012 - one test, one clock
+
+        def command_speed(self, speed: float) -> None:
+            self.speeds.append(speed)
+
+        def command_load(self, x: float, y: float) -> None:
+            raise AssertionError
+
+    clock, agenda = Clock(), Agenda([Command(20, "command/speed 2.0 rad/s"), Command(10, "command/speed 1e0 rad/s")])
+    agenda.give(clock)
+    clock.time_ns = 10
+    agenda.give(clock)
+    assert (clock.speeds, agenda.left) == ([1.0], 1)
+    clock.time_ns = 25
+    agenda.give(clock)
+    assert (clock.speeds, agenda.left) == ([1.0, 2.0], 0)

@@ -1,0 +1,271 @@
+"""Configurations: read, checked, explained when refused."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.settings.configuration import Configuration
+from dcrb_ros.settings.files import (
+    ParameterField,
+    flatten,
+    load_configuration,
+    parameter_fields,
+    parameter_table,
+    shipped_configurations,
+    to_yaml,
+    validated,
+)
+
+FIELDS = {field.key: field for field in parameter_fields()}
+
+
+def test_healthy_is_the_default() -> None:
+    assert load_configuration("healthy") == Configuration()
+
+
+def test_shipped_configurations_are_valid() -> None:
+    assert {"paper", "healthy", "outer_ring_defect", "inner_ring_defect"} <= set(shipped_configurations())
+    for name in shipped_configurations():
+        load_configuration(name)
+
+
+@given(st.floats(60.0, 190.0), st.floats(0.0, 0.003, allow_subnormal=False), st.integers(0, 2**31 - 1), st.sampled_from(["warm", "cold"]))
+def test_yaml_round_trip(tmp_path_factory: pytest.TempPathFactory, speed: float, width: float, seed: int, start: str) -> None:
+    groups = {"operating": {"speed": speed, "start": start}, "faults": {"inner_1": {"width": width}}, "simulation": {"seed": seed}}
+    configuration = Configuration.model_validate(groups)
+    path = tmp_path_factory.mktemp("yaml") / "bench.yaml"
+    path.write_text(to_yaml(configuration), encoding="utf-8")
+    assert load_configuration(path) == configuration
+    assert validated(flatten(configuration.model_dump()), Configuration, "round trip") == configuration
+
+
+@pytest.mark.parametrize(
+    ("setting", "sentence"),
+    [
+        (
+            "bearing.roller_radius=15.0",
+            r"bearing.roller_radius = 15\.0 m is outside 0\.0005 \.\. 0\.2 m: .* millimetres \(did you mean 0\.015\?\)",
+        ),
+        ("faults.outer_1.width=2.0", r"did you mean 0\.002\?"),
+        ("bearing.roler_radius=0.015", r"unknown parameter 'bearing.roler_radius'; did you mean 'bearing.roller_radius'\?"),
+        ("operating.speed=5.0e-324", r"operating.speed = 5e-324 is too near to zero to reckon with: give 0\.0, or 2\.22507e-308 and more"),
+        ("operating.speed=.nan", r"operating.speed = nan rad/s is outside -1000 \.\. 1000 rad/s"),
+        ("operating.speed=1200", r"1200 rpm is 125\.664 rad/s"),
+        ("operating.load=fast", r"operating.load = 'fast' N is not a number within"),
+        ("cage.joint=welded", r"cage.joint = 'welded' is not one of revolute"),
+        ("simulation.step=7e-6", r"must make a whole number from 2 up: take 9\.765625e-06"),
+        ("sensor.sampling_rate=44100", r"simulation.step"),
+        ("bearing.outer_raceway_radius=0.1", r"radial gap .* is -0\.00886 m"),
+        ("friction.static_coefficient=0.01", r"is below friction.kinetic_coefficient"),
+        ("bearing.rows=1.5", r"bearing.rows = 1\.5 is not a whole number within 1 \.\. 2"),
+        ("publishing.clean=1", r"publishing.clean = 1 is not true or false; publish"),
+        ("bearing.roller_inertia=1.0", r"a solid roller has mass \* radius\^2 / 2"),
+        ("bearing", r"write KEY=VALUE"),
+    ],
+)
+def test_refusals_name_value_range_and_remedy(setting: str, sentence: str) -> None:
+    with pytest.raises(Refusal, match=sentence):
+        load_configuration("healthy", [setting])
+
+
+NOTCH = ("faults.outer_1.width=0.002",)
+NOTCHES = (*NOTCH, "faults.outer_2.width=0.002", "faults.outer_2.azimuth=0.01")
+ROLLER_NOTCHES = ("faults.roller_1.width=0.002", "faults.roller_2.width=0.002", "faults.roller_2.azimuth=0.05")
+
+
+@pytest.mark.parametrize(
+    ("settings", "sentence"),
+    [
+        (
+            ("publishing.block_size=65536", "sensor.sampling_rate=12800"),
+            r"publishing.block_size = 65536 lasts 5.12 s at .* give 54912 or fewer",
+        ),
+        (NOTCHES, r"faults.outer_2 overlaps faults.outer_1: .* 0\.001091 m apart; move an azimuth or join them"),
+        ((*NOTCHES[:2], "faults.outer_1.azimuth=3.14", "faults.outer_2.azimuth=-3.14"), r"0\.0003476 m apart"),
+        ((*NOTCHES, "faults.outer_2.row=2"), r"faults.outer_2 overlaps faults.outer_1"),
+        (ROLLER_NOTCHES, r"faults.roller_2 overlaps faults.roller_1"),
+        (("faults.outer_1.width=0.045",), r"faults.outer_1.width = 0\.045 m is not below the pitch of 0\.04286 m"),
+        (("faults.inner_2.width=0.032",), r"faults.inner_2.width = 0\.032 m is not below the pitch of 0\.03097 m"),
+        (("faults.roller_1.width=0.015",), r"faults.roller_1.width = 0\.015 m is not below the roller's radius of 0\.015 m"),
+        (("faults.broken_bars=row1/bar17",), r"row1/bar17 is outside row1/bar1 \.\. row2/bar16: bar k stands between"),
+        (("faults.broken_bars=row1/bar0",), r"row1/bar0 is outside row1/bar1"),
+        (("faults.broken_bars=row3/bar1",), r"row3/bar1 is outside .* row2/bar16"),
+        (("faults.broken_bars=row2/bar3, row2/bar03",), r"'row2/bar3, row2/bar03' names a bar twice: name each once"),
+        (("faults.broken_bars=row1-bar15",), r"'row1-bar15' is no bar; write row1/bar15"),
+        (("faults.broken_bars=row1/bar15; row2/bar15",), r"'row1/bar15;' is no bar"),
+        (("faults.broken_bars=" + " ".join(f"row1/bar{k}" for k in range(1, 16)),), r"fewer than two bars in row 1"),
+        (("cage.pocket_clearance=-0.0001",), r"cage.pocket_clearance = -0\.0001 m is outside 5e-06 \.\. 0\.005 m"),
+        (("cage.land_clearance=-0.0003",), r"cage.land_clearance = -0\.0003 m is outside"),
+        (("cage.pocket_clearance=0.004",), r"leaves no bar in the 0\.00668 m between two rollers: it must be below 0\.00334 m"),
+        (
+            ("cage.land_clearance=2e-05", "cage.pocket_clearance=0.0001"),
+            r"land_clearance \+ cage.pocket_clearance = 0\.00012 m is below the 0\.00016 m by which a loaded bearing carries its cage",
+        ),
+        (
+            ("cage.joint=revolute", "cage.land_clearance=0.0001"),
+            r"cage.land_clearance = 0\.0001 m is below .* the cage would bear the load",
+        ),
+        (("cage.land_radius=0.05",), r"cage.land_radius = 0\.05 m is outside 0\.094 \.\. 0\.12414 m"),
+        (("bearing.outer_raceway_radius=0.1088",), r"the radial gap .* is -6e-05 m, outside 0 \.\. 0\.0015 m: check the three radii"),
+        (("bearing.inner_raceway_radius=0.12",), r"the radial gap .* check the three radii"),
+        (("bearing.pitch_radius=0.11",), r"bearing.pitch_radius = 0\.11 m is outside 0\.09386 \.\. 0\.09414 m"),
+        (("bearing.rollers_per_row=20",), r"bearing.rollers_per_row = 20 do not fit round the pitch circle: 19 rollers at most"),
+        (("faults.roller_1.width=0.002", "faults.roller_1.roller=17"), r"no roller 17 in row 1; the bearing has 2 row\(s\) of 16 rollers"),
+        (("bearing.rows=1", *NOTCH, "faults.outer_1.row=2"), r"faults.outer_1.row = 2 is outside 0 \.\. 1: the bearing has 1 row"),
+        (("bearing.rows=1", "faults.roller_1.width=0.002", "faults.roller_1.row=2"), r"no roller 1 in row 2; the bearing has 1 row"),
+        (("bearing.rows=1", "faults.broken_bars=row2/bar1"), r"row2/bar1 is outside row1/bar1 \.\. row1/bar16"),
+    ],
+)
+def test_what_cannot_be_true_together_is_refused(settings: tuple[str, ...], sentence: str) -> None:
+    with pytest.raises(Refusal, match=sentence):
+        load_configuration("healthy", settings)
+
+
+@pytest.mark.parametrize(
+    "settings",
+    [
+        (*NOTCHES[:2], "faults.outer_2.azimuth=0.1"),
+        (*NOTCHES, "faults.outer_1.row=1", "faults.outer_2.row=2"),
+        (*ROLLER_NOTCHES, "faults.roller_2.roller=2"),
+        (*ROLLER_NOTCHES, "faults.roller_2.row=2"),
+        ("faults.broken_bars=row1/bar1,row2/bar16 row2/bar1",),
+        ("bearing.rows=1", *NOTCH, "faults.outer_1.row=1"),
+    ],
+)
+def test_neighbours_of_what_is_refused_are_accepted(settings: tuple[str, ...]) -> None:
+    load_configuration("healthy", settings)
+
+
+LIGHT_ROLLERS = ("bearing.roller_mass=0.02", "bearing.roller_inertia=2.25e-6")
+LIGHT_CAGE = ("bearing.cage_mass=0.01", "bearing.cage_inertia=1e-4")
+
+
+def proposed_step(refused: pytest.ExceptionInfo[Refusal]) -> str:
+    """Return the step that a refusal proposes."""
+    found = re.search(r"(?:such as|take) ([\d.e-]+)", str(refused.value))
+    assert found
+    return found[1]
+
+
+@pytest.mark.parametrize(
+    ("settings", "mode"),
+    [
+        (LIGHT_ROLLERS, "a roller between the raceways, a mode at"),
+        ((*LIGHT_ROLLERS, "sensor.sampling_rate=25600", "simulation.step=1.953125e-05"), "a roller between the raceways"),
+        (("sensor.sampling_rate=25600", "simulation.step=1.953125e-05"), "rollers against the bars of a cage"),
+        (("cage.joint=revolute", "bearing.inner_ring_mass=0.1"), "the rings against each other"),
+        (("cage.joint=revolute", *LIGHT_CAGE, "bearing.roller_mass=0.002", "bearing.roller_inertia=2.25e-7"), "a cage with its rollers"),
+        (LIGHT_CAGE, "rollers against the bars of a cage"),
+        (("cage.pocket_clearance=1e-05", "bearing.cage_mass=1.0"), "rollers against the bars of a cage"),
+        ((*LIGHT_ROLLERS, "faults.broken_bars=row1/bar1", "cage.joint=revolute"), "two rollers beside a broken bar"),
+        (("housing.stiffness=1e12",), "the outer ring in the housing"),
+        (("contact.law=power", "contact.power_coefficient=1e12"), "a roller between the raceways"),
+    ],
+)
+def test_step_too_long_names_the_mode_and_a_step_that_is_accepted(settings: tuple[str, ...], mode: str) -> None:
+    with pytest.raises(Refusal, match=mode) as refused:
+        load_configuration("healthy", settings)
+    load_configuration("healthy", [*settings, f"simulation.step={proposed_step(refused)}"])
+
+
+@pytest.mark.parametrize("rate", [44100, 48000, 51200])
+def test_step_that_makes_no_whole_samples_proposes_one_that_is_accepted(rate: int) -> None:
+    settings = (f"sensor.sampling_rate={rate}", "publishing.preview_rate=100", "simulation.step=1.1e-05")
+    with pytest.raises(Refusal, match="must make a whole number from 2 up") as refused:
+        load_configuration("healthy", settings)
+    load_configuration("healthy", [*settings, f"simulation.step={proposed_step(refused)}"])
+
+
+def test_modes_beyond_every_step_are_refused_with_what_to_check() -> None:
+    with pytest.raises(Refusal, match=r"no step from 1e-07 s up follows it; check masses in kg"):
+        load_configuration("healthy", ["bearing.cage_mass=0.0001", "contact.law=power", "contact.power_coefficient=1e15"])
+
+
+DOUBLINGS = "a: &x0 {x: 1}\n" + "".join(f"a{k}: &x{k} {{x: *x{k - 1}, y: *x{k - 1}}}\n" for k in range(1, 26))
+
+
+@pytest.mark.parametrize(
+    ("text", "sentence"),
+    [
+        ("", "is not a ROS parameter file"),
+        ("just words", "is not a ROS parameter file"),
+        ("/**: {ros__parameters: {operating: {speed: 1772}}}", r"outside -1000 \.\. 1000 rad/s"),
+        ("/**:\n  ros__parameters:\n    a: 1\n    a: 2\n", "the key 'a' stands twice"),
+        ("/**: [1, 2", "is not valid YAML"),
+        ("/**:\n  speed: 2026-13-45", r"not valid YAML in line 2: '2026-13-45' cannot be read as timestamp; a text stands in quotes"),
+        ("/**: {? [1, 2] : 3}", "in line 1: a key is a list or a mapping"),
+        ("/**: " + 5000 * "9", "'9{40}' cannot be read as int"),
+        ("/**: 0x" + 5000 * "f", "'0xf{38}...' is too large a number"),
+        ("/**: !!int ''", "'' cannot be read as int"),
+        ('/**: "\\UFFFFFFFF"', "names a character that does not exist"),
+        (1000 * "[", "nested too deeply"),
+        (DOUBLINGS, "its aliases stand for more than 2000000 values"),
+        ("/**: {ros__parameters: {faults: {broken_bars: 15}}}", "faults.broken_bars = 15 is not a text; broken cage bars"),
+        ("/**: {operating: {speed: 1.0}}", "must hold 'ros__parameters:'"),
+    ],
+)
+def test_broken_files_are_refused(tmp_path: Path, text: str, sentence: str) -> None:
+    path = tmp_path / "bench.yaml"
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(Refusal, match=sentence):
+        load_configuration(path)
+
+
+@given(st.binary(max_size=400))
+def test_any_file_is_read_or_refused(tmp_path_factory: pytest.TempPathFactory, content: bytes) -> None:
+    path = tmp_path_factory.mktemp("fuzz") / "bench.yaml"
+    path.write_bytes(content)
+    with pytest.raises(Refusal):
+        load_configuration(path)
+
+
+def test_sections_of_the_node_win_and_other_nodes_are_left_alone(tmp_path: Path) -> None:
+    path = tmp_path / "bench.yaml"
+    path.write_text(
+        "/**: {ros__parameters: {operating: {speed: 100.0}}}\n"
+        "simulator: {ros__parameters: {operating.speed: 90.0}}\nother: {ros__parameters: {x: 1}}\n",
+        encoding="utf-8",
+    )
+    assert load_configuration(path).operating.speed == 90.0
+
+
+@pytest.mark.parametrize("value", ["2026-13-45", 400 * "9", 5000 * "9", 1000 * "[", '"\\UFFFFFFFF"'])
+def test_broken_settings_are_refused(value: str) -> None:
+    with pytest.raises(Refusal, match="the value is not a plain number or text"):
+        load_configuration("healthy", [f"operating.speed={value}"])
+
+
+def test_plain_aliases_are_put_in(tmp_path: Path) -> None:
+    path = tmp_path / "bench.yaml"
+    path.write_text("/**: {ros__parameters: {faults: {outer_1: &notch {width: 0.002}, inner_1: *notch}}}", encoding="utf-8")
+    assert load_configuration(path).faults.inner_1.width == 0.002
+
+
+def test_misspelt_name_suggests_the_nearest() -> None:
+    with pytest.raises(Refusal, match="did you mean 'healthy'"):
+        load_configuration("heathy")
+
+
+@pytest.mark.parametrize("field", FIELDS.values(), ids=list(FIELDS))
+def test_every_parameter_explains_itself(field: ParameterField) -> None:
+    assert field.description
+    assert field.key in parameter_table()
+    if field.kind in (int, float):
+        assert field.low is not None
+        assert field.high is not None
+        assert field.low <= field.default <= field.high  # type: ignore[operator]
+
+
+@pytest.mark.parametrize(("text", "value"), [("", ""), ("row1/bar2", "row1/bar2"), ("'row1/bar2'", "row1/bar2")])
+def test_a_text_is_set_plain_quoted_or_empty(text: str, value: str) -> None:
+    assert load_configuration("cage_fracture", [f"faults.broken_bars={text}"]).faults.broken_bars == value
+
+
+def test_a_text_of_digits_stays_a_text() -> None:
+    assert load_configuration("healthy", ["recording.path=2026"]).recording.path == "2026"

@@ -1,0 +1,294 @@
+"""Scenarios: timelines in simulated time, exact to the step, refused with a sentence."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+import yaml
+
+from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.settings.configuration import Configuration
+from dcrb_ros.simulation.block import Block, Truth
+from dcrb_ros.simulation.loop import Simulation
+from dcrb_ros.simulation.scenario import begun, first_step, read_scenario, read_story, timeline
+
+STORY = """
+timeline:
+  - at: 0.0301
+    set: {operating.speed: 120.0, operating.load: 80000.0}
+  - at: 0.05
+    set:
+      faults:
+        outer_1: {width: 0.001, row: 1}
+  - at: 0.06
+    over: 0.2
+    set: {faults.outer_1.width: 0.003}
+  - at: 0.1
+    set: {faults.broken_bars: row2/bar3, sensor.noise_density: 0.05}
+  - at: 0.3
+    set: {faults.outer_1.width: 0.0}
+"""
+
+
+def run(block_size: int, tmp_path: Path) -> list[Block]:
+    path = tmp_path / "story.yaml"
+    path.write_text(STORY)
+    configuration = Configuration.model_validate({"publishing": {"block_size": block_size}})
+    return list(Simulation(configuration, read_scenario(path, configuration)).blocks(0.4))
+
+
+def samples(blocks: list[Block]) -> npt.NDArray[np.float32]:
+    return np.concatenate([np.column_stack([block.acceleration, block.shaft_angle]) for block in blocks])
+
+
+def truths(blocks: list[Block]) -> list[Truth]:
+    return [truth for block in blocks for truth in block.truths]
+
+
+def test_a_scenario_is_exact_whatever_the_block_size(tmp_path: Path) -> None:
+    one, other = run(1024, tmp_path), run(700, tmp_path)
+    assert np.array_equal(samples(one), samples(other))
+    assert truths(one) == truths(other)
+    said = {truth.time_ns: truth for truth in truths(one) if truth.changed.startswith("scenario: ")}
+    # The first step at or after the time; a step takes 1/102400 s.
+    assert list(said) == [-(-t * 102400 // 10**4) * 10**9 // 102400 for t in (301, 500, 1000, 1100, 2600, 3000)]
+    assert said[50_000_000].faults["outer_1"] == {"width": 0.001, "depth": 0.0003, "row": 1, "azimuth": 0.0, "onset": 0.05}
+    assert said[260_000_000].faults["outer_1"]["width"] == 0.003
+    assert said[260_000_000].faults["outer_1"]["onset"] == 0.05
+    assert set(said[300_000_000].faults) == {"broken_bars.row2/bar3"}
+    growing = [truth.faults["outer_1"]["width"] for truth in truths(one) if 0.055e9 < truth.time_ns < 0.3e9 and not truth.changed]
+    assert growing == sorted(growing)
+    assert truths(one)[-1].speed == pytest.approx(120.0)
+    assert truths(one)[-1].load[1] == pytest.approx(-80e3)
+
+
+def test_steps_at_or_after_a_time() -> None:
+    assert [first_step(t, 102400) for t in (0.0, 0.1, 1.0, 3600.0, 0.1 + 1e-17)] == [0, 10240, 102400, 368640000, 10240]
+    assert first_step(0.100001, 102400) == 10241
+
+
+@pytest.mark.parametrize(
+    ("tree", "sentence"),
+    [
+        ([], "is not a scenario"),
+        ({"timeline": {}}, "is not a scenario"),
+        ({"timeline": [{"at": 1.0}]}, "entry 1: it must have 'at'"),
+        ({"timeline": [{"at": 1.0, "sett": {}, "set": {"a": 1}}]}, "unknown key 'sett'; did you mean 'set'"),
+        ({"timeline": [{"at": -1.0, "set": {"faults.outer_1.width": 0.001}}]}, r"at = -1.0 is not a simulated time within 0"),
+        ({"timeline": [{"at": float("nan"), "set": {"faults.outer_1.width": 0.001}}]}, r"at = nan is not a simulated time"),
+        ({"timeline": [{"at": "soon", "set": {"faults.outer_1.width": 0.001}}]}, r"at = 'soon' is not a simulated time"),
+        ({"timeline": [{"at": 1.0, "set": {}}]}, "'set' must name parameters"),
+        ({"timeline": [{"at": 1.0, "set": {"faults.outer_1.width": 1.0}}]}, r"at 1 s\): faults.outer_1.width = 1.0 m is outside"),
+        ({"timeline": [{"at": 1.0, "set": {"operating.sped": 1.0}}]}, "did you mean 'operating.speed'"),
+        ({"timeline": [{"at": 1.0, "set": {"bearing.rows": 1}}]}, "bearing.rows is fixed while the bench runs"),
+        ({"timeline": [{"at": 1.0, "set": {"time_scale": 0.0}}]}, "time_scale is no part of a scenario"),
+        ({"timeline": [{"at": 1.0, "over": 1.0, "set": {"operating.speed_ramp": 1.0}}]}, "it changes at once or not at all"),
+        (
+            {"timeline": [{"at": 1.0, "over": 1e6, "set": {"operating.speed": 126.0}}]},
+            "operating.speed_ramp = 3.3.*e-07 rad/s.2 is outside",
+        ),
+        (
+            {"timeline": [{"at": 1.0, "set": {"operating.speed_kmh": "fast"}}]},
+            r"operating.speed_kmh = 'fast' km/h is not a number within -1000",
+        ),
+        ({"timeline": [{"at": 1.0, "set": {"operating.speed_kmh": 9.0, "operating.speed": 1.0}}]}, "give one of them"),
+        ({"timeline": [{"at": 1.0, "over": 1.0, "set": {"faults.outer_1.row": 1}}]}, "it changes at once or not at all"),
+        (
+            {
+                "timeline": [
+                    {"at": 1.0, "set": {"faults.outer_1.width": 0.002}},
+                    {"at": 1.0, "over": 4.0, "set": {"faults.outer_1.width": 0.01}},
+                    {"at": 2.0, "set": {"faults.outer_2.width": 0.002, "faults.outer_2.azimuth": 0.04}},
+                ]
+            },
+            r"at 5 s\): faults.outer_2 overlaps",
+        ),
+        (
+            {
+                "timeline": [
+                    {"at": 0.0, "over": 10.0, "set": {"operating.speed": 200.0}},
+                    {"at": 5.0, "over": 5.0, "set": {"operating.speed_kmh": 104.0}},
+                ]
+            },
+            r"entry 2: it sets operating.speed at 5 s, which another entry moves from 0 s to 10 s; begin this one when",
+        ),
+        (
+            {
+                "timeline": [
+                    {"at": 1.5, "set": {"faults.outer_1.width": 0.0}},
+                    {"at": 1.0, "over": 1.0, "set": {"faults.outer_1.width": 0.002}},
+                ]
+            },
+            r"entry 1: it sets faults.outer_1.width at 1.5 s, which another entry moves from 1 s to 2 s",
+        ),
+        (
+            {
+                "timeline": [
+                    {"at": 1.0, "over": 1.0, "set": {"operating.load": 50000.0}},
+                    {"at": 1.0, "over": 4.0, "set": {"operating.lateral_load": 10000.0}},
+                ]
+            },
+            r"entry 2: it sets operating.load_ramp at 1 s, which another entry moves",
+        ),
+        (
+            {"timeline": [{"at": 2.0, "set": {"faults.broken_bars": ""}}, {"at": 1.0, "set": {"faults.broken_bars": "row1/bar2"}}]},
+            "does not heal",
+        ),
+    ],
+)
+def test_bad_scenarios_are_refused(tree: Any, sentence: str) -> None:
+    with pytest.raises(Refusal, match=sentence):
+        timeline(tree, Configuration(), "story.yaml")
+
+
+@pytest.mark.parametrize("text", ["timeline: [", "\x00", "timeline:\n - at: 1\n   at: 2\n"])
+def test_files_that_are_no_yaml_are_refused(text: str, tmp_path: Path) -> None:
+    path = tmp_path / "story.yaml"
+    path.write_text(text)
+    with pytest.raises(Refusal, match="is not valid YAML"):
+        read_scenario(path, Configuration())
+
+
+def test_a_live_change_can_forbid_an_event() -> None:
+    configuration = Configuration()
+    events = timeline(yaml.safe_load("timeline: [{at: 0.03, set: {faults.outer_1.width: 0.002}}]"), configuration, "story.yaml")
+    simulation = Simulation(configuration, events)
+    simulation.change({"faults.outer_2.width": 0.002})
+    said = [truth.changed for truth in truths(list(simulation.blocks(0.1))) if truth.changed]
+    assert said[-1].startswith("refused: scenario: faults.outer_1.width = 0.002: ")
+    assert set(simulation.configuration.faults.described()) == {"outer_2"}
+
+
+def test_the_shipped_scenario_is_found_by_name() -> None:
+    events = read_scenario(Path("growing_spall"), Configuration())
+    assert events[-1].words == "scenario: faults.broken_bars = 'row2/bar3'"
+    with pytest.raises(Refusal, match=r"there is no scenario 'growing_spal': .* did you mean 'growing_spall'\?"):
+        read_scenario(Path("growing_spal"), Configuration())
+
+
+def test_simulate_takes_a_scenario(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    from dcrb_ros.cli.app import main
+    from dcrb_ros.messages.statuses import decode_truth
+    from dcrb_ros.messages.topics import GROUND_TRUTH
+    from dcrb_ros.recordings.reader import Recording
+
+    def dcrb(*words: str) -> int:
+        monkeypatch.setattr("sys.argv", ["dcrb", *words])
+        with pytest.raises(SystemExit) as end:
+            main()
+        return int(str(end.value.code or 0))
+
+    story = tmp_path / "story.yaml"
+    story.write_text(STORY)
+    assert dcrb("simulate", "healthy", "--scenario", str(story), "--duration", "0.2", "-o", str(tmp_path / "bag")) == 0
+    last = [decode_truth(message.data) for message in Recording(tmp_path / "bag").messages((GROUND_TRUTH,))][-1]
+    assert set(last.faults) == {"outer_1", "broken_bars.row2/bar3"}
+    story.write_text("timeline: [{at: 1.0, set: {bearing.rows: 1}}]")
+    assert dcrb("simulate", "healthy", "--scenario", str(story), "-o", str(tmp_path / "none")) == 2
+    assert "bearing.rows is fixed while the bench runs" in capsys.readouterr().err
+    assert not (tmp_path / "none").exists()
+
+
+PROFILES = sorted((Path(__file__).parents[2] / "config" / "scenarios").glob("*.yaml"))
+
+
+@pytest.mark.parametrize("profile", PROFILES, ids=lambda path: path.stem)
+def test_shipped_scenarios_are_possible_on_the_default_bench(profile: Path) -> None:
+    assert read_scenario(Path(profile.stem), Configuration())
+
+
+def story(text: str, seconds: float, **operating: float) -> list[Truth]:
+    configuration = Configuration.model_validate(
+        {"cage": {"joint": "revolute"}, "operating": operating, "publishing": {"truth_rate": 100, "block_size": 512}}
+    )
+    events = timeline(yaml.safe_load(text), configuration, "story.yaml")
+    return truths(list(Simulation(configuration, events).blocks(seconds)))
+
+
+def test_the_speed_takes_its_time_and_the_ramp_of_before_holds_again() -> None:
+    text = """
+timeline:
+  - {at: 0.05, over: 0.1, set: {operating.speed_kmh: 180.0}}
+  - {at: 0.15, over: 0.1, set: {operating.load: 80000.0, operating.lateral_load: 10000.0}}
+  - {at: 0.25, set: {operating.speed: 110.0}}
+"""
+    told = story(text, 0.3, speed=100.0)
+    reached = 180.0 / 3.6 / 0.46
+    by_time = {truth.time_ns: truth for truth in told}
+    assert by_time[100_000_000].speed == pytest.approx(100.0 + 0.5 * (reached - 100.0), abs=0.01)
+    assert by_time[150_000_000].speed == pytest.approx(reached, abs=0.01)
+    assert by_time[200_000_000].load == pytest.approx((10000.0, -90000.0), rel=1e-3)
+    assert by_time[230_000_000].load == pytest.approx((10000.0, -84000.0), rel=1e-3)
+    assert by_time[270_000_000].speed == pytest.approx(reached + 50.0 * 0.02, abs=0.01)
+    assert [truth.changed for truth in told if truth.changed][1].endswith("over 0.1 s begins")
+
+
+def test_entries_that_touch_each_other_follow_each_other() -> None:
+    text = """
+timeline:
+  - {at: 0.1, over: 0.2, set: {faults.outer_1.width: 0.002, operating.speed: 120.0}}
+  - {at: 0.1, set: {faults.outer_1.width: 0.001}}
+  - {at: 0.3, over: 0.3, set: {faults.outer_1.width: 0.004, operating.speed: 100.0}}
+  - {at: 0.6, set: {faults.outer_1.width: 0.0}}
+"""
+    events = timeline(yaml.safe_load(text), Configuration.model_validate({"operating": {"speed": 110.0}}), "story.yaml")
+    widths = [event.changes["faults.outer_1.width"] for event in events if "faults.outer_1.width" in event.changes]
+    # 0.1 + 0.2 is a little above 0.3; they are one step.
+    assert widths == pytest.approx([0.001, 0.00125, 0.0015, 0.00175, 0.002, *np.arange(0.0024, 0.0041, 0.0004), 0.0], abs=1e-9)
+    slopes = [event.changes["operating.speed_ramp"] for event in events if "operating.speed" in event.changes]
+    assert slopes == pytest.approx([50.0, 20.0 / 0.3])
+
+
+def test_a_reversal_goes_through_a_standstill() -> None:
+    told = story("timeline: [{at: 0.02, over: 0.2, set: {operating.speed: -4.0}}]", 0.25, speed=4.0)
+    speeds = [truth.speed for truth in told]
+    assert (speeds[0], speeds[-1]) == (4.0, -4.0)
+    assert min(np.abs(speeds)) < 0.2
+
+
+def test_a_shipped_profile_runs() -> None:
+    own, profile = Configuration.model_validate({"cage": {"joint": "revolute"}}), Path("run_up")
+    configuration = begun(read_story(profile), own, "run_up")
+    told = truths(list(Simulation(configuration, read_scenario(profile, own)).blocks(2.3)))
+    slope = (160.0 - 20.0) / 3.6 / 0.46 / 40.0
+    last = told[-1]
+    assert last.speed == pytest.approx(20.0 / 3.6 / 0.46 + slope * (last.time_ns * 1e-9 - 2.0), abs=0.01)
+
+
+def test_sensor_and_background_follow_a_scenario_and_the_truth_tells_them_apart() -> None:
+    text = """
+timeline:
+  - {at: 0.02, set: {background.hum_level: 2.0, background.unbalance: 0.0001}}
+  - {at: 0.04, set: {sensor.fault: stuck, sensor.fault_axis: x}}
+  - {at: 0.06, set: {sensor.fault: none, background.hum_level: 0.0}}
+"""
+    told = {truth.time_ns: truth for truth in story(text, 0.08)}
+    assert told[30_000_000].background == {"unbalance": 0.0001, "hum_level": 2.0}
+    assert told[30_000_000].faults == {}
+    assert told[50_000_000].faults == {"sensor.stuck": {"severity": 1.0, "axis": 1, "onset": 0.04}}
+    assert (told[70_000_000].faults, told[70_000_000].background) == ({}, {"unbalance": 0.0001})
+
+
+@pytest.mark.parametrize(
+    ("start", "sentence"),
+    [
+        ([1], "'start' must name parameters"),
+        ({"simulation.seed": 3}, "simulation.seed is no part of a scenario; it may begin with operating"),
+        ({"operating.sped": 3.0}, "unknown parameter 'operating.sped'; did you mean 'operating.speed'"),
+        ({"operating": {"speed_kmh": 5000.0}}, r"operating.speed_kmh = 5000.0 km/h is not a number within -1000"),
+        ({"operating.load": 5e6}, "the cage would bear the load"),
+    ],
+)
+def test_impossible_starts_are_refused(start: Any, sentence: str) -> None:
+    with pytest.raises(Refusal, match=sentence):
+        begun({"start": start, "timeline": []}, Configuration(), "story.yaml")
+
+
+def test_a_scenario_may_begin_with_a_preset() -> None:
+    start = {"sensor": {"preset": "mems", "adc_bits": 12}}
+    sensor = begun({"start": start, "timeline": []}, Configuration(), "story.yaml").sensor
+    assert (sensor.preset, sensor.white_noise_ug, sensor.adc_bits) == ("mems", 30.0, 12)

@@ -1,0 +1,56 @@
+"""The measurement chain without the model, for tests of its stages."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from dcrb_ros.measurement.sensor import Measurement, Sensor
+from dcrb_ros.settings.configuration import Configuration
+
+SPEED = 125.664
+QUIET = {"noise_density": 0.0, "adc_bits": 0, "range": 1e6}
+EVERYTHING: dict[str, Any] = {
+    "structure": {"modes": 6},
+    "background": {
+        "unbalance": 1e-4,
+        "joint_level": 40.0,
+        "joint_spacing": 1.0,
+        "flat_level": 30.0,
+        "track_level": 4.0,
+        "impact_rate": 500.0,
+        "hum_level": 1.0,
+    },
+    "sensor": {"preset": "mems", "ac_coupling": 0.5, "clock_offset_ppm": 500.0, "clock_jitter": 1e-7, "fault": "spikes"},
+}
+"""Every stage at once."""
+
+
+def chain(**groups: Any) -> Configuration:
+    """Return a configuration whose sensor has no noise, range or steps unless it is given some."""
+    sensor = groups.pop("sensor", {})
+    return Configuration.model_validate({**groups, "sensor": sensor if "preset" in sensor else {**QUIET, **sensor}})
+
+
+def still(configuration: Configuration, seconds: float, speed: float = SPEED) -> Measurement:
+    """Return what a sensor on an outer ring at rest measures while the shaft turns at a speed [rad/s]."""
+    count = round(seconds * configuration.step_rate)
+    return measured(configuration, np.zeros((count, 2)), speed)
+
+
+def measured(configuration: Configuration, acceleration: npt.NDArray[np.float64], speed: float = SPEED) -> Measurement:
+    """Return what a sensor measures of an acceleration at every time step [m/s^2]."""
+    return Sensor(configuration).measure(acceleration, speed * np.arange(len(acceleration)) / configuration.step_rate)
+
+
+def tone(configuration: Configuration, frequency: float, seconds: float) -> npt.NDArray[np.float64]:
+    """Return a tone of amplitude 1 in X and in quadrature in Y, its means over each step taken as its middle."""
+    phase = 2.0 * np.pi * frequency * (np.arange(round(seconds * configuration.step_rate)) + 0.5) / configuration.step_rate
+    return np.stack([np.sin(phase), np.cos(phase)], axis=1)
+
+
+def amplitude(samples: npt.NDArray[np.float64], frequency: float, rate: float) -> float:
+    """Return the amplitude of a tone in samples that hold whole periods of it."""
+    return 2.0 * float(abs(np.mean(samples * np.exp(-2j * np.pi * frequency * np.arange(len(samples)) / rate))))

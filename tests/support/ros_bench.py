@@ -1,0 +1,159 @@
+"""Real nodes in processes of their own, and a listener to what they say."""
+
+from __future__ import annotations
+
+import itertools
+import os
+import subprocess
+import sys
+import time
+from collections import defaultdict
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from dcrb_ros.messages.statuses import decode_diagnostics
+from dcrb_ros.messages.topics import BENCH_DIAGNOSTICS, CLOCK, DETECTED, NAMESPACE, SIMULATED, Topic
+from dcrb_ros.nodes.publisher import message_class, qos
+
+PATIENCE = 200.0
+"""Longest wait for anything [s]; a cold compile is the longest."""
+
+_domains = itertools.count(1)
+
+
+def domain() -> int:
+    """Return a ROS domain of this process's own."""
+    worker = int(os.environ.get("PYTEST_XDIST_WORKER", "gw0").removeprefix("gw"))
+    return 1 + (os.getpid() * 7 + worker * 13 + next(_domains)) % 100
+
+
+def environment(number: int, **changes: str) -> dict[str, str]:
+    """Return the environment of a node in domain ``number`` that talks to this machine alone."""
+    return {**os.environ, "ROS_DOMAIN_ID": str(number), "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST", **changes}
+
+
+class Node:
+    """A node's process with its output."""
+
+    def __init__(self, module: str, arguments: list[str], env: dict[str, str], log: Path) -> None:
+        self._log = log
+        with log.open("wb") as output:
+            self.process = subprocess.Popen(
+                [sys.executable, "-m", f"dcrb_ros.nodes.{module}", *arguments], env=env, stdout=output, stderr=subprocess.STDOUT
+            )
+
+    @property
+    def words(self) -> str:
+        """What it has printed."""
+        return self._log.read_text(errors="replace")
+
+    def end(self, number: int) -> int:
+        """Send a signal and return the exit status."""
+        self.process.send_signal(number)
+        return self.process.wait(PATIENCE)
+
+
+@contextmanager
+def node(module: str, arguments: list[str], env: dict[str, str], log: Path) -> Iterator[Node]:
+    """Run a node; it is ended whatever happens."""
+    started = Node(module, arguments, env, log)
+    try:
+        yield started
+    finally:
+        if started.process.poll() is None:
+            started.process.kill()
+        started.process.wait(PATIENCE)
+
+
+class Listener:
+    """A node of the test itself that keeps the raw messages of every topic."""
+
+    def __init__(self, number: int) -> None:
+        import rclpy
+        from rclpy.executors import SingleThreadedExecutor
+
+        os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
+        self.context = rclpy.Context()
+        rclpy.init(context=self.context, domain_id=number, args=[])
+        self.node = rclpy.create_node("listener", namespace=NAMESPACE, context=self.context)
+        self.executor = SingleThreadedExecutor(context=self.context)
+        self.executor.add_node(self.node)
+        self.heard: dict[Topic, list[bytes]] = defaultdict(list)
+        for topic in (*SIMULATED, *DETECTED, BENCH_DIAGNOSTICS, CLOCK):
+            self.node.create_subscription(
+                message_class(topic),
+                topic.resolved(NAMESPACE),
+                lambda data, t=topic: self.heard[t].append(bytes(data)),
+                qos(topic),
+                raw=True,
+            )
+
+    def ask(self, kind: Any, name: str, **fields: Any) -> Any:
+        """Call a service of the bench and return its answer."""
+        client = self.node.create_client(kind, name)
+        self.until(client.service_is_ready, f"the service {name}")
+        future = client.call_async(kind.Request(**fields))
+        self.until(future.done, f"the answer of {name}")
+        self.node.destroy_client(client)
+        return future.result()
+
+    def set(self, **values: Any) -> tuple[bool, str]:
+        """Set parameters of the simulator together; return whether it was accepted, and the reason."""
+        from rcl_interfaces.srv import SetParametersAtomically
+        from rclpy.parameter import Parameter
+
+        wanted = [Parameter(key.replace("__", "."), value=value).to_parameter_msg() for key, value in values.items()]
+        result = self.ask(SetParametersAtomically, "simulator/set_parameters_atomically", parameters=wanted).result
+        return result.successful, result.reason
+
+    @property
+    def status(self) -> dict[str, str]:
+        """The values of the simulator's last status, none before the first."""
+        found = self.heard[BENCH_DIAGNOSTICS]
+        return dict(decode_diagnostics(found[-1])[1][0].values) if found else {}
+
+    def meet(self, *publishers: Any, count: int = 1) -> None:
+        """Wait until publishers of this node know ``count`` subscriptions each, and the bench, which may learn of them later, too.
+
+        What is sent to a subscription that does not know its publisher yet may be lost: hence two reports of the bench more.
+        """
+        self.until(lambda: all(publisher.get_subscription_count() >= count for publisher in publishers), "the subscriptions")
+        reports = len(self.heard[BENCH_DIAGNOSTICS])
+        self.until(lambda: len(self.heard[BENCH_DIAGNOSTICS]) > reports + 1, "two reports of the bench")
+
+    def until(self, reached: Callable[[], Any], why: str) -> None:
+        """Listen until something is reached; fail where it is not in time. What looks at messages may find none yet."""
+
+        def there() -> bool:
+            try:
+                return bool(reached())
+            except LookupError:
+                return False
+
+        end = time.monotonic() + PATIENCE
+        while not there():
+            assert time.monotonic() < end, (
+                f"waited {PATIENCE} s in vain for {why}; heard { {t.name: len(m) for t, m in self.heard.items()} }, "
+                f"the status is {self.status}"
+            )
+            self.executor.spin_once(timeout_sec=0.1)
+
+    def close(self) -> None:
+        """Leave the graph."""
+        import rclpy
+
+        self.executor.shutdown()
+        self.node.destroy_node()
+        rclpy.try_shutdown(context=self.context)
+
+
+@contextmanager
+def listener(number: int) -> Iterator[Listener]:
+    """Listen in a domain."""
+    found = Listener(number)
+    try:
+        yield found
+    finally:
+        found.close()

@@ -1,0 +1,24 @@
+"""A recorder whose disk is slow."""
+
+from __future__ import annotations
+
+import threading
+from pathlib import Path
+
+from made_up_blocks import LAYOUT
+
+from dcrb_ros.recordings.recorder import Recorder
+from dcrb_ros.settings.configuration import Configuration
+
+
+class SlowRecorder(Recorder):
+    """A recorder whose disk answers when it is allowed to."""
+
+    def __init__(self, path: Path) -> None:
+        super().__init__(path, Configuration(), LAYOUT)
+        self.allowed = threading.Event()
+
+    def write_messages(self, messages: object) -> None:
+        if hasattr(self, "allowed"):
+            self.allowed.wait(60.0)
+        super().write_messages(messages)  # type: ignore[arg-type]

@@ -1,0 +1,623 @@
+"""Sweeps: designs, plans without leakage, runs on Dask, and what is refused."""
+
+from __future__ import annotations
+
+import errno
+import hashlib
+import json
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+from collections import Counter
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+pytest.importorskip("distributed")
+
+import pandas as pd
+from distributed import Client
+from hypothesis import example, given
+from hypothesis import strategies as st
+
+from dcrb_ros.cli.app import app
+from dcrb_ros.recordings.reader import Recording
+from dcrb_ros.recordings.reproduction import Reproduction
+from dcrb_ros.runtime.exit_status import guarded
+from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.settings.configuration import Configuration
+from dcrb_ros.settings.files import flatten, load_configuration, validated
+from dcrb_ros.simulation.batch import waveform
+from dcrb_ros.simulation.loop import ModelFailure, Simulation
+from dcrb_ros.sweep import carry_out as carrying
+from dcrb_ros.sweep.carry_out import carry_out, recipe
+from dcrb_ros.sweep.data_set import DataSet
+from dcrb_ros.sweep.design import GRID, LATIN_HYPERCUBE, RANDOM, Choice, Span, points, size
+from dcrb_ros.sweep.dispatch import WAITING, dispatched, workers_here
+from dcrb_ros.sweep.estimate import estimate
+from dcrb_ros.sweep.label import fault_class
+from dcrb_ros.sweep.plan import Plan, Run, splits
+from dcrb_ros.sweep.reading import read_sweep, sweep_of
+from dcrb_ros.sweep.store import Store, StoreFailed
+from dcrb_ros.sweep.sweep_file import Shares, Windows
+from dcrb_ros.sweep.windows import cut, starts
+
+QUICK = {"set": {"cage.joint": "revolute"}, "duration": 0.02}
+CASES = {"healthy": {}, "outer": {"faults.outer_1.width": {"low": 0.001, "high": 0.003}}}
+VARIED = {
+    **QUICK,
+    "design": "latin_hypercube",
+    "points": 5,
+    "vary": {"operating.speed": {"low": 90.0, "high": 160.0}, "operating.load": {"low": 4e4, "high": 1.2e5, "scale": "log"}},
+    "cases": CASES,
+    "seeds": 2,
+}
+EXAMPLES = Path(__file__).parents[2] / "examples"
+
+
+def plan_of(tree: dict[str, Any]) -> Plan:
+    return Plan(sweep_of(tree, "sweep.yaml"))
+
+
+def made(tree: dict[str, Any], folder: Path, client: Client) -> pd.DataFrame:
+    DataSet(plan_of(tree), Store(str(folder))).make(client, lambda _: None)
+    return pd.read_parquet(folder / "labels.parquet")
+
+
+def run_alone(tree: dict[str, Any], folder: Path) -> list[tuple[Run, dict[str, Any]]]:
+    """Carry out a plan here and return its runs with their labels."""
+    plan, store = plan_of(tree), Store(str(folder))
+    found = []
+    for task in plan.groups():
+        carry_out(recipe(plan.sweep, store), task)
+        found += [(run, json.loads((folder / "labels" / f"{run.name}.json").read_text())) for run in task]
+    return found
+
+
+def contents(folder: Path) -> dict[str, str]:
+    files = [path for path in sorted(folder.rglob("*")) if path.is_file()]
+    return {str(path.relative_to(folder)): hashlib.sha256(path.read_bytes()).hexdigest() for path in files}
+
+
+@pytest.fixture(scope="module")
+def client() -> Iterator[Client]:
+    """Two workers within this process: quick to start, and memory:// is shared."""
+    with Client(processes=False, n_workers=2, threads_per_worker=1, dashboard_address=None) as here:
+        yield here
+
+
+# Designs
+
+
+def test_a_grid_has_every_combination_and_both_ends() -> None:
+    axes = {"a": Span(1.0, 100.0, log=True, count=3), "b": Choice(("x", "y")), "c": Span(1, 16, whole=True, count=2)}
+    found = list(points(GRID, axes, 0, 1))
+    assert len(found) == size(GRID, axes, 0) == 12
+    assert sorted({float(point["a"]) for point in found}) == pytest.approx([1.0, 10.0, 100.0])
+    assert {point["c"] for point in found} == {1, 16}
+
+
+def test_a_latin_hypercube_has_one_point_in_every_stratum() -> None:
+    found = list(points(LATIN_HYPERCUBE, {"a": Span(0.0, 10.0), "b": Span(1.0, 1e10, log=True)}, 10, 3))
+    assert sorted(int(float(point["a"])) for point in found) == list(range(10))
+    assert sorted(int(np.log10(float(point["b"]))) for point in found) == list(range(10))
+
+
+@given(st.integers(0, 2**31 - 1), st.sampled_from([RANDOM, LATIN_HYPERCUBE]))
+def test_points_stay_within_their_ranges_and_come_again(seed: int, design: str) -> None:
+    axes = {"a": Span(2e4, 1e5, log=True), "b": Span(1, 4, whole=True), "c": Choice((True, False))}
+    found = list(points(design, axes, 4, seed))
+    assert found == list(points(design, axes, 4, seed))
+    assert all(2e4 <= float(point["a"]) <= 1e5 and point["b"] in (1, 2, 3, 4) and type(point["b"]) is int for point in found)
+
+
+# Plans
+
+
+def test_no_condition_and_no_twins_in_two_splits() -> None:
+    runs = list(plan_of({**VARIED, "points": 20, "twins": True}).runs())
+    assert len(runs) == 80
+    assert len({run.name for run in runs}) == 80
+    for of in (lambda run: run.condition, lambda run: run.twin):
+        where: dict[str, set[str]] = {}
+        for run in runs:
+            where.setdefault(of(run), set()).add(run.split)
+        assert {len(found) for found in where.values()} == {1}
+    assert Counter(run.split for run in runs) == {"train": 48, "validation": 16, "test": 16}
+    by_twin = Counter((run.twin, run.case) for run in runs)
+    assert set(by_twin.values()) == {1}
+    assert len({run.seed for run in runs}) == 40
+
+
+def test_sensors_and_faults_make_no_new_condition() -> None:
+    vary = {"sensor.noise_density": [0.001, 0.004], "operating.speed": [100.0, 120.0, 140.0]}
+    runs = list(plan_of({**QUICK, "vary": vary, "cases": {**CASES, "outer": {"faults.outer_1.width": [0.001, 0.002]}}}).runs())
+    assert len(runs) == 18
+    assert len({run.condition for run in runs}) == 3
+
+
+@given(st.integers(1, 40), st.floats(0.01, 0.8), st.floats(0.01, 0.99))
+@example(3, 0.1, 0.5 / 0.9)
+def test_every_split_has_its_share(count: int, train: float, validation: float) -> None:
+    conditions = {f"{number:x}" for number in range(count)}
+    shares = Shares(train=train, validation=(1.0 - train) * validation, test=(1.0 - train) * (1.0 - validation))
+    found = splits(conditions, shares)
+    assert set(found) == conditions
+    assert found == splits(conditions, shares)
+    if len(conditions) >= 3:
+        assert set(found.values()) == {"train", "validation", "test"}
+
+
+def test_equal_runs_are_made_once() -> None:
+    runs = list(plan_of({**QUICK, "vary": {"operating.speed": [100.0, 100.0]}, "cases": {"a": {}, "b": {}}}).runs())
+    assert [run.case for run in runs] == ["a"]
+
+
+def test_a_long_plan_starts_at_once() -> None:
+    begin = time.perf_counter()
+    plan = plan_of({**VARIED, "points": 10_000})
+    first = next(plan.tasks(set(), 1.0))
+    assert time.perf_counter() - begin < 10.0
+    assert plan.sweep.count == 40_000
+    assert len(first) == 50
+
+
+# Runs
+
+
+def test_samples_are_those_of_the_bench(tmp_path: Path) -> None:
+    (run, label), *_ = run_alone({**QUICK, "cases": {"outer": {"faults.outer_1.width": 0.002}}, "seeds": [7]}, tmp_path)
+    parameters = {"cage": {"joint": "revolute"}, "faults": {"outer_1": {"width": 0.002}}, "simulation": {"seed": 7}}
+    alone = waveform(Configuration.model_validate(parameters), 0.02)
+    held = np.load(tmp_path / label["file"])
+    assert np.array_equal(held["ax"], alone.acceleration[:, 0])
+    assert np.array_equal(held["ay"], alone.acceleration[:, 1])
+    assert np.array_equal(held["shaft_angle"], alone.shaft_angle)
+    assert (label["fault"], label["width"], label["onset"], label["samples"], label["seed"]) == ("outer_ring", 0.002, 0.0, 1024, 7)
+    assert label["configuration"]["faults.outer_1.width"] == 0.002
+    assert run.name == label["run"]
+
+
+def test_a_branch_of_a_settled_bearing_is_what_a_change_at_that_time_makes(tmp_path: Path) -> None:
+    tree = {**QUICK, "twins": True, "cases": {"outer": {"faults.outer_1.width": 0.002}}, "seeds": [1], "settle": 0.01, "branch_at": 0.03}
+    (_, healthy), (_, outer) = run_alone(tree, tmp_path)
+    assert (healthy["fault"], outer["fault"]) == ("healthy", "outer_ring")
+    assert 0.03 <= outer["onset"] < 0.032
+    assert outer["first_index"] == round(0.04 * 51200)
+    simulation = Simulation(Configuration.model_validate({"cage": {"joint": "revolute"}}))
+    parts = [block.acceleration for block in simulation.blocks(0.03)]
+    straight = Simulation(Configuration.model_validate({"cage": {"joint": "revolute"}}))
+    whole = np.concatenate([block.acceleration for block in straight.blocks(0.06)])
+    assert np.array_equal(np.load(tmp_path / healthy["file"])["ay"], whole[-1024:, 1])
+    simulation.change({"faults.outer_1.width": 0.002})
+    parts += [block.acceleration for block in simulation.blocks(0.03)]
+    assert np.array_equal(np.load(tmp_path / outer["file"])["ay"], np.concatenate(parts)[-1024:, 1])
+
+
+def test_a_fork_goes_on_by_itself() -> None:
+    simulation = Simulation(Configuration())
+    list(simulation.blocks(0.01))
+    fork, other = simulation.fork(), simulation.fork()
+    other.change({"faults.inner_1.width": 0.002})
+    with pytest.raises(ValueError, match="1 commands wait"):
+        other.fork()
+    list(other.blocks(0.01))
+    mine, its = (np.concatenate([block.acceleration for block in one.blocks(0.01)]) for one in (simulation, fork))
+    assert np.array_equal(mine, its)
+
+
+def test_a_bag_of_a_branch_can_be_repeated(tmp_path: Path) -> None:
+    tree = {**QUICK, "twins": True, "cases": {"outer": {"faults.outer_1.width": 0.002}}, "output": "bag", "settle": 0.01, "branch_at": 0.02}
+    _, (_, label) = run_alone(tree, tmp_path)
+    recording = Recording(tmp_path / label["file"])
+    assert recording.complete
+    assert recording.outcome is not None
+    assert recording.outcome["sha256"] == label["sha256"]
+    reproduction = Reproduction(recording)
+    list(reproduction.blocks(Simulation(reproduction.configuration)))
+    reproduction.check()
+
+
+def test_a_scenario_labels_its_windows(tmp_path: Path) -> None:
+    story = tmp_path / "story.yaml"
+    story.write_text("timeline: [{at: 0.02, set: {faults.outer_1.width: 0.002}}]", encoding="utf-8")
+    windows = {"length": 512, "overlap": 0.5, "kind": "parquet"}
+    tree = {**QUICK, "duration": 0.04, "windows": windows, "cases": {"grows": {"scenario": str(story)}}}
+    ((run, label),) = run_alone(tree, tmp_path / "set")
+    assert (label["fault"], label["onset"], label["windows"]) == ("outer_ring", 0.02, 7)
+    table = pd.read_parquet(tmp_path / "set" / "windows" / run.split / f"{run.name}.parquet")
+    assert list(table["fault"]) == ["healthy"] * 4 + ["outer_ring"] * 3
+    assert list(table["mixed"]) == [False, False, False, True, False, False, False]
+    assert pd.read_parquet(tmp_path / "set" / "windows")["start"].equals(table["start"])
+    held = np.load(tmp_path / "set" / label["file"])
+    assert np.array_equal(table["ay"][2], held["ay"][512:1024])
+    assert list(table["start"]) == [256 * k for k in range(7)]
+
+
+def test_a_scenario_starts_as_it_says(tmp_path: Path) -> None:
+    story = tmp_path / "story.yaml"
+    story.write_text("start: {operating.speed: 40.0}\ntimeline: [{at: 1.0, set: {operating.speed: 50.0}}]", encoding="utf-8")
+    ((_, label),) = run_alone({**QUICK, "cases": {"slow": {"scenario": str(story)}}}, tmp_path / "set")
+    assert label["speed"] == pytest.approx(40.0)
+
+
+def test_a_label_tells_the_sensor_of_its_preset(tmp_path: Path) -> None:
+    tree = {**QUICK, "vary": {"sensor.preset": ["mems", "ideal"]}}
+    labels = [label for _, label in run_alone(tree, tmp_path / "set")]
+    found = {label["configuration"]["sensor.preset"]: label["configuration"]["sensor.white_noise_ug"] for label in labels}
+    assert found == {"mems": 30.0, "ideal": 0.0}
+
+
+def test_lost_blocks_do_not_count(tmp_path: Path) -> None:
+    tree = {**QUICK, "duration": 0.1, "output": "bag", "set": {"publishing.loss_probability": 0.5, "publishing.block_size": 512}}
+    ((_, label),) = run_alone(tree, tmp_path / "set")
+    recording = Recording(tmp_path / "set" / label["file"])
+    kept = sum(len(vibration.acceleration) for vibration in recording.vibrations())
+    assert label["samples"] == kept < 0.1 * recording.sampling_rate
+
+
+@given(st.integers(16, 300), st.floats(0.0, 0.99), st.integers(0, 2000))
+def test_windows_lie_within_the_run(length: int, overlap: float, samples: int) -> None:
+    windows = Windows(length=length, overlap=overlap)
+    begin = starts(samples, windows)
+    assert all(k >= 0 and k + length <= samples for k in begin)
+    assert len(begin) == max(0, (samples - length) // windows.hop + 1)
+    signal_ = np.arange(2 * samples, dtype=np.float32).reshape(-1, 2)
+    found = cut(signal_, windows)
+    assert found.shape == (len(begin), 2, length)
+    for k, window in zip(begin, found, strict=True):
+        assert np.array_equal(window.T, signal_[k : k + length])
+
+
+def test_classes() -> None:
+    assert fault_class({}) == "healthy"
+    assert fault_class({"outer_1": {}, "outer_2": {}}) == "outer_ring"
+    assert fault_class({"broken_bars.row1/bar3": {}}) == "cage"
+    assert fault_class({"outer_1": {}, "roller_1": {}}) == "compound"
+    assert fault_class({"sensor.stuck": {}}) == "sensor"
+
+
+def test_a_preset_brings_its_sensor() -> None:
+    made = sweep_of({"duration": 0.1, "set": {"sensor.preset": "mems"}, "vary": {"operating.speed": [100.0]}}, "test")
+    assert made.base["sensor.range"] == load_configuration("healthy", ["sensor.preset=mems"]).sensor.range
+
+
+def test_waveform_only_has_the_same_samples_and_truths() -> None:
+    configuration = Configuration.model_validate({"cage": {"joint": "revolute"}})
+    (whole,), (lean,) = (list(Simulation(configuration, waveform_only=only).blocks(0.02)) for only in (False, True))
+    assert np.array_equal(whole.acceleration, lean.acceleration)
+    assert whole.truths == lean.truths
+    assert len(whole.states) > 0
+    assert len(lean.states) == len(lean.preview) == 0
+
+
+# Data sets
+
+
+def test_a_second_call_does_what_is_missing_and_nothing_else(tmp_path: Path, client: Client, monkeypatch: pytest.MonkeyPatch) -> None:
+    tree = {**VARIED, "twins": True, "windows": {"length": 256}}
+    table = made(tree, tmp_path / "set", client)
+    assert list(table["status"]) == ["done"] * 20
+    assert list(table["place"]) == list(range(20))
+    assert set(table["split"]) == {"train", "validation", "test"}
+    assert table["operating.speed"].between(90.0, 160.0).all()
+    before = contents(tmp_path / "set")
+    for name in table["run"][:7]:
+        (tmp_path / "set" / "labels" / f"{name}.json").unlink()
+    (tmp_path / "set" / "labels.parquet").unlink()
+    (tmp_path / "set" / "runs" / ".part-cut-off").write_bytes(b"half")
+    counted: list[str] = []
+    real = carrying._label
+    monkeypatch.setattr(carrying, "_label", lambda *of: counted.append(of[1].name) or real(*of))  # type: ignore[func-returns-value]
+    again = made(tree, tmp_path / "set", client)
+    assert sorted(counted) == sorted(table["run"][:7])
+    assert again.equals(table)
+    assert contents(tmp_path / "set") == before
+    base = load_configuration(tmp_path / "set" / "base.yaml")
+    assert flatten(base.model_dump()) == plan_of(tree).sweep.base
+    card = (tmp_path / "set" / "README.md").read_text()
+    for words in ("m/s^2", "51200 Hz", "CC-BY-4.0", "dcrb sweep sweep.yaml", "| train | 3 | 6 | 6 | 12 |"):
+        assert words in card
+
+
+def test_an_address_of_fsspec(client: Client) -> None:
+    import fsspec
+
+    store = Store("memory://sweep/set")
+    tally = DataSet(plan_of({**VARIED, "points": 2, "seeds": 1}), store).make(client, lambda _: None)
+    assert tally.statuses == {"done": 4}
+    with fsspec.open("memory://sweep/set/labels.parquet") as stream:
+        table = pd.read_parquet(stream)
+    assert len(table) == 4
+    assert DataSet(plan_of({**VARIED, "points": 2, "seeds": 1}), store).done == set(table["run"])
+
+
+def test_a_store_here_and_elsewhere(tmp_path: Path) -> None:
+    assert Store(f"file://{tmp_path}").folder == tmp_path
+    elsewhere = Store("memory://elsewhere")
+    assert elsewhere.folder is None
+    (tmp_path / "bag").mkdir()
+    (tmp_path / "bag" / "metadata.yaml").write_text("whole")
+    elsewhere.put(tmp_path / "bag", "runs/bag")
+    assert elsewhere.read("runs/bag/metadata.yaml") == b"whole"
+    assert elsewhere.read("runs/none") is None
+    assert list(elsewhere.names("nothing")) == []
+    assert not (tmp_path / "bag").exists()
+
+
+def test_failed_runs_are_recorded_and_stop_no_other(tmp_path: Path, client: Client, monkeypatch: pytest.MonkeyPatch) -> None:
+    def failing(configuration: Configuration, *of: Any, **more: Any) -> Simulation:
+        if configuration.operating.speed == 110.0:
+            raise ModelFailure("the model failed at 0.001 s")
+        if configuration.operating.speed == 120.0:
+            raise ZeroDivisionError("a bug")
+        return Simulation(configuration, *of, **more)
+
+    monkeypatch.setattr(carrying, "Simulation", failing)
+    # Rollers of 40 mm do not fit between these raceways.
+    tree = {**QUICK, "vary": {"operating.speed": [100.0, 110.0, 120.0], "bearing.roller_radius": [0.015, 0.04]}}
+    table = made(tree, tmp_path / "set", client)
+    assert Counter(table["status"]) == {"done": 1, "refused": 3, "failed": 1, "error": 1}
+    reasons = dict(zip(table["status"], table["reason"], strict=True))
+    assert "check the three radii" in reasons["refused"]
+    assert reasons["failed"] == "the model failed at 0.001 s"
+    assert reasons["error"] == "ZeroDivisionError: a bug"
+    assert "3 refused" in (tmp_path / "set" / "README.md").read_text()
+    monkeypatch.undo()
+    again = made(tree, tmp_path / "set", client)
+    assert Counter(again["status"]) == {"done": 2, "refused": 3, "failed": 1}
+    assert not list((tmp_path / "set" / "errors").iterdir())
+
+
+def test_a_full_disk_ends_the_sweep_which_can_go_on(tmp_path: Path, client: Client, monkeypatch: pytest.MonkeyPatch) -> None:
+    def full(path: Path, data: bytes) -> int:
+        if path.parent.name == "runs":
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        return real(path, data)
+
+    real = Path.write_bytes
+    data_set = DataSet(plan_of(VARIED), Store(str(tmp_path / "set")))
+    monkeypatch.setattr(Path, "write_bytes", full)
+    with pytest.raises(StoreFailed, match="No space left on device; make room and call the command again"):
+        data_set.make(client, lambda _: None)
+    monkeypatch.undo()
+    assert list(made(VARIED, tmp_path / "set", client)["status"]) == ["done"] * 20
+
+
+def test_no_more_tasks_are_asked_for_than_keep_the_workers_busy(tmp_path: Path, client: Client) -> None:
+    plan, asked = plan_of({**VARIED, "points": 10, "seeds": 1}), []
+
+    def counted() -> Iterator[tuple[Run, ...]]:
+        for task in plan.tasks(set(), 0.0):
+            asked.append(task)
+            yield task
+
+    for done, _ in enumerate(dispatched(client, recipe(plan.sweep, Store(str(tmp_path))), counted()), 1):
+        assert len(asked) <= 2 * WAITING + done
+    assert done == len(asked) == 10
+
+
+def test_workers_may_be_killed(tmp_path: Path) -> None:
+    tree = {**VARIED, "duration": 0.1, "points": 6, "seeds": 2}
+    killed = []
+    with workers_here(2, "auto") as two:
+        data_set = DataSet(plan_of(tree), Store(str(tmp_path / "set")))
+
+        def kill(_: Counter[str]) -> None:
+            if not killed:
+                killed.append(sorted(two.run(os.getpid).values())[0])
+                os.kill(killed[0], signal.SIGKILL)
+
+        tally = data_set.make(two, kill)
+    assert killed
+    assert tally.statuses == {"done": 24}
+    table = pd.read_parquet(tmp_path / "set" / "labels.parquet")
+    assert table["run"].is_unique
+    assert {f"runs/{path.name}" for path in (tmp_path / "set" / "runs").iterdir()} == set(table["file"])
+    run = next(run for run in data_set.plan.runs() if run.name == table["run"][5])
+    alone = waveform(validated({**data_set.plan.sweep.base, **run.changes}, Configuration, "run"), 0.1)
+    assert np.array_equal(np.load(tmp_path / "set" / table["file"][5])["ax"], alone.acceleration[:, 0])
+
+
+# The command
+
+
+def dcrb(*arguments: str) -> int:
+    return guarded("dcrb", lambda: app([*arguments], standalone_mode=False))
+
+
+SMALL = """
+set: {cage.joint: revolute}
+design: latin_hypercube
+points: 12
+vary: {operating.speed: {low: 100.0, high: 150.0}}
+cases:
+  healthy: {}
+  outer: {faults.outer_1.width: {low: 0.002, high: 0.003}}
+duration: 0.25
+"""
+
+
+def test_killed_half_way_and_called_again_it_makes_the_same(tmp_path: Path, client: Client, capsys: pytest.CaptureFixture[str]) -> None:
+    file, cut_off, whole = tmp_path / "small.yaml", tmp_path / "cut_off", tmp_path / "whole"
+    file.write_text(SMALL, encoding="utf-8")
+    command = [sys.executable, "-c", "from dcrb_ros.cli.app import main; main()", "sweep", str(file), "-o", str(cut_off), "--workers", "1"]
+    with subprocess.Popen(command, stderr=subprocess.DEVNULL, start_new_session=True) as process:
+        deadline = time.monotonic() + 100.0
+        while not list(cut_off.glob("labels/*.json")) and time.monotonic() < deadline:
+            assert process.poll() is None
+            threading.Event().wait(0.02)
+        os.killpg(process.pid, signal.SIGKILL)
+    done = len(list(cut_off.glob("labels/*.json")))
+    assert 0 < done < 24
+    assert dcrb("sweep", str(file), "-o", str(cut_off), "--scheduler", client.scheduler.address) == 0
+    assert "24 done; 16 train, 4 validation, 4 test" in capsys.readouterr().out
+    DataSet(Plan(read_sweep(file)), Store(str(whole))).make(client, lambda _: None)
+    assert contents(cut_off) == contents(whole)
+
+    # The examples need nothing but the files.
+    environment = {**os.environ, "PYTHONPATH": str(EXAMPLES)}
+    for name, words in (("load_dataset.py", "train: 80 windows"), ("baseline.py", "balanced accuracy on test")):
+        run = [sys.executable, str(EXAMPLES / name), str(cut_off)]
+        example = subprocess.run(run, env=environment, capture_output=True, text=True, timeout=100, check=False)
+        assert words in example.stdout, example.stderr
+    assert float(example.stdout.split("test: ")[1].split(",")[0]) > 0.8
+
+
+def test_an_existing_cluster(tmp_path: Path, client: Client, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("dcrb_ros.sweep.dispatch.PATIENCE", 1.0)
+    (tmp_path / "small.yaml").write_text("duration: 0.02", encoding="utf-8")
+    address, arguments = client.scheduler.address, ["sweep", str(tmp_path / "small.yaml"), "-o", str(tmp_path / "set"), "--scheduler"]
+    assert dcrb(*arguments, address) == 0
+    told = capsys.readouterr()
+    assert "1 done; 1 train" in told.out
+    assert "1 condition of the bearing gives no validation and no test split" in told.err
+    with Client(processes=False, n_workers=0, dashboard_address=None) as lonely:
+        assert dcrb(*arguments, lonely.scheduler.address) == 2
+    assert "has no workers: start some with 'dask worker" in capsys.readouterr().err
+
+
+def test_workers_of_another_version_are_refused(
+    tmp_path: Path, client: Client, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def what_runs_here() -> tuple[str, str]:  # the workers are threads
+        return ("0.1.0" if threading.current_thread() is threading.main_thread() else "9.9.9"), "0123456789abcdef"
+
+    monkeypatch.setattr("dcrb_ros.sweep.dispatch.what_runs_here", what_runs_here)
+    (tmp_path / "small.yaml").write_text("duration: 0.02", encoding="utf-8")
+    assert dcrb("sweep", str(tmp_path / "small.yaml"), "-o", str(tmp_path / "set"), "--scheduler", client.scheduler.address) == 2
+    said = capsys.readouterr().err
+    assert "run dcrb_ros 9.9.9 with model 0123456789abcdef, this is 0.1.0 with" in said
+    assert "install the same on all machines" in said
+    assert not list(tmp_path.rglob("*.npz"))
+
+
+def test_a_dry_run_counts_and_writes_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "small.yaml").write_text(SMALL, encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    assert dcrb("sweep", "small.yaml", "--dry-run", "--workers", "2") == 0
+    said = capsys.readouterr().out
+    assert "24 runs of 0.25 s in 12 conditions" in said
+    assert "| train | healthy | 8 |" in said
+    assert "on 2 workers" in said
+    assert list(tmp_path.iterdir()) == [tmp_path / "small.yaml"]
+
+
+def test_the_room_is_estimated(tmp_path: Path) -> None:
+    plan = plan_of({**QUICK, "duration": 10.0})
+    assert estimate(plan).room == pytest.approx(10.0 * 51200 * 12, rel=0.05)
+
+
+@pytest.mark.parametrize(
+    ("tree", "sentence"),
+    [
+        ({"durations": 1.0}, "unknown key 'durations'; did you mean 'duration'?"),
+        ({"duration": None}, "duration = None"),
+        ({"duration": -1.0}, "duration = -1.0: it should be greater than 0"),
+        ({"base": "heathy"}, "did you mean 'healthy'?"),
+        ({"set": {"operating.sped": 1.0}}, "did you mean 'operating.speed'?"),
+        ({"vary": {"operating.speed": []}}, "operating.speed has no value, so there would be no run"),
+        ({"vary": {"operating.speed": [100.0, "fast"]}}, "operating.speed = 'fast' is not a number"),
+        ({"vary": {"bearing.roller_radius": [15.0]}}, "is outside 0.0005 .. 0.2 m: lengths are in metres"),
+        ({"vary": {"cage.joint": ["pockets"]}}, "did you mean 'pocket'?"),
+        ({"vary": {"operating.load": {"low": 1.0, "high": 2.0}}}, "a grid needs the count of values"),
+        ({"vary": {"operating.load": {"low": 2.0, "high": 1.0, "count": 2}}}, "low = 2.0 is not below high = 1.0"),
+        ({"vary": {"operating.load": {"low": 0.0, "high": 1.0, "count": 2, "scale": "log"}}}, "is not above 0"),
+        ({"vary": {"operating.load": {"low": 1.0, "hihg": 2.0}}}, "did you mean 'high'?"),
+        ({"vary": {"simulation.seed": [1]}}, "simulation.seed is given by 'seeds'"),
+        ({"vary": {"scenario": ["growing_spal"]}}, "did you mean 'growing_spall'?"),
+        ({"vary": {"scenario": ["growing_spall"]}, "twins": True}, "brings faults"),
+        ({"design": "latin_hypercube"}, "needs 'points'"),
+        ({"design": "sobol"}, "design = 'sobol'"),
+        ({"points": 10}, "a grid has as many as its values make"),
+        ({"seeds": 0}, "seeds = 0"),
+        ({"seeds": []}, "seeds = []"),
+        ({"cases": {"fast": {"operating.speed": 200.0}}}, "belongs under 'vary'"),
+        ({"cases": {"healthy": {"faults.outer_1.width": 0.001}}, "twins": True}, "must be empty"),
+        ({"split": {"train": 0.9}}, "add up to 1.3 instead of 1"),
+        ({"split": {"tests": 0.9}}, "did you mean 'test'?"),
+        ({"windows": {"length": 100_000}}, "is longer than a run of 0.02 s"),
+        ({"windows": {"length": 8}}, "windows.length = 8"),
+        ({"duration": 1e4}, "too long for memory"),
+        ({"branch_at": 0.1}, "settle = 0 s is below 0.005 s"),
+        ({"branch_at": 0.1, "settle": 0.1, "cases": {"slow": {"sensor.sampling_rate": 25600}}}, "cannot change as the bearing turns"),
+        ({"branch_at": 0.1, "settle": 0.1, "cases": {"grows": {"scenario": "growing_spall"}}}, "do not go together"),
+        ({"set": {"operating.speed_kmh": 80.0}, "vary": {"operating.speed": [100.0]}}, "would win over operating.speed"),
+        ({"output": "wav"}, "output = 'wav'"),
+        ({"vary": {"publishing.loss_probability": [0.0, 0.1]}}, "publishing.loss_probability leaves gaps"),
+    ],
+)
+def test_what_is_wrong_in_a_sweep_is_told_in_a_sentence(tree: dict[str, Any], sentence: str) -> None:
+    with pytest.raises(Refusal) as refused:
+        sweep_of({**QUICK, **tree}, "sweep.yaml")
+    assert sentence in str(refused.value)
+    assert "\n" not in str(refused.value)
+
+
+def test_wrong_usage_ends_with_status_2(tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("dcrb_ros.sweep.dispatch.PATIENCE", 0.5)
+    file, begun = tmp_path / "sweep.yaml", tmp_path / "begun"
+    file.write_text("duration: 0.02", encoding="utf-8")
+    (tmp_path / "list.yaml").write_text("- 1", encoding="utf-8")
+    (tmp_path / "other").mkdir()
+    (tmp_path / "other" / "thesis.txt").touch()
+    DataSet(plan_of({"duration": 0.03}), Store(str(begun)))
+    damaged = tmp_path / "damaged"
+    damaged.mkdir()
+    (damaged / "sweep.json").write_text('{"name": "3f', encoding="utf-8")
+    folder, free = str(tmp_path / "set"), str(file)
+    for arguments, sentence in (
+        (["sweep"], "Missing argument"),
+        (["sweep", free], "Missing option '-o'"),
+        (["sweep", "nothing", "-o", folder], "there is no sweep 'nothing'"),
+        (["sweep", str(tmp_path / "list.yaml"), "-o", folder], "is not a sweep"),
+        (["sweep", free, "-o", str(tmp_path / "other")], "holds something else"),
+        (["sweep", free, "-o", str(begun)], "was begun with another sweep (duration differs)"),
+        (["sweep", free, "-o", "/proc/set"], "/proc/set cannot be written"),
+        (["sweep", free, "-o", str(tmp_path / "list.yaml")], "list.yaml cannot be read: Not a directory; give a folder that is empty"),
+        (["sweep", free, "-o", str(damaged)], "sweep.json is damaged, so nobody knows"),
+        (["sweep", free, "-o", "memory://set"], "would be gone with this command"),
+        (["sweep", free, "-o", "nowhere://set"], "is no place for a data set"),
+        (["sweep", free, "-o", folder, "--workers", "0"], "--workers"),
+        (["sweep", free, "-o", folder, "--memory", "much"], "--memory much: it is no size"),
+        (["sweep", free, "-o", folder, "--scheduler", "tcp://127.0.0.1:9"], "the scheduler tcp://127.0.0.1:9 cannot be reached"),
+        (["sweep", free, "-o", folder, "--scheduler", "tcp://127.0.0.1:9", "--workers", "2"], "leave out --workers"),
+    ):
+        assert dcrb(*arguments) == 2, arguments
+        said = capsys.readouterr().err.strip().splitlines()
+        assert sentence in said[-1]
+        assert len([line for line in said if "gives no validation" not in line]) == 1
+
+
+def test_without_dask_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    monkeypatch.setitem(sys.modules, "distributed", None)
+    with pytest.raises(Refusal, match="pip install dask distributed pandas"), workers_here(1, "auto"):
+        pass
+    monkeypatch.setitem(sys.modules, "fsspec", None)
+    assert dcrb("sweep", "two_hundred", "-o", str(tmp_path)) == 2
+    assert "pip install dask distributed pandas" in capsys.readouterr().err
+
+
+def test_a_sweep_without_a_single_run_done_fails(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    plan = plan_of({**QUICK, "set": {"bearing.roller_radius": 0.04}})
+    store = Store(str(tmp_path))
+    for task in plan.groups():
+        carry_out(recipe(plan.sweep, store), task)
+    from dcrb_ros.cli.sweep import _tell
+    from dcrb_ros.sweep.table import write_table
+
+    with pytest.raises(RuntimeError, match=r"no run of .* was done \(1 refused\)"):
+        _tell(write_table(plan, store), store.address)
+    assert "check the three radii" in capsys.readouterr().err
+
+
+def test_a_shipped_sweep_has_200_runs_in_five_classes() -> None:
+    plan = Plan(read_sweep("two_hundred"))
+    assert plan.sweep.count == 200
+    assert Counter(run.case for run in plan.runs()) == dict.fromkeys(("healthy", "outer", "inner", "roller", "cage"), 40)

@@ -1,0 +1,88 @@
+"""The viewer in a browser: who may reach it, and what a real browser without a window shows."""
+
+from __future__ import annotations
+
+import os
+import re
+import signal
+import subprocess
+import sys
+import threading
+import time
+import urllib.request
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import chromium
+import numpy as np
+import pytest
+from runs import simulated
+
+from dcrb_ros.bearing.payload import layout
+from dcrb_ros.recordings.recorder import Recorder
+from dcrb_ros.viewer import palette
+from dcrb_ros.viewer.window import page_address
+
+PATIENCE = 90.0
+"""Longest wait for the viewer [s]."""
+
+
+@pytest.fixture(scope="module")
+def bag(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path, run = tmp_path_factory.mktemp("bags") / "short", simulated(0.6, fault="outer_1", state_rate=100)
+    with Recorder(path, run.configuration, layout(run.configuration)) as recorder:
+        for block in run.blocks:
+            recorder.write(block)
+    return path
+
+
+@contextmanager
+def served(bag: Path) -> Iterator[str]:
+    """Run `dcrb view --web`; yield the address that it prints."""
+    command = [sys.executable, "-c", "from dcrb_ros.cli.app import main; main()", "view", str(bag), "--web"]
+    environment = {**os.environ, "BROWSER": "true", "NO_COLOR": "1", "TMPDIR": str(bag.parent)}  # it is killed, its files would stay
+    viewer = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, env=environment, start_new_session=True)
+    assert viewer.stdout is not None
+    watchdog = threading.Timer(2.0 * PATIENCE, lambda: os.killpg(viewer.pid, signal.SIGKILL))
+    watchdog.start()
+    try:
+        found = next((at for line in viewer.stdout if (at := re.search(r"the viewer is at (http://\S+)", line))), None)
+        assert found is not None
+        yield found[1]
+    finally:
+        watchdog.cancel()
+        os.killpg(viewer.pid, signal.SIGKILL)
+        viewer.wait(30.0)
+
+
+def listeners(port: int) -> set[str]:
+    """Return the addresses on which somebody listens at a port, as the kernel writes them."""
+    lines = [line.split() for table in ("tcp", "tcp6") for line in Path("/proc/net", table).read_text().splitlines()[1:]]
+    return {words[1].split(":")[0] for words in lines if words[1].endswith(f":{port:04X}") and words[3] == "0A"}
+
+
+def test_address_names_this_machine_by_number() -> None:
+    assert (
+        page_address(9090, 9876)
+        == "http://127.0.0.1:9090/?url=rerun%2Bhttp%3A%2F%2F127.0.0.1%3A9876%2Fproxy&theme=dark&hide_welcome_screen"
+    )
+
+
+def test_web_viewer_listens_to_this_machine_alone(bag: Path) -> None:
+    with served(bag) as address:
+        with urllib.request.urlopen(address, timeout=30.0) as page:
+            assert b"<html" in page.read().lower()
+        for port in re.findall(r"127\.0\.0\.1(?::|%3A)(\d+)", address):
+            assert listeners(int(port)) == {"0100007F"}
+
+
+@pytest.mark.skipif(chromium.found() is None, reason="needs a Chromium (Debian: apt-get install chromium)")
+def test_browser_shows_the_bearing(bag: Path) -> None:
+    wanted = [np.array(colour[:3]) for colour in (palette.LOAD, palette.DEFECT, palette.BRASS)]
+    with served(bag) as address, chromium.page(address, size=(900, 600)) as page:
+        end, missing = time.monotonic() + PATIENCE, wanted
+        while missing and time.monotonic() < end:
+            pixels = page.pixels()
+            missing = [colour for colour in wanted if (np.abs(pixels - colour).max(axis=2) < 12).sum() < 15]
+        assert not missing
