@@ -10,9 +10,10 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
 from dcrb_ros.bearing.payload import build_payload
-from dcrb_ros.core.contact import johnson_force, power_force
+from dcrb_ros.core.contacts.force_line import crosses, crossing_line, elastic, lasting_line
 from dcrb_ros.core.jit import loop, piece
-from dcrb_ros.core.normal import crosses, crossing_line, elastic, lasting_line
+from dcrb_ros.core.laws.johnson import johnson_force
+from dcrb_ros.core.laws.power import power_force
 from dcrb_ros.core.payload import JOHNSON, Payload
 from dcrb_ros.settings.configuration import Configuration
 

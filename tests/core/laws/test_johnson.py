@@ -9,7 +9,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from dcrb_ros.bearing.equilibrium import johnson_forces
-from dcrb_ros.core.contact import johnson_force, johnson_penetration, loss_coefficient
+from dcrb_ros.core.laws.johnson import johnson_force, johnson_penetration
+from dcrb_ros.core.laws.loss import loss_coefficient
 from dcrb_ros.settings.parameters import Bearing
 
 pytestmark = pytest.mark.kernel

@@ -13,10 +13,10 @@ from dcrb_ros.bearing.equilibrium import penetrations, roller_forces, static_equ
 from dcrb_ros.bearing.equilibrium import stored_energy as contact_energy
 from dcrb_ros.bearing.observation import place_pinned_rollers
 from dcrb_ros.bearing.payload import build_payload, initial_state
+from dcrb_ros.core.layout.state import State
+from dcrb_ros.core.layout.workspace import workspace
 from dcrb_ros.core.payload import Payload
-from dcrb_ros.core.state import State
-from dcrb_ros.core.step import advance
-from dcrb_ros.core.work import workspace
+from dcrb_ros.core.solver.step import advance
 from dcrb_ros.settings.configuration import Configuration
 
 
@@ -149,7 +149,7 @@ def test_free_rollers_move_as_if_they_were_solved_for_with_the_rings(contact: di
     assert free.roller_velocity == pytest.approx(bound.roller_velocity, rel=1e-4, abs=2e-4)
     assert free.outer_velocity == pytest.approx(bound.outer_velocity, abs=1e-5)
     assert free.outer_force == pytest.approx(bound.outer_force, rel=1e-3, abs=3.0)
-    assert free.outer_bristle == pytest.approx(bound.outer_bristle, abs=2e-9)
+    assert free.rollers[0].outer.bristle == pytest.approx(bound.rollers[0].outer.bristle, abs=2e-9)
 
 
 @pytest.mark.kernel

@@ -9,12 +9,13 @@ from __future__ import annotations
 
 import math
 
-from dcrb_ros.core.contact import normal_force
+from dcrb_ros.core.contacts.force_line import normal_force
 from dcrb_ros.core.jit import kernel
-from dcrb_ros.core.payload import Floats, Notches, Payload, RollerNotches
+from dcrb_ros.core.layout.records import Floats
+from dcrb_ros.core.payload import Notches, Payload, RollerNotches
 
-STILL = 1e-12
-"""Way over a notch in a step below which the roller stands [rad]."""
+LEAST_WAY = 1e-12
+"""Least way over a notch in a step, for a roller that stands [rad]."""
 
 
 @kernel
@@ -77,35 +78,35 @@ def passed(
             here = outer_notch_depth(edge, depth, raceway, roller)
         middle = here if k == 0 else middle
         change += shares[k] * here
-    reach = max(abs(way), STILL)
+    reach = max(abs(way), LEAST_WAY)
     before, after = max(1.0 - abs(offset - bottom) / reach, 0.0), max(1.0 - abs(offset + bottom) / reach, 0.0)
     return middle - kink * reach * (before * before * before + after * after * after) / 6.0, change
 
 
 @kernel
-def turn_notches(notches: Notches, turn: float, towards: Floats) -> None:
+def turn_notches(notches: Notches, turn: float, direction: Floats) -> None:
     """Write the directions of a ring's notches, shape (notches, 2) [-], the ring having turned by ``turn`` [rad].
 
     The azimuth counts from -Y, so a notch at phi points to (sin phi, -cos phi).
     """
     for k in range(notches.row.size):
         azimuth = notches.azimuth[k] + turn
-        towards[k, 0], towards[k, 1] = math.sin(azimuth), -math.cos(azimuth)
+        direction[k, 0], direction[k, 1] = math.sin(azimuth), -math.cos(azimuth)
 
 
 @kernel
-def notch_under(notches: Notches, towards: Floats, row: int, nx: float, ny: float) -> tuple[int, float]:
+def notch_under(notches: Notches, direction: Floats, row: int, nx: float, ny: float) -> tuple[int, float]:
     """Return which notch lies under a contact normal and how far the normal is past its middle [rad]; -1 for none."""
     for k in range(notches.row.size):
         if notches.row[k] >= 0 and notches.row[k] != row:
             continue
-        if nx * towards[k, 0] + ny * towards[k, 1] > notches.nearness[k]:
-            return k, math.asin(towards[k, 0] * ny - towards[k, 1] * nx)
+        if nx * direction[k, 0] + ny * direction[k, 1] > notches.nearness[k]:
+            return k, math.asin(direction[k, 0] * ny - direction[k, 1] * nx)
     return -1, 0.0
 
 
 @kernel
-def roller_sink(
+def roller_notch_under(
     notches: RollerNotches,
     row: int,
     i: int,

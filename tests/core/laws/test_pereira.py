@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from scipy.integrate import quad
 from scipy.optimize import brentq
 
-from dcrb_ros.core.cage import MOST_GAIN, impact_damping, mean_force, strike
+from dcrb_ros.core.laws.pereira import LARGEST_GAIN, impact_damping, mean_force, step_force
 
 pytestmark = pytest.mark.kernel
 
@@ -36,7 +36,7 @@ def bounced(speed: float, phase: float, impact_loss: float) -> float:
     depth, rate, force, impact = -phase * STEP * speed, speed, 0.0, 0.0
     yielding = 0.5 * STEP / MASS
     for _ in range(200):
-        elastic, slope, expected = strike(depth, rate - yielding * force, force, yielding, STEP, COEFFICIENT, EXPONENT)
+        elastic, slope, expected = step_force(depth, rate - yielding * force, force, yielding, STEP, COEFFICIENT, EXPONENT)
         impact = impact or max(rate, 1e-3)
         damping = impact_damping(elastic, expected, impact, impact_loss)
         force = elastic + damping * expected
@@ -63,4 +63,4 @@ def test_restitution(speed: float, phase: float, loss: float) -> None:
 @given(force=st.floats(1e-3, 1e5), rate=st.floats(-10.0, 10.0), impact=st.floats(1e-3, 10.0), loss=st.floats(0.0, 0.75))
 def test_bar_never_pulls(force: float, rate: float, impact: float, loss: float) -> None:
     total = force + impact_damping(force, rate, impact, loss) * rate
-    assert -1e-9 * force <= total <= (MOST_GAIN + 1e-9) * force
+    assert -1e-9 * force <= total <= (LARGEST_GAIN + 1e-9) * force

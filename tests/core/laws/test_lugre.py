@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from dcrb_ros.bearing.payload import build_payload
-from dcrb_ros.core.friction import bristle_after, bristle_weights, convection_rate, friction_line, stribeck_coefficient
+from dcrb_ros.core.laws.lugre import bristle_after, bristle_weights, convection_rate, friction_line, stribeck_coefficient
 from dcrb_ros.settings.configuration import Configuration
 
 pytestmark = pytest.mark.kernel

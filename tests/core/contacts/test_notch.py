@@ -10,14 +10,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from dcrb_ros.bearing.payload import build_payload
-from dcrb_ros.core import lanes as at
-from dcrb_ros.core.contact import johnson_force
+from dcrb_ros.core.contacts.notch import inner_notch_depth, outer_notch_depth, passed, roller_notch_depth, roller_notch_under, turn_notches
+from dcrb_ros.core.contacts.raceway import linearize_raceways, locate_raceways
 from dcrb_ros.core.jit import kernel, loop
+from dcrb_ros.core.laws.johnson import johnson_force
+from dcrb_ros.core.layout.state import State, empty_state
+from dcrb_ros.core.layout.workspace import Workspace, workspace
 from dcrb_ros.core.payload import ROLLER_NOTCH, Payload
-from dcrb_ros.core.raceway import inner_notch_depth, outer_notch_depth, passed, roller_notch_depth, roller_sink, turn_notches
-from dcrb_ros.core.state import State, empty_state
-from dcrb_ros.core.touch import draw_raceways, face_raceways
-from dcrb_ros.core.work import Workspace, workspace
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.parameters import Bearing
 
@@ -51,24 +50,24 @@ def under(width: float, azimuth: float, ring: str, **contact: object) -> Payload
 @loop
 def touch_one(payload: Payload, state: State, work: Workspace) -> None:
     """Write the first roller's contacts with both raceways."""
-    face_raceways(payload, state, work, 1)
-    draw_raceways(payload, state, work, 1)
+    locate_raceways(payload, state, work, 1)
+    linearize_raceways(payload, state, work, 1)
 
 
 def touch(payload: Payload, inner: bool, azimuth: float, pressed: float, turn: float = 0.0) -> tuple[float, float, float, float]:
     """Return force without loss, normal and sink speed (at 1 rad/s) of a roller at an azimuth, pressed in by ``pressed`` [m]."""
     payload = payload._replace(loss_time=0.0, contact_damping=0.0)
     state, work = empty_state(*payload.free.shape), workspace(payload)
-    turn_notches(payload.inner_notches, turn, work.inner_towards)
-    turn_notches(payload.outer_notches, turn, work.outer_towards)
+    turn_notches(payload.inner_notches, turn, work.inner_notch_direction)
+    turn_notches(payload.outer_notches, turn, work.outer_notch_direction)
     distance = R_I + R_R - pressed if inner else R_O - R_R + pressed
-    lanes, block = work.bound, at.INNER if inner else at.OUTER
-    work.ends[:] = 1
-    lanes[at.PLACE_X], lanes[at.PLACE_Y] = distance * math.sin(azimuth), -distance * math.cos(azimuth)
-    lanes[at.COMING_X], lanes[at.COMING_Y] = distance * math.cos(azimuth), distance * math.sin(azimuth)
+    bound = work.bound[0]
+    contact = bound.inner if inner else bound.outer
+    work.row_ends[:] = 1
+    bound.x[0], bound.y[0] = distance * math.sin(azimuth), -distance * math.cos(azimuth)
+    bound.predicted_vx[0], bound.predicted_vy[0] = distance * math.cos(azimuth), distance * math.sin(azimuth)
     touch_one(payload, state, work)
-    force, nx, ny, sink = (float(lanes[block + field]) for field in (at.KNOWN, at.NORMAL_X, at.NORMAL_Y, at.SINK))
-    return force, nx, ny, sink
+    return float(contact.expected_force[0]), float(contact.normal_x[0]), float(contact.normal_y[0]), float(contact.sink_speed[0])
 
 
 @given(st.floats(-3.0, 3.0), st.floats(-0.02, 0.02), st.floats(-10.0, 10.0))
@@ -101,13 +100,13 @@ def test_notch_of_one_row_leaves_the_other() -> None:
 def test_notch_of_a_roller_turns_with_it(inner: bool) -> None:
     notches = np.array([(0, 3, 0.05, 0.0, 0.0, 0.0, 0.0, 3e-4, 0.0)], ROLLER_NOTCH).view(np.recarray)
     raceway = R_I if inner else R_O
-    depth, _ = roller_sink(notches, 0, 3, 0.0, -1.0, 0.0, 1e-4, raceway, R_R, inner)
+    depth, _ = roller_notch_under(notches, 0, 3, 0.0, -1.0, 0.0, 1e-4, raceway, R_R, inner)
     # The edges' chord on a raceway of radius r: R (1 - cos a) less or more the raceway's own sagitta.
     bulge = math.sqrt(raceway**2 - (R_R * math.sin(0.05)) ** 2) - raceway
     assert depth == pytest.approx(R_R * (1.0 - math.cos(0.05)) + (-bulge if inner else bulge), rel=1e-9)
-    assert roller_sink(notches, 0, 3, 0.0, -1.0, math.pi, 1e-4, raceway, R_R, inner) == (0.0, 0.0)
-    assert roller_sink(notches, 0, 4, 0.0, -1.0, 0.0, 1e-4, raceway, R_R, inner) == (0.0, 0.0)
-    aside = roller_sink(notches, 0, 3, math.sin(2.03), -math.cos(2.03), 2.0, 1e-4, raceway, R_R, inner)
+    assert roller_notch_under(notches, 0, 3, 0.0, -1.0, math.pi, 1e-4, raceway, R_R, inner) == (0.0, 0.0)
+    assert roller_notch_under(notches, 0, 4, 0.0, -1.0, 0.0, 1e-4, raceway, R_R, inner) == (0.0, 0.0)
+    aside = roller_notch_under(notches, 0, 3, math.sin(2.03), -math.cos(2.03), 2.0, 1e-4, raceway, R_R, inner)
     assert 0.0 < aside[0] < depth
     assert aside[1] < 0.0  # shallower further from the middle
 

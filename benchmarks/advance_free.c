@@ -1,4 +1,4 @@
-/* The loop over free rollers (`dcrb_ros/core/rolling.py`, `roll_free`) once more in C, for what a compiler of C makes of it.
+/* The loop over free rollers (`dcrb_ros/core/solver/free.py`, `advance_free`) once more in C, for what a compiler of C makes of it.
 
    Offsets of the fields come from `benchmarks/machine.py`, which compiles this. */
 
@@ -38,15 +38,15 @@ static inline double exponential(double x) {
     return x > -700.0 ? found : 0.0;
 }
 
-void roll_free(double *restrict own, double *restrict light, int64_t count, const struct constants *k) {
+void advance_free(double *restrict own, double *restrict step, int64_t count, const struct constants *k) {
     const struct constants p = *k;
     const double by_radius = 1.0 / p.radius, h = p.step;
     for (int64_t c = 0; c < count; c++) {
         double dx = own[X + c] - p.ring_x, dy = own[Y + c] - p.ring_y;
         double distance = fmax(sqrt(dx * dx + dy * dy), 1e-12), by_distance = 1.0 / distance;
-        double nx = dx * by_distance, ny = dy * by_distance, sink = light[SINK + c], bristle = own[OUTER_BRISTLE + c];
+        double nx = dx * by_distance, ny = dy * by_distance, sink = step[SINK_SPEED + c], bristle = own[OUTER_BRISTLE + c];
 
-        double depth = distance - p.reach - light[CUT + c], closed = depth > 1e-15 ? depth : 1e-15;
+        double depth = distance - p.reach - step[NOTCH_DEPTH + c], closed = depth > 1e-15 ? depth : 1e-15;
         double l = 1.0 + logarithm(closed) - logarithm(p.scale), t = ((l < -4.0 ? l : -4.0) + 22.0) * (1.0 / 18.0);
         double t2 = t * t, t4 = t2 * t2;
         double above = (25.227952610343658 - 111.70804449222039 * t) + t2 * (209.02017336824925 - 214.28786416771893 * t);
@@ -58,7 +58,7 @@ void roll_free(double *restrict own, double *restrict light, int64_t count, cons
         double force = depth > 0.0 ? closed * share * (above - below) : 0.0, stiffness = depth > 0.0 ? share * above : 0.0;
 
         double own_x = own[VX + c], own_y = own[VY + c], spin = own[SPIN + c];
-        double vx = own_x + 0.5 * own[CHANGE_X + c] - p.mean_x, vy = own_y + 0.5 * own[CHANGE_Y + c] - p.mean_y;
+        double vx = own_x + 0.5 * own[CHANGE_VX + c] - p.mean_x, vy = own_y + 0.5 * own[CHANGE_VY + c] - p.mean_y;
         double along = vy * nx - vx * ny, rim = p.radius * spin;
         double before = (own_x - p.old_x) * nx + (own_y - p.old_y) * ny, approach = vx * nx + vy * ny - sink;
         double loss = stiffness * p.loss_time + (force > 0.0 ? p.contact_damping : 0.0);
@@ -83,12 +83,12 @@ void roll_free(double *restrict own, double *restrict light, int64_t count, cons
         double slip = y * nx - x * ny + turned, closing = x * nx + y * ny - sink;
         double bent = bristle + h * phi * (slip - rate * bristle);
 
-        double bound = light[BOUND + c], time = h * (1.0 - bound);
-        light[ON_OUTER_X + c] = (1.0 - bound) * fx;
-        light[ON_OUTER_Y + c] = (1.0 - bound) * fy;
+        double bound = step[BOUND + c], time = h * (1.0 - bound);
+        step[FORCE_ON_OUTER_X + c] = (1.0 - bound) * fx;
+        step[FORCE_ON_OUTER_Y + c] = (1.0 - bound) * fy;
         double change_x = 2.0 * (x + p.mean_x - own_x), change_y = 2.0 * (y + p.mean_y - own_y), change = 2.0 * (turned - rim) * by_radius;
-        own[CHANGE_X + c] = change_x;
-        own[CHANGE_Y + c] = change_y;
+        own[CHANGE_VX + c] = change_x;
+        own[CHANGE_VY + c] = change_y;
         own[CHANGE_SPIN + c] = change;
         own[VX + c] = own_x + change_x;
         own[VY + c] = own_y + change_y;
@@ -103,6 +103,6 @@ void roll_free(double *restrict own, double *restrict light, int64_t count, cons
     }
 }
 
-void roll_often(double *restrict own, double *restrict light, int64_t count, const struct constants *k, int64_t times) {
-    for (int64_t n = 0; n < times; n++) roll_free(own, light, count, k);
+void advance_often(double *restrict own, double *restrict step, int64_t count, const struct constants *k, int64_t times) {
+    for (int64_t n = 0; n < times; n++) advance_free(own, step, count, k);
 }
