@@ -76,7 +76,7 @@ def opening(
         "namespace": namespace,
         "bodies": bodies.names,
         "bearing": {**configuration.bearing.model_dump(), "radial_gap": configuration.bearing.radial_gap},
-        "orders": {"FTF": orders.ftf, "BPFO": orders.bpfo, "BPFI": orders.bpfi, "BSF": orders.bsf},
+        "orders": orders.as_dict(),
         "faults": configuration.described_faults(),
         "sampling_rate": configuration.sensor.sampling_rate,
         "sensor": json.loads(sensor_text(configuration)),
