@@ -28,9 +28,8 @@ def altered(configuration: Configuration, changes: Mapping[str, Any], source: st
         if not fields[key].run_time:
             raise Refusal(f"{source}: {key} is fixed while the bench runs; set it in the configuration and start anew")
     after = validated({**flatten(configuration.model_dump()), **changes}, Configuration, source)
-    healed = set(configuration.faults.bars()) - set(after.faults.bars())
-    for row, bar in sorted(healed):
-        raise Refusal(f"{source}: row{row}/bar{bar} is broken and does not heal while the bench runs; keep it, or reset the bench")
+    for words in configuration.faults.unhealed(after.faults):
+        raise Refusal(f"{source}: {words}")
     return after
 
 

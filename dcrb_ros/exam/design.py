@@ -18,7 +18,7 @@ from dcrb_ros.exam.case import Case, Run, canonical, described
 from dcrb_ros.exam.criteria import Criteria, DelayLimits
 from dcrb_ros.exam.opinion import VERDICTS
 from dcrb_ros.exam.question import Question
-from dcrb_ros.exam.recorded_case import right_verdict
+from dcrb_ros.faults.ground_truth import class_of
 from dcrb_ros.runtime.refusal import Refusal, nearest
 from dcrb_ros.schema.fields import Group, choice, quantity
 from dcrb_ros.settings.configuration import Configuration
@@ -216,11 +216,11 @@ def _case(
 def _since(configuration: Configuration, events: Sequence[Event], verdict: str, where: str) -> float:
     """Return since when a verdict is right where no fault appears at an onset: from the start on, or by the timeline [s]."""
     present = configuration
-    if right_verdict(present.described_faults()) == verdict:
+    if class_of(present.described_faults()) == verdict:
         return 0.0
     for event in events:
         present = altered(present, event.changes, where)
-        if right_verdict(present.described_faults()) == verdict:
+        if class_of(present.described_faults()) == verdict:
             return event.step / present.step_rate
     raise Refusal(f"{where}: nothing in it makes {verdict} right: give 'fault', a timeline with one, or 'onset' for what is meant")
 

@@ -7,6 +7,8 @@ from typing import NamedTuple
 import numpy as np
 
 from dcrb_ros.bearing.payload import build_payload, initial_state, pocket_azimuths
+from dcrb_ros.faults.geometry import BrokenBar
+from dcrb_ros.faults.roller_defect import RollerDefect
 from dcrb_ros.reference.bodies import ANGLE, CAGE, INNER_RING, OUTER_RING, Bodies, pocket_directions
 from dcrb_ros.reference.cage_fracture import IntactBars
 from dcrb_ros.reference.constraints import Constraints
@@ -75,7 +77,7 @@ def refuse_beyond_the_paper(c: Configuration) -> None:
         "contact.damping": c.contact.damping != 0.0,
         "contact.notch": c.contact.notch != "sink",
         "friction.convection": c.friction.convection != 0.0,
-        "faults.roller_1": any(True for _ in c.faults.roller_defects()),
+        "faults.roller_1": any(c.faults.of_kind(RollerDefect)),
     }
     for key, there in beyond.items():
         if there:
@@ -95,7 +97,8 @@ class Reference:
     def __init__(self, configuration: Configuration, *, baumgarte: tuple[float, float] = (BAUMGARTE, BAUMGARTE)) -> None:
         refuse_beyond_the_paper(configuration)
         bearing = configuration.bearing
-        self.bodies = Bodies(bearing.rows, bearing.rollers_per_row, tuple((r - 1, k - 1) for r, k in configuration.faults.bars()))
+        broken = tuple((damage.row, damage.bar) for damage in configuration.faults.damage(bearing) if isinstance(damage, BrokenBar))
+        self.bodies = Bodies(bearing.rows, bearing.rollers_per_row, broken)
         self.constraints = Constraints(self.bodies, bearing.pitch_radius, pocket_azimuths(bearing), configuration.operating.speed)
         self.bars = IntactBars(configuration, self.bodies)
         self.forces = Forces(configuration, self.bodies, self.bars)
