@@ -11,7 +11,7 @@ from dcrb_ros.core.payload import Payload
 from dcrb_ros.core.state import State
 from dcrb_ros.runtime.refusal import Refusal, nearest
 from dcrb_ros.settings.configuration import Configuration
-from dcrb_ros.settings.files import flatten, parameter_fields, validated
+from dcrb_ros.settings.files import fields_by_key, flatten, validated
 
 
 def altered(configuration: Configuration, changes: Mapping[str, Any], source: str = "parameters") -> Configuration:
@@ -21,7 +21,7 @@ def altered(configuration: Configuration, changes: Mapping[str, Any], source: st
         Refusal: a key that is unknown or fixed while the bench runs, a value or a combination that the configuration's own
             checks refuse, or a broken bar that would heal.
     """
-    fields = {field.key: field for field in parameter_fields()}
+    fields = fields_by_key()
     for key in changes:
         if key not in fields:
             raise Refusal(f"{source}: unknown parameter '{key}'{nearest(key, fields)}")

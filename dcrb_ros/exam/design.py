@@ -23,6 +23,7 @@ from dcrb_ros.runtime.refusal import Refusal, nearest
 from dcrb_ros.schema.fields import Group, choice, quantity
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import find_configuration, flatten, read_parameters, shipped_folder, validated
+from dcrb_ros.settings.vehicle_speed import without_replaced
 from dcrb_ros.settings.yaml import read_yaml
 from dcrb_ros.simulation.scenario import Event, begun, read_story, timeline
 
@@ -180,9 +181,7 @@ def _variations(entry: Entry, where: str) -> Iterator[tuple[dict[str, Any], dict
 def _case(
     design: Design, entry: Entry, where: str, name: str, base: Mapping[str, Any], overlay: Mapping[str, Any], fault: Mapping[str, Any]
 ) -> Case:
-    # A speed in km/h that the file gives would outlive one in rad/s of the exam.
-    given = {key: value for key, value in base.items() if key != "operating.speed_kmh" or "operating.speed" not in overlay}
-    configuration = validated({**given, **overlay}, Configuration, where)
+    configuration = validated({**without_replaced(base, overlay), **overlay}, Configuration, where)
     duration = entry.duration or design.duration
     faulty = entry.verdict != "healthy"
     appears = design.onset if entry.onset is None else entry.onset
