@@ -7,8 +7,9 @@ from typing import NamedTuple
 import numpy as np
 
 from dcrb_ros.bearing.payload import build_payload, initial_state, pocket_azimuths
+from dcrb_ros.faults.broken_bars import BrokenBars
 from dcrb_ros.faults.geometry import BrokenBar
-from dcrb_ros.faults.roller_defect import RollerDefect
+from dcrb_ros.faults.raceway_defect import RacewayDefect
 from dcrb_ros.reference.bodies import ANGLE, CAGE, INNER_RING, OUTER_RING, Bodies, pocket_directions
 from dcrb_ros.reference.cage_fracture import IntactBars
 from dcrb_ros.reference.constraints import Constraints
@@ -19,6 +20,9 @@ from dcrb_ros.settings.configuration import Configuration
 
 BAUMGARTE = 5e3
 """Feedback coefficients alpha and beta [1/s]; the paper leaves them open."""
+
+OF_THE_PAPER = (RacewayDefect, BrokenBars)
+"""Kinds of faults in the paper."""
 
 
 class Motion(NamedTuple):
@@ -77,8 +81,8 @@ def refuse_beyond_the_paper(c: Configuration) -> None:
         "contact.damping": c.contact.damping != 0.0,
         "contact.notch": c.contact.notch != "sink",
         "friction.convection": c.friction.convection != 0.0,
-        "faults.roller_1": any(c.faults.of_kind(RollerDefect)),
     }
+    beyond |= {f"faults.{key}": True for key, fault in c.faults.present() if not isinstance(fault, OF_THE_PAPER)}
     for key, there in beyond.items():
         if there:
             raise Refusal(f"{key} goes beyond the paper, whose formulation the reference keeps: leave it at the paper's value")
