@@ -17,8 +17,8 @@ import numpy as np
 
 from dcrb_ros.bearing.payload import build_payload, initial_state
 from dcrb_ros.cli.simulate import AHEAD
-from dcrb_ros.core.step import advance
-from dcrb_ros.core.work import workspace
+from dcrb_ros.core.layout.workspace import workspace
+from dcrb_ros.core.solver.step import advance
 from dcrb_ros.messages.encoder import BlockEncoder
 from dcrb_ros.recordings.recorder import Recorder
 from dcrb_ros.runtime.prefetch import ahead

@@ -10,9 +10,9 @@ import numpy.typing as npt
 
 from dcrb_ros.bearing.equilibrium import roller_forces, static_equilibrium
 from dcrb_ros.bearing.states import BodyNames
-from dcrb_ros.conformal import conformal_law
+from dcrb_ros.core.laws.pereira import pereira_coefficients
+from dcrb_ros.core.layout.state import State, empty_state
 from dcrb_ros.core.payload import EDGE, JOHNSON, NOTCH, POWER, ROLLER_NOTCH, SINK, Notches, Payload
-from dcrb_ros.core.state import State, empty_state
 from dcrb_ros.faults.geometry import BrokenBar, RacewayNotch, RollerNotch
 from dcrb_ros.runtime.arrays import Floats
 from dcrb_ros.settings.configuration import Configuration
@@ -81,8 +81,8 @@ def build_payload(configuration: Configuration) -> Payload:
     moment = b.roller_mass * b.pitch_radius * np.where(free[..., None], 0.0, tangent).sum(axis=1)
     moment[~free.any(axis=1)] = 0.0
     mass, inertia = b.cage_mass + pinned * b.roller_mass, b.cage_inertia + pinned * b.roller_mass * b.pitch_radius**2
-    bar = conformal_law(c.cage.pocket_clearance, b.roller_length, b.effective_modulus)
-    land = conformal_law(c.cage.land_clearance, b.roller_length, b.effective_modulus)
+    bar = pereira_coefficients(c.cage.pocket_clearance, b.roller_length, b.effective_modulus)
+    land = pereira_coefficients(c.cage.land_clearance, b.roller_length, b.effective_modulus)
     width = 4.0 / (math.pi * b.roller_length * b.effective_modulus)
     return Payload(
         step=1.0 / c.step_rate,
@@ -106,7 +106,7 @@ def build_payload(configuration: Configuration) -> Payload:
         train_mass=mass,
         train_inertia=inertia,
         train_moment=moment,
-        train_yield=np.stack([1.0 / mass, 1.0 / (inertia - (moment**2).sum(axis=1) / mass)], axis=1),
+        train_inverse=np.stack([1.0 / mass, 1.0 / (inertia - (moment**2).sum(axis=1) / mass)], axis=1),
         gravity=c.operating.gravity,
         housing_stiffness=c.housing.stiffness,
         housing_damping=c.housing.damping,

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 from pydantic import model_validator
 
-from dcrb_ros.conformal import conformal_law, power_stiffness
+from dcrb_ros.core.laws.pereira import pereira_coefficients, pereira_stiffness
 from dcrb_ros.faults import Faults
 from dcrb_ros.faults.geometry import BrokenBar
 from dcrb_ros.schema.fields import LENGTH_REMEDY, Group, quantity
@@ -213,7 +213,7 @@ def _modes_at_the_cage(c: Configuration, stiffness: float) -> dict[str, float]:
     if c.cage.joint == "revolute" and not any_broken:
         return {"a cage with its rollers": 2.0 * stiffness / (b.cage_mass + b.rollers_per_row * b.roller_mass)}
     drag = max(LEAST_DRAG, 2.0 * c.friction.static_coefficient) * heaviest(c)
-    bar = power_stiffness(drag, *conformal_law(c.cage.pocket_clearance, b.roller_length, b.effective_modulus))
+    bar = pereira_stiffness(drag, *pereira_coefficients(c.cage.pocket_clearance, b.roller_length, b.effective_modulus))
     # Half a row pressing its cage at once: light cages and tight pockets failed from about there on.
     pressing = 0.5 * b.rollers_per_row
     modes = {
@@ -241,7 +241,7 @@ def _fitting_step(c: Configuration, longest: float) -> float:
 def contact_stiffness(c: Configuration, force: float) -> float:
     """Return the stiffness [N/m] of a roller's contact with the inner raceway under a normal force [N]."""
     if c.contact.law == "power":
-        return power_stiffness(force, c.contact.power_coefficient, c.contact.power_exponent)
+        return pereira_stiffness(force, c.contact.power_coefficient, c.contact.power_exponent)
     modulus = math.pi * c.bearing.effective_modulus * c.bearing.roller_length
     scale = 4.0 * (c.bearing.inner_raceway_radius + c.bearing.roller_radius)
     return modulus / max(1.0, math.log(modulus * scale / force) - 2.0)

@@ -20,9 +20,9 @@ from dcrb_ros.bearing.payload import body_names, build_payload, initial_state
 from dcrb_ros.bearing.runtime_change import altered, onsets, refitted, spoken
 from dcrb_ros.bearing.states import Account, BodyNames, States
 from dcrb_ros.core.compilation import compile_ahead
-from dcrb_ros.core.state import copy_of
-from dcrb_ros.core.step import advance
-from dcrb_ros.core.work import workspace
+from dcrb_ros.core.layout.state import copy_of
+from dcrb_ros.core.layout.workspace import workspace
+from dcrb_ros.core.solver.step import advance
 from dcrb_ros.measurement.decimation import Cascade
 from dcrb_ros.measurement.sensor import Measurement, Sensor
 from dcrb_ros.runtime.arrays import Floats
