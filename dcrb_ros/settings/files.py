@@ -7,6 +7,7 @@ import re
 import sys
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import Any, TypeVar, get_args
 
@@ -19,6 +20,7 @@ from dcrb_ros.runtime.refusal import Refusal, nearest
 from dcrb_ros.schema.fields import Group
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.sensor import typical
+from dcrb_ros.settings.vehicle_speed import without_replaced
 from dcrb_ros.settings.yaml import parsed, read_yaml
 
 LEAST = sys.float_info.min
@@ -83,6 +85,12 @@ def parameter_fields(model: type[Group] = Configuration, prefix: str = "") -> It
             yield _field(prefix + name, info)
 
 
+@cache
+def fields_by_key(model: type[Group] = Configuration) -> Mapping[str, ParameterField]:
+    """Return every parameter of a model by its dotted key."""
+    return {field.key: field for field in parameter_fields(model)}
+
+
 def flatten(tree: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
     """Return a nested mapping with dotted keys."""
     flat: dict[str, Any] = {}
@@ -113,7 +121,7 @@ def validated(flat: Mapping[str, Any], model: type[Model], source: str) -> Model
         Refusal: an unknown key (with the nearest known one), a wrong type, a value out of range, or values that cannot
             be true together.
     """
-    fields = {field.key: field for field in parameter_fields(model)}
+    fields = fields_by_key(model)
     unknown = [key for key in flat if key not in fields]
     if unknown:
         raise Refusal(f"{source}: unknown parameter '{unknown[0]}'{nearest(unknown[0], fields)}{_more(len(unknown))}")
@@ -208,11 +216,8 @@ def load_configuration(source: str | Path, settings: Sequence[str] = ()) -> Conf
         Refusal: see `read_parameters` and `validated`.
     """
     path = find_configuration(source)
-    fields = {field.key: field for field in parameter_fields()}
-    flat, asked = read_parameters(path, "simulator"), _settings(settings, fields)
-    if "operating.speed" in asked:
-        flat.pop("operating.speed_kmh", None)
-    return validated({**flat, **asked}, Configuration, str(source))
+    flat, asked = read_parameters(path, "simulator"), _settings(settings, fields_by_key())
+    return validated({**without_replaced(flat, asked), **asked}, Configuration, str(source))
 
 
 def find_configuration(source: str | Path) -> Path:
