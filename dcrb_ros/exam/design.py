@@ -25,7 +25,7 @@ from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import find_configuration, flatten, read_parameters, shipped_folder, validated
 from dcrb_ros.settings.vehicle_speed import without_replaced
 from dcrb_ros.settings.yaml import read_yaml
-from dcrb_ros.simulation.scenario import Event, begun, read_story, timeline
+from dcrb_ros.simulation.scenario import ScheduledChange, read_scenario_file, scheduled_changes, starting_configuration
 
 MOST_CASES = 10_000
 Verdict = Literal["healthy", "outer_ring", "inner_ring", "roller", "cage", "compound", "sensor"]
@@ -187,13 +187,13 @@ def _case(
     appears = design.onset if entry.onset is None else entry.onset
     told: list[Any] = []
     if entry.scenario:
-        profile = read_story(Path(entry.scenario))
-        configuration = begun(profile, configuration, where)
-        timeline(profile, configuration, f"{where}, {entry.scenario}")
+        profile = read_scenario_file(Path(entry.scenario))
+        configuration = starting_configuration(profile, configuration, where)
+        scheduled_changes(profile, configuration, f"{where}, {entry.scenario}")
         told += profile["timeline"]
     told += [*entry.timeline, *([{"at": appears, "set": dict(fault)}] if fault else [])]
     story = {"timeline": told} if told else None
-    events = timeline(story, configuration, where) if story else []
+    events = scheduled_changes(story, configuration, where) if story else []
     onset = 0.0
     if faulty:
         onset = appears if fault or entry.onset is not None else _since(configuration, events, entry.verdict, where)
@@ -212,7 +212,7 @@ def _case(
     return Case(question, Run(configuration, story, duration))
 
 
-def _since(configuration: Configuration, events: Sequence[Event], verdict: str, where: str) -> float:
+def _since(configuration: Configuration, events: Sequence[ScheduledChange], verdict: str, where: str) -> float:
     """Return since when a verdict is right where no fault appears at an onset: from the start on, or by the timeline [s]."""
     present = configuration
     if class_of(present.described_faults()) == verdict:

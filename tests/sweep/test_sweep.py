@@ -29,7 +29,7 @@ from hypothesis import strategies as st
 from dcrb_ros.cli.app import app
 from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.recordings.reproduction import Reproduction
-from dcrb_ros.runtime.exit_status import guarded
+from dcrb_ros.runtime.exit_status import exit_status
 from dcrb_ros.runtime.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import flatten, load_configuration, validated
@@ -420,7 +420,7 @@ def test_workers_may_be_killed(tmp_path: Path) -> None:
 
 
 def dcrb(*arguments: str) -> int:
-    return guarded("dcrb", lambda: app([*arguments], standalone_mode=False))
+    return exit_status("dcrb", lambda: app([*arguments], standalone_mode=False))
 
 
 SMALL = """
