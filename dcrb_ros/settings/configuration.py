@@ -10,6 +10,7 @@ from pydantic import model_validator
 from dcrb_ros.core.laws.pereira import pereira_coefficients, pereira_stiffness
 from dcrb_ros.faults import Faults
 from dcrb_ros.faults.geometry import BrokenBar
+from dcrb_ros.measurement.stage import Parameters, Setup
 from dcrb_ros.schema.fields import LENGTH_REMEDY, Group, quantity
 from dcrb_ros.settings.parameters import (
     SHORTEST_STEP,
@@ -24,7 +25,7 @@ from dcrb_ros.settings.parameters import (
     SimulationParameters,
 )
 from dcrb_ros.settings.sensor import Background, SensorParameters, Structure
-from dcrb_ros.settings.sensor_limits import endless_blocks, filters_beyond, impossible_bursts, impossible_modes
+from dcrb_ros.settings.sensor_limits import block_limits, burst_limits, measurement_limits
 
 
 class Configuration(Group):
@@ -65,6 +66,17 @@ class Configuration(Group):
         """Time steps in a simulated second [Hz]."""
         return self.steps_per_sample * self.sensor.sampling_rate
 
+    @property
+    def measurement(self) -> Setup:
+        """What the measurement chain is built for."""
+        return Setup(
+            Parameters(self.structure, self.background, self.sensor),
+            self.step_rate,
+            self.simulation.seed,
+            self.operating.wheel_diameter,
+            self.operating.speed,
+        )
+
 
 def inconsistencies(c: Configuration) -> Iterator[str]:
     """Yield a sentence for everything that cannot be true together: what, the range, the remedy."""
@@ -75,10 +87,9 @@ def inconsistencies(c: Configuration) -> Iterator[str]:
     yield from c.faults.problems(c.bearing)
     yield from _stability(c)
     yield from _splitting(c)
-    yield from filters_beyond(c.sensor, c.background, c.step_rate)
-    yield from impossible_modes(c.structure)
-    yield from endless_blocks(c.publishing, c.sensor.sampling_rate)
-    yield from impossible_bursts(c.publishing, c.sensor.sampling_rate)
+    yield from measurement_limits(c.measurement)
+    yield from block_limits(c.publishing, c.sensor.sampling_rate)
+    yield from burst_limits(c.publishing, c.sensor.sampling_rate)
     if c.friction.static_coefficient < c.friction.kinetic_coefficient:
         yield (
             f"friction.static_coefficient = {c.friction.static_coefficient:g} is below friction.kinetic_coefficient = "

@@ -19,7 +19,7 @@ from pydantic_core import ErrorDetails
 from dcrb_ros.runtime.refusal import Refusal, nearest
 from dcrb_ros.schema.fields import Group
 from dcrb_ros.settings.configuration import Configuration
-from dcrb_ros.settings.sensor import typical
+from dcrb_ros.settings.sensor import preset_values
 from dcrb_ros.settings.vehicle_speed import without_replaced
 from dcrb_ros.settings.yaml import parsed, read_yaml
 
@@ -205,7 +205,7 @@ def _settings(settings: Sequence[str], fields: Mapping[str, ParameterField]) -> 
 def overlaid(whole: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
     """Return a whole configuration, flat, with changes on top; another preset of the sensor among them brings its values."""
     preset = changes.get("sensor.preset")
-    brought = typical(str(preset)) if preset not in (None, whole.get("sensor.preset")) else {}
+    brought = preset_values(str(preset)) if preset not in (None, whole.get("sensor.preset")) else {}
     return {**whole, **brought, **changes}
 
 

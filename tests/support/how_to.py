@@ -64,3 +64,10 @@ def run(environment: Mapping[str, str], code: str) -> str:
     result = subprocess.run(command, env=dict(environment), cwd=folder, capture_output=True, text=True, timeout=200.0, check=False)
     assert result.returncode == 0, result.stderr
     return result.stdout
+
+
+def effort(page: Path) -> tuple[int, int]:
+    """Return how many files a page creates and how many lines it adds to existing files."""
+    new = [name for name in blocks(page) if not (ROOT / name).exists()]
+    changed = [code for name, code in blocks(page).items() if name not in new]
+    return len(new), sum(line.startswith("+") for code in changed for line in code.splitlines())

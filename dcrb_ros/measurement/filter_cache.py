@@ -1,4 +1,4 @@
-"""Filters designed before, kept beside the compiled kernels: importing scipy.signal takes a quarter of a start."""
+"""Filter designs cached on disk beside the compiled kernels: importing scipy.signal takes a quarter of the start-up time."""
 
 from __future__ import annotations
 
@@ -15,24 +15,21 @@ from typing import ParamSpec
 import numpy as np
 import scipy
 
-from dcrb_ros.core import CACHE
 from dcrb_ros.runtime.arrays import Floats
-
-FOLDER = CACHE / "filters"
 
 P = ParamSpec("P")
 
 
-def kept(design: Callable[P, Floats]) -> Callable[P, Floats]:
-    """Let a design that depends on its arguments alone be read back, the same bits, where it was made before.
+def cached_on_disk(design: Callable[P, Floats]) -> Callable[P, Floats]:
+    """Cache the result of a function that depends on its arguments alone; a cached result has the same bits.
 
-    Its name is a hash of the arguments, of scipy's version and of the sources of this package, so that it cannot be stale.
+    The file name is a hash of the arguments, the versions of numpy and scipy and the sources of this package, so that no result is stale.
     """
 
     @functools.wraps(design)
     def found(*args: P.args, **kwargs: P.kwargs) -> Floats:
-        name = hashlib.sha256(_made_with() + pickle.dumps((design.__qualname__, args, kwargs), protocol=5)).hexdigest()
-        path = FOLDER / f"{design.__name__}-{name[:32]}.npy"
+        name = hashlib.sha256(_versions() + pickle.dumps((design.__qualname__, args, kwargs), protocol=5)).hexdigest()
+        path = folder() / f"{design.__name__}-{name[:32]}.npy"
         with suppress(OSError, ValueError, EOFError):
             return np.asarray(np.load(path), dtype=float)
         made = design(*args, **kwargs)
@@ -43,8 +40,16 @@ def kept(design: Callable[P, Floats]) -> Callable[P, Floats]:
     return found
 
 
+def folder() -> Path:
+    """Return the folder of the cache."""
+    # The configuration imports this module for its limits, and the core imports numba.
+    from dcrb_ros.core import CACHE
+
+    return CACHE / "filters"
+
+
 @functools.cache
-def _made_with() -> bytes:
+def _versions() -> bytes:
     digest = hashlib.sha256(f"{scipy.__version__} {np.__version__}".encode())
     for source in sorted(Path(__file__).parent.rglob("*.py")):
         digest.update(source.read_bytes())
@@ -52,7 +57,7 @@ def _made_with() -> bytes:
 
 
 def _write(made: Floats, path: Path) -> None:
-    """Write at once: another process may be reading."""
+    """Write a result and rename the file into place, because another process may read it at the same time."""
     path.parent.mkdir(exist_ok=True)
     handle, name = tempfile.mkstemp(dir=path.parent)
     try:

@@ -8,18 +8,18 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from dcrb_ros.measurement import designs
+from dcrb_ros.measurement import filter_cache
 from dcrb_ros.runtime.arrays import Floats
 
 
 @pytest.fixture
 def made(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> list[float]:
-    monkeypatch.setattr(designs, "FOLDER", tmp_path / "filters")
+    monkeypatch.setattr(filter_cache, "folder", lambda: tmp_path / "filters")
     return []
 
 
 def design(made: list[float]) -> Callable[..., Floats]:
-    @designs.kept
+    @filter_cache.cached_on_disk
     def thirds(factor: float, bank: tuple[Floats, ...] = ()) -> Floats:
         made.append(factor)
         return np.array([[factor / 3.0, *(float(part[0]) for part in bank)]])
@@ -49,7 +49,7 @@ def test_every_argument_counts_to_its_last_bit(made: list[float]) -> None:
 def test_another_scipy_or_source_designs_anew(made: list[float], monkeypatch: pytest.MonkeyPatch) -> None:
     thirds = design(made)
     thirds(0.1)
-    monkeypatch.setattr(designs, "_made_with", lambda: b"another")
+    monkeypatch.setattr(filter_cache, "_versions", lambda: b"another")
     thirds(0.1)
     assert len(made) == 2
 
@@ -58,7 +58,7 @@ def test_another_scipy_or_source_designs_anew(made: list[float], monkeypatch: py
 def test_a_broken_file_is_designed_anew(made: list[float], harm: Callable[[bytes], bytes]) -> None:
     thirds = design(made)
     whole = thirds(0.1)
-    (path,) = designs.FOLDER.iterdir()
+    (path,) = filter_cache.folder().iterdir()
     path.write_bytes(harm(path.read_bytes()))
     assert thirds(0.1).tobytes() == whole.tobytes()
     assert len(made) == 2
@@ -67,8 +67,8 @@ def test_a_broken_file_is_designed_anew(made: list[float], harm: Callable[[bytes
 
 
 def test_works_where_nothing_can_be_written(made: list[float]) -> None:
-    designs.FOLDER.parent.joinpath("filters").write_text("a file where the folder should be")
+    filter_cache.folder().parent.joinpath("filters").write_text("a file where the folder should be")
     thirds = design(made)
     assert thirds(0.3).tolist() == thirds(0.3).tolist()
     assert made == [0.3, 0.3]
-    assert [path.name for path in designs.FOLDER.parent.iterdir()] == ["filters"]
+    assert [path.name for path in filter_cache.folder().parent.iterdir()] == ["filters"]

@@ -1,4 +1,4 @@
-"""Random numbers: a stream of its own for every stage, so that switching one stage changes no other."""
+"""A random stream for every stage, so that switching one stage on changes no random number of another."""
 
 from __future__ import annotations
 
@@ -9,21 +9,24 @@ from collections.abc import Iterator
 import numpy as np
 
 
-def stream(seed: int, stage: str) -> np.random.Generator:
+def random_stream(seed: int, stage: str) -> np.random.Generator:
     """Return the random numbers of a stage: a Philox stream whose key is a hash of the seed and the stage's name."""
     key = hashlib.sha256(f"{seed}/{stage}".encode()).digest()
     return np.random.Generator(np.random.Philox(key=int.from_bytes(key[:16], "little")))
 
 
-class RandomTimes:
-    """Times without a period, in ticks: the gaps between them are exponential, as a Poisson process has them."""
+class PoissonTimes:
+    """Times of a Poisson process, in ticks: the intervals between them are exponentially distributed."""
 
     def __init__(self, random: np.random.Generator) -> None:
         self._random = random
         self._next = -math.inf
 
     def within(self, first: int, count: int, per_tick: float) -> Iterator[tuple[float, float]]:
-        """Yield the times of ``count`` ticks from ``first`` on, so many ``per_tick`` on average, each with a number from 0 to 1."""
+        """Yield the times within ``count`` ticks from ``first`` on, each with a random number from 0 to 1.
+
+        ``per_tick`` is the mean number of times in a tick.
+        """
         if self._next < first:
             self._next = first + self._gap(per_tick)
         while self._next < first + count:
