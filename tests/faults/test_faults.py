@@ -35,7 +35,7 @@ ALL = Configuration.model_validate(
 ).faults
 
 
-@pytest.mark.parametrize("kind", set(Faults.kinds.values()))
+@pytest.mark.parametrize("kind", dict.fromkeys(Faults.kinds.values()))
 def test_the_default_of_a_kind_is_no_fault(kind: type[Fault]) -> None:
     _, default = kind.parameter()
     fault = kind.from_parameter(getattr(default, "default", default))
