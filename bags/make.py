@@ -42,7 +42,7 @@ def make(name: str) -> None:
     simulation, schedule = Simulation(configuration), CommandSchedule(run.commands)
     folder = HERE / ".new"
     shutil.rmtree(folder, ignore_errors=True)
-    with Recorder(folder / name, configuration, simulation.layout) as recorder:
+    with Recorder(folder / name, configuration, simulation.bodies) as recorder:
         schedule.apply_due(simulation)
         for block in simulation.blocks(DURATION):
             recorder.write(block)

@@ -18,11 +18,12 @@ from dcrb_ros.exam.case import Case, Run, canonical, described
 from dcrb_ros.exam.criteria import Criteria, DelayLimits
 from dcrb_ros.exam.opinion import VERDICTS
 from dcrb_ros.exam.question import Question
-from dcrb_ros.exam.recorded_case import right_verdict
+from dcrb_ros.faults.ground_truth import class_of
 from dcrb_ros.runtime.refusal import Refusal, nearest
 from dcrb_ros.schema.fields import Group, choice, quantity
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import find_configuration, flatten, read_parameters, shipped_folder, validated
+from dcrb_ros.settings.vehicle_speed import without_replaced
 from dcrb_ros.settings.yaml import read_yaml
 from dcrb_ros.simulation.scenario import ScheduledChange, read_scenario_file, scheduled_changes, starting_configuration
 
@@ -180,9 +181,7 @@ def _variations(entry: Entry, where: str) -> Iterator[tuple[dict[str, Any], dict
 def _case(
     design: Design, entry: Entry, where: str, name: str, base: Mapping[str, Any], overlay: Mapping[str, Any], fault: Mapping[str, Any]
 ) -> Case:
-    # A speed in km/h that the file gives would outlive one in rad/s of the exam.
-    given = {key: value for key, value in base.items() if key != "operating.speed_kmh" or "operating.speed" not in overlay}
-    configuration = validated({**given, **overlay}, Configuration, where)
+    configuration = validated({**without_replaced(base, overlay), **overlay}, Configuration, where)
     duration = entry.duration or design.duration
     faulty = entry.verdict != "healthy"
     appears = design.onset if entry.onset is None else entry.onset
@@ -216,11 +215,11 @@ def _case(
 def _since(configuration: Configuration, events: Sequence[ScheduledChange], verdict: str, where: str) -> float:
     """Return since when a verdict is right where no fault appears at an onset: from the start on, or by the timeline [s]."""
     present = configuration
-    if right_verdict(present.described_faults()) == verdict:
+    if class_of(present.described_faults()) == verdict:
         return 0.0
     for event in events:
         present = altered(present, event.changes, where)
-        if right_verdict(present.described_faults()) == verdict:
+        if class_of(present.described_faults()) == verdict:
             return event.step / present.step_rate
     raise Refusal(f"{where}: nothing in it makes {verdict} right: give 'fault', a timeline with one, or 'onset' for what is meant")
 

@@ -80,6 +80,6 @@ def _simulate(case: Case, path: Path) -> None:
     simulation = Simulation(run.configuration, scheduled_changes(run.story, run.configuration, source) if run.story else ())
     # A detector gets the waveform; what else the bench publishes would only take room.
     wanted = run.configuration.recording.model_copy(update={"topics": f"{VIBRATION.name}, {GROUND_TRUTH.name}"})
-    with Recorder(path, run.configuration.model_copy(update={"recording": wanted}), simulation.layout, scenario=run.story) as recorder:
+    with Recorder(path, run.configuration.model_copy(update={"recording": wanted}), simulation.bodies, scenario=run.story) as recorder:
         for block in simulation.blocks(run.duration):
             recorder.write(block)

@@ -15,7 +15,7 @@ from geometry_msgs.msg import Wrench
 from rclpy.parameter import Parameter
 from std_msgs.msg import Float64
 
-from dcrb_ros.bearing.payload import layout
+from dcrb_ros.bearing.payload import body_names
 from dcrb_ros.bearing.runtime_change import altered
 from dcrb_ros.core import compiled
 from dcrb_ros.messages.bundle import Bundle
@@ -72,7 +72,7 @@ class SimulationSource:
     def start(self) -> list[Message]:
         """Set up the bearing at simulated time 0."""
         self.simulation = Simulation(self._configuration, self._scenario)
-        self._encoder = BlockEncoder(self._configuration, self.simulation.layout)
+        self._encoder = BlockEncoder(self._configuration, self.simulation.bodies)
         return self._encoder.start()
 
     def bundles(self) -> Generator[Bundle, None, None]:
@@ -166,7 +166,7 @@ class SimulatorNode(BenchNode):
         recorder = Recorder(
             path,
             configuration,
-            layout(configuration),
+            body_names(configuration),
             namespace=self.get_namespace(),
             scenario=self._scenario,
             commands=commands,

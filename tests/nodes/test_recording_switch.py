@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
-from made_up_blocks import LAYOUT, blocks
+from made_up_blocks import BODIES, blocks
 from slow_recorder import SlowRecorder
 from waiting import wait_for
 
@@ -54,11 +54,11 @@ class SlowDisk:
 
 
 def fast(path: Path, *, commands: Sequence[TimedCommand], start_ns: int) -> RecorderThread:
-    return RecorderThread(Recorder(path, Configuration(), LAYOUT, commands=commands, start_ns=start_ns), 100)
+    return RecorderThread(Recorder(path, Configuration(), BODIES, commands=commands, start_ns=start_ns), 100)
 
 
 def bundles(count: int, events: dict[int, Event] | None = None) -> list[Bundle]:
-    encoder = BlockEncoder(Configuration(), LAYOUT)
+    encoder = BlockEncoder(Configuration(), BODIES)
     return [Bundle(b.stamp_ns, b.end_ns, tuple(encoder.encode(b)), b) for b in blocks(count, events=events)]
 
 

@@ -41,7 +41,6 @@ from dcrb_ros.sweep.data_set import DataSet
 from dcrb_ros.sweep.design import GRID, LATIN_HYPERCUBE, RANDOM, Choice, Span, points, size
 from dcrb_ros.sweep.dispatch import WAITING, dispatched, workers_here
 from dcrb_ros.sweep.estimate import estimate
-from dcrb_ros.sweep.label import fault_class
 from dcrb_ros.sweep.plan import Plan, Run, splits
 from dcrb_ros.sweep.reading import read_sweep, sweep_of
 from dcrb_ros.sweep.store import Store, StoreFailed
@@ -273,14 +272,6 @@ def test_windows_lie_within_the_run(length: int, overlap: float, samples: int) -
     assert found.shape == (len(begin), 2, length)
     for k, window in zip(begin, found, strict=True):
         assert np.array_equal(window.T, signal_[k : k + length])
-
-
-def test_classes() -> None:
-    assert fault_class({}) == "healthy"
-    assert fault_class({"outer_1": {}, "outer_2": {}}) == "outer_ring"
-    assert fault_class({"broken_bars.row1/bar3": {}}) == "cage"
-    assert fault_class({"outer_1": {}, "roller_1": {}}) == "compound"
-    assert fault_class({"sensor.stuck": {}}) == "sensor"
 
 
 def test_a_preset_brings_its_sensor() -> None:
