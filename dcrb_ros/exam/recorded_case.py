@@ -15,7 +15,7 @@ from dcrb_ros.faults.ground_truth import class_of
 from dcrb_ros.messages.statuses import decode_truth
 from dcrb_ros.messages.topics import DIAGNOSIS, GROUND_TRUTH
 from dcrb_ros.recordings.mcap_reader import McapRecords
-from dcrb_ros.recordings.reader import sound_files
+from dcrb_ros.recordings.reader import valid_files
 from dcrb_ros.runtime.refusal import Refusal
 from dcrb_ros.settings.parameters import rpm
 from dcrb_ros.simulation.block import Truth
@@ -39,7 +39,7 @@ def read_tape(path: Path, *, name: str = "") -> Tape:
         Refusal: no recording, no ground truth in it, or one that a single verdict cannot answer.
     """
     truths, opinions = [], []
-    files, damage = sound_files(path)
+    files, damage = valid_files(path)
     for file in files:
         records = McapRecords(file)
         for topic, data in _messages(records):

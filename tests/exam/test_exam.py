@@ -448,7 +448,7 @@ def test_what_cannot_be_read_of_a_recording_is_told(tmp_path: Path, capsys: pyte
     whole = bag / "bag_0.mcap"
     whole.write_bytes(whole.read_bytes()[:-200])
     assert dcrb("score", str(bag)) == 0
-    assert "left out, no MCAP file: it is empty; what is readable is scored" in (told := capsys.readouterr().err)
+    assert "left out, not an MCAP file: it is empty; what is readable is scored" in (told := capsys.readouterr().err)
     assert "bag_0.mcap" in told
     whole.write_bytes(whole.read_bytes()[:2000])
     assert dcrb("score", str(bag)) == 2
@@ -612,7 +612,7 @@ def test_the_command_sits_an_exam(tmp_path: Path, capsys: pytest.CaptureFixture[
         (["smoke", "--node", "x", "--detector", "config/detector.yaml"], "is for the shipped detector and --node names another"),
         (["smoke", "--detector", "config/none.yaml"], "config/none.yaml"),
         (["smoke", "--recordings", "/dev/null/x"], "cannot hold the exam's recordings"),
-        (["README.md"], "README.md is no MCAP file"),
+        (["README.md"], "README.md is not an MCAP file"),
     ],
 )
 def test_wrong_input_takes_one_sentence(arguments: list[str], sentence: str, capsys: pytest.CaptureFixture[str]) -> None:
