@@ -9,6 +9,7 @@ from pydantic import model_validator
 
 from dcrb_ros.conformal import conformal_law, power_stiffness
 from dcrb_ros.faults.defects import Faults, RacewayDefect, RollerDefect
+from dcrb_ros.faults.summary import fault_summary
 from dcrb_ros.schema.fields import LENGTH_REMEDY, Group, quantity
 from dcrb_ros.settings.parameters import (
     SHORTEST_STEP,
@@ -21,6 +22,7 @@ from dcrb_ros.settings.parameters import (
     Publishing,
     Recording,
     SimulationParameters,
+    rpm,
 )
 from dcrb_ros.settings.sensor import Background, SensorParameters, Structure
 from dcrb_ros.settings.sensor_limits import endless_blocks, filters_beyond, impossible_bursts, impossible_modes
@@ -53,6 +55,18 @@ class Configuration(Group):
     def described_faults(self) -> dict[str, dict[str, float]]:
         """Return the fields of every fault of bearing and sensor by its name in the ground truth."""
         return self.faults.described() | self.sensor.described()
+
+    @property
+    def summary(self) -> str:
+        """Speed, load and faults as text."""
+        load = math.hypot(self.operating.load, self.operating.lateral_load)
+        speed = f"{self.operating.speed:g} rad/s ({rpm(self.operating.speed):.4g} rpm)"
+        return f"{speed}, {load / 1e3:g} kN, {fault_summary(self.described_faults())}"
+
+    def __repr__(self) -> str:
+        return f"<Configuration: {self.summary}>"
+
+    __str__ = __repr__
 
     @property
     def steps_per_sample(self) -> int:
