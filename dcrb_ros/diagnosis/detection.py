@@ -122,7 +122,7 @@ def detect(
 
     >>> detector = dcrb_ros.FaultDetector(run.orders, run.sampling_rate)
     >>> for piece in run.pieces():
-    ...     diagnosis = detector.update(piece.index, piece.acceleration, piece.shaft_angle)
+    ...     diagnosis = detector.update(piece.first_index, piece.acceleration, piece.shaft_angle)
     """
     source = signal_of(signal, sampling_rate, shaft_angle=shaft_angle, bearing=bearing)
     if math.isnan(source.orders.bpfo):
@@ -132,7 +132,7 @@ def detect(
     duration = samples / source.sampling_rate
     if all(diagnosis.verdict == "waiting" for diagnosis in found):
         why = found[-1].reason if found else f"it needs {detector.parameters.least_window:g} s"
-        raise Refusal(f"{source!r} holds {duration:.2f} s of waveform, too little for a verdict: {why}")
+        raise Refusal(f"the signal holds {duration:.2f} s of waveform, too little for a verdict: {why}")
     return Detection(tuple(found), duration)
 
 
@@ -141,7 +141,7 @@ def _diagnoses(detector: FaultDetector, pieces: Iterable[Piece]) -> tuple[list[D
     found, samples = [], 0
     for piece in pieces:
         detector.sensor_range = piece.sensor_range
-        diagnosis = detector.update(piece.index, piece.acceleration, piece.shaft_angle)
+        diagnosis = detector.update(piece.first_index, piece.acceleration, piece.shaft_angle)
         samples += len(piece.shaft_angle)
         if diagnosis is not None:
             found.append(diagnosis)

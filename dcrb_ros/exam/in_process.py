@@ -88,9 +88,9 @@ def _opinions(detector: Callable[[Orders, int], Detector], bag: Path) -> list[Op
     for piece in recording.pieces():
         if hasattr(candidate, "sensor_range"):
             candidate.sensor_range = piece.sensor_range
-        said = candidate.update(piece.index, piece.acceleration, piece.shaft_angle)
+        said = candidate.update(piece.first_index, piece.acceleration, piece.shaft_angle)
         if said is not None:
-            found.append(_opinion(said, (piece.index + len(piece.shaft_angle) - 1) / rate))
+            found.append(_opinion(said, (piece.first_index + len(piece.shaft_angle) - 1) / rate))
     return found
 
 

@@ -28,7 +28,7 @@ Kind = TypeVar("Kind", bound="Waveform")
 class Piece(NamedTuple):
     """Consecutive samples of a waveform."""
 
-    index: int
+    first_index: int
     """Index of the first sample since the start; sample ``k`` is taken at ``k / sampling_rate``."""
     acceleration: Samples
     """Shape (samples, 2) [m/s^2]."""

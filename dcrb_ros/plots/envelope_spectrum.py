@@ -11,7 +11,7 @@ from dcrb_ros.bearing.fault_lines import BearingLike, fault_combs
 from dcrb_ros.diagnosis.bands import Band
 from dcrb_ros.diagnosis.envelope_spectrum import EnvelopeSpectrum, envelope_spectrum
 from dcrb_ros.measurement.waveform import Signal
-from dcrb_ros.plots.style import CURVE, FAULT_LINES, MARKERS, labelled, new_axes
+from dcrb_ros.plots.style import CURVE, DASHES, FAULT_LINES, MARKERS, labelled, legend_above, new_axes
 from dcrb_ros.runtime.refusal import Refusal, nearest
 
 if TYPE_CHECKING:
@@ -23,6 +23,10 @@ HIGHEST_ORDER = 30.0
 """Highest order shown by default: three harmonics of each ring of the default bearing [-]."""
 HIGHEST_FREQUENCY = 600.0
 """Highest frequency shown by default where the speed is unknown [Hz]."""
+LEAST_ORDER = 0.3
+"""Order from which the spectrum sets the vertical scale [-]: below lies what changes over the signal, such as a run-up."""
+MARKED = 0.02
+"""Least height of a peak that is marked, over that of the highest [-]."""
 SLIP = 0.004
 """Share of its frequency by which a line may lie beside that of pure rolling [-]."""
 
@@ -72,8 +76,10 @@ def plot_envelope_spectrum(
     >>> run = dcrb_ros.simulate("outer_ring_defect", 1.0)
     >>> ax = dcrb_ros.plot_envelope_spectrum(run, lines=["BPFO"])
     >>> [text.get_text() for text in ax.get_legend().get_texts()]
-    ['BPFO 7.05 × shaft = 134.6 Hz']
+    ['BPFO 6.72']
     """
+    from matplotlib.ticker import EngFormatter
+
     unknown = next((name for name in lines if name not in FAULT_LINES), None)
     if unknown is not None:
         raise Refusal(f"there is no fault line '{unknown}': give some of {', '.join(FAULT_LINES)}{nearest(unknown, FAULT_LINES)}")
@@ -87,36 +93,41 @@ def plot_envelope_spectrum(
     x = x or ("order" if spectrum.tracked else "frequency")
     if x == "order" and not known:
         raise Refusal("the spectrum has no orders, for the speed is unknown: give shaft_angle, or x='frequency'")
-    unit = 1.0 if x == "order" else spectrum.shaft_frequency
+    unit = spectrum.shaft_frequency if x == "frequency" and known else 1.0
     places = spectrum.order if x == "order" else spectrum.frequency
     limit = highest if highest is not None else HIGHEST_ORDER * unit if known else HIGHEST_FREQUENCY
     ax = new_axes() if ax is None else ax
     shown = (places > 0.0) & (places <= limit)
     ax.plot(places[shown], spectrum.amplitude[shown], color=CURVE, linewidth=0.8)
-    largest = float(spectrum.amplitude[shown].max(initial=0.0))
+    largest = float(spectrum.amplitude[shown & (places > LEAST_ORDER * unit)].max(initial=0.0))
     ax.set_ylim(0.0, 1.12 * largest or 1.0)
     ax.set_xlim(0.0, limit)
     if known:
-        _draw_lines(ax, spectrum, lines, unit, limit)
+        _draw_lines(ax, spectrum, lines, unit, limit, largest)
     label = "order [multiples of the shaft frequency]" if x == "order" else "frequency [Hz]"
-    title = f"squared envelope of {Band(*spectrum.band)}{', order-tracked' if spectrum.tracked else ''}"
+    title = f"squared envelope, {Band(*spectrum.band)}{', order-tracked' if spectrum.tracked else ''}"
+    ax.yaxis.set_major_formatter(EngFormatter(sep="\N{THIN SPACE}"))
     return labelled(ax, label, "amplitude [(m/s²)²]", title)
 
 
-def _draw_lines(ax: Axes, spectrum: EnvelopeSpectrum, lines: Sequence[str], unit: float, limit: float) -> None:
-    """Draw the harmonics of each family as thin lines, with a marker on the spectrum nearby."""
+def _draw_lines(ax: Axes, spectrum: EnvelopeSpectrum, lines: Sequence[str], unit: float, limit: float, largest: float) -> None:
+    """Draw the harmonics of each family as thin lines, with a marker where the spectrum has a peak there."""
+    from matplotlib.lines import Line2D
+
+    handles = []
     for comb in fault_combs(spectrum.orders, limit / unit):
         if comb.name not in lines or not comb.orders:
             continue
-        colour, orders = FAULT_LINES[comb.name], np.array(comb.orders)
-        ax.vlines(orders * unit, 0.0, 1.0, transform=ax.get_xaxis_transform(), color=colour, linewidth=0.8, alpha=0.45, linestyle="--")
-        first = f"{comb.name} {orders[0]:.2f} × shaft = {orders[0] * spectrum.shaft_frequency:.1f} Hz"
-        places, heights = zip(*(_peak(spectrum, order) for order in orders), strict=True)
-        ax.plot(
-            np.array(places) * unit, heights, linestyle="none", marker=MARKERS[comb.name], markersize=4.5, color=colour, label=first
-        )
-    if ax.get_legend_handles_labels()[0]:
-        ax.legend(loc="upper right", fontsize="small", framealpha=0.9, edgecolor="none")
+        colour, dashes = FAULT_LINES[comb.name], DASHES[comb.name]
+        for order in comb.orders:
+            ax.axvline(order * unit, color=colour, linewidth=0.9, alpha=0.55, linestyle=dashes, zorder=1.0)
+            place, height = _peak(spectrum, order)
+            if height >= MARKED * largest:
+                ax.plot(place * unit, height, marker=MARKERS[comb.name], markersize=4.5, color=colour, zorder=3.0)
+        label = f"{comb.name} {comb.orders[0] * unit:.2f}" if unit == 1.0 else f"{comb.name} {comb.orders[0] * unit:.1f} Hz"
+        handles.append(Line2D([], [], color=colour, linestyle=dashes, marker=MARKERS[comb.name], markersize=4.5, label=label))
+    if handles:
+        legend_above(ax, handles)
 
 
 def _peak(spectrum: EnvelopeSpectrum, order: float) -> tuple[float, float]:

@@ -8,11 +8,15 @@ import numpy as np
 import numpy.typing as npt
 
 from dcrb_ros.measurement.waveform import Signal, signal_of
-from dcrb_ros.plots.style import AXES_COLOURS, labelled, new_axes
+from dcrb_ros.plots.style import AXES_COLOURS, labelled, legend_above, new_axes
+from dcrb_ros.runtime.arrays import Floats, Samples
 from dcrb_ros.runtime.refusal import Refusal
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+
+MOST_BUNDLES = 20_000
+"""Bundles of samples into which a long waveform is drawn: a few for each pixel."""
 
 
 def plot_waveform(
@@ -59,14 +63,21 @@ def plot_waveform(
         raise Refusal(f"axis = {axis!r} is not one of x, y, both")
     shown = signal_of(signal, sampling_rate).waveform().between(start, stop)
     ax = new_axes() if ax is None else ax
-    # A line is broken where samples were lost.
-    gaps = np.flatnonzero(np.diff(shown.index) != 1) + 1
-    time = np.insert(shown.time, gaps, np.nan)
-    for column, name in enumerate("xy"):
+    for column, name in ((1, "y"), (0, "x")):
         if axis in (name, "both"):
-            values = np.insert(shown.acceleration[:, column], gaps, np.nan)
-            ax.plot(time, values, color=AXES_COLOURS[name], linewidth=0.6, label=f"{name.upper()}")
+            time, values = _line(shown.time, shown.acceleration[:, column], np.flatnonzero(np.diff(shown.index) != 1) + 1)
+            ax.plot(time, values, color=AXES_COLOURS[name], linewidth=0.6, label=name.upper())
     if axis == "both":
-        ax.legend(loc="upper right", fontsize="small", frameon=False)
+        legend_above(ax)
     ax.set_xlim(shown.time[0], shown.time[-1])
     return labelled(ax, "time [s]", f"acceleration {'' if axis == 'both' else axis.upper() + ' '}[m/s²]")
+
+
+def _line(time: Floats, values: Samples, gaps: npt.NDArray[np.intp]) -> tuple[Floats, Samples]:
+    """Return the points of a line, broken at ``gaps``; of a long one the smallest and the largest of every few samples."""
+    bundle = len(values) // MOST_BUNDLES
+    if bundle > 1:
+        starts = np.union1d(np.arange(0, len(values), bundle), gaps)
+        values = np.stack([np.minimum.reduceat(values, starts), np.maximum.reduceat(values, starts)], axis=1).ravel()
+        time, gaps = np.repeat(time[starts], 2), 2 * np.searchsorted(starts, gaps)
+    return np.insert(time, gaps, np.nan), np.insert(values, gaps, np.nan)

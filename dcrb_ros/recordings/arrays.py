@@ -52,11 +52,17 @@ def waveform_of(recording: Recording, start: float | None, stop: float | None) -
     rate = recording.sampling_rate
     first = -math.inf if start is None else start * rate
     last = math.inf if stop is None else stop * rate
-    found = [piece for piece in pieces_of(recording) if piece.index < last and piece.index + len(piece.shaft_angle) > first]
+    found, spans = [], []
+    for piece in pieces_of(recording):
+        begin, end = piece.first_index, piece.first_index + len(piece.shaft_angle)
+        spans.append((begin, end))
+        if begin < last and end > first:
+            found.append(piece)
     if not found:
-        raise Refusal(f"{recording!r} has no sample from {start} to {stop} s: give times in seconds since the start of the run")
+        begin, end = min(begin for begin, _ in spans), max(end for _, end in spans)
+        raise Refusal(f"{recording.path} has no sample from {start} to {stop} s: it has samples from {begin / rate:g} to {end / rate:g} s")
     # A block that came twice or too late is kept once, in its place.
-    index = np.concatenate([piece.index + np.arange(len(piece.shaft_angle), dtype=np.int64) for piece in found])
+    index = np.concatenate([piece.first_index + np.arange(len(piece.shaft_angle), dtype=np.int64) for piece in found])
     index, order = np.unique(index, return_index=True)
     return Waveform(
         acceleration=np.concatenate([piece.acceleration for piece in found])[order],
@@ -93,7 +99,8 @@ def _joints(recording: Recording, topic: Topic) -> tuple[Floats, Joints | None]:
     if not messages:
         return np.zeros(0), None
     alike = decode_alike(messages)
-    return stamps(messages) * 1e-9, _stacked([decode_joints(data) for data in messages], topic) if alike is None else alike
+    times = np.asarray(stamps(messages) * 1e-9, np.float64)
+    return times, _stacked([decode_joints(data) for data in messages], topic) if alike is None else alike
 
 
 def _stacked(joints: Sequence[Joints], topic: Topic) -> Joints:

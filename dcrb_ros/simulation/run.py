@@ -21,7 +21,7 @@ from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import load_configuration
 from dcrb_ros.simulation.ground_truth import GroundTruth
 from dcrb_ros.simulation.loop import Simulation
-from dcrb_ros.simulation.scenario import begun, read_story, timeline
+from dcrb_ros.simulation.scenario import Event, begun, read_story, timeline
 
 LONGEST = 3600.0
 """Longest run that is returned as arrays [s]."""
@@ -106,10 +106,9 @@ def simulate(
     asked = load_configuration(configuration, settings)
     if seed is not None:
         asked = load_configuration(asked, {"simulation.seed": seed})
-    start, events = asked, ()
+    start, events = asked, list[Event]()
     if scenario is not None:
-        named = isinstance(scenario, (str, Path))
-        story, source = (read_story(Path(scenario)), str(scenario)) if named else (scenario, "scenario")
+        story, source = (read_story(Path(scenario)), str(scenario)) if isinstance(scenario, (str, Path)) else (scenario, "scenario")
         start = begun(story, asked, source)
         events = timeline(story, start, source)
     simulation = Simulation(start, events)
