@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from dcrb_ros.bearing.frequencies import characteristic_frequencies
     from dcrb_ros.bearing.history import StateHistory
     from dcrb_ros.bearing.kinematics import Orders
-    from dcrb_ros.diagnosis.detection import Detection, detect
+    from dcrb_ros.diagnosis.detection import DetectionResult, detect
     from dcrb_ros.diagnosis.detector import FaultDetector
     from dcrb_ros.diagnosis.diagnosis import Diagnosis
     from dcrb_ros.diagnosis.envelope_spectrum import EnvelopeSpectrum, envelope_spectrum
@@ -38,7 +38,7 @@ __all__ = [
     "Bearing",
     "Block",
     "Configuration",
-    "Detection",
+    "DetectionResult",
     "DetectorParameters",
     "Diagnosis",
     "EnvelopeSpectrum",
@@ -67,7 +67,7 @@ _MODULES = {
     "Bearing": "settings.parameters",
     "Block": "simulation.block",
     "Configuration": "settings.configuration",
-    "Detection": "diagnosis.detection",
+    "DetectionResult": "diagnosis.detection",
     "DetectorParameters": "diagnosis.parameters",
     "Diagnosis": "diagnosis.diagnosis",
     "EnvelopeSpectrum": "diagnosis.envelope_spectrum",

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, repr=False)
-class Detection:
+class DetectionResult:
     """What the fault detector found in a signal: a diagnosis per hop, the last of them with a verdict."""
 
     history: tuple[Diagnosis, ...]
@@ -32,7 +32,7 @@ class Detection:
     """Length of the signal [s]."""
 
     def __repr__(self) -> str:
-        return f"<Detection: {self.verdict} with confidence {self.confidence:.2f} since {self.since:.2f} s: {self.reason}>"
+        return f"<DetectionResult: {self.verdict} with confidence {self.confidence:.2f} since {self.since:.2f} s: {self.reason}>"
 
     @property
     def last(self) -> Diagnosis:
@@ -87,7 +87,7 @@ def detect(
     shaft_angle: npt.ArrayLike | None = None,
     bearing: BearingLike | None = None,
     parameters: DetectorParameters | None = None,
-) -> Detection:
+) -> DetectionResult:
     """Run the fault detector over a run, a recording or plain arrays.
 
     Parameters
@@ -103,7 +103,7 @@ def detect(
 
     Returns
     -------
-    Detection
+    DetectionResult
         The last verdict, its evidence and the history.
 
     Raises
@@ -133,7 +133,7 @@ def detect(
     if all(diagnosis.verdict == "waiting" for diagnosis in found):
         why = found[-1].reason if found else f"it needs {detector.parameters.least_window:g} s"
         raise Refusal(f"the signal holds {duration:.2f} s of waveform, too little for a verdict: {why}")
-    return Detection(tuple(found), duration)
+    return DetectionResult(tuple(found), duration)
 
 
 def _diagnoses(detector: FaultDetector, pieces: Iterable[Piece]) -> tuple[list[Diagnosis], int]:

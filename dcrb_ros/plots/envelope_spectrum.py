@@ -25,7 +25,7 @@ HIGHEST_FREQUENCY = 600.0
 """Highest frequency shown by default where the speed is unknown [Hz]."""
 LEAST_ORDER = 0.3
 """Order from which the spectrum sets the vertical scale [-]: below lies what changes over the signal, such as a run-up."""
-MARKED = 0.02
+MARKED = 0.1
 """Least height of a peak that is marked, over that of the highest [-]."""
 SLIP = 0.004
 """Share of its frequency by which a line may lie beside that of pure rolling [-]."""

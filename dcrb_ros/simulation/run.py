@@ -96,7 +96,7 @@ def simulate(
     >>> run
     <Run: 0.5 s at 51.2 kHz (25600 samples), shaft at 15.92 Hz, outer_1 2 mm wide>
     >>> run.acceleration.shape, run.states.azimuth.shape
-    ((25600, 2), (50, 35))
+    ((25600, 2), (49, 35))
     """
     if not (isinstance(duration, (int, float)) and math.isfinite(duration) and 0.0 < duration <= LONGEST):
         raise Refusal(
