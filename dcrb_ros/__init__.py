@@ -12,13 +12,13 @@ if TYPE_CHECKING:
     from dcrb_ros.bearing.frequencies import characteristic_frequencies
     from dcrb_ros.bearing.history import StateHistory
     from dcrb_ros.bearing.kinematics import Orders
+    from dcrb_ros.bearing.waveform import Waveform
     from dcrb_ros.diagnosis.detection import DetectionResult, detect
     from dcrb_ros.diagnosis.detector import FaultDetector
     from dcrb_ros.diagnosis.diagnosis import Diagnosis
     from dcrb_ros.diagnosis.envelope_spectrum import EnvelopeSpectrum, envelope_spectrum
     from dcrb_ros.diagnosis.parameters import DetectorParameters
     from dcrb_ros.exam.in_process import score
-    from dcrb_ros.measurement.waveform import Waveform
     from dcrb_ros.plots.envelope_spectrum import plot_envelope_spectrum
     from dcrb_ros.plots.load_zone import plot_load_zone
     from dcrb_ros.plots.waveform import plot_waveform
@@ -79,7 +79,7 @@ _MODULES = {
     "Run": "simulation.run",
     "Simulation": "simulation.loop",
     "StateHistory": "bearing.history",
-    "Waveform": "measurement.waveform",
+    "Waveform": "bearing.waveform",
     "characteristic_frequencies": "bearing.frequencies",
     "detect": "diagnosis.detection",
     "envelope_spectrum": "diagnosis.envelope_spectrum",

@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING
 import numpy.typing as npt
 
 from dcrb_ros.bearing.fault_lines import BearingLike
+from dcrb_ros.bearing.waveform import Piece, Signal, signal_of
 from dcrb_ros.diagnosis.detector import FaultDetector
 from dcrb_ros.diagnosis.diagnosis import Diagnosis
 from dcrb_ros.diagnosis.judgement import Verdict
 from dcrb_ros.diagnosis.parameters import DetectorParameters
-from dcrb_ros.measurement.waveform import Piece, Signal, signal_of
 from dcrb_ros.runtime.frames import pandas
 from dcrb_ros.runtime.refusal import Refusal
 

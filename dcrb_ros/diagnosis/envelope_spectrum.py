@@ -10,10 +10,10 @@ import numpy.typing as npt
 
 from dcrb_ros.bearing.fault_lines import BearingLike
 from dcrb_ros.bearing.kinematics import Orders
+from dcrb_ros.bearing.waveform import Signal, Waveform, signal_of
 from dcrb_ros.diagnosis.bands import Band, BandBank
 from dcrb_ros.diagnosis.envelope import order_spectra
 from dcrb_ros.diagnosis.turning import bin_means, borders_between, turns_back
-from dcrb_ros.measurement.waveform import Signal, Waveform, signal_of
 from dcrb_ros.runtime.arrays import Floats
 from dcrb_ros.runtime.refusal import Refusal
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from matplotlib.figure import Figure
 
-from dcrb_ros.measurement.waveform import Waveform
+from dcrb_ros.bearing.waveform import Waveform
 from dcrb_ros.plots.envelope_spectrum import plot_envelope_spectrum
 from dcrb_ros.plots.waveform import plot_waveform
 from dcrb_ros.runtime.refusal import Refusal

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 import numpy.typing as npt
 
-from dcrb_ros.measurement.waveform import Signal, signal_of
+from dcrb_ros.bearing.waveform import Signal, signal_of
 from dcrb_ros.plots.style import AXES_COLOURS, labelled, legend_above, new_axes
 from dcrb_ros.runtime.arrays import Floats, Samples
 from dcrb_ros.runtime.refusal import Refusal

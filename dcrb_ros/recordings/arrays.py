@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from dcrb_ros.bearing.history import StateHistory
-from dcrb_ros.measurement.waveform import Piece, Waveform
+from dcrb_ros.bearing.waveform import Piece, Waveform
 from dcrb_ros.messages.cdr import STAMP_END, stamps
 from dcrb_ros.messages.joints import Joints, decode_alike, decode_joints
 from dcrb_ros.messages.statuses import decode_diagnostics, decode_truth

@@ -11,7 +11,7 @@ from typing import Any
 
 import yaml
 
-from dcrb_ros.bearing.states import Layout
+from dcrb_ros.bearing.states import BodyNames
 from dcrb_ros.messages.cdr import typestore
 from dcrb_ros.messages.encoder import BlockEncoder
 from dcrb_ros.messages.topics import DETECTED, NAMESPACE, SENSOR, SIMULATED, Message, Topic
@@ -21,7 +21,7 @@ from dcrb_ros.recordings.rosbag2 import SECOND, Bag, RecordingFailed, Splitting,
 from dcrb_ros.runtime.refusal import Refusal, nearest
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.simulation.block import Block
-from dcrb_ros.simulation.events import Command
+from dcrb_ros.simulation.events import TimedCommand
 
 __all__ = ["Recorder", "RecordingFailed", "channel_of", "chosen_topics", "new_folder", "quality"]
 
@@ -78,22 +78,22 @@ class Recorder:
         self,
         path: str | Path,
         configuration: Configuration,
-        layout: Layout,
+        bodies: BodyNames,
         *,
         namespace: str = NAMESPACE,
         scenario: Mapping[str, Any] | None = None,
-        commands: Iterable[Command] = (),
+        commands: Iterable[TimedCommand] = (),
         start_ns: int = 0,
     ) -> None:
         """Begin a recording at ``start_ns`` [ns] of a run that follows a ``scenario``, if any, and has had some ``commands`` before."""
         asked = configuration.recording
         self._topics, self._namespace = chosen_topics(asked.topics), namespace
-        self._encoder = BlockEncoder(configuration, layout)
+        self._encoder = BlockEncoder(configuration, bodies)
         self._channels: dict[Topic, Channel] = {}
         self.outcome = Outcome(configuration.sensor.sampling_rate, commands)
         self._bag = Bag(
             Path(path),
-            opening=opening(configuration, layout, namespace, scenario=scenario),
+            opening=opening(configuration, bodies, namespace, scenario=scenario),
             closing=self.outcome.records,
             compression=asked.compression,
             splitting=Splitting(asked.split_size, round(asked.split_duration * SECOND)),

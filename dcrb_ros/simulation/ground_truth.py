@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from dcrb_ros.faults.summary import fault_summary
+from dcrb_ros.faults.ground_truth import summary_of
 from dcrb_ros.runtime.arrays import Floats
 from dcrb_ros.runtime.frames import pandas
 from dcrb_ros.simulation.block import Truth
@@ -28,7 +28,7 @@ class GroundTruth:
         return len(self.truths)
 
     def __repr__(self) -> str:
-        return f"<GroundTruth: {len(self)} times, at the end {fault_summary(self.faults)}>"
+        return f"<GroundTruth: {len(self)} times, at the end {summary_of(self.faults)}>"
 
     @staticmethod
     def of(truths: Sequence[Truth]) -> GroundTruth:
@@ -60,7 +60,7 @@ class GroundTruth:
         return np.array([truth.frequencies[name] for truth in self.truths])
 
     def to_pandas(self) -> pd.DataFrame:
-        """Return a DataFrame over time [s]: speed [rad/s], load [N], characteristic frequencies [Hz] and the names of the faults.
+        """Return a DataFrame over time [s]: speed [rad/s], load [N], characteristic frequencies [Hz], names of the faults and the event.
 
         Raises
         ------
@@ -74,7 +74,7 @@ class GroundTruth:
                 "load_y": truth.load[1],
                 **truth.frequencies,
                 "faults": ", ".join(truth.faults),
-                "changed": str(truth.changed or ""),
+                "event": truth.event,
             }
             for truth in self.truths
         ]

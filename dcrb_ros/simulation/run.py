@@ -13,15 +13,15 @@ import numpy.typing as npt
 
 from dcrb_ros.bearing.history import StateHistory
 from dcrb_ros.bearing.kinematics import characteristic_orders
-from dcrb_ros.faults.summary import fault_summary
-from dcrb_ros.measurement.waveform import Waveform
+from dcrb_ros.bearing.waveform import Waveform
+from dcrb_ros.faults.ground_truth import summary_of
 from dcrb_ros.runtime.arrays import Samples
 from dcrb_ros.runtime.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import load_configuration
 from dcrb_ros.simulation.ground_truth import GroundTruth
 from dcrb_ros.simulation.loop import Simulation
-from dcrb_ros.simulation.scenario import Event, begun, read_story, timeline
+from dcrb_ros.simulation.scenario import ScheduledChange, read_scenario_file, scheduled_changes, starting_configuration
 
 LONGEST = 3600.0
 """Longest run that is returned as arrays [s]."""
@@ -43,7 +43,7 @@ class Run(Waveform):
     """The configuration at the start of the run."""
 
     def _described(self) -> str:
-        return f"{super()._described()}, {fault_summary(self.truth.faults)}"
+        return f"{super()._described()}, {summary_of(self.truth.faults)}"
 
     def _cut(self: Kind, samples: slice) -> Kind:
         return replace(super()._cut(samples), clean=self.clean[samples])
@@ -94,7 +94,7 @@ def simulate(
     >>> import dcrb_ros
     >>> run = dcrb_ros.simulate("outer_ring_defect", 0.5, settings={"operating.speed": 100.0}, seed=3)
     >>> run
-    <Run: 0.5 s at 51.2 kHz (25600 samples), shaft at 15.92 Hz, outer_1 2 mm wide>
+    <Run: 0.5 s at 51.2 kHz (25600 samples), shaft at 15.92 Hz, outer_1: 2 mm wide>
     >>> run.acceleration.shape, run.states.azimuth.shape
     ((25600, 2), (49, 35))
     """
@@ -106,13 +106,13 @@ def simulate(
     asked = load_configuration(configuration, settings)
     if seed is not None:
         asked = load_configuration(asked, {"simulation.seed": seed})
-    start, events = asked, list[Event]()
+    start, events = asked, list[ScheduledChange]()
     if scenario is not None:
-        story, source = (read_story(Path(scenario)), str(scenario)) if isinstance(scenario, (str, Path)) else (scenario, "scenario")
-        start = begun(story, asked, source)
-        events = timeline(story, start, source)
+        story, source = (read_scenario_file(Path(scenario)), str(scenario)) if isinstance(scenario, (str, Path)) else (scenario, "scenario")
+        start = starting_configuration(story, asked, source)
+        events = scheduled_changes(story, start, source)
     simulation = Simulation(start, events)
-    names = simulation.layout.names
+    names = simulation.bodies.names
     blocks = list(simulation.blocks(duration))
     kept = [block for block in blocks if not block.lost]
     if not kept:

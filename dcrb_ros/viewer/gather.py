@@ -9,7 +9,7 @@ from concurrent.futures import Future, ThreadPoolExecutor
 import numpy as np
 
 from dcrb_ros.bearing.kinematics import Orders
-from dcrb_ros.bearing.states import Layout
+from dcrb_ros.bearing.states import BodyNames
 from dcrb_ros.messages.cdr import stamps
 from dcrb_ros.messages.joints import decode_alike, decode_joints
 from dcrb_ros.messages.points import decode_waveform
@@ -54,10 +54,10 @@ def content_of(found: Mapping[Topic, Sequence[bytes]], subject: Subject, judge: 
         bearing=subject.bearing,
         orders=subject.orders,
         imported=subject.imported,
-        layout=subject.layout,
+        bodies=subject.bodies,
         waveform=waveform,
         judging=judge(waveform),
-        motion=motion_of(found.get(ROLLER_STATES, ()), subject.layout),
+        motion=motion_of(found.get(ROLLER_STATES, ()), subject.bodies),
         truths=truths_of(found.get(GROUND_TRUTH, ())),
         features=series_of(found.get(FEATURES, ())),
     )
@@ -87,7 +87,7 @@ def _in_background(work: Callable[[], Judgement]) -> Future[Judgement]:
     return future
 
 
-def motion_of(messages: Sequence[bytes], layout: Layout) -> Motion | None:
+def motion_of(messages: Sequence[bytes], bodies: BodyNames) -> Motion | None:
     """Return the bodies over time; ``None`` without states.
 
     Raises:
@@ -95,7 +95,7 @@ def motion_of(messages: Sequence[bytes], layout: Layout) -> Motion | None:
     """
     if not messages:
         return None
-    names, alike = tuple(layout.names), decode_alike(messages)
+    names, alike = tuple(bodies.names), decode_alike(messages)
     for joints in [decode_joints(data) for data in messages] if alike is None else [alike]:
         counts = {joints.position.shape[-1], joints.velocity.shape[-1], joints.effort.shape[-1]}
         if joints.names != names or counts != {len(names)}:

@@ -20,7 +20,7 @@ def recording(tmp_path_factory: pytest.TempPathFactory) -> Recording:
     path = tmp_path_factory.mktemp("recording") / "bag"
     configuration = load_configuration("inner_ring_defect", {"publishing.contacts": True})
     simulation = Simulation(configuration)
-    with Recorder(path, configuration, simulation.layout) as recorder:
+    with Recorder(path, configuration, simulation.bodies) as recorder:
         for block in simulation.blocks(0.4):
             recorder.write(block)
     return Recording(path)
@@ -77,7 +77,7 @@ def test_recorded_verdicts(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, reco
 
 
 def test_representation_says_duration_rate_and_fault(recording: Recording) -> None:
-    assert repr(recording).endswith("bag: 0.4 s at 51.2 kHz, 125.664 rad/s (1200 rpm), 100 kN, inner_1 2 mm wide>")
+    assert repr(recording).endswith("bag: 0.4 s at 51.2 kHz, 125.664 rad/s (1200 rpm), 100 kN, inner_1: 2 mm wide>")
 
 
 def test_a_time_outside_the_recording_is_refused(recording: Recording) -> None:

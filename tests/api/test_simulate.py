@@ -45,12 +45,12 @@ def test_shapes_and_units(run: Run) -> None:
 
 
 def test_representations_say_what_things_are(run: Run) -> None:
-    assert repr(run) == "<Run: 0.3 s at 51.2 kHz (15360 samples), shaft at 20.00 Hz, outer_1 2 mm wide>"
-    assert repr(run.configuration) == str(run.configuration) == "<Configuration: 125.664 rad/s (1200 rpm), 100 kN, outer_1 2 mm wide>"
+    assert repr(run) == "<Run: 0.3 s at 51.2 kHz (15360 samples), shaft at 20.00 Hz, outer_1: 2 mm wide>"
+    assert repr(run.configuration) == str(run.configuration) == "<Configuration: 125.664 rad/s (1200 rpm), 100 kN, outer_1: 2 mm wide>"
     block = next(Simulation(Configuration()).blocks())
     assert repr(block) == "<Block: 1024 samples at 51.2 kHz from 0.0000 s, 1 states>"
     assert "35 bodies from row1/roller01 to inner_ring" in repr(run.states)
-    assert repr(run.truth) == "<GroundTruth: 3 times, at the end outer_1 2 mm wide>"
+    assert repr(run.truth) == "<GroundTruth: 3 times, at the end outer_1: 2 mm wide>"
 
 
 @pytest.mark.parametrize(

@@ -16,7 +16,7 @@ import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 from junitparser import JUnitXml
-from made_up_blocks import LAYOUT
+from made_up_blocks import BODIES
 from own_process import dcrb
 
 from dcrb_ros.cli.score import _progress, _tell
@@ -29,7 +29,7 @@ from dcrb_ros.exam.library import place, recorded
 from dcrb_ros.exam.marking import NOTHING, Mark, mark
 from dcrb_ros.exam.opinion import Opinion, evidence, opinion_of
 from dcrb_ros.exam.question import Question
-from dcrb_ros.exam.recorded_case import read_tape, right_verdict
+from dcrb_ros.exam.recorded_case import read_tape
 from dcrb_ros.exam.report import Report
 from dcrb_ros.exam.statistics import characteristic, rate, share
 from dcrb_ros.messages.statuses import Status, encode_diagnostics, encode_truth
@@ -416,7 +416,7 @@ def test_a_case_with_other_samples_has_another_place(tmp_path: Path) -> None:
 
 def taped(path: Path, faults: list[dict[str, dict[str, float]]], verdicts: list[str], begin: float = 0.0, every: float = 0.02) -> Path:
     """Record a truth and a diagnosis at regular times [s], as `ros2 bag record` would beside the bench."""
-    with Recorder(path, Configuration(), LAYOUT) as recorder:
+    with Recorder(path, Configuration(), BODIES) as recorder:
         for number in range(max(len(faults), len(verdicts))):
             stamp = round((begin + number * every) * 1e9)
             if number < len(faults):
@@ -473,7 +473,7 @@ def test_a_recording_may_begin_in_the_middle_of_a_run(tmp_path: Path) -> None:
 
 def test_what_was_said_of_the_time_before_a_recording_does_not_count(tmp_path: Path) -> None:
     bag = tmp_path / "bag"
-    with Recorder(bag, Configuration(), LAYOUT) as recorder:
+    with Recorder(bag, Configuration(), BODIES) as recorder:
         for time in (7.0, 7.5, 8.0):
             truth = encode_truth(Truth(round(time * 1e9), 125.0, (0.0, -1e5), {}, {"outer_1": {"width": 0.002, "onset": 2.0}}))
             recorder.write_messages([Message(GROUND_TRUTH, round(time * 1e9), truth)])
@@ -509,16 +509,6 @@ def test_recordings_that_cannot_be_marked_are_refused(tmp_path: Path, capsys: py
     ):
         assert dcrb("score", str(taped(tmp_path / name, faults, verdicts))) == 2
         assert sentence in capsys.readouterr().err
-
-
-def test_right_verdicts_follow_from_the_truth() -> None:
-    assert right_verdict({}) == "healthy"
-    assert right_verdict({"roller_2": {}}) == "roller"
-    assert right_verdict({"broken_bars.row1/bar15": {}, "broken_bars.row2/bar15": {}}) == "cage"
-    assert right_verdict({"outer_1": {}, "inner_1": {}}) == "compound"
-    assert right_verdict({"outer_1": {}, "sensor.dead": {}}) == "sensor"
-    with pytest.raises(Refusal, match="knows no verdict"):
-        right_verdict({"gremlin": {}})
 
 
 def report(*marks: Mark, **criteria: Any) -> Report:

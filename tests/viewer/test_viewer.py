@@ -20,7 +20,7 @@ from runs import PAPER_SPEED, Run, simulated
 from dcrb_ros.bearing import load_zone
 from dcrb_ros.bearing.fault_lines import fault_combs
 from dcrb_ros.bearing.kinematics import characteristic_orders
-from dcrb_ros.bearing.payload import layout
+from dcrb_ros.bearing.payload import body_names
 from dcrb_ros.cli.view import view
 from dcrb_ros.diagnosis.detector import Diagnosis
 from dcrb_ros.diagnosis.parameters import DetectorParameters
@@ -70,7 +70,7 @@ def document(bag: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def recorded(run: Run, path: Path) -> Path:
-    with Recorder(path, run.configuration, layout(run.configuration)) as recorder:
+    with Recorder(path, run.configuration, body_names(run.configuration)) as recorder:
         for block in run.blocks:
             recorder.write(block)
     return path
@@ -224,7 +224,7 @@ def test_verdict_and_truth_are_on_the_page(content: Content) -> None:
 def test_recorded_verdict_comes_before_a_computed_one(run: Run, tmp_path: Path) -> None:
     said = Diagnosis(51199, 1.0, "inner_ring", "told so by the test", levels={"BPFO": 1.0, "BPFI": 2.0, "BSF": 3.0, "FTF": 4.0})
     path = tmp_path / "judged"
-    with Recorder(path, run.configuration, layout(run.configuration)) as recorder:
+    with Recorder(path, run.configuration, body_names(run.configuration)) as recorder:
         for block in run.blocks:
             recorder.write(block)
         recorder.write_messages(diagnosis_messages(said))
@@ -238,7 +238,7 @@ def test_recorded_verdict_comes_before_a_computed_one(run: Run, tmp_path: Path) 
 def test_states_of_another_bearing_are_refused(run: Run, tmp_path: Path) -> None:
     smaller = Configuration.model_validate({"bearing": {"rollers_per_row": 15}})
     path = tmp_path / "mixed"
-    with Recorder(path, smaller, layout(run.configuration)) as recorder:
+    with Recorder(path, smaller, body_names(run.configuration)) as recorder:
         recorder.write(run.blocks[0])
     with pytest.raises(Refusal, match=r"has \[35\] values for 35 bodies where the bearing of the manifest has 33"):
         gather(Recording(path))
@@ -250,13 +250,13 @@ def test_defect_is_drawn_in_its_own_row() -> None:
     roller = {"row": 2.0, "roller": 3.0, "width": 0.002, "depth": 0.0003, "azimuth": 0.0, "onset": 0.0}
     truth = Truth(0, 100.0, (0.0, -1e5), {}, {"inner_1": fault, "broken_bars.row1/bar15": bar, "roller_1": roller})
     assert faults_of_row(truth, 0) == ((), (15,), ("bar 15 broken",))
-    assert faults_of_row(truth, 1) == ((("inner_1", 0.5, 0.001),), (), ("inner_1: 1 mm wide", "roller_1: 2 mm wide on roller 3"))
+    assert faults_of_row(truth, 1) == ((("inner_ring", 0.5, 0.001),), (), ("inner_1: 1 mm wide", "roller_1: 2 mm wide on roller 3"))
 
 
 def test_every_fault_of_a_bench_is_shown(tmp_path: Path) -> None:
     configuration = load_configuration("compound")
     path, simulation = tmp_path / "compound", Simulation(configuration)
-    with Recorder(path, configuration, simulation.layout) as recorder:
+    with Recorder(path, configuration, simulation.bodies) as recorder:
         for block in simulation.blocks(0.2):
             recorder.write(block)
     found = markdown(gather(Recording(path)))
@@ -421,7 +421,7 @@ def test_mean_force_is_taken_by_sector() -> None:
 
 def test_loading_zone_lies_below_the_shaft(content: Content) -> None:
     assert content.motion is not None
-    rollers = content.layout.rows * content.layout.rollers_per_row
+    rollers = content.bodies.rows * content.bodies.rollers_per_row
     mean = load_zone.mean_force(content.motion.azimuth[:, :rollers], content.motion.force[:, :rollers])
     loaded = np.abs(load_zone.sector_azimuths()[mean > 0.05 * mean.max()])
     assert loaded.max() < np.pi / 2  # with a radial gap the zone is narrower than half a turn
