@@ -1,8 +1,8 @@
-"""A first bearing fault in five lines: python examples/first_fault.py writes first_fault.png."""
+"""A first bearing fault in five lines: python examples/first_fault.py writes spectrum.png."""
 
 import dcrb_ros
 
-run = dcrb_ros.simulate("outer_ring_defect", 4.0)
+configuration = dcrb_ros.load_configuration("outer_ring_defect", ["operating.speed=100.0"])
+run = dcrb_ros.simulate(configuration, duration=4.0)
 print(dcrb_ros.detect(run))
-ax = dcrb_ros.plot_envelope_spectrum(run)
-ax.figure.savefig("first_fault.png")
+dcrb_ros.plot_envelope_spectrum(run).figure.savefig("spectrum.png")

@@ -34,13 +34,20 @@ def test_notebook_executes(path: Path) -> None:
     assert [output.text for output in outputs if output.output_type == "stream" and output.name == "stderr"] == []
 
 
+def five_lines() -> str:
+    """Return the code of the example of the home page."""
+    return (ROOT / "examples" / "first_fault.py").read_text(encoding="utf-8").split('"""\n\n', 1)[1]
+
+
+@pytest.mark.parametrize("page", ["README.md", "docs/index.md"])
+def test_home_pages_show_the_five_lines(page: str) -> None:
+    assert len([line for line in five_lines().splitlines() if line]) == 5
+    assert f"```python\n{five_lines()}```" in (ROOT / page).read_text(encoding="utf-8")
+
+
 def test_five_lines_show_a_first_fault(tmp_path: Path) -> None:
-    example = ROOT / "examples" / "first_fault.py"
-    code = [line for line in example.read_text(encoding="utf-8").splitlines() if line and not line.startswith('"""')]
-    assert len(code) == 5
-    done = subprocess.run(
-        [sys.executable, str(example)], cwd=tmp_path, env={**os.environ, "MPLBACKEND": "Agg"}, capture_output=True, text=True, timeout=240
-    )
+    command, environment = [sys.executable, str(ROOT / "examples" / "first_fault.py")], {**os.environ, "MPLBACKEND": "Agg"}
+    done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=240)
     assert done.returncode == 0, done.stderr
     assert done.stdout.startswith("<DetectionResult: outer_ring")
-    assert (tmp_path / "first_fault.png").read_bytes()[:4] == b"\x89PNG"
+    assert (tmp_path / "spectrum.png").read_bytes()[:4] == b"\x89PNG"
