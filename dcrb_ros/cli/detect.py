@@ -8,8 +8,6 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from dcrb_ros.runtime.refusal import Refusal
-
 if TYPE_CHECKING:
     from dcrb_ros.diagnosis.parameters import DetectorParameters
 
@@ -34,32 +32,19 @@ def detect(
     ] = None,
 ) -> None:
     """Run the fault detector over a recording and print its verdict."""
-    from dcrb_ros.diagnosis.detector import FaultDetector
+    from dcrb_ros.diagnosis.detection import detect as detect_in
     from dcrb_ros.recordings.reader import Recording
 
-    recording, parameters = Recording(bag), detector_parameters(detector)
-    rate = recording.sampling_rate
-    judge = FaultDetector(recording.orders, rate, parameters)
-    found, seconds = [], 0.0
-    for vibration, sensor_range in recording.ranged_vibrations():
-        judge.sensor_range = sensor_range
-        diagnosis = judge.update(vibration.first_index(rate), vibration.acceleration, vibration.shaft_angle)
-        seconds += len(vibration.shaft_angle) / rate
-        if diagnosis is not None:
-            found.append(diagnosis)
-    judged = [diagnosis for diagnosis in found if diagnosis.verdict != "waiting"]
-    if not judged:
-        why = found[-1].reason if found else f"it needs {parameters.window:g} s"
-        raise Refusal(f"{bag} holds {seconds:.2f} s of waveform, too little for a verdict: {why}")
-    last = judged[-1]
-    first = next(d for d in judged if d.verdict == last.verdict)
+    recording = Recording(bag)
+    found = detect_in(recording, parameters=detector_parameters(detector))
+    last = found.last
     if as_json:
         about = {
             "verdict": last.verdict,
             "confidence": last.confidence,
             "reason": last.reason,
             "time": last.time,
-            "first_time": first.time,
+            "first_time": found.since,
             "levels": last.levels,
             "shaft_frequency": last.shaft_frequency,
             "scores": last.scores,
@@ -69,7 +54,7 @@ def detect(
             "clipped": last.clipped,
             "remarks": last.remarks,
             "complete": recording.complete,
-            "history": [{"time": d.time, "verdict": d.verdict, "confidence": d.confidence} for d in found],
+            "history": [{"time": d.time, "verdict": d.verdict, "confidence": d.confidence} for d in found.history],
         }
         print(json.dumps(about, indent=2))
         return
@@ -81,9 +66,8 @@ def detect(
         table.add_row(fault, name, f"{level:.1f}", f"{score:.1f}")
     console = Console()
     console.print(table)
-    console.print(
-        f"{last.verdict}, confidence {last.confidence:.2f}, first at {first.time:.2f} s of {seconds:.2f} s: {last.reason}", highlight=False
-    )
+    when = f"first at {found.since:.2f} s of {found.duration:.2f} s"
+    console.print(f"{last.verdict}, confidence {last.confidence:.2f}, {when}: {last.reason}", highlight=False)
     for remark in last.remarks:
         console.print(remark, highlight=False)
     if not recording.complete:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from dcrb_ros import __version__
 from dcrb_ros.exam.criteria import Criteria
@@ -13,6 +13,10 @@ from dcrb_ros.exam.marking import NOTHING, Mark
 from dcrb_ros.exam.opinion import VERDICTS, WAITING
 from dcrb_ros.exam.statistics import Characteristic, Interval, characteristic, percentile, rate, share
 from dcrb_ros.recordings.manifest import model_fingerprint, software
+from dcrb_ros.runtime.frames import pandas
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 
 @dataclass(frozen=True)
@@ -132,6 +136,30 @@ class Report:
         faulty = [mark.score for mark in self.faulty if mark.score is not None and mark.question.verdict != "sensor"]
         healthy = [mark.score for mark in self.marks if mark.score is not None and not mark.question.faulty]
         return characteristic(faulty, healthy)
+
+    def __repr__(self) -> str:
+        return f"<Report: {self.detector} {'passed' if self.passed else 'failed'} {self.exam}, {len(self.marks)} scenarios>"
+
+    def to_pandas(self) -> pd.DataFrame:
+        """Return a DataFrame with a row per scenario: right verdict, answer, onset and delay [s], number of false alarms, passed.
+
+        Raises
+        ------
+        Refusal
+            pandas is not installed.
+        """
+        rows = [
+            {
+                "right": mark.question.verdict,
+                "answer": mark.answer,
+                "onset": mark.question.onset if mark.question.faulty else None,
+                "delay": mark.delay,
+                "false_alarms": len(mark.false_alarms),
+                "passed": mark.passed,
+            }
+            for mark in self.marks
+        ]
+        return pandas().DataFrame(rows, index=pandas().Index([mark.question.name for mark in self.marks], name="scenario"))
 
     def described(self) -> dict[str, Any]:
         """Return everything as a tree for JSON; what does not exist is null."""

@@ -10,6 +10,7 @@ from pydantic import model_validator
 from dcrb_ros.core.laws.pereira import pereira_coefficients, pereira_stiffness
 from dcrb_ros.faults import Faults
 from dcrb_ros.faults.geometry import BrokenBar
+from dcrb_ros.faults.ground_truth import summary_of
 from dcrb_ros.measurement.stage import Parameters, Setup
 from dcrb_ros.schema.fields import LENGTH_REMEDY, Group, quantity
 from dcrb_ros.settings.parameters import (
@@ -23,6 +24,7 @@ from dcrb_ros.settings.parameters import (
     Publishing,
     Recording,
     SimulationParameters,
+    rpm,
 )
 from dcrb_ros.settings.sensor import Background, SensorParameters, Structure
 from dcrb_ros.settings.sensor_limits import block_limits, burst_limits, measurement_limits
@@ -55,6 +57,18 @@ class Configuration(Group):
     def described_faults(self) -> dict[str, dict[str, float]]:
         """Return the fields of every fault of bearing and sensor by its name in the ground truth."""
         return self.faults.described() | self.sensor.described()
+
+    @property
+    def summary(self) -> str:
+        """Speed, load and faults as text."""
+        load = math.hypot(self.operating.load, self.operating.lateral_load)
+        speed = f"{self.operating.speed:g} rad/s ({rpm(self.operating.speed):.4g} rpm)"
+        return f"{speed}, {load / 1e3:g} kN, {summary_of(self.described_faults())}"
+
+    def __repr__(self) -> str:
+        return f"<Configuration: {self.summary}>"
+
+    __str__ = __repr__
 
     @property
     def steps_per_sample(self) -> int:

@@ -11,6 +11,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any, TypeVar, get_args
 
+import numpy as np
 import yaml
 from pydantic import ValidationError
 from pydantic.fields import FieldInfo
@@ -209,15 +210,36 @@ def overlaid(whole: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, 
     return {**whole, **brought, **changes}
 
 
-def load_configuration(source: str | Path, settings: Sequence[str] = ()) -> Configuration:
-    """Return the configuration of a file or a shipped name (``healthy``), with ``KEY=VALUE`` settings on top.
+def load_configuration(source: Configuration | str | Path, settings: Mapping[str, Any] | Sequence[str] = ()) -> Configuration:
+    """Return the configuration of a file or a shipped name, with some settings changed.
 
-    Raises:
-        Refusal: see `read_parameters` and `validated`.
+    Parameters
+    ----------
+    source
+        The name of a shipped configuration (``"healthy"``), a YAML file, or a configuration to change.
+    settings
+        Parameters and values: ``{"operating.speed": 100.0}``, nested or with dotted keys, or texts such as ``"operating.speed=100.0"``.
+
+    Raises
+    ------
+    Refusal
+        No such file, an unknown parameter, or a value that is out of range or does not fit the others.
+
+    Examples
+    --------
+    >>> load_configuration("healthy", {"faults": {"outer_1": {"width": 0.002}}, "operating.speed": 100.0})
+    <Configuration: 100 rad/s (954.9 rpm), 100 kN, outer_1: 2 mm wide>
     """
-    path = find_configuration(source)
-    flat, asked = read_parameters(path, "simulator"), _settings(settings, fields_by_key())
+    asked = _plain(flatten(settings)) if isinstance(settings, Mapping) else _settings(settings, fields_by_key())
+    if isinstance(source, Configuration):
+        return validated(overlaid(flatten(source.model_dump()), asked), Configuration, "settings") if asked else source
+    flat = read_parameters(find_configuration(source), "simulator")
     return validated({**without_replaced(flat, asked), **asked}, Configuration, str(source))
+
+
+def _plain(settings: Mapping[str, Any]) -> dict[str, Any]:
+    """Return settings with the scalars of numpy as those of Python."""
+    return {str(key): value.item() if isinstance(value, np.generic) else value for key, value in settings.items()}
 
 
 def find_configuration(source: str | Path) -> Path:

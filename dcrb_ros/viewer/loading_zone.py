@@ -7,6 +7,7 @@ import math
 import numpy as np
 import rerun as rr
 
+from dcrb_ros.bearing.load_zone import mean_force, sector_azimuths
 from dcrb_ros.bearing.states import BodyNames
 from dcrb_ros.runtime.arrays import Floats
 from dcrb_ros.viewer import columns, palette
@@ -19,8 +20,6 @@ ROOT = "loading_zone"
 RADIUS = 100.0
 """Radius of the largest force [picture units]."""
 SPACING = 3.0 * RADIUS
-SECTORS = 72
-"""Sectors over which the mean is taken."""
 STEPS = 4
 SPOKES = 12
 
@@ -46,7 +45,7 @@ def log_mean(bodies: BodyNames, motion: Motion, largest: float) -> None:
     """Log the mean force over the azimuth of every row as a line."""
     for row in range(bodies.rows):
         mean = mean_force(*of_row(bodies, motion, row))
-        strip = closed(on_circle(RADIUS * mean / largest, middles()))
+        strip = closed(on_circle(RADIUS * mean / largest, sector_azimuths()))
         colour = palette.ROWS[row % len(palette.ROWS)]
         rr.log(f"{ROOT}/row{row + 1}/mean", rr.LineStrips2D([strip], radii=[1.2], colors=[colour], draw_order=2.0), static=True)
 
@@ -55,18 +54,6 @@ def of_row(bodies: BodyNames, motion: Motion, row: int) -> tuple[Floats, Floats]
     """Return azimuth [rad] and normal force [N] of the rollers of a row over time."""
     rollers = slice(row * bodies.rollers_per_row, (row + 1) * bodies.rollers_per_row)
     return motion.azimuth[:, rollers], motion.force[:, rollers]
-
-
-def middles() -> Floats:
-    """Return the azimuths of the sectors' middles [rad]."""
-    return np.asarray(-math.pi + (np.arange(SECTORS) + 0.5) * 2.0 * math.pi / SECTORS)
-
-
-def mean_force(azimuth: Floats, force: Floats) -> Floats:
-    """Return the mean normal force [N] of the rollers in each sector of azimuth; zero where none has been."""
-    sector = np.floor((np.asarray(azimuth).ravel() + math.pi) / (2.0 * math.pi) * SECTORS).astype(int) % SECTORS
-    count = np.bincount(sector, minlength=SECTORS)
-    return np.asarray(np.bincount(sector, np.asarray(force).ravel(), SECTORS) / np.maximum(count, 1))
 
 
 def closed(points: Floats) -> Floats:

@@ -47,25 +47,6 @@ class Spectra:
         return float(self.orders[-1])
 
 
-@dataclass(frozen=True)
-class Comb:
-    """A fault and the lines at which it shows."""
-
-    name: str
-    orders: tuple[float, ...]
-    """Its harmonics as multiples of the shaft frequency [-]."""
-
-
-def fault_combs(orders: Orders, highest: float) -> list[Comb]:
-    """Return the harmonics of BPFO, BPFI, 2BSF and FTF below the ``highest`` order; of FTF the first four."""
-    bases = {"BPFO": orders.bpfo, "BPFI": orders.bpfi, "2BSF": 2.0 * orders.bsf, "FTF": orders.ftf}
-    combs = []
-    for name, base in bases.items():
-        most = 4 if name == "FTF" else int(highest / base)
-        combs.append(Comb(name, tuple(base * k for k in range(1, most + 1) if base * k < highest)))
-    return combs
-
-
 def diagnoses(waveform: Waveform, orders: Orders) -> list[Diagnosis]:
     """Return what the fault detector with its default parameters says of the waveform; a short one makes one window."""
     from dcrb_ros.diagnosis.detector import FaultDetector

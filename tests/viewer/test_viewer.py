@@ -17,6 +17,8 @@ import pytest
 from mcap.writer import Writer
 from runs import PAPER_SPEED, Run, simulated
 
+from dcrb_ros.bearing import load_zone
+from dcrb_ros.bearing.fault_lines import fault_combs
 from dcrb_ros.bearing.kinematics import characteristic_orders
 from dcrb_ros.bearing.payload import body_names
 from dcrb_ros.cli.view import view
@@ -31,13 +33,13 @@ from dcrb_ros.settings.files import load_configuration
 from dcrb_ros.settings.parameters import Bearing
 from dcrb_ros.simulation.block import Truth
 from dcrb_ros.simulation.loop import Simulation
-from dcrb_ros.viewer import loading_zone, order_map, palette
+from dcrb_ros.viewer import order_map, palette
 from dcrb_ros.viewer.content import Content, Waveform
 from dcrb_ros.viewer.drawing import Drawing, on_circle, quaternions, rounded_up
 from dcrb_ros.viewer.fault_words import faults_of_row
 from dcrb_ros.viewer.gather import gather
 from dcrb_ros.viewer.show import take_picture, telling_time
-from dcrb_ros.viewer.spectrum import ORDER_STEP, diagnoses, envelope_spectra, fault_combs, over_background, pieces
+from dcrb_ros.viewer.spectrum import ORDER_STEP, diagnoses, envelope_spectra, over_background, pieces
 from dcrb_ros.viewer.summary import markdown
 from dcrb_ros.viewer.window import ViewerFailure
 
@@ -409,19 +411,19 @@ def test_missing_driver_is_said_in_one_sentence(content: Content, tmp_path: Path
 def test_mean_force_is_taken_by_sector() -> None:
     azimuth = np.array([[0.01, 0.02, -0.01], [0.03, 3.13, -3.13]])
     force = np.array([[10.0, 20.0, 5.0], [30.0, 0.0, 7.0]])
-    mean = loading_zone.mean_force(azimuth, force)
-    assert mean[loading_zone.SECTORS // 2] == pytest.approx(20.0)
-    assert mean[loading_zone.SECTORS // 2 - 1] == pytest.approx(5.0)
+    mean = load_zone.mean_force(azimuth, force)
+    assert mean[load_zone.SECTORS // 2] == pytest.approx(20.0)
+    assert mean[load_zone.SECTORS // 2 - 1] == pytest.approx(5.0)
     assert mean[0] == pytest.approx(7.0)
     assert np.count_nonzero(mean) == 3
-    assert loading_zone.middles()[loading_zone.SECTORS // 2] > 0.0
+    assert load_zone.sector_azimuths()[load_zone.SECTORS // 2] > 0.0
 
 
 def test_loading_zone_lies_below_the_shaft(content: Content) -> None:
     assert content.motion is not None
     rollers = content.bodies.rows * content.bodies.rollers_per_row
-    mean = loading_zone.mean_force(content.motion.azimuth[:, :rollers], content.motion.force[:, :rollers])
-    loaded = np.abs(loading_zone.middles()[mean > 0.05 * mean.max()])
+    mean = load_zone.mean_force(content.motion.azimuth[:, :rollers], content.motion.force[:, :rollers])
+    loaded = np.abs(load_zone.sector_azimuths()[mean > 0.05 * mean.max()])
     assert loaded.max() < np.pi / 2  # with a radial gap the zone is narrower than half a turn
 
 
