@@ -35,7 +35,7 @@ def sweep(
     _require_fsspec()
     from dcrb_ros.runtime.processes import cores
     from dcrb_ros.sweep.plan import Plan
-    from dcrb_ros.sweep.reading import read_sweep
+    from dcrb_ros.sweep.loader import read_sweep
 
     plan = Plan(read_sweep(sweep))
     if plan.conditions < 3:

@@ -14,7 +14,7 @@ from dcrb_ros.recordings.manifest import model_fingerprint
 from dcrb_ros.runtime.refusal import Refusal
 from dcrb_ros.settings.files import nest
 from dcrb_ros.sweep.card import card
-from dcrb_ros.sweep.carry_out import error_label, recipe, write_label
+from dcrb_ros.sweep.execution import error_label, common_settings, write_label
 from dcrb_ros.sweep.dispatch import dispatched
 from dcrb_ros.sweep.label import ERROR
 from dcrb_ros.sweep.plan import Plan
@@ -62,7 +62,7 @@ class DataSet:
 
     def make(self, client: Client, progress: Progress) -> Tally:
         """Make what is missing, then the table and the card; tell of ``progress`` the outcomes of each task."""
-        common, runs = recipe(self.plan.sweep, self.store), self.plan.tasks(self.done, self._task_seconds(client))
+        common, runs = common_settings(self.plan.sweep, self.store), self.plan.tasks(self.done, self._task_seconds(client))
         for task, outcome in dispatched(client, common, runs):
             if isinstance(outcome, Exception):
                 for run in task:

@@ -11,7 +11,7 @@ from dcrb_ros import __version__
 from dcrb_ros.recordings.manifest import model_fingerprint
 from dcrb_ros.runtime.processes import cores
 from dcrb_ros.runtime.refusal import Refusal
-from dcrb_ros.sweep.carry_out import Recipe, carry_out
+from dcrb_ros.sweep.execution import CommonSettings, run_task
 from dcrb_ros.sweep.plan import Task
 from dcrb_ros.sweep.store import StoreFailed
 
@@ -99,7 +99,7 @@ def dashboard_there() -> bool:
     return find_spec("bokeh") is not None
 
 
-def dispatched(client: Client, recipe: Recipe, tasks: Iterator[Task]) -> Iterator[tuple[Task, Outcome]]:
+def dispatched(client: Client, common: CommonSettings, tasks: Iterator[Task]) -> Iterator[tuple[Task, Outcome]]:
     """Yield each task with what became of its runs, as they end.
 
     A task whose worker is lost goes to another one. No more tasks are asked for than keep the workers busy.
@@ -114,7 +114,7 @@ def dispatched(client: Client, recipe: Recipe, tasks: Iterator[Task]) -> Iterato
 
     def hand_over(count: int) -> None:
         for task in itertools.islice(tasks, count):
-            future = client.submit(carry_out, recipe, task, key=f"sweep-{task[0].name}", pure=False)
+            future = client.submit(run_task, common, task, key=f"sweep-{task[0].name}", pure=False)
             known[future] = task
             queue.add(future)
 

@@ -9,7 +9,7 @@ from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
 
-from dcrb_ros.sweep.carry_out import carry_out, recipe
+from dcrb_ros.sweep.execution import run_task, common_settings
 from dcrb_ros.sweep.label import DONE
 from dcrb_ros.sweep.plan import Plan, Task
 from dcrb_ros.sweep.store import Store
@@ -86,9 +86,9 @@ class _Trial:
 def _tried(plan: Plan, tasks: list[Task], duration: float) -> _Trial:
     """Carry tasks out with another duration [s], into a folder that goes."""
     with tempfile.TemporaryDirectory(prefix="dcrb-sweep-") as folder:
-        common = dataclasses.replace(recipe(plan.sweep, Store(folder)), duration=duration)
+        common = dataclasses.replace(common_settings(plan.sweep, Store(folder)), duration=duration)
         begin = time.perf_counter()
-        outcomes = [status for task in tasks for _, status in carry_out(common, task)]
+        outcomes = [status for task in tasks for _, status in run_task(common, task)]
         seconds = time.perf_counter() - begin
         room = sum(path.stat().st_size for path in Path(folder).rglob("*") if path.is_file())
     return _Trial(seconds, room, sum(status != DONE for status in outcomes))

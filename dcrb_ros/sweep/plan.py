@@ -13,7 +13,7 @@ from typing import Any
 from dcrb_ros import __version__
 from dcrb_ros.recordings.manifest import model_fingerprint
 from dcrb_ros.sweep.design import GRID, Point, Value, points
-from dcrb_ros.sweep.sweep_file import SCENARIO, SOUND, Shares, Sweep
+from dcrb_ros.sweep.sweep_file import SCENARIO, NO_FAULTS, Shares, Sweep
 
 SEED = "simulation.seed"
 NO_CONDITION = ("faults", "structure", "background", "sensor", "publishing", "recording", "time_scale")
@@ -133,7 +133,7 @@ class Plan:
         wrong = {**point, **values}
         scenario = str(wrong.pop(SCENARIO, ""))
         changes = {**wrong, SEED: seed}
-        healthy = self._other({**{key: value for key, value in point.items() if key != SCENARIO}, **SOUND, SEED: seed})
+        healthy = self._other({**{key: value for key, value in point.items() if key != SCENARIO}, **NO_FAULTS, SEED: seed})
         return Run(
             place,
             digest([self._common, self._other(changes), self.sweep.stories.get(scenario)]),

@@ -15,7 +15,7 @@ from dcrb_ros.sweep.design import Axes, Value, size
 
 SCENARIO = "scenario"
 """The one key of a sweep that is no parameter: the name of a scenario, or of its file."""
-SOUND: Mapping[str, Value] = {f"faults.{key}": value for key, value in flatten(Faults().model_dump()).items()}
+NO_FAULTS: Mapping[str, Value] = {f"faults.{key}": value for key, value in flatten(Faults().model_dump()).items()}
 """Every fault absent."""
 
 

@@ -7,13 +7,13 @@ from collections.abc import Iterator
 import numpy as np
 
 from dcrb_ros.runtime.arrays import Floats
-from dcrb_ros.validation.case import BROKEN_BAR, JOINTS, WIDTHS, Run
-from dcrb_ros.validation.measures import Spectrum, decibels, envelope_spectrum, kurtosis, loading_zone, profile
-from dcrb_ros.validation.motion import LOADED, energy_residual
-from dcrb_ros.validation.row import Row, Runs, within
+from dcrb_ros.validation.runs import BROKEN_BAR, JOINTS, WIDTHS, Run
+from dcrb_ros.validation.measures import Spectrum, decibels, envelope_spectrum, kurtosis, load_zone, profile
+from dcrb_ros.validation.healthy import LOADED, energy_residual
+from dcrb_ros.validation.comparison import Comparison, Runs, within
 
 
-def fault_rows(runs: Runs) -> Iterator[Row]:
+def fault_comparisons(runs: Runs) -> Iterator[Comparison]:
     """Yield the rows of every joint."""
     for joint in JOINTS:
         healthy, outer, inner = runs["healthy", joint], runs["outer ring defect", joint], runs["inner ring defect", joint]
@@ -38,11 +38,11 @@ def spectrum(run: Run) -> Spectrum:
     return envelope_spectrum(run.steady_acceleration, run.rate)
 
 
-def _outer_line(run: Run) -> Row:
+def _outer_line(run: Run) -> Comparison:
     expected = run.rollers_per_row * run.cage_frequency
     line = spectrum(run).line(expected, 10.0)
     strongest = spectrum(run).largest(20.0, 1000.0) / line.frequency
-    return Row(
+    return Comparison(
         "Envelope line of an outer ring defect",
         run.case.joint,
         "133 Hz (Fig. 11c)",
@@ -52,10 +52,10 @@ def _outer_line(run: Run) -> Row:
     )
 
 
-def _inner_line(run: Run) -> Row:
+def _inner_line(run: Run) -> Comparison:
     expected = run.rollers_per_row * (run.shaft_frequency - run.cage_frequency)
     line = spectrum(run).line(expected, 5.0)
-    return Row(
+    return Comparison(
         "Envelope line of an inner ring defect",
         run.case.joint,
         "184 Hz (Fig. 11b)",
@@ -65,14 +65,14 @@ def _inner_line(run: Run) -> Row:
     )
 
 
-def _inner_sidebands(run: Run) -> Row:
+def _inner_sidebands(run: Run) -> Comparison:
     found = spectrum(run)
     middle = found.line(run.rollers_per_row * (run.shaft_frequency - run.cage_frequency), 5.0).frequency
     pairs = [[found.line(middle + side * run.shaft_frequency, 1.0) for side in (-pair, pair)] for pair in (1, 2, 3, 4)]
     heights = [sum(line.amplitude for line in pair) for pair in pairs]
     levels = [min(line.level for line in pair) for pair in pairs]
     clear = sum(level > 10.0 for level in levels)
-    return Row(
+    return Comparison(
         "Sidebands at f_r about it: pairs more than 10 dB over their floor",
         run.case.joint,
         "spaced by f_r, decreasing progressively (section 3.2)",
@@ -88,11 +88,11 @@ ZONE = 35.0
 """Azimuth within which the defect strikes a loaded roller [deg]."""
 
 
-def _inner_bursts(run: Run, outer: Run) -> Row:
+def _inner_bursts(run: Run, outer: Run) -> Comparison:
     size = np.abs(run.acceleration)
     azimuth = np.degrees(np.angle(np.exp(1j * run.shaft_angle[size > LARGE * size.max()])))
     share, kurtoses = float(np.mean(np.abs(azimuth) <= ZONE)), [kurtosis(one.steady_acceleration) for one in (run, outer)]
-    return Row(
+    return Comparison(
         "Bursts of an inner ring defect with the defect in the loading zone",
         run.case.joint,
         "only there (Fig. 10c)",
@@ -102,14 +102,14 @@ def _inner_bursts(run: Run, outer: Run) -> Row:
     )
 
 
-def _cage_comb(run: Run, healthy: Run) -> Row:
+def _cage_comb(run: Run, healthy: Run) -> Comparison:
     broken, whole, teeth = spectrum(run), spectrum(healthy), range(1, 14)
     gains = [
         decibels(broken.line(k * run.cage_frequency, 0.4).amplitude / whole.line(k * run.cage_frequency, 0.4).amplitude) for k in teeth
     ]
     clear = sum(gain > 10.0 for gain in gains)
     strongest = broken.largest(2.0, 130.0)
-    return Row(
+    return Comparison(
         "Cage fracture: lines k f_C, k = 1..13, more than 10 dB over the healthy run",
         run.case.joint,
         "7.9 Hz, theory 8.4 Hz (Fig. 11a)",
@@ -119,17 +119,17 @@ def _cage_comb(run: Run, healthy: Run) -> Row:
     )
 
 
-def _freed_rollers(run: Run) -> Row:
+def _freed_rollers(run: Run) -> Comparison:
     settled = run.settled
     freed = [
-        loading_zone(run.azimuth[settled][:, run.columns(k)], run.inner_force[settled][:, run.columns(k)])
+        load_zone(run.azimuth[settled][:, run.columns(k)], run.inner_force[settled][:, run.columns(k)])
         for k in (BROKEN_BAR, BROKEN_BAR + 1)
     ]
     columns = run.columns(BROKEN_BAR // 2)
-    intact = loading_zone(run.azimuth[settled][:, columns], run.inner_force[settled][:, columns])
+    intact = load_zone(run.azimuth[settled][:, columns], run.inner_force[settled][:, columns])
     ends = ", ".join(f"{zone.entry:.1f}..{zone.exit:.1f}" for zone in freed)
     least = min(zone.asymmetry for zone in freed)
-    return Row(
+    return Comparison(
         "Loading zone of the two freed rollers of a row, and of an intact one opposite",
         run.case.joint,
         "larger and asymmetric (Fig. 10b)",
@@ -139,14 +139,14 @@ def _freed_rollers(run: Run) -> Row:
     )
 
 
-def _roller_line(run: Run) -> Row:
+def _roller_line(run: Run) -> Comparison:
     loaded = run.inner_force[run.settled] > LOADED
     expected = -2.0 * float(run.relative_spin[run.settled][loaded].mean()) / (2.0 * np.pi)
     found = spectrum(run)
     line = found.line(expected, 3.0)
     pairs = [[found.line(line.frequency + side * run.cage_frequency, 1.0).level for side in (-pair, pair)] for pair in (1, 2, 3, 4)]
     clear = sum(min(levels) > 10.0 for levels in pairs)
-    return Row(
+    return Comparison(
         "Envelope line of a roller defect, pairs of sidebands at f_C more than 10 dB over their floor",
         run.case.joint,
         "-",
@@ -156,10 +156,10 @@ def _roller_line(run: Run) -> Row:
     )
 
 
-def _staggered(run: Run) -> Row:
+def _staggered(run: Run) -> Comparison:
     found, passing = spectrum(run), run.rollers_per_row * run.cage_frequency
     over = decibels(found.line(2.0 * passing, 3.0).amplitude / found.line(passing, 3.0).amplitude)
-    return Row(
+    return Comparison(
         "Outer ring defect across rows staggered by half a pitch: line at 2 f_O over that at f_O",
         run.case.joint,
         "-",
@@ -182,12 +182,12 @@ def disturbance(outer: Run, healthy: Run) -> tuple[Floats, Floats]:
     return np.degrees(0.5 * (EDGES[1:] + EDGES[:-1])), np.sqrt(profile(azimuth[seen], departure**2, EDGES))
 
 
-def _tracked_roller(outer: Run, healthy: Run) -> Row:
+def _tracked_roller(outer: Run, healthy: Run) -> Comparison:
     azimuth, size = disturbance(outer, healthy)
     pitch = 360.0 / outer.rollers_per_row
     usual = float(np.nanmedian(size[np.abs(azimuth) < 30.0]))
     peaks = [float(np.nanmax(size[np.abs(azimuth - middle) <= 1.5])) for middle in (-pitch, 0.0, pitch)]
-    return Row(
+    return Comparison(
         "Outer ring defect, tracked roller: RMS jump of its force at -22.5, 0, 22.5 deg",
         outer.case.joint,
         "large at 0, smaller as its neighbours pass (Fig. 10d)",
@@ -197,9 +197,9 @@ def _tracked_roller(outer: Run, healthy: Run) -> Row:
     )
 
 
-def _force_scatter(outer: Run, healthy: Run) -> Row:
+def _force_scatter(outer: Run, healthy: Run) -> Comparison:
     scatter, still = (float(run.inner_ring_force[run.settled].std()) for run in (outer, healthy))
-    return Row(
+    return Comparison(
         "Outer ring defect: sd of the total force, against healthy",
         outer.case.joint,
         "sudden changes (Fig. 10d)",
@@ -209,10 +209,10 @@ def _force_scatter(outer: Run, healthy: Run) -> Row:
     )
 
 
-def _severity(runs: list[Run]) -> Row:
+def _severity(runs: list[Run]) -> Comparison:
     rms = [float(run.steady_acceleration.std()) for run in runs]
     peak = [float(np.abs(run.steady_acceleration).max()) for run in runs]
-    return Row(
+    return Comparison(
         "Severity: rms and peak at " + ", ".join(f"{width:g}" for width in WIDTHS) + " mm (outer)",
         runs[0].case.joint,
         "-",
@@ -222,10 +222,10 @@ def _severity(runs: list[Run]) -> Row:
     )
 
 
-def _healthy_line(healthy: Run, outer: Run) -> Row:
+def _healthy_line(healthy: Run, outer: Run) -> Comparison:
     own = spectrum(healthy).line(healthy.rollers_per_row * healthy.cage_frequency, 3.0)
     below = decibels(spectrum(outer).line(outer.rollers_per_row * outer.cage_frequency, 3.0).amplitude / own.amplitude)
-    return Row(
+    return Comparison(
         "Line at f_O of the healthy bearing, its variable compliance",
         healthy.case.joint,
         "-",
@@ -235,9 +235,9 @@ def _healthy_line(healthy: Run, outer: Run) -> Row:
     )
 
 
-def _energy(outer: Run) -> Row:
+def _energy(outer: Run) -> Comparison:
     share, power = energy_residual(outer), -outer.energy.notch / float(outer.time[-1])
-    return Row(
+    return Comparison(
         "Energy account of the outer ring defect: residual over what came in",
         outer.case.joint,
         "-",
@@ -247,7 +247,7 @@ def _energy(outer: Run) -> Row:
     )
 
 
-def _foreign(healthy: Run, outer: Run) -> Iterator[Row]:
+def _foreign(healthy: Run, outer: Run) -> Iterator[Comparison]:
     y, settled = outer.steady_acceleration, outer.settled
     for quantity, ours, low, high, unit in (
         ("rms", float(y.std()), 413.0, 415.0, "m/s^2"),
@@ -257,7 +257,7 @@ def _foreign(healthy: Run, outer: Run) -> Iterator[Row]:
         ("rms, healthy", float(healthy.steady_acceleration.std()), 10.0, 10.0, "m/s^2"),
     ):
         stated = f"{low:g}" if low == high else f"{low:g}-{high:g}"
-        yield Row(
+        yield Comparison(
             f"Laws of an independent engine, outer ring defect: {quantity}",
             "revolute",
             "-",

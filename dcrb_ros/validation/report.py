@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from importlib import resources
 
 from dcrb_ros import __version__
-from dcrb_ros.validation.case import Case
-from dcrb_ros.validation.row import Row
+from dcrb_ros.validation.runs import RunSpec
+from dcrb_ros.validation.comparison import Comparison
 
 HEADINGS = ("quantity", "joint", "paper", "ours", "accepted", "verdict")
 CAPTIONS = {
@@ -18,18 +18,18 @@ CAPTIONS = {
 }
 
 
-def cells(row: Row) -> tuple[str, ...]:
+def cells(row: Comparison) -> tuple[str, ...]:
     """Return a row as texts in the order of `HEADINGS`."""
     return row.quantity, row.joint, row.paper, row.ours, row.accept, row.verdict
 
 
-def summary(rows: Sequence[Row]) -> str:
+def summary(rows: Sequence[Comparison]) -> str:
     """Return how many rows hold, as a sentence."""
     short = sum(not row.holds for row in rows)
     return f"All {len(rows)} rows hold." if not short else f"{short} of {len(rows)} rows fall short."
 
 
-def markdown(rows: Sequence[Row], cases: Sequence[Case], figures: Sequence[str]) -> str:
+def markdown(rows: Sequence[Comparison], cases: Sequence[RunSpec], figures: Sequence[str]) -> str:
     """Return the report as Markdown; the figures lie beside it."""
     lines = [
         "# dcrb_ros against Fan et al. 2025",
@@ -51,7 +51,7 @@ def markdown(rows: Sequence[Row], cases: Sequence[Case], figures: Sequence[str])
     for name in figures:
         number = int(name.split("_")[1])
         lines += [f"![{CAPTIONS[number]}]({name})", "", f"*{CAPTIONS[number]} {name.split('_')[2].removesuffix('.png').capitalize()}.*", ""]
-    lines += [resources.files("dcrb_ros.validation").joinpath("readings.md").read_text(encoding="utf-8")]
+    lines += [resources.files("dcrb_ros.validation").joinpath("assumptions.md").read_text(encoding="utf-8")]
     lines += ["## Runs", "", "Each run of the table as a command:", ""]
     lines += [f"* {case.name}, {case.joint}: `{case.command}`" for case in cases]
     return "\n".join(lines) + "\n"

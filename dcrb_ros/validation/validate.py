@@ -12,14 +12,14 @@ from typing import Any
 from dcrb_ros.runtime.processes import in_processes
 from dcrb_ros.runtime.refusal import Refusal
 from dcrb_ros.settings.files import load_configuration
-from dcrb_ros.validation.case import BENCH, Run, cases, simulate
-from dcrb_ros.validation.faults import fault_rows
+from dcrb_ros.validation.runs import BENCH, Run, run_specs, simulate
+from dcrb_ros.validation.faults import fault_comparisons
 from dcrb_ros.validation.figures import write_figures
 from dcrb_ros.validation.formulation import Agreement, agreement
-from dcrb_ros.validation.motion import motion_rows
+from dcrb_ros.validation.healthy import healthy_comparisons
 from dcrb_ros.validation.report import markdown
-from dcrb_ros.validation.rest import WINDOWS, formulation_rows, freedom_rows, frequency_row, static_rows
-from dcrb_ros.validation.row import Row, Runs
+from dcrb_ros.validation.statics import WINDOWS, formulation_comparisons, freedom_comparisons, frequency_comparison, static_comparisons
+from dcrb_ros.validation.comparison import Comparison, Runs
 
 REPORT = "report.md"
 
@@ -36,7 +36,7 @@ def compare(name: str) -> Agreement:
 def run_all(workers: int, progress: Progress) -> tuple[Runs, dict[str, Agreement]]:
     """Run every case and comparison in processes of their own."""
     calls: dict[tuple[str, str], Callable[[], Any]] = {(name, ""): partial(compare, name) for name in WINDOWS}
-    calls |= {case.key: partial(simulate, case) for case in cases()}
+    calls |= {case.key: partial(simulate, case) for case in run_specs()}
     runs: dict[tuple[str, str], Run] = {}
     agreements: dict[str, Agreement] = {}
     for done, ((name, joint), result) in enumerate(in_processes(calls, workers), start=1):
@@ -48,10 +48,10 @@ def run_all(workers: int, progress: Progress) -> tuple[Runs, dict[str, Agreement
     return runs, agreements
 
 
-def table(runs: Runs, agreements: dict[str, Agreement]) -> list[Row]:
+def table(runs: Runs, agreements: dict[str, Agreement]) -> list[Comparison]:
     """Return every row."""
-    rest = [*static_rows(), *frequency_row(), *freedom_rows(), *formulation_rows(agreements)]
-    return [*rest, *motion_rows(runs), *fault_rows(runs)]
+    rest = [*static_comparisons(), *frequency_comparison(), *freedom_comparisons(), *formulation_comparisons(agreements)]
+    return [*rest, *healthy_comparisons(runs), *fault_comparisons(runs)]
 
 
 def made_folder(folder: Path) -> Path:
@@ -67,13 +67,13 @@ def made_folder(folder: Path) -> Path:
     return folder
 
 
-def write_report(folder: Path, rows: Sequence[Row], runs: Runs) -> Path:
+def write_report(folder: Path, rows: Sequence[Comparison], runs: Runs) -> Path:
     """Write the figures and the report into ``folder``; return the report's path."""
     try:
         with tempfile.TemporaryDirectory(dir=folder, prefix=".unfinished-") as unfinished:
             made = Path(unfinished)
             names = write_figures(runs, made)
-            (made / REPORT).write_text(markdown(rows, cases(), names), encoding="utf-8")
+            (made / REPORT).write_text(markdown(rows, run_specs(), names), encoding="utf-8")
             for name in (*names, REPORT):
                 os.replace(made / name, folder / name)
     except OSError as error:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import rerun.blueprint as rrb
 
-from dcrb_ros.viewer import bearing_picture, loading_zone, order_map, palette, spectrum_picture
+from dcrb_ros.viewer import bearing_picture, load_zone, order_map, palette, spectrum_picture
 from dcrb_ros.viewer.content import Content
 from dcrb_ros.viewer.drawing import Drawing
 from dcrb_ros.viewer.timeline import TIMELINE
@@ -84,10 +84,10 @@ def orders() -> rrb.Spatial2DView:
 
 def zone(rows: int) -> rrb.Spatial2DView:
     """Return the polar picture of the loading zone."""
-    half = 0.5 * (rows - 1) * loading_zone.SPACING + 1.4 * loading_zone.RADIUS
-    bounds = rrb.VisualBounds2D(x_range=[-half, half], y_range=[-1.5 * loading_zone.RADIUS, 1.3 * loading_zone.RADIUS])
-    name = "Loading zone: mean (line) and present normal force"
-    return rrb.Spatial2DView(origin=loading_zone.ROOT, name=name, background=palette.BACKGROUND, visual_bounds=bounds)
+    half = 0.5 * (rows - 1) * load_zone.SPACING + 1.4 * load_zone.RADIUS
+    bounds = rrb.VisualBounds2D(x_range=[-half, half], y_range=[-1.5 * load_zone.RADIUS, 1.3 * load_zone.RADIUS])
+    name = "Load zone: mean (line) and present normal force"
+    return rrb.Spatial2DView(origin=load_zone.ROOT, name=name, background=palette.BACKGROUND, visual_bounds=bounds)
 
 
 def waveform(axis: rrb.archetypes.TimeAxis) -> rrb.Tabs:

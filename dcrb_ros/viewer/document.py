@@ -10,7 +10,7 @@ import rerun as rr
 from rerun.chunk import McapReader
 
 from dcrb_ros.messages.topics import FAULT_INDICATORS, FEATURES, VIBRATION
-from dcrb_ros.viewer import bearing_picture, blueprint, loading_zone, order_map, series, spectrum_picture, summary
+from dcrb_ros.viewer import bearing_picture, blueprint, load_zone, order_map, series, spectrum_picture, summary
 from dcrb_ros.viewer.content import Content
 from dcrb_ros.viewer.drawing import Drawing
 from dcrb_ros.viewer.spectrum import envelope_spectra, fault_combs
@@ -49,7 +49,7 @@ def log_content(content: Content, drawing: Drawing | None) -> None:
     series.log_series("features", content.features)
     if content.motion and drawing:
         bearing_picture.log_bearing(content, content.motion, drawing)
-        loading_zone.log_loading_zone(content, content.motion, drawing.largest_force)
+        load_zone.log_load_zone(content, content.motion, drawing.largest_force)
         series.log_motion(content, content.motion)
 
 

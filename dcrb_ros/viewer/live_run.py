@@ -11,7 +11,7 @@ from dataclasses import replace
 import numpy as np
 import rerun as rr
 
-from dcrb_ros.viewer import bearing_picture, loading_zone, order_map, series, spectrum_picture, summary
+from dcrb_ros.viewer import bearing_picture, load_zone, order_map, series, spectrum_picture, summary
 from dcrb_ros.viewer.blueprint import compose_live
 from dcrb_ros.viewer.content import Content, Judgement, Motion, Subject, Waveform
 from dcrb_ros.viewer.drawing import Drawing, rounded_up
@@ -82,8 +82,8 @@ class LiveRun:
         shown = bearing_picture.thinned(motion)
         bearing_picture.log_moving(drawing, shown)
         self._recent = _joined(self._recent, shown)
-        loading_zone.log_mean(content.layout, self._recent, drawing.largest_force)
-        loading_zone.log_now(content.layout, shown, drawing.largest_force)
+        load_zone.log_mean(content.layout, self._recent, drawing.largest_force)
+        load_zone.log_now(content.layout, shown, drawing.largest_force)
 
     def _scaled(self, motion: Motion) -> Drawing:
         """Return the drawing, with a new scale where a force has outgrown it; bars of the past keep their length."""
@@ -92,7 +92,7 @@ class LiveRun:
         if largest > ROOM * self._drawing.largest_force:
             self._drawing = Drawing(self._drawing.bearing, rounded_up(largest))
             bearing_picture.log_force_scale(self._drawing)
-            loading_zone.log_still(self._known.layout, self._drawing.largest_force)
+            load_zone.log_still(self._known.layout, self._drawing.largest_force)
         return self._drawing
 
     def _log_truth(self, content: Content) -> None:

@@ -10,7 +10,7 @@ import numpy as np
 from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.runtime.refusal import Refusal
 from dcrb_ros.viewer.content import Content
-from dcrb_ros.viewer.gather import gather
+from dcrb_ros.viewer.reader import read_content
 
 
 def checked_output(path: Path, *, suffix: str, option: str) -> Path:
@@ -82,7 +82,7 @@ def view_recording(bag: Path, *, save: Path | None, screenshot: Path | None, web
         if path is not None:
             checked_output(path, suffix=suffix, option=option)
     recording = Recording(bag)
-    content = gather(recording)
+    content = read_content(recording)
     if save is not None:
         save_document(recording, content, save)
     if screenshot is not None:

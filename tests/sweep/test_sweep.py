@@ -35,15 +35,15 @@ from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import flatten, load_configuration, validated
 from dcrb_ros.simulation.batch import waveform
 from dcrb_ros.simulation.loop import ModelFailure, Simulation
-from dcrb_ros.sweep import carry_out as carrying
-from dcrb_ros.sweep.carry_out import carry_out, recipe
+from dcrb_ros.sweep import execution
+from dcrb_ros.sweep.execution import run_task, common_settings
 from dcrb_ros.sweep.data_set import DataSet
 from dcrb_ros.sweep.design import GRID, LATIN_HYPERCUBE, RANDOM, Choice, Span, points, size
 from dcrb_ros.sweep.dispatch import WAITING, dispatched, workers_here
 from dcrb_ros.sweep.estimate import estimate
 from dcrb_ros.sweep.label import fault_class
 from dcrb_ros.sweep.plan import Plan, Run, splits
-from dcrb_ros.sweep.reading import read_sweep, sweep_of
+from dcrb_ros.sweep.loader import read_sweep, sweep_of
 from dcrb_ros.sweep.store import Store, StoreFailed
 from dcrb_ros.sweep.sweep_file import Shares, Windows
 from dcrb_ros.sweep.windows import cut, starts
@@ -75,7 +75,7 @@ def run_alone(tree: dict[str, Any], folder: Path) -> list[tuple[Run, dict[str, A
     plan, store = plan_of(tree), Store(str(folder))
     found = []
     for task in plan.groups():
-        carry_out(recipe(plan.sweep, store), task)
+        run_task(common_settings(plan.sweep, store), task)
         found += [(run, json.loads((folder / "labels" / f"{run.name}.json").read_text())) for run in task]
     return found
 
@@ -313,8 +313,8 @@ def test_a_second_call_does_what_is_missing_and_nothing_else(tmp_path: Path, cli
     (tmp_path / "set" / "labels.parquet").unlink()
     (tmp_path / "set" / "runs" / ".part-cut-off").write_bytes(b"half")
     counted: list[str] = []
-    real = carrying._label
-    monkeypatch.setattr(carrying, "_label", lambda *of: counted.append(of[1].name) or real(*of))  # type: ignore[func-returns-value]
+    real = execution._label
+    monkeypatch.setattr(execution, "_label", lambda *of: counted.append(of[1].name) or real(*of))  # type: ignore[func-returns-value]
     again = made(tree, tmp_path / "set", client)
     assert sorted(counted) == sorted(table["run"][:7])
     assert again.equals(table)
@@ -359,7 +359,7 @@ def test_failed_runs_are_recorded_and_stop_no_other(tmp_path: Path, client: Clie
             raise ZeroDivisionError("a bug")
         return Simulation(configuration, *of, **more)
 
-    monkeypatch.setattr(carrying, "Simulation", failing)
+    monkeypatch.setattr(execution, "Simulation", failing)
     # Rollers of 40 mm do not fit between these raceways.
     tree = {**QUICK, "vary": {"operating.speed": [100.0, 110.0, 120.0], "bearing.roller_radius": [0.015, 0.04]}}
     table = made(tree, tmp_path / "set", client)
@@ -398,7 +398,7 @@ def test_no_more_tasks_are_asked_for_than_keep_the_workers_busy(tmp_path: Path, 
             asked.append(task)
             yield task
 
-    for done, _ in enumerate(dispatched(client, recipe(plan.sweep, Store(str(tmp_path))), counted()), 1):
+    for done, _ in enumerate(dispatched(client, common_settings(plan.sweep, Store(str(tmp_path))), counted()), 1):
         assert len(asked) <= 2 * WAITING + done
     assert done == len(asked) == 10
 
@@ -608,7 +608,7 @@ def test_a_sweep_without_a_single_run_done_fails(tmp_path: Path, capsys: pytest.
     plan = plan_of({**QUICK, "set": {"bearing.roller_radius": 0.04}})
     store = Store(str(tmp_path))
     for task in plan.groups():
-        carry_out(recipe(plan.sweep, store), task)
+        run_task(common_settings(plan.sweep, store), task)
     from dcrb_ros.cli.sweep import _tell
     from dcrb_ros.sweep.table import write_table
 

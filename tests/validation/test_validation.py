@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 
 from dcrb_ros.runtime.refusal import Refusal
-from dcrb_ros.validation.case import Case, Run, cases, simulate
+from dcrb_ros.validation.runs import RunSpec, Run, run_specs, simulate
 from dcrb_ros.validation.figures import passes
-from dcrb_ros.validation.measures import envelope_spectrum, kurtosis, loading_zone, profile, settling_time
-from dcrb_ros.validation.motion import motion_rows
+from dcrb_ros.validation.measures import envelope_spectrum, kurtosis, load_zone, profile, settling_time
+from dcrb_ros.validation.healthy import healthy_comparisons
 from dcrb_ros.validation.report import markdown, summary
-from dcrb_ros.validation.row import Row
+from dcrb_ros.validation.comparison import Comparison
 from dcrb_ros.validation.validate import REPORT, made_folder
 
 
@@ -42,7 +42,7 @@ def test_loading_zone_of_a_known_force() -> None:
     # Two rollers pass many times, loaded from -20 to 30 deg.
     azimuth = np.angle(np.exp(1j * (np.linspace(0.0, 100.0, 20001)[:, None] + np.array([0.0, 2.0]))))
     force = np.where((np.degrees(azimuth) > -20.0) & (np.degrees(azimuth) < 30.0), 1000.0, 0.0)
-    zone = loading_zone(azimuth, force)
+    zone = load_zone(azimuth, force)
     assert (zone.entry, zone.exit) == pytest.approx((-20.0, 30.0), abs=0.3)
     assert zone.asymmetry == pytest.approx(10.0, abs=0.5)
     assert len(list(passes(azimuth[:, 0]))) == 15
@@ -55,7 +55,7 @@ def test_profile_is_the_mean_in_each_bin() -> None:
 
 
 def test_cases_are_distinct_and_valid() -> None:
-    found = cases()
+    found = run_specs()
     assert len({case.key for case in found}) == len(found)
     for case in found:
         assert case.configuration().cage.joint == case.joint
@@ -63,7 +63,7 @@ def test_cases_are_distinct_and_valid() -> None:
 
 @functools.cache
 def short(name: str, *settings: str) -> Run:
-    return simulate(Case(name, "revolute", 0.35, settings))
+    return simulate(RunSpec(name, "revolute", 0.35, settings))
 
 
 def verdicts(healthy: Run, cold: Run) -> dict[str, bool]:
@@ -72,7 +72,7 @@ def verdicts(healthy: Run, cold: Run) -> dict[str, bool]:
     Not that of the energy: what is stored swings by more within a step than a third of a second brings in.
     """
     runs = {(run.case.name, joint): run for run in (healthy, cold) for joint in ("revolute", "pocket")}
-    return {row.quantity: row.holds for row in motion_rows(runs) if row.joint == "revolute" and "Energy" not in row.quantity}
+    return {row.quantity: row.holds for row in healthy_comparisons(runs) if row.joint == "revolute" and "Energy" not in row.quantity}
 
 
 def test_the_paper_holds_and_a_wrong_bearing_does_not() -> None:
@@ -93,8 +93,8 @@ def test_a_row_off_its_number_falls_short() -> None:
 
 
 def test_report_names_every_row_and_its_verdict() -> None:
-    rows = [Row("Cage speed", "pocket", "52.4", "52.44", "1 %", True), Row("Friction", "revolute", "1.5 kN", "9 kN", "2 kN", False)]
-    text = markdown(rows, cases(), ["figure_8_pocket.png"])
+    rows = [Comparison("Cage speed", "pocket", "52.4", "52.44", "1 %", True), Comparison("Friction", "revolute", "1.5 kN", "9 kN", "2 kN", False)]
+    text = markdown(rows, run_specs(), ["figure_8_pocket.png"])
     assert summary(rows) == "1 of 2 rows fall short."
     assert "| Friction | revolute | 1.5 kN | 9 kN | 2 kN | falls short |" in text
     assert "](figure_8_pocket.png)" in text

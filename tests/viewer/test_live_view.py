@@ -69,7 +69,7 @@ def test_every_sample_and_state_arrives_once(run: Run, tmp_path: Path) -> None:
     assert bench.complaints == []
     found, states, samples = rows(tmp_path / "1.rrd"), len(run.states), sum(len(block.shaft_angle) for block in run.blocks)
     assert found["/waveform"] == samples
-    assert found["/bearing/row1/rollers"] == found["/forces/row2"] == found["/loading_zone/row1/now"] == states
+    assert found["/bearing/row1/rollers"] == found["/forces/row2"] == found["/load_zone/row1/now"] == states
     assert found["/envelope_spectrum/curve"] == found["/diagnosis/verdict"] == found["/indicators/BPFO"] == 2
     values = [
         chunk.to_record_batch().column("Scalars:scalars")
@@ -89,7 +89,7 @@ def test_picture_has_what_stands_still_and_the_summary(run: Run, tmp_path: Path)
     assert {
         "/bearing/row1/outer_ring",
         "/bearing/scale",
-        "/loading_zone/row2/mean",
+        "/load_zone/row2/mean",
         "/order_map/levels",
         "/envelope_spectrum/grid",
     } <= still

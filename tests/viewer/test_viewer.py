@@ -31,11 +31,11 @@ from dcrb_ros.settings.files import load_configuration
 from dcrb_ros.settings.parameters import Bearing
 from dcrb_ros.simulation.block import Truth
 from dcrb_ros.simulation.loop import Simulation
-from dcrb_ros.viewer import loading_zone, order_map, palette
+from dcrb_ros.viewer import load_zone, order_map, palette
 from dcrb_ros.viewer.content import Content, Waveform
 from dcrb_ros.viewer.drawing import Drawing, on_circle, quaternions, rounded_up
 from dcrb_ros.viewer.fault_words import faults_of_row
-from dcrb_ros.viewer.gather import gather
+from dcrb_ros.viewer.reader import read_content
 from dcrb_ros.viewer.show import take_picture, telling_time
 from dcrb_ros.viewer.spectrum import ORDER_STEP, diagnoses, envelope_spectra, fault_combs, over_background, pieces
 from dcrb_ros.viewer.summary import markdown
@@ -57,7 +57,7 @@ def bag(run: Run, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def content(bag: Path) -> Content:
-    return gather(Recording(bag))
+    return read_content(Recording(bag))
 
 
 @pytest.fixture(scope="module")
@@ -226,7 +226,7 @@ def test_recorded_verdict_comes_before_a_computed_one(run: Run, tmp_path: Path) 
         for block in run.blocks:
             recorder.write(block)
         recorder.write_messages(diagnosis_messages(said))
-    content = gather(Recording(path))
+    content = read_content(Recording(path))
     assert [(verdict.name, verdict.level) for verdict in content.judgement.verdicts] == [("inner_ring", 2)]
     assert content.judgement.indicators is not None
     assert dict(zip(content.judgement.indicators.names, content.judgement.indicators.values[0], strict=True)) == said.levels
@@ -239,7 +239,7 @@ def test_states_of_another_bearing_are_refused(run: Run, tmp_path: Path) -> None
     with Recorder(path, smaller, layout(run.configuration)) as recorder:
         recorder.write(run.blocks[0])
     with pytest.raises(Refusal, match=r"has \[35\] values for 35 bodies where the bearing of the manifest has 33"):
-        gather(Recording(path))
+        read_content(Recording(path))
 
 
 def test_defect_is_drawn_in_its_own_row() -> None:
@@ -257,7 +257,7 @@ def test_every_fault_of_a_bench_is_shown(tmp_path: Path) -> None:
     with Recorder(path, configuration, simulation.layout) as recorder:
         for block in simulation.blocks(0.2):
             recorder.write(block)
-    found = markdown(gather(Recording(path)))
+    found = markdown(read_content(Recording(path)))
     for words in ("outer_1: 2 mm wide, row 1", "inner_1: 2 mm wide, row 2", "bar 15 broken, row 1"):
         assert words in found
 
@@ -409,19 +409,19 @@ def test_missing_driver_is_said_in_one_sentence(content: Content, tmp_path: Path
 def test_mean_force_is_taken_by_sector() -> None:
     azimuth = np.array([[0.01, 0.02, -0.01], [0.03, 3.13, -3.13]])
     force = np.array([[10.0, 20.0, 5.0], [30.0, 0.0, 7.0]])
-    mean = loading_zone.mean_force(azimuth, force)
-    assert mean[loading_zone.SECTORS // 2] == pytest.approx(20.0)
-    assert mean[loading_zone.SECTORS // 2 - 1] == pytest.approx(5.0)
+    mean = load_zone.mean_force(azimuth, force)
+    assert mean[load_zone.SECTORS // 2] == pytest.approx(20.0)
+    assert mean[load_zone.SECTORS // 2 - 1] == pytest.approx(5.0)
     assert mean[0] == pytest.approx(7.0)
     assert np.count_nonzero(mean) == 3
-    assert loading_zone.middles()[loading_zone.SECTORS // 2] > 0.0
+    assert load_zone.middles()[load_zone.SECTORS // 2] > 0.0
 
 
 def test_loading_zone_lies_below_the_shaft(content: Content) -> None:
     assert content.motion is not None
     rollers = content.layout.rows * content.layout.rollers_per_row
-    mean = loading_zone.mean_force(content.motion.azimuth[:, :rollers], content.motion.force[:, :rollers])
-    loaded = np.abs(loading_zone.middles()[mean > 0.05 * mean.max()])
+    mean = load_zone.mean_force(content.motion.azimuth[:, :rollers], content.motion.force[:, :rollers])
+    loaded = np.abs(load_zone.middles()[mean > 0.05 * mean.max()])
     assert loaded.max() < np.pi / 2  # with a radial gap the zone is narrower than half a turn
 
 

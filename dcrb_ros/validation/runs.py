@@ -44,7 +44,7 @@ FOREIGN = (
 
 
 @dataclass(frozen=True)
-class Case:
+class RunSpec:
     """A run: a shipped configuration, what is set in it, how long."""
 
     name: str
@@ -79,26 +79,26 @@ WIDTHS = (0.5, 1.0, 1.5, 2.0)
 """Widths of the outer-ring defect whose severity is compared [mm]."""
 
 
-def cases() -> list[Case]:
+def run_specs() -> list[RunSpec]:
     """Return every run, the longest first."""
     found = []
     for joint in reversed(JOINTS):
         bars = f"faults.broken_bars=row1/bar{BROKEN_BAR}, row2/bar{BROKEN_BAR}"
         found += [
-            Case("healthy", joint, 6.0, state_rate=3000),
-            Case("cage fracture", joint, 6.0, (bars,), 3000),
-            Case("outer ring defect", joint, 3.0, ("faults.outer_1.width=0.002",), 5000),
-            Case("inner ring defect", joint, 3.0, ("faults.inner_1.width=0.002",), 5000),
+            RunSpec("healthy", joint, 6.0, state_rate=3000),
+            RunSpec("cage fracture", joint, 6.0, (bars,), 3000),
+            RunSpec("outer ring defect", joint, 3.0, ("faults.outer_1.width=0.002",), 5000),
+            RunSpec("inner ring defect", joint, 3.0, ("faults.inner_1.width=0.002",), 5000),
         ]
         found += [
-            Case("roller defect", joint, 4.0, ("faults.roller_1.width=0.002",), 500),
-            Case("rows staggered", joint, 1.2, ("faults.outer_1.width=0.002", "bearing.row_phase=0.5"), 100),
+            RunSpec("roller defect", joint, 4.0, ("faults.roller_1.width=0.002",), 500),
+            RunSpec("rows staggered", joint, 1.2, ("faults.outer_1.width=0.002", "bearing.row_phase=0.5"), 100),
         ]
-        found += [Case(f"outer ring defect {b:g} mm", joint, 1.2, (f"faults.outer_1.width={b * 1e-3:g}",), 100) for b in WIDTHS]
-        found += [Case("cold start", joint, 3.0, ("operating.start=cold",))]
+        found += [RunSpec(f"outer ring defect {b:g} mm", joint, 1.2, (f"faults.outer_1.width={b * 1e-3:g}",), 100) for b in WIDTHS]
+        found += [RunSpec("cold start", joint, 3.0, ("operating.start=cold",))]
     found += [
-        Case("foreign laws, healthy", "revolute", 1.2, FOREIGN),
-        Case("foreign laws, outer ring defect", "revolute", 1.2, (*FOREIGN, "faults.outer_1.width=0.002"), 5000),
+        RunSpec("foreign laws, healthy", "revolute", 1.2, FOREIGN),
+        RunSpec("foreign laws, outer ring defect", "revolute", 1.2, (*FOREIGN, "faults.outer_1.width=0.002"), 5000),
     ]
     return found
 
@@ -107,7 +107,7 @@ def cases() -> list[Case]:
 class Run:
     """What is kept of a run. Rollers are columns, row by row; times are rows."""
 
-    case: Case
+    case: RunSpec
     configuration: Configuration
     acceleration: Floats
     """Vertical, before noise, shape (samples,) [m/s^2]."""
@@ -187,7 +187,7 @@ class Run:
         return [row * self.rollers_per_row + roller - 1 for row in range(self.configuration.bearing.rows)]
 
 
-def simulate(case: Case) -> Run:
+def simulate(case: RunSpec) -> Run:
     """Run a case."""
     configuration = case.configuration()
     rows, count = configuration.bearing.rows, configuration.bearing.rows * configuration.bearing.rollers_per_row

@@ -6,9 +6,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from dcrb_ros.validation.case import JOINTS, Run
-from dcrb_ros.validation.measures import loading_zone, settling_time
-from dcrb_ros.validation.row import Row, Runs, within
+from dcrb_ros.validation.runs import JOINTS, Run
+from dcrb_ros.validation.measures import load_zone, settling_time
+from dcrb_ros.validation.comparison import Comparison, Runs, within
 
 LOADED = 5e3
 """Normal force above which a roller counts as rolling [N]."""
@@ -16,7 +16,7 @@ ABSOLUTE_SPIN, RELATIVE_SPIN = -328.1, -380.5
 """Roller spin at 124.8 rad/s (section 2.3.2 prints the second) [rad/s]."""
 
 
-def motion_rows(runs: Runs) -> Iterator[Row]:
+def healthy_comparisons(runs: Runs) -> Iterator[Comparison]:
     """Yield the rows of every joint."""
     for joint in JOINTS:
         healthy, cold = runs["healthy", joint], runs["cold start", joint]
@@ -32,10 +32,10 @@ def motion_rows(runs: Runs) -> Iterator[Row]:
         yield _energy(healthy)
 
 
-def _cage(run: Run) -> Row:
+def _cage(run: Run) -> Comparison:
     most = 5e-4 if run.case.joint == "revolute" else 1e-2
     orbit = "2 r_M" if run.case.joint == "revolute" else "2 (r_I + r_R)"
-    return Row(
+    return Comparison(
         "Cage speed, steady",
         run.case.joint,
         "52.4 rad/s (section 2.3.2)",
@@ -45,10 +45,10 @@ def _cage(run: Run) -> Row:
     )
 
 
-def _spin(run: Run) -> Row:
+def _spin(run: Run) -> Comparison:
     loaded = run.inner_force[run.settled] > LOADED
     absolute, relative = (float(spin[run.settled][loaded].mean()) for spin in (run.spin, run.relative_spin))
-    return Row(
+    return Comparison(
         "Roller spin in the loading zone, against the cage and absolute",
         run.case.joint,
         "-380.5 rad/s, - (section 2.3.2)",
@@ -58,9 +58,9 @@ def _spin(run: Run) -> Row:
     )
 
 
-def _settling(run: Run) -> Row:
+def _settling(run: Run) -> Comparison:
     settled = settling_time(run.time, run.spin.mean(axis=1), 0.02)
-    return Row(
+    return Comparison(
         "Settling from a cold start, mean spin within 2 %",
         run.case.joint,
         "about 0.1 s (Fig. 8)",
@@ -70,11 +70,11 @@ def _settling(run: Run) -> Row:
     )
 
 
-def _total_force(run: Run) -> Row:
+def _total_force(run: Run) -> Comparison:
     force = run.inner_ring_force[run.settled]
     operating = run.configuration.operating
     expected = operating.load + run.configuration.bearing.inner_ring_mass * operating.gravity
-    return Row(
+    return Comparison(
         "Total force on the inner ring, healthy",
         run.case.joint,
         "about 100 kN (Fig. 9a)",
@@ -84,10 +84,10 @@ def _total_force(run: Run) -> Row:
     )
 
 
-def _largest_force(run: Run) -> Row:
+def _largest_force(run: Run) -> Comparison:
     force, azimuth = run.inner_force[run.settled], run.azimuth[run.settled]
     largest, where = float(force.max()), float(round(np.degrees(azimuth.ravel()[force.argmax()]), 1))
-    return Row(
+    return Comparison(
         "Largest roller force, and where",
         run.case.joint,
         "about 30 kN near 0 deg (Fig. 9a)",
@@ -97,9 +97,9 @@ def _largest_force(run: Run) -> Row:
     )
 
 
-def _zone(run: Run) -> Row:
-    zone = loading_zone(run.azimuth[run.settled], run.inner_force[run.settled])
-    return Row(
+def _zone(run: Run) -> Comparison:
+    zone = load_zone(run.azimuth[run.settled], run.inner_force[run.settled])
+    return Comparison(
         "Loading zone (above 50 N)",
         run.case.joint,
         "-30..30 deg (Fig. 9a)",
@@ -115,9 +115,9 @@ def _cone_excess(run: Run) -> float:
     return float((np.abs(run.friction[closed]) / run.inner_force[closed]).max()) / run.configuration.friction.static_coefficient
 
 
-def _cold_friction(run: Run) -> Row:
+def _cold_friction(run: Run) -> Comparison:
     largest = float(np.abs(run.friction).max())
-    return Row(
+    return Comparison(
         "Friction in the sweep of the cold start",
         run.case.joint,
         "up to about 1.5 kN (Fig. 9b)",
@@ -127,10 +127,10 @@ def _cold_friction(run: Run) -> Row:
     )
 
 
-def _steady_friction(run: Run) -> Row:
+def _steady_friction(run: Run) -> Comparison:
     in_zone = np.abs(run.azimuth[run.settled]) < np.radians(20.0)
     friction = np.abs(run.friction[run.settled][in_zone])
-    return Row(
+    return Comparison(
         "Friction in the loading zone, steady",
         run.case.joint,
         "up to about 1.5 kN (Fig. 9b); see the text",
@@ -140,10 +140,10 @@ def _steady_friction(run: Run) -> Row:
     )
 
 
-def _slip(run: Run) -> Row:
+def _slip(run: Run) -> Comparison:
     azimuth, slip = np.abs(run.azimuth[run.settled]), np.abs(run.slip[run.settled])
     inside, outside = float(slip[azimuth < np.radians(20.0)].mean()), float(slip[azimuth > np.radians(40.0)].mean())
-    return Row(
+    return Comparison(
         "Mean slip inside and outside the loading zone",
         run.case.joint,
         "about 0, larger (Fig. 9c)",
@@ -153,9 +153,9 @@ def _slip(run: Run) -> Row:
     )
 
 
-def _energy(run: Run) -> Row:
+def _energy(run: Run) -> Comparison:
     share = energy_residual(run)
-    return Row("Energy account: residual over what came in", run.case.joint, "-", f"{share:.1e}", "below 1 %", abs(share) < 0.01)
+    return Comparison("Energy account: residual over what came in", run.case.joint, "-", f"{share:.1e}", "below 1 %", abs(share) < 0.01)
 
 
 def energy_residual(run: Run) -> float:

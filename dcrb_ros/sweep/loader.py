@@ -23,7 +23,7 @@ from dcrb_ros.settings.files import (
 from dcrb_ros.settings.yaml import read_yaml
 from dcrb_ros.simulation.scenario import read_story
 from dcrb_ros.sweep.design import GRID, Axes, Axis, Choice, Span, Value
-from dcrb_ros.sweep.sweep_file import SCENARIO, SOUND, Shares, Sweep, SweepFile, Windows
+from dcrb_ros.sweep.sweep_file import SCENARIO, NO_FAULTS, Shares, Sweep, SweepFile, Windows
 
 CASE_GROUPS = ("faults", "background", "sensor")
 """What a case may set: what is wrong. All else is a condition of the bearing."""
@@ -72,7 +72,7 @@ def sweep_of(tree: Mapping[str, Any], source: str, folder: Path = Path(), text: 
     if file.twins:
         if cases.get(HEALTHY):
             raise Refusal(f"{source}: with twins the case '{HEALTHY}' is the twin of all others and must be empty: rename this one")
-        cases = {HEALTHY: {key: Choice((value,)) for key, value in SOUND.items()}, **{k: v for k, v in cases.items() if k != HEALTHY}}
+        cases = {HEALTHY: {key: Choice((value,)) for key, value in NO_FAULTS.items()}, **{k: v for k, v in cases.items() if k != HEALTHY}}
     sweep = Sweep(file, text, base, vary, cases, _stories([vary, *cases.values()], folder))
     _consistent(sweep, fields, source)
     return sweep

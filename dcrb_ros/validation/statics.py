@@ -11,9 +11,9 @@ from dcrb_ros.bearing.kinematics import characteristic_orders
 from dcrb_ros.bearing.payload import build_payload, degrees_of_freedom
 from dcrb_ros.runtime.arrays import Floats
 from dcrb_ros.settings.files import load_configuration
-from dcrb_ros.validation.case import BENCH, JOINTS
+from dcrb_ros.validation.runs import BENCH, JOINTS
 from dcrb_ros.validation.formulation import Agreement
-from dcrb_ros.validation.row import Row, within
+from dcrb_ros.validation.comparison import Comparison, within
 
 LOAD = np.array([0.0, -100e3])
 UNDER = 30251.0, 10708.0
@@ -35,12 +35,12 @@ def static_forces(joint: str, phase: float) -> Floats:
     return np.asarray(0.5 * (forces[0] + forces[1]))
 
 
-def static_rows() -> Iterator[Row]:
+def static_comparisons() -> Iterator[Comparison]:
     """Static roller forces under 100 kN."""
     for joint in JOINTS:
         under, straddling = static_forces(joint, 0.0)[[0, 1, -1]], static_forces(joint, 0.5)[[0, -1]]
         expected = UNDER[0], UNDER[1], UNDER[1]
-        yield Row(
+        yield Comparison(
             "Static forces per row, a roller under the load",
             joint,
             "-",
@@ -48,7 +48,7 @@ def static_rows() -> Iterator[Row]:
             "30 251 and 2 x 10 708 N, 0.1 %",
             all(within(*pair, 1e-3) for pair in zip(under, expected, strict=True)),
         )
-        yield Row(
+        yield Comparison(
             "Static forces per row, two rollers beside the load",
             joint,
             "-",
@@ -58,10 +58,10 @@ def static_rows() -> Iterator[Row]:
         )
 
 
-def frequency_row() -> Iterator[Row]:
+def frequency_comparison() -> Iterator[Comparison]:
     """Characteristic frequencies."""
     found = characteristic_orders(load_configuration("paper").bearing).frequencies(20.0)
-    yield Row(
+    yield Comparison(
         "FTF, BPFO, BPFI, BSF at 20 Hz",
         "both",
         "8.4, 134.5, 185.5 Hz, - (section 3.2)",
@@ -71,12 +71,12 @@ def frequency_row() -> Iterator[Row]:
     )
 
 
-def freedom_rows() -> Iterator[Row]:
+def freedom_comparisons() -> Iterator[Comparison]:
     """Degrees of freedom."""
     bars = ("", "row1/bar15", "row1/bar15, row2/bar15")
     for joint, expected in (("revolute", (42, 46, 50)), ("pocket", (106, 106, 106))):
         found = tuple(degrees_of_freedom(load_configuration(BENCH[joint], [f"faults.broken_bars={text}"])) for text in bars)
-        yield Row(
+        yield Comparison(
             "Degrees of freedom: healthy, a bar broken in one row, in both",
             joint,
             "10 + nr, 14 + nr; four freed rollers make 18 + nr (section 2.2.2)" if joint == "revolute" else "-",
@@ -96,12 +96,12 @@ LARGEST_DRIFT = 1e-12
 """Violation of the constraints that is accepted [m or rad]."""
 
 
-def formulation_rows(found: dict[str, Agreement]) -> Iterator[Row]:
+def formulation_comparisons(found: dict[str, Agreement]) -> Iterator[Comparison]:
     """The production solver against the paper's formulation."""
     for name, (_, window, most) in WINDOWS.items():
         agreement = found[name]
         drift = float(agreement.history.drift.max())
-        yield Row(
+        yield Comparison(
             f"Motion by the paper's formulation (111 coordinates, multipliers), {name}, {window * 1e3:g} ms",
             "revolute",
             "Eqs. 31-40",

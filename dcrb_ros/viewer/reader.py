@@ -26,7 +26,7 @@ from dcrb_ros.viewer.spectrum import diagnoses, indicators_of, verdicts_of
 SHOWN = (VIBRATION, ROLLER_STATES, GROUND_TRUTH, FEATURES, FAULT_INDICATORS, DIAGNOSIS)
 
 
-def gather(recording: Recording) -> Content:
+def read_content(recording: Recording) -> Content:
     """Return what is shown of a recording, read in one pass; a cut-off one as far as it goes.
 
     Raises:

@@ -36,7 +36,7 @@ QUIET = {"block_size": 8192, "state_rate": 1}
 
 
 @dataclass(frozen=True)
-class Recipe:
+class CommonSettings:
     """What every run of a sweep has in common, as a worker needs it."""
 
     store: Store
@@ -50,10 +50,10 @@ class Recipe:
     windows: Windows | None
 
 
-def recipe(sweep: Sweep, store: Store) -> Recipe:
-    """Return the recipe of a sweep."""
+def common_settings(sweep: Sweep, store: Store) -> CommonSettings:
+    """Return the common of a sweep."""
     file = sweep.file
-    return Recipe(store, sweep.base, sweep.stories, file.duration, file.settle, file.branch_at, file.output, file.windows)
+    return CommonSettings(store, sweep.base, sweep.stories, file.duration, file.settle, file.branch_at, file.output, file.windows)
 
 
 @dataclass(frozen=True)
@@ -70,19 +70,19 @@ class Taken:
     sha256: str
 
 
-def carry_out(recipe: Recipe, task: Task) -> list[tuple[str, str]]:
+def run_task(common: CommonSettings, task: Task) -> list[tuple[str, str]]:
     """Make the runs of a task that have no label yet; return name and outcome of each.
 
     Raises:
         StoreFailed: the place of the data set cannot be written.
     """
-    found, settled = [], _Settled(recipe)
+    found, settled = [], _Settled(common)
     for run in task:
         name = f"labels/{run.name}.json"
-        known = recipe.store.read(name)  # from a worker that was lost before it could tell
-        label = json.loads(known) if known else _label(recipe, run, settled)
+        known = common.store.read(name)  # from a worker that was lost before it could tell
+        label = json.loads(known) if known else _label(common, run, settled)
         if not known:
-            write_label(recipe.store, label)
+            write_label(common.store, label)
         found.append((run.name, str(label["status"])))
     return found
 
@@ -101,10 +101,10 @@ def error_label(base: Mapping[str, Value], run: Run, reason: str) -> dict[str, A
     return {**base_label(run, base), "status": ERROR, "reason": reason}
 
 
-def _label(recipe: Recipe, run: Run, settled: _Settled) -> dict[str, Any]:
-    label = base_label(run, recipe.base)
+def _label(common: CommonSettings, run: Run, settled: _Settled) -> dict[str, Any]:
+    label = base_label(run, common.base)
     try:
-        return {**label, **_made(recipe, run, settled), "status": DONE, "reason": ""}
+        return {**label, **_made(common, run, settled), "status": DONE, "reason": ""}
     except (Refusal, ModelFailure) as failure:
         return {**label, "status": REFUSED if isinstance(failure, Refusal) else FAILED, "reason": str(failure)}
     except RecordingFailed as failure:
@@ -112,7 +112,7 @@ def _label(recipe: Recipe, run: Run, settled: _Settled) -> dict[str, Any]:
     except (StoreFailed, MemoryError):
         raise
     except Exception as error:
-        return error_label(recipe.base, run, f"{type(error).__name__}: {error}")
+        return error_label(common.base, run, f"{type(error).__name__}: {error}")
 
 
 @dataclass(frozen=True)
@@ -135,8 +135,8 @@ class _Turning:
 class _Settled:
     """Healthy bearings at the time at which they branch; the last one is kept."""
 
-    def __init__(self, recipe: Recipe) -> None:
-        self._recipe = recipe
+    def __init__(self, common: CommonSettings) -> None:
+        self._recipe = common
         self._known: tuple[str, _Turning] | None = None
 
     def branch(self, run: Run) -> _Turning:
@@ -153,43 +153,43 @@ class _Settled:
         return _Turning(simulation, settled.start, settled.truths)
 
 
-def _configured(recipe: Recipe, changes: Mapping[str, Value]) -> Configuration:
-    configuration = validated(overlaid(recipe.base, changes), Configuration, "run")
-    if recipe.output == "bag":
+def _configured(common: CommonSettings, changes: Mapping[str, Value]) -> Configuration:
+    configuration = validated(overlaid(common.base, changes), Configuration, "run")
+    if common.output == "bag":
         return configuration
     return configuration.model_copy(update={"publishing": configuration.publishing.model_copy(update=QUIET)})
 
 
-def _made(recipe: Recipe, run: Run, settled: _Settled) -> dict[str, Any]:
+def _made(common: CommonSettings, run: Run, settled: _Settled) -> dict[str, Any]:
     """Make a run and write its waveform; return what its label says of it."""
-    turning = (settled.branch(run) if recipe.branch_at else _started(recipe, run)).skip(recipe.settle)
+    turning = (settled.branch(run) if common.branch_at else _started(common, run)).skip(common.settle)
     rate = turning.start.sensor.sampling_rate
-    if recipe.output == "bag":
-        taken = _recorded(recipe, run, turning)
+    if common.output == "bag":
+        taken = _recorded(common, run, turning)
         file = f"runs/{run.name}"
     else:
-        taken = _taken(turning.simulation.blocks(recipe.duration), turning.truths, keep=True)
-        file = f"runs/{run.name}.{recipe.output}"
-        recipe.store.write(file, _waveform(taken, rate, recipe.output))
+        taken = _taken(turning.simulation.blocks(common.duration), turning.truths, keep=True)
+        file = f"runs/{run.name}.{common.output}"
+        common.store.write(file, _waveform(taken, rate, common.output))
     about = {"file": file, "sampling_rate": rate, "first_index": taken.first_index, "samples": taken.samples}
     found = fault_label(taken.truths)
-    if recipe.windows is not None:
-        _write_windows(recipe, run, taken, rate)
-        about["windows"] = len(starts(taken.samples, recipe.windows))
+    if common.windows is not None:
+        _write_windows(common, run, taken, rate)
+        about["windows"] = len(starts(taken.samples, common.windows))
     return {**found, **about, "clipped": taken.clipped, "sha256": taken.sha256}
 
 
-def _started(recipe: Recipe, run: Run) -> _Turning:
-    configuration = _configured(recipe, run.changes)
+def _started(common: CommonSettings, run: Run) -> _Turning:
+    configuration = _configured(common, run.changes)
     if not run.scenario:
-        return _begun(recipe, configuration)
-    story, source = recipe.stories[run.scenario], f"scenario {run.scenario}"
+        return _begun(common, configuration)
+    story, source = common.stories[run.scenario], f"scenario {run.scenario}"
     configuration = begun(story, configuration, source)
-    return _begun(recipe, configuration, timeline(story, configuration, source))
+    return _begun(common, configuration, timeline(story, configuration, source))
 
 
-def _begun(recipe: Recipe, configuration: Configuration, events: Iterable[Event] = ()) -> _Turning:
-    return _Turning(Simulation(configuration, events, waveform_only=recipe.output != "bag"), configuration, ())
+def _begun(common: CommonSettings, configuration: Configuration, events: Iterable[Event] = ()) -> _Turning:
+    return _Turning(Simulation(configuration, events, waveform_only=common.output != "bag"), configuration, ())
 
 
 def _taken(blocks: Iterable[Block], before: Iterable[Truth], *, keep: bool) -> Taken:
@@ -209,26 +209,26 @@ def _taken(blocks: Iterable[Block], before: Iterable[Truth], *, keep: bool) -> T
     return Taken(np.concatenate(accelerations), np.concatenate(angles), truths, first, samples, clipped, digest.hexdigest())
 
 
-def _recorded(recipe: Recipe, run: Run, turning: _Turning) -> Taken:
+def _recorded(common: CommonSettings, run: Run, turning: _Turning) -> Taken:
     """Run to the end and record a bag, which repeats as `dcrb simulate --from` does."""
-    folder, simulation = recipe.store.folder, turning.simulation
+    folder, simulation = common.store.folder, turning.simulation
     if folder is not None:
         folder.mkdir(parents=True, exist_ok=True)
     commands = [command for truth in turning.truths if (command := command_of(truth.time_ns, truth.changed))]
     rate = turning.start.sensor.sampling_rate
-    start_ns = nanoseconds(round(recipe.branch_at * rate) + round(recipe.settle * rate), rate)
+    start_ns = nanoseconds(round(common.branch_at * rate) + round(common.settle * rate), rate)
     with tempfile.TemporaryDirectory(prefix=PART, dir=folder) as scratch:
         path = Path(scratch) / run.name
-        about: dict[str, Any] = {"scenario": recipe.stories.get(run.scenario), "commands": commands, "start_ns": start_ns}
+        about: dict[str, Any] = {"scenario": common.stories.get(run.scenario), "commands": commands, "start_ns": start_ns}
 
         def written() -> Iterator[Block]:
             with Recorder(path, turning.start, simulation.layout, **about) as recorder:
-                for block in simulation.blocks(recipe.duration):
+                for block in simulation.blocks(common.duration):
                     recorder.write(block)
                     yield block
 
-        taken = _taken(written(), turning.truths, keep=recipe.windows is not None)
-        recipe.store.put(path, f"runs/{run.name}")
+        taken = _taken(written(), turning.truths, keep=common.windows is not None)
+        common.store.put(path, f"runs/{run.name}")
     return taken
 
 
@@ -248,10 +248,10 @@ def _waveform(taken: Taken, rate: int, kind: str) -> bytes:
     return stream.getvalue()
 
 
-def _write_windows(recipe: Recipe, run: Run, taken: Taken, rate: int) -> None:
-    windows = recipe.windows
+def _write_windows(common: CommonSettings, run: Run, taken: Taken, rate: int) -> None:
+    windows = common.windows
     assert windows is not None
     labels = labelled(starts(taken.samples, windows), taken.first_index, rate, windows, taken.truths)
     about = {"run": run.name, "case": run.case, "split": run.split}
     data = packed_windows(cut(taken.acceleration, windows), labels, about, windows.kind)
-    recipe.store.write(f"windows/{run.split}/{run.name}.{windows.kind}", data)
+    common.store.write(f"windows/{run.split}/{run.name}.{windows.kind}", data)

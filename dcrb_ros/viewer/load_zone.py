@@ -15,7 +15,7 @@ from dcrb_ros.viewer.content import Content, Motion
 from dcrb_ros.viewer.drawing import circle, on_circle
 from dcrb_ros.viewer.spectrum_picture import log_texts
 
-ROOT = "loading_zone"
+ROOT = "load_zone"
 RADIUS = 100.0
 """Radius of the largest force [picture units]."""
 SPACING = 3.0 * RADIUS
@@ -25,7 +25,7 @@ STEPS = 4
 SPOKES = 12
 
 
-def log_loading_zone(content: Content, motion: Motion, largest: float) -> None:
+def log_load_zone(content: Content, motion: Motion, largest: float) -> None:
     """Log the polar picture of every row, up to the ``largest`` force [N]."""
     motion = thinned(motion)
     log_still(content.layout, largest)

@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from dcrb_ros.validation.case import Run
+from dcrb_ros.validation.runs import Run
 
 Runs = Mapping[tuple[str, str], Run]
 """Runs by name of the case and joint."""
 
 
 @dataclass(frozen=True)
-class Row:
+class Comparison:
     """A quantity held against a number."""
 
     quantity: str
