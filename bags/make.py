@@ -26,7 +26,7 @@ def make(name: str) -> None:
     simulation, agenda = Simulation(configuration), Agenda(commands)
     folder = HERE / ".new"
     shutil.rmtree(folder, ignore_errors=True)
-    with Recorder(folder / name, configuration, simulation.layout) as recorder:
+    with Recorder(folder / name, configuration, simulation.bodies) as recorder:
         agenda.give(simulation)
         for block in simulation.blocks(SECONDS):
             recorder.write(block)

@@ -56,7 +56,7 @@ def kernel(configuration: Configuration) -> Callable[[float], None]:
 def blocks(configuration: Configuration) -> Callable[[float], None]:
     """Return a function that makes and encodes blocks for a simulated time [s]."""
     simulation = Simulation(configuration)
-    encoder = BlockEncoder(configuration, simulation.layout)
+    encoder = BlockEncoder(configuration, simulation.bodies)
 
     def run(duration: float) -> None:
         for block in simulation.blocks(duration):
@@ -70,7 +70,7 @@ def recorded(configuration: Configuration) -> Callable[[float], None]:
     simulation = Simulation(configuration)
 
     def run(duration: float) -> None:
-        with tempfile.TemporaryDirectory() as folder, Recorder(Path(folder) / "bag", configuration, simulation.layout) as recorder:
+        with tempfile.TemporaryDirectory() as folder, Recorder(Path(folder) / "bag", configuration, simulation.bodies) as recorder:
             for block in ahead(simulation.blocks(duration), most=AHEAD):
                 recorder.write(block)
 

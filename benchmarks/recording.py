@@ -54,7 +54,7 @@ def timed(work: Callable[[], object]) -> float:
 
 def written(path: Path, configuration: Configuration, simulation: Simulation, blocks: list[list[Message]]) -> None:
     """Record messages that are encoded already, as the node does."""
-    with Recorder(path, configuration, simulation.layout) as recorder:
+    with Recorder(path, configuration, simulation.bodies) as recorder:
         for messages in blocks:
             recorder.write_messages(messages)
 
@@ -93,7 +93,7 @@ def print_view(folder: Path, simulation: Simulation, blocks: list[Block], second
     """Print how fast ``seconds`` [s] of recording become a Rerun file: the median of ``runs``, and their extremes."""
     bag, file = folder / "view", folder / "view.rrd"
     configuration = load_configuration("outer_ring_defect")
-    encoder = BlockEncoder(configuration, simulation.layout)
+    encoder = BlockEncoder(configuration, simulation.bodies)
     written(bag, configuration, simulation, [encoder.encode(block) for block in repeated(blocks, seconds)])
     converted(bag, file)  # imports, once
     print(
@@ -132,7 +132,7 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as folder:
         for compression in ("zstd", "lz4", "none"):
             configuration = load_configuration("outer_ring_defect", [f"recording.compression={compression}"])
-            encoder = BlockEncoder(configuration, simulation.layout)
+            encoder = BlockEncoder(configuration, simulation.bodies)
             encoded = [encoder.encode(block) for block in repeated(blocks, options.duration)]
             data = sum(len(message.data) for messages in encoded for message in messages)
             path = Path(folder) / compression

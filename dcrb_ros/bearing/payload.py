@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from dcrb_ros.bearing.equilibrium import roller_forces, static_equilibrium
-from dcrb_ros.bearing.states import Layout
+from dcrb_ros.bearing.states import BodyNames
 from dcrb_ros.conformal import conformal_law
 from dcrb_ros.core.payload import EDGE, JOHNSON, NOTCH, POWER, ROLLER_NOTCH, SINK, Notches, Payload, RollerNotches
 from dcrb_ros.core.state import State, empty_state
@@ -19,9 +19,9 @@ from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.parameters import Bearing
 
 
-def layout(configuration: Configuration) -> Layout:
+def body_names(configuration: Configuration) -> BodyNames:
     """Return rows and rollers of the configured bearing."""
-    return Layout(configuration.bearing.rows, configuration.bearing.rollers_per_row)
+    return BodyNames(configuration.bearing.rows, configuration.bearing.rollers_per_row)
 
 
 def pocket_azimuths(bearing: Bearing) -> Floats:

@@ -8,7 +8,7 @@ from dcrb_ros.runtime.arrays import Floats
 
 
 @dataclass(frozen=True)
-class Layout:
+class BodyNames:
     """Rows and rollers of the bearing, and the body names that follow from them."""
 
     rows: int
@@ -48,7 +48,7 @@ class Account:
 
 @dataclass(frozen=True)
 class States:
-    """The bodies at one instant; arrays of one entry per name of `Layout.names`."""
+    """The bodies at one instant; arrays of one entry per name of `BodyNames.names`."""
 
     time_ns: int
     """Simulated time [ns]."""

@@ -61,7 +61,7 @@ def simulate(
     from dcrb_ros.recordings.recorder import Recorder
 
     simulation = _started(configuration, story, str(scenario))
-    with Recorder(path, configuration, simulation.layout, scenario=story) as recorder:
+    with Recorder(path, configuration, simulation.bodies, scenario=story) as recorder:
         done, factor = _run(path.name, simulation.blocks(seconds), seconds, recorder.write)
     print(f"{path}: {done:.2f} s simulated, {factor:.2f} x real time")
     print(f"open it with: rerun {recorder.file}   or: dcrb view {path}")
@@ -85,7 +85,7 @@ def reproduce(source: Path, output: Path | None) -> None:
     with ExitStack() as stack:
         write: Callable[[Block], None] | None = None
         if output is not None:
-            write = stack.enter_context(Recorder(output, reproduction.configuration, simulation.layout, scenario=story)).write
+            write = stack.enter_context(Recorder(output, reproduction.configuration, simulation.bodies, scenario=story)).write
         done, factor = _run(source.name, reproduction.blocks(simulation), reproduction.duration, write)
     reproduction.check()
     samples = reproduction.samples

@@ -81,6 +81,6 @@ def _simulate(case: Case, path: Path) -> None:
     # A detector reads the waveform only; the other topics would take up space.
     topics = run.configuration.recording.model_copy(update={"topics": f"{VIBRATION.name}, {GROUND_TRUTH.name}"})
     configuration = run.configuration.model_copy(update={"recording": topics})
-    with Recorder(path, configuration, simulation.layout, scenario=run.scenario) as recorder:
+    with Recorder(path, configuration, simulation.bodies, scenario=run.scenario) as recorder:
         for block in simulation.blocks(run.duration):
             recorder.write(block)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dcrb_ros.bearing.states import Layout
+from dcrb_ros.bearing.states import BodyNames
 from dcrb_ros.messages.description import sensor_text
 from dcrb_ros.messages.joints import encode_contacts, encode_features, encode_states
 from dcrb_ros.messages.plain import encode_preview, encode_text
@@ -26,9 +26,9 @@ from dcrb_ros.simulation.block import Block
 class BlockEncoder:
     """Blocks to messages, each encoded once."""
 
-    def __init__(self, configuration: Configuration, layout: Layout) -> None:
+    def __init__(self, configuration: Configuration, bodies: BodyNames) -> None:
         self._configuration = configuration
-        self._names = tuple(layout.names)
+        self._names = tuple(bodies.names)
         self._frame = configuration.publishing.frame
 
     def start(self, time_ns: int = 0) -> list[Message]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
+from dcrb_ros.bearing.kinematics import CHARACTERISTIC_FREQUENCIES
 from dcrb_ros.messages.cdr import decoded, encoded, header, ros_type, stamp_of
 from dcrb_ros.runtime.refusal import Refusal
 from dcrb_ros.simulation.block import Truth
@@ -61,7 +62,7 @@ def decode_truth(data: bytes) -> Truth:
     def number(key: str) -> float:
         return float(operating.values.get(key, "nan"))
 
-    frequencies = {name: number(f"{name} [Hz]") for name in ("FTF", "BPFO", "BPFI", "BSF")}
+    frequencies = {name: number(f"{name} [Hz]") for name in CHARACTERISTIC_FREQUENCIES}
     found = {s.name.removeprefix("faults."): {key: float(value) for key, value in s.values.items()} for s in faults}
     load, levels = (number("load_x [N]"), number("load_y [N]")), {key: float(level) for key, level in background.items()}
     return Truth(time_ns, number("speed [rad/s]"), load, frequencies, found, operating.message, levels)

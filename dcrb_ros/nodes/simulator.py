@@ -92,7 +92,7 @@ class Simulator:
         if configuration.recording.path:
             self._series = Path(configuration.recording.path)
             self._start_recording(self._series)
-        self._encoder = BlockEncoder(configuration, self._simulation.layout)
+        self._encoder = BlockEncoder(configuration, self._simulation.bodies)
         asked = {VIBRATION_CLEAN: configuration.publishing.clean, ROLLER_CONTACTS: configuration.publishing.contacts}
         topics = [topic for topic in SIMULATED if asked.get(topic, True)]
         self._publisher: Sink = Publisher(node, [*topics, BENCH_DIAGNOSTICS, *([CLOCK] if configuration.publishing.clock else [])])
@@ -124,7 +124,7 @@ class Simulator:
             recorder = Recorder(
                 path,
                 self.configuration,
-                self._simulation.layout,
+                self._simulation.bodies,
                 namespace=self.node.get_namespace(),
                 scenario=self._story,
                 commands=self._commands,
@@ -204,7 +204,7 @@ class Simulator:
 
         finished = self.tape.stop()
         self._simulation = self._start_model()
-        self._encoder = BlockEncoder(self.configuration, self._simulation.layout)
+        self._encoder = BlockEncoder(self.configuration, self._simulation.bodies)
         self.progress.simulated_ns = self.progress.blocks = 0
         self._commands.clear()
         if finished is not None:

@@ -18,7 +18,7 @@ from typing import Any
 
 from dcrb_ros import __version__
 from dcrb_ros.bearing.kinematics import characteristic_orders
-from dcrb_ros.bearing.states import Layout
+from dcrb_ros.bearing.states import BodyNames
 from dcrb_ros.messages.description import sensor_text
 from dcrb_ros.messages.points import decode_vibration, decode_waveform, packed
 from dcrb_ros.messages.statuses import decode_truth
@@ -61,7 +61,7 @@ def now() -> str:
 
 
 def opening(
-    configuration: Configuration, layout: Layout, namespace: str, *, scenario: Mapping[str, Any] | None = None
+    configuration: Configuration, bodies: BodyNames, namespace: str, *, scenario: Mapping[str, Any] | None = None
 ) -> dict[str, dict[str, str]]:
     """Return the records with which a recording of the bench begins."""
     orders = characteristic_orders(configuration.bearing)
@@ -74,9 +74,9 @@ def opening(
         "scenario": scenario,
         "seed": configuration.simulation.seed,
         "namespace": namespace,
-        "bodies": layout.names,
+        "bodies": bodies.names,
         "bearing": {**configuration.bearing.model_dump(), "radial_gap": configuration.bearing.radial_gap},
-        "orders": {"FTF": orders.ftf, "BPFO": orders.bpfo, "BPFI": orders.bpfi, "BSF": orders.bsf},
+        "orders": orders.as_dict(),
         "faults": configuration.described_faults(),
         "sampling_rate": configuration.sensor.sampling_rate,
         "sensor": json.loads(sensor_text(configuration)),

@@ -95,7 +95,7 @@ class Recording:
         if self._configuration is not None:
             return characteristic_orders(self._configuration.bearing)
         try:
-            return Orders(*(float(self.manifest["orders"][name]) for name in ("FTF", "BPFO", "BPFI", "BSF")))
+            return Orders.from_dict(self.manifest["orders"])
         except DAMAGED:
             raise Refusal(f"the manifest of {self.path} gives no fault orders: import the data again") from None
 

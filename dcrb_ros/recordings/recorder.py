@@ -11,7 +11,7 @@ from typing import Any
 
 import yaml
 
-from dcrb_ros.bearing.states import Layout
+from dcrb_ros.bearing.states import BodyNames
 from dcrb_ros.messages.cdr import typestore
 from dcrb_ros.messages.encoder import BlockEncoder
 from dcrb_ros.messages.topics import DETECTED, NAMESPACE, SENSOR, SIMULATED, Message, Topic
@@ -78,7 +78,7 @@ class Recorder:
         self,
         path: str | Path,
         configuration: Configuration,
-        layout: Layout,
+        bodies: BodyNames,
         *,
         namespace: str = NAMESPACE,
         scenario: Mapping[str, Any] | None = None,
@@ -88,12 +88,12 @@ class Recorder:
         """Begin a recording at ``start_ns`` [ns] of a run that follows a ``scenario``, if any, and has had some ``commands`` before."""
         asked = configuration.recording
         self._topics, self._namespace = chosen_topics(asked.topics), namespace
-        self._encoder = BlockEncoder(configuration, layout)
+        self._encoder = BlockEncoder(configuration, bodies)
         self._channels: dict[Topic, Channel] = {}
         self.outcome = Outcome(configuration.sensor.sampling_rate, commands)
         self._bag = Bag(
             Path(path),
-            opening=opening(configuration, layout, namespace, scenario=scenario),
+            opening=opening(configuration, bodies, namespace, scenario=scenario),
             closing=self.outcome.records,
             compression=asked.compression,
             splitting=Splitting(asked.split_size, round(asked.split_duration * SECOND)),

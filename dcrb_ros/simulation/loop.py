@@ -16,9 +16,9 @@ import numpy.typing as npt
 from dcrb_ros.bearing.energy import account, stored_energy
 from dcrb_ros.bearing.kinematics import characteristic_orders
 from dcrb_ros.bearing.observation import observe
-from dcrb_ros.bearing.payload import build_payload, initial_state, layout
+from dcrb_ros.bearing.payload import body_names, build_payload, initial_state
 from dcrb_ros.bearing.runtime_change import altered, onsets, refitted, spoken
-from dcrb_ros.bearing.states import Account, Layout, States
+from dcrb_ros.bearing.states import Account, BodyNames, States
 from dcrb_ros.core.compilation import compile_ahead
 from dcrb_ros.core.state import copy_of
 from dcrb_ros.core.step import advance
@@ -71,7 +71,7 @@ class Simulation:
         self._events = deque(scenario)
         self._coming: dict[str, Any] = {}
         self._onsets = onsets({}, configuration, 0.0)
-        self.layout: Layout = layout(configuration)
+        self.bodies: BodyNames = body_names(configuration)
         self._payload = build_payload(configuration)
         self._state = initial_state(configuration, self._payload)
         self._work = workspace(self._payload)

@@ -222,7 +222,7 @@ def _recorded(common: CommonSettings, run: Run, turning: _Turning) -> Taken:
         about: dict[str, Any] = {"scenario": common.stories.get(run.scenario), "commands": commands, "start_ns": start_ns}
 
         def written() -> Iterator[Block]:
-            with Recorder(path, turning.start, simulation.layout, **about) as recorder:
+            with Recorder(path, turning.start, simulation.bodies, **about) as recorder:
                 for block in simulation.blocks(common.duration):
                     recorder.write(block)
                     yield block

@@ -29,7 +29,7 @@ NOTCH = 1.4
 
 def drawing_of(content: Content, motion: Motion) -> Drawing:
     """Return the geometry of the picture, with a scale that holds the largest normal force met."""
-    rollers = content.layout.rows * content.layout.rollers_per_row
+    rollers = content.bodies.rows * content.bodies.rollers_per_row
     return Drawing(content.bearing, rounded_up(float(np.max(motion.force[:, :rollers], initial=0.0))))
 
 
@@ -39,7 +39,7 @@ def log_bearing(content: Content, motion: Motion, drawing: Drawing) -> None:
     log_still(drawing)
     log_force_scale(drawing)
     log_moving(drawing, motion)
-    for row in range(content.layout.rows):
+    for row in range(content.bodies.rows):
         log_faults(drawing, row, content.truths, content.start_ns)
     largest = max((math.hypot(*truth.load) for truth in content.truths), default=0.0)
     log_load(drawing, content.truths, largest)

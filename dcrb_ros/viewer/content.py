@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from dcrb_ros.bearing.kinematics import Orders
-from dcrb_ros.bearing.states import Layout
+from dcrb_ros.bearing.states import BodyNames
 from dcrb_ros.runtime.arrays import Floats, Samples
 from dcrb_ros.settings.parameters import Bearing
 from dcrb_ros.simulation.block import Truth
@@ -36,9 +36,9 @@ class Subject:
     """Whether these are data from elsewhere."""
 
     @property
-    def layout(self) -> Layout:
+    def bodies(self) -> BodyNames:
         """Rows and rollers."""
-        return Layout(self.bearing.rows, self.bearing.rollers_per_row)
+        return BodyNames(self.bearing.rows, self.bearing.rollers_per_row)
 
 
 @dataclass(frozen=True)
@@ -108,7 +108,7 @@ class Content:
     bearing: Bearing
     """Of the bench; of imported data it means nothing."""
     orders: Orders
-    layout: Layout
+    bodies: BodyNames
     waveform: Waveform
     judging: Future[Judgement]
     """What the detectors say, as soon as it is known: finding it out takes as long as all the rest."""

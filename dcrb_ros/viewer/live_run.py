@@ -39,7 +39,7 @@ class LiveRun:
         self._spectra: Spectra | None = None
         self._axes: spectrum_picture.Axes | None = None
         self._known = Content(
-            subject.title, subject.bearing, subject.orders, subject.layout, _nothing(subject), known(Judgement(None, (), ()))
+            subject.title, subject.bearing, subject.orders, subject.bodies, _nothing(subject), known(Judgement(None, (), ()))
         )
         stream.send_blueprint(compose_live(self._drawing))
 
@@ -82,8 +82,8 @@ class LiveRun:
         shown = bearing_picture.thinned(motion)
         bearing_picture.log_moving(drawing, shown)
         self._recent = _joined(self._recent, shown)
-        load_zone.log_mean(content.layout, self._recent, drawing.largest_force)
-        load_zone.log_now(content.layout, shown, drawing.largest_force)
+        load_zone.log_mean(content.bodies, self._recent, drawing.largest_force)
+        load_zone.log_now(content.bodies, shown, drawing.largest_force)
 
     def _scaled(self, motion: Motion) -> Drawing:
         """Return the drawing, with a new scale where a force has outgrown it; bars of the past keep their length."""
@@ -92,7 +92,7 @@ class LiveRun:
         if largest > ROOM * self._drawing.largest_force:
             self._drawing = Drawing(self._drawing.bearing, rounded_up(largest))
             bearing_picture.log_force_scale(self._drawing)
-            load_zone.log_still(self._known.layout, self._drawing.largest_force)
+            load_zone.log_still(self._known.bodies, self._drawing.largest_force)
         return self._drawing
 
     def _log_truth(self, content: Content) -> None:

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import rerun as rr
 
-from dcrb_ros.bearing.states import Layout
+from dcrb_ros.bearing.states import BodyNames
 from dcrb_ros.runtime.arrays import Floats
 from dcrb_ros.viewer import columns, palette
 from dcrb_ros.viewer.bearing_picture import thinned
@@ -28,32 +28,32 @@ SPOKES = 12
 def log_load_zone(content: Content, motion: Motion, largest: float) -> None:
     """Log the polar picture of every row, up to the ``largest`` force [N]."""
     motion = thinned(motion)
-    log_still(content.layout, largest)
-    log_mean(content.layout, motion, largest)
-    log_now(content.layout, motion, largest)
+    log_still(content.bodies, largest)
+    log_mean(content.bodies, motion, largest)
+    log_now(content.bodies, motion, largest)
 
 
-def log_still(layout: Layout, largest: float) -> None:
+def log_still(bodies: BodyNames, largest: float) -> None:
     """Log where the rows are, and their scales."""
-    for row in range(layout.rows):
+    for row in range(bodies.rows):
         path = f"{ROOT}/row{row + 1}"
-        rr.log(path, rr.Transform3D(translation=[(row - 0.5 * (layout.rows - 1)) * SPACING, 0.0, 0.0]), static=True)
+        rr.log(path, rr.Transform3D(translation=[(row - 0.5 * (bodies.rows - 1)) * SPACING, 0.0, 0.0]), static=True)
         rr.log(f"{path}/now", rr.Arrows2D.from_fields(origins=[[0.0, 0.0]], radii=[1.4], draw_order=3.0), static=True)
         log_scale(path, largest, row)
 
 
-def log_mean(layout: Layout, motion: Motion, largest: float) -> None:
+def log_mean(bodies: BodyNames, motion: Motion, largest: float) -> None:
     """Log the mean force over the azimuth of every row as a line."""
-    for row in range(layout.rows):
-        mean = mean_force(*of_row(layout, motion, row))
+    for row in range(bodies.rows):
+        mean = mean_force(*of_row(bodies, motion, row))
         strip = closed(on_circle(RADIUS * mean / largest, middles()))
         colour = palette.ROWS[row % len(palette.ROWS)]
         rr.log(f"{ROOT}/row{row + 1}/mean", rr.LineStrips2D([strip], radii=[1.2], colors=[colour], draw_order=2.0), static=True)
 
 
-def of_row(layout: Layout, motion: Motion, row: int) -> tuple[Floats, Floats]:
+def of_row(bodies: BodyNames, motion: Motion, row: int) -> tuple[Floats, Floats]:
     """Return azimuth [rad] and normal force [N] of the rollers of a row over time."""
-    rollers = slice(row * layout.rollers_per_row, (row + 1) * layout.rollers_per_row)
+    rollers = slice(row * bodies.rollers_per_row, (row + 1) * bodies.rollers_per_row)
     return motion.azimuth[:, rollers], motion.force[:, rollers]
 
 
@@ -88,10 +88,10 @@ def log_scale(path: str, largest: float, row: int) -> None:
     log_texts(f"{path}/name", np.array([[0.0, -1.32 * RADIUS]]), [f"row {row + 1}"], palette.BRIGHT, drop=6.0)
 
 
-def log_now(layout: Layout, motion: Motion, largest: float) -> None:
+def log_now(bodies: BodyNames, motion: Motion, largest: float) -> None:
     """Log an arrow from the centre for the force of every roller over time."""
-    for row in range(layout.rows):
-        azimuth, force = of_row(layout, motion, row)
+    for row in range(bodies.rows):
+        azimuth, force = of_row(bodies, motion, row)
         tips = on_circle(RADIUS * np.clip(force / largest, 0.0, 1.25), azimuth)
         colours = palette.force_colours(force, largest)
         colours[force <= 0.0, 3] = 0

@@ -10,7 +10,7 @@ from dataclasses import replace
 import numpy as np
 
 from dcrb_ros.bearing.kinematics import Orders
-from dcrb_ros.bearing.states import Layout
+from dcrb_ros.bearing.states import BodyNames
 from dcrb_ros.messages.cdr import STAMP_END, stamps
 from dcrb_ros.messages.joints import decode_alike, decode_joints
 from dcrb_ros.messages.points import decode_waveform
@@ -55,10 +55,10 @@ def content_of(found: Mapping[Topic, Sequence[bytes]], subject: Subject, judge: 
         bearing=subject.bearing,
         orders=subject.orders,
         imported=subject.imported,
-        layout=subject.layout,
+        bodies=subject.bodies,
         waveform=waveform,
         judging=judge(waveform),
-        motion=motion_of(found.get(ROLLER_STATES, ()), subject.layout),
+        motion=motion_of(found.get(ROLLER_STATES, ()), subject.bodies),
         truths=truths_of(found.get(GROUND_TRUTH, ())),
         features=series_of(found.get(FEATURES, ())),
     )
@@ -100,7 +100,7 @@ def truths_of(messages: Sequence[bytes]) -> tuple[Truth, ...]:
     return tuple(found)
 
 
-def motion_of(messages: Sequence[bytes], layout: Layout) -> Motion | None:
+def motion_of(messages: Sequence[bytes], bodies: BodyNames) -> Motion | None:
     """Return the bodies over time; ``None`` without states.
 
     Raises:
@@ -108,7 +108,7 @@ def motion_of(messages: Sequence[bytes], layout: Layout) -> Motion | None:
     """
     if not messages:
         return None
-    names, alike = tuple(layout.names), decode_alike(messages)
+    names, alike = tuple(bodies.names), decode_alike(messages)
     for joints in [decode_joints(data) for data in messages] if alike is None else [alike]:
         counts = {joints.position.shape[-1], joints.velocity.shape[-1], joints.effort.shape[-1]}
         if joints.names != names or counts != {len(names)}:

@@ -46,7 +46,7 @@ def log_lines(
 
 def log_motion(content: Content, motion: Motion, *, fixed: bool = True) -> None:
     """Log normal forces [kN] and spins [rad/s] of the rollers, speeds of the cages [rad/s], and their slip [%]."""
-    rows, count = content.layout.rows, content.layout.rollers_per_row
+    rows, count = content.bodies.rows, content.bodies.rollers_per_row
     names = [f"roller {i + 1}" for i in range(count)]
     colours = palette.wheel(count)
     for row in range(rows):

@@ -68,7 +68,7 @@ def telling_time(content: Content) -> int:
     begin = content.start_ns + 2 * (content.end_ns - content.start_ns) // 3
     if content.motion is None:
         return begin
-    rollers = content.layout.rows * content.layout.rollers_per_row
+    rollers = content.bodies.rows * content.bodies.rollers_per_row
     late = np.flatnonzero((content.motion.time_ns >= begin) & (content.motion.time_ns <= content.end_ns))
     if not len(late):
         return begin

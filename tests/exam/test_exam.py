@@ -16,7 +16,7 @@ import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 from junitparser import JUnitXml
-from made_up_blocks import LAYOUT
+from made_up_blocks import BODIES
 from own_process import dcrb
 
 from dcrb_ros.cli.score import _output, _progress
@@ -416,7 +416,7 @@ def test_cases_with_different_samples_have_different_cache_paths(tmp_path: Path)
 
 def record(path: Path, faults: list[dict[str, dict[str, float]]], verdicts: list[str], begin: float = 0.0, every: float = 0.02) -> Path:
     """Record ground truth and diagnoses at regular times [s], as `ros2 bag record` does while the bench runs."""
-    with Recorder(path, Configuration(), LAYOUT) as recorder:
+    with Recorder(path, Configuration(), BODIES) as recorder:
         for number in range(max(len(faults), len(verdicts))):
             stamp = round((begin + number * every) * 1e9)
             if number < len(faults):
@@ -449,11 +449,11 @@ def test_damage_of_a_recording_is_reported(tmp_path: Path, capsys: pytest.Captur
     whole.write_bytes(whole.read_bytes()[:-200])
     assert dcrb("score", str(bag)) == 0
     assert "left out, no MCAP file: it is empty; the readable part is scored" in (message := capsys.readouterr().err)
-    assert "bag_0.mcap" in told
+    assert "bag_0.mcap" in message
     whole.write_bytes(whole.read_bytes()[:2000])
     assert dcrb("score", str(bag)) == 2
     assert "the correct verdict is unknown" in (message := capsys.readouterr().err)
-    assert "not all of it could be read: bag_1.mcap" in told
+    assert "not all of it could be read: bag_1.mcap" in message
 
 
 def test_a_recording_may_start_in_the_middle_of_a_run(tmp_path: Path) -> None:
@@ -473,7 +473,7 @@ def test_a_recording_may_start_in_the_middle_of_a_run(tmp_path: Path) -> None:
 
 def test_diagnoses_of_the_time_before_a_recording_are_ignored(tmp_path: Path) -> None:
     bag = tmp_path / "bag"
-    with Recorder(bag, Configuration(), LAYOUT) as recorder:
+    with Recorder(bag, Configuration(), BODIES) as recorder:
         for time in (7.0, 7.5, 8.0):
             truth = encode_truth(Truth(round(time * 1e9), 125.0, (0.0, -1e5), {}, {"outer_1": {"width": 0.002, "onset": 2.0}}))
             recorder.write_messages([Message(GROUND_TRUTH, round(time * 1e9), truth)])

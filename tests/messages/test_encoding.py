@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from runs import simulated
 
-from dcrb_ros.bearing.states import Layout
+from dcrb_ros.bearing.states import BodyNames
 from dcrb_ros.messages.cdr import typestore
 from dcrb_ros.messages.description import decode_sensor, sensor_text
 from dcrb_ros.messages.encoder import BlockEncoder
@@ -67,12 +67,12 @@ def test_waveform_with_a_foreign_message_is_refused() -> None:
 
 def test_states_truth_and_features_round_trip() -> None:
     run = simulated(0.3, fault="outer_1", state_rate=100)
-    encoder = BlockEncoder(run.configuration, Layout(2, 16))
+    encoder = BlockEncoder(run.configuration, BodyNames(2, 16))
     messages = [message for block in run.blocks for message in encoder.encode(block)]
     states = [decode_joints(m.data) for m in messages if m.topic is ROLLER_STATES]
     assert [s.stamp_ns for s in states] == [s.time_ns for s in run.states]
     for joints, expected in zip(states, run.states, strict=True):
-        assert joints.names == tuple(Layout(2, 16).names)
+        assert joints.names == tuple(BodyNames(2, 16).names)
         assert np.array_equal(joints.position, expected.azimuth)
         assert np.array_equal(joints.velocity, expected.speed)
         assert np.array_equal(joints.effort, expected.inner_force)

@@ -6,7 +6,7 @@ import threading
 from pathlib import Path
 
 import pytest
-from made_up_blocks import LAYOUT, blocks
+from made_up_blocks import BODIES, blocks
 from slow_recorder import SlowRecorder
 from waiting import wait_for
 
@@ -24,7 +24,7 @@ PATIENCE = 20.0
 
 @pytest.fixture(scope="module")
 def encoded() -> list[list[Message]]:
-    encoder = BlockEncoder(Configuration(), LAYOUT)
+    encoder = BlockEncoder(Configuration(), BODIES)
     return [encoder.encode(block) for block in blocks(12)]
 
 
@@ -72,7 +72,7 @@ def test_the_end_waits_for_a_recording_that_ended_by_an_overflow(encoded: list[l
 def test_a_recording_that_is_late_does_not_blame_the_next(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("dcrb_ros.recordings.recorder_thread.LAST_WRITE", 0.05)
     tape, slow, log = begun(tmp_path / "bag")
-    tape.write_messages(BlockEncoder(Configuration(), LAYOUT).start())
+    tape.write_messages(BlockEncoder(Configuration(), BODIES).start())
     tape.stop()
     assert "could not be finished in time" in tape.state
     tape.start(lambda: QueuedRecorder(SlowRecorder(tmp_path / "bag-2"), 10))

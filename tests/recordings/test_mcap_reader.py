@@ -16,7 +16,7 @@ import zstandard
 from command import dcrb
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from made_up_blocks import LAYOUT, recorded
+from made_up_blocks import BODIES, recorded
 
 from dcrb_ros.recordings.mcap_reader import MAGIC, McapRecords
 from dcrb_ros.recordings.reader import Recording, metadata_flaw
@@ -174,7 +174,7 @@ def test_any_manifest_is_explained_or_refused(tmp_path_factory: pytest.TempPathF
     from dcrb_ros.recordings.reproduction import recorded_samples
     from dcrb_ros.recordings.rosbag2 import Bag
 
-    about = json.loads(opening(Configuration(), LAYOUT, "/dcrb")[MANIFEST]["manifest"])
+    about = json.loads(opening(Configuration(), BODIES, "/dcrb")[MANIFEST]["manifest"])
     outcome = {"samples": 3, "sha256": "0", "first_index": 0, "commands": []}
     (outcome if key in outcome else about)[key] = value
     folder = tmp_path_factory.mktemp("manifest") / "bag"

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from command import dcrb
-from made_up_blocks import LAYOUT, blocks, recorded
+from made_up_blocks import BODIES, blocks, recorded
 
 from dcrb_ros.recordings.manifest import model_fingerprint
 from dcrb_ros.recordings.reader import Recording
@@ -30,7 +30,7 @@ def bag(tmp_path_factory: pytest.TempPathFactory) -> Path:
         {"simulation": {"seed": 11}, "faults": {"inner_1": {"width": 0.002}}, "publishing": {"block_size": 700}}
     )
     simulation = Simulation(configuration)
-    with Recorder(path, configuration, simulation.layout) as recorder:
+    with Recorder(path, configuration, simulation.bodies) as recorder:
         for number, block in enumerate(simulation.blocks(0.4)):
             recorder.write(block)
             if number in (5, 20):
@@ -79,7 +79,7 @@ def test_scenario_and_changes_while_it_runs_come_out_again(tmp_path: Path) -> No
     story = {"timeline": [{"at": 0.05, "over": 0.1, "set": {"faults.outer_1.width": 0.002}}]}
     configuration = Configuration.model_validate({"faults": {"outer_1": {"width": 0.0005}}})
     simulation = Simulation(configuration, timeline(story, configuration, "story"))
-    with Recorder(tmp_path / "run", configuration, simulation.layout, scenario=story) as recorder:
+    with Recorder(tmp_path / "run", configuration, simulation.bodies, scenario=story) as recorder:
         for number, block in enumerate(simulation.blocks(0.4)):
             recorder.write(block)
             if number == 6:
@@ -168,7 +168,7 @@ def test_info_tells_it_in_words_and_as_json(bag: Path) -> None:
 def test_many_commands_are_all_kept(count: int, where: str, tmp_path: Path) -> None:
     """A controller may send a command with every block for hours."""
     before = [Command(k, f"command/speed {k}.0 rad/s") for k in range(count)]
-    with Recorder(tmp_path / "bag", Configuration(), LAYOUT, commands=before) as recorder:
+    with Recorder(tmp_path / "bag", Configuration(), BODIES, commands=before) as recorder:
         for block in blocks(3, commands={1: "command/speed 1.5 rad/s"}):
             recorder.write(block)
     recording = Recording(tmp_path / "bag")

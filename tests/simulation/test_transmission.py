@@ -36,7 +36,7 @@ def test_a_lost_block_is_told_and_the_run_makes_itself_again(tmp_path: Path) -> 
     configuration = bench(loss_probability=0.3)
     simulation = Simulation(configuration)
     blocks = list(simulation.blocks(0.2))
-    with Recorder(tmp_path / "lossy", configuration, simulation.layout) as recorder:
+    with Recorder(tmp_path / "lossy", configuration, simulation.bodies) as recorder:
         for block in blocks:
             recorder.write(block)
     recording = Recording(tmp_path / "lossy")
@@ -56,7 +56,7 @@ def test_a_lost_block_is_told_and_the_run_makes_itself_again(tmp_path: Path) -> 
 def test_bursts_leave_out_what_is_made_of_samples() -> None:
     configuration = bench(burst_length=0.02, burst_period=0.05)
     simulation = Simulation(configuration)
-    encoder = BlockEncoder(configuration, simulation.layout)
+    encoder = BlockEncoder(configuration, simulation.bodies)
     published = []
     for block in simulation.blocks(0.15):
         topics = {message.topic for message in encoder.encode(block)}

@@ -8,13 +8,13 @@ from pathlib import Path
 
 import numpy as np
 
-from dcrb_ros.bearing.states import Layout
+from dcrb_ros.bearing.states import BodyNames
 from dcrb_ros.recordings.recorder import Recorder
 from dcrb_ros.runtime.timestamps import nanoseconds
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.simulation.block import Block, Truth
 
-LAYOUT = Layout(2, 16)
+BODIES = BodyNames(2, 16)
 FREQUENCIES = {"FTF": 8.4, "BPFO": 134.5, "BPFI": 185.5, "BSF": 61.1}
 
 
@@ -33,7 +33,7 @@ def blocks(count: int, *, size: int = 1024, rate: int = 51200, commands: dict[in
 def recorded(path: Path, count: int, *, commands: dict[int, str] | None = None, **recording: object) -> Path:
     """Record blocks of noise with some keys of the group ``recording``."""
     configuration = Configuration.model_validate({"recording": recording})
-    with Recorder(path, configuration, LAYOUT) as recorder:
+    with Recorder(path, configuration, BODIES) as recorder:
         for block in blocks(count, commands=commands):
             recorder.write(block)
     return path
@@ -41,7 +41,7 @@ def recorded(path: Path, count: int, *, commands: dict[int, str] | None = None, 
 
 def narrowed(path: Path, count: int, *, at: int, limit: float) -> Path:
     """Record blocks of dull noise, 10 m/s^2 rms, whose sensor has another range from a block on and stands at it now and then."""
-    with Recorder(path, Configuration(), LAYOUT) as recorder:
+    with Recorder(path, Configuration(), BODIES) as recorder:
         for number, block in enumerate(blocks(count)):
             dull = np.stack([np.convolve(column, np.full(16, 0.25), "same") for column in block.acceleration.T], axis=1)
             span = limit if number >= at else 5000.0

@@ -11,7 +11,7 @@ import rerun as rr
 from rerun_documents import chunks, rows
 from runs import Run, simulated
 
-from dcrb_ros.bearing.payload import layout
+from dcrb_ros.bearing.payload import body_names
 from dcrb_ros.diagnosis.detector import Diagnosis
 from dcrb_ros.messages.encoder import BlockEncoder
 from dcrb_ros.messages.plain import encode_text
@@ -54,7 +54,7 @@ def run() -> Run:
 
 
 def messages(run: Run) -> list[Message]:
-    encoder = BlockEncoder(run.configuration, layout(run.configuration))
+    encoder = BlockEncoder(run.configuration, body_names(run.configuration))
     return [*encoder.start(), *(message for block in run.blocks for message in encoder.encode(block))]
 
 

@@ -18,7 +18,7 @@ from mcap.writer import Writer
 from runs import PAPER_SPEED, Run, simulated
 
 from dcrb_ros.bearing.kinematics import characteristic_orders
-from dcrb_ros.bearing.payload import layout
+from dcrb_ros.bearing.payload import body_names
 from dcrb_ros.cli.view import view
 from dcrb_ros.diagnosis.detector import Diagnosis
 from dcrb_ros.diagnosis.parameters import DetectorParameters
@@ -68,7 +68,7 @@ def document(bag: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def recorded(run: Run, path: Path) -> Path:
-    with Recorder(path, run.configuration, layout(run.configuration)) as recorder:
+    with Recorder(path, run.configuration, body_names(run.configuration)) as recorder:
         for block in run.blocks:
             recorder.write(block)
     return path
@@ -222,7 +222,7 @@ def test_verdict_and_truth_are_on_the_page(content: Content) -> None:
 def test_recorded_verdict_comes_before_a_computed_one(run: Run, tmp_path: Path) -> None:
     said = Diagnosis(51199, 1.0, "inner_ring", "told so by the test", levels={"BPFO": 1.0, "BPFI": 2.0, "BSF": 3.0, "FTF": 4.0})
     path = tmp_path / "judged"
-    with Recorder(path, run.configuration, layout(run.configuration)) as recorder:
+    with Recorder(path, run.configuration, body_names(run.configuration)) as recorder:
         for block in run.blocks:
             recorder.write(block)
         recorder.write_messages(diagnosis_messages(said))
@@ -236,7 +236,7 @@ def test_recorded_verdict_comes_before_a_computed_one(run: Run, tmp_path: Path) 
 def test_states_of_another_bearing_are_refused(run: Run, tmp_path: Path) -> None:
     smaller = Configuration.model_validate({"bearing": {"rollers_per_row": 15}})
     path = tmp_path / "mixed"
-    with Recorder(path, smaller, layout(run.configuration)) as recorder:
+    with Recorder(path, smaller, body_names(run.configuration)) as recorder:
         recorder.write(run.blocks[0])
     with pytest.raises(Refusal, match=r"has \[35\] values for 35 bodies where the bearing of the manifest has 33"):
         read_content(Recording(path))
@@ -254,7 +254,7 @@ def test_defect_is_drawn_in_its_own_row() -> None:
 def test_every_fault_of_a_bench_is_shown(tmp_path: Path) -> None:
     configuration = load_configuration("compound")
     path, simulation = tmp_path / "compound", Simulation(configuration)
-    with Recorder(path, configuration, simulation.layout) as recorder:
+    with Recorder(path, configuration, simulation.bodies) as recorder:
         for block in simulation.blocks(0.2):
             recorder.write(block)
     found = markdown(read_content(Recording(path)))
@@ -419,7 +419,7 @@ def test_mean_force_is_taken_by_sector() -> None:
 
 def test_loading_zone_lies_below_the_shaft(content: Content) -> None:
     assert content.motion is not None
-    rollers = content.layout.rows * content.layout.rollers_per_row
+    rollers = content.bodies.rows * content.bodies.rollers_per_row
     mean = load_zone.mean_force(content.motion.azimuth[:, :rollers], content.motion.force[:, :rollers])
     loaded = np.abs(load_zone.middles()[mean > 0.05 * mean.max()])
     assert loaded.max() < np.pi / 2  # with a radial gap the zone is narrower than half a turn

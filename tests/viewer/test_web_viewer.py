@@ -19,7 +19,7 @@ import numpy as np
 import pytest
 from runs import simulated
 
-from dcrb_ros.bearing.payload import layout
+from dcrb_ros.bearing.payload import body_names
 from dcrb_ros.recordings.recorder import Recorder
 from dcrb_ros.viewer import palette
 from dcrb_ros.viewer.window import page_address
@@ -31,7 +31,7 @@ PATIENCE = 90.0
 @pytest.fixture(scope="module")
 def bag(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path, run = tmp_path_factory.mktemp("bags") / "short", simulated(0.6, fault="outer_1", state_rate=100)
-    with Recorder(path, run.configuration, layout(run.configuration)) as recorder:
+    with Recorder(path, run.configuration, body_names(run.configuration)) as recorder:
         for block in run.blocks:
             recorder.write(block)
     return path
