@@ -25,8 +25,8 @@ from dcrb_ros.runtime.processes import in_processes
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.sweep.data_set import DataSet
 from dcrb_ros.sweep.dispatch import workers_here
-from dcrb_ros.sweep.plan import Plan
 from dcrb_ros.sweep.loader import sweep_of
+from dcrb_ros.sweep.plan import Plan
 from dcrb_ros.sweep.store import Store
 
 

@@ -34,8 +34,8 @@ def sweep(
         raise Refusal("--scheduler brings its own workers: leave out --workers and --memory")
     _require_fsspec()
     from dcrb_ros.runtime.processes import cores
-    from dcrb_ros.sweep.plan import Plan
     from dcrb_ros.sweep.loader import read_sweep
+    from dcrb_ros.sweep.plan import Plan
 
     plan = Plan(read_sweep(sweep))
     if plan.conditions < 3:

@@ -9,7 +9,7 @@ import itertools
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 from pydantic import Field, ValidationError
 
@@ -17,24 +17,23 @@ from dcrb_ros.bearing.runtime_change import altered
 from dcrb_ros.exam.case import Case, Run, canonical, derived_tags
 from dcrb_ros.exam.criteria import Criteria, DelayLimits
 from dcrb_ros.exam.expectation import Expectation
-from dcrb_ros.exam.received_diagnosis import VERDICTS
 from dcrb_ros.exam.recorded_case import expected_verdict
 from dcrb_ros.runtime.refusal import Refusal, nearest
 from dcrb_ros.schema.fields import Group, choice, quantity
+from dcrb_ros.schema.verdicts import FAULT_CLASSES, FaultClass
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import find_configuration, flatten, read_parameters, shipped_folder, validated
 from dcrb_ros.settings.yaml import read_yaml
 from dcrb_ros.simulation.scenario import Event, begun, read_story, timeline
 
 MOST_CASES = 10_000
-Verdict = Literal["healthy", "outer_ring", "inner_ring", "roller", "cage", "compound", "sensor"]
 
 
 class Entry(Group):
     """A scenario of the file, or a family of scenarios."""
 
     name: str
-    verdict: Verdict
+    verdict: FaultClass
     points: list[str] | None = None
     """Operating points by name; all of them if omitted."""
     seeds: list[int] | None = None
@@ -127,7 +126,7 @@ def _sentence(error: ValidationError, tree: Mapping[str, Any]) -> str:
         return f"{where}unknown key '{key}'{nearest(key, known)} (known: {', '.join(known)})"
     if key == "verdict":
         reason = "the key 'verdict' is missing" if problem["type"] == "missing" else f"verdict = {problem['input']!r} is unknown"
-        return f"{where}{reason}: give one of {', '.join(VERDICTS)}"
+        return f"{where}{reason}: give one of {', '.join(FAULT_CLASSES)}"
     if problem["type"] == "missing":
         return f"{where}the key '{key}' is missing"
     return f"{where}{key} = {problem['input']!r} is refused: {problem['msg'][0].lower()}{problem['msg'][1:]}"

@@ -7,13 +7,8 @@ from dataclasses import dataclass
 
 from dcrb_ros.messages.statuses import decode_diagnostics
 from dcrb_ros.runtime.refusal import Refusal, nearest
+from dcrb_ros.schema.verdicts import BEARING_FAULTS, VERDICTS, is_alarm
 
-BEARING = ("outer_ring", "inner_ring", "roller", "cage", "compound")
-"""Verdicts that name a bearing fault."""
-VERDICTS = ("healthy", *BEARING, "sensor")
-"""Verdicts that a scenario may expect."""
-WAITING = "waiting"
-"""Verdict of a detector that needs more signal."""
 LATEST = 1e7
 """Latest time stamp accepted as simulated time [s]; the wall clock is far beyond it."""
 
@@ -39,12 +34,12 @@ class ReceivedDiagnosis:
     @property
     def alarm(self) -> bool:
         """Whether the verdict is an alarm."""
-        return self.verdict not in ("healthy", WAITING)
+        return is_alarm(self.verdict)
 
 
 def evidence(verdict: str, confidence: float) -> float | None:
     """Return the evidence for a bearing fault that follows from a verdict and its confidence (0 to 1); None for other verdicts."""
-    if verdict in BEARING:
+    if verdict in BEARING_FAULTS:
         return confidence
     return 1.0 - confidence if verdict == "healthy" else None
 
@@ -60,16 +55,16 @@ def decode_diagnosis(data: bytes) -> ReceivedDiagnosis:
     time_ns, statuses = decode_diagnostics(data)
     if not statuses:
         raise Refusal("a message on diagnosis has no status: publish one status with the value 'verdict'")
-    values, known = statuses[0].values, (*VERDICTS, WAITING)
+    values = statuses[0].values
     verdict = values.get("verdict")
     if verdict is None:
-        raise Refusal(f"the status '{statuses[0].name}' on diagnosis has no value 'verdict': give one of {', '.join(known)}")
-    if verdict not in known:
-        raise Refusal(f"the verdict '{verdict}' is unknown: give one of {', '.join(known)}{nearest(verdict, known)}")
+        raise Refusal(f"the status '{statuses[0].name}' on diagnosis has no value 'verdict': give one of {', '.join(VERDICTS)}")
+    if verdict not in VERDICTS:
+        raise Refusal(f"the verdict '{verdict}' is unknown: give one of {', '.join(VERDICTS)}{nearest(verdict, VERDICTS)}")
     time = time_ns * 1e-9
     if not 0.0 <= time <= LATEST:
         raise Refusal(
-            f"a diagnosis is stamped {time:.0f} s: the stamp must be the simulated time of the samples judged, taken from the block's header"
+            f"a diagnosis is stamped {time:.0f} s: the stamp must be the simulated time of the judged samples, from the block's header"
         )
     return ReceivedDiagnosis(time, verdict, _score(verdict, values.get("score"), values.get("confidence")), values.get("reason", ""))
 

@@ -10,9 +10,9 @@ from typing import Any
 from dcrb_ros import __version__
 from dcrb_ros.exam.criteria import Criteria
 from dcrb_ros.exam.scoring import NO_ANSWER, ScenarioResult
-from dcrb_ros.schema.verdicts import FAULT_CLASSES
 from dcrb_ros.exam.statistics import Characteristic, Interval, characteristic, percentile, rate, share
 from dcrb_ros.recordings.manifest import model_fingerprint, software
+from dcrb_ros.schema.verdicts import FAULT_CLASSES, VERDICTS
 
 
 @dataclass(frozen=True)
@@ -119,7 +119,7 @@ class Report:
     def confusion(self) -> dict[str, dict[str, int]]:
         """Return the confusion matrix: the number of scenarios by correct verdict and answer."""
         return {
-            verdict: {answer: sum(m.answer == answer for m in asked) for answer in (*FAULT_CLASSES, "waiting", NO_ANSWER)}
+            verdict: {answer: sum(m.answer == answer for m in asked) for answer in (*VERDICTS, NO_ANSWER)}
             for verdict, asked in _grouped(self.results).items()
         }
 

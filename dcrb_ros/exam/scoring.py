@@ -9,8 +9,10 @@ from itertools import pairwise
 
 from dcrb_ros.exam.criteria import Criteria
 from dcrb_ros.exam.expectation import Expectation
-from dcrb_ros.exam.received_diagnosis import BEARING, WAITING, ReceivedDiagnosis
+from dcrb_ros.exam.received_diagnosis import ReceivedDiagnosis
+from dcrb_ros.schema.verdicts import BEARING_FAULTS
 
+WAITING = "waiting"
 NO_ANSWER = "nothing"
 """Answer of a detector that published no diagnosis."""
 
@@ -85,7 +87,7 @@ def score_scenario(
         expectation,
         answer,
         delay,
-        _delay(ordered, frozenset(BEARING) | {"sensor"}, onset, expectation.duration) if expectation.faulty else None,
+        _delay(ordered, frozenset(BEARING_FAULTS) | {"sensor"}, onset, expectation.duration) if expectation.faulty else None,
         alarms,
         _healthy_time(expectation),
         max(scores, default=None),
@@ -97,15 +99,15 @@ def score_scenario(
 
 def _correct_verdicts(expectation: Expectation, criteria: Criteria) -> frozenset[str]:
     """Return the verdicts that count as correct."""
-    any_bearing_fault = not criteria.name_right and expectation.verdict in BEARING
-    return frozenset(BEARING) if any_bearing_fault else frozenset({expectation.verdict})
+    any_bearing_fault = not criteria.name_right and expectation.verdict in BEARING_FAULTS
+    return frozenset(BEARING_FAULTS) if any_bearing_fault else frozenset({expectation.verdict})
 
 
 def _false_alarms(expectation: Expectation, diagnoses: Sequence[ReceivedDiagnosis]) -> Iterator[FalseAlarm]:
     """Yield the alarms raised before the onset, and bearing alarms while only the sensor is faulty."""
     current = ""
     for diagnosis in diagnoses:
-        clean_until = expectation.bearing_clean_until if diagnosis.verdict in BEARING else expectation.clean_until
+        clean_until = expectation.bearing_clean_until if diagnosis.verdict in BEARING_FAULTS else expectation.clean_until
         healthy = diagnosis.time < clean_until or clean_until >= expectation.end
         if healthy and diagnosis.alarm and diagnosis.verdict != current:
             yield FalseAlarm(diagnosis.time, diagnosis.verdict, diagnosis.reason)

@@ -14,8 +14,8 @@ from dcrb_ros.recordings.manifest import model_fingerprint
 from dcrb_ros.runtime.refusal import Refusal
 from dcrb_ros.settings.files import nest
 from dcrb_ros.sweep.card import card
-from dcrb_ros.sweep.execution import error_label, common_settings, write_label
 from dcrb_ros.sweep.dispatch import dispatched
+from dcrb_ros.sweep.execution import common_settings, error_label, write_label
 from dcrb_ros.sweep.label import ERROR
 from dcrb_ros.sweep.plan import Plan
 from dcrb_ros.sweep.store import Store, StoreFailed

@@ -9,7 +9,7 @@ from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
 
-from dcrb_ros.sweep.execution import run_task, common_settings
+from dcrb_ros.sweep.execution import common_settings, run_task
 from dcrb_ros.sweep.label import DONE
 from dcrb_ros.sweep.plan import Plan, Task
 from dcrb_ros.sweep.store import Store

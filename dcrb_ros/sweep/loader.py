@@ -23,7 +23,7 @@ from dcrb_ros.settings.files import (
 from dcrb_ros.settings.yaml import read_yaml
 from dcrb_ros.simulation.scenario import read_story
 from dcrb_ros.sweep.design import GRID, Axes, Axis, Choice, Span, Value
-from dcrb_ros.sweep.sweep_file import SCENARIO, NO_FAULTS, Shares, Sweep, SweepFile, Windows
+from dcrb_ros.sweep.sweep_file import NO_FAULTS, SCENARIO, Shares, Sweep, SweepFile, Windows
 
 CASE_GROUPS = ("faults", "background", "sensor")
 """What a case may set: what is wrong. All else is a condition of the bearing."""

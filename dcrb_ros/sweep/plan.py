@@ -13,7 +13,7 @@ from typing import Any
 from dcrb_ros import __version__
 from dcrb_ros.recordings.manifest import model_fingerprint
 from dcrb_ros.sweep.design import GRID, Point, Value, points
-from dcrb_ros.sweep.sweep_file import SCENARIO, NO_FAULTS, Shares, Sweep
+from dcrb_ros.sweep.sweep_file import NO_FAULTS, SCENARIO, Shares, Sweep
 
 SEED = "simulation.seed"
 NO_CONDITION = ("faults", "structure", "background", "sensor", "publishing", "recording", "time_scale")

@@ -7,10 +7,10 @@ from collections.abc import Iterator
 import numpy as np
 
 from dcrb_ros.runtime.arrays import Floats
-from dcrb_ros.validation.runs import BROKEN_BAR, JOINTS, WIDTHS, Run
-from dcrb_ros.validation.measures import Spectrum, decibels, envelope_spectrum, kurtosis, load_zone, profile
-from dcrb_ros.validation.healthy import LOADED, energy_residual
 from dcrb_ros.validation.comparison import Comparison, Runs, within
+from dcrb_ros.validation.healthy import LOADED, energy_residual
+from dcrb_ros.validation.measures import Spectrum, decibels, envelope_spectrum, kurtosis, load_zone, profile
+from dcrb_ros.validation.runs import BROKEN_BAR, JOINTS, WIDTHS, Run
 
 
 def fault_comparisons(runs: Runs) -> Iterator[Comparison]:

@@ -11,9 +11,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from dcrb_ros.bearing.kinematics import characteristic_orders
-from dcrb_ros.validation.runs import BROKEN_BAR, JOINTS, Run
-from dcrb_ros.validation.faults import spectrum
 from dcrb_ros.validation.comparison import Runs
+from dcrb_ros.validation.faults import spectrum
+from dcrb_ros.validation.runs import BROKEN_BAR, JOINTS, Run
 
 BLUE, ORANGE, GREY = "#1f6fb4", "#e07b00", "#8a8a8a"
 COLUMNS = {

@@ -6,9 +6,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from dcrb_ros.validation.runs import JOINTS, Run
-from dcrb_ros.validation.measures import load_zone, settling_time
 from dcrb_ros.validation.comparison import Comparison, Runs, within
+from dcrb_ros.validation.measures import load_zone, settling_time
+from dcrb_ros.validation.runs import JOINTS, Run
 
 LOADED = 5e3
 """Normal force above which a roller counts as rolling [N]."""

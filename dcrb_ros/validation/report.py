@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from importlib import resources
 
 from dcrb_ros import __version__
-from dcrb_ros.validation.runs import RunSpec
 from dcrb_ros.validation.comparison import Comparison
+from dcrb_ros.validation.runs import RunSpec
 
 HEADINGS = ("quantity", "joint", "paper", "ours", "accepted", "verdict")
 CAPTIONS = {

@@ -11,9 +11,9 @@ from dcrb_ros.bearing.kinematics import characteristic_orders
 from dcrb_ros.bearing.payload import build_payload, degrees_of_freedom
 from dcrb_ros.runtime.arrays import Floats
 from dcrb_ros.settings.files import load_configuration
-from dcrb_ros.validation.runs import BENCH, JOINTS
-from dcrb_ros.validation.formulation import Agreement
 from dcrb_ros.validation.comparison import Comparison, within
+from dcrb_ros.validation.formulation import Agreement
+from dcrb_ros.validation.runs import BENCH, JOINTS
 
 LOAD = np.array([0.0, -100e3])
 UNDER = 30251.0, 10708.0

@@ -12,14 +12,14 @@ from typing import Any
 from dcrb_ros.runtime.processes import in_processes
 from dcrb_ros.runtime.refusal import Refusal
 from dcrb_ros.settings.files import load_configuration
-from dcrb_ros.validation.runs import BENCH, Run, run_specs, simulate
+from dcrb_ros.validation.comparison import Comparison, Runs
 from dcrb_ros.validation.faults import fault_comparisons
 from dcrb_ros.validation.figures import write_figures
 from dcrb_ros.validation.formulation import Agreement, agreement
 from dcrb_ros.validation.healthy import healthy_comparisons
 from dcrb_ros.validation.report import markdown
+from dcrb_ros.validation.runs import BENCH, Run, run_specs, simulate
 from dcrb_ros.validation.statics import WINDOWS, formulation_comparisons, freedom_comparisons, frequency_comparison, static_comparisons
-from dcrb_ros.validation.comparison import Comparison, Runs
 
 REPORT = "report.md"
 

@@ -27,8 +27,8 @@ from dcrb_ros.messages.topics import (
 from dcrb_ros.runtime.refusal import Refusal
 from dcrb_ros.settings.parameters import Bearing
 from dcrb_ros.viewer.content import Judgement, Subject
-from dcrb_ros.viewer.reader import content_of, series_of, verdicts_in
 from dcrb_ros.viewer.live_run import LiveRun, known
+from dcrb_ros.viewer.reader import content_of, series_of, verdicts_in
 
 SHOWN = (VIBRATION, SENSOR, ROLLER_STATES, GROUND_TRUTH, FEATURES, FAULT_INDICATORS, DIAGNOSIS, ENVELOPE_SPECTRUM)
 MOST_WAITING = 2000

@@ -1,4 +1,4 @@
-"""The exam of a detector: results, statistics, designs, recordings, reports and the command."""
+"""The exam of a detector: scoring, statistics, exam files, recordings, reports and the command."""
 
 from __future__ import annotations
 
@@ -24,13 +24,13 @@ from dcrb_ros.diagnosis.detector import Diagnosis
 from dcrb_ros.exam.case import Case, scenarios_hash
 from dcrb_ros.exam.criteria import Criteria
 from dcrb_ros.exam.exam_file import Exam, exam_of, read_exam, shipped_exams
-from dcrb_ros.exam.figure import write_figure
-from dcrb_ros.exam.recording_cache import cache_path, cached_recording
-from dcrb_ros.exam.scoring import NO_ANSWER, ScenarioResult, score_scenario
-from dcrb_ros.exam.received_diagnosis import ReceivedDiagnosis, evidence, decode_diagnosis
 from dcrb_ros.exam.expectation import Expectation
+from dcrb_ros.exam.figure import write_figure
+from dcrb_ros.exam.received_diagnosis import ReceivedDiagnosis, decode_diagnosis, evidence
 from dcrb_ros.exam.recorded_case import expected_verdict, read_recorded_case
+from dcrb_ros.exam.recording_cache import cache_path, cached_recording
 from dcrb_ros.exam.report import Report
+from dcrb_ros.exam.scoring import NO_ANSWER, ScenarioResult, score_scenario
 from dcrb_ros.exam.statistics import characteristic, rate, share
 from dcrb_ros.messages.statuses import Status, encode_diagnostics, encode_truth
 from dcrb_ros.messages.topics import DIAGNOSIS, GROUND_TRUTH, Message
@@ -131,11 +131,12 @@ def test_a_bearing_alarm_during_a_sensor_fault_is_false() -> None:
 
 
 @pytest.mark.parametrize(("bearing", "alarms", "healthy"), [(2.0, 0, 2.0), (10.0, 0, 10.0), (12.0, 1, 12.0), (None, 2, 15.0)])
-def test_a_bearing_fault_behind_a_sensor_fault_allows_bearing_alarms_from_its_onset(bearing: float | None, alarms: int, healthy: float) -> None:
+def test_a_hidden_bearing_fault_allows_bearing_alarms_from_its_onset(bearing: float | None, alarms: int, healthy: float) -> None:
     first = 10.0 if bearing is None else min(10.0, bearing)
     both = Expectation("both", "sensor", 15.0, 10.0, first_onset=first, bearing_onset=bearing)
     verdicts = diagnosed((3.5, "outer_ring" if bearing == 2.0 else "healthy"), (10.5, "sensor"), until=15.0)
-    raised = [ReceivedDiagnosis(10.5, "sensor"), ReceivedDiagnosis(11.0, "outer_ring"), ReceivedDiagnosis(11.5, "sensor"), ReceivedDiagnosis(13.0, "outer_ring")]
+    alternating = ((10.5, "sensor"), (11.0, "outer_ring"), (11.5, "sensor"), (13.0, "outer_ring"))
+    raised = [ReceivedDiagnosis(time, verdict) for time, verdict in alternating]
     found = scored(both, [*verdicts[:20], *raised, *verdicts[26:]])
     assert (len(found.false_alarms), found.healthy_time) == (alarms, healthy)
     assert found.passed is (alarms == 0)
@@ -154,7 +155,8 @@ def test_any_bearing_verdict_is_correct_if_the_name_does_not_count() -> None:
 
 def test_bearing_verdicts_are_counted_together_if_the_name_does_not_count() -> None:
     last = [*["outer_ring"] * 3, *["inner_ring"] * 3, *["roller"] * 3, *["healthy"] * 4]
-    diagnoses = [*diagnosed((4.5, "outer_ring"), until=8.5), *(ReceivedDiagnosis(9.0 + 0.05 * k, verdict) for k, verdict in enumerate(last))]
+    late = [ReceivedDiagnosis(9.0 + 0.05 * k, verdict) for k, verdict in enumerate(last)]
+    diagnoses = [*diagnosed((4.5, "outer_ring"), until=8.5), *late]
     assert scored(SPALL, diagnoses, name_right=False).passed
     assert scored(SPALL, diagnoses).flaw == "diagnosed as healthy"
 
@@ -203,7 +205,7 @@ def test_messages_of_the_shipped_detector_are_decoded() -> None:
         ([], 1.0, "has no status"),
         ([Status("mine", 0, "", {})], 1.0, "has no value 'verdict'"),
         ([Status("mine", 0, "", {"verdict": "outer ring"})], 1.0, "did you mean 'outer_ring'?"),
-        ([Status("mine", 0, "", {"verdict": "healthy"})], 1.7e9, "taken from the block's header"),
+        ([Status("mine", 0, "", {"verdict": "healthy"})], 1.7e9, "from the block's header"),
         ([Status("mine", 0, "", {"verdict": "healthy", "score": "nan"})], 1.0, "score = 'nan': it must be a finite number"),
     ],
 )
@@ -323,7 +325,7 @@ SPALLED = {"name": "outer", "verdict": "outer_ring", "fault": {"faults.outer_1.w
     [
         ({"criteri": {}}, "unknown key 'criteri'; did you mean 'criteria'?"),
         ({"criteria": {"delays": {}}}, "criteria: unknown key 'delays'; did you mean 'delay'?"),
-        ({"scenarios": [{"name": "outer"}]}, "scenario 'outer': it has no expected verdict: give verdict, one of healthy, outer_ring"),
+        ({"scenarios": [{"name": "outer"}]}, "scenario 'outer': the key 'verdict' is missing: give one of healthy, outer_ring"),
         ({"scenarios": [{**SPALLED, "verdict": "outer"}]}, "scenario 'outer': verdict = 'outer' is unknown: give one of healthy"),
         ({"scenarios": [{**SPALLED, "falt": {}}]}, "scenario 'outer': unknown key 'falt'; did you mean 'fault'?"),
         ({"scenarios": [{**SPALLED, "set": {"operating.sped": 1.0}}]}, "did you mean 'operating.speed'?"),

@@ -36,14 +36,14 @@ from dcrb_ros.settings.files import flatten, load_configuration, validated
 from dcrb_ros.simulation.batch import waveform
 from dcrb_ros.simulation.loop import ModelFailure, Simulation
 from dcrb_ros.sweep import execution
-from dcrb_ros.sweep.execution import run_task, common_settings
 from dcrb_ros.sweep.data_set import DataSet
 from dcrb_ros.sweep.design import GRID, LATIN_HYPERCUBE, RANDOM, Choice, Span, points, size
 from dcrb_ros.sweep.dispatch import WAITING, dispatched, workers_here
 from dcrb_ros.sweep.estimate import estimate
+from dcrb_ros.sweep.execution import common_settings, run_task
 from dcrb_ros.sweep.label import fault_class
-from dcrb_ros.sweep.plan import Plan, Run, splits
 from dcrb_ros.sweep.loader import read_sweep, sweep_of
+from dcrb_ros.sweep.plan import Plan, Run, splits
 from dcrb_ros.sweep.store import Store, StoreFailed
 from dcrb_ros.sweep.sweep_file import Shares, Windows
 from dcrb_ros.sweep.windows import cut, starts

@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 
 from dcrb_ros.runtime.refusal import Refusal
-from dcrb_ros.validation.runs import RunSpec, Run, run_specs, simulate
-from dcrb_ros.validation.figures import passes
-from dcrb_ros.validation.measures import envelope_spectrum, kurtosis, load_zone, profile, settling_time
-from dcrb_ros.validation.healthy import healthy_comparisons
-from dcrb_ros.validation.report import markdown, summary
 from dcrb_ros.validation.comparison import Comparison
+from dcrb_ros.validation.figures import passes
+from dcrb_ros.validation.healthy import healthy_comparisons
+from dcrb_ros.validation.measures import envelope_spectrum, kurtosis, load_zone, profile, settling_time
+from dcrb_ros.validation.report import markdown, summary
+from dcrb_ros.validation.runs import Run, RunSpec, run_specs, simulate
 from dcrb_ros.validation.validate import REPORT, made_folder
 
 
@@ -93,7 +93,8 @@ def test_a_row_off_its_number_falls_short() -> None:
 
 
 def test_report_names_every_row_and_its_verdict() -> None:
-    rows = [Comparison("Cage speed", "pocket", "52.4", "52.44", "1 %", True), Comparison("Friction", "revolute", "1.5 kN", "9 kN", "2 kN", False)]
+    met = Comparison("Cage speed", "pocket", "52.4", "52.44", "1 %", True)
+    rows = [met, Comparison("Friction", "revolute", "1.5 kN", "9 kN", "2 kN", False)]
     text = markdown(rows, run_specs(), ["figure_8_pocket.png"])
     assert summary(rows) == "1 of 2 rows fall short."
     assert "| Friction | revolute | 1.5 kN | 9 kN | 2 kN | falls short |" in text
