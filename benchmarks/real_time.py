@@ -16,7 +16,7 @@ from pathlib import Path
 import numpy as np
 
 from dcrb_ros.bearing.payload import build_payload, initial_state
-from dcrb_ros.cli.simulate import AHEAD
+from dcrb_ros.cli.simulate import PREFETCHED
 from dcrb_ros.core.step import advance
 from dcrb_ros.core.work import workspace
 from dcrb_ros.messages.encoder import BlockEncoder
@@ -71,7 +71,7 @@ def recorded(configuration: Configuration) -> Callable[[float], None]:
 
     def run(duration: float) -> None:
         with tempfile.TemporaryDirectory() as folder, Recorder(Path(folder) / "bag", configuration, simulation.bodies) as recorder:
-            for block in ahead(simulation.blocks(duration), most=AHEAD):
+            for block in ahead(simulation.blocks(duration), most=PREFETCHED):
                 recorder.write(block)
 
     return run

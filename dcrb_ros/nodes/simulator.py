@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from dcrb_ros.bearing.runtime_change import altered
-from dcrb_ros.cli.simulate import checked_duration
+from dcrb_ros.cli.options import checked_duration
 from dcrb_ros.messages.topics import (
     BENCH_DIAGNOSTICS,
     CLOCK,
