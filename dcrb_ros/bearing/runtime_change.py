@@ -34,11 +34,6 @@ def altered(configuration: Configuration, changes: Mapping[str, Any], source: st
     return after
 
 
-def spoken(changes: Mapping[str, Any]) -> str:
-    """Return changes as words: ``faults.outer_1.width = 0.002, faults.outer_1.row = 1``."""
-    return ", ".join(f"{key} = {value!r}" for key, value in changes.items())
-
-
 def refitted(configuration: Configuration, payload: Payload, state: State) -> Payload:
     """Return the payload with the faults of ``configuration``; rollers that it sets free go on where their cages carry them now."""
     place_pinned_rollers(payload, state)

@@ -48,10 +48,10 @@ def simulate(
         raise Refusal("Missing argument 'CONFIG': give a YAML file or a shipped name, such as healthy, or --from BAG")
     seconds = checked_duration(duration)
     from dcrb_ros.settings.files import load_configuration
-    from dcrb_ros.simulation.scenario import begun, read_story
+    from dcrb_ros.simulation.scenario import starting_configuration, read_scenario_file
 
-    story = read_story(scenario) if scenario else None
-    configuration = begun(story, load_configuration(config, settings or ()), str(scenario))
+    story = read_scenario_file(scenario) if scenario else None
+    configuration = starting_configuration(story, load_configuration(config, settings or ()), str(scenario))
     path = output or Path(Path(config).stem)
     _refuse_existing(path)
     from dcrb_ros.recordings.recorder import Recorder
@@ -95,9 +95,9 @@ def _refuse_existing(path: Path) -> None:
 
 def _started(configuration: Configuration, story: Mapping[str, Any] | None, source: str) -> Simulation:
     from dcrb_ros.simulation.loop import Simulation
-    from dcrb_ros.simulation.scenario import timeline
+    from dcrb_ros.simulation.scenario import scheduled_changes
 
-    events = timeline(story, configuration, source) if story else []
+    events = scheduled_changes(story, configuration, source) if story else []
     announce_compilation()
     return Simulation(configuration, events)
 

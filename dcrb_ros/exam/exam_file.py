@@ -24,7 +24,7 @@ from dcrb_ros.schema.verdicts import FAULT_CLASSES, FaultClass
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import find_configuration, flatten, read_parameters, shipped_folder, validated
 from dcrb_ros.settings.yaml import read_yaml
-from dcrb_ros.simulation.scenario import Event, begun, read_story, timeline
+from dcrb_ros.simulation.scenario import ScheduledChange, starting_configuration, read_scenario_file, scheduled_changes
 
 MOST_CASES = 10_000
 
@@ -187,13 +187,13 @@ def _case(
     fault_time = file.onset if entry.onset is None else entry.onset
     entries: list[Any] = []
     if entry.scenario:
-        profile = read_story(Path(entry.scenario))
-        configuration = begun(profile, configuration, where)
-        timeline(profile, configuration, f"{where}, {entry.scenario}")
+        profile = read_scenario_file(Path(entry.scenario))
+        configuration = starting_configuration(profile, configuration, where)
+        scheduled_changes(profile, configuration, f"{where}, {entry.scenario}")
         entries += profile["timeline"]
     entries += [*entry.timeline, *([{"at": fault_time, "set": dict(fault)}] if fault else [])]
     scenario = {"timeline": entries} if entries else None
-    events = timeline(scenario, configuration, where) if scenario else []
+    events = scheduled_changes(scenario, configuration, where) if scenario else []
     onset = 0.0
     if faulty:
         onset = fault_time if fault or entry.onset is not None else _onset(configuration, events, entry.verdict, where)
@@ -220,7 +220,7 @@ def _case(
     return Case(expectation, Run(configuration, scenario, duration))
 
 
-def _onset(configuration: Configuration, events: Sequence[Event], verdict: str, where: str) -> float:
+def _onset(configuration: Configuration, events: Sequence[ScheduledChange], verdict: str, where: str) -> float:
     """Return the time from which a verdict is correct [s], if the entry gives neither fault nor onset: at the start or by the timeline."""
     present = configuration
     if expected_verdict(present.described_faults()) == verdict:

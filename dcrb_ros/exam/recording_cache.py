@@ -18,7 +18,7 @@ from dcrb_ros.recordings.manifest import model_fingerprint, software
 from dcrb_ros.recordings.recorder import Recorder
 from dcrb_ros.runtime.refusal import Refusal
 from dcrb_ros.simulation.loop import Simulation
-from dcrb_ros.simulation.scenario import timeline
+from dcrb_ros.simulation.scenario import scheduled_changes
 
 ABANDONED = 86400.0
 """Age at which an unfinished recording is deleted [s]."""
@@ -77,7 +77,7 @@ def cached_recording(case: Case, folder: Path) -> Path:
 
 def _simulate(case: Case, path: Path) -> None:
     run, source = case.run, case.expectation.name
-    simulation = Simulation(run.configuration, timeline(run.scenario, run.configuration, source) if run.scenario else ())
+    simulation = Simulation(run.configuration, scheduled_changes(run.scenario, run.configuration, source) if run.scenario else ())
     # A detector reads the waveform only; the other topics would take up space.
     topics = run.configuration.recording.model_copy(update={"topics": f"{VIBRATION.name}, {GROUND_TRUTH.name}"})
     configuration = run.configuration.model_copy(update={"recording": topics})

@@ -39,8 +39,8 @@ from dcrb_ros.runtime.refusal import Refusal
 from dcrb_ros.runtime.threads import NamedThread
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import flatten, parameter_fields
-from dcrb_ros.simulation.events import Command, command_of
-from dcrb_ros.simulation.scenario import begun, read_story, timeline
+from dcrb_ros.simulation.events import TimedCommand, commands_in
+from dcrb_ros.simulation.scenario import read_scenario_file, scheduled_changes, starting_configuration
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -80,7 +80,7 @@ class Simulator:
         from dcrb_ros.nodes.publisher import Publisher
 
         self.node, self.configuration, self._duration, self._story = node, configuration, duration, story
-        self._commands: list[Command] = []
+        self._commands: list[TimedCommand] = []
         self.failure: Exception | None = None
         self._began = time.monotonic()
         self._pacer = Pacer(configuration.time_scale, time.monotonic)
@@ -108,7 +108,7 @@ class Simulator:
             self.node.get_logger().info("compiling the kernels (once, about half a minute) ...")
         from dcrb_ros.simulation.loop import Simulation
 
-        return Simulation(self.configuration, timeline(self._story, self.configuration, "scenario") if self._story else ())
+        return Simulation(self.configuration, scheduled_changes(self._story, self.configuration, "scenario") if self._story else ())
 
     def record_on(self, wanted: Path) -> Path:
         """Begin a recording, unless one runs, at ``wanted`` or the next free name after it; return its folder."""
@@ -221,7 +221,7 @@ class Simulator:
         self._clock.tick(block.end_ns)
         self._publisher.write_messages(messages)
         self.tape.write_messages(messages)
-        self._commands += [command for truth in block.truths if (command := command_of(truth.time_ns, truth.changed))]
+        self._commands += commands_in(block.truths)
         self.progress.blocks += 1
         if block.energy is not None:
             self.progress.residual = block.energy.residual
@@ -307,10 +307,11 @@ def run(arguments: list[str]) -> int:
     options = own_arguments(parser, arguments)
     duration = None if options.duration is None else checked_duration(options.duration)
     with running("simulator", arguments) as (node, told):
-        story = read_story(options.scenario) if options.scenario else None
-        configuration = declare(node, Configuration, run_time=RUN_TIME, begun=lambda c: begun(story, c, str(options.scenario)))
+        story = read_scenario_file(options.scenario) if options.scenario else None
+        source = str(options.scenario)
+        configuration = declare(node, Configuration, run_time=RUN_TIME, begun=lambda c: starting_configuration(story, c, source))
         if story is not None:
-            timeline(story, configuration, str(options.scenario))
+            scheduled_changes(story, configuration, str(options.scenario))
         if told.is_set():
             return 0
         simulator = Simulator(node, configuration, duration, story)

@@ -21,9 +21,9 @@ from dcrb_ros.runtime.timestamps import nanoseconds
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import flatten, overlaid, validated
 from dcrb_ros.simulation.block import Block, Truth
-from dcrb_ros.simulation.events import command_of
+from dcrb_ros.simulation.events import commands_in
 from dcrb_ros.simulation.loop import ModelFailure, Simulation
-from dcrb_ros.simulation.scenario import Event, begun, timeline
+from dcrb_ros.simulation.scenario import ScheduledChange, starting_configuration, scheduled_changes
 from dcrb_ros.sweep.design import Value
 from dcrb_ros.sweep.label import DONE, ERROR, FAILED, REFUSED, base_label, fault_label
 from dcrb_ros.sweep.plan import Run, Task
@@ -184,11 +184,11 @@ def _started(common: CommonSettings, run: Run) -> _Turning:
     if not run.scenario:
         return _begun(common, configuration)
     story, source = common.stories[run.scenario], f"scenario {run.scenario}"
-    configuration = begun(story, configuration, source)
-    return _begun(common, configuration, timeline(story, configuration, source))
+    configuration = starting_configuration(story, configuration, source)
+    return _begun(common, configuration, scheduled_changes(story, configuration, source))
 
 
-def _begun(common: CommonSettings, configuration: Configuration, events: Iterable[Event] = ()) -> _Turning:
+def _begun(common: CommonSettings, configuration: Configuration, events: Iterable[ScheduledChange] = ()) -> _Turning:
     return _Turning(Simulation(configuration, events, waveform_only=common.output != "bag"), configuration, ())
 
 
@@ -214,7 +214,7 @@ def _recorded(common: CommonSettings, run: Run, turning: _Turning) -> Taken:
     folder, simulation = common.store.folder, turning.simulation
     if folder is not None:
         folder.mkdir(parents=True, exist_ok=True)
-    commands = [command for truth in turning.truths if (command := command_of(truth.time_ns, truth.changed))]
+    commands = commands_in(turning.truths)
     rate = turning.start.sensor.sampling_rate
     start_ns = nanoseconds(round(common.branch_at * rate) + round(common.settle * rate), rate)
     with tempfile.TemporaryDirectory(prefix=PART, dir=folder) as scratch:

@@ -21,7 +21,7 @@ from dcrb_ros.settings.files import (
     shipped_folder,
 )
 from dcrb_ros.settings.yaml import read_yaml
-from dcrb_ros.simulation.scenario import read_story
+from dcrb_ros.simulation.scenario import read_scenario_file
 from dcrb_ros.sweep.design import GRID, Axes, Axis, Choice, Span, Value
 from dcrb_ros.sweep.sweep_file import NO_FAULTS, SCENARIO, Shares, Sweep, SweepFile, Windows
 
@@ -190,7 +190,7 @@ def _beside(name: str, folder: Path) -> Path:
 def _stories(all_axes: list[Axes], folder: Path) -> dict[str, Any]:
     """Return the scenarios that axes name, as YAML gives them."""
     names = {str(name) for axes in all_axes if SCENARIO in axes for name in axes[SCENARIO].grid() if name}
-    return {name: read_story(folder / name if (folder / name).is_file() else Path(name)) for name in sorted(names)}
+    return {name: read_scenario_file(folder / name if (folder / name).is_file() else Path(name)) for name in sorted(names)}
 
 
 def _consistent(sweep: Sweep, fields: Mapping[str, ParameterField], source: str) -> None:
