@@ -21,7 +21,7 @@ def replay(
     clock: Annotated[bool, typer.Option("--clock", help="Also publish the recorded time on /clock.")] = False,
     topics: Annotated[
         str,
-        typer.Option(help="Topics to publish, such as 'outer_ring/vibration, diagnosis'. Default: all topics that the simulator publishes."),
+        typer.Option(help="Topics to publish, such as 'outer_ring/vibration, diagnosis'. Default: all topics of the simulator."),
     ] = "",
 ) -> None:
     """Publish a recording on the topics of the bench, as the simulator did.

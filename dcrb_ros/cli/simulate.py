@@ -48,7 +48,7 @@ def simulate(
         raise Refusal("Missing argument 'CONFIG': give a YAML file or a shipped name, such as healthy, or --from BAG")
     seconds = checked_duration(duration)
     from dcrb_ros.settings.files import load_configuration
-    from dcrb_ros.simulation.scenario import starting_configuration, read_scenario_file
+    from dcrb_ros.simulation.scenario import read_scenario_file, starting_configuration
 
     story = read_scenario_file(scenario) if scenario else None
     configuration = starting_configuration(story, load_configuration(config, settings or ()), str(scenario))

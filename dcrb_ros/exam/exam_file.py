@@ -24,7 +24,7 @@ from dcrb_ros.schema.verdicts import FAULT_CLASSES, FaultClass
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import find_configuration, flatten, read_parameters, shipped_folder, validated
 from dcrb_ros.settings.yaml import read_yaml
-from dcrb_ros.simulation.scenario import ScheduledChange, starting_configuration, read_scenario_file, scheduled_changes
+from dcrb_ros.simulation.scenario import ScheduledChange, read_scenario_file, scheduled_changes, starting_configuration
 
 MOST_CASES = 10_000
 

@@ -100,6 +100,11 @@ def test_an_alarm_already_active_before_the_onset_is_not_a_detection() -> None:
     assert again.delay == 2.0
 
 
+def test_the_order_of_arrival_does_not_matter() -> None:
+    diagnoses = diagnosed((5.5, "outer_ring"), (7.0, "inner_ring"), (8.0, "outer_ring"))
+    assert scored(SPALL, diagnoses[::-1]) == scored(SPALL, diagnoses)
+
+
 def test_the_delay_of_a_late_diagnosis_is_counted_to_its_arrival() -> None:
     prompt = diagnosed((5.5, "outer_ring"))
     late = [replace(diagnosis, signal_received=diagnosis.time + 2.0) for diagnosis in prompt]
