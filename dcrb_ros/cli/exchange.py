@@ -40,8 +40,8 @@ def import_(
 
     Example: dcrb import 97.mat --about 97.yaml -o cwru_97
     """
-    from dcrb_ros.exchange.importing import Import
+    from dcrb_ros.exchange.importing import WaveformImport
 
-    waveform = Import(file, about)
+    waveform = WaveformImport(file, about)
     samples = waveform.write(output)
     print(f"{output}: {samples} samples, {samples / waveform.rate:.3f} s at {waveform.rate} Hz")
