@@ -1,4 +1,4 @@
-"""Static equilibrium: the forces of physics.md section 5."""
+"""Static equilibrium: forces and displacements under the load of Figs. 9 and 10 of Fan et al. 2025."""
 
 from __future__ import annotations
 
@@ -27,6 +27,7 @@ from dcrb_ros.core.work import workspace
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import load_configuration
 
+# Roller forces: solved from Eq. 4 and Table 1 in tests/validation/test_validation.py.
 DOWN = np.array([0.0, -100e3])
 JOINTS = ("revolute", "pocket")
 
@@ -53,14 +54,14 @@ def mean_forces(joint: str, phase: float) -> np.ndarray:
 @pytest.mark.parametrize("joint", JOINTS)
 def test_roller_under_the_load(joint: str) -> None:
     for row in mean_forces(joint, 0.0):
-        assert row[[0, 1, 15]] == pytest.approx([30251.0, 10708.0, 10708.0], rel=1e-3)  # physics.md section 5
+        assert row[[0, 1, 15]] == pytest.approx([30251.0, 10708.0, 10708.0], rel=1e-3)
         assert row[2:15].max() < 3.0  # the weight of a free roller
 
 
 @pytest.mark.parametrize("joint", JOINTS)
 def test_rollers_straddling_the_load(joint: str) -> None:
     for row in mean_forces(joint, 0.5):
-        assert row[[0, 15]] == pytest.approx([25508.0, 25508.0], rel=1e-3)  # physics.md section 5
+        assert row[[0, 15]] == pytest.approx([25508.0, 25508.0], rel=1e-3)
 
 
 @pytest.mark.parametrize("joint", JOINTS)
@@ -80,7 +81,7 @@ def test_any_load_is_balanced(joint: str, size: float, direction: float) -> None
 @pytest.mark.parametrize("joint", JOINTS)
 def test_sink_of_the_outer_ring(joint: str) -> None:
     rest = static_equilibrium(bearing(joint), DOWN)
-    assert rest.outer == pytest.approx([0.0, -0.47e-3], abs=5e-6)  # physics.md section 2: 0.47 mm under load
+    assert rest.outer == pytest.approx([0.0, -0.47e-3], abs=5e-6)  # (load + weight of the rings) / housing stiffness, Table 1
 
 
 @pytest.mark.parametrize("law", ["johnson", "power"])

@@ -16,7 +16,8 @@ PAPER = Configuration.model_validate({"cage": {"joint": "revolute"}})
 
 def test_frequencies_at_20_hz() -> None:
     found = characteristic_orders(Bearing()).frequencies(20.0)
-    expected = {"FTF": 8.404, "BPFO": 134.47, "BPFI": 185.53, "BSF": 61.07}  # physics.md section 5; the paper: 8.4, 134.5, 185.5
+    # Eqs. 43 to 45 of Fan et al. 2025 with Table 1, and BSF; section 3.2 prints 8.4, 134.5 and 185.5 Hz.
+    expected = {"FTF": 8.404, "BPFO": 134.47, "BPFI": 185.53, "BSF": 61.07}
     assert found == pytest.approx(expected, rel=1e-4)
 
 

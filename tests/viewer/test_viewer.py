@@ -145,7 +145,7 @@ def test_colours_lighten_with_force_and_leave_idle_rollers_grey() -> None:
 
 def test_combs_stand_at_the_fault_orders() -> None:
     combs = {comb.name: comb.orders for comb in fault_combs(characteristic_orders(Bearing()), 30.0)}
-    # physics.md, section 5, at 20 Hz: FTF 8.404, BPFO 134.47, BPFI 185.53, 2 BSF 122.14 Hz
+    # Eqs. 43 to 45 of Fan et al. 2025 with Table 1 at 20 Hz (section 3.2 prints 8.4, 134.5, 185.5 Hz), and twice BSF.
     assert [20.0 * combs[name][0] for name in ("FTF", "BPFO", "BPFI", "2BSF")] == pytest.approx([8.404, 134.47, 185.53, 122.14], abs=0.01)
     assert [len(combs[name]) for name in ("FTF", "BPFO", "BPFI", "2BSF")] == [4, 4, 3, 4]
 
@@ -162,7 +162,7 @@ def test_spectrum_of_an_outer_defect_peaks_at_bpfo(content: Content) -> None:
     spectra = envelope_spectra(content.judgement.diagnoses)
     assert spectra is not None
     comb = spectra.orders > 3.0  # above the first shaft orders
-    bpfo = 16.0 * 0.07886 / (2.0 * 0.094)  # physics.md, section 5: pins at the pitch radius
+    bpfo = 16.0 * 0.07886 / (2.0 * 0.094)  # 16 f_C with pins at the pitch radius, f_C = f_r r_I / (2 r_M); Table 1 of Fan et al. 2025
     harmonic = spectra.orders[comb][np.argmax(spectra.level[-1][comb])] / bpfo
     assert harmonic == pytest.approx(round(harmonic), abs=2.0 * ORDER_STEP / bpfo)
     assert spectra.shaft_frequency == pytest.approx(PAPER_SPEED / (2.0 * math.pi), rel=1e-4)
