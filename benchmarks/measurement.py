@@ -29,7 +29,7 @@ CHAINS: dict[str, dict[str, Any]] = {
 
 def times(configuration: Configuration, blocks: int) -> list[float]:
     """Return the processor's time for each block of samples [s]."""
-    sensor, count = Sensor(configuration), configuration.publishing.block_size * configuration.steps_per_sample
+    sensor, count = Sensor(configuration.measurement), configuration.publishing.block_size * configuration.steps_per_sample
     ring = np.random.default_rng(1).normal(0.0, 20.0, (count, 2))
     found = []
     for number in range(blocks):

@@ -1,4 +1,4 @@
-"""The figures of docs/measurement.md: transfer functions, noise, background and sensor faults, all as the chain measures them."""
+"""The figures of docs/explanation/measurement-chain.md, measured: transfer functions, noise, background and sensor faults."""
 
 from __future__ import annotations
 
@@ -12,10 +12,11 @@ import numpy.typing as npt
 from scipy import signal
 
 from dcrb_ros.measurement.decimation import anti_alias_taps
+from dcrb_ros.measurement.parameters import MICRO_G
 from dcrb_ros.measurement.sensor import Sensor
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import load_configuration
-from dcrb_ros.settings.sensor import MICRO_G, TYPICAL
+from dcrb_ros.settings.sensor import PRESETS
 from dcrb_ros.simulation.loop import Simulation
 
 matplotlib.use("Agg")
@@ -28,12 +29,12 @@ FAULTS = ("stuck", "loose", "saturated", "spikes", "dead", "gain_drift")
 
 def measured(configuration: Configuration, ring: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
     """Return what the chain makes of an acceleration at every step, shape (samples, 2) [m/s^2]."""
-    return Sensor(configuration).measure(ring, SPEED * np.arange(len(ring)) / configuration.step_rate).measured
+    return Sensor(configuration.measurement).measure(ring, SPEED * np.arange(len(ring)) / configuration.step_rate).measured
 
 
 def response(axis: int, **groups: Any) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
     """Return frequency [Hz] and gain [dB] of an axis, from the answer to a blow of one step."""
-    groups["sensor"] = {**TYPICAL[groups.get("sensor", {}).get("preset", "none")], **groups.get("sensor", {}), **QUIET, "cross_axis": 0.0}
+    groups["sensor"] = {**PRESETS[groups.get("sensor", {}).get("preset", "none")], **groups.get("sensor", {}), **QUIET, "cross_axis": 0.0}
     configuration = Configuration.model_validate(groups)
     ring = np.zeros((1 << 18, 2))
     ring[2048] = configuration.steps_per_sample
@@ -69,7 +70,7 @@ def transfer(path: Path) -> None:
 def noise(path: Path) -> None:
     """Draw the noise of the presets."""
     figure, panel = plt.subplots(figsize=(7.0, 3.8), layout="constrained")
-    for name in TYPICAL:
+    for name in PRESETS:
         if name == "ideal":
             continue
         configuration = load_configuration("healthy", [f"sensor.preset={name}", "sensor.bias=0.0", "sensor.bias_drift=0.0"])

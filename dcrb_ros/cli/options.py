@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from pathlib import Path
 from typing import Annotated
 
@@ -10,8 +9,6 @@ import typer
 
 from dcrb_ros.runtime.refusal import Refusal
 
-LONGEST_RUN = 1e6
-"""Longest simulated time that is accepted [s]."""
 MOST_WORKERS = 256
 """Largest number of parallel runs that is accepted [-]."""
 
@@ -32,17 +29,6 @@ DetectorFile = Annotated[
 ]
 JsonOutput = Annotated[bool, typer.Option("--json", help="Print JSON instead of tables.")]
 Workers = Annotated[int, typer.Option(help=f"Number of parallel runs, 0 to {MOST_WORKERS}; 0 uses all cores.")]
-
-
-def checked_duration(duration: float) -> float:
-    """Return the value of the option --duration [s].
-
-    Raises:
-        Refusal: it is out of range.
-    """
-    if not (math.isfinite(duration) and 0.0 < duration <= LONGEST_RUN):
-        raise Refusal(f"--duration {duration} s is outside 0 .. {LONGEST_RUN:g} s: give the simulated time of the run")
-    return duration
 
 
 def worker_count(workers: int) -> int:

@@ -10,15 +10,16 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from dcrb_ros.cli.options import Duration, Scenario, Settings, announce_compilation, checked_duration
+from dcrb_ros.cli.options import Duration, Scenario, Settings, announce_compilation
 from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.runtime.simulated_time import checked_duration
 
 if TYPE_CHECKING:
     from dcrb_ros.settings.configuration import Configuration
     from dcrb_ros.simulation.block import Block
     from dcrb_ros.simulation.loop import Simulation
 
-PREFETCHED = 4
+PREFETCH_DEPTH = 4
 """Blocks simulated ahead while one is written [-]."""
 
 
@@ -107,7 +108,7 @@ def _run(name: str, blocks: Iterable[Block], seconds: float, write: Callable[[Bl
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
-    from dcrb_ros.runtime.prefetch import ahead
+    from dcrb_ros.runtime.prefetch import prefetch
 
     console = Console(stderr=True)
     started, done = time.perf_counter(), 0.0
@@ -120,7 +121,7 @@ def _run(name: str, blocks: Iterable[Block], seconds: float, write: Callable[[Bl
     with Progress(*columns, console=console) as progress:
         task = progress.add_task(name, total=seconds)
         try:
-            for block in ahead(iter(blocks), most=PREFETCHED):
+            for block in prefetch(iter(blocks), depth=PREFETCH_DEPTH):
                 if write is not None:
                     write(block)
                 done = block.end_ns * 1e-9

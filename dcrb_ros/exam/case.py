@@ -59,7 +59,7 @@ def scenarios_hash(cases: Iterable[Case]) -> str:
 def derived_tags(configuration: Configuration, changes: Mapping[str, Any]) -> dict[str, str | float]:
     """Return the tags derived from a configuration and its changes: speed, load, joint and width of the largest defect."""
     operating = configuration.operating
-    widths = [defect.width for _, defect in configuration.faults.present()]
+    widths = [fields["width"] for fields in configuration.faults.described().values() if "width" in fields]
     changed = (value for key, value in changes.items() if key.startswith("faults.") and key.endswith(".width"))
     widths += [value for value in changed if isinstance(value, float)]
     tags: dict[str, str | float] = {

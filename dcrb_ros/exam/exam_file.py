@@ -17,12 +17,13 @@ from dcrb_ros.bearing.runtime_change import altered
 from dcrb_ros.exam.case import Case, Run, canonical, derived_tags
 from dcrb_ros.exam.criteria import Criteria, DelayLimits
 from dcrb_ros.exam.expectation import Expectation
-from dcrb_ros.exam.recorded_case import expected_verdict
+from dcrb_ros.faults.ground_truth import class_of
 from dcrb_ros.runtime.refusal import Refusal, nearest
 from dcrb_ros.schema.fields import Group, choice, quantity
 from dcrb_ros.schema.verdicts import FAULT_CLASSES, FaultClass
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import find_configuration, flatten, read_parameters, shipped_folder, validated
+from dcrb_ros.settings.vehicle_speed import without_replaced
 from dcrb_ros.settings.yaml import read_yaml
 from dcrb_ros.simulation.scenario import ScheduledChange, read_scenario_file, scheduled_changes, starting_configuration
 
@@ -179,9 +180,7 @@ def _variations(entry: Entry, where: str) -> Iterator[tuple[dict[str, Any], dict
 def _case(
     file: ExamFile, entry: Entry, where: str, name: str, base: Mapping[str, Any], overlay: Mapping[str, Any], fault: Mapping[str, Any]
 ) -> Case:
-    # A speed in km/h given by the configuration file would override a speed in rad/s given by the exam.
-    given = {key: value for key, value in base.items() if key != "operating.speed_kmh" or "operating.speed" not in overlay}
-    configuration = validated({**given, **overlay}, Configuration, where)
+    configuration = validated({**without_replaced(base, overlay), **overlay}, Configuration, where)
     duration = entry.duration or file.duration
     faulty = entry.verdict != "healthy"
     fault_time = file.onset if entry.onset is None else entry.onset
@@ -223,11 +222,11 @@ def _case(
 def _onset(configuration: Configuration, events: Sequence[ScheduledChange], verdict: str, where: str) -> float:
     """Return the time from which a verdict is correct [s], if the entry gives neither fault nor onset: at the start or by the timeline."""
     present = configuration
-    if expected_verdict(present.described_faults()) == verdict:
+    if class_of(present.described_faults()) == verdict:
         return 0.0
     for event in events:
         present = altered(present, event.changes, where)
-        if expected_verdict(present.described_faults()) == verdict:
+        if class_of(present.described_faults()) == verdict:
             return event.step / present.step_rate
     raise Refusal(f"{where}: nothing in it makes {verdict} correct: give 'fault', a timeline with a fault, or 'onset'")
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -11,6 +11,7 @@ from mcap.records import Channel, Message
 
 from dcrb_ros.exam.expectation import Expectation
 from dcrb_ros.exam.received_diagnosis import ReceivedDiagnosis, decode_diagnosis
+from dcrb_ros.faults.ground_truth import class_of
 from dcrb_ros.messages.statuses import decode_truth
 from dcrb_ros.messages.topics import DIAGNOSIS, GROUND_TRUTH
 from dcrb_ros.recordings.mcap_reader import McapRecords
@@ -18,9 +19,6 @@ from dcrb_ros.recordings.reader import sound_files
 from dcrb_ros.runtime.refusal import Refusal
 from dcrb_ros.settings.parameters import rpm
 from dcrb_ros.simulation.block import Truth
-
-KINDS = {"outer": "outer_ring", "inner": "inner_ring", "roller": "roller", "broken_bars": "cage", "sensor": "sensor"}
-"""Verdicts by the prefix of a fault's name in the ground truth."""
 
 
 @dataclass(frozen=True)
@@ -86,7 +84,7 @@ def _expectation(path: Path, name: str, truths: Sequence[Truth], diagnoses: Sequ
     begin, end = truths[0].time_ns * 1e-9, max([last.time_ns * 1e-9, *(diagnosis.time for diagnosis in diagnoses)])
     # A fault that is older than the recording can be detected from the start of the recording on.
     onsets = {fault: max(begin, float(fields.get("onset", 0.0))) for fault, fields in present.items()}
-    verdict = expected_verdict(present)
+    verdict = class_of(present)
     tags: dict[str, str | float] = {"speed": last.speed, "speed_rpm": round(rpm(last.speed), 1), "load": -last.load[1]}
     widths = [float(fault["width"]) for fault in present.values() if "width" in fault]
     tags |= {"width": max(widths)} if widths else {}
@@ -98,28 +96,11 @@ def _expectation(path: Path, name: str, truths: Sequence[Truth], diagnoses: Sequ
         tags,
         first_onset=min(onsets.values(), default=begin),
         begin=begin,
-        bearing_onset=min((onset for fault, onset in onsets.items() if expected_verdict([fault]) != "sensor"), default=None),
+        bearing_onset=min((onset for fault, onset in onsets.items() if class_of([fault]) != "sensor"), default=None),
     )
 
 
 def _onset(onsets: Mapping[str, float], verdict: str) -> float:
     """Return the time from which a verdict is correct [s]; a second defect of the same kind does not change the verdict."""
     times = sorted(set(onsets.values()))
-    return next((now for now in times if expected_verdict([f for f, onset in onsets.items() if onset <= now]) == verdict), 0.0)
-
-
-def expected_verdict(faults: Iterable[str]) -> str:
-    """Return the correct verdict for faults given by their names in the ground truth; a sensor fault takes precedence.
-
-    Raises:
-        Refusal: a fault has no verdict.
-    """
-    kinds = set()
-    for name in faults:
-        kind = next((verdict for prefix, verdict in KINDS.items() if name.startswith(prefix)), None)
-        if kind is None:
-            raise Refusal(f"the ground truth names the fault '{name}', for which there is no verdict")
-        kinds.add(kind)
-    if "sensor" in kinds:
-        return "sensor"
-    return "compound" if len(kinds) > 1 else next(iter(kinds), "healthy")
+    return next((now for now in times if class_of([f for f, onset in onsets.items() if onset <= now]) == verdict), 0.0)

@@ -13,7 +13,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from dcrb_ros.bearing.runtime_change import altered
-from dcrb_ros.cli.options import checked_duration
 from dcrb_ros.messages.topics import (
     BENCH_DIAGNOSTICS,
     CLOCK,
@@ -33,9 +32,10 @@ from dcrb_ros.nodes.refusals import Refusals
 from dcrb_ros.nodes.report import COMMANDS, Progress, Report
 from dcrb_ros.nodes.ros import declare, own_arguments, running, spin
 from dcrb_ros.nodes.services import Services
-from dcrb_ros.runtime.exit_status import guarded
-from dcrb_ros.runtime.prefetch import ahead
+from dcrb_ros.runtime.exit_status import exit_status
+from dcrb_ros.runtime.prefetch import prefetch
 from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.runtime.simulated_time import checked_duration
 from dcrb_ros.runtime.threads import NamedThread
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import flatten, parameter_fields
@@ -186,7 +186,7 @@ class Simulator:
 
     def _play(self) -> bool:
         """Send the simulation's blocks; return false if they were cut short by a reset or the node's end."""
-        with closing(ahead(self._simulation.blocks(self._duration), self._hurried)) as blocks:
+        with closing(prefetch(self._simulation.blocks(self._duration), self._hurried)) as blocks:
             for block in blocks:
                 # Encoded before the wait: a block goes out at its deadline, and the first one's preparations do not count.
                 messages = self._encoder.encode(block)
@@ -328,7 +328,7 @@ def run(arguments: list[str]) -> int:
 
 def main() -> None:
     """Run the node as a program."""
-    status = guarded("simulator", lambda: run(sys.argv[1:]))
+    status = exit_status("simulator", lambda: run(sys.argv[1:]))
     if any(thread.name == MODEL for thread in threading.enumerate()):
         # A compilation cannot be interrupted, and the interpreter must not be taken down under it.
         sys.stdout.flush()

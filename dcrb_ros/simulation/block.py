@@ -10,7 +10,7 @@ import numpy as np
 
 from dcrb_ros.bearing.states import Account, States
 from dcrb_ros.runtime.arrays import Samples
-from dcrb_ros.runtime.timestamps import nanoseconds
+from dcrb_ros.runtime.simulated_time import nanoseconds
 from dcrb_ros.simulation.events import Event
 
 

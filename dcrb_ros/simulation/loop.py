@@ -20,14 +20,14 @@ from dcrb_ros.bearing.payload import body_names, build_payload, initial_state
 from dcrb_ros.bearing.runtime_change import altered, onsets, refitted
 from dcrb_ros.bearing.states import Account, BodyNames, States
 from dcrb_ros.core.compilation import compile_ahead
-from dcrb_ros.core.state import copy_of
-from dcrb_ros.core.step import advance
-from dcrb_ros.core.work import workspace
+from dcrb_ros.core.layout.state import copy_of
+from dcrb_ros.core.layout.workspace import workspace
+from dcrb_ros.core.solver.step import advance
 from dcrb_ros.measurement.decimation import Cascade
 from dcrb_ros.measurement.sensor import Measurement, Sensor
 from dcrb_ros.runtime.arrays import Floats
 from dcrb_ros.runtime.refusal import Refusal
-from dcrb_ros.runtime.timestamps import nanoseconds
+from dcrb_ros.runtime.simulated_time import nanoseconds
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.parameters import Operating
 from dcrb_ros.simulation.block import Block, Truth
@@ -78,7 +78,7 @@ class Simulation:
         self._state = initial_state(configuration, self._payload)
         self._work = workspace(self._payload)
         self._stored = stored_energy(self._payload, self._state)
-        self._sensor = Sensor(configuration)
+        self._sensor = Sensor(configuration.measurement)
         self._transmission = Transmission(configuration)
         self._preview = Cascade(configuration.sensor.sampling_rate // configuration.publishing.preview_rate)
         self._orders = characteristic_orders(configuration.bearing)
@@ -241,8 +241,8 @@ class Simulation:
         if after.operating != before.operating:
             ramps = after.operating
             self._payload = self._payload._replace(speed_ramp=ramps.speed_ramp, load_ramp=ramps.load_ramp)
-        if (after.sensor, after.background) != (before.sensor, before.background):
-            self._sensor.change(after.sensor, -(-self._steps // after.steps_per_sample), after.background)
+        if after.measurement.parameters != before.measurement.parameters:
+            self._sensor.change(after.measurement.parameters, -(-self._steps // after.steps_per_sample))
         targets = ("operating.speed", 0, after.operating.speed), ("operating.lateral_load", 1, after.operating.lateral_load)
         for key, axis, target in (*targets, ("operating.load", 2, -after.operating.load)):
             if key in changes:
@@ -289,7 +289,7 @@ class Simulation:
     def _feed_preview(self, clean: npt.NDArray[np.float64]) -> None:
         if self._waveform_only:
             return
-        for sample in self._preview.feed(clean):
+        for sample in self._preview.process(clean):
             time_ns = nanoseconds(self._preview_count, self.configuration.publishing.preview_rate)
             self._previews.append((time_ns, sample))
             self._preview_count += 1

@@ -12,7 +12,7 @@ from dcrb_ros.bearing.runtime_change import altered
 from dcrb_ros.runtime.refusal import Refusal, nearest
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import COMMANDED, flatten, overlaid, shipped_folder, validated
-from dcrb_ros.settings.parameters import shaft_speed
+from dcrb_ros.settings.vehicle_speed import SPEED, replaced
 from dcrb_ros.settings.yaml import read_yaml
 from dcrb_ros.simulation.events import ScenarioEvent
 
@@ -22,7 +22,6 @@ MAX_TICKS = 20_000
 MAX_TIME = 1e6
 """Latest time of an entry [s]."""
 MAX_ENTRIES = 10_000
-SPEED, KMH = "operating.speed", "operating.speed_kmh"
 RAMPS = {SPEED: "operating.speed_ramp", "operating.load": "operating.load_ramp", "operating.lateral_load": "operating.load_ramp"}
 """The ramp at which each target is approached."""
 KEYS = ("at", "over", "set")
@@ -110,7 +109,7 @@ def starting_configuration(tree: Any, configuration: Configuration, source: str)
     for key in values:
         if not key.startswith(tuple(f"{group}." for group in START_GROUPS)):
             raise Refusal(f"{source}: start: {key} cannot be set by a scenario; give keys of {', '.join(START_GROUPS)}")
-    values = _with_shaft_speed(values, configuration, f"{source}: start")
+    values = replaced(values, configuration.operating.wheel_diameter, f"{source}: start")
     return validated(overlaid(flatten(configuration.model_dump()), values), Configuration, f"{source}: start") if values else configuration
 
 
@@ -172,24 +171,13 @@ def _entry(item: Any, configuration: Configuration, source: str) -> _Entry:
             raise Refusal(f"{source}: unknown key '{key}'{nearest(str(key), KEYS)}; an entry has 'at', 'set' and 'over'")
     if not isinstance(item["set"], Mapping) or not item["set"]:
         raise Refusal(f"{source}: 'set' must name parameters and their values, such as faults.outer_1.width: 0.002")
-    values = _with_shaft_speed({str(key): value for key, value in flatten(item["set"]).items()}, configuration, source)
+    given = {str(key): value for key, value in flatten(item["set"]).items()}
+    values = replaced(given, configuration.operating.wheel_diameter, source)
     if "time_scale" in values:
         raise Refusal(f"{source}: time_scale cannot be set by a scenario, whose times are simulated; set it in the configuration")
     at, over = _seconds(item["at"], "at", source), _seconds(item.get("over", 0.0), "over", source)
     first, last = (first_step(seconds, configuration.step_rate) for seconds in (at, at + over))
     return _Entry(at, over, first, last, values, source)
-
-
-def _with_shaft_speed(values: dict[str, Any], configuration: Configuration, source: str) -> dict[str, Any]:
-    """Return values with the speed of the vehicle converted to the speed of the shaft."""
-    if KMH not in values:
-        return values
-    kmh = values.pop(KMH)
-    if SPEED in values:
-        raise Refusal(f"{source}: it sets {SPEED} and {KMH}; give one of them")
-    if isinstance(kmh, bool) or not isinstance(kmh, (int, float)) or not abs(kmh) <= 1000.0:
-        raise Refusal(f"{source}: {KMH} = {kmh!r} km/h is not a number within -1000 .. 1000 km/h")
-    return {SPEED: shaft_speed(float(kmh), configuration.operating.wheel_diameter), **values}
 
 
 def _seconds(value: Any, key: str, source: str) -> float:

@@ -13,13 +13,14 @@ from pydantic_core import ErrorDetails
 from dcrb_ros.runtime.refusal import Refusal, nearest
 from dcrb_ros.settings.files import (
     ParameterField,
+    fields_by_key,
     find_configuration,
     flatten,
     load_configuration,
     overlaid,
-    parameter_fields,
     shipped_folder,
 )
+from dcrb_ros.settings.vehicle_speed import SPEED, SPEED_KMH
 from dcrb_ros.settings.yaml import read_yaml
 from dcrb_ros.simulation.scenario import read_scenario_file
 from dcrb_ros.sweep.design import GRID, Axes, Axis, Choice, Span, Value
@@ -64,7 +65,7 @@ GAP_PARAMETERS = ("publishing.loss_probability", "publishing.burst_period")
 def sweep_of(tree: Mapping[str, Any], source: str, folder: Path = Path(), text: str = "") -> Sweep:
     """Return the sweep described by a tree read from YAML; other files are also looked for relative to ``folder``."""
     file = _file(tree, source)
-    fields = {field.key: field for field in parameter_fields()}
+    fields = fields_by_key()
     fixed = {key: _value(key, value, _known(key, fields, f"{source}: set"), f"{source}: set") for key, value in flatten(file.fixed).items()}
     base = overlaid(flatten(load_configuration(_beside(file.base, folder)).model_dump()), fixed)
     vary = _axes(file.vary, file.design, fields, f"{source}: vary")
@@ -219,8 +220,8 @@ def _consistent(sweep: Sweep, fields: Mapping[str, ParameterField], source: str)
         raise Refusal(
             f"{source}: duration = {file.duration:g} s is above {LONGEST_RUN:g} s, too long for memory: use 'output: bag' without windows"
         )
-    if "operating.speed_kmh" in flatten(file.fixed) and "operating.speed" in sweep.vary:
-        raise Refusal(f"{source}: set: operating.speed_kmh would override operating.speed under 'vary': give one of them")
+    if SPEED_KMH in flatten(file.fixed) and SPEED in sweep.vary:
+        raise Refusal(f"{source}: set: {SPEED_KMH} would override {SPEED} under 'vary': give one of them")
     gaps = [key for key in GAP_PARAMETERS if sweep.base[key] or key in sweep.vary]
     if held and gaps:
         raise Refusal(

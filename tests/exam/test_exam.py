@@ -27,7 +27,7 @@ from dcrb_ros.exam.exam_file import Exam, exam_of, read_exam, shipped_exams
 from dcrb_ros.exam.expectation import Expectation
 from dcrb_ros.exam.figure import write_figure
 from dcrb_ros.exam.received_diagnosis import ReceivedDiagnosis, decode_diagnosis, evidence
-from dcrb_ros.exam.recorded_case import expected_verdict, read_recorded_case
+from dcrb_ros.exam.recorded_case import read_recorded_case
 from dcrb_ros.exam.recording_cache import cache_path, cached_recording
 from dcrb_ros.exam.report import Report
 from dcrb_ros.exam.scoring import NO_ANSWER, ScenarioResult, score_scenario
@@ -516,16 +516,6 @@ def test_recordings_that_cannot_be_scored_are_refused(tmp_path: Path, capsys: py
     ):
         assert dcrb("score", str(record(tmp_path / name, faults, verdicts))) == 2
         assert sentence in capsys.readouterr().err
-
-
-def test_expected_verdicts_follow_from_the_ground_truth() -> None:
-    assert expected_verdict({}) == "healthy"
-    assert expected_verdict({"roller_2": {}}) == "roller"
-    assert expected_verdict({"broken_bars.row1/bar15": {}, "broken_bars.row2/bar15": {}}) == "cage"
-    assert expected_verdict({"outer_1": {}, "inner_1": {}}) == "compound"
-    assert expected_verdict({"outer_1": {}, "sensor.dead": {}}) == "sensor"
-    with pytest.raises(Refusal, match="for which there is no verdict"):
-        expected_verdict({"gremlin": {}})
 
 
 def report(*results: ScenarioResult, **criteria: Any) -> Report:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from chain import SPEED, amplitude, chain, still
+from chain import SPEED, amplitude, chain, changed, still
 from scipy import signal
 
 from dcrb_ros.measurement.sensor import Sensor
@@ -71,8 +71,8 @@ def test_hum_has_its_harmonics() -> None:
 
 def test_levels_change_at_exact_steps() -> None:
     c = chain(background={"hum_level": 1.0})
-    sensor = Sensor(c)
-    sensor.change(c.sensor, 1000, c.background.model_copy(update={"hum_level": 0.0, "flat_level": 30.0}))
+    sensor = Sensor(c.measurement)
+    sensor.change(changed(c, background={"hum_level": 0.0, "flat_level": 30.0}), 1000)
     found = sensor.measure(np.zeros((20480, 2)), SPEED * np.arange(20480) / c.step_rate).measured
     assert np.abs(found[999]).max() > 0.0
     assert np.abs(found[1000:1010]).max() < 1e-9

@@ -10,7 +10,7 @@ import pytest
 from scipy import signal
 
 from dcrb_ros.measurement.filters import Filter, band_of_noise, high_pass, low_pass, pink, resonance, side_by_side, transmissibility
-from dcrb_ros.measurement.structure import modes, sections
+from dcrb_ros.measurement.stages.structure import modes, sections
 from dcrb_ros.settings.sensor import Structure
 
 RATE = 102400.0
@@ -20,7 +20,7 @@ def gain(filter_sections: npt.NDArray[np.float64], frequency: float) -> float:
     """Return the amplitude that a tone of amplitude 1 has after a filter, once settled, by its quadrature components."""
     count = round(RATE)
     phase = 2.0 * np.pi * frequency * np.arange(count) / RATE
-    out = Filter(filter_sections, columns=1).feed(np.sin(phase)[:, None])[:, 0]
+    out = Filter(filter_sections, columns=1).process(np.sin(phase)[:, None])[:, 0]
     last = slice(-round(RATE / 10), None)  # whole periods of multiples of 10 Hz
     return 2.0 * abs(np.mean(out[last] * np.exp(-1j * phase[last])))
 
@@ -66,7 +66,7 @@ def test_a_blow_rings_at_the_mode_and_dies_with_its_damping() -> None:
     bank = side_by_side([transmissibility(frequency, damping, RATE)], [1.0], 0.0)
     blow = np.zeros((4096, 1))
     blow[0] = 1.0
-    ringing = np.abs(signal.hilbert(Filter(bank, columns=1).feed(blow)[:, 0]))[50:1500]
+    ringing = np.abs(signal.hilbert(Filter(bank, columns=1).process(blow)[:, 0]))[50:1500]
     slope = np.polyfit(np.arange(len(ringing)) / RATE, np.log(ringing), 1)[0]
     assert slope == pytest.approx(-damping * 2.0 * np.pi * frequency, rel=0.01)
 
@@ -79,10 +79,10 @@ def test_pink_noise_falls_with_the_root_of_the_frequency() -> None:
 
 def test_band_of_noise_keeps_the_rms() -> None:
     noise = np.random.default_rng(2).standard_normal((1 << 19, 1))
-    out = Filter(band_of_noise(20.0, 1500.0, RATE), columns=1).feed(noise)
+    out = Filter(band_of_noise(20.0, 1500.0, RATE), columns=1).process(noise)
     assert out.std() == pytest.approx(1.0, rel=0.03)
 
 
 def test_the_compiled_filter_is_that_of_scipy() -> None:
     samples, cascade = np.random.default_rng(3).standard_normal((5000, 2)), pink(51200.0)
-    assert Filter(cascade).feed(samples) == pytest.approx(signal.sosfilt(cascade, samples, axis=0), rel=1e-9, abs=1e-12)
+    assert Filter(cascade).process(samples) == pytest.approx(signal.sosfilt(cascade, samples, axis=0), rel=1e-9, abs=1e-12)

@@ -9,16 +9,17 @@ from typing import Any
 
 import numpy as np
 import pytest
-from chain import EVERYTHING, amplitude, chain, measured, still, tone
+from chain import EVERYTHING, amplitude, chain, changed, measured, still, tone
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import signal
 
+from dcrb_ros.measurement.parameters import MICRO_G
 from dcrb_ros.measurement.sensor import Measurement, Sensor
 from dcrb_ros.runtime.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import load_configuration, parameter_fields
-from dcrb_ros.settings.sensor import MICRO_G, TYPICAL
+from dcrb_ros.settings.sensor import PRESETS
 
 STEPS = {12800: 1.0 / 102400, 25600: 1.0 / 102400, 51200: 1.0 / 102400, 102400: 1.0 / 204800}
 
@@ -50,13 +51,12 @@ def test_a_mode_sounds_the_same_at_every_rate(rate: int) -> None:
 def test_same_bits_for_any_split_with_every_stage_and_changes(cuts: list[int], at: int) -> None:
     c, count = Configuration.model_validate(EVERYTHING), sum(cuts)
     ring, angle = np.random.default_rng(7).normal(0.0, 30.0, (count, 2)), 125.0 * np.arange(count) / c.step_rate
-    other = c.sensor.model_copy(update={"fault": "loose", "range": 100.0})
-    background = c.background.model_copy(update={"hum_level": 5.0, "track_level": 0.0})
+    background = {"hum_level": 5.0, "track_level": 0.0}
 
     def run(pieces: list[int]) -> Measurement:
-        sensor, start, parts = Sensor(c), 0, []
-        sensor.change(other, at, background)
-        sensor.change(c.sensor, at + 150)
+        sensor, start, parts = Sensor(c.measurement), 0, []
+        sensor.change(changed(c, background=background, fault="loose", range=100.0), at)
+        sensor.change(changed(c, background=background), at + 150)
         for piece in pieces:
             parts.append(sensor.measure(ring[start : start + piece], angle[start : start + piece]))
             start += piece
@@ -69,9 +69,9 @@ def test_same_bits_for_any_split_with_every_stage_and_changes(cuts: list[int], a
 
 def test_a_copy_goes_on_by_itself() -> None:
     c = Configuration.model_validate(EVERYTHING)
-    sensor, ring, angle = Sensor(c), np.random.default_rng(7).normal(0.0, 30.0, (3000, 2)), 1e-3 * np.arange(3000)
+    sensor, ring, angle = Sensor(c.measurement), np.random.default_rng(7).normal(0.0, 30.0, (3000, 2)), 1e-3 * np.arange(3000)
     sensor.measure(ring[:1500], angle[:1500])
-    sensor.change(c.sensor.model_copy(update={"fault": "stuck"}), 1000)
+    sensor.change(changed(c, fault="stuck"), 1000)
     copies = copy.deepcopy(sensor), pickle.loads(pickle.dumps(sensor))
     found = sensor.measure(ring[1500:], angle[1500:]).measured
     for other in copies:
@@ -125,13 +125,13 @@ def test_the_mount_and_the_bandwidth_shape_the_band() -> None:
 
 
 def test_presets_fill_in_and_what_is_given_wins() -> None:
-    for name, typical in TYPICAL.items():
+    for name, typical in PRESETS.items():
         sensor = load_configuration("healthy", [f"sensor.preset={name}"]).sensor.model_dump()
         assert {key: sensor[key] for key in typical} == dict(typical)
     sensor = load_configuration("healthy", ["sensor.preset=mems", "sensor.adc_bits=12", "sensor.bandwidth=0.0"]).sensor
     assert (sensor.adc_bits, sensor.bandwidth, sensor.cross_axis) == (12, 0.0, 0.01)
     known = {field.key.removeprefix("sensor.") for field in parameter_fields() if field.key.startswith("sensor.")}
-    assert all(set(typical) <= known for typical in TYPICAL.values())
+    assert all(set(typical) <= known for typical in PRESETS.values())
 
 
 def test_an_ideal_sensor_measures_the_ring() -> None:
@@ -181,8 +181,8 @@ def test_kilometres_per_hour_turn_the_wheel(tmp_path: Path) -> None:
 def with_fault(kind: str, severity: float = 1.0, **sensor: Any) -> Measurement:
     """Return what a faulty sensor measures of a tone of 10 m/s^2 at 1 kHz; the fault comes after 0.1 s."""
     c = chain(sensor={"range": 5000.0, **sensor})
-    found = Sensor(c)
-    found.change(c.sensor.model_copy(update={"fault": kind, "fault_severity": severity, "fault_time": 0.1}), 5120)
+    found = Sensor(c.measurement)
+    found.change(changed(c, fault=kind, fault_severity=severity, fault_time=0.1), 5120)
     ring = 10.0 * tone(c, 1000.0, 0.4)
     return found.measure(ring, 125.0 * np.arange(len(ring)) / c.step_rate)
 

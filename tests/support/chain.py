@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from dcrb_ros.measurement.sensor import Measurement, Sensor
+from dcrb_ros.measurement.stage import Parameters
 from dcrb_ros.settings.configuration import Configuration
 
 SPEED = 125.664
@@ -34,6 +36,12 @@ def chain(**groups: Any) -> Configuration:
     return Configuration.model_validate({**groups, "sensor": sensor if "preset" in sensor else {**QUIET, **sensor}})
 
 
+def changed(configuration: Configuration, *, background: Mapping[str, Any] | None = None, **sensor: Any) -> Parameters:
+    """Return the parameters of a configuration after some changes to its sensor and its background."""
+    present = configuration.measurement.parameters
+    return Parameters(present.structure, present.background.model_copy(update=background), present.sensor.model_copy(update=sensor))
+
+
 def still(configuration: Configuration, seconds: float, speed: float = SPEED) -> Measurement:
     """Return what a sensor on an outer ring at rest measures while the shaft turns at a speed [rad/s]."""
     count = round(seconds * configuration.step_rate)
@@ -42,7 +50,7 @@ def still(configuration: Configuration, seconds: float, speed: float = SPEED) ->
 
 def measured(configuration: Configuration, acceleration: npt.NDArray[np.float64], speed: float = SPEED) -> Measurement:
     """Return what a sensor measures of an acceleration at every time step [m/s^2]."""
-    return Sensor(configuration).measure(acceleration, speed * np.arange(len(acceleration)) / configuration.step_rate)
+    return Sensor(configuration.measurement).measure(acceleration, speed * np.arange(len(acceleration)) / configuration.step_rate)
 
 
 def tone(configuration: Configuration, frequency: float, seconds: float) -> npt.NDArray[np.float64]:

@@ -10,7 +10,7 @@ import numpy as np
 
 from dcrb_ros.bearing.states import BodyNames
 from dcrb_ros.recordings.recorder import Recorder
-from dcrb_ros.runtime.timestamps import nanoseconds
+from dcrb_ros.runtime.simulated_time import nanoseconds
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.simulation.block import Block, Truth
 from dcrb_ros.simulation.events import Event, Start
