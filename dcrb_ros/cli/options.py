@@ -14,7 +14,7 @@ MOST_WORKERS = 256
 
 Bag = Annotated[Path, typer.Argument(help="Recording: its folder, or a single .mcap file.")]
 Config = Annotated[str, typer.Argument(help="Configuration: a YAML file or a shipped name, such as outer_ring_defect.")]
-Duration = Annotated[float, typer.Option(help="Simulated time [s], above 0 and up to 1e6.")]
+Duration = Annotated[float, typer.Option(help="Simulated time in seconds, above 0 and up to 1e6.")]
 Settings = Annotated[
     list[str] | None,
     typer.Option("--set", help="Override a parameter, KEY=VALUE, such as operating.speed=100.0 (rad/s); may be repeated."),

@@ -17,7 +17,7 @@ def replay(
     bag: Bag,
     rate: Annotated[float, typer.Option(help="Recorded over wall time, 0 to 1000; 1 is the recorded speed, 0 as fast as possible.")] = 1.0,
     loop: Annotated[bool, typer.Option("--loop", help="Start again at the end until stopped.")] = False,
-    offset: Annotated[float, typer.Option(help="Recorded time to skip at the beginning [s], 0 to 1e6.")] = 0.0,
+    offset: Annotated[float, typer.Option(help="Recorded time in seconds to skip at the beginning, 0 to 1e6.")] = 0.0,
     clock: Annotated[bool, typer.Option("--clock", help="Also publish the recorded time on /clock.")] = False,
     topics: Annotated[
         str,

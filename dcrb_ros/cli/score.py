@@ -54,7 +54,7 @@ def score(
     rate: Annotated[
         float, typer.Option(help="Recorded over wall time with --node, 0 to 1000; 0 sends the signal as fast as the node answers.")
     ] = 0.0,
-    patience: Annotated[float, typer.Option(help="Wall time that the node may take to start [s], above 0 and up to 3600.")] = 30.0,
+    patience: Annotated[float, typer.Option(help="Wall time in seconds that the node may take to start, above 0 and up to 3600.")] = 30.0,
     only: Annotated[str, typer.Option(help="Pattern of scenario names, such as 'outer/*'; their twins are included. Default: all.")] = "",
     recordings: Annotated[
         Path | None, typer.Option(help="Folder that keeps the exam's recordings. Default: a folder in the user's cache.")

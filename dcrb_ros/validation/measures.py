@@ -94,10 +94,6 @@ class LoadZone:
     """Mean azimuth at which rollers become loaded [deg]."""
     exit: float
     """Mean azimuth at which rollers become unloaded [deg]."""
-    entry_spread: float
-    """Standard deviation of the entry [deg]."""
-    exit_spread: float
-    """Standard deviation of the exit [deg]."""
     first: float
     """Smallest entry of all passes [deg]."""
     last: float
@@ -120,7 +116,7 @@ def load_zone(azimuth: Array, force: Array) -> LoadZone:
     """
     ends = [pass_ends for column in range(azimuth.shape[1]) for pass_ends in _passes(np.degrees(azimuth[:, column]), force[:, column])]
     entries, exits = np.array(ends).reshape(-1, 2).T
-    return LoadZone(*(float(value) for value in (entries.mean(), exits.mean(), entries.std(), exits.std(), entries.min(), exits.max())))
+    return LoadZone(*(float(value) for value in (entries.mean(), exits.mean(), entries.min(), exits.max())))
 
 
 def _passes(azimuth: Array, force: Array) -> list[tuple[float, float]]:
