@@ -8,7 +8,7 @@ import sys
 import typer
 
 from dcrb_ros import __version__
-from dcrb_ros.cli import bench, config, detect, exchange, info, recover, replay, score, simulate, sweep, validate, view
+from dcrb_ros.cli import bench, config, detect, exchange, info, plot, recover, replay, score, simulate, sweep, validate, view
 from dcrb_ros.runtime.exit_status import exit_status
 from dcrb_ros.runtime.signals import TERMINATION
 
@@ -19,6 +19,7 @@ app.command("replay")(replay.replay)
 app.command("detect")(detect.detect)
 app.command("score")(score.score)
 app.command("view")(view.view)
+app.command("plot")(plot.plot)
 app.command("info")(info.info)
 app.command("recover")(recover.recover)
 app.command("export")(exchange.export)

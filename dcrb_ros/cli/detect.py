@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from dcrb_ros.cli.options import Bag, DetectorFile, JsonOutput
-from dcrb_ros.runtime.refusal import Refusal
 
 if TYPE_CHECKING:
     from dcrb_ros.diagnosis.parameters import DetectorParameters
@@ -30,32 +29,19 @@ def detect(bag: Bag, as_json: JsonOutput = False, detector: DetectorFile = None)
 
     Example: dcrb detect bags/outer_ring_defect
     """
-    from dcrb_ros.diagnosis.detector import FaultDetector
+    from dcrb_ros.diagnosis.detection import detect as detect_in
     from dcrb_ros.recordings.reader import Recording
 
-    recording, parameters = Recording(bag), detector_parameters(detector)
-    rate = recording.sampling_rate
-    fault_detector = FaultDetector(recording.orders, rate, parameters)
-    diagnoses, seconds = [], 0.0
-    for vibration, sensor_range in recording.ranged_vibrations():
-        fault_detector.sensor_range = sensor_range
-        diagnosis = fault_detector.update(vibration.first_index(rate), vibration.acceleration, vibration.shaft_angle)
-        seconds += len(vibration.shaft_angle) / rate
-        if diagnosis is not None:
-            diagnoses.append(diagnosis)
-    verdicts = [diagnosis for diagnosis in diagnoses if diagnosis.verdict != "waiting"]
-    if not verdicts:
-        reason = diagnoses[-1].reason if diagnoses else f"the detector needs {parameters.window:g} s"
-        raise Refusal(f"{bag} contains {seconds:.2f} s of waveform, too little for a verdict: {reason}")
-    last = verdicts[-1]
-    first = next(diagnosis for diagnosis in verdicts if diagnosis.verdict == last.verdict)
+    recording = Recording(bag)
+    found = detect_in(recording, parameters=detector_parameters(detector))
+    last = found.last
     if as_json:
         about = {
             "verdict": last.verdict,
             "confidence": last.confidence,
             "reason": last.reason,
             "time": last.time,
-            "first_time": first.time,
+            "first_time": found.since,
             "levels": last.levels,
             "shaft_frequency": last.shaft_frequency,
             "scores": last.scores,
@@ -65,7 +51,7 @@ def detect(bag: Bag, as_json: JsonOutput = False, detector: DetectorFile = None)
             "clipped": last.clipped,
             "remarks": last.remarks,
             "complete": recording.complete,
-            "history": [{"time": d.time, "verdict": d.verdict, "confidence": d.confidence} for d in diagnoses],
+            "history": [{"time": d.time, "verdict": d.verdict, "confidence": d.confidence} for d in found.history],
         }
         print(json.dumps(about, indent=2))
         return
@@ -77,9 +63,8 @@ def detect(bag: Bag, as_json: JsonOutput = False, detector: DetectorFile = None)
         table.add_row(fault, name, f"{level:.1f}", f"{score:.1f}")
     console = Console()
     console.print(table)
-    console.print(
-        f"{last.verdict}, confidence {last.confidence:.2f}, first at {first.time:.2f} s of {seconds:.2f} s: {last.reason}", highlight=False
-    )
+    when = f"first at {found.since:.2f} s of {found.duration:.2f} s"
+    console.print(f"{last.verdict}, confidence {last.confidence:.2f}, {when}: {last.reason}", highlight=False)
     for remark in last.remarks:
         console.print(remark, highlight=False)
     if not recording.complete:

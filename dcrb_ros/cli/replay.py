@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import math
-import tempfile
-from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -32,16 +30,11 @@ def replay(
         if not math.isfinite(value):
             raise Refusal(f"{name} {value} is not a finite number: give one")
     from dcrb_ros.recordings.replay import Replay, ReplayParameters
-    from dcrb_ros.settings.files import to_yaml, validated
+    from dcrb_ros.settings.files import validated
 
     given = {"bag": str(bag), "rate": rate, "loop": loop, "offset": offset, "clock": clock, "topics": topics}
     parameters = validated(given, ReplayParameters, "replay")
     Replay(parameters)  # refuses an invalid recording before ROS is started
-    from dcrb_ros.nodes.replayer import run
-    from dcrb_ros.nodes.ros import stay_on_this_machine
+    from dcrb_ros.nodes.programs import run
 
-    stay_on_this_machine()
-    with tempfile.TemporaryDirectory(prefix="dcrb-") as folder:
-        file = Path(folder) / "replay.yaml"
-        file.write_text(to_yaml(parameters), encoding="utf-8")
-        raise typer.Exit(run(["--ros-args", "--params-file", str(file)]))
+    raise typer.Exit(run("replayer", [], parameters=parameters))

@@ -10,11 +10,11 @@ from typing import TypeVar
 from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.exam.case import Case
 from dcrb_ros.exam.criteria import Criteria
+from dcrb_ros.exam.detector_run import run_shipped_detector, run_shipped_detector_on_case
 from dcrb_ros.exam.received_diagnosis import ReceivedDiagnosis
 from dcrb_ros.exam.recorded_case import RecordedCase
 from dcrb_ros.exam.recording_cache import cache_path, cached_recording
 from dcrb_ros.exam.scoring import ScenarioResult, score_scenario
-from dcrb_ros.exam.shipped_detector import diagnoses_of_case, diagnoses_of_recording
 from dcrb_ros.runtime.processes import in_processes
 from dcrb_ros.runtime.refusal import Refusal
 
@@ -37,7 +37,7 @@ def evaluate_shipped(
     cases: Sequence[Case], folder: Path, parameters: DetectorParameters, workers: int, on_done: OnDone
 ) -> dict[str, list[ReceivedDiagnosis]]:
     """Return the shipped detector's diagnoses of every case by name."""
-    calls = {case.expectation.name: partial(diagnoses_of_case, case, folder, parameters) for case in cases}
+    calls = {case.expectation.name: partial(run_shipped_detector_on_case, case, folder, parameters) for case in cases}
     return _run_all(calls, workers, on_done)
 
 
@@ -45,7 +45,7 @@ def evaluate_shipped_on(
     recordings: Sequence[RecordedCase], parameters: DetectorParameters, workers: int, on_done: OnDone
 ) -> dict[str, list[ReceivedDiagnosis]]:
     """Return the shipped detector's diagnoses of every recording by name."""
-    calls = {recorded.expectation.name: partial(diagnoses_of_recording, recorded.path, parameters) for recorded in recordings}
+    calls = {recorded.expectation.name: partial(run_shipped_detector, recorded.path, parameters) for recorded in recordings}
     return _run_all(calls, workers, on_done)
 
 

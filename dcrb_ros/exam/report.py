@@ -5,14 +5,18 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from dcrb_ros import __version__
 from dcrb_ros.exam.criteria import Criteria
 from dcrb_ros.exam.scoring import NO_ANSWER, ScenarioResult
 from dcrb_ros.exam.statistics import Characteristic, Interval, characteristic, percentile, rate, share
 from dcrb_ros.recordings.manifest import model_fingerprint, software
+from dcrb_ros.runtime.frames import pandas
 from dcrb_ros.schema.verdicts import FAULT_CLASSES, VERDICTS
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 
 @dataclass(frozen=True)
@@ -138,6 +142,31 @@ class Report:
         faulty = [result.score for result in self.faulty if result.score is not None and result.expectation.verdict != "sensor"]
         healthy = [result.score for result in self.results if result.score is not None and not result.expectation.faulty]
         return characteristic(faulty, healthy)
+
+    def __repr__(self) -> str:
+        return f"<Report: {self.detector} {'passed' if self.passed else 'failed'} {self.exam}, {len(self.results)} scenarios>"
+
+    def to_pandas(self) -> pd.DataFrame:
+        """Return a DataFrame with a row per scenario: correct verdict, answer, onset and delay [s], number of false alarms, passed.
+
+        Raises
+        ------
+        Refusal
+            pandas is not installed.
+        """
+        rows = [
+            {
+                "right": result.expectation.verdict,
+                "answer": result.answer,
+                "onset": result.expectation.onset if result.expectation.faulty else None,
+                "delay": result.delay,
+                "false_alarms": len(result.false_alarms),
+                "passed": result.passed,
+            }
+            for result in self.results
+        ]
+        names = [result.expectation.name for result in self.results]
+        return pandas().DataFrame(rows, index=pandas().Index(names, name="scenario"))
 
     def described(self) -> dict[str, Any]:
         """Return the report as a tree for JSON; a value that does not exist is null."""

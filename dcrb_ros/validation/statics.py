@@ -19,8 +19,8 @@ LOAD = np.array([0.0, -100e3])
 UNDER = 30251.0, 10708.0
 """Forces of the roller on the load line and of each of its neighbours [N].
 
-Static equilibrium of 100 kN and the weight of the inner ring, from Eq. 4 and Table 1; `tests/validation/test_validation.py` solves it
-independently of the model.
+Static equilibrium of 100 kN and the weight of the inner ring, from Eq. 4 and Table 1; `shared_forces` in
+`tests/bearing/test_equilibrium.py` solves it independently of the model.
 """
 STRADDLING = 25508.0
 """Force of each of the two rollers beside the load line, if no roller is on it [N]; same source."""

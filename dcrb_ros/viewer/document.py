@@ -9,11 +9,12 @@ from pathlib import Path
 import rerun as rr
 from rerun.chunk import McapReader
 
+from dcrb_ros.bearing.fault_lines import fault_combs
 from dcrb_ros.messages.topics import FAULT_INDICATORS, FEATURES, VIBRATION
 from dcrb_ros.viewer import bearing_picture, blueprint, load_zone, order_map, series, spectrum_picture, summary
 from dcrb_ros.viewer.content import Content
 from dcrb_ros.viewer.drawing import Drawing
-from dcrb_ros.viewer.spectrum import envelope_spectra, fault_combs
+from dcrb_ros.viewer.spectrum import envelope_spectra
 
 APPLICATION = "dcrb"
 REDRAWN = (VIBRATION, FEATURES, FAULT_INDICATORS)

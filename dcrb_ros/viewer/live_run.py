@@ -11,12 +11,13 @@ from dataclasses import replace
 import numpy as np
 import rerun as rr
 
+from dcrb_ros.bearing.fault_lines import fault_combs
 from dcrb_ros.viewer import bearing_picture, load_zone, order_map, series, spectrum_picture, summary
 from dcrb_ros.viewer.blueprint import compose_live
 from dcrb_ros.viewer.content import BenchInfo, Content, DetectorOutput, Motion, Waveform
 from dcrb_ros.viewer.drawing import Drawing, rounded_up
 from dcrb_ros.viewer.fault_words import RowFaults
-from dcrb_ros.viewer.spectrum import Spectra, envelope_spectra, fault_combs
+from dcrb_ros.viewer.spectrum import Spectra, envelope_spectra
 
 RECENT = 1000
 """Number of latest states from which the mean forces in the load zone are computed [-]."""

@@ -7,6 +7,7 @@ import math
 import numpy as np
 import rerun as rr
 
+from dcrb_ros.bearing.load_zone import mean_force, sector_azimuths
 from dcrb_ros.bearing.states import BodyNames
 from dcrb_ros.runtime.arrays import Floats
 from dcrb_ros.viewer import columns, palette
@@ -19,8 +20,6 @@ ROOT = "load_zone"
 RADIUS = 100.0
 """Radius at the largest force of the scale [picture units]."""
 SPACING = 3.0 * RADIUS
-SECTORS = 72
-"""Number of azimuth sectors for the mean [-]."""
 STEPS = 4
 SPOKES = 12
 
@@ -55,18 +54,6 @@ def of_row(bodies: BodyNames, motion: Motion, row: int) -> tuple[Floats, Floats]
     """Return azimuth [rad] and normal force [N] of the rollers of a row, shape (times, rollers) each."""
     rollers = slice(row * bodies.rollers_per_row, (row + 1) * bodies.rollers_per_row)
     return motion.azimuth[:, rollers], motion.force[:, rollers]
-
-
-def sector_azimuths() -> Floats:
-    """Return the azimuths of the centres of the sectors, shape (sectors,) [rad]."""
-    return np.asarray(-math.pi + (np.arange(SECTORS) + 0.5) * 2.0 * math.pi / SECTORS)
-
-
-def mean_force(azimuth: Floats, force: Floats) -> Floats:
-    """Return the mean normal force of the rollers in each azimuth sector, shape (sectors,) [N]; zero in sectors without rollers."""
-    sector = np.floor((np.asarray(azimuth).ravel() + math.pi) / (2.0 * math.pi) * SECTORS).astype(int) % SECTORS
-    count = np.bincount(sector, minlength=SECTORS)
-    return np.asarray(np.bincount(sector, np.asarray(force).ravel(), SECTORS) / np.maximum(count, 1))
 
 
 def closed(points: Floats) -> Floats:

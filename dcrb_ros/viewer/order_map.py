@@ -11,10 +11,11 @@ import numpy as np
 import numpy.typing as npt
 import rerun as rr
 
+from dcrb_ros.bearing.fault_lines import Comb
 from dcrb_ros.runtime.arrays import Floats
 from dcrb_ros.viewer import columns, palette
 from dcrb_ros.viewer.content import Times
-from dcrb_ros.viewer.spectrum import Comb, Spectra
+from dcrb_ros.viewer.spectrum import Spectra
 from dcrb_ros.viewer.spectrum_picture import HEIGHT, TRACK, WIDTH, log_comb, log_texts, order_ticks
 
 ROOT = "order_map"

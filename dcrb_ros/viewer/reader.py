@@ -5,21 +5,20 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
-from dataclasses import replace
 
 import numpy as np
 
 from dcrb_ros.bearing.kinematics import Orders
 from dcrb_ros.bearing.states import BodyNames
-from dcrb_ros.messages.cdr import STAMP_END, stamps
+from dcrb_ros.messages.cdr import stamps
 from dcrb_ros.messages.joints import decode_alike, decode_joints
 from dcrb_ros.messages.points import decode_waveform
-from dcrb_ros.messages.statuses import decode_diagnostics, decode_truth
+from dcrb_ros.messages.statuses import decode_diagnostics
 from dcrb_ros.messages.topics import DIAGNOSIS, FAULT_INDICATORS, FEATURES, GROUND_TRUTH, NAMESPACE, ROLLER_STATES, VIBRATION, Topic
+from dcrb_ros.recordings.arrays import truths_of
 from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.runtime.refusal import Refusal
 from dcrb_ros.settings.parameters import Bearing
-from dcrb_ros.simulation.block import Truth
 from dcrb_ros.viewer.content import BenchInfo, Content, DetectorOutput, Motion, Series, Verdict, Waveform
 from dcrb_ros.viewer.spectrum import diagnoses, indicators_of, verdicts_of
 
@@ -88,18 +87,6 @@ def _in_background(work: Callable[[], DetectorOutput]) -> Future[DetectorOutput]
     future = pool.submit(work)
     pool.shutdown(wait=False)
     return future
-
-
-def truths_of(messages: Sequence[bytes]) -> tuple[Truth, ...]:
-    """Return the ground truth over time; messages that differ in the stamp only are decoded once."""
-    known: dict[bytes, Truth] = {}
-    found = []
-    for time_ns, data in zip(stamps(messages).tolist(), messages, strict=True):
-        body = data[STAMP_END:]
-        if body not in known:
-            known[body] = decode_truth(data)
-        found.append(replace(known[body], time_ns=time_ns))
-    return tuple(found)
 
 
 def motion_of(messages: Sequence[bytes], bodies: BodyNames) -> Motion | None:

@@ -47,25 +47,6 @@ class Spectra:
         return float(self.orders[-1])
 
 
-@dataclass(frozen=True)
-class Comb:
-    """The lines of a fault: a characteristic frequency and its harmonics."""
-
-    name: str
-    orders: tuple[float, ...]
-    """Harmonics as multiples of the shaft frequency [-]."""
-
-
-def fault_combs(orders: Orders, highest: float) -> list[Comb]:
-    """Return the harmonics of BPFO, BPFI, 2 BSF and FTF below the ``highest`` order, of FTF only the first four."""
-    bases = {"BPFO": orders.bpfo, "BPFI": orders.bpfi, "2BSF": 2.0 * orders.bsf, "FTF": orders.ftf}
-    combs = []
-    for name, base in bases.items():
-        most = 4 if name == "FTF" else int(highest / base)
-        combs.append(Comb(name, tuple(base * k for k in range(1, most + 1) if base * k < highest)))
-    return combs
-
-
 def diagnoses(waveform: Waveform, orders: Orders) -> list[Diagnosis]:
     """Return the diagnoses of the waveform by the shipped detector with default parameters; a short waveform is a single window."""
     from dcrb_ros.diagnosis.detector import FaultDetector

@@ -12,10 +12,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 import rerun as rr
 
+from dcrb_ros.bearing.fault_lines import Comb
 from dcrb_ros.runtime.arrays import Floats
 from dcrb_ros.viewer import columns, palette
 from dcrb_ros.viewer.content import Times
-from dcrb_ros.viewer.spectrum import ORDER_STEP, Comb, Spectra
+from dcrb_ros.viewer.spectrum import ORDER_STEP, Spectra
 
 ROOT = "envelope_spectrum"
 WIDTH, HEIGHT, TRACK = 1000.0, 330.0, 40.0

@@ -83,7 +83,7 @@ def test_invalid_usage_is_refused_in_one_sentence(arguments: list[str], sentence
     ("parameters", "sentence"),
     [
         ("faults: {outer_1: {width: 0.002}, outer_2: {width: 0.002}}", "overlaps faults.outer_1"),
-        ("faults: {broken_bars: row1/bar15 and row2/bar15}", "'and' is no bar"),
+        ("faults: {broken_bars: row1/bar15 and row2/bar15}", "'and' is not a bar"),
         ("bearing: {outer_raceway_radius: 0.1}", "check the three radii"),
         ("bearing: {roller_mass: 0.02, roller_inertia: 2.25e-6}", "is too long for a roller between the raceways"),
     ],

@@ -247,7 +247,7 @@ def test_descriptions_accept_the_same_yaml_as_configurations(tmp_path: Path) -> 
     assert (found.sampling_rate, found.speed) == (51200, 100.0)
     assert json.dumps(found.labels) == '{"2026-01-02": "ok", "3": {"when": "2026-01-03"}}'
     path.write_text("channels: {ax: de}\nsampling_rate: 12000\nsampling_rate: 25600\n", encoding="utf-8")
-    with pytest.raises(Refusal, match="the key 'sampling_rate' stands twice"):
+    with pytest.raises(Refusal, match="the key 'sampling_rate' occurs twice"):
         read_description(path)
 
 

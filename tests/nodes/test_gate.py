@@ -28,7 +28,7 @@ class Model:
                 number += 1
             elif not self.gate.closed:
                 number = 0
-                self.gate.begun_anew()
+                self.gate.finish_reset()
 
     def close(self) -> None:
         self.gate.close()

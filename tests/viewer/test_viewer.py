@@ -17,6 +17,8 @@ import pytest
 from mcap.writer import Writer
 from runs import PAPER_SPEED, Run, simulated
 
+from dcrb_ros.bearing import load_zone
+from dcrb_ros.bearing.fault_lines import fault_combs
 from dcrb_ros.bearing.kinematics import characteristic_orders
 from dcrb_ros.bearing.payload import body_names
 from dcrb_ros.cli.view import view
@@ -31,13 +33,13 @@ from dcrb_ros.settings.files import load_configuration
 from dcrb_ros.settings.parameters import Bearing
 from dcrb_ros.simulation.block import Truth
 from dcrb_ros.simulation.loop import Simulation
-from dcrb_ros.viewer import load_zone, order_map, palette
+from dcrb_ros.viewer import order_map, palette
 from dcrb_ros.viewer.content import Content, Waveform
 from dcrb_ros.viewer.drawing import Drawing, on_circle, quaternions, rounded_up
 from dcrb_ros.viewer.fault_words import faults_of_row
 from dcrb_ros.viewer.reader import read_content
 from dcrb_ros.viewer.show import screenshot_time, take_picture
-from dcrb_ros.viewer.spectrum import ORDER_STEP, diagnoses, envelope_spectra, fault_combs, over_background, pieces
+from dcrb_ros.viewer.spectrum import ORDER_STEP, diagnoses, envelope_spectra, over_background, pieces
 from dcrb_ros.viewer.summary import markdown
 from dcrb_ros.viewer.window import ViewerFailure
 

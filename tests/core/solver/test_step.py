@@ -158,4 +158,4 @@ def test_a_few_steps_without_a_compiler(joint: str) -> None:
     payload, state = model(1.0 / 102400.0, {"cage": {"joint": joint}})
     acceleration = run(payload, state, 5)
     assert np.isfinite(acceleration).all()
-    assert state.inner_force.sum() == pytest.approx(2.0 * (30251.0 + 2.0 * 10708.0), rel=0.01)  # tests/validation/test_validation.py
+    assert state.inner_force.sum() == pytest.approx(2.0 * (30251.0 + 2.0 * 10708.0), rel=0.01)  # tests/bearing/test_equilibrium.py
