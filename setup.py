@@ -30,7 +30,7 @@ setup(
     license=manifest.findtext("license"),
     python_requires=">=3.10,<3.14",
     packages=find_packages(include=[NAME, f"{NAME}.*"]),
-    package_data={NAME: ["py.typed"], f"{NAME}.validation": ["readings.md"]},
+    package_data={NAME: ["py.typed"], f"{NAME}.validation": ["assumptions.md"]},
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{NAME}"]),
         (f"share/{NAME}", ["package.xml"]),

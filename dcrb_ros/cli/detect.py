@@ -1,19 +1,19 @@
-"""`dcrb detect`: the fault detector over a recording."""
+"""`dcrb detect`: the fault detector applied to a recording."""
 
 from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
-import typer
+from dcrb_ros.cli.options import Bag, DetectorFile, JsonOutput
 
 if TYPE_CHECKING:
     from dcrb_ros.diagnosis.parameters import DetectorParameters
 
 
 def detector_parameters(file: Path | None) -> DetectorParameters:
-    """Return the fault detector's parameters, as a ROS parameter file says where there is one.
+    """Return the fault detector's parameters from a ROS parameter file, or the defaults without a file.
 
     Raises:
         Refusal: see `read_parameters` and `validated`.
@@ -24,14 +24,11 @@ def detector_parameters(file: Path | None) -> DetectorParameters:
     return DetectorParameters() if file is None else validated(read_parameters(file, "fault_detector"), DetectorParameters, str(file))
 
 
-def detect(
-    bag: Annotated[Path, typer.Argument(help="Folder of a recording or an .mcap file.")],
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON instead of a table.")] = False,
-    detector: Annotated[
-        Path | None, typer.Option(help="Parameters of the detector (YAML), such as a copy of config/detector.yaml.")
-    ] = None,
-) -> None:
-    """Run the fault detector over a recording and print its verdict."""
+def detect(bag: Bag, as_json: JsonOutput = False, detector: DetectorFile = None) -> None:
+    """Run the fault detector on a recording and print its verdict with the evidence.
+
+    Example: dcrb detect bags/outer_ring_defect
+    """
     from dcrb_ros.diagnosis.detection import detect as detect_in
     from dcrb_ros.recordings.reader import Recording
 
@@ -61,7 +58,7 @@ def detect(
     from rich.console import Console
     from rich.table import Table
 
-    table = Table("fault", "lines", "level over background [dB]", "beyond threshold [dB]", title=f"{bag}: {last.verdict}")
+    table = Table("fault", "line", "level over background [dB]", "over threshold [dB]", title=f"{bag}: {last.verdict}")
     for (fault, score), (name, level) in zip(last.scores.items(), last.levels.items(), strict=False):
         table.add_row(fault, name, f"{level:.1f}", f"{score:.1f}")
     console = Console()
@@ -71,4 +68,4 @@ def detect(
     for remark in last.remarks:
         console.print(remark, highlight=False)
     if not recording.complete:
-        console.print("the recording is cut off; the verdict rests on what is readable")
+        console.print("the recording is truncated; the verdict is based on its readable part")

@@ -1,4 +1,4 @@
-"""From a recording to the arrays that the viewer shows."""
+"""Reading of a recording into the arrays that the viewer shows."""
 
 from __future__ import annotations
 
@@ -19,68 +19,70 @@ from dcrb_ros.recordings.arrays import truths_of
 from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.runtime.refusal import Refusal
 from dcrb_ros.settings.parameters import Bearing
-from dcrb_ros.viewer.content import Content, Judgement, Motion, Series, Subject, Verdict, Waveform
+from dcrb_ros.viewer.content import BenchInfo, Content, DetectorOutput, Motion, Series, Verdict, Waveform
 from dcrb_ros.viewer.spectrum import diagnoses, indicators_of, verdicts_of
 
 SHOWN = (VIBRATION, ROLLER_STATES, GROUND_TRUTH, FEATURES, FAULT_INDICATORS, DIAGNOSIS)
 
 
-def gather(recording: Recording) -> Content:
-    """Return what is shown of a recording, read in one pass; a cut-off one as far as it goes.
+def read_content(recording: Recording) -> Content:
+    """Return the content of a recording, read in one pass; of a truncated recording, its readable part.
 
     Raises:
-        Refusal: it has no waveform, or a message that cannot be decoded.
+        Refusal: it has no waveform, or a message cannot be decoded.
     """
-    found: dict[Topic, list[bytes]] = defaultdict(list)
+    messages: dict[Topic, list[bytes]] = defaultdict(list)
     for message in recording.messages(SHOWN):
-        found[message.topic].append(message.data)
-    if not found[VIBRATION]:
+        messages[message.topic].append(message.data)
+    if not messages[VIBRATION]:
         topic = VIBRATION.resolved(recording.namespace)
-        raise Refusal(f"{recording.path} has no block on {topic} to show: give a recording of the bench with its waveform")
+        raise Refusal(f"{recording.path} has no block on {topic}: give a recording that contains the waveform")
     bearing = Bearing() if recording.imported else recording.configuration.bearing
-    subject = Subject(recording.path.stem, bearing, recording.orders, recording.sampling_rate, recording.imported)
-    return content_of(found, subject, lambda waveform: _in_background(lambda: judgement_of(waveform, recording.orders, found)))
+    bench = BenchInfo(recording.path.stem, bearing, recording.orders, recording.sampling_rate, recording.imported)
+    return content_of(messages, bench, lambda waveform: _in_background(lambda: detector_output_of(waveform, recording.orders, messages)))
 
 
-def content_of(found: Mapping[Topic, Sequence[bytes]], subject: Subject, judge: Callable[[Waveform], Future[Judgement]]) -> Content:
-    """Return what some messages show.
+def content_of(
+    messages: Mapping[Topic, Sequence[bytes]], bench: BenchInfo, start_detector: Callable[[Waveform], Future[DetectorOutput]]
+) -> Content:
+    """Return the content of messages by topic; ``start_detector`` starts the detector on the waveform.
 
     Raises:
-        Refusal: one cannot be decoded.
+        Refusal: a message cannot be decoded.
     """
-    waveform = waveform_of(found.get(VIBRATION, ()), subject.rate)
+    waveform = waveform_of(messages.get(VIBRATION, ()), bench.rate)
     return Content(
-        title=subject.title,
-        bearing=subject.bearing,
-        orders=subject.orders,
-        imported=subject.imported,
-        bodies=subject.bodies,
+        title=bench.title,
+        bearing=bench.bearing,
+        orders=bench.orders,
+        imported=bench.imported,
+        bodies=bench.bodies,
         waveform=waveform,
-        judging=judge(waveform),
-        motion=motion_of(found.get(ROLLER_STATES, ()), subject.bodies),
-        truths=truths_of(found.get(GROUND_TRUTH, ())),
-        features=series_of(found.get(FEATURES, ())),
+        pending_output=start_detector(waveform),
+        motion=motion_of(messages.get(ROLLER_STATES, ()), bench.bodies),
+        truths=truths_of(messages.get(GROUND_TRUTH, ())),
+        features=series_of(messages.get(FEATURES, ())),
     )
 
 
 def waveform_of(messages: Sequence[bytes], rate: int) -> Waveform:
-    """Return the samples of all blocks end to end."""
+    """Return the concatenated samples of all blocks."""
     if messages:
         return Waveform(*decode_waveform(messages), rate=rate)
     return Waveform(np.zeros(0, np.int64), np.zeros((0, 2), np.float32), np.zeros(0, np.float32), rate)
 
 
-def judgement_of(waveform: Waveform, orders: Orders, found: Mapping[Topic, Sequence[bytes]]) -> Judgement:
-    """Return what the detector says of a waveform, and what one said while it was recorded."""
-    judged = diagnoses(waveform, orders)
-    return Judgement(
-        indicators=series_of(found.get(FAULT_INDICATORS, ())) or indicators_of(judged),
-        verdicts=verdicts_in(found.get(DIAGNOSIS, ())) or verdicts_of(judged),
-        diagnoses=tuple(judged),
+def detector_output_of(waveform: Waveform, orders: Orders, messages: Mapping[Topic, Sequence[bytes]]) -> DetectorOutput:
+    """Return the shipped detector's output for a waveform; recorded indicators and verdicts take precedence over its own."""
+    found = diagnoses(waveform, orders)
+    return DetectorOutput(
+        indicators=series_of(messages.get(FAULT_INDICATORS, ())) or indicators_of(found),
+        verdicts=verdicts_in(messages.get(DIAGNOSIS, ())) or verdicts_of(found),
+        diagnoses=tuple(found),
     )
 
 
-def _in_background(work: Callable[[], Judgement]) -> Future[Judgement]:
+def _in_background(work: Callable[[], DetectorOutput]) -> Future[DetectorOutput]:
     pool = ThreadPoolExecutor(1, "judgement")
     future = pool.submit(work)
     pool.shutdown(wait=False)
@@ -88,10 +90,10 @@ def _in_background(work: Callable[[], Judgement]) -> Future[Judgement]:
 
 
 def motion_of(messages: Sequence[bytes], bodies: BodyNames) -> Motion | None:
-    """Return the bodies over time; ``None`` without states.
+    """Return the motion of the bodies; ``None`` if there are no messages.
 
     Raises:
-        Refusal: the states are of other bodies than the bearing has.
+        Refusal: the messages contain other bodies than the bearing has.
     """
     if not messages:
         return None
@@ -100,8 +102,8 @@ def motion_of(messages: Sequence[bytes], bodies: BodyNames) -> Motion | None:
         counts = {joints.position.shape[-1], joints.velocity.shape[-1], joints.effort.shape[-1]}
         if joints.names != names or counts != {len(names)}:
             raise Refusal(
-                f"a message on {ROLLER_STATES.resolved(NAMESPACE)} has {sorted(counts)} values for {len(joints.names)} bodies where the "
-                f"bearing of the manifest has {len(names)}, from {names[0]} to {names[-1]}: give a recording of one bench"
+                f"a message on {ROLLER_STATES.resolved(NAMESPACE)} has {sorted(counts)} values for {len(joints.names)} bodies, but the "
+                f"bearing of the manifest has {len(names)}, from {names[0]} to {names[-1]}: give a recording of a single bench"
             )
     if alike is None:
         each = [decode_joints(data) for data in messages]
@@ -112,7 +114,7 @@ def motion_of(messages: Sequence[bytes], bodies: BodyNames) -> Motion | None:
 
 
 def series_of(messages: Sequence[bytes]) -> Series | None:
-    """Return the positions of messages with the names of the first; ``None`` without messages."""
+    """Return the positions in the messages that have the names of the first one; ``None`` if there are no messages."""
     if not messages:
         return None
     joined = decode_alike(messages)
@@ -126,7 +128,7 @@ def series_of(messages: Sequence[bytes]) -> Series | None:
 
 
 def verdicts_in(messages: Sequence[bytes]) -> tuple[Verdict, ...]:
-    """Return what the detector said in its messages on ``diagnosis``."""
+    """Return the verdicts in messages on ``diagnosis``."""
     decoded = [decode_diagnostics(data) for data in messages]
     return tuple(
         Verdict(time_ns, status.values.get("verdict", status.message), status.level, status.values)
