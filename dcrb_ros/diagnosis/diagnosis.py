@@ -51,3 +51,7 @@ class Diagnosis:
     """Samples at the ends of the sensor's range so far."""
     remarks: tuple[str, ...] = ()
     """What was wrong with the stream, or special about it, without forbidding a verdict."""
+
+    def __repr__(self) -> str:
+        about = f"<Diagnosis: {self.verdict} at {self.time:.2f} s, confidence {self.confidence:.2f}"
+        return f"{about}, shaft at {self.shaft_frequency:.2f} Hz: {self.reason}>"

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 
 NAMESPACE = "/dcrb"
@@ -59,8 +58,3 @@ SIMULATED = (VIBRATION, VIBRATION_CLEAN, SENSOR, ACCELERATION, FEATURES, ROLLER_
 """What the simulator publishes and records."""
 DETECTED = (DIAGNOSIS, FAULT_INDICATORS, ENVELOPE_SPECTRUM)
 """What the fault detector publishes."""
-
-
-def topic_of(name: str, topics: Iterable[Topic], namespace: str) -> Topic | None:
-    """Return the topic that an absolute name belongs to, or none."""
-    return next((topic for topic in topics if topic.resolved(namespace) == name), None)

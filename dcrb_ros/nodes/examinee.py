@@ -16,7 +16,7 @@ from itertools import pairwise
 from pathlib import Path
 from typing import IO, Any
 
-from dcrb_ros.exam.opinion import Opinion, opinion_of
+from dcrb_ros.exam.received_diagnosis import ReceivedDiagnosis, decode_diagnosis
 from dcrb_ros.messages.bundle import Bundle
 from dcrb_ros.messages.topics import DIAGNOSIS, NAMESPACE, SENSOR, VIBRATION
 from dcrb_ros.nodes.pacing import Pacer
@@ -51,7 +51,7 @@ class Unanswered(RuntimeError):
 class Answers:
     """What the detector said of a scenario."""
 
-    opinions: list[Opinion] = field(default_factory=list)
+    opinions: list[ReceivedDiagnosis] = field(default_factory=list)
     refused: list[str] = field(default_factory=list)
     """Why messages were not understood."""
     failure: str = ""
@@ -74,8 +74,8 @@ class Answers:
         """Take a message on `diagnosis`."""
         self.heard_at = time.monotonic()
         try:
-            opinion = opinion_of(data)
-            self.opinions.append(replace(opinion, known=self._known(opinion.time)))
+            opinion = decode_diagnosis(data)
+            self.opinions.append(replace(opinion, signal_received=self._known(opinion.time)))
         except Refusal as refusal:
             self.refused.append(str(refusal))
 

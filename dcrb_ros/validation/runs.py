@@ -1,4 +1,4 @@
-"""The runs that the validation looks at, and what it keeps of each."""
+"""The simulations of the validation, and the quantities kept from each."""
 
 from __future__ import annotations
 
@@ -19,19 +19,20 @@ Singles = npt.NDArray[np.float32]
 
 JOINTS = ("revolute", "pocket")
 BENCH = {"revolute": "paper", "pocket": "healthy"}
-"""The shipped configuration that stands for each joint."""
+"""The shipped configuration for each joint."""
 
 PAPER_SPEED = 124.8
-"""Speed that the paper computes with, section 2.3.2 [rad/s]."""
+"""Shaft speed used in the paper's section 2.3.2 [rad/s]."""
 
 SETTLED = 0.2
-"""Left out of every statistic at the start of a warm run [s]."""
+"""Time left out of all statistics at the start of a warm run [s]."""
 
 BROKEN_BAR = 15
 """Bar missing in both rows, between rollers 15 and 16."""
 
-# Power-law contact and Coulomb friction of an independent engine (physics.md section 5), which has no bristles to speak of.
-FOREIGN = (
+# Power-law contact and Coulomb friction, as in the independent multibody engine whose results `faults.py` compares with. These results
+# were computed once; the program is not part of this repository.
+POWER_LAW = (
     "contact.law=power",
     "contact.power_coefficient=3.449e9",
     "contact.power_exponent=1.0766",
@@ -44,8 +45,8 @@ FOREIGN = (
 
 
 @dataclass(frozen=True)
-class Case:
-    """A run: a shipped configuration, what is set in it, how long."""
+class RunSpec:
+    """The specification of a run: a shipped configuration, changed parameters and a duration."""
 
     name: str
     joint: str
@@ -53,7 +54,7 @@ class Case:
     """Simulated time [s]."""
     settings: tuple[str, ...] = ()
     state_rate: int = 2000
-    """States kept [Hz]."""
+    """Rate at which states are kept [Hz]."""
 
     @property
     def key(self) -> tuple[str, str]:
@@ -62,7 +63,7 @@ class Case:
 
     @property
     def command(self) -> str:
-        """The command line that simulates this case into a recording."""
+        """The command line that records this run."""
         settings = "".join(f" --set {setting}" for setting in self._all_settings)
         return f"dcrb simulate {BENCH[self.joint]} --duration {self.duration:g}{settings}"
 
@@ -79,59 +80,61 @@ WIDTHS = (0.5, 1.0, 1.5, 2.0)
 """Widths of the outer-ring defect whose severity is compared [mm]."""
 
 
-def cases() -> list[Case]:
-    """Return every run, the longest first."""
-    found = []
+def run_specs() -> list[RunSpec]:
+    """Return the specifications of all runs, the longest first."""
+    specs = []
     for joint in reversed(JOINTS):
         bars = f"faults.broken_bars=row1/bar{BROKEN_BAR}, row2/bar{BROKEN_BAR}"
-        found += [
-            Case("healthy", joint, 6.0, state_rate=3000),
-            Case("cage fracture", joint, 6.0, (bars,), 3000),
-            Case("outer ring defect", joint, 3.0, ("faults.outer_1.width=0.002",), 5000),
-            Case("inner ring defect", joint, 3.0, ("faults.inner_1.width=0.002",), 5000),
+        specs += [
+            RunSpec("healthy", joint, 6.0, state_rate=3000),
+            RunSpec("cage fracture", joint, 6.0, (bars,), 3000),
+            RunSpec("outer ring defect", joint, 3.0, ("faults.outer_1.width=0.002",), 5000),
+            RunSpec("inner ring defect", joint, 3.0, ("faults.inner_1.width=0.002",), 5000),
         ]
-        found += [
-            Case("roller defect", joint, 4.0, ("faults.roller_1.width=0.002",), 500),
-            Case("rows staggered", joint, 1.2, ("faults.outer_1.width=0.002", "bearing.row_phase=0.5"), 100),
+        specs += [
+            RunSpec("roller defect", joint, 4.0, ("faults.roller_1.width=0.002",), 500),
+            RunSpec("rows staggered", joint, 1.2, ("faults.outer_1.width=0.002", "bearing.row_phase=0.5"), 100),
         ]
-        found += [Case(f"outer ring defect {b:g} mm", joint, 1.2, (f"faults.outer_1.width={b * 1e-3:g}",), 100) for b in WIDTHS]
-        found += [Case("cold start", joint, 3.0, ("operating.start=cold",))]
-    found += [
-        Case("foreign laws, healthy", "revolute", 1.2, FOREIGN),
-        Case("foreign laws, outer ring defect", "revolute", 1.2, (*FOREIGN, "faults.outer_1.width=0.002"), 5000),
+        specs += [RunSpec(f"outer ring defect {b:g} mm", joint, 1.2, (f"faults.outer_1.width={b * 1e-3:g}",), 100) for b in WIDTHS]
+        specs += [RunSpec("cold start", joint, 3.0, ("operating.start=cold",))]
+    specs += [
+        RunSpec("power law, healthy", "revolute", 1.2, POWER_LAW),
+        RunSpec("power law, outer ring defect", "revolute", 1.2, (*POWER_LAW, "faults.outer_1.width=0.002"), 5000),
     ]
-    return found
-
-
+    return specs
 @dataclass(frozen=True)
 class Run:
-    """What is kept of a run. Rollers are columns, row by row; times are rows."""
+    """The results of a run.
 
-    case: Case
+    Shapes are (times, rollers) unless stated otherwise; rollers are columns, row of the bearing by row.
+    """
+
+    spec: RunSpec
     configuration: Configuration
     acceleration: Floats
-    """Vertical, before noise, shape (samples,) [m/s^2]."""
+    """Vertical acceleration of the outer ring before noise, shape (samples,) [m/s^2]."""
     shaft_angle: Singles
-    """At each sample, within a turn [rad]."""
+    """Shaft angle within one turn, shape (samples,) [rad]."""
     time: Floats
-    """Of the states, shape (times,) [s]."""
+    """Times of the states, shape (times,) [s]."""
     azimuth: Singles
-    """Of the rollers, from the load line [rad]."""
+    """Azimuth of the rollers from the load line [rad]."""
     spin: Singles
-    """Absolute [rad/s]."""
+    """Absolute spin of the rollers [rad/s]."""
     relative_spin: Singles
-    """Against the cage [rad/s]."""
+    """Spin of the rollers relative to the cage [rad/s]."""
     inner_force: Singles
     """Normal force at the inner raceway [N]."""
     outer_force: Singles
+    """Normal force at the outer raceway [N]."""
     slip: Singles
-    """At the inner raceway [m/s]."""
+    """Slip at the inner raceway [m/s]."""
     friction: Singles
-    """At the inner raceway [N]."""
+    """Friction force at the inner raceway [N]."""
     torque: Singles
     """Friction torque of both raceways [N m]."""
     cage_speed: Floats
-    """Shape (times, rows) [rad/s]."""
+    """Rotation speed of the cages, shape (times, rows) [rad/s]."""
     inner_ring_force: Floats
     """Total vertical force of the rollers on the inner ring, shape (times,) [N]."""
     energy: Account
@@ -144,12 +147,12 @@ class Run:
 
     @property
     def settled(self) -> npt.NDArray[np.bool_]:
-        """Which states count in statistics, shape (times,)."""
+        """Mask of the states that enter statistics, shape (times,)."""
         return self.time >= SETTLED
 
     @property
     def steady_acceleration(self) -> Floats:
-        """Vertical acceleration without the start [m/s^2]."""
+        """Vertical acceleration without the start of the run, shape (samples,) [m/s^2]."""
         return self.acceleration[round(SETTLED * self.rate) :]
 
     @property
@@ -169,7 +172,7 @@ class Run:
 
     @property
     def rolling_cage_speed(self) -> float:
-        """Cage speed of pure rolling, by the joint [rad/s]."""
+        """Cage speed in pure rolling with the run's joint [rad/s]."""
         return cage_speed(self.configuration, self.configuration.operating.speed)
 
     @property
@@ -183,16 +186,16 @@ class Run:
         return characteristic_orders(self.configuration.bearing).frequencies(self.shaft_frequency)["BPFO"]
 
     def columns(self, roller: int) -> list[int]:
-        """Return the columns of the rollers of one number, one per row."""
+        """Return the columns of the rollers with a number, one per row."""
         return [row * self.rollers_per_row + roller - 1 for row in range(self.configuration.bearing.rows)]
 
 
-def simulate(case: Case) -> Run:
-    """Run a case."""
-    configuration = case.configuration()
+def simulate(spec: RunSpec) -> Run:
+    """Simulate a run and return its results."""
+    configuration = spec.configuration()
     rows, count = configuration.bearing.rows, configuration.bearing.rows * configuration.bearing.rollers_per_row
     simulation = Simulation(configuration)
-    blocks = list(simulation.blocks(case.duration))
+    blocks = list(simulation.blocks(spec.duration))
     states = [states for block in blocks for states in block.states]
 
     def series(field: str) -> Singles:
@@ -200,7 +203,7 @@ def simulate(case: Case) -> Run:
 
     speed = np.array([state.speed for state in states])
     return Run(
-        case=case,
+        spec=spec,
         configuration=configuration,
         acceleration=np.concatenate([block.clean[:, 1] for block in blocks]).astype(np.float64),
         shaft_angle=np.concatenate([block.shaft_angle for block in blocks]),

@@ -1,4 +1,4 @@
-"""The loading zone as a polar picture: how much normal force the inner raceway carries at each azimuth, on the mean and now."""
+"""The load zone as a polar plot: the mean and the current normal force at the inner raceway over azimuth."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ import math
 import numpy as np
 import rerun as rr
 
+from dcrb_ros.bearing.load_zone import mean_force, sector_azimuths
 from dcrb_ros.bearing.states import BodyNames
 from dcrb_ros.runtime.arrays import Floats
 from dcrb_ros.viewer import columns, palette
@@ -15,26 +16,24 @@ from dcrb_ros.viewer.content import Content, Motion
 from dcrb_ros.viewer.drawing import circle, on_circle
 from dcrb_ros.viewer.spectrum_picture import log_texts
 
-ROOT = "loading_zone"
+ROOT = "load_zone"
 RADIUS = 100.0
-"""Radius of the largest force [picture units]."""
+"""Radius at the largest force of the scale [picture units]."""
 SPACING = 3.0 * RADIUS
-SECTORS = 72
-"""Sectors over which the mean is taken."""
 STEPS = 4
 SPOKES = 12
 
 
-def log_loading_zone(content: Content, motion: Motion, largest: float) -> None:
-    """Log the polar picture of every row, up to the ``largest`` force [N]."""
+def log_load_zone(content: Content, motion: Motion, largest: float) -> None:
+    """Log the polar plot of every row, with a scale up to the ``largest`` force [N]."""
     motion = thinned(motion)
-    log_still(content.bodies, largest)
+    log_static(content.bodies, largest)
     log_mean(content.bodies, motion, largest)
     log_now(content.bodies, motion, largest)
 
 
-def log_still(bodies: BodyNames, largest: float) -> None:
-    """Log where the rows are, and their scales."""
+def log_static(bodies: BodyNames, largest: float) -> None:
+    """Log the positions of the rows, and their scales."""
     for row in range(bodies.rows):
         path = f"{ROOT}/row{row + 1}"
         rr.log(path, rr.Transform3D(translation=[(row - 0.5 * (bodies.rows - 1)) * SPACING, 0.0, 0.0]), static=True)
@@ -43,39 +42,27 @@ def log_still(bodies: BodyNames, largest: float) -> None:
 
 
 def log_mean(bodies: BodyNames, motion: Motion, largest: float) -> None:
-    """Log the mean force over the azimuth of every row as a line."""
+    """Log the mean force over azimuth as a line for every row."""
     for row in range(bodies.rows):
         mean = mean_force(*of_row(bodies, motion, row))
-        strip = closed(on_circle(RADIUS * mean / largest, middles()))
+        strip = closed(on_circle(RADIUS * mean / largest, sector_azimuths()))
         colour = palette.ROWS[row % len(palette.ROWS)]
         rr.log(f"{ROOT}/row{row + 1}/mean", rr.LineStrips2D([strip], radii=[1.2], colors=[colour], draw_order=2.0), static=True)
 
 
 def of_row(bodies: BodyNames, motion: Motion, row: int) -> tuple[Floats, Floats]:
-    """Return azimuth [rad] and normal force [N] of the rollers of a row over time."""
+    """Return azimuth [rad] and normal force [N] of the rollers of a row, shape (times, rollers) each."""
     rollers = slice(row * bodies.rollers_per_row, (row + 1) * bodies.rollers_per_row)
     return motion.azimuth[:, rollers], motion.force[:, rollers]
 
 
-def middles() -> Floats:
-    """Return the azimuths of the sectors' middles [rad]."""
-    return np.asarray(-math.pi + (np.arange(SECTORS) + 0.5) * 2.0 * math.pi / SECTORS)
-
-
-def mean_force(azimuth: Floats, force: Floats) -> Floats:
-    """Return the mean normal force [N] of the rollers in each sector of azimuth; zero where none has been."""
-    sector = np.floor((np.asarray(azimuth).ravel() + math.pi) / (2.0 * math.pi) * SECTORS).astype(int) % SECTORS
-    count = np.bincount(sector, minlength=SECTORS)
-    return np.asarray(np.bincount(sector, np.asarray(force).ravel(), SECTORS) / np.maximum(count, 1))
-
-
 def closed(points: Floats) -> Floats:
-    """Return a strip that ends where it begins."""
+    """Return a closed line strip: the points with the first one repeated at the end."""
     return np.concatenate([points, points[:1]])
 
 
 def log_scale(path: str, largest: float, row: int) -> None:
-    """Log circles of force, spokes every 30 degrees and what they mean."""
+    """Log circles of constant force and spokes every 30 degrees, with labels."""
     circles = [circle(RADIUS * (k + 1) / STEPS) for k in range(STEPS)]
     azimuths = np.linspace(math.pi, -math.pi, SPOKES, endpoint=False)
     spokes = [np.stack([np.zeros(2), on_circle(RADIUS, angle)]) for angle in azimuths]
@@ -89,7 +76,7 @@ def log_scale(path: str, largest: float, row: int) -> None:
 
 
 def log_now(bodies: BodyNames, motion: Motion, largest: float) -> None:
-    """Log an arrow from the centre for the force of every roller over time."""
+    """Log the force of every roller over time as an arrow from the centre."""
     for row in range(bodies.rows):
         azimuth, force = of_row(bodies, motion, row)
         tips = on_circle(RADIUS * np.clip(force / largest, 0.0, 1.25), azimuth)
