@@ -51,3 +51,8 @@ class Diagnosis:
     """Samples at the ends of the sensor's range so far."""
     remarks: tuple[str, ...] = ()
     """What was wrong with the stream, or special about it, without forbidding a verdict."""
+
+    @property
+    def time_ns(self) -> int:
+        """Time of the last sample [ns]."""
+        return round(self.time * 1e9)

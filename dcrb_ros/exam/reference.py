@@ -9,7 +9,7 @@ from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.exam.case import Case
 from dcrb_ros.exam.library import recorded
 from dcrb_ros.exam.opinion import Opinion, opinion_of
-from dcrb_ros.messages.verdicts import encode_diagnosis
+from dcrb_ros.messages.topics.diagnosis import encode_diagnosis
 from dcrb_ros.recordings.reader import Recording
 
 

@@ -6,8 +6,8 @@ import sys
 from typing import TYPE_CHECKING
 
 from dcrb_ros.diagnosis.parameters import DetectorParameters
+from dcrb_ros.messages.encoder import diagnosis_messages
 from dcrb_ros.messages.topics import DETECTED, SENSOR, VIBRATION
-from dcrb_ros.messages.verdicts import diagnosis_messages
 from dcrb_ros.nodes.detector_input import Hearing, Said
 from dcrb_ros.nodes.publisher import Publisher, message_class, qos
 from dcrb_ros.nodes.ros import declare, running, spin

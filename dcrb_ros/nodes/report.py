@@ -6,14 +6,13 @@ import time
 from dataclasses import dataclass
 
 from dcrb_ros.messages.statuses import ERROR, OK, WARN, Status
-from dcrb_ros.messages.topics import DIAGNOSIS, FAULT_INDICATORS
+from dcrb_ros.messages.topics import DETECTED
 from dcrb_ros.nodes.gate import Gate
 from dcrb_ros.nodes.pacing import Pacer
 from dcrb_ros.nodes.recording_switch import Tape
 from dcrb_ros.nodes.refusals import Refusals
 
 COMMANDS = ("command/speed", "command/load")
-DETECTED = (DIAGNOSIS.name, FAULT_INDICATORS.name)
 CALLS = ("pause", "step", "reset", "record")
 BEHIND = 0.1
 """Lag from which on the bench warns [s]."""
@@ -52,7 +51,7 @@ class Report:
             "late_blocks": str(self._pacer.late),
             "blocks": str(progress.blocks),
             "rejected_commands": str(count(*COMMANDS)),
-            "rejected_messages": str(count(*DETECTED)),
+            "rejected_messages": str(count(*(topic.name for topic in DETECTED))),
             "rejected_parameters": str(count("parameters")),
             "rejected_calls": str(count(*CALLS)),
             "recorder": self._tape.state,

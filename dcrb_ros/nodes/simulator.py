@@ -17,11 +17,8 @@ from dcrb_ros.cli.simulate import checked_duration
 from dcrb_ros.messages.topics import (
     BENCH_DIAGNOSTICS,
     CLOCK,
-    DIAGNOSIS,
-    FAULT_INDICATORS,
-    ROLLER_CONTACTS,
+    DETECTED,
     SIMULATED,
-    VIBRATION_CLEAN,
     Message,
     Topic,
 )
@@ -93,8 +90,7 @@ class Simulator:
             self._series = Path(configuration.recording.path)
             self._start_recording(self._series)
         self._encoder = BlockEncoder(configuration, self._simulation.bodies)
-        asked = {VIBRATION_CLEAN: configuration.publishing.clean, ROLLER_CONTACTS: configuration.publishing.contacts}
-        topics = [topic for topic in SIMULATED if asked.get(topic, True)]
+        topics = [topic for topic in SIMULATED if topic.enabled(configuration)]
         self._publisher: Sink = Publisher(node, [*topics, BENCH_DIAGNOSTICS, *([CLOCK] if configuration.publishing.clock else [])])
         self._clock = ClockHand(self._publisher, asked=configuration.publishing.clock)
         self._report = Report(self._pacer, self.gate, self.tape, self.refusals)
@@ -140,23 +136,21 @@ class Simulator:
         from rclpy.clock_type import ClockType
         from std_msgs.msg import Float64
 
-        from dcrb_ros.messages.joints import decode_joints
-        from dcrb_ros.messages.statuses import decode_diagnostics
-
         node = self.node
         # Raw, because the middleware's own decoder drops malformed bytes without a word.
         node.create_subscription(Float64, "command/speed", self._on_speed, 10, raw=True)
         node.create_subscription(Wrench, "command/load", self._on_load, 10, raw=True)
-        self._listen(DIAGNOSIS, lambda data: decode_diagnostics(data)[0])
-        self._listen(FAULT_INDICATORS, lambda data: decode_joints(data).stamp_ns)
+        for topic in DETECTED:
+            if topic.recorded:
+                self._listen(topic)
         Services(self)
         # Wall time, whatever use_sim_time says: the report must come while the simulated time stands.
         node.create_timer(1.0, self._publish_report, clock=Clock(clock_type=ClockType.STEADY_TIME))
         node.obey = self._on_parameters
 
-    def _listen(self, topic: Topic, stamp: Callable[[bytes], int]) -> None:
-        """Record what the detector says; ``stamp`` decodes a message and returns its stamp [ns]."""
-        callback = self._on_detected(topic, stamp)
+    def _listen(self, topic: Topic) -> None:
+        """Record a topic of the detector."""
+        callback = self._on_detected(topic)
         self.node.create_subscription(message_class(topic), topic.name, callback, qos(topic), raw=True)
 
     def start(self) -> None:
@@ -229,12 +223,12 @@ class Simulator:
             self.node.get_logger().info(f"first block {time.monotonic() - self._began:.2f} s after the start")
             self._began = 0.0
 
-    def _on_detected(self, topic: Topic, stamp: Callable[[bytes], int]) -> Callable[[bytes], None]:
+    def _on_detected(self, topic: Topic) -> Callable[[bytes], None]:
         def record(data: bytes) -> None:
             if self.tape.path is None:
                 return
             with self.refusals.of(topic.name):
-                time_ns = _content(topic.name, stamp, data)
+                time_ns = _content(topic.name, topic.stamp, data)
                 self._check_time(topic, time_ns)
                 self.tape.write_messages([Message(topic, time_ns, bytes(data))])
 
