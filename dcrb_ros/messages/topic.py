@@ -63,6 +63,11 @@ class Message:
     data: bytes
     """The message in CDR."""
 
+    @property
+    def content(self) -> Any:
+        """What the message carries, as its topic decodes it."""
+        return self.topic.decoded(self.data)
+
 
 @dataclass(frozen=True)
 class Source:
