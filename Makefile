@@ -5,7 +5,7 @@ STAMPED := $(shell date +%Y%m%d-%H%M%S)
 # A sourced ROS, or a middleware that is not in .venv, would end every node at once.
 unexport RMW_IMPLEMENTATION PYTHONPATH PYTHONHOME AMENT_PREFIX_PATH
 
-.PHONY: help environment demo test lint types compiled architecture unit kernels nodes validate bench soak exam bags docs colcon clean
+.PHONY: help environment demo test lint types compiled architecture unit kernels nodes validate bench soak exam bags mutants docs colcon clean
 .DEFAULT_GOAL := help
 
 help: ## Show this list
@@ -71,8 +71,12 @@ bags: environment ## Make the recordings of bags/ anew, where the model has chan
 soak: environment ## An hour flat out and ten minutes in real time, with random commands and faults (SOAK='--flat-out 60 ...')
 	$(BIN)/python benchmarks/soak.py $(SOAK)
 
-exam: environment ## The exams of the shipped detector, and the naive one's failure: docs/exam.md anew (EXAM=hours for the healthy hours)
+exam: environment ## The exams of the shipped detector, and of the naive one: rewrites docs/explanation/exam-results.md (EXAM=hours for the healthy hours)
 	$(BIN)/python benchmarks/exam.py $(EXAM)
+
+mutants: environment ## Do the tests notice slips? A sample of mutants of each package, some hours (MUTANTS='core --sample 20')
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check 'cosmic-ray>=8.7,<9'
+	$(BIN)/python tests/mutants/run.py $(MUTANTS)
 
 docs: environment ## The site, into site/
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet

@@ -86,7 +86,7 @@ setup(
         "bench": ["exudyn>=1.9,<2"],
         "mat73": ["h5py>=3.8,<4"],
         "sweep": ["dask>=2024.2", "distributed>=2024.2", "fsspec>=2024.2", "pandas>=2.2,<4"],
-        "docs": ["mkdocs>=1.6,<2", "mkdocs-material>=9.5,<10"],
+        "docs": ["mkdocs>=1.6,<2", "mkdocs-material>=9.5,<10", "mkdocstrings[python]>=1.0,<2"],
         "colcon": ["colcon-common-extensions>=0.3,<1", "setuptools>=68,<80"],
     },
     entry_points={

@@ -19,10 +19,10 @@ from dcrb_ros.bearing.energy import energy_of_bars, energy_of_lands, kinetic_ene
 from dcrb_ros.bearing.equilibrium import penetrations, radial_directions, stored_energy
 from dcrb_ros.bearing.observation import place_pinned_rollers, wrapped
 from dcrb_ros.bearing.payload import build_payload, initial_state
+from dcrb_ros.core.layout.state import State, copy_of
+from dcrb_ros.core.layout.workspace import workspace
 from dcrb_ros.core.payload import Payload
-from dcrb_ros.core.state import State, copy_of
-from dcrb_ros.core.step import advance
-from dcrb_ros.core.work import workspace
+from dcrb_ros.core.solver.step import advance
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import load_configuration
 from dcrb_ros.settings.parameters import SimulationParameters

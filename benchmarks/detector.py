@@ -24,7 +24,7 @@ from dcrb_ros.bearing.kinematics import characteristic_orders
 from dcrb_ros.diagnosis.detector import DEFAULTS, Diagnosis, FaultDetector
 from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.settings.configuration import Configuration
-from dcrb_ros.simulation.batch import simulate_many
+from dcrb_ros.simulation.batch import simulate_batch
 from dcrb_ros.simulation.loop import Simulation
 
 SEEDS = {"tuned": 11, "untuned": 22}
@@ -78,7 +78,7 @@ Stream = tuple[npt.NDArray[np.float32], npt.NDArray[np.float32]]
 def waveforms(asked: list[Scenario], data: Path) -> Iterator[tuple[Scenario, Stream]]:
     """Yield the scenarios with their waveforms, simulated where the folder has none yet."""
     absent = [scenario for scenario in asked if not (data / f"{scenario.name}.npz").exists()]
-    for place, found in simulate_many([scenario.configuration for scenario in absent], SECONDS):
+    for place, found in simulate_batch([scenario.configuration for scenario in absent], SECONDS):
         np.savez(data / f"{absent[place].name}.npz", acceleration=found.acceleration, shaft_angle=found.shaft_angle)
     for scenario in asked:
         with np.load(data / f"{scenario.name}.npz") as kept:

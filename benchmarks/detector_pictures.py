@@ -1,4 +1,4 @@
-"""The pictures of docs/detector.md: `python benchmarks/detector_pictures.py [--data DIR]`.
+"""The pictures of docs/explanation/detector.md: `python benchmarks/detector_pictures.py [--data DIR]`.
 
 The spectra come from the shipped recordings, the sizes of BPFO lines from the waveforms that `benchmarks/detector.py` keeps in --data.
 """

@@ -1,4 +1,4 @@
-"""The reports in docs/exam.md: the shipped detector on three exams, the naive one on another; recordings are kept for the next time."""
+"""The reports in docs/explanation/exam-results.md: three exams of the shipped detector, one of the naive detector; recordings are kept."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 ROOT = Path(__file__).resolve().parents[1]
-PAGE, IMAGES = ROOT / "docs/exam.md", ROOT / "docs/images"
+PAGE, IMAGES = ROOT / "docs/explanation/exam-results.md", ROOT / "docs/images"
 SCORE = [sys.executable, "-c", "from dcrb_ros.cli.app import main; main()", "score"]
 MOST_FLAWS = 60
 
@@ -63,11 +63,11 @@ def told(report: dict[str, Any], image: str, words: str) -> Iterator[str]:
         f"{date}; scenarios `{report['scenarios_sha256'][:16]}`."
     )
     yield from table(
-        ["criterion", "wanted", "got", ""],
-        [[c["name"], c["wanted"], c["got"], "holds" if c["holds"] else "**fails**"] for c in report["checks"]],
+        ["criterion", "required", "result", "status"],
+        [[c["name"], c["wanted"], c["got"], "passed" if c["holds"] else "**failed**"] for c in report["checks"]],
     )
     if report["delay"]:
-        yield f"![{words}](images/{image})"
+        yield f"![{words}](../images/{image})"
     delays = [
         [verdict, f"{d['found']} of {d['asked']}", number(d["median"]), number(d["p95"]), f"{d['limit']:g}"]
         for verdict, d in report["delay"].items()
@@ -85,9 +85,9 @@ def told(report: dict[str, Any], image: str, words: str) -> Iterator[str]:
     wrong = [scenario for scenario in report["scenarios"] if not scenario["passed"]]
     if wrong:
         yield ""
-        yield f"What went wrong, {len(wrong)} of {len(report['scenarios'])}:"
+        yield f"Errors in {len(wrong)} of {len(report['scenarios'])} scenarios:"
         rows = [[f"`{s['name']}`", s["verdict"], s["flaw"], "" if s["required"] else "not required"] for s in wrong[:MOST_FLAWS]]
-        yield from table(["scenario", "right", "what", ""], rows)
+        yield from table(["scenario", "correct verdict", "error", "remark"], rows)
 
 
 def replace(name: str, lines: Iterator[str]) -> None:
@@ -106,7 +106,7 @@ def replace(name: str, lines: Iterator[str]) -> None:
 
 REPORTS = {
     "shipped": ("standard", [], "The shipped detector's report"),
-    "blind": ("blind", [], "The shipped detector's report on what it was not tuned on"),
+    "blind": ("blind", [], "The shipped detector's report on scenarios it was not tuned on"),
     "hours": ("hours", [], "The shipped detector's report on four healthy hours"),
     "naive": ("smoke", ["--node", "python examples/naive_detector.py"], "The naive detector's report"),
 }

@@ -16,19 +16,20 @@ from pathlib import Path
 import numpy as np
 
 from dcrb_ros.bearing.payload import build_payload, initial_state
-from dcrb_ros.core import lanes as at
 from dcrb_ros.core.jit import loop
-from dcrb_ros.core.payload import Floats, Payload
-from dcrb_ros.core.rolling import roll_free
-from dcrb_ros.core.state import OUTER, State, copy_of
-from dcrb_ros.core.step import advance
-from dcrb_ros.core.work import Workspace, workspace
+from dcrb_ros.core.layout.records import VECTOR, Floats, dtype_of
+from dcrb_ros.core.layout.rollers import Rollers, RollerStep
+from dcrb_ros.core.layout.state import OUTER, State, copy_of
+from dcrb_ros.core.layout.workspace import Workspace, workspace
+from dcrb_ros.core.payload import Payload
+from dcrb_ros.core.solver.free import advance_free
+from dcrb_ros.core.solver.step import advance
 from dcrb_ros.settings.files import load_configuration
 
-FIELDS = """
-    X Y VX VY SPIN CHANGE_X CHANGE_Y CHANGE_SPIN OUTER_BRISTLE OUTER_FORCE OUTER_FRICTION OUTER_SLIP FRICTION_LOSS CONTACT_LOSS
-    NOTCH_LOSS SINK CUT BOUND ON_OUTER_X ON_OUTER_Y
+STATE_FIELDS = """
+    x y vx vy spin change_vx change_vy change_spin outer.bristle outer.force outer.friction outer.slip friction_loss contact_loss notch_loss
 """
+STEP_FIELDS = "sink_speed notch_depth bound force_on_outer_x force_on_outer_y"
 OPTIONS = """
     -O3 -march=native -ffinite-math-only -ffp-contract=fast -fno-math-errno -fno-trapping-math -fno-signed-zeros -freciprocal-math
 """
@@ -36,18 +37,31 @@ TIMES, ROUNDS = 20000, 15
 
 
 @loop
-def roll_often(payload: Payload, state: State, work: Workspace, times: int) -> None:
-    """Roll the free rollers again and again."""
+def advance_often(payload: Payload, state: State, work: Workspace, times: int) -> None:
+    """Advance the free rollers again and again."""
     for _ in range(times):
-        roll_free(payload, state, work, True)
+        advance_free(payload, state, work, True)
+
+
+def definitions(table: type, fields: str) -> list[str]:
+    """Return the C macros of some fields of a table: their distances from its beginning in doubles."""
+
+    def offset(name: str) -> int:
+        dtype, found = dtype_of(table), 0
+        for part in name.split("."):
+            dtype, begin = dtype.fields[part][:2]
+            found += begin // 8
+        return found
+
+    return [f"-D{name.replace('.', '_').upper()}={offset(name)}" for name in fields.split()]
 
 
 def compiled_c(folder: Path) -> ctypes.CDLL:
     """Return the C library, built in a folder."""
-    library = folder / "roll_free.so"
-    places = [f"-D{name}={getattr(at, name)}" for name in FIELDS.split()]
+    library = folder / "advance_free.so"
+    places = definitions(Rollers, STATE_FIELDS) + definitions(RollerStep, STEP_FIELDS)
     subprocess.run(
-        ["cc", *OPTIONS.split(), *places, "-shared", "-fPIC", "-o", library, Path(__file__).with_name("roll_free.c"), "-lm"], check=True
+        ["cc", *OPTIONS.split(), *places, "-shared", "-fPIC", "-o", library, Path(__file__).with_name("advance_free.c"), "-lm"], check=True
     )
     return ctypes.CDLL(str(library))
 
@@ -56,7 +70,7 @@ def constants(payload: Payload, state: State, work: Workspace) -> Floats:
     """Return the constants of the C loop, in its order."""
     p, h, radius = payload, payload.step, payload.roller_radius
     by_mass, by_inertia = 0.5 * h / p.roller_mass, 0.5 * h * radius * radius / p.roller_inertia
-    places = (*state.outer_position, *work.mean[OUTER, :2], *state.outer_velocity)
+    places = (*state.outer_position, *work.mean_velocity[OUTER, :2], *state.outer_velocity)
     motion = (h, radius, by_mass, by_inertia, 0.5 * h * p.gravity, p.outer_raceway_radius - radius, *places)
     contact = (p.contact_modulus, p.outer_scale, p.loss_time, p.contact_damping, p.kinetic_coefficient, p.static_coefficient)
     bristles = (
@@ -87,19 +101,19 @@ def main() -> None:
         copy_of(start),
         copy_of(start),
         constants(payload, start, work),
-        -(-payload.free.size // at.VECTOR) * at.VECTOR,
+        -(-payload.free.size // VECTOR) * VECTOR,
     )
-    light = work.light.copy()
+    rollers = np.asarray(work.rollers).view(np.float64).copy()
     with tempfile.TemporaryDirectory() as folder:
         library = compiled_c(Path(folder))
         pointer = ctypes.POINTER(ctypes.c_double)
-        own, other, numbers = (values.ctypes.data_as(pointer) for values in (theirs.lanes, light, known))
+        own, other, numbers = (values.ctypes.data_as(pointer) for values in (np.asarray(theirs.rollers).view(np.float64), rollers, known))
 
         def in_c(times: int = TIMES) -> None:
-            library.roll_often(own, other, ctypes.c_int64(count), numbers, ctypes.c_int64(times))
+            library.advance_often(own, other, ctypes.c_int64(count), numbers, ctypes.c_int64(times))
 
         def in_numba(times: int = TIMES) -> None:
-            roll_often(payload, ours, work, times)
+            advance_often(payload, ours, work, times)
 
         in_numba(1)
         in_c(1)

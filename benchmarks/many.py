@@ -14,13 +14,13 @@ import time
 from real_time import factors, kernel
 
 from dcrb_ros.settings.configuration import Configuration
-from dcrb_ros.simulation.batch import simulate_many
+from dcrb_ros.simulation.batch import simulate_batch
 
 
 def throughput(configurations: list[Configuration], duration: float, workers: int) -> float:
     """Return simulated over wall time of all bearings, the processes' start left out."""
     arrived = [time.perf_counter()]
-    for _ in simulate_many(configurations, duration, workers=workers):
+    for _ in simulate_batch(configurations, duration, workers=workers):
         arrived.append(time.perf_counter())
     first = arrived[workers]
     return duration * (len(configurations) - workers) / (arrived[-1] - first)

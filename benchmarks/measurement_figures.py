@@ -1,4 +1,4 @@
-"""The figures of docs/measurement.md: transfer functions, noise, background and sensor faults, all as the chain measures them."""
+"""The figures of docs/explanation/measurement-chain.md, measured: transfer functions, noise, background and sensor faults."""
 
 from __future__ import annotations
 

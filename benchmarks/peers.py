@@ -16,8 +16,8 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from dcrb_ros.bearing.payload import build_payload, initial_state
-from dcrb_ros.core.step import advance
-from dcrb_ros.core.work import workspace
+from dcrb_ros.core.layout.workspace import workspace
+from dcrb_ros.core.solver.step import advance
 from dcrb_ros.reference.bodies import OUTER_RING
 from dcrb_ros.reference.solver import Motion, Reference
 from dcrb_ros.runtime.arrays import Floats

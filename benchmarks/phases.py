@@ -15,16 +15,17 @@ from numba import types
 from numba.extending import intrinsic
 
 from dcrb_ros.bearing.payload import build_payload, initial_state
-from dcrb_ros.core.bars import keep_lands, touch_cages
-from dcrb_ros.core.bodies import drift, finish_bodies, predict_bodies
+from dcrb_ros.core.contacts.conformal import linearize_cages, store_lands
+from dcrb_ros.core.contacts.notch import turn_notches
+from dcrb_ros.core.contacts.raceway import linearize_raceways, locate_raceways
 from dcrb_ros.core.jit import loop
-from dcrb_ros.core.payload import Floats, Payload
-from dcrb_ros.core.raceway import turn_notches
-from dcrb_ros.core.remember import keep_bound
-from dcrb_ros.core.state import State
-from dcrb_ros.core.step import advance, begin, clear, lay_out, roll, solve
-from dcrb_ros.core.touch import draw_raceways, face_raceways
-from dcrb_ros.core.work import Workspace, workspace
+from dcrb_ros.core.layout.records import Floats
+from dcrb_ros.core.layout.state import State
+from dcrb_ros.core.layout.workspace import Workspace, workspace
+from dcrb_ros.core.payload import Payload
+from dcrb_ros.core.solver.bodies import drift, finish_bodies, predict_bodies
+from dcrb_ros.core.solver.step import advance, advance_unbound, clear, find_bound, solve, write_pockets
+from dcrb_ros.core.solver.update import store_bound
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import load_configuration
 
@@ -51,29 +52,29 @@ def ticks(typingctx: Any) -> Any:
 @loop
 def advance_by_phases(payload: Payload, state: State, work: Workspace, steps: int, spent: Floats) -> None:
     """Advance the state at constant speed and load; add the ticks of each phase to ``spent``, shape (phases,)."""
-    lay_out(payload, state)
-    turn_notches(payload.outer_notches, 0.0, work.outer_towards)
+    write_pockets(payload, state)
+    turn_notches(payload.outer_notches, 0.0, work.outer_notch_direction)
     for _ in range(steps):
         t0 = ticks()
         drift(payload, state, 0.5 * payload.step)
         predict_bodies(payload, state, work)
-        clear(work.loose)
+        clear(work.force_of_free)
         t1 = ticks()
-        turn_notches(payload.inner_notches, state.shaft[0], work.inner_towards)
-        count = begin(payload, state, work)
+        turn_notches(payload.inner_notches, state.shaft[0], work.inner_notch_direction)
+        count = find_bound(payload, state, work)
         t2 = ticks()
-        roll(payload, state, work)
+        advance_unbound(payload, state, work)
         t3 = ticks()
-        face_raceways(payload, state, work, count)
+        locate_raceways(payload, state, work, count)
         t4 = ticks()
-        draw_raceways(payload, state, work, count)
+        linearize_raceways(payload, state, work, count)
         t5 = ticks()
-        lands = touch_cages(payload, state, work, count)
+        lands = linearize_cages(payload, state, work, count)
         t6 = ticks()
         solve(payload, state, work, count, lands)
         t7 = ticks()
-        keep_bound(payload, state, work, count)
-        keep_lands(payload, state, work, lands)
+        store_bound(payload, state, work, count)
+        store_lands(payload, state, work, lands)
         finish_bodies(payload, state, work)
         drift(payload, state, 0.5 * payload.step)
         t8 = ticks()

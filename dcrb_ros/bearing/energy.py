@@ -6,8 +6,8 @@ import numpy as np
 
 from dcrb_ros.bearing.equilibrium import penetration_under
 from dcrb_ros.bearing.states import Account
+from dcrb_ros.core.layout.state import FRICTION, HOUSING, LOAD, LOSS, State
 from dcrb_ros.core.payload import JOHNSON, Payload
-from dcrb_ros.core.state import FRICTION, HOUSING, LOAD, LOSS, State
 from dcrb_ros.runtime.arrays import Floats
 
 
@@ -44,7 +44,7 @@ def elastic_energy(payload: Payload, state: State) -> float:
     """Return the energy of the housing and of all contacts, but for bars and lands as the last step's forces tell it [J]."""
     energy = 0.5 * payload.housing_stiffness * float(state.outer_position @ state.outer_position)
     scales = (payload.inner_scale, payload.outer_scale, payload.roller_scale)
-    for force, scale in zip((state.inner_force, state.outer_force, state.next_force), scales, strict=True):
+    for force, scale in zip((state.inner_force, state.outer_force, state.of_rollers(state.rollers[0].pair.force)), scales, strict=True):
         energy += float(energy_of_force(payload, force, scale).sum())
     return energy + energy_of_bars(payload, state) + energy_of_lands(payload, state)
 
@@ -83,11 +83,11 @@ def account(payload: Payload, state: State, stored_at_start: float) -> Account:
     """Return the energy account since the start."""
     booked = state.account
     return Account(
-        drive=float(state.drive_work.sum()),
+        drive=float(state.of_rollers(state.rollers[0].drive_work).sum()),
         load=float(booked[LOAD]),
-        friction=float(booked[FRICTION] + state.friction_loss.sum()),
-        loss=float(booked[LOSS] + state.contact_loss.sum()),
+        friction=float(booked[FRICTION] + state.of_rollers(state.rollers[0].friction_loss).sum()),
+        loss=float(booked[LOSS] + state.of_rollers(state.rollers[0].contact_loss).sum()),
         housing=float(booked[HOUSING]),
-        notch=float(state.notch_loss.sum()),
+        notch=float(state.of_rollers(state.rollers[0].notch_loss).sum()),
         stored=stored_energy(payload, state) - stored_at_start,
     )

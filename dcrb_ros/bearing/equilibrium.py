@@ -9,8 +9,8 @@ import numpy as np
 from scipy.optimize import least_squares, minimize
 from scipy.special import lambertw
 
+from dcrb_ros.core.contacts.notch import inner_notch_depth, outer_notch_depth, roller_notch_depth
 from dcrb_ros.core.payload import JOHNSON, SINK, Payload
-from dcrb_ros.core.raceway import inner_notch_depth, outer_notch_depth, roller_notch_depth
 from dcrb_ros.runtime.arrays import Floats
 
 START_PENETRATION = 2e-5

@@ -7,9 +7,9 @@ import math
 import numpy as np
 
 from dcrb_ros.bearing.states import States
-from dcrb_ros.core import observing as of
+from dcrb_ros.core import observation as of
+from dcrb_ros.core.layout.state import State
 from dcrb_ros.core.payload import Payload
-from dcrb_ros.core.state import State
 from dcrb_ros.runtime.arrays import Floats
 
 
@@ -21,7 +21,7 @@ def wrapped(angle: Floats) -> Floats:
 def place_pinned_rollers(payload: Payload, state: State) -> None:
     """Write position and velocity of the pinned rollers, which their cages carry."""
     if not payload.all_free:
-        of.place_pinned(state.lanes, payload.free, payload.pocket_tangent, state.position, state.velocity, payload.pitch_radius)
+        of.place_pinned(state.rollers, payload.free, payload.pocket_tangent, state.position, state.velocity, payload.pitch_radius)
 
 
 def observe(payload: Payload, state: State, time_ns: int) -> States:
@@ -30,10 +30,10 @@ def observe(payload: Payload, state: State, time_ns: int) -> States:
     rows, count = len(payload.free), payload.free.size
     found = np.zeros((of.OBSERVED, count + rows + 1))
     surface = float(state.shaft[1]) * payload.inner_raceway_radius
-    force = of.observe_rollers(state.lanes, payload.free, state.position, state.velocity, surface, payload.roller_radius, found)
+    force = of.observe_rollers(state.rollers, payload.free, state.position, state.velocity, surface, payload.roller_radius, found)
     cages, ring, tangent = found[:, count:-1], found[:, -1], payload.pocket_tangent[:, 0]
     cages[of.AZIMUTH] = np.arctan2(tangent[:, 1], tangent[:, 0]) + state.cage_position[:, 2]
-    cages[of.SPEED], cages[of.BAR_FORCE] = state.cage_velocity[:, 2], state.land_force
+    cages[of.SPEED], cages[of.BAR_FORCE] = state.cage_velocity[:, 2], state.land[0].force[:rows]
     ring[of.AZIMUTH], ring[of.SPEED] = state.shaft
     ring[of.INNER_FORCE] = found[of.INNER_FORCE, :count].sum()
     return States(

@@ -10,10 +10,10 @@ import numpy.typing as npt
 
 from dcrb_ros.bearing.equilibrium import roller_forces, static_equilibrium
 from dcrb_ros.bearing.states import BodyNames
-from dcrb_ros.conformal import conformal_law
-from dcrb_ros.core.payload import EDGE, JOHNSON, NOTCH, POWER, ROLLER_NOTCH, SINK, Notches, Payload, RollerNotches
-from dcrb_ros.core.state import State, empty_state
-from dcrb_ros.faults.defects import RacewayDefect, RollerDefect
+from dcrb_ros.core.laws.pereira import pereira_coefficients
+from dcrb_ros.core.layout.state import State, empty_state
+from dcrb_ros.core.payload import EDGE, JOHNSON, NOTCH, POWER, ROLLER_NOTCH, SINK, Notches, Payload
+from dcrb_ros.faults.geometry import BrokenBar, RacewayNotch, RollerNotch
 from dcrb_ros.runtime.arrays import Floats
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.parameters import Bearing
@@ -34,52 +34,17 @@ def pocket_azimuths(bearing: Bearing) -> Floats:
     return pitch * (np.arange(bearing.rollers_per_row)[None, :] + stagger[:, None])
 
 
-def _bottom(half_angle: float, edge: float, other: float, distance: float, hollow: bool) -> tuple[float, float]:
-    """Return the angle on either side of a notch's middle over which the other body stands on its floor [rad], and by how much the slope
-    of the depth drops at either end of that [m/rad].
-
-    ``edge`` is the radius on which the notch's edges lie, ``other`` the other body's [m]; ``distance`` [m] is that of the centres with the
-    floor in contact. ``hollow`` says that the other body is a raceway about the notched one.
-    """
-    squares = other**2 - edge**2 - distance**2 if hollow else distance**2 + edge**2 - other**2
-    cosine = squares / (2.0 * distance * edge)
-    inside = math.acos(min(cosine, 1.0)) if cosine > math.cos(half_angle) else half_angle
-    sine, cosine = edge * math.sin(inside), edge * math.cos(inside)
-    bend = sine * cosine / math.sqrt(other**2 - sine**2)
-    return half_angle - inside, abs(bend - sine if hollow or distance < edge else bend + sine)
-
-
-def _notches(defects: Iterable[RacewayDefect], raceway: float, roller: float, side: float, fillet: float) -> Notches:
-    """Return the notches of a ring whose edges are rounded over a length ``fillet`` [m] beyond the width.
-
-    ``side`` is 1 at the inner ring, -1 at the outer.
-    """
-    found = []
-    for defect in defects:
-        half, floor = 0.5 * defect.width / raceway, raceway + side * (roller - defect.depth)
-        bottom, kink = _bottom(half, raceway, roller, floor, False)
-        nearness = math.cos((0.5 * defect.width + fillet) / raceway)
-        found.append((defect.row - 1, half, nearness, bottom, kink, defect.depth, defect.azimuth))
-    return np.array(found, NOTCH).view(np.recarray)
-
-
-def _roller_notches(defects: Iterable[RollerDefect], roller: float, inner: float, outer: float) -> RollerNotches:
-    """Return the notches of rollers; ``inner`` and ``outer`` are the raceways' radii [m]."""
-    found = []
-    for defect in defects:
-        half = 0.5 * defect.width / roller
-        inner_bottom, inner_kink = _bottom(half, roller, inner, inner + roller - defect.depth, False)
-        outer_bottom, outer_kink = _bottom(half, roller, outer, outer - roller + defect.depth, True)
-        notch = (half, inner_bottom, outer_bottom, inner_kink, outer_kink, defect.depth, defect.azimuth)
-        found.append((defect.row - 1, defect.roller - 1, *notch))
-    return np.array(found, ROLLER_NOTCH).view(np.recarray)
+def _records(damage: Iterable[RacewayNotch | RollerNotch], fields: np.dtype[np.void]) -> Notches:
+    """Return notches as the records of the kernels."""
+    return np.array([tuple(getattr(notch, name) for name in fields.names or ()) for notch in damage], fields).view(np.recarray)
 
 
 def broken_bars(configuration: Configuration) -> npt.NDArray[np.bool_]:
     """Return whether the bar between a pocket and the next one is broken, shape (rows, rollers)."""
     broken = np.zeros((configuration.bearing.rows, configuration.bearing.rollers_per_row), np.bool_)
-    for row, bar in configuration.faults.bars():
-        broken[row - 1, bar - 1] = True
+    for damage in configuration.faults.damage(configuration.bearing):
+        if isinstance(damage, BrokenBar):
+            broken[damage.row, damage.bar] = True
     return broken
 
 
@@ -107,15 +72,17 @@ def build_payload(configuration: Configuration) -> Payload:
     """Return the constants of the time loop."""
     c, b = configuration, configuration.bearing
     azimuth, free, broken = pocket_azimuths(b), free_rollers(c), broken_bars(c)
-    fillet = c.contact.edge_radius if c.contact.notch == "edge" else 0.0
+    damage = c.faults.damage(b, c.contact.edge_radius if c.contact.notch == "edge" else 0.0)
+    raceway_notches = [notch for notch in damage if isinstance(notch, RacewayNotch)]
+    roller_notches = [notch for notch in damage if isinstance(notch, RollerNotch)]
     tangent = np.stack([np.cos(azimuth), np.sin(azimuth)], axis=-1)
     pinned = (~free).sum(axis=1)
     # All pinned: the sum of the tangents is zero but for rounding, which would make the motion depend on it.
     moment = b.roller_mass * b.pitch_radius * np.where(free[..., None], 0.0, tangent).sum(axis=1)
     moment[~free.any(axis=1)] = 0.0
     mass, inertia = b.cage_mass + pinned * b.roller_mass, b.cage_inertia + pinned * b.roller_mass * b.pitch_radius**2
-    bar = conformal_law(c.cage.pocket_clearance, b.roller_length, b.effective_modulus)
-    land = conformal_law(c.cage.land_clearance, b.roller_length, b.effective_modulus)
+    bar = pereira_coefficients(c.cage.pocket_clearance, b.roller_length, b.effective_modulus)
+    land = pereira_coefficients(c.cage.land_clearance, b.roller_length, b.effective_modulus)
     width = 4.0 / (math.pi * b.roller_length * b.effective_modulus)
     return Payload(
         step=1.0 / c.step_rate,
@@ -127,7 +94,7 @@ def build_payload(configuration: Configuration) -> Payload:
         all_free=bool(free.all()),
         any_broken=bool(broken.any()),
         any_free=bool(free.any()),
-        any_notch=any(True for _ in c.faults.present()),
+        any_notch=bool(raceway_notches or roller_notches),
         inner_raceway_radius=b.inner_raceway_radius,
         outer_raceway_radius=b.outer_raceway_radius,
         pitch_radius=b.pitch_radius,
@@ -139,7 +106,7 @@ def build_payload(configuration: Configuration) -> Payload:
         train_mass=mass,
         train_inertia=inertia,
         train_moment=moment,
-        train_yield=np.stack([1.0 / mass, 1.0 / (inertia - (moment**2).sum(axis=1) / mass)], axis=1),
+        train_inverse=np.stack([1.0 / mass, 1.0 / (inertia - (moment**2).sum(axis=1) / mass)], axis=1),
         gravity=c.operating.gravity,
         housing_stiffness=c.housing.stiffness,
         housing_damping=c.housing.damping,
@@ -163,15 +130,9 @@ def build_payload(configuration: Configuration) -> Payload:
         outer_width=width / (1.0 / b.roller_radius - 1.0 / b.outer_raceway_radius),
         notch_law={"sink": SINK, "edge": EDGE}[c.contact.notch],
         edge_radius=c.contact.edge_radius,
-        inner_notches=_notches(
-            (defect for _, defect in c.faults.raceway_defects("inner")), b.inner_raceway_radius, b.roller_radius, 1.0, fillet
-        ),
-        outer_notches=_notches(
-            (defect for _, defect in c.faults.raceway_defects("outer")), b.outer_raceway_radius, b.roller_radius, -1.0, fillet
-        ),
-        roller_notches=_roller_notches(
-            (defect for _, defect in c.faults.roller_defects()), b.roller_radius, b.inner_raceway_radius, b.outer_raceway_radius
-        ),
+        inner_notches=_records((notch for notch in raceway_notches if notch.ring == "inner_ring"), NOTCH),
+        outer_notches=_records((notch for notch in raceway_notches if notch.ring == "outer_ring"), NOTCH),
+        roller_notches=_records(roller_notches, ROLLER_NOTCH),
         pocket_clearance=c.cage.pocket_clearance,
         bar_coefficient=bar[0],
         bar_exponent=bar[1],

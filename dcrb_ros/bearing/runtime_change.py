@@ -7,11 +7,11 @@ from typing import Any
 
 from dcrb_ros.bearing.observation import place_pinned_rollers
 from dcrb_ros.bearing.payload import build_payload
+from dcrb_ros.core.layout.state import State
 from dcrb_ros.core.payload import Payload
-from dcrb_ros.core.state import State
 from dcrb_ros.runtime.refusal import Refusal, nearest
 from dcrb_ros.settings.configuration import Configuration
-from dcrb_ros.settings.files import flatten, parameter_fields, validated
+from dcrb_ros.settings.files import fields_by_key, flatten, validated
 
 
 def altered(configuration: Configuration, changes: Mapping[str, Any], source: str = "parameters") -> Configuration:
@@ -21,22 +21,16 @@ def altered(configuration: Configuration, changes: Mapping[str, Any], source: st
         Refusal: a key that is unknown or fixed while the bench runs, a value or a combination that the configuration's own
             checks refuse, or a broken bar that would heal.
     """
-    fields = {field.key: field for field in parameter_fields()}
+    fields = fields_by_key()
     for key in changes:
         if key not in fields:
             raise Refusal(f"{source}: unknown parameter '{key}'{nearest(key, fields)}")
         if not fields[key].run_time:
             raise Refusal(f"{source}: {key} is fixed while the bench runs; set it in the configuration and start anew")
     after = validated({**flatten(configuration.model_dump()), **changes}, Configuration, source)
-    healed = set(configuration.faults.bars()) - set(after.faults.bars())
-    for row, bar in sorted(healed):
-        raise Refusal(f"{source}: row{row}/bar{bar} is broken and does not heal while the bench runs; keep it, or reset the bench")
+    for words in configuration.faults.unhealed(after.faults):
+        raise Refusal(f"{source}: {words}")
     return after
-
-
-def spoken(changes: Mapping[str, Any]) -> str:
-    """Return changes as words: ``faults.outer_1.width = 0.002, faults.outer_1.row = 1``."""
-    return ", ".join(f"{key} = {value!r}" for key, value in changes.items())
 
 
 def refitted(configuration: Configuration, payload: Payload, state: State) -> Payload:

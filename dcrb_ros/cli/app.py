@@ -9,8 +9,8 @@ import typer
 
 from dcrb_ros import __version__
 from dcrb_ros.cli import bench, config, detect, exchange, info, recover, replay, score, simulate, sweep, validate, view
-from dcrb_ros.runtime.exit_status import guarded
-from dcrb_ros.runtime.signals import ENDING
+from dcrb_ros.runtime.exit_status import exit_status
+from dcrb_ros.runtime.signals import TERMINATION
 
 app = typer.Typer(add_completion=False, no_args_is_help=True, pretty_exceptions_enable=False)
 app.command("simulate")(simulate.simulate)
@@ -42,7 +42,7 @@ def dcrb(version: bool = typer.Option(False, "--version", callback=_version, is_
 def main() -> None:
     """Run the command line."""
     # Whatever asks the command to end also ends what it has started, as Ctrl-C does.
-    for number in ENDING:
+    for number in TERMINATION:
         if signal.getsignal(number) is signal.SIG_DFL:
             signal.signal(number, signal.default_int_handler)
-    sys.exit(guarded("dcrb", lambda: app(standalone_mode=False)))
+    sys.exit(exit_status("dcrb", lambda: app(standalone_mode=False)))

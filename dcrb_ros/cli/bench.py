@@ -26,7 +26,7 @@ def bench(
 ) -> None:
     """Run the bench: simulator and fault detector as ROS 2 nodes."""
     from dcrb_ros.cli.detect import detector_parameters
-    from dcrb_ros.cli.simulate import checked_duration
+    from dcrb_ros.runtime.simulated_time import checked_duration
     from dcrb_ros.settings.files import load_configuration
     from dcrb_ros.simulation.scenario import read_scenario
 

@@ -22,11 +22,12 @@ def info(
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON: the manifest, contents and what is damaged.")] = False,
 ) -> None:
     """Print the manifest and the contents of a recording."""
+    from dcrb_ros.messages.event_text import encode_command
     from dcrb_ros.recordings.reader import Recording, metadata_flaw
 
     recording = Recording(bag)
     counts, flaw = recording.counts(), metadata_flaw(bag)
-    commands = [command.described() for command in recording.commands()]
+    commands = [encode_command(command) for command in recording.commands()]
     damage = [*recording.damage, *([flaw] if flaw else [])]
     if as_json:
         about = {"manifest": recording.manifest, "outcome": recording.outcome, "messages": counts, "commands": commands, "damage": damage}

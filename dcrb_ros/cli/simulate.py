@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import time
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import ExitStack
@@ -12,23 +11,15 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.runtime.simulated_time import checked_duration
 
 if TYPE_CHECKING:
     from dcrb_ros.settings.configuration import Configuration
     from dcrb_ros.simulation.block import Block
     from dcrb_ros.simulation.loop import Simulation
 
-LONGEST = 1e6
-"""Longest run that is accepted [s]."""
-AHEAD = 4
-"""Blocks made while one is written."""
-
-
-def checked_duration(duration: float) -> float:
-    """Return a duration [s] or refuse it."""
-    if not (math.isfinite(duration) and 0.0 < duration <= LONGEST):
-        raise Refusal(f"--duration {duration} s is outside 0 .. {LONGEST:g} s: give the simulated seconds to run")
-    return duration
+PREFETCH_DEPTH = 4
+"""Blocks simulated while one is written."""
 
 
 def simulate(
@@ -52,10 +43,10 @@ def simulate(
         raise Refusal("Missing argument 'CONFIG': give a YAML file or a shipped name, such as healthy, or --from BAG")
     seconds = checked_duration(duration)
     from dcrb_ros.settings.files import load_configuration
-    from dcrb_ros.simulation.scenario import begun, read_story
+    from dcrb_ros.simulation.scenario import read_scenario_file, starting_configuration
 
-    story = read_story(scenario) if scenario else None
-    configuration = begun(story, load_configuration(config, settings or ()), str(scenario))
+    story = read_scenario_file(scenario) if scenario else None
+    configuration = starting_configuration(story, load_configuration(config, settings or ()), str(scenario))
     path = output or Path(Path(config).stem)
     _refuse_existing(path)
     from dcrb_ros.recordings.recorder import Recorder
@@ -100,9 +91,9 @@ def _refuse_existing(path: Path) -> None:
 def _started(configuration: Configuration, story: Mapping[str, Any] | None, source: str) -> Simulation:
     from dcrb_ros.core import compiled
     from dcrb_ros.simulation.loop import Simulation
-    from dcrb_ros.simulation.scenario import timeline
+    from dcrb_ros.simulation.scenario import scheduled_changes
 
-    events = timeline(story, configuration, source) if story else []
+    events = scheduled_changes(story, configuration, source) if story else []
     if not compiled():
         typer.echo("compiling the kernels (once, about half a minute) ...", err=True)
     return Simulation(configuration, events)
@@ -113,7 +104,7 @@ def _run(name: str, blocks: Iterable[Block], seconds: float, write: Callable[[Bl
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
-    from dcrb_ros.runtime.prefetch import ahead
+    from dcrb_ros.runtime.prefetch import prefetch
 
     console = Console(stderr=True)
     started, done = time.perf_counter(), 0.0
@@ -126,7 +117,7 @@ def _run(name: str, blocks: Iterable[Block], seconds: float, write: Callable[[Bl
     with Progress(*columns, console=console) as progress:
         task = progress.add_task(name, total=seconds)
         try:
-            for block in ahead(iter(blocks), most=AHEAD):
+            for block in prefetch(iter(blocks), depth=PREFETCH_DEPTH):
                 if write is not None:
                     write(block)
                 done = block.end_ns * 1e-9

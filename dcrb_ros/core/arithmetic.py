@@ -22,6 +22,8 @@ LOG_2_HIGH, LOG_2_LOW = 0.693147180369123816490, 1.90821492927058770002e-10
 ROOT_HALF = 0x3FE6A09E667F3BCD
 """The bits of the square root of one half."""
 LEAST_EXPONENT = -700.0
+LEAST_PENETRATION = 1e-15
+"""Penetration that an open contact is evaluated at [m], so that a law needs no branch."""
 INTEGERS, INTEGER_BITS = 6755399441055744.0, 0x4338000000000000
 """1.5 * 2^52, whose last bits are an integer: conversions that every vector unit can do."""
 

@@ -11,19 +11,19 @@ import threading
 import numba
 
 from dcrb_ros.core import CACHE, compiled
-from dcrb_ros.core.bars import touch_cages
+from dcrb_ros.core.contacts.conformal import linearize_cages
+from dcrb_ros.core.contacts.raceway import linearize_raceways
+from dcrb_ros.core.layout.state import State
+from dcrb_ros.core.layout.workspace import Workspace
 from dcrb_ros.core.payload import Payload
-from dcrb_ros.core.remember import keep_bound
-from dcrb_ros.core.state import State
-from dcrb_ros.core.step import begin, roll, solve
-from dcrb_ros.core.touch import draw_raceways
-from dcrb_ros.core.work import Workspace
+from dcrb_ros.core.solver.step import advance_unbound, find_bound, solve
+from dcrb_ros.core.solver.update import store_bound
 
 MODULE = "dcrb_ros.core.compilation"
 COUNT = numba.types.int64
-HERE = ((begin, ()), (touch_cages, (COUNT,)), (solve, (COUNT, COUNT)), (keep_bound, (COUNT,)))
+HERE = ((find_bound, ()), (linearize_cages, (COUNT,)), (solve, (COUNT, COUNT)), (store_bound, (COUNT,)))
 """Pieces of the time loop that this process compiles, and the types of what they take besides payload, state and work."""
-THERE = ((roll, ()), (draw_raceways, (COUNT,)))
+THERE = ((advance_unbound, ()), (linearize_raceways, (COUNT,)))
 """Those that the other one compiles meanwhile: half of the work."""
 
 

@@ -5,11 +5,8 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
-Floats = npt.NDArray[np.float64]
-Flags = npt.NDArray[np.bool_]
-Integers = npt.NDArray[np.int64]
+from dcrb_ros.core.layout.records import Flags, Floats, Integers
 
 JOHNSON, POWER = 0, 1
 """Normal contact laws."""
@@ -84,7 +81,7 @@ class Payload(NamedTuple):
     train_moment: Floats
     """Mass times lever of the pinned rollers along the tangents at cage angle zero, shape (rows, 2) [kg m]; zero when
     all rollers are pinned or all are free, for then the centre of mass is the cage's."""
-    train_yield: Floats
+    train_inverse: Floats
     """One over each train's mass, and over its moment of inertia about its centre of mass, shape (rows, 2) [1/kg, 1/(kg m^2)]."""
     gravity: float
     housing_stiffness: float

@@ -56,7 +56,7 @@ def scenarios_hash(cases: Iterable[Case]) -> str:
 def described(configuration: Configuration, changes: Mapping[str, Any]) -> dict[str, str | float]:
     """Return the tags that follow from a configuration and what changes in it: speed, load, width of the largest defect."""
     operating = configuration.operating
-    widths = [defect.width for _, defect in configuration.faults.present()]
+    widths = [fields["width"] for fields in configuration.faults.described().values() if "width" in fields]
     told = (value for key, value in changes.items() if key.startswith("faults.") and key.endswith(".width"))
     widths += [value for value in told if isinstance(value, float)]
     tags: dict[str, str | float] = {

@@ -18,13 +18,14 @@ from dcrb_ros.exam.case import Case, Run, canonical, described
 from dcrb_ros.exam.criteria import Criteria, DelayLimits
 from dcrb_ros.exam.opinion import VERDICTS
 from dcrb_ros.exam.question import Question
-from dcrb_ros.exam.recorded_case import right_verdict
+from dcrb_ros.faults.ground_truth import class_of
 from dcrb_ros.runtime.refusal import Refusal, nearest
 from dcrb_ros.schema.fields import Group, choice, quantity
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import find_configuration, flatten, read_parameters, shipped_folder, validated
+from dcrb_ros.settings.vehicle_speed import without_replaced
 from dcrb_ros.settings.yaml import read_yaml
-from dcrb_ros.simulation.scenario import Event, begun, read_story, timeline
+from dcrb_ros.simulation.scenario import ScheduledChange, read_scenario_file, scheduled_changes, starting_configuration
 
 MOST_CASES = 10_000
 Verdict = Literal["healthy", "outer_ring", "inner_ring", "roller", "cage", "compound", "sensor"]
@@ -180,21 +181,19 @@ def _variations(entry: Entry, where: str) -> Iterator[tuple[dict[str, Any], dict
 def _case(
     design: Design, entry: Entry, where: str, name: str, base: Mapping[str, Any], overlay: Mapping[str, Any], fault: Mapping[str, Any]
 ) -> Case:
-    # A speed in km/h that the file gives would outlive one in rad/s of the exam.
-    given = {key: value for key, value in base.items() if key != "operating.speed_kmh" or "operating.speed" not in overlay}
-    configuration = validated({**given, **overlay}, Configuration, where)
+    configuration = validated({**without_replaced(base, overlay), **overlay}, Configuration, where)
     duration = entry.duration or design.duration
     faulty = entry.verdict != "healthy"
     appears = design.onset if entry.onset is None else entry.onset
     told: list[Any] = []
     if entry.scenario:
-        profile = read_story(Path(entry.scenario))
-        configuration = begun(profile, configuration, where)
-        timeline(profile, configuration, f"{where}, {entry.scenario}")
+        profile = read_scenario_file(Path(entry.scenario))
+        configuration = starting_configuration(profile, configuration, where)
+        scheduled_changes(profile, configuration, f"{where}, {entry.scenario}")
         told += profile["timeline"]
     told += [*entry.timeline, *([{"at": appears, "set": dict(fault)}] if fault else [])]
     story = {"timeline": told} if told else None
-    events = timeline(story, configuration, where) if story else []
+    events = scheduled_changes(story, configuration, where) if story else []
     onset = 0.0
     if faulty:
         onset = appears if fault or entry.onset is not None else _since(configuration, events, entry.verdict, where)
@@ -213,14 +212,14 @@ def _case(
     return Case(question, Run(configuration, story, duration))
 
 
-def _since(configuration: Configuration, events: Sequence[Event], verdict: str, where: str) -> float:
+def _since(configuration: Configuration, events: Sequence[ScheduledChange], verdict: str, where: str) -> float:
     """Return since when a verdict is right where no fault appears at an onset: from the start on, or by the timeline [s]."""
     present = configuration
-    if right_verdict(present.described_faults()) == verdict:
+    if class_of(present.described_faults()) == verdict:
         return 0.0
     for event in events:
         present = altered(present, event.changes, where)
-        if right_verdict(present.described_faults()) == verdict:
+        if class_of(present.described_faults()) == verdict:
             return event.step / present.step_rate
     raise Refusal(f"{where}: nothing in it makes {verdict} right: give 'fault', a timeline with one, or 'onset' for what is meant")
 

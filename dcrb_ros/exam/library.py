@@ -18,7 +18,7 @@ from dcrb_ros.recordings.manifest import model_fingerprint, software
 from dcrb_ros.recordings.recorder import Recorder
 from dcrb_ros.runtime.refusal import Refusal
 from dcrb_ros.simulation.loop import Simulation
-from dcrb_ros.simulation.scenario import timeline
+from dcrb_ros.simulation.scenario import scheduled_changes
 
 ABANDONED = 86400.0
 """Age from which a half-made recording is one of a run that was broken off [s]."""
@@ -77,7 +77,7 @@ def recorded(case: Case, folder: Path) -> Path:
 
 def _simulate(case: Case, path: Path) -> None:
     run, source = case.run, case.question.name
-    simulation = Simulation(run.configuration, timeline(run.story, run.configuration, source) if run.story else ())
+    simulation = Simulation(run.configuration, scheduled_changes(run.story, run.configuration, source) if run.story else ())
     # A detector gets the waveform; what else the bench publishes would only take room.
     wanted = run.configuration.recording.model_copy(update={"topics": f"{VIBRATION.name}, {GROUND_TRUTH.name}"})
     with Recorder(path, run.configuration.model_copy(update={"recording": wanted}), simulation.bodies, scenario=run.story) as recorder:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -11,6 +11,7 @@ from mcap.records import Channel, Message
 
 from dcrb_ros.exam.opinion import Opinion, opinion_of
 from dcrb_ros.exam.question import Question
+from dcrb_ros.faults.ground_truth import class_of
 from dcrb_ros.messages.statuses import decode_truth
 from dcrb_ros.messages.topics import DIAGNOSIS, GROUND_TRUTH
 from dcrb_ros.recordings.mcap_reader import McapRecords
@@ -18,9 +19,6 @@ from dcrb_ros.recordings.reader import sound_files
 from dcrb_ros.runtime.refusal import Refusal
 from dcrb_ros.settings.parameters import rpm
 from dcrb_ros.simulation.block import Truth
-
-KINDS = {"outer": "outer_ring", "inner": "inner_ring", "roller": "roller", "broken_bars": "cage", "sensor": "sensor"}
-"""Verdicts by the beginning of a fault's name in the ground truth."""
 
 
 @dataclass(frozen=True)
@@ -84,7 +82,7 @@ def _question(path: Path, name: str, truths: Sequence[Truth], opinions: Sequence
     begin, end = truths[0].time_ns * 1e-9, max([last.time_ns * 1e-9, *(opinion.time for opinion in opinions)])
     # What is older than the recording can be found from its beginning on.
     onsets = {fault: max(begin, float(fields.get("onset", 0.0))) for fault, fields in present.items()}
-    verdict = right_verdict(present)
+    verdict = class_of(present)
     tags: dict[str, str | float] = {"speed": last.speed, "speed_rpm": round(rpm(last.speed), 1), "load": -last.load[1]}
     widths = [float(fault["width"]) for fault in present.values() if "width" in fault]
     tags |= {"width": max(widths)} if widths else {}
@@ -96,28 +94,11 @@ def _question(path: Path, name: str, truths: Sequence[Truth], opinions: Sequence
         tags,
         first_onset=min(onsets.values(), default=begin),
         begin=begin,
-        bearing_onset=min((onset for fault, onset in onsets.items() if right_verdict([fault]) != "sensor"), default=None),
+        bearing_onset=min((onset for fault, onset in onsets.items() if class_of([fault]) != "sensor"), default=None),
     )
 
 
 def _since(onsets: Mapping[str, float], verdict: str) -> float:
     """Return since when a verdict is right, faults coming one after the other [s]: another defect of a kind does not change it."""
     moments = sorted(set(onsets.values()))
-    return next((now for now in moments if right_verdict([f for f, onset in onsets.items() if onset <= now]) == verdict), 0.0)
-
-
-def right_verdict(faults: Iterable[str]) -> str:
-    """Return the verdict that faults, by their names in the ground truth, ask for; a broken sensor hides the rest.
-
-    Raises:
-        Refusal: a fault that the exam does not know.
-    """
-    kinds = set()
-    for name in faults:
-        kind = next((verdict for beginning, verdict in KINDS.items() if name.startswith(beginning)), None)
-        if kind is None:
-            raise Refusal(f"the ground truth names the fault '{name}', for which the exam knows no verdict")
-        kinds.add(kind)
-    if "sensor" in kinds:
-        return "sensor"
-    return "compound" if len(kinds) > 1 else next(iter(kinds), "healthy")
+    return next((now for now in moments if class_of([f for f, onset in onsets.items() if onset <= now]) == verdict), 0.0)

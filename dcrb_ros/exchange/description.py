@@ -12,7 +12,6 @@ from pydantic import BeforeValidator, Field, ValidationError
 from dcrb_ros.bearing.kinematics import Orders, characteristic_orders
 from dcrb_ros.runtime.refusal import Refusal, nearest
 from dcrb_ros.schema.fields import Group
-from dcrb_ros.settings.parameters import Bearing
 from dcrb_ros.settings.yaml import read_yaml
 
 UNITS = {"m/s^2": 1.0, "g": 9.80665, "mm/s^2": 1e-3}
@@ -97,15 +96,13 @@ class Description(Group):
             Refusal: neither geometry nor orders are given.
         """
         if self.orders is not None:
-            given = self.orders
-            return Orders(given.FTF, given.BPFO, given.BPFI, given.BSF)
+            return Orders.from_dict(self.orders.model_dump())
         if self.bearing is None:
             raise Refusal(f"{source} gives neither bearing nor orders: name the geometry, or FTF, BPFO, BPFI and BSF")
         b = self.bearing
         if b.roller_radius >= b.pitch_radius:
             raise Refusal(f"{source}: bearing.roller_radius = {b.roller_radius:g} m must be below pitch_radius = {b.pitch_radius:g} m")
-        same = Bearing().model_copy(update=b.model_dump())
-        return characteristic_orders(same)
+        return characteristic_orders(b)
 
     def shaft_speed(self, source: Path) -> float:
         """Return the speed of the shaft [rad/s].

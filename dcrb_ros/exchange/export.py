@@ -76,14 +76,14 @@ def _gathered(recording: Recording) -> tuple[dict[str, Array], dict[str, Array],
 
 
 def _described(recording: Recording, path: Path, columns: dict[str, Array], labels: dict[str, Any], block_size: int) -> dict[str, Any]:
-    orders, names = recording.orders, list(columns)
+    names = list(columns)
     wav = path.suffix.lower() == ".wav"
     channels: dict[str, Any] = {"ax": 1, "ay": 2, "shaft_angle": 3} if wav else {name: name for name in sorted(names)}
     return {
         "sampling_rate": recording.sampling_rate,
         "unit": "m/s^2",
         "channels": channels,
-        "orders": {"FTF": orders.ftf, "BPFO": orders.bpfo, "BPFI": orders.bpfi, "BSF": orders.bsf},
+        "orders": recording.orders.as_dict(),
         "first_index": int(columns["index"][0]),
         "block_size": max(16, block_size),
         "labels": labels,

@@ -158,7 +158,7 @@ class Import:
             "block_size": self.block_size,
             "frame": FRAME,
             "bearing": d.bearing.model_dump() if d.bearing else None,
-            "orders": {"FTF": self.orders.ftf, "BPFO": self.orders.bpfo, "BPFI": self.orders.bpfi, "BSF": self.orders.bsf},
+            "orders": self.orders.as_dict(),
             "first_sample_index": "round(stamp * sampling_rate); sample k is taken at k / sampling_rate",
         }
 

@@ -26,7 +26,7 @@ def sensor_text(configuration: Configuration) -> str:
         "block_size": configuration.publishing.block_size,
         "frame": configuration.publishing.frame,
         "bearing": configuration.bearing.model_dump(),
-        "orders": {"FTF": orders.ftf, "BPFO": orders.bpfo, "BPFI": orders.bpfi, "BSF": orders.bsf},
+        "orders": orders.as_dict(),
         "first_sample_index": "round(stamp * sampling_rate); sample k is taken at k / sampling_rate of simulated time",
     }
     publishing = configuration.publishing
@@ -43,15 +43,15 @@ def decode_sensor(data: bytes) -> tuple[int, Orders]:
     """
     try:
         about = json.loads(decode_text(data))
-        orders = {name: float(about["orders"][name]) for name in INDICATORS}
+        orders = Orders.from_dict(about["orders"])
         rate = int(about["sampling_rate"])
     except (ValueError, KeyError, TypeError, OverflowError, RecursionError) as error:
         raise Refusal(
             f"the sensor's description is not understood ({type(error).__name__}): it must give sampling_rate and orders as JSON"
         ) from None
-    if rate <= 0 or not all(math.isfinite(order) and order > 0.0 for order in orders.values()):
-        raise Refusal(f"the sensor's description gives {rate} Hz and orders {orders}: both must be positive")
-    return rate, Orders(orders["FTF"], orders["BPFO"], orders["BPFI"], orders["BSF"])
+    if rate <= 0 or not all(math.isfinite(order) and order > 0.0 for order in orders.as_dict().values()):
+        raise Refusal(f"the sensor's description gives {rate} Hz and orders {orders.as_dict()}: both must be positive")
+    return rate, orders
 
 
 def decode_range(data: bytes) -> float:

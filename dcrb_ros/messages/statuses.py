@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
+from dcrb_ros.bearing.kinematics import CHARACTERISTIC_FREQUENCIES
 from dcrb_ros.messages.cdr import DIAGNOSTICS, decoded, encoded, header, ros_type, stamp_of
+from dcrb_ros.messages.event_text import decode_event, encode_event
 from dcrb_ros.runtime.refusal import Refusal
 from dcrb_ros.simulation.block import Truth
 
@@ -34,7 +36,7 @@ def encode_truth(truth: Truth) -> bytes:
     """Return the ground truth: a status ``operating`` and one per fault, named by its configuration key."""
     operating = {"speed [rad/s]": repr(truth.speed), "load_x [N]": repr(truth.load[0]), "load_y [N]": repr(truth.load[1])}
     operating |= {f"{name} [Hz]": repr(frequency) for name, frequency in truth.frequencies.items()}
-    statuses = [Status("operating", OK, truth.changed, operating)]
+    statuses = [Status("operating", OK, encode_event(truth.event), operating)]
     if truth.background:
         statuses.append(Status("background", OK, "no fault", {key: repr(value) for key, value in truth.background.items()}))
     for name, fields in truth.faults.items():
@@ -60,7 +62,7 @@ def decode_truth(data: bytes) -> Truth:
     def number(key: str) -> float:
         return float(operating.values.get(key, "nan"))
 
-    frequencies = {name: number(f"{name} [Hz]") for name in ("FTF", "BPFO", "BPFI", "BSF")}
+    frequencies = {name: number(f"{name} [Hz]") for name in CHARACTERISTIC_FREQUENCIES}
     found = {s.name.removeprefix("faults."): {key: float(value) for key, value in s.values.items()} for s in faults}
     load, levels = (number("load_x [N]"), number("load_y [N]")), {key: float(level) for key, level in background.items()}
-    return Truth(time_ns, number("speed [rad/s]"), load, frequencies, found, operating.message, levels)
+    return Truth(time_ns, number("speed [rad/s]"), load, frequencies, found, decode_event(operating.message), levels)

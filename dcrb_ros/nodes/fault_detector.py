@@ -11,7 +11,7 @@ from dcrb_ros.messages.topics import DETECTED, SENSOR, VIBRATION
 from dcrb_ros.nodes.detector_input import Hearing, Said
 from dcrb_ros.nodes.publisher import Publisher, message_class, qos
 from dcrb_ros.nodes.ros import declare, running, spin
-from dcrb_ros.runtime.exit_status import guarded
+from dcrb_ros.runtime.exit_status import exit_status
 
 if TYPE_CHECKING:
     from rclpy.node import Node
@@ -54,7 +54,7 @@ def run(arguments: list[str]) -> int:
 
 def main() -> None:
     """Run the node as a program."""
-    sys.exit(guarded("fault_detector", lambda: run(sys.argv[1:])))
+    sys.exit(exit_status("fault_detector", lambda: run(sys.argv[1:])))
 
 
 if __name__ == "__main__":

@@ -9,12 +9,12 @@ from __future__ import annotations
 import importlib
 import signal
 
-from dcrb_ros.runtime.signals import ENDING
+from dcrb_ros.runtime.signals import TERMINATION
 
 
 def _run(node: str) -> None:
     if hasattr(signal, "pthread_sigmask"):  # elsewhere the node itself will say that there is no ROS
-        signal.pthread_sigmask(signal.SIG_BLOCK, ENDING)
+        signal.pthread_sigmask(signal.SIG_BLOCK, TERMINATION)
     importlib.import_module(f"dcrb_ros.nodes.{node}").main()
 
 

@@ -16,7 +16,7 @@ from dcrb_ros.nodes.pacing import Pacer
 from dcrb_ros.nodes.publisher import Publisher
 from dcrb_ros.nodes.ros import changed, declare, running, spin
 from dcrb_ros.recordings.replay import Bundle, Replay, ReplayParameters
-from dcrb_ros.runtime.exit_status import guarded
+from dcrb_ros.runtime.exit_status import exit_status
 from dcrb_ros.runtime.refusal import Refusal
 
 if TYPE_CHECKING:
@@ -155,7 +155,7 @@ def run(arguments: list[str]) -> int:
 
 def main() -> None:
     """Run the node as a program."""
-    sys.exit(guarded("replayer", lambda: run(sys.argv[1:])))
+    sys.exit(exit_status("replayer", lambda: run(sys.argv[1:])))
 
 
 if __name__ == "__main__":

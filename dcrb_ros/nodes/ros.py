@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from dcrb_ros.messages.topics import NAMESPACE
 from dcrb_ros.runtime.refusal import Refusal
-from dcrb_ros.runtime.signals import ENDING
+from dcrb_ros.runtime.signals import TERMINATION
 from dcrb_ros.schema.fields import Group
 from dcrb_ros.settings.files import ParameterField, flatten, parameter_fields, validated
 
@@ -182,17 +182,17 @@ def stop_on_signals() -> threading.Event:
     def told(number: int, frame: FrameType | None) -> None:
         stop.set()
 
-    for number in ENDING:
+    for number in TERMINATION:
         if signal.getsignal(number) is not signal.SIG_IGN or number != signal.SIGHUP:
             signal.signal(number, told)
-    signal.pthread_sigmask(signal.SIG_UNBLOCK, ENDING)
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, TERMINATION)
     return stop
 
 
 @contextmanager
 def signals_held() -> Iterator[None]:
     """Let processes started meanwhile keep back what would end them until `stop_on_signals`, so that none ends amid its imports."""
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, ENDING)
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, TERMINATION)
     try:
         yield
     finally:

@@ -13,7 +13,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from dcrb_ros.bearing.runtime_change import altered
-from dcrb_ros.cli.simulate import checked_duration
 from dcrb_ros.messages.topics import (
     BENCH_DIAGNOSTICS,
     CLOCK,
@@ -30,14 +29,15 @@ from dcrb_ros.nodes.refusals import Refusals
 from dcrb_ros.nodes.report import COMMANDS, Progress, Report
 from dcrb_ros.nodes.ros import declare, own_arguments, running, spin
 from dcrb_ros.nodes.services import Services
-from dcrb_ros.runtime.exit_status import guarded
-from dcrb_ros.runtime.prefetch import ahead
+from dcrb_ros.runtime.exit_status import exit_status
+from dcrb_ros.runtime.prefetch import prefetch
 from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.runtime.simulated_time import checked_duration
 from dcrb_ros.runtime.threads import NamedThread
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import flatten, parameter_fields
-from dcrb_ros.simulation.events import Command, command_of
-from dcrb_ros.simulation.scenario import begun, read_story, timeline
+from dcrb_ros.simulation.events import TimedCommand, commands_in
+from dcrb_ros.simulation.scenario import read_scenario_file, scheduled_changes, starting_configuration
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -77,7 +77,7 @@ class Simulator:
         from dcrb_ros.nodes.publisher import Publisher
 
         self.node, self.configuration, self._duration, self._story = node, configuration, duration, story
-        self._commands: list[Command] = []
+        self._commands: list[TimedCommand] = []
         self.failure: Exception | None = None
         self._began = time.monotonic()
         self._pacer = Pacer(configuration.time_scale, time.monotonic)
@@ -104,7 +104,7 @@ class Simulator:
             self.node.get_logger().info("compiling the kernels (once, about half a minute) ...")
         from dcrb_ros.simulation.loop import Simulation
 
-        return Simulation(self.configuration, timeline(self._story, self.configuration, "scenario") if self._story else ())
+        return Simulation(self.configuration, scheduled_changes(self._story, self.configuration, "scenario") if self._story else ())
 
     def record_on(self, wanted: Path) -> Path:
         """Begin a recording, unless one runs, at ``wanted`` or the next free name after it; return its folder."""
@@ -180,7 +180,7 @@ class Simulator:
 
     def _play(self) -> bool:
         """Send the simulation's blocks; return false if they were cut short by a reset or the node's end."""
-        with closing(ahead(self._simulation.blocks(self._duration), self._hurried)) as blocks:
+        with closing(prefetch(self._simulation.blocks(self._duration), self._hurried)) as blocks:
             for block in blocks:
                 # Encoded before the wait: a block goes out at its deadline, and the first one's preparations do not count.
                 messages = self._encoder.encode(block)
@@ -215,7 +215,7 @@ class Simulator:
         self._clock.tick(block.end_ns)
         self._publisher.write_messages(messages)
         self.tape.write_messages(messages)
-        self._commands += [command for truth in block.truths if (command := command_of(truth.time_ns, truth.changed))]
+        self._commands += commands_in(block.truths)
         self.progress.blocks += 1
         if block.energy is not None:
             self.progress.residual = block.energy.residual
@@ -301,10 +301,11 @@ def run(arguments: list[str]) -> int:
     options = own_arguments(parser, arguments)
     duration = None if options.duration is None else checked_duration(options.duration)
     with running("simulator", arguments) as (node, told):
-        story = read_story(options.scenario) if options.scenario else None
-        configuration = declare(node, Configuration, run_time=RUN_TIME, begun=lambda c: begun(story, c, str(options.scenario)))
+        story = read_scenario_file(options.scenario) if options.scenario else None
+        source = str(options.scenario)
+        configuration = declare(node, Configuration, run_time=RUN_TIME, begun=lambda c: starting_configuration(story, c, source))
         if story is not None:
-            timeline(story, configuration, str(options.scenario))
+            scheduled_changes(story, configuration, str(options.scenario))
         if told.is_set():
             return 0
         simulator = Simulator(node, configuration, duration, story)
@@ -321,7 +322,7 @@ def run(arguments: list[str]) -> int:
 
 def main() -> None:
     """Run the node as a program."""
-    status = guarded("simulator", lambda: run(sys.argv[1:]))
+    status = exit_status("simulator", lambda: run(sys.argv[1:]))
     if any(thread.name == MODEL for thread in threading.enumerate()):
         # A compilation cannot be interrupted, and the interpreter must not be taken down under it.
         sys.stdout.flush()

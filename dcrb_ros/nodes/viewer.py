@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from dcrb_ros.nodes.publisher import message_class, qos
 from dcrb_ros.nodes.ros import own_arguments, running, spin
-from dcrb_ros.runtime.exit_status import guarded
+from dcrb_ros.runtime.exit_status import exit_status
 from dcrb_ros.runtime.refusal import Refusal
 
 if TYPE_CHECKING:
@@ -112,7 +112,7 @@ def run(arguments: list[str]) -> int:
 
 def main() -> None:
     """Run the node as a program."""
-    sys.exit(guarded("viewer", lambda: run(sys.argv[1:])))
+    sys.exit(exit_status("viewer", lambda: run(sys.argv[1:])))
 
 
 if __name__ == "__main__":

@@ -20,11 +20,12 @@ from dcrb_ros import __version__
 from dcrb_ros.bearing.kinematics import characteristic_orders
 from dcrb_ros.bearing.states import BodyNames
 from dcrb_ros.messages.description import sensor_text
+from dcrb_ros.messages.event_text import encode_command
 from dcrb_ros.messages.points import decode_vibration, decode_waveform, packed
 from dcrb_ros.messages.statuses import decode_truth
 from dcrb_ros.messages.topics import GROUND_TRUTH, MANIFEST, VIBRATION, Message
 from dcrb_ros.settings.configuration import Configuration
-from dcrb_ros.simulation.events import Command, command_of
+from dcrb_ros.simulation.events import TimedCommand, commands_in
 
 FORMAT = 2
 """Format of the manifest; the first had no second record."""
@@ -76,7 +77,7 @@ def opening(
         "namespace": namespace,
         "bodies": bodies.names,
         "bearing": {**configuration.bearing.model_dump(), "radial_gap": configuration.bearing.radial_gap},
-        "orders": {"FTF": orders.ftf, "BPFO": orders.bpfo, "BPFI": orders.bpfi, "BSF": orders.bsf},
+        "orders": orders.as_dict(),
         "faults": configuration.described_faults(),
         "sampling_rate": configuration.sensor.sampling_rate,
         "sensor": json.loads(sensor_text(configuration)),
@@ -89,7 +90,7 @@ def opening(
 class Outcome:
     """What has come of a run so far: a hash of its samples, and its commands."""
 
-    def __init__(self, rate: int, commands: Iterable[Command] = ()) -> None:
+    def __init__(self, rate: int, commands: Iterable[TimedCommand] = ()) -> None:
         """Begin with no sample of a waveform of ``rate`` [Hz]; ``commands`` came before."""
         self._rate, self._digest = rate, hashlib.sha256()
         self._waiting: list[bytes] = []
@@ -106,10 +107,7 @@ class Outcome:
             if self._size > GATHERED:
                 self._take()
         elif message.topic == GROUND_TRUTH:
-            truth = decode_truth(message.data)
-            command = command_of(truth.time_ns, truth.changed)
-            if command is not None:
-                self.commands.append(command)
+            self.commands += commands_in([decode_truth(message.data)])
 
     def _take(self) -> None:
         """Take account of the samples that wait: many blocks together are read in a fifth of the time."""
@@ -156,7 +154,7 @@ class Outcome:
             "end_index": self.end_index,
             "sha256": self.sha256,
             "hashed": "ax, ay, shaft_angle of every sample as little-endian float32",
-            "commands": [command.described() for command in self.commands],
+            "commands": [encode_command(command) for command in self.commands],
             "command_count": len(self.commands),
             "ended": now(),
         }

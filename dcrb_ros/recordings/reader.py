@@ -17,6 +17,7 @@ from mcap.records import Message as McapMessage
 from dcrb_ros import __version__
 from dcrb_ros.bearing.kinematics import Orders, characteristic_orders
 from dcrb_ros.messages.description import decode_range
+from dcrb_ros.messages.event_text import decode_command
 from dcrb_ros.messages.points import Vibration, decode_vibration
 from dcrb_ros.messages.statuses import decode_truth
 from dcrb_ros.messages.topics import DETECTED, GROUND_TRUTH, MANIFEST, NAMESPACE, SENSOR, SIMULATED, VIBRATION, Message, Topic
@@ -24,7 +25,7 @@ from dcrb_ros.recordings.manifest import OUTCOME
 from dcrb_ros.recordings.mcap_reader import MAGIC, McapRecords
 from dcrb_ros.runtime.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
-from dcrb_ros.simulation.events import Command, command_of
+from dcrb_ros.simulation.events import TimedCommand, commands_in
 
 METADATA = "metadata.yaml"
 LARGEST_METADATA = 4_000_000
@@ -95,7 +96,7 @@ class Recording:
         if self._configuration is not None:
             return characteristic_orders(self._configuration.bearing)
         try:
-            return Orders(*(float(self.manifest["orders"][name]) for name in ("FTF", "BPFO", "BPFI", "BSF")))
+            return Orders.from_dict(self.manifest["orders"])
         except DAMAGED:
             raise Refusal(f"the manifest of {self.path} gives no fault orders: import the data again") from None
 
@@ -104,17 +105,15 @@ class Recording:
         """What the end of the recording says came of it; none where it was cut off."""
         return self._last(OUTCOME, "outcome")
 
-    def commands(self) -> list[Command]:
+    def commands(self) -> list[TimedCommand]:
         """Return the commands of the run, from its end or from the ground truth."""
         told = (self.outcome or {}).get("commands")
         if isinstance(told, list):
             try:
-                return [Command(int(command["time_ns"]), str(command["command"])) for command in told]
+                return [decode_command(entry) for entry in told]
             except DAMAGED:
                 self._remark("the commands in the manifest are damaged")
-        truths = (decode_truth(message.data) for message in self.messages((GROUND_TRUTH,)))
-        found = (command_of(truth.time_ns, truth.changed) for truth in truths)
-        return [command for command in found if command is not None]
+        return commands_in(decode_truth(message.data) for message in self.messages((GROUND_TRUTH,)))
 
     def messages(self, topics: Iterable[Topic] | None = None, *, namespace: str | None = None) -> Iterator[Message]:
         """Yield the messages of some topics, or of all that the bench knows, as they lie in the file."""

@@ -21,7 +21,7 @@ from dcrb_ros.recordings.rosbag2 import SECOND, Bag, RecordingFailed, Splitting,
 from dcrb_ros.runtime.refusal import Refusal, nearest
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.simulation.block import Block
-from dcrb_ros.simulation.events import Command
+from dcrb_ros.simulation.events import TimedCommand
 
 __all__ = ["Recorder", "RecordingFailed", "channel_of", "chosen_topics", "new_folder", "quality"]
 
@@ -82,7 +82,7 @@ class Recorder:
         *,
         namespace: str = NAMESPACE,
         scenario: Mapping[str, Any] | None = None,
-        commands: Iterable[Command] = (),
+        commands: Iterable[TimedCommand] = (),
         start_ns: int = 0,
     ) -> None:
         """Begin a recording at ``start_ns`` [ns] of a run that follows a ``scenario``, if any, and has had some ``commands`` before."""

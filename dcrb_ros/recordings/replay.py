@@ -13,7 +13,7 @@ from dcrb_ros.messages.topics import SENSOR, SIMULATED, VIBRATION, Message, Topi
 from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.recordings.recorder import chosen_topics
 from dcrb_ros.runtime.refusal import Refusal
-from dcrb_ros.runtime.timestamps import nanoseconds
+from dcrb_ros.runtime.simulated_time import nanoseconds
 from dcrb_ros.schema.fields import Group, choice, quantity
 
 

@@ -12,7 +12,7 @@ from dcrb_ros.recordings.manifest import model_fingerprint, software
 from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.runtime.refusal import Refusal
 from dcrb_ros.simulation.block import Block
-from dcrb_ros.simulation.events import Agenda
+from dcrb_ros.simulation.events import CommandSchedule
 from dcrb_ros.simulation.loop import Simulation
 
 
@@ -78,14 +78,14 @@ class Reproduction:
 
     def blocks(self, simulation: Simulation) -> Iterator[Block]:
         """Yield the blocks of the run; the commands come at their times."""
-        agenda = Agenda(self.recording.commands())
-        agenda.give(simulation)
+        schedule = CommandSchedule(self.recording.commands())
+        schedule.apply_due(simulation)
         for block in simulation.blocks(self.duration):
             skipped = max(0, self.samples.first_index - block.index)
             if skipped < len(block.shaft_angle) and not block.lost:
                 self._digest.update(packed(block.acceleration[skipped:], block.shaft_angle[skipped:]))
             yield block
-            agenda.give(simulation)
+            schedule.apply_due(simulation)
 
     def check(self) -> None:
         """Compare what came out with what was recorded.

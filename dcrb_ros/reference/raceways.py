@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from dcrb_ros.faults.defects import RacewayDefect
+from dcrb_ros.faults.raceway_defect import InnerRacewayDefect, OuterRacewayDefect, RacewayDefect
 from dcrb_ros.reference.bodies import ANGLE, INNER_RING, OUTER_RING, Bodies
 from dcrb_ros.reference.laws import johnson, lugre, stribeck, with_loss
 from dcrb_ros.runtime.arrays import Floats
@@ -137,7 +137,7 @@ class Raceway:
 def raceways(configuration: Configuration, bodies: Bodies) -> tuple[Raceway, Raceway]:
     """Return the raceways of inner and outer ring."""
     bearing = configuration.bearing
-    inner, outer = (tuple(defect for _, defect in configuration.faults.raceway_defects(ring)) for ring in ("inner", "outer"))
+    inner, outer = (tuple(configuration.faults.of_kind(kind)) for kind in (InnerRacewayDefect, OuterRacewayDefect))
     return (
         Raceway(configuration, bodies, INNER_RING, 1, bearing.inner_raceway_radius, inner),
         Raceway(configuration, bodies, OUTER_RING, -1, bearing.outer_raceway_radius, outer),

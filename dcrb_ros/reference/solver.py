@@ -7,6 +7,9 @@ from typing import NamedTuple
 import numpy as np
 
 from dcrb_ros.bearing.payload import build_payload, initial_state, pocket_azimuths
+from dcrb_ros.faults.broken_bars import BrokenBars
+from dcrb_ros.faults.geometry import BrokenBar
+from dcrb_ros.faults.raceway_defect import RacewayDefect
 from dcrb_ros.reference.bodies import ANGLE, CAGE, INNER_RING, OUTER_RING, Bodies, pocket_directions
 from dcrb_ros.reference.cage_fracture import IntactBars
 from dcrb_ros.reference.constraints import Constraints
@@ -17,6 +20,9 @@ from dcrb_ros.settings.configuration import Configuration
 
 BAUMGARTE = 5e3
 """Feedback coefficients alpha and beta [1/s]; the paper leaves them open."""
+
+OF_THE_PAPER = (RacewayDefect, BrokenBars)
+"""Kinds of faults in the paper."""
 
 
 class Motion(NamedTuple):
@@ -75,8 +81,8 @@ def refuse_beyond_the_paper(c: Configuration) -> None:
         "contact.damping": c.contact.damping != 0.0,
         "contact.notch": c.contact.notch != "sink",
         "friction.convection": c.friction.convection != 0.0,
-        "faults.roller_1": any(True for _ in c.faults.roller_defects()),
     }
+    beyond |= {f"faults.{key}": True for key, fault in c.faults.present() if not isinstance(fault, OF_THE_PAPER)}
     for key, there in beyond.items():
         if there:
             raise Refusal(f"{key} goes beyond the paper, whose formulation the reference keeps: leave it at the paper's value")
@@ -95,7 +101,8 @@ class Reference:
     def __init__(self, configuration: Configuration, *, baumgarte: tuple[float, float] = (BAUMGARTE, BAUMGARTE)) -> None:
         refuse_beyond_the_paper(configuration)
         bearing = configuration.bearing
-        self.bodies = Bodies(bearing.rows, bearing.rollers_per_row, tuple((r - 1, k - 1) for r, k in configuration.faults.bars()))
+        broken = tuple((damage.row, damage.bar) for damage in configuration.faults.damage(bearing) if isinstance(damage, BrokenBar))
+        self.bodies = Bodies(bearing.rows, bearing.rollers_per_row, broken)
         self.constraints = Constraints(self.bodies, bearing.pitch_radius, pocket_azimuths(bearing), configuration.operating.speed)
         self.bars = IntactBars(configuration, self.bodies)
         self.forces = Forces(configuration, self.bodies, self.bars)

@@ -21,7 +21,7 @@ VERDICTS: tuple[Verdict, ...] = get_args(Verdict)
 CHARACTERISTIC: dict[Component, str] = {"outer_ring": "BPFO", "inner_ring": "BPFI", "roller": "BSF", "cage": "FTF"}
 """Characteristic frequency that a fault of each component excites; a roller defect strikes at twice BSF."""
 
-TITLES: dict[Verdict, str] = {
+TITLES: dict[str, str] = {
     "healthy": "healthy",
     "outer_ring": "outer ring defect",
     "inner_ring": "inner ring defect",

@@ -7,8 +7,9 @@ from collections.abc import Iterator
 
 from pydantic import model_validator
 
-from dcrb_ros.conformal import conformal_law, power_stiffness
-from dcrb_ros.faults.defects import Faults, RacewayDefect, RollerDefect
+from dcrb_ros.core.laws.pereira import pereira_coefficients, pereira_stiffness
+from dcrb_ros.faults import Faults
+from dcrb_ros.faults.geometry import BrokenBar
 from dcrb_ros.measurement.stage import Parameters, Setup
 from dcrb_ros.schema.fields import LENGTH_REMEDY, Group, quantity
 from dcrb_ros.settings.parameters import (
@@ -83,8 +84,7 @@ def inconsistencies(c: Configuration) -> Iterator[str]:
     yield from _cage(c)
     yield from _guidance(c)
     yield from _rates(c)
-    yield from _notches(c)
-    yield from _bars(c)
+    yield from c.faults.problems(c.bearing)
     yield from _stability(c)
     yield from _splitting(c)
     yield from measurement_limits(c.measurement)
@@ -188,66 +188,6 @@ def _load(c: Configuration) -> float:
     return math.hypot(c.operating.load, c.operating.lateral_load) + c.bearing.inner_ring_mass * c.operating.gravity
 
 
-def _notches(c: Configuration) -> Iterator[str]:
-    b = c.bearing
-    for ring, raceway in (("inner", b.inner_raceway_radius), ("outer", b.outer_raceway_radius)):
-        found = list(c.faults.raceway_defects(ring))
-        for i, (name, notch) in enumerate(found):
-            yield from _width(name, notch.width, 2.0 * math.pi * raceway / b.rollers_per_row, "pitch")
-            if notch.row > b.rows:
-                yield f"faults.{name}.row = {notch.row} is outside 0 .. {b.rows}: the bearing has {b.rows} row(s), 0 means all"
-            for other_name, other in found[:i]:
-                shared = not (notch.row and other.row and notch.row != other.row)
-                yield from _overlap(name, notch, other_name, other, raceway) if shared else ()
-    rollers = list(c.faults.roller_defects())
-    for i, (name, defect) in enumerate(rollers):
-        yield from _width(name, defect.width, b.roller_radius, "roller's radius")
-        if defect.row > b.rows or defect.roller > b.rollers_per_row:
-            yield (
-                f"faults.{name}: there is no roller {defect.roller} in row {defect.row}; the bearing has {b.rows} row(s) of "
-                f"{b.rollers_per_row} rollers"
-            )
-        for other_name, second in rollers[:i]:
-            if (defect.row, defect.roller) == (second.row, second.roller):
-                yield from _overlap(name, defect, other_name, second, b.roller_radius)
-
-
-def _width(name: str, width: float, limit: float, what: str) -> Iterator[str]:
-    if width >= limit:
-        yield f"faults.{name}.width = {width:g} m is not below the {what} of {limit:.4g} m: {LENGTH_REMEDY}"
-
-
-def _overlap(
-    name: str, notch: RacewayDefect | RollerDefect, other_name: str, other: RacewayDefect | RollerDefect, radius: float
-) -> Iterator[str]:
-    apart = abs(math.remainder(notch.azimuth - other.azimuth, 2.0 * math.pi)) * radius
-    if apart < 0.5 * (notch.width + other.width):
-        yield (
-            f"faults.{name} overlaps faults.{other_name}: their middles are {apart:.4g} m apart; "
-            "move an azimuth or join them into one defect"
-        )
-
-
-def _bars(c: Configuration) -> Iterator[str]:
-    b = c.bearing
-    try:
-        bars = c.faults.bars()
-    except ValueError as error:
-        yield str(error)
-        return
-    for row, bar in bars:
-        if not (1 <= row <= b.rows and 1 <= bar <= b.rollers_per_row):
-            yield (
-                f"faults.broken_bars: row{row}/bar{bar} is outside row1/bar1 .. row{b.rows}/bar{b.rollers_per_row}: "
-                "bar k stands between rollers k and k + 1"
-            )
-    if len(set(bars)) < len(bars):
-        yield f"faults.broken_bars = '{c.faults.broken_bars}' names a bar twice: name each once"
-    for row in range(1, b.rows + 1):
-        if sum(at == row for at, _ in set(bars)) > b.rollers_per_row - 2:
-            yield f"faults.broken_bars leaves fewer than two bars in row {row}: a cage needs two to drive its rollers"
-
-
 LARGEST_PHASE = 1.8
 """Largest phase of the stiffest mode in a step [rad]; from 2 on leapfrog grows without bound, and impacts stiffen the contacts."""
 
@@ -280,17 +220,18 @@ LEAST_DRAG = 0.12
 def _modes_at_the_cage(c: Configuration, stiffness: float) -> dict[str, float]:
     """Return the squared frequencies [1/s^2] of cages, free rollers and bars, the raceways being of ``stiffness`` [N/m]."""
     b = c.bearing
-    if c.cage.joint == "revolute" and not c.faults.broken_bars:
+    any_broken = any(isinstance(damage, BrokenBar) for damage in c.faults.damage(b))
+    if c.cage.joint == "revolute" and not any_broken:
         return {"a cage with its rollers": 2.0 * stiffness / (b.cage_mass + b.rollers_per_row * b.roller_mass)}
     drag = max(LEAST_DRAG, 2.0 * c.friction.static_coefficient) * heaviest(c)
-    bar = power_stiffness(drag, *conformal_law(c.cage.pocket_clearance, b.roller_length, b.effective_modulus))
+    bar = pereira_stiffness(drag, *pereira_coefficients(c.cage.pocket_clearance, b.roller_length, b.effective_modulus))
     # Half a row pressing its cage at once: light cages and tight pockets failed from about there on.
     pressing = 0.5 * b.rollers_per_row
     modes = {
         "a roller between the raceways": 2.0 * stiffness / b.roller_mass,
         "rollers against the bars of a cage": bar * (1.0 / b.roller_mass + pressing / b.cage_mass),
     }
-    if c.faults.broken_bars:
+    if any_broken:
         modes["two rollers beside a broken bar"] = (2.0 * stiffness + bar) / b.roller_mass
     return modes
 
@@ -311,7 +252,7 @@ def _fitting_step(c: Configuration, longest: float) -> float:
 def contact_stiffness(c: Configuration, force: float) -> float:
     """Return the stiffness [N/m] of a roller's contact with the inner raceway under a normal force [N]."""
     if c.contact.law == "power":
-        return power_stiffness(force, c.contact.power_coefficient, c.contact.power_exponent)
+        return pereira_stiffness(force, c.contact.power_coefficient, c.contact.power_exponent)
     modulus = math.pi * c.bearing.effective_modulus * c.bearing.roller_length
     scale = 4.0 * (c.bearing.inner_raceway_radius + c.bearing.roller_radius)
     return modulus / max(1.0, math.log(modulus * scale / force) - 2.0)

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import itertools
+import re
 import sys
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import Any, TypeVar, get_args
 
@@ -17,6 +20,7 @@ from dcrb_ros.runtime.refusal import Refusal, nearest
 from dcrb_ros.schema.fields import Group
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.sensor import preset_values
+from dcrb_ros.settings.vehicle_speed import without_replaced
 from dcrb_ros.settings.yaml import parsed, read_yaml
 
 LEAST = sys.float_info.min
@@ -81,6 +85,12 @@ def parameter_fields(model: type[Group] = Configuration, prefix: str = "") -> It
             yield _field(prefix + name, info)
 
 
+@cache
+def fields_by_key(model: type[Group] = Configuration) -> Mapping[str, ParameterField]:
+    """Return every parameter of a model by its dotted key."""
+    return {field.key: field for field in parameter_fields(model)}
+
+
 def flatten(tree: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
     """Return a nested mapping with dotted keys."""
     flat: dict[str, Any] = {}
@@ -111,7 +121,7 @@ def validated(flat: Mapping[str, Any], model: type[Model], source: str) -> Model
         Refusal: an unknown key (with the nearest known one), a wrong type, a value out of range, or values that cannot
             be true together.
     """
-    fields = {field.key: field for field in parameter_fields(model)}
+    fields = fields_by_key(model)
     unknown = [key for key in flat if key not in fields]
     if unknown:
         raise Refusal(f"{source}: unknown parameter '{unknown[0]}'{nearest(unknown[0], fields)}{_more(len(unknown))}")
@@ -206,11 +216,8 @@ def load_configuration(source: str | Path, settings: Sequence[str] = ()) -> Conf
         Refusal: see `read_parameters` and `validated`.
     """
     path = find_configuration(source)
-    fields = {field.key: field for field in parameter_fields()}
-    flat, asked = read_parameters(path, "simulator"), _settings(settings, fields)
-    if "operating.speed" in asked:
-        flat.pop("operating.speed_kmh", None)
-    return validated({**flat, **asked}, Configuration, str(source))
+    flat, asked = read_parameters(path, "simulator"), _settings(settings, fields_by_key())
+    return validated({**without_replaced(flat, asked), **asked}, Configuration, str(source))
 
 
 def find_configuration(source: str | Path) -> Path:
@@ -243,17 +250,45 @@ def to_yaml(configuration: Group) -> str:
     return str(yaml.safe_dump({"/**": {"ros__parameters": configuration.model_dump()}}, sort_keys=False))
 
 
-def _changeable(field: ParameterField) -> str:
-    """Return how a parameter changes while the bench runs: by a command, by being set, or not."""
-    return "" if not field.run_time else "by command" if field.key in COMMANDED else "yes"
+UNIT_SIGNS = (("^2", "²"), ("sqrt(Hz)", "√Hz"), ("ug/", "µg/"))
+"""Units as the schema writes them, and as the documentation does."""
 
 
 def parameter_table(model: type[Group] = Configuration) -> str:
-    """Return the parameters as a Markdown table."""
-    lines = ["| parameter | symbol | default | range | unit | changes at run time | meaning |", "|---|---|---|---|---|---|---|"]
-    for field in parameter_fields(model):
-        span = ", ".join(field.choices) or (f"{field.low:g} .. {field.high:g}" if field.low is not None and field.high is not None else "")
-        default = f"{field.default:.6g}" if isinstance(field.default, float) else str(field.default)
-        cells = (f"`{field.key}`", field.symbol, default, span, field.unit, _changeable(field), field.description)
-        lines.append("| " + " | ".join(cells) + " |")
-    return "\n".join(lines)
+    """Return the parameters as Markdown: a table per group, with name, range and unit in one column, default and meaning."""
+    lines: list[str] = []
+    for group, fields in itertools.groupby(parameter_fields(model), lambda field: field.key.partition(".")[0] if "." in field.key else ""):
+        if group or lines:
+            lines += ["", f"### {group or 'no group'}", ""]
+        lines += ["| parameter, range, unit | default | meaning |", "|---|---|---|"]
+        lines += [_row(field) for field in fields]
+    return "\n".join(lines).strip()
+
+
+def _row(field: ParameterField) -> str:
+    """Return a parameter as a row of its table."""
+    default = f"{field.default:.6g}" if isinstance(field.default, float) else str(field.default)
+    return f"| `{field.key}`{_range(field)} | {default} | {field.description}{_symbol(field)}{_changeable(field)} |"
+
+
+def _range(field: ParameterField) -> str:
+    """Return the range and the unit of a parameter, or its choices, on a line of their own."""
+    if field.choices:
+        return f"<br>{', '.join(field.choices)}"
+    if field.low is None or field.high is None:
+        return ""
+    unit = field.unit if field.unit != "-" else ""
+    for plain, sign in UNIT_SIGNS:
+        unit = unit.replace(plain, sign)
+    low, high = (str(limit) if isinstance(limit, int) else f"{limit:g}" for limit in (field.low, field.high))
+    return f"<br>{low} to {high} {unit}".rstrip()
+
+
+def _symbol(field: ParameterField) -> str:
+    """Return the symbol of a parameter as a formula; a Greek letter is spelt out in the schema."""
+    return f", ${re.sub('^([a-z]{2,})', lambda name: chr(92) + name[1], field.symbol)}$" if field.symbol else ""
+
+
+def _changeable(field: ParameterField) -> str:
+    """Return a remark on a parameter that can change at run time."""
+    return "" if not field.run_time else ". *Changes by command.*" if field.key in COMMANDED else ". *Changes at run time.*"

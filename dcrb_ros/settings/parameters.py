@@ -13,6 +13,7 @@ from typing import Any, Literal
 from pydantic import model_validator
 
 from dcrb_ros.schema.fields import LENGTH_REMEDY, Group, choice, length, quantity
+from dcrb_ros.settings.vehicle_speed import FASTEST_KMH, with_shaft_speed
 
 SHORTEST_STEP = 1e-7
 """Shortest time step [s]."""
@@ -151,8 +152,8 @@ class Operating(Group):
         0.0,
         "km/h",
         "Speed of the vehicle, in place of operating.speed, which takes it by wheel_diameter; 0 for none",
-        -1000.0,
-        1000.0,
+        -FASTEST_KMH,
+        FASTEST_KMH,
     )
     wheel_diameter: float = quantity(0.92, "m", "Diameter of the wheel on the shaft", 0.05, 5.0, symbol="D", remedy=LENGTH_REMEDY)
     speed_ramp: float = quantity(50.0, "rad/s^2", "Slope at which a commanded speed is reached", 0.001, 1e5, run_time=True)
@@ -164,14 +165,9 @@ class Operating(Group):
 
     @model_validator(mode="before")
     @classmethod
-    def _by_the_wheel(cls, given: Any) -> Any:
-        """Take a speed in km/h as the shaft's; what is no number within its range is left for the fields to refuse."""
-        if not isinstance(given, Mapping) or not isinstance(given.get("speed_kmh"), float) or not given["speed_kmh"]:
-            return given
-        kmh, diameter = given["speed_kmh"], given.get("wheel_diameter", cls.model_fields["wheel_diameter"].default)
-        if not (abs(kmh) <= 1000.0 and isinstance(diameter, float) and diameter > 0.0):
-            return given
-        return {**given, "speed": shaft_speed(kmh, diameter), "speed_kmh": 0.0}
+    def _speed_of_vehicle(cls, given: Any) -> Any:
+        """Replace a speed in km/h by the shaft's."""
+        return with_shaft_speed(given, cls.model_fields["wheel_diameter"].default) if isinstance(given, Mapping) else given
 
 
 class SimulationParameters(Group):
@@ -223,8 +219,3 @@ class Recording(Group):
 def rpm(speed: float) -> float:
     """Return a speed [rad/s] in revolutions per minute."""
     return speed * 30.0 / math.pi
-
-
-def shaft_speed(kmh: float, wheel_diameter: float) -> float:
-    """Return the shaft's speed [rad/s] of a vehicle at ``kmh`` [km/h] on wheels of a diameter [m]."""
-    return kmh / 3.6 / (0.5 * wheel_diameter)

@@ -17,13 +17,13 @@ from dcrb_ros.messages.points import packed
 from dcrb_ros.recordings.recorder import Recorder, RecordingFailed
 from dcrb_ros.runtime.arrays import Samples
 from dcrb_ros.runtime.refusal import Refusal
-from dcrb_ros.runtime.timestamps import nanoseconds
+from dcrb_ros.runtime.simulated_time import nanoseconds
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import flatten, overlaid, validated
 from dcrb_ros.simulation.block import Block, Truth
-from dcrb_ros.simulation.events import command_of
+from dcrb_ros.simulation.events import commands_in
 from dcrb_ros.simulation.loop import ModelFailure, Simulation
-from dcrb_ros.simulation.scenario import Event, begun, timeline
+from dcrb_ros.simulation.scenario import ScheduledChange, scheduled_changes, starting_configuration
 from dcrb_ros.sweep.design import Value
 from dcrb_ros.sweep.label import DONE, ERROR, FAILED, REFUSED, base_label, fault_label
 from dcrb_ros.sweep.plan import Run, Task
@@ -184,11 +184,11 @@ def _started(recipe: Recipe, run: Run) -> _Turning:
     if not run.scenario:
         return _begun(recipe, configuration)
     story, source = recipe.stories[run.scenario], f"scenario {run.scenario}"
-    configuration = begun(story, configuration, source)
-    return _begun(recipe, configuration, timeline(story, configuration, source))
+    configuration = starting_configuration(story, configuration, source)
+    return _begun(recipe, configuration, scheduled_changes(story, configuration, source))
 
 
-def _begun(recipe: Recipe, configuration: Configuration, events: Iterable[Event] = ()) -> _Turning:
+def _begun(recipe: Recipe, configuration: Configuration, events: Iterable[ScheduledChange] = ()) -> _Turning:
     return _Turning(Simulation(configuration, events, waveform_only=recipe.output != "bag"), configuration, ())
 
 
@@ -214,7 +214,7 @@ def _recorded(recipe: Recipe, run: Run, turning: _Turning) -> Taken:
     folder, simulation = recipe.store.folder, turning.simulation
     if folder is not None:
         folder.mkdir(parents=True, exist_ok=True)
-    commands = [command for truth in turning.truths if (command := command_of(truth.time_ns, truth.changed))]
+    commands = commands_in(turning.truths)
     rate = turning.start.sensor.sampling_rate
     start_ns = nanoseconds(round(recipe.branch_at * rate) + round(recipe.settle * rate), rate)
     with tempfile.TemporaryDirectory(prefix=PART, dir=folder) as scratch:

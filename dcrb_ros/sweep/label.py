@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Mapping
 from typing import Any
 
 from dcrb_ros import __version__
+from dcrb_ros.faults.ground_truth import class_of
 from dcrb_ros.recordings.manifest import model_fingerprint
 from dcrb_ros.settings.files import overlaid
 from dcrb_ros.simulation.block import Truth
@@ -15,16 +15,6 @@ from dcrb_ros.sweep.plan import Run
 
 DONE, REFUSED, FAILED, ERROR = "done", "refused", "failed", "error"
 """What becomes of a run. A refused or failed one would fail again; after an error it is tried again by the next call."""
-CLASSES = {"outer": "outer_ring", "inner": "inner_ring", "roller": "roller", "broken": "cage", "sensor": "sensor"}
-
-
-def fault_class(faults: Mapping[str, Any]) -> str:
-    """Return what is wrong in the detector's words: healthy, outer_ring, inner_ring, roller, cage, compound for several of them, or
-    sensor, which hides the rest."""
-    found = {CLASSES[re.split("[_.]", name)[0]] for name in faults}
-    if "sensor" in found:
-        return "sensor"
-    return "compound" if len(found) > 1 else next(iter(found), "healthy")
 
 
 def base_label(run: Run, base: Mapping[str, Any]) -> dict[str, Any]:
@@ -51,13 +41,13 @@ def fault_label(truths: list[Truth]) -> dict[str, Any]:
     notches = {name: fault for name, fault in last.faults.items() if "width" in fault}
     largest: Mapping[str, Any] = max(notches.values(), key=lambda fault: fault["width"], default={})
     return {
-        "fault": fault_class(last.faults),
+        "fault": class_of(last.faults),
         "faults": {name: dict(fault) for name, fault in last.faults.items()},
         "width": largest.get("width"),
         "depth": largest.get("depth"),
         "row": largest.get("row"),
         "azimuth": largest.get("azimuth"),
-        "broken_bars": sum(name.startswith("broken_bars") for name in last.faults),
+        "broken_bars": sum("bar" in fault for fault in last.faults.values()),
         "onset": min((fault["onset"] for fault in last.faults.values()), default=None),
         "speed": last.speed,
         "load": math.hypot(*last.load),

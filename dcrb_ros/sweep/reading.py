@@ -13,15 +13,16 @@ from pydantic_core import ErrorDetails
 from dcrb_ros.runtime.refusal import Refusal, nearest
 from dcrb_ros.settings.files import (
     ParameterField,
+    fields_by_key,
     find_configuration,
     flatten,
     load_configuration,
     overlaid,
-    parameter_fields,
     shipped_folder,
 )
+from dcrb_ros.settings.vehicle_speed import SPEED, SPEED_KMH
 from dcrb_ros.settings.yaml import read_yaml
-from dcrb_ros.simulation.scenario import read_story
+from dcrb_ros.simulation.scenario import read_scenario_file
 from dcrb_ros.sweep.design import GRID, Axes, Axis, Choice, Span, Value
 from dcrb_ros.sweep.sweep_file import SCENARIO, SOUND, Shares, Sweep, SweepFile, Windows
 
@@ -64,7 +65,7 @@ GAPS = ("publishing.loss_probability", "publishing.burst_period")
 def sweep_of(tree: Mapping[str, Any], source: str, folder: Path = Path(), text: str = "") -> Sweep:
     """Return the sweep of a file as YAML gives it; names of other files count from ``folder``, too."""
     file = _file(tree, source)
-    fields = {field.key: field for field in parameter_fields()}
+    fields = fields_by_key()
     fixed = {key: _value(key, value, _known(key, fields, f"{source}: set"), f"{source}: set") for key, value in flatten(file.fixed).items()}
     base = overlaid(flatten(load_configuration(_beside(file.base, folder)).model_dump()), fixed)
     vary = _axes(file.vary, file.design, fields, f"{source}: vary")
@@ -190,7 +191,7 @@ def _beside(name: str, folder: Path) -> Path:
 def _stories(all_axes: list[Axes], folder: Path) -> dict[str, Any]:
     """Return the scenarios that axes name, as YAML gives them."""
     names = {str(name) for axes in all_axes if SCENARIO in axes for name in axes[SCENARIO].grid() if name}
-    return {name: read_story(folder / name if (folder / name).is_file() else Path(name)) for name in sorted(names)}
+    return {name: read_scenario_file(folder / name if (folder / name).is_file() else Path(name)) for name in sorted(names)}
 
 
 def _consistent(sweep: Sweep, fields: Mapping[str, ParameterField], source: str) -> None:
@@ -216,8 +217,8 @@ def _consistent(sweep: Sweep, fields: Mapping[str, ParameterField], source: str)
         raise Refusal(
             f"{source}: duration = {file.duration:g} s is above {LONGEST:g} s, too long for memory: take 'output: bag' and no windows"
         )
-    if "operating.speed_kmh" in flatten(file.fixed) and "operating.speed" in sweep.vary:
-        raise Refusal(f"{source}: set: operating.speed_kmh would win over operating.speed under 'vary': give one of them")
+    if SPEED_KMH in flatten(file.fixed) and SPEED in sweep.vary:
+        raise Refusal(f"{source}: set: {SPEED_KMH} would win over {SPEED} under 'vary': give one of them")
     gaps = [key for key in GAPS if sweep.base[key] or key in sweep.vary]
     if held and gaps:
         raise Refusal(

@@ -8,7 +8,7 @@ from typing import Any, Literal
 
 from pydantic import Field, model_validator
 
-from dcrb_ros.faults.defects import Faults
+from dcrb_ros.faults import Faults
 from dcrb_ros.schema.fields import Group
 from dcrb_ros.settings.files import flatten
 from dcrb_ros.sweep.design import Axes, Value, size

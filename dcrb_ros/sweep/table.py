@@ -10,7 +10,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from dcrb_ros.settings.files import parameter_fields
+from dcrb_ros.settings.files import fields_by_key
 from dcrb_ros.sweep.label import DONE
 from dcrb_ros.sweep.plan import Plan, Run
 from dcrb_ros.sweep.store import Store
@@ -88,7 +88,7 @@ class Tally:
 def varied(sweep: Sweep) -> dict[str, type]:
     """Return the parameters that differ between runs, each of which has a column, with their types."""
     keys = {key for axes in (sweep.vary, *sweep.cases.values()) for key in axes if key != SCENARIO}
-    return {field.key: field.kind for field in parameter_fields() if field.key in keys}
+    return {key: field.kind for key, field in fields_by_key().items() if key in keys}
 
 
 def write_table(plan: Plan, store: Store) -> Tally:

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from dcrb_ros.faults.ground_truth import class_of
 from dcrb_ros.runtime.arrays import Samples
 from dcrb_ros.simulation.block import Truth
-from dcrb_ros.sweep.label import fault_class
 from dcrb_ros.sweep.sweep_file import Windows
 
 
@@ -40,7 +40,7 @@ def labelled(begin: npt.NDArray[np.int64], first_index: int, rate: int, windows:
     return {
         "start": begin + first_index,
         "time": (begin + first_index) / rate,
-        "fault": np.array([fault_class(truths[k].faults) for k in known]),
+        "fault": np.array([class_of(truths[k].faults) for k in known]),
         "width": np.array([max((f.get("width", 0.0) for f in truths[k].faults.values()), default=0.0) for k in known]),
         "speed": np.array([truths[k].speed for k in known]),
         "load": np.array([float(np.hypot(*truths[k].load)) for k in known]),

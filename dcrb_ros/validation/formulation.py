@@ -7,8 +7,8 @@ from typing import NamedTuple
 import numpy as np
 
 from dcrb_ros.bearing.payload import build_payload, initial_state
-from dcrb_ros.core.step import advance
-from dcrb_ros.core.work import workspace
+from dcrb_ros.core.layout.workspace import workspace
+from dcrb_ros.core.solver.step import advance
 from dcrb_ros.reference.solver import History, Reference
 from dcrb_ros.runtime.arrays import Floats
 from dcrb_ros.settings.configuration import Configuration

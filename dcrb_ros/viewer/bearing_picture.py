@@ -14,7 +14,7 @@ from dcrb_ros.simulation.block import Truth
 from dcrb_ros.viewer import columns, palette
 from dcrb_ros.viewer.content import Content, Motion, Times
 from dcrb_ros.viewer.drawing import Drawing, arc, circle, on_circle, quaternions, rounded_up
-from dcrb_ros.viewer.fault_words import RacewayFault, RowFaults, faults_of_row
+from dcrb_ros.viewer.fault_words import RacewayMark, RowFaults, faults_of_row
 from dcrb_ros.viewer.timeline import TIMELINE, time_column
 
 ROOT = "bearing"
@@ -160,14 +160,14 @@ def log_row_faults(drawing: Drawing, row: int, time_ns: int, faults: RowFaults) 
     rr.log(f"{path}/name", rr.Points2D.from_fields(labels=[label], colors=[palette.DEFECT if any(faults) else palette.MUTED]))
 
 
-def log_notches(drawing: Drawing, path: str, faults: Sequence[RacewayFault]) -> None:
+def log_notches(drawing: Drawing, path: str, faults: Sequence[RacewayMark]) -> None:
     """Log the raceway defects of a row; those of the inner ring turn with it."""
     sides = {
-        "outer": (f"{path}/defect", drawing.outer_raceway + NOTCH),
-        "inner": (f"{path}/inner_ring/defect", drawing.inner_raceway - NOTCH),
+        "outer_ring": (f"{path}/defect", drawing.outer_raceway + NOTCH),
+        "inner_ring": (f"{path}/inner_ring/defect", drawing.inner_raceway - NOTCH),
     }
-    for side, (place, radius) in sides.items():
-        notches = [drawing.notch(radius, fault.azimuth, fault.width) for fault in faults if fault.name.startswith(side)]
+    for ring, (place, radius) in sides.items():
+        notches = [drawing.notch(radius, fault.azimuth, fault.width) for fault in faults if fault.ring == ring]
         rr.log(place, rr.LineStrips2D(notches, radii=[1.3 * NOTCH], colors=[palette.DEFECT], draw_order=6.0))
 
 

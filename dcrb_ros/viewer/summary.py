@@ -5,19 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
+from dcrb_ros.faults.ground_truth import words_of
+from dcrb_ros.schema.verdicts import TITLES
 from dcrb_ros.simulation.block import Truth
 from dcrb_ros.viewer.content import Content
-from dcrb_ros.viewer.fault_words import words_of
-
-TITLES = {
-    "healthy": "healthy",
-    "outer_ring": "outer ring defect",
-    "inner_ring": "inner ring defect",
-    "roller": "roller defect",
-    "cage": "cage fault",
-    "sensor": "sensor fault",
-    "compound": "several faults",
-}
 
 
 def markdown(content: Content) -> str:

@@ -21,9 +21,9 @@ from dcrb_ros.bearing.equilibrium import (
     stored_energy,
 )
 from dcrb_ros.bearing.payload import build_payload, initial_state
+from dcrb_ros.core.layout.workspace import workspace
 from dcrb_ros.core.payload import Payload
-from dcrb_ros.core.step import advance
-from dcrb_ros.core.work import workspace
+from dcrb_ros.core.solver.step import advance
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import load_configuration
 
@@ -178,7 +178,7 @@ digest = hashlib.sha256()
 for name in ("healthy", "outer_ring_defect", "compound", "cage_fracture", "paper"):
     for speed in (20.0, 40.0, 124.8):
         configuration = load_configuration(name, (f"operating.speed={speed}",))
-        digest.update(b"".join(part.tobytes() for part in initial_state(configuration, build_payload(configuration))))
+        digest.update(b"".join(np.asarray(part).tobytes() for part in initial_state(configuration, build_payload(configuration))))
 print(digest.hexdigest())
 """
 

@@ -12,6 +12,7 @@ from dcrb_ros.bearing.runtime_change import altered
 from dcrb_ros.runtime.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.simulation.block import Block, Truth
+from dcrb_ros.simulation.events import ParameterChange
 from dcrb_ros.simulation.loop import Simulation
 
 LEAD = 0.001
@@ -32,8 +33,8 @@ def test_a_defect_appears_at_the_time_that_the_truth_states() -> None:
     faulty.change({"faults.outer_1.width": 0.002})
     after = list(faulty.blocks(0.2))
     assert np.array_equal(before[0].acceleration, before[1].acceleration)
-    change = next(truth for truth in truths(after) if truth.changed)
-    assert change.changed == "faults.outer_1.width = 0.002"
+    change = next(truth for truth in truths(after) if truth.event)
+    assert change.event == ParameterChange({"faults.outer_1.width": 0.002})
     assert 0.02 <= change.time_ns * 1e-9 <= 0.02 + LEAD
     assert change.faults["outer_1"]["width"] == 0.002
     assert change.faults["outer_1"]["onset"] == pytest.approx(change.time_ns * 1e-9, abs=1e-9)
@@ -59,7 +60,7 @@ def test_a_growing_defect_keeps_its_onset() -> None:
     onsets = []
     for width in (0.001, 0.0015, 0.002):
         simulation.change({"faults.outer_1.width": width})
-        onsets += [t.faults["outer_1"]["onset"] for t in truths(list(simulation.blocks(0.02))) if t.changed.startswith("faults")]
+        onsets += [t.faults["outer_1"]["onset"] for t in truths(list(simulation.blocks(0.02))) if isinstance(t.event, ParameterChange)]
     assert len(onsets) == 3
     assert len(set(onsets)) == 1
 
@@ -88,7 +89,7 @@ def test_sensor_changes_from_the_first_sample_at_its_time() -> None:
     first = list(simulation.blocks(0.1))
     simulation.change({"sensor.range": 50.0, "sensor.adc_bits": 8})
     after = list(simulation.blocks(0.1))
-    at_ns = next(t.time_ns for t in truths(after) if t.changed)
+    at_ns = next(t.time_ns for t in truths(after) if t.event)
     sample = -(-at_ns * 51200 // 1_000_000_000) - after[0].index
     joined = np.concatenate([block.acceleration for block in after])
     clean = np.concatenate([block.clean for block in after])

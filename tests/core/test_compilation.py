@@ -13,7 +13,7 @@ import pytest
 
 from dcrb_ros.bearing.payload import build_payload, initial_state
 from dcrb_ros.core import compilation
-from dcrb_ros.core.work import workspace
+from dcrb_ros.core.layout.workspace import workspace
 from dcrb_ros.settings.configuration import Configuration
 
 PATIENCE = 60.0
@@ -27,7 +27,7 @@ def test_the_other_process_ends_with_the_one_that_started_it(tmp_path: Path) -> 
     with subprocess.Popen([sys.executable, "-m", compilation.MODULE], stdin=subprocess.PIPE, env=environment) as other:
         other.communicate(pickle.dumps(wanted), PATIENCE)  # and closes the pipe, as the end of a process does
     assert other.returncode == 1
-    assert not list(tmp_path.rglob("*draw_raceways-*.nbc"))  # it had ten seconds to go
+    assert not list(tmp_path.rglob("*linearize_raceways-*.nbc"))  # it had ten seconds to go
 
 
 def test_nothing_is_started_where_the_loop_lies_compiled(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -29,7 +29,7 @@ from dcrb_ros.exam.library import place, recorded
 from dcrb_ros.exam.marking import NOTHING, Mark, mark
 from dcrb_ros.exam.opinion import Opinion, evidence, opinion_of
 from dcrb_ros.exam.question import Question
-from dcrb_ros.exam.recorded_case import read_tape, right_verdict
+from dcrb_ros.exam.recorded_case import read_tape
 from dcrb_ros.exam.report import Report
 from dcrb_ros.exam.statistics import characteristic, rate, share
 from dcrb_ros.messages.statuses import Status, encode_diagnostics, encode_truth
@@ -509,16 +509,6 @@ def test_recordings_that_cannot_be_marked_are_refused(tmp_path: Path, capsys: py
     ):
         assert dcrb("score", str(taped(tmp_path / name, faults, verdicts))) == 2
         assert sentence in capsys.readouterr().err
-
-
-def test_right_verdicts_follow_from_the_truth() -> None:
-    assert right_verdict({}) == "healthy"
-    assert right_verdict({"roller_2": {}}) == "roller"
-    assert right_verdict({"broken_bars.row1/bar15": {}, "broken_bars.row2/bar15": {}}) == "cage"
-    assert right_verdict({"outer_1": {}, "inner_1": {}}) == "compound"
-    assert right_verdict({"outer_1": {}, "sensor.dead": {}}) == "sensor"
-    with pytest.raises(Refusal, match="knows no verdict"):
-        right_verdict({"gremlin": {}})
 
 
 def report(*marks: Mark, **criteria: Any) -> Report:

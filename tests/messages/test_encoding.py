@@ -78,7 +78,7 @@ def test_states_truth_and_features_round_trip() -> None:
         assert np.array_equal(joints.effort, expected.inner_force)
     truths = [decode_truth(m.data) for m in messages if m.topic is GROUND_TRUTH]
     expected_truths = [truth for block in run.blocks for truth in block.truths]
-    assert [(t.time_ns, t.speed, t.load, t.changed) for t in truths] == [(t.time_ns, t.speed, t.load, t.changed) for t in expected_truths]
+    assert [(t.time_ns, t.speed, t.load, t.event) for t in truths] == [(t.time_ns, t.speed, t.load, t.event) for t in expected_truths]
     assert truths[0].faults["outer_1"]["width"] == 0.002
     rms = decode_joints(next(m.data for m in messages if m.topic is FEATURES)).position[0]
     y = run.blocks[0].acceleration[:, 1].astype(float)

@@ -42,6 +42,7 @@ from dcrb_ros.nodes.publisher import message_class, qos
 from dcrb_ros.nodes.ros import spin
 from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.settings.configuration import Configuration
+from dcrb_ros.simulation.events import ScenarioEvent, SpeedCommand
 from dcrb_ros.simulation.loop import Simulation
 
 pytestmark = pytest.mark.node
@@ -107,7 +108,7 @@ def test_commands_take_effect_and_bad_ones_are_refused(tmp_path: Path) -> None:
 
         def obeyed() -> list[int]:
             truths = [decode_truth(data) for data in heard.heard[GROUND_TRUTH]]
-            return [truth.time_ns for truth in truths if truth.changed == "command/speed 140.0 rad/s"]
+            return [truth.time_ns for truth in truths if truth.event == SpeedCommand(140.0)]
 
         heard.until(obeyed, "the command in the ground truth")
         heard.until(lambda: decode_truth(heard.heard[GROUND_TRUTH][-1]).speed == pytest.approx(140.0), "the speed commanded")
@@ -224,7 +225,7 @@ def test_bench_command_ends_with_the_verdict(tmp_path: Path) -> None:
     assert sum(len(v.shaft_angle) for v in recording.vibrations()) == 10 * 51200
     assert recording.counts()["/dcrb/diagnosis"] > 3
     truths = [decode_truth(message.data) for message in recording.messages((GROUND_TRUTH,))]
-    assert [t.time_ns for t in truths if t.changed == "scenario: operating.load = 95000.0"] == [500_000_000]
+    assert [t.time_ns for t in truths if t.event == ScenarioEvent({"operating.load": 95000.0})] == [500_000_000]
     assert truths[-1].load[1] == pytest.approx(-95e3)
 
 

@@ -19,6 +19,7 @@ from dcrb_ros.messages.statuses import decode_truth
 from dcrb_ros.messages.topics import GROUND_TRUTH, SENSOR, VIBRATION
 from dcrb_ros.settings.files import COMMANDED, parameter_fields
 from dcrb_ros.simulation.block import Truth
+from dcrb_ros.simulation.events import ParameterChange
 
 pytestmark = pytest.mark.node
 
@@ -50,8 +51,8 @@ def test_faults_come_and_are_refused_as_a_whole(tmp_path: Path) -> None:
             assert reason in said
         assert heard.set(faults__outer_1__width=0.002, faults__outer_1__row=1, faults__broken_bars="row2/bar7") == (True, "")
         heard.until(lambda: len(truths(heard)[-1].faults) == 2, "the faults in the ground truth")
-        change = next(truth for truth in truths(heard) if "outer_1" in truth.changed)
-        assert change.changed == "faults.outer_1.width = 0.002, faults.outer_1.row = 1, faults.broken_bars = 'row2/bar7'"
+        change = next(truth for truth in truths(heard) if isinstance(truth.event, ParameterChange))
+        assert change.event == ParameterChange({"faults.outer_1.width": 0.002, "faults.outer_1.row": 1, "faults.broken_bars": "row2/bar7"})
         assert change.faults["outer_1"]["onset"] == pytest.approx(change.time_ns * 1e-9, abs=1e-9)
         assert "broken_bars.row2/bar7" in change.faults
         done, said = heard.set(faults__broken_bars="")

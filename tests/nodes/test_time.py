@@ -63,7 +63,7 @@ def test_same_samples_at_any_time_scale_and_block_size(scale: float, size: int, 
     assert np.array_equal(recorded, np.concatenate([block.acceleration for block in blocks]))
     said = [decode_truth(m.data) for m in Recording(bag).messages((GROUND_TRUTH,))]
     expected = [truth for block in blocks for truth in block.truths]
-    assert [(t.time_ns, t.changed, t.faults) for t in said] == [(t.time_ns, t.changed, t.faults) for t in expected]
+    assert [(t.time_ns, t.event, t.faults) for t in said] == [(t.time_ns, t.event, t.faults) for t in expected]
 
 
 def test_pause_holds_and_steps_go_one_block(tmp_path: Path) -> None:

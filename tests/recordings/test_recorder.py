@@ -26,6 +26,7 @@ from dcrb_ros.recordings.rosbag2 import RecordingFailed
 from dcrb_ros.runtime.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import load_configuration
+from dcrb_ros.simulation.events import SpeedCommand
 
 WAVEFORM = VIBRATION.resolved(NAMESPACE)
 
@@ -78,7 +79,7 @@ def test_each_compression_is_read_by_others(tmp_path: Path, compression: str) ->
 
 
 def test_only_chosen_topics_are_recorded_and_the_hash_is_of_all(tmp_path: Path) -> None:
-    bag = recorded(tmp_path / "bag", 10, topics="outer_ring/features, ground_truth", commands={3: "command/speed 130.0 rad/s"})
+    bag = recorded(tmp_path / "bag", 10, topics="outer_ring/features, ground_truth", events={3: SpeedCommand(130.0)})
     recording = Recording(bag)
     assert set(recording.counts()) == {"/dcrb/outer_ring/features", "/dcrb/ground_truth", "/dcrb/outer_ring/sensor"}
     assert recording.outcome is not None

@@ -16,11 +16,12 @@ from dcrb_ros.messages.topics import NAMESPACE, VIBRATION
 from dcrb_ros.recordings.reader import Recording, metadata_flaw
 from dcrb_ros.recordings.recovery import recover
 from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.simulation.events import LoadCommand
 
 
 @pytest.fixture(scope="module")
 def bag(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return recorded(tmp_path_factory.mktemp("bags") / "bag", 150, commands={7: "command/load 0.0 -90000.0 N"})
+    return recorded(tmp_path_factory.mktemp("bags") / "bag", 150, events={7: LoadCommand(0.0, -90000.0)})
 
 
 def waveform(bag: Path) -> list[int]:
@@ -39,7 +40,7 @@ def test_a_cut_off_recording_becomes_whole(bag: Path, tmp_path: Path) -> None:
     assert waveform(tmp_path / "new") == waveform(cut)
     assert recording.complete
     assert metadata_flaw(tmp_path / "new") == ""
-    assert [command.words for command in recording.commands()] == ["command/load 0.0 -90000.0 N"]
+    assert [timed.command for timed in recording.commands()] == [LoadCommand(0.0, -90000.0)]
     assert recording.configuration == Recording(bag).configuration
     with AnyReader([tmp_path / "new"]) as reader:
         counts = {c.topic: c.msgcount for c in reader.connections}

@@ -13,16 +13,16 @@ from dcrb_ros.runtime.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import (
     ParameterField,
+    fields_by_key,
     flatten,
     load_configuration,
-    parameter_fields,
     parameter_table,
     shipped_configurations,
     to_yaml,
     validated,
 )
 
-FIELDS = {field.key: field for field in parameter_fields()}
+FIELDS = fields_by_key()
 
 
 def test_healthy_is_the_default() -> None:

@@ -29,7 +29,7 @@ from hypothesis import strategies as st
 from dcrb_ros.cli.app import app
 from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.recordings.reproduction import Reproduction
-from dcrb_ros.runtime.exit_status import guarded
+from dcrb_ros.runtime.exit_status import exit_status
 from dcrb_ros.runtime.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import flatten, load_configuration, validated
@@ -41,7 +41,6 @@ from dcrb_ros.sweep.data_set import DataSet
 from dcrb_ros.sweep.design import GRID, LATIN_HYPERCUBE, RANDOM, Choice, Span, points, size
 from dcrb_ros.sweep.dispatch import WAITING, dispatched, workers_here
 from dcrb_ros.sweep.estimate import estimate
-from dcrb_ros.sweep.label import fault_class
 from dcrb_ros.sweep.plan import Plan, Run, splits
 from dcrb_ros.sweep.reading import read_sweep, sweep_of
 from dcrb_ros.sweep.store import Store, StoreFailed
@@ -275,14 +274,6 @@ def test_windows_lie_within_the_run(length: int, overlap: float, samples: int) -
         assert np.array_equal(window.T, signal_[k : k + length])
 
 
-def test_classes() -> None:
-    assert fault_class({}) == "healthy"
-    assert fault_class({"outer_1": {}, "outer_2": {}}) == "outer_ring"
-    assert fault_class({"broken_bars.row1/bar3": {}}) == "cage"
-    assert fault_class({"outer_1": {}, "roller_1": {}}) == "compound"
-    assert fault_class({"sensor.stuck": {}}) == "sensor"
-
-
 def test_a_preset_brings_its_sensor() -> None:
     made = sweep_of({"duration": 0.1, "set": {"sensor.preset": "mems"}, "vary": {"operating.speed": [100.0]}}, "test")
     assert made.base["sensor.range"] == load_configuration("healthy", ["sensor.preset=mems"]).sensor.range
@@ -429,7 +420,7 @@ def test_workers_may_be_killed(tmp_path: Path) -> None:
 
 
 def dcrb(*arguments: str) -> int:
-    return guarded("dcrb", lambda: app([*arguments], standalone_mode=False))
+    return exit_status("dcrb", lambda: app([*arguments], standalone_mode=False))
 
 
 SMALL = """

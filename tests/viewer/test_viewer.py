@@ -248,7 +248,7 @@ def test_defect_is_drawn_in_its_own_row() -> None:
     roller = {"row": 2.0, "roller": 3.0, "width": 0.002, "depth": 0.0003, "azimuth": 0.0, "onset": 0.0}
     truth = Truth(0, 100.0, (0.0, -1e5), {}, {"inner_1": fault, "broken_bars.row1/bar15": bar, "roller_1": roller})
     assert faults_of_row(truth, 0) == ((), (15,), ("bar 15 broken",))
-    assert faults_of_row(truth, 1) == ((("inner_1", 0.5, 0.001),), (), ("inner_1: 1 mm wide", "roller_1: 2 mm wide on roller 3"))
+    assert faults_of_row(truth, 1) == ((("inner_ring", 0.5, 0.001),), (), ("inner_1: 1 mm wide", "roller_1: 2 mm wide on roller 3"))
 
 
 def test_every_fault_of_a_bench_is_shown(tmp_path: Path) -> None:

@@ -1,0 +1,199 @@
+"""Conformal contacts: cages with their lands, and bound rollers with the bars of their pockets.
+
+Few of them are closed at any time. They are found one by one and put side by side, so that their law, which takes three powers each, is
+evaluated for all of them at once.
+"""
+
+from __future__ import annotations
+
+import math
+
+from dcrb_ros.core.jit import piece
+from dcrb_ros.core.laws.lugre import bristle_after, friction_line
+from dcrb_ros.core.laws.pereira import LEAST_IMPACT_SPEED, impact_damping, step_force
+from dcrb_ros.core.layout.records import Floats
+from dcrb_ros.core.layout.rollers import BarContact, ConformalContacts
+from dcrb_ros.core.layout.state import CAGE, FRICTION, LOSS, OUTER, State
+from dcrb_ros.core.layout.workspace import Workspace
+from dcrb_ros.core.payload import Payload
+from dcrb_ros.core.solver.classification import bar_at, filled
+
+CONCENTRIC = 1e-15
+"""Least distance of two centres, so that there is a direction from one to the other [m]."""
+
+
+@piece
+def find_lands(payload: Payload, state: State, work: Workspace) -> int:
+    """Write how the cages in reach of the outer ring's land lie to it, in the first conformal contacts; return how many there are."""
+    contacts, land, h, found = work.conformal[0], state.land[0], payload.step, 0
+    for row in range(payload.free.shape[0]):
+        dx, dy = state.position[CAGE + row, 0] - state.position[OUTER, 0], state.position[CAGE + row, 1] - state.position[OUTER, 1]
+        distance = max(math.sqrt(dx * dx + dy * dy), CONCENTRIC)
+        nx, ny = dx / distance, dy / distance
+        before = (state.velocity[CAGE + row, 0] - state.velocity[OUTER, 0]) * nx + (
+            state.velocity[CAGE + row, 1] - state.velocity[OUTER, 1]
+        ) * ny
+        if distance + 0.5 * h * abs(before) <= payload.land_clearance:
+            land.force[row] = land.impact_speed[row] = land.bristle[row] = 0.0
+            continue
+        vx = work.mean_velocity[CAGE + row, 0] - work.mean_velocity[OUTER, 0]
+        vy = work.mean_velocity[CAGE + row, 1] - work.mean_velocity[OUTER, 1]
+        contacts.owner[found] = row
+        contacts.normal_x[found], contacts.normal_y[found] = nx, ny
+        contacts.penetration[found] = distance - payload.land_clearance - 0.5 * h * before
+        contacts.closing_before[found], contacts.closing[found] = before, vx * nx + vy * ny
+        contacts.slip[found] = vy * nx - vx * ny + payload.land_radius * work.mean_velocity[CAGE + row, 2]
+        contacts.force[found], contacts.impact_speed[found] = land.force[row], land.impact_speed[row]
+        contacts.bristle[found] = land.bristle[row]
+        contacts.coefficient[found], contacts.exponent[found] = payload.land_coefficient, payload.land_exponent
+        contacts.mobility[found] = 0.5 * h * (1.0 / payload.train_mass[row] + 1.0 / payload.outer_ring_mass)
+        found += 1
+    return found
+
+
+@piece
+def find_bars(payload: Payload, state: State, work: Workspace, found: int) -> int:
+    """Write how bound rollers lie to bars in reach, as conformal contacts from ``found`` on; return how many there are then."""
+    bound, contacts, radius, h = work.bound[0], work.conformal[0], payload.roller_radius, payload.step
+    for k in range(work.row_ends[work.row_ends.size - 1]):
+        if bound.near_bar[k] <= 0.0:
+            continue
+        c, row = bound.roller[k], bound.row[k]
+        tx, ty = bound.tangent_x[k], bound.tangent_y[k]
+        ax, ay = bound.x[k] - state.position[CAGE + row, 0], bound.y[k] - state.position[CAGE + row, 1]
+        along = ax * tx + ay * ty
+        ahead = along > 0.0
+        if not bar_at(payload, row, c - row * payload.free.shape[1], ahead):
+            continue
+        side = 1.0 if ahead else -1.0
+        rx, ry = ax + side * radius * tx, ay + side * radius * ty
+        body = CAGE + row
+        turn, old_turn = work.mean_velocity[body, 2], state.velocity[CAGE + row, 2]
+        vx = bound.predicted_vx[k] - work.mean_velocity[body, 0] + turn * ry
+        vy = bound.predicted_vy[k] - work.mean_velocity[body, 1] - turn * rx
+        ux = bound.vx[k] - state.velocity[CAGE + row, 0] + old_turn * ry
+        uy = bound.vy[k] - state.velocity[CAGE + row, 1] - old_turn * rx
+        before = side * (ux * tx + uy * ty)
+        contacts.owner[found] = k
+        contacts.penetration[found] = abs(along) - payload.pocket_clearance - 0.5 * h * before
+        contacts.closing_before[found], contacts.closing[found] = before, side * (vx * tx + vy * ty)
+        contacts.slip[found] = vx * ty - vy * tx - side * bound.predicted_rim[k]
+        contacts.force[found], contacts.impact_speed[found] = abs(state.rollers[0].bar.force[c]), state.rollers[0].bar.impact_speed[c]
+        contacts.bristle[found] = bound.bar.bristle[k]
+        contacts.coefficient[found], contacts.exponent[found] = payload.bar_coefficient, payload.bar_exponent
+        contacts.mobility[found] = 0.5 * h / payload.roller_mass
+        bound.bar.side[k], bound.bar.lever_x[k], bound.bar.lever_y[k] = side, rx, ry
+        found += 1
+    return found
+
+
+@piece
+def evaluate_conformal(payload: Payload, contacts: ConformalContacts, found: int) -> None:
+    """Write elastic force and its slope, damping and friction of all conformal contacts found."""
+    count = filled(found)
+    for c in range(found, count):
+        contacts.penetration[c], contacts.closing[c], contacts.closing_before[c], contacts.force[c] = -1.0, 0.0, 0.0, 0.0
+    for c in range(count):
+        force, slope, closing = step_force(
+            contacts.penetration[c],
+            contacts.closing[c],
+            contacts.force[c],
+            contacts.mobility[c],
+            payload.step,
+            contacts.coefficient[c],
+            contacts.exponent[c],
+        )
+        closed_at = contacts.impact_speed[c]
+        impact = closed_at if closed_at > 0.0 else max(contacts.closing_before[c], LEAST_IMPACT_SPEED)
+        damping = impact_damping(force, closing, impact, payload.impact_loss)
+        friction_offset, friction_slope, relaxation_rate, weight = friction_line(
+            contacts.slip[c], contacts.bristle[c], payload.bar_friction, payload.bar_friction, 0.0, payload
+        )
+        contacts.elastic_force[c], contacts.elastic_slope[c] = force, slope
+        contacts.closing[c], contacts.damping[c] = closing, damping
+        contacts.friction_offset[c], contacts.friction_slope[c] = friction_offset, friction_slope
+        contacts.relaxation_rate[c], contacts.bristle_weight[c] = relaxation_rate, weight
+        contacts.impact_speed[c] = impact if force > 0.0 else 0.0
+
+
+@piece
+def land_closing(contacts: ConformalContacts, mean_velocity: Floats, c: int, row: int) -> float:
+    """Return the speed of penetration of a cage's contact with its land at the present mean velocities [m/s]."""
+    vx, vy = mean_velocity[CAGE + row, 0] - mean_velocity[OUTER, 0], mean_velocity[CAGE + row, 1] - mean_velocity[OUTER, 1]
+    closing: float = vx * contacts.normal_x[c] + vy * contacts.normal_y[c]
+    return closing
+
+
+@piece
+def add_land_forces(payload: Payload, work: Workspace, lands: int) -> None:
+    """Add the forces between cages and lands at the present mean velocities to those on both bodies."""
+    contacts, forces = work.conformal[0], work.force_of_bound
+    for c in range(lands):
+        row = contacts.owner[c]
+        closing = land_closing(contacts, work.mean_velocity, c, row)
+        elastic = contacts.elastic_force[c] + contacts.elastic_slope[c] * (closing - contacts.closing[c])
+        force = max(elastic + contacts.damping[c] * closing, 0.0)
+        # The mean velocities result from the force of the last sweep: without a step of Newton's method a stiff land is unstable.
+        feedback = contacts.mobility[c] * (contacts.elastic_slope[c] + contacts.damping[c])
+        normal = (force + feedback * contacts.force[c]) / (1.0 + feedback)
+        contacts.force[c] = normal
+        friction = normal * (contacts.friction_offset[c] + contacts.friction_slope[c] * contacts.slip[c])
+        nx, ny = contacts.normal_x[c], contacts.normal_y[c]
+        fx, fy = -normal * nx + friction * ny, -normal * ny - friction * nx
+        forces[CAGE + row, 0] += fx
+        forces[CAGE + row, 1] += fy
+        forces[CAGE + row, 2] -= payload.land_radius * friction
+        forces[OUTER, 0] -= fx
+        forces[OUTER, 1] -= fy
+
+
+@piece
+def store_lands(payload: Payload, state: State, work: Workspace, lands: int) -> None:
+    """Write the contacts of cages and lands back into the state, and their losses into the energy account."""
+    contacts, land, h = work.conformal[0], state.land[0], payload.step
+    for c in range(lands):
+        row = contacts.owner[c]
+        normal, closing, slip = contacts.force[c], land_closing(contacts, work.mean_velocity, c, row), contacts.slip[c]
+        bristle = bristle_after(contacts.bristle[c], slip, contacts.relaxation_rate[c], contacts.bristle_weight[c], h)
+        land.force[row], land.bristle[row] = normal, bristle if normal > 0.0 else 0.0
+        land.impact_speed[row] = contacts.impact_speed[c]
+        state.account[FRICTION] += h * normal * (contacts.friction_offset[c] + contacts.friction_slope[c] * slip) * slip
+        state.account[LOSS] += h * contacts.damping[c] * closing * closing
+
+
+@piece
+def linearize_bars(bar: BarContact, contacts: ConformalContacts, lands: int, found: int) -> None:
+    """Write contacts with bars as lines over the mean velocities of the step; the normal is the pocket's tangent, friction radial."""
+    for c in range(lands, found):
+        k, elastic, slope, closing = contacts.owner[c], contacts.elastic_force[c], contacts.elastic_slope[c], contacts.closing[c]
+        damping = contacts.damping[c]
+        expected = elastic + damping * closing
+        bar.force_offset[k], bar.force_slope[k] = elastic - slope * closing, slope + damping
+        bar.friction_offset[k], bar.friction_slope[k] = contacts.friction_offset[c] * expected, contacts.friction_slope[c] * expected
+        bar.relaxation_rate[k], bar.bristle_weight[k] = contacts.relaxation_rate[c], contacts.bristle_weight[c]
+        bar.damping[k] = damping
+        bar.impact_speed[k] = contacts.impact_speed[c]
+
+
+@piece
+def clear_bars(bar: BarContact, count: int) -> None:
+    """Write that no bar is touched."""
+    for k in range(count):
+        bar.force_offset[k] = bar.force_slope[k] = bar.friction_offset[k] = bar.friction_slope[k] = 0.0
+        bar.damping[k] = bar.relaxation_rate[k] = bar.bristle_weight[k] = 0.0
+        bar.side[k] = bar.lever_x[k] = bar.lever_y[k] = 0.0
+        bar.impact_speed[k] = 0.0
+
+
+@piece
+def linearize_cages(payload: Payload, state: State, work: Workspace, count: int) -> int:
+    """Write the contacts of cages with lands and of ``count`` bound rollers with bars; return how many lands are touched."""
+    lands = find_lands(payload, state, work)
+    found = lands
+    if payload.any_free:
+        clear_bars(work.bound[0].bar, count)
+        found = find_bars(payload, state, work, lands)
+    if found > 0:
+        evaluate_conformal(payload, work.conformal[0], found)
+        linearize_bars(work.bound[0].bar, work.conformal[0], lands, found)
+    return lands

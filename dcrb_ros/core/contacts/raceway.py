@@ -1,0 +1,299 @@
+"""The contacts of bound rollers with the raceways: penetration, force and friction, each as a line over the mean velocities of the step."""
+
+from __future__ import annotations
+
+import math
+
+from dcrb_ros.core.contacts.force_line import crosses, crossing_line, elastic, lasting_line
+from dcrb_ros.core.contacts.notch import edge_contact, notch_under, passed, roller_notch_under
+from dcrb_ros.core.jit import piece
+from dcrb_ros.core.laws.lugre import convection_rate, friction_line
+from dcrb_ros.core.layout.records import Floats
+from dcrb_ros.core.layout.rollers import BoundRollers, RacewayContact
+from dcrb_ros.core.layout.state import INNER, OUTER, State
+from dcrb_ros.core.layout.workspace import Workspace
+from dcrb_ros.core.payload import JOHNSON, SINK, Notches, Payload
+
+LARGEST_CLOSING = 1.0
+"""A contact may close within a step when its gap is less than this speed covers [m/s]; idle rollers are slower."""
+LEAST_FORCE = 1e-9
+"""Force of an open contact where it divides [N]."""
+
+
+@piece
+def raceway_friction(
+    slip: float, bristle: float, along: float, distance: float, ring_speed: float, force: float, inner: bool, payload: Payload
+) -> tuple[float, float, float, float]:
+    """Return the `friction_line` of a raceway contact; rolling ``along`` the raceway [m/s] carries bristles out of it."""
+    raceway, width = payload.outer_raceway_radius, payload.outer_width
+    if inner:
+        raceway, width = payload.inner_raceway_radius, payload.inner_width
+    rolling = (along / distance - ring_speed) * raceway
+    convection = convection_rate(rolling, max(force, LEAST_FORCE), width, payload.convection)
+    return friction_line(slip, bristle, payload.kinetic_coefficient, payload.static_coefficient, convection, payload)
+
+
+@piece
+def notch_depth(
+    payload: Payload, state: State, work: Workspace, row: int, i: int, nx: float, ny: float, orbit: float, spin: float, inner: bool
+) -> tuple[float, float]:
+    """Return the depth of notches under a contact, for the step [m], and how fast it grows [m/s].
+
+    (nx, ny) points from the ring to the roller, ``orbit`` is the roller's angular speed about the ring's centre, ``spin`` its own [rad/s].
+    """
+    if inner:
+        passing, side, raceway = orbit - state.shaft[1], -1.0, payload.inner_raceway_radius
+        depth, sink = raceway_notch_depth(payload, payload.inner_notches, work.inner_notch_direction, row, nx, ny, passing, True)
+    else:
+        side, raceway = 1.0, payload.outer_raceway_radius
+        depth, sink = raceway_notch_depth(payload, payload.outer_notches, work.outer_notch_direction, row, nx, ny, orbit, False)
+    if payload.roller_notches.row.size > 0:
+        angle, way = state.rollers[0].angle[row * payload.free.shape[1] + i], payload.step * (orbit - spin)
+        own, change = roller_notch_under(
+            payload.roller_notches, row, i, side * nx, side * ny, angle, way, raceway, payload.roller_radius, inner
+        )
+        depth, sink = depth + own, sink + change / payload.step
+    return depth, sink
+
+
+@piece
+def raceway_notch_depth(
+    payload: Payload, notches: Notches, direction: Floats, row: int, nx: float, ny: float, passing: float, inner: bool
+) -> tuple[float, float]:
+    """Return depth [m] and its growth [m/s] of a raceway's notch that a roller passes at an angular speed ``passing`` [rad/s]."""
+    if payload.notch_law != SINK or notches.row.size == 0:
+        return 0.0, 0.0
+    k, offset = notch_under(notches, direction, row, nx, ny)
+    if k < 0:
+        return 0.0, 0.0
+    raceway = payload.inner_raceway_radius if inner else payload.outer_raceway_radius
+    depth, change = passed(
+        offset,
+        passing * payload.step,
+        notches.half_angle[k],
+        notches.bottom[k],
+        notches.kink[k],
+        notches.depth[k],
+        raceway,
+        payload.roller_radius,
+        inner,
+        False,
+    )
+    return depth, change / payload.step
+
+
+@piece
+def locate(bound: BoundRollers, contact: RacewayContact, k: int, ring_x: float, ring_y: float, reach: float, side: float) -> None:
+    """Write direction, distance and penetration between a roller and a smooth raceway.
+
+    ``reach`` [m] is the distance at which a contact closes, ``side`` is 1 at the inner ring and -1 at the outer.
+    """
+    dx, dy = bound.x[k] - ring_x, bound.y[k] - ring_y
+    distance = math.sqrt(dx * dx + dy * dy)
+    nx, ny = dx / distance, dy / distance
+    contact.radial_x[k], contact.radial_y[k] = nx, ny
+    contact.normal_x[k], contact.normal_y[k] = nx, ny
+    contact.distance[k] = distance
+    contact.penetration[k] = side * (reach - distance)
+    contact.sink_speed[k] = contact.surface_speed_normal[k] = 0.0
+
+
+@piece
+def closing_speeds(
+    bound: BoundRollers, contact: RacewayContact, k: int, mean: tuple[float, float], old: tuple[float, float], side: float
+) -> tuple[float, float, float]:
+    """Return the speeds of penetration expected and before the step, and that at which the floor of a notch falls away [m/s].
+
+    ``mean`` is the ring's predicted mean velocity, ``old`` that before the step.
+    """
+    nx, ny = contact.normal_x[k], contact.normal_y[k]
+    vx, vy = bound.predicted_vx[k] - mean[0], bound.predicted_vy[k] - mean[1]
+    ux, uy = bound.vx[k] - old[0], bound.vy[k] - old[1]
+    surface_n, sink = contact.surface_speed_normal[k], contact.sink_speed[k]
+    return -side * (vx * nx + vy * ny - surface_n) - sink, -side * (ux * nx + uy * ny - surface_n) - sink, sink
+
+
+@piece
+def write_force_line(contact: RacewayContact, k: int, line: tuple[float, float, float, float, float]) -> None:
+    """Write a `force_line`."""
+    contact.force_offset[k], contact.force_slope[k], contact.expected_force[k] = line[0], line[1], line[2]
+    contact.damping[k], contact.expected_closing[k] = line[3], line[4]
+
+
+@piece
+def linearize_friction(
+    bound: BoundRollers,
+    contact: RacewayContact,
+    k: int,
+    mean: tuple[float, float],
+    ring_speed: float,
+    surface: float,
+    inner: bool,
+    payload: Payload,
+) -> None:
+    """Write the friction of a contact with a ring as a line over the slip.
+
+    ``mean`` is the ring's predicted mean velocity, ``surface`` the speed of its surface [m/s].
+    """
+    side = 1.0 if inner else -1.0
+    rx, ry = contact.radial_x[k], contact.radial_y[k]
+    along = (bound.predicted_vy[k] - mean[1]) * rx - (bound.predicted_vx[k] - mean[0]) * ry
+    slip, force = along - side * bound.predicted_rim[k] - surface, contact.expected_force[k]
+    bristle, distance = contact.bristle[k], contact.distance[k]
+    offset, slope, relaxation_rate, weight = raceway_friction(slip, bristle, along, distance, ring_speed, force, inner, payload)
+    contact.friction_offset[k], contact.friction_slope[k] = offset * force, slope * force
+    contact.relaxation_rate[k], contact.bristle_weight[k] = relaxation_rate, weight
+
+
+@piece
+def apply_notches(payload: Payload, state: State, work: Workspace, contact: RacewayContact, mean: tuple[float, float], inner: bool) -> None:
+    """Subtract the depth of notches from the penetrations of contacts that are closed or nearly so, and write how fast it grows."""
+    bound = work.bound[0]
+    for k in range(work.row_ends[work.row_ends.size - 1]):
+        if contact.penetration[k] > -LARGEST_CLOSING * payload.step:
+            row = bound.row[k]
+            nx, ny = contact.radial_x[k], contact.radial_y[k]
+            orbit = (bound.predicted_vy[k] - mean[1]) * nx - (bound.predicted_vx[k] - mean[0]) * ny
+            orbit, spin = orbit / contact.distance[k], bound.predicted_rim[k] / payload.roller_radius
+            i = bound.roller[k] - row * payload.free.shape[1]
+            depth, sink = notch_depth(payload, state, work, row, i, nx, ny, orbit, spin, inner)
+            contact.penetration[k] -= depth
+            contact.sink_speed[k] = sink
+
+
+@piece
+def linearize_edges(
+    payload: Payload,
+    state: State,
+    work: Workspace,
+    contact: RacewayContact,
+    mean: tuple[float, float],
+    old: tuple[float, float],
+    ring_speed: float,
+    inner: bool,
+) -> None:
+    """Replace force, normal and friction of the smooth raceway where a roller is over a notch with edges."""
+    bound, side = work.bound[0], 1.0 if inner else -1.0
+    surface = ring_speed * payload.inner_raceway_radius
+    ring, notches, direction = OUTER, payload.outer_notches, work.outer_notch_direction
+    if inner:
+        ring, notches, direction = INNER, payload.inner_notches, work.inner_notch_direction
+    for k in range(work.row_ends[work.row_ends.size - 1]):
+        gap = -contact.penetration[k]
+        if gap >= LARGEST_CLOSING * payload.step:
+            continue
+        rx, ry = contact.radial_x[k], contact.radial_y[k]
+        notch, _ = notch_under(notches, direction, bound.row[k], rx, ry)
+        if notch >= 0:
+            dx, dy = bound.x[k] - state.position[ring, 0], bound.y[k] - state.position[ring, 1]
+            force, stiffness, nx, ny = edge_contact(
+                dx, dy, direction[notch, 0], direction[notch, 1], notches.half_angle[notch], notches.depth[notch], gap, inner, payload
+            )
+            contact.normal_x[k], contact.normal_y[k] = nx, ny
+            contact.surface_speed_normal[k] = surface * (rx * ny - ry * nx)
+            closing, before, sink = closing_speeds(bound, contact, k, mean, old, side)
+            write_force_line(contact, k, lasting_line(force, stiffness, closing, before, sink, payload))
+            linearize_friction(bound, contact, k, mean, ring_speed, surface, inner, payload)
+
+
+@piece
+def locate_raceways(payload: Payload, state: State, work: Workspace, count: int) -> None:
+    """Write direction, distance and penetration of ``count`` bound rollers at both raceways."""
+    bound, radius = work.bound[0], payload.roller_radius
+    outer_reach, inner_reach = payload.outer_raceway_radius - radius, payload.inner_raceway_radius + radius
+    outer_x, outer_y, inner_x, inner_y = (
+        state.position[OUTER, 0],
+        state.position[OUTER, 1],
+        state.position[INNER, 0],
+        state.position[INNER, 1],
+    )
+    for k in range(count):
+        locate(bound, bound.outer, k, outer_x, outer_y, outer_reach, -1.0)
+        locate(bound, bound.inner, k, inner_x, inner_y, inner_reach, 1.0)
+    for k in range(work.row_ends[work.row_ends.size - 1], count):
+        bound.outer.penetration[k] = bound.inner.penetration[k] = -1.0
+
+
+@piece
+def linearize_smooth(
+    payload: Payload,
+    bound: BoundRollers,
+    contact: RacewayContact,
+    count: int,
+    mean: tuple[float, float],
+    old: tuple[float, float],
+    ring_speed: float,
+    inner: bool,
+    johnson: bool,
+) -> None:
+    """Write the contacts with a smooth raceway as lines, and which of them close or open within the step."""
+    side = 1.0 if inner else -1.0
+    scale, surface = payload.inner_scale if inner else payload.outer_scale, ring_speed * payload.inner_raceway_radius
+    for k in range(count):
+        closing, before, sink = closing_speeds(bound, contact, k, mean, old, side)
+        penetration = contact.penetration[k]
+        force, stiffness = elastic(penetration, scale, johnson, payload)
+        contact.crossing[k] = 1.0 if crosses(penetration, closing, before, payload.step) else 0.0
+        write_force_line(contact, k, lasting_line(force, stiffness, closing, before, sink, payload))
+        linearize_friction(bound, contact, k, mean, ring_speed, surface, inner, payload)
+
+
+@piece
+def linearize_crossing(
+    payload: Payload,
+    work: Workspace,
+    contact: RacewayContact,
+    mean: tuple[float, float],
+    old: tuple[float, float],
+    ring_speed: float,
+    inner: bool,
+) -> None:
+    """Write the lines of the contacts that close or open within the step."""
+    bound, side = work.bound[0], 1.0 if inner else -1.0
+    scale, surface, found = payload.inner_scale if inner else payload.outer_scale, ring_speed * payload.inner_raceway_radius, 0
+    for k in range(work.row_ends[work.row_ends.size - 1]):
+        if contact.crossing[k] > 0.0:
+            bound.crossings[found] = k
+            found += 1
+    for n in range(found):
+        k = bound.crossings[n]
+        closing, before, sink = closing_speeds(bound, contact, k, mean, old, side)
+        # A pinned roller moves with its whole cage: its force changes next to nothing.
+        mobility = 0.5 * payload.step / payload.roller_mass * bound.free[k]
+        penetration, last = contact.penetration[k], contact.last_force[k]
+        write_force_line(contact, k, crossing_line(penetration, closing, before, sink, last, mobility, scale, payload))
+        linearize_friction(bound, contact, k, mean, ring_speed, surface, inner, payload)
+
+
+@piece
+def linearize_raceway(
+    payload: Payload,
+    state: State,
+    work: Workspace,
+    count: int,
+    contact: RacewayContact,
+    mean: tuple[float, float],
+    old: tuple[float, float],
+    ring_speed: float,
+    inner: bool,
+) -> None:
+    """Write the contacts of bound rollers with a raceway as lines over the mean velocities of the step, notches included."""
+    if payload.any_notch:
+        apply_notches(payload, state, work, contact, mean, inner)
+    if payload.contact_law == JOHNSON:
+        linearize_smooth(payload, work.bound[0], contact, count, mean, old, ring_speed, inner, True)
+    else:
+        linearize_smooth(payload, work.bound[0], contact, count, mean, old, ring_speed, inner, False)
+    linearize_crossing(payload, work, contact, mean, old, ring_speed, inner)
+    if payload.any_notch and payload.notch_law != SINK:
+        linearize_edges(payload, state, work, contact, mean, old, ring_speed, inner)
+
+
+@piece
+def linearize_raceways(payload: Payload, state: State, work: Workspace, count: int) -> None:
+    """Write the contacts of ``count`` bound rollers with both raceways as lines over the mean velocities of the step."""
+    mean, old = work.mean_velocity, state.velocity
+    outer_mean, inner_mean = (mean[OUTER, 0], mean[OUTER, 1]), (mean[INNER, 0], mean[INNER, 1])
+    outer_old, inner_old = (old[OUTER, 0], old[OUTER, 1]), (old[INNER, 0], old[INNER, 1])
+    linearize_raceway(payload, state, work, count, work.bound[0].outer, outer_mean, outer_old, 0.0, False)
+    linearize_raceway(payload, state, work, count, work.bound[0].inner, inner_mean, inner_old, state.shaft[1], True)

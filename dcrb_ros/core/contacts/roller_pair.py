@@ -1,0 +1,66 @@
+"""Contact of two rollers with each other where the bar between them is broken (Fig. 5a of Fan et al. 2025)."""
+
+from __future__ import annotations
+
+import math
+
+from dcrb_ros.core.contacts.force_line import normal_force
+from dcrb_ros.core.jit import piece
+from dcrb_ros.core.laws.loss import loss_coefficient
+from dcrb_ros.core.laws.lugre import bristle_after, friction_line
+from dcrb_ros.core.layout.records import Floats
+from dcrb_ros.core.layout.rollers import Rollers
+from dcrb_ros.core.layout.state import FRICTION, LOSS, State
+from dcrb_ros.core.payload import Payload
+
+
+@piece
+def predicted_velocity(rollers: Rollers, c: int) -> tuple[float, float, float]:
+    """Return the mean velocity of roller ``c`` over the coming step [m/s, m/s, rad/s]."""
+    vx, vy = rollers.vx[c] + 0.5 * rollers.change_vx[c], rollers.vy[c] + 0.5 * rollers.change_vy[c]
+    return vx, vy, rollers.spin[c] + 0.5 * rollers.change_spin[c]
+
+
+@piece
+def add_pair_contact(payload: Payload, state: State, pair_force: Floats, row: int, i: int, j: int) -> None:
+    """Add the contact of rollers ``i`` and ``j`` of a row to the forces on both, at their predicted velocities."""
+    rollers, first = state.rollers[0], row * payload.free.shape[1]
+    pair, k = rollers.pair, first + i
+    dx, dy = rollers.x[first + i] - rollers.x[first + j], rollers.y[first + i] - rollers.y[first + j]
+    distance = math.sqrt(dx * dx + dy * dy)
+    penetration = 2.0 * payload.roller_radius - distance
+    if penetration <= 0.0:
+        pair.force[k] = pair.bristle[k] = 0.0
+        return
+    nx, ny = dx / distance, dy / distance
+    own, other = predicted_velocity(rollers, first + i), predicted_velocity(rollers, first + j)
+    vx, vy = own[0] - other[0], own[1] - other[1]
+    rate = -(vx * nx + vy * ny)
+    slip = vy * nx - vx * ny - payload.roller_radius * (own[2] + other[2])
+    force, stiffness = normal_force(penetration, payload.roller_scale, payload)
+    damping = loss_coefficient(force, stiffness * payload.loss_time + payload.contact_damping, rate)
+    normal = force + damping * rate
+    offset, slope, relaxation_rate, weight = friction_line(
+        slip, pair.bristle[k], payload.kinetic_coefficient, payload.static_coefficient, 0.0, payload
+    )
+    friction = normal * (offset + slope * slip)
+    fx, fy = normal * nx + friction * ny, normal * ny - friction * nx
+    for roller, sign in ((i, 1.0), (j, -1.0)):
+        pair_force[row, roller, 0] += sign * fx
+        pair_force[row, roller, 1] += sign * fy
+        pair_force[row, roller, 2] += friction
+    pair.force[k] = normal
+    pair.bristle[k] = bristle_after(pair.bristle[k], slip, relaxation_rate, weight, payload.step)
+    state.account[FRICTION] += payload.step * friction * slip
+    state.account[LOSS] += payload.step * damping * rate * rate
+
+
+@piece
+def add_pair_contacts(payload: Payload, state: State, pair_force: Floats) -> None:
+    """Write the forces that rollers exert on each other across broken bars."""
+    for k in range(payload.gaps.shape[0]):
+        row, i, j = payload.gaps[k, 0], payload.gaps[k, 1], payload.gaps[k, 2]
+        for part in range(3):
+            pair_force[row, i, part] = pair_force[row, j, part] = 0.0
+    for k in range(payload.gaps.shape[0]):
+        add_pair_contact(payload, state, pair_force, payload.gaps[k, 0], payload.gaps[k, 1], payload.gaps[k, 2])

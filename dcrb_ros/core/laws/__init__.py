@@ -1,0 +1,1 @@
+"""The published laws, one per file: force, slope, inverse and energy side by side."""

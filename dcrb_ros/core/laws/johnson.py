@@ -1,0 +1,54 @@
+"""Johnson's line contact: Johnson 1985, Contact Mechanics, as Eq. 4 of Fan et al. 2025.
+
+    delta = F/(pi E* L) (ln(4 pi E* L dR/F) - 1)
+
+with ``modulus`` pi E* L [N/m] and ``scale`` 4 dR [m]; dR is r_I + r_R at the inner raceway, r_O - r_R at the outer, 2 r_R of two rollers.
+"""
+
+from __future__ import annotations
+
+import math
+
+from dcrb_ros.core.arithmetic import logarithm
+from dcrb_ros.core.jit import kernel
+
+
+@kernel
+def line_contact(log_ratio: float) -> tuple[float, float]:
+    """Return numerator and denominator of -W_-1(-e^l) at l = ``log_ratio``, the lower branch of the Lambert function.
+
+    A rational fit over -40 .. -4 with an error of 1e-13 (`benchmarks/fit_line_contact.py`). Above -4, where a roller would be pressed in
+    by one part in forty of its radius, the value at -4.
+    """
+    t = (min(log_ratio, -4.0) + 22.0) * (1.0 / 18.0)
+    t2 = t * t
+    t4 = t2 * t2
+    above = (25.227952610343658 - 111.70804449222039 * t) + t2 * (209.02017336824925 - 214.28786416771893 * t)
+    above += t4 * ((130.31719216890709 - 47.426067396990194 * t) + t2 * (9.8533827349380200 - 1.0261529188664917 * t))
+    above += t4 * t4 * 0.037774529454882129
+    below = (1.0 - 3.6850037902163191 * t) + t2 * (5.5589025113215732 - 4.4000992016805178 * t)
+    below += t4 * ((1.9413959503750688 - 0.46528432479890793 * t) + t2 * (0.053636784985261526 - 0.0020961313201773434 * t))
+    return above, below
+
+
+@kernel
+def johnson_force(penetration: float, modulus: float, scale: float) -> tuple[float, float]:
+    """Return the normal force [N] and its slope [N/m] at a penetration [m] above zero.
+
+    F = -pi E* L delta / W_-1(-e delta / (4 dR)), its slope -pi E* L / (W_-1 + 1).
+    """
+    above, below = line_contact(1.0 + logarithm(penetration) - logarithm(scale))
+    share = modulus * below / (above * (above - below))
+    return penetration * share * (above - below), share * above
+
+
+@kernel
+def johnson_penetration(force: float, modulus: float, scale: float) -> float:
+    """Return the penetration [m] under a normal force [N] above zero, Eq. 4 as printed."""
+    return force / modulus * (math.log(modulus * scale / force) - 1.0)
+
+
+@kernel
+def johnson_energy(penetration: float, force: float, modulus: float) -> float:
+    """Return the energy [J] stored at a penetration [m] under its force [N]: F delta/2 - F^2/(4 pi E* L)."""
+    return 0.5 * force * penetration - force * force / (4.0 * modulus)

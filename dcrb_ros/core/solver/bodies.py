@@ -1,0 +1,98 @@
+"""Rings and cages over one step: their velocities from what the rollers do to them."""
+
+from __future__ import annotations
+
+import math
+
+from dcrb_ros.core.contacts.force_line import DISPERSION
+from dcrb_ros.core.jit import piece
+from dcrb_ros.core.layout.state import CAGE, HOUSING, INNER, LOAD, OUTER, State
+from dcrb_ros.core.layout.workspace import Workspace
+from dcrb_ros.core.payload import Payload
+
+
+@piece
+def predict_bodies(payload: Payload, state: State, work: Workspace) -> None:
+    """Write the cages' directions, and the mean velocities predicted for the step: as if their last change went on growing."""
+    heading, moment = work.heading, work.train_moment
+    for body in range(state.velocity.shape[0]):
+        for part in range(3):
+            work.mean_velocity[body, part] = state.velocity[body, part] + state.change[body, part] - 0.5 * state.earlier_change[body, part]
+    for row in range(heading.shape[0]):
+        turn = state.position[CAGE + row, 2]
+        heading[row, 0], heading[row, 1] = math.cos(turn), math.sin(turn)
+        moment[row, 0] = heading[row, 0] * payload.train_moment[row, 0] - heading[row, 1] * payload.train_moment[row, 1]
+        moment[row, 1] = heading[row, 1] * payload.train_moment[row, 0] + heading[row, 0] * payload.train_moment[row, 1]
+
+
+@piece
+def move_cage(payload: Payload, state: State, work: Workspace, row: int) -> float:
+    """Solve for the mean velocity of a cage with its pinned rollers, whose centre of mass may lie off the cage's centre.
+
+    Returns by how much that changes it [m/s].
+    """
+    h, body, sx, sy = payload.step, CAGE + row, work.train_moment[row, 0], work.train_moment[row, 1]
+    mean, free, bound = work.mean_velocity, work.force_of_free, work.force_of_bound
+    # Tangents turn into radii with the cage's speed: the centrifugal force of the pinned rollers is along (sy, -sx).
+    whirl = mean[body, 2] * mean[body, 2]
+    fx = free[body, 0] + bound[body, 0] + whirl * sy
+    fy = free[body, 1] + bound[body, 1] - whirl * sx - payload.train_mass[row] * payload.gravity
+    torque = free[body, 2] + bound[body, 2] - payload.gravity * sy
+    by_mass, by_inertia = payload.train_inverse[row, 0], payload.train_inverse[row, 1]
+    lift_x, lift_y = 0.5 * h * fx * by_mass, 0.5 * h * fy * by_mass
+    turn = (0.5 * h * torque - sx * lift_x - sy * lift_y) * by_inertia
+    x, y = state.velocity[CAGE + row, 0] + lift_x - sx * by_mass * turn, state.velocity[CAGE + row, 1] + lift_y - sy * by_mass * turn
+    speed = state.velocity[CAGE + row, 2] + turn
+    moved: float = max(abs(x - mean[body, 0]), abs(y - mean[body, 1])) + payload.pitch_radius * abs(speed - mean[body, 2])
+    mean[body, 0], mean[body, 1], mean[body, 2] = x, y, speed
+    return moved
+
+
+@piece
+def move_rings(payload: Payload, state: State, work: Workspace) -> tuple[float, float]:
+    """Solve for the mean velocities of the rings; return by how much that changes them, and they the velocities before the step [m/s]."""
+    moved = changed = 0.0
+    h, stiffness, mean, free, bound = payload.step, payload.housing_stiffness, work.mean_velocity, work.force_of_free, work.force_of_bound
+    outer_inertia = 2.0 * (payload.outer_ring_mass + DISPERSION * h * h * stiffness)
+    by_outer, by_inner = 1.0 / (outer_inertia + h * payload.housing_damping), 0.5 * h / payload.inner_ring_mass
+    for axis in range(2):
+        weight = payload.gravity if axis == 1 else 0.0
+        outer = free[OUTER, axis] + bound[OUTER, axis] - stiffness * state.position[OUTER, axis] - payload.outer_ring_mass * weight
+        inner = free[INNER, axis] + bound[INNER, axis] + state.load[axis] - payload.inner_ring_mass * weight
+        outer = (outer_inertia * state.velocity[OUTER, axis] + h * outer) * by_outer
+        inner = state.velocity[INNER, axis] + by_inner * inner
+        moved = max(moved, max(abs(outer - mean[OUTER, axis]), abs(inner - mean[INNER, axis])))
+        changed = max(changed, max(abs(outer - state.velocity[OUTER, axis]), abs(inner - state.velocity[INNER, axis])))
+        mean[OUTER, axis], mean[INNER, axis] = outer, inner
+    return moved, changed
+
+
+@piece
+def finish_bodies(payload: Payload, state: State, work: Workspace) -> None:
+    """Update the velocities of rings and cages from their means, and book the energy of load and housing."""
+    h = payload.step
+    for axis in range(2):
+        outer, inner = work.mean_velocity[OUTER, axis], work.mean_velocity[INNER, axis]
+        state.account[LOAD] += h * state.load[axis] * inner
+        state.account[HOUSING] += h * payload.housing_damping * outer * outer
+    for body in range(state.velocity.shape[0]):
+        for part in range(3):
+            state.earlier_change[body, part] = state.change[body, part]
+            state.change[body, part] = 2.0 * (work.mean_velocity[body, part] - state.velocity[body, part])
+            state.velocity[body, part] += state.change[body, part]
+
+
+@piece
+def drift(payload: Payload, state: State, time: float) -> None:
+    """Move all bodies with their velocities for ``time`` [s]; where a pinned roller is follows from its cage."""
+    for body in range(state.position.shape[0]):
+        for part in range(3):
+            state.position[body, part] += time * state.velocity[body, part]
+    rollers = state.rollers[0]
+    for c in range(payload.free.size):
+        rollers.angle[c] += time * rollers.spin[c]
+    if payload.any_free:
+        for c in range(payload.free.size):
+            rollers.x[c] += time * rollers.vx[c]
+            rollers.y[c] += time * rollers.vy[c]
+    state.shaft[0] += time * state.shaft[1]

@@ -1,0 +1,177 @@
+"""The rollers in the middle of a step: where they are, how they are predicted to move, and which are bound.
+
+A roller is bound when its forces on rings and cage must be solved for together with their motion: it is pinned and touches a raceway, it
+touches the inner ring or a bar, it strikes a raceway, or it lies beside a broken bar. The others are free and lie on the outer raceway, or
+touch nothing.
+"""
+
+from __future__ import annotations
+
+from dcrb_ros.core.jit import piece
+from dcrb_ros.core.layout.records import VECTOR
+from dcrb_ros.core.layout.state import CAGE, INNER, OUTER, State
+from dcrb_ros.core.layout.workspace import Workspace
+from dcrb_ros.core.payload import EDGE, Payload
+
+STRIKE_WINDOW = 1.5
+"""Half steps before and after the middle within which a strike on the outer raceway counts [-]: its speed is not known yet."""
+NEGLIGIBLE_STRIKE = 2e-3
+"""Speed below which a free roller may close or open its contact with the outer raceway unbound [m/s]: it has next to no energy."""
+
+
+@piece
+def filled(count: int) -> int:
+    """Return how many elements a loop over ``count`` rollers works on: a multiple of `VECTOR`."""
+    return (count + VECTOR - 1) // VECTOR * VECTOR
+
+
+@piece
+def classify_rollers(payload: Payload, state: State, work: Workspace, pinned: bool) -> None:
+    """Write centres and pocket tangents of the rollers, how near their contacts are to closing, and which rollers are bound.
+
+    ``pinned`` says that all of them are: it is a constant for the compiler, which leaves out what free ones need.
+    """
+    rollers, step, h, heading = state.rollers[0], work.rollers[0], payload.step, work.heading
+    place, old, last = state.position, state.velocity, state.position.shape[0] - 1
+    pitch, clearance = payload.pitch_radius, payload.pocket_clearance
+    inner_x, inner_y, outer_x, outer_y = (
+        state.position[INNER, 0],
+        state.position[INNER, 1],
+        state.position[OUTER, 0],
+        state.position[OUTER, 1],
+    )
+    inner_vx, inner_vy, outer_vx, outer_vy = (
+        state.velocity[INNER, 0],
+        state.velocity[INNER, 1],
+        state.velocity[OUTER, 0],
+        state.velocity[OUTER, 1],
+    )
+    inner_reach, outer_reach = payload.inner_raceway_radius + payload.roller_radius, payload.outer_raceway_radius - payload.roller_radius
+    slow_way = h * NEGLIGIBLE_STRIKE * outer_reach
+    inner_square, outer_square = inner_reach * inner_reach, outer_reach * outer_reach
+    first_at, second_at = (place[CAGE, 0], place[CAGE, 1]), (place[last, 0], place[last, 1])
+    first_old, second_old = (old[CAGE, 0], old[CAGE, 1], old[CAGE, 2]), (old[last, 0], old[last, 1], old[last, 2])
+    first_way, second_way = (heading[0, 0], heading[0, 1]), (heading[last - CAGE, 0], heading[last - CAGE, 1])
+    for c in range(filled(payload.free.size)):
+        second = rollers.second_row[c] > 0.0
+        cage_x, cage_y = second_at[0] if second else first_at[0], second_at[1] if second else first_at[1]
+        cosine, sine = second_way[0] if second else first_way[0], second_way[1] if second else first_way[1]
+        px, py = rollers.pocket_tangent_x[c], rollers.pocket_tangent_y[c]
+        tx, ty = cosine * px - sine * py, sine * px + cosine * py
+        x, y, near_bar, if_outer = cage_x + pitch * ty, cage_y - pitch * tx, -1.0, 1.0
+        old_x, old_y = second_old[0] if second else first_old[0], second_old[1] if second else first_old[1]
+        old_turn = second_old[2] if second else first_old[2]
+        vx, vy = old_x + pitch * old_turn * tx, old_y + pitch * old_turn * ty
+        if not pinned:
+            free = rollers.free[c] > 0.0
+            x, y = rollers.x[c] if free else x, rollers.y[c] if free else y
+            ax, ay = x - cage_x, y - cage_y
+            vx, vy = rollers.vx[c] if free else vx, rollers.vy[c] if free else vy
+            rate = (vx - old_x) * tx + (vy - old_y) * ty - old_turn * (ax * ty - ay * tx)
+            near_bar = abs(ax * tx + ay * ty) + 0.5 * h * abs(rate) - clearance if free else -1.0
+            if_outer = 0.0 if free else 1.0
+        ix, iy, ox, oy = x - inner_x, y - inner_y, x - outer_x, y - outer_y
+        # What counts is whether a contact is closed at the beginning of the step, or will be at its end.
+        inner_way = h * abs((vx - inner_vx) * ix + (vy - inner_vy) * iy)
+        outer_way = h * abs((vx - outer_vx) * ox + (vy - outer_vy) * oy)
+        near_inner, outer_deep = inner_square - ix * ix - iy * iy + inner_way, ox * ox + oy * oy - outer_square
+        near_outer, outer_strike = outer_deep + outer_way, STRIKE_WINDOW * (outer_way - slow_way) - abs(outer_deep)
+        nearest = max(max(near_inner, near_bar), max(if_outer * near_outer, outer_strike))
+        step.x[c], step.y[c], step.tangent_x[c], step.tangent_y[c] = x, y, tx, ty
+        step.near_outer[c], step.near_bar[c], step.bound[c] = near_outer, near_bar, 1.0 if nearest > 0.0 else 0.0
+
+
+@piece
+def bar_at(payload: Payload, row: int, i: int, ahead: bool) -> bool:
+    """Return whether there is a bar ahead of a roller, or behind it."""
+    return not payload.broken[row, i if ahead else i - 1]
+
+
+@piece
+def bind_special(payload: Payload, work: Workspace) -> None:
+    """Bind the rollers beside broken bars, and those on an outer raceway whose notches have edges."""
+    rollers, count = work.rollers[0], payload.free.shape[1]
+    for k in range(payload.gaps.shape[0]):
+        first = payload.gaps[k, 0] * count
+        rollers.bound[first + payload.gaps[k, 1]] = rollers.bound[first + payload.gaps[k, 2]] = 1.0
+    if payload.notch_law == EDGE and payload.outer_notches.row.size > 0:
+        for c in range(payload.free.size):
+            if rollers.near_outer[c] > 0.0:
+                rollers.bound[c] = 1.0
+
+
+@piece
+def list_bound(payload: Payload, work: Workspace, row: int, found: int) -> int:
+    """List the bound rollers of a row, from element ``found`` on; return where they end."""
+    rollers, bound, count = work.rollers[0], work.bound[0], payload.free.shape[1]
+    first = row * count
+    for i in range(count):
+        if rollers.bound[first + i] > 0.0:
+            bound.roller[found], bound.row[found] = first + i, row
+            found += 1
+    return found
+
+
+@piece
+def gather_bound(state: State, work: Workspace, found: int) -> int:
+    """Copy the bound rollers side by side, filled up to a multiple of `VECTOR`; return how many elements that makes."""
+    rollers, step, bound = state.rollers[0], work.rollers[0], work.bound[0]
+    count = filled(found)
+    for k in range(found, count):
+        bound.roller[k], bound.row[k] = bound.roller[found - 1], bound.row[found - 1]
+    for k in range(count):
+        c = bound.roller[k]
+        bound.second_row[k], bound.free[k] = 1.0 if bound.row[k] > 0 else 0.0, rollers.free[c]
+        bound.x[k], bound.y[k] = step.x[c], step.y[c]
+        bound.tangent_x[k], bound.tangent_y[k], bound.near_bar[k] = step.tangent_x[c], step.tangent_y[c], step.near_bar[c]
+        bound.vx[k], bound.vy[k], bound.spin[k] = rollers.vx[c], rollers.vy[c], rollers.spin[c]
+        bound.change_vx[k], bound.change_vy[k] = rollers.change_vx[c], rollers.change_vy[c]
+        bound.change_spin[k] = rollers.change_spin[c]
+        bound.inner.bristle[k], bound.outer.bristle[k] = rollers.inner.bristle[c], rollers.outer.bristle[c]
+        bound.bar.bristle[k] = rollers.bar.bristle[c]
+        bound.inner.last_force[k], bound.outer.last_force[k] = rollers.inner.force[c], rollers.outer.force[c]
+    return count
+
+
+@piece
+def predict_bound(payload: Payload, state: State, work: Workspace, count: int) -> None:
+    """Write the velocities of ``count`` bound rollers before the step, those predicted over it, and those without contacts.
+
+    Those before the step are gathered for free rollers, and follow from the cage for pinned ones.
+    """
+    bound, radius, pitch, last = work.bound[0], payload.roller_radius, payload.pitch_radius, work.mean_velocity.shape[0] - 1
+    old, mean, fall = state.velocity, work.mean_velocity, 0.5 * payload.step * payload.gravity
+    first_old, second_old = (
+        (old[CAGE, 0], old[CAGE, 1], pitch * old[CAGE, 2]),
+        (old[last, 0], old[last, 1], pitch * old[last, 2]),
+    )
+    first_mean = (mean[CAGE, 0], mean[CAGE, 1], pitch * mean[CAGE, 2])
+    second_mean = (mean[last, 0], mean[last, 1], pitch * mean[last, 2])
+    for k in range(count):
+        second, free, tx, ty = bound.second_row[k] > 0.0, bound.free[k] > 0.0, bound.tangent_x[k], bound.tangent_y[k]
+        old_x, old_y = second_old[0] if second else first_old[0], second_old[1] if second else first_old[1]
+        mean_x, mean_y = second_mean[0] if second else first_mean[0], second_mean[1] if second else first_mean[1]
+        old_rim, mean_rim = second_old[2] if second else first_old[2], second_mean[2] if second else first_mean[2]
+        vx, vy, rim = bound.vx[k], bound.vy[k], radius * bound.spin[k]
+        coming_x, coming_y = vx + 0.5 * bound.change_vx[k], vy + 0.5 * bound.change_vy[k]
+        before_x, before_y = vx if free else old_x + old_rim * tx, vy if free else old_y + old_rim * ty
+        bound.vx[k], bound.vy[k], bound.rim[k] = before_x, before_y, rim
+        bound.contact_free_vx[k], bound.contact_free_vy[k], bound.contact_free_rim[k] = before_x, before_y - fall, rim
+        bound.predicted_vx[k] = coming_x if free else mean_x + mean_rim * tx
+        bound.predicted_vy[k] = coming_y if free else mean_y + mean_rim * ty
+        bound.predicted_rim[k] = rim + 0.5 * radius * bound.change_spin[k]
+
+
+@piece
+def apply_pair_forces(payload: Payload, work: Workspace) -> None:
+    """Add the forces that rollers exert on each other across broken bars to the velocities without contacts."""
+    bound, rollers = work.bound[0], payload.free.shape[1]
+    by_mass = 0.5 * payload.step / payload.roller_mass
+    by_inertia = 0.5 * payload.step * payload.roller_radius * payload.roller_radius / payload.roller_inertia
+    for k in range(work.row_ends[work.row_ends.size - 1]):
+        row = bound.row[k]
+        i = bound.roller[k] - row * rollers
+        if payload.beside[row, i]:
+            bound.contact_free_vx[k] += by_mass * work.pair_force[row, i, 0]
+            bound.contact_free_vy[k] += by_mass * work.pair_force[row, i, 1]
+            bound.contact_free_rim[k] += by_inertia * work.pair_force[row, i, 2]

@@ -1,0 +1,144 @@
+"""Rollers that lie free on the outer raceway or touch nothing: most of those in pockets.
+
+They need no solution together with other bodies: the raceway's normal and tangent are not coupled, each is a scalar equation. So a whole
+step of such a roller is one pass of one loop, from its position to its new velocity, and nothing but its state goes through memory.
+"""
+
+from __future__ import annotations
+
+import math
+
+from dcrb_ros.core.contacts.force_line import elastic, lasting_line
+from dcrb_ros.core.contacts.raceway import notch_depth, raceway_friction
+from dcrb_ros.core.jit import piece
+from dcrb_ros.core.laws.lugre import bristle_after
+from dcrb_ros.core.layout.state import OUTER, State
+from dcrb_ros.core.layout.workspace import Workspace
+from dcrb_ros.core.payload import SINK, Payload
+from dcrb_ros.core.solver.classification import filled
+
+LEAST_DISTANCE = 1e-12
+"""Least distance from the ring's centre, for elements without a roller [m]."""
+
+
+@piece
+def find_notches(payload: Payload, state: State, work: Workspace) -> None:
+    """Write the depth of notches of the outer raceway or of their own under free rollers, and how fast it grows."""
+    rollers, count = work.rollers[0], payload.free.shape[1]
+    for c in range(filled(payload.free.size)):
+        rollers.notch_depth[c] = rollers.sink_speed[c] = rollers.over_notch[c] = 0.0
+    if payload.notch_law == SINK:
+        reach, x, y = payload.outer_raceway_radius - payload.roller_radius, state.position[OUTER, 0], state.position[OUTER, 1]
+        for k in range(payload.outer_notches.row.size):
+            tx, ty = work.outer_notch_direction[k, 0], work.outer_notch_direction[k, 1]
+            least = payload.outer_notches.nearness[k] * reach
+            for c in range(payload.free.size):
+                over = (rollers.x[c] - x) * tx + (rollers.y[c] - y) * ty > least
+                rollers.over_notch[c] = 1.0 if over else rollers.over_notch[c]
+    for k in range(payload.roller_notches.row.size):
+        rollers.over_notch[payload.roller_notches.row[k] * count + payload.roller_notches.roller[k]] = 1.0
+    for c in range(payload.free.size):
+        if rollers.over_notch[c] > 0.0 and rollers.near_outer[c] > 0.0:
+            write_notch_depth(payload, state, work, c)
+
+
+@piece
+def write_notch_depth(payload: Payload, state: State, work: Workspace, c: int) -> None:
+    """Write the depth of the notches under a free roller that touches the outer raceway, and how fast it grows."""
+    rollers, row = state.rollers[0], c // payload.free.shape[1]
+    dx, dy = rollers.x[c] - state.position[OUTER, 0], rollers.y[c] - state.position[OUTER, 1]
+    distance = math.sqrt(dx * dx + dy * dy)
+    nx, ny = dx / distance, dy / distance
+    vx = rollers.vx[c] + 0.5 * rollers.change_vx[c] - work.mean_velocity[OUTER, 0]
+    vy = rollers.vy[c] + 0.5 * rollers.change_vy[c] - work.mean_velocity[OUTER, 1]
+    orbit, spin = (vy * nx - vx * ny) / distance, rollers.spin[c] + 0.5 * rollers.change_spin[c]
+    depth, sink = notch_depth(payload, state, work, row, c - row * payload.free.shape[1], nx, ny, orbit, spin, False)
+    work.rollers[0].notch_depth[c], work.rollers[0].sink_speed[c] = depth, sink
+
+
+@piece
+def advance_free(payload: Payload, state: State, work: Workspace, johnson: bool) -> None:
+    """Move all rollers over the step as if none were bound; the results of bound ones are replaced afterwards."""
+    rollers, outer, found, h, radius = state.rollers[0], state.rollers[0].outer, work.rollers[0], payload.step, payload.roller_radius
+    by_mass, by_inertia = 0.5 * h / payload.roller_mass, 0.5 * h * radius * radius / payload.roller_inertia
+    by_radius, fall, reach = 1.0 / radius, by_mass * payload.roller_mass * payload.gravity, payload.outer_raceway_radius - radius
+    ring_x, ring_y = state.position[OUTER, 0], state.position[OUTER, 1]
+    mean_x, mean_y = work.mean_velocity[OUTER, 0], work.mean_velocity[OUTER, 1]
+    old_x, old_y = state.velocity[OUTER, 0], state.velocity[OUTER, 1]
+    for c in range(filled(payload.free.size)):
+        dx, dy = rollers.x[c] - ring_x, rollers.y[c] - ring_y
+        distance = max(math.sqrt(dx * dx + dy * dy), LEAST_DISTANCE)
+        nx, ny, sink, bristle = dx / distance, dy / distance, found.sink_speed[c], outer.bristle[c]
+
+        own_x, own_y, spin = rollers.vx[c], rollers.vy[c], rollers.spin[c]
+        vx, vy = own_x + 0.5 * rollers.change_vx[c] - mean_x, own_y + 0.5 * rollers.change_vy[c] - mean_y
+        along, rim = vy * nx - vx * ny, radius * spin
+        before = (own_x - old_x) * nx + (own_y - old_y) * ny - sink
+        force, stiffness = elastic(distance - reach - found.notch_depth[c], payload.outer_scale, johnson, payload)
+        force_offset, force_slope, expected_force, damping, expected_closing = lasting_line(
+            force, stiffness, vx * nx + vy * ny - sink, before, sink, payload
+        )
+        predicted_slip = along + rim + 0.5 * radius * rollers.change_spin[c]
+        offset, slope, relaxation_rate, weight = raceway_friction(
+            predicted_slip, bristle, along, distance, 0.0, expected_force, False, payload
+        )
+        friction_offset, friction_slope = offset * expected_force, slope * expected_force
+
+        alone_x, alone_y = own_x - mean_x, own_y - fall - mean_y
+        normal = (force_offset + force_slope * (alone_x * nx + alone_y * ny)) / (1.0 + by_mass * force_slope)
+        friction = (friction_offset + friction_slope * (alone_y * nx - alone_x * ny + rim)) / (
+            1.0 + (by_mass + by_inertia) * friction_slope
+        )
+        fx, fy = normal * nx - friction * ny, normal * ny + friction * nx
+        x, y, turned = alone_x - by_mass * fx, alone_y - by_mass * fy, rim - by_inertia * friction
+        slip, closing = y * nx - x * ny + turned, x * nx + y * ny - sink
+        bristle, law_force = (
+            bristle_after(bristle, slip, relaxation_rate, weight, h),
+            max(expected_force + damping * (closing - expected_closing), 0.0),
+        )
+
+        bound = found.bound[c]
+        found.force_on_outer_x[c], found.force_on_outer_y[c] = (1.0 - bound) * fx, (1.0 - bound) * fy
+        change_vx, change_vy, change_spin = 2.0 * (x + mean_x - own_x), 2.0 * (y + mean_y - own_y), 2.0 * (turned - rim) * by_radius
+        rollers.change_vx[c], rollers.change_vy[c], rollers.change_spin[c] = change_vx, change_vy, change_spin
+        rollers.vx[c], rollers.vy[c], rollers.spin[c] = own_x + change_vx, own_y + change_vy, spin + change_spin
+        outer.force[c], outer.friction[c], outer.slip[c] = law_force, friction, slip
+        outer.bristle[c] = bristle if expected_force > 0.0 else 0.0
+        time = h * (1.0 - bound)
+        rollers.friction_loss[c] += time * friction * slip
+        rollers.contact_loss[c] += time * damping * closing * closing
+        rollers.notch_loss[c] += time * normal * sink
+
+
+@piece
+def clear_contacts(payload: Payload, state: State, work: Workspace) -> None:
+    """Clear the contacts with the inner raceway and bars of rollers that are not bound."""
+    inner, bar = state.rollers[0].inner, state.rollers[0].bar
+    for c in range(filled(payload.free.size)):
+        touching = work.rollers[0].bound[c]
+        inner.force[c] *= touching
+        inner.friction[c] *= touching
+        inner.bristle[c] *= touching
+        bar.force[c] *= touching
+        bar.bristle[c] *= touching
+        bar.impact_speed[c] *= touching
+
+
+@piece
+def clear_pinned(state: State, count: int) -> None:
+    """Clear the contacts of all rollers before those of bound ones are written: pinned ones that are not bound touch nothing."""
+    rollers, inner, outer = state.rollers[0], state.rollers[0].inner, state.rollers[0].outer
+    for c in range(count):
+        inner.force[c] = inner.friction[c] = inner.bristle[c] = 0.0
+        outer.force[c] = outer.friction[c] = outer.bristle[c] = rollers.change_spin[c] = 0.0
+
+
+@piece
+def sum_free_forces(payload: Payload, work: Workspace) -> None:
+    """Add the forces of free rollers that are not bound to those on the outer ring."""
+    x, y = 0.0, 0.0
+    for c in range(payload.free.size):
+        x += work.rollers[0].force_on_outer_x[c]
+        y += work.rollers[0].force_on_outer_y[c]
+    work.force_of_free[OUTER, 0] += x
+    work.force_of_free[OUTER, 1] += y

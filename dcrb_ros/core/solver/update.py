@@ -1,0 +1,96 @@
+"""The results of a step for bound rollers: forces, slips, bristles and velocities, and the energy that they cost."""
+
+from __future__ import annotations
+
+from dcrb_ros.core.jit import piece
+from dcrb_ros.core.laws.lugre import bristle_after
+from dcrb_ros.core.layout.records import Floats
+from dcrb_ros.core.layout.rollers import BarContact, BoundRollers, RacewayContact
+from dcrb_ros.core.layout.state import CAGE, INNER, OUTER, State
+from dcrb_ros.core.layout.workspace import Workspace
+from dcrb_ros.core.payload import Payload
+
+
+@piece
+def update_raceway(
+    bound: BoundRollers, contact: RacewayContact, count: int, mean_x: float, mean_y: float, surface: float, side: float, step: float
+) -> None:
+    """Write forces, slips and bristles of the contacts with a ring at the mean velocities found, and their powers.
+
+    Those of the inner ring, where ``side`` is 1, begin the sums of a roller's powers, those of the outer are added.
+    """
+    first = side > 0.0
+    for k in range(count):
+        nx, ny = contact.normal_x[k], contact.normal_y[k]
+        tx, ty = -contact.radial_y[k], contact.radial_x[k]
+        vx, vy, surface_n = bound.mean_vx[k] - mean_x, bound.mean_vy[k] - mean_y, contact.surface_speed_normal[k]
+        approach = -side * (vx * nx + vy * ny - surface_n)
+        slip = vx * tx + vy * ty - side * bound.mean_rim[k] - surface
+        normal = contact.force_offset[k] + contact.force_slope[k] * approach
+        friction = contact.friction_offset[k] + contact.friction_slope[k] * slip
+        sink = contact.sink_speed[k]
+        closing, bristle = approach - sink, contact.bristle[k]
+        after = bristle_after(bristle, slip, contact.relaxation_rate[k], contact.bristle_weight[k], step)
+        contact.friction[k], contact.slip[k] = friction, slip
+        expected = contact.expected_force[k]
+        contact.force[k] = max(expected + contact.damping[k] * (closing - contact.expected_closing[k]), 0.0)
+        contact.bristle[k] = after if expected > 0.0 else 0.0
+        friction_power, loss_power = friction * slip, contact.damping[k] * closing * closing
+        notch_power, drive_power = normal * sink, side * normal * surface_n - friction * surface
+        bound.friction_power[k] = friction_power if first else friction_power + bound.friction_power[k]
+        bound.loss_power[k] = loss_power if first else loss_power + bound.loss_power[k]
+        bound.notch_power[k] = notch_power if first else notch_power + bound.notch_power[k]
+        bound.drive_power[k] = drive_power if first else drive_power + bound.drive_power[k]
+
+
+@piece
+def update_bars(bound: BoundRollers, bar: BarContact, mean_velocity: Floats, count: int, step: float) -> None:
+    """Write forces and bristles of the contacts with bars, and add their powers; ``mean_velocity`` is that of all bodies."""
+    last = mean_velocity.shape[0] - 1
+    first_x, first_y, first_turn = mean_velocity[CAGE, 0], mean_velocity[CAGE, 1], mean_velocity[CAGE, 2]
+    second_x, second_y, second_turn = mean_velocity[last, 0], mean_velocity[last, 1], mean_velocity[last, 2]
+    for k in range(count):
+        nx, ny, side = bound.tangent_x[k], bound.tangent_y[k], bar.side[k]
+        second = bound.second_row[k] > 0.0
+        own_x, own_y, turn = second_x if second else first_x, second_y if second else first_y, second_turn if second else first_turn
+        vx = bound.mean_vx[k] - own_x + turn * bar.lever_y[k]
+        vy = bound.mean_vy[k] - own_y - turn * bar.lever_x[k]
+        approach, slip = side * (vx * nx + vy * ny), vx * ny - vy * nx - side * bound.mean_rim[k]
+        friction = bar.friction_offset[k] + bar.friction_slope[k] * slip
+        force = max(bar.force_offset[k] + bar.force_slope[k] * approach, 0.0)
+        bar.force[k] = force if side != 0.0 else 0.0
+        bristle = bristle_after(bar.bristle[k], slip, bar.relaxation_rate[k], bar.bristle_weight[k], step)
+        bar.bristle[k] = bristle if side != 0.0 else 0.0
+        bound.friction_power[k] += friction * slip
+        bound.loss_power[k] += bar.damping[k] * approach * approach
+
+
+@piece
+def store_bound(payload: Payload, state: State, work: Workspace, count: int) -> None:
+    """Write the bound rollers, in ``count`` elements, back into the state."""
+    rollers, bound, by_radius, h = state.rollers[0], work.bound[0], 1.0 / payload.roller_radius, payload.step
+    surface = state.shaft[1] * payload.inner_raceway_radius
+    update_raceway(bound, bound.inner, count, work.mean_velocity[INNER, 0], work.mean_velocity[INNER, 1], surface, 1.0, h)
+    update_raceway(bound, bound.outer, count, work.mean_velocity[OUTER, 0], work.mean_velocity[OUTER, 1], 0.0, -1.0, h)
+    if payload.any_free:
+        update_bars(bound, bound.bar, work.mean_velocity, count, h)
+    for k in range(work.row_ends[work.row_ends.size - 1]):
+        c = bound.roller[k]
+        rollers.inner.force[c], rollers.outer.force[c] = bound.inner.force[k], bound.outer.force[k]
+        rollers.inner.friction[c], rollers.outer.friction[c] = bound.inner.friction[k], bound.outer.friction[k]
+        rollers.inner.slip[c], rollers.outer.slip[c] = bound.inner.slip[k], bound.outer.slip[k]
+        rollers.inner.bristle[c], rollers.outer.bristle[c] = bound.inner.bristle[k], bound.outer.bristle[k]
+        rollers.friction_loss[c] += h * bound.friction_power[k]
+        rollers.contact_loss[c] += h * bound.loss_power[k]
+        rollers.notch_loss[c] += h * bound.notch_power[k]
+        rollers.drive_work[c] += h * bound.drive_power[k]
+        before = bound.rim[k]
+        rollers.change_spin[c] = 2.0 * (bound.mean_rim[k] - before) * by_radius
+        rollers.spin[c] = (2.0 * bound.mean_rim[k] - before) * by_radius
+        if bound.free[k] > 0.0:
+            rollers.bar.force[c] = bound.bar.side[k] * bound.bar.force[k]
+            rollers.bar.bristle[c] = bound.bar.bristle[k]
+            rollers.bar.impact_speed[c] = bound.bar.impact_speed[k]
+            x, y = bound.mean_vx[k], bound.mean_vy[k]
+            rollers.change_vx[c], rollers.change_vy[c] = 2.0 * (x - bound.vx[k]), 2.0 * (y - bound.vy[k])
+            rollers.vx[c], rollers.vy[c] = 2.0 * x - bound.vx[k], 2.0 * y - bound.vy[k]

@@ -1,0 +1,82 @@
+"""LuGre friction (Eqs. 6 and 7 of Fan et al. 2025) over one step."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from dcrb_ros.bearing.payload import build_payload
+from dcrb_ros.core.laws.lugre import bristle_after, bristle_weights, convection_rate, friction_line, stribeck_coefficient
+from dcrb_ros.settings.configuration import Configuration
+
+pytestmark = pytest.mark.kernel
+
+PAYLOAD = build_payload(Configuration())
+STATIC, KINETIC = PAYLOAD.static_coefficient, PAYLOAD.kinetic_coefficient
+slips = st.floats(-20.0, 20.0)
+
+
+def settled(slip: float, steps: int) -> tuple[float, float]:
+    """Return bristle [m] and friction coefficient [-] after ``steps`` steps of constant slip [m/s]."""
+    bristle, coefficient = 0.0, 0.0
+    for _ in range(steps):
+        constant, slope, rate, phi = friction_line(slip, bristle, KINETIC, STATIC, 0.0, PAYLOAD)
+        coefficient = constant + slope * slip
+        bristle = bristle_after(bristle, slip, rate, phi, PAYLOAD.step)
+    return bristle, coefficient
+
+
+@given(slips.filter(lambda s: abs(s) > 1e-3))
+def test_steady_slip_has_the_stribeck_coefficient(slip: float) -> None:
+    expected = math.copysign(stribeck_coefficient(slip, KINETIC, STATIC, PAYLOAD.stribeck_speed), slip)
+    assert settled(slip, 2000)[1] == pytest.approx(expected, rel=1e-6)
+
+
+@given(slips, st.integers(1, 50))
+def test_friction_stays_inside_its_cone(slip: float, steps: int) -> None:
+    bristle, coefficient = settled(slip, steps)
+    assert abs(bristle) <= STATIC / PAYLOAD.bristle_stiffness * (1.0 + 1e-12)
+    assert abs(coefficient) <= STATIC + PAYLOAD.bristle_damping * abs(slip)
+
+
+@given(slips, st.floats(-1.0, 1.0))
+def test_friction_opposes_slip_more_as_slip_grows(slip: float, share: float) -> None:
+    _, slope, _, _ = friction_line(slip, share * STATIC / PAYLOAD.bristle_stiffness, KINETIC, STATIC, 0.0, PAYLOAD)
+    assert slope > 0.0  # the implicit update is passive
+
+
+@given(st.floats(0.0, 1e4))
+def test_bristle_never_overshoots(decay: float) -> None:
+    phi, psi = bristle_weights(decay)
+    assert 0.0 <= 1.0 - decay * phi <= 1.0
+    assert 0.0 < psi <= 0.5
+
+
+def test_bristle_mean_is_second_order() -> None:
+    # The exact mean weight of the start over a step is (1 - exp(-x))/x.
+    decays = np.array([0.2, 0.1, 0.05, 0.025])
+    errors = [abs(bristle_weights(x)[0] - (1.0 - math.exp(-x)) / x) for x in decays]
+    slope = np.polyfit(np.log(decays), np.log(errors), 1)[0]
+    assert slope > 1.8
+
+
+def test_stribeck_limits() -> None:
+    assert stribeck_coefficient(0.0, KINETIC, STATIC, 0.01) == STATIC
+    assert stribeck_coefficient(1.0, KINETIC, STATIC, 0.01) == pytest.approx(KINETIC)
+
+
+def test_rolling_convection_gives_carters_creep() -> None:
+    # Carter 1926: the slope of friction over creep in a line contact is pi L E* a/2, whatever the friction coefficient.
+    bearing, force, rolling = Configuration().bearing, 30e3, 5.7
+    half_width = math.sqrt(PAYLOAD.inner_width * force)
+    slip = 1e-6
+    convection, bristle, coefficient = convection_rate(rolling, force, PAYLOAD.inner_width, 0.7), 0.0, 0.0
+    for _ in range(3000):
+        constant, slope, rate, phi = friction_line(slip, bristle, KINETIC, STATIC, convection, PAYLOAD)
+        coefficient, bristle = constant + slope * slip, bristle_after(bristle, slip, rate, phi, PAYLOAD.step)
+    slope = coefficient * force / (slip / rolling)
+    assert slope == pytest.approx(0.5 * math.pi * bearing.roller_length * bearing.effective_modulus * half_width, rel=0.05)
