@@ -13,6 +13,7 @@ from dcrb_ros.schema.verdicts import FaultClass, fault_class
 
 SENSOR = "sensor."
 
+
 def kind_of(name: str) -> type[Fault] | None:
     """Return the kind of a fault, or None for one of the sensor or of a kind that this version lacks."""
     return Faults.kinds.get(name.partition(".")[0])
