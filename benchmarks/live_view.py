@@ -21,7 +21,7 @@ from dcrb_ros.messages.statuses import decode_diagnostics
 from dcrb_ros.messages.topics import BENCH_DIAGNOSTICS, NAMESPACE, VIBRATION
 from dcrb_ros.nodes.bench import node_process
 from dcrb_ros.nodes.publisher import message_class, qos
-from dcrb_ros.nodes.ros import stay_on_this_machine
+from dcrb_ros.nodes.ros import limit_discovery
 
 START = 60.0
 """Longest wall time that the viewer may take to come up [s]."""
@@ -87,7 +87,7 @@ def main() -> None:
     parser.add_argument("--config", type=Path, default=None, help="configuration of the bench, a file")
     options = parser.parse_args()
     signal.signal(signal.SIGTERM, signal.default_int_handler)  # so that the nodes are ended too
-    stay_on_this_machine()
+    limit_discovery()
     os.environ.setdefault("ROS_DOMAIN_ID", str(1 + os.getpid() % 100))
     rclpy.init(args=[])
     print("| bench | late blocks | largest lag [ms] | least real-time factor | simulator on processors [s] | viewer on processors [s] |")

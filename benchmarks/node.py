@@ -27,7 +27,7 @@ from dcrb_ros.messages.statuses import decode_diagnostics
 from dcrb_ros.messages.topics import BENCH_DIAGNOSTICS, NAMESPACE, SIMULATED, VIBRATION, Topic
 from dcrb_ros.nodes.bench import node_process
 from dcrb_ros.nodes.publisher import message_class, qos
-from dcrb_ros.nodes.ros import stay_on_this_machine
+from dcrb_ros.nodes.ros import limit_discovery
 from dcrb_ros.settings.configuration import Configuration
 
 PATIENCE = 120.0
@@ -178,7 +178,7 @@ def main() -> None:
     parser.add_argument("--duration", type=float, default=20.0, help="wall time at time scale 1.0 [s]; 0 for none")
     options = parser.parse_args()
     signal.signal(signal.SIGTERM, signal.default_int_handler)  # so that the node's process is ended too
-    stay_on_this_machine()
+    limit_discovery()
     os.environ.setdefault("ROS_DOMAIN_ID", str(1 + os.getpid() % 100))
     print(f"Load of the machine before: {os.getloadavg()[0]:.1f}\n")
     rclpy.init(args=[])

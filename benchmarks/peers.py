@@ -19,7 +19,7 @@ from dcrb_ros.bearing.payload import build_payload, initial_state
 from dcrb_ros.core.layout.workspace import workspace
 from dcrb_ros.core.solver.step import advance
 from dcrb_ros.reference.bodies import OUTER_RING
-from dcrb_ros.reference.solver import Motion, Reference
+from dcrb_ros.reference.solver import ReferenceSolver, State
 from dcrb_ros.runtime.arrays import Floats
 from dcrb_ros.settings.files import load_configuration
 from dcrb_ros.settings.parameters import SimulationParameters
@@ -63,32 +63,32 @@ def production(duration: float, part: int, repeat: int = 1) -> Peer:
 
 def paper(duration: float) -> Peer:
     """Return the paper's formulation with its Runge-Kutta scheme."""
-    reference = Reference(CONFIGURATION)
+    reference = ReferenceSolver(CONFIGURATION)
     begin = time.process_time()
     reference.advance(duration, duration / round(duration / REFERENCE_STEP))
     seconds = time.process_time() - begin
     name = f"111 coordinates, multipliers, RK4 at {1e6 * REFERENCE_STEP:g} us"
-    return Peer(name, seconds, duration, reference.motion.velocity[OUTER_RING, :2].copy())
+    return Peer(name, seconds, duration, reference.state.velocity[OUTER_RING, :2].copy())
 
 
 def general(duration: float, method: str) -> Peer:
     """Return a solver of scipy on the paper's equations."""
-    reference = Reference(CONFIGURATION)
-    shapes = [part.shape for part in reference.motion]
-    sizes = np.cumsum([part.size for part in reference.motion])[:-1]
+    reference = ReferenceSolver(CONFIGURATION)
+    shapes = [part.shape for part in reference.state]
+    sizes = np.cumsum([part.size for part in reference.state])[:-1]
 
-    def joined(motion: Motion) -> Floats:
-        return np.concatenate([part.ravel() for part in motion])
+    def joined(state: State) -> Floats:
+        return np.concatenate([part.ravel() for part in state])
 
-    def split(values: Floats) -> Motion:
-        return Motion(*(part.reshape(shape) for part, shape in zip(np.split(values, sizes), shapes, strict=True)))
+    def split(values: Floats) -> State:
+        return State(*(part.reshape(shape) for part, shape in zip(np.split(values, sizes), shapes, strict=True)))
 
     def rate(moment: float, values: Floats) -> Floats:
         return joined(reference.rate(moment, split(values))[0])
 
-    absolute = TOLERANCE * 1e3 * joined(Motion(*(np.full(shape, scale) for shape, scale in zip(shapes, SCALES, strict=True))))
+    absolute = TOLERANCE * 1e3 * joined(State(*(np.full(shape, scale) for shape, scale in zip(shapes, SCALES, strict=True))))
     begin = time.process_time()
-    found = solve_ivp(rate, (0.0, duration), joined(reference.motion), method, rtol=TOLERANCE, atol=absolute)
+    found = solve_ivp(rate, (0.0, duration), joined(reference.state), method, rtol=TOLERANCE, atol=absolute)
     seconds = time.process_time() - begin
     name = f"scipy {method}, {found.nfev} evaluations"
     return Peer(name, seconds, duration, split(found.y[:, -1]).velocity[OUTER_RING, :2])

@@ -35,7 +35,7 @@ from witness import Stop, Witnesses, witnesses
 from dcrb_ros.messages.statuses import decode_diagnostics
 from dcrb_ros.messages.topics import BENCH_DIAGNOSTICS, CLOCK, FEATURES, GROUND_TRUTH, NAMESPACE, ROLLER_STATES, VIBRATION, Topic
 from dcrb_ros.nodes.publisher import message_class, qos
-from dcrb_ros.nodes.ros import stay_on_this_machine
+from dcrb_ros.nodes.ros import limit_discovery
 
 RATE, BLOCK = 51200, 1024
 LEAK = 0.2
@@ -173,7 +173,7 @@ def run(name: str, scale: float, seconds: float, seed: int, late: int, machine: 
     watch, chance = Watch(node), random.Random(seed)
     hands = Hands(node, chance)
     arguments = ["--duration", repr(seconds), "--ros-args", "-p", f"time_scale:={scale!r}", "-p", "publishing.clock:=true"]
-    process = subprocess.Popen([sys.executable, "-m", "dcrb_ros.nodes.simulator", *arguments], stdin=subprocess.DEVNULL)
+    process = subprocess.Popen([sys.executable, "-m", "dcrb_ros.nodes", "simulator", *arguments], stdin=subprocess.DEVNULL)
     due, warm, largest, began, looked = 1.0, 0.0, 0.0, time.monotonic(), 0.0
     try:
         while process.poll() is None and time.monotonic() - watch.seen < START:
@@ -224,7 +224,7 @@ def main() -> int:
     parser.add_argument("--late", type=int, default=0, help="late blocks that are let pass, on a machine that does other things too")
     options = parser.parse_args()
     signal.signal(signal.SIGTERM, signal.default_int_handler)  # so that the bench's process is ended too
-    stay_on_this_machine()
+    limit_discovery()
     os.environ.setdefault("ROS_DOMAIN_ID", str(1 + os.getpid() % 100))
     rclpy.init(args=[])
     try:

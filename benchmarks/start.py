@@ -48,7 +48,7 @@ def cost(command: list[str], **changes: str) -> Cost:
 def node(duration: float, *settings: str) -> Cost:
     """Return what the simulator node takes for a simulated time [s]."""
     parameters = [word for setting in settings for word in ("-p", setting)]
-    module = [sys.executable, "-m", "dcrb_ros.nodes.simulator", "--duration", str(duration), "--ros-args", *parameters]
+    module = [sys.executable, "-m", "dcrb_ros.nodes", "simulator", "--duration", str(duration), "--ros-args", *parameters]
     return cost(module)
 
 

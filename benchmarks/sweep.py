@@ -24,9 +24,9 @@ from real_time import kernel
 from dcrb_ros.runtime.processes import in_processes
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.sweep.data_set import DataSet
-from dcrb_ros.sweep.dispatch import workers_here
+from dcrb_ros.sweep.dispatch import local_workers
+from dcrb_ros.sweep.loader import sweep_of
 from dcrb_ros.sweep.plan import Plan
-from dcrb_ros.sweep.reading import sweep_of
 from dcrb_ros.sweep.store import Store
 
 
@@ -73,7 +73,7 @@ def measured(joint: str, runs: int, duration: float) -> str:
     """Return a row of the table."""
     workers = os.cpu_count() or 1
     before = list(kernels(joint, 3.0, workers))
-    with tempfile.TemporaryDirectory() as folder, workers_here(workers, "auto") as client:
+    with tempfile.TemporaryDirectory() as folder, local_workers(workers, "auto") as client:
         DataSet(plan(joint, 2 * workers, 0.1), Store(f"{folder}/warm")).make(client, lambda _: None)
         data_set = DataSet(plan(joint, runs, duration), Store(f"{folder}/set"))
         others = psutil.cpu_times()

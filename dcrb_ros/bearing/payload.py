@@ -1,4 +1,4 @@
-"""From a configuration to what the kernels need: the payload and a settled start. The only bridge into the core."""
+"""The kernels' constants and initial state from a configuration; the only module that builds them."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ from dcrb_ros.settings.parameters import Bearing
 
 
 def body_names(configuration: Configuration) -> BodyNames:
-    """Return rows and rollers of the configured bearing."""
+    """Return the numbers of rows and rollers of the configured bearing, and with them the names of its bodies."""
     return BodyNames(configuration.bearing.rows, configuration.bearing.rollers_per_row)
 
 
 def pocket_azimuths(bearing: Bearing) -> Floats:
     """Return the azimuth of each pocket at cage angle zero, shape (rows, rollers) [rad].
 
-    Roller 1 of row 1 stands in the middle of the loading zone; the second row is staggered by ``row_phase`` pitches.
+    Roller 1 of row 1 is in the middle of the load zone; the second row is offset by ``row_phase`` pitches.
     """
     pitch = 2.0 * math.pi / bearing.rollers_per_row
     stagger = bearing.row_phase * np.arange(bearing.rows)
@@ -49,7 +49,7 @@ def broken_bars(configuration: Configuration) -> npt.NDArray[np.bool_]:
 
 
 def free_rollers(configuration: Configuration) -> npt.NDArray[np.bool_]:
-    """Return which rollers are not pinned: all with pockets, otherwise those beside a broken bar, shape (rows, rollers)."""
+    """Return which rollers are not pinned, shape (rows, rollers): all with the joint `pocket`, otherwise those beside a broken bar."""
     broken = broken_bars(configuration)
     if configuration.cage.joint == "pocket":
         return np.ones_like(broken)
@@ -57,7 +57,7 @@ def free_rollers(configuration: Configuration) -> npt.NDArray[np.bool_]:
 
 
 def degrees_of_freedom(configuration: Configuration) -> int:
-    """Return the free coordinates [-]: two rings and the cages in the plane, cages and rollers turning, free rollers moving."""
+    """Return the number of degrees of freedom: two rings and the cages in the plane, rotation of cages and rollers, free rollers."""
     b = configuration.bearing
     return 4 + 3 * b.rows + b.rows * b.rollers_per_row + 2 * int(free_rollers(configuration).sum())
 
@@ -77,7 +77,7 @@ def build_payload(configuration: Configuration) -> Payload:
     roller_notches = [notch for notch in damage if isinstance(notch, RollerNotch)]
     tangent = np.stack([np.cos(azimuth), np.sin(azimuth)], axis=-1)
     pinned = (~free).sum(axis=1)
-    # All pinned: the sum of the tangents is zero but for rounding, which would make the motion depend on it.
+    # With all rollers pinned the sum of the tangents is zero up to rounding, which must not influence the motion.
     moment = b.roller_mass * b.pitch_radius * np.where(free[..., None], 0.0, tangent).sum(axis=1)
     moment[~free.any(axis=1)] = 0.0
     mass, inertia = b.cage_mass + pinned * b.roller_mass, b.cage_inertia + pinned * b.roller_mass * b.pitch_radius**2
@@ -148,7 +148,7 @@ def build_payload(configuration: Configuration) -> Payload:
 
 
 def cage_speed(configuration: Configuration, shaft_speed: float) -> float:
-    """Return the cage speed of pure rolling [rad/s]: rollers pinned at the pitch radius, or free between the raceways."""
+    """Return the cage speed for pure rolling [rad/s]: with rollers pinned at the pitch radius, or free on the inner raceway."""
     b = configuration.bearing
     orbit = b.pitch_radius if configuration.cage.joint == "revolute" else b.inner_raceway_radius + b.roller_radius
     return shaft_speed * b.inner_raceway_radius / (2.0 * orbit)
@@ -160,7 +160,7 @@ def roller_spin(bearing: Bearing, shaft_speed: float) -> float:
 
 
 def initial_state(configuration: Configuration, payload: Payload) -> State:
-    """Return the start: static equilibrium, warm (kinematic rolling) or cold (cage and rollers at rest)."""
+    """Return the initial state: static equilibrium, with pure rolling (warm) or with cage and rollers at rest (cold)."""
     bearing, operating = configuration.bearing, configuration.operating
     state = empty_state(bearing.rows, bearing.rollers_per_row)
     state.load[:] = operating.lateral_load, -operating.load

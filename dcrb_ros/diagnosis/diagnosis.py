@@ -56,3 +56,7 @@ class Diagnosis:
     def time_ns(self) -> int:
         """Time of the last sample [ns]."""
         return round(self.time * 1e9)
+
+    def __repr__(self) -> str:
+        about = f"<Diagnosis: {self.verdict} at {self.time:.2f} s, confidence {self.confidence:.2f}"
+        return f"{about}, shaft at {self.shaft_frequency:.2f} Hz: {self.reason}>"

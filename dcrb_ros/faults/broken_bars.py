@@ -51,7 +51,7 @@ class BrokenBars(Fault):
         """Refuse words that name no bar, bars beyond the cage, bars named twice, and a cage with fewer than two bars."""
         for word in self._names:
             if BAR.fullmatch(word) is None:
-                yield f"faults.{key}: '{word}' is no bar; write row1/bar15, or 'row1/bar15, row2/bar15' for two"
+                yield f"faults.{key}: '{word}' is not a bar; write row1/bar15, or 'row1/bar15, row2/bar15' for two"
         bars = self.bars()
         for row, bar in bars:
             if not (1 <= row <= bearing.rows and 1 <= bar <= bearing.rollers_per_row):

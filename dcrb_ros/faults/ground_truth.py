@@ -42,3 +42,8 @@ def words_of(name: str, fields: Mapping[str, float]) -> str:
     if name.startswith(SENSOR):
         return name.replace(".", " ", 1)
     return (kind_of(name) or Fault).words(name, fields)
+
+
+def summary_of(faults: Mapping[str, Mapping[str, float]]) -> str:
+    """Return all faults in a few words; ``healthy`` without any."""
+    return ", ".join(words_of(name, fields) for name, fields in faults.items()) or "healthy"

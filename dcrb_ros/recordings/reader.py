@@ -8,24 +8,32 @@ from collections import Counter
 from collections.abc import Container, Iterable, Iterator, Mapping
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import yaml
 from mcap.records import Channel, Metadata
 from mcap.records import Message as McapMessage
 
 from dcrb_ros import __version__
+from dcrb_ros.bearing.history import StateHistory
 from dcrb_ros.bearing.kinematics import Orders, characteristic_orders
+from dcrb_ros.bearing.waveform import Piece, Waveform
 from dcrb_ros.messages.description import decode_range
 from dcrb_ros.messages.event_text import decode_command
 from dcrb_ros.messages.points import Vibration, decode_vibration
 from dcrb_ros.messages.statuses import decode_truth
 from dcrb_ros.messages.topics import DETECTED, GROUND_TRUTH, MANIFEST, NAMESPACE, SENSOR, SIMULATED, VIBRATION, Message, Topic
+from dcrb_ros.recordings import arrays
+from dcrb_ros.recordings.arrays import RecordedVerdict
 from dcrb_ros.recordings.manifest import OUTCOME
 from dcrb_ros.recordings.mcap_reader import MAGIC, McapRecords
 from dcrb_ros.runtime.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.simulation.events import TimedCommand, commands_in
+from dcrb_ros.simulation.ground_truth import GroundTruth
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 METADATA = "metadata.yaml"
 LARGEST_METADATA = 4_000_000
@@ -55,6 +63,12 @@ class Recording:
         if self.manifest.get("format", 1) != 1 and self.outcome is None:
             self._remark(f"{self.files[-1].name}: the end is missing, the recording was cut off")
         self._configuration = self._read_configuration()
+
+    def __repr__(self) -> str:
+        rate, samples = self.manifest.get("sampling_rate", 0), (self.outcome or {}).get("samples", 0)
+        length = f"{samples / rate:.4g} s" if rate and samples else "of unknown length"
+        content = "imported data" if self._configuration is None else self._configuration.summary
+        return f"<Recording {self.path}: {length} at {rate / 1e3:g} kHz, {content}{'' if self.complete else ', damaged'}>"
 
     @property
     def complete(self) -> bool:
@@ -141,6 +155,54 @@ class Recording:
             yield decode_vibration(message.data), sensor_range
         if not found:
             raise Refusal(f"{self.path} holds no messages on {VIBRATION.resolved(self.namespace)}: give a recording of the bench")
+
+    def pieces(self) -> Iterator[Piece]:
+        """Yield the blocks of the waveform with their first samples, as `dcrb_ros.detect` takes them."""
+        return arrays.pieces_of(self)
+
+    def waveform(self, start: float | None = None, stop: float | None = None) -> Waveform:
+        """Return the samples with ``start <= time < stop`` [s], all of them by default.
+
+        Raises
+        ------
+        Refusal
+            The recording has no waveform, or no sample in that time.
+
+        Examples
+        --------
+        >>> from dcrb_ros import Recording
+        >>> Recording("bags/outer_ring_defect").waveform(1.0, 1.5)
+        <Waveform: 0.5 s at 51.2 kHz (25600 samples), shaft at 20.00 Hz>
+        """
+        return arrays.waveform_of(self, start, stop)
+
+    def states(self) -> StateHistory:
+        """Return the bodies over time: azimuth, speed and inner normal force, and the contacts where ``roller_contacts`` was recorded.
+
+        Raises
+        ------
+        Refusal
+            The recording has no ``roller_states``.
+        """
+        return arrays.states_of(self)
+
+    def truth(self) -> GroundTruth:
+        """Return the ground truth over time; of imported data it is empty."""
+        return arrays.truth_of(self)
+
+    def verdicts(self) -> list[RecordedVerdict]:
+        """Return what a detector published while the recording was made; empty where none ran."""
+        return arrays.verdicts_of(self)
+
+    def to_pandas(self) -> pd.DataFrame:
+        """Return the waveform as a DataFrame over time [s]; see `Waveform.to_pandas`. States and ground truth have one of their own.
+
+        Raises
+        ------
+        Refusal
+            pandas is not installed, or the recording has no waveform.
+        """
+        return self.waveform().to_pandas()
 
     def counts(self) -> dict[str, int]:
         """Return the messages per topic."""

@@ -1,4 +1,4 @@
-"""The whole configuration of a bench: read, checked once, explained when refused."""
+"""The configuration of a simulation, and the checks of parameters that depend on each other."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from pydantic import model_validator
 from dcrb_ros.core.laws.pereira import pereira_coefficients, pereira_stiffness
 from dcrb_ros.faults import Faults
 from dcrb_ros.faults.geometry import BrokenBar
+from dcrb_ros.faults.ground_truth import summary_of
 from dcrb_ros.measurement.stage import Parameters, Setup
 from dcrb_ros.schema.fields import LENGTH_REMEDY, Group, quantity
 from dcrb_ros.settings.parameters import (
@@ -23,13 +24,14 @@ from dcrb_ros.settings.parameters import (
     Publishing,
     Recording,
     SimulationParameters,
+    rpm,
 )
 from dcrb_ros.settings.sensor import Background, SensorParameters, Structure
 from dcrb_ros.settings.sensor_limits import block_limits, burst_limits, measurement_limits
 
 
 class Configuration(Group):
-    """Everything a bench depends on; the samples follow from this and the simulated times of commands."""
+    """All parameters of a simulation; they, the scenario and the simulated times of commands determine the samples."""
 
     bearing: Bearing = Bearing()
     housing: Housing = Housing()
@@ -44,26 +46,40 @@ class Configuration(Group):
     sensor: SensorParameters = SensorParameters()
     publishing: Publishing = Publishing()
     recording: Recording = Recording()
-    time_scale: float = quantity(1.0, "-", "Simulated over wall time asked for; 0 for as fast as possible", 0.0, 1000.0, run_time=True)
+    time_scale: float = quantity(
+        1.0, "-", "Requested ratio of simulated to wall time; 0 for as fast as possible", 0.0, 1000.0, run_time=True
+    )
 
     @model_validator(mode="after")
     def _consistent(self) -> Configuration:
-        for fault in inconsistencies(self):
-            raise ValueError(fault)
+        for sentence in inconsistencies(self):
+            raise ValueError(sentence)
         return self
 
     def described_faults(self) -> dict[str, dict[str, float]]:
-        """Return the fields of every fault of bearing and sensor by its name in the ground truth."""
+        """Return the numbers of every fault of bearing and sensor by its name in the ground truth."""
         return self.faults.described() | self.sensor.described()
 
     @property
+    def summary(self) -> str:
+        """Speed, load and faults as text."""
+        load = math.hypot(self.operating.load, self.operating.lateral_load)
+        speed = f"{self.operating.speed:g} rad/s ({rpm(self.operating.speed):.4g} rpm)"
+        return f"{speed}, {load / 1e3:g} kN, {summary_of(self.described_faults())}"
+
+    def __repr__(self) -> str:
+        return f"<Configuration: {self.summary}>"
+
+    __str__ = __repr__
+
+    @property
     def steps_per_sample(self) -> int:
-        """Time steps between two samples [-]."""
+        """Time steps in a sampling interval [-]."""
         return round(1.0 / (self.simulation.step * self.sensor.sampling_rate))
 
     @property
     def step_rate(self) -> int:
-        """Time steps in a simulated second [Hz]."""
+        """Time steps per simulated second [Hz]."""
         return self.steps_per_sample * self.sensor.sampling_rate
 
     @property
@@ -79,7 +95,7 @@ class Configuration(Group):
 
 
 def inconsistencies(c: Configuration) -> Iterator[str]:
-    """Yield a sentence for everything that cannot be true together: what, the range, the remedy."""
+    """Yield a sentence with values, range and remedy for each set of parameters that contradict each other."""
     yield from _geometry(c)
     yield from _cage(c)
     yield from _guidance(c)
@@ -103,14 +119,14 @@ def _geometry(c: Configuration) -> Iterator[str]:
     if not 0.0 < b.radial_gap <= largest:
         yield (
             f"bearing: the radial gap outer_raceway_radius - inner_raceway_radius - 2 roller_radius is {b.radial_gap:.4g} m, outside "
-            f"0 .. {largest:.3g} m: check the three radii, lengths are in metres"
+            f"0 .. {largest:.3g} m: check the three radii; lengths are in metres"
         )
     low, high = b.inner_raceway_radius + b.roller_radius, b.outer_raceway_radius - b.roller_radius
     if not low <= b.pitch_radius <= high:
         yield f"bearing.pitch_radius = {b.pitch_radius:g} m is outside {low:g} .. {high:g} m, where a roller fits between the raceways"
     most = math.floor(math.pi / math.asin(min(1.0, b.roller_radius / b.pitch_radius)))
     if b.rollers_per_row > most:
-        yield f"bearing.rollers_per_row = {b.rollers_per_row} do not fit round the pitch circle: {most} rollers at most, or smaller ones"
+        yield f"bearing.rollers_per_row = {b.rollers_per_row} do not fit around the pitch circle: use at most {most}, or smaller rollers"
     solid = 0.5 * b.roller_mass * b.roller_radius**2
     if not 0.25 * solid <= b.roller_inertia <= 4.0 * solid:
         yield (
@@ -124,10 +140,10 @@ def _rates(c: Configuration) -> Iterator[str]:
     ratio = 1.0 / (step * rate)
     whole = max(2, round(ratio))
     if abs(ratio - whole) > 1e-6 * whole:
-        near = ", ".join(f"{1.0 / (rate * n)!r}" for n in sorted({max(2, math.floor(ratio)), max(2, math.ceil(ratio))}))
+        nearest = ", ".join(f"{1.0 / (rate * n)!r}" for n in sorted({max(2, math.floor(ratio)), max(2, math.ceil(ratio))}))
         yield (
-            f"simulation.step = {step!r} s makes {ratio:.6g} steps of a sample at sensor.sampling_rate = {rate} Hz; "
-            f"it must make a whole number from 2 up: take {near} s"
+            f"simulation.step = {step!r} s divides a sampling interval at sensor.sampling_rate = {rate} Hz into {ratio:.6g} steps; "
+            f"this must be a whole number, at least 2: take {nearest} s"
         )
     if rate % c.publishing.preview_rate:
         yield (
@@ -137,15 +153,15 @@ def _rates(c: Configuration) -> Iterator[str]:
 
 
 SMALLEST_FILE = 1_000_000
-"""Smallest file of a recording in several files [bytes]: a few chunks."""
+"""Smallest size at which a recording is split [bytes]: a few chunks."""
 
 
 def _splitting(c: Configuration) -> Iterator[str]:
     size, duration = c.recording.split_size, c.recording.split_duration
     if 0 < size < SMALLEST_FILE:
-        yield f"recording.split_size = {size} B is below {SMALLEST_FILE} B, a few chunks: give 0 for a single file or more"
+        yield f"recording.split_size = {size} B is below {SMALLEST_FILE} B, a few chunks: increase it, or give 0 for a single file"
     if 0.0 < duration < 0.1:
-        yield f"recording.split_duration = {duration:g} s is below 0.1 s, a few blocks: give 0.0 for a single file or more"
+        yield f"recording.split_duration = {duration:g} s is below 0.1 s, a few blocks: increase it, or give 0.0 for a single file"
 
 
 def _cage(c: Configuration) -> Iterator[str]:
@@ -164,7 +180,7 @@ def _cage(c: Configuration) -> Iterator[str]:
 
 
 def _guidance(c: Configuration) -> Iterator[str]:
-    """Compare the cage's clearances with how far the loaded ring carries it off the outer ring's centre."""
+    """Compare the clearances of the cage with its offset from the outer ring's centre in the loaded bearing."""
     b, cage = c.bearing, c.cage
     pinned = cage.joint == "revolute"
     pressed = 2.0 * heaviest(c) / contact_stiffness(c, heaviest(c))
@@ -173,27 +189,27 @@ def _guidance(c: Configuration) -> Iterator[str]:
     if play < off:
         name = "cage.land_clearance" if pinned else "cage.land_clearance + cage.pocket_clearance"
         yield (
-            f"{name} = {play:.4g} m is below the {off:.3g} m by which a loaded bearing carries its cage off the outer ring's centre: "
-            "the cage would bear the load; make it larger or the radial gap smaller"
+            f"{name} = {play:.4g} m is below {off:.3g} m, the offset of the cage from the outer ring's centre in the loaded bearing: "
+            "the cage would carry the load; make it larger or the radial gap smaller"
         )
 
 
 def heaviest(c: Configuration) -> float:
-    """Return the force on the roller under the load, without a gap five times the mean of a row (Stribeck) [N]."""
+    """Return the largest normal force of a roller [N]: five times the mean of a row, as without a radial gap (Stribeck)."""
     return max(1.0, 5.0 * _load(c) / (c.bearing.rows * c.bearing.rollers_per_row))
 
 
 def _load(c: Configuration) -> float:
-    """Return load and weight on the inner ring [N]."""
+    """Return the sum of load and weight on the inner ring [N]."""
     return math.hypot(c.operating.load, c.operating.lateral_load) + c.bearing.inner_ring_mass * c.operating.gravity
 
 
 LARGEST_PHASE = 1.8
-"""Largest phase of the stiffest mode in a step [rad]; from 2 on leapfrog grows without bound, and impacts stiffen the contacts."""
+"""Largest phase of the stiffest mode in a step [rad]: leapfrog is unstable from 2 on, and impacts stiffen the contacts."""
 
 
 def _stability(c: Configuration) -> Iterator[str]:
-    """Compare the step with the stiffest mode, at the largest forces that the load can bring about."""
+    """Compare the step with the period of the stiffest mode under the largest forces that the load causes."""
     b, h = c.bearing, c.simulation.step
     stiffness = contact_stiffness(c, heaviest(c))
     together = 0.5 * stiffness * (1.0 + 0.25 * b.rollers_per_row) * b.rows
@@ -214,18 +230,18 @@ def _stability(c: Configuration) -> Iterator[str]:
 
 
 LEAST_DRAG = 0.12
-"""Least share of a roller's normal force that presses it against a bar: friction of 0.06 at both raceways [-]."""
+"""Smallest share of a roller's normal force that presses it against a bar: friction of 0.06 at both raceways [-]."""
 
 
 def _modes_at_the_cage(c: Configuration, stiffness: float) -> dict[str, float]:
-    """Return the squared frequencies [1/s^2] of cages, free rollers and bars, the raceways being of ``stiffness`` [N/m]."""
+    """Return the squared angular frequencies [1/s^2] of cages, free rollers and bars; ``stiffness`` [N/m] is that of a raceway."""
     b = c.bearing
     any_broken = any(isinstance(damage, BrokenBar) for damage in c.faults.damage(b))
     if c.cage.joint == "revolute" and not any_broken:
         return {"a cage with its rollers": 2.0 * stiffness / (b.cage_mass + b.rollers_per_row * b.roller_mass)}
     drag = max(LEAST_DRAG, 2.0 * c.friction.static_coefficient) * heaviest(c)
     bar = pereira_stiffness(drag, *pereira_coefficients(c.cage.pocket_clearance, b.roller_length, b.effective_modulus))
-    # Half a row pressing its cage at once: light cages and tight pockets failed from about there on.
+    # Half a row presses against the cage at once: with more, simulations of light cages and small clearances diverged.
     pressing = 0.5 * b.rollers_per_row
     modes = {
         "a roller between the raceways": 2.0 * stiffness / b.roller_mass,
@@ -237,15 +253,15 @@ def _modes_at_the_cage(c: Configuration, stiffness: float) -> dict[str, float]:
 
 
 def _shorter(c: Configuration, longest: float) -> str:
-    """Return the advice to take a step of ``longest`` [s] at most."""
+    """Return the advice to take a step of at most ``longest`` [s]."""
     fitting = _fitting_step(c, longest)
     if fitting < SHORTEST_STEP:
-        return f"no step from {SHORTEST_STEP:g} s up follows it; check masses in kg, stiffnesses and loads"
+        return f"even a step of {SHORTEST_STEP:g} s is too long; check masses in kg, stiffnesses and loads"
     return f"at most {longest:.3g} s, such as {fitting!r}"
 
 
 def _fitting_step(c: Configuration, longest: float) -> float:
-    """Return the longest step up to ``longest`` [s] that makes a whole number of a sample."""
+    """Return the longest step up to ``longest`` [s] of which a sampling interval is a whole number."""
     return 1.0 / (c.sensor.sampling_rate * max(2, math.ceil(1.0 / (longest * c.sensor.sampling_rate))))
 
 

@@ -1,4 +1,4 @@
-"""Reading, writing and explaining configurations: YAML in the shape of a ROS parameter file."""
+"""Configurations as files: reading, writing and checking YAML in the form of a ROS parameter file, and the table of parameters."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any, TypeVar, get_args
 
+import numpy as np
 import yaml
 from pydantic import ValidationError
 from pydantic.fields import FieldInfo
@@ -24,10 +25,10 @@ from dcrb_ros.settings.vehicle_speed import without_replaced
 from dcrb_ros.settings.yaml import parsed, read_yaml
 
 LEAST = sys.float_info.min
-"""Least size of a number that is not zero: quotients of smaller ones overflow."""
+"""Smallest magnitude of a number other than zero: quotients of smaller numbers overflow."""
 
 COMMANDED = ("operating.speed", "operating.load", "operating.lateral_load")
-"""Parameters that have a topic of their own to change them."""
+"""Parameters that are changed on a topic of their own."""
 
 Scalar = bool | int | float | str
 Model = TypeVar("Model", bound=Group)
@@ -35,7 +36,7 @@ Model = TypeVar("Model", bound=Group)
 
 @dataclass(frozen=True)
 class ParameterField:
-    """One parameter as the schema knows it."""
+    """One parameter of the schema."""
 
     key: str
     """Dotted key, ``faults.outer_1.width``."""
@@ -49,7 +50,7 @@ class ParameterField:
     description: str
     remedy: str
     run_time: bool
-    """Whether a running node accepts a change."""
+    """Whether it can change while the simulation runs."""
     choices: tuple[str, ...] = ()
 
 
@@ -77,7 +78,7 @@ def _field(key: str, info: FieldInfo) -> ParameterField:
 
 
 def parameter_fields(model: type[Group] = Configuration, prefix: str = "") -> Iterator[ParameterField]:
-    """Yield every parameter of a model, groups flattened to dotted keys."""
+    """Yield every parameter of a model by its dotted key."""
     for name, info in model.model_fields.items():
         if isinstance(info.annotation, type) and issubclass(info.annotation, Group):
             yield from parameter_fields(info.annotation, f"{prefix}{name}.")
@@ -115,11 +116,11 @@ def nest(flat: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def validated(flat: Mapping[str, Any], model: type[Model], source: str) -> Model:
-    """Return the model of flat parameters, or refuse the first that is wrong in one sentence.
+    """Return the model of parameters with dotted keys.
 
     Raises:
-        Refusal: an unknown key (with the nearest known one), a wrong type, a value out of range, or values that cannot
-            be true together.
+        Refusal: an unknown key, a value of the wrong type or out of range, or values that contradict each other; one sentence with the
+            value, the range and the remedy.
     """
     fields = fields_by_key(model)
     unknown = [key for key in flat if key not in fields]
@@ -127,7 +128,7 @@ def validated(flat: Mapping[str, Any], model: type[Model], source: str) -> Model
         raise Refusal(f"{source}: unknown parameter '{unknown[0]}'{nearest(unknown[0], fields)}{_more(len(unknown))}")
     for key, value in flat.items():
         if isinstance(value, float) and 0.0 < abs(value) < LEAST:
-            raise Refusal(f"{source}: {key} = {value!r} is too near to zero to reckon with: give 0.0, or {LEAST:g} and more in size")
+            raise Refusal(f"{source}: {key} = {value!r} is too close to zero: give 0.0, or a magnitude of at least {LEAST:g}")
     try:
         return model.model_validate(nest(flat))
     except ValidationError as error:
@@ -150,26 +151,31 @@ def _sentence(problem: ErrorDetails, fields: Mapping[str, ParameterField]) -> st
     if field.choices:
         return f"{said} is not one of {', '.join(field.choices)}{nearest(str(value), field.choices)}"
     if field.low is None or field.high is None:
-        return f"{said} is not {kind}; {field.description[0].lower()}{field.description[1:]}"
+        return f"{said} is not {kind} ({_lower(field.description)})"
     span = f"{field.low:g} .. {field.high:g} {field.unit}".removesuffix(" -")
     if isinstance(value, (bool, str)) or not isinstance(value, (int, float)) or (field.kind is int and isinstance(value, float)):
         return f"{said} is not {kind} within {span}"
-    remedy = f": {field.remedy}" if field.remedy else f"; {field.description.lower()} lies within it"
+    remedy = f": {field.remedy}" if field.remedy else f" ({_lower(field.description)})"
     return f"{said} is outside {span}{remedy}{_millimetres(field, value)}"
 
 
+def _lower(description: str) -> str:
+    """Return a description that continues a sentence."""
+    return description[0].lower() + description[1:]
+
+
 def _millimetres(field: ParameterField, value: Any) -> str:
-    """Return a guess of what was meant when a length was given in millimetres."""
+    """Return the length in metres if a value would be in range as millimetres."""
     if field.unit != "m" or not isinstance(value, (int, float)) or field.low is None or field.high is None:
         return ""
     return f" (did you mean {value / 1000.0:g}?)" if field.low <= value / 1000.0 <= field.high else ""
 
 
 def read_parameters(path: Path, node: str) -> dict[str, Any]:
-    """Return the flat parameters that a ROS parameter file gives to a node: ``/**`` first, then its own section.
+    """Return the parameters of a ROS parameter file for a node by their dotted keys: those of ``/**``, then those of its own section.
 
     Raises:
-        Refusal: the file cannot be read, is no YAML or is not in the shape of a ROS parameter file.
+        Refusal: the file cannot be read, is not YAML or does not have the form of a ROS parameter file.
     """
     tree = read_yaml(path)
     if not isinstance(tree, Mapping) or not all(isinstance(section, Mapping) for section in tree.values()):
@@ -178,10 +184,10 @@ def read_parameters(path: Path, node: str) -> dict[str, Any]:
     for name in ("/**", node, f"/{node}", f"/dcrb/{node}", f"/**/{node}"):
         section = tree.get(name, {})
         if section and (set(section) != {"ros__parameters"} or not isinstance(section["ros__parameters"], Mapping)):
-            raise Refusal(f"{path}: '{name}' must hold 'ros__parameters:' and nothing else")
+            raise Refusal(f"{path}: '{name}' must contain 'ros__parameters:' and nothing else")
         flat.update({str(key): value for key, value in flatten(section.get("ros__parameters", {})).items()})
     if not flat and not any(str(name).strip("/").split("/")[-1] for name in tree):
-        raise Refusal(f"{path} holds no parameters for the node '{node}'; they stand below '/**:' and 'ros__parameters:'")
+        raise Refusal(f"{path} contains no parameters for the node '{node}'; put them below '/**:' and 'ros__parameters:'")
     return flat
 
 
@@ -203,21 +209,42 @@ def _settings(settings: Sequence[str], fields: Mapping[str, ParameterField]) -> 
 
 
 def overlaid(whole: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
-    """Return a whole configuration, flat, with changes on top; another preset of the sensor among them brings its values."""
+    """Return a configuration with dotted keys after changes; a new preset of the sensor among them also changes its typical values."""
     preset = changes.get("sensor.preset")
     brought = preset_values(str(preset)) if preset not in (None, whole.get("sensor.preset")) else {}
     return {**whole, **brought, **changes}
 
 
-def load_configuration(source: str | Path, settings: Sequence[str] = ()) -> Configuration:
-    """Return the configuration of a file or a shipped name (``healthy``), with ``KEY=VALUE`` settings on top.
+def load_configuration(source: Configuration | str | Path, settings: Mapping[str, Any] | Sequence[str] = ()) -> Configuration:
+    """Return the configuration of a file or a shipped name, with some settings changed.
 
-    Raises:
-        Refusal: see `read_parameters` and `validated`.
+    Parameters
+    ----------
+    source
+        The name of a shipped configuration (``"healthy"``), a YAML file, or a configuration to change.
+    settings
+        Parameters and values: ``{"operating.speed": 100.0}``, nested or with dotted keys, or texts such as ``"operating.speed=100.0"``.
+
+    Raises
+    ------
+    Refusal
+        No such file, an unknown parameter, or a value that is out of range or does not fit the others.
+
+    Examples
+    --------
+    >>> load_configuration("healthy", {"faults": {"outer_1": {"width": 0.002}}, "operating.speed": 100.0})
+    <Configuration: 100 rad/s (954.9 rpm), 100 kN, outer_1: 2 mm wide>
     """
-    path = find_configuration(source)
-    flat, asked = read_parameters(path, "simulator"), _settings(settings, fields_by_key())
+    asked = _plain(flatten(settings)) if isinstance(settings, Mapping) else _settings(settings, fields_by_key())
+    if isinstance(source, Configuration):
+        return validated(overlaid(flatten(source.model_dump()), asked), Configuration, "settings") if asked else source
+    flat = read_parameters(find_configuration(source), "simulator")
     return validated({**without_replaced(flat, asked), **asked}, Configuration, str(source))
+
+
+def _plain(settings: Mapping[str, Any]) -> dict[str, Any]:
+    """Return settings with the scalars of numpy as those of Python."""
+    return {str(key): value.item() if isinstance(value, np.generic) else value for key, value in settings.items()}
 
 
 def find_configuration(source: str | Path) -> Path:
@@ -233,7 +260,7 @@ def find_configuration(source: str | Path) -> Path:
 
 
 def shipped_folder() -> Path:
-    """Return the folder of the shipped configurations, in a checkout or below the installation's share folder."""
+    """Return the folder of the shipped configurations: in the repository, or in the share folder of the installation."""
     package = Path(__file__).resolve().parents[1]
     candidates = [package.parent / "config", *(parent / "share" / "dcrb_ros" / "config" for parent in package.parents)]
     candidates.append(Path(sys.prefix) / "share" / "dcrb_ros" / "config")
@@ -241,12 +268,12 @@ def shipped_folder() -> Path:
 
 
 def shipped_configurations() -> dict[str, Path]:
-    """Return the shipped benches by name."""
+    """Return the files of the shipped configurations by name."""
     return {path.stem: path for path in sorted(shipped_folder().glob("*.yaml")) if path.stem != "detector"}
 
 
 def to_yaml(configuration: Group) -> str:
-    """Return a configuration as a ROS parameter file with every parameter in it."""
+    """Return a configuration as a ROS parameter file that contains every parameter."""
     return str(yaml.safe_dump({"/**": {"ros__parameters": configuration.model_dump()}}, sort_keys=False))
 
 

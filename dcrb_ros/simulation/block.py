@@ -63,6 +63,11 @@ class Block:
     energy: Account | None = None
     """The energy account at the end of the block; only for blocks with a truth, because it is expensive."""
 
+    def __repr__(self) -> str:
+        samples = len(self.acceleration)
+        about = f"<Block: {samples} samples at {self.rate / 1e3:g} kHz from {self.index / self.rate:.4f} s, {len(self.states)} states"
+        return about + (", lost>" if self.lost else ">")
+
     @property
     def stamp_ns(self) -> int:
         """Simulated time of the first sample [ns]."""

@@ -260,7 +260,7 @@ def test_what_ends_the_bench_command_ends_its_nodes(kind: signal.Signals, moment
         assert bench.wait(PATIENCE) in (0, 1, 130), log.read_text()
     finally:
         bench.kill()
-    assert not processes("dcrb_ros.nodes.", f"ROS_DOMAIN_ID={number}\0")
+    assert not processes("dcrb_ros.nodes", f"ROS_DOMAIN_ID={number}\0")
     assert "Traceback" not in log.read_text()
 
 

@@ -37,7 +37,7 @@ def test_faults_come_and_are_refused_as_a_whole(tmp_path: Path) -> None:
             ({"faults__outer_1__width": float("nan")}, "faults.outer_1.width = nan m is outside 0 .. 0.05 m"),
             ({"faults__outer_1__width": 1}, "faults.outer_1.width = 1.0 m is outside 0 .. 0.05 m"),
             ({"faults__outer_1__width": 0.002, "faults__outer_2__width": 0.002}, "faults.outer_2 overlaps faults.outer_1"),
-            ({"faults__broken_bars": "bar 3"}, "'bar' is no bar; write row1/bar15"),
+            ({"faults__broken_bars": "bar 3"}, "'bar' is not a bar; write row1/bar15"),
             ({"bearing__roller_radius": 0.01}, "bearing.roller_radius is fixed while the bench runs"),
             ({"operating__speed": 100.0, "faults__outer_1__width": 0.002}, "operating.speed changes by"),
             ({"sensor__fault": "stuk"}, "did you mean 'stuck'?"),

@@ -21,7 +21,7 @@ from runs import Run, simulated
 from dcrb_ros.bearing.states import BodyNames
 from dcrb_ros.cli.detect import detect
 from dcrb_ros.diagnosis.parameters import DetectorParameters
-from dcrb_ros.exam.reference import opinions
+from dcrb_ros.exam.detector_run import run_shipped_detector
 from dcrb_ros.messages.points import SAMPLE
 from dcrb_ros.messages.topics import ACCELERATION, FEATURES, GROUND_TRUTH, NAMESPACE, ROLLER_STATES, SENSOR, VIBRATION
 from dcrb_ros.recordings.reader import Recording
@@ -211,5 +211,5 @@ def test_a_range_that_changes_is_followed(tmp_path: Path, capsys: pytest.Capture
     assert [span for _, span in Recording(bag).ranged_vibrations()] == [5000.0] * 75 + [20.0] * 100
     detect(bag, as_json=True)
     verdicts = [found["verdict"] for found in json.loads(capsys.readouterr().out)["history"]]
-    assert verdicts == [opinion.verdict for opinion in opinions(bag, DetectorParameters())]
+    assert verdicts == [diagnosis.verdict for diagnosis in run_shipped_detector(bag, DetectorParameters())]
     assert "sensor" not in verdicts

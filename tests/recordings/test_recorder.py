@@ -21,7 +21,7 @@ from dcrb_ros.messages.encoder import BlockEncoder
 from dcrb_ros.messages.topics import NAMESPACE, VIBRATION
 from dcrb_ros.recordings.reader import Recording, metadata_flaw
 from dcrb_ros.recordings.recorder import Recorder
-from dcrb_ros.recordings.recorder_thread import QueuedRecorder
+from dcrb_ros.recordings.recorder_thread import RecorderThread
 from dcrb_ros.recordings.rosbag2 import RecordingFailed
 from dcrb_ros.runtime.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
@@ -109,7 +109,7 @@ def test_an_unknown_topic_is_refused_before_a_folder_is_made(tmp_path: Path) -> 
 
 def test_a_slow_disk_ends_the_recording_and_nobody_waits_for_it(tmp_path: Path) -> None:
     slow = SlowRecorder(tmp_path / "bag")
-    queued, encoder = QueuedRecorder(slow, 10), BlockEncoder(Configuration(), BODIES)
+    queued, encoder = RecorderThread(slow, 10), BlockEncoder(Configuration(), BODIES)
     written, failures = 0, []
     for block in blocks(40):
         try:
@@ -129,7 +129,7 @@ def test_a_slow_disk_ends_the_recording_and_nobody_waits_for_it(tmp_path: Path) 
 
 def test_a_full_disk_behind_the_queue_is_said_once_and_the_file_has_an_end(tmp_path: Path) -> None:
     encoder = BlockEncoder(Configuration(), BODIES)
-    queued = QueuedRecorder(Recorder(tmp_path / "bag", Configuration(), BODIES), 500)
+    queued = RecorderThread(Recorder(tmp_path / "bag", Configuration(), BODIES), 500)
     soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (700_000, hard))
     failures = []
