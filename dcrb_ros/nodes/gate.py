@@ -18,8 +18,11 @@ class Gate:
         """Send bundles at the deadlines of ``pacer`` on ``clock``, which returns wall time [s]."""
         self.pacer, self._clock = pacer, clock
         self._changed = threading.Condition()
-        self._paused = self._closed = self._resetting = self._deadline_valid = False
+        self._paused = self._closed = self._resetting = False
         self._steps = 0
+        """Bundles to send while paused."""
+        self._deadline: float | None = None
+        """Wall time at which the present bundle is due [s]; none if it is to be determined."""
 
     @property
     def paused(self) -> bool:
@@ -48,16 +51,16 @@ class Gate:
             return True
 
     def _until_due(self, begin: float, end: float) -> bool:
-        deadline, self._deadline_valid = 0.0, False
+        self._deadline = None
         while not (self._closed or self._resetting):
             if self._paused:
                 if self._steps:
                     return True
                 self._changed.wait()
                 continue
-            if not self._deadline_valid:
-                deadline, self._deadline_valid = self._clock() + self.pacer.until(begin, end), True
-            remaining = deadline - self._clock()
+            if self._deadline is None:
+                self._deadline = self._clock() + self.pacer.until(begin, end)
+            remaining = self._deadline - self._clock()
             if remaining <= 0.0:
                 return True
             self._changed.wait(remaining)
@@ -68,7 +71,7 @@ class Gate:
         with self._changed:
             if self._paused and not paused:
                 self.pacer.restart()
-            self._paused, self._steps, self._deadline_valid = paused, 0, False
+            self._paused, self._steps, self._deadline = paused, 0, None
             self._changed.notify_all()
 
     def step(self, timeout: float) -> bool:
@@ -82,7 +85,7 @@ class Gate:
         """Continue at another time scale, at once."""
         with self._changed:
             self.pacer.scale = scale
-            self._deadline_valid = False
+            self._deadline = None
             self._changed.notify_all()
 
     def reset(self, timeout: float) -> bool:

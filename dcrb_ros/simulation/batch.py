@@ -4,23 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from functools import partial
-from typing import NamedTuple
 
-import numpy as np
-
-from dcrb_ros.runtime.arrays import Samples
+from dcrb_ros.bearing.waveform import Waveform
 from dcrb_ros.runtime.processes import cores, in_processes
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.simulation.loop import Simulation
-
-
-class Waveform(NamedTuple):
-    """Waveform measured by the sensor of one bearing."""
-
-    acceleration: Samples
-    """Measured acceleration of the outer ring in X and Y, shape (samples, 2) [m/s^2]."""
-    shaft_angle: Samples
-    """Rotation of the inner ring at each sample, wrapped to [0, 2 pi), shape (samples,) [rad]."""
+from dcrb_ros.simulation.run import waveform_of
 
 
 def waveform(configuration: Configuration, duration: float) -> Waveform:
@@ -29,8 +18,7 @@ def waveform(configuration: Configuration, duration: float) -> Waveform:
     Raises:
         ModelFailure: the model leaves its domain.
     """
-    blocks = list(Simulation(configuration, waveform_only=True).blocks(duration))
-    return Waveform(np.concatenate([block.acceleration for block in blocks]), np.concatenate([block.shaft_angle for block in blocks]))
+    return waveform_of(list(Simulation(configuration, waveform_only=True).blocks(duration)), configuration)
 
 
 def simulate_batch(

@@ -62,6 +62,16 @@ class Simulation:
     Commands and changes may come from any thread; they take effect at the next block's first step, which the truth states. The
     events of a scenario take effect at their own steps.
     The samples follow from the configuration, the scenario and the simulated times of the commands alone.
+
+    Examples
+    --------
+    >>> import dcrb_ros
+    >>> simulation = dcrb_ros.Simulation(dcrb_ros.load_configuration("healthy"))
+    >>> for block in simulation.blocks(0.05):
+    ...     rms = block.acceleration.std(axis=0)  # in X and Y [m/s^2]
+    >>> simulation.command_speed(150.0)  # takes effect at the next block
+    >>> next(simulation.blocks())
+    <Block: 1024 samples at 51.2 kHz from 0.0500 s, 2 states>
     """
 
     def __init__(self, configuration: Configuration, scenario: Iterable[ScheduledChange] = (), *, waveform_only: bool = False) -> None:

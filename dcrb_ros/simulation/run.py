@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -19,6 +19,7 @@ from dcrb_ros.runtime.arrays import Samples
 from dcrb_ros.runtime.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import load_configuration
+from dcrb_ros.simulation.block import Block
 from dcrb_ros.simulation.ground_truth import GroundTruth
 from dcrb_ros.simulation.loop import Simulation
 from dcrb_ros.simulation.scenario import ScheduledChange, read_scenario_file, scheduled_changes, starting_configuration
@@ -117,15 +118,23 @@ def simulate(
     kept = [block for block in blocks if not block.lost]
     if not kept:
         raise Refusal(f"every block of the {duration:g} s is lost: lower publishing.loss_probability, or simulate longer")
+    measured = waveform_of(kept, start)
     return Run(
-        acceleration=np.concatenate([block.acceleration for block in kept]),
-        shaft_angle=np.concatenate([block.shaft_angle for block in kept]),
+        **{field.name: getattr(measured, field.name) for field in fields(measured)},
         clean=np.concatenate([block.clean for block in kept]),
-        index=np.concatenate([block.index + np.arange(len(block.shaft_angle), dtype=np.int64) for block in kept]),
-        sampling_rate=start.sensor.sampling_rate,
-        orders=characteristic_orders(start.bearing),
-        sensor_range=kept[-1].range,
         states=StateHistory.of([states for block in blocks for states in block.states], names),
         truth=GroundTruth.of([truth for block in blocks for truth in block.truths]),
         configuration=start,
+    )
+
+
+def waveform_of(blocks: Sequence[Block], configuration: Configuration) -> Waveform:
+    """Return the waveform of some blocks, at least one."""
+    return Waveform(
+        acceleration=np.concatenate([block.acceleration for block in blocks]),
+        shaft_angle=np.concatenate([block.shaft_angle for block in blocks]),
+        index=np.concatenate([block.index + np.arange(len(block.shaft_angle), dtype=np.int64) for block in blocks]),
+        sampling_rate=configuration.sensor.sampling_rate,
+        orders=characteristic_orders(configuration.bearing),
+        sensor_range=blocks[-1].range,
     )

@@ -99,7 +99,7 @@ def test_refusals(arguments: dict[str, Any], sentence: str) -> None:
         envelope_spectrum(noise, **{"sampling_rate": RATE, **arguments})
 
 
-def test_lost_and_senseless_samples_are_refused() -> None:
+def test_lost_samples_and_values_that_are_not_finite_are_refused() -> None:
     run = simulate("healthy", 0.5, settings={"publishing.loss_probability": 0.3})
     with pytest.raises(Refusal, match="lacks samples after"):
         envelope_spectrum(run)

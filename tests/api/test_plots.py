@@ -35,6 +35,7 @@ def run() -> Run:
 
 @pytest.fixture(autouse=True)
 def _closed() -> Any:
+    plt.close("all")
     yield
     plt.close("all")
 

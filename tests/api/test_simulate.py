@@ -64,6 +64,7 @@ def test_representations_say_what_things_are(run: Run) -> None:
 )
 def test_settings_come_in_several_forms(settings: Any) -> None:
     expected = Configuration.model_validate({"operating": {"speed": 100.0}, "faults": {"inner_1": {"width": 0.002}}})
+    assert Configuration(operating={"speed": 100.0}, faults={"inner_1": {"width": 0.002}}) == expected
     assert load_configuration("healthy", settings) == expected
     assert load_configuration(load_configuration("healthy"), settings) == expected
     assert simulate(expected, 0.02).configuration == simulate("healthy", 0.02, settings=settings).configuration
