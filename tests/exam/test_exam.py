@@ -34,7 +34,7 @@ from dcrb_ros.exam.scoring import NO_ANSWER, ScenarioResult, score_scenario
 from dcrb_ros.exam.statistics import characteristic, rate, share
 from dcrb_ros.messages.statuses import Status, encode_diagnostics, encode_truth
 from dcrb_ros.messages.topics import DIAGNOSIS, GROUND_TRUTH, Message
-from dcrb_ros.messages.verdicts import encode_diagnosis
+from dcrb_ros.messages.topics.diagnosis import encode_diagnosis
 from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.recordings.recorder import Recorder
 from dcrb_ros.runtime.refusal import Refusal

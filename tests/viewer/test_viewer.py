@@ -24,7 +24,7 @@ from dcrb_ros.bearing.payload import body_names
 from dcrb_ros.cli.view import view
 from dcrb_ros.diagnosis.detector import Diagnosis
 from dcrb_ros.diagnosis.parameters import DetectorParameters
-from dcrb_ros.messages.verdicts import diagnosis_messages
+from dcrb_ros.messages.encoder import diagnosis_messages
 from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.recordings.recorder import Recorder
 from dcrb_ros.runtime.refusal import Refusal
