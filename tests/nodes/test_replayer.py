@@ -96,7 +96,7 @@ def test_the_command_replays_and_refuses(tmp_path: Path) -> None:
     for arguments, sentence in (
         (["nothing"], "there is no recording nothing"),
         ([str(bag), "--rate", "-1"], "rate = -1.0 is outside 0 .. 1000"),
-        ([str(bag), "--rate", "nan"], "--rate nan is refused"),
+        ([str(bag), "--rate", "nan"], "--rate nan is not a finite number"),
         ([str(bag), "--topics", "vibration"], "there is no topic 'vibration'"),
         ([str(bag), "--offset", "9"], "lower the offset"),
     ):
