@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 import typer
 
-from dcrb_ros.cli.options import DetectorFile, JsonOutput, Workers, announce_compilation, worker_count
+from dcrb_ros.cli.options import DetectorFile, JsonOutput, Workers, announce_compilation, literal, worker_count
 from dcrb_ros.runtime.refusal import Refusal
 
 if TYPE_CHECKING:
@@ -164,7 +164,8 @@ def _list(exam: Exam) -> None:
     from dcrb_ros.exam.case import scenarios_hash
 
     # `Text` keeps brackets in users' names from being read as markup.
-    table = Table("scenario", "correct verdict", "onset [s]", "duration [s]", "twin", title=Text(f"{exam.name}: {exam.about}"))
+    heads = literal("scenario", "correct verdict", "onset [s]", "duration [s]", "twin")
+    table = Table(*heads, title=Text(f"{exam.name}: {exam.about}"))
     for case in exam.cases:
         expectation = case.expectation
         name = expectation.name if expectation.required else f"{expectation.name} (not required)"
