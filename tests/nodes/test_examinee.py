@@ -103,7 +103,7 @@ WORDS = "publisher.publish(DiagnosticArray(status=[DiagnosticStatus(values=[KeyV
         (python("-c", SPEAKING.format("1 / 0")), "s of the signal; its last words:"),
         (
             python("-c", SPEAKING.format(WORDS)),
-            "messages on diagnosis were not understood, the first because the verdict 'broken' is none of",
+            "messages on diagnosis were not understood, the first because the verdict 'broken' is unknown: give one of",
         ),
     ],
     ids=["ended", "deaf", "mute", "dying", "babbling"],
