@@ -185,9 +185,7 @@ class Waveform:
         return self._cut(slice(begin, end))
 
     def _cut(self: Kind, samples: slice) -> Kind:
-        return replace(
-            self, acceleration=self.acceleration[samples], shaft_angle=self.shaft_angle[samples], index=self.index[samples]
-        )
+        return replace(self, acceleration=self.acceleration[samples], shaft_angle=self.shaft_angle[samples], index=self.index[samples])
 
     def pieces(self) -> Iterator[Piece]:
         """Yield pieces of at most 0.05 s, none of them across lost samples: what a detector takes block by block."""

@@ -20,9 +20,7 @@ def plot(
     output: Annotated[Path, typer.Option("-o", "--output", help="Picture to write (.png, .svg, .pdf); it replaces one of that name.")],
     start: Annotated[float | None, typer.Option(help="Simulated time of the first sample [s]; by default the beginning.")] = None,
     duration: Annotated[float, typer.Option(help="Length of the stretch [s], at most 60.")] = 10.0,
-    order: Annotated[
-        bool, typer.Option("--order/--frequency", help="Spectrum over orders of the shaft, or over frequency [Hz].")
-    ] = True,
+    order: Annotated[bool, typer.Option("--order/--frequency", help="Spectrum over orders of the shaft, or over frequency [Hz].")] = True,
 ) -> None:
     """Plot the waveform and the squared envelope spectrum of a recording with the fault lines."""
     check_output("--output", output, PICTURES)

@@ -11,9 +11,9 @@ import numpy.typing as npt
 from dcrb_ros.bearing.fault_lines import BearingLike
 from dcrb_ros.bearing.kinematics import Orders
 from dcrb_ros.bearing.waveform import Signal, Waveform, signal_of
-from dcrb_ros.diagnosis.bands import Band, BandBank
-from dcrb_ros.diagnosis.envelope import order_spectra
-from dcrb_ros.diagnosis.turning import bin_means, borders_between, turns_back
+from dcrb_ros.diagnosis.demodulation import Band, Demodulator
+from dcrb_ros.diagnosis.order_spectrum import order_spectra
+from dcrb_ros.diagnosis.order_tracking import bin_edges, bin_means, reverses
 from dcrb_ros.runtime.arrays import Floats
 from dcrb_ros.runtime.refusal import Refusal
 
@@ -124,7 +124,7 @@ def envelope_spectrum(
     edges = _checked_band(band, waveform.sampling_rate)
     tracked = waveform.tracked if order_tracking is None else order_tracking
     rate, samples = waveform.sampling_rate, len(waveform)
-    bank = BandBank((Band(*edges),), rate, samples)
+    bank = Demodulator((Band(*edges),), rate, samples)
     ((places, squared),) = bank.squared_envelopes(waveform.acceleration[:, :axes])
     width = edges[1] - edges[0]
     shaft_frequency = waveform.shaft_frequency
@@ -132,10 +132,10 @@ def envelope_spectrum(
     if tracked:
         turns = _forward_turns(waveform)
         per_unit = max(1, math.ceil(width / shaft_frequency))
-        borders = np.interp(borders_between(0.0, float(turns[-1]), per_unit), turns, np.arange(samples, dtype=np.float64))
+        borders = np.interp(bin_edges(0.0, float(turns[-1]), per_unit), turns, np.arange(samples, dtype=np.float64))
     else:
         per_unit = max(1, math.ceil(width))
-        borders = borders_between(0.0, (samples - 1) / rate, per_unit) * rate
+        borders = bin_edges(0.0, (samples - 1) / rate, per_unit) * rate
     binned = bin_means(places, squared, borders)
     ((lines, amplitude, mean),) = order_spectra(binned[None, :], np.zeros(len(binned), np.bool_), per_unit)
     unit = shaft_frequency if tracked else 1.0
@@ -179,6 +179,6 @@ def _forward_turns(waveform: Waveform) -> Floats:
             f"the shaft makes {abs(turns[-1]):.2g} turns where order tracking needs {LEAST_TURNS:g}: take a longer signal, "
             "or order_tracking=False for a spectrum in Hz"
         )
-    if turns_back(turns, JITTER):
+    if reverses(turns, JITTER):
         raise Refusal("the shaft turns back within the signal: take a stretch in one direction, or order_tracking=False")
     return np.asarray(np.maximum.accumulate(turns if turns[-1] > 0.0 else -turns), np.float64)

@@ -16,7 +16,7 @@ from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.exam.case import Case
 from dcrb_ros.exam.received_diagnosis import ReceivedDiagnosis, decode_diagnosis
 from dcrb_ros.exam.recording_cache import cached_recording
-from dcrb_ros.messages.verdicts import encode_diagnosis
+from dcrb_ros.messages.topics.diagnosis import encode_diagnosis
 from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.runtime.refusal import Refusal, nearest
 from dcrb_ros.schema.verdicts import VERDICTS

@@ -16,9 +16,7 @@ from dcrb_ros.runtime.refusal import Refusal
 MOST_WORKERS = 256
 
 
-def score(
-    detector: DetectorFactory, exam: str | Path = "smoke", *, recordings: str | Path | None = None, workers: int = 1
-) -> Report:
+def score(detector: DetectorFactory, exam: str | Path = "smoke", *, recordings: str | Path | None = None, workers: int = 1) -> Report:
     """Evaluate a detector against the known faults of an exam, as ``dcrb score`` does with a node.
 
     Parameters

@@ -16,29 +16,29 @@ def _stages(*names: str) -> tuple[type[Stage], ...]:
 
 
 PER_STEP = _stages(
-    "background.Background",
-    "structure.AxleBox",
-    "mount.Mount",
-    "bandwidth.Bandwidth",
-    "rattle.Rattle",
+    "background:Background",
+    "structure:AxleBox",
+    "mount:Mount",
+    "bandwidth:Bandwidth",
+    "rattle:Rattle",
 )
 """Stages that run at every time step, before the anti-alias filter."""
 
 PER_SAMPLE = _stages(
-    "cross_axis.CrossAxis",
-    "mains_hum.MainsHum",
-    "bias.Bias",
-    "ac_coupling.AcCoupling",
+    "cross_axis:CrossAxis",
+    "mains_hum:MainsHum",
+    "bias:Bias",
+    "ac_coupling:AcCoupling",
 )
 """Stages that run at every sample, after the anti-alias filter."""
 
 PER_CONVERSION = _stages(
-    "signal_fault.SignalFault",
-    "white_noise.WhiteNoise",
-    "pink_noise.PinkNoise",
-    "measuring_range.MeasuringRange",
-    "adc.Adc",
-    "stuck.Stuck",
+    "signal_fault:SignalFault",
+    "white_noise:WhiteNoise",
+    "pink_noise:PinkNoise",
+    "measuring_range:MeasuringRange",
+    "adc:Adc",
+    "stuck:Stuck",
 )
 """Stages that run at every sample as the clock of the ADC takes it."""
 

@@ -13,9 +13,15 @@ from rosbags.typesys.store import Typestore
 
 from dcrb_ros.runtime.refusal import Refusal
 
+POINT_CLOUD = "sensor_msgs/msg/PointCloud2"
+JOINT_STATE = "sensor_msgs/msg/JointState"
+DIAGNOSTICS = "diagnostic_msgs/msg/DiagnosticArray"
+TEXT = "std_msgs/msg/String"
+IMU = "sensor_msgs/msg/Imu"
+CLOCK = "rosgraph_msgs/msg/Clock"
 FRAME = "outer_ring"
-STENCILS = 64
-"""Kinds of messages that are remembered, so that one that differs in stamp and numbers only is not encoded anew."""
+TEMPLATES = 64
+"""Message templates kept, so that a message that differs from an earlier one in stamp and numbers only is not encoded anew."""
 STAMP_END = 12
 """Bytes of a message with a header before its frame."""
 

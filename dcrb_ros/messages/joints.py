@@ -10,9 +10,8 @@ import numpy as np
 
 from dcrb_ros.bearing.states import States
 from dcrb_ros.measurement.features import features
-from dcrb_ros.messages.cdr import STENCILS, decoded, encoded, header, ros_type, stamp_of
-from dcrb_ros.messages.message_template import Stencil, marks
-from dcrb_ros.messages.topics import JOINT_STATE
+from dcrb_ros.messages.cdr import JOINT_STATE, TEMPLATES, decoded, encoded, header, ros_type, stamp_of
+from dcrb_ros.messages.message_template import MessageTemplate, marks
 from dcrb_ros.runtime.arrays import Floats
 from dcrb_ros.simulation.block import Block
 
@@ -31,16 +30,16 @@ class Joints:
 def encode_joints(time_ns: int, names: Sequence[str], position: Floats, velocity: Floats, effort: Floats) -> bytes:
     """Return a JointState."""
     numbers = [np.asarray(values, "<f8").tobytes() for values in (position, velocity, effort)]
-    return _joints_stencil(tuple(names), *map(len, numbers)).filled(time_ns, *numbers)
+    return _joints_template(tuple(names), *map(len, numbers)).filled(time_ns, *numbers)
 
 
-@lru_cache(STENCILS)
-def _joints_stencil(names: tuple[str, ...], *sizes: int) -> Stencil:
+@lru_cache(TEMPLATES)
+def _joints_template(names: tuple[str, ...], *sizes: int) -> MessageTemplate:
     """Return a JointState without its numbers, of which each array takes so many bytes."""
     mark = marks(sum(sizes))
     holes = [mark[sum(sizes[:k]) : sum(sizes[: k + 1])] for k in range(len(sizes))]
     arrays = [np.frombuffer(hole, "<f8") for hole in holes]
-    return Stencil(encoded(JOINT_STATE, ros_type(JOINT_STATE)(header(0, ""), list(names), *arrays)), *holes)
+    return MessageTemplate(encoded(JOINT_STATE, ros_type(JOINT_STATE)(header(0, ""), list(names), *arrays)), *holes)
 
 
 def encode_states(states: States, names: Sequence[str]) -> bytes:

@@ -15,7 +15,7 @@ def marks(count: int) -> bytes:
     return np.random.default_rng(count).bytes(count)
 
 
-class Stencil:
+class MessageTemplate:
     """The bytes of an encoded message with holes for its stamp and for numbers whose count stays."""
 
     def __init__(self, encoded: bytes, *holes: bytes) -> None:

@@ -12,9 +12,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from dcrb_ros.messages.cdr import FRAME, STAMP_END, STENCILS, decoded, encoded, header, ros_type, stamp_of, stamps
-from dcrb_ros.messages.message_template import Stencil, marks
-from dcrb_ros.messages.topics import POINT_CLOUD
+from dcrb_ros.messages.cdr import FRAME, POINT_CLOUD, STAMP_END, TEMPLATES, decoded, encoded, header, ros_type, stamp_of, stamps
+from dcrb_ros.messages.message_template import MessageTemplate, marks
 from dcrb_ros.runtime.arrays import Floats, Samples
 from dcrb_ros.runtime.refusal import Refusal
 from dcrb_ros.simulation.block import Block
@@ -61,11 +60,11 @@ def packed(acceleration: Samples, shaft_angle: Samples) -> bytes:
 
 def encode_points(points: npt.NDArray[Any], time_ns: int, frame: str = FRAME) -> bytes:
     """Return a PointCloud2 of structured points, one field per column."""
-    return _points_stencil(points.dtype, len(points), frame).filled(time_ns, points.tobytes())
+    return _points_template(points.dtype, len(points), frame).filled(time_ns, points.tobytes())
 
 
-@lru_cache(STENCILS)
-def _points_stencil(kind: np.dtype[Any], count: int, frame: str) -> Stencil:
+@lru_cache(TEMPLATES)
+def _points_template(kind: np.dtype[Any], count: int, frame: str) -> MessageTemplate:
     point_type, mark = ros_type("sensor_msgs/msg/PointField"), marks(kind.itemsize * count)
     fields = [
         point_type(name, offset, POINT_KINDS[dtype.str], 1)
@@ -73,7 +72,7 @@ def _points_stencil(kind: np.dtype[Any], count: int, frame: str) -> Stencil:
     ]
     raw = np.frombuffer(mark, np.uint8)
     cloud = ros_type(POINT_CLOUD)(header(0, frame), 1, count, fields, False, kind.itemsize, kind.itemsize * count, raw, True)
-    return Stencil(encoded(POINT_CLOUD, cloud), mark)
+    return MessageTemplate(encoded(POINT_CLOUD, cloud), mark)
 
 
 def encode_vibration(block: Block, acceleration: Samples, frame: str = FRAME) -> bytes:

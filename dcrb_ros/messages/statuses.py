@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 from dcrb_ros.bearing.kinematics import CHARACTERISTIC_FREQUENCIES
-from dcrb_ros.messages.cdr import decoded, encoded, header, ros_type, stamp_of
+from dcrb_ros.messages.cdr import DIAGNOSTICS, decoded, encoded, header, ros_type, stamp_of
 from dcrb_ros.messages.event_text import decode_event, encode_event
 from dcrb_ros.runtime.refusal import Refusal
 from dcrb_ros.simulation.block import Truth
@@ -29,8 +29,7 @@ def encode_diagnostics(time_ns: int, statuses: Iterable[Status]) -> bytes:
     """Return a DiagnosticArray."""
     pair, status_type = ros_type("diagnostic_msgs/msg/KeyValue"), ros_type("diagnostic_msgs/msg/DiagnosticStatus")
     found = [status_type(s.level, s.name, s.message, "dcrb", [pair(key, value) for key, value in s.values.items()]) for s in statuses]
-    name = "diagnostic_msgs/msg/DiagnosticArray"
-    return encoded(name, ros_type(name)(header(time_ns, ""), found))
+    return encoded(DIAGNOSTICS, ros_type(DIAGNOSTICS)(header(time_ns, ""), found))
 
 
 def encode_truth(truth: Truth) -> bytes:
@@ -47,7 +46,7 @@ def encode_truth(truth: Truth) -> bytes:
 
 def decode_diagnostics(data: bytes) -> tuple[int, list[Status]]:
     """Return stamp [ns] and statuses of a DiagnosticArray."""
-    array = decoded(data, "diagnostic_msgs/msg/DiagnosticArray")
+    array = decoded(data, DIAGNOSTICS)
     statuses = [Status(s.name, int(s.level), s.message, {pair.key: pair.value for pair in s.values}) for s in array.status]
     return stamp_of(array.header), statuses
 

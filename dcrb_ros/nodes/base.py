@@ -55,9 +55,7 @@ class BenchNode(Node):
             Refusal: it is invalid; nothing is changed.
         """
 
-    def declare(
-        self, model: type[Model], *, run_time: Sequence[str] = (), adjust: Callable[[Model], Model] = lambda model: model
-    ) -> Model:
+    def declare(self, model: type[Model], *, run_time: Sequence[str] = (), adjust: Callable[[Model], Model] = lambda model: model) -> Model:
         """Declare every parameter of a model with type, range and description; return the model with the node's overrides.
 
         Args:

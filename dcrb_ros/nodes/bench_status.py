@@ -5,13 +5,12 @@ from __future__ import annotations
 import time
 
 from dcrb_ros.messages.statuses import ERROR, OK, WARN, Status
-from dcrb_ros.messages.topics import DIAGNOSIS, FAULT_INDICATORS
+from dcrb_ros.messages.topics import DETECTED
 from dcrb_ros.nodes.engine import Engine, Progress
 from dcrb_ros.nodes.recording_switch import RecordingSwitch
 from dcrb_ros.nodes.refusals import Refusals
 
 COMMANDS = ("command/speed", "command/load")
-DETECTED = (DIAGNOSIS.name, FAULT_INDICATORS.name)
 SERVICES = ("pause", "step", "reset", "record")
 MAX_LAG = 0.1
 """Lag above which the status is a warning [s]."""
@@ -39,7 +38,7 @@ class BenchStatus:
             "late_blocks": str(gate.pacer.late),
             "blocks": str(progress.bundles),
             "rejected_commands": str(count(*COMMANDS)),
-            "rejected_messages": str(count(*DETECTED)),
+            "rejected_messages": str(count(*(topic.name for topic in DETECTED))),
             "rejected_parameters": str(count("parameters")),
             "rejected_calls": str(count(*SERVICES)),
             "recorder": recording.state,

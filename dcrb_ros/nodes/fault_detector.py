@@ -5,8 +5,8 @@ from __future__ import annotations
 import sys
 
 from dcrb_ros.diagnosis.parameters import DetectorParameters
+from dcrb_ros.messages.encoder import diagnosis_messages
 from dcrb_ros.messages.topics import DETECTED, SENSOR, VIBRATION
-from dcrb_ros.messages.verdicts import diagnosis_messages
 from dcrb_ros.nodes.base import BenchNode
 from dcrb_ros.nodes.detector_input import DetectorInput, Response
 from dcrb_ros.nodes.programs import main

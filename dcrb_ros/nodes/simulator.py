@@ -20,17 +20,13 @@ from dcrb_ros.bearing.runtime_change import altered
 from dcrb_ros.core import compiled
 from dcrb_ros.messages.bundle import Bundle
 from dcrb_ros.messages.encoder import BlockEncoder
-from dcrb_ros.messages.joints import decode_joints
 from dcrb_ros.messages.plain import decode_float, decode_wrench
-from dcrb_ros.messages.statuses import decode_diagnostics, encode_diagnostics
+from dcrb_ros.messages.statuses import encode_diagnostics
 from dcrb_ros.messages.topics import (
     BENCH_DIAGNOSTICS,
     CLOCK,
-    DIAGNOSIS,
-    FAULT_INDICATORS,
-    ROLLER_CONTACTS,
+    DETECTED,
     SIMULATED,
-    VIBRATION_CLEAN,
     Message,
     Topic,
 )
@@ -119,8 +115,7 @@ class SimulatorNode(BenchNode):
         changes = scheduled_changes(self._scenario, self.configuration, name) if scenario else []
         publishing, log = self.configuration.publishing, self.get_logger()
         gate = Gate(Pacer(self.configuration.time_scale, time.monotonic), time.monotonic)
-        optional = {VIBRATION_CLEAN: publishing.clean, ROLLER_CONTACTS: publishing.contacts}
-        topics = [topic for topic in SIMULATED if optional.get(topic, True)]
+        topics = [topic for topic in SIMULATED if topic.enabled(self.configuration)]
         self._publisher = Publisher(self, [*topics, BENCH_DIAGNOSTICS, *([CLOCK] if publishing.clock else [])])
         self._clock_publisher = ClockPublisher(self._publisher.write_messages) if publishing.clock else None
         self.progress, self.refusals = Progress(), Refusals(log.warning)
@@ -140,8 +135,9 @@ class SimulatorNode(BenchNode):
         # Raw, because the middleware's own decoder drops malformed messages silently.
         self.create_subscription(Float64, COMMANDS[0], self._on_speed, 10, raw=True)
         self.create_subscription(Wrench, COMMANDS[1], self._on_load, 10, raw=True)
-        self._record_detected(DIAGNOSIS, lambda data: decode_diagnostics(data)[0])
-        self._record_detected(FAULT_INDICATORS, lambda data: decode_joints(data).stamp_ns)
+        for topic in DETECTED:
+            if topic.recorded:
+                self._record_detected(topic)
         Services(self)
         self.repeat(1.0, self._publish_status)
         self.engine.start()
@@ -174,14 +170,14 @@ class SimulatorNode(BenchNode):
         )
         return RecorderThread(recorder, configuration.recording.queue)
 
-    def _record_detected(self, topic: Topic, stamp: Callable[[bytes], int]) -> None:
-        """Record the detector's messages on a topic; ``stamp`` decodes a message and returns its stamp [ns]."""
+    def _record_detected(self, topic: Topic) -> None:
+        """Record the detector's messages on a topic."""
 
         def record(data: bytes) -> None:
             if self.recording.path is None:
                 return
             with self.refusals.of(topic.name):
-                time_ns = _decoded(topic.name, stamp, data)
+                time_ns = _decoded(topic.name, topic.stamp, data)
                 self._check_stamp(topic, time_ns)
                 self.recording.write_messages([Message(topic, time_ns, data)])
 

@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from dcrb_ros.bearing.fault_lines import BearingLike, fault_combs
 from dcrb_ros.bearing.waveform import Signal
-from dcrb_ros.diagnosis.bands import Band
+from dcrb_ros.diagnosis.demodulation import Band
 from dcrb_ros.diagnosis.envelope_spectrum import EnvelopeSpectrum, envelope_spectrum
 from dcrb_ros.plots.style import CURVE, DASHES, FAULT_LINES, MARKERS, labelled, legend_above, new_axes
 from dcrb_ros.runtime.refusal import Refusal, nearest

@@ -62,9 +62,7 @@ def pereira_exponent(clearance: float) -> float:
     """
     gap = clearance * 1e3
     if gap < SMALL_CLEARANCE:
-        raise ValueError(
-            f"pocket clearance {clearance:g} m is below {SMALL_CLEARANCE * 1e-3:g} m, the range of Pereira's law: increase it"
-        )
+        raise ValueError(f"pocket clearance {clearance:g} m is below {SMALL_CLEARANCE * 1e-3:g} m, the range of Pereira's law: increase it")
     factor = 1.51 * np.log(1e3 * gap) ** -0.151 if gap <= LARGE_CLEARANCE else 0.0151 * gap + 1.151
     return float(factor * gap**-0.005)
 

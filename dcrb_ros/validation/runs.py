@@ -102,6 +102,8 @@ def run_specs() -> list[RunSpec]:
         RunSpec("power law, outer ring defect", "revolute", 1.2, (*POWER_LAW, "faults.outer_1.width=0.002"), 5000),
     ]
     return specs
+
+
 @dataclass(frozen=True)
 class Run:
     """The results of a run.

@@ -11,7 +11,7 @@ import numpy as np
 
 from dcrb_ros.bearing.kinematics import Orders
 from dcrb_ros.messages.statuses import ERROR
-from dcrb_ros.messages.verdicts import LEVELS
+from dcrb_ros.messages.topics.diagnosis import LEVELS
 from dcrb_ros.runtime.arrays import Floats
 from dcrb_ros.viewer.content import Series, Times, Verdict, Waveform
 

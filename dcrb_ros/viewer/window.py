@@ -113,9 +113,7 @@ def save_screenshot(document: Path, picture: Path, *, at_ns: int, width: int = 1
     from rerun.experimental import ViewerClient
 
     if not hasattr(ViewerClient, "get_state"):
-        raise ViewerFailure(
-            "a screenshot needs rerun-sdk 0.41 or later, which needs Python 3.11 or later; --save works with any version"
-        )
+        raise ViewerFailure("a screenshot needs rerun-sdk 0.41 or later, which needs Python 3.11 or later; --save works with any version")
     port = _free_port()
     size = f"{width}x{height + BAR_HEIGHT}"
     options = ["--headless", "--bind", LOOPBACK, "--port", str(port), "--hide-welcome-screen", "--window-size", size]

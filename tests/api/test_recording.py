@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from dcrb_ros import Diagnosis, Recording, Refusal, load_configuration, simulate
-from dcrb_ros.messages.verdicts import diagnosis_messages
+from dcrb_ros.messages.encoder import diagnosis_messages
 from dcrb_ros.recordings.recorder import Recorder
 from dcrb_ros.simulation.loop import Simulation
 

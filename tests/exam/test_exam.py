@@ -34,7 +34,7 @@ from dcrb_ros.exam.scoring import NO_ANSWER, ScenarioResult, score_scenario
 from dcrb_ros.exam.statistics import characteristic, rate, share
 from dcrb_ros.messages.statuses import Status, encode_diagnostics, encode_truth
 from dcrb_ros.messages.topics import DIAGNOSIS, GROUND_TRUTH, Message
-from dcrb_ros.messages.verdicts import encode_diagnosis
+from dcrb_ros.messages.topics.diagnosis import encode_diagnosis
 from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.recordings.recorder import Recorder
 from dcrb_ros.runtime.refusal import Refusal
@@ -455,7 +455,7 @@ def test_damage_of_a_recording_is_reported(tmp_path: Path, capsys: pytest.Captur
     whole = bag / "bag_0.mcap"
     whole.write_bytes(whole.read_bytes()[:-200])
     assert dcrb("score", str(bag)) == 0
-    assert "left out, no MCAP file: it is empty; the readable part is scored" in (message := capsys.readouterr().err)
+    assert "left out, not an MCAP file: it is empty; the readable part is scored" in (message := capsys.readouterr().err)
     assert "bag_0.mcap" in message
     whole.write_bytes(whole.read_bytes()[:2000])
     assert dcrb("score", str(bag)) == 2
@@ -625,7 +625,7 @@ def test_the_command_evaluates_an_exam(tmp_path: Path, capsys: pytest.CaptureFix
         (["smoke", "--node", "x", "--detector", "config/detector.yaml"], "applies to the shipped detector only"),
         (["smoke", "--detector", "config/none.yaml"], "config/none.yaml"),
         (["smoke", "--recordings", "/dev/null/x"], "cannot hold the exam's recordings"),
-        (["README.md"], "README.md is no MCAP file"),
+        (["README.md"], "README.md is not an MCAP file"),
     ],
 )
 def test_invalid_input_is_refused_in_one_sentence(arguments: list[str], sentence: str, capsys: pytest.CaptureFixture[str]) -> None:

@@ -251,9 +251,7 @@ def test_descriptions_accept_the_same_yaml_as_configurations(tmp_path: Path) -> 
         read_description(path)
 
 
-def test_a_failed_import_or_export_leaves_no_files(
-    noise: np.ndarray[Any, Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_failed_import_or_export_leaves_no_files(noise: np.ndarray[Any, Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     np.savez(tmp_path / "x.npz", de=noise)
     whole = WaveformImport(tmp_path / "x.npz", described(tmp_path))
     monkeypatch.setattr(WaveformImport, "blocks", stopped)

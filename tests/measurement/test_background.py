@@ -81,5 +81,5 @@ def test_levels_change_at_exact_steps() -> None:
 
 def test_the_ground_truth_tells_it_from_faults() -> None:
     levels, faults = {"unbalance": 1e-4}, {"sensor.stuck": {"severity": 1.0, "axis": 2.0, "onset": 0.5}}
-    truth = Truth(10, 1.0, (0.0, -1.0), {"FTF": 1.0, "BPFO": 2.0, "BPFI": 3.0, "BSF": 4.0}, faults, "", levels)
+    truth = Truth(10, 1.0, (0.0, -1.0), {"FTF": 1.0, "BPFO": 2.0, "BPFI": 3.0, "BSF": 4.0}, faults, None, levels)
     assert decode_truth(encode_truth(truth)) == truth

@@ -161,7 +161,7 @@ def test_an_ideal_sensor_measures_the_ring() -> None:
         ("publishing.loss_probability=1.0", r"publishing.loss_probability = 1\.0 is outside 0 \.\. 0\.9"),
         ("operating.speed_kmh=1e9", r"operating.speed_kmh = 1000000000\.0 km/h is outside -1000 \.\. 1000 km/h"),
         ("operating.wheel_diameter=920.0", r"did you mean 0\.92\?"),
-        ("sensor.sampling_rate=102400", r"must make a whole number from 2 up: take 4\.8828125e-06"),
+        ("sensor.sampling_rate=102400", r"this must be a whole number, at least 2: take 4\.8828125e-06"),
     ],
 )
 def test_what_cannot_be_measured_is_refused(setting: str, sentence: str) -> None:

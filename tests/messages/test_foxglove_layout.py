@@ -16,9 +16,9 @@ import pytest
 
 from dcrb_ros.diagnosis.detector import Diagnosis
 from dcrb_ros.messages.cdr import typestore
+from dcrb_ros.messages.encoder import diagnosis_messages
 from dcrb_ros.messages.points import decode_vibration
 from dcrb_ros.messages.topics import BENCH_DIAGNOSTICS, DETECTED, NAMESPACE, SIMULATED, VIBRATION
-from dcrb_ros.messages.verdicts import diagnosis_messages
 from dcrb_ros.recordings.reader import Recording
 
 ROOT = Path(__file__).parents[2]

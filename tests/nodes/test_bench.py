@@ -35,7 +35,8 @@ from dcrb_ros.messages.topics import (
     SENSOR,
     VIBRATION,
 )
-from dcrb_ros.messages.verdicts import encode_diagnosis, encode_indicators
+from dcrb_ros.messages.topics.diagnosis import encode_diagnosis
+from dcrb_ros.messages.topics.fault_indicators import encode_indicators
 from dcrb_ros.nodes.bench import Observer
 from dcrb_ros.nodes.publisher import message_class, qos
 from dcrb_ros.nodes.ros import spin

@@ -13,11 +13,10 @@ from runs import Run, simulated
 
 from dcrb_ros.bearing.payload import body_names
 from dcrb_ros.diagnosis.detector import Diagnosis
-from dcrb_ros.messages.encoder import BlockEncoder
+from dcrb_ros.messages.encoder import BlockEncoder, diagnosis_messages
 from dcrb_ros.messages.plain import encode_text
 from dcrb_ros.messages.points import decode_spectrum
 from dcrb_ros.messages.topics import DIAGNOSIS, ENVELOPE_SPECTRUM, ROLLER_STATES, SENSOR, VIBRATION, Message
-from dcrb_ros.messages.verdicts import diagnosis_messages
 from dcrb_ros.runtime.refusal import Refusal
 from dcrb_ros.viewer.live import LiveView
 

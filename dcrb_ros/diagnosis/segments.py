@@ -1,4 +1,4 @@
-"""From blocks as they come to stretches without holes: repeated, late, lost and meaningless samples are dealt with here, and counted."""
+"""From blocks as they arrive to overlapping segments without gaps; repeated, late, lost and non-finite samples are handled and counted."""
 
 from __future__ import annotations
 
@@ -9,32 +9,32 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from dcrb_ros.diagnosis.turning import turns_of
+from dcrb_ros.diagnosis.order_tracking import unwrapped_turns
+from dcrb_ros.runtime.arrays import Floats
 from dcrb_ros.runtime.refusal import Refusal
 
-Floats = npt.NDArray[np.float64]
 AXES = 2
 
 
-class Stretch(NamedTuple):
-    """A hop of the stream with a margin on either side, which belongs to its neighbours too."""
+class Segment(NamedTuple):
+    """A hop of the signal with a margin on either side that overlaps its neighbours."""
 
     last: int
     """Index of its last sample."""
     acceleration: Floats
     """Shape (samples, 2), zero where missing [m/s^2]."""
     turns: Floats | None
-    """Turns of the shaft since the first sample, signed; None without a shaft angle."""
+    """Signed turns of the shaft since the first sample; None without a shaft angle."""
     missing: npt.NDArray[np.bool_]
-    """Samples that were lost or are no numbers."""
-    senseless: int
-    """Samples of the hop that came but are no numbers."""
-    fresh: bool
-    """Whether it does not follow on the stretch before it."""
+    """Samples that were lost or are not finite."""
+    not_finite: int
+    """Samples of the hop that arrived but are not finite."""
+    first: bool
+    """Whether it is the first after the start or after a gap that was not bridged."""
 
 
 class Piece(NamedTuple):
-    """Samples that wait to be cut; not a number where they are missing, infinite where they came and were none."""
+    """Samples that do not fill a segment yet; NaN if they are missing, infinite if they arrived but were not finite."""
 
     acceleration: npt.NDArray[Any]
     angle: npt.NDArray[Any]
@@ -42,42 +42,42 @@ class Piece(NamedTuple):
 
 @dataclass
 class Counts:
-    """What was wrong with the stream so far."""
+    """Irregularities of the signal so far."""
 
     gaps: int = 0
-    """Interruptions."""
+    """Gaps."""
     lost: int = 0
-    """Samples that never came."""
+    """Samples that did not arrive."""
     repeated: int = 0
-    """Samples that came again or too late, and were left out."""
-    senseless: int = 0
-    """Samples that are no finite numbers."""
+    """Samples that arrived twice or too late, and were ignored."""
+    not_finite: int = 0
+    """Samples that are not finite."""
     restarts: int = 0
-    """Times that the stream began anew."""
+    """Restarts of the signal."""
 
 
-class Stream:
-    """Cut blocks into stretches; the memory is bounded by one of them and the longest gap that is bridged."""
+class Segmenter:
+    """Cuts blocks into segments; the memory is bounded by one segment and the longest gap that is bridged."""
 
     def __init__(self, hop: int, margin: int, longest_gap: int) -> None:
-        """Yield stretches of ``hop`` samples and twice the ``margin``; bridge gaps of up to ``longest_gap`` samples."""
+        """Cut segments of ``hop`` samples plus twice the ``margin``; bridge gaps of up to ``longest_gap`` samples."""
         self.hop, self.margin, self._longest_gap = hop, margin, longest_gap
         self.counts = Counts()
         self._next: int | None = None
         self._late: int | None = None
-        self._begin()
+        self._restart()
 
-    def _begin(self) -> None:
-        """Forget the samples: what lies before the next one counts as missing."""
+    def _restart(self) -> None:
+        """Forget the samples; those before the next one count as missing."""
         self._pieces: list[Piece] = []
         self._held = 0
-        self._fresh = True
+        self._first = True
         self._append(_nothing(2 * self.margin), counted=False)
 
-    def take(self, index: int, acceleration: npt.NDArray[Any], shaft_angle: npt.NDArray[Any] | None) -> Iterator[Stretch]:
-        """Take the block of first sample ``index``; yield the stretches that it completes.
+    def add(self, index: int, acceleration: npt.NDArray[Any], shaft_angle: npt.NDArray[Any] | None) -> Iterator[Segment]:
+        """Take the block that begins with sample ``index``; yield the segments that it completes.
 
-        ``acceleration`` has shape (samples, 2) [m/s^2], ``shaft_angle`` (samples,) [rad] or is None where there is no tacho.
+        ``acceleration`` has shape (samples, 2) [m/s^2], ``shaft_angle`` (samples,) [rad] or None without a tachometer.
         """
         samples = len(acceleration)
         angle = np.full(samples, np.nan, np.float32) if shaft_angle is None else np.asarray(shaft_angle)
@@ -92,17 +92,17 @@ class Stream:
             yield self._cut()
 
     def _continued(self, index: int, samples: int) -> int:
-        """Bridge what is missing before ``index``; return how many samples of the block are known already."""
+        """Bridge a gap before ``index``; return how many samples of the block are known already."""
         if self._next is None or index >= self._next:
             if self._next is not None and index > self._next:
                 self._bridge(index - self._next)
             self._late = None
             return 0
-        # Blocks overtake each other, but not by that much: the source has begun anew.
+        # Blocks may overtake each other, but not by this much: the source has restarted.
         if self._late == index and self._next - index > self.hop + self._longest_gap:
             self.counts.restarts += 1
             self._late = None
-            self._begin()
+            self._restart()
             return 0
         self._late = index + samples
         known = min(samples, self._next - index)
@@ -113,35 +113,35 @@ class Stream:
         self.counts.gaps += 1
         self.counts.lost += lost
         if lost > self._longest_gap:
-            self._begin()
+            self._restart()
             return
         self._append(_nothing(lost), counted=False)
 
     def _append(self, piece: Piece, *, counted: bool) -> None:
         acceleration = piece.acceleration.astype(np.float32)
         if counted and not (known := _known(acceleration)).all():
-            self.counts.senseless += int(np.count_nonzero(~known))
+            self.counts.not_finite += int(np.count_nonzero(~known))
             acceleration[~known] = np.inf
         self._pieces.append(Piece(acceleration, piece.angle.astype(np.float32)))
         self._held += len(piece.angle)
 
-    def _cut(self) -> Stretch:
+    def _cut(self) -> Segment:
         acceleration, angle = (np.concatenate(arrays) for arrays in zip(*self._pieces, strict=True))
         length = self.hop + 2 * self.margin
         last = (self._next or 0) - (self._held - length) - 1
         self._pieces, self._held = [Piece(acceleration[self.hop :], angle[self.hop :])], self._held - self.hop
         missing = ~_known(acceleration[:length])
-        senseless = int(np.count_nonzero(np.isinf(acceleration[self.margin : self.margin + self.hop, 0])))
+        not_finite = int(np.count_nonzero(np.isinf(acceleration[self.margin : self.margin + self.hop, 0])))
         known = acceleration[:length].astype(np.float64)
         if missing.any():
             known[missing] = 0.0
-        stretch = Stretch(last, known, bridged_turns(angle[:length]), missing, senseless, self._fresh)
-        self._fresh = False
-        return stretch
+        segment = Segment(last, known, bridged_turns(angle[:length]), missing, not_finite, self._first)
+        self._first = False
+        return segment
 
 
 def _known(acceleration: npt.NDArray[Any]) -> npt.NDArray[np.bool_]:
-    """Return which samples are finite in both axes; along rows of two `all` takes fifty times as long."""
+    """Return which samples are finite in both axes, shape (samples,); `numpy.all` along rows of two takes fifty times as long."""
     finite = np.isfinite(acceleration)
     return np.asarray(finite[:, 0] & finite[:, 1])
 
@@ -151,17 +151,17 @@ def _nothing(samples: int) -> Piece:
 
 
 def bridged_turns(angle: npt.NDArray[Any]) -> Floats | None:
-    """Return the turns of the shaft, carried over missing angles at the speed on their sides; None where there are too few.
+    """Return the turns of the shaft, interpolated over missing angles; None if too many are missing.
 
-    A bridge makes a whole number of turns more or less than the wrapped angles say: the one nearest to the mean speed counts.
+    Wrapped angles leave the number of whole turns within a gap open; the number nearest to the median speed is used.
     """
     finite = np.isfinite(angle)
     if len(angle) > 1 and finite.all():
-        return turns_of(angle)
+        return unwrapped_turns(angle)
     known = np.flatnonzero(finite)
     if len(known) < max(2, len(angle) // 2):
         return None
-    turns = turns_of(angle[known])
+    turns = unwrapped_turns(angle[known])
     steps = np.diff(known)
     ordinary = steps == 1
     speed = float(np.median(np.diff(turns)[ordinary])) if ordinary.any() else 0.0

@@ -12,8 +12,9 @@ import pytest
 from synthetic_bearing import ORDERS, RATE, stream, watch
 
 from dcrb_ros.diagnosis.detector import Diagnosis, FaultDetector
-from dcrb_ros.diagnosis.health import runs_of_one_value, spikes
 from dcrb_ros.diagnosis.parameters import DetectorParameters
+from dcrb_ros.diagnosis.rules.spikes import count_spikes
+from dcrb_ros.diagnosis.rules.stuck import runs_of_one_value
 
 Samples = npt.NDArray[np.float32]
 ONSET = round(2.5 * RATE)
@@ -136,7 +137,7 @@ def test_spike_is_told_from_a_blow_that_rings() -> None:
     spike, blow = quiet.copy(), quiet.copy()
     spike[2000:2400] += 500.0 * np.exp(-time / 1e-4)
     blow[2000:2400] += 500.0 * np.exp(-time / 5e-4) * np.sin(2.0 * math.pi * 7000.0 * time)
-    assert [spikes(column, 51, DetectorParameters()) for column in (quiet, spike, blow)] == [0, 1, 0]
+    assert [count_spikes(column, 51, DetectorParameters()) for column in (quiet, spike, blow)] == [0, 1, 0]
 
 
 def test_coarse_converter_is_no_saturation() -> None:
