@@ -60,7 +60,7 @@ class Detection:
 
     @property
     def probability(self) -> Interval:
-        """Probability of detection with its bounds."""
+        """Probability of detection with its confidence interval."""
         return share(self.found, self.scenarios)
 
 
