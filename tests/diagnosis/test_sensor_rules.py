@@ -68,9 +68,9 @@ def spiking(samples: Samples) -> Samples:
     [
         (dead, "is noise"),
         (constant, "does not change"),
-        (stuck, "sticks"),
-        (saturated, "saturates"),
-        (senseless, "no finite numbers"),
+        (stuck, "is stuck"),
+        (saturated, "is saturated"),
+        (senseless, "not finite numbers"),
         (spiking, "cable"),
     ],
     ids=lambda value: value if isinstance(value, str) else value.__name__,
@@ -104,7 +104,12 @@ def loose(samples: Samples) -> Samples:
 
 
 @pytest.mark.parametrize(
-    ("change", "word", "seconds"), [(drifting, "gain drifts", 6.0), (fallen, "gain drifts", 9.0), (loose, "mounting is loose", 6.0)]
+    ("change", "word", "seconds"),
+    [
+        (drifting, "gain of the sensor drifts", 6.0),
+        (fallen, "gain of the sensor drifts", 9.0),
+        (loose, "mount of the sensor is loose", 6.0),
+    ],
 )
 def test_slow_sensor_faults_are_called_so(change: Callable[[Samples], Samples], word: str, seconds: float) -> None:
     found = judged(change, seconds=seconds, outer=600.0)
@@ -128,7 +133,7 @@ def test_strikes_beyond_the_range_are_counted_and_still_named(struck: dict[str, 
     final = watch(FaultDetector(ORDERS, RATE, sensor_range=490.0), (clipped, angle))[-1]
     assert final.verdict == {"outer": "outer_ring", "inner": "inner_ring"}.get(name, name)
     assert final.clipped > 0
-    assert "at the end of the range" in "; ".join(final.remarks)
+    assert "clipped samples" in "; ".join(final.remarks)
 
 
 def test_spike_is_told_from_a_blow_that_rings() -> None:
