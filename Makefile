@@ -57,7 +57,7 @@ bench: environment ## Speed and accuracy, some minutes on a machine that does no
 	$(BIN)/python benchmarks/phases.py
 	$(BIN)/python benchmarks/machine.py
 	$(BIN)/python benchmarks/peers.py
-	$(BIN)/python benchmarks/many.py
+	$(BIN)/python benchmarks/batch.py
 	$(BIN)/python benchmarks/sweep.py
 	$(BIN)/python benchmarks/start.py
 	$(BIN)/python benchmarks/recording.py

@@ -15,7 +15,7 @@ from dcrb_ros.faults.ground_truth import class_of
 from dcrb_ros.messages.statuses import decode_truth
 from dcrb_ros.messages.topics import DIAGNOSIS, GROUND_TRUTH
 from dcrb_ros.recordings.mcap_reader import McapRecords
-from dcrb_ros.recordings.reader import sound_files
+from dcrb_ros.recordings.reader import valid_files
 from dcrb_ros.runtime.refusal import Refusal
 from dcrb_ros.settings.parameters import rpm
 from dcrb_ros.simulation.block import Truth
@@ -41,7 +41,7 @@ def read_recorded_case(path: Path, *, name: str = "") -> RecordedCase:
         Refusal: there is no recording, it has no ground truth, or no single verdict describes it.
     """
     truths, diagnoses = [], []
-    files, damage = sound_files(path)
+    files, damage = valid_files(path)
     for file in files:
         records = McapRecords(file)
         for topic, data in _messages(records):

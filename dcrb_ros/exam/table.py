@@ -64,9 +64,9 @@ def sentences(report: Report) -> Iterator[str]:
 def _checks(report: Report) -> Table:
     # `Text` keeps brackets in users' names from being read as markup.
     title = Text(f"{report.exam}: {'passed' if report.passed else 'FAILED'}, {report.detector}")
-    table = Table("criterion", "required", "result", "", title=title)
+    table = Table("criterion", "required", "result", "status", title=title)
     for check in report.checks():
-        table.add_row(check.name, check.wanted, check.got, "met" if check.holds else "NOT MET", style="" if check.holds else "bold red")
+        table.add_row(check.name, check.wanted, check.got, "passed" if check.holds else "FAILED", style="" if check.holds else "bold red")
     return table
 
 

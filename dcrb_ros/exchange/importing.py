@@ -191,7 +191,7 @@ class WaveformImport:
             bag.write([(channels[SENSOR], 0, encode_text(json.dumps(self.sensor(), sort_keys=True)))])
             for block in self.blocks():
                 waveform = Message(VIBRATION, block.stamp_ns, encode_vibration(block, block.acceleration))
-                outcome.note(waveform)
+                outcome.add(waveform)
                 features = (channels[FEATURES], block.stamp_ns, encode_features(block))
                 bag.write([(channels[VIBRATION], block.stamp_ns, waveform.data), features])
             bag.close()

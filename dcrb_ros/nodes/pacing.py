@@ -20,10 +20,9 @@ class Pacer:
         """Set deadlines on ``clock``, which returns wall time [s]."""
         self._clock = clock
         self._scale = scale
-        self._wall = self._simulated = 0.0
-        """The reference: wall and simulated time that correspond to each other [s]."""
+        self._reference: tuple[float, float] | None = None
+        """Wall and simulated time that correspond to each other [s]; none if they are set at the next bundle."""
         self._first = True
-        self._started = False
         self.lag = 0.0
         """How late the last bundle was [s of wall time]."""
         self.late = 0
@@ -41,12 +40,12 @@ class Pacer:
 
     def restart(self) -> None:
         """Set the reference at the next bundle: earlier lag is not caught up."""
-        self._started = False
+        self._reference = None
         self.lag = 0.0
 
     def start_over(self) -> None:
         """Send the next bundle at once and set the reference at the one after it."""
-        self._first, self._started = True, False
+        self._first, self._reference = True, None
 
     def until(self, begin: float, end: float) -> float:
         """Return the wall time [s] to wait before a bundle of simulated time ``begin`` to ``end`` [s] is sent; 0 if it is due."""
@@ -58,12 +57,13 @@ class Pacer:
             self._first = False
             return 0.0
         now = self._clock()
-        if not self._started:
-            self._started, self._wall, self._simulated = True, now, begin
-        remaining = self._wall + (end - self._simulated) / self._scale - now
+        if self._reference is None:
+            self._reference = now, begin
+        wall, simulated = self._reference
+        remaining = wall + (end - simulated) / self._scale - now
         self.lag = max(0.0, -remaining)
         if self.lag > (end - begin) / self._scale:
             self.late += 1
         if self.lag > MAX_CATCH_UP:
-            self._wall, self._simulated = now, end
+            self._reference = now, end
         return min(max(0.0, remaining), threading.TIMEOUT_MAX)  # the longest wait of a lock, for scales near zero

@@ -66,7 +66,7 @@ def test_a_recording_that_is_too_short_for_a_verdict_is_refused(tmp_path: Path) 
         (["simulate", "healthy", "--duration", "long"], "--duration"),
         (["simulate", "healthy", "--set", "bearing.roller_radius=15.0"], "did you mean 0.015?"),
         (["detect", "nothing"], "there is no recording nothing"),
-        (["info", "/dev/null"], "is no MCAP file"),
+        (["info", "/dev/null"], "is not an MCAP file"),
         (["bench", "healthy", "--time-scale", "-1"], "time_scale = -1.0 is outside 0 .. 1000"),
         (["config", "check", "healthy", "--set", "operating.sped=1"], "did you mean 'operating.speed'?"),
     ],

@@ -455,7 +455,7 @@ def test_damage_of_a_recording_is_reported(tmp_path: Path, capsys: pytest.Captur
     whole = bag / "bag_0.mcap"
     whole.write_bytes(whole.read_bytes()[:-200])
     assert dcrb("score", str(bag)) == 0
-    assert "left out, no MCAP file: it is empty; the readable part is scored" in (message := capsys.readouterr().err)
+    assert "left out, not an MCAP file: it is empty; the readable part is scored" in (message := capsys.readouterr().err)
     assert "bag_0.mcap" in message
     whole.write_bytes(whole.read_bytes()[:2000])
     assert dcrb("score", str(bag)) == 2
@@ -619,7 +619,7 @@ def test_the_command_evaluates_an_exam(tmp_path: Path, capsys: pytest.CaptureFix
         (["smoke", "--node", "x", "--detector", "config/detector.yaml"], "applies to the shipped detector only"),
         (["smoke", "--detector", "config/none.yaml"], "config/none.yaml"),
         (["smoke", "--recordings", "/dev/null/x"], "cannot hold the exam's recordings"),
-        (["README.md"], "README.md is no MCAP file"),
+        (["README.md"], "README.md is not an MCAP file"),
     ],
 )
 def test_invalid_input_is_refused_in_one_sentence(arguments: list[str], sentence: str, capsys: pytest.CaptureFixture[str]) -> None:

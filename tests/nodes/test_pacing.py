@@ -100,6 +100,19 @@ def test_the_longest_lag_that_is_caught_up_is_a_second_of_wall_time_at_any_scale
             assert following == pytest.approx(max(stalled, last + 2.0 * duration) if caught_up else stalled + duration)
 
 
+@pytest.mark.parametrize(("lag", "late", "next_wait"), [(0.25, 0, 0.0), (0.5, 1, 0.0), (1.0, 1, 0.0), (1.25, 1, 0.25)])
+def test_limits_belong_to_the_punctual_side(lag: float, late: int, next_wait: float) -> None:
+    """With blocks of 0.25 s, so that all sums are exact: a lag of 0.25 s is not late, and one of 1 s is caught up."""
+    clock = Clock()
+    pacer = Pacer(REAL, clock)
+    assert (pacer.lag, pacer.late) == (0.0, 0)
+    assert [pacer.until(0.25 * k, 0.25 * (k + 1)) for k in range(2)] == [0.0, 0.25]
+    clock.now += 0.25 + 0.25 + lag
+    assert pacer.until(0.5, 0.75) == 0.0
+    assert (pacer.lag, pacer.late) == (lag, late)
+    assert pacer.until(0.75, 1.0) == next_wait
+
+
 def test_no_rush_follows_a_long_stall() -> None:
     run = Run(REAL)
     for _ in range(3):

@@ -138,15 +138,15 @@ def test_foreign_and_broken_files_are_refused(bag: Path, tmp_path: Path) -> None
         Recording(tmp_path / "nothing")
     empty = tmp_path / "empty"
     empty.mkdir()
-    with pytest.raises(Refusal, match=r"holds no \.mcap file"):
+    with pytest.raises(Refusal, match=r"contains no \.mcap file"):
         Recording(empty)
     text = tmp_path / "text.mcap"
     text.write_text("not a recording")
-    with pytest.raises(Refusal, match="is no MCAP file"):
+    with pytest.raises(Refusal, match="is not an MCAP file"):
         Recording(text)
     head = tmp_path / "head.mcap"
     head.write_bytes((bag / "outer_0.mcap").read_bytes()[:40])
-    with pytest.raises(Refusal, match="carries no manifest"):
+    with pytest.raises(Refusal, match="has no manifest"):
         Recording(head)
 
 

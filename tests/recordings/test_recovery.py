@@ -119,7 +119,7 @@ def test_a_file_that_has_not_begun_is_left_out_and_named(headless: bytes, tmp_pa
     assert waveform(split) == [1024 * k for k in range(50)]
     assert not recording.complete
     told = dcrb("info", str(split))
-    assert (told.returncode, "damaged: split_2.mcap: left out, no MCAP file" in told.stdout) == (0, True), told.stdout + told.stderr
+    assert (told.returncode, "damaged: split_2.mcap: left out, not an MCAP file" in told.stdout) == (0, True), told.stdout + told.stderr
     salvage = recover(split, tmp_path / "new")
     assert len(salvage.damage) == 1
     assert "split_2.mcap: left out" in salvage.damage[0]
@@ -127,7 +127,7 @@ def test_a_file_that_has_not_begun_is_left_out_and_named(headless: bytes, tmp_pa
     assert Recording(tmp_path / "new").complete
     for file in split.glob("*.mcap"):
         file.write_bytes(headless)
-    with pytest.raises(Refusal, match=r"split_0\.mcap is no MCAP file"):
+    with pytest.raises(Refusal, match=r"split_0\.mcap is not an MCAP file"):
         Recording(split)
 
 

@@ -283,7 +283,7 @@ timeline:
         ({"simulation.seed": 3}, "simulation.seed cannot be set by a scenario; give keys of operating"),
         ({"operating.sped": 3.0}, "unknown parameter 'operating.sped'; did you mean 'operating.speed'"),
         ({"operating": {"speed_kmh": 5000.0}}, r"operating.speed_kmh = 5000.0 km/h is not a number within -1000"),
-        ({"operating.load": 5e6}, "the cage would bear the load"),
+        ({"operating.load": 5e6}, "the cage would carry the load"),
     ],
 )
 def test_impossible_starts_are_refused(start: Any, sentence: str) -> None:

@@ -354,7 +354,7 @@ def test_unusable_output_is_refused(bag: Path, tmp_path: Path, name: str, messag
 def test_a_path_that_is_not_a_recording_is_refused(tmp_path: Path) -> None:
     text = tmp_path / "notes.mcap"
     text.write_text("not a recording")
-    with pytest.raises(Refusal, match=r"is no MCAP file"):
+    with pytest.raises(Refusal, match=r"is not an MCAP file"):
         view(text, save=tmp_path / "notes.rrd")
     with pytest.raises(Refusal, match=r"there is no recording"):
         view(tmp_path / "absent", save=tmp_path / "absent.rrd")
@@ -365,7 +365,7 @@ def test_a_recording_without_manifest_is_refused(tmp_path: Path) -> None:
     writer = Writer(str(foreign))
     writer.start(profile="ros2", library="another")
     writer.finish()
-    with pytest.raises(Refusal, match=r"carries no manifest"):
+    with pytest.raises(Refusal, match=r"has no manifest"):
         view(foreign, save=tmp_path / "foreign.rrd")
 
 

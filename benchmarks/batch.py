@@ -1,7 +1,7 @@
-"""How much many bearings at once gain: simulated over wall time with one process and with one per core, against the kernel alone.
+"""Throughput of a batch of bearings with one process and with one per core, relative to the kernel alone.
 
-And what the vector lanes of one core could gain at most if they were shared between bearings: the kernel fills them with the rollers of one
-bearing already, so what a second row of rollers costs beside the first tells what a second bearing's would.
+A second table gives an upper bound of what could be gained by sharing the vector lanes of a core between bearings. The kernel already
+fills them with the rollers of one bearing, so the bound follows from the additional cost of a second row of rollers.
 """
 
 from __future__ import annotations
@@ -18,18 +18,18 @@ from dcrb_ros.simulation.batch import simulate_batch
 
 
 def throughput(configurations: list[Configuration], duration: float, workers: int) -> float:
-    """Return simulated over wall time of all bearings, the processes' start left out."""
-    arrived = [time.perf_counter()]
+    """Return simulated over wall time of all bearings [-], without the start of the processes."""
+    finished = [time.perf_counter()]
     for _ in simulate_batch(configurations, duration, workers=workers):
-        arrived.append(time.perf_counter())
-    first = arrived[workers]
-    return duration * (len(configurations) - workers) / (arrived[-1] - first)
+        finished.append(time.perf_counter())
+    first = finished[workers]
+    return duration * (len(configurations) - workers) / (finished[-1] - first)
 
 
 def lanes_gain(joint: str, duration: float, runs: int = 9) -> tuple[float, float, float]:
-    """Return the cost of a step with one row and with two [us], and by how much two bearings in the same lanes would beat two in turn [-].
+    """Return the cost of a step with one row and with two rows [us], and the largest possible gain of sharing lanes [-].
 
-    As if a second bearing's rings and cages were free: what does not grow with the rollers is paid once for both.
+    The gain is that of two bearings in the same lanes over two in turn, if the rings and cages of the second cost nothing.
     """
     costs = []
     for rows, load in ((1, 50e3), (2, 100e3)):
@@ -44,16 +44,16 @@ def main() -> None:
     """Print the tables."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--duration", type=float, default=3.0, help="simulated time of a bearing [s]")
-    parser.add_argument("--bearings", type=int, default=6, help="bearings for each process [-]")
+    parser.add_argument("--bearings", type=int, default=6, help="number of bearings per process")
     options = parser.parse_args()
-    print("| joint | processes | x real time | per process, against the kernel |\n|---|---|---|---|")
+    print("| joint | processes | x real time | per process, relative to the kernel |\n|---|---|---|---|")
     for joint in ("pocket", "revolute"):
         alone = statistics.median(factors(kernel(Configuration.model_validate({"cage": {"joint": joint}})), 1.0, 5))
         for workers in sorted({1, os.cpu_count() or 1}):
             groups = [{"cage": {"joint": joint}, "simulation": {"seed": seed}} for seed in range((1 + options.bearings) * workers)]
             found = throughput([Configuration.model_validate(group) for group in groups], options.duration, workers)
             print(f"| {joint} | {workers} | {found:.2f} | {found / workers / alone:.2f} |", flush=True)
-    print("\n| joint | step, one row [us] | two rows [us] | two bearings in the same lanes, at most |\n|---|---|---|---|")
+    print("\n| joint | step, one row [us] | two rows [us] | largest gain of sharing lanes |\n|---|---|---|---|")
     for joint in ("pocket", "revolute"):
         one, two, gain = lanes_gain(joint, 0.1)
         print(f"| {joint} | {one:.2f} | {two:.2f} | {gain:.2f} x |", flush=True)

@@ -1,7 +1,7 @@
-"""Moments at which the machine stood still: on every core an idle process sleeps for a moment and looks how long that was.
+"""Detection of stalls of the machine: an idle process on every core sleeps repeatedly and measures the actual time.
 
-What else runs on a core delays such a process by a few milliseconds at most, since the scheduler favours who sleeps. A longer sleep is
-the machine's own: a virtual one stops when its host takes the processors away, which no count of stolen time need show.
+Other processes delay such a process by a few milliseconds at most, since the scheduler favours processes that sleep. A longer delay is
+a stall of the machine: the host of a virtual machine may suspend its processors without counting this as stolen time.
 """
 
 from __future__ import annotations
@@ -16,22 +16,22 @@ from pathlib import Path
 
 NAP = 0.002
 """Time to sleep [s]."""
-STOP = 0.010
-"""A sleep that takes longer by so much is a stop of the machine [s]."""
-Stop = tuple[float, float]
-"""Begin and end on the monotonic clock, which all processes share [s]."""
+EXCESS = 0.010
+"""Excess over `NAP` from which a sleep counts as a stall [s]."""
+Stall = tuple[float, float]
+"""Start and end on the monotonic clock, which all processes share [s]."""
 
 
-class Witnesses:
-    """The stops that the witnesses have seen so far."""
+class StallMonitor:
+    """The stalls recorded so far by the processes of `monitor_stalls`."""
 
     def __init__(self, folder: Path) -> None:
         self._folder = folder
 
-    def stops(self) -> list[Stop]:
-        """Return when any core stood still, in the order of time; stops of several at once are one."""
+    def stalls(self) -> list[Stall]:
+        """Return the stalls of any core in chronological order; overlapping ones are merged."""
         lines = [line for path in self._folder.glob("core*") for line in path.read_text(encoding="utf-8").splitlines()]
-        found: list[Stop] = []
+        found: list[Stall] = []
         for begin, end in sorted((float(begin), float(end)) for begin, end in (line.split() for line in lines)):
             if found and begin <= found[-1][1]:
                 found[-1] = found[-1][0], max(end, found[-1][1])
@@ -41,19 +41,19 @@ class Witnesses:
 
 
 @contextmanager
-def witnesses(folder: Path) -> Iterator[Witnesses]:
-    """Let a process on every core look for stops; they write what they see into ``folder``."""
+def monitor_stalls(folder: Path) -> Iterator[StallMonitor]:
+    """Start a process on every core that records stalls in ``folder``."""
     with ExitStack() as stack:
         for core in sorted(os.sched_getaffinity(0)):
             command = [sys.executable, __file__, str(core), str(folder / f"core{core}")]
-            witness = subprocess.Popen(command, stdin=subprocess.DEVNULL, start_new_session=True)
-            stack.callback(witness.wait)
-            stack.callback(witness.kill)
-        yield Witnesses(folder)
+            process = subprocess.Popen(command, stdin=subprocess.DEVNULL, start_new_session=True)
+            stack.callback(process.wait)
+            stack.callback(process.kill)
+        yield StallMonitor(folder)
 
 
 def watch(core: int, path: Path) -> None:
-    """Write every stop of a core, until killed or left alone."""
+    """Record the stalls of a core until this process is killed or its parent ends."""
     os.sched_setaffinity(0, {core})
     parent = os.getppid()
     with path.open("w", encoding="utf-8", buffering=1) as file:
@@ -61,7 +61,7 @@ def watch(core: int, path: Path) -> None:
         while os.getppid() == parent:
             time.sleep(NAP)
             now = time.monotonic()
-            if now - before > NAP + STOP:
+            if now - before > NAP + EXCESS:
                 file.write(f"{before!r} {now!r}\n")
             before = now
 
