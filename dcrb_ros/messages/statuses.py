@@ -1,4 +1,4 @@
-"""Diagnostic arrays: states by name with keys and values, the ground truth among them."""
+"""DiagnosticArray messages: statuses with keys and values, among them the ground truth."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ def decode_truth(data: bytes) -> Truth:
     """Return the ground truth that `encode_truth` wrote."""
     time_ns, statuses = decode_diagnostics(data)
     if not statuses or statuses[0].name != "operating":
-        raise Refusal("a DiagnosticArray without the status 'operating' is no ground truth of the bench")
+        raise Refusal("a DiagnosticArray without the status 'operating' is not a ground truth of the bench")
     operating, faults = statuses[0], [status for status in statuses if status.name.startswith("faults.")]
     background = next((status.values for status in statuses if status.name == "background"), {})
 

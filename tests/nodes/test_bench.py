@@ -313,7 +313,7 @@ def test_malformed_commands_are_counted_and_the_bench_runs_on(kind: signal.Signa
         assert time.monotonic() - began < PROMPT
     assert "command/speed: a message of" in simulator.words
     assert "command/load: a message of" in simulator.words
-    assert simulator.words.count("is no valid") <= 4  # explained, not repeated
+    assert simulator.words.count("is not a valid") <= 4  # explained, not repeated
     assert "Traceback" not in simulator.words
     assert Recording(bag).complete
 

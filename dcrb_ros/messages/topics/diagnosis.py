@@ -34,7 +34,7 @@ def encode_diagnosis(diagnosis: Diagnosis) -> bytes:
 DIAGNOSIS = DetectedTopic(
     "diagnosis",
     DIAGNOSTICS,
-    "the detector's verdict and its evidence; the exam scores this topic of any detector",
+    "verdict and evidence of the detector; the exam scores this topic of any detector",
     decode=decode_diagnostics,
     encode=encode_diagnosis,
 )

@@ -18,5 +18,5 @@ def encode_indicators(diagnosis: Diagnosis) -> bytes:
 
 
 FAULT_INDICATORS = DetectedTopic(
-    "fault_indicators", JOINT_STATE, "the detector's levels over background [dB]", decode=decode_joints, encode=encode_indicators
+    "fault_indicators", JOINT_STATE, "levels of the detector over background [dB]", decode=decode_joints, encode=encode_indicators
 )

@@ -15,7 +15,7 @@ def _encode(block: Block, source: Source) -> Encoded:
 FEATURES = SimulatedTopic(
     "outer_ring/features",
     JOINT_STATE,
-    "of each block: rms, peak, crest factor and kurtosis of `ay`, clipped samples of both axes",
+    "per block: rms, peak, crest factor and kurtosis of `ay`, clipped samples of both axes",
     decode=decode_joints,
     encode=_encode,
 )

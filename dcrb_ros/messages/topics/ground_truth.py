@@ -16,7 +16,7 @@ GROUND_TRUTH = SimulatedTopic(
     "ground_truth",
     DIAGNOSTICS,
     "every fault of bearing and sensor with its size, as a status `faults.outer_1`, `faults.broken_bars.row1/bar15`, "
-    "`faults.sensor.stuck`; background, speed, load, FTF, BPFO, BPFI, BSF; 10 Hz and on change",
+    "`faults.sensor.stuck`; background, speed, load, FTF, BPFO, BPFI, BSF; 10 Hz and at every change",
     decode=decode_truth,
     encode=_encode,
 )

@@ -20,7 +20,8 @@ def _encode(block: Block, source: Source) -> Encoded:
 ROLLER_CONTACTS = SimulatedTopic(
     "roller_contacts",
     JOINT_STATE,
-    "the same bodies: outer-raceway force [N], slip [m/s] and friction [N] at the inner raceway; off by default (`publishing.contacts`)",
+    "the same bodies: force at the outer raceway [N], slip [m/s] and friction force [N] at the inner raceway; off by default "
+    "(`publishing.contacts`)",
     depth=500,
     decode=decode_joints,
     encode=_encode,

@@ -15,7 +15,7 @@ def _encode(block: Block, source: Source) -> Encoded:
 ROLLER_STATES = SimulatedTopic(
     "roller_states",
     JOINT_STATE,
-    "rollers, cages and inner ring: azimuth [rad], speed [rad/s], inner-raceway force [N]; 100 Hz",
+    "rollers, cages and inner ring: azimuth [rad], speed [rad/s], force at the inner raceway [N]; 100 Hz",
     depth=500,
     decode=decode_joints,
     encode=_encode,
