@@ -20,8 +20,8 @@ if TYPE_CHECKING:
     from dcrb_ros.diagnosis.parameters import DetectorParameters
     from dcrb_ros.exam.case import Case
     from dcrb_ros.exam.exam_file import Exam
-    from dcrb_ros.exam.received_diagnosis import ReceivedDiagnosis
     from dcrb_ros.exam.report import Report
+    from dcrb_ros.messages.received_diagnosis import ReceivedDiagnosis
 
 SHIPPED = "the shipped detector"
 

@@ -21,7 +21,7 @@ from dcrb_ros.runtime.simulated_time import nanoseconds
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import flatten, overlaid, validated
 from dcrb_ros.simulation.block import Block, Truth
-from dcrb_ros.simulation.events import commands_in
+from dcrb_ros.simulation.ground_truth import commands_in
 from dcrb_ros.simulation.loop import ModelFailure, Simulation
 from dcrb_ros.simulation.scenario import ScheduledChange, scheduled_changes, starting_configuration
 from dcrb_ros.sweep.design import Value
