@@ -29,10 +29,10 @@ if TYPE_CHECKING:
     from dcrb_ros.settings.configuration import Configuration
     from dcrb_ros.settings.files import load_configuration
     from dcrb_ros.settings.parameters import Bearing
-    from dcrb_ros.simulation.block import Block
     from dcrb_ros.simulation.ground_truth import GroundTruth
     from dcrb_ros.simulation.loop import Simulation
     from dcrb_ros.simulation.run import Run, simulate
+    from dcrb_ros.stream.block import Block
 
 __all__ = [
     "Bearing",

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from dcrb_ros.bearing.equilibrium import penetration_under
-from dcrb_ros.bearing.states import Account
 from dcrb_ros.core.layout.state import FRICTION, HOUSING, LOAD, LOSS, State
 from dcrb_ros.core.payload import JOHNSON, Payload
 from dcrb_ros.runtime.arrays import Floats
+from dcrb_ros.stream.states import Account
 
 
 def energy_of_force(payload: Payload, force: Floats, scale: float) -> Floats:

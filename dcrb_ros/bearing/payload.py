@@ -9,7 +9,6 @@ import numpy as np
 import numpy.typing as npt
 
 from dcrb_ros.bearing.equilibrium import roller_forces, static_equilibrium
-from dcrb_ros.bearing.states import BodyNames
 from dcrb_ros.core.laws.pereira import pereira_coefficients
 from dcrb_ros.core.layout.state import State, empty_state
 from dcrb_ros.core.payload import EDGE, JOHNSON, NOTCH, POWER, ROLLER_NOTCH, SINK, Notches, Payload
@@ -17,6 +16,7 @@ from dcrb_ros.faults.geometry import BrokenBar, RacewayNotch, RollerNotch
 from dcrb_ros.runtime.arrays import Floats
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.parameters import Bearing
+from dcrb_ros.stream.states import BodyNames
 
 
 def body_names(configuration: Configuration) -> BodyNames:

@@ -16,8 +16,8 @@ from dcrb_ros.runtime.simulated_time import checked_duration
 
 if TYPE_CHECKING:
     from dcrb_ros.settings.configuration import Configuration
-    from dcrb_ros.simulation.block import Block
     from dcrb_ros.simulation.loop import Simulation
+    from dcrb_ros.stream.block import Block
 
 
 def simulate(

@@ -18,7 +18,7 @@ from dcrb_ros.recordings.mcap_reader import McapRecords
 from dcrb_ros.recordings.reader import valid_files
 from dcrb_ros.runtime.refusal import Refusal
 from dcrb_ros.settings.parameters import rpm
-from dcrb_ros.simulation.block import Truth
+from dcrb_ros.stream.block import Truth
 
 
 @dataclass(frozen=True)

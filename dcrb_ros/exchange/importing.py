@@ -28,7 +28,7 @@ from dcrb_ros.recordings.rosbag2 import Bag, RecordingFailed
 from dcrb_ros.runtime.refusal import Refusal
 from dcrb_ros.runtime.version import __version__
 from dcrb_ros.settings.sensor_limits import LONGEST_BLOCK
-from dcrb_ros.simulation.block import Block
+from dcrb_ros.stream.block import Block
 
 FULL_TURN = 2.0 * np.pi
 LATEST_STAMP = 2**31

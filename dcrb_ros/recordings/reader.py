@@ -29,8 +29,8 @@ from dcrb_ros.recordings.mcap_reader import MAGIC, McapRecords
 from dcrb_ros.runtime.refusal import Refusal
 from dcrb_ros.runtime.version import __version__
 from dcrb_ros.settings.configuration import Configuration
-from dcrb_ros.simulation.events import TimedCommand
 from dcrb_ros.simulation.ground_truth import GroundTruth, commands_in
+from dcrb_ros.stream.events import TimedCommand
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -11,8 +11,8 @@ import numpy as np
 from dcrb_ros.faults.ground_truth import summary_of
 from dcrb_ros.runtime.arrays import Floats
 from dcrb_ros.runtime.frames import pandas
-from dcrb_ros.simulation.block import Truth
-from dcrb_ros.simulation.events import LoadCommand, ParameterChange, SpeedCommand, TimedCommand, UnknownCommand
+from dcrb_ros.stream.block import Truth
+from dcrb_ros.stream.events import LoadCommand, ParameterChange, SpeedCommand, TimedCommand, UnknownCommand
 
 if TYPE_CHECKING:
     import pandas as pd

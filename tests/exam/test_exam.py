@@ -39,7 +39,7 @@ from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.recordings.recorder import Recorder
 from dcrb_ros.runtime.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
-from dcrb_ros.simulation.block import Truth
+from dcrb_ros.stream.block import Truth
 
 SPALL = Expectation("outer", "outer_ring", 10.0, 4.0, {"width": 0.002}, twin="twin")
 HEALTHY = Expectation("twin", "healthy", 10.0)
