@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 import typer
 
-from dcrb_ros.cli.options import DetectorFile, JsonOutput, Workers, announce_compilation, worker_count
+from dcrb_ros.cli.options import DetectorFile, JsonOutput, Workers, announce_compilation, literal, worker_count
 from dcrb_ros.runtime.refusal import Refusal
 
 if TYPE_CHECKING:
@@ -164,7 +164,8 @@ def _list(exam: Exam) -> None:
     from dcrb_ros.exam.case import scenarios_hash
 
     # `Text` keeps brackets in users' names from being read as markup.
-    table = Table("scenario", "correct verdict", "onset [s]", "duration [s]", "twin", title=Text(f"{exam.name}: {exam.about}"))
+    heads = literal("scenario", "correct verdict", "onset [s]", "duration [s]", "twin")
+    table = Table(*heads, title=Text(f"{exam.name}: {exam.about}"))
     for case in exam.cases:
         expectation = case.expectation
         name = expectation.name if expectation.required else f"{expectation.name} (not required)"
@@ -202,9 +203,9 @@ def _evaluate_exam(exam: Exam, candidate: Candidate, recordings: Path | None, wo
 def _recorded(cases: Sequence[Case], folder: Path, workers: int, node: str, patience: float) -> dict[str, Path]:
     """Return the recordings of cases; an invalid command is refused before anything is simulated."""
     from dcrb_ros.exam.evaluation import record_all
-    from dcrb_ros.nodes.examinee import Examinee
+    from dcrb_ros.nodes.external_detector import ExternalDetector
 
-    Examinee(node, patience=patience)
+    ExternalDetector(node, patience=patience)
     with _progress("simulated", len(cases)) as on_done:
         paths = record_all(cases, folder, workers, on_done)
     return {case.expectation.name: paths[case.expectation.name] for case in cases}
@@ -214,19 +215,19 @@ def _evaluate_node(
     bags: Mapping[str, Path], node: str, rate: float, patience: float
 ) -> tuple[dict[str, list[ReceivedDiagnosis]], dict[str, str]]:
     """Return a node's diagnoses of recordings, and the failures, by name."""
-    from dcrb_ros.nodes.examinee import Examinee, Unanswered
+    from dcrb_ros.nodes.external_detector import ExternalDetector, NoDiagnosis
 
-    examinee = Examinee(node, rate=rate, patience=patience)
+    detector = ExternalDetector(node, rate=rate, patience=patience)
     diagnoses: dict[str, list[ReceivedDiagnosis]] = {}
     failures: dict[str, str] = {}
     with _progress("evaluated", len(bags)) as on_done:
         for name, bag in bags.items():
-            answers = examinee.examine(bag)
-            if answers.failure and not answers.opinions and not diagnoses:
-                raise Unanswered(f"the detector '{node}' failed on the first scenario ({name}): {answers.failure}")
-            diagnoses[name] = answers.opinions
-            if answers.failure:
-                failures[name] = answers.failure
+            found = detector.diagnose(bag)
+            if found.failure and not found.received and not diagnoses:
+                raise NoDiagnosis(f"the detector '{node}' failed on the first scenario ({name}): {found.failure}")
+            diagnoses[name] = found.received
+            if found.failure:
+                failures[name] = found.failure
             on_done(name)
     return diagnoses, failures
 
