@@ -6,7 +6,7 @@ import numpy as np
 from scipy.special import lambertw
 
 from dcrb_ros.runtime.arrays import Floats
-from dcrb_ros.settings.parameters import Friction
+from dcrb_ros.settings.contact import Friction
 
 FLOOR_SPEED = 1e-3
 """Least impact speed that the loss of a bar contact is referred to [m/s]."""
@@ -38,7 +38,8 @@ def with_loss(force: Floats, stiffness: Floats, loss_time: float, rate: Floats) 
 def stribeck(slip: Floats, friction: Friction) -> Floats:
     """Return g(s), the coefficient of steady slip [-], Eq. 7."""
     span = friction.static_coefficient - friction.kinetic_coefficient
-    return friction.kinetic_coefficient + span * np.exp(-((slip / friction.stribeck_speed) ** 2))
+    steady: Floats = friction.kinetic_coefficient + span * np.exp(-((slip / friction.stribeck_speed) ** 2))
+    return steady
 
 
 def lugre(bristle: Floats, slip: Floats, steady: Floats, friction: Friction) -> tuple[Floats, Floats]:

@@ -87,8 +87,8 @@ def test_sink_of_the_outer_ring(joint: str) -> None:
 @given(force=st.floats(1.0, 1e5))
 def test_energy_is_the_integral_of_the_force(law: str, force: float) -> None:
     payload = build_payload(Configuration.model_validate({"contact": {"law": law}}))
-    depth = penetration_under(payload, np.array([0.999, 1.0, 1.001]) * force, payload.inner_scale)
-    energy = stored_energy(payload, depth, payload.inner_scale)
+    depth = penetration_under(payload, np.array([0.999, 1.0, 1.001]) * force, payload.inner)
+    energy = stored_energy(payload, depth, payload.inner)
     assert (energy[2] - energy[0]) / (depth[2] - depth[0]) == pytest.approx(force, rel=1e-4)
 
 
@@ -171,6 +171,9 @@ def test_no_roller_of_a_slow_bearing_begins_in_the_air(load: float, speed: float
 
 STARTS = """
 import hashlib
+
+import numpy as np
+
 from dcrb_ros.settings.files import load_configuration
 from dcrb_ros.bearing.payload import build_payload, initial_state
 
