@@ -57,7 +57,7 @@ bench: environment ## Speed and accuracy, some minutes on a machine that does no
 	$(BIN)/python benchmarks/phases.py
 	$(BIN)/python benchmarks/machine.py
 	$(BIN)/python benchmarks/peers.py
-	$(BIN)/python benchmarks/many.py
+	$(BIN)/python benchmarks/batch.py
 	$(BIN)/python benchmarks/sweep.py
 	$(BIN)/python benchmarks/start.py
 	$(BIN)/python benchmarks/recording.py
@@ -71,7 +71,7 @@ bags: environment ## Make the recordings of bags/ anew, where the model has chan
 soak: environment ## An hour flat out and ten minutes in real time, with random commands and faults (SOAK='--flat-out 60 ...')
 	$(BIN)/python benchmarks/soak.py $(SOAK)
 
-exam: environment ## The exams of the shipped detector, and the naive one's failure: docs/exam.md anew (EXAM=hours for the healthy hours)
+exam: environment ## The exams of the shipped detector, and of the naive one: rewrites docs/explanation/exam-results.md (EXAM=hours for the healthy hours)
 	$(BIN)/python benchmarks/exam.py $(EXAM)
 
 mutants: environment ## Do the tests notice slips? A sample of mutants of each package, some hours (MUTANTS='core --sample 20')

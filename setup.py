@@ -30,7 +30,7 @@ setup(
     license=manifest.findtext("license"),
     python_requires=">=3.10,<3.14",
     packages=find_packages(include=[NAME, f"{NAME}.*"]),
-    package_data={NAME: ["py.typed"], f"{NAME}.validation": ["readings.md"]},
+    package_data={NAME: ["py.typed"], f"{NAME}.validation": ["assumptions.md"]},
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{NAME}"]),
         (f"share/{NAME}", ["package.xml"]),
@@ -81,12 +81,15 @@ setup(
             "types-PyYAML>=6.0.12,<7",
             # The baseline of the tutorial on sweeps.
             "scikit-learn>=1.4,<2",
+            # The notebooks are executed.
+            "nbclient>=0.10,<1",
+            "ipykernel>=6.29,<8",
         ],
         # A peer that benchmarks/peers.py measures beside ours; nothing else needs it.
         "bench": ["exudyn>=1.9,<2"],
         "mat73": ["h5py>=3.8,<4"],
         "sweep": ["dask>=2024.2", "distributed>=2024.2", "fsspec>=2024.2", "pandas>=2.2,<4"],
-        "docs": ["mkdocs>=1.6,<2", "mkdocs-material>=9.5,<10"],
+        "docs": ["mkdocs>=1.6,<2", "mkdocs-material>=9.5,<10", "mkdocs-jupyter>=0.25,<1", "mkdocstrings[python]>=1.0,<2"],
         "colcon": ["colcon-common-extensions>=0.3,<1", "setuptools>=68,<80"],
     },
     entry_points={

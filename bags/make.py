@@ -1,36 +1,52 @@
-"""Makes the recordings of this folder anew, or some of them: python bags/make.py [NAME ...]."""
+"""Regenerate the recordings in this folder, or some of them: python bags/make.py [NAME ...]."""
 
 from __future__ import annotations
 
 import shutil
 import sys
+from dataclasses import dataclass
 from pathlib import Path
 
 from dcrb_ros.recordings.recorder import Recorder
 from dcrb_ros.settings.files import load_configuration
-from dcrb_ros.simulation.events import Agenda, Command
+from dcrb_ros.simulation.events import CommandSchedule, SpeedCommand, TimedCommand
 from dcrb_ros.simulation.loop import Simulation
 
 HERE = Path(__file__).resolve().parent
-SECONDS = 3.0
-BENCHES = ("healthy", "outer_ring_defect", "inner_ring_defect", "cage_fracture", "compound", "paper")
-RUN_UP = ("outer_ring_defect", ("operating.speed=40.0",), (Command(500_000_000, "command/speed 150.0 rad/s"),))
-"""From 40 to 150 rad/s at the configured ramp of 50 rad/s^2, with a defect."""
-RECORDINGS: dict[str, tuple[str, tuple[str, ...], tuple[Command, ...]]] = {name: (name, (), ()) for name in BENCHES} | {"run_up": RUN_UP}
+DURATION = 3.0
+"""Simulated time of a recording [s]."""
+
+
+@dataclass(frozen=True)
+class Run:
+    """A run to record."""
+
+    config: str
+    """Name of a shipped configuration."""
+    settings: tuple[str, ...] = ()
+    commands: tuple[TimedCommand, ...] = ()
+
+
+SHIPPED = ("healthy", "outer_ring_defect", "inner_ring_defect", "cage_fracture", "compound", "paper")
+RUNS = {
+    **{name: Run(name) for name in SHIPPED},
+    # From 40 to 150 rad/s with the configured ramp of 50 rad/s^2.
+    "run_up": Run("outer_ring_defect", ("operating.speed=40.0",), (TimedCommand(500_000_000, SpeedCommand(150.0)),)),
+}
 
 
 def make(name: str) -> None:
-    """Make one recording, in place of the old one once it is whole."""
-    config, settings, commands = RECORDINGS[name]
-    configuration = load_configuration(config, settings)
-    simulation, agenda = Simulation(configuration), Agenda(commands)
+    """Simulate and record a run; replace the previous recording once the new one is complete."""
+    run = RUNS[name]
+    configuration = load_configuration(run.config, run.settings)
+    simulation, schedule = Simulation(configuration), CommandSchedule(run.commands)
     folder = HERE / ".new"
     shutil.rmtree(folder, ignore_errors=True)
-    with Recorder(folder / name, configuration, simulation.layout) as recorder:
-        agenda.give(simulation)
-        for block in simulation.blocks(SECONDS):
+    with Recorder(folder / name, configuration, simulation.bodies) as recorder:
+        schedule.apply_due(simulation)
+        for block in simulation.blocks(DURATION):
             recorder.write(block)
-            agenda.give(simulation)
+            schedule.apply_due(simulation)
     shutil.rmtree(HERE / name, ignore_errors=True)
     (folder / name).rename(HERE / name)
     folder.rmdir()
@@ -39,11 +55,11 @@ def make(name: str) -> None:
 
 
 def main() -> None:
-    """Make what is named, or everything."""
-    names = sys.argv[1:] or list(RECORDINGS)
-    unknown = [name for name in names if name not in RECORDINGS]
+    """Regenerate the named recordings, or all."""
+    names = sys.argv[1:] or list(RUNS)
+    unknown = [name for name in names if name not in RUNS]
     if unknown:
-        sys.exit(f"there is no recording '{unknown[0]}' (known: {', '.join(RECORDINGS)})")
+        sys.exit(f"there is no recording '{unknown[0]}' (known: {', '.join(RUNS)})")
     for name in names:
         make(name)
 

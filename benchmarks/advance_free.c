@@ -1,6 +1,6 @@
-/* The loop over free rollers (`dcrb_ros/core/solver/free.py`, `advance_free`) once more in C, for what a compiler of C makes of it.
+/* The loop over free rollers (`advance_free` in `dcrb_ros/core/solver/free.py`) in C, for a comparison with a C compiler.
 
-   Offsets of the fields come from `benchmarks/machine.py`, which compiles this. */
+   The offsets of the fields are defined by `benchmarks/machine.py`, which compiles this file. */
 
 #include <math.h>
 #include <stdint.h>

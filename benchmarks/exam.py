@@ -1,4 +1,4 @@
-"""The reports in docs/exam.md: the shipped detector on three exams, the naive one on another; recordings are kept for the next time."""
+"""The reports in docs/explanation/exam-results.md: three exams of the shipped detector, one of the naive detector; recordings are kept."""
 
 from __future__ import annotations
 
@@ -14,32 +14,32 @@ from pathlib import Path
 from typing import Any
 
 ROOT = Path(__file__).resolve().parents[1]
-PAGE, IMAGES = ROOT / "docs/exam.md", ROOT / "docs/images"
+PAGE, IMAGES = ROOT / "docs/explanation/exam-results.md", ROOT / "docs/images"
 SCORE = [sys.executable, "-c", "from dcrb_ros.cli.app import main; main()", "score"]
-MOST_FLAWS = 60
+MOST_FAILURES = 60
 
 
-def sat(exam: str, image: str, options: list[str]) -> dict[str, Any]:
-    """Return the report of an exam as JSON; its figure goes beside the documentation."""
-    # The report names the detector's command: it must not depend on where the interpreter lies.
+def evaluate(exam: str, image: str, options: list[str]) -> dict[str, Any]:
+    """Return the report of an exam as JSON; its figure is written to the documentation's folder of images."""
+    # The report contains the command of the detector, which must not depend on the path of the interpreter.
     path = {**os.environ, "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ.get('PATH', '')}"}
     command = [*SCORE, exam, "--json", "--figure", str(IMAGES / image), *options]
     done = subprocess.run(command, stdout=subprocess.PIPE, text=True, check=False, cwd=ROOT, env=path)
     if done.returncode not in (0, 1) or not done.stdout:
-        sys.exit(f"the exam {exam} was not sat: status {done.returncode}")
+        sys.exit(f"the evaluation of the exam {exam} failed with status {done.returncode}")
     report: dict[str, Any] = json.loads(done.stdout)
-    if not report["delay"]:  # of healthy runs alone there is nothing to draw
+    if not report["delay"]:  # there is nothing to draw for healthy runs only
         (IMAGES / image).unlink(missing_ok=True)
     return report
 
 
 def number(value: float | None, digits: int = 2) -> str:
-    """Return a number, or a dash where there is none."""
+    """Return a number as text, or a dash for None."""
     return "–" if value is None else f"{value:.{digits}f}"
 
 
 def interval(found: dict[str, Any], digits: int = 2) -> str:
-    """Return an estimate with its bounds."""
+    """Return an estimate with its confidence interval as text."""
     return f"{number(found['value'], digits)} ({number(found['low'], digits)} to {number(found['high'], digits)})"
 
 
@@ -54,7 +54,7 @@ def table(headings: list[str], rows: list[list[str]]) -> Iterator[str]:
     yield ""
 
 
-def told(report: dict[str, Any], image: str, words: str) -> Iterator[str]:
+def report_lines(report: dict[str, Any], image: str, caption: str) -> Iterator[str]:
     """Yield a report as lines of Markdown."""
     date = time.strftime("%d %B %Y", time.gmtime()).lstrip("0")
     seconds = sum(scenario["duration"] for scenario in report["scenarios"])
@@ -63,35 +63,35 @@ def told(report: dict[str, Any], image: str, words: str) -> Iterator[str]:
         f"{date}; scenarios `{report['scenarios_sha256'][:16]}`."
     )
     yield from table(
-        ["criterion", "wanted", "got", ""],
-        [[c["name"], c["wanted"], c["got"], "holds" if c["holds"] else "**fails**"] for c in report["checks"]],
+        ["criterion", "required", "result", "status"],
+        [[c["name"], c["wanted"], c["got"], "passed" if c["holds"] else "**failed**"] for c in report["checks"]],
     )
     if report["delay"]:
-        yield f"![{words}](images/{image})"
+        yield f"![{caption}](../images/{image})"
     delays = [
         [verdict, f"{d['found']} of {d['asked']}", number(d["median"]), number(d["p95"]), f"{d['limit']:g}"]
         for verdict, d in report["delay"].items()
     ]
-    yield from table(["fault", "found", "delay, median [s]", "95 % [s]", "limit [s]"], delays)
+    yield from table(["fault", "detected", "median delay [s]", "95th percentile [s]", "limit [s]"], delays)
     sizes = [
         [d["verdict"], f"{d['width'] * 1e3:g}", f"{d['found']} of {d['asked']}", interval(d["probability"])] for d in report["detection"]
     ]
-    yield from table(["fault", "width [mm]", "found", "probability of detection, 95 % bounds"], sizes)
+    yield from table(["fault", "width [mm]", "detected", "probability of detection, 95 % confidence"], sizes)
     alarms = report["false_alarms"]
     yield (
         f"False alarms: {alarms['count']} in {alarms['healthy_hours'] * 60.0:.1f} min of healthy signal, "
-        f"{interval(alarms['per_hour'], 1)} an hour. ROC area: {number(report['roc'] and report['roc']['area'], 3)}."
+        f"{interval(alarms['per_hour'], 1)} per hour. ROC area: {number(report['roc'] and report['roc']['area'], 3)}."
     )
     wrong = [scenario for scenario in report["scenarios"] if not scenario["passed"]]
     if wrong:
         yield ""
-        yield f"What went wrong, {len(wrong)} of {len(report['scenarios'])}:"
-        rows = [[f"`{s['name']}`", s["verdict"], s["flaw"], "" if s["required"] else "not required"] for s in wrong[:MOST_FLAWS]]
-        yield from table(["scenario", "right", "what", ""], rows)
+        yield f"Errors in {len(wrong)} of {len(report['scenarios'])} scenarios:"
+        rows = [[f"`{s['name']}`", s["verdict"], s["flaw"], "" if s["required"] else "not required"] for s in wrong[:MOST_FAILURES]]
+        yield from table(["scenario", "correct verdict", "error", "remark"], rows)
 
 
 def replace(name: str, lines: Iterator[str]) -> None:
-    """Put a report in the place that the page keeps for it."""
+    """Replace a report on the page, between its two comments."""
     text = re.sub(r"\n{3,}", "\n\n", "\n".join(lines)).strip()
     page, count = re.subn(
         rf"(<!-- report {name} -->\n).*?(<!-- end of report -->)",
@@ -100,13 +100,13 @@ def replace(name: str, lines: Iterator[str]) -> None:
         flags=re.DOTALL,
     )
     if count != 1:
-        sys.exit(f"{PAGE} has {count} places for the report {name}: there must be one")
+        sys.exit(f"{PAGE} has {count} places for the report {name}, but must have one")
     PAGE.write_text(page, encoding="utf-8")
 
 
 REPORTS = {
     "shipped": ("standard", [], "The shipped detector's report"),
-    "blind": ("blind", [], "The shipped detector's report on what it was not tuned on"),
+    "blind": ("blind", [], "The shipped detector's report on scenarios it was not tuned on"),
     "hours": ("hours", [], "The shipped detector's report on four healthy hours"),
     "naive": ("smoke", ["--node", "python examples/naive_detector.py"], "The naive detector's report"),
 }
@@ -114,12 +114,12 @@ REPORTS = {
 
 
 def main() -> None:
-    """Sit the exams and write their reports."""
+    """Evaluate the detectors and write the reports."""
     parser = argparse.ArgumentParser(description=__doc__)
     usual = ["shipped", "blind", "naive"]
     parser.add_argument("reports", nargs="*", help=f"of {', '.join(REPORTS)}; by default {', '.join(usual)}, which take ten minutes")
     parser.add_argument("--recordings", help="folder that keeps the recordings")
-    parser.add_argument("--workers", default="0", help="runs at a time; 0 for one per core")
+    parser.add_argument("--workers", default="0", help="number of parallel runs; 0 for one per core")
     given = parser.parse_args()
     if unknown := set(given.reports) - set(REPORTS):
         parser.error(f"there is no report {', '.join(sorted(unknown))}; there are {', '.join(REPORTS)}")
@@ -127,8 +127,8 @@ def main() -> None:
     for report in given.reports or usual:
         began = time.monotonic()
         exam, own, caption = REPORTS[report]
-        replace(report, told(sat(exam, f"exam-{report}.png", options + own), f"exam-{report}.png", caption))
-        print(f"{report}: {time.monotonic() - began:.0f} s of wall time with what was recorded before")
+        replace(report, report_lines(evaluate(exam, f"exam-{report}.png", options + own), f"exam-{report}.png", caption))
+        print(f"{report}: {time.monotonic() - began:.0f} s of wall time, using existing recordings")
     print(f"reports: {PAGE}")
 
 

@@ -1,11 +1,11 @@
-"""The bearing in Exudyn, a general multibody code in C++ (Gerstmayr, 2023), as far as its own items reach, beside ours.
+"""The bearing in Exudyn, a general multibody code in C++ (Gerstmayr 2023), compared with the production solver.
 
-Planar rigid bodies; contacts of circles by a power law with linear damping; Coulomb friction, proportional to the slip below a limit.
-Rollers are pinned to the cages by joints, or for explicit schemes, which take no constraint, by stiff springs. Ours runs with the same
-power law and pins; what Exudyn leaves out and ours has is LuGre's bristles and the lands. Johnson's law, defects and free rollers are
-beyond it without functions of Python, and none is called in a step.
+The Exudyn model has planar rigid bodies, contacts of circles by a power law with linear damping, and Coulomb friction that is
+proportional to the slip below a limit. Rollers are pinned to the cages by joints or, for explicit integrators, which do not support
+constraints, by stiff springs. The production solver runs with the same power law and pins; in addition it has LuGre bristles and the
+lands. Johnson's law, defects and free rollers would require Python functions in Exudyn, which would make every step slow.
 
-The load falls by a quarter at the start, and the outer ring's velocity is compared 2 ms later.
+The load is reduced by a quarter at the start, and the velocity of the outer ring is compared 2 ms later.
 """
 
 from __future__ import annotations
@@ -34,36 +34,36 @@ SETTINGS = [
 ]
 CONFIGURATION = load_configuration("healthy", SETTINGS)
 SHARE = 0.75
-"""Share of the load that is left from the start on [-]."""
+"""Load from the start on, as a share of the initial load [-]."""
 DURATION = 2e-3
 """[s]."""
 DRIVEN = 1e6
-"""Inertia of a ring whose rotation is prescribed [kg m^2]: what acts on it changes nothing."""
+"""Inertia of a ring whose rotation is prescribed, so large that torques have no effect [kg m^2]."""
 STICK_SPEED = 0.01
-"""Slip below which friction is proportional to it [m/s]; our Stribeck velocity."""
+"""Slip below which friction is proportional to it, equal to the Stribeck velocity of the production solver [m/s]."""
 PIN_STIFFNESS, PIN_DAMPING = 1e11, 1e4
-"""Springs in place of joints [N/m, N s/m]: fifty times as stiff as a contact, below which the rings would feel them."""
+"""Springs that replace joints [N/m, N s/m]; fifty times as stiff as a contact, since softer ones would affect the rings."""
 JOINED, SPRUNG = "GeneralizedAlpha", "VelocityVerlet"
 """Integrators of Exudyn: an implicit one for joints, an explicit one for springs."""
 RUNS = ((JOINED, 1e-5), (JOINED, 2e-6), (SPRUNG, 5e-7))
-"""Integrators and their steps [s]; the explicit one is off by a tenth at twice its step."""
-YARDSTICK = 2.5e-7
-"""Step of the run that Exudyn's are held against [s]."""
+"""Integrators and their steps [s]; at twice its step, the explicit one has an error of 10 %."""
+EXACT_STEP = 2.5e-7
+"""Step of the Exudyn run with which the others are compared [s]."""
 FINE = 20
-"""Steps of our own yardstick in a default step [-]."""
+"""Number of steps of the exact production run in a default step [-]."""
 
 
 class Found(NamedTuple):
-    """What a run took and where it ended."""
+    """Cost and result of a run."""
 
     seconds: float
     """Processor time [s]."""
     velocity: Floats
-    """Of the outer ring at the end, shape (2,) [m/s]."""
+    """Velocity of the outer ring at the end, shape (2,) [m/s]."""
 
 
 class Assembly:
-    """The bodies and their connectors, at our own start."""
+    """The bodies and their connectors in the initial state of the production solver."""
 
     def __init__(self, joints: bool) -> None:
         sys.exudynFast = True  # type: ignore[attr-defined]  # its build without range checks
@@ -100,7 +100,7 @@ class Assembly:
                     self._contact(roller, marker, radius, hollow)
 
     def _body(self, mass: float, inertia: float, position: Any, velocity: Any, angle: float, rate: float) -> int:
-        """Add a body with its weight; return its number."""
+        """Add a body with its weight; return its index."""
         node = self.items.NodeRigidBody2D(initialCoordinates=[*position, angle], initialVelocities=[*velocity, rate])
         number = self.system.AddNode(node)
         body = self.system.AddObject(self.items.ObjectRigidBody2D(physicsMass=mass, physicsInertia=inertia, nodeNumber=number))
@@ -139,7 +139,7 @@ class Assembly:
         )
 
     def run(self, step: float, method: str) -> Found:
-        """Return what steps of a length [s] take and give."""
+        """Return cost and result with a step [s]."""
         settings = self.exudyn.SimulationSettings()
         settings.timeIntegration.numberOfSteps, settings.timeIntegration.endTime = round(DURATION / step), DURATION
         settings.timeIntegration.newton.useModifiedNewton = True
@@ -155,38 +155,38 @@ class Assembly:
 
 
 def exudyn_run(step: float, method: str) -> Found:
-    """Return a run with a step [s] by one of Exudyn's integrators."""
+    """Return the run of one of Exudyn's integrators with a step [s]."""
     return Assembly(joints=method == JOINED).run(step, method)
 
 
-def our_run(part: int) -> Found:
-    """Return a run of our own at a part of the default step, with the time of the fastest of some: it takes a fraction of a millisecond."""
+def production_run(part: int) -> Found:
+    """Return the run of the production solver at 1 / ``part`` of the default step, with the time of the fastest of several runs."""
     seconds = math.inf
     for _ in range(10):
         payload = build_payload(CONFIGURATION)
         payload = payload._replace(step=payload.step / part)
         state, work, steps = initial_state(CONFIGURATION, payload), workspace(payload), round(DURATION / payload.step)
         state.load[1] = state.target[2] = -SHARE * CONFIGURATION.operating.load
-        room, angles = np.empty((steps, 2)), np.empty(steps)
+        acceleration, angles = np.empty((steps, 2)), np.empty(steps)
         begin = time.process_time()
-        advance(payload, state, work, room, angles)
+        advance(payload, state, work, acceleration, angles)
         seconds = min(seconds, time.process_time() - begin)
     return Found(seconds, state.outer_velocity.copy())
 
 
 def distance(found: Found, other: Found) -> str:
-    """Return how far two velocities are apart, in percent of the other."""
+    """Return the difference of two velocities relative to the second, in percent."""
     return f"{100.0 * np.linalg.norm(found.velocity - other.velocity) / np.linalg.norm(other.velocity):.2f} %"
 
 
 def main() -> None:
-    """Print a table, or how to get one."""
+    """Print a table, or a note if Exudyn is not installed."""
     if importlib.util.find_spec("exudyn") is None:
         print("\nExudyn is not installed: `pip install 'dcrb_ros[bench]'` adds it to the comparison.")
         return
-    ours, exact, limit = our_run(1), our_run(FINE), exudyn_run(YARDSTICK, JOINED)
-    print("\n| smooth raceways, power law | x real time | ours is faster by | from its own limit | from ours |\n|---|---|---|---|---|")
-    print(f"| ours, default step | {DURATION / ours.seconds:.3g} | 1 | {distance(ours, exact)} | |")
+    ours, exact, limit = production_run(1), production_run(FINE), exudyn_run(EXACT_STEP, JOINED)
+    print("\n| smooth raceways, power law | x real time | production is faster by | from own limit | from it |\n|---|---|---|---|---|")
+    print(f"| production, default step | {DURATION / ours.seconds:.3g} | 1 | {distance(ours, exact)} | |")
     for method, step in RUNS:
         found = exudyn_run(step, method)
         factors = f"{DURATION / found.seconds:.3g} | {found.seconds / ours.seconds:.3g}"

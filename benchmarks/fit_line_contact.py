@@ -1,7 +1,7 @@
-"""The rational fit of `dcrb_ros.core.contact.line_contact`: how its coefficients were found. Needs mpmath.
+"""Derivation of the rational fit in `dcrb_ros.core.laws.johnson`. Needs mpmath.
 
--W_-1(-e^l) over l = -40 .. -4 as P(t)/Q(t), t = (l + 22)/18: linearised least squares of the relative error at Chebyshev nodes, each
-turn weighted by the last denominator.
+The fit approximates -W_-1(-e^l) for l = -40 .. -4 by P(t)/Q(t) with t = (l + 22)/18, by linearised least squares of the relative error
+at Chebyshev nodes; in each iteration the equations are weighted by the previous denominator.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ import mpmath
 
 LOW, HIGH = mpmath.mpf(-40), mpmath.mpf(-4)
 ABOVE, BELOW = 8, 7
-"""Degrees of numerator and denominator."""
+"""Degrees of the numerator and the denominator."""
 NODES = 6 * (ABOVE + BELOW + 1)
 TURNS = 12
 
@@ -21,7 +21,7 @@ def wanted(log_ratio: mpmath.mpf) -> mpmath.mpf:
 
 
 def scaled(log_ratio: mpmath.mpf) -> mpmath.mpf:
-    """Return t in -1 .. 1."""
+    """Return t, scaled to -1 .. 1."""
     return (2 * log_ratio - LOW - HIGH) / (HIGH - LOW)
 
 

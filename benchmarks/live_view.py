@@ -1,6 +1,6 @@
-"""Whether a view slows the bench: the simulator at time scale 1, alone and watched by the node `viewer`, in turn.
+"""Influence of a view on the bench: the simulator at time scale 1, alternately without and with the node `viewer`.
 
-The view is written into a file; what a window takes for drawing depends on the graphics of the machine. It should do nothing else.
+The view is written to a file, since the cost of a window depends on the graphics hardware. Run it on an otherwise idle machine.
 """
 
 from __future__ import annotations
@@ -21,15 +21,15 @@ from dcrb_ros.messages.statuses import decode_diagnostics
 from dcrb_ros.messages.topics import BENCH_DIAGNOSTICS, NAMESPACE, VIBRATION
 from dcrb_ros.nodes.bench import node_process
 from dcrb_ros.nodes.publisher import message_class, qos
-from dcrb_ros.nodes.ros import stay_on_this_machine
+from dcrb_ros.nodes.ros import limit_discovery
 
 START = 60.0
-"""Longest wall time that the viewer may take to come up [s]."""
+"""Longest wall time that the viewer may take to start [s]."""
 TICK = os.sysconf("SC_CLK_TCK")
 
 
 class Reports:
-    """What the simulator says of itself, once a second."""
+    """The reports that the simulator publishes once per second."""
 
     def __init__(self, node: Any) -> None:
         self.values: list[dict[str, str]] = []
@@ -39,12 +39,12 @@ class Reports:
         self.values += [dict(status.values) for status in decode_diagnostics(bytes(data))[1] if "late_blocks" in status.values]
 
     def of(self, key: str) -> list[float]:
-        """Return the values of a key that came while the bench ran."""
+        """Return the values of a key while the bench ran."""
         return [float(values[key]) for values in self.values if float(values["blocks"]) > 0.0]
 
 
 def busy(process: subprocess.Popen[bytes]) -> float:
-    """Return the time that a process has had on processors, all its threads together [s]; 0 once it has ended."""
+    """Return the processor time of all threads of a process [s]; 0 after it has ended."""
     try:
         fields = Path(f"/proc/{process.pid}/stat").read_text().rpartition(")")[2].split()
     except OSError:
@@ -52,14 +52,14 @@ def busy(process: subprocess.Popen[bytes]) -> float:
     return (int(fields[11]) + int(fields[12])) / TICK
 
 
-def run(folder: Path, config: Path | None, seconds: float, *, watched: bool) -> str:
+def run(folder: Path, config: Path | None, seconds: float, *, with_viewer: bool) -> str:
     """Run the bench for ``seconds`` [s]; return a row of the table."""
-    node = rclpy.create_node("onlooker", namespace=NAMESPACE)
+    node = rclpy.create_node("observer", namespace=NAMESPACE)
     reports, simulator_busy, viewer_busy = Reports(node), 0.0, 0.0
     arguments = ["--duration", repr(seconds), "--ros-args", "-p", "time_scale:=1.0", *(["--params-file", str(config)] if config else [])]
     with ExitStack() as stack:
         viewer = None
-        if watched:
+        if with_viewer:
             viewer = stack.enter_context(node_process("viewer", ["--save", str(folder / "live.rrd")], dict(os.environ)))
             patience = time.monotonic() + START
             while node.count_subscribers(VIBRATION.resolved(NAMESPACE)) < 1 and time.monotonic() < patience:
@@ -74,7 +74,7 @@ def run(folder: Path, config: Path | None, seconds: float, *, watched: bool) -> 
     (folder / "live.rrd").unlink(missing_ok=True)
     late, lag, factor = reports.of("late_blocks"), reports.of("lag [s]"), reports.of("real_time_factor")
     return (
-        f"| {'watched' if watched else 'alone'} | {late[-1]:.0f} | {1e3 * max(lag):.1f} | {min(factor[1:-1]):.3f} | "
+        f"| {'with viewer' if with_viewer else 'alone'} | {late[-1]:.0f} | {1e3 * max(lag):.1f} | {min(factor[1:-1]):.3f} | "
         f"{simulator_busy:.1f} | {viewer_busy:.1f} |"
     )
 
@@ -83,20 +83,20 @@ def main() -> None:
     """Print a table."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--duration", type=float, default=20.0, help="simulated time of a run [s]")
-    parser.add_argument("--rounds", type=int, default=3, help="runs of either kind")
-    parser.add_argument("--config", type=Path, default=None, help="configuration of the bench, a file")
+    parser.add_argument("--rounds", type=int, default=3, help="number of runs of each kind")
+    parser.add_argument("--config", type=Path, default=None, help="configuration file of the bench")
     options = parser.parse_args()
-    signal.signal(signal.SIGTERM, signal.default_int_handler)  # so that the nodes are ended too
-    stay_on_this_machine()
+    signal.signal(signal.SIGTERM, signal.default_int_handler)  # terminates the nodes too
+    limit_discovery()
     os.environ.setdefault("ROS_DOMAIN_ID", str(1 + os.getpid() % 100))
     rclpy.init(args=[])
-    print("| bench | late blocks | largest lag [ms] | least real-time factor | simulator on processors [s] | viewer on processors [s] |")
+    print("| bench | late blocks | largest lag [ms] | smallest real-time factor | simulator, processor [s] | viewer, processor [s] |")
     print("|---|---|---|---|---|---|")
     try:
         with tempfile.TemporaryDirectory() as folder:
             for _ in range(options.rounds):
-                for watched in (False, True):
-                    print(run(Path(folder), options.config, options.duration, watched=watched), flush=True)
+                for with_viewer in (False, True):
+                    print(run(Path(folder), options.config, options.duration, with_viewer=with_viewer), flush=True)
     finally:
         rclpy.try_shutdown()
 

@@ -1,6 +1,6 @@
-"""What the machine allows: the loop over free rollers against the same in C, and the step against what others would take.
+"""The loop over free rollers compared with the same loop in C.
 
-The C is compiled with -O3 for this very processor. Medians of several rounds in one process.
+The C code is compiled with -O3 for the processor of this machine. Medians of several rounds in one process.
 """
 
 from __future__ import annotations
@@ -38,13 +38,13 @@ TIMES, ROUNDS = 20000, 15
 
 @loop
 def advance_often(payload: Payload, state: State, work: Workspace, times: int) -> None:
-    """Advance the free rollers again and again."""
+    """Advance the free rollers ``times`` times."""
     for _ in range(times):
         advance_free(payload, state, work)
 
 
 def definitions(table: object, fields: str) -> list[str]:
-    """Return the C macros of some fields of a table: their distances from its beginning in doubles."""
+    """Return C macros with the offsets of the fields of a table, in doubles."""
 
     def offset(name: str) -> int:
         dtype, found = np.asarray(table).dtype, 0
@@ -67,7 +67,7 @@ def compiled_c(folder: Path, state: State, work: Workspace) -> ctypes.CDLL:
 
 
 def constants(payload: Payload, state: State, work: Workspace) -> Floats:
-    """Return the constants of the C loop, in its order."""
+    """Return the constants of the C loop in its order."""
     p, h, radius = payload, payload.step, payload.roller_radius
     by_mass, by_inertia = 0.5 * h / p.roller_mass, 0.5 * h * radius * radius / p.roller_inertia
     places = (*state.outer_position, *work.mean_velocity[OUTER, :2], *state.outer_velocity)
@@ -122,9 +122,9 @@ def main() -> None:
         pairs = [(timed(in_numba), timed(in_c)) for _ in range(ROUNDS)]
     numba, c = (1e6 * statistics.median(column) / TIMES for column in zip(*pairs, strict=True))
     ratio = statistics.median(mine / other for mine, other in pairs)
-    print("| loop over free rollers | us per pass | against C |\n|---|---|---|")
-    print(f"| ours | {numba:.3f} | {ratio:.2f} |\n| C, {' '.join(OPTIONS.split()[:2])} | {c:.3f} | 1 |")
-    print(f"\nAfter one pass their velocities differ by {apart:.1e} at most.")
+    print("| loop over free rollers | us per pass | relative to C |\n|---|---|---|")
+    print(f"| numba | {numba:.3f} | {ratio:.2f} |\n| C, {' '.join(OPTIONS.split()[:2])} | {c:.3f} | 1 |")
+    print(f"\nAfter one pass, the velocities differ by at most {apart:.1e} m/s.")
 
 
 if __name__ == "__main__":

@@ -1,6 +1,6 @@
-"""Where the time of a step goes: the time loop once more, with the processor's clock read between its phases.
+"""Cost of the phases of a step: a copy of the time loop that reads the processor's clock between the phases.
 
-The phases overlap on the processor; reading the clock keeps them apart, which makes the step a little longer than it is.
+Reading the clock prevents the phases from overlapping on the processor, so the step takes slightly longer than without it.
 """
 
 from __future__ import annotations
@@ -30,10 +30,10 @@ from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import load_configuration
 
 PHASES = ("geometry", "free rollers", "raceways", "bars and lands", "linear solve", "integration")
-"""Free rollers that are not bound go through all of it in one loop; what follows is for the bound ones, rings and cages. Normal force and
-friction at the raceways are one loop, too: apart, they would go through memory twice."""
+"""Free rollers that are not bound are advanced in a single loop; the following phases treat the bound ones, the rings and the cages.
+Normal force and friction at the raceways share a loop, so that memory is traversed once."""
 SETTLING, DURATION = 0.1, 0.5
-"""Simulated time before and of the measurement [s]."""
+"""Simulated time before the measurement, and of the measurement [s]."""
 BENCHES = ("healthy", "outer_ring_defect", "inner_ring_defect", "cage_fracture")
 JOINTS = ("revolute", "pocket")
 
@@ -87,7 +87,7 @@ def advance_by_phases(payload: Payload, state: State, work: Workspace, steps: in
 
 
 def costs(configuration: Configuration) -> tuple[Floats, float, float]:
-    """Return the cost of the phases, of a step with the clock read between them, and of a step without [us]."""
+    """Return the cost of the phases, of a step with clock readings, and of a step without them [us]."""
     payload = build_payload(configuration)
     state, work = initial_state(configuration, payload), workspace(payload)
     settling, steps = round(SETTLING / payload.step), round(DURATION / payload.step)

@@ -1,4 +1,4 @@
-"""What a process takes, as Linux tells it."""
+"""Memory and processor time of a process, from Linux's /proc."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ from collections import Counter
 from pathlib import Path
 
 TICK = os.sysconf("SC_CLK_TCK")
-"""Ticks of processor time in a second [Hz]."""
+"""Ticks of processor time per second [Hz]."""
 
 
 def resident(pid: int) -> float:
-    """Return the resident memory of a process [MB]; 0 once it has ended."""
+    """Return the resident memory of a process [MB]; 0 after it has ended."""
     try:
         return int(Path(f"/proc/{pid}/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE") / 1e6
     except (OSError, IndexError):
@@ -19,7 +19,7 @@ def resident(pid: int) -> float:
 
 
 def processor_times(pid: int) -> Counter[str]:
-    """Return the processor time of a process's threads by their names [s]; what ended threads took is under ``ended``."""
+    """Return the processor time of a process's threads by name [s]; that of ended threads has the key ``ended``."""
     found: Counter[str] = Counter()
     for task in Path(f"/proc/{pid}/task").iterdir():
         name, seconds = _processor_time(task / "stat")
@@ -29,7 +29,7 @@ def processor_times(pid: int) -> Counter[str]:
 
 
 def _processor_time(stat: Path) -> tuple[str, float]:
-    """Return the name and the processor time [s] that a file ``stat`` tells."""
+    """Return the name and the processor time [s] in a file ``stat``."""
     name, _, rest = stat.read_text().partition("(")[2].rpartition(")")
     user, system = rest.split()[11:13]
     return name, (int(user) + int(system)) / TICK

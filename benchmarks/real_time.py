@@ -1,6 +1,6 @@
-"""How much faster than real time: the kernel alone, the block loop with sensor chain and encoding, and all of it into a recording.
+"""Real-time factor of the kernel, of the block loop with sensor chain and encoding, and of a simulation with recording.
 
-Medians of several runs in one process; run it on a machine that does nothing else.
+Medians of several runs in one process; run it on an otherwise idle machine.
 """
 
 from __future__ import annotations
@@ -16,20 +16,20 @@ from pathlib import Path
 import numpy as np
 
 from dcrb_ros.bearing.payload import build_payload, initial_state
-from dcrb_ros.cli.simulate import AHEAD
+from dcrb_ros.cli.simulate import PREFETCH_DEPTH
 from dcrb_ros.core.layout.workspace import workspace
 from dcrb_ros.core.solver.step import advance
 from dcrb_ros.messages.encoder import BlockEncoder
 from dcrb_ros.recordings.recorder import Recorder
-from dcrb_ros.runtime.prefetch import ahead
+from dcrb_ros.runtime.prefetch import prefetch
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import load_configuration
 from dcrb_ros.simulation.loop import Simulation
 
 WARM_UP = 0.2
-"""Simulated time before every measurement, compiling included [s]."""
-OPENING = 5
-"""How many times as long a run is that ends in a recording, which takes 40 ms to open and close."""
+"""Simulated time before every measurement, during which the kernels are compiled [s]."""
+RECORDING_FACTOR = 5
+"""Factor by which runs with a recording are longer [-]; opening and closing a recording takes 40 ms."""
 BENCHES = {
     "healthy": (),
     "outer_ring_defect": (),
@@ -37,7 +37,7 @@ BENCHES = {
     "cage_fracture": (),
     "healthy, 48 rpm": ("operating.speed=5.0",),
 }
-"""Settings by bench. On a slow shaft idle rollers lean on their bars, and more are bound."""
+"""Settings by bench. On a slow shaft, idle rollers rest on their bars, so more rollers are bound."""
 JOINTS = ("revolute", "pocket")
 
 
@@ -54,9 +54,9 @@ def kernel(configuration: Configuration) -> Callable[[float], None]:
 
 
 def blocks(configuration: Configuration) -> Callable[[float], None]:
-    """Return a function that makes and encodes blocks for a simulated time [s]."""
+    """Return a function that simulates and encodes blocks for a simulated time [s]."""
     simulation = Simulation(configuration)
-    encoder = BlockEncoder(configuration, simulation.layout)
+    encoder = BlockEncoder(configuration, simulation.bodies)
 
     def run(duration: float) -> None:
         for block in simulation.blocks(duration):
@@ -66,19 +66,19 @@ def blocks(configuration: Configuration) -> Callable[[float], None]:
 
 
 def recorded(configuration: Configuration) -> Callable[[float], None]:
-    """Return a function that does what ``dcrb simulate`` does for a simulated time [s]."""
+    """Return a function that simulates and records like ``dcrb simulate`` for a simulated time [s]."""
     simulation = Simulation(configuration)
 
     def run(duration: float) -> None:
-        with tempfile.TemporaryDirectory() as folder, Recorder(Path(folder) / "bag", configuration, simulation.layout) as recorder:
-            for block in ahead(simulation.blocks(duration), most=AHEAD):
+        with tempfile.TemporaryDirectory() as folder, Recorder(Path(folder) / "bag", configuration, simulation.bodies) as recorder:
+            for block in prefetch(simulation.blocks(duration), depth=PREFETCH_DEPTH):
                 recorder.write(block)
 
     return run
 
 
 def factors(run: Callable[[float], None], duration: float, runs: int) -> list[float]:
-    """Return simulated over wall time of each run."""
+    """Return the real-time factor of each run [-]."""
     run(WARM_UP)
     found = []
     for _ in range(runs):
@@ -94,12 +94,13 @@ def main() -> None:
     parser.add_argument("--runs", type=int, default=7)
     parser.add_argument("--duration", type=float, default=1.0, help="simulated time of a run [s]")
     options = parser.parse_args()
-    print("| bench | joint | part | median x real time | least | most | us per step | of the kernel |")
+    print("| bench | joint | part | median x real time | smallest | largest | us per step | of the kernel |")
     print("|---|---|---|---|---|---|---|---|")
     for (name, settings), joint in itertools.product(BENCHES.items(), JOINTS):
         configuration = load_configuration(name.partition(",")[0], [f"cage.joint={joint}", *settings])
         alone = 0.0
-        for part, make, longer in (("kernel", kernel, 1), ("blocks, encoded", blocks, 1), ("simulate, recorded", recorded, OPENING)):
+        parts = (("kernel", kernel, 1), ("blocks, encoded", blocks, 1), ("simulate, recorded", recorded, RECORDING_FACTOR))
+        for part, make, longer in parts:
             found = factors(make(configuration), longer * options.duration, options.runs)
             median = statistics.median(found)
             alone = alone or median

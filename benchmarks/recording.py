@@ -1,6 +1,6 @@
-"""Recordings in numbers: how fast they are written, read, replayed into bundles and made into a Rerun file, and how large they are.
+"""Speed of writing and reading recordings and of converting them to a Rerun file, and their size.
 
-Blocks of one simulated run are written again and again, so the model's speed does not count; run it on a machine that does nothing else.
+The blocks of one simulated run are written repeatedly, so the speed of the model has no influence; run it on an otherwise idle machine.
 """
 
 from __future__ import annotations
@@ -26,11 +26,11 @@ from dcrb_ros.simulation.block import Block
 from dcrb_ros.simulation.loop import Simulation
 
 RAW = 12
-"""Bytes of a sample: ax, ay and shaft angle as single floats."""
+"""Size of a sample, ax, ay and shaft angle as single floats [B]."""
 
 
 def repeated(blocks: list[Block], seconds: float) -> Iterator[Block]:
-    """Yield blocks that follow each other in time, as many as ``seconds`` hold."""
+    """Yield ``seconds`` of consecutive blocks, made by repeating the given ones with shifted times [s]."""
     rate, index = blocks[0].rate, 0
     while index < seconds * rate:
         for block in blocks:
@@ -40,37 +40,37 @@ def repeated(blocks: list[Block], seconds: float) -> Iterator[Block]:
                 index=index,
                 preview_ns=tuple(at + shift for at in block.preview_ns),
                 states=tuple(dataclasses.replace(states, time_ns=states.time_ns + shift) for states in block.states),
-                truths=tuple(dataclasses.replace(truth, time_ns=truth.time_ns + shift, changed="") for truth in block.truths),
+                truths=tuple(dataclasses.replace(truth, time_ns=truth.time_ns + shift, event=None) for truth in block.truths),
             )
             index += len(block.shaft_angle)
 
 
 def timed(work: Callable[[], object]) -> float:
-    """Return the wall time of some work [s]."""
+    """Return the wall time of a call [s]."""
     begin = time.perf_counter()
     work()
     return time.perf_counter() - begin
 
 
 def written(path: Path, configuration: Configuration, simulation: Simulation, blocks: list[list[Message]]) -> None:
-    """Record messages that are encoded already, as the node does."""
-    with Recorder(path, configuration, simulation.layout) as recorder:
+    """Record encoded messages as the node does."""
+    with Recorder(path, configuration, simulation.bodies) as recorder:
         for messages in blocks:
             recorder.write_messages(messages)
 
 
 @dataclasses.dataclass(frozen=True)
 class Cost:
-    """What some work took."""
+    """Cost of a call or command."""
 
     wall: float
     """Wall time [s]."""
     processor: float
-    """Time on processors, all threads together [s]."""
+    """Processor time of all threads [s]."""
 
 
 def converted(bag: Path, file: Path) -> Cost:
-    """Return what the conversion takes in a process in which everything is imported."""
+    """Return the cost of the conversion in a process that has imported everything."""
     from dcrb_ros.viewer.show import view_recording
 
     file.unlink(missing_ok=True)
@@ -80,7 +80,7 @@ def converted(bag: Path, file: Path) -> Cost:
 
 
 def commanded(bag: Path, file: Path) -> Cost:
-    """Return what the whole command takes, the start of Python and all imports with it."""
+    """Return the cost of the whole command, including the start of Python and all imports."""
     file.unlink(missing_ok=True)
     command = [sys.executable, "-c", "from dcrb_ros.cli.app import main; main()", "view", str(bag), "--save", str(file)]
     before = os.times()
@@ -90,12 +90,12 @@ def commanded(bag: Path, file: Path) -> Cost:
 
 
 def print_view(folder: Path, simulation: Simulation, blocks: list[Block], seconds: float, runs: int) -> None:
-    """Print how fast ``seconds`` [s] of recording become a Rerun file: the median of ``runs``, and their extremes."""
+    """Print the cost of converting ``seconds`` [s] of a recording to a Rerun file: median and extremes of ``runs``."""
     bag, file = folder / "view", folder / "view.rrd"
     configuration = load_configuration("outer_ring_defect")
-    encoder = BlockEncoder(configuration, simulation.layout)
+    encoder = BlockEncoder(configuration, simulation.bodies)
     written(bag, configuration, simulation, [encoder.encode(block) for block in repeated(blocks, seconds)])
-    converted(bag, file)  # imports, once
+    converted(bag, file)  # import everything
     print(
         f"\n| `dcrb view --save` of {seconds:g} s, median of {runs} | x real time | slowest, fastest | wall time [s] | processor time [s] |"
     )
@@ -106,15 +106,15 @@ def print_view(folder: Path, simulation: Simulation, blocks: list[Block], second
         wall, processor = statistics.median(walls), statistics.median(cost.processor for cost in costs)
         extremes = f"{seconds / walls[-1]:.1f}, {seconds / walls[0]:.1f}"
         print(f"| {name} | {seconds / wall:.1f} | {extremes} | {wall:.2f} | {processor:.2f} |", flush=True)
-    print(f"\n{file.stat().st_size / seconds / 1e6:.2f} MB a second")
+    print(f"\n{file.stat().st_size / seconds / 1e6:.2f} MB per recorded second")
 
 
 def main() -> None:
     """Print tables."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--duration", type=float, default=30.0, help="recorded time [s]")
-    parser.add_argument("--view", type=float, default=30.0, help="recorded time that is made into a Rerun file [s]; 0 for none")
-    parser.add_argument("--runs", type=int, default=7, help="times that it is made")
+    parser.add_argument("--view", type=float, default=30.0, help="recorded time converted to a Rerun file [s]; 0 for none")
+    parser.add_argument("--runs", type=int, default=7, help="number of conversions")
     options = parser.parse_args()
     simulation = Simulation(load_configuration("outer_ring_defect"))
     blocks = list(simulation.blocks(1.0))
@@ -132,7 +132,7 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as folder:
         for compression in ("zstd", "lz4", "none"):
             configuration = load_configuration("outer_ring_defect", [f"recording.compression={compression}"])
-            encoder = BlockEncoder(configuration, simulation.layout)
+            encoder = BlockEncoder(configuration, simulation.bodies)
             encoded = [encoder.encode(block) for block in repeated(blocks, options.duration)]
             data = sum(len(message.data) for messages in encoded for message in messages)
             path = Path(folder) / compression

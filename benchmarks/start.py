@@ -1,6 +1,6 @@
-"""How long the first block takes, cold and warm, and what the node costs: flat out, and at real time with a recording.
+"""Time to the first block with and without cached kernels, and cost of the node at full speed and in real time with a recording.
 
-Every figure comes from a process of its own.
+Every figure is measured in a process of its own.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ FIRST_BLOCK += "next(Simulation(load('healthy', ['cage.joint={}'])).blocks())"
 
 
 class Cost(NamedTuple):
-    """What a process took."""
+    """Cost of a process."""
 
     wall: float
     """[s]."""
@@ -28,41 +28,41 @@ class Cost(NamedTuple):
     """[s]."""
     memory: float
     """Largest resident memory [MB]."""
-    words: str
-    """What it printed."""
+    output: str
+    """Its printed output."""
 
 
 def cost(command: list[str], **changes: str) -> Cost:
-    """Run a command and return what it took."""
+    """Run a command and return its cost."""
     begin, environment = time.perf_counter(), {**os.environ, "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST", "ROS_DOMAIN_ID": "77", **changes}
     with tempfile.TemporaryFile() as output:
         process = subprocess.Popen(command, env=environment, stdout=output, stderr=subprocess.STDOUT)
         _, status, usage = os.wait4(process.pid, 0)
         output.seek(0)
-        words = output.read().decode(errors="replace")
+        text = output.read().decode(errors="replace")
     if status != 0:
-        raise RuntimeError(f"{' '.join(command)} ended with {status}: {words}")
-    return Cost(time.perf_counter() - begin, usage.ru_utime + usage.ru_stime, usage.ru_maxrss * 1024 / 1e6, words)
+        raise RuntimeError(f"{' '.join(command)} ended with status {status}: {text}")
+    return Cost(time.perf_counter() - begin, usage.ru_utime + usage.ru_stime, usage.ru_maxrss * 1024 / 1e6, text)
 
 
 def node(duration: float, *settings: str) -> Cost:
-    """Return what the simulator node takes for a simulated time [s]."""
+    """Return the cost of the simulator node for a simulated time [s]."""
     parameters = [word for setting in settings for word in ("-p", setting)]
-    module = [sys.executable, "-m", "dcrb_ros.nodes.simulator", "--duration", str(duration), "--ros-args", *parameters]
+    module = [sys.executable, "-m", "dcrb_ros.nodes", "simulator", "--duration", str(duration), "--ros-args", *parameters]
     return cost(module)
 
 
-def first_block(words: str) -> float:
-    """Return the time to the first block that a node's log tells [s]."""
-    return float(re.findall(r"first block (\d+\.\d+) s", words)[0])
+def first_block(output: str) -> float:
+    """Return the time to the first block in a node's log [s]."""
+    return float(re.findall(r"first block (\d+\.\d+) s", output)[0])
 
 
 def main() -> None:
     """Print a table."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--duration", type=float, default=30.0, help="simulated time of the node at real time [s]")
+    parser.add_argument("--duration", type=float, default=30.0, help="simulated time of the node in real time [s]")
     duration = parser.parse_args().duration
-    print("| what | wall [s] | processor [s] | memory [MB] | |\n|---|---|---|---|---|")
+    print("| process | wall [s] | processor [s] | memory [MB] | |\n|---|---|---|---|---|")
     for joint in ("pocket", "revolute"):
         command = [sys.executable, "-c", FIRST_BLOCK.format(joint)]
         with tempfile.TemporaryDirectory() as folder:
@@ -72,14 +72,14 @@ def main() -> None:
     node(1.0, "time_scale:=0.0")
     short, long = node(5.0, "time_scale:=0.0"), node(35.0, "time_scale:=0.0")
     factor = 30.0 / (long.wall - short.wall)
-    about = f"first block after {first_block(long.words):.2f} s, then {factor:.2f} x real time"
-    print(f"| node flat out, 35 s | {long.wall:.1f} | {long.processor:.1f} | {long.memory:.0f} | {about} |", flush=True)
+    about = f"first block after {first_block(long.output):.2f} s, then {factor:.2f} x real time"
+    print(f"| node at full speed, 35 s | {long.wall:.1f} | {long.processor:.1f} | {long.memory:.0f} | {about} |", flush=True)
     with tempfile.TemporaryDirectory() as folder:
-        brief = node(1.0)
+        short = node(1.0)
         found = node(duration, f"recording.path:={Path(folder) / 'bag'}")
-    share = (found.processor - brief.processor) / (duration - 1.0)
+    share = (found.processor - short.processor) / (duration - 1.0)
     about = f"{100.0 * share:.0f} % of a core"
-    print(f"| node at real time, recording | {found.wall:.1f} | {found.processor:.1f} | {found.memory:.0f} | {about} |", flush=True)
+    print(f"| node in real time, recording | {found.wall:.1f} | {found.processor:.1f} | {found.memory:.0f} | {about} |", flush=True)
 
 
 if __name__ == "__main__":

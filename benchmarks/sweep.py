@@ -1,6 +1,6 @@
-"""What a sweep costs beside the model: simulated time per core second against the kernel, busy cores, time between two runs, a long plan.
+"""Overhead of a sweep: simulated time per core second relative to the kernel, busy cores, time between runs, and a long plan.
 
-The kernel runs in as many processes at once as there are workers, before and after; processor time is compared with processor time.
+The kernel is measured before and after in as many parallel processes as there are workers; processor times are compared.
 """
 
 from __future__ import annotations
@@ -24,9 +24,9 @@ from real_time import kernel
 from dcrb_ros.runtime.processes import in_processes
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.sweep.data_set import DataSet
-from dcrb_ros.sweep.dispatch import workers_here
+from dcrb_ros.sweep.dispatch import local_workers
+from dcrb_ros.sweep.loader import sweep_of
 from dcrb_ros.sweep.plan import Plan
-from dcrb_ros.sweep.reading import sweep_of
 from dcrb_ros.sweep.store import Store
 
 
@@ -48,7 +48,7 @@ def kernel_factor(joint: str, duration: float) -> float:
 
 
 def kernels(joint: str, duration: float, workers: int) -> Iterator[float]:
-    """Yield the factor of each of some kernels that run at once."""
+    """Yield the factor of each of ``workers`` kernels that run in parallel [-]."""
     for _, factor in in_processes({k: partial(kernel_factor, joint, duration) for k in range(workers)}, workers):
         yield factor
 
@@ -60,7 +60,7 @@ def processor_time(client: Client) -> float:
 
 
 def between(tasks: list[dict[str, Any]]) -> tuple[float, float]:
-    """Return the time of workers between two tasks, as a share of all from the first to the last, and the median of it [s]."""
+    """Return the idle time of the workers between tasks as a share of the whole time [-], and its median per gap [s]."""
     gaps, whole = [], 0.0
     for worker in {task["worker"] for task in tasks}:
         spans = sorted((part["start"], part["stop"]) for task in tasks if task["worker"] == worker for part in task["startstops"])
@@ -73,7 +73,7 @@ def measured(joint: str, runs: int, duration: float) -> str:
     """Return a row of the table."""
     workers = os.cpu_count() or 1
     before = list(kernels(joint, 3.0, workers))
-    with tempfile.TemporaryDirectory() as folder, workers_here(workers, "auto") as client:
+    with tempfile.TemporaryDirectory() as folder, local_workers(workers, "auto") as client:
         DataSet(plan(joint, 2 * workers, 0.1), Store(f"{folder}/warm")).make(client, lambda _: None)
         data_set = DataSet(plan(joint, runs, duration), Store(f"{folder}/set"))
         others = psutil.cpu_times()
@@ -93,7 +93,7 @@ def measured(joint: str, runs: int, duration: float) -> str:
 
 
 def long_plan(runs: int) -> None:
-    """Print how long a long plan takes to its first task and to its last, and the memory that it takes."""
+    """Print the time to the first and to the last task of a long plan, and its memory."""
     tracemalloc.start()
     begin = time.perf_counter()
     long = plan("revolute", runs, 10.0)
@@ -104,8 +104,8 @@ def long_plan(runs: int) -> None:
     last, peak = time.perf_counter() - begin, tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
     print(
-        f"\nA plan of {runs} runs: first task after {first:.2f} s, all {count} tasks after {last:.2f} s, {after_first / 1e6:.1f} MB at the "
-        f"first and {peak / 1e6:.1f} MB at most (traced, which slows it)."
+        f"\nA plan of {runs} runs: first task after {first:.2f} s, all {count} tasks after {last:.2f} s, {after_first / 1e6:.1f} MB after "
+        f"the first and at most {peak / 1e6:.1f} MB (times include the tracing of memory)."
     )
 
 
@@ -116,9 +116,8 @@ def main() -> None:
     parser.add_argument("--duration", type=float, default=10.0, help="simulated time of a run [s]")
     parser.add_argument("--joints", nargs="+", default=["revolute", "pocket"])
     options = parser.parse_args()
-    print(f"Load of the machine before: {os.getloadavg()[0]:.1f}\n")
-    head = "joint", "runs", "kernel, x real time", "sweep, per core second", "ratio", "all workers", "busy", "others", "between runs", "gap"
-    print(f"| {' | '.join(head)} |")
+    print(f"Load average before: {os.getloadavg()[0]:.1f}\n")
+    print("| joint | runs | kernel, x real time | sweep, per core second | ratio | all workers | busy | others | between runs | gap |")
     print("|---|---|---|---|---|---|---|---|---|---|")
     for joint in options.joints:
         print(measured(joint, options.runs, options.duration), flush=True)

@@ -1,3 +1,108 @@
-"""A simulated double-row cylindrical roller bearing for condition monitoring, as a ROS 2 package."""
+"""A simulated double-row cylindrical roller bearing for condition monitoring, as a ROS 2 package.
+
+Every name of `__all__` is imported on first use, so that ``import dcrb_ros`` takes no time and needs neither numba nor ROS.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from dcrb_ros.bearing.frequencies import characteristic_frequencies
+    from dcrb_ros.bearing.history import StateHistory
+    from dcrb_ros.bearing.kinematics import Orders
+    from dcrb_ros.bearing.waveform import Waveform
+    from dcrb_ros.diagnosis.detection import DetectionResult, detect
+    from dcrb_ros.diagnosis.detector import FaultDetector
+    from dcrb_ros.diagnosis.diagnosis import Diagnosis
+    from dcrb_ros.diagnosis.envelope_spectrum import EnvelopeSpectrum, envelope_spectrum
+    from dcrb_ros.diagnosis.parameters import DetectorParameters
+    from dcrb_ros.exam.in_process import score
+    from dcrb_ros.plots.envelope_spectrum import plot_envelope_spectrum
+    from dcrb_ros.plots.load_zone import plot_load_zone
+    from dcrb_ros.plots.waveform import plot_waveform
+    from dcrb_ros.recordings.reader import Recording
+    from dcrb_ros.runtime.refusal import Refusal
+    from dcrb_ros.settings.configuration import Configuration
+    from dcrb_ros.settings.files import load_configuration
+    from dcrb_ros.settings.parameters import Bearing
+    from dcrb_ros.simulation.block import Block
+    from dcrb_ros.simulation.ground_truth import GroundTruth
+    from dcrb_ros.simulation.loop import Simulation
+    from dcrb_ros.simulation.run import Run, simulate
 
 __version__ = "0.1.0"
+
+__all__ = [
+    "Bearing",
+    "Block",
+    "Configuration",
+    "DetectionResult",
+    "DetectorParameters",
+    "Diagnosis",
+    "EnvelopeSpectrum",
+    "FaultDetector",
+    "GroundTruth",
+    "Orders",
+    "Recording",
+    "Refusal",
+    "Run",
+    "Simulation",
+    "StateHistory",
+    "Waveform",
+    "__version__",
+    "characteristic_frequencies",
+    "detect",
+    "envelope_spectrum",
+    "load_configuration",
+    "plot_envelope_spectrum",
+    "plot_load_zone",
+    "plot_waveform",
+    "score",
+    "simulate",
+]
+
+_MODULES = {
+    "Bearing": "settings.parameters",
+    "Block": "simulation.block",
+    "Configuration": "settings.configuration",
+    "DetectionResult": "diagnosis.detection",
+    "DetectorParameters": "diagnosis.parameters",
+    "Diagnosis": "diagnosis.diagnosis",
+    "EnvelopeSpectrum": "diagnosis.envelope_spectrum",
+    "FaultDetector": "diagnosis.detector",
+    "GroundTruth": "simulation.ground_truth",
+    "Orders": "bearing.kinematics",
+    "Recording": "recordings.reader",
+    "Refusal": "runtime.refusal",
+    "Run": "simulation.run",
+    "Simulation": "simulation.loop",
+    "StateHistory": "bearing.history",
+    "Waveform": "bearing.waveform",
+    "characteristic_frequencies": "bearing.frequencies",
+    "detect": "diagnosis.detection",
+    "envelope_spectrum": "diagnosis.envelope_spectrum",
+    "load_configuration": "settings.files",
+    "plot_envelope_spectrum": "plots.envelope_spectrum",
+    "plot_load_zone": "plots.load_zone",
+    "plot_waveform": "plots.waveform",
+    "score": "exam.in_process",
+    "simulate": "simulation.run",
+}
+"""The module of each public name, below this package."""
+
+
+if not TYPE_CHECKING:  # a type checker would take every misspelt name for one that this function knows
+
+    def __getattr__(name: str) -> Any:
+        """Import a public name on its first use (PEP 562)."""
+        if name not in _MODULES:
+            raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+        value = getattr(import_module(f"{__name__}.{_MODULES[name]}"), name)
+        globals()[name] = value
+        return value
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

@@ -1,19 +1,78 @@
-"""What the site takes from the code when it is built."""
+"""Reference pages that are generated from the code, and tables that fit a narrow screen, when the site is built."""
 
 from __future__ import annotations
 
+import html
+import inspect
 import re
-from pathlib import Path
+from collections.abc import Iterator
 from typing import Any
 
+import typer
+
+from dcrb_ros.cli.app import app
+from dcrb_ros.diagnosis.parameters import DetectorParameters
+from dcrb_ros.messages.topics import topic_table
+from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import parameter_table
 
-EXAMPLE = re.compile("<!-- example: (.*) -->")
-EXAMPLES = Path(__file__).parents[1] / "examples"
-PARAMETERS = "<!-- parameter table -->"
+PARAMETERS = "<!-- parameters -->"
+DETECTOR_PARAMETERS = "<!-- detector parameters -->"
+COMMANDS = "<!-- commands -->"
+TOPICS = "<!-- topics -->"
+TABLE = re.compile("<table>.*?</table>", re.DOTALL)
+CODE = re.compile("<code>[^<]*</code>")
 
 
 def on_page_markdown(markdown: str, **_: Any) -> str:
-    """Put the parameter table and the examples in the places kept for them."""
-    markdown = EXAMPLE.sub(lambda found: f"```python\n{(EXAMPLES / found[1]).read_text()}```", markdown)
-    return markdown.replace(PARAMETERS, parameter_table()) if PARAMETERS in markdown else markdown
+    """Replace the markers of a page by what is generated for them."""
+    if PARAMETERS in markdown:
+        markdown = markdown.replace(PARAMETERS, parameter_table(Configuration))
+    if DETECTOR_PARAMETERS in markdown:
+        markdown = markdown.replace(DETECTOR_PARAMETERS, parameter_table(DetectorParameters))
+    if TOPICS in markdown:
+        markdown = markdown.replace(TOPICS, topic_table())
+    if COMMANDS in markdown:
+        markdown = markdown.replace(COMMANDS, command_reference())
+    return markdown
+
+
+def on_page_content(content: str, **_: Any) -> str:
+    """Let long names in tables break after a dot, an underscore or a slash."""
+
+    def broken(code: re.Match[str]) -> str:
+        return re.sub(r"(?<=\w)([._/])(?=\w)", r"\1<wbr>", code[0])
+
+    return TABLE.sub(lambda table: CODE.sub(broken, table[0]), content)
+
+
+def command_reference() -> str:
+    """Return the commands of `dcrb` as Markdown: usage, description, and a table of arguments and options."""
+    return "\n".join(_described(typer.main.get_command(app), "dcrb"))
+
+
+def _described(command: Any, name: str) -> Iterator[str]:
+    """Yield the description of a command and of those below it."""
+    if below := getattr(command, "commands", {}):
+        for part, subcommand in below.items():
+            yield from _described(subcommand, f"{name} {part}")
+        return
+    parameters = [parameter for parameter in command.params if parameter.name != "help"]
+    names = {p: [p.metavar or p.name.upper()] if p.param_type_name == "argument" else p.opts for p in parameters}
+    usage = [name]
+    usage += [names[p][0] if p.required else f"[{names[p][0]}]" for p in parameters if p.param_type_name == "argument"]
+    usage += ["[OPTIONS]"] if any(p.param_type_name == "option" for p in parameters) else []
+    yield from (f"## {name}", "", inspect.cleandoc(command.help or ""), "", f"```sh\n{' '.join(usage)}\n```", "")
+    if parameters:
+        yield from ("| argument or option | default | meaning |", "|---|---|---|")
+    for parameter in parameters:
+        label = ", ".join(f'<code class="option">{html.escape(part)}</code>' for part in names[parameter])
+        default = "required" if parameter.required else _shown(parameter.default)
+        meaning = html.escape(parameter.help or "")
+        yield "| " + " | ".join(cell.replace("|", "&#124;") for cell in (label, default, meaning)) + " |"
+    yield ""
+
+
+def _shown(default: Any) -> str:
+    """Return a default as a user would type it; nothing for a flag and for what may be left out."""
+    return "" if default is None or isinstance(default, bool) or default == "" else f"`{default}`"

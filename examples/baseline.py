@@ -14,15 +14,15 @@ from sklearn.metrics import balanced_accuracy_score, confusion_matrix
 
 
 def features(folder: Path, row: pd.Series) -> list[float]:
-    """Return level, kurtosis and the lines of the envelope spectrum, as logarithms over their background."""
+    """Return level, kurtosis and the envelope lines relative to their background, as logarithms."""
     acceleration, angle = waveform(folder, row["file"])
     found: list[float] = []
     turns = np.unwrap(angle) / (2.0 * np.pi)
     for axis in acceleration:
-        sound = signal.sosfiltfilt(signal.butter(4, 2000.0, "highpass", fs=row["sampling_rate"], output="sos"), axis)
-        envelope = np.abs(signal.hilbert(sound))
+        filtered = signal.sosfiltfilt(signal.butter(4, 2000.0, "highpass", fs=row["sampling_rate"], output="sos"), axis)
+        envelope = np.abs(signal.hilbert(filtered))
         found += [np.log(np.std(axis)), np.log(np.mean((axis - axis.mean()) ** 4) / np.var(axis) ** 2)]
-        # Resampled over the angle of the shaft, the lines stand at the same orders at any speed.
+        # Order tracking: resampled over the shaft angle, the lines are at the same orders at any speed.
         even = np.interp(np.linspace(turns[0], turns[-1], len(turns)), turns, envelope)
         spectrum = np.abs(np.fft.rfft((even - even.mean()) * np.hanning(len(even))))
         order, shaft = np.arange(len(spectrum)) / (turns[-1] - turns[0]), abs(row["speed"]) / (2.0 * np.pi)
@@ -35,7 +35,7 @@ def features(folder: Path, row: pd.Series) -> list[float]:
 
 
 def main(folder: Path) -> float:
-    """Train on train, print how test comes out, and return the balanced accuracy [-]."""
+    """Train on the split train, print the confusion matrix of the split test, and return its balanced accuracy [-]."""
     tables = {split: labels(folder, split) for split in ("train", "test")}
     x = {split: np.array([features(folder, row) for _, row in table.iterrows()]) for split, table in tables.items()}
     forest = RandomForestClassifier(300, random_state=1).fit(x["train"], tables["train"]["fault"])

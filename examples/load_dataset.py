@@ -1,4 +1,4 @@
-"""A data set of `dcrb sweep` as arrays, with numpy and pandas alone: python examples/load_dataset.py DIR."""
+"""A data set of `dcrb sweep` as arrays, using numpy and pandas only: python examples/load_dataset.py DIR."""
 
 from __future__ import annotations
 
@@ -20,19 +20,19 @@ def labels(folder: Path, split: str) -> pd.DataFrame:
 
 def waveform(folder: Path, file: str) -> tuple[np.ndarray, np.ndarray]:
     """Return acceleration in X and Y, shape (2, samples) [m/s^2], and the angle of the inner ring, shape (samples,) [rad]."""
-    held = pd.read_parquet(folder / file) if file.endswith(".parquet") else np.load(folder / file)
-    return np.stack([held["ax"], held["ay"]]), np.asarray(held["shaft_angle"])
+    columns = pd.read_parquet(folder / file) if file.endswith(".parquet") else np.load(folder / file)
+    return np.stack([columns["ax"], columns["ay"]]), np.asarray(columns["shaft_angle"])
 
 
 def windows(folder: Path, split: str, length: int = 4096, hop: int = 2048) -> Iterator[tuple[np.ndarray, int]]:
-    """Yield windows of shape (2, length) with the number of their class in `CLASSES`; no more than one run is held in memory."""
+    """Yield windows of shape (2, length) with the index of their class in `CLASSES`; one run at a time is kept in memory."""
     for row in labels(folder, split).itertuples():
         acceleration, _ = waveform(folder, row.file)
         for begin in range(0, acceleration.shape[1] - length + 1, hop):
             yield acceleration[:, begin : begin + length], CLASSES.index(row.fault)
 
 
-try:  # PyTorch, where it is installed
+try:  # PyTorch, if it is installed
     from torch.utils.data import IterableDataset
 
     class Windows(IterableDataset):
@@ -48,8 +48,8 @@ except ImportError:
 
 
 if __name__ == "__main__":
-    place = Path(sys.argv[1])
+    folder = Path(sys.argv[1])
     for name in ("train", "validation", "test"):
-        found = list(windows(place, name))
+        found = list(windows(folder, name))
         counts = np.bincount([number for _, number in found], minlength=len(CLASSES))
         print(f"{name}: {len(found)} windows; {', '.join(f'{count} {CLASSES[k]}' for k, count in enumerate(counts) if count)}")

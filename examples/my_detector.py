@@ -1,4 +1,4 @@
-"""A fault detector of your own in thirty lines: dcrb score smoke --node "python3 examples/my_detector.py"."""
+"""A simple fault detector as a ROS 2 node: dcrb score smoke --node "python3 examples/my_detector.py"."""
 
 import json
 from contextlib import suppress
@@ -13,7 +13,7 @@ from sensor_msgs.msg import PointCloud2
 from std_msgs.msg import String
 
 SAMPLE = np.dtype([("t", "<u4"), ("ax", "<f4"), ("ay", "<f4"), ("shaft_angle", "<f4")])
-about, blocks, healthy = {}, [], []  # the sensor's description, the window, and the lines of the first two windows
+about, blocks, healthy = {}, [], []  # sensor description, blocks of the current window, lines of the first two windows
 
 
 def on_block(message: PointCloud2) -> None:
@@ -24,20 +24,20 @@ def on_block(message: PointCloud2) -> None:
     blocks.clear()
     band = butter(4, 2000.0, "highpass", fs=about["sampling_rate"], output="sos")
     envelope, angle = sosfilt(band, samples["ay"]) ** 2, np.unwrap(samples["shaft_angle"].astype(float))
-    # A line of the envelope's spectrum over the shaft's angle: no resampling, and a changing speed smears nothing.
+    # Amplitudes of two lines of the squared envelope spectrum over the shaft angle, which a changing speed does not smear.
     lines = [abs(np.mean(envelope * np.exp(-1j * about["orders"][name] * angle))) for name in ("BPFO", "BPFI")]
     healthy.extend([lines] if len(healthy) < 2 else [])
     rise = np.array(lines) / np.max(healthy, axis=0)
     verdict = ("outer_ring", "inner_ring")[np.argmax(lines * (rise > 4.0))] if rise.max() > 4.0 else "healthy"
-    tell(message.header.stamp, verdict, float(rise.max()))
+    publish(message.header.stamp, verdict, float(rise.max()))
 
 
-def tell(stamp, verdict: str, score: float) -> None:
+def publish(stamp, verdict: str, score: float) -> None:
     values = [KeyValue(key="verdict", value=verdict), KeyValue(key="score", value=str(score))]
     level = DiagnosticStatus.OK if verdict == "healthy" else DiagnosticStatus.ERROR
     status = DiagnosticStatus(level=level, name="my_detector", message=verdict, values=values)
     diagnosis = DiagnosticArray(status=[status])
-    diagnosis.header.stamp = stamp  # the simulated time judged, never the wall clock
+    diagnosis.header.stamp = stamp  # simulated time of the samples, not the wall clock
     publisher.publish(diagnosis)
 
 

@@ -1,4 +1,4 @@
-"""A deliberately bad detector, which the exam fails: it alarms on any line at BPFO, and a healthy bearing has one, too."""
+"""A deliberately bad detector that fails the exam: it alarms on any line at BPFO, but a healthy bearing also has one."""
 
 import json
 from contextlib import suppress
@@ -23,7 +23,7 @@ def on_block(message: PointCloud2) -> None:
     blocks.clear()
     envelope, angle = np.abs(samples["ay"] - samples["ay"].mean()), np.unwrap(samples["shaft_angle"].astype(float))
     order = about["orders"]["BPFO"]
-    # The line at BPFO and its neighbourhood, by which it is compared: the mistake is not here, but in what follows from it.
+    # The line at BPFO and its neighbourhood, with which it is compared. The mistake is the conclusion drawn from it.
     lines = [abs(np.mean(envelope * np.exp(-1j * (order + shift) * angle))) for shift in np.linspace(-1.0, 1.0, 21)]
     level = 20.0 * np.log10(max(lines[8:13]) / np.median(lines))
     verdict = "outer_ring" if level > 6.0 else "healthy"

@@ -1,4 +1,4 @@
-"""Blocks of the waveform as numpy arrays: python examples/subscriber.py, beside a running bench."""
+"""Blocks of the waveform as numpy arrays: python examples/subscriber.py, while a bench runs."""
 
 import signal
 import threading
@@ -20,7 +20,7 @@ def on_block(message: PointCloud2) -> None:
 
 stopped = threading.Event()
 for number in (signal.SIGINT, signal.SIGTERM):
-    signal.signal(number, lambda *_: stopped.set())  # rclpy's own handlers may end the context amid a spin, with a traceback
+    signal.signal(number, lambda *_: stopped.set())  # rclpy's own handlers may shut down the context during a spin
 rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
 node = rclpy.create_node("subscriber", namespace="dcrb")
 node.create_subscription(PointCloud2, "outer_ring/vibration", on_block, QoSProfile(depth=200))

@@ -1,1 +1,1 @@
-"""One bearing: from a configuration to the constants and the start of the time loop, and from its state to what is observed."""
+"""One bearing: constants and initial state of the kernels from a configuration, and published states from the kernels' state."""

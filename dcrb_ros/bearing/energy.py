@@ -1,4 +1,4 @@
-"""The energy account: what came in, what was lost, what is stored; what does not add up is a diagnostic of the integration."""
+"""The energy account: work done, energy dissipated and stored; its residual measures the error of the integration."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def energy_of_force(payload: Payload, force: Floats, site: Site) -> Floats:
 
 
 def energy_of_bars(payload: Payload, state: State) -> float:
-    """Return the energy of the contacts of free rollers with their bars, where they stand [J]."""
+    """Return the elastic energy of the contacts of free rollers with their bars at the present positions [J]."""
     if not payload.any_free:
         return 0.0
     cosine, sine = np.cos(state.cage_position[:, 2, None]), np.sin(state.cage_position[:, 2, None])
@@ -35,14 +35,14 @@ def energy_of_bars(payload: Payload, state: State) -> float:
 
 
 def energy_of_lands(payload: Payload, state: State) -> float:
-    """Return the energy of the contacts of the cages with their lands, where they stand [J]."""
+    """Return the elastic energy of the contacts of the cages with their lands at the present positions [J]."""
     offset = np.linalg.norm(state.cage_position[:, :2] - state.outer_position, axis=-1)
     depth = np.maximum(offset - payload.land_clearance, 0.0)
     return float((payload.land_coefficient * depth ** (payload.land_exponent + 1.0)).sum()) / (payload.land_exponent + 1.0)
 
 
 def elastic_energy(payload: Payload, state: State) -> float:
-    """Return the energy of the housing and of all contacts, but for bars and lands as the last step's forces tell it [J]."""
+    """Return the elastic energy of the housing and of all contacts [J]; of raceways and roller pairs at the forces of the last step."""
     energy = 0.5 * payload.housing_stiffness * float(state.outer_position @ state.outer_position)
     pair_force = state.of_rollers(state.rollers[0].pair.force)
     for force, site in ((state.inner_force, payload.inner), (state.outer_force, payload.outer), (pair_force, payload.pair)):
@@ -51,18 +51,18 @@ def elastic_energy(payload: Payload, state: State) -> float:
 
 
 def potential_of_weight(payload: Payload, state: State) -> float:
-    """Return the energy of position of all weights [J]."""
+    """Return the potential energy of all weights [J]."""
     free = payload.free
     moment = payload.outer_ring_mass * state.outer_position[1] + payload.inner_ring_mass * state.inner_position[1]
     moment += float(payload.train_mass @ state.cage_position[:, 1]) + payload.roller_mass * float(state.roller_position[free, 1].sum())
     cosine, sine = np.cos(state.cage_position[:, 2]), np.sin(state.cage_position[:, 2])
-    # The pinned rollers' centre of mass lies a quarter turn behind the sum of their tangents.
+    # The centre of mass of the pinned rollers is a quarter turn behind the sum of their tangents.
     moment += float((-cosine * payload.train_moment[:, 0] + sine * payload.train_moment[:, 1]).sum())
     return payload.gravity * float(moment)
 
 
 def kinetic_energy(payload: Payload, state: State) -> float:
-    """Return the energy of motion of all bodies but the driven rotation of the inner ring [J]."""
+    """Return the kinetic energy of all bodies except that of the driven rotation of the inner ring [J]."""
     rings = payload.outer_ring_mass * state.outer_velocity @ state.outer_velocity
     rings += payload.inner_ring_mass * state.inner_velocity @ state.inner_velocity
     linear, turning = state.cage_velocity[:, :2], state.cage_velocity[:, 2]
@@ -76,7 +76,7 @@ def kinetic_energy(payload: Payload, state: State) -> float:
 
 
 def stored_energy(payload: Payload, state: State) -> float:
-    """Return all energy that is stored [J]."""
+    """Return the sum of kinetic, elastic and potential energy [J]."""
     return kinetic_energy(payload, state) + elastic_energy(payload, state) + potential_of_weight(payload, state)
 
 

@@ -1,4 +1,4 @@
-"""Static equilibrium of the bearing under its load, without friction: where every run starts."""
+"""Static equilibrium of the bearing under its load, without friction: the initial positions of every run."""
 
 from __future__ import annotations
 
@@ -17,24 +17,24 @@ from dcrb_ros.core.payload import SINK, Payload
 from dcrb_ros.runtime.arrays import Floats
 
 START_PENETRATION = 2e-5
-"""Penetration of the lowest roller that the search starts from [m]."""
+"""Penetration of the lowest roller at the start of the search [m]."""
 
 MICROMETRE = 1e-6
 TURN = 1e-7
-"""By how much a direction is turned to find the slope of a notch [rad]."""
-MOST_POLISHING = 100
-"""Steps of the last search; it needs three to ten, or swings on in the last bits for ever."""
-ALIKE = 1e-9
-"""Rollers of rows that are built alike and lie within this of each other lie alike [m]; over a notch in one row they do not."""
-LIGHTEST = 1e-3
-"""Force with which a free roller rests on the outer raceway at least, so that its place is defined [N]."""
-GRAIN = 2.0**-43
-"""Coordinates found are rounded to a multiple of this [m], some mN of a raceway: the libraries that search differ in the last bits
-from processor to processor, and idle rollers would make another run of that."""
+"""Angle of the finite difference for the slope of a notch [rad]."""
+MOST_STEPS = 100
+"""Maximum number of steps of the last search; it needs three to ten, or oscillates in the last bits."""
+EQUAL_WITHIN = 1e-9
+"""Difference of positions below which rows of equal geometry get identical positions [m]; a notch in one row makes a larger one."""
+LEAST_CONTACT_FORCE = 1e-3
+"""Smallest force of a free roller on the outer raceway, so that its position is defined [N]."""
+RESOLUTION = 2.0**-43
+"""Coordinates are rounded to a multiple of this [m], some mN at a raceway: the last bits of the search differ between processors, and idle
+rollers would amplify them to a different run."""
 
 
 class Rest(NamedTuple):
-    """Where the bodies rest."""
+    """Positions of the bodies in equilibrium."""
 
     outer: Floats
     """Centre of the outer ring, shape (2,) [m]."""
@@ -48,7 +48,7 @@ class Rest(NamedTuple):
 def normal_forces(law: Any, penetration: Floats, site: Site) -> tuple[Floats, Floats]:
     """Return elastic forces [N] and stiffnesses [N/m] at penetrations [m]; any shape.
 
-    Johnson's by the library's Lambert W: recordings begin with its last bits, which the kernels' rational fit has otherwise.
+    Johnson's law with scipy's Lambert W instead of the kernels' fit, because recordings depend on its last bits.
     """
     if not isinstance(law, Johnson):
         return arrays.normal_forces(law, penetration, site)
@@ -74,21 +74,21 @@ def energy_under(payload: Payload, force: Floats, penetration: Floats) -> Floats
 
 
 def radial_directions(payload: Payload) -> Floats:
-    """Return the directions from a cage's centre to its pockets at cage angle zero, shape (rows, rollers, 2) [-]."""
+    """Return the unit vectors from a cage's centre to its pockets at cage angle zero, shape (rows, rollers, 2) [-]."""
     tangent = payload.pocket_tangent
     return np.stack([tangent[..., 1], -tangent[..., 0]], axis=-1)
 
 
 def _edges(direction: Floats, middle: float, half_angle: float) -> Floats:
-    """Return the angles by which directions lie inside the nearer edge of a notch, not above zero outside it; shape of all but the last."""
+    """Return the angles from the nearer edge of a notch into it [rad], negative outside; shape of ``direction`` without the last axis."""
     offset = np.arctan2(direction[..., 0], -direction[..., 1]) - middle
     return half_angle - np.abs(np.mod(offset + np.pi, 2.0 * np.pi) - np.pi)
 
 
 def notch_depths(payload: Payload, from_ring: Floats, inner: bool) -> Floats:
-    """Return by how much deeper a raceway and the rollers lie where they touch, at shaft and spin angle zero, shape (rows, rollers) [m].
+    """Return the depth of the notches of raceway and rollers at the contacts, at shaft and spin angle zero, shape (rows, rollers) [m].
 
-    Nothing for edges with normals of their own: what they bear is no matter of depth.
+    Zero for the law `edge`, whose edges have contact normals of their own.
     """
     depths = np.zeros(payload.free.shape)
     if payload.notch_law != SINK:
@@ -109,30 +109,30 @@ def notch_depths(payload: Payload, from_ring: Floats, inner: bool) -> Floats:
 
 
 def penetrations(
-    payload: Payload, outer: Floats, inner: Floats, rollers: Floats, cut: tuple[Floats, Floats] | None = None
+    payload: Payload, outer: Floats, inner: Floats, rollers: Floats, notch_depth: tuple[Floats, Floats] | None = None
 ) -> tuple[Floats, Floats, Floats, Floats]:
     """Return the vectors from inner and outer ring to each roller and the penetrations there [m].
 
-    ``rollers`` holds the rollers' centres, shape (rows, rollers, 2), ``cut`` the depths of the notches under them, where they are to be
-    held, at the inner and the outer raceway, shape (rows, rollers) [m].
+    ``rollers`` contains the rollers' centres, shape (rows, rollers, 2). ``notch_depth`` contains the depths of the notches under them at
+    the inner and the outer raceway, shape (rows, rollers) [m]; without it they follow from the positions.
     """
     from_inner, from_outer = rollers - inner, rollers - outer
     inner_depth = payload.inner_raceway_radius + payload.roller_radius - np.linalg.norm(from_inner, axis=-1)
     outer_depth = np.linalg.norm(from_outer, axis=-1) + payload.roller_radius - payload.outer_raceway_radius
-    inner_cut, outer_cut = cut or (notch_depths(payload, from_inner, True), notch_depths(payload, from_outer, False))
-    return from_inner, from_outer, inner_depth - inner_cut, outer_depth - outer_cut
+    inner_notch, outer_notch = notch_depth or (notch_depths(payload, from_inner, True), notch_depths(payload, from_outer, False))
+    return from_inner, from_outer, inner_depth - inner_notch, outer_depth - outer_notch
 
 
 def roller_forces(payload: Payload, outer: Floats, inner: Floats, rollers: Floats) -> tuple[Floats, Floats]:
     """Return the forces on each roller from the inner and from the outer raceway, shape (rows, rollers, 2) [N]."""
-    return _pushed(payload, outer, inner, rollers)[:2]
+    return _forces_and_energy(payload, outer, inner, rollers)[:2]
 
 
-def _pushed(
-    payload: Payload, outer: Floats, inner: Floats, rollers: Floats, cut: tuple[Floats, Floats] | None = None
+def _forces_and_energy(
+    payload: Payload, outer: Floats, inner: Floats, rollers: Floats, notch_depth: tuple[Floats, Floats] | None = None
 ) -> tuple[Floats, Floats, float]:
     """Return `roller_forces`, and the energy of all contacts [J]."""
-    from_inner, from_outer, inner_depth, outer_depth = penetrations(payload, outer, inner, rollers, cut)
+    from_inner, from_outer, inner_depth, outer_depth = penetrations(payload, outer, inner, rollers, notch_depth)
     inner_force = normal_forces(payload.normal_law, inner_depth, payload.inner)[0]
     outer_force = normal_forces(payload.normal_law, outer_depth, payload.outer)[0]
     energy = energy_under(payload, inner_force, inner_depth).sum() + energy_under(payload, outer_force, outer_depth).sum()
@@ -149,10 +149,10 @@ def _within(offset: Floats, most: float) -> Floats:
 
 
 class _Problem:
-    """The bearing over its free coordinates: rings, cages that carry rollers, and how far out each free roller lies.
+    """Energy and forces over the free coordinates: positions of the rings and of cages with pinned rollers, radii of free rollers.
 
-    Free rollers keep their azimuth round the middle between the rings, as friction would hold them; a cage without
-    pinned rollers stands there, or as near to it as its land lets it.
+    Free rollers keep their azimuth about the midpoint of the rings, as friction would hold them. A cage without pinned rollers is at that
+    midpoint, or as close to it as its land allows.
     """
 
     def __init__(self, payload: Payload, load: Floats, orbit: float) -> None:
@@ -160,12 +160,12 @@ class _Problem:
         self.free, self.radial = payload.free, radial_directions(payload)
         self.carrying = ~payload.free.all(axis=1)
         self.first_free = 4 + 2 * int(self.carrying.sum())
-        # Weight and the orbit's centrifugal force say on which raceway a free roller rests that nothing squeezes.
+        # Weight and centrifugal force decide on which raceway an unloaded free roller rests.
         weight = -payload.roller_mass * payload.gravity * self.radial[..., 1]
-        self.outward = (weight + payload.roller_mass * payload.pitch_radius * orbit**2 + LIGHTEST)[self.free]
+        self.outward = (weight + payload.roller_mass * payload.pitch_radius * orbit**2 + LEAST_CONTACT_FORCE)[self.free]
 
-    def places(self, x: Floats) -> Rest:
-        """Return where the bodies are at coordinates ``x`` [m]."""
+    def positions(self, x: Floats) -> Rest:
+        """Return the positions of the bodies at coordinates ``x`` [m]."""
         outer, inner = x[:2], x[2:4]
         middle = 0.5 * (outer + inner)
         cages = np.tile(outer + _within(middle - outer, self.payload.land_clearance), (len(self.free), 1))
@@ -174,18 +174,19 @@ class _Problem:
         rollers[self.free] = middle + x[self.first_free :, None] * self.radial[self.free]
         return Rest(outer, inner, cages, rollers)
 
-    def cut(self, x: Floats) -> tuple[Floats, Floats]:
+    def notch_depth(self, x: Floats) -> tuple[Floats, Floats]:
         """Return the depths of the notches under the rollers at the inner and the outer raceway, shape (rows, rollers) [m]."""
-        rest = self.places(x)
+        rest = self.positions(x)
         return notch_depths(self.payload, rest.rollers - rest.inner, True), notch_depths(self.payload, rest.rollers - rest.outer, False)
 
-    def balance(self, x: Floats, cut: tuple[Floats, Floats] | None = None) -> tuple[float, Floats]:
-        """Return the potential energy [J] and the generalised forces left [N], which are zero in equilibrium.
+    def balance(self, x: Floats, notch_depth: tuple[Floats, Floats] | None = None) -> tuple[float, Floats]:
+        """Return the potential energy [J] and the generalised forces [N], which are zero in equilibrium.
 
-        Only with the notches' depths held by ``cut`` are the forces the slope of the energy: a depth has no force along the raceway.
+        The forces are the derivative of the energy only if ``notch_depth`` fixes the depths of the notches, which exert no force along the
+        raceway.
         """
-        p, rest = self.payload, self.places(x)
-        inner, outer, contacts = _pushed(p, rest.outer, rest.inner, rest.rollers, cut)
+        p, rest = self.payload, self.positions(x)
+        inner, outer, contacts = _forces_and_energy(p, rest.outer, rest.inner, rest.rollers, notch_depth)
         weights = p.outer_ring_mass * rest.outer[1] + p.inner_ring_mass * rest.inner[1]
         weights += (p.train_mass * rest.cages[:, 1])[self.carrying].sum()
         housing = 0.5 * p.housing_stiffness * rest.outer @ rest.outer
@@ -202,9 +203,9 @@ class _Problem:
     def slope(self, x: Floats) -> Floats:
         """Return the derivatives of the generalised forces of `balance`, shape (coordinates, coordinates) [N/m].
 
-        Those of the notches' depths are differences; they lead the search, and do not say where it ends.
+        Those of the depths of notches are finite differences; they affect the steps of the search, not its result.
         """
-        p, rest = self.payload, self.places(x)
+        p, rest = self.payload, self.positions(x)
         along = self._motions(len(x))
         total = np.zeros((len(x), len(x)))
         total[:2, :2] -= p.housing_stiffness * np.eye(2)
@@ -224,7 +225,7 @@ class _Problem:
         return total
 
     def _motions(self, count: int) -> Floats:
-        """Return how the rollers move with the coordinates, shape (rows, rollers, 2, coordinates) [-]."""
+        """Return the derivatives of the rollers' positions with respect to the coordinates, shape (rows, rollers, 2, coordinates) [-]."""
         along = np.zeros((*self.free.shape, 2, count))
         along[self.free, :, :4] = 0.5 * np.tile(np.eye(2), 2)
         for k, row in enumerate(np.flatnonzero(self.carrying)):
@@ -233,18 +234,18 @@ class _Problem:
         along[free[:, 0], free[:, 1], :, self.first_free + np.arange(len(free))] = self.radial[self.free]
         return along
 
-    def laid_down(self, x: Floats) -> Floats:
-        """Return coordinates [m] with the free rollers that touch nothing moved to the raceway on which they rest."""
-        p, rest = self.payload, self.places(x)
+    def resting_on_raceways(self, x: Floats) -> Floats:
+        """Return coordinates [m] in which free rollers without contact have moved to the raceway on which they rest."""
+        p, rest = self.payload, self.positions(x)
         inner, outer = (depth[self.free] for depth in penetrations(p, rest.outer, rest.inner, rest.rollers)[2:])
-        outside, weight = self.outward > 0.0, np.maximum(np.abs(self.outward), LIGHTEST)
+        outside, weight = self.outward > 0.0, np.maximum(np.abs(self.outward), LEAST_CONTACT_FORCE)
         down = np.where(outside, penetration_under(p, weight, p.outer) - outer, inner - penetration_under(p, weight, p.inner))
         laid: Floats = x.copy()
         laid[self.first_free :] += np.where(np.maximum(inner, outer) > 0.0, 0.0, down)
         return laid
 
     def start(self) -> Floats:
-        """Return coordinates [m] with the rings pressed together along the load, so that the search cannot fall into the gap."""
+        """Return coordinates [m] with the rings pressed together along the load, so that the search does not end in the radial gap."""
         p = self.payload
         pinned = p.train_mass.sum() if self.carrying.any() else 0.0
         total = self.load + np.array([0.0, -p.gravity * (p.inner_ring_mass + pinned)])
@@ -263,15 +264,15 @@ class _Problem:
 
 
 def static_equilibrium(payload: Payload, load: Floats, orbit: float = 0.0) -> Rest:
-    """Return where the bodies rest under ``load`` [N], the rollers orbiting at ``orbit`` [rad/s].
+    """Return the positions of the bodies under ``load`` [N] with the rollers orbiting at ``orbit`` [rad/s].
 
-    The cages stand at angle zero. A roller over a notch lies as deep as the notch lets it.
+    The cages are at angle zero. A roller over a notch lies in it.
     """
     problem = _Problem(payload, load, orbit)
     scale = max(float(np.linalg.norm(load)) + payload.inner_ring_mass * payload.gravity, 1.0)
 
     def energy(x: Floats) -> tuple[float, Floats]:
-        height, left = problem.balance(x * MICROMETRE, cut)
+        height, left = problem.balance(x * MICROMETRE, notch_depth)
         return height / (scale * MICROMETRE), -left / scale
 
     def residual(x: Floats) -> Floats:
@@ -280,22 +281,22 @@ def static_equilibrium(payload: Payload, load: Floats, orbit: float = 0.0) -> Re
     def slope(x: Floats) -> Floats:
         return problem.slope(x * MICROMETRE) * (MICROMETRE / scale)
 
-    # The energy leads over open contacts, where the forces alone give no direction, but hardly sees what weighs a newton. Least squares
-    # then polish, twice, because they move the rings by more than the lightest rollers are pressed in.
+    # Minimising the energy closes contacts for which the forces give no direction, but does not resolve forces of a newton. Two searches by
+    # least squares follow: the first still moves the rings by more than the penetration of the lightest rollers.
     begin = problem.start()
-    cut = problem.cut(begin)
+    notch_depth = problem.notch_depth(begin)
     found = minimize(energy, begin / MICROMETRE, jac=True, method="BFGS", options={"gtol": 1e-6, "maxiter": 5000}).x
     for _ in range(2):
-        laid = problem.laid_down(found * MICROMETRE) / MICROMETRE
-        found = least_squares(residual, laid, jac=slope, method="lm", xtol=1e-15, ftol=1e-15, gtol=1e-15, max_nfev=MOST_POLISHING).x
-    rest = problem.places(np.round(found * MICROMETRE / GRAIN) * GRAIN + 0.0)  # no negative zero
-    _make_rows_alike(payload, rest)
+        laid = problem.resting_on_raceways(found * MICROMETRE) / MICROMETRE
+        found = least_squares(residual, laid, jac=slope, method="lm", xtol=1e-15, ftol=1e-15, gtol=1e-15, max_nfev=MOST_STEPS).x
+    rest = problem.positions(np.round(found * MICROMETRE / RESOLUTION) * RESOLUTION + 0.0)  # no negative zero
+    _make_equal_rows_identical(payload, rest)
     return rest
 
 
-def _make_rows_alike(payload: Payload, rest: Rest) -> None:
-    """Give rows that are built alike the same bits: left to rounding, which differs between machines, some would drift apart."""
+def _make_equal_rows_identical(payload: Payload, rest: Rest) -> None:
+    """Make the positions of rows of equal geometry identical; rounding errors, which differ between machines, would separate them."""
     for row in range(1, len(rest.cages)):
         same = np.array_equal(payload.pocket_tangent[row], payload.pocket_tangent[0]) and np.array_equal(payload.free[row], payload.free[0])
-        if same and np.allclose(rest.rollers[row], rest.rollers[0], rtol=0.0, atol=ALIKE):
+        if same and np.allclose(rest.rollers[row], rest.rollers[0], rtol=0.0, atol=EQUAL_WITHIN):
             rest.cages[row], rest.rollers[row] = rest.cages[0], rest.rollers[0]

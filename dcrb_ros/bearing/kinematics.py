@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Protocol
 
-from dcrb_ros.settings.parameters import Bearing
+CHARACTERISTIC_FREQUENCIES = ("FTF", "BPFO", "BPFI", "BSF")
 
 
 @dataclass(frozen=True)
@@ -12,22 +14,54 @@ class Orders:
     """Characteristic frequencies as multiples of the shaft frequency (Eqs. 43 to 45 of Fan et al. 2025, and BSF)."""
 
     ftf: float
-    """Cage rotation [-]."""
+    """Fundamental train frequency, the rotation of the cage [-]."""
     bpfo: float
-    """Rollers passing a point of the outer raceway [-]."""
+    """Ball (here roller) pass frequency of the outer ring [-]."""
     bpfi: float
-    """Rollers passing a point of the inner raceway [-]."""
+    """Ball pass frequency of the inner ring [-]."""
     bsf: float
-    """Roller spin relative to the cage [-]; a roller defect strikes twice as often."""
+    """Ball spin frequency: roller spin relative to the cage [-]; a roller defect strikes twice as often."""
+
+    @classmethod
+    def from_dict(cls, orders: Mapping[str, float]) -> Orders:
+        """Return the orders given by name, as `as_dict` returns them.
+
+        Raises:
+            KeyError: one of `CHARACTERISTIC_FREQUENCIES` is missing.
+            TypeError, ValueError: an order is not a number.
+        """
+        return cls(*(float(orders[name]) for name in CHARACTERISTIC_FREQUENCIES))
+
+    def as_dict(self) -> dict[str, float]:
+        """Return FTF, BPFO, BPFI and BSF by name [-]."""
+        return dict(zip(CHARACTERISTIC_FREQUENCIES, (self.ftf, self.bpfo, self.bpfi, self.bsf), strict=True))
 
     def frequencies(self, shaft_frequency: float) -> dict[str, float]:
-        """Return FTF, BPFO, BPFI and BSF [Hz] at a shaft frequency [Hz]."""
-        orders = {"FTF": self.ftf, "BPFO": self.bpfo, "BPFI": self.bpfi, "BSF": self.bsf}
-        return {name: order * abs(shaft_frequency) for name, order in orders.items()}
+        """Return FTF, BPFO, BPFI and BSF by name [Hz] at a shaft frequency [Hz]."""
+        return {name: order * abs(shaft_frequency) for name, order in self.as_dict().items()}
 
 
-def characteristic_orders(bearing: Bearing) -> Orders:
-    """Return the orders of pure rolling, from r_R, r_M and the roller count (Eqs. 43 to 45)."""
+class RollerSet(Protocol):
+    """The geometry on which the characteristic frequencies depend; `dcrb_ros.settings.parameters.Bearing` has it."""
+
+    @property
+    def rollers_per_row(self) -> int:
+        """Rollers in each row [-]."""
+
+    @property
+    def roller_radius(self) -> float:
+        """[m]"""
+
+    @property
+    def pitch_radius(self) -> float:
+        """[m]"""
+
+
+def characteristic_orders(bearing: RollerSet) -> Orders:
+    """Return the orders for pure rolling, from r_R, r_M and the number n of rollers (Eqs. 43 to 45).
+
+    FTF = (1 - r_R/r_M)/2, BPFO = n FTF, BPFI = n (1 - FTF) and BSF = (1 - (r_R/r_M)^2)/(2 r_R/r_M).
+    """
     ratio = bearing.roller_radius / bearing.pitch_radius
     ftf = 0.5 * (1.0 - ratio)
     return Orders(

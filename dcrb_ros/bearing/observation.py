@@ -1,4 +1,4 @@
-"""From the kernels' state to what is published of it: the bodies' states."""
+"""Published states of the bodies from the state of the kernels."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def wrapped(angle: Floats) -> Floats:
 
 
 def place_pinned_rollers(payload: Payload, state: State) -> None:
-    """Write position and velocity of the pinned rollers, which their cages carry."""
+    """Write position and velocity of the pinned rollers, which move with their cages."""
     if not payload.all_free:
         of.place_pinned(state.rollers, payload.free, payload.pocket_tangent, state.position, state.velocity, payload.pitch_radius)
 

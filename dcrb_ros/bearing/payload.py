@@ -1,4 +1,4 @@
-"""From a configuration to what the kernels need: the payload and a settled start. The only bridge into the core."""
+"""The kernels' constants and initial state from a configuration; the only module that builds them."""
 
 from __future__ import annotations
 
@@ -9,84 +9,49 @@ import numpy as np
 import numpy.typing as npt
 
 from dcrb_ros.bearing.equilibrium import roller_forces, static_equilibrium
-from dcrb_ros.bearing.states import Layout
+from dcrb_ros.bearing.states import BodyNames
 from dcrb_ros.core.laws import NORMAL_LAWS, TRACTION_LAWS, lugre
 from dcrb_ros.core.laws.interface import inner_site, outer_site, pair_site
 from dcrb_ros.core.laws.pereira import pereira_coefficients
 from dcrb_ros.core.layout.state import State, empty_state
-from dcrb_ros.core.payload import EDGE, NOTCH, ROLLER_NOTCH, SINK, Notches, Payload, RollerNotches
-from dcrb_ros.faults.defects import RacewayDefect, RollerDefect
+from dcrb_ros.core.payload import EDGE, NOTCH, ROLLER_NOTCH, SINK, Notches, Payload
+from dcrb_ros.faults.geometry import BrokenBar, RacewayNotch, RollerNotch
 from dcrb_ros.runtime.arrays import Floats
 from dcrb_ros.settings.configuration import Configuration, material_of
 from dcrb_ros.settings.parameters import Bearing
 
 
-def layout(configuration: Configuration) -> Layout:
-    """Return rows and rollers of the configured bearing."""
-    return Layout(configuration.bearing.rows, configuration.bearing.rollers_per_row)
+def body_names(configuration: Configuration) -> BodyNames:
+    """Return the numbers of rows and rollers of the configured bearing, and with them the names of its bodies."""
+    return BodyNames(configuration.bearing.rows, configuration.bearing.rollers_per_row)
 
 
 def pocket_azimuths(bearing: Bearing) -> Floats:
     """Return the azimuth of each pocket at cage angle zero, shape (rows, rollers) [rad].
 
-    Roller 1 of row 1 stands in the middle of the loading zone; the second row is staggered by ``row_phase`` pitches.
+    Roller 1 of row 1 is in the middle of the load zone; the second row is offset by ``row_phase`` pitches.
     """
     pitch = 2.0 * math.pi / bearing.rollers_per_row
     stagger = bearing.row_phase * np.arange(bearing.rows)
     return pitch * (np.arange(bearing.rollers_per_row)[None, :] + stagger[:, None])
 
 
-def _bottom(half_angle: float, edge: float, other: float, distance: float, hollow: bool) -> tuple[float, float]:
-    """Return the angle on either side of a notch's middle over which the other body stands on its floor [rad], and by how much the slope
-    of the depth drops at either end of that [m/rad].
-
-    ``edge`` is the radius on which the notch's edges lie, ``other`` the other body's [m]; ``distance`` [m] is that of the centres with the
-    floor in contact. ``hollow`` says that the other body is a raceway about the notched one.
-    """
-    squares = other**2 - edge**2 - distance**2 if hollow else distance**2 + edge**2 - other**2
-    cosine = squares / (2.0 * distance * edge)
-    inside = math.acos(min(cosine, 1.0)) if cosine > math.cos(half_angle) else half_angle
-    sine, cosine = edge * math.sin(inside), edge * math.cos(inside)
-    bend = sine * cosine / math.sqrt(other**2 - sine**2)
-    return half_angle - inside, abs(bend - sine if hollow or distance < edge else bend + sine)
-
-
-def _notches(defects: Iterable[RacewayDefect], raceway: float, roller: float, side: float, fillet: float) -> Notches:
-    """Return the notches of a ring whose edges are rounded over a length ``fillet`` [m] beyond the width.
-
-    ``side`` is 1 at the inner ring, -1 at the outer.
-    """
-    found = []
-    for defect in defects:
-        half, floor = 0.5 * defect.width / raceway, raceway + side * (roller - defect.depth)
-        bottom, kink = _bottom(half, raceway, roller, floor, False)
-        nearness = math.cos((0.5 * defect.width + fillet) / raceway)
-        found.append((defect.row - 1, half, nearness, bottom, kink, defect.depth, defect.azimuth))
-    return np.array(found, NOTCH).view(np.recarray)
-
-
-def _roller_notches(defects: Iterable[RollerDefect], roller: float, inner: float, outer: float) -> RollerNotches:
-    """Return the notches of rollers; ``inner`` and ``outer`` are the raceways' radii [m]."""
-    found = []
-    for defect in defects:
-        half = 0.5 * defect.width / roller
-        inner_bottom, inner_kink = _bottom(half, roller, inner, inner + roller - defect.depth, False)
-        outer_bottom, outer_kink = _bottom(half, roller, outer, outer - roller + defect.depth, True)
-        notch = (half, inner_bottom, outer_bottom, inner_kink, outer_kink, defect.depth, defect.azimuth)
-        found.append((defect.row - 1, defect.roller - 1, *notch))
-    return np.array(found, ROLLER_NOTCH).view(np.recarray)
+def _records(damage: Iterable[RacewayNotch | RollerNotch], fields: np.dtype[np.void]) -> Notches:
+    """Return notches as the records of the kernels."""
+    return np.array([tuple(getattr(notch, name) for name in fields.names or ()) for notch in damage], fields).view(np.recarray)
 
 
 def broken_bars(configuration: Configuration) -> npt.NDArray[np.bool_]:
     """Return whether the bar between a pocket and the next one is broken, shape (rows, rollers)."""
     broken = np.zeros((configuration.bearing.rows, configuration.bearing.rollers_per_row), np.bool_)
-    for row, bar in configuration.faults.bars():
-        broken[row - 1, bar - 1] = True
+    for damage in configuration.faults.damage(configuration.bearing):
+        if isinstance(damage, BrokenBar):
+            broken[damage.row, damage.bar] = True
     return broken
 
 
 def free_rollers(configuration: Configuration) -> npt.NDArray[np.bool_]:
-    """Return which rollers are not pinned: all with pockets, otherwise those beside a broken bar, shape (rows, rollers)."""
+    """Return which rollers are not pinned, shape (rows, rollers): all with the joint `pocket`, otherwise those beside a broken bar."""
     broken = broken_bars(configuration)
     if configuration.cage.joint == "pocket":
         return np.ones_like(broken)
@@ -94,7 +59,7 @@ def free_rollers(configuration: Configuration) -> npt.NDArray[np.bool_]:
 
 
 def degrees_of_freedom(configuration: Configuration) -> int:
-    """Return the free coordinates [-]: two rings and the cages in the plane, cages and rollers turning, free rollers moving."""
+    """Return the number of degrees of freedom: two rings and the cages in the plane, rotation of cages and rollers, free rollers."""
     b = configuration.bearing
     return 4 + 3 * b.rows + b.rows * b.rollers_per_row + 2 * int(free_rollers(configuration).sum())
 
@@ -109,10 +74,12 @@ def build_payload(configuration: Configuration) -> Payload:
     """Return the constants of the time loop."""
     c, b = configuration, configuration.bearing
     azimuth, free, broken = pocket_azimuths(b), free_rollers(c), broken_bars(c)
-    fillet = c.contact.edge_radius if c.contact.notch == "edge" else 0.0
+    damage = c.faults.damage(b, c.contact.edge_radius if c.contact.notch == "edge" else 0.0)
+    raceway_notches = [notch for notch in damage if isinstance(notch, RacewayNotch)]
+    roller_notches = [notch for notch in damage if isinstance(notch, RollerNotch)]
     tangent = np.stack([np.cos(azimuth), np.sin(azimuth)], axis=-1)
     pinned = (~free).sum(axis=1)
-    # All pinned: the sum of the tangents is zero but for rounding, which would make the motion depend on it.
+    # With all rollers pinned the sum of the tangents is zero up to rounding, which must not influence the motion.
     moment = b.roller_mass * b.pitch_radius * np.where(free[..., None], 0.0, tangent).sum(axis=1)
     moment[~free.any(axis=1)] = 0.0
     mass, inertia = b.cage_mass + pinned * b.roller_mass, b.cage_inertia + pinned * b.roller_mass * b.pitch_radius**2
@@ -130,7 +97,7 @@ def build_payload(configuration: Configuration) -> Payload:
         all_free=bool(free.all()),
         any_broken=bool(broken.any()),
         any_free=bool(free.any()),
-        any_notch=any(True for _ in c.faults.present()),
+        any_notch=bool(raceway_notches or roller_notches),
         inner_raceway_radius=b.inner_raceway_radius,
         outer_raceway_radius=b.outer_raceway_radius,
         pitch_radius=b.pitch_radius,
@@ -156,15 +123,9 @@ def build_payload(configuration: Configuration) -> Payload:
         contact_damping=c.contact.damping,
         notch_law={"sink": SINK, "edge": EDGE}[c.contact.notch],
         edge_radius=c.contact.edge_radius,
-        inner_notches=_notches(
-            (defect for _, defect in c.faults.raceway_defects("inner")), b.inner_raceway_radius, b.roller_radius, 1.0, fillet
-        ),
-        outer_notches=_notches(
-            (defect for _, defect in c.faults.raceway_defects("outer")), b.outer_raceway_radius, b.roller_radius, -1.0, fillet
-        ),
-        roller_notches=_roller_notches(
-            (defect for _, defect in c.faults.roller_defects()), b.roller_radius, b.inner_raceway_radius, b.outer_raceway_radius
-        ),
+        inner_notches=_records((notch for notch in raceway_notches if notch.ring == "inner_ring"), NOTCH),
+        outer_notches=_records((notch for notch in raceway_notches if notch.ring == "outer_ring"), NOTCH),
+        roller_notches=_records(roller_notches, ROLLER_NOTCH),
         pocket_clearance=c.cage.pocket_clearance,
         bar_coefficient=bar[0],
         bar_exponent=bar[1],
@@ -179,7 +140,7 @@ def build_payload(configuration: Configuration) -> Payload:
 
 
 def cage_speed(configuration: Configuration, shaft_speed: float) -> float:
-    """Return the cage speed of pure rolling [rad/s]: rollers pinned at the pitch radius, or free between the raceways."""
+    """Return the cage speed for pure rolling [rad/s]: with rollers pinned at the pitch radius, or free on the inner raceway."""
     b = configuration.bearing
     orbit = b.pitch_radius if configuration.cage.joint == "revolute" else b.inner_raceway_radius + b.roller_radius
     return shaft_speed * b.inner_raceway_radius / (2.0 * orbit)
@@ -191,7 +152,7 @@ def roller_spin(bearing: Bearing, shaft_speed: float) -> float:
 
 
 def initial_state(configuration: Configuration, payload: Payload) -> State:
-    """Return the start: static equilibrium, warm (kinematic rolling) or cold (cage and rollers at rest)."""
+    """Return the initial state: static equilibrium, with pure rolling (warm) or with cage and rollers at rest (cold)."""
     bearing, operating = configuration.bearing, configuration.operating
     state = empty_state(payload)
     state.load[:] = operating.lateral_load, -operating.load

@@ -1,4 +1,4 @@
-"""What changes while a bench runs: which parameters may, to what, and how the moving bearing takes new faults."""
+"""Changes of parameters while a simulation runs: which are allowed, and how the moving bearing takes new faults."""
 
 from __future__ import annotations
 
@@ -11,44 +11,38 @@ from dcrb_ros.core.layout.state import State
 from dcrb_ros.core.payload import Payload
 from dcrb_ros.runtime.refusal import Refusal, nearest
 from dcrb_ros.settings.configuration import Configuration
-from dcrb_ros.settings.files import flatten, parameter_fields, validated
+from dcrb_ros.settings.files import fields_by_key, flatten, validated
 
 
 def altered(configuration: Configuration, changes: Mapping[str, Any], source: str = "parameters") -> Configuration:
-    """Return a configuration with some dotted keys changed, checked as a whole.
+    """Return a configuration with some dotted keys changed; all of it is checked, since parameters depend on each other.
 
     Raises:
-        Refusal: a key that is unknown or fixed while the bench runs, a value or a combination that the configuration's own
-            checks refuse, or a broken bar that would heal.
+        Refusal: an unknown key, a parameter that is fixed while the simulation runs, values that the configuration refuses, or a fault that
+            cannot disappear.
     """
-    fields = {field.key: field for field in parameter_fields()}
+    fields = fields_by_key()
     for key in changes:
         if key not in fields:
             raise Refusal(f"{source}: unknown parameter '{key}'{nearest(key, fields)}")
         if not fields[key].run_time:
-            raise Refusal(f"{source}: {key} is fixed while the bench runs; set it in the configuration and start anew")
+            raise Refusal(f"{source}: {key} is fixed while the bench runs; set it in the configuration and restart")
     after = validated({**flatten(configuration.model_dump()), **changes}, Configuration, source)
-    healed = set(configuration.faults.bars()) - set(after.faults.bars())
-    for row, bar in sorted(healed):
-        raise Refusal(f"{source}: row{row}/bar{bar} is broken and does not heal while the bench runs; keep it, or reset the bench")
+    for words in configuration.faults.unhealed(after.faults):
+        raise Refusal(f"{source}: {words}")
     return after
 
 
-def spoken(changes: Mapping[str, Any]) -> str:
-    """Return changes as words: ``faults.outer_1.width = 0.002, faults.outer_1.row = 1``."""
-    return ", ".join(f"{key} = {value!r}" for key, value in changes.items())
-
-
 def refitted(configuration: Configuration, payload: Payload, state: State) -> Payload:
-    """Return the payload with the faults of ``configuration``; rollers that it sets free go on where their cages carry them now."""
+    """Return the payload with the faults of ``configuration``; rollers that become free keep the positions that their cages gave them."""
     place_pinned_rollers(payload, state)
     after = build_payload(configuration)
     freed = after.free & ~payload.free
-    # The cage's change of velocity was not theirs; a step's prediction does without.
+    # Their last change of velocity was the cage's; one step does without this prediction.
     state.roller_change[freed, :2] = 0.0
     return after
 
 
 def onsets(known: Mapping[str, float], configuration: Configuration, now: float) -> dict[str, float]:
-    """Return since when [s] each fault of a configuration is present: as known, or since ``now``."""
+    """Return the onset [s] of each fault of a configuration: the known one, or ``now`` for a new fault."""
     return {name: known.get(name, now) for name in configuration.described_faults()}

@@ -1,4 +1,4 @@
-"""What is observed of a bearing: the names of its bodies, their states at one instant, and the energy account."""
+"""Published quantities of a bearing: the names of its bodies, their states at one instant, and the energy account."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ from dcrb_ros.runtime.arrays import Floats
 
 
 @dataclass(frozen=True)
-class Layout:
-    """Rows and rollers of the bearing, and the body names that follow from them."""
+class BodyNames:
+    """Numbers of rows and rollers, and the names of the bodies."""
 
     rows: int
     rollers_per_row: int
@@ -30,25 +30,25 @@ class Account:
     load: float
     """Work of the load on the inner ring."""
     friction: float
-    """Lost in friction."""
+    """Dissipated by friction."""
     loss: float
-    """Lost in normal contacts."""
+    """Dissipated by the damping of normal contacts."""
     housing: float
-    """Lost in the housing's damper."""
+    """Dissipated by the damper of the housing."""
     notch: float
-    """Taken by the notch law: it has depth, but no tangential force at the edge that would do the work."""
+    """Removed by the notch law `sink`, which changes the depth without a tangential force that would do the work."""
     stored: float
-    """Gained in motion, contacts, housing and height."""
+    """Increase of the kinetic, elastic and potential energy."""
 
     @property
     def residual(self) -> float:
-        """What does not add up [J]: the error of the integration."""
+        """Difference of work done and energy dissipated or stored [J]: the error of the integration."""
         return self.drive + self.load - self.friction - self.loss - self.housing - self.notch - self.stored
 
 
 @dataclass(frozen=True)
 class States:
-    """The bodies at one instant; arrays of one entry per name of `Layout.names`."""
+    """States of the bodies at one instant; each array has one entry per name in `BodyNames.names`."""
 
     time_ns: int
     """Simulated time [ns]."""
@@ -70,8 +70,8 @@ class States:
     relative_speed: Floats
     """Spin of rollers against their cage [rad/s]; zero for cages and the inner ring."""
     bar_force: Floats
-    """Normal force between a roller and its bar, positive at the bar ahead [N]; of a cage, the force of its land."""
+    """Normal force between a roller and its bar [N], positive at the bar ahead; for cages, the force at the land."""
     cage_offset: Floats
-    """Centre of each cage from the outer ring's, shape (rows, 2) [m]."""
+    """Position of each cage's centre relative to the outer ring's, shape (rows, 2) [m]."""
     inner_ring_force: tuple[float, float]
     """Total force of the rollers on the inner ring in X and Y [N]."""

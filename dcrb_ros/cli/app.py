@@ -1,4 +1,4 @@
-"""The command `dcrb`: one module per command, which imports what it needs only when it is called."""
+"""The command `dcrb`: one module per command; each imports its dependencies when it is called, so that `dcrb --help` is fast."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ import sys
 import typer
 
 from dcrb_ros import __version__
-from dcrb_ros.cli import bench, config, detect, exchange, info, recover, replay, score, simulate, sweep, validate, view
-from dcrb_ros.runtime.exit_status import guarded
-from dcrb_ros.runtime.signals import ENDING
+from dcrb_ros.cli import bench, config, detect, exchange, info, plot, recover, replay, score, simulate, sweep, validate, view
+from dcrb_ros.runtime.exit_status import exit_status
+from dcrb_ros.runtime.signals import TERMINATION
 
 app = typer.Typer(add_completion=False, no_args_is_help=True, pretty_exceptions_enable=False)
 app.command("simulate")(simulate.simulate)
@@ -19,6 +19,7 @@ app.command("replay")(replay.replay)
 app.command("detect")(detect.detect)
 app.command("score")(score.score)
 app.command("view")(view.view)
+app.command("plot")(plot.plot)
 app.command("info")(info.info)
 app.command("recover")(recover.recover)
 app.command("export")(exchange.export)
@@ -35,14 +36,14 @@ def _version(asked: bool) -> None:
 
 
 @app.callback()
-def dcrb(version: bool = typer.Option(False, "--version", callback=_version, is_eager=True, help="Print the version.")) -> None:
-    """A simulated double-row cylindrical roller bearing behind a live accelerometer topic."""
+def dcrb(version: bool = typer.Option(False, "--version", callback=_version, is_eager=True, help="Print the version and exit.")) -> None:
+    """A simulated double-row cylindrical roller bearing with an accelerometer, for developing and testing fault detectors."""
 
 
 def main() -> None:
     """Run the command line."""
-    # Whatever asks the command to end also ends what it has started, as Ctrl-C does.
-    for number in ENDING:
+    # Every termination signal is handled like Ctrl-C, so that child processes are terminated too.
+    for number in TERMINATION:
         if signal.getsignal(number) is signal.SIG_DFL:
             signal.signal(number, signal.default_int_handler)
-    sys.exit(guarded("dcrb", lambda: app(standalone_mode=False)))
+    sys.exit(exit_status("dcrb", lambda: app(standalone_mode=False)))

@@ -1,21 +1,19 @@
-"""`dcrb detect`: the fault detector over a recording."""
+"""`dcrb detect`: the fault detector applied to a recording."""
 
 from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
-import typer
-
-from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.cli.options import Bag, DetectorFile, JsonOutput, literal
 
 if TYPE_CHECKING:
     from dcrb_ros.diagnosis.parameters import DetectorParameters
 
 
 def detector_parameters(file: Path | None) -> DetectorParameters:
-    """Return the fault detector's parameters, as a ROS parameter file says where there is one.
+    """Return the fault detector's parameters from a ROS parameter file, or the defaults without a file.
 
     Raises:
         Refusal: see `read_parameters` and `validated`.
@@ -26,40 +24,24 @@ def detector_parameters(file: Path | None) -> DetectorParameters:
     return DetectorParameters() if file is None else validated(read_parameters(file, "fault_detector"), DetectorParameters, str(file))
 
 
-def detect(
-    bag: Annotated[Path, typer.Argument(help="Folder of a recording or an .mcap file.")],
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON instead of a table.")] = False,
-    detector: Annotated[
-        Path | None, typer.Option(help="Parameters of the detector (YAML), such as a copy of config/detector.yaml.")
-    ] = None,
-) -> None:
-    """Run the fault detector over a recording and print its verdict."""
-    from dcrb_ros.diagnosis.detector import FaultDetector
+def detect(bag: Bag, as_json: JsonOutput = False, detector: DetectorFile = None) -> None:
+    """Run the fault detector on a recording and print its verdict with the evidence.
+
+    Example: dcrb detect bags/outer_ring_defect
+    """
+    from dcrb_ros.diagnosis.detection import detect as detect_in
     from dcrb_ros.recordings.reader import Recording
 
-    recording, parameters = Recording(bag), detector_parameters(detector)
-    rate = recording.sampling_rate
-    judge = FaultDetector(recording.orders, rate, parameters)
-    found, seconds = [], 0.0
-    for vibration, sensor_range in recording.ranged_vibrations():
-        judge.sensor_range = sensor_range
-        diagnosis = judge.update(vibration.first_index(rate), vibration.acceleration, vibration.shaft_angle)
-        seconds += len(vibration.shaft_angle) / rate
-        if diagnosis is not None:
-            found.append(diagnosis)
-    judged = [diagnosis for diagnosis in found if diagnosis.verdict != "waiting"]
-    if not judged:
-        why = found[-1].reason if found else f"it needs {parameters.window:g} s"
-        raise Refusal(f"{bag} holds {seconds:.2f} s of waveform, too little for a verdict: {why}")
-    last = judged[-1]
-    first = next(d for d in judged if d.verdict == last.verdict)
+    recording = Recording(bag)
+    found = detect_in(recording, parameters=detector_parameters(detector))
+    last = found.last
     if as_json:
         about = {
             "verdict": last.verdict,
             "confidence": last.confidence,
             "reason": last.reason,
             "time": last.time,
-            "first_time": first.time,
+            "first_time": found.since,
             "levels": last.levels,
             "shaft_frequency": last.shaft_frequency,
             "scores": last.scores,
@@ -69,22 +51,22 @@ def detect(
             "clipped": last.clipped,
             "remarks": last.remarks,
             "complete": recording.complete,
-            "history": [{"time": d.time, "verdict": d.verdict, "confidence": d.confidence} for d in found],
+            "history": [{"time": d.time, "verdict": d.verdict, "confidence": d.confidence} for d in found.history],
         }
         print(json.dumps(about, indent=2))
         return
     from rich.console import Console
     from rich.table import Table
 
-    table = Table("fault", "lines", "level over background [dB]", "beyond threshold [dB]", title=f"{bag}: {last.verdict}")
+    heads = literal("fault", "line", "level over background [dB]", "over threshold [dB]")
+    table = Table(*heads, title=f"{bag}: {last.verdict}")
     for (fault, score), (name, level) in zip(last.scores.items(), last.levels.items(), strict=False):
         table.add_row(fault, name, f"{level:.1f}", f"{score:.1f}")
     console = Console()
     console.print(table)
-    console.print(
-        f"{last.verdict}, confidence {last.confidence:.2f}, first at {first.time:.2f} s of {seconds:.2f} s: {last.reason}", highlight=False
-    )
+    when = f"first at {found.since:.2f} s of {found.duration:.2f} s"
+    console.print(f"{last.verdict}, confidence {last.confidence:.2f}, {when}: {last.reason}", highlight=False)
     for remark in last.remarks:
         console.print(remark, highlight=False)
     if not recording.complete:
-        console.print("the recording is cut off; the verdict rests on what is readable")
+        console.print("the recording is truncated; the verdict is based on its readable part")

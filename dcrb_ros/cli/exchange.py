@@ -1,4 +1,4 @@
-"""`dcrb export` and `dcrb import`: waveforms out of recordings and into them."""
+"""`dcrb export` and `dcrb import`: convert between recordings and files of other tools."""
 
 from __future__ import annotations
 
@@ -7,30 +7,41 @@ from typing import Annotated
 
 import typer
 
+from dcrb_ros.cli.options import Bag
+
 
 def export(
-    bag: Annotated[Path, typer.Argument(help="Folder of a recording or an .mcap file.")],
-    output: Annotated[Path, typer.Option("-o", "--output", help="File to write: .npz, .csv, .mat, .wav or .parquet.")],
+    bag: Bag,
+    output: Annotated[Path, typer.Option("-o", "--output", help="New file to write: .npz, .csv, .mat, .wav or .parquet.")],
 ) -> None:
-    """Write a recording's waveform for other tools, with a description beside it."""
+    """Write a recording's waveform to a file for other tools, and its description to a YAML file with the same name.
+
+    Example: dcrb export bags/healthy -o healthy.csv
+    """
     from dcrb_ros.exchange.export import export as exported
     from dcrb_ros.recordings.reader import Recording
 
     recording = Recording(bag)
     beside = exported(recording, output)
-    for words in recording.damage:
-        typer.echo(f"dcrb: {words}", err=True)
+    for damage in recording.damage:
+        typer.echo(f"dcrb: {damage}", err=True)
     print(f"{output}, described by {beside}")
 
 
 def import_(
-    file: Annotated[Path, typer.Argument(help="Waveform: .csv, .wav, .mat, .npz or .parquet.")],
-    about: Annotated[Path, typer.Option("--about", help="YAML file: channels, unit, sampling_rate, speed, bearing or orders.")],
-    output: Annotated[Path, typer.Option("-o", "--output", help="Folder of the recording.")],
+    file: Annotated[Path, typer.Argument(help="File with the waveform: .csv, .wav, .mat, .npz or .parquet.")],
+    about: Annotated[
+        Path,
+        typer.Option("--about", help="YAML description of the file: channels, unit, sampling_rate, speed, and bearing or orders."),
+    ],
+    output: Annotated[Path, typer.Option("-o", "--output", help="New folder of the recording.")],
 ) -> None:
-    """Make a recording of a foreign waveform, which the detector takes like one of the bench."""
-    from dcrb_ros.exchange.importing import Import
+    """Convert a waveform measured elsewhere to a recording that can be used like one of the bench.
 
-    found = Import(file, about)
-    samples = found.write(output)
-    print(f"{output}: {samples} samples, {samples / found.rate:.3f} s at {found.rate} Hz")
+    Example: dcrb import 97.mat --about 97.yaml -o cwru_97
+    """
+    from dcrb_ros.exchange.importing import WaveformImport
+
+    waveform = WaveformImport(file, about)
+    samples = waveform.write(output)
+    print(f"{output}: {samples} samples, {samples / waveform.rate:.3f} s at {waveform.rate} Hz")

@@ -1,12 +1,13 @@
-"""`dcrb info`: what is in a recording."""
+"""`dcrb info`: the contents of a recording."""
 
 from __future__ import annotations
 
 import json
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
+
+from dcrb_ros.cli.options import Bag, literal
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -14,19 +15,23 @@ if TYPE_CHECKING:
     from dcrb_ros.recordings.reader import Recording
 
 SHOWN_COMMANDS = 20
-"""Commands printed in the table; --json gives all."""
+"""Commands printed in the table at most [-]; --json prints all of them."""
 
 
 def info(
-    bag: Annotated[Path, typer.Argument(help="Folder of a recording or an .mcap file.")],
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON: the manifest, contents and what is damaged.")] = False,
+    bag: Bag,
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON: manifest, message counts, commands and damage.")] = False,
 ) -> None:
-    """Print the manifest and the contents of a recording."""
+    """Print the manifest, the topics, the commands and the damage of a recording.
+
+    Example: dcrb info bags/healthy
+    """
+    from dcrb_ros.messages.event_text import encode_command
     from dcrb_ros.recordings.reader import Recording, metadata_flaw
 
     recording = Recording(bag)
     counts, flaw = recording.counts(), metadata_flaw(bag)
-    commands = [command.described() for command in recording.commands()]
+    commands = [encode_command(command) for command in recording.commands()]
     damage = [*recording.damage, *([flaw] if flaw else [])]
     if as_json:
         about = {"manifest": recording.manifest, "outcome": recording.outcome, "messages": counts, "commands": commands, "damage": damage}
@@ -43,14 +48,14 @@ def info(
         console.print(_table(f"commands: {len(commands)}", ("simulated time [s]", "command"), shown))
     if not recording.imported:
         console.print(_table("configuration, where it differs from the default", ("parameter", "value"), _changed(recording)))
-    for words in damage:
-        console.print(f"damaged: {words}", highlight=False, soft_wrap=True)
+    for description in damage:
+        console.print(f"damaged: {description}", highlight=False, soft_wrap=True)
     if damage:
-        console.print("everything that can be read is counted above; dcrb recover makes a whole recording of it", soft_wrap=True)
+        console.print("the counts above are of the readable part; dcrb recover writes it to a complete recording", soft_wrap=True)
 
 
 def _lines(recording: Recording) -> list[str]:
-    """Return who made the recording, of what and what came of it."""
+    """Return lines on the software, the sensor, the faults and the outcome of the recording."""
     manifest, orders, outcome = recording.manifest, recording.orders, recording.outcome
     software = ", ".join(f"{name} {value}" for name, value in manifest.get("software", {}).items())
     lines = [
@@ -83,7 +88,7 @@ def _changed(recording: Recording) -> list[tuple[str, str]]:
 def _table(title: str, heads: tuple[str, str], rows: Any) -> Table:
     from rich.table import Table
 
-    table = Table(*heads, title=title)
+    table = Table(*literal(*heads), title=title)
     for row in rows:
         table.add_row(*(str(cell) for cell in row))
     return table

@@ -1,4 +1,4 @@
-"""`dcrb recover`: repair of a cut-off or damaged recording."""
+"""`dcrb recover`: repair of a truncated or damaged recording."""
 
 from __future__ import annotations
 
@@ -7,15 +7,20 @@ from typing import Annotated
 
 import typer
 
+from dcrb_ros.cli.options import Bag
+
 
 def recover(
-    bag: Annotated[Path, typer.Argument(help="Folder of a recording or an .mcap file.")],
-    output: Annotated[Path, typer.Option("-o", "--output", help="Folder of the repaired recording.")],
+    bag: Bag,
+    output: Annotated[Path, typer.Option("-o", "--output", help="New folder of the repaired recording.")],
 ) -> None:
-    """Write what can be read of a damaged recording to a new one that plays and opens like any other."""
+    """Write the readable part of a truncated or damaged recording to a new, complete one.
+
+    Example: dcrb recover broken_recording -o repaired_recording
+    """
     from dcrb_ros.recordings.recovery import recover as recovered
 
     salvage = recovered(bag, output)
-    for words in salvage.damage:
-        typer.echo(f"dcrb: {words}", err=True)
+    for damage in salvage.damage:
+        typer.echo(f"dcrb: {damage}", err=True)
     print(f"{output}: {salvage.messages} messages, the last at {salvage.last_ns * 1e-9:.3f} s")

@@ -1,40 +1,40 @@
-"""`dcrb replay`: a recording on the topics of the bench."""
+"""`dcrb replay`: publish a recording on the topics of the bench."""
 
 from __future__ import annotations
 
 import math
-import tempfile
-from pathlib import Path
 from typing import Annotated
 
 import typer
 
+from dcrb_ros.cli.options import Bag
 from dcrb_ros.runtime.refusal import Refusal
 
 
 def replay(
-    bag: Annotated[Path, typer.Argument(help="Folder of a recording or an .mcap file.")],
-    rate: Annotated[float, typer.Option(help="Recorded over wall time; 0 for as fast as possible.")] = 1.0,
-    loop: Annotated[bool, typer.Option("--loop", help="Begin again at the end, for ever.")] = False,
-    offset: Annotated[float, typer.Option(help="Recorded time to skip at the beginning [s].")] = 0.0,
-    clock: Annotated[bool, typer.Option("--clock", help="Publish /clock, the recorded time.")] = False,
-    topics: Annotated[str, typer.Option(help="Topics to replay; by default what the simulator publishes.")] = "",
+    bag: Bag,
+    rate: Annotated[float, typer.Option(help="Recorded over wall time, 0 to 1000; 1 is the recorded speed, 0 as fast as possible.")] = 1.0,
+    loop: Annotated[bool, typer.Option("--loop", help="Start again at the end until stopped.")] = False,
+    offset: Annotated[float, typer.Option(help="Recorded time in seconds to skip at the beginning, 0 to 1e6.")] = 0.0,
+    clock: Annotated[bool, typer.Option("--clock", help="Also publish the recorded time on /clock.")] = False,
+    topics: Annotated[
+        str,
+        typer.Option(help="Topics to publish, such as 'outer_ring/vibration, diagnosis'. Default: all topics of the simulator."),
+    ] = "",
 ) -> None:
-    """Publish a recording on the topics of the bench, at the recorded pace."""
+    """Publish a recording on the topics of the bench, as the simulator did.
+
+    Example: dcrb replay bags/outer_ring_defect --rate 1 --loop
+    """
     for name, value in (("--rate", rate), ("--offset", offset)):
         if not math.isfinite(value):
-            raise Refusal(f"{name} {value} is refused: give a number")
+            raise Refusal(f"{name} {value} is not a finite number: give one")
     from dcrb_ros.recordings.replay import Replay, ReplayParameters
-    from dcrb_ros.settings.files import to_yaml, validated
+    from dcrb_ros.settings.files import validated
 
     given = {"bag": str(bag), "rate": rate, "loop": loop, "offset": offset, "clock": clock, "topics": topics}
     parameters = validated(given, ReplayParameters, "replay")
-    Replay(parameters)  # refused before ROS is started
-    from dcrb_ros.nodes.replayer import run
-    from dcrb_ros.nodes.ros import stay_on_this_machine
+    Replay(parameters)  # refuses an invalid recording before ROS is started
+    from dcrb_ros.nodes.programs import run
 
-    stay_on_this_machine()
-    with tempfile.TemporaryDirectory(prefix="dcrb-") as folder:
-        file = Path(folder) / "replay.yaml"
-        file.write_text(to_yaml(parameters), encoding="utf-8")
-        raise typer.Exit(run(["--ros-args", "--params-file", str(file)]))
+    raise typer.Exit(run("replayer", [], parameters=parameters))

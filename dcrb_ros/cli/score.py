@@ -13,116 +13,124 @@ from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 import typer
 
+from dcrb_ros.cli.options import DetectorFile, JsonOutput, Workers, announce_compilation, literal, worker_count
 from dcrb_ros.runtime.refusal import Refusal
 
 if TYPE_CHECKING:
     from dcrb_ros.diagnosis.parameters import DetectorParameters
     from dcrb_ros.exam.case import Case
-    from dcrb_ros.exam.design import Exam
-    from dcrb_ros.exam.marking import Mark
-    from dcrb_ros.exam.opinion import Opinion
-    from dcrb_ros.exam.recorded_case import Tape
+    from dcrb_ros.exam.exam_file import Exam
+    from dcrb_ros.exam.received_diagnosis import ReceivedDiagnosis
     from dcrb_ros.exam.report import Report
 
-REFERENCE = "the shipped detector"
+SHIPPED = "the shipped detector"
 
 
 class Candidate(NamedTuple):
-    """Who is examined: a node, or the shipped detector."""
+    """The detector under evaluation: a node, or the shipped detector."""
 
     name: str
     node: str | None
-    """Command of the node."""
+    """Command that starts the node; None for the shipped detector."""
     parameters: DetectorParameters
-    """Of the shipped detector."""
+    """Parameters of the shipped detector."""
     rate: float
+    """Recorded over wall time; 0 for as fast as the node answers [-]."""
     patience: float
+    """Wall time that the node may take to start [s]."""
 
 
 def score(
     sources: Annotated[
         list[str] | None,
-        typer.Argument(metavar="EXAM | BAG ...", help="An exam (smoke, standard, blind, full, hours, a file) or recordings."),
+        typer.Argument(metavar="EXAM | BAG ...", help="An exam (smoke, standard, blind, full, hours or a YAML file), or recordings."),
     ] = None,
-    exam: Annotated[str | None, typer.Option(help="The exam, as the argument.")] = None,
-    node: Annotated[str | None, typer.Option(help="Command of a detector node; it is started for every scenario.")] = None,
-    reference: Annotated[bool, typer.Option("--reference", help="Examine the shipped detector on recordings.")] = False,
-    detector: Annotated[Path | None, typer.Option(help="Parameters of the shipped detector (YAML).")] = None,
-    rate: Annotated[float, typer.Option(help="Recorded over wall time for --node; 0 for as fast as it answers.")] = 0.0,
-    patience: Annotated[float, typer.Option(help="Wall time that the node gets to come up [s].")] = 30.0,
-    only: Annotated[str, typer.Option(help="Scenarios by name, such as 'outer/*'; their twins come with them.")] = "",
-    recordings: Annotated[Path | None, typer.Option(help="Folder that keeps the exam's recordings; by default the user's cache.")] = None,
-    workers: Annotated[int, typer.Option(help="Runs at a time; 0 for one per core.")] = 0,
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON instead of tables.")] = False,
-    junit: Annotated[Path | None, typer.Option(help="Write JUnit XML.")] = None,
-    figure: Annotated[Path | None, typer.Option(help="Draw the report (.png, .svg, .pdf).")] = None,
-    show: Annotated[bool, typer.Option("--list", help="List the scenarios and end.")] = False,
+    exam: Annotated[str | None, typer.Option(help="The exam; the same as the argument.")] = None,
+    node: Annotated[str | None, typer.Option(help="Command that starts your detector node; it is started anew for every scenario.")] = None,
+    reference: Annotated[
+        bool, typer.Option("--reference", help="Run the shipped detector on recordings, instead of scoring the diagnoses in them.")
+    ] = False,
+    detector: DetectorFile = None,
+    rate: Annotated[
+        float, typer.Option(help="Recorded over wall time with --node, 0 to 1000; 0 sends the signal as fast as the node answers.")
+    ] = 0.0,
+    patience: Annotated[float, typer.Option(help="Wall time in seconds that the node may take to start, above 0 and up to 3600.")] = 30.0,
+    only: Annotated[str, typer.Option(help="Pattern of scenario names, such as 'outer/*'; their twins are included. Default: all.")] = "",
+    recordings: Annotated[
+        Path | None, typer.Option(help="Folder that keeps the exam's recordings. Default: a folder in the user's cache.")
+    ] = None,
+    workers: Workers = 0,
+    as_json: JsonOutput = False,
+    junit: Annotated[Path | None, typer.Option(help="Also write the report as JUnit XML to this file.")] = None,
+    figure: Annotated[Path | None, typer.Option(help="Also draw the report to this file (.png, .svg or .pdf).")] = None,
+    show: Annotated[bool, typer.Option("--list", help="List the scenarios and exit.")] = False,
 ) -> None:
-    """Examine a fault detector: the shipped one, a node of yours, or what recordings hold; exit status 1 if it fails."""
-    from dcrb_ros.runtime.processes import cores
+    """Evaluate a fault detector: the shipped one, your own node, or the diagnoses in recordings.
 
+    Exit status 0 if every criterion is met, 1 if not, 2 if the input is invalid.
+
+    Example: dcrb score smoke --node "python3 examples/naive_detector.py"
+    """
     given = [*(sources or ()), *([exam] if exam else [])]
-    _check(given, rate, patience, workers, node, detector, reference)
+    _check(given, rate, patience, node, detector, reference)
+    count = worker_count(workers)
     _check_files(junit, figure)
-    count, candidate = workers or cores(), _candidate(node, detector, rate, patience)
+    candidate = _candidate(node, detector, rate, patience)
     bags = [source for source in given if _is_recording(Path(source))]
     if bags and len(bags) < len(given):
-        raise Refusal(f"{next(s for s in given if s not in bags)} is no recording and {bags[0]} is one: give one exam, or recordings alone")
+        exam_given = next(source for source in given if source not in bags)
+        raise Refusal(f"{exam_given} is not a recording but {bags[0]} is: give either one exam or recordings")
     if bags and (only or show or recordings):
-        raise Refusal(f"--only, --list and --recordings belong to an exam, and {bags[0]} is a recording: leave them out")
+        raise Refusal(f"--only, --list and --recordings apply to an exam, but {bags[0]} is a recording: leave them out")
     if bags:
-        judged = reference or node is not None or detector is not None
-        report = _score_bags([Path(bag) for bag in bags], candidate, judged=judged, workers=count)
+        run_detector = reference or node is not None or detector is not None
+        report = _evaluate_bags([Path(bag) for bag in bags], candidate, run_detector=run_detector, workers=count)
     else:
-        from dcrb_ros.exam.design import read_exam
+        from dcrb_ros.exam.exam_file import read_exam
 
         if len(given) > 1:
-            raise Refusal(f"{len(given)} exams at once ({', '.join(given)}) are refused: sit one after the other")
-        chosen = _only(read_exam(given[0]), only)
+            raise Refusal(f"{len(given)} exams are given ({', '.join(given)}): give one at a time")
+        chosen = _select(read_exam(given[0]), only)
         if show:
             _list(chosen)
             return
-        report = _sit(chosen, candidate, recordings, count)
-    _tell(report, as_json, junit, figure)
+        report = _evaluate_exam(chosen, candidate, recordings, count)
+    _output(report, as_json, junit, figure)
     if not report.passed:
         raise typer.Exit(1)
 
 
-def _check(
-    given: Sequence[str], rate: float, patience: float, workers: int, node: str | None, detector: Path | None, reference: bool
-) -> None:
-    from dcrb_ros.exam.design import shipped_exams
+def _check(given: Sequence[str], rate: float, patience: float, node: str | None, detector: Path | None, reference: bool) -> None:
+    from dcrb_ros.exam.exam_file import shipped_exams
 
     if not given:
         raise Refusal(f"there is nothing to score: give an exam ({', '.join(shipped_exams())} or a YAML file), or recordings")
     if not (math.isfinite(rate) and 0.0 <= rate <= 1000.0):
-        raise Refusal(f"--rate {rate} is outside 0 .. 1000: 0 feeds the node as fast as it answers, 1 at the recorded pace")
+        raise Refusal(f"--rate {rate} is outside 0 .. 1000: give 0 for as fast as the node answers, 1 for the recorded speed")
     if not (math.isfinite(patience) and 0.0 < patience <= 3600.0):
-        raise Refusal(f"--patience {patience} s is outside 0 .. 3600 s: give the seconds that your node may take to come up")
-    if not 0 <= workers <= 256:
-        raise Refusal(f"--workers {workers} is outside 0 .. 256: 0 takes one per core")
+        raise Refusal(f"--patience {patience} s is outside 0 .. 3600 s: give the time that your node may take to start")
     if node is not None and reference:
-        raise Refusal("--node and --reference name two detectors: examine one after the other")
+        raise Refusal("--node and --reference name two detectors: evaluate them one at a time")
     if node is not None and detector is not None:
-        raise Refusal(f"--detector {detector} is for the shipped detector and --node names another: give its parameters in its command")
+        raise Refusal(f"--detector {detector} applies to the shipped detector only: give your node's parameters in its --node command")
 
 
 def _candidate(node: str | None, detector: Path | None, rate: float, patience: float) -> Candidate:
     from dcrb_ros.cli.detect import detector_parameters
 
-    shipped = REFERENCE if detector is None else f"{REFERENCE} with {detector.name}"
+    shipped = SHIPPED if detector is None else f"{SHIPPED} with {detector.name}"
     return Candidate(shipped if node is None else node, node, detector_parameters(detector), rate, patience)
 
 
 def _check_files(junit: Path | None, figure: Path | None) -> None:
-    """Refuse files that could not be written: at the end of the exam it would be late to say so."""
+    """Refuse output files that cannot be written before the evaluation starts."""
     if figure is not None and figure.suffix not in (".png", ".svg", ".pdf"):
-        raise Refusal(f"--figure {figure} is of no known kind: the name must end in .png, .svg or .pdf")
+        raise Refusal(f"--figure {figure} has an unknown file type: the name must end in .png, .svg or .pdf")
     for option, file in (("--junit", junit), ("--figure", figure)):
         if file is None:
             continue
         if not file.parent.is_dir():
-            raise Refusal(f"{option} {file} cannot be written: there is no folder {file.parent}; make it or give another file")
+            raise Refusal(f"{option} {file} cannot be written: there is no folder {file.parent}; create it or give another file")
         if file.is_dir():
             raise Refusal(f"{option} {file} is a folder: give the name of a file in it")
         if not os.access(file if file.exists() else file.parent, os.W_OK):
@@ -130,21 +138,21 @@ def _check_files(junit: Path | None, figure: Path | None) -> None:
 
 
 def _is_recording(path: Path) -> bool:
-    """Return whether a path is meant as a recording; what does not exist is looked for among the exams."""
+    """Return whether a path is read as a recording; a path that does not exist is looked up among the exams."""
     return path.is_dir() or path.suffix == ".mcap" or (path.is_file() and path.suffix not in (".yaml", ".yml"))
 
 
-def _only(exam: Exam, pattern: str) -> Exam:
-    """Return an exam with the scenarios of a pattern and their twins."""
+def _select(exam: Exam, pattern: str) -> Exam:
+    """Return an exam with the scenarios that match a pattern, and their twins."""
     import dataclasses
 
     if not pattern:
         return exam
-    chosen = {case.question.name for case in exam.cases if fnmatch.fnmatchcase(case.question.name, pattern)}
+    chosen = {case.expectation.name for case in exam.cases if fnmatch.fnmatchcase(case.expectation.name, pattern)}
     if not chosen:
-        raise Refusal(f"--only '{pattern}' fits no scenario of {exam.name}: --list shows their names")
-    twins = {case.question.twin for case in exam.cases if case.question.name in chosen}
-    kept = tuple(case for case in exam.cases if case.question.name in chosen | twins)
+        raise Refusal(f"--only '{pattern}' matches no scenario of {exam.name}: --list shows their names")
+    twins = {case.expectation.twin for case in exam.cases if case.expectation.name in chosen}
+    kept = tuple(case for case in exam.cases if case.expectation.name in chosen | twins)
     return dataclasses.replace(exam, name=f"{exam.name} (only {pattern})", cases=kept)
 
 
@@ -155,119 +163,120 @@ def _list(exam: Exam) -> None:
 
     from dcrb_ros.exam.case import scenarios_hash
 
-    # What users name is text: a name in brackets is no markup.
-    table = Table("scenario", "right verdict", "onset [s]", "duration [s]", "twin", title=Text(f"{exam.name}: {exam.about}"))
+    # `Text` keeps brackets in users' names from being read as markup.
+    heads = literal("scenario", "correct verdict", "onset [s]", "duration [s]", "twin")
+    table = Table(*heads, title=Text(f"{exam.name}: {exam.about}"))
     for case in exam.cases:
-        question = case.question
-        name = question.name if question.required else f"{question.name} (not required)"
-        onset = f"{question.onset:g}" if question.faulty else "-"
-        table.add_row(Text(name), question.verdict, onset, f"{question.duration:g}", Text(question.twin or "-"))
+        expectation = case.expectation
+        name = expectation.name if expectation.required else f"{expectation.name} (not required)"
+        onset = f"{expectation.onset:g}" if expectation.faulty else "-"
+        table.add_row(Text(name), expectation.verdict, onset, f"{expectation.duration:g}", Text(expectation.twin or "-"))
     console = Console()
     Console(width=None if console.is_terminal else 160).print(table)
     seconds = sum(case.run.duration for case in exam.cases)
     print(f"{len(exam.cases)} scenarios, {seconds:.0f} s simulated, sha256 {scenarios_hash(exam.cases)}")
 
 
-def _sit(exam: Exam, candidate: Candidate, recordings: Path | None, workers: int) -> Report:
+def _evaluate_exam(exam: Exam, candidate: Candidate, recordings: Path | None, workers: int) -> Report:
     """Return the report of an exam."""
-    from dcrb_ros.core import compiled
     from dcrb_ros.exam.case import scenarios_hash
-    from dcrb_ros.exam.library import checked_folder, default_folder
-    from dcrb_ros.exam.marking import mark
+    from dcrb_ros.exam.evaluation import evaluate_shipped
+    from dcrb_ros.exam.recording_cache import checked_folder, default_folder
     from dcrb_ros.exam.report import Report
-    from dcrb_ros.exam.sitting import examine_reference
+    from dcrb_ros.exam.scoring import score_scenario
 
     folder = checked_folder(recordings or default_folder())
-    if not compiled():
-        typer.echo("compiling the kernels (once, about half a minute) ...", err=True)
+    announce_compilation()
     failures: dict[str, str] = {}
     if candidate.node is None:
-        with _progress("examined", len(exam.cases)) as told:
-            found: Mapping[str, Sequence[Opinion]] = examine_reference(exam.cases, folder, candidate.parameters, workers, told)
+        with _progress("evaluated", len(exam.cases)) as on_done:
+            diagnoses: Mapping[str, Sequence[ReceivedDiagnosis]]
+            diagnoses = evaluate_shipped(exam.cases, folder, candidate.parameters, workers, on_done)
     else:
         bags = _recorded(exam.cases, folder, workers, candidate.node, candidate.patience)
-        found, failures = _examine_node(bags, candidate.node, candidate.rate, candidate.patience)
-    marks = [
-        mark(case.question, found[case.question.name], exam.criteria, failure=failures.get(case.question.name, "")) for case in exam.cases
-    ]
-    return Report(exam.name, candidate.name, exam.criteria, scenarios_hash(exam.cases), tuple(marks))
+        diagnoses, failures = _evaluate_node(bags, candidate.node, candidate.rate, candidate.patience)
+    expectations = [case.expectation for case in exam.cases]
+    results = tuple(score_scenario(e, diagnoses[e.name], exam.criteria, failure=failures.get(e.name, "")) for e in expectations)
+    return Report(exam.name, candidate.name, exam.criteria, scenarios_hash(exam.cases), results)
 
 
 def _recorded(cases: Sequence[Case], folder: Path, workers: int, node: str, patience: float) -> dict[str, Path]:
-    """Return the recordings of cases; a command that cannot work is refused before they are simulated."""
-    from dcrb_ros.exam.sitting import record_all
+    """Return the recordings of cases; an invalid command is refused before anything is simulated."""
+    from dcrb_ros.exam.evaluation import record_all
     from dcrb_ros.nodes.examinee import Examinee
 
     Examinee(node, patience=patience)
-    with _progress("simulated", len(cases)) as told:
-        made = record_all(cases, folder, workers, told)
-    return {case.question.name: made[case.question.name] for case in cases}
+    with _progress("simulated", len(cases)) as on_done:
+        paths = record_all(cases, folder, workers, on_done)
+    return {case.expectation.name: paths[case.expectation.name] for case in cases}
 
 
-def _examine_node(bags: Mapping[str, Path], node: str, rate: float, patience: float) -> tuple[dict[str, list[Opinion]], dict[str, str]]:
-    """Return what a node says of recordings, and what broke."""
+def _evaluate_node(
+    bags: Mapping[str, Path], node: str, rate: float, patience: float
+) -> tuple[dict[str, list[ReceivedDiagnosis]], dict[str, str]]:
+    """Return a node's diagnoses of recordings, and the failures, by name."""
     from dcrb_ros.nodes.examinee import Examinee, Unanswered
 
     examinee = Examinee(node, rate=rate, patience=patience)
-    found: dict[str, list[Opinion]] = {}
+    diagnoses: dict[str, list[ReceivedDiagnosis]] = {}
     failures: dict[str, str] = {}
-    with _progress("examined", len(bags)) as told:
+    with _progress("evaluated", len(bags)) as on_done:
         for name, bag in bags.items():
             answers = examinee.examine(bag)
-            if answers.failure and not answers.opinions and not found:
+            if answers.failure and not answers.opinions and not diagnoses:
                 raise Unanswered(f"the detector '{node}' failed on the first scenario ({name}): {answers.failure}")
-            found[name] = answers.opinions
+            diagnoses[name] = answers.opinions
             if answers.failure:
                 failures[name] = answers.failure
-            told(name)
-    return found, failures
+            on_done(name)
+    return diagnoses, failures
 
 
-def _score_bags(bags: Sequence[Path], candidate: Candidate, *, judged: bool, workers: int) -> Report:
-    """Return the report of recordings: of the candidate where they are to be ``judged`` now, or of the diagnoses in them."""
+def _evaluate_bags(bags: Sequence[Path], candidate: Candidate, *, run_detector: bool, workers: int) -> Report:
+    """Return the report of recordings: of the candidate if ``run_detector``, otherwise of the diagnoses in the recordings."""
     from dcrb_ros.exam.criteria import Criteria
-    from dcrb_ros.exam.marking import mark
-    from dcrb_ros.exam.recorded_case import read_tape
+    from dcrb_ros.exam.evaluation import evaluate_shipped_on, score_recordings
+    from dcrb_ros.exam.recorded_case import read_recorded_case
     from dcrb_ros.exam.report import Report
-    from dcrb_ros.exam.sitting import examine_reference_on, marked
+    from dcrb_ros.exam.scoring import score_scenario
 
     names = _names(bags)
-    tapes: list[Tape] = [read_tape(bag, name=name) for bag, name in zip(bags, names, strict=True)]
-    for tape in tapes:
-        for words in tape.damage:
-            typer.echo(f"{tape.path}: {words}; what is readable is scored", err=True)
+    recordings = [read_recorded_case(bag, name=name) for bag, name in zip(bags, names, strict=True)]
+    for recorded in recordings:
+        for damage in recorded.damage:
+            typer.echo(f"{recorded.path}: {damage}; the readable part is scored", err=True)
     criteria = Criteria()
     failures: dict[str, str] = {}
-    marks: tuple[Mark, ...]
-    if not judged:
-        return Report("recordings", "the recorded diagnoses", criteria, "", marked(tapes, criteria))
+    if not run_detector:
+        return Report("recordings", "the recorded diagnoses", criteria, "", score_recordings(recordings, criteria))
     if candidate.node is None:
-        with _progress("examined", len(tapes)) as told:
-            found = examine_reference_on(tapes, candidate.parameters, workers, told)
+        with _progress("evaluated", len(recordings)) as on_done:
+            diagnoses = evaluate_shipped_on(recordings, candidate.parameters, workers, on_done)
     else:
-        found, failures = _examine_node(dict(zip(names, bags, strict=True)), candidate.node, candidate.rate, candidate.patience)
-    marks = tuple(mark(t.question, found[t.question.name], criteria, failure=failures.get(t.question.name, "")) for t in tapes)
-    return Report("recordings", candidate.name, criteria, "", marks)
+        diagnoses, failures = _evaluate_node(dict(zip(names, bags, strict=True)), candidate.node, candidate.rate, candidate.patience)
+    expectations = [recorded.expectation for recorded in recordings]
+    results = tuple(score_scenario(e, diagnoses[e.name], criteria, failure=failures.get(e.name, "")) for e in expectations)
+    return Report("recordings", candidate.name, criteria, "", results)
 
 
 def _names(bags: Sequence[Path]) -> list[str]:
-    """Return a name for each recording: its folder's, or the whole path where two have the same."""
+    """Return a name for each recording: the name of its folder, or the whole path if two folders have the same name."""
     short = [bag.resolve().name for bag in bags]
     names = [name if short.count(name) == 1 else str(bag) for name, bag in zip(short, bags, strict=True)]
     twice = next((name for name in names if names.count(name) > 1), None)
     if twice is not None:
-        raise Refusal(f"{twice} is given twice: a recording counts once")
+        raise Refusal(f"{twice} is given twice: give every recording once")
     return names
 
 
 @contextmanager
-def _progress(words: str, total: int) -> Iterator[Callable[[str], None]]:
-    """Yield what is called with the name of each scenario that is done."""
+def _progress(activity: str, total: int) -> Iterator[Callable[[str], None]]:
+    """Show a progress bar; yield the function to call with the name of each scenario that is done."""
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
     columns = (
-        TextColumn("scenarios " + words),
+        TextColumn("scenarios " + activity),
         BarColumn(),
         MofNCompleteColumn(),
         TimeElapsedColumn(),
@@ -278,8 +287,8 @@ def _progress(words: str, total: int) -> Iterator[Callable[[str], None]]:
         yield lambda name: progress.update(task, advance=1, description=name)
 
 
-def _tell(report: Report, as_json: bool, junit: Path | None, figure: Path | None) -> None:
-    """Print a report, and then write it: what is printed is there even where a file cannot be written."""
+def _output(report: Report, as_json: bool, junit: Path | None, figure: Path | None) -> None:
+    """Print a report, then write its files; printing comes first so that no result is lost if a file cannot be written."""
     if as_json:
         print(json.dumps(report.described(), indent=2, allow_nan=False), flush=True)
     else:

@@ -1,8 +1,7 @@
-"""`dcrb simulate`: the model without ROS, into a recording."""
+"""`dcrb simulate`: simulate without ROS and write a recording."""
 
 from __future__ import annotations
 
-import math
 import time
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import ExitStack
@@ -11,64 +10,62 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from dcrb_ros.cli.options import Duration, Scenario, Settings, announce_compilation
 from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.runtime.simulated_time import checked_duration
 
 if TYPE_CHECKING:
     from dcrb_ros.settings.configuration import Configuration
     from dcrb_ros.simulation.block import Block
     from dcrb_ros.simulation.loop import Simulation
 
-LONGEST = 1e6
-"""Longest run that is accepted [s]."""
-AHEAD = 4
-"""Blocks made while one is written."""
-
-
-def checked_duration(duration: float) -> float:
-    """Return a duration [s] or refuse it."""
-    if not (math.isfinite(duration) and 0.0 < duration <= LONGEST):
-        raise Refusal(f"--duration {duration} s is outside 0 .. {LONGEST:g} s: give the simulated seconds to run")
-    return duration
+PREFETCH_DEPTH = 4
+"""Blocks simulated ahead while one is written [-]."""
 
 
 def simulate(
-    config: Annotated[str | None, typer.Argument(help="A YAML file or a shipped name, such as healthy.")] = None,
-    output: Annotated[Path | None, typer.Option("-o", "--output", help="Folder of the recording; by default named after CONFIG.")] = None,
-    duration: Annotated[float, typer.Option(help="Simulated time [s].")] = 10.0,
-    scenario: Annotated[Path | None, typer.Option(help="A timeline of speed, load, faults and sensor in simulated time (YAML).")] = None,
-    settings: Annotated[list[str] | None, typer.Option("--set", help="KEY=VALUE, such as operating.speed=100.0.")] = None,
+    config: Annotated[str | None, typer.Argument(help="Configuration: a YAML file or a shipped name, such as healthy.")] = None,
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", help="New folder of the recording. Default: the name of the configuration.")
+    ] = None,
+    duration: Duration = 10.0,
+    scenario: Scenario = None,
+    settings: Settings = None,
     source: Annotated[
         Path | None,
-        typer.Option("--from", help="Repeat this recording: its configuration, seed and commands; compare the samples."),
+        typer.Option("--from", help="Simulate this recording again with its configuration, seed and commands, and compare the samples."),
     ] = None,
 ) -> None:
-    """Simulate a bearing and write a recording, or repeat one."""
+    """Simulate a bearing without ROS and write a recording, or simulate an existing recording again.
+
+    Example: dcrb simulate inner_ring_defect -o my_recording --duration 5 --set operating.load=60000.0
+    """
     if source is not None:
         if config or settings or scenario:
-            raise Refusal("--from takes configuration, settings and scenario from the recording: leave out CONFIG, --set and --scenario")
+            raise Refusal("--from reads configuration and scenario from the recording: leave out CONFIG, --set and --scenario")
         reproduce(source, output)
         return
     if config is None:
         raise Refusal("Missing argument 'CONFIG': give a YAML file or a shipped name, such as healthy, or --from BAG")
     seconds = checked_duration(duration)
     from dcrb_ros.settings.files import load_configuration
-    from dcrb_ros.simulation.scenario import begun, read_story
+    from dcrb_ros.simulation.scenario import read_scenario_file, starting_configuration
 
-    story = read_story(scenario) if scenario else None
-    configuration = begun(story, load_configuration(config, settings or ()), str(scenario))
+    story = read_scenario_file(scenario) if scenario else None
+    configuration = starting_configuration(story, load_configuration(config, settings or ()), str(scenario))
     path = output or Path(Path(config).stem)
     _refuse_existing(path)
     from dcrb_ros.recordings.recorder import Recorder
 
     simulation = _started(configuration, story, str(scenario))
-    with Recorder(path, configuration, simulation.layout, scenario=story) as recorder:
+    with Recorder(path, configuration, simulation.bodies, scenario=story) as recorder:
         done, factor = _run(path.name, simulation.blocks(seconds), seconds, recorder.write)
     print(f"{path}: {done:.2f} s simulated, {factor:.2f} x real time")
     print(f"open it with: rerun {recorder.file}   or: dcrb view {path}")
 
 
 def reproduce(source: Path, output: Path | None) -> None:
-    """Simulate a recording again and compare the samples; write them to a recording where one is asked for."""
+    """Simulate a recording again and compare the samples; write them to a new recording if ``output`` is given."""
     from dcrb_ros.recordings.reader import Recording
     from dcrb_ros.recordings.recorder import Recorder
     from dcrb_ros.recordings.reproduction import Reproduction
@@ -80,12 +77,12 @@ def reproduce(source: Path, output: Path | None) -> None:
     difference = reproduction.difference()
     if difference:
         typer.echo(f"dcrb: {source}: {difference}; the samples may differ", err=True)
-    story = recording.manifest.get("scenario")
-    simulation = _started(reproduction.configuration, story, f"{source}: scenario")
+    scenario = recording.manifest.get("scenario")
+    simulation = _started(reproduction.configuration, scenario, f"{source}: scenario")
     with ExitStack() as stack:
         write: Callable[[Block], None] | None = None
         if output is not None:
-            write = stack.enter_context(Recorder(output, reproduction.configuration, simulation.layout, scenario=story)).write
+            write = stack.enter_context(Recorder(output, reproduction.configuration, simulation.bodies, scenario=scenario)).write
         done, factor = _run(source.name, reproduction.blocks(simulation), reproduction.duration, write)
     reproduction.check()
     samples = reproduction.samples
@@ -94,26 +91,24 @@ def reproduce(source: Path, output: Path | None) -> None:
 
 def _refuse_existing(path: Path) -> None:
     if path.exists():
-        raise Refusal(f"{path} exists: give another name with -o or remove it, a recording is never overwritten")
+        raise Refusal(f"{path} exists: give another name with -o or remove it; recordings are never overwritten")
 
 
 def _started(configuration: Configuration, story: Mapping[str, Any] | None, source: str) -> Simulation:
-    from dcrb_ros.core import compiled
     from dcrb_ros.simulation.loop import Simulation
-    from dcrb_ros.simulation.scenario import timeline
+    from dcrb_ros.simulation.scenario import scheduled_changes
 
-    events = timeline(story, configuration, source) if story else []
-    if not compiled():
-        typer.echo("compiling the kernels (once, about half a minute) ...", err=True)
+    events = scheduled_changes(story, configuration, source) if story else []
+    announce_compilation()
     return Simulation(configuration, events)
 
 
 def _run(name: str, blocks: Iterable[Block], seconds: float, write: Callable[[Block], None] | None) -> tuple[float, float]:
-    """Write blocks and show how far they are; return the simulated time [s] and how much faster than real time it went."""
+    """Write blocks and show the progress; return the simulated time [s] and the real-time factor [-]."""
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
-    from dcrb_ros.runtime.prefetch import ahead
+    from dcrb_ros.runtime.prefetch import prefetch
 
     console = Console(stderr=True)
     started, done = time.perf_counter(), 0.0
@@ -126,7 +121,7 @@ def _run(name: str, blocks: Iterable[Block], seconds: float, write: Callable[[Bl
     with Progress(*columns, console=console) as progress:
         task = progress.add_task(name, total=seconds)
         try:
-            for block in ahead(iter(blocks), most=AHEAD):
+            for block in prefetch(iter(blocks), depth=PREFETCH_DEPTH):
                 if write is not None:
                     write(block)
                 done = block.end_ns * 1e-9
@@ -134,5 +129,5 @@ def _run(name: str, blocks: Iterable[Block], seconds: float, write: Callable[[Bl
         except KeyboardInterrupt:
             if write is None:
                 raise
-            console.print(f"stopped at {done:.2f} s; the recording holds what was simulated until then")
+            console.print(f"stopped at {done:.2f} s; the recording ends there")
     return done, done / (time.perf_counter() - started)

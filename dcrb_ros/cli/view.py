@@ -1,4 +1,4 @@
-"""`dcrb view`: a recording in Rerun."""
+"""`dcrb view`: show a recording in Rerun."""
 
 from __future__ import annotations
 
@@ -7,20 +7,25 @@ from typing import Annotated
 
 import typer
 
+from dcrb_ros.cli.options import Bag
+
 
 def view(
-    bag: Annotated[Path, typer.Argument(help="Recording: the folder, or one .mcap file.")],
-    save: Annotated[Path | None, typer.Option(help="Write a Rerun file (.rrd) instead of opening the viewer.")] = None,
-    screenshot: Annotated[Path | None, typer.Option(help="Write a picture of the viewer (.png) instead of opening it.")] = None,
-    web: Annotated[bool, typer.Option("--web", help="Open the viewer in the browser.")] = False,
+    bag: Bag,
+    save: Annotated[Path | None, typer.Option(help="Write a new Rerun file (.rrd) instead of opening the viewer.")] = None,
+    screenshot: Annotated[Path | None, typer.Option(help="Write a new picture of the viewer (.png) instead of opening it.")] = None,
+    web: Annotated[bool, typer.Option("--web", help="Open the viewer in the web browser instead of a window of its own.")] = False,
 ) -> None:
-    """Show a recording in Rerun: waveform, envelope spectrum and the moving bearing."""
+    """Show a recording in Rerun: waveform, squared envelope spectrum and the moving bearing.
+
+    Example: dcrb view bags/outer_ring_defect --save outer_ring_defect.rrd
+    """
     from dcrb_ros.viewer.show import view_recording
 
     content, complete, status = view_recording(bag, save=save, screenshot=screenshot, web=web)
     if not complete:
         seconds = (content.end_ns - content.start_ns) / 1e9
-        typer.echo(f"dcrb: {bag} is cut off; the {seconds:.2f} s that can be read were shown", err=True)
+        typer.echo(f"dcrb: {bag} is truncated; its readable part of {seconds:.2f} s was shown", err=True)
     for path in (save, screenshot):
         if path is not None:
             typer.echo(str(path))

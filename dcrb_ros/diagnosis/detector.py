@@ -1,7 +1,8 @@
-"""The reference fault detector: blocks of samples in, verdicts out, with bounded memory.
+"""The reference fault detector: blocks of samples in, diagnoses out, with bounded memory.
 
-Every hop: the stream is mended, the sensor's health is looked at, and the squared envelopes of a tree of bands are laid over the
-turns of the shaft. From the hops of a window come order spectra, from these the lines of each fault, from these the verdict.
+For every hop, the rules for the sensor look at the samples and at the levels of several bands. The squared envelopes of the bands are
+resampled over the angle of the shaft. From the hops of a window follow the squared envelope spectra, in which the rules for the bearing
+look for the lines of each fault. Their findings are combined to a verdict.
 """
 
 from __future__ import annotations
@@ -13,258 +14,281 @@ import numpy as np
 import numpy.typing as npt
 
 from dcrb_ros.bearing.kinematics import Orders
-from dcrb_ros.diagnosis.bands import Band, BandBank, band_tree, kurtosis
+from dcrb_ros.diagnosis.combination import Combination
+from dcrb_ros.diagnosis.demodulation import Band, Demodulator, band_tree, kurtosis
 from dcrb_ros.diagnosis.diagnosis import Diagnosis, Spectrum
-from dcrb_ros.diagnosis.envelope import OrderSpectrum, order_spectra
-from dcrb_ros.diagnosis.evidence import HARMONICS, KINDS, SHAFT_SIDEBANDS, BandEvidence, Finding, Kind, Limits, families, findings
-from dcrb_ros.diagnosis.gain import LevelHealth
-from dcrb_ros.diagnosis.health import SampleHealth
-from dcrb_ros.diagnosis.hops import REFERENCE_FREQUENCY, Hop, Window, margin_samples
-from dcrb_ros.diagnosis.judgement import Judge, Trend, Verdict, confidence
+from dcrb_ros.diagnosis.evidence import BandEvidence, Evidence, LevelEvidence, LevelHistory, SampleEvidence
+from dcrb_ros.diagnosis.hysteresis import Hysteresis, confidence
+from dcrb_ros.diagnosis.order_spectrum import HARMONICS, SHAFT_SIDEBANDS, OrderSpectrum, order_spectra
 from dcrb_ros.diagnosis.parameters import DetectorParameters
-from dcrb_ros.diagnosis.speed import estimated_frequency
-from dcrb_ros.diagnosis.stream import Stream, Stretch
+from dcrb_ros.diagnosis.registry import BEARING_RULES, LEVEL_RULES, SAMPLE_RULES
+from dcrb_ros.diagnosis.rule import Finding, LineRule
+from dcrb_ros.diagnosis.rules.saturation import Saturation
+from dcrb_ros.diagnosis.segments import Segment, Segmenter
+from dcrb_ros.diagnosis.speed_estimation import estimated_frequency
+from dcrb_ros.diagnosis.trend import Trend
+from dcrb_ros.diagnosis.window import REFERENCE_FREQUENCY, Hop, Window, margin_samples
 from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.schema.verdicts import CHARACTERISTIC, Component, Verdict
 
 __all__ = ["Diagnosis", "FaultDetector"]
 
 DEFAULTS = DetectorParameters()
 
 TREE_LEVELS = 2
-"""Halvings of the band."""
+"""Levels of the tree below the detector's band: halves and quarters."""
 MARGIN_PERIODS = 10.0
-"""Periods of the lowest band's edge that a hop's envelope needs beside it."""
+"""Periods of the lowest frequency on either side of a hop that its envelope depends on."""
 NYQUIST_SHARE = 0.45
-"""Highest usable frequency over the sampling rate [-]: beyond it an anti-alias filter has its way."""
+"""Highest usable frequency relative to the sampling rate [-]: anti-alias filters act above it."""
 BINS_PER_ORDER = 3
-"""Angle bins per turn and highest order; 2 would be Nyquist's."""
+"""Bins per turn relative to the highest order [-]; 2 is the Nyquist rate."""
 
 
 class FaultDetector:
-    """Judge a stream of blocks, hop by hop.
+    """Diagnoses a bearing from blocks of samples, hop by hop.
 
-    Memory is bounded by one window and the longest gap that is bridged. The verdicts do not depend on how the stream is cut into
-    blocks, but `update` returns one at most: of a block longer than the hop, the last.
+    The memory is bounded by one window and the longest gap that is bridged. The diagnoses do not depend on the length of the blocks, except
+    that `update` returns only the last one of a block that is longer than a hop.
     """
 
     def __init__(self, orders: Orders, rate: int, parameters: DetectorParameters = DEFAULTS, *, sensor_range: float = 0.0) -> None:
-        """Watch a bearing of characteristic ``orders``, sampled at ``rate`` [Hz] by a sensor of a range [m/s^2], 0 if not known."""
+        """Prepare for a bearing with characteristic ``orders``, sampled at ``rate`` [Hz].
+
+        ``sensor_range`` is the range of the sensor [m/s^2], 0 if it is not known; it may be changed later.
+
+        Raises:
+            Refusal: the parameters do not fit each other or the sampling rate.
+        """
         p = parameters
-        self.orders, self.rate, self.parameters = orders, rate, parameters
-        self.band, self._high, bands = _bands(rate, p)
-        below = bands[-1]
-        self._branches = (*band_tree(p.band_low, p.band_high, TREE_LEVELS)[-(2**TREE_LEVELS) :], below)
+        self.orders, self.rate, self.parameters, self.sensor_range = orders, rate, parameters, sensor_range
+        self.band, self._high, self._bands = _bands(rate, p)
+        below = self._bands[-1]
         self._hop = max(1, round(p.hop * rate))
-        margin = margin_samples(rate, below.low, MARGIN_PERIODS)
-        if self._hop < 2 * margin:
-            raise Refusal(
-                f"hop = {p.hop:g} s is below {2 * margin / rate:.2g} s, what the band from {p.band_low:g} Hz needs: make it longer"
-            )
+        self._margin = margin_samples(rate, below.low, MARGIN_PERIODS)
+        if self._hop < 2 * self._margin:
+            least = 2 * self._margin / rate
+            raise Refusal(f"hop = {p.hop:g} s is below {least:.2g} s, the least for a band from {p.band_low:g} Hz: make it longer")
         if p.window < p.hop:
-            raise Refusal(f"window = {p.window:g} s is below hop = {p.hop:g} s, how often it is judged: make it longer, or hop shorter")
+            raise Refusal(f"window = {p.window:g} s is below hop = {p.hop:g} s: make the window longer or the hop shorter")
         self._highest_order = (1.0 + p.slip) * (
             HARMONICS[-1] * max(2.0 * orders.bpfo, 2.0 * orders.bpfi, 2.0 * orders.bsf) + SHAFT_SIDEBANDS[-1]
         )
-        bins = math.ceil(BINS_PER_ORDER * self._highest_order)
-        bank = BandBank(bands, rate, self._hop + 2 * margin)
-        self._window = Window(bank, rate, self._hop, margin, bins, max(1, round(p.window / p.hop)), p.speed_exponent)
+        self._segmenter = Segmenter(self._hop, self._margin, round(min(p.longest_gap, 0.5 * p.hop) * rate))
+        demodulator = Demodulator(self._bands, rate, self._hop + 2 * self._margin)
+        bins, hops = math.ceil(BINS_PER_ORDER * self._highest_order), max(1, round(p.window / p.hop))
+        self._window = Window(demodulator, rate, self._hop, self._margin, bins, hops, p.speed_exponent)
         self._needed = min(p.least_window, p.window) - 0.5 * p.hop
-        self._bands = bands
-        self._stream = Stream(self._hop, margin, round(min(p.longest_gap, 0.5 * p.hop) * rate))
-        self._margin = margin
-        self._samples, self._levels = SampleHealth(p, rate, sensor_range), LevelHealth(p)
-        self._judge, self._trend = Judge(p), Trend(p.trend_time, p.hop)
-        self._learned, self._learning = Limits(0.0, 0.0), p.learn
-        self._flawed, self._flaw = 0, ""
+        # Levels are compared in the quarters of the band and in the band below it.
+        quarters = band_tree(p.band_low, p.band_high, TREE_LEVELS)[-(2**TREE_LEVELS) :]
+        self._level_bands = [k for k, band in enumerate(self._bands) if band in (*quarters, below)]
+        third = quarters[-2]
+        self._third = self._level_bands.index(self._bands.index(third)) if third in self._bands else None
+        self._sample_rules = [rule(p) for rule in SAMPLE_RULES]
+        self._level_rules = [rule(p) for rule in LEVEL_RULES]
+        self._bearing_rules = [rule(p) for rule in BEARING_RULES]
+        self._saturation = next(rule for rule in self._sample_rules if isinstance(rule, Saturation))
+        self._combination = Combination(self._bearing_rules, p.release_margin)
+        self._hysteresis = Hysteresis(p.confirm, p.release, p.release_margin)
+        self._trend, self._levels = Trend(p.trend_time, p.hop), LevelHistory()
+        self._flaw = ""
+        """The last flaw of the sensor."""
+        self._flawed_hops = 0
+        """Hops until the samples with the last flaw have left the window."""
 
     @property
     def gaps(self) -> int:
-        """Interruptions of the stream so far."""
-        return self._stream.counts.gaps
+        """Gaps in the signal so far."""
+        return self._segmenter.counts.gaps
 
     def update(self, index: int, acceleration: npt.NDArray[Any], shaft_angle: npt.NDArray[Any] | None = None) -> Diagnosis | None:
-        """Take the block of first sample ``index``; return the diagnosis when one falls due within it.
+        """Take the block that begins with sample ``index``; return a diagnosis if the block completes a hop.
 
-        ``acceleration`` has shape (samples, 2) [m/s^2], ``shaft_angle`` (samples,) [rad]; without a tacho leave it out or let it be NaN.
+        ``acceleration`` has shape (samples, 2) [m/s^2], ``shaft_angle`` (samples,) [rad]. Without a tachometer, omit the angle or pass NaN.
 
         Raises:
-            Refusal: arrays of another shape or kind; the detector goes on with the next block.
+            Refusal: arrays of another shape or type; the detector continues with the next block.
         """
         diagnosis = None
-        for stretch in self._stream.take(index, acceleration, shaft_angle):
-            diagnosis = self._hopped(stretch)
+        for segment in self._segmenter.add(index, acceleration, shaft_angle):
+            diagnosis = self._diagnosed(segment)
         return diagnosis
 
-    def _hopped(self, stretch: Stretch) -> Diagnosis:
-        if stretch.fresh:
+    def _diagnosed(self, segment: Segment) -> Diagnosis:
+        """Return the diagnosis at the end of a segment."""
+        if segment.first:
             self._window.clear()
-            self._judge.forget()
-            self._levels.forget()
-            self._flawed = 0
-        inside = slice(self._margin, self._margin + self._hop)
-        turning = self._turning(stretch, inside)
-        flaw = self._samples.flaw(stretch.acceleration[inside], stretch.missing[inside], stretch.senseless, turning=turning)
-        hop = self._window.add(stretch, self.parameters.fastest, useless=bool(flaw))
-        flaw = flaw or (self._level_flaw(hop) if hop and turning else "")
-        self._flawed = round(self.parameters.window / self.parameters.hop) if flaw else max(0, self._flawed - 1)
-        self._flaw = flaw or self._flaw
-        if self._flawed:
-            self._judge.forget()
-            return self._without_verdict(stretch.last, "sensor", self._flaw)
-        wait = self._wait()
-        if wait:
-            return self._without_verdict(stretch.last, "waiting", wait)
-        return self._judged(stretch.last)
+            self._hysteresis.reset()
+            self._levels.restart()
+            self._flawed_hops = 0
+        turning = self._turns_fast_enough(segment)
+        flaw = self._sample_flaw(segment, turning=turning)
+        hop = self._window.add(segment, self.parameters.fastest, useless=bool(flaw))
+        if hop and turning and not flaw:
+            flaw = self._level_flaw(hop)
+        if flaw:
+            self._flaw, self._flawed_hops = flaw, round(self.parameters.window / self.parameters.hop)
+        else:
+            self._flawed_hops = max(0, self._flawed_hops - 1)
+        if self._flawed_hops:
+            self._hysteresis.reset()
+            return self._without_verdict(segment.last, "sensor", self._flaw)
+        missing = self._what_is_missing()
+        return self._without_verdict(segment.last, "waiting", missing) if missing else self._judged(segment.last)
 
-    def _turning(self, stretch: Stretch, inside: slice) -> bool:
-        """Return whether the bearing turns fast enough to be heard, all the hop; without a tacho it is taken for turning."""
-        if stretch.turns is None:
+    def _inside(self, array: npt.NDArray[Any]) -> npt.NDArray[Any]:
+        """Return the part of a segment's array without the margins."""
+        return array[self._margin : self._margin + self._hop]
+
+    def _turns_fast_enough(self, segment: Segment) -> bool:
+        """Return whether the bearing turns fast enough to be diagnosed; without a shaft angle it is assumed to."""
+        if segment.turns is None:
             return True
-        turns, p = stretch.turns[inside], self.parameters
+        turns, p = self._inside(segment.turns), self.parameters
         return abs(float(turns[-1] - turns[0])) >= p.least_turns * p.hop / p.window
 
+    def _sample_flaw(self, segment: Segment, *, turning: bool) -> str:
+        """Return the first flaw of the sensor that a rule finds in the samples, or nothing."""
+        acceleration, missing = self._inside(segment.acceleration), self._inside(segment.missing)
+        known = acceleration[~missing] if missing.any() else acceleration
+        hops = max(1, round(self.parameters.window / self.parameters.hop))
+        evidence = SampleEvidence(known, len(missing), segment.not_finite, self.rate, self.sensor_range, hops)
+        for rule in self._sample_rules:
+            if len(known) >= rule.fewest_samples and (turning or rule.at_standstill):
+                flaw = rule.flaw(evidence)
+                if flaw:
+                    return flaw
+        return ""
+
     def _level_flaw(self, hop: Hop) -> str:
-        """Return what the levels of the tree's lowest branches and of the band below it say of the sensor, or nothing."""
-        powers = hop.powers
-        chosen = [k for k, band in enumerate(self._bands) if band in self._branches]
-        third = self._branches[-3]
-        high = chosen.index(self._bands.index(third)) if third in self._bands else None
-        # Without a shaft angle nobody knows whether the levels fell with the speed: they are not compared.
+        """Return the first flaw of the sensor that a rule finds in the levels, or nothing."""
+        # Without a shaft angle a level may have fallen with the speed: levels are not compared.
         frequency = hop.turns * self.rate / self._hop if self._window.tracked else 0.0
-        return self._levels.flaw(powers[chosen], frequency, high=high, below=len(chosen) - 1)
+        evidence = LevelEvidence(hop.powers[self._level_bands], frequency, self._third, self._levels)
+        return next((flaw for rule in self._level_rules if (flaw := rule.flaw(evidence))), "")
 
-    @property
-    def sensor_range(self) -> float:
-        """Range of the sensor [m/s^2], 0 where it is not known; it may change under way."""
-        return self._samples.range
-
-    @sensor_range.setter
-    def sensor_range(self, value: float) -> None:
-        self._samples.range = value
-
-    def _wait(self) -> str:
+    def _what_is_missing(self) -> str:
         """Return why there is no verdict yet, or nothing."""
         p, window = self.parameters, self._window
-        if window.turned_back:
-            return "the shaft turned back within the window"
+        if window.reversed:
+            return "the shaft reversed within the window"
         seconds = len(window) * self._hop / self.rate
         if seconds < self._needed:
-            return f"{seconds:.1f} s of the {p.least_window:g} s that a verdict needs have come in"
+            return f"{seconds:.1f} s of the {p.least_window:g} s that a verdict needs have arrived"
         if window.tracked and window.turns < p.least_turns:
-            return f"the shaft makes {window.turns:.2g} turns in {seconds:g} s where a verdict needs {p.least_turns:g}"
+            return f"the shaft made {window.turns:.2g} revolutions in {seconds:g} s, but a verdict needs {p.least_turns:g}"
         if window.missing_share > p.most_missing:
-            return f"{100.0 * window.missing_share:.0f} % of the window are missing where {100.0 * p.most_missing:.0f} % are the most"
+            return f"{100.0 * window.missing_share:.0f} % of the window is missing, more than the {100.0 * p.most_missing:.0f} % allowed"
         return ""
 
     def _without_verdict(self, last: int, verdict: Verdict, reason: str) -> Diagnosis:
-        frequency = self._window.frequency if self._window.tracked else 0.0
-        counts = self._stream.counts
         return Diagnosis(
             last,
             last / self.rate,
             verdict,
             reason,
-            shaft_frequency=frequency,
-            gaps=counts.gaps,
-            clipped=self._samples.clipped,
+            shaft_frequency=self._window.frequency if self._window.tracked else 0.0,
+            gaps=self.gaps,
+            clipped=self._saturation.clipped,
             remarks=self._remarks(),
         )
 
     def _judged(self, last: int) -> Diagnosis:
+        """Return the diagnosis from the squared envelope spectra of the window."""
         p = self.parameters
         envelopes, missing = self._window.envelopes()
         spectra = order_spectra(envelopes, missing, self._window.bins_per_turn)
         frequency = self._window.frequency
         if not self._window.tracked:
-            told = estimated_frequency((spectra[0], spectra[-1]), p.fastest, self.orders, p.slowest, p.fastest)
-            if told.score < p.speed_score or told.rival > p.speed_rival:
-                why = f"{told.frequency:.2f} Hz explains its lines with {told.score:.0f} dB, another speed with {told.rival:.0%} of that"
-                return self._without_verdict(last, "waiting", f"there is no shaft angle, and the signal does not tell the speed: {why}")
-            frequency = told.frequency
-            spectra = [_retold(spectrum, p.fastest / frequency, self._scale(frequency)) for spectrum in spectra]
-        evidence = [families(band, s, self.orders, p.slip) for band, s in zip(self._bands, spectra, strict=True)]
-        limits = Limits(max(p.outer_limit, self._learned.whole), max(p.outer_limit_high, self._learned.high))
-        found = findings(evidence, self.band, self._high, limits, p)
-        if self._learning > 0.0:
-            self._learn(evidence)
-            found["outer_ring"] = found["outer_ring"]._replace(excess=min(-1.0, found["outer_ring"].excess))
-        sharpest = int(np.argmax(kurtosis(envelopes[: len(self._bands) - 1]))) if p.band == "kurtogram" else 0
-        return self._told(last, frequency, found, evidence, sharpest)
+            estimate = estimated_frequency((spectra[0], spectra[-1]), p.fastest, self.orders, p.slowest, p.fastest)
+            if estimate.score < p.speed_score or estimate.rival > p.speed_rival:
+                why = (
+                    f"{estimate.frequency:.2f} Hz has a score of {estimate.score:.0f} dB, another frequency has {estimate.rival:.0%} of it"
+                )
+                return self._without_verdict(
+                    last, "waiting", f"there is no shaft angle, and the speed cannot be estimated from the signal: {why}"
+                )
+            frequency = estimate.frequency
+            spectra = [_rescaled(spectrum, p.fastest / frequency, self._scale(frequency)) for spectrum in spectra]
+        bands = [BandEvidence(band, spectrum, self.orders, p.slip) for band, spectrum in zip(self._bands, spectra, strict=True)]
+        evidence = Evidence(bands, self.band, self._high, frequency, p.hop)
+        selected = int(np.argmax(kurtosis(envelopes[:-1]))) if p.band == "kurtogram" else 0
+        return self._concluded(last, evidence, bands[selected])
 
     def _scale(self, frequency: float) -> float:
-        """Return what a squared envelope at a shaft frequency [Hz] is over that at the reference frequency [-]."""
+        """Return the squared envelope at a shaft frequency [Hz] relative to that at the reference frequency [-]."""
         return float((frequency / REFERENCE_FREQUENCY) ** (2.0 * self.parameters.speed_exponent))
 
-    def _learn(self, evidence: list[BandEvidence]) -> None:
-        """Raise the limits of the outer ring above what a bearing that is taken for healthy shows."""
-        self._learning -= self.parameters.hop
-        margin = 10.0 ** (self.parameters.learn_margin / 20.0)
-        sizes = {one.band: margin * math.sqrt(one.combs["outer_ring"].amplitude) for one in evidence}
-        self._learned = Limits(max(self._learned.whole, sizes[self.band]), max(self._learned.high, sizes.get(self._high, 0.0)))
-
-    def _told(self, last: int, frequency: float, found: dict[Kind, Finding], evidence: list[BandEvidence], sharpest: int) -> Diagnosis:
-        excess = {kind: found[kind].excess for kind in KINDS}
-        verdict = self._judge.weigh(excess)
-        named = self._judge.named
-        severity = max((math.sqrt(evidence[0].combs[kind].amplitude) for kind in named), default=0.0)
-        time, levels = last / self.rate, {kind: finding.comb.level for kind, finding in found.items()}
+    def _concluded(self, last: int, evidence: Evidence, selected: BandEvidence) -> Diagnosis:
+        """Return the diagnosis from the evidence; the spectrum of the ``selected`` band is published."""
+        found = self._combination.findings(evidence)
+        excess = {component: finding.excess for component, finding in found.items()}
+        verdict = self._hysteresis.verdict(excess)
+        confirmed, time = self._hysteresis.confirmed, last / self.rate
+        severity = self._severity(evidence, confirmed)
         return Diagnosis(
             last,
             time,
             verdict,
             self._reason(verdict, found),
-            confidence=confidence(verdict, named, excess),
-            levels={"BPFO": levels["outer_ring"], "BPFI": levels["inner_ring"], "BSF": levels["roller"], "FTF": levels["cage"]},
-            shaft_frequency=frequency,
-            spectrum=self._spectrum(evidence[sharpest].spectrum, frequency),
-            gaps=self._stream.counts.gaps,
-            scores={str(kind): value for kind, value in excess.items()},
+            confidence=confidence(verdict, confirmed, excess),
+            levels={CHARACTERISTIC[component]: finding.lines.level for component, finding in found.items()},
+            shaft_frequency=evidence.shaft_frequency,
+            spectrum=self._published(selected.spectrum, evidence.shaft_frequency),
+            gaps=self.gaps,
+            scores={str(component): value for component, value in excess.items()},
             severity=severity,
             trend=self._trend.slope(time, verdict, severity),
-            clipped=self._samples.clipped,
-            remarks=self._remarks(f"the spectrum is of the band from {evidence[sharpest].band}"),
+            clipped=self._saturation.clipped,
+            remarks=self._remarks(f"the spectrum is that of the band from {selected.band}"),
         )
 
-    def _reason(self, verdict: Verdict, found: dict[Kind, Finding]) -> str:
-        named = self._judge.named or (self._judge.suspected if verdict == "waiting" else [])
-        words = ", and ".join(found[kind].describe(kind) for kind in named)
-        if verdict == "waiting":
-            return f"to be confirmed by the next judgement: {words or 'no line is beyond a healthy bearing'}"
-        if named:
-            return words
-        return f"no line is beyond a healthy bearing; {found['outer_ring'].describe('outer_ring')}, which its varying compliance explains"
+    def _severity(self, evidence: Evidence, confirmed: list[Component]) -> float:
+        """Return the size of the largest lines of confirmed faults in the whole band [m/s^2]."""
+        rules = [rule for rule in self._bearing_rules if isinstance(rule, LineRule) and rule.component in confirmed]
+        return max((math.sqrt(evidence.bands[0].family(rule.lines).amplitude) for rule in rules), default=0.0)
 
-    def _spectrum(self, spectrum: OrderSpectrum, frequency: float) -> Spectrum:
-        """Return the part of a spectrum that is published, as amplitudes at the present speed."""
-        kept = spectrum.orders <= self._highest_order
-        amplitude = np.sqrt(spectrum.amplitude[kept] * self._scale(max(frequency, 0.0)))
-        amplitude[0] = math.sqrt(spectrum.mean * self._scale(max(frequency, 0.0)))
+    def _reason(self, verdict: Verdict, found: dict[Component, Finding]) -> str:
+        """Return the evidence for a verdict in words."""
+        components = self._hysteresis.confirmed or (self._hysteresis.suspected if verdict == "waiting" else [])
+        reasons = ", and ".join(found[component].reason for component in components)
+        if verdict == "waiting":
+            return f"to be confirmed by the next hop: {reasons or 'no line exceeds that of a healthy bearing'}"
+        if components:
+            return reasons
+        return f"no line exceeds that of a healthy bearing; {found['outer_ring'].reason}, which the varying compliance explains"
+
+    def _published(self, spectrum: OrderSpectrum, frequency: float) -> Spectrum:
+        """Return the part of a spectrum that is published, as amplitudes at the present shaft frequency [Hz]."""
+        kept, scale = spectrum.orders <= self._highest_order, self._scale(max(frequency, 0.0))
+        amplitude = np.sqrt(spectrum.amplitude[kept] * scale)
+        amplitude[0] = math.sqrt(spectrum.mean * scale)
         return spectrum.orders[kept], amplitude
 
     def _remarks(self, *more: str) -> tuple[str, ...]:
-        counts = self._stream.counts
-        said = {
+        """Return the remarks of a diagnosis."""
+        counts = self._segmenter.counts
+        irregularities = {
             "samples lost in gaps": counts.lost,
-            "samples came again or too late and were left out": counts.repeated,
-            "samples are no finite numbers": counts.senseless,
-            "times the stream began anew": counts.restarts,
-            "samples stood at the end of the range": self._samples.clipped,
+            "samples arrived twice or too late and were ignored": counts.repeated,
+            "samples are not finite numbers": counts.not_finite,
+            "restarts of the signal": counts.restarts,
+            "clipped samples": self._saturation.clipped,
         }
-        remarks = [f"{number} {words}" for words, number in said.items() if number]
+        remarks = [f"{number} {words}" for words, number in irregularities.items() if number]
         if not self._window.tracked:
             remarks.append("no shaft angle: the speed is estimated from the signal")
-        if self._learning > 0.0:
-            remarks.append(f"learning for {self._learning:.1f} s more: outer-ring defects are not named yet")
+        remarks += [rule.remark for rule in self._bearing_rules if rule.remark]
         return (*remarks, *more)
 
 
-def _retold(spectrum: OrderSpectrum, stretched: float, scale: float) -> OrderSpectrum:
-    """Return a spectrum over a clock's turns as one over the shaft's, at the reference frequency."""
-    return OrderSpectrum(spectrum.orders * stretched, spectrum.amplitude / np.float32(scale), spectrum.mean / scale)
+def _rescaled(spectrum: OrderSpectrum, ratio: float, scale: float) -> OrderSpectrum:
+    """Return a spectrum over multiples of a clock's frequency as one over orders of the shaft, at the reference frequency."""
+    return OrderSpectrum(spectrum.orders * ratio, spectrum.amplitude / np.float32(scale), spectrum.mean / scale)
 
 
 def _bands(rate: int, p: DetectorParameters) -> tuple[Band, Band, tuple[Band, ...]]:
-    """Return the whole band, its upper quarter, and all bands: the whole first, then its parts, last the one below it."""
+    """Return the whole band, its upper quarter, and all bands: the whole, its parts, and the band below it."""
     highest = NYQUIST_SHARE * rate
     high = min(p.band_high, highest)
     if high < 1.25 * p.band_low:

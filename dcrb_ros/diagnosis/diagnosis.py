@@ -1,4 +1,4 @@
-"""What the detector says at the end of a hop."""
+"""The result of the detector at the end of a hop."""
 
 from __future__ import annotations
 
@@ -7,13 +7,13 @@ from dataclasses import dataclass, field
 import numpy as np
 import numpy.typing as npt
 
-from dcrb_ros.diagnosis.judgement import Verdict
+from dcrb_ros.schema.verdicts import CHARACTERISTIC, Verdict
 
 Spectrum = tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]
 
 
 def _no_levels() -> dict[str, float]:
-    return {"BPFO": 0.0, "BPFI": 0.0, "BSF": 0.0, "FTF": 0.0}
+    return dict.fromkeys(CHARACTERISTIC.values(), 0.0)
 
 
 def _no_spectrum() -> Spectrum:
@@ -22,32 +22,41 @@ def _no_spectrum() -> Spectrum:
 
 @dataclass(frozen=True)
 class Diagnosis:
-    """What the detector thinks at the end of one hop."""
+    """The result of the detector at the end of one hop."""
 
     index: int
-    """Index of the last sample that was seen."""
+    """Index of the last sample that it depends on."""
     time: float
     """Time of that sample [s]."""
     verdict: Verdict
     reason: str
     """The evidence in one sentence."""
     confidence: float = 0.0
-    """From 0.5 at a threshold towards 1 far from it; 0 without a verdict on the bearing."""
+    """0.5 at a threshold, approaching 1 far from it; 0 without a verdict on the bearing."""
     levels: dict[str, float] = field(default_factory=_no_levels)
     """Level over background at BPFO, BPFI, BSF (twice its order) and FTF [dB]."""
     shaft_frequency: float = 0.0
     """Mean over the window [Hz]."""
     spectrum: Spectrum = field(default_factory=_no_spectrum)
-    """Orders [-], and root of the squared envelope's amplitude there [m/s^2]; empty when there is none."""
+    """Orders [-], and square root of the amplitudes of the squared envelope spectrum [m/s^2]; empty without a verdict."""
     gaps: int = 0
-    """Interruptions of the stream so far."""
+    """Gaps in the signal so far."""
     scores: dict[str, float] = field(default_factory=dict)
-    """Evidence for each fault over its threshold, negative below it [dB]."""
+    """Evidence for a fault of each component relative to its threshold [dB]."""
     severity: float = 0.0
-    """Lines of the named fault in the squared envelope, as an amplitude at 20 Hz of shaft frequency [m/s^2]."""
+    """Square root of the amplitude of the fault's lines in the squared envelope spectrum, at 20 Hz of shaft frequency [m/s^2]."""
     trend: float = 0.0
-    """Growth of the severity since the verdict began [dB/min]."""
+    """Growth of the severity since this verdict was first made [dB/min]."""
     clipped: int = 0
     """Samples at the ends of the sensor's range so far."""
     remarks: tuple[str, ...] = ()
-    """What was wrong with the stream, or special about it, without forbidding a verdict."""
+    """Peculiarities of the signal that do not prevent a verdict."""
+
+    @property
+    def time_ns(self) -> int:
+        """Time of the last sample [ns]."""
+        return round(self.time * 1e9)
+
+    def __repr__(self) -> str:
+        about = f"<Diagnosis: {self.verdict} at {self.time:.2f} s, confidence {self.confidence:.2f}"
+        return f"{about}, shaft at {self.shaft_frequency:.2f} Hz: {self.reason}>"

@@ -1,1 +1,1 @@
-"""The exam of a fault detector: scenarios with known truth, what the detector said of them, marks and a report."""
+"""The exam of a fault detector: scenarios with known ground truth, the evaluation of the diagnoses, and a report."""

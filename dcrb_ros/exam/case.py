@@ -1,4 +1,4 @@
-"""A run that the exam simulates itself: resolved to the last parameter, so that it has a name, a hash and a recording."""
+"""A scenario that the exam simulates itself, with every parameter resolved so that it has a name, a hash and a recording."""
 
 from __future__ import annotations
 
@@ -9,56 +9,59 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from dcrb_ros.exam.question import Question
+from dcrb_ros.exam.expectation import Expectation
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.parameters import rpm
 
 
 @dataclass(frozen=True)
 class Run:
-    """What is simulated."""
+    """The simulation of a case."""
 
     configuration: Configuration
-    story: Mapping[str, Any] | None
-    """A scenario as YAML gives it, or none."""
+    scenario: Mapping[str, Any] | None
+    """Timeline of speed, load and faults as read from YAML; None without one."""
     duration: float
     """Simulated time [s]."""
 
     def described(self) -> dict[str, Any]:
         """Return everything that the samples depend on."""
-        return {"configuration": self.configuration.model_dump(), "scenario": self.story, "duration": self.duration}
+        return {"configuration": self.configuration.model_dump(), "scenario": self.scenario, "duration": self.duration}
 
 
 @dataclass(frozen=True)
 class Case:
-    """A scenario of the exam."""
+    """A scenario of the exam: its simulation and the expected diagnosis."""
 
-    question: Question
+    expectation: Expectation
     run: Run
 
 
 def canonical(tree: Any) -> str:
-    """Return a tree as JSON that is the same for the same content."""
+    """Return a tree as JSON in a canonical form: equal content gives equal text."""
     return json.dumps(tree, sort_keys=True, separators=(",", ":"), ensure_ascii=True, allow_nan=False)
 
 
 def scenarios_hash(cases: Iterable[Case]) -> str:
-    """Return the SHA-256 of all scenarios: configurations, timelines, durations and right verdicts, whatever their names and order."""
-    found = [
+    """Return the SHA-256 of all scenarios: configurations, timelines, durations and expected verdicts.
+
+    Names and order do not enter the hash.
+    """
+    scenarios = [
         canonical(
-            {"verdict": c.question.verdict, "onset": c.question.onset, "required": c.question.required, "run": c.run.described()},
+            {"verdict": c.expectation.verdict, "onset": c.expectation.onset, "required": c.expectation.required, "run": c.run.described()},
         )
         for c in cases
     ]
-    return hashlib.sha256(canonical(sorted(found)).encode()).hexdigest()
+    return hashlib.sha256(canonical(sorted(scenarios)).encode()).hexdigest()
 
 
-def described(configuration: Configuration, changes: Mapping[str, Any]) -> dict[str, str | float]:
-    """Return the tags that follow from a configuration and what changes in it: speed, load, width of the largest defect."""
+def derived_tags(configuration: Configuration, changes: Mapping[str, Any]) -> dict[str, str | float]:
+    """Return the tags derived from a configuration and its changes: speed, load, joint and width of the largest defect."""
     operating = configuration.operating
-    widths = [defect.width for _, defect in configuration.faults.present()]
-    told = (value for key, value in changes.items() if key.startswith("faults.") and key.endswith(".width"))
-    widths += [value for value in told if isinstance(value, float)]
+    widths = [fields["width"] for fields in configuration.faults.described().values() if "width" in fields]
+    changed = (value for key, value in changes.items() if key.startswith("faults.") and key.endswith(".width"))
+    widths += [value for value in changed if isinstance(value, float)]
     tags: dict[str, str | float] = {
         "speed": operating.speed,
         "speed_rpm": round(rpm(operating.speed), 1),

@@ -1,4 +1,4 @@
-"""The report as a figure: detection over width, delays, confusion, evidence."""
+"""The report as a figure: probability of detection over width, detection delays, confusion matrix, ROC."""
 
 from __future__ import annotations
 
@@ -20,17 +20,17 @@ COLOURS = {
     "compound": "#6b5b95",
     "sensor": "#8a8a8a",
 }
-KINDS = (".png", ".svg", ".pdf")
+SUFFIXES = (".png", ".svg", ".pdf")
 
 
 def write_figure(report: Report, file: Path) -> None:
     """Draw the report.
 
     Raises:
-        Refusal: the file cannot be written.
+        Refusal: the file type is unknown, or the file cannot be written.
     """
-    if file.suffix not in KINDS:
-        raise Refusal(f"--figure {file} is of no known kind: the name must end in {', '.join(KINDS)}")
+    if file.suffix not in SUFFIXES:
+        raise Refusal(f"--figure {file} has an unknown file type: the name must end in {', '.join(SUFFIXES)}")
     figure = Figure(figsize=(11, 8), dpi=90, layout="constrained")
     (detection, delay), (confusion, roc) = figure.subplots(2, 2)
     _detection(detection, report)
@@ -44,14 +44,14 @@ def write_figure(report: Report, file: Path) -> None:
         raise Refusal(f"{file} cannot be written: {error.strerror}; give another file to --figure") from None
 
 
-def _empty(axes: Axes, words: str) -> None:
-    axes.text(0.5, 0.5, words, ha="center", va="center", transform=axes.transAxes, color="#666666", wrap=True)
+def _empty(axes: Axes, text: str) -> None:
+    axes.text(0.5, 0.5, text, ha="center", va="center", transform=axes.transAxes, color="#666666", wrap=True)
     axes.set_xticks([])
     axes.set_yticks([])
 
 
 def _detection(axes: Axes, report: Report) -> None:
-    axes.set_title("Probability of detection, 95 % bounds", fontsize=10)
+    axes.set_title("Probability of detection, 95 % confidence", fontsize=10)
     rows = report.detections()
     if not rows:
         _empty(axes, "no defect with a width")
@@ -64,20 +64,20 @@ def _detection(axes: Axes, report: Report) -> None:
         error = [[p.value - p.low for p in found], [p.high - p.value for p in found]]
         widths = [row.width * 1e3 + shift for row in own]
         axes.errorbar(widths, [p.value for p in found], error, marker="o", ms=4, lw=1.2, capsize=3, color=COLOURS[verdict], label=verdict)
-    axes.axvline(report.criteria.smallest_width * 1e3, color="black", lw=0.8, ls=":", label="required from here on")
-    axes.set(xlabel="width [mm]", ylabel="found in time and named right [-]", ylim=(-0.03, 1.03), xlim=(0.0, 1.1 * widest))
+    axes.axvline(report.criteria.smallest_width * 1e3, color="black", lw=0.8, ls=":", label="smallest required width")
+    axes.set(xlabel="width [mm]", ylabel="detected in time, correct verdict [-]", ylim=(-0.03, 1.03), xlim=(0.0, 1.1 * widest))
     axes.legend(fontsize=7, loc="upper center", bbox_to_anchor=(0.5, -0.14), ncols=3, frameon=False)
     axes.grid(alpha=0.25)
 
 
 def _delay(axes: Axes, report: Report) -> None:
-    axes.set_title("Delay of what was found", fontsize=10)
-    rows = [row for row in report.delays() if row.asked]
+    axes.set_title("Detection delay", fontsize=10)
+    rows = [row for row in report.delays() if row.scenarios]
     if not rows:
         _empty(axes, "no scenario with a fault")
         return
     for place, row in enumerate(rows):
-        delays = [m.delay for m in report.faulty if m.question.verdict == row.verdict and m.found and m.delay is not None]
+        delays = [m.delay for m in report.faulty if m.expectation.verdict == row.verdict and m.found and m.delay is not None]
         spread = np.linspace(-0.2, 0.2, len(delays)) if len(delays) > 1 else np.zeros(len(delays))
         axes.plot(place + spread, delays, "o", ms=3.5, alpha=0.7, color=COLOURS[row.verdict])
         if math.isfinite(row.median):
@@ -85,14 +85,14 @@ def _delay(axes: Axes, report: Report) -> None:
         axes.hlines(row.limit, place - 0.4, place + 0.4, color="red", lw=1.0, ls="--")
     axes.plot([], [], color="black", lw=1.5, label="median")
     axes.plot([], [], color="red", lw=1.0, ls="--", label="limit")
-    axes.set_xticks(range(len(rows)), [f"{row.verdict}\n{row.found} of {row.asked}" for row in rows], fontsize=8)
+    axes.set_xticks(range(len(rows)), [f"{row.verdict}\n{row.found} of {row.scenarios}" for row in rows], fontsize=8)
     axes.set(ylabel="delay [s]", ylim=(0.0, None), xlim=(-0.6, len(rows) - 0.4))
     axes.legend(fontsize=8, loc="center right")
     axes.grid(alpha=0.25, axis="y")
 
 
 def _confusion(axes: Axes, report: Report) -> None:
-    axes.set_title("Right verdict (rows) and answer (columns), in scenarios", fontsize=10)
+    axes.set_title("Scenarios by correct verdict (rows) and answer (columns)", fontsize=10)
     found = report.confusion()
     answers = [answer for answer in next(iter(found.values()), {}) if answer in found or any(row[answer] for row in found.values())]
     counts = np.array([[row[answer] for answer in answers] for row in found.values()], dtype=float).reshape(len(found), len(answers))
@@ -112,12 +112,12 @@ def _confusion(axes: Axes, report: Report) -> None:
 
 def _roc(axes: Axes, report: Report) -> None:
     curve = report.characteristic()
-    axes.set_title("Receiver operating characteristic, a score a scenario", fontsize=10)
+    axes.set_title("Receiver operating characteristic, one score per scenario", fontsize=10)
     if curve is None:
-        _empty(axes, "the detector publishes neither score nor confidence,\nor not on both faulty and healthy scenarios")
+        _empty(axes, "no score or confidence for both\nfaulty and healthy scenarios")
         return
     axes.plot(curve.false, curve.true, color="#1f6fb4", lw=1.5, drawstyle="steps-post", label=f"area {curve.area:.3f}")
     axes.plot([0.0, 1.0], [0.0, 1.0], color="#8a8a8a", lw=0.8, ls=":")
-    axes.set(xlabel="healthy runs above the threshold [-]", ylabel="bearing faults above it [-]", xlim=(-0.02, 1.02), ylim=(-0.02, 1.02))
+    axes.set(xlabel="false positive rate [-]", ylabel="true positive rate, bearing faults [-]", xlim=(-0.02, 1.02), ylim=(-0.02, 1.02))
     axes.legend(fontsize=8, loc="lower right")
     axes.grid(alpha=0.25)

@@ -1,4 +1,4 @@
-"""The report as JUnit XML, which every continuous integration shows."""
+"""The report as JUnit XML, the format that continuous integration services display."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from dcrb_ros import __version__
 from dcrb_ros.exam.report import Report
 from dcrb_ros.runtime.refusal import Refusal
 
-UNSPEAKABLE = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\ufffe\uffff]")
-"""Characters that XML cannot hold, such as a terminal's colours."""
+INVALID_IN_XML = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\ufffe\uffff]")
+"""Characters that XML does not allow, such as the escape character of terminal colours."""
 
 
 def write_junit(report: Report, file: Path) -> None:
-    """Write a suite of the criteria and one of the scenarios; a scenario that is not required never fails.
+    """Write a test suite of the criteria and one of the scenarios; scenarios that are not required are skipped instead of failed.
 
     Raises:
         Refusal: the file cannot be written.
@@ -31,30 +31,30 @@ def write_junit(report: Report, file: Path) -> None:
 
 
 def _criteria(report: Report) -> TestSuite:
-    exam = _spoken(report.exam)
+    exam = _valid(report.exam)
     suite = TestSuite(f"{exam}: criteria")
-    for key, value in (("detector", _spoken(report.detector)), ("scenarios_sha256", report.scenarios), ("dcrb_ros", __version__)):
+    for key, value in (("detector", _valid(report.detector)), ("scenarios_sha256", report.scenarios), ("dcrb_ros", __version__)):
         suite.add_property(key, value)
     for check in report.checks():
         case = TestCase(check.name, f"{exam}.criteria")
         if not check.holds:
-            case.result = [Failure(f"wanted {check.wanted}, got {check.got}")]
+            case.result = [Failure(f"required {check.wanted}, got {check.got}")]
         suite.add_testcase(case)
     return suite
 
 
 def _scenarios(report: Report) -> TestSuite:
-    exam = _spoken(report.exam)
+    exam = _valid(report.exam)
     suite = TestSuite(f"{exam}: scenarios")
-    for mark in report.marks:
-        case = TestCase(_spoken(mark.question.name), f"{exam}.{mark.question.verdict}", mark.delay or 0.0)
-        if not mark.passed:
-            flaw = _spoken(mark.flaw)
-            case.result = [Failure(flaw) if mark.question.required else Skipped(f"not required: {flaw}")]
+    for result in report.results:
+        case = TestCase(_valid(result.expectation.name), f"{exam}.{result.expectation.verdict}", result.delay or 0.0)
+        if not result.passed:
+            flaw = _valid(result.flaw)
+            case.result = [Failure(flaw) if result.expectation.required else Skipped(f"not required: {flaw}")]
         suite.add_testcase(case)
     return suite
 
 
-def _spoken(text: str) -> str:
-    """Return a text that users gave without what XML cannot hold."""
-    return UNSPEAKABLE.sub("?", text)
+def _valid(text: str) -> str:
+    """Return a user's text with invalid characters replaced by question marks."""
+    return INVALID_IN_XML.sub("?", text)

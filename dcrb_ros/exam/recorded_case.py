@@ -1,64 +1,64 @@
-"""Recordings as questions: the truth, and what a detector said while it was recorded."""
+"""A recording as a scenario of the exam: its ground truth, and the diagnoses that it contains."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from mcap.records import Channel, Message
 
-from dcrb_ros.exam.opinion import Opinion, opinion_of
-from dcrb_ros.exam.question import Question
+from dcrb_ros.exam.expectation import Expectation
+from dcrb_ros.exam.received_diagnosis import ReceivedDiagnosis, decode_diagnosis
+from dcrb_ros.faults.ground_truth import class_of
 from dcrb_ros.messages.statuses import decode_truth
 from dcrb_ros.messages.topics import DIAGNOSIS, GROUND_TRUTH
 from dcrb_ros.recordings.mcap_reader import McapRecords
-from dcrb_ros.recordings.reader import sound_files
+from dcrb_ros.recordings.reader import valid_files
 from dcrb_ros.runtime.refusal import Refusal
 from dcrb_ros.settings.parameters import rpm
 from dcrb_ros.simulation.block import Truth
 
-KINDS = {"outer": "outer_ring", "inner": "inner_ring", "roller": "roller", "broken_bars": "cage", "sensor": "sensor"}
-"""Verdicts by the beginning of a fault's name in the ground truth."""
-
 
 @dataclass(frozen=True)
-class Tape:
-    """A recording that tells the truth, and perhaps what a detector said."""
+class RecordedCase:
+    """A recording with ground truth and, if a detector ran, its diagnoses."""
 
     path: Path
-    question: Question
-    opinions: tuple[Opinion, ...]
+    expectation: Expectation
+    diagnoses: tuple[ReceivedDiagnosis, ...]
     damage: tuple[str, ...]
-    """What could not be read, in words."""
+    """Descriptions of what could not be read."""
 
 
-def read_tape(path: Path, *, name: str = "") -> Tape:
-    """Return the question that a recording asks, and the answers in it; of the bench or of `ros2 bag record`.
+def read_recorded_case(path: Path, *, name: str = "") -> RecordedCase:
+    """Return the expectation that follows from a recording's ground truth, with its diagnoses.
+
+    The recording may come from the bench or from `ros2 bag record`.
 
     Raises:
-        Refusal: no recording, no ground truth in it, or one that a single verdict cannot answer.
+        Refusal: there is no recording, it has no ground truth, or no single verdict describes it.
     """
-    truths, opinions = [], []
-    files, damage = sound_files(path)
+    truths, diagnoses = [], []
+    files, damage = valid_files(path)
     for file in files:
         records = McapRecords(file)
         for topic, data in _messages(records):
             if topic.endswith(f"/{GROUND_TRUTH.name}"):
                 truths.append(decode_truth(data))
             elif topic.endswith(f"/{DIAGNOSIS.name}"):
-                opinions.append(opinion_of(data))
+                diagnoses.append(decode_diagnosis(data))
         damage += records.damage
     if not truths:
         raise Refusal(
-            f"{path} holds no messages on {GROUND_TRUTH.name}: nobody knows what would be right; give a recording of the bench "
-            "(dcrb simulate, dcrb bench --record, or ros2 bag record -a beside it)"
+            f"{path} has no messages on {GROUND_TRUTH.name}, so the correct verdict is unknown: give a recording of the bench "
+            "(dcrb simulate, dcrb bench --record, or ros2 bag record -a while the bench runs)"
             + (f"; not all of it could be read: {damage[0]}" if damage else "")
         )
-    # A diagnosis that came while the recording began may judge what was before.
-    opinions = [opinion for opinion in opinions if opinion.time >= truths[0].time_ns * 1e-9]
-    return Tape(path, _question(path, name or path.name, truths, opinions), tuple(opinions), tuple(damage))
+    # A diagnosis received just after the recording started may judge signal from before its start.
+    diagnoses = [diagnosis for diagnosis in diagnoses if diagnosis.time >= truths[0].time_ns * 1e-9]
+    return RecordedCase(path, _expectation(path, name or path.name, truths, diagnoses), tuple(diagnoses), tuple(damage))
 
 
 def _messages(records: McapRecords) -> Iterator[tuple[str, bytes]]:
@@ -70,54 +70,37 @@ def _messages(records: McapRecords) -> Iterator[tuple[str, bytes]]:
             yield channels[record.channel_id].topic, record.data
 
 
-def _question(path: Path, name: str, truths: Sequence[Truth], opinions: Sequence[Opinion]) -> Question:
+def _expectation(path: Path, name: str, truths: Sequence[Truth], diagnoses: Sequence[ReceivedDiagnosis]) -> Expectation:
     present: Mapping[str, Mapping[str, Any]] = {}
     for truth in truths:
-        gone = set(present) - set(truth.faults)
-        if gone:
+        removed = set(present) - set(truth.faults)
+        if removed:
             raise Refusal(
-                f"{path}: the fault {sorted(gone)[0]} ends at {truth.time_ns * 1e-9:g} s; a scenario has one right verdict from the "
-                "onset on: cut the recording there"
+                f"{path}: the fault {sorted(removed)[0]} ends at {truth.time_ns * 1e-9:g} s, but a scenario has one correct verdict from "
+                "the onset on: cut the recording there"
             )
         present = truth.faults
     last = truths[-1]
-    begin, end = truths[0].time_ns * 1e-9, max([last.time_ns * 1e-9, *(opinion.time for opinion in opinions)])
-    # What is older than the recording can be found from its beginning on.
+    begin, end = truths[0].time_ns * 1e-9, max([last.time_ns * 1e-9, *(diagnosis.time for diagnosis in diagnoses)])
+    # A fault that is older than the recording can be detected from the start of the recording on.
     onsets = {fault: max(begin, float(fields.get("onset", 0.0))) for fault, fields in present.items()}
-    verdict = right_verdict(present)
+    verdict = class_of(present)
     tags: dict[str, str | float] = {"speed": last.speed, "speed_rpm": round(rpm(last.speed), 1), "load": -last.load[1]}
     widths = [float(fault["width"]) for fault in present.values() if "width" in fault]
     tags |= {"width": max(widths)} if widths else {}
-    return Question(
+    return Expectation(
         name,
         verdict,
         end - begin,
-        _since(onsets, verdict),
+        _onset(onsets, verdict),
         tags,
         first_onset=min(onsets.values(), default=begin),
         begin=begin,
-        bearing_onset=min((onset for fault, onset in onsets.items() if right_verdict([fault]) != "sensor"), default=None),
+        bearing_onset=min((onset for fault, onset in onsets.items() if class_of([fault]) != "sensor"), default=None),
     )
 
 
-def _since(onsets: Mapping[str, float], verdict: str) -> float:
-    """Return since when a verdict is right, faults coming one after the other [s]: another defect of a kind does not change it."""
-    moments = sorted(set(onsets.values()))
-    return next((now for now in moments if right_verdict([f for f, onset in onsets.items() if onset <= now]) == verdict), 0.0)
-
-
-def right_verdict(faults: Iterable[str]) -> str:
-    """Return the verdict that faults, by their names in the ground truth, ask for; a broken sensor hides the rest.
-
-    Raises:
-        Refusal: a fault that the exam does not know.
-    """
-    kinds = set()
-    for name in faults:
-        kind = next((verdict for beginning, verdict in KINDS.items() if name.startswith(beginning)), None)
-        if kind is None:
-            raise Refusal(f"the ground truth names the fault '{name}', for which the exam knows no verdict")
-        kinds.add(kind)
-    if "sensor" in kinds:
-        return "sensor"
-    return "compound" if len(kinds) > 1 else next(iter(kinds), "healthy")
+def _onset(onsets: Mapping[str, float], verdict: str) -> float:
+    """Return the time from which a verdict is correct [s]; a second defect of the same kind does not change the verdict."""
+    times = sorted(set(onsets.values()))
+    return next((now for now in times if class_of([f for f, onset in onsets.items() if onset <= now]) == verdict), 0.0)

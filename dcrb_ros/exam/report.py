@@ -1,23 +1,27 @@
-"""What an exam brought: figures, checks and the verdict on the detector."""
+"""The report of an exam: statistics, the check of every criterion, and whether the detector passed."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from dcrb_ros import __version__
 from dcrb_ros.exam.criteria import Criteria
-from dcrb_ros.exam.marking import NOTHING, Mark
-from dcrb_ros.exam.opinion import VERDICTS, WAITING
+from dcrb_ros.exam.scoring import NO_ANSWER, ScenarioResult
 from dcrb_ros.exam.statistics import Characteristic, Interval, characteristic, percentile, rate, share
 from dcrb_ros.recordings.manifest import model_fingerprint, software
+from dcrb_ros.runtime.frames import pandas
+from dcrb_ros.schema.verdicts import FAULT_CLASSES, VERDICTS
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 
 @dataclass(frozen=True)
 class Check:
-    """One criterion."""
+    """The check of one criterion."""
 
     name: str
     wanted: str
@@ -27,114 +31,145 @@ class Check:
 
 @dataclass(frozen=True)
 class Delay:
-    """Delays of one fault."""
+    """Detection delays of one fault."""
 
     verdict: str
     limit: float
+    """Longest delay allowed [s]."""
     found: int
-    asked: int
+    """Scenarios in which the fault was detected [-]."""
+    scenarios: int
+    """Scenarios with the fault [-]."""
     median: float
-    late: float
-    """95th percentile [s]."""
+    """Median delay [s]."""
+    p95: float
+    """95th percentile of the delay [s]."""
 
 
 @dataclass(frozen=True)
 class Detection:
-    """How many defects of one kind and width were found."""
+    """Detections of defects of one kind and width."""
 
     verdict: str
     width: float
     """Width [m]."""
     found: int
-    asked: int
+    """Scenarios in which the defect was detected [-]."""
+    scenarios: int
+    """Scenarios with the defect [-]."""
 
     @property
     def probability(self) -> Interval:
-        """Probability of detection with its bounds."""
-        return share(self.found, self.asked)
+        """Probability of detection with its confidence interval."""
+        return share(self.found, self.scenarios)
 
 
 @dataclass(frozen=True)
 class Report:
-    """The marks of an exam and what follows from them."""
+    """The results of an exam and the statistics derived from them."""
 
     exam: str
     detector: str
     criteria: Criteria
     scenarios: str
-    """SHA-256 of the scenarios; empty where they came as recordings."""
-    marks: tuple[Mark, ...]
+    """SHA-256 of the scenarios; empty if they are recordings."""
+    results: tuple[ScenarioResult, ...]
 
     @property
     def passed(self) -> bool:
-        """Whether every criterion holds."""
+        """Whether every criterion is met."""
         return all(check.holds for check in self.checks())
 
     @property
-    def faulty(self) -> list[Mark]:
-        """The marks of scenarios with something to find."""
-        return [mark for mark in self.marks if mark.question.faulty]
+    def faulty(self) -> list[ScenarioResult]:
+        """The results of the scenarios with a fault."""
+        return [result for result in self.results if result.expectation.faulty]
 
     @property
     def hours(self) -> float:
         """Healthy time [h]."""
-        return sum(mark.healthy_time for mark in self.marks) / 3600.0
+        return sum(result.healthy_time for result in self.results) / 3600.0
 
     @property
     def alarms(self) -> int:
         """False alarms in the healthy time."""
-        return sum(mark.counted_alarms for mark in self.marks)
+        return sum(result.counted_alarms for result in self.results)
 
     def alarm_rate(self) -> Interval:
-        """Return the false alarms per hour with their bounds."""
+        """Return the false alarm rate with its confidence interval [1/h]."""
         return rate(self.alarms, self.hours)
 
     def checks(self) -> list[Check]:
-        """Return every criterion, and whether it holds."""
-        required = [mark for mark in self.faulty if mark.question.required]
-        found = sum(mark.found for mark in required)
-        broken = [mark for mark in self.marks if mark.broken]
+        """Return the check of every criterion."""
+        required = [result for result in self.faulty if result.expectation.required]
+        found = sum(result.found for result in required)
+        broken = [result for result in self.results if result.broken]
         limit, ratio = self.criteria.found, found / len(required) if required else 1.0
-        named = " and named right" if self.criteria.name_right else ""
+        named = " with the correct verdict" if self.criteria.name_right else ""
         return [
-            Check(f"required faults found in time{named}", f"at least {limit:.0%}", f"{found} of {len(required)}", ratio >= limit),
+            Check(f"required faults detected in time{named}", f"at least {limit:.0%}", f"{found} of {len(required)}", ratio >= limit),
             Check("false alarms", f"at most {self.criteria.false_alarms}", str(self.alarms), self.alarms <= self.criteria.false_alarms),
             Check("scenarios without a verdict", "0", str(len(broken)), not broken),
         ]
 
     def delays(self) -> list[Delay]:
-        """Return the delays of each fault that was asked for."""
+        """Return the detection delays of each fault in the exam."""
         return [
-            Delay(verdict, self.criteria.delay.of(verdict), len(found), len(asked), percentile(found, 50.0), percentile(found, 95.0))
-            for verdict, asked in _grouped(self.faulty).items()
-            for found in [[mark.delay for mark in asked if mark.delay is not None and mark.found]]
+            Delay(verdict, self.criteria.delay.of(verdict), len(found), len(group), percentile(found, 50.0), percentile(found, 95.0))
+            for verdict, group in _grouped(self.faulty).items()
+            for found in [[result.delay for result in group if result.delay is not None and result.found]]
         ]
 
     def confusion(self) -> dict[str, dict[str, int]]:
-        """Return how often each right verdict got each answer."""
+        """Return the confusion matrix: the number of scenarios by correct verdict and answer."""
         return {
-            verdict: {answer: sum(m.answer == answer for m in asked) for answer in (*VERDICTS, WAITING, NOTHING)}
-            for verdict, asked in _grouped(self.marks).items()
+            verdict: {answer: sum(m.answer == answer for m in group) for answer in (*VERDICTS, NO_ANSWER)}
+            for verdict, group in _grouped(self.results).items()
         }
 
     def detections(self) -> list[Detection]:
         """Return the probability of detection of each kind and width."""
-        sized = [mark for mark in self.faulty if mark.question.width > 0.0]
+        sized = [result for result in self.faulty if result.expectation.width > 0.0]
         return [
-            Detection(verdict, width, sum(mark.found for mark in same), len(same))
-            for verdict, asked in _grouped(sized).items()
-            for width in sorted({mark.question.width for mark in asked})
-            for same in [[mark for mark in asked if mark.question.width == width]]
+            Detection(verdict, width, sum(result.found for result in same), len(same))
+            for verdict, group in _grouped(sized).items()
+            for width in sorted({result.expectation.width for result in group})
+            for same in [[result for result in group if result.expectation.width == width]]
         ]
 
     def characteristic(self) -> Characteristic | None:
-        """Return the receiver operating characteristic of bearing faults; none where the detector publishes no evidence."""
-        faulty = [mark.score for mark in self.faulty if mark.score is not None and mark.question.verdict != "sensor"]
-        healthy = [mark.score for mark in self.marks if mark.score is not None and not mark.question.faulty]
+        """Return the receiver operating characteristic for bearing faults; None if the detector publishes no score."""
+        faulty = [result.score for result in self.faulty if result.score is not None and result.expectation.verdict != "sensor"]
+        healthy = [result.score for result in self.results if result.score is not None and not result.expectation.faulty]
         return characteristic(faulty, healthy)
 
+    def __repr__(self) -> str:
+        return f"<Report: {self.detector} {'passed' if self.passed else 'failed'} {self.exam}, {len(self.results)} scenarios>"
+
+    def to_pandas(self) -> pd.DataFrame:
+        """Return a DataFrame with a row per scenario: correct verdict, answer, onset and delay [s], number of false alarms, passed.
+
+        Raises
+        ------
+        Refusal
+            pandas is not installed.
+        """
+        rows = [
+            {
+                "right": result.expectation.verdict,
+                "answer": result.answer,
+                "onset": result.expectation.onset if result.expectation.faulty else None,
+                "delay": result.delay,
+                "false_alarms": len(result.false_alarms),
+                "passed": result.passed,
+            }
+            for result in self.results
+        ]
+        names = [result.expectation.name for result in self.results]
+        return pandas().DataFrame(rows, index=pandas().Index(names, name="scenario"))
+
     def described(self) -> dict[str, Any]:
-        """Return everything as a tree for JSON; what does not exist is null."""
+        """Return the report as a tree for JSON; a value that does not exist is null."""
         curve, alarms = self.characteristic(), self.alarm_rate()
         tree = {
             "exam": self.exam,
@@ -147,52 +182,53 @@ class Report:
             "criteria": self.criteria.model_dump(),
             "checks": [vars(check) for check in self.checks()],
             "delay": {
-                d.verdict: {"limit": d.limit, "found": d.found, "asked": d.asked, "median": d.median, "p95": d.late} for d in self.delays()
+                d.verdict: {"limit": d.limit, "found": d.found, "asked": d.scenarios, "median": d.median, "p95": d.p95}
+                for d in self.delays()
             },
             "false_alarms": {"count": self.alarms, "healthy_hours": self.hours, "per_hour": alarms._asdict()},
             "confusion": self.confusion(),
             "detection": [
-                {"verdict": d.verdict, "width": d.width, "found": d.found, "asked": d.asked, "probability": d.probability._asdict()}
+                {"verdict": d.verdict, "width": d.width, "found": d.found, "asked": d.scenarios, "probability": d.probability._asdict()}
                 for d in self.detections()
             ],
             "roc": curve._asdict() if curve else None,
-            "scenarios": [_described(mark) for mark in self.marks],
+            "scenarios": [_described(result) for result in self.results],
         }
         finite: dict[str, Any] = _finite(tree)
         return finite
 
 
-def _grouped(marks: Iterable[Mark]) -> dict[str, list[Mark]]:
-    """Return marks by right verdict, in the order of `VERDICTS`."""
-    found = list(marks)
-    groups = {verdict: [mark for mark in found if mark.question.verdict == verdict] for verdict in VERDICTS}
+def _grouped(results: Iterable[ScenarioResult]) -> dict[str, list[ScenarioResult]]:
+    """Return results by correct verdict, in the order of `FAULT_CLASSES`."""
+    listed = list(results)
+    groups = {verdict: [result for result in listed if result.expectation.verdict == verdict] for verdict in FAULT_CLASSES}
     return {verdict: group for verdict, group in groups.items() if group}
 
 
-def _described(mark: Mark) -> dict[str, Any]:
-    question = mark.question
+def _described(result: ScenarioResult) -> dict[str, Any]:
+    expectation = result.expectation
     return {
-        "name": question.name,
-        "verdict": question.verdict,
-        "answer": mark.answer,
-        "passed": mark.passed,
-        "required": question.required,
-        "flaw": mark.flaw,
-        "onset": question.onset if question.faulty else None,
-        "begin": question.begin,
-        "duration": question.duration,
-        "delay": mark.delay,
-        "alarm_delay": mark.alarm_delay,
-        "false_alarms": [vars(alarm) for alarm in mark.false_alarms],
-        "score": mark.score,
-        "opinions": mark.opinions,
-        "twin": question.twin or None,
-        "tags": dict(question.tags),
+        "name": expectation.name,
+        "verdict": expectation.verdict,
+        "answer": result.answer,
+        "passed": result.passed,
+        "required": expectation.required,
+        "flaw": result.flaw,
+        "onset": expectation.onset if expectation.faulty else None,
+        "begin": expectation.begin,
+        "duration": expectation.duration,
+        "delay": result.delay,
+        "alarm_delay": result.alarm_delay,
+        "false_alarms": [vars(alarm) for alarm in result.false_alarms],
+        "score": result.score,
+        "opinions": result.diagnoses,
+        "twin": expectation.twin or None,
+        "tags": dict(expectation.tags),
     }
 
 
 def _finite(tree: Any) -> Any:
-    """Return a tree with null for what is no number: JSON has neither NaN nor infinity."""
+    """Return a tree with NaN and infinity replaced by null, since JSON has neither."""
     if isinstance(tree, Mapping):
         return {key: _finite(value) for key, value in tree.items()}
     if isinstance(tree, Sequence) and not isinstance(tree, str):

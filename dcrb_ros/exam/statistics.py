@@ -1,4 +1,4 @@
-"""The few statistics of an exam: bounds on a rate and on a share, and the receiver operating characteristic."""
+"""Statistics of an exam: confidence intervals of a rate and of a proportion, and the receiver operating characteristic."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ import numpy as np
 from scipy.stats import binomtest, chi2
 
 CONFIDENCE = 0.95
-"""Confidence of every interval [-]."""
+"""Confidence level of every interval [-]."""
 
 
 class Interval(NamedTuple):
-    """An estimate with its bounds."""
+    """An estimate with its confidence interval."""
 
     value: float
     low: float
@@ -21,7 +21,7 @@ class Interval(NamedTuple):
 
 
 def rate(count: int, hours: float) -> Interval:
-    """Return events per hour with the exact bounds of a Poisson process (Garwood 1936)."""
+    """Return the rate of ``count`` events in ``hours`` with its exact Poisson interval (Garwood 1936) [1/h]."""
     if hours <= 0.0:
         return Interval(float("nan"), 0.0, float("inf"))
     tail = 0.5 * (1.0 - CONFIDENCE)
@@ -30,7 +30,7 @@ def rate(count: int, hours: float) -> Interval:
 
 
 def share(count: int, of: int) -> Interval:
-    """Return a share with the exact bounds of a binomial one (Clopper and Pearson 1934)."""
+    """Return the proportion ``count / of`` with its exact binomial interval (Clopper and Pearson 1934) [-]."""
     if of == 0:
         return Interval(float("nan"), 0.0, 1.0)
     found = binomtest(count, of).proportion_ci(CONFIDENCE, method="exact")
@@ -38,31 +38,31 @@ def share(count: int, of: int) -> Interval:
 
 
 def percentile(values: Sequence[float], percent: float) -> float:
-    """Return a percentile, NaN of nothing."""
+    """Return a percentile of values; NaN if there are none."""
     return float(np.percentile(values, percent)) if values else float("nan")
 
 
 class Characteristic(NamedTuple):
-    """Detections over false alarms as the threshold falls."""
+    """Receiver operating characteristic: true over false positive rate for decreasing thresholds."""
 
     false: list[float]
-    """Share of the healthy runs above the threshold."""
+    """False positive rate: share of the healthy runs at or above the threshold [-]."""
     true: list[float]
-    """Share of the faulty runs above it."""
+    """True positive rate: share of the faulty runs at or above the threshold [-]."""
     threshold: list[float]
     area: float
-    """Area below the curve: how often a faulty run has more evidence than a healthy one."""
+    """Area under the curve: probability that a faulty run scores higher than a healthy one [-]."""
 
 
 def characteristic(faulty: Sequence[float], healthy: Sequence[float]) -> Characteristic | None:
-    """Return the receiver operating characteristic of scores; none without both kinds."""
+    """Return the receiver operating characteristic of scores; None unless there are scores of both faulty and healthy runs."""
     if not faulty or not healthy:
         return None
     positive, negative = np.sort(faulty), np.sort(healthy)
     thresholds = np.unique(np.concatenate([positive, negative]))[::-1]
     true = 1.0 - np.searchsorted(positive, thresholds, side="left") / len(positive)
     false = 1.0 - np.searchsorted(negative, thresholds, side="left") / len(negative)
-    # Ties count half (Mann and Whitney).
+    # Ties count one half (Mann and Whitney 1947).
     below, upto = np.searchsorted(negative, positive, side="left"), np.searchsorted(negative, positive, side="right")
     area = float((below + upto).sum()) / (2.0 * len(positive) * len(negative))
     return Characteristic([0.0, *false.tolist()], [0.0, *true.tolist()], thresholds.tolist(), area)

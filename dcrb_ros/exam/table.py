@@ -1,4 +1,4 @@
-"""The report as tables on a terminal."""
+"""The report as tables in a terminal."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from collections.abc import Iterator
 
 from rich.console import Group as Stack
 from rich.console import RenderableType
+from rich.markup import escape
 from rich.table import Table
 from rich.text import Text
 
@@ -15,46 +16,46 @@ from dcrb_ros.exam.report import Report
 from dcrb_ros.exam.statistics import CONFIDENCE, Interval
 from dcrb_ros.recordings.manifest import model_fingerprint
 
-MOST_FLAWS = 40
-"""Scenarios that went wrong and are listed; JSON and JUnit have them all."""
+MOST_FAILURES = 40
+"""Failed scenarios listed at most [-]; JSON and JUnit contain all of them."""
 
 
 def number(value: float, digits: int = 2) -> str:
-    """Return a number, or a dash where there is none."""
+    """Return a number as text, a dash for NaN and infinity."""
     return f"{value:.{digits}f}" if math.isfinite(value) else "-"
 
 
 def bounds(interval: Interval, digits: int = 2) -> str:
-    """Return an estimate with its bounds."""
+    """Return an estimate with its confidence interval as text."""
     return f"{number(interval.value, digits)} ({number(interval.low, digits)} .. {number(interval.high, digits)})"
 
 
 def tables(report: Report) -> RenderableType:
-    """Return everything that a terminal shows of a report."""
+    """Return all tables and sentences of a report."""
     shown: list[RenderableType] = [
         _checks(report),
         *_delays(report),
         *_detections(report),
         _confusion(report),
-        *_flaws(report),
-        *words(report),
+        *_failures(report),
+        *sentences(report),
     ]
     return Stack(*shown)
 
 
-def words(report: Report) -> Iterator[str]:
-    """Yield what takes a sentence."""
+def sentences(report: Report) -> Iterator[str]:
+    """Yield the results that are given as sentences."""
     yield (
-        "false alarms: nothing to count, for there is no healthy signal"
+        "false alarms: not counted, there is no healthy signal"
         if not report.hours
-        else f"false alarms: {report.alarms} in {report.hours * 60.0:.1f} min of healthy signal, {bounds(report.alarm_rate(), 1)} an hour "
-        f"({CONFIDENCE:.0%} Poisson bounds)"
+        else f"false alarms: {report.alarms} in {report.hours * 60.0:.1f} min of healthy signal, {bounds(report.alarm_rate(), 1)} per hour "
+        f"({CONFIDENCE:.0%} Poisson confidence interval)"
     )
     curve = report.characteristic()
     yield (
         f"ROC: area {curve.area:.3f} over {len(curve.threshold)} thresholds"
         if curve
-        else "ROC: none, for the detector publishes neither score nor confidence, or not on both faulty and healthy scenarios"
+        else "ROC: none, the detector publishes no score or confidence for both faulty and healthy scenarios"
     )
     if report.scenarios:
         yield f"scenarios: sha256 {report.scenarios}"
@@ -62,20 +63,21 @@ def words(report: Report) -> Iterator[str]:
 
 
 def _checks(report: Report) -> Table:
-    # What users name is text: a name in brackets is no markup.
+    # `Text` keeps brackets in users' names from being read as markup.
     title = Text(f"{report.exam}: {'passed' if report.passed else 'FAILED'}, {report.detector}")
-    table = Table("criterion", "wanted", "got", "", title=title)
+    table = Table("criterion", "required", "result", "status", title=title)
     for check in report.checks():
-        table.add_row(check.name, check.wanted, check.got, "holds" if check.holds else "FAILS", style="" if check.holds else "bold red")
+        table.add_row(check.name, check.wanted, check.got, "passed" if check.holds else "FAILED", style="" if check.holds else "bold red")
     return table
 
 
 def _delays(report: Report) -> Iterator[Table]:
     rows = report.delays()
     if rows:
-        table = Table("fault", "found", "delay, median [s]", "95 % [s]", "limit [s]", title="Delay of the right verdict")
+        heads = map(escape, ("fault", "detected", "median delay [s]", "95th percentile [s]", "limit [s]"))
+        table = Table(*heads, title="Detection delay")
         for row in rows:
-            table.add_row(row.verdict, f"{row.found} of {row.asked}", number(row.median), number(row.late), f"{row.limit:g}")
+            table.add_row(row.verdict, f"{row.found} of {row.scenarios}", number(row.median), number(row.p95), f"{row.limit:g}")
         yield table
 
 
@@ -83,31 +85,32 @@ def _detections(report: Report) -> Iterator[Table]:
     rows = report.detections()
     if rows:
         table = Table(
-            "fault", "width [mm]", "found", "probability of detection", title=f"By width, {CONFIDENCE:.0%} bounds (Clopper-Pearson)"
+            *map(escape, ("fault", "width [mm]", "detected", "probability of detection")),
+            title=f"Detection by width, {CONFIDENCE:.0%} confidence (Clopper-Pearson)",
         )
         for row in rows:
-            table.add_row(row.verdict, f"{row.width * 1e3:g}", f"{row.found} of {row.asked}", bounds(row.probability))
+            table.add_row(row.verdict, f"{row.width * 1e3:g}", f"{row.found} of {row.scenarios}", bounds(row.probability))
         yield table
 
 
 def _confusion(report: Report) -> Table:
     found = report.confusion()
     answers = [answer for answer in next(iter(found.values()), {}) if any(row[answer] for row in found.values())]
-    table = Table("true \\ said", *answers, title="Right verdict and answer")
+    table = Table("correct \\ answer", *answers, title="Scenarios by correct verdict and answer")
     for verdict, row in found.items():
         cells = [f"[bold]{row[a]}[/bold]" if a == verdict else f"[red]{row[a]}[/red]" if row[a] else "." for a in answers]
         table.add_row(verdict, *cells)
     return table
 
 
-def _flaws(report: Report) -> Iterator[RenderableType]:
-    wrong = [mark for mark in report.marks if not mark.passed]
+def _failures(report: Report) -> Iterator[RenderableType]:
+    wrong = [result for result in report.results if not result.passed]
     if not wrong:
         return
-    table = Table("scenario", "right", "what went wrong", title=f"{len(wrong)} of {len(report.marks)} scenarios went wrong")
-    for mark in wrong[:MOST_FLAWS]:
-        counts = "" if mark.question.required else " (not required)"
-        table.add_row(Text(mark.question.name + counts), mark.question.verdict, Text(mark.flaw))
+    table = Table("scenario", "correct verdict", "reason", title=f"{len(wrong)} of {len(report.results)} scenarios failed")
+    for result in wrong[:MOST_FAILURES]:
+        counts = "" if result.expectation.required else " (not required)"
+        table.add_row(Text(result.expectation.name + counts), result.expectation.verdict, Text(result.flaw))
     yield table
-    if len(wrong) > MOST_FLAWS:
-        yield f"and {len(wrong) - MOST_FLAWS} more: --json or --junit has them all"
+    if len(wrong) > MOST_FAILURES:
+        yield f"and {len(wrong) - MOST_FAILURES} more: --json and --junit list all of them"

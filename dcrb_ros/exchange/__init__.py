@@ -1,1 +1,1 @@
-"""Waveforms in the files of other tools: out of a recording, and into one."""
+"""Exchange of waveforms with other tools: export of recordings, import of waveforms measured elsewhere."""

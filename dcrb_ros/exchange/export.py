@@ -1,4 +1,4 @@
-"""A recording's waveform into a file of another tool, with a description beside it that says what the file cannot."""
+"""Export of a recording's waveform to a file for other tools, and of the remaining information to a description in YAML."""
 
 from __future__ import annotations
 
@@ -17,22 +17,22 @@ from dcrb_ros.runtime.refusal import Refusal
 
 
 def export(recording: Recording, path: Path) -> Path:
-    """Write the waveform to ``path`` and its description to the same name with ``.yaml``; return the latter.
+    """Write the waveform to ``path`` and its description to the same path with the suffix ``.yaml``; return the path of the latter.
 
     Raises:
-        Refusal: an unknown suffix, a file that exists, or a recording without waveform.
+        Refusal: the suffix is unknown, a file exists, the recording has no waveform, or a file cannot be written.
     """
     writer, beside = WRITERS.get(path.suffix.lower()), path.with_suffix(".yaml")
     if writer is None:
-        raise Refusal(f"{path} is of no known kind: its name must end in {', '.join(WRITERS)}")
+        raise Refusal(f"{path} has an unknown file type: its name must end in {', '.join(WRITERS)}")
     for file in (path, beside):
         if file.exists():
-            raise Refusal(f"{file} exists: give another name or remove it, nothing is overwritten")
+            raise Refusal(f"{file} exists: give another name or remove it; files are never overwritten")
     if not path.absolute().parent.is_dir():
-        raise Refusal(f"{path} cannot be written: there is no folder {path.absolute().parent}; create it or give another")
-    columns, extra, labels, block_size = _gathered(recording)
+        raise Refusal(f"{path} cannot be written: there is no folder {path.absolute().parent}; create it or give another path")
+    columns, extra, labels, block_size = _collect(recording)
     about = {"manifest": recording.manifest, "outcome": recording.outcome, "labels": labels}
-    description = _described(recording, path, columns, labels, block_size)
+    description = _description(recording, path, columns, labels, block_size)
     try:
         writer(path, columns, extra, recording.sampling_rate, about)
         beside.write_text(yaml.safe_dump(description, sort_keys=False), encoding="utf-8")
@@ -40,13 +40,13 @@ def export(recording: Recording, path: Path) -> Path:
         for file in (path, beside):
             file.unlink(missing_ok=True)
         if isinstance(error, OSError):
-            raise Refusal(f"{path} cannot be written: {error.strerror}; make room or give another folder") from None
+            raise Refusal(f"{path} cannot be written: {error.strerror}; free some space or give another folder") from None
         raise
     return beside
 
 
-def _gathered(recording: Recording) -> tuple[dict[str, Array], dict[str, Array], dict[str, Any], int]:
-    """Return columns, the truth over time, the labels and the block size."""
+def _collect(recording: Recording) -> tuple[dict[str, Array], dict[str, Array], dict[str, Any], int]:
+    """Return the sample columns, the ground truth over time, the labels and the block size."""
     blocks, truths = [], []
     for message in recording.messages((VIBRATION, GROUND_TRUTH)):
         if message.topic == VIBRATION:
@@ -54,7 +54,7 @@ def _gathered(recording: Recording) -> tuple[dict[str, Array], dict[str, Array],
         else:
             truths.append(decode_truth(message.data))
     if not blocks:
-        raise Refusal(f"{recording.path} holds no messages on {VIBRATION.resolved(recording.namespace)}: give a recording of the bench")
+        raise Refusal(f"{recording.path} has no messages on {VIBRATION.resolved(recording.namespace)}: give a recording of the bench")
     rate, acceleration = recording.sampling_rate, np.concatenate([block.acceleration for block in blocks])
     columns: dict[str, Array] = {
         "index": np.concatenate([block.first_index(rate) + np.arange(len(block.shaft_angle), dtype=np.int64) for block in blocks]),
@@ -75,15 +75,15 @@ def _gathered(recording: Recording) -> tuple[dict[str, Array], dict[str, Array],
     return columns, extra, labels, max(len(block.shaft_angle) for block in blocks)
 
 
-def _described(recording: Recording, path: Path, columns: dict[str, Array], labels: dict[str, Any], block_size: int) -> dict[str, Any]:
-    orders, names = recording.orders, list(columns)
+def _description(recording: Recording, path: Path, columns: dict[str, Array], labels: dict[str, Any], block_size: int) -> dict[str, Any]:
+    names = list(columns)
     wav = path.suffix.lower() == ".wav"
     channels: dict[str, Any] = {"ax": 1, "ay": 2, "shaft_angle": 3} if wav else {name: name for name in sorted(names)}
     return {
         "sampling_rate": recording.sampling_rate,
         "unit": "m/s^2",
         "channels": channels,
-        "orders": {"FTF": orders.ftf, "BPFO": orders.bpfo, "BPFI": orders.bpfi, "BSF": orders.bsf},
+        "orders": recording.orders.as_dict(),
         "first_index": int(columns["index"][0]),
         "block_size": max(16, block_size),
         "labels": labels,

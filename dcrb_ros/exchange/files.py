@@ -1,4 +1,4 @@
-"""Files of other tools: named channels out of them, named columns into them."""
+"""Readers and writers for the file formats of other tools."""
 
 from __future__ import annotations
 
@@ -19,64 +19,65 @@ Array = npt.NDArray[Any]
 
 
 @dataclass(frozen=True)
-class Foreign:
-    """A file's channels by name or number, and the sampling rate where the file knows it."""
+class ExternalFile:
+    """The channels of a file by name or number, and the sampling rate if the file contains it."""
 
     names: tuple[str, ...]
     column: Callable[[str | int], Array]
-    """Return a channel; raises KeyError, IndexError or AttributeError where there is none."""
+    """Return a channel; raises KeyError, IndexError or AttributeError if there is no such channel."""
     rate: int | None = None
+    """Sampling rate [Hz]."""
     full_scale: float | None = None
-    """Largest number of a file of integers."""
+    """Number that corresponds to full scale in a file with integer samples [-]."""
 
 
-def read_foreign(path: Path) -> Foreign:
-    """Return the channels of a file, by its suffix.
+def read_external(path: Path) -> ExternalFile:
+    """Return the channels of a file, whose format is given by its suffix.
 
     Raises:
-        Refusal: an unknown suffix, or a file that is not what its suffix says.
+        Refusal: the suffix is unknown, or the file does not exist or has another format.
     """
     reader = READERS.get(path.suffix.lower())
     if reader is None:
-        raise Refusal(f"{path} is of no known kind: its name must end in {', '.join(READERS)}")
+        raise Refusal(f"{path} has an unknown file type: its name must end in {', '.join(READERS)}")
     if not path.is_file():
-        raise Refusal(f"there is no file {path}")
+        raise Refusal(f"there is no file {path}: check the path")
     try:
         return reader(path)
     except Refusal:
         raise
-    except Exception as error:  # a reader of a foreign format raises whatever it runs into
-        words = str(error).splitlines()[0] if str(error) else type(error).__name__
-        raise Refusal(f"{path} cannot be read as {path.suffix[1:].upper()}: {words}") from None
+    except Exception as error:  # the libraries raise many kinds of exceptions for invalid files
+        reason = str(error).splitlines()[0] if str(error) else type(error).__name__
+        raise Refusal(f"{path} cannot be read as {path.suffix[1:].upper()}: {reason}") from None
 
 
-def channel(foreign: Foreign, source: Path, name: str | int) -> Array:
-    """Return one channel of a file as a row of numbers.
+def channel(external: ExternalFile, source: Path, name: str | int) -> Array:
+    """Return one channel of a file as an array of shape (samples,).
 
     Raises:
-        Refusal: there is no such channel, or it holds no numbers.
+        Refusal: there is no such channel, or it is not a one-dimensional array of numbers.
     """
     try:
-        found = np.asarray(foreign.column(name))
+        found = np.asarray(external.column(name))
     except (KeyError, IndexError, AttributeError, ValueError, TypeError):
-        known = ", ".join(foreign.names[:20]) or "none"
-        raise Refusal(f"{source} has no channel '{name}'{nearest(str(name), foreign.names)} (there are: {known})") from None
+        known = ", ".join(external.names[:20]) or "none"
+        raise Refusal(f"{source} has no channel '{name}'{nearest(str(name), external.names)} (available: {known})") from None
     values = found.squeeze()
     if values.ndim != 1 or values.dtype.kind not in "iuf":
-        raise Refusal(f"{source}: '{name}' has the shape {found.shape} of {found.dtype}: a channel is one row of numbers")
+        raise Refusal(f"{source}: '{name}' has shape {found.shape} and type {found.dtype}: a channel must be one row of numbers")
     return values
 
 
-def _read_npz(path: Path) -> Foreign:
-    with np.load(path, allow_pickle=False) as held:
-        found = {name: held[name] for name in held.files}
-    return Foreign(tuple(found), lambda name: found[str(name)])
+def _read_npz(path: Path) -> ExternalFile:
+    with np.load(path, allow_pickle=False) as file:
+        arrays = {name: file[name] for name in file.files}
+    return ExternalFile(tuple(arrays), lambda name: arrays[str(name)])
 
 
-def _read_csv(path: Path) -> Foreign:
+def _read_csv(path: Path) -> ExternalFile:
     with path.open(encoding="utf-8-sig") as stream:
         first = next((line for line in stream if line.strip() and not line.startswith("#")), "")
-    delimiter = next((mark for mark in ",;\t" if mark in first), None)
+    delimiter = next((character for character in ",;\t" if character in first), None)
     names = tuple(word.strip().strip('"') for word in first.strip().split(delimiter))
     headed = not all(_is_number(name) for name in names)
     with path.open(encoding="utf-8-sig") as stream:
@@ -85,15 +86,15 @@ def _read_csv(path: Path) -> Foreign:
             next(lines, None)
         begin = next(lines, None)
         if begin is None:
-            raise Refusal(f"{path} holds no numbers")
+            raise Refusal(f"{path} contains no numbers: give a file with one column per channel")
         table = np.loadtxt(itertools.chain([begin], lines), delimiter=delimiter, ndmin=2)
 
     def column(name: str | int) -> Array:
         if isinstance(name, str) and headed:
             return table[:, names.index(name)]
-        return _numbered(table, name)
+        return _by_number(table, name)
 
-    return Foreign(names if headed else tuple(str(k + 1) for k in range(table.shape[1])), column)
+    return ExternalFile(names if headed else tuple(str(k + 1) for k in range(table.shape[1])), column)
 
 
 def _is_number(word: str) -> bool:
@@ -104,27 +105,27 @@ def _is_number(word: str) -> bool:
     return True
 
 
-def _numbered(table: Array, name: str | int) -> Array:
-    """Return a column by its number from 1."""
+def _by_number(table: Array, name: str | int) -> Array:
+    """Return a column by its number, counted from 1."""
     number = int(name)
     if not 1 <= number <= table.shape[1]:
         raise IndexError(name)
     return np.asarray(table[:, number - 1])
 
 
-def _read_wav(path: Path) -> Foreign:
+def _read_wav(path: Path) -> ExternalFile:
     from scipy.io import wavfile
 
     rate, table = wavfile.read(path)
     table = table[:, None] if table.ndim == 1 else table
     kind = table.dtype
     if kind.kind == "u":
-        raise Refusal(f"{path} holds {8 * kind.itemsize} bit unsigned samples: convert it to 16 bit or to floating point")
+        raise Refusal(f"{path} has {8 * kind.itemsize} bit unsigned samples: convert it to 16 bit or to floating point")
     scale = float(np.iinfo(kind).max) + 1.0 if kind.kind == "i" else None
-    return Foreign(tuple(str(k + 1) for k in range(table.shape[1])), lambda name: _numbered(table, name), int(rate), scale)
+    return ExternalFile(tuple(str(k + 1) for k in range(table.shape[1])), lambda name: _by_number(table, name), int(rate), scale)
 
 
-def _read_mat(path: Path) -> Foreign:
+def _read_mat(path: Path) -> ExternalFile:
     from scipy.io import loadmat
 
     try:
@@ -132,11 +133,11 @@ def _read_mat(path: Path) -> Foreign:
     except NotImplementedError:
         return _read_hdf5(path)
     names = tuple(name for name in found if not name.startswith("__"))
-    return Foreign(names, lambda name: _inside(found, str(name)))
+    return ExternalFile(names, lambda name: _nested(found, str(name)))
 
 
-def _inside(found: Mapping[str, Any], name: str) -> Array:
-    """Return a variable, or what lies within a structure: ``bearing.gs``, ``run.Y[7].Data``."""
+def _nested(found: Mapping[str, Any], name: str) -> Array:
+    """Return a variable, or a field of a structure, such as ``bearing.gs`` or ``run.Y[7].Data``."""
     if name in found:
         return np.asarray(found[name])
     head, *parts = re.findall(r"[^.\[\]]+", name)
@@ -146,7 +147,7 @@ def _inside(found: Mapping[str, Any], name: str) -> Array:
     return np.asarray(value)
 
 
-def _read_hdf5(path: Path) -> Foreign:
+def _read_hdf5(path: Path) -> ExternalFile:
     try:
         import h5py
     except ImportError:
@@ -159,17 +160,17 @@ def _read_hdf5(path: Path) -> Foreign:
                 found[name.replace("/", ".")] = entry[()]
 
         file.visititems(keep)
-    return Foreign(tuple(found), lambda name: found[str(name)])
+    return ExternalFile(tuple(found), lambda name: found[str(name)])
 
 
-def _read_parquet(path: Path) -> Foreign:
+def _read_parquet(path: Path) -> ExternalFile:
     from pyarrow import parquet
 
     table = parquet.read_table(path)
-    return Foreign(tuple(table.column_names), lambda name: table.column(str(name)).to_numpy())
+    return ExternalFile(tuple(table.column_names), lambda name: table.column(str(name)).to_numpy())
 
 
-READERS: dict[str, Callable[[Path], Foreign]] = {
+READERS: dict[str, Callable[[Path], ExternalFile]] = {
     ".csv": _read_csv,
     ".wav": _read_wav,
     ".mat": _read_mat,
@@ -187,7 +188,7 @@ def _write_npz(path: Path, columns: Columns, extra: Columns, rate: int, about: M
 
 
 def _write_csv(path: Path, columns: Columns, extra: Columns, rate: int, about: Mapping[str, Any]) -> None:
-    forms = ["%d" if values.dtype.kind == "i" else "%.9g" for values in columns.values()]  # nine digits give a float back exactly
+    forms = ["%d" if values.dtype.kind == "i" else "%.9g" for values in columns.values()]  # nine digits represent a float32 exactly
     table = np.column_stack([values.astype(np.float64) for values in columns.values()])
     np.savetxt(path, table, fmt=forms, delimiter=",", header=",".join(columns), comments="")
 
@@ -204,7 +205,7 @@ def _write_wav(path: Path, columns: Columns, extra: Columns, rate: int, about: M
     steps = np.diff(columns["index"])
     if np.any(steps != 1):
         raise Refusal(
-            f"the recording has {int(np.sum(steps != 1))} gaps, and a WAV file cannot say so: export it as npz, mat, csv or parquet"
+            f"the recording has {int(np.sum(steps != 1))} gaps, which a WAV file cannot represent: export it as npz, mat, csv or parquet"
         )
     wavfile.write(path, rate, np.column_stack([columns[name] for name in ("ax", "ay", "shaft_angle")]))
 

@@ -1,4 +1,4 @@
-"""A foreign waveform into a recording with the topics of the bench, so that everything downstream takes it."""
+"""Import of an external waveform into a recording with the topics of the bench, which all other commands can read."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ import numpy.typing as npt
 from dcrb_ros import __version__
 from dcrb_ros.bearing.kinematics import Orders
 from dcrb_ros.exchange.description import Description, read_description
-from dcrb_ros.exchange.files import Array, Foreign, channel, read_foreign
+from dcrb_ros.exchange.files import Array, ExternalFile, channel, read_external
 from dcrb_ros.messages.cdr import FRAME
 from dcrb_ros.messages.joints import encode_features
 from dcrb_ros.messages.plain import encode_text
@@ -30,13 +30,13 @@ from dcrb_ros.runtime.refusal import Refusal
 from dcrb_ros.settings.sensor_limits import LONGEST_BLOCK
 from dcrb_ros.simulation.block import Block
 
-TURN = 2.0 * np.pi
-LATEST = 2**31
-"""Time from which on the stamp of a message has no room [s]."""
+FULL_TURN = 2.0 * np.pi
+LATEST_STAMP = 2**31
+"""Time from which on a ROS time stamp overflows [s]."""
 
 
-class Import:
-    """A file and its description, checked against each other.
+class WaveformImport:
+    """A waveform read from a file and its description, with both checked for consistency.
 
     Raises:
         Refusal: rate, unit, speed, channels or orders are missing or contradict each other.
@@ -45,98 +45,102 @@ class Import:
     def __init__(self, file: Path, about: Path) -> None:
         self._file, self._about = file, about
         self.description: Description = read_description(about)
-        foreign = read_foreign(file)
-        self.rate = self._rate(foreign)
+        external = read_external(file)
+        self.rate = self._rate(external)
         self.orders: Orders = self.description.fault_orders(about)
-        factor = self._factor(foreign)
+        factor = self._factor(external)
         channels = self.description.channels
-        ax = self._axis(foreign, channels.ax, factor)
-        ay = ax if channels.ay is None else self._axis(foreign, channels.ay, factor)
-        self.index = self._index(foreign, len(ax))
-        angle = self._angle(foreign, self.index)
+        ax = self._axis(external, channels.ax, factor)
+        ay = ax if channels.ay is None else self._axis(external, channels.ay, factor)
+        self.index = self._index(external, len(ax))
+        angle = self._angle(external, self.index)
         lengths = {"ax": len(ax), "ay": len(ay), "shaft_angle": len(angle), "index": len(self.index)}
         if len(set(lengths.values())) > 1 or not len(ax):
-            raise Refusal(f"{file}: the channels must be of one length and not empty: {lengths}")
+            raise Refusal(f"{file}: the channels must have the same length and not be empty: {lengths}")
         self.acceleration = np.column_stack([ax, ay])
         self.angle = angle
 
-    def _rate(self, foreign: Foreign) -> int:
+    def _rate(self, external: ExternalFile) -> int:
         given = self.description.sampling_rate
-        if given is None and foreign.rate is None:
-            raise Refusal(f"{self._about} gives no sampling_rate, and {self._file} has none of its own: add it in Hz; it is never guessed")
-        if given is not None and foreign.rate is not None and given != foreign.rate:
-            raise Refusal(f"{self._about} gives sampling_rate = {given} Hz and {self._file} itself {foreign.rate} Hz: one of them is wrong")
-        return int(given or foreign.rate or 0)
+        if given is None and external.rate is None:
+            raise Refusal(f"{self._about} has no sampling_rate, and {self._file} contains none: add it in Hz; it is never guessed")
+        if given is not None and external.rate is not None and given != external.rate:
+            raise Refusal(
+                f"{self._about} gives sampling_rate = {given} Hz, but {self._file} contains {external.rate} Hz: correct the former"
+            )
+        return int(given or external.rate or 0)
 
-    def _factor(self, foreign: Foreign) -> float:
-        """Return a number of the file in m/s^2."""
+    def _factor(self, external: ExternalFile) -> float:
+        """Return the factor from a number in the file to m/s^2."""
         factor = self.description.factor(self._about)
-        if foreign.full_scale is None:
+        if external.full_scale is None:
             return factor
         if self.description.full_scale is None:
             unit = self.description.unit
-            raise Refusal(f"{self._file} holds whole numbers: {self._about} must give full_scale, what their largest stands for in {unit}")
-        return factor * self.description.full_scale / foreign.full_scale
+            raise Refusal(f"{self._file} has integer samples: add full_scale to {self._about}, the acceleration at full scale in {unit}")
+        return factor * self.description.full_scale / external.full_scale
 
-    def _finite(self, foreign: Foreign, name: str | int) -> Array:
-        values = channel(foreign, self._file, name)
+    def _finite(self, external: ExternalFile, name: str | int) -> Array:
+        values = channel(external, self._file, name)
         bad = int(np.count_nonzero(~np.isfinite(values)))
         if bad:
-            raise Refusal(f"{self._file}: {bad} of {len(values)} samples of '{name}' are not finite numbers: cut them out first")
+            raise Refusal(f"{self._file}: {bad} of {len(values)} samples of '{name}' are not finite numbers: remove them first")
         return values.astype(np.float64)
 
-    def _axis(self, foreign: Foreign, name: str | int, factor: float) -> npt.NDArray[np.float32]:
-        """Return the acceleration of a channel [m/s^2]."""
+    def _axis(self, external: ExternalFile, name: str | int, factor: float) -> npt.NDArray[np.float32]:
+        """Return the acceleration of a channel, shape (samples,) [m/s^2]."""
         with np.errstate(over="ignore"):
-            values = (self._finite(foreign, name) * factor).astype(np.float32)
+            values = (self._finite(external, name) * factor).astype(np.float32)
         bad = np.flatnonzero(~np.isfinite(values))
         if len(bad):
             raise Refusal(
-                f"{self._file}: sample {bad[0]} of '{name}' is {float(channel(foreign, self._file, name)[bad[0]]):g}, more than "
-                f"{np.finfo(np.float32).max:.1g} m/s^2, what a message holds: cut it out, or check the unit"
+                f"{self._file}: sample {bad[0]} of '{name}' is {float(channel(external, self._file, name)[bad[0]]):g}, above "
+                f"{np.finfo(np.float32).max:.1g} m/s^2, the range of a message: remove it, or check the unit"
             )
         return values
 
-    def _index(self, foreign: Foreign, count: int) -> npt.NDArray[np.int64]:
+    def _index(self, external: ExternalFile, count: int) -> npt.NDArray[np.int64]:
         name, first = self.description.channels.index, self.description.first_index
         if name is None:
-            self._in_time(first + count - 1, f"{self._about}: first_index = {first}")
+            self._check_stamp(first + count - 1, f"{self._about}: first_index = {first}")
             return first + np.arange(count, dtype=np.int64)
-        found = self._finite(foreign, name)
+        found = self._finite(external, name)
         broken = found[found != np.rint(found)]
         if len(broken):
             raise Refusal(
-                f"{self._file}: '{name}' is no index: {broken[0]:g} is not a whole number; an index counts samples, gaps included"
+                f"{self._file}: '{name}' is not an index: {broken[0]:g} is not an integer; an index counts samples, gaps included"
             )
         if len(found) and (found[0] < 0 or np.any(np.diff(found) <= 0)):
-            raise Refusal(f"{self._file}: '{name}' must be an index that begins at 0 or later and rises")
-        self._in_time(float(found[-1]) if len(found) else 0.0, f"{self._file}: '{name}'")
+            raise Refusal(f"{self._file}: '{name}' is not an index: it must start at 0 or later and increase")
+        self._check_stamp(float(found[-1]) if len(found) else 0.0, f"{self._file}: '{name}'")
         return found.astype(np.int64)
 
-    def _in_time(self, last: float, source: str) -> None:
-        """Refuse an index whose time a message cannot tell."""
-        if last >= LATEST * self.rate:
-            raise Refusal(f"{source} leads to sample {last:.3g}, beyond {LATEST} s at {self.rate} Hz, where stamps end: begin at 0")
+    def _check_stamp(self, last: float, source: str) -> None:
+        """Refuse an index whose time exceeds the range of a time stamp."""
+        if last >= LATEST_STAMP * self.rate:
+            raise Refusal(
+                f"{source} gives sample {last:.3g}, after {LATEST_STAMP} s at {self.rate} Hz, the range of time stamps: start at 0"
+            )
 
-    def _angle(self, foreign: Foreign, index: npt.NDArray[np.int64]) -> npt.NDArray[np.float32]:
-        """Return the shaft's angle within [0, 2 pi), as it is in the file or as it follows from the speed."""
+    def _angle(self, external: ExternalFile, index: npt.NDArray[np.int64]) -> npt.NDArray[np.float32]:
+        """Return the shaft angle from the file or computed from the speed, within [0, 2 pi), shape (samples,) [rad]."""
         name = self.description.channels.shaft_angle
         turned = (
             self.description.shaft_speed(self._about) * index.astype(np.float64) / self.rate
             if name is None
-            else self._finite(foreign, name)
+            else self._finite(external, name)
         )
-        within = np.mod(turned, TURN).astype(np.float32)
-        within[within >= np.float32(TURN)] = 0.0
+        within = np.mod(turned, FULL_TURN).astype(np.float32)
+        within[within >= np.float32(FULL_TURN)] = 0.0
         return within
 
     @property
     def block_size(self) -> int:
-        """Samples in a block: those asked for, but no more than fit into `LONGEST_BLOCK`."""
+        """Samples in a block [-]: as given by the description, limited by `LONGEST_BLOCK`."""
         return max(1, min(self.description.block_size, int(LONGEST_BLOCK * self.rate)))
 
     def blocks(self) -> Iterator[Block]:
-        """Yield the waveform; a block ends where samples are missing."""
+        """Yield the waveform in blocks; a block ends at every gap."""
         size, count = self.block_size, len(self.index)
         breaks = [0, *(np.flatnonzero(np.diff(self.index) != 1) + 1), count]
         for begin, end in itertools.pairwise(breaks):
@@ -146,7 +150,7 @@ class Import:
                 yield Block(int(self.index[at]), self.rate, acceleration, self.angle[part], acceleration)
 
     def sensor(self) -> dict[str, Any]:
-        """Return what a listener must know of the waveform."""
+        """Return the description of the sensor that is published with the waveform."""
         channels, d = self.description.channels, self.description
         return {
             "sampling_rate": self.rate,
@@ -158,12 +162,12 @@ class Import:
             "block_size": self.block_size,
             "frame": FRAME,
             "bearing": d.bearing.model_dump() if d.bearing else None,
-            "orders": {"FTF": self.orders.ftf, "BPFO": self.orders.bpfo, "BPFI": self.orders.bpfi, "BSF": self.orders.bsf},
+            "orders": self.orders.as_dict(),
             "first_sample_index": "round(stamp * sampling_rate); sample k is taken at k / sampling_rate",
         }
 
     def manifest(self) -> dict[str, Any]:
-        """Return what makes the recording explain itself."""
+        """Return the manifest of the recording: its origin, orders, sensor and units."""
         digest = hashlib.sha256(self._file.read_bytes()).hexdigest()
         return {
             "format": FORMAT,
@@ -178,7 +182,7 @@ class Import:
         }
 
     def write(self, path: Path) -> int:
-        """Write the recording; return the number of its samples."""
+        """Write the recording to a new folder; return its number of samples. Nothing is left behind if it fails."""
         outcome = Outcome(self.rate)
         about = {MANIFEST: {"manifest": json.dumps(self.manifest(), default=str)}}
         bag = Bag(path, opening=about, closing=outcome.records)
@@ -187,7 +191,7 @@ class Import:
             bag.write([(channels[SENSOR], 0, encode_text(json.dumps(self.sensor(), sort_keys=True)))])
             for block in self.blocks():
                 waveform = Message(VIBRATION, block.stamp_ns, encode_vibration(block, block.acceleration))
-                outcome.note(waveform)
+                outcome.add(waveform)
                 features = (channels[FEATURES], block.stamp_ns, encode_features(block))
                 bag.write([(channels[VIBRATION], block.stamp_ns, waveform.data), features])
             bag.close()

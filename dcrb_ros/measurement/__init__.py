@@ -1,1 +1,1 @@
-"""What a sensor makes of the outer ring's motion."""
+"""The measurement chain: from the acceleration of the outer ring to the samples of an accelerometer."""

@@ -1,28 +1,27 @@
-"""Anti-alias filters with exact timing: linear phase, their delay taken out, the same bits for any block size."""
+"""Anti-alias filters: linear phase, delay compensated, the same bits for any block size."""
 
 from __future__ import annotations
 
 import numpy as np
-import scipy  # whose parts are imported when they are first used
+import scipy  # its subpackages are imported on first use
 
-from dcrb_ros.measurement.designs import kept
-from dcrb_ros.measurement.kernels import decimated
+from dcrb_ros.measurement.filter_cache import cached_on_disk
 from dcrb_ros.runtime.arrays import Floats
 
 STOP_ATTENUATION = 85.0
-"""Attenuation of what would fold into the pass band [dB]."""
+"""Attenuation of frequencies that alias into the pass band [dB]."""
 PASS_SHARE = 0.8
 """Pass band as a share of the new Nyquist frequency [-]."""
-
 LARGEST_STAGE = 16
+"""Largest factor of a single stage [-]."""
 
 
-@kept
+@cached_on_disk
 def anti_alias_taps(factor: int, *, between: bool) -> Floats:
-    """Return symmetric taps that let pass up to 0.8 of the new Nyquist frequency.
+    """Return the symmetric taps of a low-pass that passes up to 0.8 of the new Nyquist frequency.
 
-    The stop band begins where the spectrum would fold back into the pass band (1.2 of the new Nyquist frequency). An even
-    number of taps, ``between``, moves the samples by half an input, an odd one leaves them where they are.
+    The stop band starts at 1.2 of the new Nyquist frequency, where aliases reach the pass band. With ``between`` the number of taps is
+    even, and an output lies half an input interval off its input; otherwise it is odd.
     """
     width = 2.0 * (1.0 - PASS_SHARE) / factor
     count, beta = scipy.signal.kaiserord(STOP_ATTENUATION, width)
@@ -32,11 +31,11 @@ def anti_alias_taps(factor: int, *, between: bool) -> Floats:
 
 
 class Decimator:
-    """A decimator for samples in two columns that is fed stretch by stretch.
+    """A decimator for samples in two columns, processed block by block.
 
-    Output ``k`` stands at the time of input ``k * factor``; with ``between`` the inputs are means over the interval that
-    follows their index, so that the output stands at the interval's beginning. It comes out as soon as ``lead`` inputs
-    beyond it are in. Before the start the input is taken as zero.
+    Output ``k`` belongs to the time of input ``k * factor``. With ``between`` the inputs are means over the interval that follows their
+    index, and an output belongs to the start of the interval. An output is returned once ``lead`` inputs after it are known. The input
+    before the start is zero.
     """
 
     def __init__(self, factor: int, *, between: bool = False) -> None:
@@ -45,12 +44,14 @@ class Decimator:
         self.factor = factor
         self._taps = anti_alias_taps(factor, between=between)
         self.lead = (len(self._taps) - 1) // 2
-        """Inputs needed beyond the last output [-]."""
+        """Inputs needed after the last output [-]."""
         self._memory = np.zeros((len(self._taps) - 1, 2))
         self._skip = self.lead
 
-    def feed(self, samples: Floats) -> Floats:
-        """Filter ``samples`` of shape (inputs, 2); return the outputs that are due, shape (outputs, 2)."""
+    def process(self, samples: Floats) -> Floats:
+        """Filter ``samples``, shape (inputs, 2), and return the outputs that are complete, shape (outputs, 2)."""
+        from dcrb_ros.measurement.kernels import decimated  # importing numba takes long
+
         known = np.concatenate([self._memory, samples])
         self._memory = known[len(samples) :]
         count = max(0, -(-(len(samples) - self._skip) // self.factor))
@@ -62,20 +63,20 @@ class Decimator:
 
 
 class Cascade:
-    """Decimators in a row for large factors; output ``k`` stands at the time of input ``k * factor``."""
+    """Decimators in series for large factors; output ``k`` belongs to the time of input ``k * factor``."""
 
     def __init__(self, factor: int) -> None:
         self._stages = [Decimator(stage) for stage in stages(factor)]
 
-    def feed(self, samples: Floats) -> Floats:
-        """Filter ``samples`` of shape (inputs, 2); return the outputs that are due, shape (outputs, 2)."""
+    def process(self, samples: Floats) -> Floats:
+        """Filter ``samples``, shape (inputs, 2), and return the outputs that are complete, shape (outputs, 2)."""
         for stage in self._stages:
-            samples = stage.feed(samples)
+            samples = stage.process(samples)
         return samples
 
 
 def stages(factor: int) -> list[int]:
-    """Split a decimation factor into stages of at most 16 where it has such divisors."""
+    """Split a decimation factor into factors of at most 16 where it has such divisors."""
     found = []
     while factor > 1:
         divisors = [d for d in range(2, LARGEST_STAGE + 1) if factor % d == 0]

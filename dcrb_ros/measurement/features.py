@@ -1,4 +1,4 @@
-"""Features of a block that condition monitoring starts from."""
+"""Statistical features of a block, the simplest quantities of condition monitoring."""
 
 from __future__ import annotations
 
@@ -10,21 +10,20 @@ from dcrb_ros.runtime.arrays import Samples
 
 
 def features(acceleration: Samples, clipped: int) -> dict[str, float]:
-    """Return rms and peak [m/s^2], crest factor and kurtosis [-] of the vertical axis of ``acceleration``, shape (samples, 2), and
-    the number of clipped samples.
+    """Return rms and peak [m/s^2], crest factor and kurtosis [-] of the vertical axis, and the number of clipped samples.
 
-    The mean is removed; a block without motion has a crest factor and a kurtosis of zero.
+    ``acceleration`` has shape (samples, 2) [m/s^2]. The mean is removed; crest factor and kurtosis of a constant signal are zero.
     """
     y = acceleration[:, 1].astype(np.float64)
     y -= y.mean()
     power = y * y
     rms = math.sqrt(power.mean())
     peak = float(np.abs(y).max())
-    still = rms == 0.0
+    constant = rms == 0.0
     return {
         "rms": rms,
         "peak": peak,
-        "crest": 0.0 if still else peak / rms,
-        "kurtosis": 0.0 if still else float(np.mean(power * power)) / rms**4,
+        "crest": 0.0 if constant else peak / rms,
+        "kurtosis": 0.0 if constant else float(np.mean(power * power)) / rms**4,
         "clipped": float(clipped),
     }

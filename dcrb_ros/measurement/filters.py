@@ -1,38 +1,49 @@
-"""Filters in second-order sections, fed stretch by stretch: the same bits for any block size.
+"""Recursive filters in second-order sections; the result does not depend on how the samples are split into blocks.
 
-Resonances and low-passes are made discrete by the bilinear transform, warped so that their own frequency is exact.
+Resonances and low-passes are discretised by the bilinear transform, prewarped at their own frequency.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any, cast
 
 import numpy as np
-import scipy  # whose parts are imported when they are first used
+import scipy  # its subpackages are imported on first use
 
-from dcrb_ros.measurement.designs import kept
-from dcrb_ros.measurement.kernels import filtered
+from dcrb_ros.measurement.filter_cache import cached_on_disk
 from dcrb_ros.runtime.arrays import Floats
 
 PINK_LOWEST = 0.05
-"""Lowest frequency at which pink noise falls as it should [Hz]; below it is white."""
+"""Corner below which pink noise is white [Hz]."""
 PINK_PER_DECADE = 2
-"""Poles of the pink filter per decade [-]; with two the density is within 0.3 dB of its law."""
+"""Poles of the pink filter per decade [-]; two keep the density within 0.3 dB of 1/f."""
+HIGHEST_SHARE = 0.45
+"""Highest frequency of a filter at the step rate, as a share of that rate [-]."""
 
 
 class Filter:
-    """A recursive filter for columns of samples; before the start the input is taken as zero."""
+    """A recursive filter for columns of samples; the input before the start is zero."""
 
     def __init__(self, *cascade: Floats, columns: int = 2) -> None:
-        """Prepare for sections in a row."""
+        """Prepare for second-order sections in series, each array of shape (sections, 6)."""
         self._sections = np.concatenate(cascade)
         self._memory = np.zeros((len(self._sections), 2, columns))
 
-    def feed(self, samples: Floats) -> Floats:
-        """Filter ``samples`` of shape (samples, columns)."""
+    def process(self, samples: Floats) -> Floats:
+        """Return ``samples``, shape (samples, columns), after the filter."""
+        # The configuration imports this module for its limits, and numba takes longer to load than anything else.
+        from dcrb_ros.measurement.kernels import filtered
+
         return filtered(self._sections, self._memory, samples)
+
+
+def above_step_rate(key: str, frequency: float, step_rate: int) -> Iterator[str]:
+    """Yield a sentence if a filter with a frequency [Hz], given by a parameter, cannot run at a step rate [Hz]."""
+    highest = HIGHEST_SHARE * step_rate
+    if frequency > highest:
+        yield f"{key} = {frequency:g} Hz is above {highest:g} Hz, {HIGHEST_SHARE:g} of the step rate: give less or a shorter step"
 
 
 def resonance(frequency: float, damping: float, rate: float) -> Floats:
@@ -41,53 +52,53 @@ def resonance(frequency: float, damping: float, rate: float) -> Floats:
 
 
 def transmissibility(frequency: float, damping: float, rate: float) -> Floats:
-    """Return the sections of (2 zeta w s + w^2) / (s^2 + 2 zeta w s + w^2), what a mass on spring and damper takes of its base."""
+    """Return the sections of (2 zeta w s + w^2) / (s^2 + 2 zeta w s + w^2), the transmissibility of a base-excited oscillator."""
     return _second_order(frequency, damping, rate, [0.0, 2.0 * damping, 1.0])
 
 
-@kept
+@cached_on_disk
 def _second_order(frequency: float, damping: float, rate: float, numerator: list[float]) -> Floats:
-    """Return the section of a prototype of natural frequency 1 at a rate [Hz]."""
+    """Return the section of a prototype with natural frequency 1, moved to ``frequency`` at a rate [Hz], shape (1, 6)."""
     tangent = math.tan(math.pi * frequency / rate)
     top, bottom = scipy.signal.bilinear(numerator, [1.0, 2.0 * damping, 1.0], fs=0.5 / tangent)
     section: Floats = np.concatenate([top, bottom])[None, :]
     return section
 
 
-@kept
+@cached_on_disk
 def side_by_side(bank: Sequence[Floats], shares: Sequence[float], straight: float) -> Floats:
-    """Return the sections of a sum: ``shares`` of single sections, and ``straight`` of the signal itself.
+    """Return the sections in series that equal ``straight`` times the signal plus ``shares`` times each section of a bank in parallel.
 
-    The zeros of the sum are the eigenvalues of A - B C / D of its modes as one system.
+    The zeros of the sum are the eigenvalues of A - B C / D of its state space.
     """
     systems = [scipy.signal.tf2ss(section[0, :3], section[0, 3:]) for section in bank]
     a = scipy.linalg.block_diag(*(system[0] for system in systems))
     b = np.concatenate([system[1] for system in systems])
     c = np.concatenate([share * system[2] for share, system in zip(shares, systems, strict=True)], axis=1)
     gain = straight + sum(share * float(system[3][0, 0]) for share, system in zip(shares, systems, strict=True))
-    # The stubs of zpk2sos know real zeros and poles only.
+    # The type stubs of zpk2sos allow only real zeros and poles.
     zeros, poles = (cast(Any, scipy.linalg.eigvals(matrix)) for matrix in (a - b @ c / gain, a))
     sections: Floats = scipy.signal.zpk2sos(zeros, poles, gain)
     return sections
 
 
-@kept
+@cached_on_disk
 def low_pass(frequency: float, rate: float) -> Floats:
     """Return the sections of a second-order Butterworth low-pass, -3 dB at ``frequency`` [Hz]."""
     sections: Floats = scipy.signal.butter(2, frequency, fs=rate, output="sos")
     return sections
 
 
-@kept
+@cached_on_disk
 def high_pass(frequency: float, rate: float) -> Floats:
     """Return the sections of a first-order high-pass, -3 dB at ``frequency`` [Hz]."""
     sections: Floats = scipy.signal.butter(1, frequency, "highpass", fs=rate, output="sos")
     return sections
 
 
-@kept
+@cached_on_disk
 def band_of_noise(low: float, high: float, rate: float) -> Floats:
-    """Return the sections of a band-pass from ``low`` to ``high`` [Hz] that makes noise of rms 1 out of noise of rms 1."""
+    """Return the sections of a band-pass from ``low`` to ``high`` [Hz] that turns white noise of rms 1 into noise of rms 1."""
     sections: Floats = scipy.signal.butter(2, [low, high], "bandpass", fs=rate, output="sos")
     sections[0, :3] /= math.sqrt(noise_gain(sections))
     return sections
@@ -102,12 +113,12 @@ def noise_gain(sections: Floats) -> float:
     return float(np.sum(scipy.signal.sosfilt(sections, impulse) ** 2))
 
 
-@kept
+@cached_on_disk
 def pink(rate: float) -> Floats:
-    """Return the sections that make noise falling with 1/f in power, of density 1/sqrt(Hz) at 1 Hz, out of noise of rms 1.
+    """Return the sections that turn white noise of rms 1 into 1/f noise with a density of 1/sqrt(Hz) at 1 Hz.
 
-    Poles and zeros alternate at equal distances of the logarithm of the frequency, a step of 20 dB per decade half of the
-    way (Oustaloup et al. 2000, IEEE Trans. Circuits Syst. I 47(1), 25-39).
+    Poles and zeros alternate at equal intervals of the logarithm of the frequency, so that the gain falls by 20 dB per decade on half
+    of the way (Oustaloup et al. 2000, IEEE Trans. Circuits Syst. I 47(1), 25-39).
     """
     count = math.ceil(PINK_PER_DECADE * math.log10(0.5 * rate / PINK_LOWEST))
     ratio = (0.5 * rate / PINK_LOWEST) ** (1.0 / count)

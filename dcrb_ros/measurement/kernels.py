@@ -1,11 +1,11 @@
-"""The loops over samples that numpy cannot do at once, compiled. They call nothing, and round alike however the samples are cut."""
+"""Compiled loops over samples. They call no other kernel, and their rounding does not depend on how the samples are split."""
 
 from __future__ import annotations
 
 import numpy as np
 from numba import njit
 
-import dcrb_ros.core  # noqa: F401  names the folder of the compiled kernels
+import dcrb_ros.core  # noqa: F401 - sets the folder of the compiled kernels
 from dcrb_ros.runtime.arrays import Floats, Integers
 
 
@@ -13,7 +13,7 @@ from dcrb_ros.runtime.arrays import Floats, Integers
 def filtered(sections: Floats, memory: Floats, samples: Floats) -> Floats:
     """Return ``samples``, shape (samples, columns), through second-order sections, shape (sections, 6), in transposed direct form II.
 
-    ``memory``, shape (sections, 2, columns), is what the sections remember, before and after.
+    ``memory``, shape (sections, 2, columns), is the state of the sections and is updated.
     """
     found: Floats = samples.copy()
     for i in range(found.shape[0]):
@@ -30,9 +30,9 @@ def filtered(sections: Floats, memory: Floats, samples: Floats) -> Floats:
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def decimated(taps: Floats, known: Floats, first: int, factor: int, count: int) -> Floats:
-    """Return every ``factor``-th sum of symmetric ``taps`` times samples, from sample ``first`` on, shape (count, 2).
+    """Return ``count`` sums of ``taps`` times samples, the first at sample ``first``, the others ``factor`` apart, shape (count, 2).
 
-    Every sum adds up its products in the order of time; four at once keep the processor busy.
+    Each sum adds its products in the order of time; four sums are computed at once to use the pipelines of the processor.
     """
     found = np.empty((count, 2))
     whole = count - count % 4
@@ -61,10 +61,11 @@ def decimated(taps: Floats, known: Floats, first: int, factor: int, count: int) 
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def between(known: Floats, at: Integers, place: Floats, weights: Floats, out: Floats) -> None:
-    """Write the first two columns of ``known``, shape (samples, columns), at a ``place`` from 0 to 1 after the samples ``at`` to ``out``.
+def interpolated(known: Floats, at: Integers, place: Floats, weights: Floats, out: Floats) -> None:
+    """Interpolate the first two columns of ``known``, shape (samples, columns), at ``place`` (0 to 1) after the samples ``at``.
 
-    ``weights``, shape (phases + 1, taps), are those of the samples around; between two phases they are interpolated.
+    ``weights``, shape (phases + 1, taps), belong to the samples on both sides; they are interpolated linearly between two phases.
+    The result goes to ``out``, shape (len(at), 2).
     """
     phases, taps = weights.shape[0] - 1, weights.shape[1]
     for i in range(len(at)):

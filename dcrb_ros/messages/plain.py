@@ -8,42 +8,41 @@ from functools import lru_cache
 import numpy as np
 import numpy.typing as npt
 
-from dcrb_ros.messages.cdr import FRAME, STENCILS, decoded, encoded, header, ros_type
-from dcrb_ros.messages.message_template import Stencil, marks
+from dcrb_ros.messages.cdr import CLOCK, FRAME, IMU, TEMPLATES, TEXT, decoded, encoded, header, ros_type
+from dcrb_ros.messages.message_template import MessageTemplate, placeholder_bytes
 
-NO_ESTIMATE = -1.0  # first element of a covariance, sensor_msgs/msg/Imu
+NO_ESTIMATE = -1.0
+"""First element of a covariance whose quantity is not measured, see sensor_msgs/msg/Imu."""
 
 
 def encode_preview(time_ns: int, acceleration: npt.NDArray[np.float32], frame: str = FRAME) -> bytes:
-    """Return a preview sample as an Imu; orientation and rotation are absent, the covariances unknown."""
-    return _preview_stencil(frame).filled(time_ns, acceleration.astype("<f8").tobytes())
+    """Return a sample of the preview as an Imu without orientation and angular velocity; the covariances are unknown."""
+    return _preview_template(frame).filled(time_ns, acceleration.astype("<f8").tobytes())
 
 
-@lru_cache(STENCILS)
-def _preview_stencil(frame: str) -> Stencil:
-    vector, quaternion, mark = ros_type("geometry_msgs/msg/Vector3"), ros_type("geometry_msgs/msg/Quaternion"), marks(16)
+@lru_cache(TEMPLATES)
+def _preview_template(frame: str) -> MessageTemplate:
+    vector, quaternion, placeholder = ros_type("geometry_msgs/msg/Vector3"), ros_type("geometry_msgs/msg/Quaternion"), placeholder_bytes(16)
     unknown = np.zeros(9)
     unknown[0] = NO_ESTIMATE
-    linear = vector(*struct.unpack("<dd", mark), 0.0)
-    name = "sensor_msgs/msg/Imu"
-    imu = ros_type(name)(header(0, frame), quaternion(0.0, 0.0, 0.0, 1.0), unknown, vector(0.0, 0.0, 0.0), unknown, linear, unknown)
-    return Stencil(encoded(name, imu), mark)
+    linear = vector(*struct.unpack("<dd", placeholder), 0.0)
+    imu = ros_type(IMU)(header(0, frame), quaternion(0.0, 0.0, 0.0, 1.0), unknown, vector(0.0, 0.0, 0.0), unknown, linear, unknown)
+    return MessageTemplate(encoded(IMU, imu), placeholder)
 
 
 def encode_text(text: str) -> bytes:
     """Return a String."""
-    return encoded("std_msgs/msg/String", ros_type("std_msgs/msg/String")(text))
+    return encoded(TEXT, ros_type(TEXT)(text))
 
 
 def encode_clock(time_ns: int) -> bytes:
     """Return a Clock."""
-    name = "rosgraph_msgs/msg/Clock"
-    return encoded(name, ros_type(name)(ros_type("builtin_interfaces/msg/Time")(time_ns // 1_000_000_000, time_ns % 1_000_000_000)))
+    return encoded(CLOCK, ros_type(CLOCK)(ros_type("builtin_interfaces/msg/Time")(time_ns // 1_000_000_000, time_ns % 1_000_000_000)))
 
 
 def decode_clock(data: bytes) -> int:
     """Return the time of a Clock [ns]."""
-    clock = decoded(data, "rosgraph_msgs/msg/Clock").clock
+    clock = decoded(data, CLOCK).clock
     return int(clock.sec) * 1_000_000_000 + int(clock.nanosec)
 
 
@@ -68,4 +67,4 @@ def decode_wrench(data: bytes) -> tuple[float, float]:
 
 def decode_text(data: bytes) -> str:
     """Return the text of a String."""
-    return str(decoded(data, "std_msgs/msg/String").data)
+    return str(decoded(data, TEXT).data)

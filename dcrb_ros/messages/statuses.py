@@ -1,11 +1,13 @@
-"""Diagnostic arrays: states by name with keys and values, the ground truth among them."""
+"""DiagnosticArray messages: statuses with keys and values, among them the ground truth."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
-from dcrb_ros.messages.cdr import decoded, encoded, header, ros_type, stamp_of
+from dcrb_ros.bearing.kinematics import CHARACTERISTIC_FREQUENCIES
+from dcrb_ros.messages.cdr import DIAGNOSTICS, decoded, encoded, header, ros_type, stamp_of
+from dcrb_ros.messages.event_text import decode_event, encode_event
 from dcrb_ros.runtime.refusal import Refusal
 from dcrb_ros.simulation.block import Truth
 
@@ -27,15 +29,14 @@ def encode_diagnostics(time_ns: int, statuses: Iterable[Status]) -> bytes:
     """Return a DiagnosticArray."""
     pair, status_type = ros_type("diagnostic_msgs/msg/KeyValue"), ros_type("diagnostic_msgs/msg/DiagnosticStatus")
     found = [status_type(s.level, s.name, s.message, "dcrb", [pair(key, value) for key, value in s.values.items()]) for s in statuses]
-    name = "diagnostic_msgs/msg/DiagnosticArray"
-    return encoded(name, ros_type(name)(header(time_ns, ""), found))
+    return encoded(DIAGNOSTICS, ros_type(DIAGNOSTICS)(header(time_ns, ""), found))
 
 
 def encode_truth(truth: Truth) -> bytes:
     """Return the ground truth: a status ``operating`` and one per fault, named by its configuration key."""
     operating = {"speed [rad/s]": repr(truth.speed), "load_x [N]": repr(truth.load[0]), "load_y [N]": repr(truth.load[1])}
     operating |= {f"{name} [Hz]": repr(frequency) for name, frequency in truth.frequencies.items()}
-    statuses = [Status("operating", OK, truth.changed, operating)]
+    statuses = [Status("operating", OK, encode_event(truth.event), operating)]
     if truth.background:
         statuses.append(Status("background", OK, "no fault", {key: repr(value) for key, value in truth.background.items()}))
     for name, fields in truth.faults.items():
@@ -45,7 +46,7 @@ def encode_truth(truth: Truth) -> bytes:
 
 def decode_diagnostics(data: bytes) -> tuple[int, list[Status]]:
     """Return stamp [ns] and statuses of a DiagnosticArray."""
-    array = decoded(data, "diagnostic_msgs/msg/DiagnosticArray")
+    array = decoded(data, DIAGNOSTICS)
     statuses = [Status(s.name, int(s.level), s.message, {pair.key: pair.value for pair in s.values}) for s in array.status]
     return stamp_of(array.header), statuses
 
@@ -54,14 +55,14 @@ def decode_truth(data: bytes) -> Truth:
     """Return the ground truth that `encode_truth` wrote."""
     time_ns, statuses = decode_diagnostics(data)
     if not statuses or statuses[0].name != "operating":
-        raise Refusal("a DiagnosticArray without the status 'operating' is no ground truth of the bench")
+        raise Refusal("a DiagnosticArray without the status 'operating' is not a ground truth of the bench")
     operating, faults = statuses[0], [status for status in statuses if status.name.startswith("faults.")]
     background = next((status.values for status in statuses if status.name == "background"), {})
 
     def number(key: str) -> float:
         return float(operating.values.get(key, "nan"))
 
-    frequencies = {name: number(f"{name} [Hz]") for name in ("FTF", "BPFO", "BPFI", "BSF")}
+    frequencies = {name: number(f"{name} [Hz]") for name in CHARACTERISTIC_FREQUENCIES}
     found = {s.name.removeprefix("faults."): {key: float(value) for key, value in s.values.items()} for s in faults}
     load, levels = (number("load_x [N]"), number("load_y [N]")), {key: float(level) for key, level in background.items()}
-    return Truth(time_ns, number("speed [rad/s]"), load, frequencies, found, operating.message, levels)
+    return Truth(time_ns, number("speed [rad/s]"), load, frequencies, found, decode_event(operating.message), levels)

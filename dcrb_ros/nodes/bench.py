@@ -21,7 +21,7 @@ from dcrb_ros.messages.joints import Joints, decode_joints
 from dcrb_ros.messages.statuses import Status, decode_diagnostics
 from dcrb_ros.messages.topics import BENCH_DIAGNOSTICS, DIAGNOSIS, FEATURES, NAMESPACE, VIBRATION, Topic
 from dcrb_ros.nodes.publisher import message_class, qos
-from dcrb_ros.nodes.ros import check_ros, signals_held, stay_on_this_machine, stop_on_signals
+from dcrb_ros.nodes.ros import check_ros, limit_discovery, signals_blocked, stop_on_signals
 from dcrb_ros.runtime.exit_status import STOPPED
 from dcrb_ros.runtime.refusal import Refusal
 from dcrb_ros.schema.fields import Group
@@ -113,10 +113,10 @@ class Observer:
 
 
 @contextmanager
-def node_process(module: str, arguments: Sequence[str], environment: dict[str, str]) -> Iterator[subprocess.Popen[bytes]]:
+def node_process(name: str, arguments: Sequence[str], environment: dict[str, str]) -> Iterator[subprocess.Popen[bytes]]:
     """Run a node as a process; whatever happens, it is ended."""
-    command = [sys.executable, "-m", f"dcrb_ros.nodes.{module}", *arguments]
-    with signals_held():
+    command = [sys.executable, "-m", "dcrb_ros.nodes", name, *arguments]
+    with signals_blocked():
         process = subprocess.Popen(command, env=environment, stdin=subprocess.DEVNULL, start_new_session=True)
     try:
         yield process
@@ -145,7 +145,7 @@ def run(
     """
     check_ros()
     told = stop_on_signals()
-    stay_on_this_machine()
+    limit_discovery()
     environment = dict(os.environ)
     console = Console(stderr=True)
     with tempfile.TemporaryDirectory(prefix="dcrb-") as folder:

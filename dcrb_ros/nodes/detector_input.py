@@ -1,4 +1,4 @@
-"""What the fault detector node makes of messages, without ROS: every block that it cannot use is answered by a diagnosis that says why."""
+"""From messages to diagnoses, without ROS: a block that cannot be used is answered by a diagnosis with the reason."""
 
 from __future__ import annotations
 
@@ -16,83 +16,83 @@ from dcrb_ros.messages.topics import SENSOR
 from dcrb_ros.runtime.refusal import Refusal
 
 RATE_TOLERANCE = 0.01
-"""Departure of the samples' times from the sampling rate that is believed, relative."""
-HELD = 50
-"""Blocks kept for a description that comes after them, one second by default: topics have no order among each other."""
+"""Accepted relative difference between the spacing of the samples and the sampling rate."""
+MAX_EARLY = 50
+"""Blocks kept until the sensor description arrives, one second by default: the order of messages on two topics is undefined."""
 
 
 @dataclass(frozen=True)
-class Said:
-    """What comes of a message."""
+class Response:
+    """The response to a message."""
 
     diagnoses: tuple[Diagnosis, ...] = ()
-    news: str = ""
-    complaint: str = ""
+    information: str = ""
+    """Sentence to log as information; empty for none."""
+    warning: str = ""
+    """Sentence to log as a warning; empty for none."""
 
 
-class Hearing:
-    """The detector behind the messages: made by the sensor's description, fed by the blocks."""
+class DetectorInput:
+    """Creates a detector from the sensor description and passes it the blocks of the waveform."""
 
     def __init__(self, parameters: DetectorParameters) -> None:
         self._parameters = parameters
         self._detector: FaultDetector | None = None
-        self._about: tuple[int, Orders] | None = None
-        self._held: deque[Vibration] = deque(maxlen=HELD)
+        self._description: tuple[int, Orders] | None = None
+        self._early: deque[Vibration] = deque(maxlen=MAX_EARLY)
+        """Blocks that arrived before the description."""
         self._refused = 0
         self._time = 0.0
 
-    def sensor(self, data: bytes) -> Said:
-        """Take the sensor's description, and the blocks that came before it."""
+    def sensor(self, data: bytes) -> Response:
+        """Take a sensor description; process the blocks that arrived before it."""
         try:
-            about = decode_sensor(data)
-            if about != self._about:
-                rate, orders = about
+            description, information = decode_sensor(data), ""
+            if description != self._description:  # a change of the range alone does not restart the detector
+                rate, orders = self._description = description
                 self._detector = FaultDetector(orders, rate, self._parameters)
-                self._about = about
-                news = f"watching a bearing at {rate} Hz, BPFO {orders.bpfo:.3f}, BPFI {orders.bpfi:.3f} orders"
-            else:
-                news = ""  # another range of the sensor is nothing to begin anew for
+                information = f"watching a bearing at {rate} Hz, BPFO {orders.bpfo:.3f}, BPFI {orders.bpfi:.3f} orders"
             if self._detector is not None:
                 self._detector.sensor_range = decode_range(data)
-            told = [self._judge(self._held.popleft()) for _ in range(len(self._held))]
-            complaint = next((said.complaint for said in told if said.complaint), "")
-            return Said(tuple(diagnosis for said in told for diagnosis in said.diagnoses), news, complaint)
+            responses = [self._update(self._early.popleft()) for _ in range(len(self._early))]
+            warning = next((response.warning for response in responses if response.warning), "")
+            return Response(tuple(diagnosis for response in responses for diagnosis in response.diagnoses), information, warning)
         except Refusal as refusal:
             return self._refuse(refusal)
 
-    def block(self, data: bytes) -> Said:
+    def block(self, data: bytes) -> Response:
         """Take a block of the waveform."""
         try:
             block = decode_vibration(data)
             self._time = block.stamp_ns * 1e-9
             if self._detector is not None:
-                return self._judge(block)
-            full = len(self._held) == HELD
-            self._held.append(block)
+                return self._update(block)
+            full = len(self._early) == MAX_EARLY
+            self._early.append(block)
             if full:
-                raise Refusal(f"blocks come, but no description on {SENSOR.name} that tells the rate and the bearing: publish it, latched")
-            return Said()
+                raise Refusal(f"blocks arrive, but no description on {SENSOR.name} with the rate and the bearing: publish it, latched")
+            return Response()
         except Refusal as refusal:
             return self._refuse(refusal)
 
-    def _judge(self, block: Vibration) -> Said:
-        """Give a block to the detector, or refuse it."""
+    def _update(self, block: Vibration) -> Response:
+        """Pass a block to the detector, or refuse it."""
         if self._detector is None:
-            return Said()
+            return Response()
         try:
             _check_rate(block, self._detector.rate)
             diagnosis = self._detector.update(block.first_index(self._detector.rate), block.acceleration, block.shaft_angle)
-            return Said((diagnosis,) if diagnosis else ())
+            return Response((diagnosis,) if diagnosis else ())
         except Refusal as refusal:
             return self._refuse(refusal)
 
-    def _refuse(self, refusal: Refusal) -> Said:
-        """Say the first refusals of a series, then fewer and fewer; all are counted."""
+    def _refuse(self, refusal: Refusal) -> Response:
+        """Answer the first refusal, the second, the fourth and so on; count all."""
         self._refused += 1
         if self._refused & (self._refused - 1):
-            return Said()
-        words = f"{refusal} ({self._refused} so far)"
-        return Said((Diagnosis(0, self._time, "waiting", f"refused: {words}"),), complaint=words)
+            return Response()
+        reason = f"{refusal} ({self._refused} so far)"
+        return Response((Diagnosis(0, self._time, "waiting", f"refused: {reason}"),), warning=reason)
 
 
 def _check_rate(block: Vibration, rate: int) -> None:
@@ -101,6 +101,6 @@ def _check_rate(block: Vibration, rate: int) -> None:
     step = float(np.median(np.diff(block.offsets_ns.astype(np.int64))))
     if abs(step * rate - 1e9) > RATE_TOLERANCE * 1e9 + rate:
         raise Refusal(
-            f"samples come every {step:.0f} ns where {rate} Hz on {SENSOR.name} mean {1e9 / rate:.0f} ns: "
-            "one of them is wrong, describe the sensor anew"
+            f"the samples are {step:.0f} ns apart, but {rate} Hz on {SENSOR.name} mean {1e9 / rate:.0f} ns: "
+            "one of the two is wrong, publish a correct description"
         )

@@ -16,12 +16,13 @@ from itertools import pairwise
 from pathlib import Path
 from typing import IO, Any
 
-from dcrb_ros.exam.opinion import Opinion, opinion_of
+from dcrb_ros.exam.received_diagnosis import ReceivedDiagnosis, decode_diagnosis
+from dcrb_ros.messages.bundle import Bundle
 from dcrb_ros.messages.topics import DIAGNOSIS, NAMESPACE, SENSOR, VIBRATION
 from dcrb_ros.nodes.pacing import Pacer
 from dcrb_ros.nodes.publisher import Publisher, message_class, qos
 from dcrb_ros.nodes.ros import DISCOVERY, check_ros
-from dcrb_ros.recordings.replay import Bundle, Replay, ReplayParameters
+from dcrb_ros.recordings.replay import Replay, ReplayParameters
 from dcrb_ros.runtime.refusal import Refusal
 
 LEAD = 0.5
@@ -50,7 +51,7 @@ class Unanswered(RuntimeError):
 class Answers:
     """What the detector said of a scenario."""
 
-    opinions: list[Opinion] = field(default_factory=list)
+    opinions: list[ReceivedDiagnosis] = field(default_factory=list)
     refused: list[str] = field(default_factory=list)
     """Why messages were not understood."""
     failure: str = ""
@@ -73,8 +74,8 @@ class Answers:
         """Take a message on `diagnosis`."""
         self.heard_at = time.monotonic()
         try:
-            opinion = opinion_of(data)
-            self.opinions.append(replace(opinion, known=self._known(opinion.time)))
+            opinion = decode_diagnosis(data)
+            self.opinions.append(replace(opinion, signal_received=self._known(opinion.time)))
         except Refusal as refusal:
             self.refused.append(str(refusal))
 
@@ -149,12 +150,12 @@ class Examinee:
     def _await(self, publisher: Publisher, node: Any, spin: Any, process: subprocess.Popen[bytes]) -> str:
         """Wait until the detector listens and can be heard; return why it does not."""
         end, topic = time.monotonic() + self._patience, DIAGNOSIS.resolved(NAMESPACE)
-        while not (publisher.listeners(VIBRATION) and node.count_publishers(topic)):
+        while not (publisher.subscribers(VIBRATION) and node.count_publishers(topic)):
             spin(0.05)
             if process.poll() is not None:
                 return f"it ended with status {process.returncode} before it listened"
             if time.monotonic() > end:
-                missing = f"subscribe to {VIBRATION.resolved(NAMESPACE)}" if not publisher.listeners(VIBRATION) else f"advertise {topic}"
+                missing = f"subscribe to {VIBRATION.resolved(NAMESPACE)}" if not publisher.subscribers(VIBRATION) else f"advertise {topic}"
                 return f"it did not {missing} within {self._patience:g} s; do so, or allow more with --patience"
         settled = time.monotonic() + SETTLING
         while time.monotonic() < settled:
@@ -167,7 +168,7 @@ class Examinee:
         for number, bundle in enumerate(replay.bundles()):
             if number == 0:
                 answers.begin = bundle.begin_ns * 1e-9
-            end = bundle.due_ns * 1e-9
+            end = bundle.end_ns * 1e-9
             self._hold(bundle, pacer, answers, spin)
             if process.poll() is not None:
                 return f"it ended with status {process.returncode} at {end:.1f} s of the signal"
@@ -183,7 +184,7 @@ class Examinee:
 
         A detector that does not answer yet, or seldom, is fed at the recorded pace, so that none waits for the other for ever.
         """
-        begin, due = bundle.begin_ns * 1e-9, bundle.due_ns * 1e-9
+        begin, due = bundle.begin_ns * 1e-9, bundle.end_ns * 1e-9
         deadline = time.monotonic() + (pacer.until(begin, due) if self._rate else due - begin)
         spin(0.0)
         while time.monotonic() < deadline and (self._rate or due > answers.latest + answers.period + LEAD):

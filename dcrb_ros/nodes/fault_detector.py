@@ -1,61 +1,50 @@
-"""The fault detector node: blocks in, verdicts out."""
+"""The fault detector node: subscribes to the waveform, publishes diagnoses."""
 
 from __future__ import annotations
 
 import sys
-from typing import TYPE_CHECKING
 
 from dcrb_ros.diagnosis.parameters import DetectorParameters
+from dcrb_ros.messages.encoder import diagnosis_messages
 from dcrb_ros.messages.topics import DETECTED, SENSOR, VIBRATION
-from dcrb_ros.messages.verdicts import diagnosis_messages
-from dcrb_ros.nodes.detector_input import Hearing, Said
-from dcrb_ros.nodes.publisher import Publisher, message_class, qos
-from dcrb_ros.nodes.ros import declare, running, spin
-from dcrb_ros.runtime.exit_status import guarded
-
-if TYPE_CHECKING:
-    from rclpy.node import Node
+from dcrb_ros.nodes.base import BenchNode
+from dcrb_ros.nodes.detector_input import DetectorInput, Response
+from dcrb_ros.nodes.programs import main
+from dcrb_ros.nodes.publisher import Publisher
+from dcrb_ros.nodes.ros import run_node
 
 
-class DetectorWire:
-    """The wires between the topics and the detector."""
+class FaultDetectorNode(BenchNode):
+    """Passes messages to the detector and publishes its diagnoses."""
 
-    def __init__(self, node: Node, parameters: DetectorParameters) -> None:
-        self.node, self._hearing, self._verdict = node, Hearing(parameters), ""
-        self._publisher = Publisher(node, DETECTED)
-        node.create_subscription(message_class(SENSOR), SENSOR.name, self._on_sensor, qos(SENSOR), raw=True)
-        node.create_subscription(message_class(VIBRATION), VIBRATION.name, self._on_block, qos(VIBRATION), raw=True)
+    def __init__(self) -> None:
+        """Subscribe.
 
-    def _on_sensor(self, data: bytes) -> None:
-        self._tell(self._hearing.sensor(bytes(data)))
+        Raises:
+            Refusal: the parameters are invalid.
+        """
+        super().__init__("fault_detector")
+        self._input, self._verdict = DetectorInput(self.declare(DetectorParameters)), ""
+        self._publisher = Publisher(self, DETECTED)
+        self.subscribe(SENSOR, lambda data: self._publish(self._input.sensor(data)))
+        self.subscribe(VIBRATION, lambda data: self._publish(self._input.block(data)))
 
-    def _on_block(self, data: bytes) -> None:
-        self._tell(self._hearing.block(bytes(data)))
-
-    def _tell(self, said: Said) -> None:
-        if said.news:
-            self.node.get_logger().info(said.news)
-        if said.complaint:
-            self.node.get_logger().warning(said.complaint)
-        for diagnosis in said.diagnoses:
+    def _publish(self, response: Response) -> None:
+        if response.information:
+            self.get_logger().info(response.information)
+        if response.warning:
+            self.get_logger().warning(response.warning)
+        for diagnosis in response.diagnoses:
             self._publisher.write_messages(diagnosis_messages(diagnosis))
             if diagnosis.verdict != self._verdict:
                 self._verdict = diagnosis.verdict
-                self.node.get_logger().info(f"{self._verdict} at {diagnosis.time:.2f} s: {diagnosis.reason}")
+                self.get_logger().info(f"{self._verdict} at {diagnosis.time:.2f} s: {diagnosis.reason}")
 
 
 def run(arguments: list[str]) -> int:
-    """Run the node until a signal comes; return the exit status."""
-    with running("fault_detector", arguments) as (node, told):
-        DetectorWire(node, declare(node, DetectorParameters))
-        spin(node, lambda: False, told)
-    return 0
-
-
-def main() -> None:
-    """Run the node as a program."""
-    sys.exit(guarded("fault_detector", lambda: run(sys.argv[1:])))
+    """Run the node until a termination signal arrives; return the exit status."""
+    return run_node(FaultDetectorNode, arguments)
 
 
 if __name__ == "__main__":
-    main()
+    main("fault_detector", sys.argv[1:])

@@ -1,4 +1,4 @@
-"""The gate through which blocks go out: paced to wall time, held back while paused, dropped at a reset."""
+"""The gate through which bundles are sent: paced to wall time, held while paused, discarded by a reset."""
 
 from __future__ import annotations
 
@@ -9,92 +9,106 @@ from dcrb_ros.nodes.pacing import Pacer
 
 
 class Gate:
-    """What the model's thread asks before it sends a block, and what other threads tell it.
+    """Synchronizes the engine's thread, which sends bundles, with the threads that control it.
 
-    Once `pause` has returned, no further block goes out; once `step` has returned true, one more has.
+    Once `pause` has returned, no further bundle is sent; once `step` has returned true, one more has been sent.
     """
 
     def __init__(self, pacer: Pacer, clock: Callable[[], float]) -> None:
-        self._pacer, self._clock = pacer, clock
-        self._told = threading.Condition()
-        self._paused = self._closed = self._resetting = self._deadline_stands = False
+        """Send bundles at the deadlines of ``pacer`` on ``clock``, which returns wall time [s]."""
+        self.pacer, self._clock = pacer, clock
+        self._changed = threading.Condition()
+        self._paused = self._closed = self._resetting = False
         self._steps = 0
+        """Bundles to send while paused."""
+        self._deadline: float | None = None
+        """Wall time at which the present bundle is due [s]; none if it is to be determined."""
 
     @property
     def paused(self) -> bool:
-        """Whether blocks are held back."""
+        """Whether bundles are held."""
         return self._paused
 
     @property
     def closed(self) -> bool:
-        """Whether no block goes out any more."""
+        """Whether no bundle is sent any more."""
         return self._closed
 
-    def send(self, begin: float, end: float, out: Callable[[], None]) -> bool:
-        """Call ``out`` when the block of simulated time ``begin`` to ``end`` [s] is due; return false if it is to be dropped."""
-        with self._told:
+    @property
+    def open(self) -> bool:
+        """Whether bundles are sent as soon as they are ready."""
+        return self.pacer.scale == 0.0 and not self._paused
+
+    def send(self, begin: float, end: float, write: Callable[[], None]) -> bool:
+        """Call ``write`` when the bundle of simulated time ``begin`` to ``end`` [s] is due; return false if it is to be discarded."""
+        with self._changed:
             if not self._until_due(begin, end):
                 return False
-            out()
+            write()
             if self._paused:
                 self._steps -= 1
-                self._told.notify_all()
+                self._changed.notify_all()
             return True
 
     def _until_due(self, begin: float, end: float) -> bool:
-        deadline, self._deadline_stands = 0.0, False
+        self._deadline = None
         while not (self._closed or self._resetting):
             if self._paused:
                 if self._steps:
                     return True
-                self._told.wait()
+                self._changed.wait()
                 continue
-            if not self._deadline_stands:
-                deadline, self._deadline_stands = self._clock() + self._pacer.until(begin, end), True
-            left = deadline - self._clock()
-            if left <= 0.0:
+            if self._deadline is None:
+                self._deadline = self._clock() + self.pacer.until(begin, end)
+            remaining = self._deadline - self._clock()
+            if remaining <= 0.0:
                 return True
-            self._told.wait(left)
+            self._changed.wait(remaining)
         return False
 
-    def pause(self, asked: bool) -> None:
-        """Hold blocks back, or let them go on from now without catching up."""
-        with self._told:
-            if self._paused and not asked:
-                self._pacer.restart()
-            self._paused, self._steps, self._deadline_stands = asked, 0, False
-            self._told.notify_all()
+    def pause(self, paused: bool) -> None:
+        """Hold bundles, or send them again from now on without catching up."""
+        with self._changed:
+            if self._paused and not paused:
+                self.pacer.restart()
+            self._paused, self._steps, self._deadline = paused, 0, None
+            self._changed.notify_all()
 
-    def step(self, patience: float) -> bool:
-        """Let one block out while paused; return whether it went within ``patience`` [s]."""
-        with self._told:
+    def step(self, timeout: float) -> bool:
+        """Send one bundle while paused; return whether it was sent within ``timeout`` of wall time [s]."""
+        with self._changed:
             self._steps += 1
-            self._told.notify_all()
-            return self._told.wait_for(lambda: self._steps == 0 or self._closed, patience) and self._steps == 0
+            self._changed.notify_all()
+            return self._changed.wait_for(lambda: self._steps == 0 or self._closed, timeout) and self._steps == 0
 
     def rescale(self, scale: float) -> None:
-        """Go on at another time scale, at once."""
-        with self._told:
-            self._pacer.scale = scale
-            self._deadline_stands = False
-            self._told.notify_all()
+        """Continue at another time scale, at once."""
+        with self._changed:
+            self.pacer.scale = scale
+            self._deadline = None
+            self._changed.notify_all()
 
-    def reset(self, patience: float) -> bool:
-        """Ask the model's thread to begin anew; return whether it has within ``patience`` [s]."""
-        with self._told:
+    def reset(self, timeout: float) -> bool:
+        """Request a reset; return whether the engine's thread finished it within ``timeout`` of wall time [s]."""
+        with self._changed:
             self._resetting = True
-            self._told.notify_all()
-            return self._told.wait_for(lambda: not self._resetting or self._closed, patience) and not self._closed
+            self._changed.notify_all()
+            return self._changed.wait_for(lambda: not self._resetting or self._closed, timeout) and not self._closed
 
-    def begun_anew(self) -> None:
-        """Say that the model stands at its start again."""
-        with self._told:
-            self._pacer.restart()
+    def finish_reset(self) -> None:
+        """Send bundles again, from the start of the source; called by the engine's thread."""
+        with self._changed:
+            self.pacer.restart()
             self._resetting, self._steps = False, 0
-            self._told.notify_all()
+            self._changed.notify_all()
+
+    def start_over(self) -> None:
+        """Send the next bundle at once, and the following ones at new deadlines; called by the engine's thread."""
+        with self._changed:
+            self.pacer.start_over()
 
     def close(self) -> None:
-        """Let nothing out any more."""
-        with self._told:
+        """Send nothing any more."""
+        with self._changed:
             self._closed = True
-            self._told.notify_all()
+            self._changed.notify_all()

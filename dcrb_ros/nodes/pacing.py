@@ -1,35 +1,36 @@
-"""Simulated against wall time: absolute deadlines, bounded catch-up."""
+"""Pacing of simulated time to wall time: absolute deadlines, bounded catch-up."""
 
 from __future__ import annotations
 
 import threading
 from collections.abc import Callable
 
-LARGEST_LAG = 1.0
-"""Lag that is caught up [s of wall time]; beyond it the deadlines move."""
+MAX_CATCH_UP = 1.0
+"""Lag that is caught up [s of wall time]; beyond it the deadlines are postponed."""
 
 
 class Pacer:
-    """Deadlines of blocks on a wall clock that runs ``scale`` times slower than simulated time.
+    """Deadlines of bundles: simulated time passes ``scale`` times as fast as wall time.
 
-    A scale of zero has no deadlines. The reference moves when the scale changes or when the source has fallen behind by more
-    than `LARGEST_LAG`, so that a stall is not followed by a rush.
+    With a scale of zero there are no deadlines. The deadlines are relative to a reference, which moves when the scale changes or when the
+    source is late by more than `MAX_CATCH_UP`, so that no rush follows a long stall.
     """
 
     def __init__(self, scale: float, clock: Callable[[], float]) -> None:
+        """Set deadlines on ``clock``, which returns wall time [s]."""
         self._clock = clock
         self._scale = scale
-        self._wall = self._simulated = 0.0
+        self._reference: tuple[float, float] | None = None
+        """Wall and simulated time that correspond to each other [s]; none if they are set at the next bundle."""
         self._first = True
-        self._started = False
         self.lag = 0.0
-        """How long after its deadline the last block came [s]."""
+        """How late the last bundle was [s of wall time]."""
         self.late = 0
-        """Blocks that came later than their own length after the deadline."""
+        """Bundles that were late by more than their own duration."""
 
     @property
     def scale(self) -> float:
-        """Simulated over wall time asked for [-]."""
+        """Requested ratio of simulated to wall time [-]."""
         return self._scale
 
     @scale.setter
@@ -38,30 +39,31 @@ class Pacer:
         self.restart()
 
     def restart(self) -> None:
-        """Count the deadlines from the next block on: what was before is not caught up."""
-        self._started = False
+        """Set the reference at the next bundle: earlier lag is not caught up."""
+        self._reference = None
         self.lag = 0.0
 
     def start_over(self) -> None:
-        """Begin with new deadlines: what comes next goes out at once."""
-        self._first, self._started = True, False
+        """Send the next bundle at once and set the reference at the one after it."""
+        self._first, self._reference = True, None
 
     def until(self, begin: float, end: float) -> float:
-        """Return the wall time [s] to wait before a block of simulated time ``begin`` to ``end`` [s] goes out; 0 if due."""
+        """Return the wall time [s] to wait before a bundle of simulated time ``begin`` to ``end`` [s] is sent; 0 if it is due."""
         if self._scale == 0.0:
             self.lag = 0.0
             return 0.0
         if self._first:
-            # The first block goes out at once: what is prepared on its way would make the next ones late.
+            # The first bundle is sent at once: preparations made while it is sent would delay the following ones.
             self._first = False
             return 0.0
         now = self._clock()
-        if not self._started:
-            self._started, self._wall, self._simulated = True, now, begin
-        ahead = self._wall + (end - self._simulated) / self._scale - now
-        self.lag = max(0.0, -ahead)
+        if self._reference is None:
+            self._reference = now, begin
+        wall, simulated = self._reference
+        remaining = wall + (end - simulated) / self._scale - now
+        self.lag = max(0.0, -remaining)
         if self.lag > (end - begin) / self._scale:
             self.late += 1
-        if self.lag > LARGEST_LAG:
-            self._wall, self._simulated = now, end
-        return min(max(0.0, ahead), threading.TIMEOUT_MAX)  # longer no lock can wait: a scale may be next to nothing
+        if self.lag > MAX_CATCH_UP:
+            self._reference = now, end
+        return min(max(0.0, remaining), threading.TIMEOUT_MAX)  # the longest wait of a lock, for scales near zero

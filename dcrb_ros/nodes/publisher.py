@@ -1,12 +1,13 @@
-"""Messages to ROS topics, as the bytes they were encoded to."""
+"""Messages to ROS topics, as the bytes to which they were encoded."""
 
 from __future__ import annotations
 
 import importlib
 import time
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
+from dcrb_ros.messages.bundle import Bundle
 from dcrb_ros.messages.topics import Message, Topic
 
 if TYPE_CHECKING:
@@ -30,27 +31,34 @@ def message_class(topic: Topic) -> type[Any]:
 
 
 class Publisher:
-    """A sink that publishes on a node's topics; a topic is created with its first use or beforehand."""
+    """A sink that publishes on topics of a node."""
 
     def __init__(self, node: Node, topics: Iterable[Topic]) -> None:
-        self._node = node
         self._publishers: dict[Topic, Any] = {
             topic: node.create_publisher(message_class(topic), topic.name, qos(topic)) for topic in topics
         }
+
+    def start(self, messages: Sequence[Message]) -> None:
+        """Publish the messages that precede the first bundle."""
+        self.write_messages(messages)
+
+    def write(self, bundle: Bundle) -> None:
+        """Publish the messages of a bundle."""
+        self.write_messages(bundle.messages)
 
     def write_messages(self, messages: Iterable[Message]) -> None:
         """Publish messages."""
         for message in messages:
             self._publishers[message.topic].publish(message.data)
 
-    def listeners(self, topic: Topic) -> int:
-        """Return how many subscribers a topic has."""
+    def subscribers(self, topic: Topic) -> int:
+        """Return the number of subscribers to a topic."""
         return int(self._publishers[topic].get_subscription_count())
 
-    def settle(self, seconds: float) -> None:
-        """Wait until what was published has arrived, at most ``seconds`` [s] in all."""
+    def flush(self, timeout: float) -> None:
+        """Wait until the published messages have been delivered on all topics, at most ``timeout`` of wall time in total [s]."""
         from rclpy.duration import Duration
 
-        end = time.monotonic() + seconds
+        deadline = time.monotonic() + timeout
         for publisher in self._publishers.values():
-            publisher.wait_for_all_acked(Duration(seconds=max(0.0, end - time.monotonic())))
+            publisher.wait_for_all_acked(Duration(seconds=max(0.0, deadline - time.monotonic())))

@@ -1,24 +1,47 @@
-"""What a running node records: one recording after the other, or none."""
+"""Recordings of a running node: one after the other, or none."""
 
 from __future__ import annotations
 
 import threading
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import Protocol
 
+from dcrb_ros.messages.bundle import Bundle
 from dcrb_ros.messages.topics import Message
-
-if TYPE_CHECKING:
-    from dcrb_ros.recordings.recorder_thread import QueuedRecorder
+from dcrb_ros.recordings.recorder_thread import CLOSE_TIMEOUT, RecorderThread
+from dcrb_ros.recordings.rosbag2 import RecordingFailed
+from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.simulation.events import TimedCommand, commands_in
 
 FOLDER = Path("recordings")
-"""Where recordings go that nobody has named."""
+"""Folder of the recordings for which the user gave no path."""
+
+
+class CreateRecorder(Protocol):
+    """Creates the recorder of a new recording."""
+
+    def __call__(self, path: Path, *, commands: Sequence[TimedCommand], start_ns: int) -> RecorderThread:
+        """Create the folder ``path``; the recording starts at ``start_ns`` [ns] and ``commands`` took effect before.
+
+        Raises:
+            Refusal: it cannot be created.
+        """
+
+
+class Log(Protocol):
+    """The part of a ROS logger that is used here."""
+
+    def info(self, message: str) -> object:
+        """Log information."""
+
+    def error(self, message: str) -> object:
+        """Log an error."""
 
 
 def free_path(wanted: Path) -> Path:
-    """Return a path that does not exist yet: as wanted, or with -2, -3 and so on behind it."""
+    """Return a path that does not exist: the one wanted, or with -2, -3 and so on appended."""
     number, path = 1, wanted
     while path.exists():
         number += 1
@@ -27,21 +50,25 @@ def free_path(wanted: Path) -> Path:
 
 
 def wanted_path(configured: str, namespace: str) -> Path:
-    """Return where a recording should go: as configured, or by namespace and time in `FOLDER`."""
+    """Return the path of a new recording: as configured, or by namespace and time in `FOLDER`."""
     name = namespace.strip("/").replace("/", "-") or "bench"
     return Path(configured) if configured else FOLDER / f"{name}-{time.strftime('%Y%m%d-%H%M%S')}"
 
 
-class Tape:
-    """A sink of messages that can be switched on and off from any thread; a failure ends the recording, not the bench."""
+class RecordingSwitch:
+    """A sink that records while it is switched on; any thread may switch it. A failure ends the recording, not the simulation."""
 
-    def __init__(self, log: Callable[[str], object]) -> None:
-        self._log = log
+    def __init__(self, create: CreateRecorder, log: Log, path: Path | None = None) -> None:
+        """Record to ``path`` from the start, if it is given."""
+        self._create, self._log, self._wanted = create, log, path
         self._lock = threading.Lock()
-        self._recorder: QueuedRecorder | None = None
-        self._ending: list[QueuedRecorder] = []
-        """Recorders that get no more and may still be writing."""
+        self._recorder: RecorderThread | None = None
+        self._closing: list[RecorderThread] = []
+        """Recorders that receive nothing more and may still be writing."""
         self._failure = ""
+        self._started = False
+        self._commands: list[TimedCommand] = []
+        self._time_ns = 0
 
     @property
     def state(self) -> str:
@@ -55,66 +82,96 @@ class Tape:
 
     @property
     def path(self) -> Path | None:
-        """Folder of the recording that runs, if one does."""
+        """Folder of the present recording; none if there is none."""
         return self._recorder.path if self._recorder else None
 
-    def start(self, make: Callable[[], QueuedRecorder]) -> Path:
-        """Begin a recording where none runs; return the folder of the one that runs.
+    def start(self, messages: Sequence[Message]) -> None:
+        """Begin the configured recording; after a reset finish the present recording and begin the next one.
+
+        Raises:
+            Refusal: the configured recording cannot be created.
+        """
+        finished = self.stop() if self._started else None
+        with self._lock:
+            self._commands, self._time_ns = [], 0
+            if not self._started and self._wanted is not None:
+                self._begin(self._wanted)
+        self._started = True
+        if finished is not None and self._wanted is not None:
+            try:
+                self._log.info(f"reset: {finished} is finished, {self.record(self._wanted)} records from the start")
+            except Refusal as refusal:
+                self._fail(f"no recording since the reset: {refusal}")
+
+    def record(self, wanted: Path) -> Path:
+        """Begin a recording at ``wanted`` or the next free name, unless one is running; return the folder of the running one.
 
         Raises:
             Refusal: it cannot be created.
         """
         with self._lock:
             if self._recorder is None:
-                self._recorder, self._failure = make(), ""
+                self._wanted = wanted
+                return self._begin(free_path(wanted))
             return self._recorder.path
 
-    def write_messages(self, messages: Iterable[Message]) -> None:
-        """Record messages, if a recording runs."""
-        from dcrb_ros.recordings.recorder import RecordingFailed
+    def _begin(self, path: Path) -> Path:
+        """Begin a recording, with the lock held."""
+        self._recorder, self._failure = self._create(path, commands=self._commands, start_ns=self._time_ns), ""
+        return path
 
+    def write(self, bundle: Bundle) -> None:
+        """Record a bundle, if a recording is running."""
         with self._lock:
-            if self._recorder is None:
-                return
-            try:
-                self._recorder.write_messages(messages)
-            except RecordingFailed as error:
-                self._retire()
-                self.fail(str(error))
+            self._write(bundle.messages)
+            self._time_ns = bundle.end_ns
+            if bundle.block is not None:
+                self._commands += commands_in(bundle.block.truths)
+
+    def write_messages(self, messages: Iterable[Message]) -> None:
+        """Record messages, if a recording is running."""
+        with self._lock:
+            self._write(messages)
+
+    def _write(self, messages: Iterable[Message]) -> None:
+        if self._recorder is None:
+            return
+        try:
+            self._recorder.write_messages(messages)
+        except RecordingFailed as error:
+            self._retire()
+            self._fail(str(error))
 
     def stop(self) -> Path | None:
-        """Finish the recording that runs, and what is still written of earlier ones; return its folder.
+        """Finish the running recording and wait for earlier ones that are still being written; return its folder.
 
-        Who calls waits for the disk, who writes meanwhile does not.
+        Only the caller waits for the disk; `write` does not.
         """
         with self._lock:
             recorder = self._retire()
-            ending = tuple(self._ending)
-        self._finish(ending)
+            closing = tuple(self._closing)
+        self._close(closing)
         return recorder.path if recorder else None
 
-    def _retire(self) -> QueuedRecorder | None:
-        """Give the recorder no more, with the lock held; what waits in it is still written."""
+    def _retire(self) -> RecorderThread | None:
+        """Pass nothing more to the recorder, with the lock held; what is queued is still written."""
         recorder, self._recorder = self._recorder, None
-        self._ending = [earlier for earlier in self._ending if earlier.writing]
+        self._closing = [earlier for earlier in self._closing if earlier.writing]
         if recorder is not None:
-            self._ending.append(recorder)
+            self._closing.append(recorder)
         return recorder
 
-    def _finish(self, ending: Iterable[QueuedRecorder]) -> None:
-        """Wait for recorders to end, for all of them together as long as for one."""
-        from dcrb_ros.recordings.recorder import RecordingFailed
-        from dcrb_ros.recordings.recorder_thread import LAST_WRITE
-
-        latest = time.monotonic() + LAST_WRITE
-        for recorder in ending:
+    def _close(self, recorders: Iterable[RecorderThread]) -> None:
+        """Wait for all recorders together, no longer than `CLOSE_TIMEOUT`."""
+        deadline = time.monotonic() + CLOSE_TIMEOUT
+        for recorder in recorders:
             try:
-                recorder.close(max(0.0, latest - time.monotonic()))
+                recorder.close(max(0.0, deadline - time.monotonic()))
             except RecordingFailed as error:
-                self.fail(str(error))
+                self._fail(str(error))
 
-    def fail(self, why: str) -> None:
-        """Say why nothing is recorded that should be."""
+    def _fail(self, reason: str) -> None:
+        """Log why a recording failed, and keep the reason unless another recording is running."""
         if self._recorder is None:
-            self._failure = why
-        self._log(why)
+            self._failure = reason
+        self._log.error(reason)

@@ -1,4 +1,4 @@
-"""What all nodes share: checks before start, parameters from the schema, spinning until told to stop."""
+"""Running a node: checks before rclpy is imported, signals, the spin loop."""
 
 from __future__ import annotations
 
@@ -8,39 +8,38 @@ import os
 import signal
 import sys
 import threading
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from types import FrameType
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING
 
-from dcrb_ros.messages.topics import NAMESPACE
 from dcrb_ros.runtime.refusal import Refusal
-from dcrb_ros.runtime.signals import ENDING
-from dcrb_ros.schema.fields import Group
-from dcrb_ros.settings.files import ParameterField, flatten, parameter_fields, validated
+from dcrb_ros.runtime.signals import TERMINATION
 
 if TYPE_CHECKING:
     from rclpy.node import Node
 
-    from dcrb_ros.nodes.parameters import ObedientNode
+    from dcrb_ros.nodes.base import BenchNode
 
-Model = TypeVar("Model", bound=Group)
 DISCOVERY = "ROS_AUTOMATIC_DISCOVERY_RANGE"
-"""The variable of ROS that says who may join: LOCALHOST, SUBNET or OFF."""
-PAUSE = 0.01
-"""Wall time after a callback's failure, so that one without end does not take a processor [s]."""
+"""Environment variable of ROS for the range of discovery: LOCALHOST, SUBNET or OFF."""
+FAILURE_PAUSE = 0.01
+"""Wall time after the failure of a callback [s], so that an endless series of failures does not occupy a core."""
 
 
-def stay_on_this_machine() -> None:
-    """Let nobody on other machines discover the bench, unless the user's environment says otherwise."""
+def limit_discovery() -> None:
+    """Limit discovery to this machine unless the user's environment sets another range."""
     os.environ.setdefault(DISCOVERY, "LOCALHOST")
 
 
 def check_ros() -> None:
-    """Refuse to start where ROS 2 or the middleware asked for is absent.
+    """Check that ROS 2 and the requested middleware are installed; to be called before rclpy is imported.
 
-    The wheels end the process without a word of ours when the middleware is missing, so it is looked for beforehand.
+    Without the middleware, the import of rclpy from wheels would end the process.
+
+    Raises:
+        Refusal: one of them is missing.
     """
     if importlib.util.find_spec("rclpy") is None:
         raise Refusal(
@@ -54,7 +53,7 @@ def check_ros() -> None:
 
 
 def middlewares() -> list[str]:
-    """Return the ROS middlewares whose library can be found."""
+    """Return the ROS middlewares whose library is found."""
     folders = [Path(p) for p in os.environ.get("LD_LIBRARY_PATH", "").split(":") if p]
     folders += [Path(prefix) / "lib" for prefix in [*os.environ.get("AMENT_PREFIX_PATH", "").split(":"), sys.prefix] if prefix]
     names = {library.stem.removeprefix("lib") for folder in folders for library in folder.glob("librmw_*_cpp.so")}
@@ -62,86 +61,53 @@ def middlewares() -> list[str]:
 
 
 def own_arguments(parser: argparse.ArgumentParser, arguments: Sequence[str]) -> argparse.Namespace:
-    """Return what a node's own options say; those of ROS are left out."""
-    check_ros()
+    """Return the options of a node without the arguments of ROS."""
     from rclpy.utilities import remove_ros_args
 
     return parser.parse_args(remove_ros_args([parser.prog, *arguments])[1:])
 
 
-@contextmanager
-def running(name: str, arguments: Sequence[str]) -> Iterator[tuple[ObedientNode, threading.Event]]:
-    """Yield a node, and what is set once it is told to stop."""
-    check_ros()
+def run_node(create: Callable[[], BenchNode], arguments: Sequence[str]) -> int:
+    """Create a node and run it until its work ends or a termination signal arrives; return the exit status.
+
+    Raises:
+        Refusal: the node's parameters or its input are invalid.
+    """
     import rclpy
     from rclpy.signals import SignalHandlerOptions
     from rclpy.utilities import try_shutdown
 
-    told = stop_on_signals()
-    stay_on_this_machine()
+    stop = stop_on_signals()
+    limit_discovery()
     rclpy.init(args=list(arguments), signal_handler_options=SignalHandlerOptions.NO)
-    node = create_node(name)
     try:
-        yield node, told
-    finally:
+        node = create()
+        try:
+            if not stop.is_set():
+                node.start()
+                spin(node, lambda: node.ended, stop)
+        finally:
+            node.close()
+        status = _status(node)
         node.destroy_node()
+        return status
+    finally:
         try_shutdown()
 
 
-def create_node(name: str) -> ObedientNode:
-    """Return a node in the default namespace that has taken whatever parameters it was given."""
-    from dcrb_ros.nodes.parameters import ObedientNode
-
-    return ObedientNode(name, namespace=NAMESPACE, automatically_declare_parameters_from_overrides=True)
-
-
-def declare(
-    node: Node, model: type[Model], *, run_time: Sequence[str] = (), begun: Callable[[Model], Model] = lambda given: given
-) -> Model:
-    """Declare every parameter of a model with type, range and description; return the model with the node's overrides.
-
-    ``begun`` changes what the node was given, before it is declared.
-
-    Raises:
-        Refusal: an override that is unknown, mistyped or out of range.
-    """
-    from dcrb_ros.nodes.parameters import OWN
-
-    found: dict[str, Any] = node.get_parameters_by_prefix("")
-    given = {key: parameter.value for key, parameter in found.items() if key not in OWN}
-    checked = begun(validated(given, model, "parameters"))
-    values = flatten(checked.model_dump())
-    for field in parameter_fields(model):
-        if node.has_parameter(field.key):
-            node.undeclare_parameter(field.key)
-        node.declare_parameter(field.key, values[field.key], _descriptor(field, field.key not in run_time), ignore_override=True)
-    return checked
-
-
-def _descriptor(field: ParameterField, read_only: bool) -> Any:
-    from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
-
-    unit = f" [{field.unit}]" if field.unit != "-" else ""
-    about = ParameterDescriptor(name=field.key, description=f"{field.description}{unit}", read_only=read_only)
-    if field.low is not None and field.high is not None:
-        if field.kind is int:
-            about.integer_range = [IntegerRange(from_value=int(field.low), to_value=int(field.high), step=1)]
-        else:
-            about.floating_point_range = [FloatingPointRange(from_value=float(field.low), to_value=float(field.high), step=0.0)]
-    elif field.choices:
-        about.additional_constraints = "one of " + ", ".join(field.choices)
-    return about
-
-
-def changed(model: Model, changes: Mapping[str, Any]) -> Model:
-    """Return a model with some dotted keys changed, checked as a whole."""
-    return validated({**flatten(model.model_dump()), **changes}, type(model), "parameters")
+def _status(node: BenchNode) -> int:
+    if isinstance(node.failure, Refusal):
+        raise node.failure
+    if node.failure is not None:
+        node.get_logger().fatal(f"the {node.purpose} stopped: {node.failure}")
+        return 1
+    return 0
 
 
 def spin(node: Node, ended: Callable[[], bool], stop: threading.Event) -> None:
-    """Serve callbacks until told to stop or ``ended`` says so; a callback that fails is logged, and the node serves on.
+    """Serve callbacks until ``stop`` is set or ``ended`` returns true; a callback that fails is logged, and the node continues.
 
-    The environment variable DCRB_DEBUG=1 lets the failure through.
+    With the environment variable DCRB_DEBUG=1 the failure is raised.
     """
     from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 
@@ -154,12 +120,12 @@ def spin(node: Node, ended: Callable[[], bool], stop: threading.Event) -> None:
                 executor.spin_once(timeout_sec=0.1)
             except ExternalShutdownException:
                 raise
-            except Exception as error:  # whatever one message leads to must not end the node
+            except Exception as error:  # no message may end the node
                 if os.environ.get("DCRB_DEBUG") == "1":
                     raise
                 failures += 1
                 _log_failure(node, error, failures)
-                stop.wait(PAUSE)
+                stop.wait(FAILURE_PAUSE)
     except ExternalShutdownException:
         stop.set()
     finally:
@@ -173,26 +139,26 @@ def _log_failure(node: Node, error: Exception, count: int) -> None:
 
 
 def stop_on_signals() -> threading.Event:
-    """Return an event that SIGINT, SIGTERM and SIGHUP set, however often they come.
+    """Return an event that is set by SIGINT, SIGTERM and SIGHUP, however often they arrive.
 
-    A hangup that is ignored stays so (``nohup``); what was held back by `signals_held` comes now.
+    An ignored SIGHUP stays ignored (``nohup``). Signals blocked by `signals_blocked` or during the import are delivered now.
     """
     stop = threading.Event()
 
-    def told(number: int, frame: FrameType | None) -> None:
+    def handle(number: int, frame: FrameType | None) -> None:
         stop.set()
 
-    for number in ENDING:
+    for number in TERMINATION:
         if signal.getsignal(number) is not signal.SIG_IGN or number != signal.SIGHUP:
-            signal.signal(number, told)
-    signal.pthread_sigmask(signal.SIG_UNBLOCK, ENDING)
+            signal.signal(number, handle)
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, TERMINATION)
     return stop
 
 
 @contextmanager
-def signals_held() -> Iterator[None]:
-    """Let processes started meanwhile keep back what would end them until `stop_on_signals`, so that none ends amid its imports."""
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, ENDING)
+def signals_blocked() -> Iterator[None]:
+    """Start child processes with termination signals blocked until `stop_on_signals`, so that none is interrupted during its imports."""
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, TERMINATION)
     try:
         yield
     finally:

@@ -5,38 +5,38 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
+from std_srvs.srv import SetBool, Trigger
+
 from dcrb_ros.nodes.recording_switch import wanted_path
 from dcrb_ros.runtime.refusal import Refusal
 
 if TYPE_CHECKING:
-    from dcrb_ros.nodes.simulator import Simulator
+    from dcrb_ros.nodes.simulator import SimulatorNode
 
-PATIENCE = 2.0
-"""Wall time that a service waits for the model before it answers that it is still at work [s]."""
+TIMEOUT = 2.0
+"""Wall time for which a service waits for the engine before it answers that the request is still pending [s]."""
 
 
 class Services:
-    """Answers to the services; each says what it did, or why not."""
+    """The services; each answer says what was done, or why the request was refused."""
 
-    def __init__(self, simulator: Simulator) -> None:
-        from std_srvs.srv import SetBool, Trigger
-
-        self._of = simulator
-        for name, kind, answer in (
+    def __init__(self, node: SimulatorNode) -> None:
+        self._node, self._engine, self._recording = node, node.engine, node.recording
+        for name, kind, handle in (
             ("pause", SetBool, self.pause),
             ("step", Trigger, self.step),
             ("reset", Trigger, self.reset),
             ("record", SetBool, self.record),
         ):
-            simulator.node.create_service(kind, name, self._answering(name, answer))
+            node.create_service(kind, name, self._callback(name, handle))
 
-    def _answering(self, name: str, answer: Callable[[Any], str]) -> Callable[[Any, Any], Any]:
-        """Return a service's callback; what ``answer`` returns is its message, what it refuses is not done."""
+    def _callback(self, name: str, handle: Callable[[Any], str]) -> Callable[[Any, Any], Any]:
+        """Return the callback of a service; ``handle`` returns the message of its answer, or raises `Refusal`."""
 
         def callback(request: Any, response: Any) -> Any:
             try:
-                with self._of.refusals.counted(name):
-                    response.success, response.message = True, answer(request)
+                with self._node.refusals.counted(name):
+                    response.success, response.message = True, handle(request)
             except Refusal as refusal:
                 response.success, response.message = False, str(refusal)
             return response
@@ -44,34 +44,33 @@ class Services:
         return callback
 
     def _now(self) -> str:
-        return f"{self._of.progress.simulated_ns * 1e-9:.6f} s of simulated time"
+        return f"{self._node.progress.time_ns * 1e-9:.6f} s of simulated time"
 
     def pause(self, request: Any) -> str:
-        """Hold the blocks back or let them go on."""
-        self._of.gate.pause(request.data)
+        """Hold the blocks, or send them again."""
+        self._engine.gate.pause(request.data)
         return f"paused at {self._now()}" if request.data else f"running from {self._now()} on"
 
     def step(self, request: Any) -> str:
-        """Let one block out while paused."""
-        if not self._of.gate.paused:
+        """Send one block while paused."""
+        if not self._engine.gate.paused:
             raise Refusal("step: the bench runs; pause it first (service pause, data: true)")
-        if not self._of.gate.step(PATIENCE):
-            return f"the block goes out as soon as it is ready, after {self._now()}"
+        if not self._engine.gate.step(TIMEOUT):
+            return f"the block will be sent as soon as it is ready, after {self._now()}"
         return f"one block further: {self._now()}"
 
     def reset(self, request: Any) -> str:
-        """Begin anew: bearing, simulated time, scenario and parameters as at the start, but for the time scale and a pause."""
-        done = self._of.gate.reset(PATIENCE)
-        self._of.show_parameters()
+        """Return bearing, simulated time, scenario and parameters to the start; time scale and pause stay as they are."""
+        done = self._engine.gate.reset(TIMEOUT)
+        self._node.update_parameters()
         return "at the start again: simulated time 0" + ("" if done else " as soon as the model is ready")
 
     def record(self, request: Any) -> str:
-        """Begin a recording where none runs, or finish it."""
-        tape = self._of.tape
+        """Begin a recording, unless one is running, or finish it."""
         if not request.data:
-            path = tape.stop()
-            if path and tape.failed:
-                raise Refusal(tape.state)
+            path = self._recording.stop()
+            if path and self._recording.failed:
+                raise Refusal(self._recording.state)
             return f"{path} is finished at {self._now()}" if path else "no recording runs"
-        wanted = wanted_path(self._of.configuration.recording.path, self._of.node.get_namespace())
-        return f"recording to {tape.path or self._of.record_on(wanted)}"
+        wanted = wanted_path(self._node.configuration.recording.path, self._node.get_namespace())
+        return f"recording to {self._recording.record(wanted)}"

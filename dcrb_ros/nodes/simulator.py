@@ -1,340 +1,254 @@
-"""The simulator node: the model in a thread of its own behind a live accelerometer topic."""
+"""The simulator node: a simulated bearing behind a live accelerometer topic."""
 
 from __future__ import annotations
 
 import argparse
 import math
-import os
 import sys
-import threading
 import time
+from collections.abc import Callable, Generator, Sequence
 from contextlib import closing
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from geometry_msgs.msg import Wrench
+from rclpy.parameter import Parameter
+from std_msgs.msg import Float64
+
+from dcrb_ros.bearing.payload import body_names
 from dcrb_ros.bearing.runtime_change import altered
-from dcrb_ros.cli.simulate import checked_duration
+from dcrb_ros.core import compiled
+from dcrb_ros.messages.bundle import Bundle
+from dcrb_ros.messages.encoder import BlockEncoder
+from dcrb_ros.messages.plain import decode_float, decode_wrench
+from dcrb_ros.messages.statuses import encode_diagnostics
 from dcrb_ros.messages.topics import (
     BENCH_DIAGNOSTICS,
     CLOCK,
-    DIAGNOSIS,
-    FAULT_INDICATORS,
-    ROLLER_CONTACTS,
+    DETECTED,
     SIMULATED,
-    VIBRATION_CLEAN,
     Message,
     Topic,
 )
+from dcrb_ros.nodes.base import BenchNode
+from dcrb_ros.nodes.bench_status import COMMANDS, BenchStatus
+from dcrb_ros.nodes.clock import ClockPublisher
+from dcrb_ros.nodes.engine import Engine, Progress, Sink
 from dcrb_ros.nodes.gate import Gate
 from dcrb_ros.nodes.pacing import Pacer
-from dcrb_ros.nodes.publisher import message_class, qos
-from dcrb_ros.nodes.recording_switch import Tape, free_path
+from dcrb_ros.nodes.programs import MODEL_THREAD, main
+from dcrb_ros.nodes.publisher import Publisher
+from dcrb_ros.nodes.recording_switch import RecordingSwitch
 from dcrb_ros.nodes.refusals import Refusals
-from dcrb_ros.nodes.report import COMMANDS, Progress, Report
-from dcrb_ros.nodes.ros import declare, own_arguments, running, spin
+from dcrb_ros.nodes.ros import own_arguments, run_node
 from dcrb_ros.nodes.services import Services
-from dcrb_ros.runtime.exit_status import guarded
-from dcrb_ros.runtime.prefetch import ahead
+from dcrb_ros.recordings.recorder import Recorder
+from dcrb_ros.recordings.recorder_thread import RecorderThread
+from dcrb_ros.runtime.prefetch import prefetch
 from dcrb_ros.runtime.refusal import Refusal
-from dcrb_ros.runtime.threads import NamedThread
+from dcrb_ros.runtime.simulated_time import checked_duration
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import flatten, parameter_fields
-from dcrb_ros.simulation.events import Command, command_of
-from dcrb_ros.simulation.scenario import begun, read_story, timeline
+from dcrb_ros.simulation.events import TimedCommand
+from dcrb_ros.simulation.loop import Simulation
+from dcrb_ros.simulation.scenario import ScheduledChange, read_scenario_file, scheduled_changes, starting_configuration
 
-if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
-
-    from dcrb_ros.nodes.clock import Sink
-    from dcrb_ros.nodes.parameters import ObedientNode
-    from dcrb_ros.recordings.recorder_thread import QueuedRecorder
-    from dcrb_ros.simulation.block import Block
-    from dcrb_ros.simulation.loop import Simulation
-
-LAST_BLOCK = 0.7
-"""Wall time that the model gets to end its block once told to stop [s]; compiling takes longer and is not waited for."""
-MODEL = "model"
-"""Name of the model's thread."""
 TARGETS = {"operating.speed": COMMANDS[0], "operating.load": COMMANDS[1], "operating.lateral_load": COMMANDS[1]}
-"""Parameters that have a topic of their own to change them."""
+"""Parameters that are changed by a topic while the node runs."""
 RUN_TIME = tuple(field.key for field in parameter_fields() if field.run_time and field.key not in TARGETS)
 """Parameters that can be set while the node runs."""
 
 
-def _content(kind: str, decode: Callable[[bytes], Any], data: bytes) -> Any:
-    """Return what a message holds; a refusal names the topic ``kind``."""
-    try:
-        return decode(bytes(data))
-    except Refusal as refusal:
-        raise Refusal(f"{kind}: {refusal}") from None
+class SimulationSource:
+    """A simulation as a source of bundles."""
 
+    def __init__(self, configuration: Configuration, scenario: Sequence[ScheduledChange], duration: float | None, gate: Gate) -> None:
+        self._configuration, self._scenario, self._duration, self._gate = configuration, scenario, duration, gate
 
-class Simulator:
-    """The wires between the simulation's thread and ROS."""
+    def start(self) -> list[Message]:
+        """Set up the bearing at simulated time 0."""
+        self.simulation = Simulation(self._configuration, self._scenario)
+        self._encoder = BlockEncoder(self._configuration, self.simulation.bodies)
+        return self._encoder.start()
 
-    def __init__(
-        self, node: ObedientNode, configuration: Configuration, duration: float | None, story: Mapping[str, Any] | None = None
-    ) -> None:
-        from dcrb_ros.messages.encoder import BlockEncoder
-        from dcrb_ros.nodes.clock import ClockHand
-        from dcrb_ros.nodes.publisher import Publisher
-
-        self.node, self.configuration, self._duration, self._story = node, configuration, duration, story
-        self._commands: list[Command] = []
-        self.failure: Exception | None = None
-        self._began = time.monotonic()
-        self._pacer = Pacer(configuration.time_scale, time.monotonic)
-        self.gate = Gate(self._pacer, time.monotonic)
-        self.refusals = Refusals(node.get_logger().warning)
-        self._simulation = self._start_model()
-        self.progress = Progress()
-        self.tape = Tape(node.get_logger().error)
-        if configuration.recording.path:
-            self._series = Path(configuration.recording.path)
-            self._start_recording(self._series)
-        self._encoder = BlockEncoder(configuration, self._simulation.layout)
-        asked = {VIBRATION_CLEAN: configuration.publishing.clean, ROLLER_CONTACTS: configuration.publishing.contacts}
-        topics = [topic for topic in SIMULATED if asked.get(topic, True)]
-        self._publisher: Sink = Publisher(node, [*topics, BENCH_DIAGNOSTICS, *([CLOCK] if configuration.publishing.clock else [])])
-        self._clock = ClockHand(self._publisher, asked=configuration.publishing.clock)
-        self._report = Report(self._pacer, self.gate, self.tape, self.refusals)
-        self._subscribe()
-        self._thread = NamedThread(MODEL, self._run)
-
-    def _start_model(self) -> Simulation:
-        from dcrb_ros.core import compiled
-
-        if not compiled():
-            self.node.get_logger().info("compiling the kernels (once, about half a minute) ...")
-        from dcrb_ros.simulation.loop import Simulation
-
-        return Simulation(self.configuration, timeline(self._story, self.configuration, "scenario") if self._story else ())
-
-    def record_on(self, wanted: Path) -> Path:
-        """Begin a recording, unless one runs, at ``wanted`` or the next free name after it; return its folder."""
-        self._series = wanted
-        return self._start_recording(free_path(wanted))
-
-    def _start_recording(self, path: Path) -> Path:
-        """Begin a recording with the next block, unless one runs; return the folder of the one that runs."""
-        from dcrb_ros.recordings.recorder import Recorder
-        from dcrb_ros.recordings.recorder_thread import QueuedRecorder
-
-        def make() -> QueuedRecorder:
-            recorder = Recorder(
-                path,
-                self.configuration,
-                self._simulation.layout,
-                namespace=self.node.get_namespace(),
-                scenario=self._story,
-                commands=self._commands,
-                start_ns=self.progress.simulated_ns,
-            )
-            return QueuedRecorder(recorder, self.configuration.recording.queue)
-
-        return self.tape.start(make)
-
-    def _subscribe(self) -> None:
-        from geometry_msgs.msg import Wrench
-        from rclpy.clock import Clock
-        from rclpy.clock_type import ClockType
-        from std_msgs.msg import Float64
-
-        from dcrb_ros.messages.joints import decode_joints
-        from dcrb_ros.messages.statuses import decode_diagnostics
-
-        node = self.node
-        # Raw, because the middleware's own decoder drops malformed bytes without a word.
-        node.create_subscription(Float64, "command/speed", self._on_speed, 10, raw=True)
-        node.create_subscription(Wrench, "command/load", self._on_load, 10, raw=True)
-        self._listen(DIAGNOSIS, lambda data: decode_diagnostics(data)[0])
-        self._listen(FAULT_INDICATORS, lambda data: decode_joints(data).stamp_ns)
-        Services(self)
-        # Wall time, whatever use_sim_time says: the report must come while the simulated time stands.
-        node.create_timer(1.0, self._publish_report, clock=Clock(clock_type=ClockType.STEADY_TIME))
-        node.obey = self._on_parameters
-
-    def _listen(self, topic: Topic, stamp: Callable[[bytes], int]) -> None:
-        """Record what the detector says; ``stamp`` decodes a message and returns its stamp [ns]."""
-        callback = self._on_detected(topic, stamp)
-        self.node.create_subscription(message_class(topic), topic.name, callback, qos(topic), raw=True)
-
-    def start(self) -> None:
-        """Start the model's thread."""
-        self._publisher.write_messages(self._encoder.start())
-        self._thread.start()
-
-    def ended(self) -> bool:
-        """Return whether the model's thread has come to its end."""
-        return not self._thread.is_alive()
-
-    def close(self) -> None:
-        """Stop the model and finish the recording; a model that still compiles is left behind, it says nothing any more."""
-        self.gate.close()
-        if self._thread.ident is not None:
-            self._thread.join(LAST_BLOCK)
-        self.tape.stop()
-
-    def _run(self) -> None:
-        try:
-            while not self._play():
-                if self.gate.closed:
-                    return
-                self._begin_anew()
-        except Exception as error:  # the thread's end must reach the main thread, whatever it is
-            self.failure = error
-
-    def _play(self) -> bool:
-        """Send the simulation's blocks; return false if they were cut short by a reset or the node's end."""
-        with closing(ahead(self._simulation.blocks(self._duration), self._hurried)) as blocks:
+    def bundles(self) -> Generator[Bundle, None, None]:
+        """Yield a bundle for each block."""
+        # A block is prefetched only if it is not paced: otherwise commands would take effect one block later.
+        with closing(prefetch(self.simulation.blocks(self._duration), lambda: self._gate.open)) as blocks:
             for block in blocks:
-                # Encoded before the wait: a block goes out at its deadline, and the first one's preparations do not count.
-                messages = self._encoder.encode(block)
-                if not self.gate.send(block.stamp_ns * 1e-9, block.end_ns * 1e-9, lambda b=block, m=messages: self._emit(b, m)):  # type: ignore[misc]
-                    return False
-        return True
+                # Encoded before the deadline, so that the bundle is sent at it.
+                yield Bundle(block.stamp_ns, block.end_ns, tuple(self._encoder.encode(block)), block)
 
-    def _hurried(self) -> bool:
-        """Return whether the next block is made while the last one is sent; at a time scale, commands would wait for a block more."""
-        return self._pacer.scale == 0.0 and not self.gate.paused
 
-    def _begin_anew(self) -> None:
-        """Put the bearing, the simulated time and the scenario back to the start; a running recording goes on in the next folder."""
-        from dcrb_ros.messages.encoder import BlockEncoder
+class FirstBlockLog:
+    """A sink that logs how long the first block took."""
 
-        finished = self.tape.stop()
-        self._simulation = self._start_model()
-        self._encoder = BlockEncoder(self.configuration, self._simulation.layout)
-        self.progress.simulated_ns = self.progress.blocks = 0
-        self._commands.clear()
-        if finished is not None:
-            try:
-                path = self.record_on(self._series)
-                self.node.get_logger().info(f"reset: {finished} is finished, {path} records from the start")
-            except Refusal as refusal:
-                self.tape.fail(f"no recording since the reset: {refusal}")
-        self._publisher.write_messages(self._encoder.start())
-        self.gate.begun_anew()
+    def __init__(self, log: Callable[[str], object]) -> None:
+        self._log, self._began = log, time.monotonic()
 
-    def _emit(self, block: Block, messages: list[Message]) -> None:
-        self.progress.simulated_ns = block.end_ns
-        self._clock.tick(block.end_ns)
-        self._publisher.write_messages(messages)
-        self.tape.write_messages(messages)
-        self._commands += [command for truth in block.truths if (command := command_of(truth.time_ns, truth.changed))]
-        self.progress.blocks += 1
-        if block.energy is not None:
-            self.progress.residual = block.energy.residual
+    def start(self, messages: Sequence[Message]) -> None:
+        """Do nothing."""
+
+    def write(self, bundle: Bundle) -> None:
+        """Log the time of the first bundle."""
         if self._began:
-            self.node.get_logger().info(f"first block {time.monotonic() - self._began:.2f} s after the start")
+            self._log(f"first block {time.monotonic() - self._began:.2f} s after the start")
             self._began = 0.0
 
-    def _on_detected(self, topic: Topic, stamp: Callable[[bytes], int]) -> Callable[[bytes], None]:
+
+class SimulatorNode(BenchNode):
+    """Publishes and records the simulation; accepts commands, parameters and service calls."""
+
+    purpose = "bench"
+
+    def __init__(self, duration: float | None = None, scenario: Path | None = None) -> None:
+        """Prepare ``duration`` of simulated time [s], endless without one, with a ``scenario`` if one is given.
+
+        Raises:
+            Refusal: the parameters or the scenario are invalid.
+        """
+        super().__init__("simulator")
+        self._scenario, name = (read_scenario_file(scenario) if scenario else None), str(scenario)
+        self.configuration = self.declare(
+            Configuration, run_time=RUN_TIME, adjust=lambda given: starting_configuration(self._scenario, given, name)
+        )
+        changes = scheduled_changes(self._scenario, self.configuration, name) if scenario else []
+        publishing, log = self.configuration.publishing, self.get_logger()
+        gate = Gate(Pacer(self.configuration.time_scale, time.monotonic), time.monotonic)
+        topics = [topic for topic in SIMULATED if topic.enabled(self.configuration)]
+        self._publisher = Publisher(self, [*topics, BENCH_DIAGNOSTICS, *([CLOCK] if publishing.clock else [])])
+        self._clock_publisher = ClockPublisher(self._publisher.write_messages) if publishing.clock else None
+        self.progress, self.refusals = Progress(), Refusals(log.warning)
+        path = self.configuration.recording.path
+        self.recording = RecordingSwitch(self._recorder, log, Path(path) if path else None)
+        clock = [self._clock_publisher] if self._clock_publisher else []
+        sinks: list[Sink] = [self.progress, *clock, self._publisher, self.recording, FirstBlockLog(log.info)]
+        self._source = SimulationSource(self.configuration, changes, duration, gate)
+        self.engine = Engine(MODEL_THREAD, self._source, sinks, gate)
+        self._status = BenchStatus(self.engine, self.progress, self.recording, self.refusals)
+
+    def start(self) -> None:
+        """Start the simulation and the configured recording."""
+        if not compiled():
+            self.get_logger().info("compiling the kernels (once, about half a minute) ...")
+        self.engine.prepare()
+        # Raw, because the middleware's own decoder drops malformed messages silently.
+        self.create_subscription(Float64, COMMANDS[0], self._on_speed, 10, raw=True)
+        self.create_subscription(Wrench, COMMANDS[1], self._on_load, 10, raw=True)
+        for topic in DETECTED:
+            if topic.recorded:
+                self._record_detected(topic)
+        Services(self)
+        self.repeat(1.0, self._publish_status)
+        self.engine.start()
+
+    @property
+    def ended(self) -> bool:
+        """Whether the duration is over, or the simulation has failed."""
+        return self.engine.ended
+
+    @property
+    def failure(self) -> Exception | None:
+        """The exception that ended the simulation, if one did."""
+        return self.engine.failure
+
+    def close(self) -> None:
+        """Stop the simulation and finish the recording."""
+        self.engine.close()
+        self.recording.stop()
+
+    def _recorder(self, path: Path, *, commands: Sequence[TimedCommand], start_ns: int) -> RecorderThread:
+        configuration = self.configuration
+        recorder = Recorder(
+            path,
+            configuration,
+            body_names(configuration),
+            namespace=self.get_namespace(),
+            scenario=self._scenario,
+            commands=commands,
+            start_ns=start_ns,
+        )
+        return RecorderThread(recorder, configuration.recording.queue)
+
+    def _record_detected(self, topic: Topic) -> None:
+        """Record the detector's messages on a topic."""
+
         def record(data: bytes) -> None:
-            if self.tape.path is None:
+            if self.recording.path is None:
                 return
             with self.refusals.of(topic.name):
-                time_ns = _content(topic.name, stamp, data)
-                self._check_time(topic, time_ns)
-                self.tape.write_messages([Message(topic, time_ns, bytes(data))])
+                time_ns = _decoded(topic.name, topic.stamp, data)
+                self._check_stamp(topic, time_ns)
+                self.recording.write_messages([Message(topic, time_ns, data)])
 
-        return record
+        self.subscribe(topic, record)
 
-    def _check_time(self, topic: Topic, time_ns: int) -> None:
-        """Refuse a time [ns] that the detector cannot have heard of.
+    def _check_stamp(self, topic: Topic, time_ns: int) -> None:
+        """Refuse a stamp [ns] outside the signal published so far.
 
-        The detector may answer a block before the model's thread has noted that it is out: hence one block more.
+        The detector may answer a block before the engine's thread has counted it, hence one block of tolerance.
         """
         block_ns = math.ceil(self.configuration.publishing.block_size * 1e9 / self.configuration.sensor.sampling_rate)
-        latest = self.progress.simulated_ns + block_ns
+        latest = self.progress.time_ns + block_ns
         if not 0 <= time_ns <= latest:
             raise Refusal(
                 f"{topic.name} at {time_ns * 1e-9:g} s is not recorded: its stamp must be within 0 .. {latest * 1e-9:g} s of simulated time"
             )
 
     def _on_speed(self, data: bytes) -> None:
-        from dcrb_ros.messages.plain import decode_float
-
-        with self.refusals.of("command/speed"):
-            self._simulation.command_speed(_content("command/speed", decode_float, data))
+        with self.refusals.of(COMMANDS[0]):
+            self._source.simulation.command_speed(_decoded(COMMANDS[0], decode_float, data))
 
     def _on_load(self, data: bytes) -> None:
-        from dcrb_ros.messages.plain import decode_wrench
+        with self.refusals.of(COMMANDS[1]):
+            self._source.simulation.command_load(*_decoded(COMMANDS[1], decode_wrench, data))
 
-        with self.refusals.of("command/load"):
-            self._simulation.command_load(*_content("command/load", decode_wrench, data))
-
-    def _on_parameters(self, changes: dict[str, Any]) -> None:
-        """Carry out a change of parameters or refuse it, with the reason."""
+    def on_parameters(self, changes: dict[str, Any]) -> None:
+        """Apply a requested change of parameters, or refuse it."""
         with self.refusals.counted("parameters"):
             for key in changes:
                 if key in TARGETS:
-                    raise Refusal(f"parameters: {key} changes by the topic {TARGETS[key]}; its parameter says what the bench began with")
-            altered(self._simulation.configuration, changes)
-            of_the_model = {key: value for key, value in changes.items() if key != "time_scale"}
-            if of_the_model:
-                self._simulation.change(of_the_model)
+                    raise Refusal(f"parameters: {key} changes by the topic {TARGETS[key]}; the parameter is its value at the start")
+            altered(self._source.simulation.configuration, changes)
+            self._source.simulation.change({key: value for key, value in changes.items() if key != "time_scale"})
             if "time_scale" in changes:
-                self.gate.rescale(changes["time_scale"])
+                self.engine.gate.rescale(changes["time_scale"])
 
-    def show_parameters(self) -> None:
-        """Let the node's parameters say how the bench is now, which a reset or a scenario may have changed."""
-        from rclpy.parameter import Parameter
-
-        if self._simulation.awaited:
+    def update_parameters(self) -> None:
+        """Set the node's parameters to the present configuration, which a reset or a scenario may have changed."""
+        if self._source.simulation.awaited:
             return
-        present = flatten(self._simulation.configuration.model_dump())
-        keys = [key for key in RUN_TIME if key != "time_scale" and self.node.get_parameter(key).value != present[key]]
+        present = flatten(self._source.simulation.configuration.model_dump())
+        keys = [key for key in RUN_TIME if key != "time_scale" and self.get_parameter(key).value != present[key]]
         if keys:
-            self.node.set_parameters([Parameter(key, value=present[key]) for key in keys])
+            self.set_parameters([Parameter(key, value=present[key]) for key in keys])
 
-    def _publish_report(self) -> None:
-        """Publish the state of the bench on /diagnostics; the standing time of a paused bench is told again with it."""
-        from dcrb_ros.messages.statuses import encode_diagnostics
-
-        status = self._report.status(self.node.get_fully_qualified_name(), self.progress, failed=self.failure is not None)
-        time_ns = self.progress.simulated_ns
+    def _publish_status(self) -> None:
+        """Publish the status on /diagnostics, and the time of a paused simulation again on /clock."""
+        status, time_ns = self._status.status(self.get_fully_qualified_name()), self.progress.time_ns
         self._publisher.write_messages([Message(BENCH_DIAGNOSTICS, time_ns, encode_diagnostics(time_ns, [status]))])
-        self._clock.tick(self.progress.simulated_ns, 0.0)
-        self.show_parameters()
+        if self._clock_publisher is not None:
+            self._clock_publisher.repeat(time_ns)
+        self.update_parameters()
+
+
+def _decoded(topic: str, decode: Callable[[bytes], Any], data: bytes) -> Any:
+    """Return the content of a message; a refusal names the topic."""
+    try:
+        return decode(bytes(data))
+    except Refusal as refusal:
+        raise Refusal(f"{topic}: {refusal}") from None
 
 
 def run(arguments: list[str]) -> int:
-    """Run the node until its duration is over or a signal comes; return the exit status."""
+    """Run the node until its duration is over or a termination signal arrives; return the exit status."""
     parser = argparse.ArgumentParser(prog="simulator", description="The simulated bearing as a ROS 2 node.")
     parser.add_argument("--duration", type=float, default=None, help="simulated time after which the node ends [s]")
     parser.add_argument("--scenario", type=Path, default=None, help="timeline of speed, load, faults and sensor in simulated time (YAML)")
     options = own_arguments(parser, arguments)
     duration = None if options.duration is None else checked_duration(options.duration)
-    with running("simulator", arguments) as (node, told):
-        story = read_story(options.scenario) if options.scenario else None
-        configuration = declare(node, Configuration, run_time=RUN_TIME, begun=lambda c: begun(story, c, str(options.scenario)))
-        if story is not None:
-            timeline(story, configuration, str(options.scenario))
-        if told.is_set():
-            return 0
-        simulator = Simulator(node, configuration, duration, story)
-        try:
-            simulator.start()
-            spin(node, simulator.ended, told)
-        finally:
-            simulator.close()
-        if simulator.failure is not None:
-            node.get_logger().fatal(f"the bench stopped: {simulator.failure}")
-            return 1
-        return 0
-
-
-def main() -> None:
-    """Run the node as a program."""
-    status = guarded("simulator", lambda: run(sys.argv[1:]))
-    if any(thread.name == MODEL for thread in threading.enumerate()):
-        # A compilation cannot be interrupted, and the interpreter must not be taken down under it.
-        sys.stdout.flush()
-        sys.stderr.flush()
-        os._exit(status)
-    sys.exit(status)
+    return run_node(lambda: SimulatorNode(duration, options.scenario), arguments)
 
 
 if __name__ == "__main__":
-    main()
+    main("simulator", sys.argv[1:])

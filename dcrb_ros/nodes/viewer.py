@@ -3,117 +3,82 @@
 from __future__ import annotations
 
 import argparse
-import contextlib
 import os
-import subprocess
 import sys
-from collections.abc import Callable, Iterator
+from contextlib import ExitStack
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
 
-from dcrb_ros.nodes.publisher import message_class, qos
-from dcrb_ros.nodes.ros import own_arguments, running, spin
-from dcrb_ros.runtime.exit_status import guarded
+import rerun as rr
+
+from dcrb_ros.nodes.base import BenchNode
+from dcrb_ros.nodes.programs import main
+from dcrb_ros.nodes.ros import own_arguments, run_node
 from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.viewer.document import APPLICATION
+from dcrb_ros.viewer.live import SHOWN, LiveView
+from dcrb_ros.viewer.show import checked_output
+from dcrb_ros.viewer.window import window_to_fill
 
-if TYPE_CHECKING:
-    import rerun as rr
-    from rclpy.node import Node
-
-    from dcrb_ros.messages.topics import Topic
-    from dcrb_ros.viewer.live import LiveView
-
-PERIOD = 0.2
-"""Wall time between two batches [s]."""
-MEEKNESS = 5
-"""By how much the node yields the processor to the bench, as `nice` counts."""
+FLUSH_PERIOD = 0.2
+"""Wall time between two batches of data sent to Rerun [s]."""
+NICENESS = 5
+"""Increment of the process's niceness, so that the bench has priority."""
 
 
-class ViewerWire:
-    """The wires between the topics and the view."""
+class ViewerNode(BenchNode):
+    """Shows the messages of the bench in a Rerun window, in a running viewer or in a file."""
 
-    def __init__(self, node: Node, view: LiveView) -> None:
-        from rclpy.clock import Clock
-        from rclpy.clock_type import ClockType
+    def __init__(self, save: Path | None = None, connect: str = "") -> None:
+        """Show in the file ``save``, the viewer at the address ``connect``, or a window that is opened."""
+        super().__init__("viewer")
+        self._save, self._address = save, connect
+        self._resources = ExitStack()
+        self._viewer_closed = lambda: False
 
-        from dcrb_ros.viewer.live import SHOWN
-
-        self._view = view
+    def start(self) -> None:
+        """Open the window, if one is to be shown, and subscribe."""
+        if self._save is None and not self._address:
+            viewer, self._address = self._resources.enter_context(window_to_fill())
+            self._viewer_closed = lambda: viewer.poll() is not None
+        view = LiveView(self._stream, self.get_namespace(), self.get_logger().warning)
+        self._resources.callback(view.close)
         for topic in SHOWN:
-            node.create_subscription(message_class(topic), topic.name, self._taking(topic), qos(topic), raw=True)
-        node.create_timer(PERIOD, view.flush, clock=Clock(clock_type=ClockType.STEADY_TIME))
+            self.subscribe(topic, partial(view.take, topic))
+        self.repeat(FLUSH_PERIOD, view.flush)
 
-    def _taking(self, topic: Topic) -> Callable[[Any], None]:
-        return lambda data: self._view.take(topic, bytes(data))
-
-
-@contextlib.contextmanager
-def _target(save: Path | None, connect: str) -> Iterator[tuple[Callable[[int], rr.RecordingStream], Callable[[], bool]]]:
-    """Yield what begins a Rerun recording for the number of a run, and what says whether the viewer was closed."""
-    import rerun as rr
-
-    from dcrb_ros.viewer.document import APPLICATION
-    from dcrb_ros.viewer.window import window_to_fill
-
-    def into_file(run: int) -> rr.RecordingStream:
-        assert save is not None
+    def _stream(self, run: int) -> rr.RecordingStream:
+        """Return the Rerun recording of a run; a new run begins after a reset, in a file of its own."""
         stream = rr.RecordingStream(APPLICATION)
-        stream.save(save if run == 1 else save.with_stem(f"{save.stem}-{run}"))
+        if self._save is None:
+            stream.connect_grpc(self._address)
+        else:
+            stream.save(self._save if run == 1 else self._save.with_stem(f"{self._save.stem}-{run}"))
         return stream
 
-    def into_viewer(address: str) -> Callable[[int], rr.RecordingStream]:
-        def begin(run: int) -> rr.RecordingStream:
-            stream = rr.RecordingStream(APPLICATION)
-            stream.connect_grpc(address)
-            return stream
+    @property
+    def ended(self) -> bool:
+        """Whether the window was closed."""
+        return self._viewer_closed()
 
-        return begin
-
-    if save is not None:
-        yield into_file, lambda: False
-    elif connect:
-        yield into_viewer(connect), lambda: False
-    else:
-        with window_to_fill() as (viewer, address):
-            yield into_viewer(address), lambda: _closed(viewer)
-
-
-def _closed(viewer: subprocess.Popen[bytes]) -> bool:
-    return viewer.poll() is not None
+    def close(self) -> None:
+        """Send the remaining data."""
+        self._resources.close()
 
 
 def run(arguments: list[str]) -> int:
-    """Run the node until a signal comes or the window is closed; return the exit status."""
+    """Run the node until a termination signal arrives or the window is closed; return the exit status."""
     parser = argparse.ArgumentParser(prog="viewer", description="A running bench in Rerun.")
     parser.add_argument("--save", type=Path, default=None, help="write a Rerun file (.rrd) instead of opening a window")
-    parser.add_argument("--connect", default="", help="show it in a viewer that runs, such as rerun+http://127.0.0.1:9876/proxy")
+    parser.add_argument("--connect", default="", help="address of a running viewer, such as rerun+http://127.0.0.1:9876/proxy")
     options = own_arguments(parser, arguments)
     if options.save is not None and options.connect:
         raise Refusal(f"--save {options.save} and --connect {options.connect} exclude each other: give one of them")
     if options.save is not None:
-        from dcrb_ros.viewer.show import checked_output
-
         checked_output(options.save, suffix=".rrd", option="--save")
-    from dcrb_ros.viewer.live import LiveView
-
-    os.nice(MEEKNESS)
-    with running("viewer", arguments) as (node, told):
-        if told.is_set():
-            return 0
-        with _target(options.save, options.connect) as (begin, closed):
-            view = LiveView(begin, node.get_namespace(), node.get_logger().warning)
-            ViewerWire(node, view)
-            try:
-                spin(node, closed, told)
-            finally:
-                view.close()
-    return 0
-
-
-def main() -> None:
-    """Run the node as a program."""
-    sys.exit(guarded("viewer", lambda: run(sys.argv[1:])))
+    os.nice(NICENESS)
+    return run_node(lambda: ViewerNode(options.save, options.connect), arguments)
 
 
 if __name__ == "__main__":
-    main()
+    main("viewer", sys.argv[1:])

@@ -1,7 +1,7 @@
-"""The manifest: what makes a recording explain and reproduce itself, as two records of its files.
+"""The manifest: two metadata records of a recording, from which it can be understood and reproduced.
 
-The first stands at the beginning and says what was simulated; the second stands at the end and says what came of it. Of a
-recording that was cut off the second is missing.
+The first, at the beginning of each file, describes what is simulated. The second, the outcome, at the end of each file, describes what was
+produced; it is missing if the recording was cut off.
 """
 
 from __future__ import annotations
@@ -18,30 +18,31 @@ from typing import Any
 
 from dcrb_ros import __version__
 from dcrb_ros.bearing.kinematics import characteristic_orders
-from dcrb_ros.bearing.states import Layout
+from dcrb_ros.bearing.states import BodyNames
 from dcrb_ros.messages.description import sensor_text
+from dcrb_ros.messages.event_text import encode_command
 from dcrb_ros.messages.points import decode_vibration, decode_waveform, packed
 from dcrb_ros.messages.statuses import decode_truth
 from dcrb_ros.messages.topics import GROUND_TRUTH, MANIFEST, VIBRATION, Message
 from dcrb_ros.settings.configuration import Configuration
-from dcrb_ros.simulation.events import Command, command_of
+from dcrb_ros.simulation.events import TimedCommand, commands_in
 
 FORMAT = 2
 """Format of the manifest; the first had no second record."""
 OUTCOME = f"{MANIFEST}_outcome"
 """Name of the second record."""
-GATHERED = 1 << 20
-"""Bytes of blocks that wait before they are read and hashed together."""
-LARGEST = 16 * 1024 * 1024
-"""Largest record of the manifest [bytes], some 200000 commands; beyond it they are counted, and read from the ground truth."""
+HASH_BATCH = 1 << 20
+"""Size of the messages that are decoded and hashed together [bytes]."""
+MAX_RECORD = 16 * 1024 * 1024
+"""Largest record of the manifest [bytes], some 200000 commands; more commands are only counted there, and read from the ground truth."""
 UNITS = {"acceleration": "m/s^2", "angle": "rad", "speed": "rad/s", "force": "N", "time": "s, simulated, from zero"}
 MODEL = ("bearing", "core", "faults", "measurement", "schema", "settings", "simulation")
-"""Folders of the sources on which the samples depend."""
+"""Packages on whose sources the samples depend."""
 
 
 @functools.cache
 def model_fingerprint() -> str:
-    """Return a short name of the model's sources: equal sources make equal samples on one kind of machine."""
+    """Return a short hash of the model's sources: equal sources produce equal samples on the same kind of machine."""
     package, digest = Path(__file__).parents[1], hashlib.sha256()
     for folder in MODEL:
         for source in sorted((package / folder).rglob("*.py")):
@@ -50,20 +51,20 @@ def model_fingerprint() -> str:
 
 
 def software() -> dict[str, str]:
-    """Return what else the last bits of the samples may depend on."""
+    """Return the versions of the software on which the last bits of the samples may depend."""
     versions = {name: importlib.metadata.version(name) for name in ("numpy", "numba", "scipy")}
     return {"python": platform.python_version(), **versions, "machine": f"{platform.system()} {platform.machine()}"}
 
 
 def now() -> str:
-    """Return the wall time, which is kept beside the simulated one."""
+    """Return the present date and time (UTC)."""
     return time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime())
 
 
 def opening(
-    configuration: Configuration, layout: Layout, namespace: str, *, scenario: Mapping[str, Any] | None = None
+    configuration: Configuration, bodies: BodyNames, namespace: str, *, scenario: Mapping[str, Any] | None = None
 ) -> dict[str, dict[str, str]]:
-    """Return the records with which a recording of the bench begins."""
+    """Return the metadata records at the beginning of a recording."""
     orders = characteristic_orders(configuration.bearing)
     about = {
         "format": FORMAT,
@@ -74,9 +75,9 @@ def opening(
         "scenario": scenario,
         "seed": configuration.simulation.seed,
         "namespace": namespace,
-        "bodies": layout.names,
+        "bodies": bodies.names,
         "bearing": {**configuration.bearing.model_dump(), "radial_gap": configuration.bearing.radial_gap},
-        "orders": {"FTF": orders.ftf, "BPFO": orders.bpfo, "BPFI": orders.bpfi, "BSF": orders.bsf},
+        "orders": orders.as_dict(),
         "faults": configuration.described_faults(),
         "sampling_rate": configuration.sensor.sampling_rate,
         "sensor": json.loads(sensor_text(configuration)),
@@ -87,37 +88,34 @@ def opening(
 
 
 class Outcome:
-    """What has come of a run so far: a hash of its samples, and its commands."""
+    """The outcome of a run so far: hash and range of its samples, and its commands."""
 
-    def __init__(self, rate: int, commands: Iterable[Command] = ()) -> None:
-        """Begin with no sample of a waveform of ``rate`` [Hz]; ``commands`` came before."""
+    def __init__(self, rate: int, commands: Iterable[TimedCommand] = ()) -> None:
+        """Start without samples, with the sampling ``rate`` [Hz] and the ``commands`` that took effect before."""
         self._rate, self._digest = rate, hashlib.sha256()
-        self._waiting: list[bytes] = []
+        self._unhashed: list[bytes] = []
         self._size = 0
         self._first_index: int | None = None
         self._samples = self._end_index = 0
         self.commands = list(commands)
 
-    def note(self, message: Message) -> None:
-        """Take account of a message."""
+    def add(self, message: Message) -> None:
+        """Include a message."""
         if message.topic == VIBRATION:
-            self._waiting.append(message.data)
+            self._unhashed.append(message.data)
             self._size += len(message.data)
-            if self._size > GATHERED:
-                self._take()
+            if self._size > HASH_BATCH:
+                self._hash()
         elif message.topic == GROUND_TRUTH:
-            truth = decode_truth(message.data)
-            command = command_of(truth.time_ns, truth.changed)
-            if command is not None:
-                self.commands.append(command)
+            self.commands += commands_in([decode_truth(message.data)])
 
-    def _take(self) -> None:
-        """Take account of the samples that wait: many blocks together are read in a fifth of the time."""
-        if not self._waiting:
+    def _hash(self) -> None:
+        """Hash the pending samples: decoding many blocks together takes a fifth of the time."""
+        if not self._unhashed:
             return
-        waiting, self._waiting, self._size = self._waiting, [], 0
-        _, acceleration, angle = decode_waveform(waiting)
-        first, last = decode_vibration(waiting[0]), decode_vibration(waiting[-1])
+        blocks, self._unhashed, self._size = self._unhashed, [], 0
+        _, acceleration, angle = decode_waveform(blocks)
+        first, last = decode_vibration(blocks[0]), decode_vibration(blocks[-1])
         if self._first_index is None:
             self._first_index = first.first_index(self._rate)
         self._digest.update(packed(acceleration, angle))
@@ -126,40 +124,40 @@ class Outcome:
 
     @property
     def first_index(self) -> int | None:
-        """Index of the first sample; none without any."""
-        self._take()
+        """Index of the first sample; none if there is none."""
+        self._hash()
         return self._first_index
 
     @property
     def samples(self) -> int:
-        """Count of the samples."""
-        self._take()
+        """Number of samples."""
+        self._hash()
         return self._samples
 
     @property
     def end_index(self) -> int:
-        """Index after the last sample; blocks before it may be missing where the configuration loses some."""
-        self._take()
+        """Index after the last sample; blocks before it may be lost in transmission."""
+        self._hash()
         return self._end_index
 
     @property
     def sha256(self) -> str:
-        """Hash of ax, ay and shaft angle of every sample, as little-endian single floats; the blocks do not matter."""
-        self._take()
+        """SHA-256 of ax, ay and shaft angle of every sample as little-endian single-precision numbers, independent of the block size."""
+        self._hash()
         return self._digest.hexdigest()
 
     def records(self) -> dict[str, dict[str, str]]:
-        """Return the records with which a file ends."""
+        """Return the metadata records at the end of a file."""
         about: dict[str, Any] = {
             "first_index": self.first_index or 0,
             "samples": self.samples,
             "end_index": self.end_index,
             "sha256": self.sha256,
             "hashed": "ax, ay, shaft_angle of every sample as little-endian float32",
-            "commands": [command.described() for command in self.commands],
+            "commands": [encode_command(command) for command in self.commands],
             "command_count": len(self.commands),
             "ended": now(),
         }
-        if len(json.dumps(about)) > LARGEST:
+        if len(json.dumps(about)) > MAX_RECORD:
             about["commands"] = None
         return {OUTCOME: {"outcome": json.dumps(about)}}

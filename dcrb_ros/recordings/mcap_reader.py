@@ -1,4 +1,4 @@
-"""The records of an MCAP file as far as they can be read: bounded memory, whatever the file claims."""
+"""Reading the records of an MCAP file as far as it is intact, with bounded memory whatever sizes the file claims."""
 
 from __future__ import annotations
 
@@ -16,18 +16,20 @@ from mcap.opcode import Opcode
 from mcap.records import Attachment, Channel, Chunk, ChunkIndex, Footer, Header, Message, Metadata, Schema
 
 MAGIC = b"\x89MCAP0\r\n"
-LARGEST = 64 * 1024 * 1024
-"""Largest record, packed or unpacked, that is read [bytes]; ours have a quarter of a megabyte."""
+MAX_RECORD = 64 * 1024 * 1024
+"""Largest record that is read, compressed or not [bytes]; those of the recorder have a quarter of a megabyte."""
+MAX_DAMAGE = 100
+"""Sentences about damage that are kept."""
 HEAD = struct.Struct("<BQ")
-"""Opcode and length before every record."""
+"""Opcode and length, which precede every record."""
 MESSAGE = struct.Struct("<HIQQ")
-"""Channel, sequence, log time and publish time before the data of a message."""
+"""Channel, sequence, log time and publish time, which precede the data of a message."""
 CHANNEL = struct.Struct("<H")
-"""The first of them."""
-START = struct.Struct("<QQQ")
-"""First and last time in a chunk and where it begins, at the head of its index."""
+"""The first of them, the channel."""
+CHUNK_START = struct.Struct("<QQQ")
+"""First and last time in a chunk and its position in the file, at the beginning of the chunk index."""
 FOOTER = HEAD.size + 20
-"""Size of the footer [bytes]; the magic follows it."""
+"""Size of the footer [bytes]; the magic bytes follow it."""
 KINDS: dict[int, Any] = {
     Opcode.HEADER: Header,
     Opcode.FOOTER: Footer,
@@ -41,12 +43,18 @@ KINDS: dict[int, Any] = {
 
 
 class McapRecords:
-    """The records of a file, chunks unpacked; iterating collects in `damage` what could not be read."""
+    """The records of a file, including those in chunks; iterating collects in `damage` a sentence for everything that cannot be read."""
 
     def __init__(self, path: Path, *, chunks: bool = True, topics: Container[str] | None = None) -> None:
-        """Read ``path``; without ``chunks`` only what lies between them, at the speed of a seek; of messages those on ``topics``."""
+        """Read ``path``.
+
+        Args:
+            path: the file.
+            chunks: whether to read the chunks; without them only the records between them are read, which is fast.
+            topics: the topics whose messages are read; by default all.
+        """
         self.path, self._chunks, self._topics = path, chunks, topics
-        self._unwanted: set[int] = set()
+        self._skipped: set[int] = set()
         """Channels of other topics."""
         self.damage: list[str] = []
 
@@ -55,16 +63,16 @@ class McapRecords:
         size = self.path.stat().st_size
         with self.path.open("rb") as stream:
             if stream.read(len(MAGIC)) != MAGIC:
-                self._remark("it does not begin as an MCAP file")
+                self._report("it does not begin as an MCAP file")
                 return
             known, starts = _summary(stream, size)
             for record in known:
-                self._heed(record)
+                self._register(record)
                 yield record
             yield from self._data(stream, size, starts)
 
     def _data(self, stream: BinaryIO, size: int, starts: list[int]) -> Iterator[Any]:
-        """Yield the records from the beginning to the footer; where the way is lost, go on at the next of the chunks' ``starts``."""
+        """Yield the records up to the footer; after an invalid length continue at the next of the chunks, which begin at ``starts``."""
         at = len(MAGIC)
         while True:
             stream.seek(at)
@@ -72,7 +80,7 @@ class McapRecords:
             opcode, length = HEAD.unpack(head) if len(head) == HEAD.size else (0, size)
             if at + HEAD.size + length > size or not opcode:
                 missing = "the footer is missing" if at == size else f"the record at byte {at} reaches beyond the end of the file"
-                self._remark(f"{missing} at {size}")
+                self._report(f"{missing} at {size}")
                 later = [start for start in starts if start > at]
                 if not later:
                     return
@@ -88,52 +96,52 @@ class McapRecords:
             return
         if opcode == Opcode.CHUNK and not self._chunks:
             return
-        if length > LARGEST:
-            self._remark(f"the record at byte {at} claims {length} bytes; {LARGEST} are the most")
+        if length > MAX_RECORD:
+            self._report(f"the record at byte {at} claims {length} bytes; at most {MAX_RECORD} are read")
             return
         try:
             record = parsed(opcode, stream.read(length))
             if isinstance(record, Chunk):
-                inner = unpacked(record)
+                data = decompressed(record)
             else:
-                self._heed(record)
+                self._register(record)
                 yield record
                 return
-        except Exception as error:  # a damaged record breaks parser or decompressor anywhere, each in its own way
-            self._remark(f"the record at byte {at} is damaged ({error or type(error).__name__})")
+        except Exception as error:  # parser and decompressor raise various exceptions for damaged data
+            self._report(f"the record at byte {at} is damaged ({error or type(error).__name__})")
             return
-        yield from self._inside(inner, at)
+        yield from self._in_chunk(data, at)
 
-    def _inside(self, data: bytes, at: int) -> Iterator[Any]:
+    def _in_chunk(self, data: bytes, at: int) -> Iterator[Any]:
         """Yield the records of a chunk's data."""
-        position, view, unwanted = 0, memoryview(data), self._unwanted
+        position, view, skipped = 0, memoryview(data), self._skipped
         while position + HEAD.size <= len(data):
             opcode, length = HEAD.unpack_from(data, position)
             position += HEAD.size
             try:
                 if opcode == Opcode.MESSAGE:
-                    if CHANNEL.unpack_from(data, position)[0] not in unwanted:
+                    if CHANNEL.unpack_from(data, position)[0] not in skipped:
                         yield _message(view[position : position + length])
                 elif opcode in (Opcode.SCHEMA, Opcode.CHANNEL):
                     record = parsed(opcode, data[position : position + length])
-                    self._heed(record)
+                    self._register(record)
                     yield record
             except (struct.error, ValueError, EOFError) as error:
-                self._remark(f"a record in the chunk at byte {at} is damaged ({error})")
+                self._report(f"a record in the chunk at byte {at} is damaged ({error})")
             position += length
 
-    def _heed(self, record: Any) -> None:
-        """Note whether the messages of a channel are wanted."""
+    def _register(self, record: Any) -> None:
+        """Note whether the messages of a channel are to be read."""
         if isinstance(record, Channel) and self._topics is not None:
-            (self._unwanted.discard if record.topic in self._topics else self._unwanted.add)(record.id)
+            (self._skipped.discard if record.topic in self._topics else self._skipped.add)(record.id)
 
-    def _remark(self, words: str) -> None:
-        if len(self.damage) < 100:
-            self.damage.append(f"{self.path.name}: {words}")
+    def _report(self, sentence: str) -> None:
+        if len(self.damage) < MAX_DAMAGE:
+            self.damage.append(f"{self.path.name}: {sentence}")
 
 
 def parsed(opcode: int, payload: bytes) -> Any:
-    """Return the record of a payload; it cannot read beyond it."""
+    """Return the record with a payload, without reading beyond it."""
     if opcode == Opcode.MESSAGE:
         return _message(memoryview(payload))
     return KINDS[opcode].read(ReadDataStream(BytesIO(payload)))
@@ -144,38 +152,38 @@ def _message(payload: memoryview) -> Message:
     return Message(channel, log_time, bytes(payload[MESSAGE.size :]), publish_time, sequence)
 
 
-def unpacked(chunk: Chunk) -> bytes:
-    """Return the data of a chunk, checked against its size and its sum.
+def decompressed(chunk: Chunk) -> bytes:
+    """Return the data of a chunk, checked against its size and its checksum.
 
     Raises:
-        ValueError: it claims too much, or is not what it claims.
+        ValueError: the size is too large, or size or checksum are wrong.
     """
     size = chunk.uncompressed_size
-    if size > LARGEST:
-        raise ValueError(f"a chunk claims {size} bytes, {LARGEST} are the most")
+    if size > MAX_RECORD:
+        raise ValueError(f"a chunk claims {size} bytes, at most {MAX_RECORD} are read")
     if chunk.compression == "zstd":
-        # The frame's own claim is what the decompressor would believe.
+        # The decompressor allocates the size that the frame claims.
         claimed = zstandard.frame_content_size(chunk.data)
-        if claimed > LARGEST:
-            raise ValueError(f"a chunk unpacks to {claimed} bytes, {LARGEST} are the most")
-        data = bytes(zstandard.ZstdDecompressor(max_window_size=LARGEST).decompress(chunk.data, max_output_size=max(1, size)))
+        if claimed > MAX_RECORD:
+            raise ValueError(f"a chunk unpacks to {claimed} bytes, at most {MAX_RECORD} are read")
+        data = bytes(zstandard.ZstdDecompressor(max_window_size=MAX_RECORD).decompress(chunk.data, max_output_size=max(1, size)))
     elif chunk.compression == "lz4":
         data = bytes(lz4.frame.LZ4FrameDecompressor().decompress(chunk.data, max_length=size + 1))
     elif chunk.compression == "":
         data = chunk.data
     else:
-        raise ValueError(f"a chunk is packed by '{chunk.compression}'; zstd, lz4 and none are known")
+        raise ValueError(f"a chunk is compressed by '{chunk.compression}'; zstd, lz4 and none are supported")
     if len(data) != size:
-        raise ValueError(f"a chunk holds {len(data)} bytes where it claims {size}")
+        raise ValueError(f"a chunk contains {len(data)} bytes instead of {size}")
     if chunk.uncompressed_crc and zlib.crc32(data) != chunk.uncompressed_crc:
-        raise ValueError("the sum of a chunk does not fit its data")
+        raise ValueError("the checksum of a chunk does not match its data")
     return data
 
 
 def _summary(stream: BinaryIO, size: int) -> tuple[list[Any], list[int]]:
-    """Return schemas and channels from the end of a file, and where its chunks begin; nothing where the end is missing.
+    """Return schemas and channels from the summary of a file, and the positions of its chunks; nothing if the summary is missing.
 
-    They stand in the first chunks too, but those may be damaged.
+    Schemas and channels are also in the chunks, but those may be damaged.
     """
     known: list[Any] = []
     starts: list[int] = []
@@ -185,7 +193,7 @@ def _summary(stream: BinaryIO, size: int) -> tuple[list[Any], list[int]]:
         return known, starts
     begin = int(struct.unpack_from("<Q", tail, HEAD.size)[0])
     end = size - len(tail)
-    if not len(MAGIC) < begin < end or end - begin > LARGEST:
+    if not len(MAGIC) < begin < end or end - begin > MAX_RECORD:
         return known, starts
     stream.seek(begin)
     data, position = stream.read(end - begin), 0
@@ -196,8 +204,8 @@ def _summary(stream: BinaryIO, size: int) -> tuple[list[Any], list[int]]:
             if opcode in (Opcode.SCHEMA, Opcode.CHANNEL):
                 known.append(parsed(opcode, data[position : position + length]))
             elif opcode == Opcode.CHUNK_INDEX:
-                starts.append(START.unpack_from(data[position : position + length])[2])
-        except Exception:  # a damaged summary is one that is not there
+                starts.append(CHUNK_START.unpack_from(data[position : position + length])[2])
+        except Exception:  # a damaged summary counts as missing
             return known, sorted(starts)
         position += length
     return known, sorted(starts)

@@ -1,4 +1,4 @@
-"""One MCAP file being written: small chunks that reach the disk soon, an end that can be read whatever happens."""
+"""Writing an MCAP file: small chunks that reach the disk early, a valid end even after a failure."""
 
 from __future__ import annotations
 
@@ -18,31 +18,31 @@ from mcap.writer import MCAP0_MAGIC, CompressionType, Writer
 from dcrb_ros import __version__
 
 CHUNK = 256 * 1024
-"""Chunk size [bytes]: what a crash can lose at most, beside the last half second."""
-FLUSH_EVERY = 500_000_000
-"""Simulated time after which what is buffered goes to the file [ns]: half of the second that may be lost."""
+"""Chunk size [bytes]: a crash loses at most one chunk, and at most `FLUSH_PERIOD_NS` of signal."""
+FLUSH_PERIOD_NS = 500_000_000
+"""Simulated time after which buffered messages are written [ns]: half of the second that a crash may lose."""
 COMPRESSIONS = {"zstd": CompressionType.ZSTD, "lz4": CompressionType.LZ4, "none": CompressionType.NONE}
-PLAIN_END = struct.pack("<BQI", Opcode.DATA_END, 4, 0) + struct.pack("<BQQQI", Opcode.FOOTER, 20, 0, 0, 0) + MCAP0_MAGIC
+MINIMAL_END = struct.pack("<BQI", Opcode.DATA_END, 4, 0) + struct.pack("<BQQQI", Opcode.FOOTER, 20, 0, 0, 0) + MCAP0_MAGIC
 """The end of an MCAP file without a summary."""
 
 
 @dataclass(frozen=True)
 class Channel:
-    """A topic as an MCAP file describes it."""
+    """Description of a topic in an MCAP file."""
 
     name: str
     """Absolute name of the topic."""
     type: str
     definition: str
-    """Text of the message's definition with those that it contains."""
-    quality: str
+    """Text of the message definition, including those of nested messages."""
+    qos: str
     """Offered QoS profiles, a YAML sequence."""
     type_hash: str
 
     def profiles(self) -> list[Any]:
-        """Return the offered QoS profiles; none where the text is no YAML sequence."""
+        """Return the offered QoS profiles; an empty list if the text is not a YAML sequence."""
         try:
-            found = yaml.safe_load(self.quality)
+            found = yaml.safe_load(self.qos)
         except (yaml.YAMLError, RecursionError):
             return []
         return found if isinstance(found, list) else []
@@ -50,7 +50,7 @@ class Channel:
 
 @dataclass(frozen=True)
 class Span:
-    """First and last simulated time of some messages [ns]."""
+    """Simulated time of the first and the last of some messages [ns]."""
 
     first_ns: int | None = None
     last_ns: int = 0
@@ -60,23 +60,28 @@ class Span:
         """Time from the first to the last [ns]."""
         return self.last_ns - (self.first_ns or 0) if self.first_ns is not None else 0
 
-    def joined(self, other: Span) -> Span:
-        """Return the span of both."""
+    def union(self, other: Span) -> Span:
+        """Return the span of the messages of both."""
         if self.first_ns is None or other.first_ns is None:
             return other if self.first_ns is None else self
         return Span(min(self.first_ns, other.first_ns), max(self.last_ns, other.last_ns))
 
 
 class McapFile:
-    """An MCAP file to which messages are written."""
+    """An MCAP file being written."""
 
     def __init__(self, path: Path, opening: Mapping[str, Mapping[str, str]], compression: str) -> None:
+        """Create the file with the metadata records ``opening``.
+
+        Raises:
+            OSError: it cannot be written; nothing is left behind.
+        """
         self.path = path
         self.span = Span()
         self.counts: Counter[Channel] = Counter()
         self._ids: dict[Channel, int] = {}
         self._schemas: dict[tuple[str, str], int] = {}
-        self._flushed_ns = self._whole = 0
+        self._flushed_ns = self._valid_size = 0
         self._complete = False
         self._stream: BinaryIO = open(path, "wb")  # noqa: SIM115 - closed in close(), abandon() or _remove()
         try:
@@ -91,27 +96,27 @@ class McapFile:
 
     @property
     def size(self) -> int:
-        """Bytes in the file, without the chunk that is being filled."""
+        """Size of the file without the unfinished chunk [bytes]."""
         return self._stream.tell()
 
     def write(self, channel: Channel, time_ns: int, data: bytes, sequence: int) -> None:
-        """Write a message; its simulated time [ns] is log time and publish time."""
+        """Write a message; its simulated time [ns] is both log time and publish time."""
         self._writer.add_message(self._id(channel), time_ns, data, time_ns, sequence & 0xFFFFFFFF)
         self.counts[channel] += 1
-        self.span = self.span.joined(Span(time_ns, time_ns))
+        self.span = self.span.union(Span(time_ns, time_ns))
 
-    def keep_up(self) -> None:
-        """Bring finished chunks into the file, and an unfinished one when it is old enough."""
-        if self.span.last_ns - self._flushed_ns >= FLUSH_EVERY:
+    def flush_due(self) -> None:
+        """Write finished chunks to the file, and the unfinished one every `FLUSH_PERIOD_NS`."""
+        if self.span.last_ns - self._flushed_ns >= FLUSH_PERIOD_NS:
             self.flush()
-        elif self._stream.tell() != self._whole:
+        elif self._stream.tell() != self._valid_size:
             self._stream.flush()
-            self._whole = self._stream.tell()
+            self._valid_size = self._stream.tell()
 
     def flush(self) -> None:
-        """Bring everything into the file."""
+        """Write everything to the file."""
         self._writer.flush()
-        self._whole, self._flushed_ns = self._stream.tell(), self.span.last_ns
+        self._valid_size, self._flushed_ns = self._stream.tell(), self.span.last_ns
 
     def close(self, closing: Mapping[str, Mapping[str, str]]) -> None:
         """Write the last metadata records and the summary."""
@@ -123,33 +128,33 @@ class McapFile:
         self._complete = True
 
     def abandon(self) -> None:
-        """Cut off what is not whole and put an end to it, so that any reader takes the file; needs 50 bytes of room."""
+        """Truncate the file after the last valid record and append a minimal end, which takes 50 bytes, so that any reader accepts it."""
         if self._complete:
             return
         self._release()
         try:
-            os.truncate(self.path, self._whole)
+            os.truncate(self.path, self._valid_size)
             with self.path.open("ab") as stream:
-                stream.write(PLAIN_END)
+                stream.write(MINIMAL_END)
         except OSError:
-            # Not even that: the file ends within a record, which our reader and `dcrb recover` take too.
+            # The file ends within a record, which our reader and `dcrb recover` accept.
             return
 
     def _remove(self) -> None:
-        """Remove a file that did not even begin; no reader would take it."""
+        """Remove a file without valid records."""
         self._release()
         with contextlib.suppress(OSError):
             self.path.unlink()
 
     def _release(self) -> None:
-        # Closing tries to write the rest once more; the descriptor is closed all the same.
+        # Closing attempts to write the rest once more; the descriptor is closed in any case.
         with contextlib.suppress(OSError):
             self._stream.close()
 
     def _id(self, channel: Channel) -> int:
         found = self._ids.get(channel)
         if found is None:
-            about = {"offered_qos_profiles": channel.quality, "topic_type_hash": channel.type_hash}
+            about = {"offered_qos_profiles": channel.qos, "topic_type_hash": channel.type_hash}
             found = self._ids[channel] = self._writer.register_channel(channel.name, "cdr", self._schema(channel), about)
         return found
 

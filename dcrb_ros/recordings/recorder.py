@@ -1,4 +1,4 @@
-"""The recorder: what the bench says, into a rosbag2 folder that plays in ROS, opens in Rerun and explains itself."""
+"""Recording the bench: a rosbag2 folder that `ros2 bag play` and Rerun read, with a manifest from which it can be reproduced."""
 
 from __future__ import annotations
 
@@ -11,23 +11,23 @@ from typing import Any
 
 import yaml
 
-from dcrb_ros.bearing.states import Layout
+from dcrb_ros.bearing.states import BodyNames
 from dcrb_ros.messages.cdr import typestore
 from dcrb_ros.messages.encoder import BlockEncoder
 from dcrb_ros.messages.topics import DETECTED, NAMESPACE, SENSOR, SIMULATED, Message, Topic
 from dcrb_ros.recordings.manifest import Outcome, opening
 from dcrb_ros.recordings.mcap_writer import Channel
-from dcrb_ros.recordings.rosbag2 import SECOND, Bag, RecordingFailed, Splitting, new_folder
+from dcrb_ros.recordings.rosbag2 import SECOND, Bag, RecordingFailed, Splitting
 from dcrb_ros.runtime.refusal import Refusal, nearest
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.simulation.block import Block
-from dcrb_ros.simulation.events import Command
+from dcrb_ros.simulation.events import TimedCommand
 
-__all__ = ["Recorder", "RecordingFailed", "channel_of", "chosen_topics", "new_folder", "quality"]
+__all__ = ["Recorder", "RecordingFailed", "channel_of", "chosen_topics"]
 
 
-def quality(topic: Topic) -> list[dict[str, Any]]:
-    """Return the offered QoS of a topic as rosbag2 writes it."""
+def qos_profiles(topic: Topic) -> list[dict[str, Any]]:
+    """Return the offered QoS profiles of a topic as rosbag2 writes them."""
     never = {"sec": 9223372036, "nsec": 854775807}
     return [
         {
@@ -45,21 +45,21 @@ def quality(topic: Topic) -> list[dict[str, Any]]:
 
 
 def channel_of(topic: Topic, namespace: str) -> Channel:
-    """Return a topic as a file describes it."""
+    """Return the description of a topic in a file."""
     store = typestore()
     definition, _ = store.generate_msgdef(topic.type, ros_version=2)
-    profiles = str(yaml.safe_dump(quality(topic), sort_keys=False))
+    profiles = str(yaml.safe_dump(qos_profiles(topic), sort_keys=False))
     return Channel(topic.resolved(namespace), topic.type, definition, profiles, store.hash_rihs01(topic.type))
 
 
-def chosen_topics(words: str) -> frozenset[Topic]:
-    """Return the topics that ``recording.topics`` names, all without a name; the sensor's description is always among them.
+def chosen_topics(text: str) -> frozenset[Topic]:
+    """Return the topics named in ``recording.topics`` and that of the sensor description; all topics if the text is empty.
 
     Raises:
-        Refusal: a name that is no topic of the bench.
+        Refusal: a name is not a topic of the bench.
     """
     known = {topic.name: topic for topic in (*SIMULATED, *DETECTED)}
-    names = [name for name in re.split(r"[,\s]+", words) if name]
+    names = [name for name in re.split(r"[,\s]+", text) if name]
     for name in names:
         if name not in known:
             raise Refusal(f"recording.topics: there is no topic '{name}'{nearest(name, known)} (known: {', '.join(known)})")
@@ -67,7 +67,7 @@ def chosen_topics(words: str) -> frozenset[Topic]:
 
 
 class Recorder:
-    """A sink of blocks or messages that writes a recording.
+    """Writes a recording, block by block or message by message.
 
     Raises:
         Refusal: the path exists or cannot be created, or a topic is unknown.
@@ -78,25 +78,35 @@ class Recorder:
         self,
         path: str | Path,
         configuration: Configuration,
-        layout: Layout,
+        bodies: BodyNames,
         *,
         namespace: str = NAMESPACE,
         scenario: Mapping[str, Any] | None = None,
-        commands: Iterable[Command] = (),
+        commands: Iterable[TimedCommand] = (),
         start_ns: int = 0,
     ) -> None:
-        """Begin a recording at ``start_ns`` [ns] of a run that follows a ``scenario``, if any, and has had some ``commands`` before."""
-        asked = configuration.recording
-        self._topics, self._namespace = chosen_topics(asked.topics), namespace
-        self._encoder = BlockEncoder(configuration, layout)
+        """Begin a recording.
+
+        Args:
+            path: the folder to create.
+            configuration: the configuration of the run.
+            bodies: the names of the bodies in the messages.
+            namespace: namespace of the topics.
+            scenario: the scenario of the run as parsed from YAML, if it has one.
+            commands: the commands that took effect before the recording begins.
+            start_ns: simulated time at which it begins [ns].
+        """
+        settings = configuration.recording
+        self._topics, self._namespace = chosen_topics(settings.topics), namespace
+        self._encoder = BlockEncoder(configuration, bodies)
         self._channels: dict[Topic, Channel] = {}
         self.outcome = Outcome(configuration.sensor.sampling_rate, commands)
         self._bag = Bag(
             Path(path),
-            opening=opening(configuration, layout, namespace, scenario=scenario),
+            opening=opening(configuration, bodies, namespace, scenario=scenario),
             closing=self.outcome.records,
-            compression=asked.compression,
-            splitting=Splitting(asked.split_size, round(asked.split_duration * SECOND)),
+            compression=settings.compression,
+            splitting=Splitting(settings.split_size, round(settings.split_duration * SECOND)),
         )
         self.path = self._bag.path
         try:
@@ -122,13 +132,13 @@ class Recorder:
         self.write_messages(self._encoder.encode(block))
 
     def write_messages(self, messages: Iterable[Message]) -> None:
-        """Record messages."""
+        """Record messages; those on topics that are not recorded count in the hash of the samples."""
         if not self._bag.open:
             return
-        taken = list(messages)
-        for message in taken:
-            self.outcome.note(message)
-        self._bag.write((self._channel(message.topic), message.time_ns, message.data) for message in taken if message.topic in self._topics)
+        batch = list(messages)
+        for message in batch:
+            self.outcome.add(message)
+        self._bag.write((self._channel(message.topic), message.time_ns, message.data) for message in batch if message.topic in self._topics)
 
     def _channel(self, topic: Topic) -> Channel:
         if topic not in self._channels:

@@ -1,4 +1,4 @@
-"""Repair of a recording that was cut off or damaged: what can be read, in a new bag with an index and an end."""
+"""Recovery of a truncated or damaged recording: everything that can be read is written to a new, complete bag."""
 
 from __future__ import annotations
 
@@ -17,52 +17,50 @@ from dcrb_ros.messages.topics import GROUND_TRUTH, MANIFEST, VIBRATION, Message
 from dcrb_ros.recordings import mcap_writer
 from dcrb_ros.recordings.manifest import OUTCOME, Outcome, now
 from dcrb_ros.recordings.mcap_reader import McapRecords
-from dcrb_ros.recordings.reader import Recording, sound_files
+from dcrb_ros.recordings.reader import Recording, valid_files
 from dcrb_ros.recordings.rosbag2 import SECOND, Bag, Splitting
 from dcrb_ros.runtime.refusal import Refusal
 
 ENCODING = ("cdr", "ros2msg")
-"""Encodings of messages and their definitions that ROS 2 records."""
+"""Encodings of messages and their definitions in recordings of ROS 2."""
 RECOVERY = f"{MANIFEST}_recovery"
-"""Name of the record that says what was lost."""
-
-
-MOST_REMARKS = 100
-"""What could not be read is told so many times at most."""
+"""Name of the metadata record that lists what was lost."""
+MAX_DAMAGE = 100
+"""Sentences about damaged messages that are kept."""
 
 
 @dataclass
-class Salvage:
-    """What was saved."""
+class Recovered:
+    """The result of a recovery."""
 
     messages: int = 0
     last_ns: int = 0
     """Time of the last message [ns]."""
     damage: tuple[str, ...] = ()
-    """What could not be read, in words."""
+    """A sentence for everything that could not be read."""
 
 
 class Recovery:
-    """A recording on its way into a new bag."""
+    """Copies what can be read of a recording to a new bag."""
 
     def __init__(self, source: Path) -> None:
-        self._files, self._damage = sound_files(source)
-        self._ours = _recording(source)
+        self._files, self._damage = valid_files(source)
+        self._recording = _recording(source)
         self._source = source
-        self._salvage = Salvage()
-        self._outcome = Outcome(self._ours.sampling_rate, ()) if self._ours else None
+        self._recovered = Recovered()
+        self._outcome = Outcome(self._recording.sampling_rate) if self._recording else None
 
-    def write(self, target: Path) -> Salvage:
-        """Write what can be read to a new bag.
+    def write(self, target: Path) -> Recovered:
+        """Write everything that can be read to a new bag.
 
         Raises:
-            Refusal: nothing can be read, or the target exists.
+            Refusal: no message can be read, or the target exists.
         """
         messages = self._messages()
         first = next(messages, None)
         if first is None:
-            why = f": {self._damage[0]}" if self._damage else ""
-            raise Refusal(f"nothing can be recovered from {self._source}, not one message can be read{why}")
+            reason = f": {self._damage[0]}" if self._damage else ""
+            raise Refusal(f"nothing can be recovered from {self._source}, because no message can be read{reason}")
         bag = Bag(target, opening=self._opening(), closing=self._closing, splitting=self._splitting(), compression=self._compression())
         try:
             bag.write([first])
@@ -70,8 +68,8 @@ class Recovery:
                 bag.write([message])
         finally:
             bag.close()
-        self._salvage.damage = tuple(self._damage)
-        return self._salvage
+        self._recovered.damage = tuple(self._damage)
+        return self._recovered
 
     def _messages(self) -> Iterator[tuple[mcap_writer.Channel, int, bytes]]:
         for file in self._files:
@@ -85,28 +83,28 @@ class Recovery:
                     channels[record.id] = _channel(record, schemas[record.schema_id])
                 elif not isinstance(record, McapMessage) or record.channel_id not in channels:
                     continue
-                elif self._noted(channels[record.channel_id], record):
+                elif self._valid(channels[record.channel_id], record):
                     yield channels[record.channel_id], record.log_time, record.data
-            self._damage += [words for words in records.damage if words not in self._damage]
+            self._damage += [sentence for sentence in records.damage if sentence not in self._damage]
 
-    def _noted(self, channel: mcap_writer.Channel, record: McapMessage) -> bool:
-        """Take account of a message; return false for one of ours that is none."""
+    def _valid(self, channel: mcap_writer.Channel, record: McapMessage) -> bool:
+        """Count a message; return false if it is a corrupt waveform or ground truth of the bench."""
         for topic in (VIBRATION, GROUND_TRUTH):
-            if self._ours is not None and self._outcome is not None and channel.name == topic.resolved(self._ours.namespace):
+            if self._recording is not None and self._outcome is not None and channel.name == topic.resolved(self._recording.namespace):
                 try:
                     check = decode_vibration if topic == VIBRATION else decode_truth
                     check(record.data)
-                    self._outcome.note(Message(topic, record.log_time, record.data))
+                    self._outcome.add(Message(topic, record.log_time, record.data))
                 except Refusal as refusal:
-                    if len(self._damage) < MOST_REMARKS:
+                    if len(self._damage) < MAX_DAMAGE:
                         self._damage.append(f"{topic.name} at {record.log_time * 1e-9:.3f} s: {refusal}")
                     return False
-        self._salvage.messages += 1
-        self._salvage.last_ns = max(self._salvage.last_ns, record.log_time)
+        self._recovered.messages += 1
+        self._recovered.last_ns = max(self._recovered.last_ns, record.log_time)
         return True
 
     def _opening(self) -> dict[str, dict[str, str]]:
-        """Return the metadata records of the source, but those that say how it ended."""
+        """Return the metadata records of the source, except those of its end."""
         found: dict[str, dict[str, str]] = {}
         for file in self._files:
             for record in McapRecords(file, chunks=False):
@@ -120,20 +118,20 @@ class Recovery:
         return {**ending, **(self._outcome.records() if self._outcome else {})}
 
     def _splitting(self) -> Splitting:
-        if self._ours is None or self._ours.imported:
+        if self._recording is None or self._recording.imported:
             return Splitting()
-        asked = self._ours.configuration.recording
-        return Splitting(asked.split_size, round(asked.split_duration * SECOND))
+        settings = self._recording.configuration.recording
+        return Splitting(settings.split_size, round(settings.split_duration * SECOND))
 
     def _compression(self) -> str:
-        return "zstd" if self._ours is None or self._ours.imported else self._ours.configuration.recording.compression
+        return "zstd" if self._recording is None or self._recording.imported else self._recording.configuration.recording.compression
 
 
-def recover(source: Path, target: Path) -> Salvage:
-    """Write what can be read of a recording to a new bag.
+def recover(source: Path, target: Path) -> Recovered:
+    """Write everything that can be read of a recording to a new bag.
 
     Raises:
-        Refusal: there is nothing to read, or the target exists.
+        Refusal: no message can be read, or the target exists.
     """
     if target.exists():
         raise Refusal(f"{target} exists: give another name or remove it, a recording is never overwritten")
@@ -141,7 +139,7 @@ def recover(source: Path, target: Path) -> Salvage:
 
 
 def _recording(source: Path) -> Recording | None:
-    """Return the source as one of our recordings, if it is one."""
+    """Return the source as a recording of the bench; none if it is another bag."""
     try:
         return Recording(source)
     except Refusal:
@@ -151,7 +149,7 @@ def _recording(source: Path) -> Recording | None:
 def _channel(record: Channel, schema: Schema) -> mcap_writer.Channel:
     if (record.message_encoding, schema.encoding) != ENCODING:
         raise Refusal(
-            f"{record.topic} holds {record.message_encoding or 'unnamed'} messages defined by {schema.encoding or 'nothing'}: "
+            f"{record.topic} contains {record.message_encoding or 'unnamed'} messages defined by {schema.encoding or 'nothing'}: "
             "dcrb recover repairs ROS 2 recordings, with cdr defined by ros2msg"
         )
     definition = schema.data.decode("utf-8", errors="replace")

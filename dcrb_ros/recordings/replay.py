@@ -1,11 +1,11 @@
-"""A recording as a source: which messages come out together, and when."""
+"""A recording as a source of messages: which are sent together, and when."""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Generator
 
+from dcrb_ros.messages.bundle import Bundle
 from dcrb_ros.messages.description import sensor_text
 from dcrb_ros.messages.plain import encode_text
 from dcrb_ros.messages.points import decode_vibration
@@ -13,7 +13,7 @@ from dcrb_ros.messages.topics import SENSOR, SIMULATED, VIBRATION, Message, Topi
 from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.recordings.recorder import chosen_topics
 from dcrb_ros.runtime.refusal import Refusal
-from dcrb_ros.runtime.timestamps import nanoseconds
+from dcrb_ros.runtime.simulated_time import nanoseconds
 from dcrb_ros.schema.fields import Group, choice, quantity
 
 
@@ -24,7 +24,7 @@ class ReplayParameters(Group):
     rate: float = quantity(
         1.0, "-", "Recorded over wall time; 0 for as fast as possible", 0.0, 1000.0, remedy="1.0 is the recorded pace", run_time=True
     )
-    loop: bool = choice(False, "Begin again at the end, for ever; the stamps begin again too")
+    loop: bool = choice(False, "Start again at the end, endlessly; the stamps start again too")
     offset: float = quantity(0.0, "s", "Recorded time to skip at the beginning", 0.0, 1e6)
     clock: bool = choice(False, "Publish /clock, the recorded time")
     topics: str = choice("", "Topics to replay, such as 'outer_ring/vibration, diagnosis'; empty for what the simulator publishes")
@@ -32,78 +32,66 @@ class ReplayParameters(Group):
     wait: float = quantity(3.0, "s", "Longest wall time to wait for them", 0.0, 1e4)
 
 
-@dataclass(frozen=True)
-class Bundle:
-    """Messages that come out at the same time, in the recorded order."""
-
-    begin_ns: int
-    """Recorded time since which nothing came [ns]."""
-    due_ns: int
-    """Recorded time at which they are due [ns]."""
-    messages: tuple[Message, ...]
-
-
 class Replay:
-    """The messages of a recording in bundles, as the live node sends them: a block, and what belongs to it, at the block's end.
+    """The messages of a recording in bundles as the simulator sends them: a block and its other messages at the end of the block.
 
     Raises:
-        Refusal: there is no recording, or an unknown topic is asked for.
+        Refusal: there is no recording, or a topic is unknown.
     """
 
     def __init__(self, parameters: ReplayParameters) -> None:
         if not parameters.bag:
-            raise Refusal("there is nothing to replay: name a recording by the parameter bag")
+            raise Refusal("there is nothing to replay: give a recording with the parameter bag")
         self.recording = Recording(parameters.bag)
         self._offset_ns = round(parameters.offset * 1e9)
-        asked = sorted(chosen_topics(parameters.topics), key=lambda topic: topic.name) if parameters.topics else SIMULATED
-        self.topics: tuple[Topic, ...] = tuple(asked)
+        chosen = sorted(chosen_topics(parameters.topics), key=lambda topic: topic.name) if parameters.topics else SIMULATED
+        self.topics: tuple[Topic, ...] = tuple(chosen)
         found = next(self.recording.messages((SENSOR,)), None)
         self._first = found or Message(SENSOR, 0, encode_text(_sensor(self.recording)))
-        self._told = self._first
+        self._sent = self._first
+        """The sensor description sent last."""
 
     def start(self) -> list[Message]:
-        """Return what comes before the first block: the sensor's description, recorded or from the manifest."""
+        """Return the message that precedes the first block: the sensor description, as recorded or from the manifest."""
         return [self._first]
 
-    def bundles(self) -> Iterator[Bundle]:
-        """Yield the bundles in their order; the sensor's description is in one where it is another than the last.
+    def bundles(self) -> Generator[Bundle, None, None]:
+        """Yield the bundles in the order of time, with the sensor description where it differs from the last one sent.
 
         Raises:
-            Refusal: no message is left behind the offset.
+            Refusal: the offset skips all messages.
         """
-        begin = due = start = None
-        described, waiting = self._first, list[Message]()
+        begin = end = start = None
+        description, collected = self._first, list[Message]()
         for message in self.recording.messages({SENSOR, *self.topics}):
             if message.topic == SENSOR:
-                described = message
+                description = message
                 continue
             start = message.time_ns if start is None else start
             if message.time_ns < start + self._offset_ns:
                 continue
-            if begin is None or due is None:
-                begin = due = message.time_ns
-            end = max(due, self._end_of(message))
-            if end > due and waiting:
-                yield Bundle(begin, due, tuple(waiting))
-                begin, waiting = due, []
-            due = end
-            # A description goes out with what it describes, not with the block before.
-            waiting += [*self._news(described), message]
-        if begin is None or due is None:
-            raise Refusal(
-                f"{self.recording.path} has no message to replay {self._offset_ns * 1e-9:g} s after its beginning: lower the offset"
-            )
-        yield Bundle(begin, due, tuple(waiting))
+            if begin is None or end is None:
+                begin = end = message.time_ns
+            due = max(end, self._due(message))
+            if due > end and collected:
+                yield Bundle(begin, end, tuple(collected))
+                begin, collected = end, []
+            end = due
+            # A description is sent with the block that it describes, not with the previous one.
+            collected += [*self._unsent(description), message]
+        if begin is None or end is None:
+            raise Refusal(f"{self.recording.path} has no message later than {self._offset_ns * 1e-9:g} s after its start: lower the offset")
+        yield Bundle(begin, end, tuple(collected))
 
-    def _news(self, described: Message) -> list[Message]:
-        """Return a description if it says something else than the last one."""
-        if described.data == self._told.data:
+    def _unsent(self, description: Message) -> list[Message]:
+        """Return a description if it differs from the last one sent."""
+        if description.data == self._sent.data:
             return []
-        self._told = described
-        return [described]
+        self._sent = description
+        return [description]
 
-    def _end_of(self, message: Message) -> int:
-        """Return when a message is due [ns]: a block of the waveform at its end, anything else at its time."""
+    def _due(self, message: Message) -> int:
+        """Return the time at which a message is sent [ns]: a block at its end, any other message at its time."""
         if message.topic != VIBRATION:
             return message.time_ns
         block, rate = decode_vibration(message.data), self.recording.sampling_rate
@@ -111,5 +99,5 @@ class Replay:
 
 
 def _sensor(recording: Recording) -> str:
-    about = recording.manifest.get("sensor")
-    return sensor_text(recording.configuration) if about is None else json.dumps(about, sort_keys=True)
+    sensor = recording.manifest.get("sensor")
+    return sensor_text(recording.configuration) if sensor is None else json.dumps(sensor, sort_keys=True)

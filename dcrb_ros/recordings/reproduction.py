@@ -1,4 +1,4 @@
-"""A recorded run once more: the same configuration, seed and commands, and whether the same samples come out."""
+"""Reproduction of a recorded run: the same configuration, seed and commands must produce the same samples."""
 
 from __future__ import annotations
 
@@ -12,83 +12,84 @@ from dcrb_ros.recordings.manifest import model_fingerprint, software
 from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.runtime.refusal import Refusal
 from dcrb_ros.simulation.block import Block
-from dcrb_ros.simulation.events import Agenda
+from dcrb_ros.simulation.events import CommandSchedule
 from dcrb_ros.simulation.loop import Simulation
 
 
 class NotReproduced(RuntimeError):
-    """Other samples came out."""
+    """The samples differ from the recorded ones."""
 
 
 @dataclass(frozen=True)
-class Samples:
-    """What a recording says of its samples."""
+class RecordedSamples:
+    """Range and hash of the samples in a recording."""
 
     first_index: int
+    """Index of the first sample."""
     count: int
     sha256: str
     end: int
     """Index after the last sample."""
 
 
-def recorded_samples(recording: Recording) -> Samples:
-    """Return what the end of a recording says of its samples; of one that was cut off, what its waveform says.
+def recorded_samples(recording: Recording) -> RecordedSamples:
+    """Return range and hash of the recorded samples, from the outcome record or else from the waveform.
 
     Raises:
-        Refusal: a waveform that was cut off has a gap.
+        Refusal: there is no outcome record, and the waveform has a gap.
     """
-    told = recording.outcome
+    outcome = recording.outcome
     try:
-        if told is not None:
-            first, count = int(told["first_index"]), int(told["samples"])
-            return Samples(first, count, str(told["sha256"]), int(told.get("end_index", first + count)))
+        if outcome is not None:
+            first, count = int(outcome["first_index"]), int(outcome["samples"])
+            return RecordedSamples(first, count, str(outcome["sha256"]), int(outcome.get("end_index", first + count)))
     except (KeyError, TypeError, ValueError):
-        pass  # damaged, so it is read from the waveform as if there were none
+        pass  # damaged, therefore treated as missing
     digest, rate = hashlib.sha256(), recording.sampling_rate
     begin: int | None = None
     reached = count = 0
     publishing = recording.configuration.publishing
-    whole = not (publishing.loss_probability or publishing.burst_period)
+    contiguous = not (publishing.loss_probability or publishing.burst_period)
     for block in recording.vibrations():
         index = block.first_index(rate)
         begin = index if begin is None else begin
-        if whole and reached and index != reached:
+        if contiguous and reached and index != reached:
             raise Refusal(f"{recording.path} is damaged: the samples {reached} .. {index - 1} are missing, so it cannot be checked")
         digest.update(block.packed())
         reached, count = index + len(block.shaft_angle), count + len(block.shaft_angle)
-    return Samples(begin or 0, count, digest.hexdigest(), reached)
+    return RecordedSamples(begin or 0, count, digest.hexdigest(), reached)
 
 
 class Reproduction:
-    """A run as a recording tells it."""
+    """Reproduces the run in a recording."""
 
     def __init__(self, recording: Recording) -> None:
         """Prepare the run of a recording.
 
         Raises:
-            Refusal: it holds imported data, or commands that cannot be repeated.
+            Refusal: it contains imported data or no samples.
         """
         self.recording = recording
         self.samples = recorded_samples(recording)
         if self.samples.count == 0:
-            raise Refusal(f"{recording.path} holds no sample to make again")
+            raise Refusal(f"{recording.path} contains no samples to reproduce")
         self._digest = hashlib.sha256()
         self.configuration = recording.configuration
         self.duration = self.samples.end / self.configuration.sensor.sampling_rate
 
     def blocks(self, simulation: Simulation) -> Iterator[Block]:
-        """Yield the blocks of the run; the commands come at their times."""
-        agenda = Agenda(self.recording.commands())
-        agenda.give(simulation)
+        """Yield the blocks of the run, with the commands applied at their times."""
+        schedule = CommandSchedule(self.recording.commands())
+        schedule.apply_due(simulation)
         for block in simulation.blocks(self.duration):
             skipped = max(0, self.samples.first_index - block.index)
             if skipped < len(block.shaft_angle) and not block.lost:
                 self._digest.update(packed(block.acceleration[skipped:], block.shaft_angle[skipped:]))
             yield block
-            agenda.give(simulation)
+            schedule.apply_due(simulation)
 
     def check(self) -> None:
-        """Compare what came out with what was recorded.
+        """Compare the samples with the recorded ones.
 
         Raises:
             NotReproduced: they differ.
@@ -97,17 +98,19 @@ class Reproduction:
         if found != self.samples.sha256:
             raise NotReproduced(
                 f"the samples differ from those of {self.recording.path} (sha256 {found[:12]} instead of {self.samples.sha256[:12]}): "
-                f"{self.difference() or 'the same model and software made others, so the recording or the model is at fault'}"
+                f"{self.difference() or 'although model and software are the same: the recording or the model is faulty'}"
             )
 
     def difference(self) -> str:
-        """Return what is not as it was when the recording was made, or nothing."""
-        about = self.recording.manifest
-        version, model = about.get("dcrb_ros", "of an unknown version"), about.get("model", "unknown")
+        """Return how model or software differ from those that made the recording; the empty string if they do not."""
+        manifest = self.recording.manifest
+        version, model = manifest.get("dcrb_ros", "of an unknown version"), manifest.get("model", "unknown")
         if version != __version__ or model != model_fingerprint():
             return f"it was made by dcrb_ros {version} with model {model}, this is {__version__} with model {model_fingerprint()}"
-        was = about.get("software", {})
-        other = {name: (was.get(name, "unknown"), here) for name, here in software().items() if was.get(name) != here}
-        return (
-            "it was made with " + ", ".join(f"{name} {then} where this is {here}" for name, (then, here) in other.items()) if other else ""
-        )
+        recorded = manifest.get("software", {})
+        differing = [
+            f"{name} {recorded.get(name, 'unknown')} instead of {present}"
+            for name, present in software().items()
+            if recorded.get(name) != present
+        ]
+        return "it was made with " + ", ".join(differing) if differing else ""

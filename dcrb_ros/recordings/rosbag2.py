@@ -1,4 +1,4 @@
-"""A rosbag2 folder being written: MCAP files that split, and a metadata.yaml that is there whole or not at all."""
+"""Writing a rosbag2 folder: MCAP files, split by size or duration, and a metadata.yaml that is replaced atomically."""
 
 from __future__ import annotations
 
@@ -25,20 +25,20 @@ Records = Mapping[str, Mapping[str, str]]
 
 
 class RecordingFailed(RuntimeError):
-    """Writing failed (a full disk, say); what was flushed before is readable."""
+    """Writing failed, on a full disk for instance; everything flushed before can be read."""
 
 
 @dataclass(frozen=True)
 class Splitting:
-    """When a bag goes on in its next file; zero means never."""
+    """When a bag continues in a new file; zero means never."""
 
     size: int = 0
-    """Size of a file [bytes]."""
+    """Largest size of a file [bytes]."""
     duration_ns: int = 0
-    """Simulated time in a file [ns]."""
+    """Longest simulated time in a file [ns]."""
 
     def due(self, file: McapFile, time_ns: int) -> bool:
-        """Return whether a message of ``time_ns`` [ns] begins the next file."""
+        """Return whether a message of ``time_ns`` [ns] belongs to the next file."""
         first = file.span.first_ns
         if first is None:
             return False
@@ -61,9 +61,9 @@ def new_folder(path: Path) -> Path:
 
 
 class Bag:
-    """A rosbag2 recording to which messages are written, in one MCAP file or several.
+    """A rosbag2 folder being written, with one MCAP file or several.
 
-    Every file begins with the records ``opening`` and ends with the records that ``closing`` returns.
+    Every file begins with the metadata records ``opening`` and ends with those that ``closing`` returns.
 
     Raises:
         Refusal: the path exists or cannot be written.
@@ -94,26 +94,26 @@ class Bag:
 
     @property
     def files(self) -> list[Path]:
-        """The MCAP files so far."""
+        """The MCAP files written so far."""
         return [file.path for file in self._all()]
 
     def write(self, messages: Iterable[tuple[Channel, int, bytes]]) -> None:
-        """Write messages, each with its channel and simulated time [ns]; nothing once the bag is closed."""
+        """Write messages, each with its channel and simulated time [ns]; a closed bag ignores them."""
         if not self.open:
             return
-        with self._ending_on_failure():
+        with self._end_on_failure():
             for channel, time_ns, data in messages:
                 if self._splitting.due(self._file, time_ns):
                     self._split()
                 self._file.write(channel, time_ns, data, self._sequences[channel])
                 self._sequences[channel] += 1
-            self._file.keep_up()
+            self._file.flush_due()
 
     def flush(self) -> None:
-        """Bring everything so far into the file."""
+        """Write everything to the file."""
         if not self.open:
             return
-        with self._ending_on_failure():
+        with self._end_on_failure():
             self._file.flush()
 
     def close(self) -> None:
@@ -129,8 +129,8 @@ class Bag:
         self.open = False
 
     @contextmanager
-    def _ending_on_failure(self) -> Iterator[None]:
-        """End the recording where what happens within cannot be written."""
+    def _end_on_failure(self) -> Iterator[None]:
+        """End the recording if a write in the context fails."""
         try:
             yield
         except OSError as error:
@@ -152,13 +152,13 @@ class Bag:
         self._file.close({**self._closing(), "rosbag2": {"serialized_metadata": serialized}})
 
     def _abandon(self) -> None:
-        """Give up writing; what is in the files stays, and stays readable."""
+        """Stop writing; the files remain readable."""
         self.open = False
         self._file.abandon()
         try:
             self._write_metadata()
         except OSError:
-            # The metadata of the last split stays; `dcrb recover` makes new ones.
+            # The metadata written at the last split remain; `dcrb recover` writes new ones.
             (self.path / f".{METADATA}").unlink(missing_ok=True)
 
     def _reached(self) -> float:
@@ -168,17 +168,17 @@ class Bag:
         return [*self._ended, self._file]
 
     def _metadata(self, files: list[McapFile]) -> dict[str, Any]:
-        """Return what metadata.yaml, version 9, says of some files; every key is mandatory."""
-        whole = Span()
+        """Return the content of metadata.yaml, version 9, for some files; every key is mandatory."""
+        span = Span()
         counts: Counter[Channel] = Counter()
         for file in files:
-            whole = whole.joined(file.span)
+            span = span.union(file.span)
             counts.update(file.counts)
         return {
             "version": 9,
             "storage_identifier": "mcap",
-            "duration": {"nanoseconds": whole.duration_ns},
-            "starting_time": {"nanoseconds_since_epoch": whole.first_ns or 0},
+            "duration": {"nanoseconds": span.duration_ns},
+            "starting_time": {"nanoseconds_since_epoch": span.first_ns or 0},
             "message_count": sum(counts.values()),
             "topics_with_message_count": [_topic(channel, count) for channel, count in counts.items()],
             "compression_format": "",
@@ -190,7 +190,7 @@ class Bag:
         }
 
     def _write_metadata(self) -> None:
-        """Write metadata.yaml so that it is there whole or not at all."""
+        """Replace metadata.yaml atomically."""
         temporary = self.path / f".{METADATA}"
         document = {"rosbag2_bagfile_information": self._metadata(self._all())}
         temporary.write_text(yaml.safe_dump(document, sort_keys=False), encoding="utf-8")
@@ -198,14 +198,14 @@ class Bag:
 
 
 def _topic(channel: Channel, count: int) -> dict[str, Any]:
-    about = {
+    metadata = {
         "name": channel.name,
         "type": channel.type,
         "serialization_format": "cdr",
         "offered_qos_profiles": channel.profiles(),
         "type_description_hash": channel.type_hash,
     }
-    return {"topic_metadata": about, "message_count": count}
+    return {"topic_metadata": metadata, "message_count": count}
 
 
 def _file(file: McapFile) -> dict[str, Any]:

@@ -1,5 +1,6 @@
-"""The paper's own formulation, the yardstick of the fast solver: readable before fast, numpy and scipy only.
+"""The reference solver: the paper's own formulation, with which the production solver is compared.
 
-Every body keeps its three coordinates; joints are constraints with Lagrange multipliers and Baumgarte's stabilisation
-(Eqs. 31 to 37 of Fan et al. 2025), integrated by the classical Runge-Kutta method (Eqs. 39 and 40).
+It is written for readability with numpy and scipy, and shares no contact or friction code with the kernels. Every body keeps its
+three coordinates; joints are constraints with Lagrange multipliers and Baumgarte stabilisation (Eqs. 31 to 37 of Fan et al. 2025),
+integrated by the classical Runge-Kutta method (Eqs. 39 and 40).
 """

@@ -1,4 +1,4 @@
-"""The bodies and their coordinates (Eq. 31 of Fan et al. 2025): who sits where, how heavy, how free."""
+"""The bodies: their coordinates (Eq. 31 of Fan et al. 2025), masses and degrees of freedom."""
 
 from __future__ import annotations
 
@@ -14,29 +14,33 @@ from dcrb_ros.settings.parameters import Bearing
 Indices = npt.NDArray[np.int64]
 
 HOUSING, OUTER_RING, INNER_RING, CAGE = range(4)
-"""Bodies in their order; from CAGE on one cage per row, then the rollers row by row."""
+"""Indices of the bodies; from CAGE on there is one cage per row, then the rollers row by row."""
 
 ANGLE = 2
-"""Every body has X, Y [m] and, at this place, its absolute rotation [rad]."""
+"""Index of the absolute rotation [rad] in the coordinates of a body, after X and Y [m]."""
 
 RING_CONSTRAINTS = 5
-"""Ground of the housing (3), rotation of the outer ring (1) and of the inner ring (1)."""
+"""Constraints of the housing (3), of the rotation of the outer ring (1) and of the inner ring (1) [-]."""
 
 INNER_RING_INERTIA, OUTER_RING_INERTIA = 3.82e-2, 0.166
-"""Table 1 [kg m^2]. Rotations of the rings are prescribed, so these only scale multipliers that nothing depends on."""
+"""Table 1 [kg m^2]. The rotations of the rings are prescribed, so these values do not affect the motion."""
 
 
 def pocket_directions(azimuth: Floats) -> tuple[Floats, Floats]:
-    """Return the radial direction n and the circumferential one tau at an azimuth [rad], shape (..., 2) each."""
+    """Return the radial direction n and the circumferential direction tau at an azimuth [rad], shape (..., 2) each."""
     sine, cosine = np.sin(azimuth), np.cos(azimuth)
     return np.stack([sine, -cosine], axis=-1), np.stack([cosine, sine], axis=-1)
 
 
 @dataclass(frozen=True)
 class Bodies:
-    """Index map of the coordinates, which are kept in arrays of shape (bodies, 3) [m, m, rad].
+    """Index map of the coordinates, which are stored in arrays of shape (bodies, 3) [m, m, rad].
 
-    ``broken_bars`` names row and bar from zero; bar k stands between the rollers k and k + 1, the last before roller 0.
+    ``broken_bars`` contains pairs of row and bar, counted from zero; bar k is between the rollers k and k + 1, the last bar between
+    the last roller and roller 0.
+
+    Raises:
+        ValueError: a bar is given twice or does not exist.
     """
 
     rows: int
@@ -45,22 +49,22 @@ class Bodies:
 
     def __post_init__(self) -> None:
         if len(set(self.broken_bars)) < len(self.broken_bars):
-            raise ValueError(f"broken bars {self.broken_bars} name a bar twice: a bar breaks once")
+            raise ValueError(f"broken bars {self.broken_bars} contain a bar twice: give each bar once")
         for row, bar in self.broken_bars:
             if not (0 <= row < self.rows and 0 <= bar < self.rollers_per_row):
                 raise ValueError(
                     f"broken bar ({row}, {bar}) is outside (0, 0) .. ({self.rows - 1}, {self.rollers_per_row - 1}): "
-                    "rows and bars count from zero here"
+                    "rows and bars are counted from zero here"
                 )
 
     @property
     def count(self) -> int:
-        """Housing, two rings, the cages and the rollers [-]."""
+        """Number of bodies: housing, two rings, the cages and the rollers [-]."""
         return CAGE + self.rows * (1 + self.rollers_per_row)
 
     @property
     def degrees_of_freedom(self) -> int:
-        """Coordinates less constraints [-]."""
+        """Number of coordinates minus number of constraints [-]."""
         return 3 * self.count - RING_CONSTRAINTS - 2 * int(self.pinned.sum())
 
     @cached_property
@@ -79,7 +83,7 @@ class Bodies:
 
     @cached_property
     def roller_bodies(self) -> Indices:
-        """Which body each roller is, shape (rows, rollers)."""
+        """Body index of each roller, shape (rows, rollers)."""
         return CAGE + self.rows + np.arange(self.rows * self.rollers_per_row).reshape(self.rows, -1)
 
     def cages(self, coordinates: Floats) -> Floats:
@@ -93,7 +97,7 @@ class Bodies:
     def masses(self, bearing: Bearing) -> Floats:
         """Return the diagonal of the mass matrix M of Eq. 32, shape (bodies, 3) [kg, kg, kg m^2]."""
         mass = np.empty((self.count, 3))
-        # The housing stands on the ground: any mass will do.
+        # The housing is fixed to the ground, so its mass is arbitrary.
         mass[HOUSING] = mass[OUTER_RING] = bearing.outer_ring_mass, bearing.outer_ring_mass, OUTER_RING_INERTIA
         mass[INNER_RING] = bearing.inner_ring_mass, bearing.inner_ring_mass, INNER_RING_INERTIA
         self.cages(mass)[:] = bearing.cage_mass, bearing.cage_mass, bearing.cage_inertia

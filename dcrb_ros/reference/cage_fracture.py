@@ -1,6 +1,6 @@
-"""Rollers beside a broken cage bar: against each other and against the bars left to them (Eqs. 18 to 24 of Fan et al. 2025).
+"""Contacts of the rollers beside a broken cage bar, with each other and with their intact bars (Eqs. 18 to 24 of Fan et al. 2025).
 
-Directions after the corrected reading: at a bar the normal is the pocket's circumferential direction tau, friction is radial.
+The normal direction at a bar is the pocket's circumferential direction tau, and friction is radial.
 """
 
 from __future__ import annotations
@@ -12,13 +12,13 @@ import numpy as np
 from dcrb_ros.bearing.payload import pocket_azimuths
 from dcrb_ros.reference.bodies import ANGLE, CAGE, Bodies, Indices, pocket_directions
 from dcrb_ros.reference.laws import impact_loss, johnson, pereira, stribeck, with_loss
-from dcrb_ros.reference.raceways import Approach, Contacts, dot, rub, turned
+from dcrb_ros.reference.raceways import ContactForces, ContactKinematics, dot, perpendicular, with_friction
 from dcrb_ros.runtime.arrays import Floats
 from dcrb_ros.settings.configuration import Configuration
 
 
 def add_at(force: Floats, bodies: Indices, push: Floats, torque: Floats) -> None:
-    """Add pushes of shape (n, 2) [N] and torques of shape (n,) [N m] to ``bodies``, of which one may be named twice."""
+    """Add forces of shape (n, 2) [N] and torques of shape (n,) [N m] to ``bodies``, in which an index may occur twice."""
     np.add.at(force, bodies, np.column_stack([push, torque]))
 
 
@@ -33,47 +33,47 @@ class RollerPairs:
 
     @property
     def count(self) -> int:
-        """Pairs of rollers [-]."""
+        """Number of pairs [-]."""
         return len(self._ahead)
 
-    def approach(self, position: Floats, velocity: Floats) -> Approach:
-        """Return how the roller ahead stands and moves against the one behind, whose rolling adds to the slip."""
+    def kinematics(self, position: Floats, velocity: Floats) -> ContactKinematics:
+        """Return the position and motion of the roller ahead relative to the one behind."""
         radius = self._configuration.bearing.roller_radius
         arm = position[self._ahead, :ANGLE] - position[self._behind, :ANGLE]
         distance = np.hypot(arm[:, 0], arm[:, 1])
         n = arm / distance[:, None]
         relative = velocity[self._ahead, :ANGLE] - velocity[self._behind, :ANGLE]
         spins = velocity[self._ahead, ANGLE] + velocity[self._behind, ANGLE]
-        return Approach(n, 2.0 * radius - distance, -dot(relative, n), dot(relative, turned(n)) - radius * spins)
+        return ContactKinematics(n, 2.0 * radius - distance, -dot(relative, n), dot(relative, perpendicular(n)) - radius * spins)
 
-    def act(self, position: Floats, velocity: Floats, bristle: Floats, force: Floats) -> Contacts:
+    def act(self, position: Floats, velocity: Floats, bristle: Floats, force: Floats) -> ContactForces:
         """Add the contacts' forces and torques to ``force``, shape (bodies, 3) [N, N, N m], and return the contacts."""
         c, radius = self._configuration, self._configuration.bearing.roller_radius
-        n, penetration, rate, slip = self.approach(position, velocity)
+        n, penetration, rate, slip = self.kinematics(position, velocity)
         elastic, stiffness = johnson(penetration, c.bearing.effective_modulus * c.bearing.roller_length, 2.0 * radius)
         normal = with_loss(elastic, stiffness, c.contact.loss_time, rate)
-        contacts = rub(c, penetration, normal, bristle, slip, stribeck(slip, c.friction))
-        push = normal[:, None] * n - contacts.friction[:, None] * turned(n)
+        contacts = with_friction(c, penetration, normal, bristle, slip, stribeck(slip, c.friction))
+        push = normal[:, None] * n - contacts.friction[:, None] * perpendicular(n)
         for rollers, sign in ((self._ahead, 1.0), (self._behind, -1.0)):
             add_at(force, rollers, sign * push, radius * contacts.friction)
         return contacts
 
 
-class BarApproach(NamedTuple):
-    """How freed rollers stand and move against their intact bars, shape (bars,)."""
+class BarKinematics(NamedTuple):
+    """Position and motion of freed rollers relative to their intact bars; shape (bars,) unless stated otherwise."""
 
     radial: Floats
     """Outward direction n of the pocket, shape (bars, 2)."""
     circumferential: Floats
-    """Direction tau of the pocket, shape (bars, 2)."""
+    """Circumferential direction tau of the pocket, shape (bars, 2)."""
     lever: Floats
-    """From the cage's centre to the contact, shape (bars, 2) [m]."""
+    """Vector from the centre of the cage to the contact, shape (bars, 2) [m]."""
     penetration: Floats
-    """delta = side e.tau - c_p [m], Eqs. 20 and 21."""
+    """Penetration delta = side e.tau - c_p, Eqs. 20 and 21 [m]."""
     rate: Floats
     """d(delta)/dt [m/s]."""
     slip: Floats
-    """Radial slip of the roller's surface over the bar [m/s]."""
+    """Radial slip of the roller's surface relative to the bar [m/s]."""
 
 
 class IntactBars:
@@ -88,26 +88,26 @@ class IntactBars:
         self.roller: Indices = bodies.roller_bodies[rows, rollers]
         self._azimuth = pocket_azimuths(configuration.bearing)[rows, rollers]
         self.impact_speed: Floats = np.zeros(len(sides))
-        """Rate at which each closed contact was first touched [m/s]; zero while it is open."""
+        """Rate of penetration when each contact closed [m/s]; zero while it is open."""
 
     @property
     def count(self) -> int:
-        """Bars that a freed roller can touch [-]."""
+        """Number of bars that a freed roller can touch [-]."""
         return len(self.side)
 
-    def approach(self, position: Floats, velocity: Floats) -> BarApproach:
-        """Return how the rollers stand and move against their bars.
+    def kinematics(self, position: Floats, velocity: Floats) -> BarKinematics:
+        """Return the position and motion of the rollers relative to their bars.
 
-        Seen from the cage's own motion at the contact, the rate of e.tau is the roller's velocity along tau: the turning
-        of tau is in it.
+        The velocity is taken relative to the cage at the contact point, so that its component along tau is the rate of e.tau,
+        including the rotation of tau.
         """
         bearing, cage = self._configuration.bearing, velocity[self.cage]
         n, tau = pocket_directions(self._azimuth + position[self.cage, ANGLE])
         arm = position[self.roller, :ANGLE] - position[self.cage, :ANGLE]
         offset = arm - bearing.pitch_radius * n
         lever = arm + (self.side * bearing.roller_radius)[:, None] * tau
-        relative = velocity[self.roller, :ANGLE] - cage[:, :ANGLE] - cage[:, ANGLE, None] * turned(lever)
-        return BarApproach(
+        relative = velocity[self.roller, :ANGLE] - cage[:, :ANGLE] - cage[:, ANGLE, None] * perpendicular(lever)
+        return BarKinematics(
             n,
             tau,
             lever,
@@ -117,20 +117,21 @@ class IntactBars:
         )
 
     def latch(self, position: Floats, velocity: Floats) -> None:
-        """Remember the rate at first touch of every contact that has closed, forget it where it has opened."""
-        approach = self.approach(position, velocity)
-        first = np.where(self.impact_speed > 0.0, self.impact_speed, np.maximum(approach.rate, np.finfo(float).tiny))
-        self.impact_speed = np.where(approach.penetration > 0.0, first, 0.0)
+        """Store the impact speed of every contact that has closed since the last call; clear it for open contacts."""
+        kinematics = self.kinematics(position, velocity)
+        first = np.where(self.impact_speed > 0.0, self.impact_speed, np.maximum(kinematics.rate, np.finfo(float).tiny))
+        self.impact_speed = np.where(kinematics.penetration > 0.0, first, 0.0)
 
-    def act(self, position: Floats, velocity: Floats, bristle: Floats, force: Floats) -> Contacts:
+    def act(self, position: Floats, velocity: Floats, bristle: Floats, force: Floats) -> ContactForces:
         """Add the contacts' forces and torques to ``force``, shape (bodies, 3) [N, N, N m], and return the contacts."""
         bearing = self._configuration.bearing
-        n, tau, lever, penetration, rate, slip = self.approach(position, velocity)
+        n, tau, lever, penetration, rate, slip = self.kinematics(position, velocity)
         impact_speed = np.where(self.impact_speed > 0.0, self.impact_speed, rate)
         normal = pereira(penetration, self._cage.pocket_clearance, bearing.roller_length, bearing.effective_modulus)
         normal *= impact_loss(rate, impact_speed, self._cage.restitution)
-        contacts = rub(self._configuration, penetration, normal, bristle, slip, np.full_like(slip, self._cage.friction_coefficient))
+        steady = np.full_like(slip, self._cage.friction_coefficient)
+        contacts = with_friction(self._configuration, penetration, normal, bristle, slip, steady)
         push = -(self.side * contacts.normal)[:, None] * tau - contacts.friction[:, None] * n
         add_at(force, self.roller, push, self.side * bearing.roller_radius * contacts.friction)
-        add_at(force, self.cage, -push, -dot(turned(lever), push))
+        add_at(force, self.cage, -push, -dot(perpendicular(lever), push))
         return contacts

@@ -1,7 +1,7 @@
 """The constraints Phi(q, t) = 0 (Eqs. 33, 34 and 36 of Fan et al. 2025).
 
-In this order: the housing stands on the ground (3), the outer ring does not turn (1), the inner ring is driven (1), and
-for every pinned roller its centre is its pocket's centre (2).
+In this order: the housing is fixed to the ground (3), the outer ring does not rotate (1), the rotation of the inner ring is
+prescribed (1), and the centre of every pinned roller is the centre of its pocket (2 each).
 """
 
 from __future__ import annotations
@@ -15,10 +15,10 @@ GROUND, STAND, DRIVE, PINS = slice(0, 3), 3, 4, RING_CONSTRAINTS
 
 
 class Constraints:
-    """Constraints of a bearing whose shaft turns at ``speed`` [rad/s].
+    """Constraints of a bearing whose shaft rotates at ``speed`` [rad/s].
 
-    ``azimuth`` are the pockets at cage angle zero, shape (rows, rollers) [rad]; positions and velocities have the shape
-    (bodies, 3).
+    ``azimuth`` contains the azimuths of the pockets at cage angle zero, shape (rows, rollers) [rad]; positions and velocities have
+    the shape (bodies, 3).
     """
 
     def __init__(self, bodies: Bodies, pitch_radius: float, azimuth: Floats, speed: float) -> None:
@@ -40,7 +40,7 @@ class Constraints:
         return jacobian
 
     def _arms(self, position: Floats) -> tuple[Floats, Floats]:
-        """Return the arm from cage centre to each pin and its derivative by the cage's angle, shape (pins, 2) [m]."""
+        """Return the vector from the cage's centre to each pin, and its derivative by the cage's angle, shape (pins, 2) [m]."""
         radial, tangent = pocket_directions(self._azimuth + position[self._cage, ANGLE])
         return self._pitch_radius * radial, self._pitch_radius * tangent
 
@@ -67,7 +67,7 @@ class Constraints:
         return rates
 
     def gamma(self, position: Floats, velocity: Floats) -> Floats:
-        """Return gamma of Eq. 33, here the pins' centripetal acceleration, shape (constraints,) [m/s^2 or rad/s^2]."""
+        """Return gamma of Eq. 33, the centripetal acceleration of the pins, shape (constraints,) [m/s^2 or rad/s^2]."""
         gamma = np.zeros(len(self._constant))
         arms = self._arms(position)[0]
         gamma[PINS:] = (-(velocity[self._cage, ANGLE] ** 2)[:, None] * arms).ravel()

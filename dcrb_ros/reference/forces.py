@@ -1,4 +1,4 @@
-"""The generalised external forces Q_e (Eq. 37 of Fan et al. 2025): weight, load, housing and every contact."""
+"""The generalised external forces Q_e (Eq. 37 of Fan et al. 2025): weight, load, housing and contacts."""
 
 from __future__ import annotations
 
@@ -15,15 +15,15 @@ from dcrb_ros.settings.configuration import Configuration
 X_Y = slice(0, ANGLE)
 
 
-class Loading(NamedTuple):
-    """The external forces at one instant."""
+class ExternalForces(NamedTuple):
+    """The external forces and the rates of the bristles at one instant."""
 
     force: Floats
     """Q_e, shape (bodies, 3) [N, N, N m]."""
     bristle_rate: Floats
-    """Shape (contacts,) [m/s]."""
+    """Rates of the bristle deflections, shape (contacts,) [m/s]."""
     closed: Floats
-    """One for every closed contact, zero for open ones, shape (contacts,)."""
+    """1 for closed contacts, 0 for open ones, shape (contacts,) [-]."""
     inner_normal: Floats
     """Normal forces at the inner raceway, shape (rows, rollers) [N]."""
     inner_ring_force: Floats
@@ -31,7 +31,7 @@ class Loading(NamedTuple):
 
 
 class Forces:
-    """Everything that acts on the bodies from outside the constraints."""
+    """All forces on the bodies except those of the constraints."""
 
     def __init__(self, configuration: Configuration, bodies: Bodies, bars: IntactBars) -> None:
         self._configuration = configuration
@@ -51,10 +51,10 @@ class Forces:
         force[OUTER_RING, X_Y] -= pull
         force[HOUSING, X_Y] += pull
 
-    def at(self, position: Floats, velocity: Floats, bristle: Floats) -> Loading:
-        """Return the forces at positions and velocities of shape (bodies, 3) and bristles of shape (contacts,) [m].
+    def at(self, position: Floats, velocity: Floats, bristle: Floats) -> ExternalForces:
+        """Return the forces at positions and velocities of shape (bodies, 3) and bristle deflections of shape (contacts,) [m].
 
-        The bristles come in the order inner raceway, outer raceway, roller pairs, bars.
+        The bristles are ordered by contact: inner raceway, outer raceway, roller pairs, bars.
         """
         force = self._steady.copy()
         self._add_housing(position, velocity, force)
@@ -69,4 +69,4 @@ class Forces:
             kinds.append(self._bars.act(position, velocity, bristles[3], force))
         rates = np.concatenate([kind.bristle_rate.ravel() for kind in kinds])
         closed = np.concatenate([kind.closed.ravel() for kind in kinds]).astype(np.float64)
-        return Loading(force, rates, closed, inner.normal, ring_force)
+        return ExternalForces(force, rates, closed, inner.normal, ring_force)

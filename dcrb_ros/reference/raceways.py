@@ -1,4 +1,4 @@
-"""Rollers on the raceways, smooth or with notches (Eqs. 1 to 17 of Fan et al. 2025, with u_R - u_ring throughout)."""
+"""Contacts of the rollers with the raceways and their defects (Eqs. 1 to 17 of Fan et al. 2025, with u_R - u_ring throughout)."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from dcrb_ros.faults.defects import RacewayDefect
+from dcrb_ros.faults.raceway_defect import InnerRacewayDefect, OuterRacewayDefect, RacewayDefect
 from dcrb_ros.reference.bodies import ANGLE, INNER_RING, OUTER_RING, Bodies
 from dcrb_ros.reference.laws import johnson, lugre, stribeck, with_loss
 from dcrb_ros.runtime.arrays import Floats
@@ -17,53 +17,55 @@ from dcrb_ros.settings.configuration import Configuration
 BoolArray = npt.NDArray[np.bool_]
 
 
-class Contacts(NamedTuple):
-    """What one kind of contacts does; all of the contacts' shape."""
+class ContactForces(NamedTuple):
+    """Forces and bristle rates of the contacts of one kind; all arrays have the shape of the contacts."""
 
     normal: Floats
     """Normal force [N]."""
     friction: Floats
     """Friction force [N]."""
     bristle_rate: Floats
-    """Rate of the bristle [m/s], zero in an open contact."""
+    """Rate of the bristle deflection [m/s], zero in an open contact."""
     closed: BoolArray
-    """Whether the surfaces touch: an open contact forgets its bristle."""
+    """Whether the surfaces touch; the bristle of an open contact is reset."""
 
 
-class Approach(NamedTuple):
-    """How rollers stand and move against a raceway or another roller; all of the contacts' shape."""
+class ContactKinematics(NamedTuple):
+    """Position and motion of rollers relative to a raceway or another roller; all arrays have the shape of the contacts."""
 
     normal: Floats
-    """Unit vector n to the roller from the ring or the other roller, shape (..., 2)."""
+    """Unit vector n from the centre of the ring or of the other roller to the roller, shape (..., 2)."""
     penetration: Floats
     """delta [m]."""
     rate: Floats
     """d(delta)/dt [m/s]."""
     slip: Floats
-    """Slip of the roller's surface over the other one [m/s]."""
+    """Slip of the roller's surface relative to the other surface [m/s]."""
 
 
-def rub(configuration: Configuration, penetration: Floats, normal: Floats, bristle: Floats, slip: Floats, steady: Floats) -> Contacts:
-    """Return contacts of a normal force [N] with their friction, ``steady`` being g [-]."""
+def with_friction(
+    configuration: Configuration, penetration: Floats, normal: Floats, bristle: Floats, slip: Floats, steady: Floats
+) -> ContactForces:
+    """Return the contact forces for normal forces [N]; ``steady`` is the friction coefficient in steady sliding, g [-]."""
     coefficient, rate = lugre(bristle, slip, steady, configuration.friction)
     closed = penetration > 0.0
-    return Contacts(normal, coefficient * normal, np.where(closed, rate, 0.0), closed)
+    return ContactForces(normal, coefficient * normal, np.where(closed, rate, 0.0), closed)
 
 
 def dot(a: Floats, b: Floats) -> Floats:
-    """Return the scalar products of plane vectors, shape (..., 2)."""
+    """Return the scalar products of plane vectors of shape (..., 2)."""
     product: Floats = (a * b).sum(axis=-1)
     return product
 
 
-def turned(vector: Floats) -> Floats:
-    """Return e_z x vector, a quarter turn counter-clockwise, shape (..., 2)."""
+def perpendicular(vector: Floats) -> Floats:
+    """Return e_z x vector, the vectors rotated by a quarter turn counter-clockwise, shape (..., 2)."""
     return np.stack([-vector[..., 1], vector[..., 0]], axis=-1)
 
 
 @dataclass(frozen=True)
 class Raceway:
-    """A raceway and its defects; ``side`` is +1 where the rollers roll outside of it (inner ring), -1 inside."""
+    """A raceway and its defects; ``side`` is +1 if the rollers roll on its outside (inner ring), -1 if on its inside."""
 
     configuration: Configuration
     bodies: Bodies
@@ -74,11 +76,14 @@ class Raceway:
 
     @property
     def reach(self) -> float:
-        """Distance from ring to roller at first touch, also dR of Eq. 4: r_I + r_R or r_O - r_R [m]."""
+        """Distance between the centres of ring and roller at first contact, which is also dR of Eq. 4: r_I + r_R or r_O - r_R [m]."""
         return self.radius + self.side * self.configuration.bearing.roller_radius
 
     def notch(self, edge: Floats, depth: float) -> tuple[Floats, Floats]:
-        """Return the depth [m] at angles inside a notch's nearer edge [rad] and its slope [m/rad], Eqs. 8, 9, 13 to 15."""
+        """Return how deep a roller sinks into a defect [m] and the slope of that depth [m/rad], Eqs. 8, 9, 14 and 15.
+
+        ``edge`` is the angle from the nearer edge of the defect, positive inside [rad].
+        """
         radius, roller = self.radius, self.configuration.bearing.roller_radius
         sine, cosine = np.sin(np.maximum(edge, 0.0)), np.cos(np.maximum(edge, 0.0))
         root = np.sqrt(roller**2 - (radius * sine) ** 2)
@@ -87,9 +92,9 @@ class Raceway:
         return np.minimum(sink, depth), np.where(sink < depth, slope, 0.0)
 
     def sink(self, azimuth: Floats, azimuth_rate: Floats, angle: float) -> tuple[Floats, Floats]:
-        """Return how deep the raceway lies under each roller [m] and the rate of that [m/s], shape (rows, rollers).
+        """Return the depth of the defects under each roller [m] and its rate [m/s], shape (rows, rollers).
 
-        ``azimuth_rate`` [rad/s] is that of the contact over the ring, ``angle`` the ring's rotation [rad].
+        ``azimuth_rate`` is the rate of the azimuth relative to the ring [rad/s], ``angle`` the rotation of the ring [rad].
         """
         deepest, rate = np.zeros_like(azimuth), np.zeros_like(azimuth)
         for defect in self.defects:
@@ -101,31 +106,31 @@ class Raceway:
             deepest = np.maximum(depth, deepest)
         return deepest, rate
 
-    def approach(self, position: Floats, velocity: Floats) -> Approach:
-        """Return how the rollers stand and move against the raceway."""
+    def kinematics(self, position: Floats, velocity: Floats) -> ContactKinematics:
+        """Return the position and motion of the rollers relative to the raceway."""
         roller, ring = self.bodies.rollers(velocity), velocity[self.ring]
         arm = self.bodies.rollers(position)[..., :ANGLE] - position[self.ring, :ANGLE]
         distance = np.hypot(arm[..., 0], arm[..., 1])
         n = arm / distance[..., None]
         relative = roller[..., :ANGLE] - ring[:ANGLE]
-        passing = dot(relative, turned(n))
+        passing = dot(relative, perpendicular(n))
         azimuth = np.arctan2(n[..., 0], -n[..., 1])
         depth, depth_rate = self.sink(azimuth, passing / distance - ring[ANGLE], position[self.ring, ANGLE])
-        return Approach(
+        return ContactKinematics(
             n,
             self.side * (self.reach - distance) - depth,
             -self.side * dot(relative, n) - depth_rate,
             passing - self.side * self.configuration.bearing.roller_radius * roller[..., ANGLE] - self.radius * ring[ANGLE],
         )
 
-    def act(self, position: Floats, velocity: Floats, bristle: Floats, force: Floats) -> Contacts:
+    def act(self, position: Floats, velocity: Floats, bristle: Floats, force: Floats) -> ContactForces:
         """Add the contacts' forces and torques to ``force``, shape (bodies, 3) [N, N, N m], and return the contacts."""
         c = self.configuration
-        n, penetration, rate, slip = self.approach(position, velocity)
+        n, penetration, rate, slip = self.kinematics(position, velocity)
         elastic, stiffness = johnson(penetration, c.bearing.effective_modulus * c.bearing.roller_length, self.reach)
         normal = with_loss(elastic, stiffness, c.contact.loss_time, rate)
-        contacts = rub(c, penetration, normal, bristle, slip, stribeck(slip, c.friction))
-        push = self.side * normal[..., None] * n - contacts.friction[..., None] * turned(n)
+        contacts = with_friction(c, penetration, normal, bristle, slip, stribeck(slip, c.friction))
+        push = self.side * normal[..., None] * n - contacts.friction[..., None] * perpendicular(n)
         on_rollers = self.bodies.rollers(force)
         on_rollers[..., :ANGLE] += push
         on_rollers[..., ANGLE] += self.side * c.bearing.roller_radius * contacts.friction
@@ -135,9 +140,9 @@ class Raceway:
 
 
 def raceways(configuration: Configuration, bodies: Bodies) -> tuple[Raceway, Raceway]:
-    """Return the raceways of inner and outer ring."""
+    """Return the raceways of the inner and the outer ring."""
     bearing = configuration.bearing
-    inner, outer = (tuple(defect for _, defect in configuration.faults.raceway_defects(ring)) for ring in ("inner", "outer"))
+    inner, outer = (tuple(configuration.faults.of_kind(kind)) for kind in (InnerRacewayDefect, OuterRacewayDefect))
     return (
         Raceway(configuration, bodies, INNER_RING, 1, bearing.inner_raceway_radius, inner),
         Raceway(configuration, bodies, OUTER_RING, -1, bearing.outer_raceway_radius, outer),

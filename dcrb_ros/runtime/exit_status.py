@@ -1,4 +1,4 @@
-"""The one place where whatever goes wrong in a program becomes a sentence and an exit status."""
+"""Exit status and error message of the command line and the nodes."""
 
 from __future__ import annotations
 
@@ -12,30 +12,30 @@ import typer
 from dcrb_ros.runtime.refusal import Refusal
 
 STOPPED = 130
-"""Exit status of what was asked to end before its time."""
+"""Exit status of a program stopped by the user."""
 
 
-def complain(program: str, sentence: str) -> None:
+def print_error(program: str, sentence: str) -> None:
     """Print a sentence to the standard error output."""
     print(f"{program}: {sentence}", file=sys.stderr)
 
 
-def guarded(program: str, command: Callable[[], Any]) -> int:
-    """Run a command and return its exit status: 0 done, 1 the work failed, 2 wrong usage or input.
+def exit_status(program: str, command: Callable[[], Any]) -> int:
+    """Run a command and return its exit status: 0 success, 1 failure, 2 wrong usage or input, 130 stopped.
 
-    Whatever goes wrong becomes one sentence; the environment variable DCRB_DEBUG=1 lets a traceback through.
+    Any error is printed as one sentence. With the environment variable DCRB_DEBUG=1 it is raised instead.
     """
     if os.environ.get("DCRB_DEBUG") == "1":
         return _status(command())
     try:
         return _status(command())
     except Refusal as refusal:
-        complain(program, str(refusal))
+        print_error(program, str(refusal))
         return 2
     except typer.Exit as end:
         return int(end.exit_code)
     except (KeyboardInterrupt, typer.Abort):
-        complain(program, "stopped")
+        print_error(program, "stopped")
         return STOPPED
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
@@ -44,10 +44,10 @@ def guarded(program: str, command: Callable[[], Any]) -> int:
         # Typer's usage errors: their class depends on the release, their method does not.
         explain = getattr(error, "format_message", None)
         if explain is not None:
-            complain(program, f"{explain()} (try --help)")
+            print_error(program, f"{explain()} (try --help)")
             return 2
         where = "" if isinstance(error, RuntimeError) else " (DCRB_DEBUG=1 shows where)"
-        complain(program, f"{error or type(error).__name__}{where}")
+        print_error(program, f"{error or type(error).__name__}{where}")
         return 1
 
 

@@ -1,4 +1,4 @@
-"""Work ahead: a source makes its next items while the last one is used."""
+"""Prefetching: a thread produces the next items while the caller uses the last one."""
 
 from __future__ import annotations
 
@@ -12,20 +12,20 @@ from dcrb_ros.runtime.threads import show_name
 Item = TypeVar("Item")
 
 
-def ahead(items: Iterator[Item], wanted: Callable[[], bool] = lambda: True, most: int = 1) -> Generator[Item, None, None]:
-    """Yield ``items``; a thread makes up to ``most`` more meanwhile, which pays where that lets go of the interpreter's lock.
+def prefetch(items: Iterator[Item], wanted: Callable[[], bool] = lambda: True, depth: int = 1) -> Generator[Item, None, None]:
+    """Yield ``items`` while a thread produces up to ``depth`` more; this pays if their production releases the interpreter's lock.
 
-    With one only, the thread sleeps until the item is taken, and waking it takes a while.
+    With a depth of one the thread sleeps until the item is taken, and waking it takes time.
 
-    The first is made in the caller's own thread, where a compilation can be interrupted; so is one that was not ``wanted`` ahead
-    when the last one came.
+    The first item is produced in the caller's thread, where a compilation can be interrupted. So is an item for which ``wanted`` was
+    false when its predecessor was yielded.
     """
     end = object()
     item = next(items, end)
-    coming: deque[Future[object]] = deque()
-    with ThreadPoolExecutor(1, "ahead", show_name) as thread:
+    pending: deque[Future[object]] = deque()
+    with ThreadPoolExecutor(1, "prefetch", show_name) as thread:
         while item is not end:
-            while len(coming) < most and wanted():
-                coming.append(thread.submit(next, items, end))
+            while len(pending) < depth and wanted():
+                pending.append(thread.submit(next, items, end))
             yield item  # type: ignore[misc]
-            item = coming.popleft().result() if coming else next(items, end)
+            item = pending.popleft().result() if pending else next(items, end)

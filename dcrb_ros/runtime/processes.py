@@ -1,4 +1,4 @@
-"""Work in processes of their own, on all cores."""
+"""Parallel work in processes, one per core."""
 
 from __future__ import annotations
 
@@ -14,22 +14,22 @@ Value = TypeVar("Value")
 
 
 def cores() -> int:
-    """Return how many cores this process may use."""
+    """Return the number of cores that this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def in_processes(calls: Mapping[Key, Callable[[], Value]], workers: int) -> Iterator[tuple[Key, Value]]:
-    """Yield what each call returns, with its key, as they end; calls must be picklable, a partial of a module's function say.
+    """Yield the key and the result of each call in the order of completion; calls must be picklable, such as partials of functions.
 
-    Whatever ends the iteration, Ctrl-C too, ends the processes at once.
+    If the iteration ends early, by Ctrl-C for instance, the processes are terminated at once. An exception in a call is raised here.
     """
-    # Spawned: a process forked from one with threads may never start. Ctrl-C is for the parent, which ends its workers.
+    # Spawned, because a process forked from one with threads may deadlock. Ctrl-C is handled by the parent, which ends its workers.
     spawning, ignored = multiprocessing.get_context("spawn"), (signal.SIGINT, signal.SIG_IGN)
     with ProcessPoolExecutor(workers, mp_context=spawning, initializer=signal.signal, initargs=ignored) as pool:
         jobs: dict[Future[Value], Key] = {pool.submit(call): key for key, call in calls.items()}
         try:
             for job in as_completed(jobs):
-                # What has been handed over is not kept: results may be large and many.
+                # Results may be large and many: drop each one after it has been yielded.
                 yield jobs.pop(job), job.result()
         except BaseException:
             pool.shutdown(wait=False, cancel_futures=True)

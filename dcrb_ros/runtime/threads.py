@@ -1,4 +1,4 @@
-"""Threads that show their name to the operating system too, in ``top -H`` say; Python does so by itself from 3.14 on."""
+"""Threads whose names the operating system shows, in ``top -H`` for instance; Python 3.14 and later do this themselves."""
 
 from __future__ import annotations
 
@@ -8,22 +8,22 @@ from collections.abc import Callable
 from pathlib import Path
 
 OWN_NAME = Path("/proc/thread-self/comm")
-"""Where Linux keeps the name of the thread that looks: its first 15 bytes."""
+"""File in which Linux keeps the name of the reading thread, 15 bytes of it."""
 
 
 def show_name() -> None:
-    """Show the name of the thread that calls, where that is possible."""
+    """Pass the name of the calling thread to the operating system, if it has such a file."""
     with contextlib.suppress(OSError):
         OWN_NAME.write_text(threading.current_thread().name)
 
 
 class NamedThread(threading.Thread):
-    """A thread that ends with the program and shows its name."""
+    """A daemon thread whose name the operating system shows."""
 
     def __init__(self, name: str, target: Callable[[], None]) -> None:
         super().__init__(name=name, target=target, daemon=True)
 
     def run(self) -> None:
-        """Show the name, then do the work."""
+        """Pass on the name, then run the target."""
         show_name()
         super().run()

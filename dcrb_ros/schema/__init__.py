@@ -1,1 +1,1 @@
-"""Fields of parameters: unit, range, description and remedy."""
+"""The vocabulary below the physics: fields of parameters, and verdicts."""

@@ -1,6 +1,7 @@
-"""The fields of which groups of parameters are made: unit, range, description and remedy.
+"""Fields of parameters: unit, range, description and remedy.
 
-One schema stands behind the YAML files, the ROS parameters, the manifest of a recording and the table in the docs.
+The groups of parameters that are made of these fields are the schema of the YAML files, the ROS parameters, the manifest of a recording and
+the table in the documentation.
 """
 
 from __future__ import annotations
@@ -9,11 +10,11 @@ from typing import Any
 
 from pydantic import BaseModel, ConfigDict, Field
 
-LENGTH_REMEDY = "lengths are in metres, a catalogue gives millimetres"
+LENGTH_REMEDY = "lengths are in metres; catalogues give millimetres"
 
 
 class Group(BaseModel):
-    """A group of parameters: immutable, no unknown keys, no silent conversions, no NaN."""
+    """A group of parameters: immutable, without unknown keys, silent conversions or NaN."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
 
@@ -29,10 +30,10 @@ def quantity(
     remedy: str = "",
     run_time: bool = False,
 ) -> Any:
-    """Return the field of a physical quantity.
+    """Return the field of a quantity with a unit.
 
-    ``low`` and ``high`` are the closed range, ``remedy`` the advice that a refusal gives, ``run_time`` whether the
-    running node accepts a change.
+    ``low`` and ``high`` limit the closed range, ``remedy`` is the advice in the error message for a value outside it, and ``run_time`` says
+    whether the parameter can change while the simulation runs.
     """
     extra: dict[str, Any] = {"unit": unit, "symbol": symbol, "remedy": remedy, "run_time": run_time}
     return Field(default, ge=low, le=high, description=description, json_schema_extra=extra)
@@ -44,5 +45,5 @@ def length(default: float, description: str, low: float, high: float, *, symbol:
 
 
 def choice(default: str | bool, description: str, *, run_time: bool = False) -> Any:
-    """Return the field of a choice: names, a text or yes and no."""
+    """Return the field of a text, of one of several names, or of true and false."""
     return Field(default, description=description, json_schema_extra={"unit": "-", "symbol": "", "remedy": "", "run_time": run_time})

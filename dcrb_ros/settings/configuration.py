@@ -1,4 +1,4 @@
-"""The whole configuration of a bench: read, checked once, explained when refused."""
+"""The configuration of a simulation, and the checks of parameters that depend on each other."""
 
 from __future__ import annotations
 
@@ -10,7 +10,10 @@ from pydantic import model_validator
 from dcrb_ros.core.laws import NORMAL_LAWS
 from dcrb_ros.core.laws.interface import Material, inner_site
 from dcrb_ros.core.laws.pereira import pereira_coefficients, pereira_stiffness
-from dcrb_ros.faults.defects import Faults, RacewayDefect, RollerDefect
+from dcrb_ros.faults import Faults
+from dcrb_ros.faults.geometry import BrokenBar
+from dcrb_ros.faults.ground_truth import summary_of
+from dcrb_ros.measurement.stage import Parameters, Setup
 from dcrb_ros.schema.fields import LENGTH_REMEDY, Group, quantity
 from dcrb_ros.settings.contact import Contact, Friction
 from dcrb_ros.settings.parameters import (
@@ -22,13 +25,14 @@ from dcrb_ros.settings.parameters import (
     Publishing,
     Recording,
     SimulationParameters,
+    rpm,
 )
 from dcrb_ros.settings.sensor import Background, SensorParameters, Structure
-from dcrb_ros.settings.sensor_limits import endless_blocks, filters_beyond, impossible_bursts, impossible_modes
+from dcrb_ros.settings.sensor_limits import block_limits, burst_limits, measurement_limits
 
 
 class Configuration(Group):
-    """Everything a bench depends on; the samples follow from this and the simulated times of commands."""
+    """All parameters of a simulation; they, the scenario and the simulated times of commands determine the samples."""
 
     bearing: Bearing = Bearing()
     housing: Housing = Housing()
@@ -43,43 +47,66 @@ class Configuration(Group):
     sensor: SensorParameters = SensorParameters()
     publishing: Publishing = Publishing()
     recording: Recording = Recording()
-    time_scale: float = quantity(1.0, "-", "Simulated over wall time asked for; 0 for as fast as possible", 0.0, 1000.0, run_time=True)
+    time_scale: float = quantity(
+        1.0, "-", "Requested ratio of simulated to wall time; 0 for as fast as possible", 0.0, 1000.0, run_time=True
+    )
 
     @model_validator(mode="after")
     def _consistent(self) -> Configuration:
-        for fault in inconsistencies(self):
-            raise ValueError(fault)
+        for sentence in inconsistencies(self):
+            raise ValueError(sentence)
         return self
 
     def described_faults(self) -> dict[str, dict[str, float]]:
-        """Return the fields of every fault of bearing and sensor by its name in the ground truth."""
+        """Return the numbers of every fault of bearing and sensor by its name in the ground truth."""
         return self.faults.described() | self.sensor.described()
 
     @property
+    def summary(self) -> str:
+        """Speed, load and faults as text."""
+        load = math.hypot(self.operating.load, self.operating.lateral_load)
+        speed = f"{self.operating.speed:g} rad/s ({rpm(self.operating.speed):.4g} rpm)"
+        return f"{speed}, {load / 1e3:g} kN, {summary_of(self.described_faults())}"
+
+    def __repr__(self) -> str:
+        return f"<Configuration: {self.summary}>"
+
+    __str__ = __repr__
+
+    @property
     def steps_per_sample(self) -> int:
-        """Time steps between two samples [-]."""
+        """Time steps in a sampling interval [-]."""
         return round(1.0 / (self.simulation.step * self.sensor.sampling_rate))
 
     @property
     def step_rate(self) -> int:
-        """Time steps in a simulated second [Hz]."""
+        """Time steps per simulated second [Hz]."""
         return self.steps_per_sample * self.sensor.sampling_rate
+
+    @property
+    def measurement(self) -> Setup:
+        """What the measurement chain is built for."""
+        return Setup(
+            Parameters(self.structure, self.background, self.sensor),
+            self.step_rate,
+            self.simulation.seed,
+            self.operating.wheel_diameter,
+            self.operating.speed,
+        )
 
 
 def inconsistencies(c: Configuration) -> Iterator[str]:
-    """Yield a sentence for everything that cannot be true together: what, the range, the remedy."""
+    """Yield a sentence with values, range and remedy for each set of parameters that contradict each other."""
     yield from _geometry(c)
     yield from _cage(c)
     yield from _guidance(c)
     yield from _rates(c)
-    yield from _notches(c)
-    yield from _bars(c)
+    yield from c.faults.problems(c.bearing)
     yield from _stability(c)
     yield from _splitting(c)
-    yield from filters_beyond(c.sensor, c.background, c.step_rate)
-    yield from impossible_modes(c.structure)
-    yield from endless_blocks(c.publishing, c.sensor.sampling_rate)
-    yield from impossible_bursts(c.publishing, c.sensor.sampling_rate)
+    yield from measurement_limits(c.measurement)
+    yield from block_limits(c.publishing, c.sensor.sampling_rate)
+    yield from burst_limits(c.publishing, c.sensor.sampling_rate)
     if c.friction.static_coefficient < c.friction.kinetic_coefficient:
         yield (
             f"friction.static_coefficient = {c.friction.static_coefficient:g} is below friction.kinetic_coefficient = "
@@ -93,14 +120,14 @@ def _geometry(c: Configuration) -> Iterator[str]:
     if not 0.0 < b.radial_gap <= largest:
         yield (
             f"bearing: the radial gap outer_raceway_radius - inner_raceway_radius - 2 roller_radius is {b.radial_gap:.4g} m, outside "
-            f"0 .. {largest:.3g} m: check the three radii, lengths are in metres"
+            f"0 .. {largest:.3g} m: check the three radii; lengths are in metres"
         )
     low, high = b.inner_raceway_radius + b.roller_radius, b.outer_raceway_radius - b.roller_radius
     if not low <= b.pitch_radius <= high:
         yield f"bearing.pitch_radius = {b.pitch_radius:g} m is outside {low:g} .. {high:g} m, where a roller fits between the raceways"
     most = math.floor(math.pi / math.asin(min(1.0, b.roller_radius / b.pitch_radius)))
     if b.rollers_per_row > most:
-        yield f"bearing.rollers_per_row = {b.rollers_per_row} do not fit round the pitch circle: {most} rollers at most, or smaller ones"
+        yield f"bearing.rollers_per_row = {b.rollers_per_row} do not fit around the pitch circle: use at most {most}, or smaller rollers"
     solid = 0.5 * b.roller_mass * b.roller_radius**2
     if not 0.25 * solid <= b.roller_inertia <= 4.0 * solid:
         yield (
@@ -114,10 +141,10 @@ def _rates(c: Configuration) -> Iterator[str]:
     ratio = 1.0 / (step * rate)
     whole = max(2, round(ratio))
     if abs(ratio - whole) > 1e-6 * whole:
-        near = ", ".join(f"{1.0 / (rate * n)!r}" for n in sorted({max(2, math.floor(ratio)), max(2, math.ceil(ratio))}))
+        nearest = ", ".join(f"{1.0 / (rate * n)!r}" for n in sorted({max(2, math.floor(ratio)), max(2, math.ceil(ratio))}))
         yield (
-            f"simulation.step = {step!r} s makes {ratio:.6g} steps of a sample at sensor.sampling_rate = {rate} Hz; "
-            f"it must make a whole number from 2 up: take {near} s"
+            f"simulation.step = {step!r} s divides a sampling interval at sensor.sampling_rate = {rate} Hz into {ratio:.6g} steps; "
+            f"this must be a whole number, at least 2: take {nearest} s"
         )
     if rate % c.publishing.preview_rate:
         yield (
@@ -127,15 +154,15 @@ def _rates(c: Configuration) -> Iterator[str]:
 
 
 SMALLEST_FILE = 1_000_000
-"""Smallest file of a recording in several files [bytes]: a few chunks."""
+"""Smallest size at which a recording is split [bytes]: a few chunks."""
 
 
 def _splitting(c: Configuration) -> Iterator[str]:
     size, duration = c.recording.split_size, c.recording.split_duration
     if 0 < size < SMALLEST_FILE:
-        yield f"recording.split_size = {size} B is below {SMALLEST_FILE} B, a few chunks: give 0 for a single file or more"
+        yield f"recording.split_size = {size} B is below {SMALLEST_FILE} B, a few chunks: increase it, or give 0 for a single file"
     if 0.0 < duration < 0.1:
-        yield f"recording.split_duration = {duration:g} s is below 0.1 s, a few blocks: give 0.0 for a single file or more"
+        yield f"recording.split_duration = {duration:g} s is below 0.1 s, a few blocks: increase it, or give 0.0 for a single file"
 
 
 def _cage(c: Configuration) -> Iterator[str]:
@@ -154,7 +181,7 @@ def _cage(c: Configuration) -> Iterator[str]:
 
 
 def _guidance(c: Configuration) -> Iterator[str]:
-    """Compare the cage's clearances with how far the loaded ring carries it off the outer ring's centre."""
+    """Compare the clearances of the cage with its offset from the outer ring's centre in the loaded bearing."""
     b, cage = c.bearing, c.cage
     pinned = cage.joint == "revolute"
     pressed = 2.0 * heaviest(c) / contact_stiffness(c, heaviest(c))
@@ -163,87 +190,27 @@ def _guidance(c: Configuration) -> Iterator[str]:
     if play < off:
         name = "cage.land_clearance" if pinned else "cage.land_clearance + cage.pocket_clearance"
         yield (
-            f"{name} = {play:.4g} m is below the {off:.3g} m by which a loaded bearing carries its cage off the outer ring's centre: "
-            "the cage would bear the load; make it larger or the radial gap smaller"
+            f"{name} = {play:.4g} m is below {off:.3g} m, the offset of the cage from the outer ring's centre in the loaded bearing: "
+            "the cage would carry the load; make it larger or the radial gap smaller"
         )
 
 
 def heaviest(c: Configuration) -> float:
-    """Return the force on the roller under the load, without a gap five times the mean of a row (Stribeck) [N]."""
+    """Return the largest normal force of a roller [N]: five times the mean of a row, as without a radial gap (Stribeck)."""
     return max(1.0, 5.0 * _load(c) / (c.bearing.rows * c.bearing.rollers_per_row))
 
 
 def _load(c: Configuration) -> float:
-    """Return load and weight on the inner ring [N]."""
+    """Return the sum of load and weight on the inner ring [N]."""
     return math.hypot(c.operating.load, c.operating.lateral_load) + c.bearing.inner_ring_mass * c.operating.gravity
 
 
-def _notches(c: Configuration) -> Iterator[str]:
-    b = c.bearing
-    for ring, raceway in (("inner", b.inner_raceway_radius), ("outer", b.outer_raceway_radius)):
-        found = list(c.faults.raceway_defects(ring))
-        for i, (name, notch) in enumerate(found):
-            yield from _width(name, notch.width, 2.0 * math.pi * raceway / b.rollers_per_row, "pitch")
-            if notch.row > b.rows:
-                yield f"faults.{name}.row = {notch.row} is outside 0 .. {b.rows}: the bearing has {b.rows} row(s), 0 means all"
-            for other_name, other in found[:i]:
-                shared = not (notch.row and other.row and notch.row != other.row)
-                yield from _overlap(name, notch, other_name, other, raceway) if shared else ()
-    rollers = list(c.faults.roller_defects())
-    for i, (name, defect) in enumerate(rollers):
-        yield from _width(name, defect.width, b.roller_radius, "roller's radius")
-        if defect.row > b.rows or defect.roller > b.rollers_per_row:
-            yield (
-                f"faults.{name}: there is no roller {defect.roller} in row {defect.row}; the bearing has {b.rows} row(s) of "
-                f"{b.rollers_per_row} rollers"
-            )
-        for other_name, second in rollers[:i]:
-            if (defect.row, defect.roller) == (second.row, second.roller):
-                yield from _overlap(name, defect, other_name, second, b.roller_radius)
-
-
-def _width(name: str, width: float, limit: float, what: str) -> Iterator[str]:
-    if width >= limit:
-        yield f"faults.{name}.width = {width:g} m is not below the {what} of {limit:.4g} m: {LENGTH_REMEDY}"
-
-
-def _overlap(
-    name: str, notch: RacewayDefect | RollerDefect, other_name: str, other: RacewayDefect | RollerDefect, radius: float
-) -> Iterator[str]:
-    apart = abs(math.remainder(notch.azimuth - other.azimuth, 2.0 * math.pi)) * radius
-    if apart < 0.5 * (notch.width + other.width):
-        yield (
-            f"faults.{name} overlaps faults.{other_name}: their middles are {apart:.4g} m apart; "
-            "move an azimuth or join them into one defect"
-        )
-
-
-def _bars(c: Configuration) -> Iterator[str]:
-    b = c.bearing
-    try:
-        bars = c.faults.bars()
-    except ValueError as error:
-        yield str(error)
-        return
-    for row, bar in bars:
-        if not (1 <= row <= b.rows and 1 <= bar <= b.rollers_per_row):
-            yield (
-                f"faults.broken_bars: row{row}/bar{bar} is outside row1/bar1 .. row{b.rows}/bar{b.rollers_per_row}: "
-                "bar k stands between rollers k and k + 1"
-            )
-    if len(set(bars)) < len(bars):
-        yield f"faults.broken_bars = '{c.faults.broken_bars}' names a bar twice: name each once"
-    for row in range(1, b.rows + 1):
-        if sum(at == row for at, _ in set(bars)) > b.rollers_per_row - 2:
-            yield f"faults.broken_bars leaves fewer than two bars in row {row}: a cage needs two to drive its rollers"
-
-
 LARGEST_PHASE = 1.8
-"""Largest phase of the stiffest mode in a step [rad]; from 2 on leapfrog grows without bound, and impacts stiffen the contacts."""
+"""Largest phase of the stiffest mode in a step [rad]: leapfrog is unstable from 2 on, and impacts stiffen the contacts."""
 
 
 def _stability(c: Configuration) -> Iterator[str]:
-    """Compare the step with the stiffest mode, at the largest forces that the load can bring about."""
+    """Compare the step with the period of the stiffest mode under the largest forces that the load causes."""
     b, h = c.bearing, c.simulation.step
     stiffness = contact_stiffness(c, heaviest(c))
     together = 0.5 * stiffness * (1.0 + 0.25 * b.rollers_per_row) * b.rows
@@ -264,37 +231,38 @@ def _stability(c: Configuration) -> Iterator[str]:
 
 
 LEAST_DRAG = 0.12
-"""Least share of a roller's normal force that presses it against a bar: friction of 0.06 at both raceways [-]."""
+"""Smallest share of a roller's normal force that presses it against a bar: friction of 0.06 at both raceways [-]."""
 
 
 def _modes_at_the_cage(c: Configuration, stiffness: float) -> dict[str, float]:
-    """Return the squared frequencies [1/s^2] of cages, free rollers and bars, the raceways being of ``stiffness`` [N/m]."""
+    """Return the squared angular frequencies [1/s^2] of cages, free rollers and bars; ``stiffness`` [N/m] is that of a raceway."""
     b = c.bearing
-    if c.cage.joint == "revolute" and not c.faults.broken_bars:
+    any_broken = any(isinstance(damage, BrokenBar) for damage in c.faults.damage(b))
+    if c.cage.joint == "revolute" and not any_broken:
         return {"a cage with its rollers": 2.0 * stiffness / (b.cage_mass + b.rollers_per_row * b.roller_mass)}
     drag = max(LEAST_DRAG, 2.0 * c.friction.static_coefficient) * heaviest(c)
     bar = pereira_stiffness(drag, *pereira_coefficients(c.cage.pocket_clearance, b.roller_length, b.effective_modulus))
-    # Half a row pressing its cage at once: light cages and tight pockets failed from about there on.
+    # Half a row presses against the cage at once: with more, simulations of light cages and small clearances diverged.
     pressing = 0.5 * b.rollers_per_row
     modes = {
         "a roller between the raceways": 2.0 * stiffness / b.roller_mass,
         "rollers against the bars of a cage": bar * (1.0 / b.roller_mass + pressing / b.cage_mass),
     }
-    if c.faults.broken_bars:
+    if any_broken:
         modes["two rollers beside a broken bar"] = (2.0 * stiffness + bar) / b.roller_mass
     return modes
 
 
 def _shorter(c: Configuration, longest: float) -> str:
-    """Return the advice to take a step of ``longest`` [s] at most."""
+    """Return the advice to take a step of at most ``longest`` [s]."""
     fitting = _fitting_step(c, longest)
     if fitting < SHORTEST_STEP:
-        return f"no step from {SHORTEST_STEP:g} s up follows it; check masses in kg, stiffnesses and loads"
+        return f"even a step of {SHORTEST_STEP:g} s is too long; check masses in kg, stiffnesses and loads"
     return f"at most {longest:.3g} s, such as {fitting!r}"
 
 
 def _fitting_step(c: Configuration, longest: float) -> float:
-    """Return the longest step up to ``longest`` [s] that makes a whole number of a sample."""
+    """Return the longest step up to ``longest`` [s] of which a sampling interval is a whole number."""
     return 1.0 / (c.sensor.sampling_rate * max(2, math.ceil(1.0 / (longest * c.sensor.sampling_rate))))
 
 

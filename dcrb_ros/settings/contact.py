@@ -39,7 +39,7 @@ def with_laws(laws: Mapping[str, NormalLaw] | Mapping[str, TractionLaw], subject
 
 @with_laws(NORMAL_LAWS, "Normal force")
 class Contact(Group):
-    """Normal contact of rollers and raceways, its loss, and the shape of defects."""
+    """Normal contact of rollers and raceways, its damping, and the law for notches."""
 
     if TYPE_CHECKING:
         law: str = ""
@@ -48,13 +48,13 @@ class Contact(Group):
             """Return a parameter that a law declares."""
 
     loss_time: float = quantity(
-        2.5e-6, "s", "Loss of the normal contact: damping over stiffness; 0 as in the paper", 0.0, 1e-4, symbol="beta"
+        2.5e-6, "s", "Damping of the normal contact divided by its stiffness; 0 in the paper", 0.0, 1e-4, symbol="beta"
     )
-    damping: float = quantity(0.0, "N s/m", "Constant damping of a closed contact, beside its loss", 0.0, 1e5, symbol="c")
+    damping: float = quantity(0.0, "N s/m", "Constant damping of a closed contact, in addition to loss_time", 0.0, 1e5, symbol="c")
     notch: Literal["sink", "edge"] = choice(
-        "sink", "Defect law: sink, the paper's depth min(h, ...) along the raceway's normal, or edge, fillets with normals of their own"
+        "sink", "Law for notches: sink lowers the raceway along its normal (the paper); edge gives each edge a fillet with its own normal"
     )
-    edge_radius: float = length(0.0001, "Radius of a defect's edges, of the law edge", 1e-6, 0.005, symbol="rho")
+    edge_radius: float = length(0.0001, "Fillet radius of the edges of a notch, for the law edge", 1e-6, 0.005, symbol="rho")
 
 
 @with_laws(TRACTION_LAWS, "Traction")

@@ -1,13 +1,17 @@
-"""Reading, writing and explaining configurations: YAML in the shape of a ROS parameter file."""
+"""Configurations as files: reading, writing and checking YAML in the form of a ROS parameter file, and the table of parameters."""
 
 from __future__ import annotations
 
+import itertools
+import re
 import sys
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import Any, TypeVar, get_args
 
+import numpy as np
 import yaml
 from pydantic import ValidationError
 from pydantic.fields import FieldInfo
@@ -16,14 +20,15 @@ from pydantic_core import ErrorDetails
 from dcrb_ros.runtime.refusal import Refusal, nearest
 from dcrb_ros.schema.fields import Group
 from dcrb_ros.settings.configuration import Configuration
-from dcrb_ros.settings.sensor import typical
+from dcrb_ros.settings.sensor import preset_values
+from dcrb_ros.settings.vehicle_speed import without_replaced
 from dcrb_ros.settings.yaml import parsed, read_yaml
 
 LEAST = sys.float_info.min
-"""Least size of a number that is not zero: quotients of smaller ones overflow."""
+"""Smallest magnitude of a number other than zero: quotients of smaller numbers overflow."""
 
 COMMANDED = ("operating.speed", "operating.load", "operating.lateral_load")
-"""Parameters that have a topic of their own to change them."""
+"""Parameters that are changed on a topic of their own."""
 
 Scalar = bool | int | float | str
 Model = TypeVar("Model", bound=Group)
@@ -31,7 +36,7 @@ Model = TypeVar("Model", bound=Group)
 
 @dataclass(frozen=True)
 class ParameterField:
-    """One parameter as the schema knows it."""
+    """One parameter of the schema."""
 
     key: str
     """Dotted key, ``faults.outer_1.width``."""
@@ -45,7 +50,7 @@ class ParameterField:
     description: str
     remedy: str
     run_time: bool
-    """Whether a running node accepts a change."""
+    """Whether it can change while the simulation runs."""
     choices: tuple[str, ...] = ()
 
 
@@ -73,12 +78,18 @@ def _field(key: str, info: FieldInfo) -> ParameterField:
 
 
 def parameter_fields(model: type[Group] = Configuration, prefix: str = "") -> Iterator[ParameterField]:
-    """Yield every parameter of a model, groups flattened to dotted keys."""
+    """Yield every parameter of a model by its dotted key."""
     for name, info in model.model_fields.items():
         if isinstance(info.annotation, type) and issubclass(info.annotation, Group):
             yield from parameter_fields(info.annotation, f"{prefix}{name}.")
         else:
             yield _field(prefix + name, info)
+
+
+@cache
+def fields_by_key(model: type[Group] = Configuration) -> Mapping[str, ParameterField]:
+    """Return every parameter of a model by its dotted key."""
+    return {field.key: field for field in parameter_fields(model)}
 
 
 def flatten(tree: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
@@ -105,19 +116,19 @@ def nest(flat: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def validated(flat: Mapping[str, Any], model: type[Model], source: str) -> Model:
-    """Return the model of flat parameters, or refuse the first that is wrong in one sentence.
+    """Return the model of parameters with dotted keys.
 
     Raises:
-        Refusal: an unknown key (with the nearest known one), a wrong type, a value out of range, or values that cannot
-            be true together.
+        Refusal: an unknown key, a value of the wrong type or out of range, or values that contradict each other; one sentence with the
+            value, the range and the remedy.
     """
-    fields = {field.key: field for field in parameter_fields(model)}
+    fields = fields_by_key(model)
     unknown = [key for key in flat if key not in fields]
     if unknown:
         raise Refusal(f"{source}: unknown parameter '{unknown[0]}'{nearest(unknown[0], fields)}{_more(len(unknown))}")
     for key, value in flat.items():
         if isinstance(value, float) and 0.0 < abs(value) < LEAST:
-            raise Refusal(f"{source}: {key} = {value!r} is too near to zero to reckon with: give 0.0, or {LEAST:g} and more in size")
+            raise Refusal(f"{source}: {key} = {value!r} is too close to zero: give 0.0, or a magnitude of at least {LEAST:g}")
     try:
         return model.model_validate(nest(flat))
     except ValidationError as error:
@@ -140,26 +151,31 @@ def _sentence(problem: ErrorDetails, fields: Mapping[str, ParameterField]) -> st
     if field.choices:
         return f"{said} is not one of {', '.join(field.choices)}{nearest(str(value), field.choices)}"
     if field.low is None or field.high is None:
-        return f"{said} is not {kind}; {field.description[0].lower()}{field.description[1:]}"
+        return f"{said} is not {kind} ({_lower(field.description)})"
     span = f"{field.low:g} .. {field.high:g} {field.unit}".removesuffix(" -")
     if isinstance(value, (bool, str)) or not isinstance(value, (int, float)) or (field.kind is int and isinstance(value, float)):
         return f"{said} is not {kind} within {span}"
-    remedy = f": {field.remedy}" if field.remedy else f"; {field.description.lower()} lies within it"
+    remedy = f": {field.remedy}" if field.remedy else f" ({_lower(field.description)})"
     return f"{said} is outside {span}{remedy}{_millimetres(field, value)}"
 
 
+def _lower(description: str) -> str:
+    """Return a description that continues a sentence."""
+    return description[0].lower() + description[1:]
+
+
 def _millimetres(field: ParameterField, value: Any) -> str:
-    """Return a guess of what was meant when a length was given in millimetres."""
+    """Return the length in metres if a value would be in range as millimetres."""
     if field.unit != "m" or not isinstance(value, (int, float)) or field.low is None or field.high is None:
         return ""
     return f" (did you mean {value / 1000.0:g}?)" if field.low <= value / 1000.0 <= field.high else ""
 
 
 def read_parameters(path: Path, node: str) -> dict[str, Any]:
-    """Return the flat parameters that a ROS parameter file gives to a node: ``/**`` first, then its own section.
+    """Return the parameters of a ROS parameter file for a node by their dotted keys: those of ``/**``, then those of its own section.
 
     Raises:
-        Refusal: the file cannot be read, is no YAML or is not in the shape of a ROS parameter file.
+        Refusal: the file cannot be read, is not YAML or does not have the form of a ROS parameter file.
     """
     tree = read_yaml(path)
     if not isinstance(tree, Mapping) or not all(isinstance(section, Mapping) for section in tree.values()):
@@ -168,10 +184,10 @@ def read_parameters(path: Path, node: str) -> dict[str, Any]:
     for name in ("/**", node, f"/{node}", f"/dcrb/{node}", f"/**/{node}"):
         section = tree.get(name, {})
         if section and (set(section) != {"ros__parameters"} or not isinstance(section["ros__parameters"], Mapping)):
-            raise Refusal(f"{path}: '{name}' must hold 'ros__parameters:' and nothing else")
+            raise Refusal(f"{path}: '{name}' must contain 'ros__parameters:' and nothing else")
         flat.update({str(key): value for key, value in flatten(section.get("ros__parameters", {})).items()})
     if not flat and not any(str(name).strip("/").split("/")[-1] for name in tree):
-        raise Refusal(f"{path} holds no parameters for the node '{node}'; they stand below '/**:' and 'ros__parameters:'")
+        raise Refusal(f"{path} contains no parameters for the node '{node}'; put them below '/**:' and 'ros__parameters:'")
     return flat
 
 
@@ -193,24 +209,42 @@ def _settings(settings: Sequence[str], fields: Mapping[str, ParameterField]) -> 
 
 
 def overlaid(whole: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
-    """Return a whole configuration, flat, with changes on top; another preset of the sensor among them brings its values."""
+    """Return a configuration with dotted keys after changes; a new preset of the sensor among them also changes its typical values."""
     preset = changes.get("sensor.preset")
-    brought = typical(str(preset)) if preset not in (None, whole.get("sensor.preset")) else {}
+    brought = preset_values(str(preset)) if preset not in (None, whole.get("sensor.preset")) else {}
     return {**whole, **brought, **changes}
 
 
-def load_configuration(source: str | Path, settings: Sequence[str] = ()) -> Configuration:
-    """Return the configuration of a file or a shipped name (``healthy``), with ``KEY=VALUE`` settings on top.
+def load_configuration(source: Configuration | str | Path, settings: Mapping[str, Any] | Sequence[str] = ()) -> Configuration:
+    """Return the configuration of a file or a shipped name, with some settings changed.
 
-    Raises:
-        Refusal: see `read_parameters` and `validated`.
+    Parameters
+    ----------
+    source
+        The name of a shipped configuration (``"healthy"``), a YAML file, or a configuration to change.
+    settings
+        Parameters and values: ``{"operating.speed": 100.0}``, nested or with dotted keys, or texts such as ``"operating.speed=100.0"``.
+
+    Raises
+    ------
+    Refusal
+        No such file, an unknown parameter, or a value that is out of range or does not fit the others.
+
+    Examples
+    --------
+    >>> load_configuration("healthy", {"faults": {"outer_1": {"width": 0.002}}, "operating.speed": 100.0})
+    <Configuration: 100 rad/s (954.9 rpm), 100 kN, outer_1: 2 mm wide>
     """
-    path = find_configuration(source)
-    fields = {field.key: field for field in parameter_fields()}
-    flat, asked = read_parameters(path, "simulator"), _settings(settings, fields)
-    if "operating.speed" in asked:
-        flat.pop("operating.speed_kmh", None)
-    return validated({**flat, **asked}, Configuration, str(source))
+    asked = _plain(flatten(settings)) if isinstance(settings, Mapping) else _settings(settings, fields_by_key())
+    if isinstance(source, Configuration):
+        return validated(overlaid(flatten(source.model_dump()), asked), Configuration, "settings") if asked else source
+    flat = read_parameters(find_configuration(source), "simulator")
+    return validated({**without_replaced(flat, asked), **asked}, Configuration, str(source))
+
+
+def _plain(settings: Mapping[str, Any]) -> dict[str, Any]:
+    """Return settings with the scalars of numpy as those of Python."""
+    return {str(key): value.item() if isinstance(value, np.generic) else value for key, value in settings.items()}
 
 
 def find_configuration(source: str | Path) -> Path:
@@ -226,7 +260,7 @@ def find_configuration(source: str | Path) -> Path:
 
 
 def shipped_folder() -> Path:
-    """Return the folder of the shipped configurations, in a checkout or below the installation's share folder."""
+    """Return the folder of the shipped configurations: in the repository, or in the share folder of the installation."""
     package = Path(__file__).resolve().parents[1]
     candidates = [package.parent / "config", *(parent / "share" / "dcrb_ros" / "config" for parent in package.parents)]
     candidates.append(Path(sys.prefix) / "share" / "dcrb_ros" / "config")
@@ -234,26 +268,54 @@ def shipped_folder() -> Path:
 
 
 def shipped_configurations() -> dict[str, Path]:
-    """Return the shipped benches by name."""
+    """Return the files of the shipped configurations by name."""
     return {path.stem: path for path in sorted(shipped_folder().glob("*.yaml")) if path.stem != "detector"}
 
 
 def to_yaml(configuration: Group) -> str:
-    """Return a configuration as a ROS parameter file with every parameter in it."""
+    """Return a configuration as a ROS parameter file that contains every parameter."""
     return str(yaml.safe_dump({"/**": {"ros__parameters": configuration.model_dump()}}, sort_keys=False))
 
 
-def _changeable(field: ParameterField) -> str:
-    """Return how a parameter changes while the bench runs: by a command, by being set, or not."""
-    return "" if not field.run_time else "by command" if field.key in COMMANDED else "yes"
+UNIT_SIGNS = (("^2", "²"), ("sqrt(Hz)", "√Hz"), ("ug/", "µg/"))
+"""Units as the schema writes them, and as the documentation does."""
 
 
 def parameter_table(model: type[Group] = Configuration) -> str:
-    """Return the parameters as a Markdown table."""
-    lines = ["| parameter | symbol | default | range | unit | changes at run time | meaning |", "|---|---|---|---|---|---|---|"]
-    for field in parameter_fields(model):
-        span = ", ".join(field.choices) or (f"{field.low:g} .. {field.high:g}" if field.low is not None and field.high is not None else "")
-        default = f"{field.default:.6g}" if isinstance(field.default, float) else str(field.default)
-        cells = (f"`{field.key}`", field.symbol, default, span, field.unit, _changeable(field), field.description)
-        lines.append("| " + " | ".join(cells) + " |")
-    return "\n".join(lines)
+    """Return the parameters as Markdown: a table per group, with name, range and unit in one column, default and meaning."""
+    lines: list[str] = []
+    for group, fields in itertools.groupby(parameter_fields(model), lambda field: field.key.partition(".")[0] if "." in field.key else ""):
+        if group or lines:
+            lines += ["", f"### {group or 'no group'}", ""]
+        lines += ["| parameter, range, unit | default | meaning |", "|---|---|---|"]
+        lines += [_row(field) for field in fields]
+    return "\n".join(lines).strip()
+
+
+def _row(field: ParameterField) -> str:
+    """Return a parameter as a row of its table."""
+    default = f"{field.default:.6g}" if isinstance(field.default, float) else str(field.default)
+    return f"| `{field.key}`{_range(field)} | {default} | {field.description}{_symbol(field)}{_changeable(field)} |"
+
+
+def _range(field: ParameterField) -> str:
+    """Return the range and the unit of a parameter, or its choices, on a line of their own."""
+    if field.choices:
+        return f"<br>{', '.join(field.choices)}"
+    if field.low is None or field.high is None:
+        return ""
+    unit = field.unit if field.unit != "-" else ""
+    for plain, sign in UNIT_SIGNS:
+        unit = unit.replace(plain, sign)
+    low, high = (str(limit) if isinstance(limit, int) else f"{limit:g}" for limit in (field.low, field.high))
+    return f"<br>{low} to {high} {unit}".rstrip()
+
+
+def _symbol(field: ParameterField) -> str:
+    """Return the symbol of a parameter as a formula; a Greek letter is spelt out in the schema."""
+    return f", ${re.sub('^([a-z]{2,})', lambda name: chr(92) + name[1], field.symbol)}$" if field.symbol else ""
+
+
+def _changeable(field: ParameterField) -> str:
+    """Return a remark on a parameter that can change at run time."""
+    return "" if not field.run_time else ". *Changes by command.*" if field.key in COMMANDED else ". *Changes at run time.*"

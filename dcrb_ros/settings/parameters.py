@@ -1,7 +1,7 @@
-"""What the user says about the bench: one group of parameters per class, in SI units.
+"""The parameters of a simulation: one group per class, in SI units.
 
-These models are the one schema behind the YAML files, the ROS parameters, the manifest of a recording and the table in
-the docs. Table 1 and equation numbers refer to Fan et al. 2025 (Lubricants 13(2), 80).
+These models are the schema of the YAML files, the ROS parameters, the manifest of a recording and the table in the documentation. Table 1
+and the numbers of equations refer to Fan et al. 2025 (Lubricants 13(2), 80).
 """
 
 from __future__ import annotations
@@ -13,13 +13,14 @@ from typing import Any, Literal
 from pydantic import model_validator
 
 from dcrb_ros.schema.fields import LENGTH_REMEDY, Group, choice, length, quantity
+from dcrb_ros.settings.vehicle_speed import FASTEST_KMH, with_shaft_speed
 
 SHORTEST_STEP = 1e-7
 """Shortest time step [s]."""
 
 
 class Bearing(Group):
-    """Geometry, masses and material. Defaults: NJ(P)3226X1, Table 1, with the roller's spin inertia m r^2/2."""
+    """Geometry, masses and material; the defaults are those of NJ(P)3226X1 in Table 1, with the spin inertia m r^2/2 of a solid roller."""
 
     rows: int = quantity(2, "-", "Rows of rollers", 1, 2)
     rollers_per_row: int = quantity(16, "-", "Rollers in each row", 6, 60)
@@ -28,7 +29,9 @@ class Bearing(Group):
     pitch_radius: float = length(0.094, "Pitch radius", 0.0025, 2.2, symbol="r_M")
     roller_radius: float = length(0.015, "Roller radius", 0.0005, 0.2, symbol="r_R")
     roller_length: float = length(0.048, "Effective roller length", 0.001, 0.5, symbol="L")
-    row_phase: float = quantity(0.0, "pitch", "Stagger of the second row in pitches (0 in phase, 0.5 half a pitch)", 0.0, 1.0)
+    row_phase: float = quantity(
+        0.0, "pitch", "Offset of the second row around the circumference, in roller pitches (0: rows in phase)", 0.0, 1.0
+    )
     outer_ring_mass: float = quantity(13.49, "kg", "Mass of the outer ring", 0.001, 1e4, symbol="m_O")
     inner_ring_mass: float = quantity(7.316, "kg", "Mass of the inner ring", 0.001, 1e4, symbol="m_I")
     cage_mass: float = quantity(2.459, "kg", "Mass of one cage", 0.0001, 1e3, symbol="m_C")
@@ -37,7 +40,7 @@ class Bearing(Group):
     roller_inertia: float = quantity(
         2.79e-5,
         "kg m^2",
-        "Spin inertia of one roller; Table 1 prints 6.15e-5, the transverse one",
+        "Moment of inertia of one roller about its axis; Table 1 gives 6.15e-5, the transverse one",
         1e-12,
         1e1,
         symbol="I_R",
@@ -60,30 +63,30 @@ class Bearing(Group):
 
 
 class Housing(Group):
-    """Spring and damper between outer ring and ground, alike in X and Y (Table 1)."""
+    """Spring and damper between outer ring and ground, equal in X and Y (Table 1)."""
 
     stiffness: float = quantity(212e6, "N/m", "Stiffness of the housing in X and in Y", 1e3, 1e12, symbol="k_h")
     damping: float = quantity(1e5, "N s/m", "Damping of the housing in X and in Y", 0.0, 1e8, symbol="c_h")
 
 
 class Cage(Group):
-    """How rollers and cage are joined, and what they touch."""
+    """Joint of rollers and cage, and contacts of the cage."""
 
     joint: Literal["revolute", "pocket"] = choice(
         "pocket",
-        "Roller-cage joint: pocket leaves every roller free between the bars, revolute pins its centre to the pocket's (the paper)",
+        "Joint of roller and cage: pocket lets every roller move between its bars; revolute pins its centre to the pocket's (the paper)",
     )
     pocket_clearance: float = length(
         0.0001, "Circumferential clearance between a roller and a bar, on either side", 5e-6, 0.005, symbol="c_p"
     )
-    land_clearance: float = length(0.0003, "Radial clearance between cage and outer land", 5e-6, 0.01, symbol="c_l")
-    land_radius: float = length(0.0, "Radius of the outer land; 0 for midway between pitch circle and outer raceway", 0.0, 2.5)
-    restitution: float = quantity(0.9, "-", "Restitution of an impact on bar or land (steel)", 0.0, 1.0, symbol="c_e")
+    land_clearance: float = length(0.0003, "Radial clearance between cage and land", 5e-6, 0.01, symbol="c_l")
+    land_radius: float = length(0.0, "Radius of the land on the outer ring; 0 for midway between pitch circle and outer raceway", 0.0, 2.5)
+    restitution: float = quantity(0.9, "-", "Coefficient of restitution of impacts on bars and land (steel)", 0.0, 1.0, symbol="c_e")
     friction_coefficient: float = quantity(0.05, "-", "Friction coefficient of bars and land", 0.0, 1.0)
 
 
 class Operating(Group):
-    """Speed, load and how the run starts."""
+    """Speed, load and initial state."""
 
     speed: float = quantity(
         125.664,
@@ -102,28 +105,23 @@ class Operating(Group):
     speed_kmh: float = quantity(
         0.0,
         "km/h",
-        "Speed of the vehicle, in place of operating.speed, which takes it by wheel_diameter; 0 for none",
-        -1000.0,
-        1000.0,
+        "Speed of the vehicle instead of operating.speed, converted with wheel_diameter; 0 for none",
+        -FASTEST_KMH,
+        FASTEST_KMH,
     )
-    wheel_diameter: float = quantity(0.92, "m", "Diameter of the wheel on the shaft", 0.05, 5.0, symbol="D", remedy=LENGTH_REMEDY)
-    speed_ramp: float = quantity(50.0, "rad/s^2", "Slope at which a commanded speed is reached", 0.001, 1e5, run_time=True)
-    load_ramp: float = quantity(2e5, "N/s", "Slope at which a commanded load is reached, per axis", 1.0, 1e9, run_time=True)
+    wheel_diameter: float = quantity(0.92, "m", "Diameter of the wheels on the shaft", 0.05, 5.0, symbol="D", remedy=LENGTH_REMEDY)
+    speed_ramp: float = quantity(50.0, "rad/s^2", "Rate at which the speed changes to a commanded one", 0.001, 1e5, run_time=True)
+    load_ramp: float = quantity(2e5, "N/s", "Rate at which the load changes to a commanded one, per axis", 1.0, 1e9, run_time=True)
     gravity: float = quantity(9.81, "m/s^2", "Gravity, downwards", 0.0, 100.0, symbol="g")
     start: Literal["warm", "cold"] = choice(
-        "warm", "warm: static equilibrium and kinematic rolling; cold: cage and rollers at rest (the paper's Fig. 8)"
+        "warm", "Initial state: warm, static equilibrium and pure rolling; cold, cage and rollers at rest (Fig. 8 of the paper)"
     )
 
     @model_validator(mode="before")
     @classmethod
-    def _by_the_wheel(cls, given: Any) -> Any:
-        """Take a speed in km/h as the shaft's; what is no number within its range is left for the fields to refuse."""
-        if not isinstance(given, Mapping) or not isinstance(given.get("speed_kmh"), float) or not given["speed_kmh"]:
-            return given
-        kmh, diameter = given["speed_kmh"], given.get("wheel_diameter", cls.model_fields["wheel_diameter"].default)
-        if not (abs(kmh) <= 1000.0 and isinstance(diameter, float) and diameter > 0.0):
-            return given
-        return {**given, "speed": shaft_speed(kmh, diameter), "speed_kmh": 0.0}
+    def _speed_of_vehicle(cls, given: Any) -> Any:
+        """Replace a speed in km/h by the shaft's."""
+        return with_shaft_speed(given, cls.model_fields["wheel_diameter"].default) if isinstance(given, Mapping) else given
 
 
 class SimulationParameters(Group):
@@ -132,11 +130,11 @@ class SimulationParameters(Group):
     step: float = quantity(
         1.0 / 102400.0,
         "s",
-        "Time step; a whole number of steps make a sample",
+        "Time step; a sampling interval must be a whole number of steps",
         SHORTEST_STEP,
         2e-5,
         symbol="h",
-        remedy="the contacts oscillate at up to 18 kHz and want 20 us or less",
+        remedy="the contacts oscillate at up to 18 kHz and need 20 us or less",
     )
     seed: int = quantity(1, "-", "Seed of every random number", 0, 2**31 - 1)
 
@@ -145,38 +143,35 @@ class Publishing(Group):
     """Blocks and rates on the topics."""
 
     block_size: int = quantity(1024, "samples", "Samples in a block", 16, 65536)
-    state_rate: int = quantity(100, "Hz", "Rate of roller_states in simulated time; 100 to 1000 for a live topic", 1, 10000)
+    state_rate: int = quantity(100, "Hz", "Rate of roller_states in simulated time; use 100 to 1000 for a live topic", 1, 10000)
     loss_probability: float = quantity(
-        0.0, "-", "Probability that a block of the waveform is lost on its way", 0.0, 0.9, remedy="give a share, not per cent"
+        0.0, "-", "Probability that a block of the waveform is lost in transmission", 0.0, 0.9, remedy="give a share, not per cent"
     )
-    burst_length: float = quantity(0.0, "s", "Burst mode: length of a burst; blocks that begin in it are published", 0.0, 1e5)
-    burst_period: float = quantity(0.0, "s", "Burst mode: period of the bursts; 0 for a waveform without pauses", 0.0, 1e6)
-    preview_rate: int = quantity(200, "Hz", "Rate of the low-passed preview in simulated time", 10, 1000)
-    truth_rate: int = quantity(10, "Hz", "Rate of ground_truth in simulated time, besides every change", 1, 100)
-    clock: bool = choice(False, "Publish /clock too, the simulated time, at most 100 times a second of wall time")
-    frame: str = choice("outer_ring", "Frame id of the sensor's messages; several bearings in one graph want different ones")
-    clean: bool = choice(False, "Publish outer_ring/vibration_clean too, the waveform before noise, clipping and ADC")
-    contacts: bool = choice(False, "Publish roller_contacts too: outer normal force, slip and friction of every roller")
+    burst_length: float = quantity(0.0, "s", "Burst mode: length of a burst; only blocks that begin in a burst are published", 0.0, 1e5)
+    burst_period: float = quantity(0.0, "s", "Burst mode: period of the bursts; 0 for a continuous waveform", 0.0, 1e6)
+    preview_rate: int = quantity(200, "Hz", "Rate of the low-pass filtered preview in simulated time", 10, 1000)
+    truth_rate: int = quantity(10, "Hz", "Rate of ground_truth in simulated time; every change is published in addition", 1, 100)
+    clock: bool = choice(False, "Also publish /clock, the simulated time, at most 100 times per second of wall time")
+    frame: str = choice("outer_ring", "Frame id of the sensor's messages; several bearings in one graph need different ones")
+    clean: bool = choice(False, "Also publish outer_ring/vibration_clean, the waveform before noise, clipping and ADC")
+    contacts: bool = choice(False, "Also publish roller_contacts: outer normal force, slip and friction of every roller")
 
 
 class Recording(Group):
     """The MCAP recording."""
 
-    path: str = choice("", "Folder of the recording to write; empty for none")
+    path: str = choice("", "Folder of the recording; empty for no recording")
     compression: Literal["zstd", "lz4", "none"] = choice("zstd", "Compression of the chunks")
-    topics: str = choice("", "Topics to record, such as 'outer_ring/vibration, ground_truth'; empty for all that are published")
+    topics: str = choice("", "Topics to record, such as 'outer_ring/vibration, ground_truth'; empty for all published topics")
     split_size: int = quantity(
-        0, "B", "Size at which the recording goes on in its next file; 0 for never", 0, 2**40, remedy="1 GB is 1000000000 bytes"
+        0, "B", "Size at which the recording continues in a new file; 0 for a single file", 0, 2**40, remedy="1 GB is 1000000000 bytes"
     )
-    split_duration: float = quantity(0.0, "s", "Simulated time after which the recording goes on in its next file; 0 for never", 0.0, 1e6)
-    queue: int = quantity(500, "blocks", "Blocks that may wait for the disk before the node ends the recording", 10, 100000)
+    split_duration: float = quantity(
+        0.0, "s", "Simulated time after which the recording continues in a new file; 0 for a single file", 0.0, 1e6
+    )
+    queue: int = quantity(500, "blocks", "Blocks that may wait to be written before the node ends the recording", 10, 100000)
 
 
 def rpm(speed: float) -> float:
     """Return a speed [rad/s] in revolutions per minute."""
     return speed * 30.0 / math.pi
-
-
-def shaft_speed(kmh: float, wheel_diameter: float) -> float:
-    """Return the shaft's speed [rad/s] of a vehicle at ``kmh`` [km/h] on wheels of a diameter [m]."""
-    return kmh / 3.6 / (0.5 * wheel_diameter)

@@ -1,40 +1,35 @@
-"""Many bearings at once: the waveforms of an array of configurations, on all cores."""
+"""Waveforms of many configurations, simulated in parallel processes."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from functools import partial
-from typing import NamedTuple
 
-import numpy as np
-
-from dcrb_ros.runtime.arrays import Samples
+from dcrb_ros.bearing.waveform import Waveform
 from dcrb_ros.runtime.processes import cores, in_processes
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.simulation.loop import Simulation
-
-
-class Waveform(NamedTuple):
-    """What the sensor of one bearing measured."""
-
-    acceleration: Samples
-    """Measured acceleration of the outer ring in X and Y, shape (samples, 2) [m/s^2]."""
-    shaft_angle: Samples
-    """Rotation of the inner ring at each sample, wrapped to [0, 2 pi), shape (samples,) [rad]."""
+from dcrb_ros.simulation.run import waveform_of
 
 
 def waveform(configuration: Configuration, duration: float) -> Waveform:
-    """Return the waveform of a bearing from its settled start over ``duration`` [s]."""
-    blocks = list(Simulation(configuration, waveform_only=True).blocks(duration))
-    return Waveform(np.concatenate([block.acceleration for block in blocks]), np.concatenate([block.shaft_angle for block in blocks]))
+    """Return the waveform of a bearing from its settled start over ``duration`` [s].
+
+    Raises:
+        ModelFailure: the model leaves its domain.
+    """
+    return waveform_of(list(Simulation(configuration, waveform_only=True).blocks(duration)), configuration)
 
 
-def simulate_many(
+def simulate_batch(
     configurations: Sequence[Configuration], duration: float, *, workers: int | None = None
 ) -> Iterator[tuple[int, Waveform]]:
-    """Yield the place in ``configurations`` and the waveform of each bearing, as they are done.
+    """Yield the index in ``configurations`` and the waveform of each bearing, in the order of completion.
 
-    A process per worker, as many as there are cores without ``workers``; the samples are those of `waveform`, whatever their number.
+    Each worker is a process; by default there is one per core. The samples equal those of `waveform` for any number of workers.
+
+    Raises:
+        ModelFailure: one of the models leaves its domain; the others are stopped.
     """
-    calls = {place: partial(waveform, configuration, duration) for place, configuration in enumerate(configurations)}
+    calls = {index: partial(waveform, configuration, duration) for index, configuration in enumerate(configurations)}
     return in_processes(calls, min(workers or cores(), max(len(calls), 1)))

@@ -1,4 +1,4 @@
-"""What flows from a source to the sinks: blocks of samples with the states and the truth that belong to them."""
+"""Blocks: consecutive samples with the states and the ground truth of the same time."""
 
 from __future__ import annotations
 
@@ -10,12 +10,13 @@ import numpy as np
 
 from dcrb_ros.bearing.states import Account, States
 from dcrb_ros.runtime.arrays import Samples
-from dcrb_ros.runtime.timestamps import nanoseconds
+from dcrb_ros.runtime.simulated_time import nanoseconds
+from dcrb_ros.simulation.events import Event
 
 
 @dataclass(frozen=True)
 class Truth:
-    """Ground truth at one instant: what a detector should have found."""
+    """Ground truth at one instant: operating point and faults."""
 
     time_ns: int
     """Simulated time [ns]."""
@@ -27,15 +28,15 @@ class Truth:
     """FTF, BPFO, BPFI, BSF at the present speed [Hz]."""
     faults: Mapping[str, Mapping[str, Any]]
     """Every fault present, by its configuration key (``outer_1``) or its kind (``sensor.stuck``): its fields and ``onset`` [s]."""
-    changed: str = ""
-    """Why it was sent out of turn (``command/speed 130.0 rad/s``); empty for the 10 Hz repetition."""
+    event: Event | None = None
+    """The event at this instant; none for the repetition at ``publishing.truth_rate``."""
     background: Mapping[str, float] = field(default_factory=dict)
-    """Levels of what shakes the axle box besides the bearing, by key; they are no faults."""
+    """Levels of the excitation of the axle box by other sources than the bearing, by key; they are not faults."""
 
 
 @dataclass(frozen=True)
 class Block:
-    """A stretch of the measured waveform and everything simulated meanwhile."""
+    """Consecutive samples of the measured waveform and everything else simulated during that time."""
 
     index: int
     """Index of the first sample since the start; sample ``k`` is taken at ``k / rate``."""
@@ -50,17 +51,22 @@ class Block:
     clipped: int = 0
     """Samples beyond the sensor's range in this block."""
     range: float = 0.0
-    """The sensor's range at the end of this block [m/s^2]; 0 where it is not known."""
+    """The sensor's range at the end of this block [m/s^2]; 0 if unknown."""
     preview: Samples = field(default_factory=lambda: np.zeros((0, 2), np.float32))
     """Low-passed acceleration for viewers, shape (previews, 2) [m/s^2]."""
     preview_ns: tuple[int, ...] = ()
     """Simulated time of each preview sample [ns]."""
     lost: bool = False
-    """Whether its waveform is not published: lost on its way, or between two bursts."""
+    """Whether the waveform is not published: lost in transmission, or between two bursts."""
     states: tuple[States, ...] = ()
     truths: tuple[Truth, ...] = ()
     energy: Account | None = None
-    """The energy account at the end of a block with a truth in it; it is worked out no more often."""
+    """The energy account at the end of the block; only for blocks with a truth, because it is expensive."""
+
+    def __repr__(self) -> str:
+        samples = len(self.acceleration)
+        about = f"<Block: {samples} samples at {self.rate / 1e3:g} kHz from {self.index / self.rate:.4f} s, {len(self.states)} states"
+        return about + (", lost>" if self.lost else ">")
 
     @property
     def stamp_ns(self) -> int:

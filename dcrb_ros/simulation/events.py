@@ -1,98 +1,150 @@
-"""Commands as a recording keeps them: what was asked for, and the simulated time from which it counted."""
+"""Events of a run: commands, changes of parameters, steps of a scenario, lost blocks.
+
+They are data everywhere in the program. `dcrb_ros.messages.event_text` turns them into text where they leave it (ground truth, manifest)
+and back.
+"""
 
 from __future__ import annotations
 
-import ast
-import re
 from collections import deque
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
 
 from dcrb_ros.runtime.refusal import Refusal
 
-WORDS = re.compile(r"(command/speed) (\S+) rad/s|(command/load) (\S+) (\S+) N")
-CHANGE = re.compile(r"([\w.]+) = (.*?)(?:, (?=[\w.]+ = )|$)")
-"""A parameter and its value, as `dcrb_ros.bearing.runtime_change.spoken` says a change."""
-ASIDE = ("start", "scenario:", "refused:", "lost:")
-"""How what is no command begins: the start, what a scenario does by itself, what was refused, and a block that was lost."""
+if TYPE_CHECKING:
+    from dcrb_ros.simulation.block import Truth
 
 
-class Commanded(Protocol):
-    """What takes commands: the simulation."""
+@dataclass(frozen=True)
+class Start:
+    """The run starts."""
+
+
+@dataclass(frozen=True)
+class SpeedCommand:
+    """A command for the speed of the inner ring."""
+
+    speed: float
+    """Target speed [rad/s], reached with the configured ramp."""
+
+
+@dataclass(frozen=True)
+class LoadCommand:
+    """A command for the force on the inner ring."""
+
+    x: float
+    """Target force in X [N], reached with the configured ramp."""
+    y: float
+    """Target force in Y [N], negative downwards."""
+
+
+@dataclass(frozen=True)
+class ParameterChange:
+    """A change of parameters while the simulation runs, such as a new defect or another sensor range."""
+
+    changes: Mapping[str, Any]
+    """Dotted keys and their new values."""
+
+
+@dataclass(frozen=True)
+class ScenarioEvent:
+    """An entry of the scenario takes effect, or its gradual change begins."""
+
+    changes: Mapping[str, Any]
+    """Dotted keys and their values at the end of the change."""
+    over: float = 0.0
+    """Simulated time the change takes from now on [s]; 0 if it is complete."""
+
+
+@dataclass(frozen=True)
+class Refused:
+    """A change that was valid when it was requested and conflicts with what changed since; it has no effect."""
+
+    request: ParameterChange | ScenarioEvent
+    reason: str
+
+
+@dataclass(frozen=True)
+class BlockLost:
+    """A block of samples is lost in transmission."""
+
+    first: int
+    """Index of its first sample."""
+    last: int
+    """Index of its last sample."""
+
+
+@dataclass(frozen=True)
+class UnknownCommand:
+    """A command in a recording that this version does not know."""
+
+    text: str
+
+
+Command: TypeAlias = SpeedCommand | LoadCommand | ParameterChange
+Event: TypeAlias = Start | Command | ScenarioEvent | Refused | BlockLost | UnknownCommand
+
+
+class Commandable(Protocol):
+    """Accepts commands; `dcrb_ros.simulation.loop.Simulation` does."""
 
     @property
     def time_ns(self) -> int:
         """Simulated time at which the next command takes effect [ns]."""
 
     def command_speed(self, speed: float) -> None:
-        """Ask for a speed [rad/s]."""
+        """Set the target speed [rad/s]."""
 
     def command_load(self, x: float, y: float) -> None:
-        """Ask for a force in X and Y [N]."""
+        """Set the target force in X and Y [N]."""
 
     def change(self, changes: Mapping[str, Any]) -> None:
-        """Ask for other faults or another sensor."""
+        """Change parameters."""
 
 
 @dataclass(frozen=True)
-class Command:
-    """A command that took effect."""
+class TimedCommand:
+    """A command and the simulated time at which it took effect."""
 
     time_ns: int
-    """Simulated time from which it counted [ns]."""
-    words: str
-    """As the ground truth says it: ``command/speed 130.0 rad/s``."""
+    """Simulated time [ns]."""
+    command: Command | UnknownCommand
 
-    def obey(self, simulation: Commanded) -> None:
-        """Give it to a simulation.
+    def apply(self, simulation: Commandable) -> None:
+        """Pass the command to a simulation.
 
         Raises:
-            Refusal: it is of a kind that this version does not know.
+            Refusal: this version does not know the command.
         """
-        found, changes = WORDS.fullmatch(self.words), changes_of(self.words)
-        if changes:
-            simulation.change(changes)
-        elif found is None:
-            raise Refusal(f"the recording has the command '{self.words}' at {self.time_ns * 1e-9:g} s, which cannot be repeated")
-        elif found[1]:
-            simulation.command_speed(float(found[2]))
-        else:
-            simulation.command_load(float(found[4]), float(found[5]))
-
-    def described(self) -> dict[str, Any]:
-        """Return it for the manifest."""
-        return {"time_ns": self.time_ns, "command": self.words}
-
-
-def command_of(time_ns: int, changed: str) -> Command | None:
-    """Return the command that a ground truth of ``time_ns`` [ns] tells by ``changed``; none for a repetition or what stands in `ASIDE`."""
-    return Command(time_ns, changed) if changed and not changed.startswith(ASIDE) else None
+        match self.command:
+            case SpeedCommand(speed):
+                simulation.command_speed(speed)
+            case LoadCommand(x, y):
+                simulation.command_load(x, y)
+            case ParameterChange(changes):
+                simulation.change(changes)
+            case UnknownCommand(text):
+                raise Refusal(
+                    f"the recording has the command '{text}' at {self.time_ns * 1e-9:g} s, which this version does not know: "
+                    "reproduce it with the version that made it"
+                )
 
 
-def changes_of(words: str) -> dict[str, Any]:
-    """Return the parameters and values of a change as the ground truth says it; nothing for anything else."""
-    pairs = CHANGE.findall(words)
-    if not pairs or ", ".join(f"{key} = {value}" for key, value in pairs) != words:
-        return {}
-    try:
-        return {key: ast.literal_eval(value) for key, value in pairs}
-    except (SyntaxError, ValueError):
-        return {}
+def commands_in(truths: Iterable[Truth]) -> list[TimedCommand]:
+    """Return the commands that took effect according to the ground truth."""
+    commands = (SpeedCommand, LoadCommand, ParameterChange, UnknownCommand)
+    return [TimedCommand(truth.time_ns, truth.event) for truth in truths if isinstance(truth.event, commands)]
 
 
-class Agenda:
-    """Commands that wait for their time."""
+class CommandSchedule:
+    """Commands to be repeated at their simulated times."""
 
-    def __init__(self, commands: Iterable[Command]) -> None:
-        self._waiting = deque(sorted(commands, key=lambda command: command.time_ns))
+    def __init__(self, commands: Iterable[TimedCommand]) -> None:
+        self._pending = deque(sorted(commands, key=lambda command: command.time_ns))
 
-    def give(self, simulation: Commanded) -> None:
-        """Give the simulation, between two blocks, what is due."""
-        while self._waiting and self._waiting[0].time_ns <= simulation.time_ns:
-            self._waiting.popleft().obey(simulation)
-
-    @property
-    def left(self) -> int:
-        """Commands whose time has not come."""
-        return len(self._waiting)
+    def apply_due(self, simulation: Commandable) -> None:
+        """Pass all commands that are due to the simulation; call it between two blocks."""
+        while self._pending and self._pending[0].time_ns <= simulation.time_ns:
+            self._pending.popleft().apply(simulation)

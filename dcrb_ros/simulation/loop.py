@@ -16,9 +16,9 @@ import numpy.typing as npt
 from dcrb_ros.bearing.energy import account, stored_energy
 from dcrb_ros.bearing.kinematics import characteristic_orders
 from dcrb_ros.bearing.observation import observe
-from dcrb_ros.bearing.payload import build_payload, initial_state, layout
-from dcrb_ros.bearing.runtime_change import altered, onsets, refitted, spoken
-from dcrb_ros.bearing.states import Account, Layout, States
+from dcrb_ros.bearing.payload import body_names, build_payload, initial_state
+from dcrb_ros.bearing.runtime_change import altered, onsets, refitted
+from dcrb_ros.bearing.states import Account, BodyNames, States
 from dcrb_ros.core.compilation import compile_ahead
 from dcrb_ros.core.layout.state import copy_of
 from dcrb_ros.core.layout.workspace import workspace
@@ -27,15 +27,16 @@ from dcrb_ros.measurement.decimation import Cascade
 from dcrb_ros.measurement.sensor import Measurement, Sensor
 from dcrb_ros.runtime.arrays import Floats
 from dcrb_ros.runtime.refusal import Refusal
-from dcrb_ros.runtime.timestamps import nanoseconds
+from dcrb_ros.runtime.simulated_time import nanoseconds
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.parameters import Operating
 from dcrb_ros.simulation.block import Block, Truth
-from dcrb_ros.simulation.scenario import Event
+from dcrb_ros.simulation.events import BlockLost, Command, Event, LoadCommand, ParameterChange, Refused, ScenarioEvent, SpeedCommand, Start
+from dcrb_ros.simulation.scenario import ScheduledChange
 from dcrb_ros.simulation.transmission import Transmission
 
 Item = TypeVar("Item")
-MOST_PENDING = 1000
+MAX_PENDING = 1000
 """Commands that may wait for the next block."""
 
 
@@ -61,35 +62,46 @@ class Simulation:
     Commands and changes may come from any thread; they take effect at the next block's first step, which the truth states. The
     events of a scenario take effect at their own steps.
     The samples follow from the configuration, the scenario and the simulated times of the commands alone.
+
+    Examples
+    --------
+    >>> import dcrb_ros
+    >>> simulation = dcrb_ros.Simulation(dcrb_ros.load_configuration("healthy"))
+    >>> for block in simulation.blocks(0.05):
+    ...     rms = block.acceleration.std(axis=0)  # in X and Y [m/s^2]
+    >>> simulation.command_speed(150.0)  # takes effect at the next block
+    >>> next(simulation.blocks())
+    <Block: 1024 samples at 51.2 kHz from 0.0500 s, 2 states>
     """
 
-    def __init__(self, configuration: Configuration, scenario: Iterable[Event] = (), *, waveform_only: bool = False) -> None:
+    def __init__(self, configuration: Configuration, scenario: Iterable[ScheduledChange] = (), *, waveform_only: bool = False) -> None:
         """Start a bearing; with ``waveform_only`` its blocks have no states and no preview, and the same samples and truths."""
         self._waveform_only = waveform_only
         self.configuration = configuration
         """As it is now: with the changes that have taken effect."""
-        self._events = deque(scenario)
-        self._coming: dict[str, Any] = {}
+        self._scheduled = deque(scenario)
+        self._requested: dict[str, Any] = {}
+        """Values in the pending changes."""
         self._onsets = onsets({}, configuration, 0.0)
-        self.layout: Layout = layout(configuration)
+        self.bodies: BodyNames = body_names(configuration)
         self._payload = build_payload(configuration)
         self._state = initial_state(configuration, self._payload)
         self._work = workspace(self._payload)
         self._stored = stored_energy(self._payload, self._state)
-        self._sensor = Sensor(configuration)
+        self._sensor = Sensor(configuration.measurement)
         self._transmission = Transmission(configuration)
         self._preview = Cascade(configuration.sensor.sampling_rate // configuration.publishing.preview_rate)
         self._orders = characteristic_orders(configuration.bearing)
         self._steps = 0
         self._samples = 0
-        self._pending: deque[Callable[[], str]] = deque()
+        self._pending: deque[Command] = deque()
         self._lock = threading.Lock()
         self._measured: deque[Measurement] = deque()
         self._states: deque[States] = deque()
         self._truths: deque[Truth] = deque()
         self._previews: deque[tuple[int, npt.NDArray[np.float64]]] = deque()
         self._preview_count = 0
-        self._note("start")
+        self._note(Start())
 
     @property
     def time_ns(self) -> int:
@@ -105,25 +117,15 @@ class Simulation:
         """Ask for a speed [rad/s], reached with the configured ramp from the next block on."""
         value = _checked("command/speed", "speed", speed, "rad/s")
         altered(self.configuration, {"operating.speed": value}, "command/speed")
-
-        def apply() -> str:
-            self._state.target[0] = value
-            return f"command/speed {value!r} rad/s"
-
         with self._lock:
-            self._await(apply)
+            self._enqueue(SpeedCommand(value))
 
     def command_load(self, x: float, y: float) -> None:
         """Ask for a force on the inner ring in X and Y [N], reached with the configured ramp from the next block on."""
         force = _checked("command/load force.x", "lateral_load", x, "N"), _checked("command/load force.y", "load", y, "N")
         altered(self.configuration, {"operating.lateral_load": force[0], "operating.load": -force[1]}, "command/load")
-
-        def apply() -> str:
-            self._state.target[1:] = force
-            return f"command/load {force[0]!r} {force[1]!r} N"
-
         with self._lock:
-            self._await(apply)
+            self._enqueue(LoadCommand(*force))
 
     def change(self, changes: Mapping[str, Any]) -> None:
         """Ask for other faults or another sensor from the next block on: dotted keys and values, checked as a whole.
@@ -131,10 +133,14 @@ class Simulation:
         Raises:
             Refusal: see `dcrb_ros.bearing.runtime_change.altered`.
         """
+        # Scalars of numpy, as a loop over an array gives them, would be printed as such in the ground truth.
+        changes = {key: value.item() if isinstance(value, np.generic) else value for key, value in changes.items()}
+        if not changes:
+            return
         with self._lock:
-            altered(self.configuration, {**self._coming, **changes})
-            self._await(lambda: self._alter(changes, spoken(changes)))
-            self._coming.update(changes)
+            altered(self.configuration, {**self._requested, **changes})
+            self._enqueue(ParameterChange(changes))
+            self._requested.update(changes)
 
     def fork(self) -> Simulation:
         """Return a bearing that goes on from here by itself: with the same samples, until one of the two is told otherwise.
@@ -156,13 +162,13 @@ class Simulation:
         with self._lock:
             return bool(self._pending)
 
-    def _await(self, apply: Callable[[], str]) -> None:
-        """Keep a command for the next block; there may be none for long, while the bench is paused."""
-        if len(self._pending) >= MOST_PENDING:
+    def _enqueue(self, command: Command) -> None:
+        """Keep a command for the next block, which may be far away while the bench is paused."""
+        if len(self._pending) >= MAX_PENDING:
             raise Refusal(
-                f"{MOST_PENDING} commands wait for the next block already; this one is refused, send it again once the bench runs"
+                f"{MAX_PENDING} commands are already waiting for the next block; this one is refused, send it again once the bench runs"
             )
-        self._pending.append(apply)
+        self._pending.append(command)
 
     def blocks(self, duration: float | None = None) -> Iterator[Block]:
         """Yield blocks until ``duration`` [s] of samples is reached, for ever without one.
@@ -177,11 +183,11 @@ class Simulation:
     def _block(self, size: int) -> Block:
         if self._samples == 0:
             compile_ahead(self._payload, self._state, self._work)
-        self._obey()
+        self._apply_commands()
         first, rate = self._samples, self.configuration.sensor.sampling_rate
         lost = self._transmission.loses()
         if lost:
-            self._note(f"lost: samples {first} .. {first + size - 1}")
+            self._note(BlockLost(first, first + size - 1))
         self._step_to(self._sensor.steps(first + size))
         measured = self._take(size)
         self._samples += size
@@ -205,27 +211,38 @@ class Simulation:
             energy=self.energy if truths and not self._waveform_only else None,
         )
 
-    def _obey(self) -> None:
+    def _apply_commands(self) -> None:
         with self._lock:
             while self._pending:
-                self._note(self._pending.popleft()())
-            self._coming.clear()
+                self._note(self._apply(self._pending.popleft()))
+            self._requested.clear()
 
-    def _meet_events(self) -> None:
-        """Let the scenario's events of this step take effect."""
-        while self._events and self._events[0].step <= self._steps:
-            event = self._events.popleft()
+    def _apply(self, command: Command) -> Event | None:
+        """Apply a command and return the event to report."""
+        match command:
+            case SpeedCommand(speed):
+                self._state.target[0] = speed
+            case LoadCommand(x, y):
+                self._state.target[1:] = x, y
+            case ParameterChange(changes):
+                return self._alter(changes, command)
+        return command
+
+    def _apply_scheduled(self) -> None:
+        """Apply the scenario's changes of this step."""
+        while self._scheduled and self._scheduled[0].step <= self._steps:
+            scheduled = self._scheduled.popleft()
             with self._lock:
-                said = self._alter(event.changes, event.words)
-            if event.words:
-                self._note(said)
+                event = self._alter(scheduled.changes, scheduled.event)
+            if scheduled.event is not None:
+                self._note(event)
 
-    def _alter(self, changes: Mapping[str, Any], words: str) -> str:
-        """Change what the bench is from this step on; return what the truth says of it."""
+    def _alter(self, changes: Mapping[str, Any], request: ParameterChange | ScenarioEvent | None) -> Event | None:
+        """Apply changes of parameters from this step on; return the request, or its refusal."""
         try:
             after = altered(self.configuration, changes)
-        except Refusal as refusal:  # what came in between forbids it
-            return f"refused: {words}: {refusal}"
+        except Refusal as refusal:  # it conflicts with a change that came in between
+            return Refused(request, str(refusal)) if request is not None else None
         before, self.configuration = self.configuration, after
         if after.faults != before.faults:
             self._payload = refitted(after, self._payload, self._state)
@@ -234,24 +251,24 @@ class Simulation:
         if after.operating != before.operating:
             ramps = after.operating
             self._payload = self._payload._replace(speed_ramp=ramps.speed_ramp, load_ramp=ramps.load_ramp)
-        if (after.sensor, after.background) != (before.sensor, before.background):
-            self._sensor.change(after.sensor, -(-self._steps // after.steps_per_sample), after.background)
+        if after.measurement.parameters != before.measurement.parameters:
+            self._sensor.change(after.measurement.parameters, -(-self._steps // after.steps_per_sample))
         targets = ("operating.speed", 0, after.operating.speed), ("operating.lateral_load", 1, after.operating.lateral_load)
         for key, axis, target in (*targets, ("operating.load", 2, -after.operating.load)):
             if key in changes:
                 self._state.target[axis] = target
-        return words
+        return request
 
     def _step_to(self, end: int) -> None:
         """Step the model to step ``end``, stopping on the way at every time of a state or a truth."""
         motion: list[tuple[Floats, Floats]] = []
         while self._steps < end:
-            self._meet_events()
+            self._apply_scheduled()
             publishing, rate = self.configuration.publishing, self.configuration.step_rate
             state_due = end if self._waveform_only else _next_tick(self._steps, publishing.state_rate, rate)
             truth_due = _next_tick(self._steps, publishing.truth_rate, rate)
-            event_due = self._events[0].step if self._events else end
-            count = min(end, state_due, truth_due, event_due) - self._steps
+            change_due = self._scheduled[0].step if self._scheduled else end
+            count = min(end, state_due, truth_due, change_due) - self._steps
             acceleration, angles = np.empty((count, 2)), np.empty(count)
             advance(self._payload, self._state, self._work, acceleration, angles)
             self._steps += count
@@ -260,7 +277,7 @@ class Simulation:
             if self._steps == state_due and not self._waveform_only:
                 self._states.append(observe(self._payload, self._state, self.time_ns))
             if self._steps == truth_due:
-                self._note("")
+                self._note(None)
         if motion:
             accelerations, shaft = zip(*motion, strict=True)
             self._measured.append(self._sensor.measure(np.concatenate(accelerations), np.concatenate(shaft)))
@@ -282,18 +299,18 @@ class Simulation:
     def _feed_preview(self, clean: npt.NDArray[np.float64]) -> None:
         if self._waveform_only:
             return
-        for sample in self._preview.feed(clean):
+        for sample in self._preview.process(clean):
             time_ns = nanoseconds(self._preview_count, self.configuration.publishing.preview_rate)
             self._previews.append((time_ns, sample))
             self._preview_count += 1
 
-    def _note(self, changed: str) -> None:
-        """Keep the truth of this moment."""
+    def _note(self, event: Event | None) -> None:
+        """Append the ground truth of this instant."""
         speed, load = float(self._state.shaft[1]), self._state.load
         faults = {name: {**fields, "onset": self._onsets[name]} for name, fields in self.configuration.described_faults().items()}
         frequencies = self._orders.frequencies(speed / (2.0 * math.pi))
         background = self.configuration.background.described()
-        self._truths.append(Truth(self.time_ns, speed, (float(load[0]), float(load[1])), frequencies, faults, changed, background))
+        self._truths.append(Truth(self.time_ns, speed, (float(load[0]), float(load[1])), frequencies, faults, event, background))
 
 
 def _next_tick(step: int, rate: int, step_rate: int) -> int:

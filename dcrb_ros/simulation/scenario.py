@@ -1,4 +1,4 @@
-"""A scenario: what happens to a bench, as a timeline in simulated time."""
+"""Scenarios: changes of speed, load, faults and sensor on a timeline in simulated time."""
 
 from __future__ import annotations
 
@@ -8,79 +8,87 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from dcrb_ros.bearing.runtime_change import altered, spoken
+from dcrb_ros.bearing.runtime_change import altered
 from dcrb_ros.runtime.refusal import Refusal, nearest
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import COMMANDED, flatten, overlaid, shipped_folder, validated
-from dcrb_ros.settings.parameters import shaft_speed
+from dcrb_ros.settings.vehicle_speed import SPEED, replaced
 from dcrb_ros.settings.yaml import read_yaml
+from dcrb_ros.simulation.events import ScenarioEvent
 
 TICK = 0.05
-"""Simulated time between two sizes of what grows [s]; longer where that made more than `MOST_TICKS`."""
-MOST_TICKS = 20_000
-LONGEST = 1e6
-"""Latest time of an event [s]."""
-MOST_EVENTS = 10_000
-SPEED, KMH = "operating.speed", "operating.speed_kmh"
+"""Simulated time between two steps of a gradual change [s]; longer if there would be more than `MAX_TICKS`."""
+MAX_TICKS = 20_000
+MAX_TIME = 1e6
+"""Latest time of an entry [s]."""
+MAX_ENTRIES = 10_000
 RAMPS = {SPEED: "operating.speed_ramp", "operating.load": "operating.load_ramp", "operating.lateral_load": "operating.load_ramp"}
-"""The slope at which each command is followed."""
+"""The ramp at which each target is approached."""
 KEYS = ("at", "over", "set")
-STARTS = ("operating", "faults", "structure", "background", "sensor")
-"""Groups of parameters that a scenario may begin with."""
+START_GROUPS = ("operating", "faults", "structure", "background", "sensor")
+"""Groups of parameters that may stand under ``start``."""
 
 
 @dataclass(frozen=True)
-class Event:
+class ScheduledChange:
     """A change of parameters at a time step."""
 
     step: int
-    """It takes effect from this step on, whatever the block size."""
+    """First time step with the new values, independent of the block size."""
     changes: Mapping[str, Any]
     """Dotted keys and their new values."""
-    words: str
-    """What the ground truth says of it; empty for the steps of a growth between its ends."""
+    event: ScenarioEvent | None
+    """The event to report; none for the intermediate steps of a gradual change."""
 
 
 @dataclass(frozen=True)
 class _Entry:
-    """An entry of the file: at a time, a set of values, reached at once or linearly over a time."""
+    """An entry of the file: values that are set at a time, or approached linearly over a duration."""
 
     at: float
+    """Simulated time [s]."""
     over: float
+    """Duration of the change [s]; 0 for an immediate one."""
     first: int
     """Time step at which it begins."""
     last: int
     """Time step at which it ends."""
     values: Mapping[str, Any]
+    """Dotted keys and their values at the end."""
     source: str
+    """The entry's name in error messages."""
 
     @property
-    def moving(self) -> bool:
-        """Whether it takes its time."""
+    def gradual(self) -> bool:
+        """Whether the change extends over several time steps."""
         return self.last > self.first
 
     @property
     def keys(self) -> set[str]:
-        """What it sets, the ramps of speed and load among it."""
+        """The keys it sets, including the ramps of speed and load."""
         return {*self.values, *(RAMPS[key] for key in self.values if key in RAMPS)}
 
 
-def read_scenario(path: Path, configuration: Configuration) -> list[Event]:
-    """Return the events of a scenario, a file or a shipped name, for a bench, in the order of time.
+def read_scenario(path: Path, configuration: Configuration) -> list[ScheduledChange]:
+    """Return the changes of a scenario in the order of time.
+
+    Args:
+        path: a file, or the name of a shipped scenario.
+        configuration: the bench, before the values under ``start``.
 
     Raises:
-        Refusal: the file cannot be read or is no scenario, or the bench refuses what it asks for at some time.
+        Refusal: the file cannot be read or is not a scenario, or one of its changes is invalid for the bench.
     """
-    story = read_story(path)
-    return timeline(story, begun(story, configuration, str(path)), str(path))
+    tree = read_scenario_file(path)
+    return scheduled_changes(tree, starting_configuration(tree, configuration, str(path)), str(path))
 
 
-def read_story(path: Path) -> Any:
-    """Return a scenario, a file or a shipped name, as YAML gives it: what a recording keeps of it, and `timeline` takes."""
-    return read_yaml(_found(path))
+def read_scenario_file(path: Path) -> Any:
+    """Return a scenario, a file or a shipped name, as parsed from YAML; recordings contain it in this form."""
+    return read_yaml(_find(path))
 
 
-def _found(path: Path) -> Path:
+def _find(path: Path) -> Path:
     """Return the file of a scenario given by its path or a shipped name."""
     shipped = {file.stem: file for file in sorted((shipped_folder() / "scenarios").glob("*.yaml"))}
     if not path.is_file() and str(path) not in shipped:
@@ -88,62 +96,71 @@ def _found(path: Path) -> Path:
     return path if path.is_file() else shipped[str(path)]
 
 
-def begun(tree: Any, configuration: Configuration, source: str) -> Configuration:
-    """Return a bench as a scenario begins it: with the parameters that stand below ``start``, if any.
+def starting_configuration(tree: Any, configuration: Configuration, source: str) -> Configuration:
+    """Return the configuration at the start of a scenario: with the values under ``start``, if there are any.
 
     Raises:
-        Refusal: they are no parameters of operation, faults or sensor, or not possible.
+        Refusal: a key is not in one of `START_GROUPS`, or a value is invalid.
     """
     start = tree.get("start", {}) if isinstance(tree, Mapping) else {}
     if not isinstance(start, Mapping):
         raise Refusal(f"{source}: 'start' must name parameters and their values, such as operating.speed_kmh: 20.0")
     values = {str(key): value for key, value in flatten(start).items()}
     for key in values:
-        if not key.startswith(tuple(f"{group}." for group in STARTS)):
-            raise Refusal(f"{source}: start: {key} is no part of a scenario; it may begin with {', '.join(STARTS)}")
-    values = _by_the_wheel(values, configuration, f"{source}: start")
+        if not key.startswith(tuple(f"{group}." for group in START_GROUPS)):
+            raise Refusal(f"{source}: start: {key} cannot be set by a scenario; give keys of {', '.join(START_GROUPS)}")
+    values = replaced(values, configuration.operating.wheel_diameter, f"{source}: start")
     return validated(overlaid(flatten(configuration.model_dump()), values), Configuration, f"{source}: start") if values else configuration
 
 
-def timeline(tree: Any, configuration: Configuration, source: str) -> list[Event]:
-    """Return the events of a scenario as YAML gives it, for a bench as `begun`; see `read_scenario`."""
+def scheduled_changes(tree: Any, configuration: Configuration, source: str) -> list[ScheduledChange]:
+    """Return the changes of a scenario in the order of time.
+
+    Args:
+        tree: the scenario as parsed from YAML.
+        configuration: the bench as returned by `starting_configuration`.
+        source: the scenario's name in error messages.
+
+    Raises:
+        Refusal: the tree is not a scenario, or one of its changes is invalid for the bench.
+    """
     if not isinstance(tree, Mapping) or set(tree) - {"start"} != {"timeline"} or not isinstance(tree["timeline"], list):
         raise Refusal(
-            f"{source} is not a scenario: it must hold 'timeline:' and below it a list of entries with 'at' and 'set'; it may hold 'start:'"
+            f"{source} is not a scenario: give 'timeline:' with a list of entries that have 'at' and 'set', and optionally 'start:'"
         )
-    if len(tree["timeline"]) > MOST_EVENTS:
-        raise Refusal(f"{source} has {len(tree['timeline'])} entries; a scenario has at most {MOST_EVENTS}")
-    told = [_entry(item, configuration, f"{source}, entry {number}") for number, item in enumerate(tree["timeline"], 1)]
-    # What is set at once comes before what begins to move from there.
-    entries = sorted(told, key=lambda entry: (entry.first, entry.moving))
+    if len(tree["timeline"]) > MAX_ENTRIES:
+        raise Refusal(f"{source} has {len(tree['timeline'])} entries; a scenario has at most {MAX_ENTRIES}")
+    parsed = [_entry(item, configuration, f"{source}, entry {number}") for number, item in enumerate(tree["timeline"], 1)]
+    # Immediate changes come before gradual changes that begin at the same time.
+    entries = sorted(parsed, key=lambda entry: (entry.first, entry.gradual))
     _refuse_overlaps(entries)
-    events: list[Event] = []
+    changes: list[ScheduledChange] = []
     present = configuration
     for moment in sorted({entry.first for entry in entries} | {entry.last for entry in entries}):
         for entry in entries:
-            # What ends comes before what begins.
-            if entry.moving and entry.last == moment:
+            # Gradual changes end before others begin at the same time.
+            if entry.gradual and entry.last == moment:
                 present = altered(present, entry.values, f"{entry.source} (at {entry.at + entry.over:g} s)")
         for entry in entries:
             if entry.first == moment:
-                events += _events(entry, present)
-                present = present if entry.moving else altered(present, entry.values, f"{entry.source} (at {entry.at:g} s)")
-    return sorted(events, key=lambda event: event.step)
+                changes += _changes(entry, present)
+                present = present if entry.gradual else altered(present, entry.values, f"{entry.source} (at {entry.at:g} s)")
+    return sorted(changes, key=lambda change: change.step)
 
 
 def _refuse_overlaps(entries: Sequence[_Entry]) -> None:
-    """Refuse an entry, of all in their order, that sets what another still moves: one of them would be lost."""
-    moved: dict[str, _Entry] = {}
+    """Refuse an entry that sets a key which another entry is still changing: one of the two would have no effect."""
+    changing: dict[str, _Entry] = {}
     for entry in entries:
-        for key in sorted(entry.keys & set(moved)):
-            other = moved[key]
+        for key in sorted(entry.keys & set(changing)):
+            other = changing[key]
             if entry.first < other.last:
                 raise Refusal(
-                    f"{entry.source}: it sets {key} at {entry.at:g} s, which another entry moves from {other.at:g} s to "
-                    f"{other.at + other.over:g} s; begin this one when that one ends, or let it end sooner"
+                    f"{entry.source}: it sets {key} at {entry.at:g} s, which another entry changes from {other.at:g} s to "
+                    f"{other.at + other.over:g} s; begin this one when the other ends, or end the other earlier"
                 )
-        if entry.moving:
-            moved.update(dict.fromkeys(entry.keys, entry))
+        if entry.gradual:
+            changing.update(dict.fromkeys(entry.keys, entry))
 
 
 def _entry(item: Any, configuration: Configuration, source: str) -> _Entry:
@@ -154,29 +171,18 @@ def _entry(item: Any, configuration: Configuration, source: str) -> _Entry:
             raise Refusal(f"{source}: unknown key '{key}'{nearest(str(key), KEYS)}; an entry has 'at', 'set' and 'over'")
     if not isinstance(item["set"], Mapping) or not item["set"]:
         raise Refusal(f"{source}: 'set' must name parameters and their values, such as faults.outer_1.width: 0.002")
-    values = _by_the_wheel({str(key): value for key, value in flatten(item["set"]).items()}, configuration, source)
+    given = {str(key): value for key, value in flatten(item["set"]).items()}
+    values = replaced(given, configuration.operating.wheel_diameter, source)
     if "time_scale" in values:
-        raise Refusal(f"{source}: time_scale is no part of a scenario, which goes by simulated time; give it to the bench")
+        raise Refusal(f"{source}: time_scale cannot be set by a scenario, whose times are simulated; set it in the configuration")
     at, over = _seconds(item["at"], "at", source), _seconds(item.get("over", 0.0), "over", source)
     first, last = (first_step(seconds, configuration.step_rate) for seconds in (at, at + over))
     return _Entry(at, over, first, last, values, source)
 
 
-def _by_the_wheel(values: dict[str, Any], configuration: Configuration, source: str) -> dict[str, Any]:
-    """Return values with a speed of the vehicle turned into the shaft's."""
-    if KMH not in values:
-        return values
-    kmh = values.pop(KMH)
-    if SPEED in values:
-        raise Refusal(f"{source}: it sets {SPEED} and {KMH}; give one of them")
-    if isinstance(kmh, bool) or not isinstance(kmh, (int, float)) or not abs(kmh) <= 1000.0:
-        raise Refusal(f"{source}: {KMH} = {kmh!r} km/h is not a number within -1000 .. 1000 km/h")
-    return {SPEED: shaft_speed(float(kmh), configuration.operating.wheel_diameter), **values}
-
-
 def _seconds(value: Any, key: str, source: str) -> float:
-    if isinstance(value, bool) or not isinstance(value, (int, float)) or not 0.0 <= value <= LONGEST:
-        raise Refusal(f"{source}: {key} = {value!r} is not a simulated time within 0 .. {LONGEST:g} s")
+    if isinstance(value, bool) or not isinstance(value, (int, float)) or not 0.0 <= value <= MAX_TIME:
+        raise Refusal(f"{source}: {key} = {value!r} is not a simulated time within 0 .. {MAX_TIME:g} s")
     return float(value)
 
 
@@ -187,16 +193,16 @@ def first_step(seconds: float, step_rate: int) -> int:
     return near if abs(exact - near) < 1e-3 else math.ceil(exact)
 
 
-def _events(entry: _Entry, present: Configuration) -> Iterator[Event]:
-    """Yield an entry's events, the bench being as it is at its beginning."""
-    if not entry.moving:
-        yield Event(entry.first, entry.values, f"scenario: {spoken(entry.values)}")
+def _changes(entry: _Entry, present: Configuration) -> Iterator[ScheduledChange]:
+    """Yield the changes of an entry; ``present`` is the configuration at its beginning."""
+    if not entry.gradual:
+        yield ScheduledChange(entry.first, entry.values, ScenarioEvent(entry.values))
         return
     before = flatten(present.model_dump())
     altered(present, entry.values, f"{entry.source} (at {entry.at + entry.over:g} s)")
     for key, value in entry.values.items():
         if not isinstance(value, float) or (key.startswith("operating.") and key not in COMMANDED):
-            raise Refusal(f"{entry.source}: {key} cannot change 'over' {entry.over:g} s: it changes at once or not at all")
+            raise Refusal(f"{entry.source}: {key} cannot change gradually 'over' {entry.over:g} s: leave out 'over'")
     ramped = {key: value for key, value in entry.values.items() if key in COMMANDED}
     grown = {key: value for key, value in entry.values.items() if key not in COMMANDED}
     slopes = _slopes(entry, ramped, before)
@@ -206,7 +212,7 @@ def _events(entry: _Entry, present: Configuration) -> Iterator[Event]:
 
 
 def _slopes(entry: _Entry, values: Mapping[str, float], before: Mapping[str, Any]) -> dict[str, float]:
-    """Return the ramps by which speeds and loads take the entry's time; of two loads, the one that changes more does."""
+    """Return the ramps with which speed and load take the entry's duration; of two loads, the one that changes more."""
     slopes: dict[str, float] = {}
     for key, value in values.items():
         slope = abs(value - before[key]) / entry.over
@@ -214,22 +220,22 @@ def _slopes(entry: _Entry, values: Mapping[str, float], before: Mapping[str, Any
     return {key: slope for key, slope in slopes.items() if slope > 0.0}
 
 
-def _ramps(entry: _Entry, values: Mapping[str, float], slopes: Mapping[str, float], before: Mapping[str, Any]) -> Iterator[Event]:
-    """Yield the begin and the end of speeds and loads that change at one slope each; the ramps of before hold again at the end."""
+def _ramps(entry: _Entry, values: Mapping[str, float], slopes: Mapping[str, float], before: Mapping[str, Any]) -> Iterator[ScheduledChange]:
+    """Yield the start and the end of a gradual change of speed and load; at the end the previous ramps are restored."""
     if slopes:
-        yield Event(entry.first, {**slopes, **values}, f"scenario: {spoken(values)} over {entry.over:g} s begins")
-        yield Event(entry.last, {key: before[key] for key in slopes}, f"scenario: {spoken(values)}")
+        yield ScheduledChange(entry.first, {**slopes, **values}, ScenarioEvent(values, entry.over))
+        yield ScheduledChange(entry.last, {key: before[key] for key in slopes}, ScenarioEvent(values))
 
 
-def _growth(entry: _Entry, values: Mapping[str, float], before: Mapping[str, Any]) -> Iterator[Event]:
-    """Yield the sizes of what grows, at equal steps between its begin and its end."""
+def _growth(entry: _Entry, values: Mapping[str, float], before: Mapping[str, Any]) -> Iterator[ScheduledChange]:
+    """Yield the steps of parameters that change gradually, at equal intervals; the last one completes the change."""
     if not values:
         return
     first, last = entry.first, entry.last
-    count = max(1, min(MOST_TICKS, math.floor(entry.over / TICK)))
+    count = max(1, min(MAX_TICKS, math.floor(entry.over / TICK)))
     for k in range(1, count):
         share = k / count
         sizes = {key: before[key] + share * (value - before[key]) for key, value in values.items()}
         step = first + (last - first) * k // count
-        yield Event(step, sizes, f"scenario: {spoken(values)} over {entry.over:g} s begins" if k == 1 else "")
-    yield Event(last, values, f"scenario: {spoken(values)}")
+        yield ScheduledChange(step, sizes, ScenarioEvent(values, entry.over) if k == 1 else None)
+    yield ScheduledChange(last, values, ScenarioEvent(values))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dcrb_ros.measurement.streams import stream
+from dcrb_ros.measurement.random_streams import random_stream
 from dcrb_ros.settings.configuration import Configuration
 
 
@@ -14,7 +14,7 @@ class Transmission:
         self._probability = publishing.loss_probability
         rate = configuration.sensor.sampling_rate
         self._length, self._period = round(publishing.burst_length * rate), round(publishing.burst_period * rate)
-        self._random = stream(configuration.simulation.seed, "transmission")
+        self._random = random_stream(configuration.simulation.seed, "transmission")
 
     def between_bursts(self, first: int) -> bool:
         """Return whether a block that begins with a sample ``first`` lies between two bursts."""

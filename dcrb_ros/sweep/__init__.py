@@ -1,1 +1,1 @@
-"""From one bearing to a data set: a sweep file, its plan of runs, the runs on Dask, their labels."""
+"""Labelled data sets: a sweep file, its plan of runs, their simulation on Dask, and their labels."""

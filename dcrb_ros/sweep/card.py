@@ -1,4 +1,4 @@
-"""The data card: what a data set is, for whoever finds it."""
+"""The data card: the description of a data set that is stored with it."""
 
 from __future__ import annotations
 
@@ -17,24 +17,24 @@ SPLITS = ("train", "validation", "test")
 
 def card(plan: Plan, tally: Tally) -> str:
     """Return the data card in Markdown."""
-    sections = (_what(plan.sweep, tally), _counts(tally), _files(plan.sweep), _columns(), _design(plan.sweep), _again(plan.sweep))
+    sections = (_summary(plan.sweep, tally), _counts(tally), _files(plan.sweep), _columns(), _design(plan.sweep), _reproduction(plan.sweep))
     return "\n\n".join(sections) + "\n"
 
 
-def _what(sweep: Sweep, tally: Tally) -> str:
+def _summary(sweep: Sweep, tally: Tally) -> str:
     rate, file = sweep.base["sensor.sampling_rate"], sweep.file
     made = sum(tally.statuses.values())
     rest = ", ".join(f"{count} {status}" for status, count in sorted(tally.statuses.items()) if status != DONE)
     return f"""# Vibration of a simulated double-row roller bearing
 
 {tally.statuses[DONE]} runs of {file.duration:g} s, {tally.seconds:.6g} s in all,
-made by dcrb_ros {__version__} (model {model_fingerprint()}). Of {made} planned runs {rest or "none was refused or failed"}.
+made by dcrb_ros {__version__} (model {model_fingerprint()}). Of {made} planned runs, {rest or "none was refused or failed"}.
 
-Every waveform is what an accelerometer on the outer ring measures at {rate} Hz (unless `labels.parquet` says otherwise):
+Every waveform is the output of an accelerometer on the outer ring at {rate} Hz (unless `labels.parquet` gives another rate):
 `ax` and `ay` [m/s^2], X to the right and Y up, and `shaft_angle` [rad], the rotation of the inner ring within 0 .. 2 pi. The first
-{file.settle:g} s of a run are not recorded. The data are simulated: a planar model of a rigid bearing, without lubricant, heat or wear.
+{file.settle:g} s of a run are not recorded. The data are simulated with a planar model of a rigid bearing, without lubricant, heat or wear.
 
-Licence of the data: {file.licence}. The program that made them is under Apache-2.0 and claims nothing in them."""
+Licence of the data: {file.licence}. The licence of the program that made them, Apache-2.0, does not extend to the data."""
 
 
 def _counts(tally: Tally) -> str:
@@ -44,14 +44,14 @@ def _counts(tally: Tally) -> str:
         counts = [tally.classes[split, fault] for fault in faults]
         cells = [split, len(tally.conditions.get(split, ())), *counts, sum(counts)]
         lines.append("| " + " | ".join(str(cell) for cell in cells) + " |")
-    words = "\n".join(f"* {count} x {reason}" for reason, count in tally.reasons.most_common(10))
+    reasons = "\n".join(f"* {count} x {reason}" for reason, count in tally.reasons.most_common(10))
     return "\n".join(
         [
             "## Runs by split and fault\n",
             *lines,
-            "\nA condition (bearing, speed, load) is in one split only, with all its seeds, faults and sensors; so are twins: "
-            "the runs of one condition and\nseed, which differ in what is wrong only.",
-            *([f"\nNot done:\n\n{words}"] if words else []),
+            "\nA condition (bearing, speed, load) belongs to one split only, with all its seeds, faults and sensors. So do twins, "
+            "the runs of one condition\nand seed that differ in the fault only.",
+            *([f"\nNot simulated:\n\n{reasons}"] if reasons else []),
         ]
     )
 
@@ -61,21 +61,21 @@ def _files(sweep: Sweep) -> str:
     waveform = {
         "npz": "`runs/RUN.npz`: arrays `ax`, `ay`, `shaft_angle` (float32), `sampling_rate`, `first_index`; `numpy.load`",
         "parquet": "`runs/RUN.parquet`: columns `ax`, `ay`, `shaft_angle` (float32); `pandas.read_parquet`",
-        "bag": "`runs/RUN/`: a rosbag2 recording (MCAP), with ground truth and all that `dcrb info` tells",
+        "bag": "`runs/RUN/`: a rosbag2 recording (MCAP) with ground truth; `dcrb info` prints its contents",
     }[kind]
     lines = [
         "## Files\n",
-        "* `labels.parquet`: a row per run; `pandas.read_parquet`",
+        "* `labels.parquet`: one row per run; `pandas.read_parquet`",
         f"* {waveform}",
-        "* `labels/RUN.json`: the same label by itself",
-        "* `sweep.yaml`: the sweep file; `base.yaml`: its base in full; `sweep.json`: both, with the scenarios",
+        "* `labels/RUN.json`: the label of one run",
+        "* `sweep.yaml`: the sweep file; `base.yaml`: its base configuration with all parameters; `sweep.json`: both, with the scenarios",
     ]
     if windows is not None:
-        what = "array `x` of shape (windows, 2, length)" if windows.kind == "npz" else "columns `ax`, `ay`, lists of `length` samples"
+        arrays = "array `x` of shape (windows, 2, length)" if windows.kind == "npz" else "columns `ax`, `ay`, lists of `length` samples"
         lines.append(
-            f"* `windows/SPLIT/RUN.{windows.kind}`: windows of {windows.length} samples, every {windows.hop}: {what} [m/s^2], with `start` "
-            "(sample), `time` [s], `fault`, `width` [m], `speed` [rad/s], `load` [N] and `mixed` "
-            "(something changed within it) of each window"
+            f"* `windows/SPLIT/RUN.{windows.kind}`: windows of {windows.length} samples every {windows.hop} samples: {arrays} [m/s^2], "
+            "with `start` (sample), `time` [s], `fault`, `width` [m], `speed` [rad/s], `load` [N] and `mixed` "
+            "(whether a fault changed within the window) of each window"
         )
     return "\n".join(lines)
 
@@ -83,22 +83,23 @@ def _files(sweep: Sweep) -> str:
 def _columns() -> str:
     lines = "\n".join(f"| `{name}` | {meaning} |" for name, meaning in COLUMNS.items())
     units = "; ".join(f"{name} in {unit}" for name, unit in UNITS.items())
-    head = f"## Columns of labels.parquet\n\n{units}. Every parameter that varies has a column of its own name, too."
+    head = f"## Columns of labels.parquet\n\n{units}. Every varied parameter has a column with its own name."
     return f"{head}\n\n| column | meaning |\n|---|---|\n{lines}"
 
 
 def _design(sweep: Sweep) -> str:
     file = sweep.file
     lines = [f"* design: {file.design}" + ("" if file.design == GRID else f", {file.points} points, seed {file.seed}")]
-    lines += [f"* {words}" for words in _axes(sweep.vary)]
+    lines += [f"* {axis}" for axis in _axes(sweep.vary)]
     for name, axes in sweep.cases.items():
-        lines.append(f"* case `{name}`: " + ("; ".join(_axes({k: a for k, a in axes.items() if _says(k, a, sweep)})) or "nothing is wrong"))
-    start = f"healthy bearings branch into their cases at {file.branch_at:g} s" if file.branch_at else "each run has its own settled start"
+        lines.append(f"* case `{name}`: " + ("; ".join(_axes({k: a for k, a in axes.items() if _changes(k, a, sweep)})) or "no fault"))
+    branches = f"the cases of a condition branch from one healthy simulation at {file.branch_at:g} s"
+    start = branches if file.branch_at else "every run is simulated from its own start"
     return "## Design\n\n" + "\n".join([*lines, f"* seeds: {file.seeds!r} per condition; {start}"])
 
 
-def _says(key: str, axis: object, sweep: Sweep) -> bool:
-    """Return whether an axis of a case changes anything."""
+def _changes(key: str, axis: object, sweep: Sweep) -> bool:
+    """Return whether an axis of a case changes a parameter."""
     return not (isinstance(axis, Choice) and axis.values == (sweep.base.get(key),))
 
 
@@ -110,14 +111,14 @@ def _axes(axes: Axes) -> list[str]:
     return found
 
 
-def _again(sweep: Sweep) -> str:
+def _reproduction(sweep: Sweep) -> str:
     text = hashlib.sha256(sweep.text.encode()).hexdigest()
     here = ", ".join(f"{name} {version}" for name, version in software().items())
-    return f"""## To make it again
+    return f"""## Reproducing the data set
 
 ```sh
 dcrb sweep sweep.yaml -o DIR    # dcrb_ros {__version__}
 ```
 
-`sweep.yaml` has the SHA-256 {text}. It was made with {here}; on the same kind of machine the samples are the same to the last bit, on
-another kind they may differ in it, and then rollers outside the loading zone differ in detail and agree in statistics."""
+`sweep.yaml` has the SHA-256 {text}. The data set was made with {here}. On the same kind of machine the samples are identical bit for bit.
+On another kind the last bit may differ; rollers outside the load zone then move differently in detail, with the same statistics."""

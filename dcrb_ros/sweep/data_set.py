@@ -1,4 +1,4 @@
-"""The data set as it grows: begun or gone on with, its runs made, its table and card written."""
+"""A data set on disk: created or continued, its runs simulated, its table and data card written."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ from dcrb_ros.recordings.manifest import model_fingerprint
 from dcrb_ros.runtime.refusal import Refusal
 from dcrb_ros.settings.files import nest
 from dcrb_ros.sweep.card import card
-from dcrb_ros.sweep.carry_out import error_label, recipe, write_label
 from dcrb_ros.sweep.dispatch import dispatched
+from dcrb_ros.sweep.execution import common_settings, error_label, write_label
 from dcrb_ros.sweep.label import ERROR
 from dcrb_ros.sweep.plan import Plan
 from dcrb_ros.sweep.store import Store, StoreFailed
@@ -26,43 +26,43 @@ if TYPE_CHECKING:
 
 ABOUT, COPY, BASE, CARD = "sweep.json", "sweep.yaml", "base.yaml", "README.md"
 PARTS = ("sweep", "base", "scenarios")
-"""What a data set is made from, by the names in `ABOUT`."""
+"""Inputs of a data set, by their keys in `ABOUT`."""
 TASK_SECONDS = 2.0
-"""Simulated time in a task below which short runs go together [s]: handing over a task costs some milliseconds."""
+"""Simulated time up to which short runs are combined in one task [s]: submitting a task takes some milliseconds."""
 
 Progress = Callable[[Counter[str]], None]
 
 
 class DataSet:
-    """A data set at its place."""
+    """A data set in a store."""
 
     def __init__(self, plan: Plan, store: Store) -> None:
-        """Begin a data set, or go on with one.
+        """Create a data set, or open an existing one to continue it.
 
         Raises:
-            Refusal: something else lies there, or what was begun with another sweep, model or version, or it cannot be written.
+            Refusal: the store contains other files, or a data set of another sweep, model or version, or it cannot be written.
         """
         self.plan, self.store = plan, store
         about = _about(plan)
         known = _known(store)
         if known:
-            _same(known, about, store)
+            _check_same(known, about, store)
         elif any(True for _ in store.names("")):
-            raise Refusal(f"{store.address} holds something else: give a folder that is empty or not there yet")
+            raise Refusal(f"{store.address} contains files that are not a data set: give an empty or a new folder")
         try:
-            # By this one the folder is known again, so it comes first.
+            # Written first, since the folder is recognised by this file.
             store.write(ABOUT, json.dumps(about, indent=1).encode())
             store.write(COPY, plan.sweep.text.encode())
             store.write(BASE, _as_file(plan).encode())
         except StoreFailed as failure:
             raise Refusal(str(failure)) from None
-        store.sweep_up()
+        store.remove_unfinished()
         self.done = {name.removesuffix(".json") for name in store.names("labels")}
         """Runs that have a label."""
 
     def make(self, client: Client, progress: Progress) -> Tally:
-        """Make what is missing, then the table and the card; tell of ``progress`` the outcomes of each task."""
-        common, runs = recipe(self.plan.sweep, self.store), self.plan.tasks(self.done, self._task_seconds(client))
+        """Simulate the missing runs, then write the table and the card; ``progress`` is called with the outcomes of each task."""
+        common, runs = common_settings(self.plan.sweep, self.store), self.plan.tasks(self.done, self._task_seconds(client))
         for task, outcome in dispatched(client, common, runs):
             if isinstance(outcome, Exception):
                 for run in task:
@@ -83,22 +83,22 @@ class DataSet:
         return tally
 
     def _task_seconds(self, client: Client) -> float:
-        """Return the simulated time of a task [s]: short, but no shorter than what keeps all workers busy to the end."""
+        """Return the simulated time of a task [s]: short enough that all workers stay busy to the end."""
         file, workers = self.plan.sweep.file, max(1, sum(client.nthreads().values()))
         fair: float = self.plan.sweep.count * (file.duration + file.settle) / (8 * workers)
         return min(TASK_SECONDS, fair)
 
 
 def _known(store: Store) -> dict[str, Any]:
-    """Return what the data set at a place was begun with; nothing where there is none.
+    """Return the inputs of the data set in a store; empty if there is no data set.
 
     Raises:
-        Refusal: the place is no folder or cannot be read, or what it says of itself is damaged.
+        Refusal: the store is not a folder or cannot be read, or the file of the inputs is damaged.
     """
     try:
         known = store.read(ABOUT)
     except OSError as error:
-        raise Refusal(f"{store.address} cannot be read: {error.strerror or error}; give a folder that is empty or not there yet") from None
+        raise Refusal(f"{store.address} cannot be read: {error.strerror or error}; give an empty or a new folder") from None
     if known is None:
         return {}
     try:
@@ -106,36 +106,36 @@ def _known(store: Store) -> dict[str, Any]:
     except (ValueError, RecursionError):
         about = None
     if not isinstance(about, dict) or not all(isinstance(about.get(part, {}), dict) for part in PARTS):
-        raise Refusal(f"{store.path(ABOUT)} is damaged, so nobody knows what the data set was begun with: give another folder")
+        raise Refusal(f"{store.path(ABOUT)} is damaged, so the data set cannot be continued: give another folder")
     return about
 
 
 def _about(plan: Plan) -> dict[str, Any]:
-    """Return what a data set was begun with, all that is needed to make it again."""
+    """Return the inputs of a data set, from which it can be reproduced."""
     sweep = plan.sweep
     return {
         "name": plan.name,
         "sweep": sweep.file.model_dump(mode="json", by_alias=True),
         "base": dict(sweep.base),
-        "scenarios": dict(sweep.stories),
+        "scenarios": dict(sweep.scenarios),
         "dcrb_ros": __version__,
         "model": model_fingerprint(),
     }
 
 
 def _as_file(plan: Plan) -> str:
-    """Return the base of a plan as a configuration file."""
+    """Return the base configuration of a plan as the text of a configuration file."""
     return str(yaml.safe_dump({"/**": {"ros__parameters": nest(plan.sweep.base)}}, sort_keys=False))
 
 
-def _same(known: dict[str, Any], about: dict[str, Any], store: Store) -> None:
-    """Refuse to go on with a data set that was begun otherwise."""
+def _check_same(known: dict[str, Any], about: dict[str, Any], store: Store) -> None:
+    """Refuse to continue a data set with other inputs."""
     if known.get("name") == about["name"]:
         return
     if known.get("model") != about["model"] or known.get("dcrb_ros") != about["dcrb_ros"]:
         raise Refusal(
-            f"{store.address} was begun with dcrb_ros {known.get('dcrb_ros')} and model {known.get('model')}, this is "
-            f"{about['dcrb_ros']} with model {about['model']}: give another folder, a data set is of one model"
+            f"{store.address} was made with dcrb_ros {known.get('dcrb_ros')} and model {known.get('model')}, but this is "
+            f"{about['dcrb_ros']} with model {about['model']}: give another folder"
         )
     parts = [part for part in PARTS if known.get(part) != about[part]]
     keys = [
@@ -145,6 +145,6 @@ def _same(known: dict[str, Any], about: dict[str, Any], store: Store) -> None:
         if known.get(part, {}).get(key) != about[part].get(key)
     ]
     raise Refusal(
-        f"{store.address} was begun with another sweep ({', '.join(keys[:5])} differ{'s' if len(keys) == 1 else ''}): give another folder, "
-        f"or take up the old one with its {COPY}"
+        f"{store.address} was made with another sweep ({', '.join(keys[:5])} differ{'s' if len(keys) == 1 else ''}): give another folder, "
+        f"or continue this one with its own {COPY}"
     )

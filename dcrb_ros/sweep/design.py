@@ -1,4 +1,4 @@
-"""Designs of experiments: points in the space of what varies, made one after the other."""
+"""Experimental designs: points in the space of the varied parameters, generated one at a time."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ GRID, RANDOM, LATIN_HYPERCUBE = "grid", "random", "latin_hypercube"
 
 @dataclass(frozen=True)
 class Choice:
-    """One of some values."""
+    """An axis with listed values."""
 
     values: tuple[Value, ...]
 
     def at(self, share: float) -> Value:
-        """Return the value at a share of the axis, 0 .. 1 [-]."""
+        """Return the value at a position on the axis, 0 .. 1 [-]."""
         return self.values[min(int(share * len(self.values)), len(self.values) - 1)]
 
     def grid(self) -> tuple[Value, ...]:
@@ -31,19 +31,19 @@ class Choice:
 
 @dataclass(frozen=True)
 class Span:
-    """A closed range."""
+    """An axis with a closed range of values."""
 
     low: float
     high: float
     log: bool = False
-    """Whether equal shares are equal ratios."""
+    """Whether the axis is logarithmic."""
     whole: bool = False
-    """Whether only whole numbers are meant."""
+    """Whether the values are integers."""
     count: int = 0
-    """Values of a grid [-]."""
+    """Number of values in a grid [-]."""
 
     def at(self, share: float) -> Value:
-        """Return the value at a share of the axis, 0 .. 1 [-]."""
+        """Return the value at a position on the axis, 0 .. 1 [-]."""
         if self.whole and not self.log:
             return min(math.floor(self.low + share * (self.high - self.low + 1.0)), int(self.high))
         exact = self.low * (self.high / self.low) ** share if self.log else self.low + share * (self.high - self.low)
@@ -51,7 +51,7 @@ class Span:
         return round(held) if self.whole else held
 
     def grid(self) -> tuple[Value, ...]:
-        """Return the values of a grid, both ends among them."""
+        """Return the values of a grid, including both ends."""
         last = max(self.count - 1, 1)
         if self.whole and not self.log:
             return tuple(round(self.low + k * (self.high - self.low) / last) for k in range(self.count))
@@ -64,12 +64,12 @@ Point = dict[str, Value]
 
 
 def size(design: str, axes: Axes, count: int) -> int:
-    """Return the number of points of a design; ``count`` is what a grid does not need [-]."""
+    """Return the number of points of a design [-]; ``count`` gives it for all designs except a grid."""
     return math.prod(len(axis.grid()) for axis in axes.values()) if design == GRID else count
 
 
 def points(design: str, axes: Axes, count: int, seed: int) -> Iterator[Point]:
-    """Yield the points of a design; the same arguments yield the same points."""
+    """Yield the points of a design; equal arguments yield equal points."""
     if design == GRID:
         for values in itertools.product(*(axis.grid() for axis in axes.values())):
             yield dict(zip(axes, values, strict=True))
@@ -79,14 +79,14 @@ def points(design: str, axes: Axes, count: int, seed: int) -> Iterator[Point]:
 
 
 def _shares(design: str, axes: int, count: int, seed: int) -> Iterator[np.ndarray[tuple[int, ...], np.dtype[np.float64]]]:
-    """Yield ``count`` points of the unit cube."""
+    """Yield ``count`` points in the unit cube, each of shape (axes,) [-]."""
     if not axes:
         yield from (np.zeros(0) for _ in range(count))
     elif design == RANDOM:
         for number in range(count):
             yield np.random.default_rng([seed, number]).random(axes)
     else:
-        from scipy.stats import qmc  # takes a second to import, which workers need not
+        from scipy.stats import qmc  # imported here since it takes a second, and the workers do not need it
 
-        # The stratification needs all points at once: 8 bytes each per axis.
+        # The stratification needs all points at once: 8 bytes per point and axis.
         yield from qmc.LatinHypercube(axes, seed=seed).random(count)

@@ -1,4 +1,4 @@
-"""Tasks on Dask: workers of this machine or of a cluster, a bounded number of tasks under way."""
+"""Tasks on Dask: workers on this machine or of a cluster, with a bounded number of submitted tasks."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from dcrb_ros import __version__
 from dcrb_ros.recordings.manifest import model_fingerprint
 from dcrb_ros.runtime.processes import cores
 from dcrb_ros.runtime.refusal import Refusal
-from dcrb_ros.sweep.carry_out import Recipe, carry_out
+from dcrb_ros.sweep.execution import CommonSettings, run_task
 from dcrb_ros.sweep.plan import Task
 from dcrb_ros.sweep.store import StoreFailed
 
@@ -19,28 +19,28 @@ if TYPE_CHECKING:
     from distributed import Client, Future
 
 PATIENCE = 10.0
-"""How long a scheduler may take to answer, and to find its first worker [s]."""
-WAITING = 3
-"""Tasks per worker that are handed over at once: one runs, the others keep it from waiting."""
+"""Longest wait for the scheduler's answer, and for its first worker [s]."""
+TASKS_PER_WORKER = 3
+"""Tasks submitted per worker at a time [-]: one runs, the others are queued so that the worker never idles."""
 
-SELDOM = {
+DASK_SETTINGS = {
     "distributed.worker.profile.enabled": False,
     "distributed.admin.tick.interval": "500ms",
     "distributed.admin.system-monitor.interval": "2s",
     "distributed.worker.memory.monitor-interval": "500ms",
 }
-"""How often workers look after themselves: as Dask has it, that takes each of them 2 % of a core."""
+"""Longer intervals of the workers' self-monitoring, which takes 2 % of a core per worker with Dask's defaults."""
 
 Outcome = list[tuple[str, str]] | Exception
-"""Name and outcome of each run of a task, or why there is none."""
+"""Name and status of each run of a task, or the exception that ended the task."""
 
 
 @contextmanager
-def workers_here(count: int | None, memory: str) -> Iterator[Client]:
-    """Start workers on this machine, a process per core without a ``count``, each held to its ``memory``.
+def local_workers(count: int | None, memory: str) -> Iterator[Client]:
+    """Start worker processes on this machine, by default one per core, each limited to ``memory``.
 
     Raises:
-        Refusal: Dask is not installed, or the memory is no size.
+        Refusal: Dask is not installed, or ``memory`` is not a size.
     """
     _require_dask()
     import dask
@@ -50,18 +50,18 @@ def workers_here(count: int | None, memory: str) -> Iterator[Client]:
     try:
         limit = None if memory == "auto" else parse_bytes(memory)
     except ValueError:
-        raise Refusal(f"--memory {memory}: it is no size; write such as 2GB, or auto for an equal share of the machine's") from None
-    # There is a web server even without bokeh, and so without a dashboard.
-    place = "127.0.0.1:8787" if dashboard_there() else "127.0.0.1:0"
+        raise Refusal(f"--memory {memory} is not a size: give one such as 2GB, or auto for an equal share of the machine's") from None
+    # Dask starts a web server even without bokeh, that is without a dashboard; then any free port will do.
+    dashboard = "127.0.0.1:8787" if dashboard_available() else "127.0.0.1:0"
     with (
-        dask.config.set(SELDOM),
+        dask.config.set(DASK_SETTINGS),
         LocalCluster(
             n_workers=count or cores(),
             threads_per_worker=1,
             processes=True,
             memory_limit=limit or "auto",
             host="127.0.0.1",
-            dashboard_address=place,
+            dashboard_address=dashboard,
             silence_logs=50,
         ) as cluster,
         Client(cluster) as client,
@@ -70,11 +70,11 @@ def workers_here(count: int | None, memory: str) -> Iterator[Client]:
 
 
 @contextmanager
-def workers_of(scheduler: str) -> Iterator[Client]:
+def cluster_workers(scheduler: str) -> Iterator[Client]:
     """Use the workers of a scheduler, such as ``tcp://10.0.0.1:8786``.
 
     Raises:
-        Refusal: Dask is not installed, or the scheduler or its workers cannot be reached or run another model.
+        Refusal: Dask is not installed, the scheduler cannot be reached, or its workers are missing or run another model.
     """
     _require_dask()
     from distributed import Client
@@ -82,9 +82,9 @@ def workers_of(scheduler: str) -> Iterator[Client]:
     try:
         client = Client(scheduler, timeout=PATIENCE)
     except (OSError, ValueError, TypeError) as error:
-        why = str(error).splitlines()[0] if str(error) else "it does not answer"
+        reason = str(error).splitlines()[0] if str(error) else "it does not answer"
         raise Refusal(
-            f"the scheduler {scheduler} cannot be reached: {why}; start one with 'dask scheduler' and give its address, such as "
+            f"the scheduler {scheduler} cannot be reached: {reason}; start one with 'dask scheduler' and give its address, such as "
             "tcp://10.0.0.1:8786"
         ) from None
     with client:
@@ -92,41 +92,41 @@ def workers_of(scheduler: str) -> Iterator[Client]:
         yield client
 
 
-def dashboard_there() -> bool:
-    """Return whether Dask's dashboard can be shown."""
+def dashboard_available() -> bool:
+    """Return whether the requirements of Dask's dashboard are installed."""
     from importlib.util import find_spec
 
     return find_spec("bokeh") is not None
 
 
-def dispatched(client: Client, recipe: Recipe, tasks: Iterator[Task]) -> Iterator[tuple[Task, Outcome]]:
-    """Yield each task with what became of its runs, as they end.
+def dispatched(client: Client, common: CommonSettings, tasks: Iterator[Task]) -> Iterator[tuple[Task, Outcome]]:
+    """Yield each task with its outcome, in the order of completion.
 
-    A task whose worker is lost goes to another one. No more tasks are asked for than keep the workers busy.
+    A task whose worker is lost is submitted to another one. Only as many tasks are generated as keep the workers busy.
 
     Raises:
-        StoreFailed: the place of the data set cannot be written; nothing is started any more.
+        StoreFailed: the data set cannot be written; no further task is submitted.
     """
     from distributed import as_completed
 
     known: dict[Future[Any], Task] = {}
     queue = as_completed()
 
-    def hand_over(count: int) -> None:
+    def submit(count: int) -> None:
         for task in itertools.islice(tasks, count):
-            future = client.submit(carry_out, recipe, task, key=f"sweep-{task[0].name}", pure=False)
+            future = client.submit(run_task, common, task, key=f"sweep-{task[0].name}", pure=False)
             known[future] = task
             queue.add(future)
 
     try:
-        hand_over(WAITING * max(1, sum(client.nthreads().values())))
+        submit(TASKS_PER_WORKER * max(1, sum(client.nthreads().values())))
         for future in queue:
             task = known.pop(future)
             outcome = _outcome(future)
             future.release()
             if isinstance(outcome, StoreFailed):
                 raise outcome
-            hand_over(1)
+            submit(1)
             yield task, outcome
     finally:
         if known:
@@ -141,29 +141,29 @@ def _outcome(future: Future[Any]) -> Outcome:
         found: list[tuple[str, str]] = future.result()
         return found
     if isinstance(error, KilledWorker):
-        return RuntimeError("its worker was lost again and again, for want of memory perhaps: give --memory, or shorter runs")
+        return RuntimeError("its worker was lost repeatedly, perhaps out of memory: increase --memory, or shorten the runs")
     return error if isinstance(error, Exception) else RuntimeError(str(error))
 
 
 def _compare(client: Client, scheduler: str) -> None:
-    """Refuse workers that are not there or that would make other samples."""
+    """Refuse missing workers, and workers that would compute other samples."""
     try:
         client.wait_for_workers(1, timeout=PATIENCE)
     except TimeoutError:
         raise Refusal(f"the scheduler {scheduler} has no workers: start some with 'dask worker {scheduler} --nthreads 1'") from None
     try:
-        found = set(client.run(what_runs_here).values())
-    except Exception as error:  # whatever comes back from a machine without this package
+        found = set(client.run(software_versions).values())
+    except Exception as error:  # a machine without this package may raise any exception
         raise Refusal(f"the workers of {scheduler} cannot run dcrb_ros ({error}): install version {__version__} there") from None
-    for version, model in sorted(found - {what_runs_here()}):
+    for version, model in sorted(found - {software_versions()}):
         raise Refusal(
-            f"the workers of {scheduler} run dcrb_ros {version} with model {model}, this is {__version__} with {model_fingerprint()}: "
-            "install the same on all machines"
+            f"the workers of {scheduler} run dcrb_ros {version} with model {model}, but this is {__version__} with model "
+            f"{model_fingerprint()}: install the same version on all machines"
         )
 
 
-def what_runs_here() -> tuple[str, str]:
-    """Return version and model of this process."""
+def software_versions() -> tuple[str, str]:
+    """Return the package version and the model fingerprint of this process."""
     return __version__, model_fingerprint()
 
 

@@ -1,4 +1,4 @@
-"""What a sweep would cost: counts from the plan, time and room from a short calibration."""
+"""The estimated cost of a sweep: run counts from the plan, time and disk space from a few short runs."""
 
 from __future__ import annotations
 
@@ -9,34 +9,34 @@ from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
 
-from dcrb_ros.sweep.carry_out import carry_out, recipe
+from dcrb_ros.sweep.execution import common_settings, run_task
 from dcrb_ros.sweep.label import DONE
 from dcrb_ros.sweep.plan import Plan, Task
 from dcrb_ros.sweep.store import Store
 
-SHORT, LONG = 0.05, 0.35
-"""Recorded times of the two runs that a calibration compares [s]."""
-CALIBRATED = 3
-"""Groups of runs that are calibrated [-]."""
+SHORT_RUN, LONG_RUN = 0.05, 0.35
+"""Recorded times of the two calibration runs, from whose difference the cost per second follows [s]."""
+CALIBRATION_TASKS = 3
+"""Tasks used for the calibration [-]."""
 
 
 @dataclass(frozen=True)
 class Estimate:
-    """What a sweep would cost."""
+    """The estimated cost of a sweep."""
 
     counts: Counter[tuple[str, str]]
     """Runs by split and case."""
     start: float
-    """Time that a run takes before its first sample, its label and its share of a branch included [s]."""
+    """Wall time of a run before its first sample, including its label and its share of a branch point [s]."""
     factor: float
-    """Simulated over wall time of a worker from there on [-]."""
+    """Real-time factor of a worker after that [-]."""
     per_run: float
-    """Room of a run without samples [B]."""
+    """Disk space of a run without samples [B]."""
     per_second: float
-    """Room of a recorded second [B/s]."""
+    """Disk space per recorded second [B/s]."""
     duration: float
     refused: int
-    """Runs of the calibration that were refused or failed [-]."""
+    """Calibration runs that were refused or failed [-]."""
 
     @property
     def runs(self) -> int:
@@ -44,51 +44,51 @@ class Estimate:
         return sum(self.counts.values())
 
     def seconds(self, workers: int) -> float:
-        """Return the time that all runs take [s]."""
+        """Return the wall time of all runs [s]."""
         return self.runs * (self.start + self.duration / self.factor) / workers
 
     @property
-    def room(self) -> float:
-        """Room of all files [B]."""
+    def size(self) -> float:
+        """Disk space of all files [B]."""
         return self.runs * (self.per_run + self.duration * self.per_second)
 
 
 def estimate(plan: Plan) -> Estimate:
-    """Return what a sweep would cost on workers like this process."""
+    """Return the estimated cost of a sweep on workers as fast as this process."""
     counts = Counter((run.split, run.case) for run in plan.runs())
-    tasks = [task for task, _ in zip(plan.groups(), range(CALIBRATED), strict=False)]
+    tasks = [task for task, _ in zip(plan.groups(), range(CALIBRATION_TASKS), strict=False)]
     file = plan.sweep.file
     rate = float(plan.sweep.base["sensor.sampling_rate"])
-    least = file.windows.length / rate if file.windows else 0.0
-    _tried(plan, tasks[:1], SHORT)  # compiled and loaded
-    brief, whole = _tried(plan, tasks, SHORT + least), _tried(plan, tasks, LONG + least)
-    apart, runs = (LONG - SHORT), sum(len(task) for task in tasks)
-    pace = max((whole.seconds - brief.seconds) / runs / apart, 1e-6)
-    size = max((whole.room - brief.room) / runs / apart, 0.0)
+    window = file.windows.length / rate if file.windows else 0.0
+    _trial(plan, tasks[:1], SHORT_RUN)  # compiles the kernels and loads the modules
+    short, long = _trial(plan, tasks, SHORT_RUN + window), _trial(plan, tasks, LONG_RUN + window)
+    difference, runs = LONG_RUN - SHORT_RUN, sum(len(task) for task in tasks)
+    wall_per_second = max((long.seconds - short.seconds) / runs / difference, 1e-6)
+    per_second = max((long.size - short.size) / runs / difference, 0.0)
     return Estimate(
         counts=counts,
-        start=max(brief.seconds / runs - (SHORT + least) * pace, 0.0),
-        factor=1.0 / pace,
-        per_run=max(brief.room / runs - (SHORT + least) * size, 0.0),
-        per_second=size,
+        start=max(short.seconds / runs - (SHORT_RUN + window) * wall_per_second, 0.0),
+        factor=1.0 / wall_per_second,
+        per_run=max(short.size / runs - (SHORT_RUN + window) * per_second, 0.0),
+        per_second=per_second,
         duration=file.duration,
-        refused=whole.refused,
+        refused=long.refused,
     )
 
 
 @dataclass(frozen=True)
 class _Trial:
     seconds: float
-    room: float
+    size: float
     refused: int
 
 
-def _tried(plan: Plan, tasks: list[Task], duration: float) -> _Trial:
-    """Carry tasks out with another duration [s], into a folder that goes."""
+def _trial(plan: Plan, tasks: list[Task], duration: float) -> _Trial:
+    """Run tasks with another duration [s] in a temporary folder."""
     with tempfile.TemporaryDirectory(prefix="dcrb-sweep-") as folder:
-        common = dataclasses.replace(recipe(plan.sweep, Store(folder)), duration=duration)
+        common = dataclasses.replace(common_settings(plan.sweep, Store(folder)), duration=duration)
         begin = time.perf_counter()
-        outcomes = [status for task in tasks for _, status in carry_out(common, task)]
+        outcomes = [status for task in tasks for _, status in run_task(common, task)]
         seconds = time.perf_counter() - begin
-        room = sum(path.stat().st_size for path in Path(folder).rglob("*") if path.is_file())
-    return _Trial(seconds, room, sum(status != DONE for status in outcomes))
+        size = sum(path.stat().st_size for path in Path(folder).rglob("*") if path.is_file())
+    return _Trial(seconds, size, sum(status != DONE for status in outcomes))

@@ -1,34 +1,24 @@
-"""The label of a run: what it is, what is wrong in it, and what became of it."""
+"""The label of a run: its place in the design, its configuration, its faults, and its outcome."""
 
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Mapping
 from typing import Any
 
 from dcrb_ros import __version__
+from dcrb_ros.faults.ground_truth import class_of
 from dcrb_ros.recordings.manifest import model_fingerprint
 from dcrb_ros.settings.files import overlaid
 from dcrb_ros.simulation.block import Truth
 from dcrb_ros.sweep.plan import Run
 
 DONE, REFUSED, FAILED, ERROR = "done", "refused", "failed", "error"
-"""What becomes of a run. A refused or failed one would fail again; after an error it is tried again by the next call."""
-CLASSES = {"outer": "outer_ring", "inner": "inner_ring", "roller": "roller", "broken": "cage", "sensor": "sensor"}
-
-
-def fault_class(faults: Mapping[str, Any]) -> str:
-    """Return what is wrong in the detector's words: healthy, outer_ring, inner_ring, roller, cage, compound for several of them, or
-    sensor, which hides the rest."""
-    found = {CLASSES[re.split("[_.]", name)[0]] for name in faults}
-    if "sensor" in found:
-        return "sensor"
-    return "compound" if len(found) > 1 else next(iter(found), "healthy")
+"""Outcomes of a run. A refused or failed run is not repeated, since it would fail again; a run that ended in an error is."""
 
 
 def base_label(run: Run, base: Mapping[str, Any]) -> dict[str, Any]:
-    """Return what is known of a run before it has run."""
+    """Return the part of the label that is known before the run."""
     parameters = overlaid(base, run.changes)
     return {
         "run": run.name,
@@ -46,18 +36,18 @@ def base_label(run: Run, base: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def fault_label(truths: list[Truth]) -> dict[str, Any]:
-    """Return what is wrong at the end of a run, and at which speed and load it ran."""
+    """Return the faults, the speed and the load at the end of a run; of several defects the size of the widest one."""
     last = truths[-1]
-    notches = {name: fault for name, fault in last.faults.items() if "width" in fault}
-    largest: Mapping[str, Any] = max(notches.values(), key=lambda fault: fault["width"], default={})
+    defects = [fault for fault in last.faults.values() if "width" in fault]
+    widest: Mapping[str, Any] = max(defects, key=lambda fault: fault["width"], default={})
     return {
-        "fault": fault_class(last.faults),
+        "fault": class_of(last.faults),
         "faults": {name: dict(fault) for name, fault in last.faults.items()},
-        "width": largest.get("width"),
-        "depth": largest.get("depth"),
-        "row": largest.get("row"),
-        "azimuth": largest.get("azimuth"),
-        "broken_bars": sum(name.startswith("broken_bars") for name in last.faults),
+        "width": widest.get("width"),
+        "depth": widest.get("depth"),
+        "row": widest.get("row"),
+        "azimuth": widest.get("azimuth"),
+        "broken_bars": sum("bar" in fault for fault in last.faults.values()),
         "onset": min((fault["onset"] for fault in last.faults.values()), default=None),
         "speed": last.speed,
         "load": math.hypot(*last.load),

@@ -1,4 +1,4 @@
-"""The plan: every run of a sweep with its name, its twin and its split, made one after the other."""
+"""The plan: every run of a sweep with its name, twin and split, generated one at a time."""
 
 from __future__ import annotations
 
@@ -13,15 +13,15 @@ from typing import Any
 from dcrb_ros import __version__
 from dcrb_ros.recordings.manifest import model_fingerprint
 from dcrb_ros.sweep.design import GRID, Point, Value, points
-from dcrb_ros.sweep.sweep_file import SCENARIO, SOUND, Shares, Sweep
+from dcrb_ros.sweep.sweep_file import NO_FAULTS, SCENARIO, Shares, Sweep
 
 SEED = "simulation.seed"
-NO_CONDITION = ("faults", "structure", "background", "sensor", "publishing", "recording", "time_scale")
-"""Groups of parameters that are no condition of the bearing: what is wrong, and how it is measured."""
+NOT_CONDITIONS = ("faults", "structure", "background", "sensor", "publishing", "recording", "time_scale")
+"""Groups of parameters that do not belong to the condition of the bearing: faults, measurement and output."""
 
 
 def digest(about: Any) -> str:
-    """Return a short hash of what JSON can say."""
+    """Return a short hash of a tree that can be written as JSON."""
     return hashlib.sha256(json.dumps(about, sort_keys=True).encode()).hexdigest()[:20]
 
 
@@ -30,59 +30,59 @@ class Run:
     """One run of a plan."""
 
     place: int
-    """Its place in the plan, from 0 [-]."""
+    """Position in the plan, from 0 [-]."""
     name: str
-    """Hash of all that its samples depend on."""
+    """Hash of everything that the samples depend on."""
     case: str
     twin: str
-    """Shared by the runs that differ in what is wrong only."""
+    """Shared by the runs that differ in the fault only."""
     condition: str
-    """Shared by the runs of one bearing at one speed and load, whatever is wrong and whichever seed."""
+    """Shared by the runs of one bearing at one speed and load, with any fault and seed."""
     split: str
     changes: Mapping[str, Value]
     """Parameters that differ from the sweep's base."""
     healthy: Mapping[str, Value]
-    """The same of the bearing before a case; where it branches, the run begins with them."""
+    """Parameters that differ from the sweep's base in the healthy bearing from which the run branches, if it branches."""
     scenario: str
     seed: int
 
 
 Task = tuple[Run, ...]
-"""Runs that one worker makes one after the other."""
+"""Runs that one worker simulates one after the other."""
 
 
 class Plan:
-    """The runs of a sweep, in a fixed order and none of them twice."""
+    """The runs of a sweep, in a fixed order and without duplicates."""
 
     def __init__(self, sweep: Sweep) -> None:
         self.sweep = sweep
         file, base = sweep.file, dict(sweep.base)
         self._common = digest([base, __version__, model_fingerprint(), file.duration, file.settle, file.branch_at])
-        self._bearing = digest({key: value for key, value in base.items() if not _no_condition(key)})
+        self._bearing = digest({key: value for key, value in base.items() if not _not_a_condition(key)})
         conditions = {self._condition(point) for point in self._points()}
         self._splits = splits(conditions, sweep.file.split)
         self.conditions = len(conditions)
 
     @functools.cached_property
     def name(self) -> str:
-        """Hash of the sweep, the version and the model: equal names make equal data sets."""
+        """Hash of the sweep, the version and the model; equal names give equal data sets."""
         file = self.sweep.file.model_dump(mode="json", by_alias=True)
-        return digest([file, dict(self.sweep.base), dict(self.sweep.stories), __version__, model_fingerprint()])
+        return digest([file, dict(self.sweep.base), dict(self.sweep.scenarios), __version__, model_fingerprint()])
 
     def runs(self) -> Iterator[Run]:
         """Yield every run."""
         return itertools.chain.from_iterable(self.groups())
 
     def groups(self) -> Iterator[Task]:
-        """Yield the runs of each condition and seed together."""
+        """Yield the runs of each condition and seed as a group."""
         known: set[bytes] = set()
         place = 0
-        drawn = self._cases()
+        cases_of_groups = self._cases()
         for point in self._points():
             condition = self._condition(point)
             for seed in self._seeds(condition):
                 group = []
-                for case, values in next(drawn):
+                for case, values in next(cases_of_groups):
                     run = self._run(place, condition, seed, point, case, values)
                     brief = bytes.fromhex(run.name)
                     if brief not in known:
@@ -93,7 +93,7 @@ class Plan:
                     yield tuple(group)
 
     def tasks(self, done: set[str], seconds: float) -> Iterator[Task]:
-        """Yield what is not ``done`` in tasks of some simulated ``seconds`` [s] or more; what branches together stays together."""
+        """Yield the runs that are not ``done`` in tasks of at least ``seconds`` of simulated time [s]; a group is never divided."""
         each, task = self.sweep.file.duration + self.sweep.file.settle, []
         for group in self.groups():
             task += [run for run in group if run.name not in done]
@@ -108,7 +108,7 @@ class Plan:
         return points(file.design, self.sweep.vary, file.points, file.seed)
 
     def _cases(self) -> Iterator[list[tuple[str, Point]]]:
-        """Yield the cases of each condition and seed: every value of a grid, or one that is drawn."""
+        """Yield the cases of each condition and seed: all values of a grid, or one random point per case."""
         file, cases = self.sweep.file, self.sweep.cases
         if file.design == GRID:
             yield from itertools.repeat([(name, values) for name, axes in cases.items() for values in points(GRID, axes, 0, file.seed)])
@@ -117,26 +117,26 @@ class Plan:
         for values in zip(*drawn, strict=True):
             yield list(zip(cases, values, strict=True))
 
-    def _other(self, changes: Point) -> Point:
-        """Return what differs from the base: equal bearings have equal differences, which are short."""
+    def _difference(self, changes: Point) -> Point:
+        """Return the parameters that differ from the base; equal bearings have equal differences."""
         return {key: value for key, value in changes.items() if self.sweep.base.get(key) != value}
 
     def _condition(self, point: Point) -> str:
-        return digest([self._bearing, self._other({key: value for key, value in point.items() if not _no_condition(key)})])
+        return digest([self._bearing, self._difference({key: value for key, value in point.items() if not _not_a_condition(key)})])
 
     def _seeds(self, condition: str) -> list[int]:
-        """Return the seeds at a condition: given, or drawn so that no two conditions have the same noise."""
+        """Return the seeds of a condition: as given, or derived from the condition so that no two conditions share their noise."""
         seeds = self.sweep.file.seeds
         return seeds if isinstance(seeds, list) else [int(digest([condition, k])[:8], 16) >> 1 for k in range(seeds)]
 
     def _run(self, place: int, condition: str, seed: int, point: Point, case: str, values: Point) -> Run:
-        wrong = {**point, **values}
-        scenario = str(wrong.pop(SCENARIO, ""))
-        changes = {**wrong, SEED: seed}
-        healthy = self._other({**{key: value for key, value in point.items() if key != SCENARIO}, **SOUND, SEED: seed})
+        parameters = {**point, **values}
+        scenario = str(parameters.pop(SCENARIO, ""))
+        changes = {**parameters, SEED: seed}
+        healthy = self._difference({**{key: value for key, value in point.items() if key != SCENARIO}, **NO_FAULTS, SEED: seed})
         return Run(
             place,
-            digest([self._common, self._other(changes), self.sweep.stories.get(scenario)]),
+            digest([self._common, self._difference(changes), self.sweep.scenarios.get(scenario)]),
             case,
             digest([self._common, healthy, point.get(SCENARIO, "")]),
             condition,
@@ -148,20 +148,24 @@ class Plan:
         )
 
 
-def _no_condition(key: str) -> bool:
-    """Return whether a parameter says nothing of the bearing, its speed and its load."""
-    return key.split(".")[0] in NO_CONDITION or key in (SEED, SCENARIO)
+def _not_a_condition(key: str) -> bool:
+    """Return whether a parameter is independent of the bearing, its speed and its load."""
+    return key.split(".")[0] in NOT_CONDITIONS or key in (SEED, SCENARIO)
 
 
 def splits(conditions: set[str], shares: Shares) -> dict[str, str]:
-    """Return the split of each condition: in the order of their hashes cut at the shares, none with a share left without."""
+    """Return the split of each condition: the sorted hashes are divided in proportion to the shares.
+
+    Sorting makes the result independent of the iteration order of the set. Every split with a share above zero gets at least
+    one condition if there are enough; if not, validation is left empty first.
+    """
     order, named = sorted(conditions), [(name, share) for name, share in shares.model_dump().items() if share > 0.0]
     if len(order) < len(named):
         named = [(name, share) for name, share in named if name != "validation"]
     counts = [max(round(share * len(order)), 1) for _, share in named]
     while sum(counts[1:]) >= len(order) and max(counts[1:]) > 1:
         counts[counts.index(max(counts[1:]), 1)] -= 1
-    # Training bears what rounding leaves over or takes away.
+    # The training split absorbs the rounding error.
     counts[0] = max(len(order) - sum(counts[1:]), 1)
     names = itertools.chain.from_iterable([name] * count for (name, _), count in zip(named, counts, strict=True))
     return dict(zip(order, names, strict=False))

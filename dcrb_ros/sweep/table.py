@@ -1,4 +1,4 @@
-"""The table of labels: a row per run, in the order of the plan."""
+"""The table of labels: one row per run, in the order of the plan."""
 
 from __future__ import annotations
 
@@ -10,7 +10,8 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from dcrb_ros.settings.files import parameter_fields
+from dcrb_ros.schema.verdicts import FAULT_CLASSES
+from dcrb_ros.settings.files import fields_by_key
 from dcrb_ros.sweep.label import DONE
 from dcrb_ros.sweep.plan import Plan, Run
 from dcrb_ros.sweep.store import Store
@@ -18,55 +19,55 @@ from dcrb_ros.sweep.sweep_file import SCENARIO, Sweep
 
 LABELS = "labels.parquet"
 ROWS = 1000
-"""Rows that are held in memory at once [-]."""
+"""Rows kept in memory at once [-]."""
 TEXTS = ("run", "twin", "condition", "split", "case", "status", "reason", "file", "fault", "scenario", "sha256", "dcrb_ros", "model")
 WHOLE = ("place", "seed", "row", "broken_bars", "sampling_rate", "first_index", "samples", "clipped", "windows")
 DECIMAL = ("width", "depth", "azimuth", "onset", "speed", "load", "ftf", "bpfo", "bpfi", "bsf")
 JSONS = ("faults", "configuration")
 COLUMNS: Mapping[str, str] = {
-    "run": "name of the run, a hash of all that its samples depend on",
-    "place": "its place in the plan",
-    "twin": "shared by the runs of one condition and seed, which differ in what is wrong only",
+    "run": "name of the run, a hash of everything that its samples depend on",
+    "place": "position of the run in the plan, from 0",
+    "twin": "shared by the runs of one condition and seed, which differ in the fault only",
     "condition": "shared by the runs of one bearing at one speed and load; never in two splits",
     "split": "train, validation or test",
-    "case": "the sweep's name for what is wrong",
-    "fault": "healthy, outer_ring, inner_ring, roller, cage, sensor or compound",
-    "width": "width of the largest notch [m]; none without",
-    "depth": "its depth [m]",
-    "row": "its row, 0 for all",
-    "azimuth": "its azimuth [rad]",
-    "broken_bars": "broken bars of the cages",
-    "onset": "since when the first fault is there [s]; sample k of the file is taken at (first_index + k) / sampling_rate",
-    "speed": "speed of the inner ring at the end [rad/s]",
-    "load": "magnitude of the force on it at the end [N]",
-    "ftf": "cage frequency at that speed [Hz]",
-    "bpfo": "rollers passing a point of the outer raceway [Hz]",
-    "bpfi": "rollers passing a point of the inner raceway [Hz]",
-    "bsf": "spin of a roller against its cage [Hz]",
+    "case": "name of the case in the sweep file",
+    "fault": f"one of {', '.join(FAULT_CLASSES)}",
+    "width": "width of the largest defect [m]; null without one",
+    "depth": "depth of that defect [m]",
+    "row": "row of that defect, 0 for all rows",
+    "azimuth": "azimuth of that defect [rad]",
+    "broken_bars": "number of broken cage bars",
+    "onset": "onset of the first fault [s]; sample k of the file is taken at (first_index + k) / sampling_rate",
+    "speed": "speed of the inner ring at the end of the run [rad/s]",
+    "load": "magnitude of the load on the inner ring at the end of the run [N]",
+    "ftf": "fundamental train frequency: rotation of the cage, at that speed [Hz]",
+    "bpfo": "ball pass frequency of the outer ring: rollers passing a point of the outer raceway [Hz]",
+    "bpfi": "ball pass frequency of the inner ring: rollers passing a point of the inner raceway [Hz]",
+    "bsf": "ball spin frequency: spin of a roller relative to its cage [Hz]",
     "sampling_rate": "samples per second [Hz]",
     "first_index": "index of the first sample since the start of the simulation",
     "samples": "samples in the file",
-    "windows": "windows cut from it",
-    "clipped": "samples beyond the sensor's range",
+    "windows": "number of windows of the run",
+    "clipped": "samples clipped at the sensor's range",
     "seed": "seed of the noise",
-    "scenario": "timeline of the run; empty for none",
-    "status": "done; refused (no such bearing can be); failed (the model left its domain); error (tried again by the next call)",
-    "reason": "why it is not done",
-    "file": "where the waveform lies",
+    "scenario": "scenario of the run; empty if there is none",
+    "status": "done; refused (invalid parameters); failed (the model left its domain); error (tried again by the next call)",
+    "reason": "reason why the run is not done; empty if it is",
+    "file": "path of the waveform in the data set",
     "sha256": "hash of ax, ay and shaft_angle of every sample, as little-endian single floats",
-    "faults": "every fault with its fields, as JSON",
-    "dcrb_ros": "version",
-    "model": "fingerprint of the model's sources",
-    "configuration": "every parameter, as JSON",
+    "faults": "all faults with their fields, as JSON",
+    "dcrb_ros": "version of dcrb_ros",
+    "model": "fingerprint of the model's source code",
+    "configuration": "all parameters, as JSON",
 }
 
 
 @dataclass
 class Tally:
-    """What is in the data set."""
+    """Counts of the runs in a data set."""
 
     classes: Counter[tuple[str, str]] = field(default_factory=Counter)
-    """Runs that are done by split and fault."""
+    """Finished runs by split and fault."""
     statuses: Counter[str] = field(default_factory=Counter)
     reasons: Counter[str] = field(default_factory=Counter)
     seconds: float = 0.0
@@ -86,13 +87,13 @@ class Tally:
 
 
 def varied(sweep: Sweep) -> dict[str, type]:
-    """Return the parameters that differ between runs, each of which has a column, with their types."""
+    """Return the varied parameters, each of which has a column, with their types."""
     keys = {key for axes in (sweep.vary, *sweep.cases.values()) for key in axes if key != SCENARIO}
-    return {field.key: field.kind for field in parameter_fields() if field.key in keys}
+    return {key: field.kind for key, field in fields_by_key().items() if key in keys}
 
 
 def write_table(plan: Plan, store: Store) -> Tally:
-    """Gather the labels of a plan in one table; return what is in it."""
+    """Write the labels of a plan's runs to one table; return their counts."""
     import pyarrow
     from pyarrow import parquet
 

@@ -1,4 +1,4 @@
-"""Windows: equal stretches of a run's waveform, each with its own label."""
+"""Windows: segments of equal length of a run's waveform, each with its own label."""
 
 from __future__ import annotations
 
@@ -9,57 +9,57 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from dcrb_ros.faults.ground_truth import class_of
 from dcrb_ros.runtime.arrays import Samples
 from dcrb_ros.simulation.block import Truth
-from dcrb_ros.sweep.label import fault_class
 from dcrb_ros.sweep.sweep_file import Windows
 
 
-def starts(samples: int, windows: Windows) -> npt.NDArray[np.int64]:
-    """Return the first sample of each window that lies wholly within a run of some ``samples`` [-]."""
+def window_starts(samples: int, windows: Windows) -> npt.NDArray[np.int64]:
+    """Return the first sample of each window that fits into a run of ``samples``, shape (windows,) [-]."""
     return np.arange(0, samples - windows.length + 1, windows.hop, dtype=np.int64)
 
 
-def cut(acceleration: Samples, windows: Windows) -> Samples:
+def cut_windows(acceleration: Samples, windows: Windows) -> Samples:
     """Return the windows of a waveform, shape (windows, 2, length) [m/s^2]."""
     if len(acceleration) < windows.length:
         return np.zeros((0, 2, windows.length), np.float32)
     view = np.lib.stride_tricks.sliding_window_view(acceleration, windows.length, axis=0)
-    found: Samples = np.ascontiguousarray(view[starts(len(acceleration), windows)])
+    found: Samples = np.ascontiguousarray(view[window_starts(len(acceleration), windows)])
     return found
 
 
-def labelled(begin: npt.NDArray[np.int64], first_index: int, rate: int, windows: Windows, truths: list[Truth]) -> dict[str, Any]:
-    """Return the columns of labels of windows that begin at some samples of a run.
+def window_labels(begin: npt.NDArray[np.int64], first_index: int, rate: int, windows: Windows, truths: list[Truth]) -> dict[str, Any]:
+    """Return the label columns of windows that start at the samples ``begin`` of a run.
 
-    A fault is a window's when it is there from its first sample on; ``mixed`` says that something changed within the window.
+    A window is labelled with the faults present at its first sample; ``mixed`` tells whether they change within the window.
     """
     times = [truth.time_ns for truth in truths]
-    known = [at(times, (first_index + int(sample)) * 1_000_000_000 // rate) for sample in begin]
-    ends = [at(times, (first_index + int(sample) + windows.length) * 1_000_000_000 // rate - 1) for sample in begin]
+    first = [index_at(times, (first_index + int(sample)) * 1_000_000_000 // rate) for sample in begin]
+    ends = [index_at(times, (first_index + int(sample) + windows.length) * 1_000_000_000 // rate - 1) for sample in begin]
     return {
         "start": begin + first_index,
         "time": (begin + first_index) / rate,
-        "fault": np.array([fault_class(truths[k].faults) for k in known]),
-        "width": np.array([max((f.get("width", 0.0) for f in truths[k].faults.values()), default=0.0) for k in known]),
-        "speed": np.array([truths[k].speed for k in known]),
-        "load": np.array([float(np.hypot(*truths[k].load)) for k in known]),
-        "mixed": np.array([sizes(truths[k]) != sizes(truths[end]) for k, end in zip(known, ends, strict=True)]),
+        "fault": np.array([class_of(truths[k].faults) for k in first]),
+        "width": np.array([max((f.get("width", 0.0) for f in truths[k].faults.values()), default=0.0) for k in first]),
+        "speed": np.array([truths[k].speed for k in first]),
+        "load": np.array([float(np.hypot(*truths[k].load)) for k in first]),
+        "mixed": np.array([fault_fields(truths[k]) != fault_fields(truths[end]) for k, end in zip(first, ends, strict=True)]),
     }
 
 
-def at(times: list[int], time_ns: int) -> int:
-    """Return the place of the last truth up to a time [ns], of the first one before it."""
+def index_at(times: list[int], time_ns: int) -> int:
+    """Return the index of the last time that is not after ``time_ns``, 0 if there is none [ns]."""
     return max(bisect_right(times, time_ns) - 1, 0)
 
 
-def sizes(truth: Truth) -> dict[str, Any]:
-    """Return what is wrong, with sizes."""
+def fault_fields(truth: Truth) -> dict[str, Any]:
+    """Return the faults of a ground truth with their fields."""
     return {name: dict(fault) for name, fault in truth.faults.items()}
 
 
-def packed_windows(x: Samples, labels: dict[str, Any], about: dict[str, str], kind: str) -> bytes:
-    """Return windows and labels as a file; ``about`` is the same for all of them."""
+def windows_file(x: Samples, labels: dict[str, Any], about: dict[str, str], kind: str) -> bytes:
+    """Return windows and labels as the bytes of a file; ``about`` holds the values common to all windows."""
     stream = io.BytesIO()
     if kind == "npz":
         arrays: dict[str, Any] = {"x": x, **labels, **{name: np.array(value) for name, value in about.items()}}

@@ -1,1 +1,1 @@
-"""The paper, reproduced: runs, numbers against its figures, figures laid out like its own, a report."""
+"""Validation against Fan et al. 2025: runs, comparisons with the paper's numbers, figures laid out like the paper's, a report."""

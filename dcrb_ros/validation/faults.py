@@ -1,4 +1,4 @@
-"""Rows of the three faults: Figs. 10 and 11, and what an independent engine found."""
+"""Comparisons of the faults with Figs. 10 and 11, and with the results of an independent multibody engine."""
 
 from __future__ import annotations
 
@@ -7,14 +7,14 @@ from collections.abc import Iterator
 import numpy as np
 
 from dcrb_ros.runtime.arrays import Floats
-from dcrb_ros.validation.case import BROKEN_BAR, JOINTS, WIDTHS, Run
-from dcrb_ros.validation.measures import Spectrum, decibels, envelope_spectrum, kurtosis, loading_zone, profile
-from dcrb_ros.validation.motion import LOADED, energy_residual
-from dcrb_ros.validation.row import Row, Runs, within
+from dcrb_ros.validation.comparison import Comparison, Runs, within
+from dcrb_ros.validation.healthy import ROLLING_FORCE, energy_residual
+from dcrb_ros.validation.measures import Spectrum, decibels, envelope_spectrum, kurtosis, load_zone, profile
+from dcrb_ros.validation.runs import BROKEN_BAR, JOINTS, WIDTHS, Run
 
 
-def fault_rows(runs: Runs) -> Iterator[Row]:
-    """Yield the rows of every joint."""
+def fault_comparisons(runs: Runs) -> Iterator[Comparison]:
+    """Yield the comparisons for each joint."""
     for joint in JOINTS:
         healthy, outer, inner = runs["healthy", joint], runs["outer ring defect", joint], runs["inner ring defect", joint]
         yield _outer_line(outer)
@@ -30,51 +30,51 @@ def fault_rows(runs: Runs) -> Iterator[Row]:
         yield _severity([runs[f"outer ring defect {width:g} mm", joint] for width in WIDTHS])
         yield _healthy_line(healthy, outer)
         yield _energy(outer)
-    yield from _foreign(runs["foreign laws, healthy", "revolute"], runs["foreign laws, outer ring defect", "revolute"])
+    yield from _independent_engine(runs["power law, healthy", "revolute"], runs["power law, outer ring defect", "revolute"])
 
 
 def spectrum(run: Run) -> Spectrum:
-    """Return the envelope spectrum of a run without its start."""
+    """Return the envelope spectrum of a run, without its start."""
     return envelope_spectrum(run.steady_acceleration, run.rate)
 
 
-def _outer_line(run: Run) -> Row:
+def _outer_line(run: Run) -> Comparison:
     expected = run.rollers_per_row * run.cage_frequency
     line = spectrum(run).line(expected, 10.0)
     strongest = spectrum(run).largest(20.0, 1000.0) / line.frequency
-    return Row(
+    return Comparison(
         "Envelope line of an outer ring defect",
-        run.case.joint,
+        run.spec.joint,
         "133 Hz (Fig. 11c)",
-        f"{line.frequency:.1f} Hz, {line.level:.0f} dB over its floor; strongest line: harmonic {strongest:.2f}",
-        f"16 f_C = {expected:.1f} Hz, 1 %; the strongest a harmonic",
+        f"{line.frequency:.1f} Hz, {line.level:.0f} dB above its floor; strongest line: harmonic {strongest:.2f}",
+        f"16 f_C = {expected:.1f} Hz, 1 %; strongest line at a harmonic",
         within(line.frequency, expected, 0.01) and abs(strongest - round(strongest)) < 0.02,
     )
 
 
-def _inner_line(run: Run) -> Row:
+def _inner_line(run: Run) -> Comparison:
     expected = run.rollers_per_row * (run.shaft_frequency - run.cage_frequency)
     line = spectrum(run).line(expected, 5.0)
-    return Row(
+    return Comparison(
         "Envelope line of an inner ring defect",
-        run.case.joint,
+        run.spec.joint,
         "184 Hz (Fig. 11b)",
-        f"{line.frequency:.1f} Hz, {line.level:.0f} dB over its floor",
+        f"{line.frequency:.1f} Hz, {line.level:.0f} dB above its floor",
         f"16 (f_r - f_C) = {expected:.1f} Hz, 1 %",
         within(line.frequency, expected, 0.01) and line.level > 10.0,
     )
 
 
-def _inner_sidebands(run: Run) -> Row:
+def _inner_sidebands(run: Run) -> Comparison:
     found = spectrum(run)
     middle = found.line(run.rollers_per_row * (run.shaft_frequency - run.cage_frequency), 5.0).frequency
     pairs = [[found.line(middle + side * run.shaft_frequency, 1.0) for side in (-pair, pair)] for pair in (1, 2, 3, 4)]
     heights = [sum(line.amplitude for line in pair) for pair in pairs]
     levels = [min(line.level for line in pair) for pair in pairs]
     clear = sum(level > 10.0 for level in levels)
-    return Row(
-        "Sidebands at f_r about it: pairs more than 10 dB over their floor",
-        run.case.joint,
+    return Comparison(
+        "Sidebands of that line at f_r: pairs more than 10 dB above their floor",
+        run.spec.joint,
         "spaced by f_r, decreasing progressively (section 3.2)",
         f"{clear} of 4 pairs, " + ", ".join(f"{height:.0f}" for height in heights) + " m/s^2",
         "at least 2 pairs, non-increasing",
@@ -83,35 +83,35 @@ def _inner_sidebands(run: Run) -> Row:
 
 
 LARGE = 0.1
-"""Share of the largest sample from which a sample belongs to a burst."""
+"""Amplitude relative to the largest one above which a sample belongs to a burst [-]."""
 ZONE = 35.0
-"""Azimuth within which the defect strikes a loaded roller [deg]."""
+"""Azimuth of the defect, to either side of the load line, within which it strikes a loaded roller [deg]."""
 
 
-def _inner_bursts(run: Run, outer: Run) -> Row:
+def _inner_bursts(run: Run, outer: Run) -> Comparison:
     size = np.abs(run.acceleration)
     azimuth = np.degrees(np.angle(np.exp(1j * run.shaft_angle[size > LARGE * size.max()])))
     share, kurtoses = float(np.mean(np.abs(azimuth) <= ZONE)), [kurtosis(one.steady_acceleration) for one in (run, outer)]
-    return Row(
-        "Bursts of an inner ring defect with the defect in the loading zone",
-        run.case.joint,
+    return Comparison(
+        "Bursts of an inner ring defect while the defect is in the load zone",
+        run.spec.joint,
         "only there (Fig. 10c)",
-        f"{100.0 * share:.1f} %; kurtosis {kurtoses[0]:.0f} against {kurtoses[1]:.0f} (outer)",
+        f"{100.0 * share:.1f} %; kurtosis {kurtoses[0]:.0f}, {kurtoses[1]:.0f} with an outer ring defect",
         "at least 90 % within 35 deg",
         share >= 0.9,
     )
 
 
-def _cage_comb(run: Run, healthy: Run) -> Row:
+def _cage_comb(run: Run, healthy: Run) -> Comparison:
     broken, whole, teeth = spectrum(run), spectrum(healthy), range(1, 14)
     gains = [
         decibels(broken.line(k * run.cage_frequency, 0.4).amplitude / whole.line(k * run.cage_frequency, 0.4).amplitude) for k in teeth
     ]
     clear = sum(gain > 10.0 for gain in gains)
     strongest = broken.largest(2.0, 130.0)
-    return Row(
-        "Cage fracture: lines k f_C, k = 1..13, more than 10 dB over the healthy run",
-        run.case.joint,
+    return Comparison(
+        "Cage fracture: lines k f_C, k = 1..13, more than 10 dB above the healthy run",
+        run.spec.joint,
         "7.9 Hz, theory 8.4 Hz (Fig. 11a)",
         f"{clear} of 13; strongest at {strongest:.2f} Hz = {strongest / run.cage_frequency:.2f} f_C",
         "at least 6, within 0.4 Hz",
@@ -119,19 +119,19 @@ def _cage_comb(run: Run, healthy: Run) -> Row:
     )
 
 
-def _freed_rollers(run: Run) -> Row:
+def _freed_rollers(run: Run) -> Comparison:
     settled = run.settled
     freed = [
-        loading_zone(run.azimuth[settled][:, run.columns(k)], run.inner_force[settled][:, run.columns(k)])
+        load_zone(run.azimuth[settled][:, run.columns(k)], run.inner_force[settled][:, run.columns(k)])
         for k in (BROKEN_BAR, BROKEN_BAR + 1)
     ]
     columns = run.columns(BROKEN_BAR // 2)
-    intact = loading_zone(run.azimuth[settled][:, columns], run.inner_force[settled][:, columns])
+    intact = load_zone(run.azimuth[settled][:, columns], run.inner_force[settled][:, columns])
     ends = ", ".join(f"{zone.entry:.1f}..{zone.exit:.1f}" for zone in freed)
     least = min(zone.asymmetry for zone in freed)
-    return Row(
-        "Loading zone of the two freed rollers of a row, and of an intact one opposite",
-        run.case.joint,
+    return Comparison(
+        "Load zone of the two freed rollers of a row, and of an intact roller opposite",
+        run.spec.joint,
         "larger and asymmetric (Fig. 10b)",
         f"{ends}, {intact.entry:.1f}..{intact.exit:.1f} deg; asymmetry {least:.1f}, {intact.asymmetry:.1f} deg",
         "asymmetry at least 2 deg, intact below 1 deg",
@@ -139,42 +139,45 @@ def _freed_rollers(run: Run) -> Row:
     )
 
 
-def _roller_line(run: Run) -> Row:
-    loaded = run.inner_force[run.settled] > LOADED
+def _roller_line(run: Run) -> Comparison:
+    loaded = run.inner_force[run.settled] > ROLLING_FORCE
     expected = -2.0 * float(run.relative_spin[run.settled][loaded].mean()) / (2.0 * np.pi)
     found = spectrum(run)
     line = found.line(expected, 3.0)
     pairs = [[found.line(line.frequency + side * run.cage_frequency, 1.0).level for side in (-pair, pair)] for pair in (1, 2, 3, 4)]
     clear = sum(min(levels) > 10.0 for levels in pairs)
-    return Row(
-        "Envelope line of a roller defect, pairs of sidebands at f_C more than 10 dB over their floor",
-        run.case.joint,
+    return Comparison(
+        "Envelope line of a roller defect; pairs of sidebands at f_C more than 10 dB above their floor",
+        run.spec.joint,
         "-",
-        f"{line.frequency:.1f} Hz, {line.level:.0f} dB over its floor; {clear} of 4 pairs",
+        f"{line.frequency:.1f} Hz, {line.level:.0f} dB above its floor; {clear} of 4 pairs",
         f"2 BSF = {expected:.1f} Hz, 1 %; at least 2 pairs",
         within(line.frequency, expected, 0.01) and line.level > 10.0 and clear >= 2,
     )
 
 
-def _staggered(run: Run) -> Row:
+def _staggered(run: Run) -> Comparison:
     found, passing = spectrum(run), run.rollers_per_row * run.cage_frequency
-    over = decibels(found.line(2.0 * passing, 3.0).amplitude / found.line(passing, 3.0).amplitude)
-    return Row(
-        "Outer ring defect across rows staggered by half a pitch: line at 2 f_O over that at f_O",
-        run.case.joint,
+    ratio = decibels(found.line(2.0 * passing, 3.0).amplitude / found.line(passing, 3.0).amplitude)
+    return Comparison(
+        "Outer ring defect across rows staggered by half a pitch: line at 2 f_O over line at f_O",
+        run.spec.joint,
         "-",
-        f"{over:.0f} dB",
+        f"{ratio:.0f} dB",
         "more than 20 dB",
-        over > 20.0,
+        ratio > 20.0,
     )
 
 
 EDGES = np.radians(np.arange(-35.0, 35.01, 0.5))
-"""Borders of the azimuth bins [rad]."""
+"""Edges of the azimuth bins [rad]."""
 
 
 def disturbance(outer: Run, healthy: Run) -> tuple[Floats, Floats]:
-    """Return azimuths [deg] and the RMS departure of the outer normal force from the healthy roller's there [N]."""
+    """Return the RMS deviation of the outer normal force from that of a healthy bearing, over azimuth.
+
+    Shapes (bins,): azimuths [deg] and deviations [N].
+    """
     usual = profile(healthy.azimuth[healthy.settled], healthy.outer_force[healthy.settled], EDGES)
     azimuth, force = outer.azimuth[outer.settled], outer.outer_force[outer.settled]
     seen = np.abs(azimuth) < EDGES[-1]
@@ -182,39 +185,39 @@ def disturbance(outer: Run, healthy: Run) -> tuple[Floats, Floats]:
     return np.degrees(0.5 * (EDGES[1:] + EDGES[:-1])), np.sqrt(profile(azimuth[seen], departure**2, EDGES))
 
 
-def _tracked_roller(outer: Run, healthy: Run) -> Row:
+def _tracked_roller(outer: Run, healthy: Run) -> Comparison:
     azimuth, size = disturbance(outer, healthy)
     pitch = 360.0 / outer.rollers_per_row
     usual = float(np.nanmedian(size[np.abs(azimuth) < 30.0]))
     peaks = [float(np.nanmax(size[np.abs(azimuth - middle) <= 1.5])) for middle in (-pitch, 0.0, pitch)]
-    return Row(
-        "Outer ring defect, tracked roller: RMS jump of its force at -22.5, 0, 22.5 deg",
-        outer.case.joint,
-        "large at 0, smaller as its neighbours pass (Fig. 10d)",
-        ", ".join(f"{peak / 1e3:.1f}" for peak in peaks) + f" kN; {usual / 1e3:.2f} kN between",
+    return Comparison(
+        "Outer ring defect, one roller: RMS deviation of its force at -22.5, 0, 22.5 deg",
+        outer.spec.joint,
+        "large at 0, smaller when its neighbours pass the defect (Fig. 10d)",
+        ", ".join(f"{peak / 1e3:.1f}" for peak in peaks) + f" kN; median {usual / 1e3:.2f} kN",
         "each more than 5 times the median, largest at 0",
         min(peaks) > 5.0 * usual and max(peaks) == peaks[1],
     )
 
 
-def _force_scatter(outer: Run, healthy: Run) -> Row:
-    scatter, still = (float(run.inner_ring_force[run.settled].std()) for run in (outer, healthy))
-    return Row(
-        "Outer ring defect: sd of the total force, against healthy",
-        outer.case.joint,
+def _force_scatter(outer: Run, healthy: Run) -> Comparison:
+    faulty, normal = (float(run.inner_ring_force[run.settled].std()) for run in (outer, healthy))
+    return Comparison(
+        "Standard deviation of the total force: outer ring defect, healthy",
+        outer.spec.joint,
         "sudden changes (Fig. 10d)",
-        f"{scatter / 1e3:.2f} kN against {still / 1e3:.2f} kN",
-        "more than 10 times as much",
-        scatter > 10.0 * still,
+        f"{faulty / 1e3:.2f} kN, {normal / 1e3:.2f} kN",
+        "more than 10 times the healthy one",
+        faulty > 10.0 * normal,
     )
 
 
-def _severity(runs: list[Run]) -> Row:
+def _severity(runs: list[Run]) -> Comparison:
     rms = [float(run.steady_acceleration.std()) for run in runs]
     peak = [float(np.abs(run.steady_acceleration).max()) for run in runs]
-    return Row(
-        "Severity: rms and peak at " + ", ".join(f"{width:g}" for width in WIDTHS) + " mm (outer)",
-        runs[0].case.joint,
+    return Comparison(
+        "Outer ring defect: RMS and peak at widths of " + ", ".join(f"{width:g}" for width in WIDTHS) + " mm",
+        runs[0].spec.joint,
         "-",
         ", ".join(f"{value:.0f}" for value in rms) + "; " + ", ".join(f"{value:.0f}" for value in peak) + " m/s^2",
         "increasing",
@@ -222,46 +225,47 @@ def _severity(runs: list[Run]) -> Row:
     )
 
 
-def _healthy_line(healthy: Run, outer: Run) -> Row:
+def _healthy_line(healthy: Run, outer: Run) -> Comparison:
     own = spectrum(healthy).line(healthy.rollers_per_row * healthy.cage_frequency, 3.0)
     below = decibels(spectrum(outer).line(outer.rollers_per_row * outer.cage_frequency, 3.0).amplitude / own.amplitude)
-    return Row(
-        "Line at f_O of the healthy bearing, its variable compliance",
-        healthy.case.joint,
+    return Comparison(
+        "Line at f_O of the healthy bearing (variable compliance)",
+        healthy.spec.joint,
         "-",
-        f"{own.amplitude:.1f} m/s^2, {own.level:.0f} dB over its floor, {below:.0f} dB below b = 2 mm",
-        "present (10 dB), at least 25 dB below",
+        f"{own.amplitude:.1f} m/s^2, {own.level:.0f} dB above its floor, {below:.0f} dB below that of a 2 mm defect",
+        "more than 10 dB above its floor, at least 25 dB below the defect",
         own.level > 10.0 and below >= 25.0,
     )
 
 
-def _energy(outer: Run) -> Row:
+def _energy(outer: Run) -> Comparison:
     share, power = energy_residual(outer), -outer.energy.notch / float(outer.time[-1])
-    return Row(
-        "Energy account of the outer ring defect: residual over what came in",
-        outer.case.joint,
+    return Comparison(
+        "Energy account with an outer ring defect: residual over energy input",
+        outer.spec.joint,
         "-",
-        f"{share:.1e}; the defect's law of Eq. 9 brings in {power:.0f} W by itself",
+        f"{share:.1e}; the law of the defect, Eq. 14, itself adds {power:.0f} W",
         "below 3 %",
         abs(share) < 0.03,
     )
 
 
-def _foreign(healthy: Run, outer: Run) -> Iterator[Row]:
+def _independent_engine(healthy: Run, outer: Run) -> Iterator[Comparison]:
+    """Yield the comparisons with an independent multibody engine that uses `POWER_LAW`; its results are the limits given here."""
     y, settled = outer.steady_acceleration, outer.settled
-    for quantity, ours, low, high, unit in (
-        ("rms", float(y.std()), 413.0, 415.0, "m/s^2"),
+    for quantity, found, low, high, unit in (
+        ("RMS", float(y.std()), 413.0, 415.0, "m/s^2"),
         ("peak", float(np.abs(y).max()), 3150.0, 3220.0, "m/s^2"),
-        ("sd of the total force", float(outer.inner_ring_force[settled].std()) * 1e-3, 3.9, 3.9, "kN"),
+        ("standard deviation of the total force", float(outer.inner_ring_force[settled].std()) * 1e-3, 3.9, 3.9, "kN"),
         ("largest roller force", float(outer.inner_force[settled].max()) * 1e-3, 35.2, 35.2, "kN"),
-        ("rms, healthy", float(healthy.steady_acceleration.std()), 10.0, 10.0, "m/s^2"),
+        ("RMS, healthy", float(healthy.steady_acceleration.std()), 10.0, 10.0, "m/s^2"),
     ):
         stated = f"{low:g}" if low == high else f"{low:g}-{high:g}"
-        yield Row(
-            f"Laws of an independent engine, outer ring defect: {quantity}",
+        yield Comparison(
+            f"Power-law contact, outer ring defect, against an independent engine: {quantity}",
             "revolute",
             "-",
-            f"{ours:.4g} {unit}",
+            f"{found:.4g} {unit}",
             f"{stated} {unit}, 10 %",
-            0.9 * low <= ours <= 1.1 * high,
+            0.9 * low <= found <= 1.1 * high,
         )

@@ -1,4 +1,4 @@
-"""The paper's Figs. 8 to 11 from our own runs, laid out like them."""
+"""Figs. 8 to 11 of the paper, drawn from the runs of the validation in the same layout."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from dcrb_ros.bearing.kinematics import characteristic_orders
-from dcrb_ros.validation.case import BROKEN_BAR, JOINTS, Run
+from dcrb_ros.validation.comparison import Runs
 from dcrb_ros.validation.faults import spectrum
-from dcrb_ros.validation.row import Runs
+from dcrb_ros.validation.runs import BROKEN_BAR, JOINTS, Run
 
 BLUE, ORANGE, GREY = "#1f6fb4", "#e07b00", "#8a8a8a"
 COLUMNS = {
@@ -23,13 +23,13 @@ COLUMNS = {
     "outer ring defect": "outer ring defect",
 }
 SHOWN = 0.5
-"""Stretch of the waveform in Fig. 11 [s]."""
-THINNED = 5000
-"""Points of a line in Fig. 8."""
+"""Duration of the waveform in Fig. 11 [s]."""
+MOST_POINTS = 5000
+"""Number of points of a line in Fig. 8, at most about twice this [-]."""
 
 
 def write_figures(runs: Runs, folder: Path) -> list[str]:
-    """Write the figures of every joint into ``folder``; return their file names."""
+    """Write the figures for each joint to ``folder``; return their file names."""
     names = []
     for joint in JOINTS:
         for number, draw in ((8, speeds), (9, roller), (10, contacts), (11, vibration)):
@@ -53,15 +53,15 @@ def _label(axes: Axes, x: str, y: str, title: str = "") -> None:
 
 
 def speeds(runs: Runs, joint: str) -> Figure:
-    """Fig. 8: rotation of inner ring, cage and a roller from a cold start."""
+    """Return Fig. 8: rotation of the inner ring, the cage and a roller from a cold start."""
     run = runs["cold start", joint]
-    thin = slice(None, None, max(1, len(run.time) // THINNED))
+    thin = slice(None, None, max(1, len(run.time) // MOST_POINTS))
     figure = Figure(figsize=(10, 5), dpi=110, layout="constrained")
     whole, start = figure.subplots(1, 2, width_ratios=(3, 2))
     for axes, last in ((whole, float(run.time[-1])), (start, 0.2)):
         axes.axhline(run.configuration.operating.speed, color=GREY, label="inner ring")
         axes.plot(run.time[thin], run.cage_speed[thin, 0], color=ORANGE, lw=1.0, label="cage of row 1")
-        axes.plot(run.time[thin], run.relative_spin[thin, 0], color=BLUE, lw=0.8, label="roller 1 of row 1, against the cage")
+        axes.plot(run.time[thin], run.relative_spin[thin, 0], color=BLUE, lw=0.8, label="roller 1 of row 1, relative to the cage")
         axes.plot(run.time[thin], run.spin[thin].mean(axis=1), color="black", lw=0.8, ls=":", label="mean of all rollers, absolute")
         axes.set_xlim(0.0, last)
         _label(axes, "time [s]", "rotation [rad/s]")
@@ -71,7 +71,7 @@ def speeds(runs: Runs, joint: str) -> Figure:
 
 
 def passes(azimuth: npt.NDArray[np.floating]) -> Iterator[slice]:
-    """Yield the stretches in which a roller goes from -90 to 90 deg, seen from end to end; ``azimuth`` in [rad], shape (times,)."""
+    """Yield the complete passes of a roller from -90 to 90 deg; ``azimuth`` has the shape (times,) [rad]."""
     inside = np.abs(azimuth) < 0.5 * np.pi
     starts, stops = np.flatnonzero(~inside[:-1] & inside[1:]) + 1, np.flatnonzero(inside[:-1] & ~inside[1:]) + 1
     for start in starts:
@@ -81,21 +81,21 @@ def passes(azimuth: npt.NDArray[np.floating]) -> Iterator[slice]:
 
 
 def tracked(run: Run) -> int:
-    """Return the column of the roller that is shown: beside the broken bar, or the first."""
+    """Return the column of the roller shown in the figures: the one beside the broken bar, or the first."""
     return run.columns(BROKEN_BAR)[0] if run.configuration.faults.broken_bars else 0
 
 
 def shown_pass(run: Run) -> slice:
-    """Return the pass that is shown: the last, or of an inner ring defect the one that it strikes most."""
+    """Return the pass shown in the figures: the last one, or for an inner ring defect the one with the strongest impact."""
     found = [stretch for stretch in passes(run.azimuth[:, tracked(run)]) if run.time[stretch.start] > 0.2]
-    if run.case.name == "inner ring defect":
+    if run.spec.name == "inner ring defect":
         force = run.inner_force[:, tracked(run)]
         return max(found, key=lambda stretch: float(np.abs(np.diff(force[stretch], 2)).max()))
     return found[-1]
 
 
 def roller(runs: Runs, joint: str) -> Figure:
-    """Fig. 9: force, friction, slip and spin of a roller over its azimuth, healthy."""
+    """Return Fig. 9: force, friction, slip and spin of a healthy roller over its azimuth."""
     run = runs["healthy", joint]
     stretch, column = shown_pass(run), tracked(run)
     azimuth = np.degrees(run.azimuth[stretch, column])
@@ -105,13 +105,13 @@ def roller(runs: Runs, joint: str) -> Figure:
     panels: list[tuple[Axes, Callable[[slice], npt.NDArray[np.floating]], str, str]] = [
         (a, lambda s: run.inner_force[s, column] * 1e-3, "normal force [kN]", "(a) contact force at the inner raceway"),
         (b, lambda s: run.friction[s, column], "friction [N]", "(b) friction at the inner raceway"),
-        (c, lambda s: run.slip[s, column], "slip [m/s]", "(c) sliding velocity against the inner ring"),
+        (c, lambda s: run.slip[s, column], "slip [m/s]", "(c) sliding velocity at the inner ring"),
         (d, lambda s: run.spin[s, column], "spin [rad/s]", "(d) roller rotation, absolute"),
     ]
     for axes, series, y, title in panels:
         for other in others:
             axes.plot(np.degrees(run.azimuth[other, column]), series(other), color=BLUE, lw=0.4, alpha=0.15)
-        axes.plot(azimuth, series(stretch), color=BLUE, lw=1.2, label="one roller, its last pass; faint: all its passes")
+        axes.plot(azimuth, series(stretch), color=BLUE, lw=1.2, label="last pass of one roller; faint: all its passes")
         axes.set_xlim(-90.0, 90.0)
         _label(axes, "azimuth from the load line [deg]", y, title)
     a.plot(azimuth, run.inner_ring_force[stretch] * 1e-3, color=ORANGE, lw=1.0, label="all rollers")
@@ -122,7 +122,7 @@ def roller(runs: Runs, joint: str) -> Figure:
 
 
 def contacts(runs: Runs, joint: str) -> Figure:
-    """Fig. 10: total force, force and friction torque of a roller, without defect and with each fault."""
+    """Return Fig. 10: total force, and force and friction torque of a roller, without and with each fault."""
     figure = Figure(figsize=(15, 8.5), dpi=110, layout="constrained")
     panels = figure.subplots(3, 4, sharex=True)
     for letter, (name, title), (total, normal, torque) in zip("abcd", COLUMNS.items(), panels.T, strict=True):
@@ -150,7 +150,7 @@ def _common(series: list[npt.ArrayLike]) -> tuple[float, float]:
 
 
 def vibration(runs: Runs, joint: str) -> Figure:
-    """Fig. 11: acceleration of the outer ring and its envelope spectrum under each fault."""
+    """Return Fig. 11: acceleration of the outer ring and its envelope spectrum with each fault."""
     figure = Figure(figsize=(15, 7.5), dpi=110, layout="constrained")
     panels = figure.subplots(2, 3)
     faults = (("cage fracture", "FTF", 130.0), ("inner ring defect", "BPFI", 600.0), ("outer ring defect", "BPFO", 600.0))

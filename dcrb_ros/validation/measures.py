@@ -1,4 +1,4 @@
-"""Numbers read off a run, as pure functions of arrays."""
+"""Quantities derived from a run, as pure functions of arrays."""
 
 from __future__ import annotations
 
@@ -12,21 +12,21 @@ from scipy import signal
 Floats = npt.NDArray[np.float64]
 Array = npt.NDArray[np.floating]
 
-LEAST_FORCE = 50.0
-"""Force from which a roller counts as loaded [N]."""
+LOADED_FORCE = 50.0
+"""Normal force above which a roller counts as loaded [N]."""
 
 FLOOR_SPAN = 8.0
-"""Reach of the stretch round a line whose median is its floor [Hz]."""
+"""Distance from a line within which the median of the spectrum is taken as its floor [Hz]."""
 
 
 def decibels(ratio: float) -> float:
-    """Return a ratio of amplitudes [dB]."""
+    """Return a ratio of amplitudes in decibels [dB]."""
     return 20.0 * math.log10(max(ratio, 1e-12))
 
 
 @dataclass(frozen=True)
 class Spectrum:
-    """Amplitudes over frequency."""
+    """An amplitude spectrum, both arrays of shape (frequencies,)."""
 
     frequency: Floats
     """[Hz]"""
@@ -54,16 +54,16 @@ class Line:
     amplitude: float
     """[m/s^2]"""
     floor: float
-    """Median amplitude round it [m/s^2]."""
+    """Median amplitude around it [m/s^2]."""
 
     @property
     def level(self) -> float:
-        """Level over its floor [dB]."""
+        """Level above its floor [dB]."""
         return decibels(self.amplitude / self.floor)
 
 
 def envelope_spectrum(acceleration: Floats, rate: int) -> Spectrum:
-    """Return the spectrum of the envelope of the raw signal, shape (samples,), as in the paper's Fig. 11."""
+    """Return the envelope spectrum of the whole band of a signal of shape (samples,), as in the paper's Fig. 11."""
     envelope = np.abs(signal.hilbert(signal.detrend(acceleration)))
     window = signal.windows.hann(len(envelope))
     amplitude = np.asarray(np.abs(np.fft.rfft((envelope - envelope.mean()) * window)) * 2.0 / window.sum(), np.float64)
@@ -71,68 +71,68 @@ def envelope_spectrum(acceleration: Floats, rate: int) -> Spectrum:
 
 
 def kurtosis(acceleration: Floats) -> float:
-    """Return the kurtosis [-]; 3 for noise."""
+    """Return the kurtosis of a signal [-]; 3 for Gaussian noise."""
     deviation = acceleration - acceleration.mean()
     return float((deviation**4).mean() / (deviation**2).mean() ** 2)
 
 
 def settling_time(time: Floats, speed: Array, tolerance: float) -> float:
-    """Return when a speed is last outside ``tolerance`` of its mean over the last fifth [s]."""
+    """Return the last time at which a speed deviates from its final value by more than ``tolerance`` (relative) [s].
+
+    The final value is the mean over the last fifth of the run.
+    """
     final = speed[-len(speed) // 5 :].mean()
     outside = np.flatnonzero(np.abs(speed / final - 1.0) > tolerance)
     return float(time[outside[-1]]) if len(outside) else 0.0
 
 
 @dataclass(frozen=True)
-class Zone:
-    """Where rollers are loaded, over many passes; azimuths from the load line."""
+class LoadZone:
+    """The load zone over many passes of a roller; azimuths are measured from the load line."""
 
     entry: float
-    """Mean over the passes [deg]."""
+    """Mean azimuth at which rollers become loaded [deg]."""
     exit: float
-    """[deg]"""
-    entry_spread: float
-    """Standard deviation [deg]."""
-    exit_spread: float
+    """Mean azimuth at which rollers become unloaded [deg]."""
     first: float
-    """Smallest of all passes [deg]."""
+    """Smallest entry of all passes [deg]."""
     last: float
-    """Largest of all passes [deg]."""
+    """Largest exit of all passes [deg]."""
 
     @property
     def asymmetry(self) -> float:
-        """How far the zone's middle is off the load line, twice [deg]."""
+        """Twice the distance of the zone's middle from the load line [deg]."""
         return abs(self.entry + self.exit)
 
 
-LOOKED_AT = 60.0
-"""Azimuths within this make a pass [deg]."""
+PASS_LIMIT = 60.0
+"""Azimuth range, to either side of the load line, of a pass [deg]."""
 
 
-def loading_zone(azimuth: Array, force: Array) -> Zone:
-    """Return the zone in which the rollers of the columns bear more than `LEAST_FORCE`, shapes (times, rollers) [rad], [N].
+def load_zone(azimuth: Array, force: Array) -> LoadZone:
+    """Return the load zone, in which rollers carry more than `LOADED_FORCE`; shapes (times, rollers) [rad], [N].
 
-    A pass counts when it was seen from end to end.
+    Only complete passes are counted.
     """
     ends = [pass_ends for column in range(azimuth.shape[1]) for pass_ends in _passes(np.degrees(azimuth[:, column]), force[:, column])]
     entries, exits = np.array(ends).reshape(-1, 2).T
-    return Zone(*(float(value) for value in (entries.mean(), exits.mean(), entries.std(), exits.std(), entries.min(), exits.max())))
+    return LoadZone(*(float(value) for value in (entries.mean(), exits.mean(), entries.min(), exits.max())))
 
 
 def _passes(azimuth: Array, force: Array) -> list[tuple[float, float]]:
-    inside = np.abs(azimuth) < LOOKED_AT
+    inside = np.abs(azimuth) < PASS_LIMIT
     starts, stops = np.flatnonzero(~inside[:-1] & inside[1:]) + 1, np.flatnonzero(inside[:-1] & ~inside[1:]) + 1
     found = []
     for start in starts:
         later = stops[stops > start]
-        loaded = azimuth[start : later[0]][force[start : later[0]] > LEAST_FORCE] if len(later) else azimuth[:0]
+        loaded = azimuth[start : later[0]][force[start : later[0]] > LOADED_FORCE] if len(later) else azimuth[:0]
         if len(loaded):
             found.append((float(loaded.min()), float(loaded.max())))
     return found
 
 
 def profile(azimuth: Array, force: Array, edges: Floats) -> Floats:
-    """Return the mean of a quantity over azimuth bins of ``edges`` [rad]; NaN where nothing fell."""
+    """Return the mean of a quantity in the azimuth bins between ``edges`` [rad]; NaN in empty bins."""
     where = np.digitize(azimuth.ravel(), edges)
     total = np.bincount(where, weights=force.ravel(), minlength=len(edges) + 1)[1:-1]
     count = np.bincount(where, minlength=len(edges) + 1)[1:-1]

@@ -1,4 +1,4 @@
-"""The report: the table, the figures, what the paper leaves open and where we disagree with it."""
+"""The report: table, figures, the assumptions where the paper is incomplete, and the differences from the paper."""
 
 from __future__ import annotations
 
@@ -6,44 +6,44 @@ from collections.abc import Sequence
 from importlib import resources
 
 from dcrb_ros import __version__
-from dcrb_ros.validation.case import Case
-from dcrb_ros.validation.row import Row
+from dcrb_ros.validation.comparison import Comparison
+from dcrb_ros.validation.runs import RunSpec
 
-HEADINGS = ("quantity", "joint", "paper", "ours", "accepted", "verdict")
+HEADINGS = ("quantity", "joint", "paper", "this model", "accepted", "result")
 CAPTIONS = {
-    8: "Rotation of the components from a cold start, as Fig. 8.",
-    9: "A healthy roller at the inner raceway over its azimuth, as Fig. 9.",
-    10: "Forces and friction torque of a roller without and with faults, as Fig. 10.",
-    11: "Acceleration of the outer ring and its envelope spectrum, as Fig. 11.",
+    8: "Rotation of the components from a cold start, as in Fig. 8.",
+    9: "A healthy roller at the inner raceway over its azimuth, as in Fig. 9.",
+    10: "Forces and friction torque of a roller without and with faults, as in Fig. 10.",
+    11: "Acceleration of the outer ring and its envelope spectrum, as in Fig. 11.",
 }
 
 
-def cells(row: Row) -> tuple[str, ...]:
-    """Return a row as texts in the order of `HEADINGS`."""
-    return row.quantity, row.joint, row.paper, row.ours, row.accept, row.verdict
+def cells(comparison: Comparison) -> tuple[str, ...]:
+    """Return the cells of a comparison in the order of `HEADINGS`."""
+    return comparison.quantity, comparison.joint, comparison.paper, comparison.found, comparison.accepted, comparison.verdict
 
 
-def summary(rows: Sequence[Row]) -> str:
-    """Return how many rows hold, as a sentence."""
-    short = sum(not row.holds for row in rows)
-    return f"All {len(rows)} rows hold." if not short else f"{short} of {len(rows)} rows fall short."
+def summary(comparisons: Sequence[Comparison]) -> str:
+    """Return a sentence on how many comparisons hold."""
+    short = sum(not comparison.holds for comparison in comparisons)
+    return f"All {len(comparisons)} comparisons hold." if not short else f"{short} of {len(comparisons)} comparisons fall short."
 
 
-def markdown(rows: Sequence[Row], cases: Sequence[Case], figures: Sequence[str]) -> str:
-    """Return the report as Markdown; the figures lie beside it."""
+def markdown(comparisons: Sequence[Comparison], specs: Sequence[RunSpec], figures: Sequence[str]) -> str:
+    """Return the report as Markdown; the figures are files in the same folder."""
     lines = [
-        "# dcrb_ros against Fan et al. 2025",
+        "# Validation of dcrb_ros against Fan et al. 2025",
         "",
-        f"Made by `dcrb validate` of dcrb_ros {__version__}. The paper: *Lubricants* 13(2), 80. {summary(rows)}",
+        f"Made by `dcrb validate` of dcrb_ros {__version__}. The paper: *Lubricants* 13(2), 80. {summary(comparisons)}",
         "",
-        "`revolute` is the paper's model: the shipped configuration `paper`. `pocket` is the default bench, whose rollers are free "
-        "between the cage's bars: the shipped configuration `healthy`, here at the paper's speed of 124.8 rad/s.",
+        "`revolute` is the paper's model, the shipped configuration `paper`. `pocket` is the default model, in which the rollers are free "
+        "between the cage bars: the shipped configuration `healthy`, here at the paper's speed of 124.8 rad/s.",
         "",
         "## Numbers",
         "",
         "| " + " | ".join(HEADINGS) + " |",
         "|" + "---|" * len(HEADINGS),
-        *("| " + " | ".join(cells(row)) + " |" for row in rows),
+        *("| " + " | ".join(cells(comparison)) + " |" for comparison in comparisons),
         "",
         "## Figures",
         "",
@@ -51,7 +51,7 @@ def markdown(rows: Sequence[Row], cases: Sequence[Case], figures: Sequence[str])
     for name in figures:
         number = int(name.split("_")[1])
         lines += [f"![{CAPTIONS[number]}]({name})", "", f"*{CAPTIONS[number]} {name.split('_')[2].removesuffix('.png').capitalize()}.*", ""]
-    lines += [resources.files("dcrb_ros.validation").joinpath("readings.md").read_text(encoding="utf-8")]
-    lines += ["## Runs", "", "Each run of the table as a command:", ""]
-    lines += [f"* {case.name}, {case.joint}: `{case.command}`" for case in cases]
+    lines += [resources.files("dcrb_ros.validation").joinpath("assumptions.md").read_text(encoding="utf-8")]
+    lines += ["## Runs", "", "The commands that record the runs of the table:", ""]
+    lines += [f"* {spec.name}, {spec.joint}: `{spec.command}`" for spec in specs]
     return "\n".join(lines) + "\n"

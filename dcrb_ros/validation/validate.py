@@ -1,4 +1,4 @@
-"""Everything in one go: the runs on all cores, the rows, the report."""
+"""The whole validation: the runs on all cores, the comparisons, the report."""
 
 from __future__ import annotations
 
@@ -11,32 +11,25 @@ from typing import Any
 
 from dcrb_ros.runtime.processes import in_processes
 from dcrb_ros.runtime.refusal import Refusal
-from dcrb_ros.settings.files import load_configuration
-from dcrb_ros.validation.case import BENCH, Run, cases, simulate
-from dcrb_ros.validation.faults import fault_rows
+from dcrb_ros.validation.comparison import Comparison, Runs
+from dcrb_ros.validation.faults import fault_comparisons
 from dcrb_ros.validation.figures import write_figures
-from dcrb_ros.validation.formulation import Agreement, agreement
-from dcrb_ros.validation.motion import motion_rows
+from dcrb_ros.validation.formulation import WINDOWS, Agreement, compare_solvers, formulation_comparisons
+from dcrb_ros.validation.healthy import healthy_comparisons
 from dcrb_ros.validation.report import markdown
-from dcrb_ros.validation.rest import WINDOWS, formulation_rows, freedom_rows, frequency_row, static_rows
-from dcrb_ros.validation.row import Row, Runs
+from dcrb_ros.validation.runs import Run, run_specs, simulate
+from dcrb_ros.validation.statics import freedom_comparisons, frequency_comparison, static_comparisons
 
 REPORT = "report.md"
 
 Progress = Callable[[int, int, str], None]
-"""Told how many runs are done, of how many, and which was the last."""
-
-
-def compare(name: str) -> Agreement:
-    """Hold the two solvers against each other on one of `WINDOWS`."""
-    setting, window, _ = WINDOWS[name]
-    return agreement(load_configuration(BENCH["revolute"], [setting] if setting else []), window)
+"""Called with the number of finished runs, the number of all runs, and the name of the last one."""
 
 
 def run_all(workers: int, progress: Progress) -> tuple[Runs, dict[str, Agreement]]:
-    """Run every case and comparison in processes of their own."""
-    calls: dict[tuple[str, str], Callable[[], Any]] = {(name, ""): partial(compare, name) for name in WINDOWS}
-    calls |= {case.key: partial(simulate, case) for case in cases()}
+    """Return all runs, and the deviation between the solvers by window name; each is computed in a process of its own."""
+    calls: dict[tuple[str, str], Callable[[], Any]] = {(name, ""): partial(compare_solvers, name) for name in WINDOWS}
+    calls |= {spec.key: partial(simulate, spec) for spec in run_specs()}
     runs: dict[tuple[str, str], Run] = {}
     agreements: dict[str, Agreement] = {}
     for done, ((name, joint), result) in enumerate(in_processes(calls, workers), start=1):
@@ -48,34 +41,48 @@ def run_all(workers: int, progress: Progress) -> tuple[Runs, dict[str, Agreement
     return runs, agreements
 
 
-def table(runs: Runs, agreements: dict[str, Agreement]) -> list[Row]:
-    """Return every row."""
-    rest = [*static_rows(), *frequency_row(), *freedom_rows(), *formulation_rows(agreements)]
-    return [*rest, *motion_rows(runs), *fault_rows(runs)]
+def all_comparisons(runs: Runs, agreements: dict[str, Agreement]) -> list[Comparison]:
+    """Return all comparisons in the order of the report."""
+    return [
+        *static_comparisons(),
+        frequency_comparison(),
+        *freedom_comparisons(),
+        *formulation_comparisons(agreements),
+        *healthy_comparisons(runs),
+        *fault_comparisons(runs),
+    ]
 
 
-def made_folder(folder: Path) -> Path:
-    """Make the folder for the report or refuse it: an earlier report may be replaced, nothing else."""
+def report_folder(folder: Path) -> Path:
+    """Create the folder of the report if necessary and return it.
+
+    Raises:
+        Refusal: it contains anything but an earlier report, or it cannot be created.
+    """
     if folder.exists() and not folder.is_dir():
         raise Refusal(f"{folder} is a file: give the report another folder with -o")
     if folder.exists() and any(folder.iterdir()) and not (folder / REPORT).exists():
-        raise Refusal(f"{folder} holds something that is not a report: give another folder with -o")
+        raise Refusal(f"{folder} contains files that are not a report: give another folder with -o")
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise Refusal(f"{folder} cannot be made: {error.strerror}; give another folder with -o") from None
+        raise Refusal(f"{folder} cannot be created: {error.strerror}; give another folder with -o") from None
     return folder
 
 
-def write_report(folder: Path, rows: Sequence[Row], runs: Runs) -> Path:
-    """Write the figures and the report into ``folder``; return the report's path."""
+def write_report(folder: Path, comparisons: Sequence[Comparison], runs: Runs) -> Path:
+    """Write the figures and the report to ``folder``; return the path of the report.
+
+    Raises:
+        Refusal: the folder cannot be written.
+    """
     try:
         with tempfile.TemporaryDirectory(dir=folder, prefix=".unfinished-") as unfinished:
-            made = Path(unfinished)
-            names = write_figures(runs, made)
-            (made / REPORT).write_text(markdown(rows, cases(), names), encoding="utf-8")
+            temporary = Path(unfinished)
+            names = write_figures(runs, temporary)
+            (temporary / REPORT).write_text(markdown(comparisons, run_specs(), names), encoding="utf-8")
             for name in (*names, REPORT):
-                os.replace(made / name, folder / name)
+                os.replace(temporary / name, folder / name)
     except OSError as error:
         raise Refusal(f"{folder} cannot be written: {error.strerror}; give another folder with -o") from None
     return folder / REPORT

@@ -1,1 +1,1 @@
-"""A recording in Rerun: the waveform, its envelope spectrum and the moving bearing on one timeline."""
+"""The view of a recording or of a running bench in Rerun: waveform, squared envelope spectrum and moving bearing on one timeline."""

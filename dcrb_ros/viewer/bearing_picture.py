@@ -1,4 +1,4 @@
-"""The bearing, drawn in Rerun: fixed shapes once, everything that moves as columns over time."""
+"""The picture of the bearing in Rerun: fixed shapes are logged once, moving ones as columns over time."""
 
 from __future__ import annotations
 
@@ -14,39 +14,39 @@ from dcrb_ros.simulation.block import Truth
 from dcrb_ros.viewer import columns, palette
 from dcrb_ros.viewer.content import Content, Motion, Times
 from dcrb_ros.viewer.drawing import Drawing, arc, circle, on_circle, quaternions, rounded_up
-from dcrb_ros.viewer.fault_words import RacewayFault, RowFaults, faults_of_row
+from dcrb_ros.viewer.fault_words import RacewayMark, RowFaults, faults_of_row
 from dcrb_ros.viewer.timeline import TIMELINE, time_column
 
 ROOT = "bearing"
 PICTURE_RATE = 100.0
-"""Pictures per second of simulated time at most [Hz]."""
+"""Largest rate of pictures in simulated time [Hz]."""
 SCALE_STEPS = 4
 Pictures = dict[str, rr.AsComponents]
-"""What is drawn, by its place below a row."""
-NOTCH = 1.4
+"""Shapes by their entity path below a row."""
+DEFECT_DEPTH = 1.4
 """Depth of a defect as drawn [mm]."""
 
 
 def drawing_of(content: Content, motion: Motion) -> Drawing:
-    """Return the geometry of the picture, with a scale that holds the largest normal force met."""
-    rollers = content.layout.rows * content.layout.rollers_per_row
+    """Return the geometry of the picture, with a force scale up to the largest normal force of the motion."""
+    rollers = content.bodies.rows * content.bodies.rollers_per_row
     return Drawing(content.bearing, rounded_up(float(np.max(motion.force[:, :rollers], initial=0.0))))
 
 
 def log_bearing(content: Content, motion: Motion, drawing: Drawing) -> None:
     """Log the moving bearing under `ROOT`."""
     motion = thinned(motion)
-    log_still(drawing)
+    log_static(drawing)
     log_force_scale(drawing)
     log_moving(drawing, motion)
-    for row in range(content.layout.rows):
+    for row in range(content.bodies.rows):
         log_faults(drawing, row, content.truths, content.start_ns)
     largest = max((math.hypot(*truth.load) for truth in content.truths), default=0.0)
     log_load(drawing, content.truths, largest)
 
 
 def thinned(motion: Motion) -> Motion:
-    """Return the motion at `PICTURE_RATE` at most: a screen shows no more."""
+    """Return the motion at `PICTURE_RATE` at most, since a screen shows no more."""
     if len(motion.time_ns) < 2:
         return motion
     spacing = float(np.median(np.diff(motion.time_ns))) / 1e9
@@ -54,8 +54,8 @@ def thinned(motion: Motion) -> Motion:
     return Motion(motion.time_ns[::every], motion.azimuth[::every], motion.speed[::every], motion.force[::every])
 
 
-def log_still(drawing: Drawing) -> None:
-    """Log what does not change with time: places, rings, sizes. Rows look alike, so a picture is made once for all of them."""
+def log_static(drawing: Drawing) -> None:
+    """Log what does not change with time: positions, rings, sizes. All rows share the same shapes."""
     pictures = {**outer_ring(drawing), **inner_ring(drawing), **sizes(drawing)}
     for row in range(drawing.bearing.rows):
         path = f"{ROOT}/row{row + 1}"
@@ -77,7 +77,7 @@ def log_moving(drawing: Drawing, motion: Motion) -> None:
 
 
 def sizes(drawing: Drawing) -> Pictures:
-    """Return how large and in which order that is drawn which moves."""
+    """Return the sizes and drawing order of the moving shapes."""
     return {
         "rollers": rr.Points2D.from_fields(radii=[drawing.roller], draw_order=4.0),
         "normal_force": rr.LineStrips2D.from_fields(radii=[0.2 * drawing.roller], draw_order=4.0),
@@ -87,7 +87,7 @@ def sizes(drawing: Drawing) -> Pictures:
 
 
 def outer_ring(drawing: Drawing) -> Pictures:
-    """Return the outer ring, the force scale around it and the place of the row's name."""
+    """Return the outer ring, the force scale around it and the position of the row's name."""
     middle, half = 0.5 * (drawing.outer_raceway + drawing.rim), 0.5 * drawing.ring_thickness
     rings = [circle(middle), circle(drawing.outer_raceway), circle(drawing.rim)]
     colours = [palette.STEEL, palette.STEEL_EDGE, palette.STEEL_EDGE]
@@ -102,7 +102,7 @@ def outer_ring(drawing: Drawing) -> Pictures:
 
 
 def inner_ring(drawing: Drawing) -> Pictures:
-    """Return the inner ring with the mark that shows its rotation."""
+    """Return the inner ring with a mark that shows its rotation."""
     middle, half = 0.5 * (drawing.inner_raceway + drawing.bore), 0.5 * (drawing.inner_raceway - drawing.bore)
     rings = [circle(middle), circle(drawing.inner_raceway), circle(drawing.bore)]
     colours = [palette.STEEL, palette.STEEL_EDGE, palette.STEEL_EDGE]
@@ -114,7 +114,7 @@ def inner_ring(drawing: Drawing) -> Pictures:
 
 
 def log_rotation(path: str, time_ns: Times, angle: Floats) -> None:
-    """Turn all that is logged under ``path`` by ``angle`` [rad] over time."""
+    """Log the rotation of everything under ``path``: ``angle`` over time, shape (times,) [rad]."""
     rr.send_columns(path, [time_column(time_ns)], rr.Transform3D.columns(quaternion=quaternions(angle)))
 
 
@@ -126,7 +126,7 @@ def log_rollers(drawing: Drawing, path: str, time_ns: Times, azimuth: Floats, fo
 
 
 def log_bars(drawing: Drawing, path: str, time_ns: Times, azimuth: Floats, force: Floats) -> None:
-    """Log a radial bar outside the ring for the normal force of every roller."""
+    """Log a radial bar outside the ring for the normal force of every roller; shapes (times, rollers) [rad], [N]."""
     colours = palette.force_colours(force, drawing.largest_force)
     colours[force <= 0.0, 3] = 0
     strips = columns.strips(drawing.bars(azimuth, force))
@@ -134,7 +134,7 @@ def log_bars(drawing: Drawing, path: str, time_ns: Times, azimuth: Floats, force
 
 
 def log_faults(drawing: Drawing, row: int, truths: Sequence[Truth], start_ns: int, shown: RowFaults | None = None) -> RowFaults:
-    """Log the faults of a row from when the ground truth has them; return the last ones. ``shown`` are there already."""
+    """Log the faults of a row whenever the ground truth changes them; return the last ones. ``shown`` are already drawn."""
     if shown is None:
         shown = RowFaults()
         log_row_faults(drawing, row, start_ns, shown)
@@ -150,30 +150,30 @@ def log_faults(drawing: Drawing, row: int, truths: Sequence[Truth], start_ns: in
 
 
 def log_row_faults(drawing: Drawing, row: int, time_ns: int, faults: RowFaults) -> None:
-    """Log the notches and the cage's bars that a row has from ``time_ns`` on, and name its faults above it."""
+    """Log the defects and the cage bars of a row from ``time_ns`` on, and the names of its faults above it."""
     rr.set_time(TIMELINE, timestamp=np.datetime64(time_ns, "ns"))
     path = f"{ROOT}/row{row + 1}"
-    log_notches(drawing, path, faults.raceways)
+    log_defects(drawing, path, faults.raceways)
     for place, picture in cage(drawing, faults.bars).items():
         rr.log(f"{path}/{place}", picture)
     label = ", ".join([f"row {row + 1}", *faults.words])
     rr.log(f"{path}/name", rr.Points2D.from_fields(labels=[label], colors=[palette.DEFECT if any(faults) else palette.MUTED]))
 
 
-def log_notches(drawing: Drawing, path: str, faults: Sequence[RacewayFault]) -> None:
-    """Log the raceway defects of a row; those of the inner ring turn with it."""
+def log_defects(drawing: Drawing, path: str, faults: Sequence[RacewayMark]) -> None:
+    """Log the raceway defects of a row; those of the inner ring rotate with it."""
     sides = {
-        "outer": (f"{path}/defect", drawing.outer_raceway + NOTCH),
-        "inner": (f"{path}/inner_ring/defect", drawing.inner_raceway - NOTCH),
+        "outer_ring": (f"{path}/defect", drawing.outer_raceway + DEFECT_DEPTH),
+        "inner_ring": (f"{path}/inner_ring/defect", drawing.inner_raceway - DEFECT_DEPTH),
     }
-    for side, (place, radius) in sides.items():
-        notches = [drawing.notch(radius, fault.azimuth, fault.width) for fault in faults if fault.name.startswith(side)]
-        rr.log(place, rr.LineStrips2D(notches, radii=[1.3 * NOTCH], colors=[palette.DEFECT], draw_order=6.0))
+    for ring, (place, radius) in sides.items():
+        arcs = [drawing.defect(radius, fault.azimuth, fault.width) for fault in faults if fault.ring == ring]
+        rr.log(place, rr.LineStrips2D(arcs, radii=[1.3 * DEFECT_DEPTH], colors=[palette.DEFECT], draw_order=6.0))
 
 
 @lru_cache(4)
 def cage(drawing: Drawing, broken: tuple[int, ...]) -> Pictures:
-    """Return the bars of a cage between its pockets; where one is broken, the mark of a fault lies in its place."""
+    """Return the bars of a cage; a broken bar is replaced by a mark in the colour of a defect."""
     bars = drawing.cage_bars()
     whole = [bar for number, bar in enumerate(bars, start=1) if number not in broken]
     missing = [bars[number - 1] for number in broken if number <= len(bars)]
@@ -184,7 +184,7 @@ def cage(drawing: Drawing, broken: tuple[int, ...]) -> Pictures:
 
 
 def log_load(drawing: Drawing, truths: Sequence[Truth], largest: float) -> None:
-    """Log the load on the inner ring as an arrow in the bore of every row, of full length for the ``largest`` load [N]."""
+    """Log the load on the inner ring as an arrow in the bore of every row; the ``largest`` load has the full length [N]."""
     if not truths:
         return
     load = np.array([truth.load for truth in truths])

@@ -1,4 +1,4 @@
-"""Components over time as Arrow arrays, sent to Rerun in pieces: a large array in one piece takes twice as long."""
+"""Components over time as Arrow arrays, sent to Rerun in parts, since sending one large array takes twice as long."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from dcrb_ros.viewer.content import Times
 from dcrb_ros.viewer.timeline import time_column
 
 MOST_ROWS = 1 << 16
-"""Times in one piece."""
+"""Times in one part [-]."""
 
 
 @dataclass(frozen=True)
 class Batch:
-    """Values as Rerun asks for them."""
+    """Arrow values with the interface that Rerun expects."""
 
     values: pa.Array
 
@@ -29,14 +29,14 @@ class Batch:
 
 @dataclass(frozen=True)
 class Column:
-    """A component over time: its values end to end, ``each`` of them at a time."""
+    """A component over time: its values concatenated, with ``each`` values per time."""
 
     descriptor: rr.ComponentDescriptor
     values: pa.Array
     each: int = 1
 
     def piece(self, first: int, last: int) -> rr.ComponentColumn:
-        """Return the values of the times ``first`` to ``last``, the latter not included, as Rerun takes them."""
+        """Return the values of the times ``first`` to ``last`` (exclusive) as a Rerun column."""
         values = self.values[first * self.each : last * self.each]
         borders = np.arange(0, len(values) + 1, self.each, dtype=np.int32)
         return rr.ComponentColumn(self.descriptor, Batch(values), offsets=borders)
@@ -56,7 +56,7 @@ def scalars(values: npt.NDArray[np.floating]) -> Column:
 
 
 def strips(points: npt.NDArray[np.floating]) -> Column:
-    """Return line strips of one length, shape (times, strips, points, 2), as a column; Rerun's own way is a loop over them."""
+    """Return line strips of equal length, shape (times, strips, points, 2), as a column; Rerun's own function loops over them."""
     times, count, length, _ = points.shape
     flat = _flat(points, np.float32)
     kind = rr.components.LineStrip2DBatch([]).as_arrow_array().type
@@ -79,5 +79,5 @@ def vectors(descriptor: rr.ComponentDescriptor, values: npt.NDArray[np.floating]
 
 
 def _flat(values: npt.NDArray[np.floating], kind: type[np.floating]) -> npt.NDArray[np.floating]:
-    """Return numbers end to end and at multiples of their size, as Arrow wants them; where they were read in a message they may not be."""
+    """Return numbers as a contiguous, aligned, one-dimensional array, as Arrow requires; arrays read from a message may be unaligned."""
     return np.require(values, kind, ["C", "A"]).reshape(-1)

@@ -1,4 +1,4 @@
-"""What the viewer shows of a recording, as arrays over time."""
+"""The content of a recording as the viewer shows it: arrays over time."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from dcrb_ros.bearing.kinematics import Orders
-from dcrb_ros.bearing.states import Layout
+from dcrb_ros.bearing.states import BodyNames
 from dcrb_ros.runtime.arrays import Floats, Samples
 from dcrb_ros.settings.parameters import Bearing
 from dcrb_ros.simulation.block import Truth
@@ -23,53 +23,53 @@ Times = npt.NDArray[np.int64]
 
 
 @dataclass(frozen=True)
-class Subject:
-    """What the messages are about."""
+class BenchInfo:
+    """The bench or the measurement from which the messages come."""
 
     title: str
     bearing: Bearing
-    """Of the bench; of imported data it means nothing."""
+    """Bearing of the bench; without meaning for imported data."""
     orders: Orders
     rate: int
     """Sampling rate [Hz]."""
     imported: bool = False
-    """Whether these are data from elsewhere."""
+    """Whether the data were measured elsewhere and imported."""
 
     @property
-    def layout(self) -> Layout:
+    def bodies(self) -> BodyNames:
         """Rows and rollers."""
-        return Layout(self.bearing.rows, self.bearing.rollers_per_row)
+        return BodyNames(self.bearing.rows, self.bearing.rollers_per_row)
 
 
 @dataclass(frozen=True)
 class Waveform:
-    """The measured waveform, every sample of it."""
+    """All samples of the measured waveform."""
 
     time_ns: Times
     acceleration: Samples
     """Acceleration in X and Y, shape (samples, 2) [m/s^2]."""
     shaft_angle: Samples
-    """Rotation of the inner ring, wrapped to a turn [rad]."""
+    """Rotation of the inner ring within one turn, shape (samples,) [rad]."""
     rate: int
     """Sampling rate [Hz]."""
 
 
 @dataclass(frozen=True)
 class Motion:
-    """The bodies over time; arrays of shape (times, names)."""
+    """The states of the bodies over time; arrays of shape (times, bodies)."""
 
     time_ns: Times
     azimuth: Floats
     """Azimuth of rollers and first pockets, rotation of the inner ring [rad]."""
     speed: Floats
-    """Spin of rollers, rotation of cages and inner ring [rad/s]."""
+    """Spin of rollers, rotation speed of cages and inner ring [rad/s]."""
     force: Floats
     """Normal force at the inner raceway [N]."""
 
 
 @dataclass(frozen=True)
 class Series:
-    """Named numbers over time, as a JointState topic carries them; values of shape (times, names)."""
+    """Named numbers over time, as published in JointState messages; values of shape (times, names)."""
 
     time_ns: Times
     names: tuple[str, ...]
@@ -78,50 +78,50 @@ class Series:
 
 @dataclass(frozen=True)
 class Verdict:
-    """What the detector said at one time."""
+    """A verdict of the detector at one time."""
 
     time_ns: int
     name: str
-    """The verdict: healthy, outer_ring, inner_ring ..."""
+    """Verdict, such as healthy or outer_ring."""
     level: int
-    """0 OK, 1 warning, 2 error, as in diagnostic_msgs."""
+    """0 for OK, 1 for a warning, 2 for an error, as in diagnostic_msgs."""
     evidence: Mapping[str, str]
 
 
 @dataclass(frozen=True)
-class Judgement:
-    """What fault detectors say of the waveform."""
+class DetectorOutput:
+    """The output of fault detectors for the waveform."""
 
     indicators: Series | None
-    """Levels at the fault orders [dB], as recorded or else by the detector with its default parameters."""
+    """Levels at the fault orders [dB]: as recorded, otherwise of the shipped detector with its default parameters."""
     verdicts: tuple[Verdict, ...]
-    """As recorded, or else by that detector."""
+    """As recorded, otherwise of the shipped detector."""
     diagnoses: tuple[Diagnosis, ...]
-    """What that detector says, with its spectra."""
+    """Diagnoses of the shipped detector, with its spectra."""
 
 
 @dataclass(frozen=True)
 class Content:
-    """All that is shown of one recording."""
+    """Everything shown of one recording."""
 
     title: str
     bearing: Bearing
-    """Of the bench; of imported data it means nothing."""
+    """Bearing of the bench; without meaning for imported data."""
     orders: Orders
-    layout: Layout
+    bodies: BodyNames
     waveform: Waveform
-    judging: Future[Judgement]
-    """What the detectors say, as soon as it is known: finding it out takes as long as all the rest."""
+    pending_output: Future[DetectorOutput]
+    """Output of the detectors, computed in the background since it takes as long as everything else."""
     motion: Motion | None = None
     truths: tuple[Truth, ...] = ()
     features: Series | None = None
     imported: bool = False
-    """Whether these are data from elsewhere."""
+    """Whether the data were measured elsewhere and imported."""
 
     @property
-    def judgement(self) -> Judgement:
-        """What the detectors say; waits until it is known."""
-        return self.judging.result()
+    def detector_output(self) -> DetectorOutput:
+        """Output of the detectors; waits until it is available."""
+        return self.pending_output.result()
 
     @property
     def start_ns(self) -> int:

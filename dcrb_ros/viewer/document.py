@@ -1,4 +1,4 @@
-"""From the content of a recording to a Rerun file."""
+"""Writing of a recording's content to a Rerun file."""
 
 from __future__ import annotations
 
@@ -9,57 +9,58 @@ from pathlib import Path
 import rerun as rr
 from rerun.chunk import McapReader
 
+from dcrb_ros.bearing.fault_lines import fault_combs
 from dcrb_ros.messages.topics import FAULT_INDICATORS, FEATURES, VIBRATION
-from dcrb_ros.viewer import bearing_picture, blueprint, loading_zone, order_map, series, spectrum_picture, summary
+from dcrb_ros.viewer import bearing_picture, blueprint, load_zone, order_map, series, spectrum_picture, summary
 from dcrb_ros.viewer.content import Content
 from dcrb_ros.viewer.drawing import Drawing
-from dcrb_ros.viewer.spectrum import envelope_spectra, fault_combs
+from dcrb_ros.viewer.spectrum import envelope_spectra
 
 APPLICATION = "dcrb"
-OURS = (VIBRATION, FEATURES, FAULT_INDICATORS)
-"""Topics of which every number is logged by us."""
+REDRAWN = (VIBRATION, FEATURES, FAULT_INDICATORS)
+"""Topics that are logged here in full, so that Rerun need not log them again."""
 
 
 def write_document(content: Content, path: Path, *, native: tuple[Path, ...] = (), picture_only: bool = False) -> None:
-    """Write ``content`` with its arrangement as a Rerun file, together with the topics of ``native`` MCAP files as they are."""
+    """Write ``content`` and its arrangement to a Rerun file, together with the other topics of the MCAP files ``native``."""
     drawing = bearing_picture.drawing_of(content, content.motion) if content.motion else None
     with rr.RecordingStream(APPLICATION) as recording:
         recording.save(path)
-        # Rerun reads in threads of its own and only has to be waited for.
-        with ThreadPoolExecutor(1, "native") as beside:
-            reading = beside.submit(log_native, recording, native)
+        # Rerun reads the files in threads of its own, parallel to the logging below.
+        with ThreadPoolExecutor(1, "native") as pool:
+            reading = pool.submit(log_native, recording, native)
             log_content(content, drawing)
-            log_judgement(content)
+            log_detector_output(content)
             reading.result()
         recording.send_blueprint(blueprint.compose(content, drawing, picture_only=picture_only))
         recording.disconnect()
 
 
 def log_native(recording: rr.RecordingStream, files: Iterable[Path]) -> None:
-    """Log the topics of MCAP files as Rerun itself reads them, but for those of which we log every number."""
+    """Log the topics of MCAP files with Rerun's own reader, except `REDRAWN`."""
     for file in files:
-        reader = McapReader(file, exclude_topic_regex=[f"/{topic.name}$" for topic in OURS])
+        reader = McapReader(file, exclude_topic_regex=[f"/{topic.name}$" for topic in REDRAWN])
         recording.send_chunks(reader.stream())
 
 
 def log_content(content: Content, drawing: Drawing | None) -> None:
-    """Log all that does not wait for the detector into the current recording."""
+    """Log everything that does not depend on the detector to the current recording."""
     series.log_waveform(content.waveform)
     series.log_truth(content)
     series.log_series("features", content.features)
     if content.motion and drawing:
         bearing_picture.log_bearing(content, content.motion, drawing)
-        loading_zone.log_loading_zone(content, content.motion, drawing.largest_force)
+        load_zone.log_load_zone(content, content.motion, drawing.largest_force)
         series.log_motion(content, content.motion)
 
 
-def log_judgement(content: Content) -> None:
-    """Log what the detector makes of the recording."""
+def log_detector_output(content: Content) -> None:
+    """Log the summary page, the indicators, the verdicts and the spectra of the detector."""
     rr.log("summary", rr.TextDocument(summary.markdown(content), media_type="text/markdown"), static=True)
-    judgement = content.judgement
-    series.log_series("indicators", judgement.indicators)
-    series.log_verdicts(judgement.verdicts)
-    spectra = envelope_spectra(judgement.diagnoses)
+    output = content.detector_output
+    series.log_series("indicators", output.indicators)
+    series.log_verdicts(output.verdicts)
+    spectra = envelope_spectra(output.diagnoses)
     if spectra is not None:
         combs = fault_combs(content.orders, spectra.highest_order)
         spectrum_picture.log_spectra(spectra, combs, content.start_ns)

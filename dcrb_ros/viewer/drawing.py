@@ -1,7 +1,7 @@
-"""Where things stand in the picture of the bearing: positions [mm], X right and Y down as Rerun draws them.
+"""Geometry of the picture of the bearing: positions in mm, X right and Y down as in Rerun.
 
-The rows stand side by side. Azimuth is measured from the load line (-Y), counter-clockwise positive. Radii are true to scale; only the
-thickness of the rings and the smallest width of a defect are choices of the picture.
+The rows are drawn side by side. Azimuth is measured from the load line (-Y of the model), counter-clockwise positive. Radii are to
+scale, except the thickness of the rings and the smallest width of a defect.
 """
 
 from __future__ import annotations
@@ -37,14 +37,14 @@ def circle(radius: float) -> Floats:
 
 
 def quaternions(angle: Floats) -> Floats:
-    """Return the rotations of the picture by counter-clockwise angles [rad] as quaternions x, y, z, w, shape (angles, 4)."""
+    """Return counter-clockwise rotations by ``angle`` [rad] as quaternions x, y, z, w, shape (angles, 4)."""
     half = -0.5 * np.asarray(angle)
     zero = np.zeros_like(half)
     return np.stack([zero, zero, np.sin(half), np.cos(half)], axis=-1)
 
 
 def rounded_up(value: float) -> float:
-    """Return the next round number, one of `ROUND` times a power of ten, not below ``value``."""
+    """Return the smallest round number, one of `ROUND` times a power of ten, that is not below ``value``."""
     if not value > 0.0:
         return 1.0
     power = 10.0 ** math.floor(math.log10(value))
@@ -53,11 +53,11 @@ def rounded_up(value: float) -> float:
 
 @dataclass(frozen=True)
 class Drawing:
-    """The picture of one bearing; all lengths in it are in millimetres."""
+    """Geometry of the picture of one bearing; all lengths are in millimetres."""
 
     bearing: Bearing
     largest_force: float
-    """Force at the outermost scale ring [N]."""
+    """Force at the outermost circle of the scale [N]."""
 
     @property
     def inner_raceway(self) -> float:
@@ -96,7 +96,7 @@ class Drawing:
 
     @property
     def bars_start(self) -> float:
-        """Radius at which the force bars begin [mm]."""
+        """Radius at which the force bars start [mm]."""
         return self.rim + 0.45 * self.roller
 
     @property
@@ -106,11 +106,11 @@ class Drawing:
 
     @property
     def extent(self) -> float:
-        """Radius that holds a row with its force bars [mm]."""
+        """Radius of a row including its force bars [mm]."""
         return self.bars_start + self.bars_length
 
     def centre(self, row: int) -> Floats:
-        """Return the centre of a row, counted from 0."""
+        """Return the centre of a row, counted from 0, shape (2,) [mm]."""
         spacing = 2.0 * self.extent + 0.6 * self.roller
         return np.array([(row - 0.5 * (self.bearing.rows - 1)) * spacing, 0.0])
 
@@ -126,7 +126,7 @@ class Drawing:
         half = max(half, 0.06 * pitch)
         return [arc(self.pitch, (i + 0.5) * pitch - half, (i + 0.5) * pitch + half) for i in range(self.bearing.rollers_per_row)]
 
-    def notch(self, radius: float, azimuth: float, width: float) -> Floats:
-        """Return the arc of a defect of ``width`` [m], drawn at least 4 degrees wide so that it can be seen."""
+    def defect(self, radius: float, azimuth: float, width: float) -> Floats:
+        """Return the arc of a defect with ``width`` [m] at ``radius`` [mm], at least 4 degrees wide so that it is visible."""
         half = max(0.5 * width * MILLIMETRES / radius, math.radians(2.0))
         return arc(radius, azimuth - half, azimuth + half)

@@ -1,17 +1,18 @@
-"""The faults of the ground truth, as the viewer shows and names them."""
+"""The faults of the ground truth, as the viewer draws and names them."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
+from dcrb_ros.faults.ground_truth import kind_of, words_of
+from dcrb_ros.schema.verdicts import Component
 from dcrb_ros.simulation.block import Truth
 
 
-class RacewayFault(NamedTuple):
-    """A defect of a raceway."""
+class RacewayMark(NamedTuple):
+    """A stretch of a raceway that is drawn as damaged."""
 
-    name: str
+    ring: Component
     azimuth: float
     """Azimuth of its middle [rad]; of the inner ring at rotation angle zero."""
     width: float
@@ -19,31 +20,28 @@ class RacewayFault(NamedTuple):
 
 
 class RowFaults(NamedTuple):
-    """What is wrong with a row."""
+    """The faults of one row."""
 
-    raceways: tuple[RacewayFault, ...] = ()
+    raceways: tuple[RacewayMark, ...] = ()
     bars: tuple[int, ...] = ()
     """Broken bars, counted from one."""
     words: tuple[str, ...] = ()
     """Every fault in a few words."""
 
 
-def words_of(name: str, fault: Mapping[str, Any]) -> str:
-    """Return a fault in a few words."""
-    if name.startswith("broken_bars"):
-        return f"bar {int(fault['bar'])} broken"
-    if name.startswith("sensor."):
-        return f"sensor {name.removeprefix('sensor.')}"
-    size = f"{float(fault['width']) * 1e3:g} mm wide"
-    return f"{name}: {size} on roller {int(fault['roller'])}" if name.startswith("roller") else f"{name}: {size}"
-
-
 def faults_of_row(truth: Truth, row: int) -> RowFaults:
-    """Return the faults of a row, counted from 0, in the order of their names."""
+    """Return the faults of a row, counted from 0, in the order of their names.
+
+    A fault of a ring with an azimuth and a width is drawn on its raceway, one with the number of a bar at the cage.
+    """
     found = {name: fault for name, fault in sorted(truth.faults.items()) if int(fault.get("row", 0)) in (0, row + 1)}
-    raceways = (name for name in found if name.startswith(("inner", "outer")))
+    marks = []
+    for name, fault in found.items():
+        kind = kind_of(name)
+        if kind and kind.component in ("outer_ring", "inner_ring") and {"azimuth", "width"} <= set(fault):
+            marks.append(RacewayMark(kind.component, float(fault["azimuth"]), float(fault["width"])))
     return RowFaults(
-        tuple(RacewayFault(name, float(found[name]["azimuth"]), float(found[name]["width"])) for name in raceways),
-        tuple(sorted(int(fault["bar"]) for name, fault in found.items() if name.startswith("broken_bars"))),
+        tuple(marks),
+        tuple(sorted(int(fault["bar"]) for fault in found.values() if "bar" in fault)),
         tuple(words_of(name, fault) for name, fault in found.items()),
     )

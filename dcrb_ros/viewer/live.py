@@ -1,4 +1,4 @@
-"""A running bench in Rerun: what its topics say is logged as it comes, some tenths of a second at a time."""
+"""The view of a running bench: messages are logged to Rerun as they arrive, in batches of some tenths of a second."""
 
 from __future__ import annotations
 
@@ -26,68 +26,68 @@ from dcrb_ros.messages.topics import (
 )
 from dcrb_ros.runtime.refusal import Refusal
 from dcrb_ros.settings.parameters import Bearing
-from dcrb_ros.viewer.content import Judgement, Subject
-from dcrb_ros.viewer.gather import content_of, series_of, verdicts_in
-from dcrb_ros.viewer.live_run import LiveRun, known
+from dcrb_ros.viewer.content import BenchInfo, DetectorOutput
+from dcrb_ros.viewer.live_run import LiveRun, completed
+from dcrb_ros.viewer.reader import content_of, series_of, verdicts_in
 
 SHOWN = (VIBRATION, SENSOR, ROLLER_STATES, GROUND_TRUTH, FEATURES, FAULT_INDICATORS, DIAGNOSIS, ENVELOPE_SPECTRUM)
-MOST_WAITING = 2000
-"""Messages of a topic that wait to be logged."""
+MOST_QUEUED = 2000
+"""Messages of a topic kept until they are logged, at most [-]."""
 
 
 class LiveView:
-    """The messages of a running bench on their way to Rerun; a reset of the bench begins another Rerun recording."""
+    """Logs the messages of a running bench to Rerun; after a reset of the bench a new Rerun recording is started."""
 
     def __init__(self, begin: Callable[[int], rr.RecordingStream], title: str, log: Callable[[str], object]) -> None:
-        """Log to what ``begin`` returns for the number of the run; what is not understood is told to ``log``."""
+        """Log to the stream that ``begin`` returns for a run number; ``log`` is called with warnings about invalid messages."""
         self._begin, self._title, self._log = begin, title, log
-        self._heard: dict[Topic, list[bytes]] = defaultdict(list)
-        self._subject: Subject | None = None
+        self._received: dict[Topic, list[bytes]] = defaultdict(list)
+        self._bench: BenchInfo | None = None
         self._run: LiveRun | None = None
         self._runs = self._newest_ns = 0
         self.refused = 0
-        """Batches with a message that was not understood."""
+        """Number of batches with an invalid message."""
 
     def take(self, topic: Topic, data: bytes) -> None:
-        """Keep a message until the next `flush`; of too many the oldest are left out."""
+        """Keep a message until the next `flush`; if there are more than `MOST_QUEUED`, the oldest are dropped."""
         if topic is not SENSOR and len(data) < STAMP_END:
-            self._refuse(Refusal(f"a message on {topic.name} of {len(data)} bytes has no stamp"))
+            self._refuse(Refusal(f"a message on {topic.name} has {len(data)} bytes, too few for a stamp"))
             return
         if topic is VIBRATION:
-            self._heed_time(int(stamps([data])[0]))
-        waiting = self._heard[topic]
-        waiting.append(data)
-        if len(waiting) > MOST_WAITING:
-            del waiting[0]
+            self._check_time(int(stamps([data])[0]))
+        queue = self._received[topic]
+        queue.append(data)
+        if len(queue) > MOST_QUEUED:
+            del queue[0]
 
     def flush(self) -> None:
-        """Log what has come, once it is known what the bench is."""
-        heard, self._heard = self._heard, defaultdict(list)
+        """Log the received messages, once the sensor has been described."""
+        received, self._received = self._received, defaultdict(list)
         try:
-            if heard[SENSOR]:
-                self._subject = subject_of(heard[SENSOR][-1], self._title)
-            if self._subject is None:
-                self._heard = heard
+            if received[SENSOR]:
+                self._bench = bench_info(received[SENSOR][-1], self._title)
+            if self._bench is None:
+                self._received = received
                 return
-            content = content_of(heard, self._subject, lambda _: known(judgement_in(heard)))
-            self._current(self._subject).log(content)
+            content = content_of(received, self._bench, lambda _: completed(detector_output_in(received)))
+            self._current(self._bench).log(content)
         except Refusal as refusal:
             self._refuse(refusal)
 
     def close(self) -> None:
-        """Log the rest and end."""
+        """Log the remaining messages and close the recording."""
         self.flush()
         if self._run is not None:
             self._run.close()
 
-    def _current(self, subject: Subject) -> LiveRun:
+    def _current(self, bench: BenchInfo) -> LiveRun:
         if self._run is None:
             self._runs += 1
-            self._run = LiveRun(self._begin(self._runs), subject)
+            self._run = LiveRun(self._begin(self._runs), bench)
         return self._run
 
-    def _heed_time(self, stamp_ns: int) -> None:
-        """Begin another run where time has run back."""
+    def _check_time(self, stamp_ns: int) -> None:
+        """Start a new run if the simulated time has gone back."""
         if stamp_ns < self._newest_ns:
             self.flush()
             if self._run is not None:
@@ -101,27 +101,27 @@ class LiveView:
             self._log(f"not shown: {refusal} ({self.refused} so far)")
 
 
-def subject_of(data: bytes, title: str) -> Subject:
-    """Return what the bench is from the description of its sensor.
+def bench_info(data: bytes, title: str) -> BenchInfo:
+    """Return the bench described by a message on the sensor.
 
     Raises:
-        Refusal: it is not understood.
+        Refusal: the description is invalid.
     """
     rate, orders = decode_sensor(data)
     try:
         described = json.loads(decode_text(data)).get("bearing")
         bearing = Bearing.model_validate(described) if described else Bearing()
     except (ValueError, AttributeError) as error:
-        raise Refusal(f"the bearing in the sensor's description is not understood ({type(error).__name__})") from None
-    return Subject(title, bearing, orders, rate, imported=not described)
+        raise Refusal(f"the bearing in the sensor's description is invalid ({type(error).__name__})") from None
+    return BenchInfo(title, bearing, orders, rate, imported=not described)
 
 
-def judgement_in(heard: Mapping[Topic, Sequence[bytes]]) -> Judgement:
-    """Return what the bench's fault detector says in its messages."""
-    spectra = [decode_spectrum(data) for data in heard.get(ENVELOPE_SPECTRUM, ())]
-    return Judgement(
-        indicators=series_of(heard.get(FAULT_INDICATORS, ())),
-        verdicts=verdicts_in(heard.get(DIAGNOSIS, ())),
+def detector_output_in(received: Mapping[Topic, Sequence[bytes]]) -> DetectorOutput:
+    """Return the output of the bench's fault detector from its messages."""
+    spectra = [decode_spectrum(data) for data in received.get(ENVELOPE_SPECTRUM, ())]
+    return DetectorOutput(
+        indicators=series_of(received.get(FAULT_INDICATORS, ())),
+        verdicts=verdicts_in(received.get(DIAGNOSIS, ())),
         diagnoses=tuple(
             Diagnosis(0, time_ns * 1e-9, "waiting", "", shaft_frequency=frequency, spectrum=(orders, amplitude))
             for time_ns, orders, amplitude, frequency in spectra

@@ -1,4 +1,4 @@
-"""One run of a bench in a Rerun recording that grows: what stands still is logged once, what moves is added."""
+"""One run of a bench in a growing Rerun recording: fixed shapes are logged once, moving ones are added."""
 
 from __future__ import annotations
 
@@ -11,40 +11,41 @@ from dataclasses import replace
 import numpy as np
 import rerun as rr
 
-from dcrb_ros.viewer import bearing_picture, loading_zone, order_map, series, spectrum_picture, summary
+from dcrb_ros.bearing.fault_lines import fault_combs
+from dcrb_ros.viewer import bearing_picture, load_zone, order_map, series, spectrum_picture, summary
 from dcrb_ros.viewer.blueprint import compose_live
-from dcrb_ros.viewer.content import Content, Judgement, Motion, Subject, Waveform
+from dcrb_ros.viewer.content import BenchInfo, Content, DetectorOutput, Motion, Waveform
 from dcrb_ros.viewer.drawing import Drawing, rounded_up
 from dcrb_ros.viewer.fault_words import RowFaults
-from dcrb_ros.viewer.spectrum import Spectra, envelope_spectra, fault_combs
+from dcrb_ros.viewer.spectrum import Spectra, envelope_spectra
 
 RECENT = 1000
-"""States of which the mean over the loading zone is taken."""
+"""Number of latest states from which the mean forces in the load zone are computed [-]."""
 MOST_SPECTRA = 300
-"""Spectra in the order map; it has about as many rows of pixels."""
-ROOM = 1.25
-"""Largest force that the scale has room for, as a share of its end [-]."""
+"""Spectra in the order map at most [-]; it has about as many rows of pixels."""
+HEADROOM = 1.25
+"""Largest force over the end of the force scale before a new scale is drawn [-]."""
 
 
 class LiveRun:
     """A run of the bench from its start, or from a reset."""
 
-    def __init__(self, stream: rr.RecordingStream, subject: Subject) -> None:
-        self._stream, self._subject = stream, subject
-        self._drawing = None if subject.imported else Drawing(subject.bearing, 1.0)
-        self._told: set[str] = set()
-        self._faults: list[RowFaults | None] = [None] * subject.bearing.rows
+    def __init__(self, stream: rr.RecordingStream, bench: BenchInfo) -> None:
+        self._stream, self._bench = stream, bench
+        self._drawing = None if bench.imported else Drawing(bench.bearing, 1.0)
+        self._logged: set[str] = set()
+        self._faults: list[RowFaults | None] = [None] * bench.bearing.rows
         self._largest_load = 0.0
         self._recent: Motion | None = None
         self._spectra: Spectra | None = None
         self._axes: spectrum_picture.Axes | None = None
-        self._known = Content(
-            subject.title, subject.bearing, subject.orders, subject.layout, _nothing(subject), known(Judgement(None, (), ()))
+        self._latest = Content(
+            bench.title, bench.bearing, bench.orders, bench.bodies, _empty_waveform(bench), completed(DetectorOutput(None, (), ()))
         )
         stream.send_blueprint(compose_live(self._drawing))
 
     def log(self, content: Content) -> None:
-        """Log what has come since the last time."""
+        """Log new content."""
         with _current(self._stream):
             self._log_plots(content)
             if content.motion is not None and self._drawing is not None:
@@ -54,14 +55,14 @@ class LiveRun:
             self._log_summary(content)
 
     def close(self) -> None:
-        """Bring everything to the viewer or into the file."""
+        """Send everything to the viewer or write it to the file."""
         self._stream.flush()
         self._stream.disconnect()
 
     def _first(self, name: str) -> bool:
         """Return whether something is logged for the first time."""
-        first = name not in self._told
-        self._told.add(name)
+        first = name not in self._logged
+        self._logged.add(name)
         return first
 
     def _log_plots(self, content: Content) -> None:
@@ -69,30 +70,30 @@ class LiveRun:
             series.log_waveform(content.waveform, fixed=self._first("waveform"))
         if content.truths:
             series.log_truth(content, fixed=self._first("operating"))
-        for path, found in (("features", content.features), ("indicators", content.judgement.indicators)):
+        for path, found in (("features", content.features), ("indicators", content.detector_output.indicators)):
             if found is not None:
                 series.log_series(path, found, fixed=self._first(path))
-        series.log_verdicts(content.judgement.verdicts)
+        series.log_verdicts(content.detector_output.verdicts)
 
     def _log_motion(self, content: Content, motion: Motion) -> None:
         drawing = self._scaled(motion)
         if self._first("bearing"):
-            bearing_picture.log_still(drawing)
+            bearing_picture.log_static(drawing)
         series.log_motion(content, motion, fixed=self._first("motion"))
         shown = bearing_picture.thinned(motion)
         bearing_picture.log_moving(drawing, shown)
-        self._recent = _joined(self._recent, shown)
-        loading_zone.log_mean(content.layout, self._recent, drawing.largest_force)
-        loading_zone.log_now(content.layout, shown, drawing.largest_force)
+        self._recent = _joined_motion(self._recent, shown)
+        load_zone.log_mean(content.bodies, self._recent, drawing.largest_force)
+        load_zone.log_now(content.bodies, shown, drawing.largest_force)
 
     def _scaled(self, motion: Motion) -> Drawing:
-        """Return the drawing, with a new scale where a force has outgrown it; bars of the past keep their length."""
+        """Return the drawing, with a new scale if a force exceeds it; bars already drawn keep their length."""
         assert self._drawing is not None
-        largest = bearing_picture.drawing_of(self._known, motion).largest_force
-        if largest > ROOM * self._drawing.largest_force:
+        largest = bearing_picture.drawing_of(self._latest, motion).largest_force
+        if largest > HEADROOM * self._drawing.largest_force:
             self._drawing = Drawing(self._drawing.bearing, rounded_up(largest))
             bearing_picture.log_force_scale(self._drawing)
-            loading_zone.log_still(self._known.layout, self._drawing.largest_force)
+            load_zone.log_static(self._latest.bodies, self._drawing.largest_force)
         return self._drawing
 
     def _log_truth(self, content: Content) -> None:
@@ -105,10 +106,10 @@ class LiveRun:
             self._faults[row] = bearing_picture.log_faults(self._drawing, row, truths, truths[0].time_ns, shown)
 
     def _log_spectra(self, content: Content) -> None:
-        spectra = envelope_spectra(content.judgement.diagnoses)
+        spectra = envelope_spectra(content.detector_output.diagnoses)
         if spectra is None:
             return
-        combs = fault_combs(self._subject.orders, spectra.highest_order)
+        combs = fault_combs(self._bench.orders, spectra.highest_order)
         axes = spectrum_picture.axes_of(spectra)
         if self._axes is None or axes.highest_level > self._axes.highest_level or axes.highest_order != self._axes.highest_order:
             self._axes = axes
@@ -116,29 +117,29 @@ class LiveRun:
             order_map.log_fault_lines(axes.highest_order, combs)
         spectrum_picture.log_axes(self._axes, float(spectra.shaft_frequency[-1]))
         spectrum_picture.log_levels(self._axes, combs, spectra)
-        self._spectra = _together(self._spectra, spectra)
+        self._spectra = _joined_spectra(self._spectra, spectra)
         order_map.log_map(self._spectra)
 
     def _log_summary(self, content: Content) -> None:
-        """Log the page beside the pictures anew where it says something else."""
-        ends = self._known.waveform.time_ns
+        """Log the summary page again, with the latest values."""
+        ends = self._latest.waveform.time_ns
         if len(content.waveform.time_ns):
-            ends = np.array([ends[0] if "summary" in self._told else content.start_ns, content.end_ns])
-        judgement = Judgement(None, content.judgement.verdicts[-1:] or self._known.judgement.verdicts, ())
-        self._known = replace(
-            self._known,
-            waveform=replace(self._known.waveform, time_ns=ends),
-            truths=content.truths[-1:] or self._known.truths,
-            judging=known(judgement),
+            ends = np.array([ends[0] if "summary" in self._logged else content.start_ns, content.end_ns])
+        output = DetectorOutput(None, content.detector_output.verdicts[-1:] or self._latest.detector_output.verdicts, ())
+        self._latest = replace(
+            self._latest,
+            waveform=replace(self._latest.waveform, time_ns=ends),
+            truths=content.truths[-1:] or self._latest.truths,
+            pending_output=completed(output),
             imported=content.imported,
         )
         self._first("summary")
-        rr.log("summary", rr.TextDocument(summary.markdown(self._known), media_type="text/markdown"), static=True)
+        rr.log("summary", rr.TextDocument(summary.markdown(self._latest), media_type="text/markdown"), static=True)
 
 
 @contextmanager
 def _current(stream: rr.RecordingStream) -> Iterator[None]:
-    """Let what is logged go to a stream; Rerun's own way would end the file each time."""
+    """Make a stream the current recording; Rerun's own context manager would close the file each time."""
     previous = rr.set_thread_local_data_recording(stream)
     try:
         yield
@@ -146,19 +147,19 @@ def _current(stream: rr.RecordingStream) -> Iterator[None]:
         rr.set_thread_local_data_recording(previous)
 
 
-def known(judgement: Judgement) -> Future[Judgement]:
-    """Return a judgement for which nobody has to wait."""
-    future: Future[Judgement] = Future()
-    future.set_result(judgement)
+def completed(output: DetectorOutput) -> Future[DetectorOutput]:
+    """Return a future with an output that is already available."""
+    future: Future[DetectorOutput] = Future()
+    future.set_result(output)
     return future
 
 
-def _nothing(subject: Subject) -> Waveform:
-    return Waveform(np.zeros(2, np.int64), np.zeros((2, 2), np.float32), np.zeros(2, np.float32), subject.rate)
+def _empty_waveform(bench: BenchInfo) -> Waveform:
+    return Waveform(np.zeros(2, np.int64), np.zeros((2, 2), np.float32), np.zeros(2, np.float32), bench.rate)
 
 
-def _together(before: Spectra | None, after: Spectra) -> Spectra:
-    """Return the last spectra of two stretches; where they go up to other orders, those of the latter."""
+def _joined_spectra(before: Spectra | None, after: Spectra) -> Spectra:
+    """Return the last `MOST_SPECTRA` of two sequences of spectra; only those of the latter if their orders differ."""
     if before is None or not np.array_equal(before.orders, after.orders):
         return after
     times, levels, frequencies = (
@@ -167,8 +168,8 @@ def _together(before: Spectra | None, after: Spectra) -> Spectra:
     return Spectra(times, after.orders, levels, frequencies)
 
 
-def _joined(before: Motion | None, after: Motion) -> Motion:
-    """Return the last states of two stretches."""
+def _joined_motion(before: Motion | None, after: Motion) -> Motion:
+    """Return the last `RECENT` states of two motions."""
     if before is None:
         return after
     fields = ("time_ns", "azimuth", "speed", "force")

@@ -1,6 +1,6 @@
-"""The order map: every envelope spectrum of a recording as a row of one picture, with the fault lines through it.
+"""The order map: the squared envelope spectra of a recording as rows of an image, with the fault lines.
 
-Orders are multiples of the shaft frequency, so a fault's lines stay upright while the speed changes.
+Orders are multiples of the shaft frequency, so the lines of a fault are vertical even if the speed changes.
 """
 
 from __future__ import annotations
@@ -11,63 +11,67 @@ import numpy as np
 import numpy.typing as npt
 import rerun as rr
 
+from dcrb_ros.bearing.fault_lines import Comb
 from dcrb_ros.runtime.arrays import Floats
 from dcrb_ros.viewer import columns, palette
 from dcrb_ros.viewer.content import Times
-from dcrb_ros.viewer.spectrum import Comb, Spectra
+from dcrb_ros.viewer.spectrum import Spectra
 from dcrb_ros.viewer.spectrum_picture import HEIGHT, TRACK, WIDTH, log_comb, log_texts, order_ticks
 
 ROOT = "order_map"
 TIME_TICKS = 6
-LOUDEST_SHARE = 0.9995
-"""Share of the levels that the scale of colours holds."""
+SCALE_QUANTILE = 0.9995
+"""Quantile of the levels at the end of the colour scale [-]."""
 
 
 def log_order_map(spectra: Spectra, combs: Sequence[Comb]) -> None:
-    """Log the map, its axes, the fault lines and a line at the time of the cursor under `ROOT`."""
+    """Log the map, its axes, the fault lines and a line at the current time under `ROOT`."""
     log_map(spectra)
     log_fault_lines(spectra.highest_order, combs)
     log_cursor(spectra.time_ns)
 
 
 def log_map(spectra: Spectra) -> None:
-    """Log the picture of the spectra and its axes."""
-    largest = max(10.0, 5.0 * np.ceil(float(np.quantile(spectra.level, LOUDEST_SHARE)) / 5.0))
+    """Log the image of the spectra and its axes."""
+    largest = max(10.0, 5.0 * np.ceil(float(np.quantile(spectra.level, SCALE_QUANTILE)) / 5.0))
     rr.log(f"{ROOT}/levels", rr.Image(picture(spectra, largest), draw_order=-1.0), static=True)
     log_axes(spectra, largest)
 
 
 def log_fault_lines(highest_order: float, combs: Sequence[Comb]) -> None:
-    """Log the fault lines through the map."""
+    """Log the fault lines across the map."""
     for place, comb in enumerate(combs):
         log_comb(highest_order, comb, -TRACK * (len(combs) - place - 0.1), root=ROOT)
 
 
 def picture(spectra: Spectra, largest: float) -> npt.NDArray[np.uint8]:
-    """Return the levels as colours up to ``largest`` [dB], shape (HEIGHT, WIDTH, 3); of the orders in a pixel the loudest counts."""
+    """Return the levels as colours on a scale up to ``largest`` [dB], shape (HEIGHT, WIDTH, 3).
+
+    A pixel shows the largest level of its orders.
+    """
     borders = np.searchsorted(spectra.orders, np.arange(int(WIDTH)) / WIDTH * spectra.highest_order)
     columns = np.maximum.reduceat(spectra.level, np.minimum(borders, len(spectra.orders) - 1), axis=1)
     rows = np.searchsorted(spectra.time_ns, times_of_rows(spectra.time_ns))
     colours = palette.force_colours(np.maximum(columns, 1e-3), largest)[..., :3]
-    dark = np.clip(columns / (0.25 * largest), 0.0, 1.0)[..., None]  # what is background stays dark
+    dark = np.clip(columns / (0.25 * largest), 0.0, 1.0)[..., None]  # levels near the background are drawn dark
     shown = (colours * dark + np.array(palette.BACKGROUND[:3]) * (1.0 - dark)).astype(np.uint8)
     return np.ascontiguousarray(shown[np.minimum(rows, len(shown) - 1)])
 
 
 def span_of(time_ns: Times) -> tuple[int, int]:
-    """Return the times at the upper and lower edge of the map [ns]: a window's row ends with it."""
+    """Return the times at the upper and lower edge of the map [ns]; the row of a window ends at the window's end."""
     step = int(np.median(np.diff(time_ns))) if len(time_ns) > 1 else 1_000_000_000
     return int(time_ns[0]) - step, int(time_ns[-1])
 
 
 def times_of_rows(time_ns: Times) -> Floats:
-    """Return the time of every row of pixels [ns]."""
+    """Return the time of every row of pixels, shape (HEIGHT,) [ns]."""
     first, last = span_of(time_ns)
     return np.asarray(first + (np.arange(int(HEIGHT)) + 0.5) / HEIGHT * (last - first), np.float64)
 
 
 def log_axes(spectra: Spectra, largest: float) -> None:
-    """Log the ticks of orders and times, and what they mean."""
+    """Log the ticks of orders and times, and the axis label."""
     orders = order_ticks(spectra.highest_order)
     first, last = span_of(spectra.time_ns)
     times = np.linspace(first, last, TIME_TICKS)
@@ -80,7 +84,7 @@ def log_axes(spectra: Spectra, largest: float) -> None:
 
 
 def log_cursor(time_ns: Times) -> None:
-    """Log a line across the map at the time of the cursor, window by window."""
+    """Log a line across the map at the current time, window by window."""
     first, last = span_of(time_ns)
     y = HEIGHT * (time_ns - first) / max(1, last - first)
     strips = np.stack([np.stack([np.zeros_like(y), y], -1), np.stack([np.full_like(y, WIDTH), y], -1)], axis=1)

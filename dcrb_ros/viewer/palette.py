@@ -1,4 +1,4 @@
-"""Colours of the viewer, made for a dark background; every colour is sRGB with opacity, 0 to 255."""
+"""Colours of the viewer for a dark background; every colour is sRGB with opacity, 0 to 255."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ Colour = tuple[int, int, int, int]
 Colours = npt.NDArray[np.uint8]
 
 BACKGROUND: Colour = (13, 13, 13, 255)
-"""The background of Rerun's own panels."""
+"""Background colour of Rerun's own panels."""
 FAINT: Colour = (38, 45, 56, 255)
 MUTED: Colour = (125, 137, 153, 255)
 BRIGHT: Colour = (222, 229, 238, 255)
@@ -62,7 +62,7 @@ def force_colours(force: Floats, largest: float) -> Colours:
 
 
 def wheel(count: int) -> list[Colour]:
-    """Return ``count`` colours around the colour wheel, of even lightness to the eye: neighbours look alike."""
+    """Return ``count`` colours around the colour wheel with about equal lightness; neighbouring colours are similar."""
     angle = 2.0 * np.pi * np.arange(count) / count
     channels = [np.clip(165.0 + 80.0 * np.cos(angle - shift), 0, 255).astype(int) for shift in (0.0, 2.1, 4.2)]
     return [(int(red), int(green), int(blue), 255) for red, green, blue in zip(*channels, strict=True)]

@@ -1,6 +1,6 @@
-"""Everything that Rerun plots over time: waveform, forces, speeds, features, indicators.
+"""Plots over time in Rerun: waveform, forces, speeds, features, indicators.
 
-Where more of the same follows (``fixed`` false) names and colours are not logged again.
+With ``fixed`` false, names and colours are not logged again; this is for later parts of the same plot.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ KILO = 1e-3
 
 
 def log_waveform(waveform: Waveform, *, fixed: bool = True) -> None:
-    """Log every sample of the waveform, both axes [m/s^2]."""
+    """Log all samples of the waveform, both axes [m/s^2]."""
     colours = [palette.WAVEFORM_X, palette.WAVEFORM]
     log_lines("waveform", waveform.time_ns, waveform.acceleration, ["ax", "ay"], colours, width=1.0, fixed=fixed)
 
@@ -35,9 +35,9 @@ def log_lines(
     width: float = 1.5,
     fixed: bool = True,
 ) -> None:
-    """Log several lines over time as one entity; values of shape (times, names), the last name on top."""
+    """Log several lines over time as one entity; values of shape (times, names), the last name is drawn on top."""
     if fixed:
-        # The default policy draws the mean of what falls on a pixel: a shock of 10 m/s^2 would show as 5.
+        # The default policy draws the mean of the samples in a pixel, which hides peaks.
         policy, widths = AggregationPolicy.MinMax, [width] * len(names)
         look = rr.SeriesLines(names=list(names), colors=list(colours), widths=widths, aggregation_policy=policy)
         rr.log(path, look, static=True)
@@ -46,7 +46,7 @@ def log_lines(
 
 def log_motion(content: Content, motion: Motion, *, fixed: bool = True) -> None:
     """Log normal forces [kN] and spins [rad/s] of the rollers, speeds of the cages [rad/s], and their slip [%]."""
-    rows, count = content.layout.rows, content.layout.rollers_per_row
+    rows, count = content.bodies.rows, content.bodies.rollers_per_row
     names = [f"roller {i + 1}" for i in range(count)]
     colours = palette.wheel(count)
     for row in range(rows):
@@ -67,7 +67,7 @@ def log_truth(content: Content, *, fixed: bool = True) -> None:
 
 
 def log_series(path: str, series: Series | None, *, fixed: bool = True) -> None:
-    """Log each number of a series as an entity of its own, so that a view can choose."""
+    """Log each number of a series as an entity of its own, so that a view can select it."""
     if series is None:
         return
     for place, name in enumerate(series.names):

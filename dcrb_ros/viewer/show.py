@@ -1,4 +1,4 @@
-"""What `dcrb view` does: check where to write, gather, write the Rerun file, open it or take its picture."""
+"""The functions of `dcrb view`: check the output paths, read the recording, write a Rerun file or picture, or open the viewer."""
 
 from __future__ import annotations
 
@@ -10,18 +10,22 @@ import numpy as np
 from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.runtime.refusal import Refusal
 from dcrb_ros.viewer.content import Content
-from dcrb_ros.viewer.gather import gather
+from dcrb_ros.viewer.reader import read_content
 
 
 def checked_output(path: Path, *, suffix: str, option: str) -> Path:
-    """Return the path of a file to write; refuse one that exists, has another suffix or cannot be created."""
+    """Return the path of a new file.
+
+    Raises:
+        Refusal: it has another suffix than ``suffix``, exists, or cannot be created.
+    """
     if path.suffix != suffix:
-        raise Refusal(f"{option} {path} does not end in {suffix}: give it that ending, it is what will be in it")
+        raise Refusal(f"{option} {path} does not end in {suffix}: give a name with this suffix")
     if path.exists():
-        raise Refusal(f"{option} {path} exists: give another name or remove it, nothing is overwritten")
+        raise Refusal(f"{option} {path} exists: give another name or remove it; files are never overwritten")
     folder = path.absolute().parent
     if not folder.is_dir():
-        raise Refusal(f"{option} {path} cannot be written: there is no folder {folder}; create it or give another")
+        raise Refusal(f"{option} {path} cannot be written: there is no folder {folder}; create it or give another path")
     try:
         with tempfile.TemporaryFile(dir=folder):
             pass
@@ -31,8 +35,8 @@ def checked_output(path: Path, *, suffix: str, option: str) -> Path:
 
 
 def save_document(recording: Recording, content: Content, path: Path) -> None:
-    """Write the Rerun file with the native topics beside ours, whole or not at all."""
-    # Rerun takes a second to import, in which the fault detector is at work already.
+    """Write the Rerun file, with the recording's other topics if it is complete; an incomplete file is never left behind."""
+    # Rerun takes a second to import; meanwhile the fault detector already runs in the background.
     from dcrb_ros.viewer.document import write_document
 
     native = tuple(recording.files) if recording.complete else ()
@@ -43,18 +47,18 @@ def save_document(recording: Recording, content: Content, path: Path) -> None:
 
 
 def take_picture(content: Content, path: Path) -> None:
-    """Write a PNG of the viewer at a telling moment."""
+    """Write a PNG of the viewer at `screenshot_time`."""
     from dcrb_ros.viewer.document import write_document
     from dcrb_ros.viewer.window import save_screenshot
 
     with tempfile.TemporaryDirectory(prefix="dcrb-view-") as folder:
         document = Path(folder, "picture.rrd")
         write_document(content, document, picture_only=True)
-        save_screenshot(document, path, at_ns=telling_time(content))
+        save_screenshot(document, path, at_ns=screenshot_time(content))
 
 
 def show(recording: Recording, content: Content, *, web: bool = False) -> int:
-    """Open the viewer on the recording; return its exit status when it is closed."""
+    """Open the viewer with the recording; return its exit status after it is closed."""
     from dcrb_ros.viewer.window import open_window
 
     with tempfile.TemporaryDirectory(prefix="dcrb-view-") as folder:
@@ -63,12 +67,12 @@ def show(recording: Recording, content: Content, *, web: bool = False) -> int:
         return open_window(document, web=web)
 
 
-def telling_time(content: Content) -> int:
-    """Return the time of the largest roller force after two thirds of the recording, where spectra and verdict are there [ns]."""
+def screenshot_time(content: Content) -> int:
+    """Return the time of the largest roller force in the last third of the recording, when spectra and verdicts are available [ns]."""
     begin = content.start_ns + 2 * (content.end_ns - content.start_ns) // 3
     if content.motion is None:
         return begin
-    rollers = content.layout.rows * content.layout.rollers_per_row
+    rollers = content.bodies.rows * content.bodies.rollers_per_row
     late = np.flatnonzero((content.motion.time_ns >= begin) & (content.motion.time_ns <= content.end_ns))
     if not len(late):
         return begin
@@ -76,13 +80,19 @@ def telling_time(content: Content) -> int:
 
 
 def view_recording(bag: Path, *, save: Path | None, screenshot: Path | None, web: bool) -> tuple[Content, bool, int]:
-    """Do what was asked for; return what was shown, whether the recording was whole, and the viewer's exit status."""
+    """Write the requested files or open the viewer.
+
+    Returns the content, whether the recording is complete, and the exit status of the viewer.
+
+    Raises:
+        Refusal: an output file or the recording is invalid.
+    """
     outputs = ((save, ".rrd", "--save"), (screenshot, ".png", "--screenshot"))
     for path, suffix, option in outputs:
         if path is not None:
             checked_output(path, suffix=suffix, option=option)
     recording = Recording(bag)
-    content = gather(recording)
+    content = read_content(recording)
     if save is not None:
         save_document(recording, content, save)
     if screenshot is not None:

@@ -1,7 +1,7 @@
-"""The envelope spectrum, drawn in Rerun as a plot with the fault lines named.
+"""The plot of the squared envelope spectrum in Rerun, with labelled fault lines.
 
-The picture is a plane with X right and Y down in which we draw axes ourselves: Rerun's own plots run over time only, or are
-bars that cannot carry a label.
+It is drawn in a two-dimensional view with X right and Y down, including the axes, since Rerun's own plots are over time only or
+are bar charts without labels.
 """
 
 from __future__ import annotations
@@ -12,33 +12,34 @@ from dataclasses import dataclass, replace
 import numpy as np
 import rerun as rr
 
+from dcrb_ros.bearing.fault_lines import Comb
 from dcrb_ros.runtime.arrays import Floats
 from dcrb_ros.viewer import columns, palette
 from dcrb_ros.viewer.content import Times
-from dcrb_ros.viewer.spectrum import ORDER_STEP, Comb, Spectra
+from dcrb_ros.viewer.spectrum import ORDER_STEP, Spectra
 
 ROOT = "envelope_spectrum"
 WIDTH, HEIGHT, TRACK = 1000.0, 330.0, 40.0
-"""Size of the plot and height of the track of one fault above it [picture units]."""
+"""Width and height of the plot, and height of the track of each fault above it [picture units]."""
 LEVEL_TICK = 20.0
-"""Distance of ticks [dB]."""
+"""Spacing of the level ticks [dB]."""
 MOST_ORDER_TICKS = 8
 LABEL_DROP = 20.0
-"""Distance of a label below its point in a window of usual size [picture units]."""
+"""Distance of a label below its point in a window of typical size [picture units]."""
 SEARCH = 0.006
-"""A harmonic is looked for within this share of its order [-]."""
+"""Range to either side of a harmonic in which its peak is searched, as a share of its order [-]."""
 
 
 @dataclass(frozen=True)
 class Axes:
-    """The plot's ranges."""
+    """The ranges of the plot's axes: orders [-] and levels [dB]."""
 
     highest_order: float
     lowest_level: float
     highest_level: float
 
     def points(self, orders: Floats, levels: Floats) -> Floats:
-        """Return places in the picture, shape (..., 2)."""
+        """Return positions in the plot, shape (..., 2) [picture units]."""
         span = self.highest_level - self.lowest_level
         x = np.asarray(orders) / self.highest_order * WIDTH
         y = HEIGHT * (self.highest_level - np.clip(levels, self.lowest_level, self.highest_level)) / span
@@ -48,7 +49,7 @@ class Axes:
 def log_spectra(spectra: Spectra, combs: Sequence[Comb], start_ns: int) -> None:
     """Log the spectrum of every window, the axes and the fault lines under `ROOT`.
 
-    A window's spectrum appears at its end, the first one already at ``start_ns``: a viewer opens there.
+    The spectrum of a window is shown from the window's end on, the first one from ``start_ns``, where the viewer opens.
     """
     times = spectra.time_ns.copy()
     times[0] = start_ns
@@ -59,13 +60,13 @@ def log_spectra(spectra: Spectra, combs: Sequence[Comb], start_ns: int) -> None:
 
 
 def axes_of(spectra: Spectra) -> Axes:
-    """Return axes that hold all spectra."""
+    """Return axes whose ranges contain all spectra."""
     highest = max(LEVEL_TICK * np.ceil(float(spectra.level.max(initial=0.0)) / LEVEL_TICK), 2.0 * LEVEL_TICK)
     return Axes(spectra.highest_order, -0.5 * LEVEL_TICK, float(highest))
 
 
 def log_combs(axes: Axes, combs: Sequence[Comb]) -> None:
-    """Log the fault lines and the look of curve, area and peaks."""
+    """Log the fault lines and the style of curve, area and peaks."""
     for place, comb in enumerate(combs):
         log_comb(axes.highest_order, comb, -TRACK * (len(combs) - place - 0.1))
         fixed = rr.Points2D.from_fields(radii=rr.Radius.ui_points(3.5), colors=[palette.FAULT_LINES[comb.name]], draw_order=5.0)
@@ -77,14 +78,14 @@ def log_combs(axes: Axes, combs: Sequence[Comb]) -> None:
 
 
 def log_levels(axes: Axes, combs: Sequence[Comb], spectra: Spectra) -> None:
-    """Log curve, area and peaks of every spectrum over time."""
+    """Log the curve, the area below it and the peaks of every spectrum over time."""
     for comb in combs:
         log_peaks(axes, comb, spectra.time_ns, spectra.orders, spectra.level)
     log_curve(axes, spectra.time_ns, spectra.orders, spectra.level)
 
 
 def log_axes(axes: Axes, shaft_frequency: float) -> None:
-    """Log frame, grid, ticks and what the axes mean."""
+    """Log grid, ticks and axis labels."""
     orders = order_ticks(axes.highest_order)
     levels = np.arange(0.0, axes.highest_level + 1e-9, LEVEL_TICK)
     upright = [axes.points(np.array([o, o]), np.array([axes.lowest_level, axes.highest_level])) for o in orders]
@@ -100,19 +101,19 @@ def log_axes(axes: Axes, shaft_frequency: float) -> None:
 
 
 def order_ticks(highest: float) -> Floats:
-    """Return the orders at which an axis up to the ``highest`` has ticks."""
+    """Return the tick positions of an axis up to the ``highest`` order [-]."""
     tick = next(step for step in (5.0, 10.0, 20.0, 50.0, 100.0) if highest / step < MOST_ORDER_TICKS or step == 100.0)
     return np.arange(0.0, highest + 1e-9, tick)
 
 
 def log_texts(path: str, places: Floats, texts: Sequence[str], colour: palette.Colour, *, drop: float = LABEL_DROP) -> None:
-    """Log texts about places. Rerun writes a label a fixed distance on the screen below its point, hence the shift upwards by ``drop``."""
+    """Log texts at positions, shifted upwards by ``drop``, since Rerun draws a label at a fixed distance below its point."""
     raised = places - [0.0, drop]
     rr.log(path, rr.Points2D(raised, radii=0.01, labels=list(texts), show_labels=True, colors=[colour]), static=True)
 
 
 def log_comb(highest_order: float, comb: Comb, y: float, *, root: str = ROOT) -> None:
-    """Log the track of one fault: its name, a dot for every harmonic and a line from it down through the plot."""
+    """Log the track of one fault: its name, and for every harmonic a dot and a line down through the plot."""
     colour, path = palette.FAULT_LINES[comb.name], f"{root}/{comb.name}"
     x = np.array(comb.orders) / highest_order * WIDTH
     dots = np.stack([x, np.full_like(x, y)], axis=-1)
@@ -127,7 +128,7 @@ def log_comb(highest_order: float, comb: Comb, y: float, *, root: str = ROOT) ->
 
 
 def log_peaks(axes: Axes, comb: Comb, time_ns: Times, orders: Floats, level: Floats) -> None:
-    """Log a dot on the highest point of the spectrum near every harmonic."""
+    """Log a dot at the peak of the spectrum near every harmonic."""
     if not comb.orders:
         return
     resolution = float(orders[1] - orders[0])
@@ -141,7 +142,7 @@ def log_peaks(axes: Axes, comb: Comb, time_ns: Times, orders: Floats, level: Flo
 
 
 def log_curve(axes: Axes, time_ns: Times, orders: Floats, level: Floats) -> None:
-    """Log the spectrum itself: the curve, and a faint area below it."""
+    """Log the curve of the spectrum and the area below it."""
     curve = axes.points(orders, level)
     foot = curve.copy()
     foot[..., 1] = HEIGHT

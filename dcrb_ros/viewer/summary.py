@@ -1,34 +1,25 @@
-"""The page beside the pictures: what is being looked at, what is wrong with it, what the detector says."""
+"""The summary page of the viewer: the recording, its ground truth and the detector's verdict."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator
 
+from dcrb_ros.faults.ground_truth import words_of
+from dcrb_ros.schema.verdicts import TITLES
 from dcrb_ros.simulation.block import Truth
 from dcrb_ros.viewer.content import Content
-from dcrb_ros.viewer.fault_words import words_of
-
-TITLES = {
-    "healthy": "healthy",
-    "outer_ring": "outer ring defect",
-    "inner_ring": "inner ring defect",
-    "roller": "roller defect",
-    "cage": "cage fault",
-    "sensor": "sensor fault",
-    "compound": "several faults",
-}
 
 
 def markdown(content: Content) -> str:
-    """Return the page in Markdown."""
+    """Return the summary page in Markdown."""
     return "\n".join(_lines(content))
 
 
 def _lines(content: Content) -> Iterator[str]:
     bearing, seconds = content.bearing, (content.end_ns - content.start_ns) / 1e9
     yield f"| Recording | {content.title}, {seconds:.2f} s at {content.waveform.rate / 1e3:g} kHz |\n|---|---|"
-    verdict = content.judgement.verdicts[-1] if content.judgement.verdicts else None
+    verdict = content.detector_output.verdicts[-1] if content.detector_output.verdicts else None
     if verdict:
         yield f"| Detector's verdict | **{TITLES.get(verdict.name, verdict.name)}** |"
     if content.truths:
@@ -42,7 +33,7 @@ def _lines(content: Content) -> Iterator[str]:
         diameter, pitch = 2e3 * bearing.roller_radius, 2e3 * bearing.pitch_radius
         yield f"| Bearing | {bearing.rows} x {bearing.rollers_per_row} rollers of {diameter:g} mm on a pitch circle of {pitch:g} mm |"
     if verdict and verdict.evidence.get("reason"):
-        yield f"\nWhy: {verdict.evidence['reason']}."
+        yield f"\nReason: {verdict.evidence['reason']}."
 
 
 def _faults(truth: Truth) -> Iterator[str]:

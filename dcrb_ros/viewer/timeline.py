@@ -1,4 +1,4 @@
-"""The one timeline of the viewer: the simulated time of the messages' stamps."""
+"""The timeline of the viewer: simulated time, as in the stamps of the messages."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import rerun as rr
 from dcrb_ros.viewer.content import Times
 
 TIMELINE = "ros2_timestamp"
-"""The name under which Rerun itself files the header stamps of ROS 2 messages."""
+"""Name that Rerun's own reader gives to the header stamps of ROS 2 messages."""
 
 
 def time_column(time_ns: Times) -> rr.TimeColumn:

@@ -1,4 +1,4 @@
-"""The Rerun viewer as a process: a window for the user, or none for a screenshot."""
+"""The Rerun viewer as a process: with a window for the user, or headless for a screenshot."""
 
 from __future__ import annotations
 
@@ -24,30 +24,30 @@ if TYPE_CHECKING:
 
 LOOPBACK = "127.0.0.1"
 PATIENCE = 60.0
-"""How long the viewer may take for a step [s]."""
+"""Longest wait for an action of the viewer [s]."""
 POLL = 0.2
-"""Time between two questions to the viewer [s]."""
-NOTICES = 6.0
-"""How long the viewer's notices of its start hide a corner [s]."""
-EMPTY_BAR = 37
-"""Height of the bar that the viewer leaves above the views when its top panel is hidden [pixels]."""
-DRIVER_REMEDY = "install a Vulkan driver, without a graphics card the software one (Debian, Ubuntu: apt-get install mesa-vulkan-drivers)"
+"""Interval at which the viewer is polled [s]."""
+NOTICE_TIME = 6.0
+"""Time for which the viewer's start-up notices cover a corner of the picture [s]."""
+BAR_HEIGHT = 37
+"""Height of the empty bar above the views if the top panel is hidden [pixels]."""
+DRIVER_REMEDY = "install a Vulkan driver, such as the software driver (Debian, Ubuntu: apt-get install mesa-vulkan-drivers)"
 
-DISPLAY_REMEDY = "it needs a display; without one save the view into a file (viewer --save FILE.rrd)"
+DISPLAY_REMEDY = "it needs a display; without one, save the view to a file (viewer --save FILE.rrd)"
 DISPLAYS = ("DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET")
-"""Environment variables of which a desktop on Linux sets one."""
+"""Environment variables, of which a Linux desktop sets at least one."""
 MEMORY = "2GB"
-"""What a viewer of a running bench keeps; of more the oldest is left out."""
+"""Memory limit of the viewer of a running bench; the oldest data are dropped first."""
 
 Answer = TypeVar("Answer")
 
 
 class ViewerFailure(RuntimeError):
-    """The viewer could not do its work; one sentence."""
+    """The viewer failed; the message is one sentence."""
 
 
 def open_window(document: Path, *, web: bool = False) -> int:
-    """Show a Rerun file, bound to this machine alone, until the viewer is closed; return its exit status."""
+    """Show a Rerun file until the viewer is closed; return its exit status. The viewer accepts local connections only."""
     port = _free_port()
     command = [*_command(), "--bind", LOOPBACK, "--port", str(port), str(document)]
     try:
@@ -58,37 +58,37 @@ def open_window(document: Path, *, web: bool = False) -> int:
 
 @contextlib.contextmanager
 def window_to_fill() -> Iterator[tuple[subprocess.Popen[bytes], str]]:
-    """Open an empty viewer, bound to this machine alone; yield it with the address for data. It stays open afterwards.
+    """Open an empty viewer; yield its process and the address for data. The viewer accepts local connections only and stays open.
 
     Raises:
         ViewerFailure: it cannot be opened.
     """
     if sys.platform == "linux" and not any(os.environ.get(name) for name in DISPLAYS):
-        # The viewer listens before it finds that out.
+        # The viewer starts to listen before it notices the missing display.
         raise ViewerFailure(f"the viewer cannot open its window: {DISPLAY_REMEDY}")
     port = _free_port()
     command = [*_command(), "--bind", LOOPBACK, "--port", str(port), "--hide-welcome-screen", "--memory-limit", MEMORY]
     with tempfile.TemporaryFile() as output:
         viewer = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=output, stderr=output, start_new_session=True)
-        _awaited(viewer, "open its window", lambda: _listens(port), DISPLAY_REMEDY)
+        _wait_for(viewer, "open its window", lambda: _listens(port), DISPLAY_REMEDY)
         yield viewer, f"rerun+http://{LOOPBACK}:{port}/proxy"
 
 
 def page_address(page_port: int, port: int) -> str:
-    """Return where the browser finds the viewer's page, which gets its data from ``port``.
+    """Return the address of the viewer's web page, which gets its data from ``port``.
 
-    The pictures are made for the dark theme, whatever the browser prefers.
+    The dark theme is requested since the colours are chosen for it.
     """
     data = urllib.parse.quote(f"rerun+http://{LOOPBACK}:{port}/proxy", safe="")
     return f"http://{LOOPBACK}:{page_port}/?url={data}&theme=dark&hide_welcome_screen"
 
 
 def _serve_page(command: list[str], port: int) -> int:
-    """Serve the viewer as a web page, open it in the browser and wait for the end."""
+    """Serve the viewer as a web page, open it in the browser and wait until the server ends."""
     page_port = _free_port()
     with subprocess.Popen([*command, "--serve-web", "--web-viewer-port", str(page_port)]) as server:
         try:
-            _awaited(server, "serve its page", lambda: _listens(page_port) and _listens(port), "its words are above")
+            _wait_for(server, "serve its page", lambda: _listens(page_port) and _listens(port), "its messages are printed above")
             address = page_address(page_port, port)
             print(f"the viewer is at {address} until Ctrl-C", flush=True)
             webbrowser.open(address)
@@ -105,23 +105,25 @@ def _listens(port: int) -> bool | None:
 
 
 def save_screenshot(document: Path, picture: Path, *, at_ns: int, width: int = 1600, height: int = 1000) -> None:
-    """Write a PNG of the viewer with the cursor at ``at_ns``, without a window; raise `ViewerFailure` with the reason."""
+    """Write a PNG of the viewer with the cursor at ``at_ns`` [ns], without opening a window; ``width`` and ``height`` in pixels.
+
+    Raises:
+        ViewerFailure: the installed Rerun is too old, or the viewer failed.
+    """
     from rerun.experimental import ViewerClient
 
     if not hasattr(ViewerClient, "get_state"):
-        raise ViewerFailure(
-            "a picture needs rerun-sdk 0.41 or later, which needs Python 3.11 or later; --save writes a Rerun file with any"
-        )
+        raise ViewerFailure("a screenshot needs rerun-sdk 0.41 or later, which needs Python 3.11 or later; --save works with any version")
     port = _free_port()
-    size = f"{width}x{height + EMPTY_BAR}"
+    size = f"{width}x{height + BAR_HEIGHT}"
     options = ["--headless", "--bind", LOOPBACK, "--port", str(port), "--hide-welcome-screen", "--window-size", size]
     with _running([*_command(), *options, str(document)]) as viewer:
         started = time.monotonic()
-        client = _awaited(viewer, "load the recording", lambda: _client_with_recording(port))
+        client = _wait_for(viewer, "load the recording", lambda: _client_with_recording(port))
         client.set_time(TIMELINE, timestamp=at_ns / 1e9, play_state="paused")
-        _awaited(viewer, "go to the time of the picture", lambda: _stands_at(client, at_ns))
-        time.sleep(max(0.0, started + NOTICES - time.monotonic()))
-        _save_cropped(_awaited(viewer, "come to rest", lambda: _still_picture(client)), picture)
+        _wait_for(viewer, "move the cursor to the time of the picture", lambda: _is_at(client, at_ns))
+        time.sleep(max(0.0, started + NOTICE_TIME - time.monotonic()))
+        _save_cropped(_wait_for(viewer, "draw a stable picture", lambda: _stable_picture(client)), picture)
         reports = [f"{view.name}: {report.summary}" for view in client.get_state().views for report in view.reports]
     if reports:
         raise ViewerFailure(f"the viewer could not draw everything in {picture}: {'; '.join(reports)}")
@@ -131,7 +133,7 @@ def _save_cropped(png: bytes, picture: Path) -> None:
     from PIL import Image
 
     with Image.open(io.BytesIO(png)) as whole:
-        whole.convert("RGB").crop((0, EMPTY_BAR, *whole.size)).save(picture, format="PNG", optimize=True)
+        whole.convert("RGB").crop((0, BAR_HEIGHT, *whole.size)).save(picture, format="PNG", optimize=True)
 
 
 def _command() -> list[str]:
@@ -146,7 +148,7 @@ def _free_port() -> int:
 
 @contextlib.contextmanager
 def _running(command: list[str]) -> Iterator[subprocess.Popen[bytes]]:
-    """Run the viewer in a process group of its own, end the whole group afterwards: ``rerun_cli`` starts the viewer as its child."""
+    """Run the viewer in a process group of its own and kill the whole group afterwards: ``rerun_cli`` starts the viewer as its child."""
     environment = {**os.environ, "RERUN_APP_ONLY": "true"}
     with tempfile.TemporaryFile() as output:
         viewer = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=output, stderr=output, env=environment, start_new_session=True)
@@ -165,8 +167,12 @@ def _end(viewer: subprocess.Popen[bytes]) -> None:
     viewer.wait(PATIENCE)
 
 
-def _awaited(viewer: subprocess.Popen[bytes], purpose: str, ask: Callable[[], Answer | None], remedy: str = DRIVER_REMEDY) -> Answer:
-    """Ask until there is an answer; raise `ViewerFailure` when the viewer ends or `PATIENCE` does."""
+def _wait_for(viewer: subprocess.Popen[bytes], purpose: str, ask: Callable[[], Answer | None], remedy: str = DRIVER_REMEDY) -> Answer:
+    """Poll until ``ask`` returns an answer, and return it.
+
+    Raises:
+        ViewerFailure: the viewer ended, or there was no answer within `PATIENCE`.
+    """
     deadline = time.monotonic() + PATIENCE
     while time.monotonic() < deadline:
         if viewer.poll() is not None:
@@ -187,14 +193,14 @@ def _client_with_recording(port: int) -> ViewerClient | None:
     return client if state.recordings and state.views and not state.loading else None
 
 
-def _stands_at(client: ViewerClient, time_ns: int) -> bool | None:
+def _is_at(client: ViewerClient, time_ns: int) -> bool | None:
     recordings = client.get_state().recordings
     close = [r for r in recordings if r.current_timeline == TIMELINE and abs((r.current_time or 0) - time_ns) < 1_000_000]
     return True if close else None
 
 
-def _still_picture(client: ViewerClient) -> bytes | None:
-    """Return the picture once two in succession are the same."""
+def _stable_picture(client: ViewerClient) -> bytes | None:
+    """Return a picture if two consecutive ones are equal, otherwise None."""
     first = client.take_screenshot()
     time.sleep(POLL)
     second = client.take_screenshot()

@@ -1,4 +1,4 @@
-"""Bearings other than the default one, from YAML alone: their own frequencies, loading and cage speeds."""
+"""Bearings other than the default one, configured in YAML: frequencies, load and cage speed."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ STEEL = 7850.0  # kg/m^3
 
 @dataclass(frozen=True)
 class Drawing:
-    """What a drawing says of a bearing, in millimetres."""
+    """Dimensions of a bearing as in its drawing [mm]."""
 
     rows: int
     rollers: int
@@ -52,7 +52,7 @@ def defective(name: str, joint: str) -> Run:
 
 
 def cage_speeds(run: Run) -> np.ndarray:
-    """Return the mean speed of each cage once settled [rad/s]."""
+    """Return the mean speed of each cage after the transient [rad/s]."""
     bearing = run.configuration.bearing
     first = bearing.rows * bearing.rollers_per_row
     settled = round(SETTLING * run.configuration.publishing.state_rate)
@@ -60,7 +60,7 @@ def cage_speeds(run: Run) -> np.ndarray:
 
 
 @BEARINGS
-def test_orders_are_the_textbook_ones(name: str) -> None:
+def test_orders_follow_the_formulas_of_the_textbook(name: str) -> None:
     drawing, orders = DRAWINGS[name], characteristic_orders(configured(name, "pocket").bearing)
     ratio = drawing.roller_diameter / drawing.pitch_diameter  # the formulas of Randall and Antoni 2011, contact angle 0
     assert orders.bpfo == pytest.approx(0.5 * drawing.rollers * (1.0 - ratio), rel=1e-6)
@@ -79,7 +79,7 @@ def test_rollers_are_solid_steel(name: str) -> None:
 
 @pytest.mark.parametrize("joint", JOINTS)
 @BEARINGS
-def test_load_at_rest_is_balanced(name: str, joint: str) -> None:
+def test_forces_balance_the_load_at_rest(name: str, joint: str) -> None:
     configuration = configured(name, joint)
     payload, load = build_payload(configuration), configuration.operating.load
     rest = static_equilibrium(payload, np.array([0.0, -load]), cage_speed(configuration, configuration.operating.speed))
@@ -89,22 +89,22 @@ def test_load_at_rest_is_balanced(name: str, joint: str) -> None:
     carried = outer.sum(axis=(0, 1)) + 9.81 * np.array([0.0, configuration.bearing.outer_ring_mass])
     assert carried == pytest.approx(-configuration.housing.stiffness * rest.outer, abs=3e-3 * load)
     heaviest = np.linalg.norm(inner, axis=-1).max()
-    assert 4.0 * load < heaviest * inner[..., 0].size < 6.0 * load  # Stribeck: 4.6 without a gap, 5 with one, more under small loads
+    assert 4.0 * load < heaviest * inner[..., 0].size < 6.0 * load  # Stribeck: 4.6 without a radial gap, 5 with one, more under small loads
 
 
 @pytest.mark.parametrize("joint", JOINTS)
 @BEARINGS
-def test_cage_turns_with_the_rolling_rollers(name: str, joint: str) -> None:
+def test_the_cage_rotates_at_the_speed_of_pure_rolling(name: str, joint: str) -> None:
     run = defective(name, joint)
     expected = cage_speed(run.configuration, run.configuration.operating.speed)
-    # The loaded rollers drive a free cage that hangs lower by its land's clearance, nearer to them, and so turns a little faster.
+    # A free cage is lower by the clearance of its land, closer to the loaded rollers that drive it, and so rotates a little faster.
     hanging = run.configuration.cage.land_clearance / run.configuration.bearing.pitch_radius
     assert cage_speeds(run) == pytest.approx(expected, rel={"revolute": 5e-4, "pocket": hanging}[joint])
 
 
 @pytest.mark.parametrize("joint", JOINTS)
 @BEARINGS
-def test_running_bearing_carries_its_load(name: str, joint: str) -> None:
+def test_the_running_bearing_carries_its_load(name: str, joint: str) -> None:
     run = defective(name, joint)
     force = np.array([states.inner_ring_force for states in run.states])[10:]
     load = run.configuration.operating.load
@@ -113,7 +113,7 @@ def test_running_bearing_carries_its_load(name: str, joint: str) -> None:
 
 @pytest.mark.parametrize("joint", JOINTS)
 @BEARINGS
-def test_line_of_an_outer_defect(name: str, joint: str) -> None:
+def test_an_outer_raceway_defect_has_a_line_at_bpfo(name: str, joint: str) -> None:
     run = defective(name, joint)
     rate = run.configuration.sensor.sampling_rate
     envelope = np.abs(signal.hilbert(signal.detrend(run.clean[round(SETTLING * rate) :, 1])))

@@ -1,4 +1,4 @@
-"""Characteristic frequencies (Eqs. 41 to 45 of Fan et al. 2025)."""
+"""Characteristic frequencies and rolling (Eqs. 41 to 45 of Fan et al. 2025)."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dcrb_ros.bearing.kinematics import characteristic_orders
+from dcrb_ros.bearing.kinematics import Orders, characteristic_orders
 from dcrb_ros.bearing.payload import cage_speed, roller_spin
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.parameters import Bearing
@@ -16,8 +16,17 @@ PAPER = Configuration.model_validate({"cage": {"joint": "revolute"}})
 
 def test_frequencies_at_20_hz() -> None:
     found = characteristic_orders(Bearing()).frequencies(20.0)
-    expected = {"FTF": 8.404, "BPFO": 134.47, "BPFI": 185.53, "BSF": 61.07}  # physics.md section 5; the paper: 8.4, 134.5, 185.5
-    assert found == pytest.approx(expected, rel=1e-4)
+    # The paper states the first three at 1200 rpm; BSF is 20 Hz (D/d - d/D)/2 with d = 30 mm and D = 188 mm (Randall and Antoni 2011).
+    expected = {"FTF": 8.4, "BPFO": 134.5, "BPFI": 185.5, "BSF": 10.0 * (188.0 / 30.0 - 30.0 / 188.0)}
+    assert found == pytest.approx(expected, abs=0.05)
+
+
+def test_orders_by_name() -> None:
+    orders = characteristic_orders(Bearing())
+    assert list(orders.as_dict()) == ["FTF", "BPFO", "BPFI", "BSF"]
+    assert Orders.from_dict(orders.as_dict()) == orders
+    with pytest.raises(KeyError):
+        Orders.from_dict({"FTF": 0.4})
 
 
 @given(st.integers(6, 60), st.floats(0.001, 0.3))
@@ -28,7 +37,7 @@ def test_orders_of_any_geometry(count: int, ratio: float) -> None:
     assert orders.ftf < 0.5
 
 
-def test_rolling_of_the_paper() -> None:
+def test_cage_and_roller_speed_of_the_paper() -> None:
     # Section 2.3.2 at 124.8 rad/s: cage 52.4, roller -380.5 rad/s relative to the cage.
     cage, spin = cage_speed(PAPER, 124.8), roller_spin(PAPER.bearing, 124.8)
     assert cage == pytest.approx(52.4, rel=0.002)

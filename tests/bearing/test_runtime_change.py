@@ -1,4 +1,4 @@
-"""Faults and sensor that change while the bench runs: when, what the truth says, and what is refused."""
+"""Changes of faults and sensor while the simulation runs: their times, the ground truth, and what is refused."""
 
 from __future__ import annotations
 
@@ -12,10 +12,11 @@ from dcrb_ros.bearing.runtime_change import altered
 from dcrb_ros.runtime.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.simulation.block import Block, Truth
+from dcrb_ros.simulation.events import ParameterChange
 from dcrb_ros.simulation.loop import Simulation
 
 LEAD = 0.001
-"""More than the model runs ahead of the samples [s]."""
+"""Upper limit of the time by which the model is ahead of the samples [s]."""
 
 
 def bench(**groups: Any) -> Simulation:
@@ -26,14 +27,14 @@ def truths(blocks: list[Block]) -> list[Truth]:
     return [truth for block in blocks for truth in block.truths]
 
 
-def test_a_defect_appears_at_the_time_that_the_truth_states() -> None:
+def test_a_defect_appears_at_the_time_in_the_ground_truth() -> None:
     healthy, faulty = bench(), bench()
     before = [next(s.blocks(0.02)) for s in (healthy, faulty)]
     faulty.change({"faults.outer_1.width": 0.002})
     after = list(faulty.blocks(0.2))
     assert np.array_equal(before[0].acceleration, before[1].acceleration)
-    change = next(truth for truth in truths(after) if truth.changed)
-    assert change.changed == "faults.outer_1.width = 0.002"
+    change = next(truth for truth in truths(after) if truth.event)
+    assert change.event == ParameterChange({"faults.outer_1.width": 0.002})
     assert 0.02 <= change.time_ns * 1e-9 <= 0.02 + LEAD
     assert change.faults["outer_1"]["width"] == 0.002
     assert change.faults["outer_1"]["onset"] == pytest.approx(change.time_ns * 1e-9, abs=1e-9)
@@ -44,7 +45,7 @@ def test_a_defect_appears_at_the_time_that_the_truth_states() -> None:
     assert other.std() > 1.2 * same.std()
 
 
-def test_a_defect_that_goes_leaves_the_truth() -> None:
+def test_a_removed_defect_leaves_the_ground_truth() -> None:
     simulation = bench(faults={"outer_1": {"width": 0.002}})
     simulation.change({"faults.outer_1.width": 0.0})
     simulation.change({"faults.inner_1.width": 0.001, "faults.inner_1.row": 2})
@@ -59,23 +60,23 @@ def test_a_growing_defect_keeps_its_onset() -> None:
     onsets = []
     for width in (0.001, 0.0015, 0.002):
         simulation.change({"faults.outer_1.width": width})
-        onsets += [t.faults["outer_1"]["onset"] for t in truths(list(simulation.blocks(0.02))) if t.changed.startswith("faults")]
+        onsets += [t.faults["outer_1"]["onset"] for t in truths(list(simulation.blocks(0.02))) if isinstance(t.event, ParameterChange)]
     assert len(onsets) == 3
     assert len(set(onsets)) == 1
 
 
 @pytest.mark.parametrize("joint", ["pocket", "revolute"])
-def test_bars_break_while_the_bearing_turns(joint: str) -> None:
+def test_bars_break_while_the_bearing_rotates(joint: str) -> None:
     simulation = bench(cage={"joint": joint}, publishing={"state_rate": 1000})
     before = [states for block in simulation.blocks(0.05) for states in block.states]
     simulation.change({"faults.broken_bars": "row1/bar15, row2/bar15"})
     blocks = list(simulation.blocks(0.35))
     after = [states for block in blocks for states in block.states]
-    free = (14, 15)  # rollers 15 and 16 of row 1 lie beside the bar
+    free = (14, 15)  # rollers 15 and 16 of row 1 are beside the bar
     kept = [np.angle(np.exp(1j * (after[0].azimuth[i] - before[-1].azimuth[i]))) for i in free]
-    assert kept == pytest.approx([0.053, 0.053], abs=0.02)  # the cage turns by 52 rad/s: nothing jumps in a millisecond
+    assert kept == pytest.approx([0.053, 0.053], abs=0.02)  # the cage rotates at 52 rad/s: no jump in a millisecond
     apart = np.array([np.angle(np.exp(1j * (s.azimuth[15] - s.azimuth[14]))) for s in after])
-    assert np.abs(apart - 2.0 * np.pi / 16).max() > 0.01  # they leave their pockets' pitch
+    assert np.abs(apart - 2.0 * np.pi / 16).max() > 0.01  # they leave the pitch of their pockets
     assert np.abs(apart).min() > 2.0 * np.arcsin(0.015 / 0.094) - 0.01  # but do not pass through each other
     assert abs(simulation.energy.residual) < 10.0
     faults = truths(blocks)[-1].faults
@@ -83,12 +84,12 @@ def test_bars_break_while_the_bearing_turns(joint: str) -> None:
     assert 0.05 <= faults["broken_bars.row1/bar15"]["onset"] <= 0.05 + LEAD
 
 
-def test_sensor_changes_from_the_first_sample_at_its_time() -> None:
+def test_a_change_of_the_sensor_takes_effect_at_the_first_sample_after_its_time() -> None:
     simulation = bench(faults={"outer_1": {"width": 0.002}})
     first = list(simulation.blocks(0.1))
     simulation.change({"sensor.range": 50.0, "sensor.adc_bits": 8})
     after = list(simulation.blocks(0.1))
-    at_ns = next(t.time_ns for t in truths(after) if t.changed)
+    at_ns = next(t.time_ns for t in truths(after) if t.event)
     sample = -(-at_ns * 51200 // 1_000_000_000) - after[0].index
     joined = np.concatenate([block.acceleration for block in after])
     clean = np.concatenate([block.clean for block in after])
@@ -114,7 +115,7 @@ def test_sensor_changes_from_the_first_sample_at_its_time() -> None:
         ({"sensor.sampling_rate": 25600}, r"sensor.sampling_rate is fixed"),
     ],
 )
-def test_what_cannot_be_is_refused_with_the_reason(changes: dict[str, Any], sentence: str) -> None:
+def test_impossible_changes_are_refused_with_the_reason(changes: dict[str, Any], sentence: str) -> None:
     with pytest.raises(Refusal, match=sentence):
         BROKEN.change(changes)
 
@@ -122,7 +123,7 @@ def test_what_cannot_be_is_refused_with_the_reason(changes: dict[str, Any], sent
 BROKEN = bench(faults={"broken_bars": "row1/bar15"})
 
 
-def test_changes_are_checked_together_with_those_on_their_way() -> None:
+def test_changes_are_checked_together_with_pending_ones() -> None:
     simulation = bench()
     simulation.change({"faults.outer_1.width": 0.002})
     with pytest.raises(Refusal, match=r"faults.outer_2 overlaps faults.outer_1"):
@@ -131,7 +132,7 @@ def test_changes_are_checked_together_with_those_on_their_way() -> None:
     assert set(simulation.configuration.faults.described()) == {"outer_1"}
 
 
-def test_a_change_is_awaited_until_the_configuration_has_it(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_change_is_pending_until_it_is_in_the_configuration(monkeypatch: pytest.MonkeyPatch) -> None:
     simulation = bench()
     simulation.change({"faults.outer_1.width": 0.002})
     assert simulation.awaited

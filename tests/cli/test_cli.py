@@ -1,4 +1,4 @@
-"""The command line as a user meets it."""
+"""The command line as a user runs it."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.settings.configuration import Configuration
 
 
-def test_help_lists_the_commands_without_loading_what_they_need() -> None:
+def test_help_lists_the_commands_without_importing_their_dependencies() -> None:
     done = dcrb("--help")
     assert done.returncode == 0
     for command in ("simulate", "bench", "detect", "score", "view", "info", "config"):
@@ -29,7 +29,7 @@ def test_help_lists_the_commands_without_loading_what_they_need() -> None:
     assert loaded.stdout.strip() == "[]"
 
 
-def test_simulate_detect_info(tmp_path: Path) -> None:
+def test_a_simulated_recording_can_be_diagnosed_and_described(tmp_path: Path) -> None:
     bag = tmp_path / "bag"
     done = dcrb("simulate", "inner_ring_defect", "-o", str(bag), "--duration", "3", "--set", "simulation.seed=7")
     assert done.returncode == 0, done.stderr
@@ -47,7 +47,7 @@ def test_simulate_detect_info(tmp_path: Path) -> None:
     assert "exists: give another name" in again.stderr
 
 
-def test_too_short_a_recording_is_refused(tmp_path: Path) -> None:
+def test_a_recording_that_is_too_short_for_a_verdict_is_refused(tmp_path: Path) -> None:
     bag = tmp_path / "bag"
     assert dcrb("simulate", "healthy", "-o", str(bag), "--duration", "0.5").returncode == 0
     done = dcrb("detect", str(bag))
@@ -66,12 +66,12 @@ def test_too_short_a_recording_is_refused(tmp_path: Path) -> None:
         (["simulate", "healthy", "--duration", "long"], "--duration"),
         (["simulate", "healthy", "--set", "bearing.roller_radius=15.0"], "did you mean 0.015?"),
         (["detect", "nothing"], "there is no recording nothing"),
-        (["info", "/dev/null"], "is no MCAP file"),
+        (["info", "/dev/null"], "is not an MCAP file"),
         (["bench", "healthy", "--time-scale", "-1"], "time_scale = -1.0 is outside 0 .. 1000"),
         (["config", "check", "healthy", "--set", "operating.sped=1"], "did you mean 'operating.speed'?"),
     ],
 )
-def test_wrong_usage_ends_with_a_sentence(arguments: list[str], sentence: str) -> None:
+def test_invalid_usage_is_refused_in_one_sentence(arguments: list[str], sentence: str) -> None:
     done = dcrb(*arguments)
     assert done.returncode == 2
     assert sentence in done.stderr
@@ -83,12 +83,12 @@ def test_wrong_usage_ends_with_a_sentence(arguments: list[str], sentence: str) -
     ("parameters", "sentence"),
     [
         ("faults: {outer_1: {width: 0.002}, outer_2: {width: 0.002}}", "overlaps faults.outer_1"),
-        ("faults: {broken_bars: row1/bar15 and row2/bar15}", "'and' is no bar"),
+        ("faults: {broken_bars: row1/bar15 and row2/bar15}", "'and' is not a bar"),
         ("bearing: {outer_raceway_radius: 0.1}", "check the three radii"),
         ("bearing: {roller_mass: 0.02, roller_inertia: 2.25e-6}", "is too long for a roller between the raceways"),
     ],
 )
-def test_a_file_that_cannot_be_true_ends_with_a_sentence(tmp_path: Path, parameters: str, sentence: str) -> None:
+def test_a_configuration_with_contradictory_values_is_refused_in_one_sentence(tmp_path: Path, parameters: str, sentence: str) -> None:
     path = tmp_path / "bench.yaml"
     path.write_text(f"/**: {{ros__parameters: {{{parameters}}}}}\n", encoding="utf-8")
     done = dcrb("config", "check", str(path))
@@ -98,40 +98,40 @@ def test_a_file_that_cannot_be_true_ends_with_a_sentence(tmp_path: Path, paramet
 
 
 @pytest.mark.parametrize("name", ["paper", "healthy", "outer_ring_defect", "inner_ring_defect"])
-def test_shipped_recordings_are_whole_and_named_right(name: str) -> None:
+def test_shipped_recordings_are_diagnosed_correctly(name: str) -> None:
     bag = Path(__file__).parents[2] / "bags" / name
     verdicts = {"outer_ring_defect": "outer_ring", "inner_ring_defect": "inner_ring"}
     assert json.loads(dcrb("detect", str(bag), "--json").stdout)["verdict"] == verdicts.get(name, "healthy")
     assert Recording(bag).manifest["seed"] == 1
 
 
-def test_the_bench_takes_from_the_file_what_is_not_asked_for(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_options_of_the_bench_override_the_configuration_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     runs: list[tuple[Configuration, DetectorParameters]] = []
 
-    def run(name: str, configuration: Configuration, detecting: DetectorParameters, *others: Any, **more: Any) -> int:
-        runs.append((configuration, detecting))
+    def run(name: str, configuration: Configuration, parameters: DetectorParameters, *others: Any, **more: Any) -> int:
+        runs.append((configuration, parameters))
         return 0
 
     monkeypatch.setattr("dcrb_ros.nodes.bench.run", run)
-    mine, judging = tmp_path / "mine.yaml", tmp_path / "judging.yaml"
+    mine, file = tmp_path / "mine.yaml", tmp_path / "file.yaml"
     mine.write_text(yaml.safe_dump({"/**": {"ros__parameters": {"time_scale": 0.5, "recording": {"path": "kept"}}}}))
-    judging.write_text(yaml.safe_dump({"/**/fault_detector": {"ros__parameters": {"learn": 10.0}}}))
-    for options in ([], ["--set", "time_scale=0.25"], ["--time-scale", "0", "--record", "asked"], ["--detector", str(judging)]):
+    file.write_text(yaml.safe_dump({"/**/fault_detector": {"ros__parameters": {"learn": 10.0}}}))
+    for options in ([], ["--set", "time_scale=0.25"], ["--time-scale", "0", "--record", "asked"], ["--detector", str(file)]):
         monkeypatch.setattr("sys.argv", ["dcrb", "bench", str(mine), *options])
         with pytest.raises(SystemExit) as end:
             main()
         assert end.value.code == 0
     assert [configuration.time_scale for configuration, _ in runs] == [0.5, 0.25, 0.0, 0.5]
     assert [configuration.recording.path for configuration, _ in runs] == ["kept", "kept", "asked", "kept"]
-    assert [detecting.learn for _, detecting in runs] == [0.0, 0.0, 0.0, 10.0]
+    assert [parameters.learn for _, parameters in runs] == [0.0, 0.0, 0.0, 10.0]
 
 
-def test_the_detector_takes_parameters_of_a_file(tmp_path: Path) -> None:
-    bag, judging = tmp_path / "bag", tmp_path / "judging.yaml"
+def test_the_detector_reads_its_parameters_from_a_file(tmp_path: Path) -> None:
+    bag, file = tmp_path / "bag", tmp_path / "file.yaml"
     assert dcrb("simulate", "outer_ring_defect", "-o", str(bag), "--duration", "2.6").returncode == 0
-    judging.write_text(yaml.safe_dump({"/**/fault_detector": {"ros__parameters": {"outer_limit": 5000.0, "outer_limit_high": 5000.0}}}))
-    verdicts = [json.loads(dcrb("detect", str(bag), "--json", *more).stdout)["verdict"] for more in ([], ["--detector", str(judging)])]
+    file.write_text(yaml.safe_dump({"/**/fault_detector": {"ros__parameters": {"outer_limit": 5000.0, "outer_limit_high": 5000.0}}}))
+    verdicts = [json.loads(dcrb("detect", str(bag), "--json", *more).stdout)["verdict"] for more in ([], ["--detector", str(file)])]
     assert verdicts == ["outer_ring", "healthy"]
-    judging.write_text(yaml.safe_dump({"/**/fault_detector": {"ros__parameters": {"outer_limt": 50.0}}}))
-    refused = dcrb("detect", str(bag), "--detector", str(judging))
+    file.write_text(yaml.safe_dump({"/**/fault_detector": {"ros__parameters": {"outer_limt": 50.0}}}))
+    refused = dcrb("detect", str(bag), "--detector", str(file))
     assert (refused.returncode, "did you mean" in refused.stderr, refused.stderr.count("\n")) == (2, True, 1), refused.stderr

@@ -1,4 +1,4 @@
-"""Waveforms of other tools: in, out, and in again."""
+"""Export of recordings to files of other tools, and import of such files."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ from scipy.io import savemat, wavfile
 
 from dcrb_ros.exchange.description import read_description
 from dcrb_ros.exchange.export import export
-from dcrb_ros.exchange.files import READERS, WRITERS, channel, read_foreign
-from dcrb_ros.exchange.importing import Import
+from dcrb_ros.exchange.files import READERS, WRITERS, channel, read_external
+from dcrb_ros.exchange.importing import WaveformImport
 from dcrb_ros.messages.description import decode_sensor
 from dcrb_ros.messages.topics import SENSOR, VIBRATION
 from dcrb_ros.recordings.reader import Recording
@@ -44,7 +44,7 @@ def noise() -> np.ndarray[Any, Any]:
 
 
 @pytest.mark.parametrize("suffix", list(WRITERS))
-def test_a_recording_exported_and_imported_is_the_same(suffix: str, tmp_path: Path) -> None:
+def test_export_and_import_round_trip(suffix: str, tmp_path: Path) -> None:
     bag = BAGS / "outer_ring_defect"
     file = tmp_path / f"wave{suffix}"
     done = dcrb("export", str(bag), "-o", str(file))
@@ -63,17 +63,17 @@ def test_a_recording_exported_and_imported_is_the_same(suffix: str, tmp_path: Pa
 
 
 @pytest.mark.parametrize("suffix", [".npz", ".csv", ".mat", ".parquet", ".wav"])
-def test_gaps_survive_or_are_refused(suffix: str, tmp_path: Path) -> None:
+def test_gaps_are_preserved_or_refused(suffix: str, tmp_path: Path) -> None:
     bag = recorded(tmp_path / "bag", 60, split_duration=0.4)
     (bag / "bag_1.mcap").unlink()
     file = tmp_path / f"wave{suffix}"
     if suffix == ".wav":
-        with pytest.raises(Refusal, match="1 gaps, and a WAV file cannot say so"):
+        with pytest.raises(Refusal, match="1 gaps, which a WAV file cannot represent"):
             export(Recording(bag), file)
         assert not file.exists()
         return
     beside = export(Recording(bag), file)
-    Import(file, beside).write(tmp_path / "new")
+    WaveformImport(file, beside).write(tmp_path / "new")
     old, new = Recording(bag), Recording(tmp_path / "new")
     assert [m.data for m in old.messages((VIBRATION,))] == [m.data for m in new.messages((VIBRATION,))]
 
@@ -83,12 +83,12 @@ def test_exports_carry_labels_and_manifest(tmp_path: Path) -> None:
 
     bag = Recording(BAGS / "inner_ring_defect")
     export(bag, tmp_path / "a.npz")
-    with np.load(tmp_path / "a.npz") as held:
-        about = json.loads(str(held["about"]))
+    with np.load(tmp_path / "a.npz") as file:
+        about = json.loads(str(file["about"]))
         assert about["labels"]["faults"]["inner_1"]["width"] == 0.002
         assert about["manifest"]["seed"] == 1
-        assert held["truth_speed"][0] == pytest.approx(125.664)
-        assert held["ax"].dtype == np.float32
+        assert file["truth_speed"][0] == pytest.approx(125.664)
+        assert file["ax"].dtype == np.float32
     export(bag, tmp_path / "b.parquet")
     assert json.loads(parquet.read_schema(tmp_path / "b.parquet").metadata[b"dcrb_ros"])["labels"]["faults"]
     with pytest.raises(Refusal, match="exists: give another name"):
@@ -99,10 +99,10 @@ def test_exports_carry_labels_and_manifest(tmp_path: Path) -> None:
         export(bag, tmp_path / "none" / "a.npz")
 
 
-def test_slow_data_come_in_shorter_blocks(tmp_path: Path) -> None:
+def test_blocks_of_slow_data_are_limited_in_duration(tmp_path: Path) -> None:
     # 1024 samples at 100 Hz last 10 s, for which the time within a block has no room.
     np.savez(tmp_path / "x.npz", de=np.sin(np.arange(3000) * 0.1))
-    Import(tmp_path / "x.npz", described(tmp_path, sampling_rate=100)).write(tmp_path / "bag")
+    WaveformImport(tmp_path / "x.npz", described(tmp_path, sampling_rate=100)).write(tmp_path / "bag")
     recording = Recording(tmp_path / "bag")
     times = np.concatenate([block.stamp_ns + block.offsets_ns.astype(np.int64) for block in recording.vibrations()])
     assert np.array_equal(np.diff(times), np.full(2999, 10_000_000))
@@ -110,10 +110,10 @@ def test_slow_data_come_in_shorter_blocks(tmp_path: Path) -> None:
     assert (recording.outcome["samples"], recording.outcome["end_index"]) == (3000, 3000)
 
 
-def test_one_axis_in_g_at_a_stated_speed(noise: np.ndarray[Any, Any], tmp_path: Path) -> None:
-    """As a CWRU file is: one variable, its rate and speed known from elsewhere."""
+def test_a_single_axis_in_g_at_a_given_speed_is_imported(noise: np.ndarray[Any, Any], tmp_path: Path) -> None:
+    """As in a CWRU file: a single variable; rate and speed are given by the description."""
     savemat(tmp_path / "97.mat", {"X097_DE_time": noise[:, None], "X097RPM": 1797.0})
-    found = Import(tmp_path / "97.mat", described(tmp_path, channels={"ax": "X097_DE_time"}))
+    found = WaveformImport(tmp_path / "97.mat", described(tmp_path, channels={"ax": "X097_DE_time"}))
     assert found.write(tmp_path / "bag") == 5000
     recording = Recording(tmp_path / "bag")
     blocks = list(recording.vibrations())
@@ -129,72 +129,72 @@ def test_one_axis_in_g_at_a_stated_speed(noise: np.ndarray[Any, Any], tmp_path: 
         _ = recording.configuration
 
 
-def test_structures_in_mat_files(noise: np.ndarray[Any, Any], tmp_path: Path) -> None:
-    """As MFPT (bearing.gs) and Paderborn (run.Y[2].Data) files are."""
+def test_fields_of_mat_structures_are_read(noise: np.ndarray[Any, Any], tmp_path: Path) -> None:
+    """As in MFPT (bearing.gs) and Paderborn (run.Y[2].Data) files."""
     series = np.array([({"Name": "speed", "Data": np.ones(3)}), ({"Name": "vibration", "Data": noise})], dtype=object)
     savemat(tmp_path / "x.mat", {"bearing": {"gs": noise, "sr": 12000}, "run": {"Y": series}})
-    foreign = read_foreign(tmp_path / "x.mat")
+    external = read_external(tmp_path / "x.mat")
     for name in ("bearing.gs", "run.Y[2].Data"):
-        assert np.array_equal(channel(foreign, tmp_path / "x.mat", name), noise)
-    with pytest.raises(Refusal, match=r"has no channel 'bearing\.gz'.*there are: bearing, run"):
-        channel(foreign, tmp_path / "x.mat", "bearing.gz")
+        assert np.array_equal(channel(external, tmp_path / "x.mat", name), noise)
+    with pytest.raises(Refusal, match=r"has no channel 'bearing\.gz'.*available: bearing, run"):
+        channel(external, tmp_path / "x.mat", "bearing.gz")
 
 
-def test_mat_of_version_7_3(noise: np.ndarray[Any, Any], tmp_path: Path) -> None:
+def test_mat_version_7_3_is_read(noise: np.ndarray[Any, Any], tmp_path: Path) -> None:
     h5py = pytest.importorskip("h5py", reason="an extra of the package")
     with h5py.File(tmp_path / "x.mat", "w", userblock_size=512) as file:
         file["run/de"] = noise[None, :]
     with (tmp_path / "x.mat").open("r+b") as stream:
         stream.write(b"MATLAB 7.3 MAT-file".ljust(124) + bytes([0, 2]) + b"IM")
-    found = Import(tmp_path / "x.mat", described(tmp_path, channels={"ax": "run.de"}, unit="m/s^2"))
+    found = WaveformImport(tmp_path / "x.mat", described(tmp_path, channels={"ax": "run.de"}, unit="m/s^2"))
     assert np.array_equal(found.acceleration[:, 0], noise.astype(np.float32))
 
 
-def test_mat_of_version_7_3_without_h5py_names_the_remedy(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_mat_version_7_3_without_h5py_is_refused_with_the_remedy(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(__import__("sys").modules, "h5py", None)
     (tmp_path / "x.mat").write_bytes(b"MATLAB 7.3 MAT-file".ljust(124) + bytes([0, 2]) + b"IM" + b"\x89HDF\r\n\x1a\n" + bytes(600))
     with pytest.raises(Refusal, match="pip install h5py"):
-        read_foreign(tmp_path / "x.mat")
+        read_external(tmp_path / "x.mat")
 
 
-def test_wav_of_integers_needs_its_full_scale(noise: np.ndarray[Any, Any], tmp_path: Path) -> None:
+def test_wav_with_integer_samples_requires_full_scale(noise: np.ndarray[Any, Any], tmp_path: Path) -> None:
     path = tmp_path / "x.wav"
     wavfile.write(path, 12000, np.array([0, 16384, -32768, 8192] * 40, np.int16))
-    with pytest.raises(Refusal, match="must give full_scale"):
-        Import(path, described(tmp_path, channels={"ax": 1}))
-    found = Import(path, described(tmp_path, channels={"ax": 1}, full_scale=50.0, unit="m/s^2", sampling_rate=None))
+    with pytest.raises(Refusal, match="add full_scale to"):
+        WaveformImport(path, described(tmp_path, channels={"ax": 1}))
+    found = WaveformImport(path, described(tmp_path, channels={"ax": 1}, full_scale=50.0, unit="m/s^2", sampling_rate=None))
     assert found.rate == 12000
     assert found.acceleration[:4, 0].tolist() == [0.0, 25.0, -50.0, 12.5]
-    with pytest.raises(Refusal, match=r"sampling_rate = 48000 Hz and .*x\.wav itself 12000 Hz"):
-        Import(path, described(tmp_path, channels={"ax": 1}, full_scale=50.0, sampling_rate=48000))
+    with pytest.raises(Refusal, match=r"sampling_rate = 48000 Hz, but .*x\.wav contains 12000 Hz"):
+        WaveformImport(path, described(tmp_path, channels={"ax": 1}, full_scale=50.0, sampling_rate=48000))
 
 
 @pytest.mark.parametrize("text", ["de;fe\n1.5;2\n3;4\n", "# a rig\n1.5 2\n3 4\n", '"de","fe"\n1.5,2\n3,4\n', "1.5\t2\n3\t4\n"])
-def test_kinds_of_csv(text: str, tmp_path: Path) -> None:
+def test_csv_dialects_are_read(text: str, tmp_path: Path) -> None:
     path = tmp_path / "x.csv"
     path.write_text(text, encoding="utf-8")
-    foreign = read_foreign(path)
+    external = read_external(path)
     name: str | int = "de" if "de" in text else 1
-    assert channel(foreign, path, name).tolist() == [1.5, 3.0]
+    assert channel(external, path, name).tolist() == [1.5, 3.0]
 
 
 @pytest.mark.parametrize(
     ("changes", "sentence"),
     [
-        ({"sampling_rate": None}, "gives no sampling_rate, and .* it is never guessed"),
-        ({"unit": None}, "gives no unit: add unit, one of"),
+        ({"sampling_rate": None}, "has no sampling_rate, and .* it is never guessed"),
+        ({"unit": None}, "has no unit: add unit, one of"),
         ({"unit": "volt"}, "unit = 'volt' is refused"),
-        ({"speed_rpm": None}, "must give speed in rad/s, or speed_rpm, or a channel shaft_angle"),
-        ({"speed": 188.0}, "must give speed in rad/s, or speed_rpm"),
-        ({"orders": None}, "gives neither bearing nor orders"),
+        ({"speed_rpm": None}, "must give one of speed in rad/s, speed_rpm and the channel shaft_angle"),
+        ({"speed": 188.0}, "must give one of speed in rad/s, speed_rpm"),
+        ({"orders": None}, "has neither bearing nor orders"),
         ({"orders": {"FTF": 0.4}}, r"orders\.BPFO is refused: field required"),
         ({"sampling_rate": 12000.5}, "sampling_rate = 12000.5 is refused"),
         ({"sampling_rate": 0}, "sampling_rate = 0 is refused"),
         ({"channels": None}, "channels is refused: field required"),
         ({"channels": {"ax": "fe"}}, r"has no channel 'fe'; did you mean 'de'\?|has no channel 'fe'"),
-        ({"first_index": 10**15}, r"first_index = 10{15} leads to sample 1e\+15, beyond 2147483648 s at 12000 Hz"),
-        ({"first_index": 10**30}, r"first_index = 10{30} leads to sample 1e\+30"),
-        ({"labels": {"x": float("nan")}}, "nan is no finite number; write null"),
+        ({"first_index": 10**15}, r"first_index = 10{15} gives sample 1e\+15, after 2147483648 s at 12000 Hz"),
+        ({"first_index": 10**30}, r"first_index = 10{30} gives sample 1e\+30"),
+        ({"labels": {"x": float("nan")}}, "nan is not a finite number: write null"),
         ({"speeed": 3.0}, r"unknown key 'speeed'; did you mean 'speed'\?"),
         (
             {"orders": None, "bearing": {"rollers_per_row": 9, "roller_radius": 0.02, "pitch_radius": 0.0195}},
@@ -202,44 +202,44 @@ def test_kinds_of_csv(text: str, tmp_path: Path) -> None:
         ),
     ],
 )
-def test_what_is_missing_is_never_guessed(changes: dict[str, Any], sentence: str, noise: np.ndarray[Any, Any], tmp_path: Path) -> None:
+def test_missing_information_is_refused(changes: dict[str, Any], sentence: str, noise: np.ndarray[Any, Any], tmp_path: Path) -> None:
     np.savez(tmp_path / "x.npz", de=noise)
     with pytest.raises(Refusal, match=sentence):
-        Import(tmp_path / "x.npz", described(tmp_path, **changes))
+        WaveformImport(tmp_path / "x.npz", described(tmp_path, **changes))
 
 
 @pytest.mark.parametrize(
     ("arrays", "sentence"),
     [
         ({"de": np.array([1.0, np.nan, 2.0])}, "1 of 3 samples of 'de' are not finite"),
-        ({"de": np.zeros((3, 4))}, "a channel is one row of numbers"),
-        ({"de": np.array(["a", "b"])}, "a channel is one row of numbers"),
-        ({"de": np.zeros(0)}, "not empty"),
-        ({"de": np.array([1.0, 1e300])}, r"sample 1 of 'de' is 1e\+300, more than 3e\+38 m/s\^2, what a message holds"),
+        ({"de": np.zeros((3, 4))}, "a channel must be one row of numbers"),
+        ({"de": np.array(["a", "b"])}, "a channel must be one row of numbers"),
+        ({"de": np.zeros(0)}, "not be empty"),
+        ({"de": np.array([1.0, 1e300])}, r"sample 1 of 'de' is 1e\+300, above 3e\+38 m/s\^2, the range of a message"),
     ],
 )
 def test_unusable_channels_are_refused(arrays: dict[str, Any], sentence: str, tmp_path: Path) -> None:
     np.savez(tmp_path / "x.npz", **arrays)
     with pytest.raises(Refusal, match=sentence):
-        Import(tmp_path / "x.npz", described(tmp_path))
+        WaveformImport(tmp_path / "x.npz", described(tmp_path))
 
 
 @pytest.mark.parametrize(
     ("index", "sentence"),
     [
-        (np.arange(3) * 1.7, "'i' is no index: 1.7 is not a whole number"),
-        (np.array([0.0, 1.0, 1e300]), r"'i' leads to sample 1e\+300, beyond 2147483648 s"),
-        (np.array([0, 2, 1]), "begins at 0 or later and rises"),
-        (np.array([-1, 0, 1]), "begins at 0 or later and rises"),
+        (np.arange(3) * 1.7, "'i' is not an index: 1.7 is not an integer"),
+        (np.array([0.0, 1.0, 1e300]), r"'i' gives sample 1e\+300, after 2147483648 s"),
+        (np.array([0, 2, 1]), "must start at 0 or later and increase"),
+        (np.array([-1, 0, 1]), "must start at 0 or later and increase"),
     ],
 )
-def test_what_is_no_index_is_refused(index: np.ndarray[Any, Any], sentence: str, tmp_path: Path) -> None:
+def test_an_invalid_index_is_refused(index: np.ndarray[Any, Any], sentence: str, tmp_path: Path) -> None:
     np.savez(tmp_path / "x.npz", de=np.ones(3), i=index)
     with pytest.raises(Refusal, match=sentence):
-        Import(tmp_path / "x.npz", described(tmp_path, channels={"ax": "de", "index": "i"}))
+        WaveformImport(tmp_path / "x.npz", described(tmp_path, channels={"ax": "de", "index": "i"}))
 
 
-def test_descriptions_are_read_as_configurations_are(tmp_path: Path) -> None:
+def test_descriptions_accept_the_same_yaml_as_configurations(tmp_path: Path) -> None:
     path = tmp_path / "about.yaml"
     text = "{channels: {ax: de}, speed: 1e2, sampling_rate: 5.12e4, labels: {2026-01-02: ok, 3: {when: 2026-01-03}}}"
     path.write_text(text, encoding="utf-8")
@@ -247,29 +247,27 @@ def test_descriptions_are_read_as_configurations_are(tmp_path: Path) -> None:
     assert (found.sampling_rate, found.speed) == (51200, 100.0)
     assert json.dumps(found.labels) == '{"2026-01-02": "ok", "3": {"when": "2026-01-03"}}'
     path.write_text("channels: {ax: de}\nsampling_rate: 12000\nsampling_rate: 25600\n", encoding="utf-8")
-    with pytest.raises(Refusal, match="the key 'sampling_rate' stands twice"):
+    with pytest.raises(Refusal, match="the key 'sampling_rate' occurs twice"):
         read_description(path)
 
 
-def test_an_import_or_export_that_fails_leaves_nothing(
-    noise: np.ndarray[Any, Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_failed_import_or_export_leaves_no_files(noise: np.ndarray[Any, Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     np.savez(tmp_path / "x.npz", de=noise)
-    whole = Import(tmp_path / "x.npz", described(tmp_path))
-    monkeypatch.setattr(Import, "blocks", stopped)
+    whole = WaveformImport(tmp_path / "x.npz", described(tmp_path))
+    monkeypatch.setattr(WaveformImport, "blocks", stopped)
     with pytest.raises(KeyboardInterrupt):
         whole.write(tmp_path / "bag")
     monkeypatch.undo()
     whole.write(tmp_path / "bag")
     recording = Recording(tmp_path / "bag")
     monkeypatch.setattr(Path, "write_text", half_written)
-    with pytest.raises(Refusal, match=r"cannot be written: No space left on device; make room"):
+    with pytest.raises(Refusal, match=r"cannot be written: No space left on device; free some space"):
         export(recording, tmp_path / "out.csv")
     monkeypatch.undo()
     export(recording, tmp_path / "out.csv")
 
 
-def stopped(_: Import) -> Any:
+def stopped(_: WaveformImport) -> Any:
     raise KeyboardInterrupt
 
 
@@ -278,21 +276,21 @@ def half_written(path: Path, text: str, **_: Any) -> int:
     raise OSError(errno.ENOSPC, "No space left on device")
 
 
-def test_geometry_gives_the_orders(noise: np.ndarray[Any, Any], tmp_path: Path) -> None:
+def test_orders_follow_from_the_geometry(noise: np.ndarray[Any, Any], tmp_path: Path) -> None:
     np.savez(tmp_path / "x.npz", de=noise)
     # 6205: 9 balls of 7.94 mm on 39.04 mm, CWRU's bearing data; the orders are those printed there
     geometry = {"rollers_per_row": 9, "roller_radius": 0.00397, "pitch_radius": 0.01952}
-    orders = Import(tmp_path / "x.npz", described(tmp_path, orders=None, bearing=geometry)).orders
+    orders = WaveformImport(tmp_path / "x.npz", described(tmp_path, orders=None, bearing=geometry)).orders
     assert (orders.ftf, orders.bpfo, orders.bpfi) == pytest.approx((0.39828, 3.5848, 5.4152), rel=1e-3)
 
 
 @given(st.sampled_from(list(READERS)), st.binary(max_size=200))
 @settings(max_examples=150)
 def test_any_file_is_read_or_refused(tmp_path_factory: pytest.TempPathFactory, suffix: str, content: bytes) -> None:
-    path = tmp_path_factory.mktemp("foreign") / f"x{suffix}"
+    path = tmp_path_factory.mktemp("external") / f"x{suffix}"
     path.write_bytes(content)
     try:
-        read_foreign(path)
+        read_external(path)
     except Refusal as refusal:
         assert "\n" not in str(refusal)  # noqa: PT017 - a refusal is one of the two right answers
 

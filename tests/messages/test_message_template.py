@@ -1,4 +1,4 @@
-"""Messages from a stencil are the bytes that the type store itself encodes."""
+"""Messages from a template equal those that the type store encodes."""
 
 from __future__ import annotations
 
@@ -7,12 +7,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dcrb_ros.messages.cdr import typestore
+from dcrb_ros.messages.cdr import JOINT_STATE, POINT_CLOUD, typestore
 from dcrb_ros.messages.joints import decode_joints, encode_joints
-from dcrb_ros.messages.message_template import Stencil, marks
+from dcrb_ros.messages.message_template import MessageTemplate, placeholder_bytes
 from dcrb_ros.messages.plain import encode_preview
 from dcrb_ros.messages.points import SAMPLE, SPECTRUM, encode_points
-from dcrb_ros.messages.topics import JOINT_STATE, POINT_CLOUD
 
 STAMPS = st.integers(0, 2**31 * 1_000_000_000 - 1)
 NUMBERS = st.tuples(*[st.lists(st.floats(width=64), max_size=4)] * 3)
@@ -47,6 +46,6 @@ def test_preview(time_ns: int, x: float, y: float, frame: str) -> None:
     assert bytes(typestore().serialize_cdr(imu, name)) == data
 
 
-def test_a_hole_must_be_there() -> None:
+def test_a_placeholder_must_be_in_the_message() -> None:
     with pytest.raises(ValueError, match="not found"):
-        Stencil(bytes(40), marks(8))
+        MessageTemplate(bytes(40), placeholder_bytes(8))

@@ -25,14 +25,17 @@ REASONS = ROOT / "tests" / "mutants" / "equivalent.yaml"
 TIMEOUT = 300.0
 """Time after which the tests of a mutant count as failed [s]."""
 
-SWAPPED = {
-    "core/ReplaceBinaryOperator_": ("Add_Sub", "Sub_Add", "Mul_Div", "Div_Mul", "FloorDiv_Div", "Mod_FloorDiv", "Pow_Mul"),
-    "core/ReplaceComparisonOperator_": ("Eq_NotEq", "NotEq_Eq", "Lt_LtE", "LtE_Lt", "Gt_GtE", "GtE_Gt", "Lt_Gt", "Gt_Lt", "LtE_GtE", "GtE_LtE"),
-    "core/ReplaceUnaryOperator_": ("USub_UAdd", "Delete_USub", "Delete_Not"),
-    "core/": ("NumberReplacer", "AddNot", "ReplaceAndWithOr", "ReplaceOrWithAnd", "ReplaceTrueWithFalse", "ReplaceFalseWithTrue", "ReplaceBreakWithContinue"),
-}  # fmt: skip
+BINARY = ("Add_Sub", "Sub_Add", "Mul_Div", "Div_Mul", "FloorDiv_Div", "Mod_FloorDiv", "Pow_Mul")
+COMPARISON = ("Eq_NotEq", "NotEq_Eq", "Lt_LtE", "LtE_Lt", "Gt_GtE", "GtE_Gt", "Lt_Gt", "Gt_Lt", "LtE_GtE", "GtE_LtE")
+UNARY = ("USub_UAdd", "Delete_USub", "Delete_Not")
+LOGIC = ("AddNot", "ReplaceAndWithOr", "ReplaceOrWithAnd", "ReplaceTrueWithFalse", "ReplaceFalseWithTrue", "ReplaceBreakWithContinue")
+OPERATORS = {
+    *(f"core/ReplaceBinaryOperator_{name}" for name in BINARY),
+    *(f"core/ReplaceComparisonOperator_{name}" for name in COMPARISON),
+    *(f"core/ReplaceUnaryOperator_{name}" for name in UNARY),
+    *(f"core/{name}" for name in (*LOGIC, "NumberReplacer")),
+}
 """Mutations that a programmer's slip looks like; most others, such as a float shifted by bits, fail at once."""
-OPERATORS = {prefix + name for prefix, names in SWAPPED.items() for name in names}
 
 
 @dataclass(frozen=True)

@@ -35,12 +35,14 @@ from dcrb_ros.messages.topics import (
     SENSOR,
     VIBRATION,
 )
-from dcrb_ros.messages.verdicts import encode_diagnosis, encode_indicators
+from dcrb_ros.messages.topics.diagnosis import encode_diagnosis
+from dcrb_ros.messages.topics.fault_indicators import encode_indicators
 from dcrb_ros.nodes.bench import Observer
 from dcrb_ros.nodes.publisher import message_class, qos
 from dcrb_ros.nodes.ros import spin
 from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.settings.configuration import Configuration
+from dcrb_ros.simulation.events import ScenarioEvent, SpeedCommand
 from dcrb_ros.simulation.loop import Simulation
 
 pytestmark = pytest.mark.node
@@ -106,7 +108,7 @@ def test_commands_take_effect_and_bad_ones_are_refused(tmp_path: Path) -> None:
 
         def obeyed() -> list[int]:
             truths = [decode_truth(data) for data in heard.heard[GROUND_TRUTH]]
-            return [truth.time_ns for truth in truths if truth.changed == "command/speed 140.0 rad/s"]
+            return [truth.time_ns for truth in truths if truth.event == SpeedCommand(140.0)]
 
         heard.until(obeyed, "the command in the ground truth")
         heard.until(lambda: decode_truth(heard.heard[GROUND_TRUTH][-1]).speed == pytest.approx(140.0), "the speed commanded")
@@ -223,7 +225,7 @@ def test_bench_command_ends_with_the_verdict(tmp_path: Path) -> None:
     assert sum(len(v.shaft_angle) for v in recording.vibrations()) == 10 * 51200
     assert recording.counts()["/dcrb/diagnosis"] > 3
     truths = [decode_truth(message.data) for message in recording.messages((GROUND_TRUTH,))]
-    assert [t.time_ns for t in truths if t.changed == "scenario: operating.load = 95000.0"] == [500_000_000]
+    assert [t.time_ns for t in truths if t.event == ScenarioEvent({"operating.load": 95000.0})] == [500_000_000]
     assert truths[-1].load[1] == pytest.approx(-95e3)
 
 
@@ -258,7 +260,7 @@ def test_what_ends_the_bench_command_ends_its_nodes(kind: signal.Signals, moment
         assert bench.wait(PATIENCE) in (0, 1, 130), log.read_text()
     finally:
         bench.kill()
-    assert not processes("dcrb_ros.nodes.", f"ROS_DOMAIN_ID={number}\0")
+    assert not processes("dcrb_ros.nodes", f"ROS_DOMAIN_ID={number}\0")
     assert "Traceback" not in log.read_text()
 
 
@@ -311,7 +313,7 @@ def test_malformed_commands_are_counted_and_the_bench_runs_on(kind: signal.Signa
         assert time.monotonic() - began < PROMPT
     assert "command/speed: a message of" in simulator.words
     assert "command/load: a message of" in simulator.words
-    assert simulator.words.count("is no valid") <= 4  # explained, not repeated
+    assert simulator.words.count("is not a valid") <= 4  # explained, not repeated
     assert "Traceback" not in simulator.words
     assert Recording(bag).complete
 

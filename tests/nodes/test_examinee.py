@@ -103,7 +103,7 @@ WORDS = "publisher.publish(DiagnosticArray(status=[DiagnosticStatus(values=[KeyV
         (python("-c", SPEAKING.format("1 / 0")), "s of the signal; its last words:"),
         (
             python("-c", SPEAKING.format(WORDS)),
-            "messages on diagnosis were not understood, the first because the verdict 'broken' is none of",
+            "messages on diagnosis were not understood, the first because the verdict 'broken' is unknown: give one of",
         ),
     ],
     ids=["ended", "deaf", "mute", "dying", "babbling"],
@@ -149,7 +149,7 @@ def heard(*moments: tuple[float, float], pace: float = 1.0, begin: float = 0.0) 
 def test_stamps_are_believed_that_come_in_time(moments: list[tuple[float, float]], pace: float, given: list[float]) -> None:
     answers = heard(*moments, pace=pace)
     assert not answers.refused
-    assert [opinion.given for opinion in answers.opinions] == pytest.approx(given)
+    assert [opinion.issued_at for opinion in answers.opinions] == pytest.approx(given)
 
 
 def test_nobody_judges_what_has_not_been_sent() -> None:
@@ -180,7 +180,7 @@ def test_who_has_heard_everything_is_not_believed_to_have_known_at_once() -> Non
     assert len(answers.opinions) == 6
     early = [opinion for opinion in answers.opinions if opinion.time < 1.0]
     assert len(early) == 2
-    assert all(opinion.given > 2.5 for opinion in early)
+    assert all(opinion.issued_at > 2.5 for opinion in early)
 
 
 def test_a_rate_is_kept(capsys: pytest.CaptureFixture[str]) -> None:

@@ -19,6 +19,7 @@ from dcrb_ros.messages.statuses import decode_truth
 from dcrb_ros.messages.topics import GROUND_TRUTH, SENSOR, VIBRATION
 from dcrb_ros.settings.files import COMMANDED, parameter_fields
 from dcrb_ros.simulation.block import Truth
+from dcrb_ros.simulation.events import ParameterChange
 
 pytestmark = pytest.mark.node
 
@@ -36,7 +37,7 @@ def test_faults_come_and_are_refused_as_a_whole(tmp_path: Path) -> None:
             ({"faults__outer_1__width": float("nan")}, "faults.outer_1.width = nan m is outside 0 .. 0.05 m"),
             ({"faults__outer_1__width": 1}, "faults.outer_1.width = 1.0 m is outside 0 .. 0.05 m"),
             ({"faults__outer_1__width": 0.002, "faults__outer_2__width": 0.002}, "faults.outer_2 overlaps faults.outer_1"),
-            ({"faults__broken_bars": "bar 3"}, "'bar' is no bar; write row1/bar15"),
+            ({"faults__broken_bars": "bar 3"}, "'bar' is not a bar; write row1/bar15"),
             ({"bearing__roller_radius": 0.01}, "bearing.roller_radius is fixed while the bench runs"),
             ({"operating__speed": 100.0, "faults__outer_1__width": 0.002}, "operating.speed changes by"),
             ({"sensor__fault": "stuk"}, "did you mean 'stuck'?"),
@@ -50,8 +51,8 @@ def test_faults_come_and_are_refused_as_a_whole(tmp_path: Path) -> None:
             assert reason in said
         assert heard.set(faults__outer_1__width=0.002, faults__outer_1__row=1, faults__broken_bars="row2/bar7") == (True, "")
         heard.until(lambda: len(truths(heard)[-1].faults) == 2, "the faults in the ground truth")
-        change = next(truth for truth in truths(heard) if "outer_1" in truth.changed)
-        assert change.changed == "faults.outer_1.width = 0.002, faults.outer_1.row = 1, faults.broken_bars = 'row2/bar7'"
+        change = next(truth for truth in truths(heard) if isinstance(truth.event, ParameterChange))
+        assert change.event == ParameterChange({"faults.outer_1.width": 0.002, "faults.outer_1.row": 1, "faults.broken_bars": "row2/bar7"})
         assert change.faults["outer_1"]["onset"] == pytest.approx(change.time_ns * 1e-9, abs=1e-9)
         assert "broken_bars.row2/bar7" in change.faults
         done, said = heard.set(faults__broken_bars="")

@@ -1,84 +1,158 @@
-"""The tape of a running node: nobody waits for a slow disk but who ends the recording."""
+"""Recordings of a running node: only the one who ends a recording waits for a slow disk."""
 
 from __future__ import annotations
 
 import threading
+from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
-from made_up_blocks import LAYOUT, blocks
+from made_up_blocks import BODIES, blocks
 from slow_recorder import SlowRecorder
 from waiting import wait_for
 
+from dcrb_ros.messages.bundle import Bundle
 from dcrb_ros.messages.encoder import BlockEncoder
-from dcrb_ros.messages.topics import Message
 from dcrb_ros.nodes.bench import CHILD_END
-from dcrb_ros.nodes.recording_switch import Tape
-from dcrb_ros.nodes.simulator import LAST_BLOCK
+from dcrb_ros.nodes.engine import CLOSE_TIMEOUT as ENGINE_TIMEOUT
+from dcrb_ros.nodes.recording_switch import RecordingSwitch, free_path
 from dcrb_ros.recordings.reader import Recording
-from dcrb_ros.recordings.recorder_thread import LAST_WRITE, QueuedRecorder
+from dcrb_ros.recordings.recorder import Recorder
+from dcrb_ros.recordings.recorder_thread import CLOSE_TIMEOUT, RecorderThread
 from dcrb_ros.settings.configuration import Configuration
+from dcrb_ros.simulation.events import Event, SpeedCommand, TimedCommand
 
 PATIENCE = 20.0
+CAPACITY = 10
+"""Lists of messages that the slow recorder's queue holds."""
 
 
-@pytest.fixture(scope="module")
-def encoded() -> list[list[Message]]:
-    encoder = BlockEncoder(Configuration(), LAYOUT)
-    return [encoder.encode(block) for block in blocks(12)]
+class Log:
+    """Keeps the messages instead of logging them."""
+
+    def __init__(self) -> None:
+        self.messages: list[str] = []
+        self.errors: list[str] = []
+
+    def info(self, message: str) -> None:
+        self.messages.append(message)
+
+    def error(self, message: str) -> None:
+        self.errors.append(message)
 
 
-def begun(path: Path) -> tuple[Tape, SlowRecorder, list[str]]:
-    """Return a tape that records on a disk that does not answer, and what it logs."""
-    slow, log = SlowRecorder(path), list[str]()
-    tape = Tape(log.append)
-    tape.start(lambda: QueuedRecorder(slow, 10))
-    return tape, slow, log
+class SlowDisk:
+    """Creates recorders that write once they are allowed to."""
+
+    def __init__(self) -> None:
+        self.allowed = threading.Event()
+
+    def __call__(self, path: Path, *, commands: Sequence[TimedCommand], start_ns: int) -> RecorderThread:
+        recorder = SlowRecorder(path)
+        recorder.allowed = self.allowed
+        return RecorderThread(recorder, CAPACITY)
 
 
-def test_nobody_waits_for_a_recording_that_ends_but_who_ends_it(encoded: list[list[Message]], tmp_path: Path) -> None:
-    tape, slow, log = begun(tmp_path / "bag")
-    tape.write_messages(encoded[0])
+def fast(path: Path, *, commands: Sequence[TimedCommand], start_ns: int) -> RecorderThread:
+    return RecorderThread(Recorder(path, Configuration(), BODIES, commands=commands, start_ns=start_ns), 100)
+
+
+def bundles(count: int, events: dict[int, Event] | None = None) -> list[Bundle]:
+    encoder = BlockEncoder(Configuration(), BODIES)
+    return [Bundle(b.stamp_ns, b.end_ns, tuple(encoder.encode(b)), b) for b in blocks(count, events=events)]
+
+
+def slow_recording(path: Path) -> tuple[RecordingSwitch, SlowDisk, Log]:
+    """Return a switch that has begun to record on a slow disk."""
+    disk, log = SlowDisk(), Log()
+    switch = RecordingSwitch(disk, log, path)
+    switch.start([])
+    return switch, disk, log
+
+
+def test_only_the_callers_of_stop_wait_for_the_disk(tmp_path: Path) -> None:
+    switch, disk, log = slow_recording(tmp_path / "bag")
+    first, second = bundles(2)
+    switch.write(first)
     ended: dict[Path | None, bool] = {}
-    ends = [threading.Thread(target=lambda: ended.update({tape.stop(): slow.allowed.is_set()}), daemon=True) for _ in range(2)]
-    ends[0].start()
-    wait_for(lambda: tape.state == "off")
-    ends[1].start()
-    tape.write_messages(encoded[1])
-    assert tape.path is None
+    callers = [threading.Thread(target=lambda: ended.update({switch.stop(): disk.allowed.is_set()}), daemon=True) for _ in range(2)]
+    callers[0].start()
+    wait_for(lambda: switch.state == "off")
+    callers[1].start()
+    switch.write(second)
+    assert switch.path is None
     assert not ended
-    slow.allowed.set()
-    for end in ends:
-        end.join(PATIENCE)
-    assert ended == {tmp_path / "bag": True, None: True}  # the second, the node's end say, waited as well
+    disk.allowed.set()
+    for caller in callers:
+        caller.join(PATIENCE)
+    assert ended == {tmp_path / "bag": True, None: True}  # the second caller, such as the end of the node, waited as well
     assert len(list(Recording(tmp_path / "bag").vibrations())) == 1
-    assert not log
+    assert not log.errors
 
 
-def test_the_end_waits_for_a_recording_that_ended_by_an_overflow(encoded: list[list[Message]], tmp_path: Path) -> None:
-    tape, slow, log = begun(tmp_path / "bag")
-    for messages in encoded:
-        tape.write_messages(messages)
-    assert len(log) == 1
-    assert "the disk is slower than the bench" in tape.state
-    slow.allowed.set()
-    assert tape.stop() is None
+def test_stop_waits_for_a_recording_that_ended_by_an_overflow(tmp_path: Path) -> None:
+    switch, disk, log = slow_recording(tmp_path / "bag")
+    for bundle in bundles(12):
+        switch.write(bundle)
+    assert len(log.errors) == 1
+    assert "the disk is slower than the bench" in switch.state
+    disk.allowed.set()
+    assert switch.stop() is None
     recording = Recording(tmp_path / "bag")
-    assert recording.outcome is not None  # written to its end
-    assert len(list(recording.vibrations())) >= 10
-    assert len(log) == 1
+    assert recording.outcome is not None  # the file was finished
+    assert len(list(recording.vibrations())) >= CAPACITY
+    assert len(log.errors) == 1
 
 
-def test_a_recording_that_is_late_does_not_blame_the_next(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("dcrb_ros.recordings.recorder_thread.LAST_WRITE", 0.05)
-    tape, slow, log = begun(tmp_path / "bag")
-    tape.write_messages(BlockEncoder(Configuration(), LAYOUT).start())
-    tape.stop()
-    assert "could not be finished in time" in tape.state
-    tape.start(lambda: QueuedRecorder(SlowRecorder(tmp_path / "bag-2"), 10))
-    assert (tape.state, tape.failed, len(log)) == ("recording", False, 1)
-    slow.allowed.set()
+def test_a_recording_that_is_finished_too_late_does_not_fail_the_next(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("dcrb_ros.nodes.recording_switch.CLOSE_TIMEOUT", 0.05)
+    switch, disk, log = slow_recording(tmp_path / "bag")
+    switch.write(bundles(1)[0])
+    switch.stop()
+    assert "could not be finished in time" in switch.state
+    assert switch.record(tmp_path / "bag") == tmp_path / "bag-2"
+    assert (switch.state, switch.failed, len(log.errors)) == ("recording", False, 1)
+    disk.allowed.set()
+    switch.stop()
 
 
-def test_a_node_ends_before_the_bench_loses_its_patience() -> None:
-    assert LAST_BLOCK + LAST_WRITE < CHILD_END - 1.0  # and a second to leave the graph
+def test_a_recording_begun_later_contains_the_earlier_commands_and_starts_with_its_first_bundle(tmp_path: Path) -> None:
+    switch = RecordingSwitch(fast, Log())
+    switch.start([])
+    earlier, *later = bundles(3, {0: SpeedCommand(100.0), 2: SpeedCommand(120.0)})
+    switch.write(earlier)
+    assert switch.record(tmp_path / "bag") == tmp_path / "bag"
+    assert switch.record(tmp_path / "other") == tmp_path / "bag"  # the running one
+    for bundle in later:
+        switch.write(bundle)
+    assert switch.stop() == tmp_path / "bag"
+    recording = Recording(tmp_path / "bag")
+    assert recording.commands() == [TimedCommand(0, SpeedCommand(100.0)), TimedCommand(40_000_000, SpeedCommand(120.0))]
+    assert min(message.time_ns for message in recording.messages()) == 20_000_000
+
+
+def test_a_reset_continues_in_a_new_recording_without_the_earlier_commands(tmp_path: Path) -> None:
+    log = Log()
+    switch = RecordingSwitch(fast, log, tmp_path / "bag")
+    switch.start([])
+    for bundle in bundles(2, {1: SpeedCommand(100.0)}):
+        switch.write(bundle)
+    switch.start([])
+    switch.write(bundles(1)[0])
+    assert switch.stop() == tmp_path / "bag-2"
+    assert log.messages == [f"reset: {tmp_path / 'bag'} is finished, {tmp_path / 'bag-2'} records from the start"]
+    assert [len(list(Recording(tmp_path / name).vibrations())) for name in ("bag", "bag-2")] == [2, 1]
+    assert Recording(tmp_path / "bag-2").commands() == []
+    switch.start([])  # nothing was recorded, so nothing is
+    assert (switch.path, switch.state) == (None, "off")
+
+
+def test_a_path_is_free_with_the_next_number(tmp_path: Path) -> None:
+    for name in ("bag", "bag-2"):
+        assert free_path(tmp_path / "bag") == tmp_path / name
+        (tmp_path / name).mkdir()
+    assert free_path(tmp_path / "bag") == tmp_path / "bag-3"
+
+
+def test_a_node_ends_before_the_bench_kills_it() -> None:
+    assert ENGINE_TIMEOUT + CLOSE_TIMEOUT < CHILD_END - 1.0  # and a second to leave the graph

@@ -111,7 +111,7 @@ def test_command_replays_and_refuses(tmp_path: Path) -> None:
 def test_bundles_come_at_the_end_of_their_block(tmp_path: Path) -> None:
     replay = Replay(ReplayParameters(bag=str(recorded(tmp_path / "bag", 5))))
     bundles = list(replay.bundles())
-    assert [bundle.due_ns for bundle in bundles] == [20_000_000 * k for k in range(1, 6)]
+    assert [bundle.end_ns for bundle in bundles] == [20_000_000 * k for k in range(1, 6)]
     assert [bundle.messages[0].topic for bundle in bundles] == [VIBRATION] * 5
     assert sum(len(bundle.messages) for bundle in bundles) == sum(replay.recording.counts().values()) - 1
     assert np.all(np.diff([bundle.begin_ns for bundle in bundles]) > 0)

@@ -15,6 +15,7 @@ from ros_bench import domain, environment, listener, node
 
 from dcrb_ros.messages.topics import VIBRATION
 from dcrb_ros.recordings.reader import Recording
+from dcrb_ros.simulation.events import LoadCommand, SpeedCommand
 
 pytestmark = pytest.mark.node
 
@@ -39,7 +40,7 @@ def test_a_commanded_run_is_made_again_without_ros(tmp_path: Path) -> None:
     recording = Recording(bag)
     assert recording.complete
     assert len(recording.files) > 1
-    assert [command.words for command in recording.commands()] == ["command/speed 140.0 rad/s", "command/load 500.0 -60000.0 N"]
+    assert [timed.command for timed in recording.commands()] == [SpeedCommand(140.0), LoadCommand(500.0, -60e3)]
     done = dcrb("simulate", "--from", str(bag))
     assert done.returncode == 0, done.stderr
     assert "the same" in done.stdout

@@ -42,13 +42,13 @@ def test_viewer_shows_all_that_is_published(tmp_path: Path) -> None:
     [
         (["--save", "view.png"], 2, "--save view.png does not end in .rrd"),
         (["--save", "view.rrd", "--connect", "rerun+http://127.0.0.1:9876/proxy"], 2, "exclude each other"),
-        ([], 1, "it needs a display; without one save the view into a file"),
+        ([], 1, "it needs a display; without one, save the view to a file"),
     ],
 )
 def test_viewer_says_what_is_wrong(
     arguments: list[str], status: int, sentence: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    command = [sys.executable, "-m", "dcrb_ros.nodes.viewer", *arguments]
+    command = [sys.executable, "-m", "dcrb_ros.nodes", "viewer", *arguments]
     for name in ("DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET"):
         monkeypatch.delenv(name, raising=False)
     done = subprocess.run(command, env=environment(domain()), cwd=tmp_path, capture_output=True, text=True, timeout=PATIENCE, check=False)

@@ -7,9 +7,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from dcrb_ros.messages.event_text import encode_event
+from dcrb_ros.messages.statuses import decode_diagnostics, decode_truth
+from dcrb_ros.messages.topics import GROUND_TRUTH
 from dcrb_ros.recordings.manifest import model_fingerprint, software
 from dcrb_ros.recordings.reader import Recording, metadata_flaw
 from dcrb_ros.recordings.reproduction import Reproduction
+from dcrb_ros.simulation.events import SpeedCommand, Start, TimedCommand
 from dcrb_ros.simulation.loop import Simulation
 
 BEFORE_CHAOS = 0.01
@@ -24,6 +28,20 @@ def test_shipped_recordings_are_whole_and_small(bag: Path) -> None:
     assert recording.complete
     assert metadata_flaw(bag) == ""
     assert sum(file.stat().st_size for file in bag.iterdir()) < 3e6
+
+
+@pytest.mark.parametrize("bag", BAGS, ids=lambda bag: bag.name)
+def test_events_are_recovered_from_the_shipped_recordings(bag: Path) -> None:
+    recording = Recording(bag)
+    messages = [message.data for message in recording.messages((GROUND_TRUTH,))]
+    truths = [decode_truth(data) for data in messages]
+    assert [encode_event(truth.event) for truth in truths] == [decode_diagnostics(data)[1][0].message for data in messages]
+    command = SpeedCommand(150.0)
+    commanded = [TimedCommand(500_253_906, command)] if bag.name == "run_up" else []
+    assert [truth.event for truth in truths if truth.event] == [Start(), *(timed.command for timed in commanded)]
+    assert recording.commands() == commanded  # of the manifest
+    recording.__dict__["outcome"] = None
+    assert recording.commands() == commanded  # of the ground truth
 
 
 @pytest.mark.parametrize("bag", BAGS, ids=lambda bag: bag.name)

@@ -16,7 +16,7 @@ import zstandard
 from command import dcrb
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from made_up_blocks import LAYOUT, recorded
+from made_up_blocks import BODIES, recorded
 
 from dcrb_ros.recordings.mcap_reader import MAGIC, McapRecords
 from dcrb_ros.recordings.reader import Recording, metadata_flaw
@@ -174,7 +174,7 @@ def test_any_manifest_is_explained_or_refused(tmp_path_factory: pytest.TempPathF
     from dcrb_ros.recordings.reproduction import recorded_samples
     from dcrb_ros.recordings.rosbag2 import Bag
 
-    about = json.loads(opening(Configuration(), LAYOUT, "/dcrb")[MANIFEST]["manifest"])
+    about = json.loads(opening(Configuration(), BODIES, "/dcrb")[MANIFEST]["manifest"])
     outcome = {"samples": 3, "sha256": "0", "first_index": 0, "commands": []}
     (outcome if key in outcome else about)[key] = value
     folder = tmp_path_factory.mktemp("manifest") / "bag"
@@ -191,15 +191,15 @@ def test_huge_metadata_is_not_read(tmp_path: Path) -> None:
     bag = recorded(tmp_path / "bag", 2)
     with (bag / "metadata.yaml").open("ab") as stream:
         stream.truncate(1 << 33)
-    assert "bytes, 4000000 are the most" in metadata_flaw(bag)
+    assert "bytes, at most 4000000 are read" in metadata_flaw(bag)
     (bag / "metadata.yaml").unlink()
     assert "No such file" in metadata_flaw(bag)
 
 
-def test_a_sum_that_does_not_fit_is_damage(tmp_path: Path) -> None:
+def test_a_wrong_checksum_is_damage(tmp_path: Path) -> None:
     body = struct.pack("<QQQII", 0, 0, 3, zlib.crc32(b"abd"), 0) + struct.pack("<Q", 3) + b"abc"
     path = tmp_path / "x.mcap"
     path.write_bytes(MAGIC + HEADER + struct.pack("<BQ", 6, len(body)) + body)
     records = McapRecords(path)
     assert len(list(records)) == 1
-    assert any("the sum of a chunk does not fit" in words for words in records.damage)
+    assert any("the checksum of a chunk does not match" in words for words in records.damage)

@@ -18,10 +18,10 @@ from mcap_ros2.decoder import DecoderFactory
 from rosbags.highlevel import AnyReader
 from runs import Run, simulated
 
-from dcrb_ros.bearing.states import Layout
+from dcrb_ros.bearing.states import BodyNames
 from dcrb_ros.cli.detect import detect
 from dcrb_ros.diagnosis.parameters import DetectorParameters
-from dcrb_ros.exam.reference import opinions
+from dcrb_ros.exam.detector_run import run_shipped_detector
 from dcrb_ros.messages.points import SAMPLE
 from dcrb_ros.messages.topics import ACCELERATION, FEATURES, GROUND_TRUTH, NAMESPACE, ROLLER_STATES, SENSOR, VIBRATION
 from dcrb_ros.recordings.reader import Recording
@@ -39,7 +39,7 @@ def run() -> Run:
 @pytest.fixture(scope="module")
 def bag(run: Run, tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("bags") / "outer"
-    with Recorder(path, run.configuration, Layout(2, 16)) as recorder:
+    with Recorder(path, run.configuration, BodyNames(2, 16)) as recorder:
         for block in run.blocks:
             recorder.write(block)
     return path
@@ -138,15 +138,15 @@ def test_foreign_and_broken_files_are_refused(bag: Path, tmp_path: Path) -> None
         Recording(tmp_path / "nothing")
     empty = tmp_path / "empty"
     empty.mkdir()
-    with pytest.raises(Refusal, match=r"holds no \.mcap file"):
+    with pytest.raises(Refusal, match=r"contains no \.mcap file"):
         Recording(empty)
     text = tmp_path / "text.mcap"
     text.write_text("not a recording")
-    with pytest.raises(Refusal, match="is no MCAP file"):
+    with pytest.raises(Refusal, match="is not an MCAP file"):
         Recording(text)
     head = tmp_path / "head.mcap"
     head.write_bytes((bag / "outer_0.mcap").read_bytes()[:40])
-    with pytest.raises(Refusal, match="carries no manifest"):
+    with pytest.raises(Refusal, match="has no manifest"):
         Recording(head)
 
 
@@ -168,11 +168,11 @@ def test_flipped_bytes_never_end_in_a_traceback(bag: Path, tmp_path: Path) -> No
 
 def test_existing_and_impossible_outputs_are_refused(run: Run, bag: Path, tmp_path: Path) -> None:
     with pytest.raises(Refusal, match="exists: give another name"):
-        Recorder(bag, run.configuration, Layout(2, 16))
+        Recorder(bag, run.configuration, BodyNames(2, 16))
     blocked = tmp_path / "file"
     blocked.write_text("in the way")
     with pytest.raises(Refusal, match="cannot be created"):
-        Recorder(blocked / "bag", run.configuration, Layout(2, 16))
+        Recorder(blocked / "bag", run.configuration, BodyNames(2, 16))
 
 
 def test_a_disk_without_room_leaves_nothing_behind(run: Run, tmp_path: Path) -> None:
@@ -180,7 +180,7 @@ def test_a_disk_without_room_leaves_nothing_behind(run: Run, tmp_path: Path) -> 
     resource.setrlimit(resource.RLIMIT_FSIZE, (100, hard))
     try:
         with pytest.raises(Refusal, match="cannot be written: File too large; make room"):
-            Recorder(tmp_path / "none", run.configuration, Layout(2, 16))
+            Recorder(tmp_path / "none", run.configuration, BodyNames(2, 16))
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
     assert not (tmp_path / "none").exists()
@@ -192,7 +192,7 @@ def record_all(recorder: Recorder, run: Run) -> None:
 
 
 def test_full_disk_ends_with_a_reason_and_a_readable_file(run: Run, tmp_path: Path) -> None:
-    recorder = Recorder(tmp_path / "full", run.configuration, Layout(2, 16))
+    recorder = Recorder(tmp_path / "full", run.configuration, BodyNames(2, 16))
     soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (500_000, hard))
     try:
@@ -211,5 +211,5 @@ def test_a_range_that_changes_is_followed(tmp_path: Path, capsys: pytest.Capture
     assert [span for _, span in Recording(bag).ranged_vibrations()] == [5000.0] * 75 + [20.0] * 100
     detect(bag, as_json=True)
     verdicts = [found["verdict"] for found in json.loads(capsys.readouterr().out)["history"]]
-    assert verdicts == [opinion.verdict for opinion in opinions(bag, DetectorParameters())]
+    assert verdicts == [diagnosis.verdict for diagnosis in run_shipped_detector(bag, DetectorParameters())]
     assert "sensor" not in verdicts

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yaml
-from made_up_blocks import LAYOUT, blocks, recorded
+from made_up_blocks import BODIES, blocks, recorded
 from mcap.reader import make_reader
 from rosbags.highlevel import AnyReader
 from slow_recorder import SlowRecorder
@@ -21,11 +21,12 @@ from dcrb_ros.messages.encoder import BlockEncoder
 from dcrb_ros.messages.topics import NAMESPACE, VIBRATION
 from dcrb_ros.recordings.reader import Recording, metadata_flaw
 from dcrb_ros.recordings.recorder import Recorder
-from dcrb_ros.recordings.recorder_thread import QueuedRecorder
+from dcrb_ros.recordings.recorder_thread import RecorderThread
 from dcrb_ros.recordings.rosbag2 import RecordingFailed
 from dcrb_ros.runtime.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import load_configuration
+from dcrb_ros.simulation.events import SpeedCommand
 
 WAVEFORM = VIBRATION.resolved(NAMESPACE)
 
@@ -78,7 +79,7 @@ def test_each_compression_is_read_by_others(tmp_path: Path, compression: str) ->
 
 
 def test_only_chosen_topics_are_recorded_and_the_hash_is_of_all(tmp_path: Path) -> None:
-    bag = recorded(tmp_path / "bag", 10, topics="outer_ring/features, ground_truth", commands={3: "command/speed 130.0 rad/s"})
+    bag = recorded(tmp_path / "bag", 10, topics="outer_ring/features, ground_truth", events={3: SpeedCommand(130.0)})
     recording = Recording(bag)
     assert set(recording.counts()) == {"/dcrb/outer_ring/features", "/dcrb/ground_truth", "/dcrb/outer_ring/sensor"}
     assert recording.outcome is not None
@@ -108,7 +109,7 @@ def test_an_unknown_topic_is_refused_before_a_folder_is_made(tmp_path: Path) -> 
 
 def test_a_slow_disk_ends_the_recording_and_nobody_waits_for_it(tmp_path: Path) -> None:
     slow = SlowRecorder(tmp_path / "bag")
-    queued, encoder = QueuedRecorder(slow, 10), BlockEncoder(Configuration(), LAYOUT)
+    queued, encoder = RecorderThread(slow, 10), BlockEncoder(Configuration(), BODIES)
     written, failures = 0, []
     for block in blocks(40):
         try:
@@ -127,8 +128,8 @@ def test_a_slow_disk_ends_the_recording_and_nobody_waits_for_it(tmp_path: Path) 
 
 
 def test_a_full_disk_behind_the_queue_is_said_once_and_the_file_has_an_end(tmp_path: Path) -> None:
-    encoder = BlockEncoder(Configuration(), LAYOUT)
-    queued = QueuedRecorder(Recorder(tmp_path / "bag", Configuration(), LAYOUT), 500)
+    encoder = BlockEncoder(Configuration(), BODIES)
+    queued = RecorderThread(Recorder(tmp_path / "bag", Configuration(), BODIES), 500)
     soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (700_000, hard))
     failures = []
@@ -156,8 +157,8 @@ def test_a_full_disk_behind_the_queue_is_said_once_and_the_file_has_an_end(tmp_p
 
 
 def test_a_disk_that_is_full_at_a_split_leaves_the_files_before_it_whole(tmp_path: Path) -> None:
-    bag, encoder = tmp_path / "bag", BlockEncoder(Configuration(), LAYOUT)
-    recorder = Recorder(bag, Configuration.model_validate({"recording": {"split_duration": 0.5}}), LAYOUT)
+    bag, encoder = tmp_path / "bag", BlockEncoder(Configuration(), BODIES)
+    recorder = Recorder(bag, Configuration.model_validate({"recording": {"split_duration": 0.5}}), BODIES)
     (bag / "bag_1.mcap").symlink_to("/dev/full")
     with pytest.raises(RecordingFailed, match=r"ended at 0\.5 s: No space left on device"):
         recorder.write_messages(message for block in blocks(60) for message in encoder.encode(block))
@@ -174,14 +175,14 @@ def test_a_disk_that_is_full_at_a_split_leaves_the_files_before_it_whole(tmp_pat
 
 
 def test_a_disk_that_fills_up_at_the_beginning_is_refused_and_leaves_nothing(tmp_path: Path) -> None:
-    Recorder(tmp_path / "whole", Configuration(), LAYOUT)
+    Recorder(tmp_path / "whole", Configuration(), BODIES)
     size = (tmp_path / "whole" / "whole_0.mcap").stat().st_size
     soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
     for limit in range(0, size, size // 20):
         resource.setrlimit(resource.RLIMIT_FSIZE, (limit, hard))
         try:
             with pytest.raises(Refusal, match="File too large; make room or give another folder"):
-                Recorder(tmp_path / "bag", Configuration(), LAYOUT)
+                Recorder(tmp_path / "bag", Configuration(), BODIES)
         finally:
             resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
         assert not (tmp_path / "bag").exists()
@@ -190,10 +191,10 @@ def test_a_disk_that_fills_up_at_the_beginning_is_refused_and_leaves_nothing(tmp
 WRITER = """
 import os, sys
 from pathlib import Path
-from made_up_blocks import LAYOUT, blocks
+from made_up_blocks import BODIES, blocks
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.recordings.recorder import Recorder
-recorder = Recorder(Path(sys.argv[1]), Configuration.model_validate({"recording": {"split_duration": 3.0}}), LAYOUT)
+recorder = Recorder(Path(sys.argv[1]), Configuration.model_validate({"recording": {"split_duration": 3.0}}), BODIES)
 for block in blocks(100000):
     recorder.write(block)
     os.write(1, b"%d\\n" % block.end_ns)

@@ -16,11 +16,12 @@ from dcrb_ros.messages.topics import NAMESPACE, VIBRATION
 from dcrb_ros.recordings.reader import Recording, metadata_flaw
 from dcrb_ros.recordings.recovery import recover
 from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.simulation.events import LoadCommand
 
 
 @pytest.fixture(scope="module")
 def bag(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return recorded(tmp_path_factory.mktemp("bags") / "bag", 150, commands={7: "command/load 0.0 -90000.0 N"})
+    return recorded(tmp_path_factory.mktemp("bags") / "bag", 150, events={7: LoadCommand(0.0, -90000.0)})
 
 
 def waveform(bag: Path) -> list[int]:
@@ -39,7 +40,7 @@ def test_a_cut_off_recording_becomes_whole(bag: Path, tmp_path: Path) -> None:
     assert waveform(tmp_path / "new") == waveform(cut)
     assert recording.complete
     assert metadata_flaw(tmp_path / "new") == ""
-    assert [command.words for command in recording.commands()] == ["command/load 0.0 -90000.0 N"]
+    assert [timed.command for timed in recording.commands()] == [LoadCommand(0.0, -90000.0)]
     assert recording.configuration == Recording(bag).configuration
     with AnyReader([tmp_path / "new"]) as reader:
         counts = {c.topic: c.msgcount for c in reader.connections}
@@ -118,7 +119,7 @@ def test_a_file_that_has_not_begun_is_left_out_and_named(headless: bytes, tmp_pa
     assert waveform(split) == [1024 * k for k in range(50)]
     assert not recording.complete
     told = dcrb("info", str(split))
-    assert (told.returncode, "damaged: split_2.mcap: left out, no MCAP file" in told.stdout) == (0, True), told.stdout + told.stderr
+    assert (told.returncode, "damaged: split_2.mcap: left out, not an MCAP file" in told.stdout) == (0, True), told.stdout + told.stderr
     salvage = recover(split, tmp_path / "new")
     assert len(salvage.damage) == 1
     assert "split_2.mcap: left out" in salvage.damage[0]
@@ -126,7 +127,7 @@ def test_a_file_that_has_not_begun_is_left_out_and_named(headless: bytes, tmp_pa
     assert Recording(tmp_path / "new").complete
     for file in split.glob("*.mcap"):
         file.write_bytes(headless)
-    with pytest.raises(Refusal, match=r"split_0\.mcap is no MCAP file"):
+    with pytest.raises(Refusal, match=r"split_0\.mcap is not an MCAP file"):
         Recording(split)
 
 

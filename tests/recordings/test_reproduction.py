@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import hashlib
 import json
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from command import dcrb
-from made_up_blocks import LAYOUT, blocks, recorded
+from made_up_blocks import BODIES, blocks, recorded
 
 from dcrb_ros.recordings.manifest import model_fingerprint
 from dcrb_ros.recordings.reader import Recording
@@ -17,9 +19,9 @@ from dcrb_ros.recordings.recorder import Recorder
 from dcrb_ros.recordings.reproduction import NotReproduced, Reproduction, recorded_samples
 from dcrb_ros.runtime.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
-from dcrb_ros.simulation.events import Agenda, Command
+from dcrb_ros.simulation.events import Command, CommandSchedule, LoadCommand, ParameterChange, SpeedCommand, TimedCommand, UnknownCommand
 from dcrb_ros.simulation.loop import Simulation
-from dcrb_ros.simulation.scenario import timeline
+from dcrb_ros.simulation.scenario import scheduled_changes
 
 
 @pytest.fixture(scope="module")
@@ -30,7 +32,7 @@ def bag(tmp_path_factory: pytest.TempPathFactory) -> Path:
         {"simulation": {"seed": 11}, "faults": {"inner_1": {"width": 0.002}}, "publishing": {"block_size": 700}}
     )
     simulation = Simulation(configuration)
-    with Recorder(path, configuration, simulation.layout) as recorder:
+    with Recorder(path, configuration, simulation.bodies) as recorder:
         for number, block in enumerate(simulation.blocks(0.4)):
             recorder.write(block)
             if number in (5, 20):
@@ -54,13 +56,8 @@ def test_the_manifest_holds_what_explains_the_run(bag: Path) -> None:
     assert manifest["sampling_rate"] == 51200
     samples = [np.column_stack([block.acceleration, block.shaft_angle]) for block in recording.vibrations()]
     assert outcome["sha256"] == hashlib.sha256(np.concatenate(samples).astype("<f4").tobytes()).hexdigest()
-    words = [command.words for command in recording.commands()]
-    assert words == [
-        "command/speed 111.66666666666667 rad/s",
-        "command/load -333.3333333333333 -80000.0 N",
-        "command/speed 116.66666666666667 rad/s",
-        "command/load -333.3333333333333 -80000.0 N",
-    ]
+    load = LoadCommand(-1e3 / 3.0, -80e3)
+    assert [timed.command for timed in recording.commands()] == [SpeedCommand(110.0 + 5 / 3.0), load, SpeedCommand(110.0 + 20 / 3.0), load]
     times = [command.time_ns for command in recording.commands()]
     assert times[2] == times[3]
     assert times == sorted(times)
@@ -78,14 +75,14 @@ def test_the_same_samples_come_out_again(bag: Path, tmp_path: Path) -> None:
 def test_scenario_and_changes_while_it_runs_come_out_again(tmp_path: Path) -> None:
     story = {"timeline": [{"at": 0.05, "over": 0.1, "set": {"faults.outer_1.width": 0.002}}]}
     configuration = Configuration.model_validate({"faults": {"outer_1": {"width": 0.0005}}})
-    simulation = Simulation(configuration, timeline(story, configuration, "story"))
-    with Recorder(tmp_path / "run", configuration, simulation.layout, scenario=story) as recorder:
+    simulation = Simulation(configuration, scheduled_changes(story, configuration, "story"))
+    with Recorder(tmp_path / "run", configuration, simulation.bodies, scenario=story) as recorder:
         for number, block in enumerate(simulation.blocks(0.4)):
             recorder.write(block)
             if number == 6:
                 simulation.change({"faults.broken_bars": "row1/bar3", "sensor.noise_density": 0.01})
-    words = [command.words for command in Recording(tmp_path / "run").commands()]
-    assert words == ["faults.broken_bars = 'row1/bar3', sensor.noise_density = 0.01"]
+    commands = [timed.command for timed in Recording(tmp_path / "run").commands()]
+    assert commands == [ParameterChange({"faults.broken_bars": "row1/bar3", "sensor.noise_density": 0.01})]
     done = dcrb("simulate", "--from", str(tmp_path / "run"))
     assert done.returncode == 0, done.stderr
     assert "the same 20480 samples" in done.stdout
@@ -120,10 +117,10 @@ def test_other_samples_end_with_the_reason(bag: Path, tmp_path: Path) -> None:
 
 
 def test_unknown_commands_are_refused(tmp_path: Path) -> None:
-    bag = recorded(tmp_path / "bag", 4, commands={2: "command/tilt 3.0 rad"})
+    bag = recorded(tmp_path / "bag", 4, events={2: UnknownCommand("command/tilt 3.0 rad")})
     done = dcrb("simulate", "--from", str(bag))
     assert done.returncode == 2
-    assert "the command 'command/tilt 3.0 rad' at 0.04 s, which cannot be repeated" in done.stderr
+    assert "the command 'command/tilt 3.0 rad' at 0.04 s, which this version does not know" in done.stderr
 
 
 @pytest.mark.parametrize(
@@ -167,34 +164,42 @@ def test_info_tells_it_in_words_and_as_json(bag: Path) -> None:
 @pytest.mark.parametrize(("count", "where"), [(20_000, "manifest"), (300_000, "ground truth")])
 def test_many_commands_are_all_kept(count: int, where: str, tmp_path: Path) -> None:
     """A controller may send a command with every block for hours."""
-    before = [Command(k, f"command/speed {k}.0 rad/s") for k in range(count)]
-    with Recorder(tmp_path / "bag", Configuration(), LAYOUT, commands=before) as recorder:
-        for block in blocks(3, commands={1: "command/speed 1.5 rad/s"}):
+    before = [TimedCommand(k, SpeedCommand(float(k))) for k in range(count)]
+    with Recorder(tmp_path / "bag", Configuration(), BODIES, commands=before) as recorder:
+        for block in blocks(3, events={1: SpeedCommand(1.5)}):
             recorder.write(block)
     recording = Recording(tmp_path / "bag")
     assert recording.outcome is not None
     assert recording.outcome["command_count"] == count + 1
     found = recording.commands()
-    assert found[-1].words == "command/speed 1.5 rad/s"
+    assert found[-1].command == SpeedCommand(1.5)
     assert len(found) == (count + 1 if where == "manifest" else 1)
 
 
-def test_commands_wait_for_their_time() -> None:
-    class Clock:
-        time_ns = 0
-        speeds: list[float] = []  # noqa: RUF012 - one test, one clock
+class CommandLog:
+    """Keeps the commands it receives instead of simulating."""
 
-        def command_speed(self, speed: float) -> None:
-            self.speeds.append(speed)
+    def __init__(self) -> None:
+        self.time_ns = 0
+        self.commands: list[Command] = []
 
-        def command_load(self, x: float, y: float) -> None:
-            raise AssertionError
+    def command_speed(self, speed: float) -> None:
+        self.commands.append(SpeedCommand(speed))
 
-    clock, agenda = Clock(), Agenda([Command(20, "command/speed 2.0 rad/s"), Command(10, "command/speed 1e0 rad/s")])
-    agenda.give(clock)
-    clock.time_ns = 10
-    agenda.give(clock)
-    assert (clock.speeds, agenda.left) == ([1.0], 1)
-    clock.time_ns = 25
-    agenda.give(clock)
-    assert (clock.speeds, agenda.left) == ([1.0, 2.0], 0)
+    def command_load(self, x: float, y: float) -> None:
+        self.commands.append(LoadCommand(x, y))
+
+    def change(self, changes: Mapping[str, Any]) -> None:
+        self.commands.append(ParameterChange(changes))
+
+
+def test_commands_are_applied_when_they_are_due_in_the_order_of_time() -> None:
+    commands = [LoadCommand(1.0, -2.0), ParameterChange({"sensor.range": 100.0}), SpeedCommand(1.0)]
+    log, schedule = CommandLog(), CommandSchedule([TimedCommand(30 - 10 * k, command) for k, command in enumerate(commands)])
+    applied = []
+    for time_ns in (0, 10, 19, 25, 30):
+        log.time_ns = time_ns
+        schedule.apply_due(log)
+        applied.append(len(log.commands))
+    assert applied == [0, 1, 1, 2, 3]
+    assert log.commands == commands[::-1]

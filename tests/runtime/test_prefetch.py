@@ -1,4 +1,4 @@
-"""Items made ahead of their use."""
+"""Items produced before they are used."""
 
 from __future__ import annotations
 
@@ -7,15 +7,15 @@ from collections.abc import Iterator
 
 import pytest
 
-from dcrb_ros.runtime.prefetch import ahead
+from dcrb_ros.runtime.prefetch import prefetch
 
 
-def test_all_items_come_in_their_order() -> None:
-    assert list(ahead(iter(range(100)))) == list(range(100))
-    assert list(ahead(iter([]))) == []
+def test_all_items_come_in_order() -> None:
+    assert list(prefetch(iter(range(100)))) == list(range(100))
+    assert list(prefetch(iter([]))) == []
 
 
-def test_the_next_item_is_made_while_the_last_is_used() -> None:
+def test_the_next_item_is_produced_by_a_thread_while_the_last_one_is_used() -> None:
     made: list[str] = []
     ready = threading.Event()
 
@@ -26,7 +26,7 @@ def test_the_next_item_is_made_while_the_last_is_used() -> None:
                 ready.set()
             yield number
 
-    source = ahead(items())
+    source = prefetch(items())
     assert next(source) == 0
     assert ready.wait(10.0)
     assert list(source) == [1, 2]
@@ -34,18 +34,18 @@ def test_the_next_item_is_made_while_the_last_is_used() -> None:
     assert made[1] != made[0]
 
 
-def test_a_failure_comes_at_its_place() -> None:
+def test_a_failure_is_raised_in_place_of_its_item() -> None:
     def items() -> Iterator[int]:
         yield 0
         raise OSError("no room")
 
-    source = ahead(items())
+    source = prefetch(items())
     assert next(source) == 0
     with pytest.raises(OSError, match="no room"):
         next(source)
 
 
-def test_only_what_is_wanted_is_made_ahead() -> None:
+def test_only_wanted_items_are_prefetched() -> None:
     made: list[int] = []
 
     def items() -> Iterator[int]:
@@ -54,14 +54,14 @@ def test_only_what_is_wanted_is_made_ahead() -> None:
             yield number
 
     eager = {2, 3}
-    for number in ahead(items(), lambda: len(made) - 1 in eager):
+    for number in prefetch(items(), lambda: len(made) - 1 in eager):
         if number not in eager:
             assert made[-1] == number
     assert made == list(range(6))
 
 
-@pytest.mark.parametrize("most", [1, 4])
-def test_a_source_left_alone_stops(most: int) -> None:
+@pytest.mark.parametrize("depth", [1, 4])
+def test_a_closed_prefetch_stops_its_source(depth: int) -> None:
     count = 0
 
     def items() -> Iterator[int]:
@@ -70,13 +70,13 @@ def test_a_source_left_alone_stops(most: int) -> None:
             count += 1
             yield count
 
-    source = ahead(items(), most=most)
+    source = prefetch(items(), depth=depth)
     next(source)
     source.close()
-    assert count <= 1 + most
+    assert count <= 1 + depth
 
 
-def test_as_many_as_asked_for_are_made_while_one_is_used() -> None:
+def test_as_many_items_as_the_depth_are_prefetched() -> None:
     made: list[int] = []
     ready = threading.Event()
 
@@ -87,7 +87,7 @@ def test_as_many_as_asked_for_are_made_while_one_is_used() -> None:
                 ready.set()
             yield number
 
-    source = ahead(items(), most=4)
+    source = prefetch(items(), depth=4)
     assert next(source) == 0
     assert ready.wait(10.0)
     assert made == list(range(5))

@@ -1,4 +1,4 @@
-"""Configurations: read, checked, explained when refused."""
+"""Configurations: reading, checking, and the sentences with which they are refused."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ from dcrb_ros.runtime.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import (
     ParameterField,
+    fields_by_key,
     flatten,
     load_configuration,
-    parameter_fields,
     parameter_table,
     shipped_configurations,
     to_yaml,
     validated,
 )
 
-FIELDS = {field.key: field for field in parameter_fields()}
+FIELDS = fields_by_key()
 
 
 def test_healthy_is_the_default() -> None:
@@ -54,17 +54,17 @@ def test_yaml_round_trip(tmp_path_factory: pytest.TempPathFactory, speed: float,
         ),
         ("faults.outer_1.width=2.0", r"did you mean 0\.002\?"),
         ("bearing.roler_radius=0.015", r"unknown parameter 'bearing.roler_radius'; did you mean 'bearing.roller_radius'\?"),
-        ("operating.speed=5.0e-324", r"operating.speed = 5e-324 is too near to zero to reckon with: give 0\.0, or 2\.22507e-308 and more"),
+        ("operating.speed=5.0e-324", r"operating.speed = 5e-324 is too close to zero: give 0\.0, or a magnitude of at least 2\.22507e-308"),
         ("operating.speed=.nan", r"operating.speed = nan rad/s is outside -1000 \.\. 1000 rad/s"),
         ("operating.speed=1200", r"1200 rpm is 125\.664 rad/s"),
         ("operating.load=fast", r"operating.load = 'fast' N is not a number within"),
         ("cage.joint=welded", r"cage.joint = 'welded' is not one of revolute"),
-        ("simulation.step=7e-6", r"must make a whole number from 2 up: take 9\.765625e-06"),
+        ("simulation.step=7e-6", r"must be a whole number, at least 2: take 9\.765625e-06"),
         ("sensor.sampling_rate=44100", r"simulation.step"),
         ("bearing.outer_raceway_radius=0.1", r"radial gap .* is -0\.00886 m"),
         ("friction.static_coefficient=0.01", r"is below friction.kinetic_coefficient"),
         ("bearing.rows=1.5", r"bearing.rows = 1\.5 is not a whole number within 1 \.\. 2"),
-        ("publishing.clean=1", r"publishing.clean = 1 is not true or false; publish"),
+        ("publishing.clean=1", r"publishing.clean = 1 is not true or false \(also publish"),
         ("bearing.roller_inertia=1.0", r"a solid roller has mass \* radius\^2 / 2"),
         ("bearing", r"write KEY=VALUE"),
     ],
@@ -97,32 +97,32 @@ ROLLER_NOTCHES = ("faults.roller_1.width=0.002", "faults.roller_2.width=0.002", 
         (("faults.broken_bars=row1/bar0",), r"row1/bar0 is outside row1/bar1"),
         (("faults.broken_bars=row3/bar1",), r"row3/bar1 is outside .* row2/bar16"),
         (("faults.broken_bars=row2/bar3, row2/bar03",), r"'row2/bar3, row2/bar03' names a bar twice: name each once"),
-        (("faults.broken_bars=row1-bar15",), r"'row1-bar15' is no bar; write row1/bar15"),
-        (("faults.broken_bars=row1/bar15; row2/bar15",), r"'row1/bar15;' is no bar"),
+        (("faults.broken_bars=row1-bar15",), r"'row1-bar15' is not a bar; write row1/bar15"),
+        (("faults.broken_bars=row1/bar15; row2/bar15",), r"'row1/bar15;' is not a bar"),
         (("faults.broken_bars=" + " ".join(f"row1/bar{k}" for k in range(1, 16)),), r"fewer than two bars in row 1"),
         (("cage.pocket_clearance=-0.0001",), r"cage.pocket_clearance = -0\.0001 m is outside 5e-06 \.\. 0\.005 m"),
         (("cage.land_clearance=-0.0003",), r"cage.land_clearance = -0\.0003 m is outside"),
         (("cage.pocket_clearance=0.004",), r"leaves no bar in the 0\.00668 m between two rollers: it must be below 0\.00334 m"),
         (
             ("cage.land_clearance=2e-05", "cage.pocket_clearance=0.0001"),
-            r"land_clearance \+ cage.pocket_clearance = 0\.00012 m is below the 0\.00016 m by which a loaded bearing carries its cage",
+            r"land_clearance \+ cage.pocket_clearance = 0\.00012 m is below 0\.00016 m, the offset of the cage",
         ),
         (
             ("cage.joint=revolute", "cage.land_clearance=0.0001"),
-            r"cage.land_clearance = 0\.0001 m is below .* the cage would bear the load",
+            r"cage.land_clearance = 0\.0001 m is below .* the cage would carry the load",
         ),
         (("cage.land_radius=0.05",), r"cage.land_radius = 0\.05 m is outside 0\.094 \.\. 0\.12414 m"),
         (("bearing.outer_raceway_radius=0.1088",), r"the radial gap .* is -6e-05 m, outside 0 \.\. 0\.0015 m: check the three radii"),
         (("bearing.inner_raceway_radius=0.12",), r"the radial gap .* check the three radii"),
         (("bearing.pitch_radius=0.11",), r"bearing.pitch_radius = 0\.11 m is outside 0\.09386 \.\. 0\.09414 m"),
-        (("bearing.rollers_per_row=20",), r"bearing.rollers_per_row = 20 do not fit round the pitch circle: 19 rollers at most"),
+        (("bearing.rollers_per_row=20",), r"bearing.rollers_per_row = 20 do not fit around the pitch circle: use at most 19"),
         (("faults.roller_1.width=0.002", "faults.roller_1.roller=17"), r"no roller 17 in row 1; the bearing has 2 row\(s\) of 16 rollers"),
         (("bearing.rows=1", *NOTCH, "faults.outer_1.row=2"), r"faults.outer_1.row = 2 is outside 0 \.\. 1: the bearing has 1 row"),
         (("bearing.rows=1", "faults.roller_1.width=0.002", "faults.roller_1.row=2"), r"no roller 1 in row 2; the bearing has 1 row"),
         (("bearing.rows=1", "faults.broken_bars=row2/bar1"), r"row2/bar1 is outside row1/bar1 \.\. row1/bar16"),
     ],
 )
-def test_what_cannot_be_true_together_is_refused(settings: tuple[str, ...], sentence: str) -> None:
+def test_contradicting_parameters_are_refused(settings: tuple[str, ...], sentence: str) -> None:
     with pytest.raises(Refusal, match=sentence):
         load_configuration("healthy", settings)
 
@@ -138,7 +138,7 @@ def test_what_cannot_be_true_together_is_refused(settings: tuple[str, ...], sent
         ("bearing.rows=1", *NOTCH, "faults.outer_1.row=1"),
     ],
 )
-def test_neighbours_of_what_is_refused_are_accepted(settings: tuple[str, ...]) -> None:
+def test_parameters_that_just_fit_together_are_accepted(settings: tuple[str, ...]) -> None:
     load_configuration("healthy", settings)
 
 
@@ -168,22 +168,22 @@ def proposed_step(refused: pytest.ExceptionInfo[Refusal]) -> str:
         (("contact.law=power", "contact.power_coefficient=1e12"), "a roller between the raceways"),
     ],
 )
-def test_step_too_long_names_the_mode_and_a_step_that_is_accepted(settings: tuple[str, ...], mode: str) -> None:
+def test_a_step_that_is_too_long_is_refused_with_the_mode_and_a_shorter_step(settings: tuple[str, ...], mode: str) -> None:
     with pytest.raises(Refusal, match=mode) as refused:
         load_configuration("healthy", settings)
     load_configuration("healthy", [*settings, f"simulation.step={proposed_step(refused)}"])
 
 
 @pytest.mark.parametrize("rate", [44100, 48000, 51200])
-def test_step_that_makes_no_whole_samples_proposes_one_that_is_accepted(rate: int) -> None:
+def test_a_step_that_does_not_divide_the_sampling_interval_is_refused_with_one_that_does(rate: int) -> None:
     settings = (f"sensor.sampling_rate={rate}", "publishing.preview_rate=100", "simulation.step=1.1e-05")
-    with pytest.raises(Refusal, match="must make a whole number from 2 up") as refused:
+    with pytest.raises(Refusal, match="must be a whole number, at least 2") as refused:
         load_configuration("healthy", settings)
     load_configuration("healthy", [*settings, f"simulation.step={proposed_step(refused)}"])
 
 
-def test_modes_beyond_every_step_are_refused_with_what_to_check() -> None:
-    with pytest.raises(Refusal, match=r"no step from 1e-07 s up follows it; check masses in kg"):
+def test_modes_too_fast_for_any_step_are_refused_with_what_to_check() -> None:
+    with pytest.raises(Refusal, match=r"even a step of 1e-07 s is too long; check masses in kg"):
         load_configuration("healthy", ["bearing.cage_mass=0.0001", "contact.law=power", "contact.power_coefficient=1e15"])
 
 
@@ -196,18 +196,18 @@ DOUBLINGS = "a: &x0 {x: 1}\n" + "".join(f"a{k}: &x{k} {{x: *x{k - 1}, y: *x{k - 
         ("", "is not a ROS parameter file"),
         ("just words", "is not a ROS parameter file"),
         ("/**: {ros__parameters: {operating: {speed: 1772}}}", r"outside -1000 \.\. 1000 rad/s"),
-        ("/**:\n  ros__parameters:\n    a: 1\n    a: 2\n", "the key 'a' stands twice"),
+        ("/**:\n  ros__parameters:\n    a: 1\n    a: 2\n", "the key 'a' occurs twice"),
         ("/**: [1, 2", "is not valid YAML"),
-        ("/**:\n  speed: 2026-13-45", r"not valid YAML in line 2: '2026-13-45' cannot be read as timestamp; a text stands in quotes"),
+        ("/**:\n  speed: 2026-13-45", r"not valid YAML in line 2: '2026-13-45' cannot be read as timestamp; put a text in quotes"),
         ("/**: {? [1, 2] : 3}", "in line 1: a key is a list or a mapping"),
         ("/**: " + 5000 * "9", "'9{40}' cannot be read as int"),
         ("/**: 0x" + 5000 * "f", "'0xf{38}...' is too large a number"),
         ("/**: !!int ''", "'' cannot be read as int"),
         ('/**: "\\UFFFFFFFF"', "names a character that does not exist"),
         (1000 * "[", "nested too deeply"),
-        (DOUBLINGS, "its aliases stand for more than 2000000 values"),
-        ("/**: {ros__parameters: {faults: {broken_bars: 15}}}", "faults.broken_bars = 15 is not a text; broken cage bars"),
-        ("/**: {operating: {speed: 1.0}}", "must hold 'ros__parameters:'"),
+        (DOUBLINGS, "its aliases expand to more than 2000000 values"),
+        ("/**: {ros__parameters: {faults: {broken_bars: 15}}}", r"faults.broken_bars = 15 is not a text \(broken cage bars"),
+        ("/**: {operating: {speed: 1.0}}", "must contain 'ros__parameters:'"),
     ],
 )
 def test_broken_files_are_refused(tmp_path: Path, text: str, sentence: str) -> None:
@@ -225,7 +225,7 @@ def test_any_file_is_read_or_refused(tmp_path_factory: pytest.TempPathFactory, c
         load_configuration(path)
 
 
-def test_sections_of_the_node_win_and_other_nodes_are_left_alone(tmp_path: Path) -> None:
+def test_the_section_of_the_node_overrides_the_common_one(tmp_path: Path) -> None:
     path = tmp_path / "bench.yaml"
     path.write_text(
         "/**: {ros__parameters: {operating: {speed: 100.0}}}\n"
@@ -241,7 +241,7 @@ def test_broken_settings_are_refused(value: str) -> None:
         load_configuration("healthy", [f"operating.speed={value}"])
 
 
-def test_plain_aliases_are_put_in(tmp_path: Path) -> None:
+def test_aliases_are_expanded(tmp_path: Path) -> None:
     path = tmp_path / "bench.yaml"
     path.write_text("/**: {ros__parameters: {faults: {outer_1: &notch {width: 0.002}, inner_1: *notch}}}", encoding="utf-8")
     assert load_configuration(path).faults.inner_1.width == 0.002

@@ -1,4 +1,4 @@
-"""Many bearings at once."""
+"""Batches of configurations, simulated in parallel."""
 
 from __future__ import annotations
 
@@ -6,26 +6,29 @@ import numpy as np
 import pytest
 
 from dcrb_ros.settings.configuration import Configuration
-from dcrb_ros.simulation.batch import simulate_many, waveform
+from dcrb_ros.simulation.batch import simulate_batch, waveform
+from dcrb_ros.simulation.loop import ModelFailure
 
 
 @pytest.mark.parametrize("workers", [1, 2])
-def test_samples_do_not_depend_on_the_workers(workers: int) -> None:
+def test_samples_do_not_depend_on_the_number_of_workers(workers: int) -> None:
     groups = [{"simulation": {"seed": seed}, "faults": {"outer_1": {"width": 1e-3 * seed}}} for seed in range(3)]
     configurations = [Configuration.model_validate(group) for group in groups]
-    found = dict(simulate_many(configurations, 0.03, workers=workers))
+    found = dict(simulate_batch(configurations, 0.03, workers=workers))
     assert sorted(found) == [0, 1, 2]
-    for place, configuration in enumerate(configurations):
+    for index, configuration in enumerate(configurations):
         alone = waveform(configuration, 0.03)
-        assert np.array_equal(found[place].acceleration, alone.acceleration)
-        assert np.array_equal(found[place].shaft_angle, alone.shaft_angle)
+        assert np.array_equal(found[index].acceleration, alone.acceleration)
+        assert np.array_equal(found[index].shaft_angle, alone.shaft_angle)
 
 
-def test_nothing_to_simulate() -> None:
-    assert list(simulate_many([], 1.0)) == []
+def test_an_empty_batch_yields_nothing() -> None:
+    assert list(simulate_batch([], 1.0)) == []
 
 
-def test_what_fails_in_a_process_is_told() -> None:
-    bad = Configuration.model_construct()
-    with pytest.raises((AttributeError, TypeError, ValueError)):
-        list(simulate_many([bad], -1.0, workers=1))
+def test_a_failure_in_a_worker_is_raised_with_its_type_and_message() -> None:
+    # A load of 10 MN on a soft housing; the cage gets the clearance that the configuration demands for it.
+    groups = {"operating": {"load": 1e7}, "housing": {"stiffness": 1e6}, "cage": {"land_clearance": 0.005}}
+    overloaded = Configuration.model_validate(groups)
+    with pytest.raises(ModelFailure, match=r"outer ring is .* m off its seat"):
+        list(simulate_batch([overloaded], 0.1, workers=1))

@@ -13,8 +13,9 @@ import yaml
 from dcrb_ros.runtime.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.simulation.block import Block, Truth
+from dcrb_ros.simulation.events import Refused, ScenarioEvent
 from dcrb_ros.simulation.loop import Simulation
-from dcrb_ros.simulation.scenario import begun, first_step, read_scenario, read_story, timeline
+from dcrb_ros.simulation.scenario import first_step, read_scenario, read_scenario_file, scheduled_changes, starting_configuration
 
 STORY = """
 timeline:
@@ -53,14 +54,14 @@ def test_a_scenario_is_exact_whatever_the_block_size(tmp_path: Path) -> None:
     one, other = run(1024, tmp_path), run(700, tmp_path)
     assert np.array_equal(samples(one), samples(other))
     assert truths(one) == truths(other)
-    said = {truth.time_ns: truth for truth in truths(one) if truth.changed.startswith("scenario: ")}
+    said = {truth.time_ns: truth for truth in truths(one) if isinstance(truth.event, ScenarioEvent)}
     # The first step at or after the time; a step takes 1/102400 s.
     assert list(said) == [-(-t * 102400 // 10**4) * 10**9 // 102400 for t in (301, 500, 1000, 1100, 2600, 3000)]
     assert said[50_000_000].faults["outer_1"] == {"width": 0.001, "depth": 0.0003, "row": 1, "azimuth": 0.0, "onset": 0.05}
     assert said[260_000_000].faults["outer_1"]["width"] == 0.003
     assert said[260_000_000].faults["outer_1"]["onset"] == 0.05
     assert set(said[300_000_000].faults) == {"broken_bars.row2/bar3"}
-    growing = [truth.faults["outer_1"]["width"] for truth in truths(one) if 0.055e9 < truth.time_ns < 0.3e9 and not truth.changed]
+    growing = [truth.faults["outer_1"]["width"] for truth in truths(one) if 0.055e9 < truth.time_ns < 0.3e9 and not truth.event]
     assert growing == sorted(growing)
     assert truths(one)[-1].speed == pytest.approx(120.0)
     assert truths(one)[-1].load[1] == pytest.approx(-80e3)
@@ -85,8 +86,8 @@ def test_steps_at_or_after_a_time() -> None:
         ({"timeline": [{"at": 1.0, "set": {"faults.outer_1.width": 1.0}}]}, r"at 1 s\): faults.outer_1.width = 1.0 m is outside"),
         ({"timeline": [{"at": 1.0, "set": {"operating.sped": 1.0}}]}, "did you mean 'operating.speed'"),
         ({"timeline": [{"at": 1.0, "set": {"bearing.rows": 1}}]}, "bearing.rows is fixed while the bench runs"),
-        ({"timeline": [{"at": 1.0, "set": {"time_scale": 0.0}}]}, "time_scale is no part of a scenario"),
-        ({"timeline": [{"at": 1.0, "over": 1.0, "set": {"operating.speed_ramp": 1.0}}]}, "it changes at once or not at all"),
+        ({"timeline": [{"at": 1.0, "set": {"time_scale": 0.0}}]}, "time_scale cannot be set by a scenario"),
+        ({"timeline": [{"at": 1.0, "over": 1.0, "set": {"operating.speed_ramp": 1.0}}]}, "cannot change gradually .* leave out 'over'"),
         (
             {"timeline": [{"at": 1.0, "over": 1e6, "set": {"operating.speed": 126.0}}]},
             "operating.speed_ramp = 3.3.*e-07 rad/s.2 is outside",
@@ -96,7 +97,7 @@ def test_steps_at_or_after_a_time() -> None:
             r"operating.speed_kmh = 'fast' km/h is not a number within -1000",
         ),
         ({"timeline": [{"at": 1.0, "set": {"operating.speed_kmh": 9.0, "operating.speed": 1.0}}]}, "give one of them"),
-        ({"timeline": [{"at": 1.0, "over": 1.0, "set": {"faults.outer_1.row": 1}}]}, "it changes at once or not at all"),
+        ({"timeline": [{"at": 1.0, "over": 1.0, "set": {"faults.outer_1.row": 1}}]}, "cannot change gradually .* leave out 'over'"),
         (
             {
                 "timeline": [
@@ -114,7 +115,7 @@ def test_steps_at_or_after_a_time() -> None:
                     {"at": 5.0, "over": 5.0, "set": {"operating.speed_kmh": 104.0}},
                 ]
             },
-            r"entry 2: it sets operating.speed at 5 s, which another entry moves from 0 s to 10 s; begin this one when",
+            r"entry 2: it sets operating.speed at 5 s, which another entry changes from 0 s to 10 s; begin this one when",
         ),
         (
             {
@@ -123,7 +124,7 @@ def test_steps_at_or_after_a_time() -> None:
                     {"at": 1.0, "over": 1.0, "set": {"faults.outer_1.width": 0.002}},
                 ]
             },
-            r"entry 1: it sets faults.outer_1.width at 1.5 s, which another entry moves from 1 s to 2 s",
+            r"entry 1: it sets faults.outer_1.width at 1.5 s, which another entry changes from 1 s to 2 s",
         ),
         (
             {
@@ -132,7 +133,7 @@ def test_steps_at_or_after_a_time() -> None:
                     {"at": 1.0, "over": 4.0, "set": {"operating.lateral_load": 10000.0}},
                 ]
             },
-            r"entry 2: it sets operating.load_ramp at 1 s, which another entry moves",
+            r"entry 2: it sets operating.load_ramp at 1 s, which another entry changes",
         ),
         (
             {"timeline": [{"at": 2.0, "set": {"faults.broken_bars": ""}}, {"at": 1.0, "set": {"faults.broken_bars": "row1/bar2"}}]},
@@ -142,7 +143,7 @@ def test_steps_at_or_after_a_time() -> None:
 )
 def test_bad_scenarios_are_refused(tree: Any, sentence: str) -> None:
     with pytest.raises(Refusal, match=sentence):
-        timeline(tree, Configuration(), "story.yaml")
+        scheduled_changes(tree, Configuration(), "story.yaml")
 
 
 @pytest.mark.parametrize("text", ["timeline: [", "\x00", "timeline:\n - at: 1\n   at: 2\n"])
@@ -155,17 +156,19 @@ def test_files_that_are_no_yaml_are_refused(text: str, tmp_path: Path) -> None:
 
 def test_a_live_change_can_forbid_an_event() -> None:
     configuration = Configuration()
-    events = timeline(yaml.safe_load("timeline: [{at: 0.03, set: {faults.outer_1.width: 0.002}}]"), configuration, "story.yaml")
+    events = scheduled_changes(yaml.safe_load("timeline: [{at: 0.03, set: {faults.outer_1.width: 0.002}}]"), configuration, "story.yaml")
     simulation = Simulation(configuration, events)
     simulation.change({"faults.outer_2.width": 0.002})
-    said = [truth.changed for truth in truths(list(simulation.blocks(0.1))) if truth.changed]
-    assert said[-1].startswith("refused: scenario: faults.outer_1.width = 0.002: ")
+    event = [truth.event for truth in truths(list(simulation.blocks(0.1))) if truth.event][-1]
+    assert isinstance(event, Refused)
+    assert event.request == ScenarioEvent({"faults.outer_1.width": 0.002})
+    assert "faults.outer_2 overlaps faults.outer_1" in event.reason
     assert set(simulation.configuration.faults.described()) == {"outer_2"}
 
 
 def test_the_shipped_scenario_is_found_by_name() -> None:
     events = read_scenario(Path("growing_spall"), Configuration())
-    assert events[-1].words == "scenario: faults.broken_bars = 'row2/bar3'"
+    assert events[-1].event == ScenarioEvent({"faults.broken_bars": "row2/bar3"})
     with pytest.raises(Refusal, match=r"there is no scenario 'growing_spal': .* did you mean 'growing_spall'\?"):
         read_scenario(Path("growing_spal"), Configuration())
 
@@ -205,7 +208,7 @@ def story(text: str, seconds: float, **operating: float) -> list[Truth]:
     configuration = Configuration.model_validate(
         {"cage": {"joint": "revolute"}, "operating": operating, "publishing": {"truth_rate": 100, "block_size": 512}}
     )
-    events = timeline(yaml.safe_load(text), configuration, "story.yaml")
+    events = scheduled_changes(yaml.safe_load(text), configuration, "story.yaml")
     return truths(list(Simulation(configuration, events).blocks(seconds)))
 
 
@@ -224,7 +227,7 @@ timeline:
     assert by_time[200_000_000].load == pytest.approx((10000.0, -90000.0), rel=1e-3)
     assert by_time[230_000_000].load == pytest.approx((10000.0, -84000.0), rel=1e-3)
     assert by_time[270_000_000].speed == pytest.approx(reached + 50.0 * 0.02, abs=0.01)
-    assert [truth.changed for truth in told if truth.changed][1].endswith("over 0.1 s begins")
+    assert [truth.event for truth in told if truth.event][1] == ScenarioEvent({"operating.speed": reached}, over=0.1)
 
 
 def test_entries_that_touch_each_other_follow_each_other() -> None:
@@ -235,7 +238,7 @@ timeline:
   - {at: 0.3, over: 0.3, set: {faults.outer_1.width: 0.004, operating.speed: 100.0}}
   - {at: 0.6, set: {faults.outer_1.width: 0.0}}
 """
-    events = timeline(yaml.safe_load(text), Configuration.model_validate({"operating": {"speed": 110.0}}), "story.yaml")
+    events = scheduled_changes(yaml.safe_load(text), Configuration.model_validate({"operating": {"speed": 110.0}}), "story.yaml")
     widths = [event.changes["faults.outer_1.width"] for event in events if "faults.outer_1.width" in event.changes]
     # 0.1 + 0.2 is a little above 0.3; they are one step.
     assert widths == pytest.approx([0.001, 0.00125, 0.0015, 0.00175, 0.002, *np.arange(0.0024, 0.0041, 0.0004), 0.0], abs=1e-9)
@@ -252,7 +255,7 @@ def test_a_reversal_goes_through_a_standstill() -> None:
 
 def test_a_shipped_profile_runs() -> None:
     own, profile = Configuration.model_validate({"cage": {"joint": "revolute"}}), Path("run_up")
-    configuration = begun(read_story(profile), own, "run_up")
+    configuration = starting_configuration(read_scenario_file(profile), own, "run_up")
     told = truths(list(Simulation(configuration, read_scenario(profile, own)).blocks(2.3)))
     slope = (160.0 - 20.0) / 3.6 / 0.46 / 40.0
     last = told[-1]
@@ -277,18 +280,18 @@ timeline:
     ("start", "sentence"),
     [
         ([1], "'start' must name parameters"),
-        ({"simulation.seed": 3}, "simulation.seed is no part of a scenario; it may begin with operating"),
+        ({"simulation.seed": 3}, "simulation.seed cannot be set by a scenario; give keys of operating"),
         ({"operating.sped": 3.0}, "unknown parameter 'operating.sped'; did you mean 'operating.speed'"),
         ({"operating": {"speed_kmh": 5000.0}}, r"operating.speed_kmh = 5000.0 km/h is not a number within -1000"),
-        ({"operating.load": 5e6}, "the cage would bear the load"),
+        ({"operating.load": 5e6}, "the cage would carry the load"),
     ],
 )
 def test_impossible_starts_are_refused(start: Any, sentence: str) -> None:
     with pytest.raises(Refusal, match=sentence):
-        begun({"start": start, "timeline": []}, Configuration(), "story.yaml")
+        starting_configuration({"start": start, "timeline": []}, Configuration(), "story.yaml")
 
 
 def test_a_scenario_may_begin_with_a_preset() -> None:
     start = {"sensor": {"preset": "mems", "adc_bits": 12}}
-    sensor = begun({"start": start, "timeline": []}, Configuration(), "story.yaml").sensor
+    sensor = starting_configuration({"start": start, "timeline": []}, Configuration(), "story.yaml").sensor
     assert (sensor.preset, sensor.white_noise_ug, sensor.adc_bits) == ("mems", 30.0, 12)

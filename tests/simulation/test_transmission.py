@@ -13,6 +13,7 @@ from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.recordings.recorder import Recorder
 from dcrb_ros.recordings.reproduction import Reproduction
 from dcrb_ros.settings.configuration import Configuration
+from dcrb_ros.simulation.events import BlockLost
 from dcrb_ros.simulation.loop import Simulation
 from dcrb_ros.simulation.transmission import Transmission
 
@@ -36,16 +37,16 @@ def test_a_lost_block_is_told_and_the_run_makes_itself_again(tmp_path: Path) -> 
     configuration = bench(loss_probability=0.3)
     simulation = Simulation(configuration)
     blocks = list(simulation.blocks(0.2))
-    with Recorder(tmp_path / "lossy", configuration, simulation.layout) as recorder:
+    with Recorder(tmp_path / "lossy", configuration, simulation.bodies) as recorder:
         for block in blocks:
             recorder.write(block)
     recording = Recording(tmp_path / "lossy")
     kept = [vibration.first_index(51200) for vibration in recording.vibrations()]
     assert kept == [block.index for block in blocks if not block.lost]
     assert 0 < len(kept) < len(blocks)
-    said = [decode_truth(message.data).changed for message in recording.messages((GROUND_TRUTH,))]
-    told = [f"lost: samples {b.index} .. {b.index + len(b.shaft_angle) - 1}" for b in blocks if b.lost]
-    assert [words for words in said if words.startswith("lost")] == told
+    events = [decode_truth(message.data).event for message in recording.messages((GROUND_TRUTH,))]
+    lost = [BlockLost(block.index, block.index + len(block.shaft_angle) - 1) for block in blocks if block.lost]
+    assert [event for event in events if isinstance(event, BlockLost)] == lost
     assert recording.commands() == []
     reproduction = Reproduction(recording)
     for _ in reproduction.blocks(Simulation(reproduction.configuration)):
@@ -56,7 +57,7 @@ def test_a_lost_block_is_told_and_the_run_makes_itself_again(tmp_path: Path) -> 
 def test_bursts_leave_out_what_is_made_of_samples() -> None:
     configuration = bench(burst_length=0.02, burst_period=0.05)
     simulation = Simulation(configuration)
-    encoder = BlockEncoder(configuration, simulation.layout)
+    encoder = BlockEncoder(configuration, simulation.bodies)
     published = []
     for block in simulation.blocks(0.15):
         topics = {message.topic for message in encoder.encode(block)}

@@ -2,46 +2,47 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
-from dcrb_ros.bearing.states import Layout
+from dcrb_ros.bearing.states import BodyNames
 from dcrb_ros.recordings.recorder import Recorder
-from dcrb_ros.runtime.timestamps import nanoseconds
+from dcrb_ros.runtime.simulated_time import nanoseconds
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.simulation.block import Block, Truth
+from dcrb_ros.simulation.events import Event, Start
 
-LAYOUT = Layout(2, 16)
+BODIES = BodyNames(2, 16)
 FREQUENCIES = {"FTF": 8.4, "BPFO": 134.5, "BPFI": 185.5, "BSF": 61.1}
 
 
-def blocks(count: int, *, size: int = 1024, rate: int = 51200, commands: dict[int, str] | None = None) -> Iterator[Block]:
-    """Yield blocks of noise; ``commands`` gives the words of the command that takes effect with a block."""
+def blocks(count: int, *, size: int = 1024, rate: int = 51200, events: Mapping[int, Event] | None = None) -> Iterator[Block]:
+    """Yield blocks of noise; ``events`` gives the event at the first sample of a block by the number of the block."""
     random = np.random.default_rng(5)
     for number in range(count):
         index = number * size
         acceleration = random.normal(0.0, 10.0, (size, 2)).astype(np.float32)
         angle = np.mod(125.0 * (index + np.arange(size)) / rate, 2.0 * np.pi).astype(np.float32)
-        words = (commands or {}).get(number, "start" if number == 0 else "")
-        truths = (Truth(nanoseconds(index, rate), 125.0, (0.0, -1e5), FREQUENCIES, {}, words),)
+        event = (events or {}).get(number, Start() if number == 0 else None)
+        truths = (Truth(nanoseconds(index, rate), 125.0, (0.0, -1e5), FREQUENCIES, {}, event),)
         yield Block(index, rate, acceleration, angle, acceleration, truths=truths)
 
 
-def recorded(path: Path, count: int, *, commands: dict[int, str] | None = None, **recording: object) -> Path:
+def recorded(path: Path, count: int, *, events: Mapping[int, Event] | None = None, **recording: object) -> Path:
     """Record blocks of noise with some keys of the group ``recording``."""
     configuration = Configuration.model_validate({"recording": recording})
-    with Recorder(path, configuration, LAYOUT) as recorder:
-        for block in blocks(count, commands=commands):
+    with Recorder(path, configuration, BODIES) as recorder:
+        for block in blocks(count, events=events):
             recorder.write(block)
     return path
 
 
 def narrowed(path: Path, count: int, *, at: int, limit: float) -> Path:
     """Record blocks of dull noise, 10 m/s^2 rms, whose sensor has another range from a block on and stands at it now and then."""
-    with Recorder(path, Configuration(), LAYOUT) as recorder:
+    with Recorder(path, Configuration(), BODIES) as recorder:
         for number, block in enumerate(blocks(count)):
             dull = np.stack([np.convolve(column, np.full(16, 0.25), "same") for column in block.acceleration.T], axis=1)
             span = limit if number >= at else 5000.0

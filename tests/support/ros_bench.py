@@ -37,11 +37,11 @@ def environment(number: int, **changes: str) -> dict[str, str]:
 class Node:
     """A node's process with its output."""
 
-    def __init__(self, module: str, arguments: list[str], env: dict[str, str], log: Path) -> None:
+    def __init__(self, name: str, arguments: list[str], env: dict[str, str], log: Path) -> None:
         self._log = log
         with log.open("wb") as output:
             self.process = subprocess.Popen(
-                [sys.executable, "-m", f"dcrb_ros.nodes.{module}", *arguments], env=env, stdout=output, stderr=subprocess.STDOUT
+                [sys.executable, "-m", "dcrb_ros.nodes", name, *arguments], env=env, stdout=output, stderr=subprocess.STDOUT
             )
 
     @property
@@ -56,9 +56,9 @@ class Node:
 
 
 @contextmanager
-def node(module: str, arguments: list[str], env: dict[str, str], log: Path) -> Iterator[Node]:
+def node(name: str, arguments: list[str], env: dict[str, str], log: Path) -> Iterator[Node]:
     """Run a node; it is ended whatever happens."""
-    started = Node(module, arguments, env, log)
+    started = Node(name, arguments, env, log)
     try:
         yield started
     finally:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import threading
 from pathlib import Path
 
-from made_up_blocks import LAYOUT
+from made_up_blocks import BODIES
 
 from dcrb_ros.recordings.recorder import Recorder
 from dcrb_ros.settings.configuration import Configuration
@@ -15,7 +15,7 @@ class SlowRecorder(Recorder):
     """A recorder whose disk answers when it is allowed to."""
 
     def __init__(self, path: Path) -> None:
-        super().__init__(path, Configuration(), LAYOUT)
+        super().__init__(path, Configuration(), BODIES)
         self.allowed = threading.Event()
 
     def write_messages(self, messages: object) -> None:

@@ -1,4 +1,4 @@
-"""Sweeps: designs, plans without leakage, runs on Dask, and what is refused."""
+"""Sweeps: experimental designs, plans without leakage between splits, runs on Dask, and invalid input."""
 
 from __future__ import annotations
 
@@ -29,24 +29,23 @@ from hypothesis import strategies as st
 from dcrb_ros.cli.app import app
 from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.recordings.reproduction import Reproduction
-from dcrb_ros.runtime.exit_status import guarded
+from dcrb_ros.runtime.exit_status import exit_status
 from dcrb_ros.runtime.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import flatten, load_configuration, validated
 from dcrb_ros.simulation.batch import waveform
 from dcrb_ros.simulation.loop import ModelFailure, Simulation
-from dcrb_ros.sweep import carry_out as carrying
-from dcrb_ros.sweep.carry_out import carry_out, recipe
+from dcrb_ros.sweep import execution
 from dcrb_ros.sweep.data_set import DataSet
 from dcrb_ros.sweep.design import GRID, LATIN_HYPERCUBE, RANDOM, Choice, Span, points, size
-from dcrb_ros.sweep.dispatch import WAITING, dispatched, workers_here
+from dcrb_ros.sweep.dispatch import TASKS_PER_WORKER, dispatched, local_workers
 from dcrb_ros.sweep.estimate import estimate
-from dcrb_ros.sweep.label import fault_class
+from dcrb_ros.sweep.execution import common_settings, run_task
+from dcrb_ros.sweep.loader import read_sweep, sweep_of
 from dcrb_ros.sweep.plan import Plan, Run, splits
-from dcrb_ros.sweep.reading import read_sweep, sweep_of
 from dcrb_ros.sweep.store import Store, StoreFailed
 from dcrb_ros.sweep.sweep_file import Shares, Windows
-from dcrb_ros.sweep.windows import cut, starts
+from dcrb_ros.sweep.windows import cut_windows, window_starts
 
 QUICK = {"set": {"cage.joint": "revolute"}, "duration": 0.02}
 CASES = {"healthy": {}, "outer": {"faults.outer_1.width": {"low": 0.001, "high": 0.003}}}
@@ -71,11 +70,11 @@ def made(tree: dict[str, Any], folder: Path, client: Client) -> pd.DataFrame:
 
 
 def run_alone(tree: dict[str, Any], folder: Path) -> list[tuple[Run, dict[str, Any]]]:
-    """Carry out a plan here and return its runs with their labels."""
+    """Run a plan in this process and return its runs with their labels."""
     plan, store = plan_of(tree), Store(str(folder))
     found = []
     for task in plan.groups():
-        carry_out(recipe(plan.sweep, store), task)
+        run_task(common_settings(plan.sweep, store), task)
         found += [(run, json.loads((folder / "labels" / f"{run.name}.json").read_text())) for run in task]
     return found
 
@@ -87,7 +86,7 @@ def contents(folder: Path) -> dict[str, str]:
 
 @pytest.fixture(scope="module")
 def client() -> Iterator[Client]:
-    """Two workers within this process: quick to start, and memory:// is shared."""
+    """Two workers in this process, which start quickly and share memory://."""
     with Client(processes=False, n_workers=2, threads_per_worker=1, dashboard_address=None) as here:
         yield here
 
@@ -110,7 +109,7 @@ def test_a_latin_hypercube_has_one_point_in_every_stratum() -> None:
 
 
 @given(st.integers(0, 2**31 - 1), st.sampled_from([RANDOM, LATIN_HYPERCUBE]))
-def test_points_stay_within_their_ranges_and_come_again(seed: int, design: str) -> None:
+def test_points_lie_within_their_ranges_and_are_reproducible(seed: int, design: str) -> None:
     axes = {"a": Span(2e4, 1e5, log=True), "b": Span(1, 4, whole=True), "c": Choice((True, False))}
     found = list(points(design, axes, 4, seed))
     assert found == list(points(design, axes, 4, seed))
@@ -120,7 +119,7 @@ def test_points_stay_within_their_ranges_and_come_again(seed: int, design: str) 
 # Plans
 
 
-def test_no_condition_and_no_twins_in_two_splits() -> None:
+def test_no_condition_and_no_twins_are_in_two_splits() -> None:
     runs = list(plan_of({**VARIED, "points": 20, "twins": True}).runs())
     assert len(runs) == 80
     assert len({run.name for run in runs}) == 80
@@ -135,7 +134,7 @@ def test_no_condition_and_no_twins_in_two_splits() -> None:
     assert len({run.seed for run in runs}) == 40
 
 
-def test_sensors_and_faults_make_no_new_condition() -> None:
+def test_sensors_and_faults_do_not_define_conditions() -> None:
     vary = {"sensor.noise_density": [0.001, 0.004], "operating.speed": [100.0, 120.0, 140.0]}
     runs = list(plan_of({**QUICK, "vary": vary, "cases": {**CASES, "outer": {"faults.outer_1.width": [0.001, 0.002]}}}).runs())
     assert len(runs) == 18
@@ -154,12 +153,18 @@ def test_every_split_has_its_share(count: int, train: float, validation: float) 
         assert set(found.values()) == {"train", "validation", "test"}
 
 
-def test_equal_runs_are_made_once() -> None:
+def test_splits_do_not_depend_on_the_iteration_order_of_a_set() -> None:
+    conditions = {f"{number:02x}" for number in range(20)}
+    found = splits(conditions, Shares(train=0.6, validation=0.2, test=0.2))
+    assert [found[condition] for condition in sorted(conditions)] == ["train"] * 12 + ["validation"] * 4 + ["test"] * 4
+
+
+def test_equal_runs_are_planned_once() -> None:
     runs = list(plan_of({**QUICK, "vary": {"operating.speed": [100.0, 100.0]}, "cases": {"a": {}, "b": {}}}).runs())
     assert [run.case for run in runs] == ["a"]
 
 
-def test_a_long_plan_starts_at_once() -> None:
+def test_the_first_task_of_a_long_plan_is_available_within_seconds() -> None:
     begin = time.perf_counter()
     plan = plan_of({**VARIED, "points": 10_000})
     first = next(plan.tasks(set(), 1.0))
@@ -171,7 +176,7 @@ def test_a_long_plan_starts_at_once() -> None:
 # Runs
 
 
-def test_samples_are_those_of_the_bench(tmp_path: Path) -> None:
+def test_samples_equal_those_of_a_single_simulation(tmp_path: Path) -> None:
     (run, label), *_ = run_alone({**QUICK, "cases": {"outer": {"faults.outer_1.width": 0.002}}, "seeds": [7]}, tmp_path)
     parameters = {"cage": {"joint": "revolute"}, "faults": {"outer_1": {"width": 0.002}}, "simulation": {"seed": 7}}
     alone = waveform(Configuration.model_validate(parameters), 0.02)
@@ -184,7 +189,7 @@ def test_samples_are_those_of_the_bench(tmp_path: Path) -> None:
     assert run.name == label["run"]
 
 
-def test_a_branch_of_a_settled_bearing_is_what_a_change_at_that_time_makes(tmp_path: Path) -> None:
+def test_a_branch_equals_a_run_with_a_parameter_change_at_that_time(tmp_path: Path) -> None:
     tree = {**QUICK, "twins": True, "cases": {"outer": {"faults.outer_1.width": 0.002}}, "seeds": [1], "settle": 0.01, "branch_at": 0.03}
     (_, healthy), (_, outer) = run_alone(tree, tmp_path)
     assert (healthy["fault"], outer["fault"]) == ("healthy", "outer_ring")
@@ -200,7 +205,7 @@ def test_a_branch_of_a_settled_bearing_is_what_a_change_at_that_time_makes(tmp_p
     assert np.array_equal(np.load(tmp_path / outer["file"])["ay"], np.concatenate(parts)[-1024:, 1])
 
 
-def test_a_fork_goes_on_by_itself() -> None:
+def test_a_fork_is_independent_of_its_origin() -> None:
     simulation = Simulation(Configuration())
     list(simulation.blocks(0.01))
     fork, other = simulation.fork(), simulation.fork()
@@ -212,7 +217,7 @@ def test_a_fork_goes_on_by_itself() -> None:
     assert np.array_equal(mine, its)
 
 
-def test_a_bag_of_a_branch_can_be_repeated(tmp_path: Path) -> None:
+def test_a_bag_of_a_branch_can_be_reproduced(tmp_path: Path) -> None:
     tree = {**QUICK, "twins": True, "cases": {"outer": {"faults.outer_1.width": 0.002}}, "output": "bag", "settle": 0.01, "branch_at": 0.02}
     _, (_, label) = run_alone(tree, tmp_path)
     recording = Recording(tmp_path / label["file"])
@@ -225,10 +230,10 @@ def test_a_bag_of_a_branch_can_be_repeated(tmp_path: Path) -> None:
 
 
 def test_a_scenario_labels_its_windows(tmp_path: Path) -> None:
-    story = tmp_path / "story.yaml"
-    story.write_text("timeline: [{at: 0.02, set: {faults.outer_1.width: 0.002}}]", encoding="utf-8")
+    scenario = tmp_path / "scenario.yaml"
+    scenario.write_text("timeline: [{at: 0.02, set: {faults.outer_1.width: 0.002}}]", encoding="utf-8")
     windows = {"length": 512, "overlap": 0.5, "kind": "parquet"}
-    tree = {**QUICK, "duration": 0.04, "windows": windows, "cases": {"grows": {"scenario": str(story)}}}
+    tree = {**QUICK, "duration": 0.04, "windows": windows, "cases": {"grows": {"scenario": str(scenario)}}}
     ((run, label),) = run_alone(tree, tmp_path / "set")
     assert (label["fault"], label["onset"], label["windows"]) == ("outer_ring", 0.02, 7)
     table = pd.read_parquet(tmp_path / "set" / "windows" / run.split / f"{run.name}.parquet")
@@ -240,21 +245,21 @@ def test_a_scenario_labels_its_windows(tmp_path: Path) -> None:
     assert list(table["start"]) == [256 * k for k in range(7)]
 
 
-def test_a_scenario_starts_as_it_says(tmp_path: Path) -> None:
-    story = tmp_path / "story.yaml"
-    story.write_text("start: {operating.speed: 40.0}\ntimeline: [{at: 1.0, set: {operating.speed: 50.0}}]", encoding="utf-8")
-    ((_, label),) = run_alone({**QUICK, "cases": {"slow": {"scenario": str(story)}}}, tmp_path / "set")
+def test_a_scenario_sets_its_initial_speed(tmp_path: Path) -> None:
+    scenario = tmp_path / "scenario.yaml"
+    scenario.write_text("start: {operating.speed: 40.0}\ntimeline: [{at: 1.0, set: {operating.speed: 50.0}}]", encoding="utf-8")
+    ((_, label),) = run_alone({**QUICK, "cases": {"slow": {"scenario": str(scenario)}}}, tmp_path / "set")
     assert label["speed"] == pytest.approx(40.0)
 
 
-def test_a_label_tells_the_sensor_of_its_preset(tmp_path: Path) -> None:
+def test_a_label_contains_the_sensor_parameters_of_its_preset(tmp_path: Path) -> None:
     tree = {**QUICK, "vary": {"sensor.preset": ["mems", "ideal"]}}
     labels = [label for _, label in run_alone(tree, tmp_path / "set")]
     found = {label["configuration"]["sensor.preset"]: label["configuration"]["sensor.white_noise_ug"] for label in labels}
     assert found == {"mems": 30.0, "ideal": 0.0}
 
 
-def test_lost_blocks_do_not_count(tmp_path: Path) -> None:
+def test_lost_blocks_are_not_counted_as_samples(tmp_path: Path) -> None:
     tree = {**QUICK, "duration": 0.1, "output": "bag", "set": {"publishing.loss_probability": 0.5, "publishing.block_size": 512}}
     ((_, label),) = run_alone(tree, tmp_path / "set")
     recording = Recording(tmp_path / "set" / label["file"])
@@ -265,25 +270,17 @@ def test_lost_blocks_do_not_count(tmp_path: Path) -> None:
 @given(st.integers(16, 300), st.floats(0.0, 0.99), st.integers(0, 2000))
 def test_windows_lie_within_the_run(length: int, overlap: float, samples: int) -> None:
     windows = Windows(length=length, overlap=overlap)
-    begin = starts(samples, windows)
+    begin = window_starts(samples, windows)
     assert all(k >= 0 and k + length <= samples for k in begin)
     assert len(begin) == max(0, (samples - length) // windows.hop + 1)
     signal_ = np.arange(2 * samples, dtype=np.float32).reshape(-1, 2)
-    found = cut(signal_, windows)
+    found = cut_windows(signal_, windows)
     assert found.shape == (len(begin), 2, length)
     for k, window in zip(begin, found, strict=True):
         assert np.array_equal(window.T, signal_[k : k + length])
 
 
-def test_classes() -> None:
-    assert fault_class({}) == "healthy"
-    assert fault_class({"outer_1": {}, "outer_2": {}}) == "outer_ring"
-    assert fault_class({"broken_bars.row1/bar3": {}}) == "cage"
-    assert fault_class({"outer_1": {}, "roller_1": {}}) == "compound"
-    assert fault_class({"sensor.stuck": {}}) == "sensor"
-
-
-def test_a_preset_brings_its_sensor() -> None:
+def test_a_preset_sets_the_sensor_parameters() -> None:
     made = sweep_of({"duration": 0.1, "set": {"sensor.preset": "mems"}, "vary": {"operating.speed": [100.0]}}, "test")
     assert made.base["sensor.range"] == load_configuration("healthy", ["sensor.preset=mems"]).sensor.range
 
@@ -300,7 +297,7 @@ def test_waveform_only_has_the_same_samples_and_truths() -> None:
 # Data sets
 
 
-def test_a_second_call_does_what_is_missing_and_nothing_else(tmp_path: Path, client: Client, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_second_call_simulates_the_missing_runs_only(tmp_path: Path, client: Client, monkeypatch: pytest.MonkeyPatch) -> None:
     tree = {**VARIED, "twins": True, "windows": {"length": 256}}
     table = made(tree, tmp_path / "set", client)
     assert list(table["status"]) == ["done"] * 20
@@ -313,8 +310,8 @@ def test_a_second_call_does_what_is_missing_and_nothing_else(tmp_path: Path, cli
     (tmp_path / "set" / "labels.parquet").unlink()
     (tmp_path / "set" / "runs" / ".part-cut-off").write_bytes(b"half")
     counted: list[str] = []
-    real = carrying._label
-    monkeypatch.setattr(carrying, "_label", lambda *of: counted.append(of[1].name) or real(*of))  # type: ignore[func-returns-value]
+    real = execution._label
+    monkeypatch.setattr(execution, "_label", lambda *of: counted.append(of[1].name) or real(*of))  # type: ignore[func-returns-value]
     again = made(tree, tmp_path / "set", client)
     assert sorted(counted) == sorted(table["run"][:7])
     assert again.equals(table)
@@ -326,7 +323,7 @@ def test_a_second_call_does_what_is_missing_and_nothing_else(tmp_path: Path, cli
         assert words in card
 
 
-def test_an_address_of_fsspec(client: Client) -> None:
+def test_an_fsspec_address_can_be_used(client: Client) -> None:
     import fsspec
 
     store = Store("memory://sweep/set")
@@ -338,20 +335,20 @@ def test_an_address_of_fsspec(client: Client) -> None:
     assert DataSet(plan_of({**VARIED, "points": 2, "seeds": 1}), store).done == set(table["run"])
 
 
-def test_a_store_here_and_elsewhere(tmp_path: Path) -> None:
+def test_a_store_tells_local_from_remote_addresses(tmp_path: Path) -> None:
     assert Store(f"file://{tmp_path}").folder == tmp_path
-    elsewhere = Store("memory://elsewhere")
-    assert elsewhere.folder is None
+    remote = Store("memory://remote")
+    assert remote.folder is None
     (tmp_path / "bag").mkdir()
     (tmp_path / "bag" / "metadata.yaml").write_text("whole")
-    elsewhere.put(tmp_path / "bag", "runs/bag")
-    assert elsewhere.read("runs/bag/metadata.yaml") == b"whole"
-    assert elsewhere.read("runs/none") is None
-    assert list(elsewhere.names("nothing")) == []
+    remote.put(tmp_path / "bag", "runs/bag")
+    assert remote.read("runs/bag/metadata.yaml") == b"whole"
+    assert remote.read("runs/none") is None
+    assert list(remote.names("nothing")) == []
     assert not (tmp_path / "bag").exists()
 
 
-def test_failed_runs_are_recorded_and_stop_no_other(tmp_path: Path, client: Client, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_failed_runs_are_labelled_and_do_not_stop_the_others(tmp_path: Path, client: Client, monkeypatch: pytest.MonkeyPatch) -> None:
     def failing(configuration: Configuration, *of: Any, **more: Any) -> Simulation:
         if configuration.operating.speed == 110.0:
             raise ModelFailure("the model failed at 0.001 s")
@@ -359,7 +356,7 @@ def test_failed_runs_are_recorded_and_stop_no_other(tmp_path: Path, client: Clie
             raise ZeroDivisionError("a bug")
         return Simulation(configuration, *of, **more)
 
-    monkeypatch.setattr(carrying, "Simulation", failing)
+    monkeypatch.setattr(execution, "Simulation", failing)
     # Rollers of 40 mm do not fit between these raceways.
     tree = {**QUICK, "vary": {"operating.speed": [100.0, 110.0, 120.0], "bearing.roller_radius": [0.015, 0.04]}}
     table = made(tree, tmp_path / "set", client)
@@ -375,7 +372,7 @@ def test_failed_runs_are_recorded_and_stop_no_other(tmp_path: Path, client: Clie
     assert not list((tmp_path / "set" / "errors").iterdir())
 
 
-def test_a_full_disk_ends_the_sweep_which_can_go_on(tmp_path: Path, client: Client, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_sweep_stopped_by_a_full_disk_can_be_continued(tmp_path: Path, client: Client, monkeypatch: pytest.MonkeyPatch) -> None:
     def full(path: Path, data: bytes) -> int:
         if path.parent.name == "runs":
             raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
@@ -384,13 +381,13 @@ def test_a_full_disk_ends_the_sweep_which_can_go_on(tmp_path: Path, client: Clie
     real = Path.write_bytes
     data_set = DataSet(plan_of(VARIED), Store(str(tmp_path / "set")))
     monkeypatch.setattr(Path, "write_bytes", full)
-    with pytest.raises(StoreFailed, match="No space left on device; make room and call the command again"):
+    with pytest.raises(StoreFailed, match="No space left on device; free some space and run the same command again to continue"):
         data_set.make(client, lambda _: None)
     monkeypatch.undo()
     assert list(made(VARIED, tmp_path / "set", client)["status"]) == ["done"] * 20
 
 
-def test_no_more_tasks_are_asked_for_than_keep_the_workers_busy(tmp_path: Path, client: Client) -> None:
+def test_the_number_of_generated_tasks_is_bounded(tmp_path: Path, client: Client) -> None:
     plan, asked = plan_of({**VARIED, "points": 10, "seeds": 1}), []
 
     def counted() -> Iterator[tuple[Run, ...]]:
@@ -398,15 +395,15 @@ def test_no_more_tasks_are_asked_for_than_keep_the_workers_busy(tmp_path: Path, 
             asked.append(task)
             yield task
 
-    for done, _ in enumerate(dispatched(client, recipe(plan.sweep, Store(str(tmp_path))), counted()), 1):
-        assert len(asked) <= 2 * WAITING + done
+    for done, _ in enumerate(dispatched(client, common_settings(plan.sweep, Store(str(tmp_path))), counted()), 1):
+        assert len(asked) <= 2 * TASKS_PER_WORKER + done
     assert done == len(asked) == 10
 
 
-def test_workers_may_be_killed(tmp_path: Path) -> None:
+def test_tasks_of_killed_workers_are_run_again(tmp_path: Path) -> None:
     tree = {**VARIED, "duration": 0.1, "points": 6, "seeds": 2}
     killed = []
-    with workers_here(2, "auto") as two:
+    with local_workers(2, "auto") as two:
         data_set = DataSet(plan_of(tree), Store(str(tmp_path / "set")))
 
         def kill(_: Counter[str]) -> None:
@@ -429,7 +426,7 @@ def test_workers_may_be_killed(tmp_path: Path) -> None:
 
 
 def dcrb(*arguments: str) -> int:
-    return guarded("dcrb", lambda: app([*arguments], standalone_mode=False))
+    return exit_status("dcrb", lambda: app([*arguments], standalone_mode=False))
 
 
 SMALL = """
@@ -444,7 +441,7 @@ duration: 0.25
 """
 
 
-def test_killed_half_way_and_called_again_it_makes_the_same(tmp_path: Path, client: Client, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_killed_sweep_continues_to_the_same_data_set(tmp_path: Path, client: Client, capsys: pytest.CaptureFixture[str]) -> None:
     file, cut_off, whole = tmp_path / "small.yaml", tmp_path / "cut_off", tmp_path / "whole"
     file.write_text(SMALL, encoding="utf-8")
     command = [sys.executable, "-c", "from dcrb_ros.cli.app import main; main()", "sweep", str(file), "-o", str(cut_off), "--workers", "1"]
@@ -470,14 +467,14 @@ def test_killed_half_way_and_called_again_it_makes_the_same(tmp_path: Path, clie
     assert float(example.stdout.split("test: ")[1].split(",")[0]) > 0.8
 
 
-def test_an_existing_cluster(tmp_path: Path, client: Client, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_cluster_can_be_used(tmp_path: Path, client: Client, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("dcrb_ros.sweep.dispatch.PATIENCE", 1.0)
     (tmp_path / "small.yaml").write_text("duration: 0.02", encoding="utf-8")
     address, arguments = client.scheduler.address, ["sweep", str(tmp_path / "small.yaml"), "-o", str(tmp_path / "set"), "--scheduler"]
     assert dcrb(*arguments, address) == 0
-    told = capsys.readouterr()
-    assert "1 done; 1 train" in told.out
-    assert "1 condition of the bearing gives no validation and no test split" in told.err
+    printed = capsys.readouterr()
+    assert "1 done; 1 train" in printed.out
+    assert "too few bearing conditions (1) for a validation or test split" in printed.err
     with Client(processes=False, n_workers=0, dashboard_address=None) as lonely:
         assert dcrb(*arguments, lonely.scheduler.address) == 2
     assert "has no workers: start some with 'dask worker" in capsys.readouterr().err
@@ -486,32 +483,32 @@ def test_an_existing_cluster(tmp_path: Path, client: Client, capsys: pytest.Capt
 def test_workers_of_another_version_are_refused(
     tmp_path: Path, client: Client, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def what_runs_here() -> tuple[str, str]:  # the workers are threads
+    def software_versions() -> tuple[str, str]:  # the workers are threads
         return ("0.1.0" if threading.current_thread() is threading.main_thread() else "9.9.9"), "0123456789abcdef"
 
-    monkeypatch.setattr("dcrb_ros.sweep.dispatch.what_runs_here", what_runs_here)
+    monkeypatch.setattr("dcrb_ros.sweep.dispatch.software_versions", software_versions)
     (tmp_path / "small.yaml").write_text("duration: 0.02", encoding="utf-8")
     assert dcrb("sweep", str(tmp_path / "small.yaml"), "-o", str(tmp_path / "set"), "--scheduler", client.scheduler.address) == 2
-    said = capsys.readouterr().err
-    assert "run dcrb_ros 9.9.9 with model 0123456789abcdef, this is 0.1.0 with" in said
-    assert "install the same on all machines" in said
+    output = capsys.readouterr().err
+    assert "run dcrb_ros 9.9.9 with model 0123456789abcdef, but this is 0.1.0 with" in output
+    assert "install the same version on all machines" in output
     assert not list(tmp_path.rglob("*.npz"))
 
 
-def test_a_dry_run_counts_and_writes_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_dry_run_writes_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     (tmp_path / "small.yaml").write_text(SMALL, encoding="utf-8")
     monkeypatch.chdir(tmp_path)
     assert dcrb("sweep", "small.yaml", "--dry-run", "--workers", "2") == 0
-    said = capsys.readouterr().out
-    assert "24 runs of 0.25 s in 12 conditions" in said
-    assert "| train | healthy | 8 |" in said
-    assert "on 2 workers" in said
+    output = capsys.readouterr().out
+    assert "24 runs of 0.25 s in 12 conditions" in output
+    assert "| train | healthy | 8 |" in output
+    assert "on 2 workers" in output
     assert list(tmp_path.iterdir()) == [tmp_path / "small.yaml"]
 
 
-def test_the_room_is_estimated(tmp_path: Path) -> None:
+def test_the_disk_space_is_estimated(tmp_path: Path) -> None:
     plan = plan_of({**QUICK, "duration": 10.0})
-    assert estimate(plan).room == pytest.approx(10.0 * 51200 * 12, rel=0.05)
+    assert estimate(plan).size == pytest.approx(10.0 * 51200 * 12, rel=0.05)
 
 
 @pytest.mark.parametrize(
@@ -522,45 +519,45 @@ def test_the_room_is_estimated(tmp_path: Path) -> None:
         ({"duration": -1.0}, "duration = -1.0: it should be greater than 0"),
         ({"base": "heathy"}, "did you mean 'healthy'?"),
         ({"set": {"operating.sped": 1.0}}, "did you mean 'operating.speed'?"),
-        ({"vary": {"operating.speed": []}}, "operating.speed has no value, so there would be no run"),
+        ({"vary": {"operating.speed": []}}, "operating.speed has an empty list, so there would be no run"),
         ({"vary": {"operating.speed": [100.0, "fast"]}}, "operating.speed = 'fast' is not a number"),
         ({"vary": {"bearing.roller_radius": [15.0]}}, "is outside 0.0005 .. 0.2 m: lengths are in metres"),
         ({"vary": {"cage.joint": ["pockets"]}}, "did you mean 'pocket'?"),
-        ({"vary": {"operating.load": {"low": 1.0, "high": 2.0}}}, "a grid needs the count of values"),
+        ({"vary": {"operating.load": {"low": 1.0, "high": 2.0}}}, "a grid needs the number of values of a range: give count"),
         ({"vary": {"operating.load": {"low": 2.0, "high": 1.0, "count": 2}}}, "low = 2.0 is not below high = 1.0"),
         ({"vary": {"operating.load": {"low": 0.0, "high": 1.0, "count": 2, "scale": "log"}}}, "is not above 0"),
         ({"vary": {"operating.load": {"low": 1.0, "hihg": 2.0}}}, "did you mean 'high'?"),
-        ({"vary": {"simulation.seed": [1]}}, "simulation.seed is given by 'seeds'"),
+        ({"vary": {"simulation.seed": [1]}}, "simulation.seed cannot be set here: use 'seeds'"),
         ({"vary": {"scenario": ["growing_spal"]}}, "did you mean 'growing_spall'?"),
-        ({"vary": {"scenario": ["growing_spall"]}, "twins": True}, "brings faults"),
+        ({"vary": {"scenario": ["growing_spall"]}, "twins": True}, "contains faults"),
         ({"design": "latin_hypercube"}, "needs 'points'"),
         ({"design": "sobol"}, "design = 'sobol'"),
-        ({"points": 10}, "a grid has as many as its values make"),
+        ({"points": 10}, "the values of a grid determine its points"),
         ({"seeds": 0}, "seeds = 0"),
         ({"seeds": []}, "seeds = []"),
-        ({"cases": {"fast": {"operating.speed": 200.0}}}, "belongs under 'vary'"),
+        ({"cases": {"fast": {"operating.speed": 200.0}}}, "move it to 'vary'"),
         ({"cases": {"healthy": {"faults.outer_1.width": 0.001}}, "twins": True}, "must be empty"),
-        ({"split": {"train": 0.9}}, "add up to 1.3 instead of 1"),
+        ({"split": {"train": 0.9}}, "add up to 1.3, but must add up to 1"),
         ({"split": {"tests": 0.9}}, "did you mean 'test'?"),
         ({"windows": {"length": 100_000}}, "is longer than a run of 0.02 s"),
         ({"windows": {"length": 8}}, "windows.length = 8"),
         ({"duration": 1e4}, "too long for memory"),
         ({"branch_at": 0.1}, "settle = 0 s is below 0.005 s"),
-        ({"branch_at": 0.1, "settle": 0.1, "cases": {"slow": {"sensor.sampling_rate": 25600}}}, "cannot change as the bearing turns"),
-        ({"branch_at": 0.1, "settle": 0.1, "cases": {"grows": {"scenario": "growing_spall"}}}, "do not go together"),
-        ({"set": {"operating.speed_kmh": 80.0}, "vary": {"operating.speed": [100.0]}}, "would win over operating.speed"),
+        ({"branch_at": 0.1, "settle": 0.1, "cases": {"slow": {"sensor.sampling_rate": 25600}}}, "cannot change while the bearing runs"),
+        ({"branch_at": 0.1, "settle": 0.1, "cases": {"grows": {"scenario": "growing_spall"}}}, "cannot be combined with a scenario"),
+        ({"set": {"operating.speed_kmh": 80.0}, "vary": {"operating.speed": [100.0]}}, "would override operating.speed"),
         ({"output": "wav"}, "output = 'wav'"),
-        ({"vary": {"publishing.loss_probability": [0.0, 0.1]}}, "publishing.loss_probability leaves gaps"),
+        ({"vary": {"publishing.loss_probability": [0.0, 0.1]}}, "publishing.loss_probability causes gaps"),
     ],
 )
-def test_what_is_wrong_in_a_sweep_is_told_in_a_sentence(tree: dict[str, Any], sentence: str) -> None:
+def test_an_invalid_sweep_is_refused_in_one_sentence(tree: dict[str, Any], sentence: str) -> None:
     with pytest.raises(Refusal) as refused:
         sweep_of({**QUICK, **tree}, "sweep.yaml")
     assert sentence in str(refused.value)
     assert "\n" not in str(refused.value)
 
 
-def test_wrong_usage_ends_with_status_2(tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+def test_invalid_usage_exits_with_status_2(tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("dcrb_ros.sweep.dispatch.PATIENCE", 0.5)
     file, begun = tmp_path / "sweep.yaml", tmp_path / "begun"
     file.write_text("duration: 0.02", encoding="utf-8")
@@ -577,47 +574,47 @@ def test_wrong_usage_ends_with_status_2(tmp_path: Path, capsys: pytest.CaptureFi
         (["sweep", free], "Missing option '-o'"),
         (["sweep", "nothing", "-o", folder], "there is no sweep 'nothing'"),
         (["sweep", str(tmp_path / "list.yaml"), "-o", folder], "is not a sweep"),
-        (["sweep", free, "-o", str(tmp_path / "other")], "holds something else"),
-        (["sweep", free, "-o", str(begun)], "was begun with another sweep (duration differs)"),
+        (["sweep", free, "-o", str(tmp_path / "other")], "contains files that are not a data set"),
+        (["sweep", free, "-o", str(begun)], "was made with another sweep (duration differs)"),
         (["sweep", free, "-o", "/proc/set"], "/proc/set cannot be written"),
-        (["sweep", free, "-o", str(tmp_path / "list.yaml")], "list.yaml cannot be read: Not a directory; give a folder that is empty"),
-        (["sweep", free, "-o", str(damaged)], "sweep.json is damaged, so nobody knows"),
-        (["sweep", free, "-o", "memory://set"], "would be gone with this command"),
-        (["sweep", free, "-o", "nowhere://set"], "is no place for a data set"),
+        (["sweep", free, "-o", str(tmp_path / "list.yaml")], "list.yaml cannot be read: Not a directory; give an empty or a new folder"),
+        (["sweep", free, "-o", str(damaged)], "sweep.json is damaged, so the data set cannot be continued"),
+        (["sweep", free, "-o", "memory://set"], "is deleted when this command ends"),
+        (["sweep", free, "-o", "nowhere://set"], "cannot be used for a data set"),
         (["sweep", free, "-o", folder, "--workers", "0"], "--workers"),
-        (["sweep", free, "-o", folder, "--memory", "much"], "--memory much: it is no size"),
+        (["sweep", free, "-o", folder, "--memory", "much"], "--memory much is not a size"),
         (["sweep", free, "-o", folder, "--scheduler", "tcp://127.0.0.1:9"], "the scheduler tcp://127.0.0.1:9 cannot be reached"),
         (["sweep", free, "-o", folder, "--scheduler", "tcp://127.0.0.1:9", "--workers", "2"], "leave out --workers"),
     ):
         assert dcrb(*arguments) == 2, arguments
-        said = capsys.readouterr().err.strip().splitlines()
-        assert sentence in said[-1]
-        assert len([line for line in said if "gives no validation" not in line]) == 1
+        output = capsys.readouterr().err.strip().splitlines()
+        assert sentence in output[-1]
+        assert len([line for line in output if "too few bearing conditions" not in line]) == 1
 
 
-def test_without_dask_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+def test_a_missing_dask_is_reported(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     monkeypatch.setitem(sys.modules, "distributed", None)
-    with pytest.raises(Refusal, match="pip install dask distributed pandas"), workers_here(1, "auto"):
+    with pytest.raises(Refusal, match="pip install dask distributed pandas"), local_workers(1, "auto"):
         pass
     monkeypatch.setitem(sys.modules, "fsspec", None)
     assert dcrb("sweep", "two_hundred", "-o", str(tmp_path)) == 2
     assert "pip install dask distributed pandas" in capsys.readouterr().err
 
 
-def test_a_sweep_without_a_single_run_done_fails(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_sweep_without_a_successful_run_fails(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     plan = plan_of({**QUICK, "set": {"bearing.roller_radius": 0.04}})
     store = Store(str(tmp_path))
     for task in plan.groups():
-        carry_out(recipe(plan.sweep, store), task)
-    from dcrb_ros.cli.sweep import _tell
+        run_task(common_settings(plan.sweep, store), task)
+    from dcrb_ros.cli.sweep import _print_summary
     from dcrb_ros.sweep.table import write_table
 
-    with pytest.raises(RuntimeError, match=r"no run of .* was done \(1 refused\)"):
-        _tell(write_table(plan, store), store.address)
+    with pytest.raises(RuntimeError, match=r"no run of .* succeeded \(1 refused\)"):
+        _print_summary(write_table(plan, store), store.address)
     assert "check the three radii" in capsys.readouterr().err
 
 
-def test_a_shipped_sweep_has_200_runs_in_five_classes() -> None:
+def test_the_shipped_sweep_has_200_runs_in_five_classes() -> None:
     plan = Plan(read_sweep("two_hundred"))
     assert plan.sweep.count == 200
     assert Counter(run.case for run in plan.runs()) == dict.fromkeys(("healthy", "outer", "inner", "roller", "cage"), 40)

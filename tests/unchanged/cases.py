@@ -14,7 +14,7 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
-from dcrb_ros.bearing.payload import layout
+from dcrb_ros.bearing.payload import body_names
 from dcrb_ros.messages.encoder import BlockEncoder
 from dcrb_ros.settings.files import load_configuration
 from dcrb_ros.simulation.block import Block
@@ -140,7 +140,7 @@ def run(name: str) -> dict[str, str]:
     """Return the fingerprint of a case."""
     bench, settings = CASES[name]
     configuration = load_configuration(bench, (*EVERY_TOPIC, *settings))
-    return fingerprint(Simulation(configuration).blocks(SHORT), BlockEncoder(configuration, layout(configuration)))
+    return fingerprint(Simulation(configuration).blocks(SHORT), BlockEncoder(configuration, body_names(configuration)))
 
 
 def run_scenario(folder: Path) -> dict[str, str]:
@@ -160,7 +160,7 @@ def run_scenario(folder: Path) -> dict[str, str]:
             elif number == 7:
                 simulation.change({"faults.roller_1.width": 0.003, "faults.roller_1.row": 2, "sensor.range": 300.0})
 
-    return fingerprint(blocks(), BlockEncoder(configuration, layout(configuration)))
+    return fingerprint(blocks(), BlockEncoder(configuration, body_names(configuration)))
 
 
 def marks(report: Mapping[str, Any]) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""The validation's measures on signals of known content, and its table on runs that are wrong."""
+"""The measures of the validation on signals with known properties, and its comparisons with correct and wrong runs."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ import numpy as np
 import pytest
 
 from dcrb_ros.runtime.refusal import Refusal
-from dcrb_ros.validation.case import Case, Run, cases, simulate
+from dcrb_ros.validation.comparison import Comparison
 from dcrb_ros.validation.figures import passes
-from dcrb_ros.validation.measures import envelope_spectrum, kurtosis, loading_zone, profile, settling_time
-from dcrb_ros.validation.motion import motion_rows
+from dcrb_ros.validation.healthy import healthy_comparisons
+from dcrb_ros.validation.measures import envelope_spectrum, kurtosis, load_zone, profile, settling_time
 from dcrb_ros.validation.report import markdown, summary
-from dcrb_ros.validation.row import Row
-from dcrb_ros.validation.validate import REPORT, made_folder
+from dcrb_ros.validation.runs import Run, RunSpec, run_specs, simulate
+from dcrb_ros.validation.validate import REPORT, report_folder
 
 
 def test_envelope_line_of_a_modulated_tone() -> None:
@@ -38,11 +38,11 @@ def test_settling_of_a_first_order_lag() -> None:
     assert settling_time(time, -300.0 * (1.0 - np.exp(-time / 0.025)), 0.02) == pytest.approx(0.025 * np.log(50.0), abs=2e-3)
 
 
-def test_loading_zone_of_a_known_force() -> None:
+def test_load_zone_of_a_known_force() -> None:
     # Two rollers pass many times, loaded from -20 to 30 deg.
     azimuth = np.angle(np.exp(1j * (np.linspace(0.0, 100.0, 20001)[:, None] + np.array([0.0, 2.0]))))
     force = np.where((np.degrees(azimuth) > -20.0) & (np.degrees(azimuth) < 30.0), 1000.0, 0.0)
-    zone = loading_zone(azimuth, force)
+    zone = load_zone(azimuth, force)
     assert (zone.entry, zone.exit) == pytest.approx((-20.0, 30.0), abs=0.3)
     assert zone.asymmetry == pytest.approx(10.0, abs=0.5)
     assert len(list(passes(azimuth[:, 0]))) == 15
@@ -54,62 +54,64 @@ def test_profile_is_the_mean_in_each_bin() -> None:
     assert np.isnan(found[2])
 
 
-def test_cases_are_distinct_and_valid() -> None:
-    found = cases()
-    assert len({case.key for case in found}) == len(found)
-    for case in found:
-        assert case.configuration().cage.joint == case.joint
+def test_run_specs_are_distinct_and_valid() -> None:
+    specs = run_specs()
+    assert len({spec.key for spec in specs}) == len(specs)
+    for spec in specs:
+        assert spec.configuration().cage.joint == spec.joint
 
 
 @functools.cache
 def short(name: str, *settings: str) -> Run:
-    return simulate(Case(name, "revolute", 0.35, settings))
+    return simulate(RunSpec(name, "revolute", 0.35, settings))
 
 
 def verdicts(healthy: Run, cold: Run) -> dict[str, bool]:
-    """Return whether each row of the paper's joint holds; the runs stand for both joints.
+    """Return whether each comparison with the revolute joint holds; the runs are used for both joints.
 
-    Not that of the energy: what is stored swings by more within a step than a third of a second brings in.
+    The energy account is left out: over a third of a second, the energy input is smaller than the oscillation of the stored energy.
     """
-    runs = {(run.case.name, joint): run for run in (healthy, cold) for joint in ("revolute", "pocket")}
-    return {row.quantity: row.holds for row in motion_rows(runs) if row.joint == "revolute" and "Energy" not in row.quantity}
+    runs = {(run.spec.name, joint): run for run in (healthy, cold) for joint in ("revolute", "pocket")}
+    comparisons = (c for c in healthy_comparisons(runs) if c.joint == "revolute")
+    return {c.quantity: c.holds for c in comparisons if "Energy" not in c.quantity}
 
 
-def test_the_paper_holds_and_a_wrong_bearing_does_not() -> None:
+def test_comparisons_hold_for_the_paper_and_fall_short_for_a_wrong_bearing() -> None:
     healthy, cold = short("healthy"), short("cold start", "operating.start=cold")
     held = verdicts(healthy, cold)
     assert all(held.values()), held
     wrong = short("healthy", "operating.load=60000.0")
     slippery = short("cold start", "operating.start=cold", "friction.kinetic_coefficient=0.02", "friction.static_coefficient=0.02")
     missed = {quantity for quantity, holds in verdicts(wrong, slippery).items() if not holds}
-    assert missed == {"Largest roller force, and where", "Friction in the sweep of the cold start"}
+    assert missed == {"Largest roller force and its azimuth", "Friction during the cold start"}
 
 
-def test_a_row_off_its_number_falls_short() -> None:
+def test_a_comparison_outside_its_tolerance_falls_short() -> None:
     healthy, cold = short("healthy"), short("cold start", "operating.start=cold")
     fast = replace(healthy, cage_speed=healthy.cage_speed * 1.01, spin=healthy.spin * 1.02)
     missed = {quantity for quantity, holds in verdicts(fast, cold).items() if not holds}
-    assert missed == {"Cage speed, steady", "Roller spin in the loading zone, against the cage and absolute"}
+    assert missed == {"Cage speed, steady", "Roller spin in the load zone, relative to the cage and absolute"}
 
 
-def test_report_names_every_row_and_its_verdict() -> None:
-    rows = [Row("Cage speed", "pocket", "52.4", "52.44", "1 %", True), Row("Friction", "revolute", "1.5 kN", "9 kN", "2 kN", False)]
-    text = markdown(rows, cases(), ["figure_8_pocket.png"])
-    assert summary(rows) == "1 of 2 rows fall short."
+def test_report_contains_every_comparison() -> None:
+    met = Comparison("Cage speed", "pocket", "52.4", "52.44", "1 %", True)
+    comparisons = [met, Comparison("Friction", "revolute", "1.5 kN", "9 kN", "2 kN", False)]
+    text = markdown(comparisons, run_specs(), ["figure_8_pocket.png"])
+    assert summary(comparisons) == "1 of 2 comparisons fall short."
     assert "| Friction | revolute | 1.5 kN | 9 kN | 2 kN | falls short |" in text
     assert "](figure_8_pocket.png)" in text
-    assert "Where we disagree" in text
+    assert "Differences from the paper" in text
     assert "dcrb simulate paper --duration 3 --set operating.speed=124.8" in text
 
 
-def test_a_folder_of_something_else_is_refused(tmp_path: Path) -> None:
-    assert made_folder(tmp_path / "new") == tmp_path / "new"
+def test_a_folder_with_other_files_is_refused(tmp_path: Path) -> None:
+    assert report_folder(tmp_path / "new") == tmp_path / "new"
     (tmp_path / "thesis.txt").write_text("three years of work")
-    with pytest.raises(Refusal, match="holds something that is not a report"):
-        made_folder(tmp_path)
+    with pytest.raises(Refusal, match="contains files that are not a report"):
+        report_folder(tmp_path)
     with pytest.raises(Refusal, match="is a file"):
-        made_folder(tmp_path / "thesis.txt")
-    with pytest.raises(Refusal, match="cannot be made: Not a directory"):
-        made_folder(tmp_path / "thesis.txt" / "report")
+        report_folder(tmp_path / "thesis.txt")
+    with pytest.raises(Refusal, match="cannot be created: Not a directory"):
+        report_folder(tmp_path / "thesis.txt" / "report")
     (tmp_path / REPORT).write_text("an earlier report")
-    assert made_folder(tmp_path) == tmp_path
+    assert report_folder(tmp_path) == tmp_path

@@ -1,4 +1,4 @@
-"""The live view: what comes in pieces from a bench is drawn as what a recording shows."""
+"""The live view: messages received in batches are logged as completely as those of a recording."""
 
 from __future__ import annotations
 
@@ -11,32 +11,31 @@ import rerun as rr
 from rerun_documents import chunks, rows
 from runs import Run, simulated
 
-from dcrb_ros.bearing.payload import layout
+from dcrb_ros.bearing.payload import body_names
 from dcrb_ros.diagnosis.detector import Diagnosis
-from dcrb_ros.messages.encoder import BlockEncoder
+from dcrb_ros.messages.encoder import BlockEncoder, diagnosis_messages
 from dcrb_ros.messages.plain import encode_text
 from dcrb_ros.messages.points import decode_spectrum
 from dcrb_ros.messages.topics import DIAGNOSIS, ENVELOPE_SPECTRUM, ROLLER_STATES, SENSOR, VIBRATION, Message
-from dcrb_ros.messages.verdicts import diagnosis_messages
 from dcrb_ros.runtime.refusal import Refusal
 from dcrb_ros.viewer.live import LiveView
 
 ORDERS = np.arange(0.0, 30.0, 0.05)
 
 
-def said(time: float, verdict: str = "outer_ring") -> list[Message]:
-    """Return what a detector says, with a spectrum that rises at BPFO."""
+def diagnosed(time: float, verdict: str = "outer_ring") -> list[Message]:
+    """Return the messages of a detector, with a spectrum that has a line at BPFO."""
     spectrum = ORDERS, np.where(np.abs(ORDERS - 6.7) < 0.06, 50.0, 1.0)
     levels = {"BPFO": 20.0, "BPFI": 2.0, "BSF": 3.0, "FTF": 4.0}
-    return diagnosis_messages(Diagnosis(0, time, verdict, f"told at {time:g} s", levels=levels, shaft_frequency=20.0, spectrum=spectrum))  # type: ignore[arg-type]
+    return diagnosis_messages(Diagnosis(0, time, verdict, f"reason at {time:g} s", levels=levels, shaft_frequency=20.0, spectrum=spectrum))  # type: ignore[arg-type]
 
 
 class Bench:
-    """A live view that saves every run into a file, and what it complained of."""
+    """A live view that saves every run to a file, and its warnings."""
 
     def __init__(self, folder: Path) -> None:
-        self.folder, self.complaints = folder, list[str]()
-        self.view = LiveView(self.begin, "/dcrb", self.complaints.append)
+        self.folder, self.warnings = folder, list[str]()
+        self.view = LiveView(self.begin, "/dcrb", self.warnings.append)
 
     def begin(self, run: int) -> rr.RecordingStream:
         stream = rr.RecordingStream("dcrb")
@@ -54,22 +53,22 @@ def run() -> Run:
 
 
 def messages(run: Run) -> list[Message]:
-    encoder = BlockEncoder(run.configuration, layout(run.configuration))
+    encoder = BlockEncoder(run.configuration, body_names(run.configuration))
     return [*encoder.start(), *(message for block in run.blocks for message in encoder.encode(block))]
 
 
-def test_every_sample_and_state_arrives_once(run: Run, tmp_path: Path) -> None:
+def test_every_sample_and_state_is_logged_once(run: Run, tmp_path: Path) -> None:
     bench = Bench(tmp_path)
     for number, message in enumerate(messages(run)):
         bench.take([message])
         if number % 37 == 0:
             bench.view.flush()
-    bench.take([*said(0.3), *said(0.5)])
+    bench.take([*diagnosed(0.3), *diagnosed(0.5)])
     bench.view.close()
-    assert bench.complaints == []
+    assert bench.warnings == []
     found, states, samples = rows(tmp_path / "1.rrd"), len(run.states), sum(len(block.shaft_angle) for block in run.blocks)
     assert found["/waveform"] == samples
-    assert found["/bearing/row1/rollers"] == found["/forces/row2"] == found["/loading_zone/row1/now"] == states
+    assert found["/bearing/row1/rollers"] == found["/forces/row2"] == found["/load_zone/row1/now"] == states
     assert found["/envelope_spectrum/curve"] == found["/diagnosis/verdict"] == found["/indicators/BPFO"] == 2
     values = [
         chunk.to_record_batch().column("Scalars:scalars")
@@ -80,26 +79,26 @@ def test_every_sample_and_state_arrives_once(run: Run, tmp_path: Path) -> None:
     assert np.array_equal(np.sort(flat), np.sort(np.concatenate([block.acceleration for block in run.blocks]).reshape(-1)))
 
 
-def test_picture_has_what_stands_still_and_the_summary(run: Run, tmp_path: Path) -> None:
+def test_fixed_shapes_and_summary_are_logged(run: Run, tmp_path: Path) -> None:
     bench = Bench(tmp_path)
     bench.take(messages(run))
-    bench.take(said(0.4))
+    bench.take(diagnosed(0.4))
     bench.view.close()
     still = {chunk.entity_path for chunk in chunks(tmp_path / "1.rrd") if chunk.is_static}
     assert {
         "/bearing/row1/outer_ring",
         "/bearing/scale",
-        "/loading_zone/row2/mean",
+        "/load_zone/row2/mean",
         "/order_map/levels",
         "/envelope_spectrum/grid",
     } <= still
     texts = [chunk.to_record_batch().column("TextDocument:text") for chunk in chunks(tmp_path / "1.rrd") if chunk.entity_path == "/summary"]
     page = str(texts[-1].flatten().to_pylist()[-1])
-    for words in ("outer ring defect", "outer_1: 2 mm wide, both rows", "told at 0.4 s", "/dcrb"):
+    for words in ("outer ring defect", "outer_1: 2 mm wide, both rows", "reason at 0.4 s", "/dcrb"):
         assert words in page
 
 
-def test_nothing_is_lost_before_the_sensor_is_described(run: Run, tmp_path: Path) -> None:
+def test_messages_received_before_the_sensor_description_are_kept(run: Run, tmp_path: Path) -> None:
     bench, first = Bench(tmp_path), messages(run)
     bench.take([message for message in first if message.topic is not SENSOR])
     bench.view.flush()
@@ -109,7 +108,7 @@ def test_nothing_is_lost_before_the_sensor_is_described(run: Run, tmp_path: Path
     assert rows(tmp_path / "1.rrd")["/waveform"] == sum(len(block.shaft_angle) for block in run.blocks)
 
 
-def test_reset_begins_another_recording(run: Run, tmp_path: Path) -> None:
+def test_a_reset_starts_a_new_recording(run: Run, tmp_path: Path) -> None:
     bench = Bench(tmp_path)
     bench.take(messages(run))
     bench.take(messages(run)[:10])
@@ -118,7 +117,7 @@ def test_reset_begins_another_recording(run: Run, tmp_path: Path) -> None:
     assert rows(tmp_path / "1.rrd")["/waveform"] > rows(tmp_path / "2.rrd")["/waveform"] > 0
 
 
-def test_imported_data_have_no_bearing(run: Run, tmp_path: Path) -> None:
+def test_imported_data_are_shown_without_a_bearing(run: Run, tmp_path: Path) -> None:
     bench = Bench(tmp_path)
     sensor = encode_text('{"sampling_rate": 51200, "orders": {"FTF": 0.4, "BPFO": 3.6, "BPFI": 5.4, "BSF": 2.4}}')
     bench.take([Message(SENSOR, 0, sensor), *(message for message in messages(run) if message.topic is VIBRATION)])
@@ -128,7 +127,7 @@ def test_imported_data_have_no_bearing(run: Run, tmp_path: Path) -> None:
     assert not any(entity.startswith("/bearing") for entity in found)
 
 
-def test_what_is_not_understood_is_told_and_left_out(run: Run, tmp_path: Path) -> None:
+def test_invalid_messages_are_reported_and_skipped(run: Run, tmp_path: Path) -> None:
     bench = Bench(tmp_path)
     bench.take(messages(run))
     bench.view.flush()
@@ -138,15 +137,15 @@ def test_what_is_not_understood_is_told_and_left_out(run: Run, tmp_path: Path) -
             bench.view.flush()
     bench.view.close()
     assert bench.view.refused >= 8
-    assert all(complaint.startswith("not shown: ") for complaint in bench.complaints)
+    assert all(warning.startswith("not shown: ") for warning in bench.warnings)
     assert rows(tmp_path / "1.rrd")["/waveform"] == sum(len(block.shaft_angle) for block in run.blocks)
 
 
 def test_spectrum_round_trip() -> None:
-    message = next(message for message in said(0.25) if message.topic is ENVELOPE_SPECTRUM)
+    message = next(message for message in diagnosed(0.25) if message.topic is ENVELOPE_SPECTRUM)
     time_ns, orders, amplitude, frequency = decode_spectrum(message.data)
     assert (time_ns, frequency) == (250_000_000, pytest.approx(20.0))
     assert orders == pytest.approx(ORDERS, abs=1e-6)
     assert amplitude.max() == 50.0
-    with pytest.raises(Refusal, match=r"is no envelope spectrum"):
+    with pytest.raises(Refusal, match=r"is not a squared envelope spectrum"):
         decode_spectrum(message.data.replace(b"amplitude", b"amplitudo"))

@@ -1,4 +1,4 @@
-"""The viewer: what is drawn is what was recorded, and the Rerun file can be read back."""
+"""The viewer: the content of Rerun files equals that of the recording, and invalid input is refused."""
 
 from __future__ import annotations
 
@@ -17,12 +17,14 @@ import pytest
 from mcap.writer import Writer
 from runs import PAPER_SPEED, Run, simulated
 
+from dcrb_ros.bearing import load_zone
+from dcrb_ros.bearing.fault_lines import fault_combs
 from dcrb_ros.bearing.kinematics import characteristic_orders
-from dcrb_ros.bearing.payload import layout
+from dcrb_ros.bearing.payload import body_names
 from dcrb_ros.cli.view import view
 from dcrb_ros.diagnosis.detector import Diagnosis
 from dcrb_ros.diagnosis.parameters import DetectorParameters
-from dcrb_ros.messages.verdicts import diagnosis_messages
+from dcrb_ros.messages.encoder import diagnosis_messages
 from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.recordings.recorder import Recorder
 from dcrb_ros.runtime.refusal import Refusal
@@ -31,13 +33,13 @@ from dcrb_ros.settings.files import load_configuration
 from dcrb_ros.settings.parameters import Bearing
 from dcrb_ros.simulation.block import Truth
 from dcrb_ros.simulation.loop import Simulation
-from dcrb_ros.viewer import loading_zone, order_map, palette
+from dcrb_ros.viewer import order_map, palette
 from dcrb_ros.viewer.content import Content, Waveform
 from dcrb_ros.viewer.drawing import Drawing, on_circle, quaternions, rounded_up
 from dcrb_ros.viewer.fault_words import faults_of_row
-from dcrb_ros.viewer.gather import gather
-from dcrb_ros.viewer.show import take_picture, telling_time
-from dcrb_ros.viewer.spectrum import ORDER_STEP, diagnoses, envelope_spectra, fault_combs, over_background, pieces
+from dcrb_ros.viewer.reader import read_content
+from dcrb_ros.viewer.show import screenshot_time, take_picture
+from dcrb_ros.viewer.spectrum import ORDER_STEP, diagnoses, envelope_spectra, over_background, pieces
 from dcrb_ros.viewer.summary import markdown
 from dcrb_ros.viewer.window import ViewerFailure
 
@@ -57,7 +59,7 @@ def bag(run: Run, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def content(bag: Path) -> Content:
-    return gather(Recording(bag))
+    return read_content(Recording(bag))
 
 
 @pytest.fixture(scope="module")
@@ -68,7 +70,7 @@ def document(bag: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def recorded(run: Run, path: Path) -> Path:
-    with Recorder(path, run.configuration, layout(run.configuration)) as recorder:
+    with Recorder(path, run.configuration, body_names(run.configuration)) as recorder:
         for block in run.blocks:
             recorder.write(block)
     return path
@@ -111,7 +113,7 @@ def test_rotation_moves_a_mark_to_its_azimuth(angle: float) -> None:
     assert rotated == pytest.approx(on_circle(1.0, 0.4 + angle))
 
 
-def test_bars_are_as_long_as_their_forces() -> None:
+def test_length_of_force_bars_is_proportional_to_the_force() -> None:
     drawing = Drawing(Bearing(), 40e3)
     bars = drawing.bars(np.array([0.0, 1.0]), np.array([40e3, 10e3]))
     lengths = np.linalg.norm(bars[:, 1] - bars[:, 0], axis=1)
@@ -132,7 +134,7 @@ def test_scale_ends_on_a_round_number(value: float, expected: float) -> None:
     assert rounded_up(value) == pytest.approx(expected)
 
 
-def test_colours_lighten_with_force_and_leave_idle_rollers_grey() -> None:
+def test_colours_become_lighter_with_force_and_idle_rollers_are_grey() -> None:
     colours = palette.force_colours(np.array([0.0, 1.0, 10e3, 20e3, 30e3, 40e3, 90e3]), 40e3).astype(float)
     lightness = colours[1:, :3] @ [0.2126, 0.7152, 0.0722]
     assert tuple(colours[0]) == palette.UNLOADED
@@ -143,14 +145,14 @@ def test_colours_lighten_with_force_and_leave_idle_rollers_grey() -> None:
 # --- spectrum ---
 
 
-def test_combs_stand_at_the_fault_orders() -> None:
+def test_combs_are_at_the_fault_orders() -> None:
     combs = {comb.name: comb.orders for comb in fault_combs(characteristic_orders(Bearing()), 30.0)}
-    # physics.md, section 5, at 20 Hz: FTF 8.404, BPFO 134.47, BPFI 185.53, 2 BSF 122.14 Hz
+    # Eqs. 43 to 45 of Fan et al. 2025 with Table 1 at 20 Hz (section 3.2 prints 8.4, 134.5, 185.5 Hz), and twice BSF.
     assert [20.0 * combs[name][0] for name in ("FTF", "BPFO", "BPFI", "2BSF")] == pytest.approx([8.404, 134.47, 185.53, 122.14], abs=0.01)
     assert [len(combs[name]) for name in ("FTF", "BPFO", "BPFI", "2BSF")] == [4, 4, 3, 4]
 
 
-def test_level_is_taken_over_the_neighbourhood() -> None:
+def test_level_is_relative_to_the_local_median() -> None:
     amplitude = np.full((1, 400), 2.0)
     amplitude[0, 200] = 200.0
     level = over_background(amplitude)[0]
@@ -159,16 +161,16 @@ def test_level_is_taken_over_the_neighbourhood() -> None:
 
 
 def test_spectrum_of_an_outer_defect_peaks_at_bpfo(content: Content) -> None:
-    spectra = envelope_spectra(content.judgement.diagnoses)
+    spectra = envelope_spectra(content.detector_output.diagnoses)
     assert spectra is not None
     comb = spectra.orders > 3.0  # above the first shaft orders
-    bpfo = 16.0 * 0.07886 / (2.0 * 0.094)  # physics.md, section 5: pins at the pitch radius
+    bpfo = 16.0 * 0.07886 / (2.0 * 0.094)  # 16 f_C with pins at the pitch radius, f_C = f_r r_I / (2 r_M); Table 1 of Fan et al. 2025
     harmonic = spectra.orders[comb][np.argmax(spectra.level[-1][comb])] / bpfo
     assert harmonic == pytest.approx(round(harmonic), abs=2.0 * ORDER_STEP / bpfo)
     assert spectra.shaft_frequency == pytest.approx(PAPER_SPEED / (2.0 * math.pi), rel=1e-4)
 
 
-def test_standing_shaft_and_short_waveform_have_no_spectrum(content: Content) -> None:
+def test_a_stationary_shaft_and_a_short_waveform_have_no_spectrum(content: Content) -> None:
     orders = characteristic_orders(Bearing())
     still = dataclasses.replace(content.waveform, shaft_angle=np.zeros_like(content.waveform.shaft_angle))
     assert envelope_spectra(diagnoses(still, orders)) is None
@@ -176,7 +178,7 @@ def test_standing_shaft_and_short_waveform_have_no_spectrum(content: Content) ->
     assert diagnoses(short, orders) == []
 
 
-def test_no_piece_spans_a_gap() -> None:
+def test_pieces_do_not_span_gaps() -> None:
     ticks = np.concatenate([np.arange(0, 100), np.arange(150, 400)])
     waveform = Waveform(ticks * 1_000_000, np.zeros((350, 2), np.float32), np.zeros(350, np.float32), 1000)
     found = [ticks[piece] for piece in pieces(waveform, 64)]
@@ -187,7 +189,7 @@ def test_no_piece_spans_a_gap() -> None:
 @pytest.mark.parametrize(
     ("seconds", "windows"), [(0.4, 0), (4.0, 16), (30.0, 20), (60.0, round(60.0 / min(3.0, DetectorParameters().window)))]
 )
-def test_windows_are_enough_for_a_short_recording_and_few_for_a_long_one(seconds: float, windows: int) -> None:
+def test_number_of_windows_depends_on_the_duration(seconds: float, windows: int) -> None:
     count = round(seconds * 6400)
     noise = np.random.default_rng(1).standard_normal((count, 2)).astype(np.float32)
     angle = np.mod(PAPER_SPEED * np.arange(count) / 6400, 2.0 * math.pi).astype(np.float32)
@@ -195,10 +197,10 @@ def test_windows_are_enough_for_a_short_recording_and_few_for_a_long_one(seconds
     assert len(diagnoses(waveform, characteristic_orders(Bearing()))) == windows
 
 
-# --- what is gathered ---
+# --- content of a recording ---
 
 
-def test_every_sample_and_state_is_gathered(run: Run, content: Content) -> None:
+def test_content_has_every_sample_and_state(run: Run, content: Content) -> None:
     assert content.waveform.acceleration.tolist() == np.concatenate([block.acceleration for block in run.blocks]).tolist()
     assert content.waveform.shaft_angle.tolist() == np.concatenate([block.shaft_angle for block in run.blocks]).tolist()
     assert content.motion is not None
@@ -212,58 +214,59 @@ def test_sample_times_follow_the_sampling_rate(content: Content) -> None:
     assert np.abs(content.waveform.time_ns - expected).max() <= 1
 
 
-def test_verdict_and_truth_are_on_the_page(content: Content) -> None:
+def test_summary_contains_verdict_and_ground_truth(content: Content) -> None:
     page = markdown(content)
     assert "outer ring defect" in page
     assert "outer_1: 2 mm wide, both rows" in page
     assert f"{PAPER_SPEED * 30 / math.pi:.1f} rpm, 100 kN" in page
 
 
-def test_recorded_verdict_comes_before_a_computed_one(run: Run, tmp_path: Path) -> None:
-    said = Diagnosis(51199, 1.0, "inner_ring", "told so by the test", levels={"BPFO": 1.0, "BPFI": 2.0, "BSF": 3.0, "FTF": 4.0})
+def test_a_recorded_verdict_takes_precedence_over_a_computed_one(run: Run, tmp_path: Path) -> None:
+    published = Diagnosis(51199, 1.0, "inner_ring", "reason given by the test", levels={"BPFO": 1.0, "BPFI": 2.0, "BSF": 3.0, "FTF": 4.0})
     path = tmp_path / "judged"
-    with Recorder(path, run.configuration, layout(run.configuration)) as recorder:
+    with Recorder(path, run.configuration, body_names(run.configuration)) as recorder:
         for block in run.blocks:
             recorder.write(block)
-        recorder.write_messages(diagnosis_messages(said))
-    content = gather(Recording(path))
-    assert [(verdict.name, verdict.level) for verdict in content.judgement.verdicts] == [("inner_ring", 2)]
-    assert content.judgement.indicators is not None
-    assert dict(zip(content.judgement.indicators.names, content.judgement.indicators.values[0], strict=True)) == said.levels
-    assert "told so by the test" in markdown(content)
+        recorder.write_messages(diagnosis_messages(published))
+    content = read_content(Recording(path))
+    assert [(verdict.name, verdict.level) for verdict in content.detector_output.verdicts] == [("inner_ring", 2)]
+    indicators = content.detector_output.indicators
+    assert indicators is not None
+    assert dict(zip(indicators.names, indicators.values[0], strict=True)) == published.levels
+    assert "reason given by the test" in markdown(content)
 
 
 def test_states_of_another_bearing_are_refused(run: Run, tmp_path: Path) -> None:
     smaller = Configuration.model_validate({"bearing": {"rollers_per_row": 15}})
     path = tmp_path / "mixed"
-    with Recorder(path, smaller, layout(run.configuration)) as recorder:
+    with Recorder(path, smaller, body_names(run.configuration)) as recorder:
         recorder.write(run.blocks[0])
-    with pytest.raises(Refusal, match=r"has \[35\] values for 35 bodies where the bearing of the manifest has 33"):
-        gather(Recording(path))
+    with pytest.raises(Refusal, match=r"has \[35\] values for 35 bodies, but the bearing of the manifest has 33"):
+        read_content(Recording(path))
 
 
-def test_defect_is_drawn_in_its_own_row() -> None:
+def test_faults_are_assigned_to_their_rows() -> None:
     fault = {"row": 2.0, "width": 0.001, "depth": 0.0003, "azimuth": 0.5, "onset": 0.0}
     bar = {"row": 1.0, "bar": 15.0, "onset": 0.0}
     roller = {"row": 2.0, "roller": 3.0, "width": 0.002, "depth": 0.0003, "azimuth": 0.0, "onset": 0.0}
     truth = Truth(0, 100.0, (0.0, -1e5), {}, {"inner_1": fault, "broken_bars.row1/bar15": bar, "roller_1": roller})
     assert faults_of_row(truth, 0) == ((), (15,), ("bar 15 broken",))
-    assert faults_of_row(truth, 1) == ((("inner_1", 0.5, 0.001),), (), ("inner_1: 1 mm wide", "roller_1: 2 mm wide on roller 3"))
+    assert faults_of_row(truth, 1) == ((("inner_ring", 0.5, 0.001),), (), ("inner_1: 1 mm wide", "roller_1: 2 mm wide on roller 3"))
 
 
-def test_every_fault_of_a_bench_is_shown(tmp_path: Path) -> None:
+def test_summary_contains_every_fault(tmp_path: Path) -> None:
     configuration = load_configuration("compound")
     path, simulation = tmp_path / "compound", Simulation(configuration)
-    with Recorder(path, configuration, simulation.layout) as recorder:
+    with Recorder(path, configuration, simulation.bodies) as recorder:
         for block in simulation.blocks(0.2):
             recorder.write(block)
-    found = markdown(gather(Recording(path)))
+    found = markdown(read_content(Recording(path)))
     for words in ("outer_1: 2 mm wide, row 1", "inner_1: 2 mm wide, row 2", "bar 15 broken, row 1"):
         assert words in found
 
 
-def test_picture_is_taken_under_the_largest_force(content: Content) -> None:
-    time_ns = telling_time(content)
+def test_screenshot_time_is_that_of_the_largest_force(content: Content) -> None:
+    time_ns = screenshot_time(content)
     assert content.motion is not None
     at = content.motion.time_ns.tolist().index(time_ns)
     late = content.motion.force[content.motion.time_ns >= content.start_ns + 2 * (content.end_ns - content.start_ns) // 3, :32]
@@ -284,7 +287,7 @@ def test_file_has_recording_and_arrangement(document: Path) -> None:
     assert [store.kind for store in (*reader.recordings(), *reader.blueprints())] == ["recording", "blueprint"]
 
 
-def test_file_holds_ours_beside_the_native_topics(run: Run, document: Path) -> None:
+def test_file_contains_drawn_and_native_topics(run: Run, document: Path) -> None:
     rows: Counter[str] = Counter()
     for chunk in chunks(document):
         rows[chunk.entity_path] += 0 if chunk.is_static else chunk.num_rows
@@ -297,14 +300,14 @@ def test_file_holds_ours_beside_the_native_topics(run: Run, document: Path) -> N
     assert {"/envelope_spectrum/curve", "/envelope_spectrum/BPFO/peaks", "/summary", "/features/rms", "/diagnosis/verdict"} <= set(rows)
 
 
-def test_waveform_in_the_file_is_the_recorded_one(run: Run, document: Path) -> None:
+def test_waveform_in_the_file_equals_the_recorded_one(run: Run, document: Path) -> None:
     found = values(document, "/waveform", "Scalars:scalars")
     expected = np.concatenate([block.acceleration for block in run.blocks]).reshape(-1)
     assert len(found) == 2 * round(DURATION * 51200)
     assert (found == expected).all()
 
 
-def test_rollers_in_the_file_stand_at_their_azimuths(run: Run, document: Path) -> None:
+def test_rollers_in_the_file_are_at_their_azimuths(run: Run, document: Path) -> None:
     points = np.stack(values(document, "/bearing/row1/rollers", "Points2D:positions")).reshape(-1, 16, 2)
     azimuth = run.series("azimuth")[:, :16]
     assert np.hypot(points[..., 0], points[..., 1]) == pytest.approx(np.full(azimuth.shape, 94.0), rel=1e-5)  # r_M, Table 1 [mm]
@@ -312,7 +315,7 @@ def test_rollers_in_the_file_stand_at_their_azimuths(run: Run, document: Path) -
     assert np.abs(np.remainder(turned + math.pi, 2.0 * math.pi) - math.pi).max() < 1e-5
 
 
-def test_recording_without_states_still_shows_its_waveform(run: Run, tmp_path: Path) -> None:
+def test_a_recording_without_states_shows_its_waveform(run: Run, tmp_path: Path) -> None:
     bare = Run(run.configuration, [dataclasses.replace(block, states=(), truths=()) for block in run.blocks[:30]])
     view(recorded(bare, tmp_path / "bare"), save=tmp_path / "bare.rrd")
     rows = Counter(chunk.entity_path for chunk in chunks(tmp_path / "bare.rrd"))
@@ -320,12 +323,12 @@ def test_recording_without_states_still_shows_its_waveform(run: Run, tmp_path: P
     assert not any(entity.startswith("/bearing") for entity in rows)
 
 
-def test_cut_off_recording_is_shown_as_far_as_it_goes(bag: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_readable_part_of_a_truncated_recording_is_shown(bag: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     whole = next(bag.glob("*.mcap")).read_bytes()
     cut = tmp_path / "cut.mcap"
     cut.write_bytes(whole[: len(whole) * 2 // 3])
     view(cut, save=tmp_path / "cut.rrd")
-    assert "is cut off" in capsys.readouterr().err
+    assert "is truncated" in capsys.readouterr().err
     assert 0 < len(values(tmp_path / "cut.rrd", "/waveform", "Scalars:scalars")) < 2 * round(DURATION * 51200)
 
 
@@ -348,21 +351,21 @@ def test_unusable_output_is_refused(bag: Path, tmp_path: Path, name: str, messag
     assert list(tmp_path.iterdir()) == []
 
 
-def test_what_is_no_recording_is_refused(tmp_path: Path) -> None:
+def test_a_path_that_is_not_a_recording_is_refused(tmp_path: Path) -> None:
     text = tmp_path / "notes.mcap"
     text.write_text("not a recording")
-    with pytest.raises(Refusal, match=r"is no MCAP file"):
+    with pytest.raises(Refusal, match=r"is not an MCAP file"):
         view(text, save=tmp_path / "notes.rrd")
     with pytest.raises(Refusal, match=r"there is no recording"):
         view(tmp_path / "absent", save=tmp_path / "absent.rrd")
 
 
-def test_recording_of_something_else_is_refused(tmp_path: Path) -> None:
+def test_a_recording_without_manifest_is_refused(tmp_path: Path) -> None:
     foreign = tmp_path / "foreign.mcap"
     writer = Writer(str(foreign))
     writer.start(profile="ros2", library="another")
     writer.finish()
-    with pytest.raises(Refusal, match=r"carries no manifest"):
+    with pytest.raises(Refusal, match=r"has no manifest"):
         view(foreign, save=tmp_path / "foreign.rrd")
 
 
@@ -373,7 +376,7 @@ def test_recording_without_waveform_is_refused(tmp_path: Path) -> None:
     assert not (tmp_path / "empty.rrd").exists()
 
 
-def test_rerun_is_imported_only_when_it_is_used() -> None:
+def test_rerun_is_imported_lazily() -> None:
     code = "import sys, dcrb_ros.cli.view; sys.exit(bool({'rerun', 'numpy', 'mcap', 'scipy'} & set(sys.modules)))"
     assert subprocess.run([sys.executable, "-c", code], timeout=60, check=False).returncode == 0
 
@@ -384,7 +387,7 @@ def test_rerun_is_imported_only_when_it_is_used() -> None:
 @pytest.mark.skipif(
     not VULKAN_DRIVERS or sys.version_info < (3, 11), reason="needs a Vulkan driver (mesa-vulkan-drivers) and the viewer for Python 3.11"
 )
-def test_screenshot_shows_the_bearing_and_its_defect(bag: Path, tmp_path: Path) -> None:
+def test_screenshot_shows_bearing_and_defect(bag: Path, tmp_path: Path) -> None:
     from PIL import Image
 
     view(bag, screenshot=tmp_path / "picture.png")
@@ -397,7 +400,7 @@ def test_screenshot_shows_the_bearing_and_its_defect(bag: Path, tmp_path: Path) 
         assert near.sum() > 40, colour
 
 
-def test_missing_driver_is_said_in_one_sentence(content: Content, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_missing_driver_is_reported_in_one_sentence(content: Content, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     for name in ("VK_ICD_FILENAMES", "VK_DRIVER_FILES"):
         monkeypatch.setenv(name, str(tmp_path / "none.json"))
     monkeypatch.setenv("WGPU_BACKEND", "vulkan")
@@ -406,27 +409,27 @@ def test_missing_driver_is_said_in_one_sentence(content: Content, tmp_path: Path
     assert not (tmp_path / "picture.png").exists()
 
 
-def test_mean_force_is_taken_by_sector() -> None:
+def test_mean_force_is_computed_by_sector() -> None:
     azimuth = np.array([[0.01, 0.02, -0.01], [0.03, 3.13, -3.13]])
     force = np.array([[10.0, 20.0, 5.0], [30.0, 0.0, 7.0]])
-    mean = loading_zone.mean_force(azimuth, force)
-    assert mean[loading_zone.SECTORS // 2] == pytest.approx(20.0)
-    assert mean[loading_zone.SECTORS // 2 - 1] == pytest.approx(5.0)
+    mean = load_zone.mean_force(azimuth, force)
+    assert mean[load_zone.SECTORS // 2] == pytest.approx(20.0)
+    assert mean[load_zone.SECTORS // 2 - 1] == pytest.approx(5.0)
     assert mean[0] == pytest.approx(7.0)
     assert np.count_nonzero(mean) == 3
-    assert loading_zone.middles()[loading_zone.SECTORS // 2] > 0.0
+    assert load_zone.sector_azimuths()[load_zone.SECTORS // 2] > 0.0
 
 
-def test_loading_zone_lies_below_the_shaft(content: Content) -> None:
+def test_load_zone_is_below_the_shaft(content: Content) -> None:
     assert content.motion is not None
-    rollers = content.layout.rows * content.layout.rollers_per_row
-    mean = loading_zone.mean_force(content.motion.azimuth[:, :rollers], content.motion.force[:, :rollers])
-    loaded = np.abs(loading_zone.middles()[mean > 0.05 * mean.max()])
+    rollers = content.bodies.rows * content.bodies.rollers_per_row
+    mean = load_zone.mean_force(content.motion.azimuth[:, :rollers], content.motion.force[:, :rollers])
+    loaded = np.abs(load_zone.sector_azimuths()[mean > 0.05 * mean.max()])
     assert loaded.max() < np.pi / 2  # with a radial gap the zone is narrower than half a turn
 
 
-def test_order_map_is_brightest_on_the_lines_of_the_defect(content: Content) -> None:
-    spectra = envelope_spectra(content.judgement.diagnoses)
+def test_order_map_is_brightest_at_the_lines_of_the_defect(content: Content) -> None:
+    spectra = envelope_spectra(content.detector_output.diagnoses)
     assert spectra is not None
     picture = order_map.picture(spectra, 30.0)
     assert picture.shape == (330, 1000, 3)

@@ -1,4 +1,4 @@
-"""The viewer in a browser: who may reach it, and what a real browser without a window shows."""
+"""The viewer in a web browser: it accepts local connections only, and a headless browser shows the bearing."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ import numpy as np
 import pytest
 from runs import simulated
 
-from dcrb_ros.bearing.payload import layout
+from dcrb_ros.bearing.payload import body_names
 from dcrb_ros.recordings.recorder import Recorder
 from dcrb_ros.viewer import palette
 from dcrb_ros.viewer.window import page_address
@@ -31,7 +31,7 @@ PATIENCE = 90.0
 @pytest.fixture(scope="module")
 def bag(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path, run = tmp_path_factory.mktemp("bags") / "short", simulated(0.6, fault="outer_1", state_rate=100)
-    with Recorder(path, run.configuration, layout(run.configuration)) as recorder:
+    with Recorder(path, run.configuration, body_names(run.configuration)) as recorder:
         for block in run.blocks:
             recorder.write(block)
     return path
@@ -57,19 +57,19 @@ def served(bag: Path) -> Iterator[str]:
 
 
 def listeners(port: int) -> set[str]:
-    """Return the addresses on which somebody listens at a port, as the kernel writes them."""
+    """Return the local addresses of the sockets listening on a port, in the kernel's notation."""
     lines = [line.split() for table in ("tcp", "tcp6") for line in Path("/proc/net", table).read_text().splitlines()[1:]]
     return {words[1].split(":")[0] for words in lines if words[1].endswith(f":{port:04X}") and words[3] == "0A"}
 
 
-def test_address_names_this_machine_by_number() -> None:
+def test_page_address_uses_the_loopback_address() -> None:
     assert (
         page_address(9090, 9876)
         == "http://127.0.0.1:9090/?url=rerun%2Bhttp%3A%2F%2F127.0.0.1%3A9876%2Fproxy&theme=dark&hide_welcome_screen"
     )
 
 
-def test_web_viewer_listens_to_this_machine_alone(bag: Path) -> None:
+def test_web_viewer_accepts_local_connections_only(bag: Path) -> None:
     with served(bag) as address:
         with urllib.request.urlopen(address, timeout=30.0) as page:
             assert b"<html" in page.read().lower()

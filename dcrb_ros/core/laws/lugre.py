@@ -152,7 +152,7 @@ LAW = TractionLaw(
             "convection",
             0.0,
             "-",
-            "Rolling convection of the bristles: 0 for plain LuGre (the paper), 0.7 for Carter's creep",
+            "Transport of the bristles out of the contact by rolling: 0 for plain LuGre (the paper), 0.7 for Carter's creep",
             0.0,
             10.0,
             symbol="kappa",

@@ -60,7 +60,7 @@ def build(values: Mapping[str, float], material: Material) -> Power:
 
 LAW = NormalLaw(
     name="power",
-    summary="coefficient * penetration^exponent",
+    summary="power_coefficient * penetration^power_exponent",
     constants=Power,
     build=build,
     force=power_force,

@@ -28,7 +28,7 @@ R_I, R_O, R_R = B.inner_raceway_radius, B.outer_raceway_radius, B.roller_radius
 UNBOUNDED = 1.0
 
 
-# Sink depths of physics.md section 2, at the middle of the notch.
+# Eqs. 8 and 14 of Fan et al. 2025 with Table 1, in the middle of a defect: alpha = b / (2 r).
 @pytest.mark.parametrize(
     ("width", "inner", "outer"), [(1e-3, 9.9e-6, 7.2e-6), (2e-3, 39.7e-6, 28.8e-6), (3e-3, 89.4e-6, 64.9e-6), (5e-3, 249e-6, 181e-6)]
 )

@@ -23,7 +23,7 @@ penetrations = st.floats(1e-10, 1e-4)  # 30 kN press 20 um deep
 
 def test_stiffness_at_30_kn() -> None:
     depth = johnson_penetration(LAW, 30e3, SITE)
-    assert johnson_force(LAW, NONE, depth, SITE)[1] == pytest.approx(1.67e9, rel=0.005)  # physics.md section 2
+    assert johnson_force(LAW, NONE, depth, SITE)[1] == pytest.approx(1.67e9, rel=0.005)  # Eq. 4: pi E* L / (ln(4 pi E* L dR / F) - 2)
 
 
 @given(penetrations)

@@ -54,7 +54,7 @@ def test_second_order_on_a_smooth_motion(groups: dict[str, Any]) -> None:
 
 
 def test_waveform_of_a_defect_converges() -> None:
-    # physics.md section 4: 2.0 % at 5 us and 4.2 % at 10 us of a plain scheme; 12 ms, before chaos sets in.
+    # Measured: 1.0 % at 10 us and 0.5 % at 5 us (docs/explanation/numerics.md). 12 ms end before chaos separates the runs.
     def waveform(step: float) -> npt.NDArray[np.float64]:
         payload, state = model(step, {"faults": {"outer_1": {"width": 0.002}}})
         return run(payload, state, round(0.012 / step))
@@ -82,8 +82,8 @@ def mechanical_energy(payload: Payload, state: State) -> float:
 # Free rollers without weight: it would drop idle ones from raceway to raceway, strikes of four steps whose phase decides what they gain.
 @pytest.mark.parametrize(("joint", "gravity"), [("revolute", 9.81), ("pocket", 0.0)])
 def test_energy_is_kept_without_friction_and_loss(joint: str, gravity: float) -> None:
-    # physics.md: under 1 % of the excitation over 10 ms at the default step; the mean over 1.25 ms, for leapfrog's energy
-    # swings with the phase of a mode within its step.
+    # Measured: 0.5 % of the excitation over 10 ms (docs/explanation/numerics.md). The mean over 1.25 ms is compared, since the
+    # energy of the leapfrog scheme oscillates with the phase of a mode within its step.
     cage = {"joint": joint, "restitution": 1.0}
     payload, state = model(1.0 / 102400.0, {**UNDAMPED, "operating": {"speed": 0.0, "gravity": gravity}, "cage": cage})
     state.inner_velocity[1] = -0.02
@@ -158,4 +158,4 @@ def test_a_few_steps_without_a_compiler(joint: str) -> None:
     payload, state = model(1.0 / 102400.0, {"cage": {"joint": joint}})
     acceleration = run(payload, state, 5)
     assert np.isfinite(acceleration).all()
-    assert state.inner_force.sum() == pytest.approx(2.0 * (30251.0 + 2.0 * 10708.0), rel=0.01)  # physics.md section 5
+    assert state.inner_force.sum() == pytest.approx(2.0 * (30251.0 + 2.0 * 10708.0), rel=0.01)  # tests/bearing/test_equilibrium.py

@@ -1,0 +1,63 @@
+"""Throughput of a batch of bearings with one process and with one per core, relative to the kernel alone.
+
+A second table gives an upper bound of what could be gained by sharing the vector lanes of a core between bearings. The kernel already
+fills them with the rollers of one bearing, so the bound follows from the additional cost of a second row of rollers.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import statistics
+import time
+
+from real_time import factors, kernel
+
+from dcrb_ros.settings.configuration import Configuration
+from dcrb_ros.simulation.batch import simulate_batch
+
+
+def throughput(configurations: list[Configuration], duration: float, workers: int) -> float:
+    """Return simulated over wall time of all bearings [-], without the start of the processes."""
+    finished = [time.perf_counter()]
+    for _ in simulate_batch(configurations, duration, workers=workers):
+        finished.append(time.perf_counter())
+    first = finished[workers]
+    return duration * (len(configurations) - workers) / (finished[-1] - first)
+
+
+def lanes_gain(joint: str, duration: float, runs: int = 9) -> tuple[float, float, float]:
+    """Return the cost of a step with one row and with two rows [us], and the largest possible gain of sharing lanes [-].
+
+    The gain is that of two bearings in the same lanes over two in turn, if the rings and cages of the second cost nothing.
+    """
+    costs = []
+    for rows, load in ((1, 50e3), (2, 100e3)):
+        settings = {"bearing": {"rows": rows}, "cage": {"joint": joint}, "operating": {"load": load}}
+        configuration = Configuration.model_validate(settings)
+        costs.append(1e6 / (max(factors(kernel(configuration), duration, runs)) * configuration.step_rate))
+    one, two = costs
+    return one, two, 2.0 * two / (two + 2.0 * (two - one))
+
+
+def main() -> None:
+    """Print the tables."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--duration", type=float, default=3.0, help="simulated time of a bearing [s]")
+    parser.add_argument("--bearings", type=int, default=6, help="number of bearings per process")
+    options = parser.parse_args()
+    print("| joint | processes | x real time | per process, relative to the kernel |\n|---|---|---|---|")
+    for joint in ("pocket", "revolute"):
+        alone = statistics.median(factors(kernel(Configuration.model_validate({"cage": {"joint": joint}})), 1.0, 5))
+        for workers in sorted({1, os.cpu_count() or 1}):
+            groups = [{"cage": {"joint": joint}, "simulation": {"seed": seed}} for seed in range((1 + options.bearings) * workers)]
+            found = throughput([Configuration.model_validate(group) for group in groups], options.duration, workers)
+            print(f"| {joint} | {workers} | {found:.2f} | {found / workers / alone:.2f} |", flush=True)
+    print("\n| joint | step, one row [us] | two rows [us] | largest gain of sharing lanes |\n|---|---|---|---|")
+    for joint in ("pocket", "revolute"):
+        one, two, gain = lanes_gain(joint, 0.1)
+        print(f"| {joint} | {one:.2f} | {two:.2f} | {gain:.2f} x |", flush=True)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,117 @@
+"""The bodies of a bearing over time, as arrays."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from dcrb_ros.bearing.states import States
+from dcrb_ros.runtime.arrays import Floats
+from dcrb_ros.runtime.frames import pandas
+from dcrb_ros.runtime.refusal import Refusal, nearest
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, repr=False)
+class StateHistory:
+    """States of all bodies over time; arrays of shape (times, bodies) unless stated otherwise, None where they were not recorded."""
+
+    time: Floats
+    """Simulated time, shape (times,) [s]."""
+    names: tuple[str, ...]
+    """Names of the bodies: ``row1/roller01`` ..., ``cage1`` ..., ``inner_ring``."""
+    azimuth: Floats
+    """Azimuth from the load line (-Y), counter-clockwise, of rollers and of the first pocket of each cage; rotation angle of the
+    inner ring [rad]. Wrapped to (-pi, pi]."""
+    speed: Floats
+    """Absolute spin of rollers, rotation of cages and inner ring [rad/s]."""
+    inner_force: Floats
+    """Normal force at the inner raceway [N]; of the inner ring the sum of magnitudes."""
+    outer_force: Floats | None = None
+    """Normal force at the outer raceway [N]."""
+    slip: Floats | None = None
+    """Slip at the inner raceway [m/s]."""
+    friction: Floats | None = None
+    """Friction force at the inner raceway [N]."""
+    torque: Floats | None = None
+    """Friction torque of both raceways on a roller [N m]."""
+    relative_speed: Floats | None = None
+    """Spin of rollers relative to their cage [rad/s]."""
+    bar_force: Floats | None = None
+    """Normal force between a roller and its bar, positive at the bar ahead; of a cage the force of its land [N]."""
+    cage_offset: Floats | None = None
+    """Centre of each cage relative to that of the outer ring, shape (times, rows, 2) [m]."""
+    inner_ring_force: Floats | None = None
+    """Total force of the rollers on the inner ring in X and Y, shape (times, 2) [N]."""
+
+    @staticmethod
+    def of(states: Sequence[States], names: Sequence[str]) -> StateHistory:
+        """Return the history of some states, each an instant."""
+        wanted = [field.name for field in fields(States) if field.name != "time_ns"]
+        arrays = {name: np.array([getattr(state, name) for state in states], np.float64) for name in wanted}
+        if not states:
+            bodies, rows = len(names), sum(name.startswith("cage") for name in names)
+            shapes = {"cage_offset": (0, rows, 2), "inner_ring_force": (0, 2)}
+            arrays = {name: np.zeros(shapes.get(name, (0, bodies))) for name in wanted}
+        return StateHistory(time=np.array([state.time_ns * 1e-9 for state in states]), names=tuple(names), **arrays)
+
+    def __len__(self) -> int:
+        return len(self.time)
+
+    def __repr__(self) -> str:
+        span = f", {self.time[0]:.4g} to {self.time[-1]:.4g} s" if len(self) else ""
+        return f"<StateHistory: {len(self)} times{span}, {len(self.names)} bodies from {self.names[0]} to {self.names[-1]}>"
+
+    def column(self, name: str) -> int:
+        """Return the column of a body, given by its name.
+
+        Raises
+        ------
+        Refusal
+            There is no such body.
+        """
+        if name not in self.names:
+            known = f"{self.names[0]} to {self.names[-1]}"
+            raise Refusal(f"there is no body '{name}': the bearing has {known}{nearest(name, self.names)}")
+        return self.names.index(name)
+
+    @property
+    def rows(self) -> int:
+        """Rows of rollers."""
+        return sum(name.startswith("cage") for name in self.names)
+
+    def rollers(self, row: int) -> slice:
+        """Return the columns of the rollers of a row, counted from 1.
+
+        Raises
+        ------
+        Refusal
+            There is no such row.
+        """
+        found = [k for k, name in enumerate(self.names) if name.startswith(f"row{row}/")]
+        if not found:
+            raise Refusal(f"there is no row {row}: the bearing has {self.rows}, counted from 1")
+        return slice(found[0], found[-1] + 1)
+
+    def to_pandas(self) -> pd.DataFrame:
+        """Return a DataFrame over time [s]; its columns have two levels, the quantity and the body.
+
+        Raises
+        ------
+        Refusal
+            pandas is not installed.
+        """
+        shaped = (len(self), len(self.names))
+        recorded = {field.name: getattr(self, field.name) for field in fields(self) if field.name not in ("time", "names")}
+        index = pandas().Index(self.time, name="time")
+        frames = {
+            name: pandas().DataFrame(values, index=index, columns=list(self.names))
+            for name, values in recorded.items()
+            if values is not None and values.shape == shaped
+        }
+        return pandas().concat(frames, axis=1, names=["quantity", "body"])

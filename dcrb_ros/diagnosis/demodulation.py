@@ -1,0 +1,96 @@
+"""Amplitude demodulation: the squared envelope in each of several bands, and the spectral kurtosis by which a band is selected.
+
+The bands form the binary tree of the fast kurtogram (Antoni 2007, "Fast computation of the kurtogram for the detection of transient
+faults"): the band is halved, its halves are halved, and the band with the most impulsive envelope is selected. All bands are computed from
+one Fourier transform of a segment.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+from scipy import fft
+
+from dcrb_ros.runtime.arrays import Floats
+
+TAPER = 0.2
+"""Share of a band's width taken by its two edges [-]: steep enough to separate the bands, smooth enough not to ring."""
+OVERSAMPLING = 2
+"""Samples of an envelope per width of its band: the squared envelope is twice as wide as the band."""
+
+
+class Band(NamedTuple):
+    """A band of frequencies."""
+
+    low: float
+    """Lower edge [Hz]."""
+    high: float
+    """Upper edge [Hz]."""
+
+    def __str__(self) -> str:
+        return f"{self.low / 1e3:.3g} to {self.high / 1e3:.3g} kHz"
+
+
+def band_tree(low: float, high: float, levels: int) -> tuple[Band, ...]:
+    """Return the band from ``low`` to ``high`` [Hz], its halves, their halves and so on for a number of ``levels``.
+
+    The halves have equal widths on a logarithmic scale, since the bandwidth of an impact grows with its frequency.
+    """
+    tree = []
+    for count in (2**level for level in range(levels + 1)):
+        edges = np.geomspace(low, high, count + 1)
+        tree += [Band(float(edges[k]), float(edges[k + 1])) for k in range(count)]
+    return tuple(tree)
+
+
+def tukey(length: int, taper: float) -> Floats:
+    """Return a Tukey window, whose edges fall as half a cosine over the share ``taper`` of its length, shape (length,) [-].
+
+    Harris 1978, "On the use of windows for harmonic analysis with the discrete Fourier transform", eq. 38. `scipy.signal.windows.tukey` is
+    the same function, but takes a second to import.
+    """
+    if length < 2:
+        return np.ones(length)
+    last = length - 1
+    edge = np.arange(math.floor(0.5 * taper * last) + 1)
+    rise = 0.5 * (1.0 + np.cos(math.pi * (-1.0 + 2.0 * edge / taper / last)))
+    fall = 0.5 * (1.0 + np.cos(math.pi * (-2.0 / taper + 1.0 + 2.0 * (last - edge[::-1]) / taper / last)))
+    return np.concatenate([rise, np.ones(length - 2 * len(edge)), fall])
+
+
+class Demodulator:
+    """Computes the squared envelopes of segments of equal length in several bands."""
+
+    def __init__(self, bands: tuple[Band, ...], rate: int, samples: int) -> None:
+        """Prepare for segments of ``samples`` at ``rate`` [Hz]."""
+        self.bands, self.samples = bands, samples
+        self._length = fft.next_fast_len(samples, real=True)
+        self._bins = [range(round(band.low * self._length / rate), round(band.high * self._length / rate)) for band in bands]
+        self._gains = [2.0 * tukey(len(bins), TAPER) for bins in self._bins]
+        counts = [fft.next_fast_len(OVERSAMPLING * len(bins)) for bins in self._bins]
+        self._positions = [np.arange(count, dtype=np.float64) * (self._length / count) for count in counts]
+
+    def squared_envelopes(self, segment: npt.NDArray[Any]) -> list[tuple[Floats, Floats]]:
+        """Return for each band positions [samples] and the squared envelope there, summed over the columns [unit^2].
+
+        ``segment`` has shape (samples, columns). The mean squared envelope is twice the power in the band.
+        """
+        spectrum = fft.rfft(np.ascontiguousarray(segment.T, np.float64), self._length)
+        parts = zip(self._bins, self._gains, self._positions, strict=True)
+        return [(positions, self._envelope(spectrum[:, bins.start : bins.stop] * gain, len(positions))) for bins, gain, positions in parts]
+
+    def _envelope(self, part: npt.NDArray[np.complex128], count: int) -> Floats:
+        analytic = fft.ifft(part, count)
+        analytic *= count / self._length
+        squared = np.square(analytic.view(np.float64))
+        return np.asarray((squared[:, ::2] + squared[:, 1::2]).sum(axis=0), np.float64)
+
+
+def kurtosis(squared: npt.NDArray[Any]) -> Floats:
+    """Return the spectral kurtosis of each row of squared envelopes, shape (bands, bins): 0 for noise, large for impacts [-]."""
+    mean = squared.mean(axis=1, dtype=np.float64)
+    fourth = (squared.astype(np.float64) ** 2).mean(axis=1)
+    return np.asarray(np.divide(fourth, mean**2, out=np.full(len(mean), 2.0), where=mean > 0.0) - 2.0, np.float64)

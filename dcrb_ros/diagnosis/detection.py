@@ -1,0 +1,148 @@
+"""The fault detector over a whole signal in one call."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy.typing as npt
+
+from dcrb_ros.bearing.fault_lines import BearingLike
+from dcrb_ros.bearing.waveform import Piece, Signal, signal_of
+from dcrb_ros.diagnosis.detector import FaultDetector
+from dcrb_ros.diagnosis.diagnosis import Diagnosis
+from dcrb_ros.diagnosis.parameters import DetectorParameters
+from dcrb_ros.runtime.frames import pandas
+from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.schema.verdicts import Verdict
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+
+@dataclass(frozen=True, repr=False)
+class DetectionResult:
+    """What the fault detector found in a signal: a diagnosis per hop, the last of them with a verdict."""
+
+    history: tuple[Diagnosis, ...]
+    """The diagnoses in the order of time."""
+    duration: float
+    """Length of the signal [s]."""
+
+    def __repr__(self) -> str:
+        return f"<DetectionResult: {self.verdict} with confidence {self.confidence:.2f} since {self.since:.2f} s: {self.reason}>"
+
+    @property
+    def last(self) -> Diagnosis:
+        """The last diagnosis with a verdict."""
+        return next(diagnosis for diagnosis in reversed(self.history) if diagnosis.verdict != "waiting")
+
+    @property
+    def verdict(self) -> Verdict:
+        """The last verdict: healthy, outer_ring, inner_ring, roller, cage, compound or sensor."""
+        return self.last.verdict
+
+    @property
+    def confidence(self) -> float:
+        """Confidence in it, from 0.5 at a threshold towards 1; 0 for a sensor fault."""
+        return self.last.confidence
+
+    @property
+    def reason(self) -> str:
+        """The evidence in one sentence."""
+        return self.last.reason
+
+    @property
+    def since(self) -> float:
+        """Time of the first diagnosis with that verdict [s]."""
+        return next(diagnosis.time for diagnosis in self.history if diagnosis.verdict == self.verdict)
+
+    def to_pandas(self) -> pd.DataFrame:
+        """Return a DataFrame over time [s]: verdict, confidence, shaft frequency [Hz], levels [dB] and severity [m/s^2].
+
+        Raises
+        ------
+        Refusal
+            pandas is not installed.
+        """
+        rows = [
+            {
+                "verdict": diagnosis.verdict,
+                "confidence": diagnosis.confidence,
+                "shaft_frequency": diagnosis.shaft_frequency,
+                **diagnosis.levels,
+                "severity": diagnosis.severity,
+            }
+            for diagnosis in self.history
+        ]
+        return pandas().DataFrame(rows, index=pandas().Index([diagnosis.time for diagnosis in self.history], name="time"))
+
+
+def detect(
+    signal: Signal | npt.ArrayLike,
+    sampling_rate: float | None = None,
+    *,
+    shaft_angle: npt.ArrayLike | None = None,
+    bearing: BearingLike | None = None,
+    parameters: DetectorParameters | None = None,
+) -> DetectionResult:
+    """Run the fault detector over a run, a recording or plain arrays.
+
+    Parameters
+    ----------
+    signal
+        A `Run`, `Recording` or `Waveform`, or accelerations of shape (samples, 2) or (samples,) [m/s^2].
+    sampling_rate, bearing
+        Sampling rate [Hz] and geometry or orders of the bearing; needed with plain arrays, and with these only.
+    shaft_angle
+        Rotation of the inner ring beside plain arrays, shape (samples,) [rad]. Without it the speed is estimated from the signal.
+    parameters
+        Window, bands and thresholds of the detector; the defaults otherwise.
+
+    Returns
+    -------
+    DetectionResult
+        The last verdict, its evidence and the history.
+
+    Raises
+    ------
+    Refusal
+        A signal that is too short for a verdict, or arrays that are not a waveform.
+
+    Examples
+    --------
+    >>> import dcrb_ros
+    >>> run = dcrb_ros.simulate("outer_ring_defect", 3.0)
+    >>> dcrb_ros.detect(run).verdict
+    'outer_ring'
+
+    Block by block, as a node does it:
+
+    >>> detector = dcrb_ros.FaultDetector(run.orders, run.sampling_rate)
+    >>> for piece in run.pieces():
+    ...     diagnosis = detector.update(piece.first_index, piece.acceleration, piece.shaft_angle)
+    """
+    source = signal_of(signal, sampling_rate, shaft_angle=shaft_angle, bearing=bearing)
+    if math.isnan(source.orders.bpfo):
+        raise Refusal("the orders of the bearing are unknown: give its geometry or orders as bearing")
+    detector = FaultDetector(source.orders, source.sampling_rate, parameters or DetectorParameters())
+    found, samples = _diagnoses(detector, source.pieces())
+    duration = samples / source.sampling_rate
+    if all(diagnosis.verdict == "waiting" for diagnosis in found):
+        why = found[-1].reason if found else f"it needs {detector.parameters.least_window:g} s"
+        raise Refusal(f"the signal holds {duration:.2f} s of waveform, too little for a verdict: {why}")
+    return DetectionResult(tuple(found), duration)
+
+
+def _diagnoses(detector: FaultDetector, pieces: Iterable[Piece]) -> tuple[list[Diagnosis], int]:
+    """Return the diagnoses of a signal, and its number of samples."""
+    found, samples = [], 0
+    for piece in pieces:
+        detector.sensor_range = piece.sensor_range
+        diagnosis = detector.update(piece.first_index, piece.acceleration, piece.shaft_angle)
+        samples += len(piece.shaft_angle)
+        if diagnosis is not None:
+            found.append(diagnosis)
+    return found, samples

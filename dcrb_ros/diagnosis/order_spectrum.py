@@ -1,0 +1,129 @@
+"""The squared envelope spectrum over orders of the shaft, and families of lines in it.
+
+Antoni 2007, "Cyclic spectral analysis of rolling-element bearing signals: Facts and fictions", explains why the squared envelope is the
+quantity to analyse; Randall and Antoni 2011, "Rolling element bearing diagnostics - A tutorial", describe the method.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+from scipy import fft
+
+from dcrb_ros.runtime.arrays import Floats
+
+SMALLEST = np.finfo(np.float64).tiny
+HARMONICS = np.array([1.0, 2.0, 3.0])
+"""Harmonics of a characteristic frequency that count; higher ones are too faint."""
+SHAFT_SIDEBANDS = np.array([-2.0, -1.0, 0.0, 1.0, 2.0])
+"""Sidebands of an inner-ring defect [orders]."""
+CAGE_SIDEBANDS = np.array([-1.0, 0.0, 1.0])
+"""Sidebands of a roller defect in multiples of FTF."""
+SLIP_STEPS = np.linspace(-1.0, 1.0, 41)
+"""Departures from the kinematic order that are tried, relative to the largest one."""
+RESOLUTION = np.arange(-2, 3)
+"""Bins within the resolution of a line, in a spectrum padded to twice its length."""
+BESIDE = 0.3
+"""Orders beyond the last line of a family over which its background is taken [-]."""
+LOWEST_ORDER = 0.3
+"""Order from which the background is taken [-]: slow changes over the window lie below it."""
+
+
+def median(values: npt.NDArray[Any]) -> Any:
+    """Return the same bits as `numpy.median` of finite numbers in a fifth of its time, without its check for NaN."""
+    middle = len(values) // 2
+    partitioned = np.partition(values, middle)
+    return partitioned[middle] if len(values) % 2 else (partitioned[:middle].max() + partitioned[middle]) / 2
+
+
+class OrderSpectrum(NamedTuple):
+    """The squared envelope spectrum of one band over orders."""
+
+    orders: Floats
+    """Orders of the shaft, equally spaced from 0 [-]."""
+    amplitude: npt.NDArray[np.float32]
+    """One-sided amplitudes [unit^2]."""
+    mean: float
+    """Mean of the squared envelope, which is twice the power in the band [unit^2]."""
+
+    def background(self, highest: float) -> float:
+        """Return the median amplitude up to the ``highest`` order [unit^2]; the spectrum of impacts falls with the order."""
+        first, last = np.searchsorted(self.orders, [LOWEST_ORDER, highest + BESIDE])
+        return float(median(self.amplitude[first:last])) if last > first else 0.0
+
+    def lines(self, orders: npt.ArrayLike) -> Floats:
+        """Return the largest amplitude within the resolution of each order, shape of ``orders`` [unit^2]."""
+        middle = np.rint(np.asarray(orders) / self.orders[1]).astype(np.int64)
+        near = np.clip(middle[:, None] + RESOLUTION, 1, len(self.amplitude) - 1)
+        return np.asarray(self.amplitude[near].max(axis=1), np.float64)
+
+
+class LineFamily(NamedTuple):
+    """A family of lines, represented by its median, which a single line of another origin cannot change."""
+
+    order: float
+    """Order of the fundamental [-]."""
+    amplitude: float
+    """Median amplitude of the lines [unit^2]."""
+    depth: float
+    """Modulation depth: amplitude over the mean squared envelope, 0 without modulation, approaching 2 for sharp impacts [-]."""
+    level: float
+    """Amplitude over the background [dB]."""
+
+
+NO_LINES = LineFamily(0.0, 0.0, 0.0, 0.0)
+
+
+def order_spectra(envelopes: npt.NDArray[np.floating], missing: npt.NDArray[np.bool_], bins_per_turn: float) -> list[OrderSpectrum]:
+    """Return the spectrum of each row of squared envelopes, shape (bands, bins), with ``bins_per_turn``.
+
+    Bins that are ``missing``, shape (bins,), are replaced by the mean of their row. A Hann window suppresses leakage; zero-padding to
+    twice the length reduces the scalloping loss to 0.4 dB.
+    """
+    bins = envelopes.shape[1]
+    known = envelopes[:, ~missing] if missing.any() else envelopes
+    means = known.mean(axis=1, dtype=np.float64) if known.shape[1] else np.zeros(len(envelopes))
+    window = np.where(missing, 0.0, np.hanning(bins + 1)[:-1]).astype(np.float32)
+    values = (envelopes - means.astype(np.float32)[:, None]) * window
+    length = fft.next_fast_len(2 * bins, real=True)
+    amplitude = np.abs(fft.rfft(values, length, axis=1)) * np.float32(2.0 / (float(window.sum()) or 1.0))
+    orders = np.arange(amplitude.shape[1]) * (bins_per_turn / length)
+    amplitude /= np.sinc(orders / bins_per_turn).astype(np.float32)  # attenuation by averaging within a bin
+    return [OrderSpectrum(orders, row, float(mean)) for row, mean in zip(amplitude, means, strict=True)]
+
+
+def decibels(ratio: float) -> float:
+    """Return a ratio of squared amplitudes in decibels, limited to 120 dB."""
+    return float(10.0 * np.log10(min(max(ratio, 1e-12), 1e12)))
+
+
+def ratio(value: float, reference: float) -> float:
+    """Return a ratio of squared amplitudes, at most 1e12; 0 if the reference is 0."""
+    return min(value / reference, 1e12) if reference > 0.0 else 0.0
+
+
+def fitted_orders(spectrum: OrderSpectrum, orders: npt.ArrayLike, slip: float) -> Floats:
+    """Return for each of ``orders`` the order within ``slip`` (relative) whose first harmonics have the largest product.
+
+    Rollers slip a little, and rollers pinned at the pitch circle roll 0.2 % off the kinematic order. A product of the harmonics is less
+    sensitive to a single strong line of another origin than a sum.
+    """
+    candidates = np.multiply.outer(np.asarray(orders, np.float64), 1.0 + slip * SLIP_STEPS)
+    found = np.interp(np.multiply.outer(HARMONICS, candidates), spectrum.orders, spectrum.amplitude)
+    best = np.argmax(np.log(np.maximum(found, SMALLEST)).sum(axis=0), axis=1)
+    return np.asarray(candidates[np.arange(len(best)), best], np.float64)
+
+
+def line_family(spectrum: OrderSpectrum, order: float, lines: Floats) -> LineFamily:
+    """Return the family with a fundamental ``order`` and ``lines`` at given orders, shape (lines,)."""
+    amplitude = float(median(spectrum.lines(lines)))
+    background = spectrum.background(float(lines.max()))
+    level = decibels(ratio(amplitude, background)) if amplitude > 0.0 and background > 0.0 else 0.0
+    return LineFamily(order, amplitude, ratio(amplitude, spectrum.mean), level)
+
+
+def deeper(first: LineFamily, second: LineFamily) -> LineFamily:
+    """Return the family with the larger modulation depth, the first if they are equal."""
+    return second if second.depth > first.depth else first

@@ -1,0 +1,54 @@
+"""A saturated sensor: samples are clipped."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from dcrb_ros.diagnosis.evidence import SampleEvidence
+from dcrb_ros.diagnosis.rule import SampleRule
+from dcrb_ros.schema.fields import Group, quantity
+
+FEWEST_VALUES = 16
+"""Different values below which flat peaks are the steps of a coarse ADC."""
+
+
+class SaturationParameters(Group):
+    """Thresholds for clipped samples."""
+
+    most_clipped: float = quantity(
+        0.15, "-", "Largest share of clipped samples in a hop; more indicate a sensor fault, impacts of a defect clip up to 0.1", 0.0, 1.0
+    )
+    least_clipped: float = quantity(
+        0.0005, "-", "Largest share of samples clipped below the range in a hop; more indicate a sensor fault", 0.0, 1.0
+    )
+    range_share: float = quantity(
+        0.9, "-", "Clipping level relative to the sensor's range below which it indicates a sensor fault", 0.0, 1.0
+    )
+
+
+class Saturation(SampleRule[SaturationParameters]):
+    """Counts consecutive samples at the largest or smallest value; a fault if they are many, or if the limit is below the range."""
+
+    parameters = SaturationParameters
+    at_standstill = True
+
+    def __init__(self, parameters: SaturationParameters) -> None:
+        super().__init__(parameters)
+        self.clipped = 0
+        """Clipped samples so far."""
+
+    def flaw(self, evidence: SampleEvidence) -> str:
+        for axis, column in evidence.axes:
+            ends = float(column.max()), float(column.min())
+            flat = [column == end for end in ends]
+            clipped = sum(int(np.count_nonzero(at)) for at in flat if np.any(at[1:] & at[:-1]))
+            if not clipped or len(np.unique(column[: 16 * FEWEST_VALUES])) < FEWEST_VALUES:
+                continue
+            self.clipped += clipped
+            limit, share = max(abs(end) for end in ends), clipped / len(column)
+            below_range = limit < self.p.range_share * evidence.sensor_range
+            if share > self.p.most_clipped or (share > self.p.least_clipped and below_range):
+                known = f" where its range is {evidence.sensor_range:g}" if evidence.sensor_range else ""
+                level = f"{limit:.3g} m/s^2{known} for {share:.1%} of the time"
+                return f"the acceleration in {axis} is clipped at {level}: the sensor is saturated"
+        return ""

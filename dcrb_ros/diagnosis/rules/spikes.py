@@ -1,0 +1,68 @@
+"""A loose cable: spikes of single samples that do not ring."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from dcrb_ros.diagnosis.evidence import SampleEvidence
+from dcrb_ros.diagnosis.order_spectrum import median
+from dcrb_ros.diagnosis.rule import SampleRule
+from dcrb_ros.runtime.arrays import Floats
+from dcrb_ros.schema.fields import Group, quantity
+
+BEFORE = 4
+"""Samples before a spike that must be quiet."""
+
+
+class SpikeParameters(Group):
+    """Shape and number of spikes."""
+
+    spike_height: float = quantity(
+        25.0, "-", "Jump within one sample, relative to the median magnitude of the samples, that may be a spike", 5.0, 1e4
+    )
+    spike_quiet: float = quantity(0.12, "-", "Largest magnitude before a spike relative to its height; an impact has a rise", 0.0, 1.0)
+    spike_front: float = quantity(0.9, "-", "Share of its height that a spike reaches within one sample; an impact takes several", 0.0, 1.0)
+    spike_swing: float = quantity(
+        0.15, "-", "Largest overshoot of a spike to the other side relative to its height; an impact rings", 0.0, 1.0
+    )
+    spike_time: float = quantity(0.001, "s", "Time within which an impact on the bearing overshoots and a spike does not", 1e-5, 0.1)
+    most_spikes: int = quantity(3, "spikes", "Number of spikes in a window that indicates a loose cable", 1, 100000)
+
+
+class Spikes(SampleRule[SpikeParameters]):
+    """Spikes in the latest hops of a window."""
+
+    parameters = SpikeParameters
+    at_standstill = True
+
+    def __init__(self, parameters: SpikeParameters) -> None:
+        super().__init__(parameters)
+        self._counts: list[int] = []
+
+    def flaw(self, evidence: SampleEvidence) -> str:
+        after = max(4, round(self.p.spike_time * evidence.rate))
+        count = sum(count_spikes(column, after, self.p) for _, column in evidence.axes)
+        self._counts = [*self._counts, count][-evidence.hops :]
+        if sum(self._counts) < self.p.most_spikes or not count:
+            return ""
+        return f"{sum(self._counts)} spikes without ringing in the window: a cable or its plug is loose"
+
+
+def count_spikes(column: Floats, after: int, p: SpikeParameters) -> int:
+    """Return the number of samples that jump from quiet to their full height and do not swing back within ``after`` samples."""
+    centred = column - median(column)
+    size, steps = np.abs(centred), np.abs(np.diff(centred))
+    # If most samples are larger than this, so is their median, and no step is high enough: the median need not be computed.
+    if 2 * np.count_nonzero(size > 1.001 * float(steps.max()) / p.spike_height) > len(column) + 1:
+        return 0
+    least = p.spike_height * float(median(size))
+    jumps = np.flatnonzero(steps > least) + 1
+    jumps = jumps[(jumps >= BEFORE) & (jumps < len(column) - after)]
+    if not len(jumps) or least == 0.0:
+        return 0
+    top = centred[jumps]
+    before = np.abs(centred[jumps[:, None] - np.arange(1, BEFORE + 1)]).max(axis=1)
+    course = np.sign(top)[:, None] * centred[jumps[:, None] + np.arange(after)]
+    height, highest, swing = np.abs(top), course.max(axis=1), -course.min(axis=1)
+    sharp = (before < p.spike_quiet * height) & (height > p.spike_front * highest) & (swing < p.spike_swing * height)
+    return int(np.count_nonzero(sharp & (height > least)))

@@ -1,0 +1,71 @@
+"""A detector under evaluation, run in this process on a recording."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+from typing import Any, Protocol
+
+import numpy.typing as npt
+
+from dcrb_ros.bearing.kinematics import Orders
+from dcrb_ros.diagnosis.detector import FaultDetector
+from dcrb_ros.diagnosis.diagnosis import Diagnosis
+from dcrb_ros.diagnosis.parameters import DetectorParameters
+from dcrb_ros.exam.case import Case
+from dcrb_ros.exam.received_diagnosis import ReceivedDiagnosis, decode_diagnosis
+from dcrb_ros.exam.recording_cache import cached_recording
+from dcrb_ros.messages.topics.diagnosis import encode_diagnosis
+from dcrb_ros.recordings.reader import Recording
+from dcrb_ros.runtime.refusal import Refusal, nearest
+from dcrb_ros.schema.verdicts import VERDICTS
+
+
+class Detector(Protocol):
+    """A fault detector that processes a signal block by block, as `dcrb_ros.FaultDetector` does."""
+
+    def update(self, index: int, acceleration: npt.NDArray[Any], shaft_angle: npt.NDArray[Any], /) -> Diagnosis | str | None:
+        """Process a block; return a diagnosis or a verdict (``"healthy"``, ``"outer_ring"`` ...), or None if there is none yet."""
+
+
+DetectorFactory = Callable[[Orders, int], Detector]
+"""Called with the characteristic orders of the bearing and the sampling rate [Hz]; returns a new detector."""
+
+
+def run_detector(factory: DetectorFactory, bag: Path) -> list[ReceivedDiagnosis]:
+    """Return a detector's diagnoses of a recording, decoded from the messages that a node would publish.
+
+    Raises:
+        Refusal: the recording cannot be read, or the detector returns an unknown verdict.
+    """
+    recording = Recording(bag)
+    rate = recording.sampling_rate
+    detector, diagnoses = factory(recording.orders, rate), []
+    for piece in recording.pieces():
+        if hasattr(detector, "sensor_range"):
+            detector.sensor_range = piece.sensor_range
+        output = detector.update(piece.first_index, piece.acceleration, piece.shaft_angle)
+        if output is not None:
+            diagnoses.append(_received(output, (piece.first_index + len(piece.shaft_angle) - 1) / rate))
+    return diagnoses
+
+
+def run_shipped_detector(bag: Path, parameters: DetectorParameters) -> list[ReceivedDiagnosis]:
+    """Return the shipped detector's diagnoses of a recording."""
+    return run_detector(partial(FaultDetector, parameters=parameters), bag)
+
+
+def run_shipped_detector_on_case(case: Case, folder: Path, parameters: DetectorParameters) -> list[ReceivedDiagnosis]:
+    """Return the shipped detector's diagnoses of a case; simulate the case if ``folder`` has no recording of it."""
+    return run_shipped_detector(cached_recording(case, folder), parameters)
+
+
+def _received(output: Diagnosis | str, time: float) -> ReceivedDiagnosis:
+    """Return the output of a detector at a time [s] in the form that the exam evaluates."""
+    if isinstance(output, Diagnosis):
+        return decode_diagnosis(encode_diagnosis(output))
+    if output not in VERDICTS:
+        known = f"{', '.join(VERDICTS)}{nearest(str(output), VERDICTS)}"
+        raise Refusal(f"update returned {output!r}, which is not a verdict: return one of {known}")
+    return ReceivedDiagnosis(time, output)

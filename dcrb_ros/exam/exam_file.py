@@ -1,0 +1,264 @@
+"""The exam file: its schema, and how it is expanded into cases.
+
+A list where a parameter takes a single value is a variation: one case is made for each value, for every operating point and seed.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from pydantic import Field, ValidationError
+
+from dcrb_ros.bearing.runtime_change import altered
+from dcrb_ros.exam.case import Case, Run, canonical, derived_tags
+from dcrb_ros.exam.criteria import Criteria, DelayLimits
+from dcrb_ros.exam.expectation import Expectation
+from dcrb_ros.faults.ground_truth import class_of
+from dcrb_ros.runtime.refusal import Refusal, nearest
+from dcrb_ros.schema.fields import Group, choice, quantity
+from dcrb_ros.schema.verdicts import FAULT_CLASSES, FaultClass
+from dcrb_ros.settings.configuration import Configuration
+from dcrb_ros.settings.files import find_configuration, flatten, read_parameters, shipped_folder, validated
+from dcrb_ros.settings.vehicle_speed import without_replaced
+from dcrb_ros.settings.yaml import read_yaml
+from dcrb_ros.simulation.scenario import ScheduledChange, read_scenario_file, scheduled_changes, starting_configuration
+
+MOST_CASES = 10_000
+
+
+class Entry(Group):
+    """A scenario of the file, or a family of scenarios."""
+
+    name: str
+    verdict: FaultClass
+    points: list[str] | None = None
+    """Operating points by name; all of them if omitted."""
+    seeds: list[int] | None = None
+    duration: float | None = Field(None, ge=0.1, le=1e5)
+    onset: float | None = Field(None, ge=0.0, le=1e5)
+    base: str | None = None
+    """Configuration, if different from the exam's."""
+    set: dict[str, Any] = Field(default_factory=dict)
+    """Parameters set from the start; a list gives one case per value."""
+    fault: dict[str, Any] = Field(default_factory=dict)
+    """Parameters set at the onset; a list gives one case per value. If empty, `set` or the timeline must produce the fault."""
+    scenario: str = choice("", "A shipped scenario or a file, in addition to the fault")
+    timeline: list[dict[str, Any]] = Field(default_factory=list)
+    """Entries of a scenario, in addition to the fault."""
+    tags: dict[str, str] = Field(default_factory=dict)
+    required: bool = True
+    twin: bool = True
+
+
+class ExamFile(Group):
+    """An exam as written in its file."""
+
+    exam: str
+    about: str = ""
+    base: str = "healthy"
+    duration: float = quantity(10.0, "s", "Simulated time of a scenario", 0.1, 1e5)
+    onset: float = quantity(4.0, "s", "Time at which the fault appears", 0.0, 1e5)
+    seeds: list[int] = Field(default_factory=lambda: [1])
+    points: dict[str, dict[str, Any]] = Field(default_factory=dict)
+    criteria: Criteria = Criteria()
+    scenarios: list[Entry]
+
+
+@dataclass(frozen=True)
+class Exam:
+    """An exam expanded into cases."""
+
+    name: str
+    about: str
+    criteria: Criteria
+    cases: tuple[Case, ...]
+
+
+def shipped_exams() -> dict[str, Path]:
+    """Return the shipped exams by name."""
+    return {path.stem: path for path in sorted((shipped_folder() / "exams").glob("*.yaml"))}
+
+
+def read_exam(source: str | Path) -> Exam:
+    """Return the exam given by a file or by a shipped name.
+
+    Raises:
+        Refusal: there is no such exam, it has an unknown key or no expected verdict, or one of its scenarios is invalid.
+    """
+    shipped = shipped_exams()
+    path = Path(source)
+    if not path.is_file():
+        if str(source) not in shipped:
+            raise Refusal(f"there is no exam '{source}': give a YAML file or one of {', '.join(shipped)}{nearest(str(source), shipped)}")
+        path = shipped[str(source)]
+    return exam_of(read_yaml(path), str(source))
+
+
+def exam_of(tree: Any, source: str) -> Exam:
+    """Return the exam described by a tree read from YAML; see `read_exam`."""
+    if not isinstance(tree, Mapping):
+        raise Refusal(f"{source} is not an exam: it must have the keys 'exam', 'criteria' and a list 'scenarios'")
+    try:
+        file = ExamFile.model_validate(tree)
+    except ValidationError as error:
+        raise Refusal(f"{source}: {_sentence(error, tree)}") from None
+    cases = [case for entry in file.scenarios for case in _cases(file, entry, source)]
+    if not 0 < len(cases) <= MOST_CASES:
+        raise Refusal(f"{source} defines {len(cases)} scenarios: an exam must have 1 to {MOST_CASES}")
+    names = [case.expectation.name for case in cases]
+    twice = next((name for name in names if names.count(name) > 1), None)
+    if twice is not None:
+        raise Refusal(f"{source}: two scenarios are called '{twice}': give them different names")
+    return Exam(file.exam, file.about, file.criteria, tuple(_with_twins(cases)))
+
+
+def _sentence(error: ValidationError, tree: Mapping[str, Any]) -> str:
+    """Return the first error of an exam file as a sentence."""
+    problem = error.errors()[0]
+    where, key = _location(problem["loc"][:-1], tree), str(problem["loc"][-1])
+    if problem["type"] == "extra_forbidden":
+        inside = problem["loc"][:-1]
+        model = ExamFile if not inside else Entry if inside[0] == "scenarios" else DelayLimits if "delay" in inside else Criteria
+        known = model.model_fields
+        return f"{where}unknown key '{key}'{nearest(key, known)} (known: {', '.join(known)})"
+    if key == "verdict":
+        reason = "the key 'verdict' is missing" if problem["type"] == "missing" else f"verdict = {problem['input']!r} is unknown"
+        return f"{where}{reason}: give one of {', '.join(FAULT_CLASSES)}"
+    if problem["type"] == "missing":
+        return f"{where}the key '{key}' is missing"
+    return f"{where}{key} = {problem['input']!r} is refused: {problem['msg'][0].lower()}{problem['msg'][1:]}"
+
+
+def _location(location: Sequence[int | str], tree: Mapping[str, Any]) -> str:
+    """Return the place of an error in the file, as the beginning of a sentence."""
+    if len(location) >= 2 and location[0] == "scenarios" and isinstance(location[1], int):
+        entry = tree["scenarios"][location[1]]
+        name = entry.get("name") if isinstance(entry, Mapping) else None
+        return f"scenario {repr(name) if name else location[1] + 1}: "
+    return f"{'.'.join(str(part) for part in location)}: " if location else ""
+
+
+def _cases(file: ExamFile, entry: Entry, source: str) -> Iterator[Case]:
+    """Yield the cases of an entry."""
+    where = f"{source}, scenario '{entry.name}'"
+    names = list(file.points) if entry.points is None else entry.points
+    unknown = [name for name in names if name not in file.points]
+    if unknown:
+        raise Refusal(f"{where}: there is no operating point '{unknown[0]}'{nearest(unknown[0], file.points)}")
+    # The parameters of the file only, not the validated ones: a preset fills in the values that are not given.
+    base = read_parameters(find_configuration(entry.base or file.base), "simulator")
+    for point in names or [""]:
+        for seed in entry.seeds or file.seeds:
+            for fixed, fault, words in _variations(entry, where):
+                overlay = {**flatten(file.points.get(point, {})), "simulation.seed": seed, **fixed}
+                parts = [entry.name, *([point] if len(names) > 1 else []), *words]
+                many_seeds = len(entry.seeds or file.seeds) > 1
+                name = "/".join([*parts, *([f"seed{seed}"] if many_seeds else [])])
+                tags: dict[str, str] = {**({"point": point} if point else {}), **entry.tags}
+                tagged = entry.model_copy(update={"tags": tags})
+                yield _case(file, tagged, f"{source}, scenario '{name}'", name, base, overlay, fault)
+
+
+def _variations(entry: Entry, where: str) -> Iterator[tuple[dict[str, Any], dict[str, Any], list[str]]]:
+    """Yield fixed parameters, fault parameters and name parts for every combination of listed values."""
+    fixed, fault = flatten(entry.set), flatten(entry.fault)
+    lists = [(group, key, value) for group in (fixed, fault) for key, value in group.items() if isinstance(value, list)]
+    empty = next((key for _, key, values in lists if not values), None)
+    if empty is not None:
+        raise Refusal(f"{where}: {empty} has an empty list: give at least one value")
+    for values in itertools.product(*(value for _, _, value in lists)):
+        own = dict(fixed), dict(fault)
+        for (group, key, _), value in zip(lists, values, strict=True):
+            own[0 if group is fixed else 1][key] = value
+        yield (*own, [f"{key.rsplit('.', 1)[-1]}={value}" for (_, key, _), value in zip(lists, values, strict=True)])
+
+
+def _case(
+    file: ExamFile, entry: Entry, where: str, name: str, base: Mapping[str, Any], overlay: Mapping[str, Any], fault: Mapping[str, Any]
+) -> Case:
+    configuration = validated({**without_replaced(base, overlay), **overlay}, Configuration, where)
+    duration = entry.duration or file.duration
+    faulty = entry.verdict != "healthy"
+    fault_time = file.onset if entry.onset is None else entry.onset
+    entries: list[Any] = []
+    if entry.scenario:
+        profile = read_scenario_file(Path(entry.scenario))
+        configuration = starting_configuration(profile, configuration, where)
+        scheduled_changes(profile, configuration, f"{where}, {entry.scenario}")
+        entries += profile["timeline"]
+    entries += [*entry.timeline, *([{"at": fault_time, "set": dict(fault)}] if fault else [])]
+    scenario = {"timeline": entries} if entries else None
+    events = scheduled_changes(scenario, configuration, where) if scenario else []
+    onset = 0.0
+    if faulty:
+        onset = fault_time if fault or entry.onset is not None else _onset(configuration, events, entry.verdict, where)
+    limit = file.criteria.delay.of(entry.verdict) if faulty else 0.0
+    if faulty and duration < onset + limit - 1e-9:
+        raise Refusal(
+            f"{where}: it ends {duration - onset:g} s after the onset, but criteria.delay.{entry.verdict} allows {limit:g} s: "
+            "increase the duration or reduce the limit"
+        )
+    derived = derived_tags(configuration, fault)
+    narrow = faulty and 0.0 < float(derived.get("width", 0.0)) < file.criteria.smallest_width
+    twin = "?" if faulty and entry.twin and fault else ""
+    both = entry.verdict == "sensor" and any(key.startswith("faults.") for key in fault)
+    expectation = Expectation(
+        name,
+        entry.verdict,
+        duration,
+        onset,
+        {**derived, **entry.tags},
+        twin,
+        required=entry.required and not narrow,
+        bearing_onset=onset if both else None,
+    )
+    return Case(expectation, Run(configuration, scenario, duration))
+
+
+def _onset(configuration: Configuration, events: Sequence[ScheduledChange], verdict: str, where: str) -> float:
+    """Return the time from which a verdict is correct [s], if the entry gives neither fault nor onset: at the start or by the timeline."""
+    present = configuration
+    if class_of(present.described_faults()) == verdict:
+        return 0.0
+    for event in events:
+        present = altered(present, event.changes, where)
+        if class_of(present.described_faults()) == verdict:
+            return event.step / present.step_rate
+    raise Refusal(f"{where}: nothing in it makes {verdict} correct: give 'fault', a timeline with a fault, or 'onset'")
+
+
+def _without_fault(case: Case) -> Mapping[str, Any] | None:
+    """Return the timeline of a case's twin."""
+    entries = list((case.run.scenario or {"timeline": []})["timeline"])[:-1]
+    return {"timeline": entries} if entries else None
+
+
+def _twin_name(case: Case, taken: Sequence[str]) -> str:
+    """Return an unused name for a case's twin, based on the operating point."""
+    point = case.expectation.tags.get("point")
+    name = f"twin/{point}" if point else "twin"
+    return next(free for free in itertools.chain([name], (f"{name}-{number}" for number in itertools.count(2))) if free not in taken)
+
+
+def _with_twins(cases: Sequence[Case]) -> Iterator[Case]:
+    """Yield the cases, then their twins: the same runs without fault, one for each operating point and seed."""
+    twins: dict[str, Case] = {}
+    names = [case.expectation.name for case in cases]
+    for case in cases:
+        if not case.expectation.twin:
+            yield case
+            continue
+        scenario = _without_fault(case)
+        key = canonical([case.run.configuration.model_dump(), scenario])
+        known = twins.get(key)
+        duration = max(case.run.duration, known.run.duration if known else 0.0)
+        name = known.expectation.name if known else _twin_name(case, [*names, *(twin.expectation.name for twin in twins.values())])
+        point = {"point": case.expectation.tags["point"]} if "point" in case.expectation.tags else {}
+        tags = {**derived_tags(case.run.configuration, {}), **point}
+        twins[key] = Case(Expectation(name, "healthy", duration, 0.0, tags), Run(case.run.configuration, scenario, duration))
+        yield replace(case, expectation=replace(case.expectation, twin=name))
+    yield from twins.values()

@@ -1,0 +1,61 @@
+"""The expected diagnosis of a scenario: which verdict is correct, and from when on."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+
+@dataclass(frozen=True)
+class Expectation:
+    """The ground truth of a scenario, as the evaluation needs it."""
+
+    name: str
+    verdict: str
+    """Correct verdict from the onset on; before the onset the correct verdict is healthy."""
+    duration: float
+    """Simulated time [s]."""
+    onset: float = 0.0
+    """Time from which the verdict is correct [s]; unused if the bearing is healthy."""
+    tags: Mapping[str, str | float] = field(default_factory=dict)
+    """Kind and width [m] of the fault, speed [rad/s], load [N] and the tags of the exam file."""
+    twin: str = ""
+    """Name of the same scenario without the fault; empty if there is none."""
+    first_onset: float | None = None
+    """Onset of the first of several faults [s], if it precedes `onset`; alarms before it are false."""
+    required: bool = True
+    """Whether a missed detection fails the exam; if false, the scenario enters the statistics only."""
+    begin: float = 0.0
+    """Start of the signal [s]; a recording may start in the middle of a run."""
+    bearing_onset: float | None = None
+    """Onset of a bearing fault hidden by a sensor fault [s]; None if the bearing is healthy."""
+
+    @property
+    def faulty(self) -> bool:
+        """Whether there is a fault to detect."""
+        return self.verdict != "healthy"
+
+    @property
+    def end(self) -> float:
+        """End of the signal [s]."""
+        return self.begin + self.duration
+
+    @property
+    def clean_until(self) -> float:
+        """Time before which every alarm is false [s]."""
+        if not self.faulty:
+            return self.end
+        return self.onset if self.first_onset is None else self.first_onset
+
+    @property
+    def bearing_clean_until(self) -> float:
+        """Time before which every bearing alarm is false [s]."""
+        if self.verdict != "sensor":
+            return self.clean_until
+        return self.end if self.bearing_onset is None else self.bearing_onset
+
+    @property
+    def width(self) -> float:
+        """Width of the largest defect [m]; 0 without one."""
+        width = self.tags.get("width", 0.0)
+        return width if isinstance(width, float) else 0.0

@@ -1,0 +1,86 @@
+"""The recordings of an exam, simulated once and kept for later evaluations."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import re
+import shutil
+import tempfile
+import time
+from pathlib import Path
+
+import platformdirs
+
+from dcrb_ros.exam.case import Case, canonical
+from dcrb_ros.messages.topics import GROUND_TRUTH, VIBRATION
+from dcrb_ros.recordings.manifest import model_fingerprint, software
+from dcrb_ros.recordings.recorder import Recorder
+from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.simulation.loop import Simulation
+from dcrb_ros.simulation.scenario import scheduled_changes
+
+ABANDONED = 86400.0
+"""Age at which an unfinished recording is deleted [s]."""
+
+
+def default_folder() -> Path:
+    """Return the default folder of the recordings."""
+    return Path(platformdirs.user_cache_dir("dcrb_ros")) / "exam"
+
+
+def checked_folder(folder: Path) -> Path:
+    """Create a folder if necessary, check that it is writable, and return it.
+
+    Raises:
+        Refusal: it cannot be created or written.
+    """
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder):
+            pass
+        for unfinished in folder.glob(".making-*"):
+            if time.time() - unfinished.stat().st_mtime > ABANDONED:
+                shutil.rmtree(unfinished, ignore_errors=True)
+        return folder
+    except OSError as error:
+        raise Refusal(f"{folder} cannot hold the exam's recordings: {error.strerror}; give another folder with --recordings") from None
+
+
+def cache_path(case: Case, folder: Path) -> Path:
+    """Return the path of a case's recording; its name contains a hash of the run, the model and the software versions."""
+    everything = canonical([case.run.described(), model_fingerprint(), software()])
+    words = re.sub(r"[^a-z0-9.=_-]+", "-", case.expectation.name.lower())[:60].strip("-.")
+    return folder / f"{words}-{hashlib.sha256(everything.encode()).hexdigest()[:16]}"
+
+
+def cached_recording(case: Case, folder: Path) -> Path:
+    """Return the recording of a case; simulate it if it does not exist.
+
+    The recording is written to a temporary folder and renamed once it is complete, so an interrupted run is never used.
+    """
+    path = cache_path(case, folder)
+    if path.is_dir():
+        return path
+    making = Path(tempfile.mkdtemp(prefix=".making-", dir=folder))
+    try:
+        _simulate(case, making / path.name)
+        try:
+            os.rename(making / path.name, path)
+        except OSError:
+            if not path.is_dir():  # another process may have recorded the same case
+                raise
+    finally:
+        shutil.rmtree(making, ignore_errors=True)
+    return path
+
+
+def _simulate(case: Case, path: Path) -> None:
+    run, source = case.run, case.expectation.name
+    simulation = Simulation(run.configuration, scheduled_changes(run.scenario, run.configuration, source) if run.scenario else ())
+    # A detector reads the waveform only; the other topics would take up space.
+    topics = run.configuration.recording.model_copy(update={"topics": f"{VIBRATION.name}, {GROUND_TRUTH.name}"})
+    configuration = run.configuration.model_copy(update={"recording": topics})
+    with Recorder(path, configuration, simulation.bodies, scenario=run.scenario) as recorder:
+        for block in simulation.blocks(run.duration):
+            recorder.write(block)

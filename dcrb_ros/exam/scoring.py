@@ -1,0 +1,164 @@
+"""Scoring of one scenario: the diagnoses of a detector compared with the expected one."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+from dcrb_ros.exam.criteria import Criteria
+from dcrb_ros.exam.expectation import Expectation
+from dcrb_ros.exam.received_diagnosis import ReceivedDiagnosis
+from dcrb_ros.schema.verdicts import BEARING_FAULTS
+
+WAITING = "waiting"
+NO_ANSWER = "nothing"
+"""Answer of a detector that published no diagnosis."""
+
+
+@dataclass(frozen=True)
+class FalseAlarm:
+    """An alarm without a corresponding fault; it counts once, however long it lasts."""
+
+    time: float
+    """Time at which it was raised [s]."""
+    verdict: str
+    reason: str = ""
+    """Reason given by the detector."""
+
+
+@dataclass(frozen=True)
+class ScenarioResult:
+    """The result of one scenario."""
+
+    expectation: Expectation
+    answer: str
+    """Most frequent verdict after the delay limit; in a healthy scenario, over the whole signal."""
+    delay: float | None
+    """Detection delay: time from the onset to the correct verdict [s]; None if it was late or missing, or nothing is to be detected."""
+    alarm_delay: float | None
+    """Time from the onset to the first alarm with any verdict [s]."""
+    false_alarms: tuple[FalseAlarm, ...]
+    healthy_time: float
+    """Time during which an alarm is false [s]; the part before the onset is omitted if the twin contains the same samples."""
+    score: float | None
+    """Largest evidence for a fault from the onset on."""
+    diagnoses: int
+    """Number of diagnoses [-]."""
+    flaw: str
+    """Why the scenario failed; empty if it passed."""
+    broken: bool = False
+    """Whether the detector failed, stopped publishing or never reached a verdict."""
+
+    @property
+    def passed(self) -> bool:
+        """Whether the scenario passed."""
+        return not self.flaw
+
+    @property
+    def counted_alarms(self) -> int:
+        """False alarms that enter the rate; those before the onset are counted in the twin, which contains the same samples."""
+        return sum(alarm.time >= self.expectation.onset or not self.expectation.twin for alarm in self.false_alarms)
+
+    @property
+    def found(self) -> bool:
+        """Whether the fault was detected in time with the correct verdict."""
+        return self.delay is not None and self.answer == self.expectation.verdict
+
+
+def score_scenario(
+    expectation: Expectation, diagnoses: Sequence[ReceivedDiagnosis], criteria: Criteria, *, failure: str = ""
+) -> ScenarioResult:
+    """Return the result of a scenario; ``failure`` says why the detector stopped early, if it did."""
+    ordered = sorted(diagnoses, key=lambda diagnosis: diagnosis.time)
+    onset = expectation.onset if expectation.faulty else expectation.end
+    limit = criteria.delay.of(expectation.verdict) if expectation.faulty else 0.0
+    alarms = tuple(_false_alarms(expectation, ordered))
+    correct = _correct_verdicts(expectation, criteria)
+    delay = _delay(ordered, correct, onset, limit) if expectation.faulty else None
+    last = [d for d in ordered if not expectation.faulty or d.time >= onset + limit] or ordered[-1:]
+    # All correct verdicts count as one answer, so that together they can outvote a wrong one.
+    answer = _answer([replace(d, verdict=expectation.verdict) if d.verdict in correct else d for d in last])
+    scores = [d.score for d in ordered if d.score is not None and (d.time >= onset or not expectation.faulty)]
+    broken = failure or _silence(expectation, ordered, criteria)
+    flaw = broken or _flaw(expectation, answer, delay, limit, alarms)
+    return ScenarioResult(
+        expectation,
+        answer,
+        delay,
+        _delay(ordered, frozenset(BEARING_FAULTS) | {"sensor"}, onset, expectation.duration) if expectation.faulty else None,
+        alarms,
+        _healthy_time(expectation),
+        max(scores, default=None),
+        len(ordered),
+        flaw,
+        bool(broken) or answer in (NO_ANSWER, WAITING),
+    )
+
+
+def _correct_verdicts(expectation: Expectation, criteria: Criteria) -> frozenset[str]:
+    """Return the verdicts that count as correct."""
+    any_bearing_fault = not criteria.name_right and expectation.verdict in BEARING_FAULTS
+    return frozenset(BEARING_FAULTS) if any_bearing_fault else frozenset({expectation.verdict})
+
+
+def _false_alarms(expectation: Expectation, diagnoses: Sequence[ReceivedDiagnosis]) -> Iterator[FalseAlarm]:
+    """Yield the alarms raised before the onset, and bearing alarms while only the sensor is faulty."""
+    current = ""
+    for diagnosis in diagnoses:
+        clean_until = expectation.bearing_clean_until if diagnosis.verdict in BEARING_FAULTS else expectation.clean_until
+        healthy = diagnosis.time < clean_until or clean_until >= expectation.end
+        if healthy and diagnosis.alarm and diagnosis.verdict != current:
+            yield FalseAlarm(diagnosis.time, diagnosis.verdict, diagnosis.reason)
+        if diagnosis.verdict != WAITING:
+            current = diagnosis.verdict if diagnosis.alarm else ""
+
+
+def _healthy_time(expectation: Expectation) -> float:
+    """Return the time during which a bearing alarm is false, without the part that the twin contains [s]."""
+    return expectation.bearing_clean_until - (expectation.onset if expectation.twin else expectation.begin)
+
+
+def _delay(diagnoses: Sequence[ReceivedDiagnosis], wanted: frozenset[str], onset: float, limit: float) -> float | None:
+    """Return the time from the onset to the first wanted verdict [s]; None if it is later than ``limit`` or missing.
+
+    A wanted verdict that was already current before the onset does not count: it cannot be a detection.
+    """
+    current = ""
+    for diagnosis in diagnoses:
+        if diagnosis.time >= onset and diagnosis.verdict in wanted and current not in wanted:
+            return diagnosis.issued_at - onset if diagnosis.issued_at <= onset + limit + 1e-9 else None
+        # The verdict "waiting" neither raises nor ends an alarm.
+        if diagnosis.verdict != WAITING:
+            current = diagnosis.verdict
+    return None
+
+
+def _answer(diagnoses: Sequence[ReceivedDiagnosis]) -> str:
+    """Return the most frequent verdict, the later one of a tie; "waiting" only if there is no other."""
+    counts = Counter(diagnosis.verdict for diagnosis in diagnoses if diagnosis.verdict != WAITING)
+    if not counts:
+        return WAITING if diagnoses else NO_ANSWER
+    latest = {diagnosis.verdict: diagnosis.time for diagnosis in diagnoses}
+    return max(counts, key=lambda verdict: (counts[verdict], latest[verdict]))
+
+
+def _silence(expectation: Expectation, diagnoses: Sequence[ReceivedDiagnosis], criteria: Criteria) -> str:
+    """Return a sentence on the first gap between diagnoses longer than `Criteria.silence`; empty if there is none."""
+    times = [expectation.begin, *(diagnosis.time for diagnosis in diagnoses), expectation.end]
+    for begin, end in pairwise(times):
+        if end - begin > criteria.silence:
+            return f"no diagnosis from {begin:.1f} s to {end:.1f} s" if diagnoses else "no diagnosis"
+    return ""
+
+
+def _flaw(expectation: Expectation, answer: str, delay: float | None, limit: float, alarms: Sequence[FalseAlarm]) -> str:
+    if alarms:
+        more = f" and {len(alarms) - 1} more" if len(alarms) > 1 else ""
+        return f"false alarm at {alarms[0].time:.1f} s ({alarms[0].verdict}){more}"
+    if answer != expectation.verdict:
+        return f"diagnosed as {answer}"
+    if expectation.faulty and delay is None:
+        return f"not detected within {limit:g} s"
+    return ""

@@ -1,0 +1,122 @@
+"""What a topic of the bench is: name, type, delivery, and how its messages are encoded and decoded."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+from dcrb_ros.diagnosis.diagnosis import Diagnosis
+from dcrb_ros.messages.cdr import decoded, stamp_of
+from dcrb_ros.settings.configuration import Configuration
+from dcrb_ros.simulation.block import Block
+
+NAMESPACE = "/dcrb"
+MANIFEST = "dcrb_ros"
+"""Name of the metadata record in which a recording describes itself."""
+
+
+@dataclass(frozen=True)
+class Topic:
+    """A topic relative to the namespace, or absolute."""
+
+    name: str
+    type: str
+    """ROS message type, ``package/msg/Type``."""
+    content: str
+    """What its messages carry, for the documentation."""
+    depth: int = 200
+    """Messages kept for a slow subscriber."""
+    latched: bool = False
+    """Whether a late subscriber receives the last message."""
+    decode: Callable[[bytes], Any] | None = None
+    """Decodes a message; without it the message is decoded to the class of its type."""
+
+    def resolved(self, namespace: str) -> str:
+        """Return the absolute name."""
+        return self.name if self.name.startswith("/") else f"{namespace.rstrip('/')}/{self.name}"
+
+    def decoded(self, data: bytes) -> Any:
+        """Return what a message carries.
+
+        Raises:
+            Refusal: the bytes are not such a message.
+        """
+        return self.decode(data) if self.decode else decoded(data, self.type)
+
+    def stamp(self, data: bytes) -> int:
+        """Return the stamp of a message with a header [ns].
+
+        Raises:
+            Refusal: the bytes are not such a message.
+        """
+        return stamp_of(decoded(data, self.type).header)
+
+
+@dataclass(frozen=True)
+class Message:
+    """An encoded message: the same bytes are published and recorded."""
+
+    topic: Topic
+    time_ns: int
+    """Simulated time of the header [ns]."""
+    data: bytes
+    """The message in CDR."""
+
+    @property
+    def content(self) -> Any:
+        """What the message carries, as its topic decodes it."""
+        return self.topic.decoded(self.data)
+
+
+@dataclass(frozen=True)
+class Source:
+    """The bench whose blocks are encoded."""
+
+    configuration: Configuration
+    bodies: Sequence[str]
+    """Names of the bodies in the order of the states."""
+
+    @property
+    def frame(self) -> str:
+        """Frame of the sensor's messages."""
+        return self.configuration.publishing.frame
+
+    def after(self, block: Block) -> Source:
+        """Return the source with the sensor's range at the end of a block."""
+        sensor = self.configuration.sensor
+        if block.range in (0.0, sensor.range):
+            return self
+        changed = sensor.model_copy(update={"range": block.range})
+        return replace(self, configuration=self.configuration.model_copy(update={"sensor": changed}))
+
+
+Encoded = Iterable[tuple[int, bytes]]
+"""Encoded messages, each with its simulated time [ns]."""
+
+
+def always(configuration: Configuration) -> bool:
+    """Return true: a topic of every configuration."""
+    return True
+
+
+@dataclass(frozen=True)
+class SimulatedTopic(Topic):
+    """A topic of the simulator, encoded from the blocks of a simulation."""
+
+    encode: Callable[[Block, Source], Encoded] = lambda block, source: ()
+    """Returns the messages of a block."""
+    start: Callable[[Source], bytes] | None = None
+    """Returns the message that precedes the first block."""
+    enabled: Callable[[Configuration], bool] = always
+    """Tells whether the topic is published with a configuration."""
+
+
+@dataclass(frozen=True)
+class DetectedTopic(Topic):
+    """A topic of the fault detector, encoded from its diagnoses."""
+
+    encode: Callable[[Diagnosis], bytes | None] = lambda diagnosis: None
+    """Returns the message of a diagnosis, or none."""
+    recorded: bool = True
+    """Whether a running simulator records it beside its own topics."""

@@ -1,0 +1,88 @@
+"""The topics of the bench, one per file. A new topic needs its own file and one line in the lists below.
+
+The constants are the topics that other modules refer to.
+"""
+
+from __future__ import annotations
+
+from pkgutil import resolve_name
+from typing import Any
+
+from dcrb_ros.messages.topic import MANIFEST, NAMESPACE, DetectedTopic, Message, SimulatedTopic, Topic
+from dcrb_ros.messages.topics.acceleration import ACCELERATION
+from dcrb_ros.messages.topics.bench_diagnostics import BENCH_DIAGNOSTICS
+from dcrb_ros.messages.topics.clock import CLOCK
+from dcrb_ros.messages.topics.diagnosis import DIAGNOSIS
+from dcrb_ros.messages.topics.envelope_spectrum import ENVELOPE_SPECTRUM
+from dcrb_ros.messages.topics.fault_indicators import FAULT_INDICATORS
+from dcrb_ros.messages.topics.features import FEATURES
+from dcrb_ros.messages.topics.ground_truth import GROUND_TRUTH
+from dcrb_ros.messages.topics.roller_contacts import ROLLER_CONTACTS
+from dcrb_ros.messages.topics.roller_states import ROLLER_STATES
+from dcrb_ros.messages.topics.sensor import SENSOR
+from dcrb_ros.messages.topics.vibration import VIBRATION
+from dcrb_ros.messages.topics.vibration_clean import VIBRATION_CLEAN
+
+__all__ = [
+    "ACCELERATION",
+    "BENCH",
+    "BENCH_DIAGNOSTICS",
+    "CLOCK",
+    "DETECTED",
+    "DIAGNOSIS",
+    "ENVELOPE_SPECTRUM",
+    "FAULT_INDICATORS",
+    "FEATURES",
+    "GROUND_TRUTH",
+    "MANIFEST",
+    "NAMESPACE",
+    "ROLLER_CONTACTS",
+    "ROLLER_STATES",
+    "SENSOR",
+    "SIMULATED",
+    "VIBRATION",
+    "VIBRATION_CLEAN",
+    "Message",
+    "Topic",
+    "topic_table",
+]
+
+
+def _topics(*names: str) -> tuple[Any, ...]:
+    """Return topics by module and constant below this package."""
+    return tuple(resolve_name(f"{__name__}.{name}") for name in names)
+
+
+SIMULATED: tuple[SimulatedTopic, ...] = _topics(
+    "sensor:SENSOR",
+    "vibration:VIBRATION",
+    "vibration_clean:VIBRATION_CLEAN",
+    "features:FEATURES",
+    "acceleration:ACCELERATION",
+    "roller_states:ROLLER_STATES",
+    "roller_contacts:ROLLER_CONTACTS",
+    "ground_truth:GROUND_TRUTH",
+)
+"""Topics that the simulator publishes and records; messages of one time are sent in this order."""
+
+DETECTED: tuple[DetectedTopic, ...] = _topics(
+    "diagnosis:DIAGNOSIS",
+    "fault_indicators:FAULT_INDICATORS",
+    "envelope_spectrum:ENVELOPE_SPECTRUM",
+)
+"""Topics that the fault detector publishes, in the order of its messages."""
+
+BENCH: tuple[Topic, ...] = _topics(
+    "bench_diagnostics:BENCH_DIAGNOSTICS",
+    "clock:CLOCK",
+)
+"""Topics that the nodes publish about themselves."""
+
+
+def topic_table() -> str:
+    """Return the topics as a Markdown table."""
+    lines = ["| topic | type | content |", "|---|---|---|"]
+    for topic in (*SIMULATED, *DETECTED, *BENCH):
+        kind = f"`{topic.type.replace('/msg/', '/')}`" + (", latched" if topic.latched else "")
+        lines.append(f"| `{topic.name}` | {kind} | {topic.content} |")
+    return "\n".join(lines)

@@ -1,0 +1,15 @@
+"""The state of the nodes themselves."""
+
+from __future__ import annotations
+
+from dcrb_ros.messages.cdr import DIAGNOSTICS
+from dcrb_ros.messages.statuses import decode_diagnostics
+from dcrb_ros.messages.topic import Topic
+
+BENCH_DIAGNOSTICS = Topic(
+    "/diagnostics",
+    DIAGNOSTICS,
+    "state of the simulator, 1 Hz: paused or running, time scale, real-time factor, late blocks, rejected commands, recorder, residual of "
+    "the energy account",
+    decode=decode_diagnostics,
+)

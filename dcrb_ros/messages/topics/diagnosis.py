@@ -1,0 +1,40 @@
+"""The verdict of the fault detector and its evidence."""
+
+from __future__ import annotations
+
+from dcrb_ros.diagnosis.diagnosis import Diagnosis
+from dcrb_ros.messages.cdr import DIAGNOSTICS
+from dcrb_ros.messages.description import INDICATORS
+from dcrb_ros.messages.statuses import ERROR, OK, WARN, Status, decode_diagnostics, encode_diagnostics
+from dcrb_ros.messages.topic import DetectedTopic
+
+LEVELS = {"waiting": OK, "healthy": OK, "sensor": WARN}
+"""Status level of each verdict; that of any other verdict is an error."""
+
+
+def encode_diagnosis(diagnosis: Diagnosis) -> bytes:
+    """Return a diagnosis as a DiagnosticArray with one status."""
+    values = {
+        "verdict": diagnosis.verdict,
+        "confidence": f"{diagnosis.confidence:.3f}",
+        "reason": diagnosis.reason,
+        "shaft_frequency [Hz]": f"{diagnosis.shaft_frequency:.4f}",
+        "gaps": str(diagnosis.gaps),
+    }
+    values |= {f"{name} [dB]": f"{diagnosis.levels.get(name, 0.0):.2f}" for name in INDICATORS}
+    values |= {"severity [m/s^2]": f"{diagnosis.severity:.3f}", "trend [dB/min]": f"{diagnosis.trend:.2f}"}
+    values |= {f"score {kind} [dB]": f"{score:.2f}" for kind, score in diagnosis.scores.items()}
+    # The exam takes the largest score as the evidence for a fault.
+    values |= {"score": f"{max(diagnosis.scores.values()):.2f}"} if diagnosis.scores else {}
+    values |= {"clipped": str(diagnosis.clipped), "remarks": "; ".join(diagnosis.remarks)}
+    status = Status("fault_detector", LEVELS.get(diagnosis.verdict, ERROR), diagnosis.verdict, values)
+    return encode_diagnostics(diagnosis.time_ns, [status])
+
+
+DIAGNOSIS = DetectedTopic(
+    "diagnosis",
+    DIAGNOSTICS,
+    "verdict and evidence of the detector; the exam scores this topic of any detector",
+    decode=decode_diagnostics,
+    encode=encode_diagnosis,
+)

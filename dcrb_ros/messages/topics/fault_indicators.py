@@ -1,0 +1,22 @@
+"""The levels of the characteristic lines."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from dcrb_ros.diagnosis.diagnosis import Diagnosis
+from dcrb_ros.messages.cdr import JOINT_STATE
+from dcrb_ros.messages.description import INDICATORS
+from dcrb_ros.messages.joints import decode_joints, encode_joints
+from dcrb_ros.messages.topic import DetectedTopic
+
+
+def encode_indicators(diagnosis: Diagnosis) -> bytes:
+    """Return the levels over background [dB] as a JointState; the values are in ``position``."""
+    levels, empty = np.array([diagnosis.levels.get(name, 0.0) for name in INDICATORS]), np.zeros(0)
+    return encode_joints(diagnosis.time_ns, INDICATORS, levels, empty, empty)
+
+
+FAULT_INDICATORS = DetectedTopic(
+    "fault_indicators", JOINT_STATE, "levels of the detector over background [dB]", decode=decode_joints, encode=encode_indicators
+)

@@ -1,0 +1,21 @@
+"""Statistical features of every block."""
+
+from __future__ import annotations
+
+from dcrb_ros.messages.cdr import JOINT_STATE
+from dcrb_ros.messages.joints import decode_joints, encode_features
+from dcrb_ros.messages.topic import Encoded, SimulatedTopic, Source
+from dcrb_ros.simulation.block import Block
+
+
+def _encode(block: Block, source: Source) -> Encoded:
+    return () if block.lost else ((block.stamp_ns, encode_features(block)),)
+
+
+FEATURES = SimulatedTopic(
+    "outer_ring/features",
+    JOINT_STATE,
+    "per block: rms, peak, crest factor and kurtosis of `ay`, clipped samples of both axes",
+    decode=decode_joints,
+    encode=_encode,
+)

@@ -1,0 +1,124 @@
+"""Base class of the nodes: parameters from a schema, checked with the schema's error messages."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, TypeVar
+
+from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor, SetParametersResult
+from rclpy.clock import Clock
+from rclpy.clock_type import ClockType
+from rclpy.node import Node
+from rclpy.parameter import Parameter
+
+from dcrb_ros.messages.topics import NAMESPACE, Topic
+from dcrb_ros.nodes.publisher import message_class, qos
+from dcrb_ros.nodes.refusals import shortened
+from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.schema.fields import Group
+from dcrb_ros.settings.files import ParameterField, flatten, parameter_fields, validated
+
+Model = TypeVar("Model", bound=Group)
+BUILT_IN = ("use_sim_time", "start_type_description_service")
+"""Parameters that rclpy declares itself."""
+
+
+class BenchNode(Node):
+    """A node with the life cycle that `dcrb_ros.nodes.ros.run_node` drives: construct, `start`, spin until `ended`, `close`."""
+
+    purpose = "node"
+    """What the node runs, in the message about its failure."""
+
+    def __init__(self, name: str) -> None:
+        super().__init__(name, namespace=NAMESPACE, automatically_declare_parameters_from_overrides=True)
+
+    def start(self) -> None:
+        """Start the work of the node; its callbacks are not served yet."""
+
+    @property
+    def ended(self) -> bool:
+        """Whether the work has ended by itself."""
+        return False
+
+    @property
+    def failure(self) -> Exception | None:
+        """The exception that ended the work, if one did."""
+        return None
+
+    def close(self) -> None:
+        """End the work; also called if it has not started."""
+
+    def on_parameters(self, changes: dict[str, Any]) -> None:
+        """Apply a requested change of parameters.
+
+        Raises:
+            Refusal: it is invalid; nothing is changed.
+        """
+
+    def declare(self, model: type[Model], *, run_time: Sequence[str] = (), adjust: Callable[[Model], Model] = lambda model: model) -> Model:
+        """Declare every parameter of a model with type, range and description; return the model with the node's overrides.
+
+        Args:
+            model: the schema.
+            run_time: keys of the parameters that may change while the node runs; the others are read-only.
+            adjust: changes the model with the overrides before it is declared.
+
+        Raises:
+            Refusal: an override is unknown, mistyped or out of range.
+        """
+        found: Mapping[str, Any] = self.get_parameters_by_prefix("")
+        overrides = {key: parameter.value for key, parameter in found.items() if key not in BUILT_IN}
+        adjusted = adjust(validated(overrides, model, "parameters"))
+        values = flatten(adjusted.model_dump())
+        for field in parameter_fields(model):
+            if self.has_parameter(field.key):
+                self.undeclare_parameter(field.key)
+            descriptor = _descriptor(field, read_only=field.key not in run_time)
+            self.declare_parameter(field.key, values[field.key], descriptor, ignore_override=True)
+        return adjusted
+
+    def set_parameters_atomically(self, parameter_list: list[Any]) -> Any:
+        """Apply a change of parameters that others request, or answer why not; an integer is accepted for a floating-point number.
+
+        `set_parameters`, which the node itself uses, does not call `on_parameters`.
+        """
+        parameter_list = [self._with_declared_type(parameter) for parameter in parameter_list]
+        changes = {parameter.name: parameter.value for parameter in parameter_list if parameter.name not in BUILT_IN}
+        if changes:
+            try:
+                self.on_parameters(changes)
+            except Refusal as refusal:
+                return SetParametersResult(successful=False, reason=shortened(str(refusal)))
+        return super().set_parameters_atomically(parameter_list)
+
+    def _with_declared_type(self, parameter: Any) -> Any:
+        """Return a parameter with an integer converted to a floating-point number if it is declared as one."""
+        integer = parameter.type_ == Parameter.Type.INTEGER and self.has_parameter(parameter.name)
+        if integer and self.get_parameter(parameter.name).type_ == Parameter.Type.DOUBLE:
+            return Parameter(parameter.name, Parameter.Type.DOUBLE, float(parameter.value))
+        return parameter
+
+    def subscribe(self, topic: Topic, callback: Callable[[bytes], None]) -> None:
+        """Pass the bytes of each message on a topic to ``callback``."""
+
+        def receive(data: Any) -> None:
+            callback(bytes(data))
+
+        self.create_subscription(message_class(topic), topic.name, receive, qos(topic), raw=True)
+
+    def repeat(self, period: float, callback: Callable[[], None]) -> Any:
+        """Return a timer that calls ``callback`` every ``period`` of wall time [s], whatever ``use_sim_time`` says."""
+        return self.create_timer(period, callback, clock=Clock(clock_type=ClockType.STEADY_TIME))
+
+
+def _descriptor(field: ParameterField, *, read_only: bool) -> Any:
+    unit = f" [{field.unit}]" if field.unit != "-" else ""
+    descriptor = ParameterDescriptor(name=field.key, description=f"{field.description}{unit}", read_only=read_only)
+    if field.low is not None and field.high is not None:
+        if field.kind is int:
+            descriptor.integer_range = [IntegerRange(from_value=int(field.low), to_value=int(field.high), step=1)]
+        else:
+            descriptor.floating_point_range = [FloatingPointRange(from_value=float(field.low), to_value=float(field.high), step=0.0)]
+    elif field.choices:
+        descriptor.additional_constraints = "one of " + ", ".join(field.choices)
+    return descriptor

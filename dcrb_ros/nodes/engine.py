@@ -1,0 +1,127 @@
+"""The engine of the simulator and the replayer: a thread that passes bundles of messages from a source to its sinks. No ROS."""
+
+from __future__ import annotations
+
+from collections.abc import Generator, Sequence
+from contextlib import closing
+from functools import partial
+from typing import Protocol
+
+from dcrb_ros.messages.bundle import Bundle
+from dcrb_ros.messages.topics import Message
+from dcrb_ros.nodes.gate import Gate
+from dcrb_ros.runtime.threads import NamedThread
+
+CLOSE_TIMEOUT = 0.7
+"""Wall time in which the present bundle must be finished when the node ends [s]; a compilation takes longer and is abandoned."""
+
+
+class Source(Protocol):
+    """Produces bundles of messages."""
+
+    def start(self) -> Sequence[Message]:
+        """Go to the start; return the messages that precede the first bundle."""
+
+    def bundles(self) -> Generator[Bundle, None, None]:
+        """Yield the bundles from the start in the order of time."""
+
+
+class Sink(Protocol):
+    """Receives the messages of a source, called by the engine's thread."""
+
+    def start(self, messages: Sequence[Message]) -> None:
+        """Take the messages that precede the first bundle; called before the first bundle and after every reset."""
+
+    def write(self, bundle: Bundle) -> None:
+        """Take the messages of a bundle at the time at which they are due."""
+
+
+class Progress:
+    """A sink that counts."""
+
+    def __init__(self) -> None:
+        self.time_ns = 0
+        """End of the last bundle [ns]."""
+        self.bundles = 0
+        """Bundles since the start or the last reset."""
+        self.energy_residual = 0.0
+        """Residual of the energy balance in the last block that has one [J]."""
+
+    def start(self, messages: Sequence[Message]) -> None:
+        """Return to zero."""
+        self.time_ns = self.bundles = 0
+
+    def write(self, bundle: Bundle) -> None:
+        """Count a bundle."""
+        self.time_ns = bundle.end_ns
+        self.bundles += 1
+        if bundle.block is not None and bundle.block.energy is not None:
+            self.energy_residual = bundle.block.energy.residual
+
+
+class Engine:
+    """Passes the bundles of a source to sinks, each at its deadline, in a thread of its own.
+
+    Pause, step, time scale and reset are controlled through `gate` from other threads.
+    """
+
+    def __init__(self, name: str, source: Source, sinks: Sequence[Sink], gate: Gate, *, loop: bool = False) -> None:
+        """Prepare a thread called ``name``; with ``loop`` it starts again at the end of the source."""
+        self.gate = gate
+        self.failure: Exception | None = None
+        """The exception that ended the thread."""
+        self.passes = 0
+        """How many times the source has been started."""
+        self._source, self._sinks, self._loop = source, sinks, loop
+        self._thread = NamedThread(name, self._run)
+
+    @property
+    def ended(self) -> bool:
+        """Whether the thread has ended: at the end of the source, after `close`, or by a failure."""
+        return self._thread.ident is not None and not self._thread.is_alive()
+
+    def prepare(self) -> None:
+        """Start the source and pass the messages that precede the first bundle to the sinks; call it before `start`."""
+        messages = self._source.start()
+        for sink in self._sinks:
+            sink.start(messages)
+
+    def start(self) -> None:
+        """Start the thread."""
+        self._thread.start()
+
+    def close(self) -> None:
+        """Send nothing any more and wait for the thread, up to `CLOSE_TIMEOUT`."""
+        self.gate.close()
+        if self._thread.ident is not None:
+            self._thread.join(CLOSE_TIMEOUT)
+
+    def _run(self) -> None:
+        try:
+            while not self.gate.closed:
+                self.passes += 1
+                if not self._play():
+                    self._reset()
+                elif self._loop:
+                    self.gate.start_over()
+                else:
+                    return
+        except Exception as error:  # any failure must reach the main thread
+            self.failure = error
+
+    def _play(self) -> bool:
+        """Send the bundles; return false if a reset or the end of the program interrupts them."""
+        with closing(self._source.bundles()) as bundles:
+            for bundle in bundles:
+                if not self.gate.send(bundle.begin_ns * 1e-9, bundle.end_ns * 1e-9, partial(self._write, bundle)):
+                    return False
+        return True
+
+    def _write(self, bundle: Bundle) -> None:
+        for sink in self._sinks:
+            sink.write(bundle)
+
+    def _reset(self) -> None:
+        if not self.gate.closed:
+            self.prepare()
+            self.gate.finish_reset()

@@ -1,0 +1,137 @@
+"""The squared envelope spectrum with the fault lines."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from dcrb_ros.bearing.fault_lines import BearingLike, fault_combs
+from dcrb_ros.bearing.waveform import Signal
+from dcrb_ros.diagnosis.demodulation import Band
+from dcrb_ros.diagnosis.envelope_spectrum import EnvelopeSpectrum, envelope_spectrum
+from dcrb_ros.plots.style import CURVE, DASHES, FAULT_LINES, MARKERS, labelled, legend_above, new_axes
+from dcrb_ros.runtime.refusal import Refusal, nearest
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from matplotlib.axes import Axes
+
+HIGHEST_ORDER = 30.0
+"""Highest order shown by default: three harmonics of each ring of the default bearing [-]."""
+HIGHEST_FREQUENCY = 600.0
+"""Highest frequency shown by default where the speed is unknown [Hz]."""
+LEAST_ORDER = 0.3
+"""Order from which the spectrum sets the vertical scale [-]: below lies what changes over the signal, such as a run-up."""
+MARKED = 0.1
+"""Least height of a peak that is marked, over that of the highest [-]."""
+SLIP = 0.004
+"""Share of its frequency by which a line may lie beside that of pure rolling [-]."""
+
+
+def plot_envelope_spectrum(
+    signal: Signal | EnvelopeSpectrum | npt.ArrayLike,
+    sampling_rate: float | None = None,
+    *,
+    band: tuple[float, float] | None = None,
+    shaft_angle: npt.ArrayLike | None = None,
+    bearing: BearingLike | None = None,
+    order_tracking: bool | None = None,
+    x: Literal["order", "frequency"] | None = None,
+    highest: float | None = None,
+    lines: Sequence[str] = ("BPFO", "BPFI", "2BSF", "FTF"),
+    ax: Axes | None = None,
+) -> Axes:
+    """Plot the squared envelope spectrum with the lines at which faults of the bearing show, and their harmonics.
+
+    Parameters
+    ----------
+    signal
+        A `Run`, `Recording`, `Waveform` or `EnvelopeSpectrum`, or accelerations of shape (samples, 2) or (samples,) [m/s^2].
+    sampling_rate, band, shaft_angle, bearing, order_tracking
+        As for `envelope_spectrum`; not with an `EnvelopeSpectrum`, which has them. Without a bearing no fault lines are drawn.
+    x
+        Horizontal axis: ``"order"``, multiples of the shaft frequency, or ``"frequency"`` [Hz]; by default orders with order tracking.
+    highest
+        End of the horizontal axis; order 30 by default, or 600 Hz where the speed is unknown.
+    lines
+        Fault lines to draw: BPFO (outer ring), BPFI (inner ring), 2BSF (roller), FTF (cage).
+    ax
+        Axes to draw into; those of a new figure by default.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+
+    Raises
+    ------
+    Refusal
+        As `envelope_spectrum`; an unknown line, or orders where the speed is unknown.
+
+    Examples
+    --------
+    >>> import dcrb_ros
+    >>> run = dcrb_ros.simulate("outer_ring_defect", 1.0)
+    >>> ax = dcrb_ros.plot_envelope_spectrum(run, lines=["BPFO"])
+    >>> [text.get_text() for text in ax.get_legend().get_texts()]
+    ['BPFO 6.72']
+    """
+    from matplotlib.ticker import EngFormatter
+
+    unknown = next((name for name in lines if name not in FAULT_LINES), None)
+    if unknown is not None:
+        raise Refusal(f"there is no fault line '{unknown}': give some of {', '.join(FAULT_LINES)}{nearest(unknown, FAULT_LINES)}")
+    if isinstance(signal, EnvelopeSpectrum):
+        spectrum = signal
+    else:
+        spectrum = envelope_spectrum(
+            signal, sampling_rate, band=band, shaft_angle=shaft_angle, bearing=bearing, order_tracking=order_tracking
+        )
+    known = spectrum.shaft_frequency > 0.0
+    x = x or ("order" if spectrum.tracked else "frequency")
+    if x == "order" and not known:
+        raise Refusal("the spectrum has no orders, for the speed is unknown: give shaft_angle, or x='frequency'")
+    unit = spectrum.shaft_frequency if x == "frequency" and known else 1.0
+    places = spectrum.order if x == "order" else spectrum.frequency
+    limit = highest if highest is not None else HIGHEST_ORDER * unit if known else HIGHEST_FREQUENCY
+    ax = new_axes() if ax is None else ax
+    shown = (places > 0.0) & (places <= limit)
+    ax.plot(places[shown], spectrum.amplitude[shown], color=CURVE, linewidth=0.8)
+    largest = float(spectrum.amplitude[shown & (places > LEAST_ORDER * unit)].max(initial=0.0))
+    ax.set_ylim(0.0, 1.12 * largest or 1.0)
+    ax.set_xlim(0.0, limit)
+    if known:
+        _draw_lines(ax, spectrum, lines, unit, limit, largest)
+    label = "order [multiples of the shaft frequency]" if x == "order" else "frequency [Hz]"
+    title = f"squared envelope, {Band(*spectrum.band)}{', order-tracked' if spectrum.tracked else ''}"
+    ax.yaxis.set_major_formatter(EngFormatter(sep="\N{THIN SPACE}"))
+    return labelled(ax, label, "amplitude [(m/s²)²]", title)
+
+
+def _draw_lines(ax: Axes, spectrum: EnvelopeSpectrum, lines: Sequence[str], unit: float, limit: float, largest: float) -> None:
+    """Draw the harmonics of each family as thin lines, with a marker where the spectrum has a peak there."""
+    from matplotlib.lines import Line2D
+
+    handles = []
+    for comb in fault_combs(spectrum.orders, limit / unit):
+        if comb.name not in lines or not comb.orders:
+            continue
+        colour, dashes = FAULT_LINES[comb.name], DASHES[comb.name]
+        for order in comb.orders:
+            ax.axvline(order * unit, color=colour, linewidth=0.9, alpha=0.55, linestyle=dashes, zorder=1.0)
+            place, height = _peak(spectrum, order)
+            if height >= MARKED * largest:
+                ax.plot(place * unit, height, marker=MARKERS[comb.name], markersize=4.5, color=colour, zorder=3.0)
+        label = f"{comb.name} {comb.orders[0] * unit:.2f}" if unit == 1.0 else f"{comb.name} {comb.orders[0] * unit:.1f} Hz"
+        handles.append(Line2D([], [], color=colour, linestyle=dashes, marker=MARKERS[comb.name], markersize=4.5, label=label))
+    if handles:
+        legend_above(ax, handles)
+
+
+def _peak(spectrum: EnvelopeSpectrum, order: float) -> tuple[float, float]:
+    """Return order and amplitude of the highest line near an order, as far as rollers slip."""
+    near = np.flatnonzero(np.abs(spectrum.order - order) <= max(SLIP * order, 2.0 * spectrum.order[1]))
+    best = near[np.argmax(spectrum.amplitude[near])]
+    return float(spectrum.order[best]), float(spectrum.amplitude[best])

@@ -1,0 +1,30 @@
+"""Waveform and squared envelope spectrum in one figure."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from matplotlib.figure import Figure
+
+from dcrb_ros.bearing.waveform import Waveform
+from dcrb_ros.plots.envelope_spectrum import plot_envelope_spectrum
+from dcrb_ros.plots.waveform import plot_waveform
+from dcrb_ros.runtime.refusal import Refusal
+
+
+def write_overview(waveform: Waveform, file: Path, *, title: str, order: bool = True) -> None:
+    """Write a figure of the waveform and its squared envelope spectrum, over ``order`` or frequency.
+
+    Raises:
+        Refusal: the file cannot be written, or samples are missing in the waveform.
+    """
+    figure = Figure(figsize=(10.0, 6.4), dpi=110, layout="constrained")
+    upper, lower = figure.subplots(2, 1)
+    plot_waveform(waveform, ax=upper)
+    plot_envelope_spectrum(waveform, x="order" if order and waveform.tracked else "frequency", ax=lower)
+    speed = f", mean shaft frequency {waveform.shaft_frequency:.2f} Hz" if waveform.tracked else ""
+    figure.suptitle(f"{title}{speed}", fontsize="large", parse_math=False)
+    try:
+        figure.savefig(file)
+    except OSError as error:
+        raise Refusal(f"{file} cannot be written: {error.strerror}; give another file") from None

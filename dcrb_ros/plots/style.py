@@ -1,0 +1,58 @@
+"""Colours, axes and what the plots have in common."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from matplotlib.artist import Artist
+    from matplotlib.axes import Axes
+
+# The palette of Okabe and Ito, which people with colour blindness tell apart.
+CURVE = "#404040"
+AXES_COLOURS = {"x": "#E69F00", "y": "#0072B2"}
+ROWS = ("#0072B2", "#D55E00")
+FAULT_LINES = {"BPFO": "#D55E00", "BPFI": "#0072B2", "2BSF": "#009E73", "FTF": "#CC79A7"}
+MARKERS = {"BPFO": "o", "BPFI": "s", "2BSF": "^", "FTF": "D"}
+DASHES: dict[str, tuple[float, tuple[float, ...]]] = {
+    "BPFO": (0.0, (4.0, 2.0)),
+    "BPFI": (0.0, (6.0, 2.0, 1.0, 2.0)),
+    "2BSF": (0.0, (1.0, 1.5)),
+    "FTF": (0.0, (4.0, 1.5, 1.0, 1.5, 1.0, 1.5)),
+}
+
+
+def new_axes(*, polar: bool = False, size: tuple[float, float] = (9.0, 3.2)) -> Axes:
+    """Return the axes of a new figure, which notebooks show by themselves; its size in inches."""
+    import matplotlib.pyplot as plt
+
+    figure = plt.figure(figsize=size, layout="constrained")
+    return figure.add_subplot(projection="polar" if polar else None)
+
+
+def legend_above(ax: Axes, handles: Sequence[Artist] | None = None) -> None:
+    """Draw the legend above the axes, where it hides no curve; of the labelled curves, or of other handles."""
+    ax.legend(
+        handles=handles or ax.get_legend_handles_labels()[0],
+        loc="lower right",
+        bbox_to_anchor=(1.0, 1.0),
+        borderaxespad=0.2,
+        ncols=4,
+        columnspacing=1.4,
+        handlelength=2.8,
+        fontsize="small",
+        frameon=False,
+    )
+
+
+def labelled(ax: Axes, x: str, y: str, title: str = "") -> Axes:
+    """Return the axes with labels and a faint grid."""
+    ax.set_xlabel(x)
+    ax.set_ylabel(y)
+    if title:
+        ax.set_title(title, fontsize="medium", loc="left")
+    ax.grid(alpha=0.25, linewidth=0.6)
+    ax.spines[["top", "right"]].set_visible(False)
+    return ax

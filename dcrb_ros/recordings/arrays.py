@@ -1,0 +1,149 @@
+"""A recording as arrays: the waveform, the bodies, the ground truth and the recorded diagnoses."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from dcrb_ros.bearing.history import StateHistory
+from dcrb_ros.bearing.waveform import Piece, Waveform
+from dcrb_ros.messages.cdr import STAMP_END, stamps
+from dcrb_ros.messages.joints import Joints, decode_alike, decode_joints
+from dcrb_ros.messages.statuses import decode_diagnostics, decode_truth
+from dcrb_ros.messages.topics import DIAGNOSIS, GROUND_TRUTH, ROLLER_CONTACTS, ROLLER_STATES, Topic
+from dcrb_ros.runtime.arrays import Floats
+from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.simulation.block import Truth
+from dcrb_ros.simulation.ground_truth import GroundTruth
+
+if TYPE_CHECKING:
+    from dcrb_ros.recordings.reader import Recording
+
+
+@dataclass(frozen=True, repr=False)
+class RecordedVerdict:
+    """A verdict that a detector published while the recording was made."""
+
+    time: float
+    """Simulated time that it judges [s]."""
+    verdict: str
+    confidence: float
+    """From 0 to 1; NaN where the detector publishes none."""
+    reason: str
+    """The evidence in words."""
+
+    def __repr__(self) -> str:
+        return f"<RecordedVerdict: {self.verdict} at {self.time:.2f} s>"
+
+
+def pieces_of(recording: Recording) -> Iterator[Piece]:
+    """Yield the blocks of the waveform in the order in which they were recorded."""
+    rate = recording.sampling_rate
+    for block, sensor_range in recording.ranged_vibrations():
+        yield Piece(block.first_index(rate), block.acceleration, block.shaft_angle, sensor_range)
+
+
+def waveform_of(recording: Recording, start: float | None, stop: float | None) -> Waveform:
+    """Return the samples with ``start <= time < stop`` [s], all without these; see `Recording.waveform`."""
+    rate = recording.sampling_rate
+    first = -math.inf if start is None else start * rate
+    last = math.inf if stop is None else stop * rate
+    found, spans = [], []
+    for piece in pieces_of(recording):
+        begin, end = piece.first_index, piece.first_index + len(piece.shaft_angle)
+        spans.append((begin, end))
+        if begin < last and end > first:
+            found.append(piece)
+    if not found:
+        begin, end = min(begin for begin, _ in spans), max(end for _, end in spans)
+        raise Refusal(f"{recording.path} has no sample from {start} to {stop} s: it has samples from {begin / rate:g} to {end / rate:g} s")
+    # A block that came twice or too late is kept once, in its place.
+    index = np.concatenate([piece.first_index + np.arange(len(piece.shaft_angle), dtype=np.int64) for piece in found])
+    index, order = np.unique(index, return_index=True)
+    return Waveform(
+        acceleration=np.concatenate([piece.acceleration for piece in found])[order],
+        shaft_angle=np.concatenate([piece.shaft_angle for piece in found])[order],
+        sampling_rate=rate,
+        index=index,
+        orders=recording.orders,
+        sensor_range=found[-1].sensor_range,
+    ).between(start, stop)
+
+
+def states_of(recording: Recording) -> StateHistory:
+    """Return the bodies over time; see `Recording.states`."""
+    times, states = _joints(recording, ROLLER_STATES)
+    if states is None:
+        raise Refusal(f"{recording!r} has no messages on {ROLLER_STATES.name}: record this topic too, or simulate it again")
+    contact_times, contacts = _joints(recording, ROLLER_CONTACTS)
+    whole = contacts is not None and np.array_equal(times, contact_times)
+    return StateHistory(
+        time=times,
+        names=states.names,
+        azimuth=states.position,
+        speed=states.velocity,
+        inner_force=states.effort,
+        outer_force=contacts.position if contacts is not None and whole else None,
+        slip=contacts.velocity if contacts is not None and whole else None,
+        friction=contacts.effort if contacts is not None and whole else None,
+    )
+
+
+def _joints(recording: Recording, topic: Topic) -> tuple[Floats, Joints | None]:
+    """Return the times [s] and the values, shape (times, bodies), of a topic of joint states; none where it was not recorded."""
+    messages = [message.data for message in recording.messages((topic,))]
+    if not messages:
+        return np.zeros(0), None
+    alike = decode_alike(messages)
+    times = np.asarray(stamps(messages) * 1e-9, np.float64)
+    return times, _stacked([decode_joints(data) for data in messages], topic) if alike is None else alike
+
+
+def _stacked(joints: Sequence[Joints], topic: Topic) -> Joints:
+    """Return joint states of the same bodies as one with a row for each."""
+    first = joints[0]
+    if any(one.names != first.names for one in joints):
+        raise Refusal(f"the messages on {topic.name} name different bodies: give a recording of one bench")
+    fields = (np.array([getattr(one, name) for one in joints]) for name in ("position", "velocity", "effort"))
+    return Joints(first.stamp_ns, first.names, *fields)
+
+
+def truths_of(messages: Sequence[bytes]) -> tuple[Truth, ...]:
+    """Return the ground truth over time; messages that differ in their stamp only are decoded once."""
+    known: dict[bytes, Truth] = {}
+    found = []
+    for time_ns, data in zip(stamps(messages).tolist() if messages else (), messages, strict=True):
+        content = data[STAMP_END:]
+        if content not in known:
+            known[content] = decode_truth(data)
+        found.append(replace(known[content], time_ns=time_ns))
+    return tuple(found)
+
+
+def truth_of(recording: Recording) -> GroundTruth:
+    """Return the ground truth over time; see `Recording.truth`."""
+    return GroundTruth(truths_of([message.data for message in recording.messages((GROUND_TRUTH,))]))
+
+
+def verdicts_of(recording: Recording) -> list[RecordedVerdict]:
+    """Return the recorded verdicts; see `Recording.verdicts`."""
+    found = []
+    for message in recording.messages((DIAGNOSIS,)):
+        time_ns, statuses = decode_diagnostics(message.data)
+        for status in statuses[:1]:
+            values = status.values
+            verdict, reason = values.get("verdict", status.message), values.get("reason", "")
+            found.append(RecordedVerdict(time_ns * 1e-9, verdict, _number(values.get("confidence")), reason))
+    return found
+
+
+def _number(text: str | None) -> float:
+    """Return a number as a detector wrote it; NaN where there is none."""
+    try:
+        return float(text) if text is not None else math.nan
+    except ValueError:
+        return math.nan

@@ -1,0 +1,26 @@
+"""Simulated time: in integer nanoseconds, and durations given by the user."""
+
+from __future__ import annotations
+
+import math
+
+from dcrb_ros.runtime.refusal import Refusal
+
+MAX_DURATION = 1e6
+"""Longest simulated duration that is accepted [s]."""
+
+
+def nanoseconds(count: int, rate: int) -> int:
+    """Return the simulated time [ns] of tick ``count`` of a clock with ``rate`` ticks per second [Hz], rounded down."""
+    return count * 1_000_000_000 // rate
+
+
+def checked_duration(duration: float) -> float:
+    """Return a duration [s] given with --duration.
+
+    Raises:
+        Refusal: it is not a number above 0 and up to `MAX_DURATION`.
+    """
+    if not (math.isfinite(duration) and 0.0 < duration <= MAX_DURATION):
+        raise Refusal(f"--duration {duration} s is outside 0 .. {MAX_DURATION:g} s: give the simulated time to run in seconds")
+    return duration

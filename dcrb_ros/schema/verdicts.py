@@ -1,0 +1,50 @@
+"""The verdicts of a fault detector: one vocabulary for faults, ground truth, diagnosis, exams and sweeps."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Literal, get_args
+
+Component = Literal["outer_ring", "inner_ring", "roller", "cage"]
+"""Component of the bearing that a fault damages."""
+FaultClass = Literal["healthy", Component, "compound", "sensor"]
+"""What is wrong with a bearing and its sensor: the verdict that is correct for them."""
+Verdict = Literal[FaultClass, "waiting"]
+"""What a detector reports; ``waiting`` until it has seen enough signal."""
+
+COMPONENTS: tuple[Component, ...] = get_args(Component)
+BEARING_FAULTS: tuple[FaultClass, ...] = (*COMPONENTS, "compound")
+"""Verdicts that name a fault of the bearing."""
+FAULT_CLASSES: tuple[FaultClass, ...] = get_args(FaultClass)
+VERDICTS: tuple[Verdict, ...] = get_args(Verdict)
+
+CHARACTERISTIC: dict[Component, str] = {"outer_ring": "BPFO", "inner_ring": "BPFI", "roller": "BSF", "cage": "FTF"}
+"""Characteristic frequency that a fault of each component excites; a roller defect strikes at twice BSF."""
+
+TITLES: dict[str, str] = {
+    "healthy": "healthy",
+    "outer_ring": "outer ring defect",
+    "inner_ring": "inner ring defect",
+    "roller": "roller defect",
+    "cage": "cage fault",
+    "compound": "several faults",
+    "sensor": "sensor fault",
+    "waiting": "waiting",
+}
+"""Verdicts as a viewer shows them."""
+
+
+def is_alarm(verdict: str) -> bool:
+    """Return whether a verdict reports a fault, of the bearing or of the sensor."""
+    return verdict not in ("healthy", "waiting")
+
+
+def fault_class(faults: Iterable[FaultClass]) -> FaultClass:
+    """Return the class of a bearing with several faults, given the class of each.
+
+    A faulty sensor hides the bearing; faults of different components make ``compound``; no fault makes ``healthy``.
+    """
+    found = set(faults) - {"healthy"}
+    if "sensor" in found:
+        return "sensor"
+    return "compound" if len(found) > 1 else next(iter(found), "healthy")

@@ -1,0 +1,81 @@
+"""The ground truth of a run over time, as arrays."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from dcrb_ros.faults.ground_truth import summary_of
+from dcrb_ros.runtime.arrays import Floats
+from dcrb_ros.runtime.frames import pandas
+from dcrb_ros.simulation.block import Truth
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class GroundTruth:
+    """What a detector should have found: at the start, ten times a second and whenever something changes."""
+
+    truths: tuple[Truth, ...]
+    """The ground truth at each instant."""
+
+    def __len__(self) -> int:
+        return len(self.truths)
+
+    def __repr__(self) -> str:
+        return f"<GroundTruth: {len(self)} times, at the end {summary_of(self.faults)}>"
+
+    @staticmethod
+    def of(truths: Sequence[Truth]) -> GroundTruth:
+        """Return the ground truth of some instants."""
+        return GroundTruth(tuple(truths))
+
+    @property
+    def time(self) -> Floats:
+        """Simulated time, shape (times,) [s]."""
+        return np.array([truth.time_ns * 1e-9 for truth in self.truths])
+
+    @property
+    def speed(self) -> Floats:
+        """Speed of the inner ring, shape (times,) [rad/s]."""
+        return np.array([truth.speed for truth in self.truths])
+
+    @property
+    def load(self) -> Floats:
+        """Force on the inner ring in X and Y, shape (times, 2) [N]."""
+        return np.array([truth.load for truth in self.truths], np.float64).reshape(-1, 2)
+
+    @property
+    def faults(self) -> Mapping[str, Mapping[str, Any]]:
+        """The faults at the end by name, each with its fields and its onset [s]."""
+        return self.truths[-1].faults if self.truths else {}
+
+    def frequency(self, name: str) -> Floats:
+        """Return FTF, BPFO, BPFI or BSF at the speed of each instant, shape (times,) [Hz]."""
+        return np.array([truth.frequencies[name] for truth in self.truths])
+
+    def to_pandas(self) -> pd.DataFrame:
+        """Return a DataFrame over time [s]: speed [rad/s], load [N], characteristic frequencies [Hz], names of the faults and the event.
+
+        Raises
+        ------
+        Refusal
+            pandas is not installed.
+        """
+        rows = [
+            {
+                "speed": truth.speed,
+                "load_x": truth.load[0],
+                "load_y": truth.load[1],
+                **truth.frequencies,
+                "faults": ", ".join(truth.faults),
+                "event": truth.event,
+            }
+            for truth in self.truths
+        ]
+        return pandas().DataFrame(rows, index=pandas().Index(self.time, name="time"))

@@ -1,0 +1,262 @@
+"""Execution of a task: its runs are simulated one after the other, and each one's waveform and label are written when it ends."""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import json
+import tempfile
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from dcrb_ros.messages.points import packed
+from dcrb_ros.recordings.recorder import Recorder, RecordingFailed
+from dcrb_ros.runtime.arrays import Samples
+from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.runtime.simulated_time import nanoseconds
+from dcrb_ros.settings.configuration import Configuration
+from dcrb_ros.settings.files import flatten, overlaid, validated
+from dcrb_ros.simulation.block import Block, Truth
+from dcrb_ros.simulation.events import commands_in
+from dcrb_ros.simulation.loop import ModelFailure, Simulation
+from dcrb_ros.simulation.scenario import ScheduledChange, scheduled_changes, starting_configuration
+from dcrb_ros.sweep.design import Value
+from dcrb_ros.sweep.label import DONE, ERROR, FAILED, REFUSED, base_label, fault_label
+from dcrb_ros.sweep.plan import Run, Task
+from dcrb_ros.sweep.store import PART, Store, StoreFailed
+from dcrb_ros.sweep.sweep_file import Sweep, Windows
+from dcrb_ros.sweep.windows import cut_windows, window_labels, window_starts, windows_file
+
+WAVEFORM_PUBLISHING = {"block_size": 8192, "state_rate": 1}
+"""Parameters of `publishing` if only the waveform is written; the samples do not depend on them."""
+
+
+@dataclass(frozen=True)
+class CommonSettings:
+    """The settings common to all runs of a sweep, as sent to the workers."""
+
+    store: Store
+    base: Mapping[str, Value]
+    scenarios: Mapping[str, Any]
+    duration: float
+    """Recorded time [s]."""
+    settle: float
+    """Time before the first recorded sample [s]."""
+    branch_at: float
+    """Time at which the cases branch from a healthy simulation [s]; 0 without branching."""
+    output: str
+    windows: Windows | None
+
+
+def common_settings(sweep: Sweep, store: Store) -> CommonSettings:
+    """Return the common settings of a sweep."""
+    file = sweep.file
+    return CommonSettings(store, sweep.base, sweep.scenarios, file.duration, file.settle, file.branch_at, file.output, file.windows)
+
+
+@dataclass(frozen=True)
+class Waveform:
+    """The recorded waveform of a run and its ground truth."""
+
+    acceleration: Samples
+    """Shape (samples, 2) [m/s^2]; empty if only a bag is written."""
+    shaft_angle: Samples
+    """Shape (samples,) [rad]; empty if only a bag is written."""
+    truths: list[Truth]
+    first_index: int
+    """Index of the first sample since the start of the simulation [-]."""
+    samples: int
+    clipped: int
+    """Samples beyond the sensor's range [-]."""
+    sha256: str
+    """Hash of the samples, see `table.COLUMNS`."""
+
+
+def run_task(common: CommonSettings, task: Task) -> list[tuple[str, str]]:
+    """Simulate the runs of a task that have no label yet; return the name and the status of each run.
+
+    Raises:
+        StoreFailed: the data set cannot be written.
+    """
+    statuses, branch_point = [], _BranchPoint(common)
+    for run in task:
+        name = f"labels/{run.name}.json"
+        existing = common.store.read(name)  # written by a worker that was lost before it reported
+        label = json.loads(existing) if existing else _label(common, run, branch_point)
+        if not existing:
+            write_label(common.store, label)
+        statuses.append((run.name, str(label["status"])))
+    return statuses
+
+
+def write_label(store: Store, label: Mapping[str, Any]) -> None:
+    """Write a label; labels of errors are kept in a folder of their own, since these runs are tried again."""
+    data = json.dumps(label, indent=1).encode()
+    if label["status"] == ERROR:
+        store.write(f"errors/{label['run']}.json", data)
+    else:
+        store.write(f"labels/{label['run']}.json", data)
+
+
+def error_label(base: Mapping[str, Value], run: Run, reason: str) -> dict[str, Any]:
+    """Return the label of a run that ended with an unexpected error."""
+    return {**base_label(run, base), "status": ERROR, "reason": reason}
+
+
+def _label(common: CommonSettings, run: Run, branch_point: _BranchPoint) -> dict[str, Any]:
+    label = base_label(run, common.base)
+    try:
+        return {**label, **_simulate(common, run, branch_point), "status": DONE, "reason": ""}
+    except (Refusal, ModelFailure) as failure:
+        return {**label, "status": REFUSED if isinstance(failure, Refusal) else FAILED, "reason": str(failure)}
+    except RecordingFailed as failure:
+        raise StoreFailed(f"{failure}; free some space and run the same command again to continue") from None
+    except (StoreFailed, MemoryError):
+        raise
+    except Exception as error:
+        return error_label(common.base, run, f"{type(error).__name__}: {error}")
+
+
+@dataclass(frozen=True)
+class _RunningSimulation:
+    """A simulation that has been advanced without recording."""
+
+    simulation: Simulation
+    start: Configuration
+    """Configuration at time zero."""
+    truths: tuple[Truth, ...]
+    """Ground truth of the time that was not recorded."""
+
+    def skip(self, duration: float) -> _RunningSimulation:
+        """Return the simulation advanced by a time that is not recorded [s]."""
+        rate = self.start.sensor.sampling_rate
+        blocks = self.simulation.blocks(duration) if round(duration * rate) else iter(())
+        return _RunningSimulation(self.simulation, self.start, (*self.truths, *(truth for block in blocks for truth in block.truths)))
+
+
+class _BranchPoint:
+    """Healthy simulations at the time at which the cases branch; the last one is kept."""
+
+    def __init__(self, common: CommonSettings) -> None:
+        self._common = common
+        self._last: tuple[str, _RunningSimulation] | None = None
+
+    def branch(self, run: Run) -> _RunningSimulation:
+        """Return a simulation of a run that was healthy until the branch point, with the run's faults scheduled now."""
+        if self._last is None or self._last[0] != run.twin:
+            start = _configured(self._common, run.healthy)
+            self._last = run.twin, _running(self._common, start).skip(self._common.branch_at)
+        branch_point = self._last[1]
+        simulation = branch_point.simulation.fork()
+        before, after = (flatten(c.model_dump()) for c in (simulation.configuration, _configured(self._common, run.changes)))
+        changes = {key: value for key, value in after.items() if value != before[key] and not key.startswith("publishing.")}
+        if changes:
+            simulation.change(changes)
+        return _RunningSimulation(simulation, branch_point.start, branch_point.truths)
+
+
+def _configured(common: CommonSettings, changes: Mapping[str, Value]) -> Configuration:
+    configuration = validated(overlaid(common.base, changes), Configuration, "run")
+    if common.output == "bag":
+        return configuration
+    return configuration.model_copy(update={"publishing": configuration.publishing.model_copy(update=WAVEFORM_PUBLISHING)})
+
+
+def _simulate(common: CommonSettings, run: Run, branch_point: _BranchPoint) -> dict[str, Any]:
+    """Simulate a run and write its waveform; return the part of its label that follows from the simulation."""
+    running = (branch_point.branch(run) if common.branch_at else _start(common, run)).skip(common.settle)
+    rate = running.start.sensor.sampling_rate
+    if common.output == "bag":
+        waveform = _record_bag(common, run, running)
+        file = f"runs/{run.name}"
+    else:
+        waveform = _run_blocks(running.simulation.blocks(common.duration), running.truths, keep=True)
+        file = f"runs/{run.name}.{common.output}"
+        common.store.write(file, _waveform_file(waveform, rate, common.output))
+    about = {"file": file, "sampling_rate": rate, "first_index": waveform.first_index, "samples": waveform.samples}
+    if common.windows is not None:
+        _write_windows(common, run, waveform, rate)
+        about["windows"] = len(window_starts(waveform.samples, common.windows))
+    return {**fault_label(waveform.truths), **about, "clipped": waveform.clipped, "sha256": waveform.sha256}
+
+
+def _start(common: CommonSettings, run: Run) -> _RunningSimulation:
+    configuration = _configured(common, run.changes)
+    if not run.scenario:
+        return _running(common, configuration)
+    scenario, source = common.scenarios[run.scenario], f"scenario {run.scenario}"
+    configuration = starting_configuration(scenario, configuration, source)
+    return _running(common, configuration, scheduled_changes(scenario, configuration, source))
+
+
+def _running(common: CommonSettings, configuration: Configuration, events: Iterable[ScheduledChange] = ()) -> _RunningSimulation:
+    return _RunningSimulation(Simulation(configuration, events, waveform_only=common.output != "bag"), configuration, ())
+
+
+def _run_blocks(blocks: Iterable[Block], before: Iterable[Truth], *, keep: bool) -> Waveform:
+    """Run a simulation to its end; return its waveform, or only its hash unless ``keep``."""
+    digest, first, samples, clipped = hashlib.sha256(), 0, 0, 0
+    accelerations, angles, truths = [np.zeros((0, 2), np.float32)], [np.zeros(0, np.float32)], list(before)[-1:]
+    for block in blocks:
+        truths += block.truths
+        if block.lost:
+            continue
+        first = block.index if samples == 0 else first
+        samples, clipped = samples + len(block.shaft_angle), clipped + block.clipped
+        digest.update(packed(block.acceleration, block.shaft_angle))
+        if keep:
+            accelerations.append(block.acceleration)
+            angles.append(block.shaft_angle)
+    return Waveform(np.concatenate(accelerations), np.concatenate(angles), truths, first, samples, clipped, digest.hexdigest())
+
+
+def _record_bag(common: CommonSettings, run: Run, running: _RunningSimulation) -> Waveform:
+    """Run a simulation to its end and record a bag, which can be reproduced with `dcrb simulate --from`."""
+    folder, simulation = common.store.folder, running.simulation
+    if folder is not None:
+        folder.mkdir(parents=True, exist_ok=True)
+    commands = commands_in(running.truths)
+    rate = running.start.sensor.sampling_rate
+    start_ns = nanoseconds(round(common.branch_at * rate) + round(common.settle * rate), rate)
+    with tempfile.TemporaryDirectory(prefix=PART, dir=folder) as scratch:
+        path = Path(scratch) / run.name
+        about: dict[str, Any] = {"scenario": common.scenarios.get(run.scenario), "commands": commands, "start_ns": start_ns}
+
+        def recorded_blocks() -> Iterator[Block]:
+            with Recorder(path, running.start, simulation.bodies, **about) as recorder:
+                for block in simulation.blocks(common.duration):
+                    recorder.write(block)
+                    yield block
+
+        waveform = _run_blocks(recorded_blocks(), running.truths, keep=common.windows is not None)
+        common.store.put(path, f"runs/{run.name}")
+    return waveform
+
+
+def _waveform_file(waveform: Waveform, rate: int, kind: str) -> bytes:
+    """Return a waveform as the bytes of a file; equal samples give equal bytes."""
+    stream = io.BytesIO()
+    columns: dict[str, Any] = {"ax": waveform.acceleration[:, 0], "ay": waveform.acceleration[:, 1], "shaft_angle": waveform.shaft_angle}
+    if kind == "npz":
+        np.savez(stream, **columns, sampling_rate=np.array(rate), first_index=np.array(waveform.first_index))
+    else:
+        import pyarrow
+        from pyarrow import parquet
+
+        table = pyarrow.table({name: np.ascontiguousarray(values) for name, values in columns.items()})
+        table = table.replace_schema_metadata({"sampling_rate": str(rate), "first_index": str(waveform.first_index)})
+        parquet.write_table(table, stream, compression="zstd", use_dictionary=False)
+    return stream.getvalue()
+
+
+def _write_windows(common: CommonSettings, run: Run, waveform: Waveform, rate: int) -> None:
+    windows = common.windows
+    assert windows is not None
+    labels = window_labels(window_starts(waveform.samples, windows), waveform.first_index, rate, windows, waveform.truths)
+    about = {"run": run.name, "case": run.case, "split": run.split}
+    data = windows_file(cut_windows(waveform.acceleration, windows), labels, about, windows.kind)
+    common.store.write(f"windows/{run.split}/{run.name}.{windows.kind}", data)

@@ -1,0 +1,255 @@
+"""Loading of a sweep file: every key and value is checked, and an invalid one is refused in one sentence."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, cast
+
+from pydantic import ValidationError
+from pydantic_core import ErrorDetails
+
+from dcrb_ros.runtime.refusal import Refusal, nearest
+from dcrb_ros.settings.files import (
+    ParameterField,
+    fields_by_key,
+    find_configuration,
+    flatten,
+    load_configuration,
+    overlaid,
+    shipped_folder,
+)
+from dcrb_ros.settings.vehicle_speed import SPEED, SPEED_KMH
+from dcrb_ros.settings.yaml import read_yaml
+from dcrb_ros.simulation.scenario import read_scenario_file
+from dcrb_ros.sweep.design import GRID, Axes, Axis, Choice, Span, Value
+from dcrb_ros.sweep.sweep_file import NO_FAULTS, SCENARIO, Shares, Sweep, SweepFile, Windows
+
+CASE_GROUPS = ("faults", "background", "sensor")
+"""Groups of parameters that a case may set: the faults and their measurement. All others are conditions of the bearing."""
+HEALTHY = "healthy"
+LONGEST_RUN = 600.0
+"""Longest run whose waveform is kept in memory [s]: 370 MB at 51.2 kHz."""
+MOST_VALUES = 10_000
+SHORTEST_SETTLE = 0.005
+"""Shortest time between a branch and the first recorded sample [s]; it exceeds the impulse response of the filters."""
+
+
+def read_sweep(source: str | Path) -> Sweep:
+    """Return the sweep given by a file or by a shipped name.
+
+    Raises:
+        Refusal: an unknown key, a value out of range, an empty design, or values that contradict each other.
+    """
+    path = find_sweep(source)
+    tree = read_yaml(path)
+    if not isinstance(tree, Mapping):
+        raise Refusal(f"{path} is not a sweep: it must have keys such as 'base', 'vary', 'cases' and 'duration'")
+    return sweep_of({str(key): value for key, value in tree.items()}, str(path), path.parent, path.read_text(encoding="utf-8"))
+
+
+def find_sweep(source: str | Path) -> Path:
+    """Return the path of the sweep given by a file or by a shipped name."""
+    shipped = {path.stem: path for path in sorted((shipped_folder() / "sweeps").glob("*.yaml"))}
+    path = Path(source)
+    if not path.is_file() and str(source) not in shipped:
+        raise Refusal(f"there is no sweep '{source}': give a YAML file or one of {', '.join(shipped)}{nearest(str(source), shipped)}")
+    return path if path.is_file() else shipped[str(source)]
+
+
+GAP_PARAMETERS = ("publishing.loss_probability", "publishing.burst_period")
+"""Parameters that cause gaps in the waveform."""
+
+
+def sweep_of(tree: Mapping[str, Any], source: str, folder: Path = Path(), text: str = "") -> Sweep:
+    """Return the sweep described by a tree read from YAML; other files are also looked for relative to ``folder``."""
+    file = _file(tree, source)
+    fields = fields_by_key()
+    fixed = {key: _value(key, value, _known(key, fields, f"{source}: set"), f"{source}: set") for key, value in flatten(file.fixed).items()}
+    base = overlaid(flatten(load_configuration(_beside(file.base, folder)).model_dump()), fixed)
+    vary = _axes(file.vary, file.design, fields, f"{source}: vary")
+    cases = {name: _axes(case, file.design, fields, f"{source}: cases.{name}") for name, case in file.cases.items()} or {"base": {}}
+    if file.twins:
+        if cases.get(HEALTHY):
+            raise Refusal(f"{source}: with twins, the case '{HEALTHY}' is the twin of all others and must be empty: rename this case")
+        cases = {HEALTHY: {key: Choice((value,)) for key, value in NO_FAULTS.items()}, **{k: v for k, v in cases.items() if k != HEALTHY}}
+    sweep = Sweep(file, text, base, vary, cases, _scenarios([vary, *cases.values()], folder))
+    _consistent(sweep, fields, source)
+    return sweep
+
+
+def _file(tree: Mapping[str, Any], source: str) -> SweepFile:
+    known = [info.alias or name for name, info in SweepFile.model_fields.items()]
+    for key in tree:
+        if key not in known:
+            raise Refusal(f"{source}: unknown key '{key}'{nearest(key, known)}; a sweep has {', '.join(known)}")
+    try:
+        return SweepFile.model_validate(tree)
+    except ValidationError as error:
+        raise Refusal(f"{source}: {_sentence(error.errors()[0])}") from None
+
+
+def _sentence(problem: ErrorDetails) -> str:
+    key = ".".join(str(part) for part in problem["loc"] if part not in ("int", "list[int]"))
+    if problem["type"] == "missing":
+        return f"'{key}' is missing" + (": give the recorded time of each run in seconds" if key == "duration" else "")
+    if problem["type"] == "extra_forbidden":
+        known = list(Windows.model_fields if problem["loc"][0] == "windows" else Shares.model_fields)
+        return f"unknown key '{key}'{nearest(str(problem['loc'][-1]), known)}; known are {', '.join(known)}"
+    reason = problem["msg"].removeprefix("Value error, ").removeprefix("Input ").lower()
+    return f"{key}: {reason}" if problem["type"] == "value_error" else f"{key} = {problem['input']!r}: it {reason}"
+
+
+def _known(key: str, fields: Mapping[str, ParameterField], source: str) -> ParameterField:
+    if key not in fields:
+        raise Refusal(f"{source}: unknown parameter '{key}'{nearest(key, fields)}")
+    if key == "simulation.seed":
+        raise Refusal(f"{source}: simulation.seed cannot be set here: use 'seeds', a count or a list such as [1, 2]")
+    return fields[key]
+
+
+def _value(key: str, given: Any, field: ParameterField, source: str) -> Value:
+    """Return a value converted to the type of its parameter and checked against its range."""
+    value: Any = float(given) if field.kind is float and type(given) is int else given
+    if type(value) is not field.kind:
+        raise Refusal(f"{source}: {key} = {value!r} is not {_KINDS[field.kind]}; {field.description.lower()}")
+    if field.choices and value not in field.choices:
+        raise Refusal(f"{source}: {key} = {value!r} is not one of {', '.join(field.choices)}{nearest(str(value), field.choices)}")
+    if field.low is not None and field.high is not None and not field.low <= given <= field.high:
+        remedy = field.remedy or f"give a value within it for the {field.description.lower()}"
+        raise Refusal(f"{source}: {key} = {value!r} is outside {field.low:g} .. {field.high:g} {field.unit}: {remedy}")
+    return cast(Value, value)
+
+
+_KINDS = {float: "a number", int: "a whole number", bool: "true or false", str: "a text"}
+
+
+def _axes(tree: Mapping[str, Any], design: str, fields: Mapping[str, ParameterField], source: str) -> Axes:
+    axes: dict[str, Axis] = {}
+    for key, value in _flattened(tree).items():
+        if key == SCENARIO:
+            axes[key] = _choice(key, value, None, source)
+        elif isinstance(value, Mapping):
+            axes[key] = _span(key, value, _known(key, fields, source), design, source)
+        else:
+            axes[key] = _choice(key, value, _known(key, fields, source), source)
+    return axes
+
+
+def _flattened(tree: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
+    """Return a tree with dotted keys; ranges are not flattened."""
+    flat: dict[str, Any] = {}
+    for name, value in tree.items():
+        if isinstance(value, Mapping) and not {"low", "high"} & set(value):
+            flat.update(_flattened(value, f"{prefix}{name}."))
+        else:
+            flat[f"{prefix}{name}"] = value
+    return flat
+
+
+def _choice(key: str, value: Any, field: ParameterField | None, source: str) -> Choice:
+    values = value if isinstance(value, list) else [value]
+    if not values:
+        raise Refusal(f"{source}: {key} has an empty list, so there would be no run: give at least one value, or leave the key out")
+    if len(values) > MOST_VALUES:
+        raise Refusal(f"{source}: {key} has {len(values)} values, more than {MOST_VALUES}: give fewer, or a range")
+    if field is None:
+        for name in values:
+            if not isinstance(name, str):
+                raise Refusal(f"{source}: {key} = {name!r} is not the name of a scenario: give a name, or '' for no scenario")
+        return Choice(tuple(values))
+    return Choice(tuple(_value(key, one, field, source) for one in values))
+
+
+def _span(key: str, tree: Mapping[str, Any], field: ParameterField, design: str, source: str) -> Span:
+    known = ("low", "high", "scale", "count")
+    for name in tree:
+        if name not in known:
+            raise Refusal(f"{source}: {key}: unknown key '{name}'{nearest(str(name), known)}; a range has {', '.join(known)}")
+    if not {"low", "high"} <= set(tree) or field.kind not in (int, float):
+        raise Refusal(f"{source}: {key}: a range needs low and high, and applies to numeric parameters only")
+    low, high = (_value(f"{key} ({end})", tree[end], field, source) for end in ("low", "high"))
+    scale, count = tree.get("scale", "linear"), tree.get("count", 0)
+    if scale not in ("linear", "log"):
+        raise Refusal(f"{source}: {key}: scale = {scale!r} is not one of linear, log")
+    if not float(low) < float(high):
+        raise Refusal(f"{source}: {key}: low = {low!r} is not below high = {high!r}: swap them, or give a list of values")
+    if scale == "log" and not float(low) > 0.0:
+        raise Refusal(f"{source}: {key}: low = {low!r} is not above 0: a logarithmic scale needs a positive lower limit")
+    if type(count) is not int or (design == GRID and not 1 <= count <= MOST_VALUES):
+        raise Refusal(f"{source}: {key}: a grid needs the number of values of a range: give count, 1 .. {MOST_VALUES}, not {count!r}")
+    return Span(float(low), float(high), scale == "log", field.kind is int, count)
+
+
+def _beside(name: str, folder: Path) -> Path:
+    """Return the path of a sweep's configuration: in the folder of the sweep file, or as for any other command."""
+    beside = folder / name
+    return beside if beside.is_file() else find_configuration(name)
+
+
+def _scenarios(all_axes: list[Axes], folder: Path) -> dict[str, Any]:
+    """Return the scenarios named by axes, as read from YAML."""
+    names = {str(name) for axes in all_axes if SCENARIO in axes for name in axes[SCENARIO].grid() if name}
+    return {name: read_scenario_file(folder / name if (folder / name).is_file() else Path(name)) for name in sorted(names)}
+
+
+def _consistent(sweep: Sweep, fields: Mapping[str, ParameterField], source: str) -> None:
+    """Refuse values that contradict each other."""
+    file = sweep.file
+    if file.design == GRID and file.points:
+        raise Refusal(
+            f"{source}: points = {file.points} applies to the designs random and latin_hypercube only: remove it, "
+            "the values of a grid determine its points"
+        )
+    if file.design != GRID and not file.points:
+        raise Refusal(f"{source}: a {file.design} design needs 'points': give the number of conditions, above 0")
+    seeds = [file.seeds] if isinstance(file.seeds, int) else file.seeds
+    if not seeds or min(seeds) < (1 if isinstance(file.seeds, int) else 0) or max(seeds) > 2**31 - 1:
+        raise Refusal(f"{source}: seeds = {file.seeds!r} is invalid: give the number of seeds per condition, at least 1, or a list")
+    for name, axes in sweep.cases.items():
+        for key in axes:
+            if key != SCENARIO and key.split(".")[0] not in CASE_GROUPS:
+                raise Refusal(f"{source}: cases.{name}: {key} is a condition of the bearing, not a fault: move it to 'vary'")
+    if file.twins and SCENARIO in sweep.vary:
+        _twins(sweep, source)
+    if file.branch_at:
+        _branching(sweep, fields, source)
+    held = file.output != "bag" or file.windows is not None
+    if held and file.duration > LONGEST_RUN:
+        raise Refusal(
+            f"{source}: duration = {file.duration:g} s is above {LONGEST_RUN:g} s, too long for memory: use 'output: bag' without windows"
+        )
+    if SPEED_KMH in flatten(file.fixed) and SPEED in sweep.vary:
+        raise Refusal(f"{source}: set: {SPEED_KMH} would override {SPEED} under 'vary': give one of them")
+    gaps = [key for key in GAP_PARAMETERS if sweep.base[key] or key in sweep.vary]
+    if held and gaps:
+        raise Refusal(
+            f"{source}: {gaps[0]} causes gaps, which waveform files and windows cannot represent: use 'output: bag' without windows"
+        )
+    rate = sweep.base["sensor.sampling_rate"]
+    if file.windows is not None and "sensor.sampling_rate" not in sweep.vary and file.windows.length > file.duration * float(rate):
+        raise Refusal(
+            f"{source}: windows.length = {file.windows.length} samples is longer than a run of {file.duration:g} s, "
+            f"{round(file.duration * float(rate))} samples at {rate} Hz: shorten the windows or lengthen the runs"
+        )
+
+
+def _twins(sweep: Sweep, source: str) -> None:
+    """Refuse scenarios of a condition that contain faults, since its healthy twin would be faulty."""
+    for name in sweep.vary[SCENARIO].grid():
+        if "faults." in json.dumps(sweep.scenarios.get(str(name))) or "'faults'" in str(sweep.scenarios.get(str(name))):
+            raise Refusal(f"{source}: vary: the scenario '{name}' contains faults, so a twin would not be healthy: move it to a case")
+
+
+def _branching(sweep: Sweep, fields: Mapping[str, ParameterField], source: str) -> None:
+    if sweep.scenarios:
+        raise Refusal(f"{source}: branch_at cannot be combined with a scenario, whose times are relative to the start: remove one")
+    if sweep.file.settle < SHORTEST_SETTLE:
+        raise Refusal(
+            f"{source}: settle = {sweep.file.settle:g} s is below {SHORTEST_SETTLE:g} s, in which the faults appear after branch_at"
+        )
+    for name, axes in sweep.cases.items():
+        for key in axes:
+            if key != SCENARIO and not fields[key].run_time:
+                raise Refusal(f"{source}: cases.{name}: {key} cannot change while the bearing runs: set branch_at to 0")

@@ -1,0 +1,224 @@
+"""The simulations of the validation, and the quantities kept from each."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from dcrb_ros.bearing.kinematics import characteristic_orders
+from dcrb_ros.bearing.payload import cage_speed
+from dcrb_ros.bearing.states import Account
+from dcrb_ros.settings.configuration import Configuration
+from dcrb_ros.settings.files import load_configuration
+from dcrb_ros.simulation.loop import Simulation
+
+Floats = npt.NDArray[np.float64]
+Singles = npt.NDArray[np.float32]
+
+JOINTS = ("revolute", "pocket")
+BENCH = {"revolute": "paper", "pocket": "healthy"}
+"""The shipped configuration for each joint."""
+
+PAPER_SPEED = 124.8
+"""Shaft speed used in the paper's section 2.3.2 [rad/s]."""
+
+SETTLED = 0.2
+"""Time left out of all statistics at the start of a warm run [s]."""
+
+BROKEN_BAR = 15
+"""Bar missing in both rows, between rollers 15 and 16."""
+
+# Power-law contact and Coulomb friction, as in the independent multibody engine whose results `faults.py` compares with. These results
+# were computed once; the program is not part of this repository.
+POWER_LAW = (
+    "contact.law=power",
+    "contact.power_coefficient=3.449e9",
+    "contact.power_exponent=1.0766",
+    "contact.damping=4000.0",
+    "contact.loss_time=0.0",
+    "friction.kinetic_coefficient=0.05",
+    "friction.static_coefficient=0.05",
+    "operating.speed=125.664",
+)
+
+
+@dataclass(frozen=True)
+class RunSpec:
+    """The specification of a run: a shipped configuration, changed parameters and a duration."""
+
+    name: str
+    joint: str
+    duration: float
+    """Simulated time [s]."""
+    settings: tuple[str, ...] = ()
+    state_rate: int = 2000
+    """Rate at which states are kept [Hz]."""
+
+    @property
+    def key(self) -> tuple[str, str]:
+        """Name and joint."""
+        return self.name, self.joint
+
+    @property
+    def command(self) -> str:
+        """The command line that records this run."""
+        settings = "".join(f" --set {setting}" for setting in self._all_settings)
+        return f"dcrb simulate {BENCH[self.joint]} --duration {self.duration:g}{settings}"
+
+    @property
+    def _all_settings(self) -> tuple[str, ...]:
+        return (f"operating.speed={PAPER_SPEED}", f"publishing.state_rate={self.state_rate}", "sensor.noise_density=0.0", *self.settings)
+
+    def configuration(self) -> Configuration:
+        """Return the configuration."""
+        return load_configuration(BENCH[self.joint], self._all_settings)
+
+
+WIDTHS = (0.5, 1.0, 1.5, 2.0)
+"""Widths of the outer-ring defect whose severity is compared [mm]."""
+
+
+def run_specs() -> list[RunSpec]:
+    """Return the specifications of all runs, the longest first."""
+    specs = []
+    for joint in reversed(JOINTS):
+        bars = f"faults.broken_bars=row1/bar{BROKEN_BAR}, row2/bar{BROKEN_BAR}"
+        specs += [
+            RunSpec("healthy", joint, 6.0, state_rate=3000),
+            RunSpec("cage fracture", joint, 6.0, (bars,), 3000),
+            RunSpec("outer ring defect", joint, 3.0, ("faults.outer_1.width=0.002",), 5000),
+            RunSpec("inner ring defect", joint, 3.0, ("faults.inner_1.width=0.002",), 5000),
+        ]
+        specs += [
+            RunSpec("roller defect", joint, 4.0, ("faults.roller_1.width=0.002",), 500),
+            RunSpec("rows staggered", joint, 1.2, ("faults.outer_1.width=0.002", "bearing.row_phase=0.5"), 100),
+        ]
+        specs += [RunSpec(f"outer ring defect {b:g} mm", joint, 1.2, (f"faults.outer_1.width={b * 1e-3:g}",), 100) for b in WIDTHS]
+        specs += [RunSpec("cold start", joint, 3.0, ("operating.start=cold",))]
+    specs += [
+        RunSpec("power law, healthy", "revolute", 1.2, POWER_LAW),
+        RunSpec("power law, outer ring defect", "revolute", 1.2, (*POWER_LAW, "faults.outer_1.width=0.002"), 5000),
+    ]
+    return specs
+
+
+@dataclass(frozen=True)
+class Run:
+    """The results of a run.
+
+    Shapes are (times, rollers) unless stated otherwise; rollers are columns, row of the bearing by row.
+    """
+
+    spec: RunSpec
+    configuration: Configuration
+    acceleration: Floats
+    """Vertical acceleration of the outer ring before noise, shape (samples,) [m/s^2]."""
+    shaft_angle: Singles
+    """Shaft angle within one turn, shape (samples,) [rad]."""
+    time: Floats
+    """Times of the states, shape (times,) [s]."""
+    azimuth: Singles
+    """Azimuth of the rollers from the load line [rad]."""
+    spin: Singles
+    """Absolute spin of the rollers [rad/s]."""
+    relative_spin: Singles
+    """Spin of the rollers relative to the cage [rad/s]."""
+    inner_force: Singles
+    """Normal force at the inner raceway [N]."""
+    outer_force: Singles
+    """Normal force at the outer raceway [N]."""
+    slip: Singles
+    """Slip at the inner raceway [m/s]."""
+    friction: Singles
+    """Friction force at the inner raceway [N]."""
+    torque: Singles
+    """Friction torque of both raceways [N m]."""
+    cage_speed: Floats
+    """Rotation speed of the cages, shape (times, rows) [rad/s]."""
+    inner_ring_force: Floats
+    """Total vertical force of the rollers on the inner ring, shape (times,) [N]."""
+    energy: Account
+    """Energy account over the whole run."""
+
+    @property
+    def rate(self) -> int:
+        """Sampling rate [Hz]."""
+        return self.configuration.sensor.sampling_rate
+
+    @property
+    def settled(self) -> npt.NDArray[np.bool_]:
+        """Mask of the states that enter statistics, shape (times,)."""
+        return self.time >= SETTLED
+
+    @property
+    def steady_acceleration(self) -> Floats:
+        """Vertical acceleration without the start of the run, shape (samples,) [m/s^2]."""
+        return self.acceleration[round(SETTLED * self.rate) :]
+
+    @property
+    def mean_cage_speed(self) -> float:
+        """Mean cage speed [rad/s]."""
+        return float(self.cage_speed[self.settled].mean())
+
+    @property
+    def cage_frequency(self) -> float:
+        """Mean cage frequency [Hz]."""
+        return self.mean_cage_speed / (2.0 * np.pi)
+
+    @property
+    def shaft_frequency(self) -> float:
+        """Shaft frequency [Hz]."""
+        return self.configuration.operating.speed / (2.0 * np.pi)
+
+    @property
+    def rolling_cage_speed(self) -> float:
+        """Cage speed in pure rolling with the run's joint [rad/s]."""
+        return cage_speed(self.configuration, self.configuration.operating.speed)
+
+    @property
+    def rollers_per_row(self) -> int:
+        """Rollers in a row [-]."""
+        return self.configuration.bearing.rollers_per_row
+
+    @property
+    def bpfo(self) -> float:
+        """Kinematic BPFO [Hz]."""
+        return characteristic_orders(self.configuration.bearing).frequencies(self.shaft_frequency)["BPFO"]
+
+    def columns(self, roller: int) -> list[int]:
+        """Return the columns of the rollers with a number, one per row."""
+        return [row * self.rollers_per_row + roller - 1 for row in range(self.configuration.bearing.rows)]
+
+
+def simulate(spec: RunSpec) -> Run:
+    """Simulate a run and return its results."""
+    configuration = spec.configuration()
+    rows, count = configuration.bearing.rows, configuration.bearing.rows * configuration.bearing.rollers_per_row
+    simulation = Simulation(configuration)
+    blocks = list(simulation.blocks(spec.duration))
+    states = [states for block in blocks for states in block.states]
+
+    def series(field: str) -> Singles:
+        return np.array([getattr(state, field) for state in states], np.float32)
+
+    speed = np.array([state.speed for state in states])
+    return Run(
+        spec=spec,
+        configuration=configuration,
+        acceleration=np.concatenate([block.clean[:, 1] for block in blocks]).astype(np.float64),
+        shaft_angle=np.concatenate([block.shaft_angle for block in blocks]),
+        time=np.array([state.time_ns for state in states]) * 1e-9,
+        azimuth=series("azimuth")[:, :count],
+        spin=speed[:, :count].astype(np.float32),
+        relative_spin=series("relative_speed")[:, :count],
+        inner_force=series("inner_force")[:, :count],
+        outer_force=series("outer_force")[:, :count],
+        slip=series("slip")[:, :count],
+        friction=series("friction")[:, :count],
+        torque=series("torque")[:, :count],
+        cage_speed=speed[:, count : count + rows],
+        inner_ring_force=np.array([state.inner_ring_force[1] for state in states]),
+        energy=simulation.energy,
+    )

@@ -1,0 +1,137 @@
+"""Reading of a recording into the arrays that the viewer shows."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
+
+import numpy as np
+
+from dcrb_ros.bearing.kinematics import Orders
+from dcrb_ros.bearing.states import BodyNames
+from dcrb_ros.messages.cdr import stamps
+from dcrb_ros.messages.joints import decode_alike, decode_joints
+from dcrb_ros.messages.points import decode_waveform
+from dcrb_ros.messages.statuses import decode_diagnostics
+from dcrb_ros.messages.topics import DIAGNOSIS, FAULT_INDICATORS, FEATURES, GROUND_TRUTH, NAMESPACE, ROLLER_STATES, VIBRATION, Topic
+from dcrb_ros.recordings.arrays import truths_of
+from dcrb_ros.recordings.reader import Recording
+from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.settings.parameters import Bearing
+from dcrb_ros.viewer.content import BenchInfo, Content, DetectorOutput, Motion, Series, Verdict, Waveform
+from dcrb_ros.viewer.spectrum import diagnoses, indicators_of, verdicts_of
+
+SHOWN = (VIBRATION, ROLLER_STATES, GROUND_TRUTH, FEATURES, FAULT_INDICATORS, DIAGNOSIS)
+
+
+def read_content(recording: Recording) -> Content:
+    """Return the content of a recording, read in one pass; of a truncated recording, its readable part.
+
+    Raises:
+        Refusal: it has no waveform, or a message cannot be decoded.
+    """
+    messages: dict[Topic, list[bytes]] = defaultdict(list)
+    for message in recording.messages(SHOWN):
+        messages[message.topic].append(message.data)
+    if not messages[VIBRATION]:
+        topic = VIBRATION.resolved(recording.namespace)
+        raise Refusal(f"{recording.path} has no block on {topic}: give a recording that contains the waveform")
+    bearing = Bearing() if recording.imported else recording.configuration.bearing
+    bench = BenchInfo(recording.path.stem, bearing, recording.orders, recording.sampling_rate, recording.imported)
+    return content_of(messages, bench, lambda waveform: _in_background(lambda: detector_output_of(waveform, recording.orders, messages)))
+
+
+def content_of(
+    messages: Mapping[Topic, Sequence[bytes]], bench: BenchInfo, start_detector: Callable[[Waveform], Future[DetectorOutput]]
+) -> Content:
+    """Return the content of messages by topic; ``start_detector`` starts the detector on the waveform.
+
+    Raises:
+        Refusal: a message cannot be decoded.
+    """
+    waveform = waveform_of(messages.get(VIBRATION, ()), bench.rate)
+    return Content(
+        title=bench.title,
+        bearing=bench.bearing,
+        orders=bench.orders,
+        imported=bench.imported,
+        bodies=bench.bodies,
+        waveform=waveform,
+        pending_output=start_detector(waveform),
+        motion=motion_of(messages.get(ROLLER_STATES, ()), bench.bodies),
+        truths=truths_of(messages.get(GROUND_TRUTH, ())),
+        features=series_of(messages.get(FEATURES, ())),
+    )
+
+
+def waveform_of(messages: Sequence[bytes], rate: int) -> Waveform:
+    """Return the concatenated samples of all blocks."""
+    if messages:
+        return Waveform(*decode_waveform(messages), rate=rate)
+    return Waveform(np.zeros(0, np.int64), np.zeros((0, 2), np.float32), np.zeros(0, np.float32), rate)
+
+
+def detector_output_of(waveform: Waveform, orders: Orders, messages: Mapping[Topic, Sequence[bytes]]) -> DetectorOutput:
+    """Return the shipped detector's output for a waveform; recorded indicators and verdicts take precedence over its own."""
+    found = diagnoses(waveform, orders)
+    return DetectorOutput(
+        indicators=series_of(messages.get(FAULT_INDICATORS, ())) or indicators_of(found),
+        verdicts=verdicts_in(messages.get(DIAGNOSIS, ())) or verdicts_of(found),
+        diagnoses=tuple(found),
+    )
+
+
+def _in_background(work: Callable[[], DetectorOutput]) -> Future[DetectorOutput]:
+    pool = ThreadPoolExecutor(1, "judgement")
+    future = pool.submit(work)
+    pool.shutdown(wait=False)
+    return future
+
+
+def motion_of(messages: Sequence[bytes], bodies: BodyNames) -> Motion | None:
+    """Return the motion of the bodies; ``None`` if there are no messages.
+
+    Raises:
+        Refusal: the messages contain other bodies than the bearing has.
+    """
+    if not messages:
+        return None
+    names, alike = tuple(bodies.names), decode_alike(messages)
+    for joints in [decode_joints(data) for data in messages] if alike is None else [alike]:
+        counts = {joints.position.shape[-1], joints.velocity.shape[-1], joints.effort.shape[-1]}
+        if joints.names != names or counts != {len(names)}:
+            raise Refusal(
+                f"a message on {ROLLER_STATES.resolved(NAMESPACE)} has {sorted(counts)} values for {len(joints.names)} bodies, but the "
+                f"bearing of the manifest has {len(names)}, from {names[0]} to {names[-1]}: give a recording of a single bench"
+            )
+    if alike is None:
+        each = [decode_joints(data) for data in messages]
+        fields = [np.array([getattr(joints, name) for joints in each]) for name in ("position", "velocity", "effort")]
+    else:
+        fields = [alike.position, alike.velocity, alike.effort]
+    return Motion(stamps(messages), *fields)
+
+
+def series_of(messages: Sequence[bytes]) -> Series | None:
+    """Return the positions in the messages that have the names of the first one; ``None`` if there are no messages."""
+    if not messages:
+        return None
+    joined = decode_alike(messages)
+    if joined is not None:
+        return Series(stamps(messages), joined.names, joined.position)
+    decoded = [decode_joints(data) for data in messages]
+    alike = [joints for joints in decoded if joints.names == decoded[0].names]
+    return Series(
+        np.array([joints.stamp_ns for joints in alike], np.int64), decoded[0].names, np.array([joints.position for joints in alike])
+    )
+
+
+def verdicts_in(messages: Sequence[bytes]) -> tuple[Verdict, ...]:
+    """Return the verdicts in messages on ``diagnosis``."""
+    decoded = [decode_diagnostics(data) for data in messages]
+    return tuple(
+        Verdict(time_ns, status.values.get("verdict", status.message), status.level, status.values)
+        for time_ns, statuses in decoded
+        for status in statuses[:1]
+    )

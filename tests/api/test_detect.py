@@ -1,0 +1,68 @@
+"""The detector over a signal in one call, and block by block."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from dcrb_ros import DetectorParameters, FaultDetector, Recording, Refusal, Run, detect, simulate
+
+BAGS = Path(__file__).parents[2] / "bags"
+
+
+@pytest.fixture(scope="module")
+def run() -> Run:
+    return simulate("outer_ring_defect", 3.0)
+
+
+def test_run_recording_and_arrays_give_the_same_verdicts(run: Run) -> None:
+    of_run = detect(run)
+    of_recording = detect(Recording(BAGS / "outer_ring_defect"))  # the same configuration, seed and duration
+    of_arrays = detect(run.acceleration, run.sampling_rate, shaft_angle=run.shaft_angle, bearing=run.configuration)
+    assert of_run.verdict == of_recording.verdict == of_arrays.verdict == "outer_ring"
+    assert [d.levels for d in of_run.history] == [d.levels for d in of_recording.history] == [d.levels for d in of_arrays.history]
+
+
+def test_one_call_says_what_the_blocks_say(run: Run) -> None:
+    detector = FaultDetector(run.orders, run.sampling_rate, sensor_range=run.sensor_range)
+    blocks = [slice(first, first + 1024) for first in range(0, len(run), 1024)]
+    found = [detector.update(block.start, run.acceleration[block], run.shaft_angle[block]) for block in blocks]
+    assert [d.verdict for d in found if d is not None] == [d.verdict for d in detect(run).history]
+
+
+def test_the_result_says_since_when_and_why(run: Run) -> None:
+    found = detect(run)
+    assert found.last is found.history[-1]
+    assert found.since == next(d.time for d in found.history if d.verdict == "outer_ring")
+    assert found.duration == pytest.approx(3.0)
+    assert repr(found).startswith("<DetectionResult: outer_ring with confidence 0.9")
+    assert repr(found.last).startswith("<Diagnosis: outer_ring at 3.00 s, confidence 0.9")
+    frame = found.to_pandas()
+    assert frame["verdict"].iloc[-1] == "outer_ring"
+    assert frame["BPFO"].to_numpy() == pytest.approx([d.levels["BPFO"] for d in found.history])
+
+
+def test_without_a_shaft_angle_the_speed_is_estimated(run: Run) -> None:
+    found = detect(run.acceleration, run.sampling_rate, bearing=run.configuration)
+    assert found.verdict == "outer_ring"
+    assert found.last.shaft_frequency == pytest.approx(20.0, rel=0.01)
+
+
+def test_a_single_axis_is_enough(run: Run) -> None:
+    assert detect(run.acceleration[:, 1], run.sampling_rate, shaft_angle=run.shaft_angle, bearing=run.orders).verdict == "outer_ring"
+
+
+def test_parameters_change_the_detector(run: Run) -> None:
+    deaf = DetectorParameters(outer_limit=1e5, outer_limit_high=1e5)
+    assert detect(run, parameters=deaf).verdict == "healthy"
+
+
+def test_refusals(run: Run) -> None:
+    with pytest.raises(Refusal, match=r"the signal holds 1.00 s of waveform, too little for a verdict"):
+        detect(run.between(stop=1.0))
+    with pytest.raises(Refusal, match="the orders of the bearing are unknown"):
+        detect(np.zeros(51200), 51200)
+    with pytest.raises(Refusal, match="shaft_angle is given beside <Run"):
+        detect(run, shaft_angle=run.shaft_angle)

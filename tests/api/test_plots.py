@@ -1,0 +1,170 @@
+"""The plots, read back from their axes."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+import matplotlib.pyplot as plt
+import numpy as np
+import pytest
+from command import dcrb
+
+from dcrb_ros import (
+    Recording,
+    Refusal,
+    Run,
+    Waveform,
+    characteristic_frequencies,
+    envelope_spectrum,
+    plot_envelope_spectrum,
+    plot_load_zone,
+    plot_waveform,
+    simulate,
+)
+
+mpl.use("Agg")
+BAGS = Path(__file__).parents[2] / "bags"
+
+
+@pytest.fixture(scope="module")
+def run() -> Run:
+    return simulate("outer_ring_defect", 1.0)
+
+
+@pytest.fixture(autouse=True)
+def _closed() -> Any:
+    plt.close("all")
+    yield
+    plt.close("all")
+
+
+def test_plots_draw_into_given_axes_and_return_them(run: Run) -> None:
+    upper, lower = plt.figure().subplots(2, 1)
+    assert plot_waveform(run, ax=upper) is upper
+    assert plot_envelope_spectrum(run, ax=lower) is lower
+    polar = plt.figure().add_subplot(projection="polar")
+    assert plot_load_zone(run, ax=polar) is polar
+    assert len(plt.get_fignums()) == 2  # and no other was opened
+
+
+def test_waveform_is_drawn_sample_by_sample(run: Run) -> None:
+    ax = plot_waveform(run, start=0.1, stop=0.2)
+    (line,) = ax.lines
+    assert np.array_equal(line.get_ydata(), run.between(0.1, 0.2).acceleration[:, 1])
+    assert (ax.get_xlabel(), ax.get_ylabel()) == ("time [s]", "acceleration Y [m/s²]")
+    both = plot_waveform(run, stop=0.1, axis="both")
+    assert [text.get_text() for text in both.get_legend().get_texts()] == ["Y", "X"]
+
+
+def test_a_long_waveform_keeps_its_extremes() -> None:
+    noise = np.random.default_rng(1).standard_normal(200_000)
+    (line,) = plot_waveform(noise, 10_000).lines
+    drawn = np.asarray(line.get_ydata())
+    assert len(drawn) < len(noise)
+    assert (drawn.min(), drawn.max()) == pytest.approx((noise.min(), noise.max()))
+
+
+@pytest.mark.parametrize("samples", [1000, 100_000])
+def test_the_line_is_broken_where_samples_are_lost(samples: int) -> None:
+    whole = Waveform.from_arrays(np.ones(samples), 1000)
+    lossy = Waveform(
+        acceleration=whole.acceleration,
+        shaft_angle=whole.shaft_angle,
+        sampling_rate=1000,
+        index=np.where(whole.index < samples // 2, whole.index, whole.index + 500),
+        orders=whole.orders,
+    )
+    (line,) = plot_waveform(lossy).lines
+    assert np.count_nonzero(np.isnan(np.asarray(line.get_ydata(), float))) == 1
+
+
+def test_fault_lines_stand_at_the_orders_of_the_bearing(run: Run) -> None:
+    ax = plot_envelope_spectrum(run, lines=["BPFI"], highest=20.0)
+    upright = [line.get_xdata()[0] for line in ax.lines if len(line.get_xdata()) == 2]
+    assert upright == pytest.approx([run.orders.bpfi, 2.0 * run.orders.bpfi])
+    assert ax.get_xlabel() == "order [multiples of the shaft frequency]"
+
+
+def test_a_defect_is_marked_at_its_own_lines(run: Run) -> None:
+    ax = plot_envelope_spectrum(run)
+    marked = [float(line.get_xdata()[0]) for line in ax.lines if len(line.get_xdata()) == 1]
+    assert marked == pytest.approx(run.orders.bpfo * np.arange(1, 5), rel=0.004)
+    assert [text.get_text().split()[0] for text in ax.get_legend().get_texts()] == ["BPFO", "BPFI", "2BSF", "FTF"]
+
+
+def test_frequency_axis_is_in_hertz(run: Run) -> None:
+    ax = plot_envelope_spectrum(run, x="frequency", lines=["BPFO"])
+    expected = characteristic_frequencies(run.configuration, run.configuration.operating.speed)["BPFO"]
+    upright = [line.get_xdata()[0] for line in ax.lines if len(line.get_xdata()) == 2]
+    assert upright[0] == pytest.approx(expected, rel=1e-4)
+    assert [text.get_text() for text in ax.get_legend().get_texts()] == ["BPFO 134.5 Hz"]
+
+
+def test_a_spectrum_that_is_there_already_is_drawn(run: Run) -> None:
+    spectrum = envelope_spectrum(run, band=(4000.0, 8000.0))
+    assert plot_envelope_spectrum(spectrum).get_title(loc="left") == "squared envelope, 4 to 8 kHz, order-tracked"
+
+
+def test_an_unknown_bearing_has_no_fault_lines() -> None:
+    ax = plot_envelope_spectrum(np.random.default_rng(1).standard_normal(51200), 51200)
+    assert ax.get_legend() is None
+    assert ax.get_xlim() == (0.0, 600.0)
+
+
+def test_load_zone_lies_below_the_shaft() -> None:
+    ax = plot_load_zone(Recording(BAGS / "healthy"))
+    assert [line.get_label() for line in ax.lines] == ["row 1", "row 2"]
+    for line in ax.lines:
+        azimuth, force = line.get_data()
+        assert np.abs(np.asarray(azimuth)[np.asarray(force) > 1.0]).max() < 0.5 * np.pi
+        assert 20.0 < np.max(force) < 40.0  # kN, of 100 kN on two rows
+
+
+@pytest.mark.parametrize(
+    ("call", "sentence"),
+    [
+        (lambda run: plot_waveform(run, axis="z"), "axis = 'z' is not one of x, y, both"),
+        (lambda run: plot_waveform(run, start=5.0), "no sample from 5.0"),
+        (lambda run: plot_envelope_spectrum(run, lines=["BFPO"]), "there is no fault line 'BFPO'.*did you mean 'BPFO'"),
+        (lambda run: plot_envelope_spectrum(np.ones(51200), 51200, x="order"), "the speed is unknown"),
+        (lambda run: plot_load_zone(run, ax=plt.figure().add_subplot()), "needs polar axes"),
+        (lambda run: plot_load_zone(simulate("healthy", 0.005)), "has no states"),
+    ],
+)
+def test_refusals(call: Any, sentence: str, run: Run) -> None:
+    with pytest.raises(Refusal, match=sentence):
+        call(run)
+
+
+@pytest.mark.parametrize("suffix", [".png", ".svg", ".pdf"])
+def test_command_writes_a_picture(suffix: str, tmp_path: Path) -> None:
+    file = tmp_path / f"picture{suffix}"
+    done = dcrb("plot", str(BAGS / "run_up"), "-o", str(file), "--start", "0.5", "--duration", "2")
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.strip() == f"{file}: 2.00 s of {BAGS / 'run_up'} from 0.50 s on"
+    assert file.read_bytes()[:4] in (b"\x89PNG", b"<?xm", b"%PDF")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        ((str(BAGS / "healthy"),), "Missing option '-o'"),
+        ((str(BAGS / "healthy"), "-o", "picture.jpg"), "--output picture.jpg is of no known kind: the name must end in .png, .svg, .pdf"),
+        ((str(BAGS / "healthy"), "-o", "nowhere/picture.png"), "there is no folder nowhere"),
+        ((str(BAGS / "healthy"), "-o", "picture.png", "--duration", "0"), "--duration 0.0 s is outside 0 .. 60 s"),
+        ((str(BAGS / "healthy"), "-o", "picture.png", "--start", "-1"), "--start -1.0 s is not a simulated time"),
+        ((str(BAGS / "healthy"), "-o", "picture.png", "--start", "9"), "has no sample from 9.0 to 19.0 s: it has samples from 0 to 3 s"),
+        (("nothing", "-o", "picture.png"), "there is no recording nothing"),
+    ],
+)
+def test_command_refuses_in_one_sentence(
+    arguments: tuple[str, ...], sentence: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    done = dcrb("plot", *arguments)
+    assert done.returncode == 2
+    assert sentence in done.stderr
+    assert len(done.stderr.strip().splitlines()) == 1
+    assert list(tmp_path.iterdir()) == []

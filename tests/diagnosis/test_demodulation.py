@@ -1,0 +1,72 @@
+"""Demodulation of signals whose squared envelope is known in closed form."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+from scipy.signal import windows
+
+from dcrb_ros.diagnosis.demodulation import TAPER, Band, Demodulator, band_tree, kurtosis, tukey
+
+RATE = 51200
+TIME = np.arange(2 * RATE) / RATE
+Floats = npt.NDArray[np.float64]
+WHOLE = Band(2000.0, 20000.0)
+
+
+def envelope(signal: Floats, band: Band = WHOLE) -> tuple[Floats, Floats]:
+    """Return positions [samples] and the squared envelope there, without the ends that wrap round."""
+    ((positions, squared),) = Demodulator((band,), RATE, len(signal)).squared_envelopes(signal.reshape(len(signal), -1))
+    inside = (positions > 400.0) & (positions < len(signal) - 400.0)
+    return positions[inside], squared[inside]
+
+
+def test_envelope_of_a_tone_is_its_squared_amplitude() -> None:
+    _, squared = envelope(5.0 * np.cos(2.0 * math.pi * 6000.0 * TIME))
+    np.testing.assert_allclose(squared, 25.0, rtol=1e-6)
+
+
+def test_envelope_sums_the_axes() -> None:
+    tone = np.sin(2.0 * math.pi * 6000.0 * TIME)
+    _, squared = envelope(np.column_stack([3.0 * tone, 4.0 * tone]))
+    np.testing.assert_allclose(squared, 25.0, rtol=1e-6)
+
+
+@pytest.mark.parametrize("frequency", [0.0, 500.0, 1900.0, 20100.0, 23000.0])
+def test_envelope_excludes_frequencies_outside_the_band(frequency: float) -> None:
+    _, squared = envelope(100.0 * np.cos(2.0 * math.pi * frequency * TIME))
+    assert float(squared.max()) < 1e-6 * 100.0**2
+
+
+def test_mean_of_the_envelope_is_twice_the_power_in_the_band() -> None:
+    _, squared = envelope(np.random.default_rng(1).normal(size=len(TIME)))
+    # White noise of unit power has 2 (band) / rate of it in the band; the edges, a tenth each, count 3/8.
+    assert float(squared.mean()) == pytest.approx(2.0 * 18000.0 * (0.8 + 0.2 * 0.375) / (RATE / 2), rel=0.02)
+
+
+def test_kurtosis_of_noise_is_zero_and_of_impacts_large() -> None:
+    # The squared envelope of Gaussian noise is exponential, whose second moment is twice its squared mean: 0. A share p of
+    # the time that holds all of a constant power has 1/p - 2.
+    noise = np.random.default_rng(2).exponential(size=200000)
+    burst = np.where(np.arange(200000) % 20 == 0, 5.0, 0.0)
+    assert kurtosis(np.stack([noise, burst, np.zeros(200000)])) == pytest.approx([0.0, 18.0, 0.0], abs=0.1)
+
+
+def test_bands_are_halved_on_a_logarithmic_scale() -> None:
+    assert [(round(band.low), round(band.high)) for band in band_tree(1000.0, 16000.0, 2)] == [
+        (1000, 16000),
+        (1000, 4000),
+        (4000, 16000),
+        (1000, 2000),
+        (2000, 4000),
+        (4000, 8000),
+        (8000, 16000),
+    ]
+
+
+@pytest.mark.parametrize("length", [1, 2, 3, 10, 11, 4096, 22501])
+def test_window_equals_that_of_scipy(length: int) -> None:
+    assert tukey(length, TAPER).tolist() == windows.tukey(length, TAPER).tolist()

@@ -1,0 +1,140 @@
+"""Segments from blocks that are lost, late, repeated or not finite."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from dcrb_ros.diagnosis.segments import Segment, Segmenter, bridged_turns
+from dcrb_ros.runtime.refusal import Refusal
+
+RATE = 10000
+HOP, MARGIN, GAP = 1000, 50, 500
+FREQUENCY = 21.3
+
+
+def signal(first: int, samples: int) -> tuple[np.ndarray, np.ndarray]:
+    """Return a signal equal to its index, and the angle of a shaft at constant speed."""
+    index = np.arange(first, first + samples)
+    angle = np.mod(2.0 * math.pi * FREQUENCY * index / RATE, 2.0 * math.pi).astype(np.float32)
+    return np.column_stack([index, -index]).astype(np.float32), angle
+
+
+def segmented(parts: list[tuple[int, int]]) -> tuple[Segmenter, list[Segment]]:
+    """Return the segments of blocks of the signal, each given by its first index and length."""
+    segmenter = Segmenter(HOP, MARGIN, GAP)
+    return segmenter, [segment for first, samples in parts for segment in segmenter.add(first, *signal(first, samples))]
+
+
+@given(cuts=st.lists(st.integers(1, 700), min_size=1, max_size=30))
+def test_segments_do_not_depend_on_the_blocks(cuts: list[int]) -> None:
+    parts, first = [], 0
+    for cut in cuts:
+        parts.append((first, cut))
+        first += cut
+    (_, found), (_, whole) = segmented(parts), segmented([(0, first)])
+    assert [segment.last for segment in found] == [segment.last for segment in whole] == [HOP * (k + 1) - 1 for k in range(first // HOP)]
+    for one, other in zip(found, whole, strict=True):
+        np.testing.assert_array_equal(one.acceleration, other.acceleration)
+        np.testing.assert_array_equal(one.turns, other.turns)
+
+
+def test_segments_overlap_by_the_margins() -> None:
+    _, (one, two) = segmented([(0, 2 * HOP)])
+    np.testing.assert_array_equal(one.acceleration[HOP:], two.acceleration[: 2 * MARGIN])
+    assert (one.first, two.first) == (True, False)
+    assert one.missing[: 2 * MARGIN].all()
+    assert not two.missing.any()
+
+
+@given(first=st.integers(200, 900), lost=st.integers(1, GAP))
+def test_short_gap_is_bridged_at_the_shaft_speed(first: int, lost: int) -> None:
+    segmenter, found = segmented([(0, first), (first + lost, 3 * HOP)])
+    assert (segmenter.counts.gaps, segmenter.counts.lost) == (1, lost)
+    for segment in found[1:]:
+        assert segment.turns is not None
+        assert segment.turns[-1] == pytest.approx(FREQUENCY * (HOP + 2 * MARGIN - 1) / RATE, abs=1e-3)
+    assert sum(int(segment.missing[MARGIN:-MARGIN].sum()) for segment in found) == lost + MARGIN
+
+
+def test_a_long_gap_restarts_the_segments() -> None:
+    segmenter, found = segmented([(0, 1500), (1500 + GAP + 1, 1500)])
+    assert segmenter.counts.gaps == 1
+    assert [segment.first for segment in found] == [True, True]
+
+
+@given(order=st.permutations(range(6)))
+def test_late_and_repeated_blocks_are_ignored(order: list[int]) -> None:
+    size = 300
+    segmenter, found = segmented([(size * k, size) for k in [0, *order, *order]])
+    for segment in found:
+        known = ~segment.missing
+        np.testing.assert_array_equal(segment.acceleration[known, 0], -segment.acceleration[known, 1])
+        assert np.all(np.diff(segment.acceleration[known, 0]) > 0)
+    assert segmenter.counts.repeated + segmenter.counts.restarts > 0
+
+
+def test_a_restarted_signal_is_followed() -> None:
+    segmenter, found = segmented([*((size, 500) for size in range(0, 3000, 500)), *((size, 500) for size in range(0, 3000, 500))])
+    assert segmenter.counts.restarts == 1
+    assert [segment.last for segment in found][:3] == [999, 1999, 2999]
+    assert found[-1].last > 1000
+    assert segmenter.counts.repeated == 500
+
+
+@pytest.mark.parametrize(
+    ("order", "lost", "repeated"),
+    [([0, 3, 4, 1, 2, 5, 6, 7, 8, 9, 10], 2, 2), ([k + m for k in range(0, 12, 2) for m in (0, 1, 0, 1)], 0, 12)],
+)
+def test_blocks_that_overtake_each_other_are_not_a_restart(order: list[int], lost: int, repeated: int) -> None:
+    segmenter, found = segmented([(200 * k, 200) for k in order])
+    assert (segmenter.counts.restarts, segmenter.counts.lost, segmenter.counts.repeated) == (0, 200 * lost, 200 * repeated)
+    assert [segment.last for segment in found] == [HOP - 1, 2 * HOP - 1]
+
+
+def test_a_short_repetition_is_ignored() -> None:
+    segmenter, found = segmented([(first, 200) for first in (0, 200, 400, 600, *range(0, 4000, 200))])
+    assert (segmenter.counts.restarts, segmenter.counts.repeated) == (0, 800)
+    assert [segment.last for segment in found] == [999, 1999, 2999, 3999]
+
+
+def test_an_empty_block_makes_no_gap() -> None:
+    segmenter, _ = segmented([(0, 1000), (1200, 0), (1200, 0), (1200, 1000)])
+    assert (segmenter.counts.gaps, segmenter.counts.lost) == (1, 200)
+
+
+@given(cuts=st.lists(st.integers(1, 3000), min_size=1, max_size=8), places=st.sets(st.integers(0, 3999), max_size=20))
+def test_samples_that_are_not_finite_are_counted_in_their_hop(cuts: list[int], places: set[int]) -> None:
+    acceleration, angle = signal(0, 4000)
+    acceleration[sorted(places), 0] = np.nan
+    segmenter, first, found = Segmenter(HOP, MARGIN, GAP), 0, []
+    for cut in (*cuts, 4000):
+        found += list(segmenter.add(first, acceleration[first : first + cut], angle[first : first + cut]))
+        first = min(4000, first + cut)
+    assert [segment.not_finite for segment in found] == [
+        sum(HOP * k - MARGIN <= place < HOP * (k + 1) - MARGIN for place in places) for k in range(len(found))
+    ]
+
+
+def test_too_few_angles_give_no_turns() -> None:
+    angle = np.full(100, np.nan, np.float32)
+    assert bridged_turns(angle) is None
+    angle[3] = 1.0
+    assert bridged_turns(angle) is None
+
+
+@pytest.mark.parametrize("shape", [(10, 3), (10,), (9, 2)])
+def test_a_block_of_the_wrong_shape_is_refused(shape: tuple[int, ...]) -> None:
+    segmenter = Segmenter(HOP, MARGIN, GAP)
+    with pytest.raises(Refusal, match=r"they must be \(samples, 2\)"):
+        list(segmenter.add(0, np.zeros(shape, np.float32), np.zeros(10, np.float32)))
+
+
+def test_text_instead_of_samples_is_refused() -> None:
+    segmenter = Segmenter(HOP, MARGIN, GAP)
+    with pytest.raises(Refusal, match="must be numbers"):
+        list(segmenter.add(0, np.full((10, 2), "x"), np.zeros(10, np.float32)))

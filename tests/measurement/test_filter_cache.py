@@ -1,0 +1,74 @@
+"""The cache of filter designs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from dcrb_ros.measurement import filter_cache
+from dcrb_ros.runtime.arrays import Floats
+
+
+@pytest.fixture
+def made(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> list[float]:
+    monkeypatch.setattr(filter_cache, "folder", lambda: tmp_path / "filters")
+    return []
+
+
+def design(made: list[float]) -> Callable[..., Floats]:
+    @filter_cache.cached_on_disk
+    def thirds(factor: float, bank: tuple[Floats, ...] = ()) -> Floats:
+        made.append(factor)
+        return np.array([[factor / 3.0, *(float(part[0]) for part in bank)]])
+
+    return thirds
+
+
+def test_a_cached_design_has_the_same_bits(made: list[float]) -> None:
+    thirds = design(made)
+    first, second = thirds(0.1), thirds(0.1)
+    assert made == [0.1]
+    assert first.tobytes() == second.tobytes()
+    assert first.shape == second.shape
+    second[0, 0] = 7.0  # a change by one caller does not affect another
+    assert thirds(0.1)[0, 0] == first[0, 0]
+
+
+def test_designs_differ_in_the_last_bit_of_an_argument(made: list[float]) -> None:
+    thirds = design(made)
+    for factor in (0.1, np.nextafter(0.1, 1.0)):
+        for last in (1.0, np.nextafter(1.0, 2.0)):
+            bank = (np.append(np.zeros(5000), last)[::-1],)
+            assert thirds(factor, bank).tolist() == [[factor / 3.0, last]]
+    assert len(made) == 4
+
+
+def test_another_version_is_designed_again(made: list[float], monkeypatch: pytest.MonkeyPatch) -> None:
+    thirds = design(made)
+    thirds(0.1)
+    monkeypatch.setattr(filter_cache, "_versions", lambda: b"another")
+    thirds(0.1)
+    assert len(made) == 2
+
+
+@pytest.mark.parametrize("harm", [lambda held: held[:-5], lambda held: held[:9], lambda held: b"", lambda held: b"PK" + held])
+def test_a_damaged_file_is_designed_again(made: list[float], harm: Callable[[bytes], bytes]) -> None:
+    thirds = design(made)
+    whole = thirds(0.1)
+    (path,) = filter_cache.folder().iterdir()
+    path.write_bytes(harm(path.read_bytes()))
+    assert thirds(0.1).tobytes() == whole.tobytes()
+    assert len(made) == 2
+    thirds(0.1)
+    assert len(made) == 2
+
+
+def test_a_read_only_cache_is_ignored(made: list[float]) -> None:
+    filter_cache.folder().parent.joinpath("filters").write_text("a file where the folder should be")
+    thirds = design(made)
+    assert thirds(0.3).tolist() == thirds(0.3).tolist()
+    assert made == [0.3, 0.3]
+    assert [path.name for path in filter_cache.folder().parent.iterdir()] == ["filters"]

@@ -1,0 +1,139 @@
+"""The engine: bundles in order, pause, step, reset, loop, failure. No ROS."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Generator, Sequence
+
+import pytest
+from waiting import PATIENCE, wait_for
+
+from dcrb_ros.messages.bundle import Bundle
+from dcrb_ros.messages.topics import SENSOR, VIBRATION, Message
+from dcrb_ros.nodes.engine import Engine, Progress
+from dcrb_ros.nodes.gate import Gate
+from dcrb_ros.nodes.pacing import Pacer
+
+BLOCK_NS = 20_000_000
+
+
+class Blocks:
+    """A source of bundles of 20 ms."""
+
+    def __init__(self, count: int, failure: Exception | None = None) -> None:
+        self.count, self.failure = count, failure
+        self.starts = 0
+        self.open_iterators = 0
+
+    def start(self) -> list[Message]:
+        self.starts += 1
+        return [Message(SENSOR, 0, b"sensor")]
+
+    def bundles(self) -> Generator[Bundle, None, None]:
+        self.open_iterators += 1
+        try:
+            for number in range(self.count):
+                message = Message(VIBRATION, number * BLOCK_NS, b"")
+                yield Bundle(number * BLOCK_NS, (number + 1) * BLOCK_NS, (message,))
+            if self.failure is not None:
+                raise self.failure
+        finally:
+            self.open_iterators -= 1
+
+
+class Log:
+    """A sink that keeps the topics and the numbers of the blocks, and the thread that wrote last."""
+
+    def __init__(self) -> None:
+        self.received: list[str | int] = []
+        self.thread = ""
+
+    @property
+    def blocks(self) -> list[int]:
+        return [entry for entry in self.received if isinstance(entry, int)]
+
+    def start(self, messages: Sequence[Message]) -> None:
+        self.received += [message.topic.name for message in messages]
+
+    def write(self, bundle: Bundle) -> None:
+        self.received.append(bundle.begin_ns // BLOCK_NS)
+        self.thread = threading.current_thread().name
+
+
+def engine_of(source: Blocks, *sinks: Log | Progress, scale: float = 0.0, loop: bool = False) -> Engine:
+    return Engine("test engine", source, sinks, Gate(Pacer(scale, time.monotonic), time.monotonic), loop=loop)
+
+
+def run(engine: Engine) -> None:
+    engine.prepare()
+    engine.start()
+
+
+def test_every_sink_receives_the_start_and_all_bundles_in_order_from_the_engine_thread() -> None:
+    logs, progress = [Log(), Log()], Progress()
+    engine = engine_of(Blocks(100), *logs, progress)
+    assert not engine.ended
+    run(engine)
+    wait_for(lambda: engine.ended)
+    for log in logs:
+        assert log.received == [SENSOR.name, *range(100)]
+        assert log.thread == "test engine"
+    assert (progress.bundles, progress.time_ns) == (100, 100 * BLOCK_NS)
+    assert engine.failure is None
+
+
+def test_a_reset_starts_the_source_and_the_sinks_again() -> None:
+    source, log, progress = Blocks(10**9), Log(), Progress()
+    engine = engine_of(source, log, progress)
+    run(engine)
+    wait_for(lambda: progress.bundles > 20)
+    engine.gate.pause(True)
+    before = len(log.received)
+    assert engine.gate.reset(PATIENCE)
+    assert log.received == [SENSOR.name, *range(before - 1), SENSOR.name]
+    assert (progress.bundles, progress.time_ns) == (0, 0)
+    assert engine.gate.step(PATIENCE)
+    assert engine.gate.step(PATIENCE)
+    assert log.received[before:] == [SENSOR.name, 0, 1]
+    assert (source.starts, source.open_iterators) == (2, 1)
+    engine.close()
+    assert source.open_iterators == 0
+
+
+def test_close_interrupts_a_long_wait() -> None:
+    source, log = Blocks(10), Log()
+    engine = engine_of(source, log, scale=1e-6)  # the second block is due after five hours
+    run(engine)
+    wait_for(lambda: log.blocks == [0])
+    engine.close()
+    assert engine.ended
+    assert (log.blocks, source.open_iterators) == ([0], 0)
+
+
+def test_close_without_start_does_nothing() -> None:
+    engine = engine_of(Blocks(10), Log())
+    engine.close()
+    assert not engine.ended
+
+
+def test_a_loop_starts_again_at_the_end_and_sends_the_first_bundle_at_once() -> None:
+    log = Log()
+    engine = engine_of(Blocks(1), log, scale=1e-6, loop=True)  # each pass has only the bundle without a deadline
+    run(engine)
+    wait_for(lambda: len(log.blocks) > 20)
+    engine.close()
+    assert set(log.blocks) == {0}
+    assert engine.passes >= len(log.blocks)
+
+
+@pytest.mark.parametrize("where", ["source", "sink"])
+def test_a_failure_ends_the_engine_and_is_kept(where: str) -> None:
+    class Broken(Log):
+        def write(self, bundle: Bundle) -> None:
+            raise OSError("broken")
+
+    engine = engine_of(Blocks(3, OSError("broken")), Log() if where == "source" else Broken())
+    run(engine)
+    wait_for(lambda: engine.ended)
+    assert str(engine.failure) == "broken"
