@@ -56,7 +56,7 @@ def _choose_cache() -> Path:
             try:
                 folder = _made(_own_temporary_folder() / name)
             except OSError:
-                folder = _made(Path(tempfile.mkdtemp(prefix="dcrb_ros-")) / name)
+                folder = _made(Path(tempfile.mkdtemp(prefix="dcrb_ros-kernels-")) / name)
     setattr(numba.config, "CACHE_DIR", str(folder))  # noqa: B010 - numba's configuration is untyped
     return folder
 

@@ -48,7 +48,7 @@ def test_laws_with_memories_run_and_keep_them(environment: dict[str, str]) -> No
     assert slipping > 0
     assert closed > 0
     assert largest_deflection <= 0.04 / 1e5 * (1.0 + 1e-9)  # mu/sigma
-    assert deepest == pytest.approx(30e3 / 1.5e9, rel=0.2)  # 30 kN on the loaded roller, docs/physics.md
+    assert deepest == pytest.approx(30e3 / 1.5e9, rel=0.2)  # the loaded roller bears 30 kN, see tests/bearing/test_equilibrium.py
 
 
 def test_parameters_of_a_new_law_are_checked_like_all_others(environment: dict[str, str]) -> None:
