@@ -9,7 +9,6 @@ import numpy as np
 import numpy.typing as npt
 
 from dcrb_ros.bearing.equilibrium import roller_forces, static_equilibrium
-from dcrb_ros.bearing.states import BodyNames
 from dcrb_ros.core.laws import NORMAL_LAWS, TRACTION_LAWS, lugre
 from dcrb_ros.core.laws.interface import inner_site, outer_site, pair_site
 from dcrb_ros.core.laws.pereira import pereira_coefficients
@@ -19,6 +18,7 @@ from dcrb_ros.faults.geometry import BrokenBar, RacewayNotch, RollerNotch
 from dcrb_ros.runtime.arrays import Floats
 from dcrb_ros.settings.configuration import Configuration, material_of
 from dcrb_ros.settings.parameters import Bearing
+from dcrb_ros.stream.states import BodyNames
 
 
 def body_names(configuration: Configuration) -> BodyNames:
