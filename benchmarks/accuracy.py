@@ -345,8 +345,8 @@ def mechanical_energy(payload: Payload, state: State) -> float:
     energy = kinetic_energy(payload, state) + potential_of_weight(payload, state) - float(state.load @ state.inner_position)
     energy += 0.5 * payload.housing_stiffness * float(state.outer_position @ state.outer_position)
     energy += energy_of_bars(payload, state) + energy_of_lands(payload, state)
-    scales = (payload.inner_scale, payload.outer_scale)
-    return energy + sum(float(stored_energy(payload, depth, scale).sum()) for depth, scale in zip(depths, scales, strict=True))
+    sites = (payload.inner, payload.outer)
+    return energy + sum(float(stored_energy(payload, depth, site).sum()) for depth, site in zip(depths, sites, strict=True))
 
 
 def drift(case: Swing, blow: float, part: int) -> tuple[float, float]:

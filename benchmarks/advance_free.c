@@ -44,7 +44,7 @@ void advance_free(double *restrict own, double *restrict step, int64_t count, co
     for (int64_t c = 0; c < count; c++) {
         double dx = own[X + c] - p.ring_x, dy = own[Y + c] - p.ring_y;
         double distance = fmax(sqrt(dx * dx + dy * dy), 1e-12), by_distance = 1.0 / distance;
-        double nx = dx * by_distance, ny = dy * by_distance, sink = step[SINK_SPEED + c], bristle = own[OUTER_BRISTLE + c];
+        double nx = dx * by_distance, ny = dy * by_distance, sink = step[SINK_SPEED + c], bristle = own[OUTER_TRACTION_BRISTLE + c];
 
         double depth = distance - p.reach - step[NOTCH_DEPTH + c], closed = depth > 1e-15 ? depth : 1e-15;
         double l = 1.0 + logarithm(closed) - logarithm(p.scale), t = ((l < -4.0 ? l : -4.0) + 22.0) * (1.0 / 18.0);
@@ -96,7 +96,7 @@ void advance_free(double *restrict own, double *restrict step, int64_t count, co
         own[OUTER_FORCE + c] = known;
         own[OUTER_FRICTION + c] = friction;
         own[OUTER_SLIP + c] = slip;
-        own[OUTER_BRISTLE + c] = known > 0.0 ? bent : 0.0;
+        own[OUTER_TRACTION_BRISTLE + c] = known > 0.0 ? bent : 0.0;
         own[FRICTION_LOSS + c] += time * friction * slip;
         own[CONTACT_LOSS + c] += time * damping * closing * closing;
         own[NOTCH_LOSS + c] += time * normal * sink;

@@ -17,8 +17,7 @@ import numpy as np
 
 from dcrb_ros.bearing.payload import build_payload, initial_state
 from dcrb_ros.core.jit import loop
-from dcrb_ros.core.layout.records import VECTOR, Floats, dtype_of
-from dcrb_ros.core.layout.rollers import Rollers, RollerStep
+from dcrb_ros.core.layout.records import VECTOR, Floats
 from dcrb_ros.core.layout.state import OUTER, State, copy_of
 from dcrb_ros.core.layout.workspace import Workspace, workspace
 from dcrb_ros.core.payload import Payload
@@ -27,7 +26,8 @@ from dcrb_ros.core.solver.step import advance
 from dcrb_ros.settings.files import load_configuration
 
 STATE_FIELDS = """
-    x y vx vy spin change_vx change_vy change_spin outer.bristle outer.force outer.friction outer.slip friction_loss contact_loss notch_loss
+    x y vx vy spin change_vx change_vy change_spin
+    outer.traction.bristle outer.force outer.friction outer.slip friction_loss contact_loss notch_loss
 """
 STEP_FIELDS = "sink_speed notch_depth bound force_on_outer_x force_on_outer_y"
 OPTIONS = """
@@ -40,14 +40,14 @@ TIMES, ROUNDS = 20000, 15
 def advance_often(payload: Payload, state: State, work: Workspace, times: int) -> None:
     """Advance the free rollers ``times`` times."""
     for _ in range(times):
-        advance_free(payload, state, work, True)
+        advance_free(payload, state, work)
 
 
-def definitions(table: type, fields: str) -> list[str]:
+def definitions(table: object, fields: str) -> list[str]:
     """Return C macros with the offsets of the fields of a table, in doubles."""
 
     def offset(name: str) -> int:
-        dtype, found = dtype_of(table), 0
+        dtype, found = np.asarray(table).dtype, 0
         for part in name.split("."):
             dtype, begin = dtype.fields[part][:2]
             found += begin // 8
@@ -56,10 +56,10 @@ def definitions(table: type, fields: str) -> list[str]:
     return [f"-D{name.replace('.', '_').upper()}={offset(name)}" for name in fields.split()]
 
 
-def compiled_c(folder: Path) -> ctypes.CDLL:
+def compiled_c(folder: Path, state: State, work: Workspace) -> ctypes.CDLL:
     """Return the C library, built in a folder."""
     library = folder / "advance_free.so"
-    places = definitions(Rollers, STATE_FIELDS) + definitions(RollerStep, STEP_FIELDS)
+    places = definitions(state.rollers, STATE_FIELDS) + definitions(work.rollers, STEP_FIELDS)
     subprocess.run(
         ["cc", *OPTIONS.split(), *places, "-shared", "-fPIC", "-o", library, Path(__file__).with_name("advance_free.c"), "-lm"], check=True
     )
@@ -72,14 +72,15 @@ def constants(payload: Payload, state: State, work: Workspace) -> Floats:
     by_mass, by_inertia = 0.5 * h / p.roller_mass, 0.5 * h * radius * radius / p.roller_inertia
     places = (*state.outer_position, *work.mean_velocity[OUTER, :2], *state.outer_velocity)
     motion = (h, radius, by_mass, by_inertia, 0.5 * h * p.gravity, p.outer_raceway_radius - radius, *places)
-    contact = (p.contact_modulus, p.outer_scale, p.loss_time, p.contact_damping, p.kinetic_coefficient, p.static_coefficient)
+    law = p.traction_law
+    contact = (p.normal_law.modulus, p.outer.scale, p.loss_time, p.contact_damping, law.kinetic_coefficient, law.static_coefficient)
     bristles = (
-        1.0 / p.stribeck_speed,
-        p.bristle_stiffness,
-        p.bristle_damping,
-        p.viscous,
-        p.convection,
-        p.outer_width,
+        1.0 / law.stribeck_speed,
+        law.bristle_stiffness,
+        law.bristle_damping,
+        law.viscous,
+        law.convection,
+        p.outer.width,
         p.outer_raceway_radius,
     )
     return np.array([*motion, *contact, *bristles])
@@ -105,7 +106,7 @@ def main() -> None:
     )
     rollers = np.asarray(work.rollers).view(np.float64).copy()
     with tempfile.TemporaryDirectory() as folder:
-        library = compiled_c(Path(folder))
+        library = compiled_c(Path(folder), start, work)
         pointer = ctypes.POINTER(ctypes.c_double)
         own, other, numbers = (values.ctypes.data_as(pointer) for values in (np.asarray(theirs.rollers).view(np.float64), rollers, known))
 

@@ -12,12 +12,14 @@ import typer
 
 from dcrb_ros.cli.app import app
 from dcrb_ros.diagnosis.parameters import DetectorParameters
+from dcrb_ros.messages.topics import topic_table
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import parameter_table
 
 PARAMETERS = "<!-- parameters -->"
 DETECTOR_PARAMETERS = "<!-- detector parameters -->"
 COMMANDS = "<!-- commands -->"
+TOPICS = "<!-- topics -->"
 TABLE = re.compile("<table>.*?</table>", re.DOTALL)
 CODE = re.compile("<code>[^<]*</code>")
 
@@ -28,6 +30,8 @@ def on_page_markdown(markdown: str, **_: Any) -> str:
         markdown = markdown.replace(PARAMETERS, parameter_table(Configuration))
     if DETECTOR_PARAMETERS in markdown:
         markdown = markdown.replace(DETECTOR_PARAMETERS, parameter_table(DetectorParameters))
+    if TOPICS in markdown:
+        markdown = markdown.replace(TOPICS, topic_table())
     if COMMANDS in markdown:
         markdown = markdown.replace(COMMANDS, command_reference())
     return markdown

@@ -4,20 +4,21 @@ from __future__ import annotations
 
 import numpy as np
 
-from dcrb_ros.bearing.equilibrium import penetration_under
-from dcrb_ros.bearing.states import Account
+from dcrb_ros.bearing.equilibrium import energy_under, penetration_under
+from dcrb_ros.core.laws.interface import Site
 from dcrb_ros.core.layout.state import FRICTION, HOUSING, LOAD, LOSS, State
-from dcrb_ros.core.payload import JOHNSON, Payload
+from dcrb_ros.core.payload import Payload
 from dcrb_ros.runtime.arrays import Floats
+from dcrb_ros.stream.states import Account
+
+LEAST_FORCE = 1e-9
+"""Normal force that stands for that of an open contact [N]."""
 
 
-def energy_of_force(payload: Payload, force: Floats, scale: float) -> Floats:
-    """Return the energy [J] of contacts under normal forces [N]: F delta/2 - F^2/(4 pi E* L), or F delta/(n + 1); any shape."""
-    bearing = np.maximum(force, 1e-9)
-    depth = penetration_under(payload, bearing, scale)
-    if payload.contact_law == JOHNSON:
-        return np.asarray(0.5 * bearing * depth - bearing**2 / (4.0 * payload.contact_modulus))
-    return np.asarray(bearing * depth / (payload.power_exponent + 1.0))
+def energy_of_force(payload: Payload, force: Floats, site: Site) -> Floats:
+    """Return the energy [J] of contacts under normal forces [N]; any shape."""
+    closed = np.maximum(force, LEAST_FORCE)
+    return energy_under(payload, closed, penetration_under(payload, closed, site))
 
 
 def energy_of_bars(payload: Payload, state: State) -> float:
@@ -43,9 +44,9 @@ def energy_of_lands(payload: Payload, state: State) -> float:
 def elastic_energy(payload: Payload, state: State) -> float:
     """Return the elastic energy of the housing and of all contacts [J]; of raceways and roller pairs at the forces of the last step."""
     energy = 0.5 * payload.housing_stiffness * float(state.outer_position @ state.outer_position)
-    scales = (payload.inner_scale, payload.outer_scale, payload.roller_scale)
-    for force, scale in zip((state.inner_force, state.outer_force, state.of_rollers(state.rollers[0].pair.force)), scales, strict=True):
-        energy += float(energy_of_force(payload, force, scale).sum())
+    pair_force = state.of_rollers(state.rollers[0].pair.force)
+    for force, site in ((state.inner_force, payload.inner), (state.outer_force, payload.outer), (pair_force, payload.pair)):
+        energy += float(energy_of_force(payload, force, site).sum())
     return energy + energy_of_bars(payload, state) + energy_of_lands(payload, state)
 
 

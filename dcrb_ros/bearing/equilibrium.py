@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.optimize import least_squares, minimize
 from scipy.special import lambertw
 
+from dcrb_ros.core.contacts import arrays
 from dcrb_ros.core.contacts.notch import inner_notch_depth, outer_notch_depth, roller_notch_depth
-from dcrb_ros.core.payload import JOHNSON, SINK, Payload
+from dcrb_ros.core.laws.interface import Site, normal_energy, normal_penetration
+from dcrb_ros.core.laws.johnson import Johnson, johnson_stiffness
+from dcrb_ros.core.payload import SINK, Payload
 from dcrb_ros.runtime.arrays import Floats
 
 START_PENETRATION = 2e-5
@@ -42,51 +45,32 @@ class Rest(NamedTuple):
     """Centres of the rollers, shape (rows, rollers, 2) [m]."""
 
 
-def johnson_forces(penetration: Floats, modulus: float, scale: float) -> Floats:
-    """Return Johnson's normal forces [N], zero where the penetration [m] is not above zero.
+def normal_forces(law: Any, penetration: Floats, site: Site) -> tuple[Floats, Floats]:
+    """Return elastic forces [N] and stiffnesses [N/m] at penetrations [m]; any shape.
 
-    With scipy's Lambert W instead of the fit of the kernels; any shape.
+    Johnson's law with scipy's Lambert W instead of the kernels' fit, because recordings depend on its last bits.
     """
+    if not isinstance(law, Johnson):
+        return arrays.normal_forces(law, penetration, site)
     closed = penetration > 0.0
     depth = np.where(closed, penetration, 1.0)
-    forces = -modulus * depth / lambertw(-np.e * depth / scale, -1).real
-    return np.where(closed, forces, 0.0)
+    force = np.where(closed, -law.modulus * depth / lambertw(-np.e * depth / site.scale, -1).real, 0.0)
+    return force, np.where(closed, johnson_stiffness(law, np.where(closed, force, 1.0), site), 0.0)
 
 
-def normal_forces(payload: Payload, penetration: Floats, scale: float) -> Floats:
-    """Return the normal forces [N] of the configured contact law; any shape."""
-    if payload.contact_law == JOHNSON:
-        return johnson_forces(penetration, payload.contact_modulus, scale)
-    return np.asarray(payload.power_coefficient * np.maximum(penetration, 0.0) ** payload.power_exponent)
+def penetration_under(payload: Payload, force: Floats, site: Site) -> Floats:
+    """Return the penetrations [m] under forces [N] above zero; any shape."""
+    return np.asarray(normal_penetration(payload.normal_law, force, site))
 
 
-def stiffnesses(payload: Payload, penetration: Floats, scale: float) -> Floats:
-    """Return the derivatives of `normal_forces` with respect to the penetration [N/m], zero in open contacts; any shape."""
-    force = normal_forces(payload, penetration, scale)
-    closed = force > 0.0
-    if payload.contact_law == JOHNSON:
-        logarithm = np.log(payload.contact_modulus * scale / np.where(closed, force, 1.0))
-        return np.where(closed, payload.contact_modulus / (logarithm - 2.0), 0.0)
-    return np.where(closed, payload.power_exponent * force / np.where(closed, penetration, 1.0), 0.0)
+def stored_energy(payload: Payload, penetration: Floats, site: Site) -> Floats:
+    """Return the energy of contacts [J] at penetrations [m]; any shape."""
+    return energy_under(payload, normal_forces(payload.normal_law, penetration, site)[0], penetration)
 
 
-def penetration_under(payload: Payload, force: Floats, scale: float) -> Floats:
-    """Return the penetrations [m] under forces [N] above zero, Eq. 4 as printed or the power law's inverse; any shape."""
-    if payload.contact_law == JOHNSON:
-        return np.asarray(force / payload.contact_modulus * (np.log(payload.contact_modulus * scale / force) - 1.0))
-    return np.asarray((force / payload.power_coefficient) ** (1.0 / payload.power_exponent))
-
-
-def stored_energy(payload: Payload, penetration: Floats, scale: float) -> Floats:
-    """Return the energy of contacts [J]: F delta/2 - F^2/(4 pi E* L), or F delta/(n + 1) of the power law; any shape."""
-    return _energy_under(payload, normal_forces(payload, penetration, scale), penetration)
-
-
-def _energy_under(payload: Payload, force: Floats, penetration: Floats) -> Floats:
-    depth = np.maximum(penetration, 0.0)
-    if payload.contact_law == JOHNSON:
-        return np.asarray(0.5 * force * depth - force**2 / (4.0 * payload.contact_modulus))
-    return np.asarray(force * depth / (payload.power_exponent + 1.0))
+def energy_under(payload: Payload, force: Floats, penetration: Floats) -> Floats:
+    """Return the energy of contacts [J] at penetrations [m] under their elastic forces [N]; any shape."""
+    return np.asarray(normal_energy(payload.normal_law, arrays.no_memory(payload.normal_law), np.maximum(penetration, 0.0), force))
 
 
 def radial_directions(payload: Payload) -> Floats:
@@ -149,9 +133,9 @@ def _forces_and_energy(
 ) -> tuple[Floats, Floats, float]:
     """Return `roller_forces`, and the energy of all contacts [J]."""
     from_inner, from_outer, inner_depth, outer_depth = penetrations(payload, outer, inner, rollers, notch_depth)
-    inner_force = normal_forces(payload, inner_depth, payload.inner_scale)
-    outer_force = normal_forces(payload, outer_depth, payload.outer_scale)
-    energy = _energy_under(payload, inner_force, inner_depth).sum() + _energy_under(payload, outer_force, outer_depth).sum()
+    inner_force = normal_forces(payload.normal_law, inner_depth, payload.inner)[0]
+    outer_force = normal_forces(payload.normal_law, outer_depth, payload.outer)[0]
+    energy = energy_under(payload, inner_force, inner_depth).sum() + energy_under(payload, outer_force, outer_depth).sum()
     return (
         from_inner * (inner_force / np.linalg.norm(from_inner, axis=-1))[..., None],
         -from_outer * (outer_force / np.linalg.norm(from_outer, axis=-1))[..., None],
@@ -226,13 +210,13 @@ class _Problem:
         total = np.zeros((len(x), len(x)))
         total[:2, :2] -= p.housing_stiffness * np.eye(2)
         from_inner, from_outer, inner, outer = penetrations(p, rest.outer, rest.inner, rest.rollers)
-        for ring, away, depth, scale, sign in ((1, from_inner, inner, p.inner_scale, 1.0), (0, from_outer, outer, p.outer_scale, -1.0)):
+        for ring, away, depth, site, sign in ((1, from_inner, inner, p.inner, 1.0), (0, from_outer, outer, p.outer, -1.0)):
             distance = np.linalg.norm(away, axis=-1)[..., None]
             normal = away / distance
             across = np.stack([-normal[..., 1], normal[..., 0]], axis=-1)
             ahead, behind = (notch_depths(p, away + turn * distance * across, ring == 1) for turn in (TURN, -TURN))
             closing = -sign * normal - (ahead - behind)[..., None] / (2.0 * TURN * distance) * across
-            force, stiffness = normal_forces(p, depth, scale)[..., None], stiffnesses(p, depth, scale)[..., None]
+            force, stiffness = (values[..., None] for values in normal_forces(p.normal_law, depth, site))
             block = (stiffness * sign * normal)[..., None] * closing[..., None, :]
             block += (sign * force / distance * across)[..., None] * across[..., None, :]
             moved = along.copy()
@@ -255,7 +239,7 @@ class _Problem:
         p, rest = self.payload, self.positions(x)
         inner, outer = (depth[self.free] for depth in penetrations(p, rest.outer, rest.inner, rest.rollers)[2:])
         outside, weight = self.outward > 0.0, np.maximum(np.abs(self.outward), LEAST_CONTACT_FORCE)
-        down = np.where(outside, penetration_under(p, weight, p.outer_scale) - outer, inner - penetration_under(p, weight, p.inner_scale))
+        down = np.where(outside, penetration_under(p, weight, p.outer) - outer, inner - penetration_under(p, weight, p.inner))
         laid: Floats = x.copy()
         laid[self.first_free :] += np.where(np.maximum(inner, outer) > 0.0, 0.0, down)
         return laid

@@ -9,14 +9,16 @@ import numpy as np
 import numpy.typing as npt
 
 from dcrb_ros.bearing.equilibrium import roller_forces, static_equilibrium
-from dcrb_ros.bearing.states import BodyNames
+from dcrb_ros.core.laws import NORMAL_LAWS, TRACTION_LAWS, lugre
+from dcrb_ros.core.laws.interface import inner_site, outer_site, pair_site
 from dcrb_ros.core.laws.pereira import pereira_coefficients
 from dcrb_ros.core.layout.state import State, empty_state
-from dcrb_ros.core.payload import EDGE, JOHNSON, NOTCH, POWER, ROLLER_NOTCH, SINK, Notches, Payload
+from dcrb_ros.core.payload import EDGE, NOTCH, ROLLER_NOTCH, SINK, Notches, Payload
 from dcrb_ros.faults.geometry import BrokenBar, RacewayNotch, RollerNotch
 from dcrb_ros.runtime.arrays import Floats
-from dcrb_ros.settings.configuration import Configuration
+from dcrb_ros.settings.configuration import Configuration, material_of
 from dcrb_ros.settings.parameters import Bearing
+from dcrb_ros.stream.states import BodyNames
 
 
 def body_names(configuration: Configuration) -> BodyNames:
@@ -83,7 +85,8 @@ def build_payload(configuration: Configuration) -> Payload:
     mass, inertia = b.cage_mass + pinned * b.roller_mass, b.cage_inertia + pinned * b.roller_mass * b.pitch_radius**2
     bar = pereira_coefficients(c.cage.pocket_clearance, b.roller_length, b.effective_modulus)
     land = pereira_coefficients(c.cage.land_clearance, b.roller_length, b.effective_modulus)
-    width = 4.0 / (math.pi * b.roller_length * b.effective_modulus)
+    material = material_of(b)
+    cage_friction = {"kinetic_coefficient": c.cage.friction_coefficient, "static_coefficient": c.cage.friction_coefficient}
     return Payload(
         step=1.0 / c.step_rate,
         pocket_tangent=tangent,
@@ -110,24 +113,14 @@ def build_payload(configuration: Configuration) -> Payload:
         gravity=c.operating.gravity,
         housing_stiffness=c.housing.stiffness,
         housing_damping=c.housing.damping,
-        contact_law={"johnson": JOHNSON, "power": POWER}[c.contact.law],
-        contact_modulus=math.pi * b.effective_modulus * b.roller_length,
-        inner_scale=4.0 * (b.inner_raceway_radius + b.roller_radius),
-        outer_scale=4.0 * (b.outer_raceway_radius - b.roller_radius),
-        roller_scale=8.0 * b.roller_radius,
-        power_coefficient=c.contact.power_coefficient,
-        power_exponent=c.contact.power_exponent,
+        inner=inner_site(material),
+        outer=outer_site(material),
+        pair=pair_site(material),
+        normal_law=NORMAL_LAWS[c.contact.law].build(dict(c.contact), material),
+        traction_law=TRACTION_LAWS[c.friction.law].build(dict(c.friction), material),
+        cage_traction_law=lugre.build(dict(c.friction) | cage_friction, material),
         loss_time=c.contact.loss_time,
         contact_damping=c.contact.damping,
-        kinetic_coefficient=c.friction.kinetic_coefficient,
-        static_coefficient=c.friction.static_coefficient,
-        stribeck_speed=c.friction.stribeck_speed,
-        bristle_stiffness=c.friction.bristle_stiffness,
-        bristle_damping=c.friction.bristle_damping,
-        viscous=c.friction.viscous,
-        convection=c.friction.convection,
-        inner_width=width / (1.0 / b.roller_radius + 1.0 / b.inner_raceway_radius),
-        outer_width=width / (1.0 / b.roller_radius - 1.0 / b.outer_raceway_radius),
         notch_law={"sink": SINK, "edge": EDGE}[c.contact.notch],
         edge_radius=c.contact.edge_radius,
         inner_notches=_records((notch for notch in raceway_notches if notch.ring == "inner_ring"), NOTCH),
@@ -141,7 +134,6 @@ def build_payload(configuration: Configuration) -> Payload:
         land_coefficient=land[0],
         land_exponent=land[1],
         impact_loss=0.75 * (1.0 - c.cage.restitution**2),
-        bar_friction=c.cage.friction_coefficient,
         speed_ramp=c.operating.speed_ramp,
         load_ramp=c.operating.load_ramp,
     )
@@ -162,7 +154,7 @@ def roller_spin(bearing: Bearing, shaft_speed: float) -> float:
 def initial_state(configuration: Configuration, payload: Payload) -> State:
     """Return the initial state: static equilibrium, with pure rolling (warm) or with cage and rollers at rest (cold)."""
     bearing, operating = configuration.bearing, configuration.operating
-    state = empty_state(bearing.rows, bearing.rollers_per_row)
+    state = empty_state(payload)
     state.load[:] = operating.lateral_load, -operating.load
     state.target[:] = operating.speed, *state.load
     state.shaft[1] = operating.speed

@@ -6,7 +6,7 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from dcrb_ros.cli.options import Bag, DetectorFile, JsonOutput
+from dcrb_ros.cli.options import Bag, DetectorFile, JsonOutput, literal
 
 if TYPE_CHECKING:
     from dcrb_ros.diagnosis.parameters import DetectorParameters
@@ -58,7 +58,8 @@ def detect(bag: Bag, as_json: JsonOutput = False, detector: DetectorFile = None)
     from rich.console import Console
     from rich.table import Table
 
-    table = Table("fault", "line", "level over background [dB]", "over threshold [dB]", title=f"{bag}: {last.verdict}")
+    heads = literal("fault", "line", "level over background [dB]", "over threshold [dB]")
+    table = Table(*heads, title=f"{bag}: {last.verdict}")
     for (fault, score), (name, level) in zip(last.scores.items(), last.levels.items(), strict=False):
         table.add_row(fault, name, f"{level:.1f}", f"{score:.1f}")
     console = Console()

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from dcrb_ros.cli.options import Bag
+from dcrb_ros.cli.options import Bag, literal
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -88,7 +88,7 @@ def _changed(recording: Recording) -> list[tuple[str, str]]:
 def _table(title: str, heads: tuple[str, str], rows: Any) -> Table:
     from rich.table import Table
 
-    table = Table(*heads, title=title)
+    table = Table(*literal(*heads), title=title)
     for row in rows:
         table.add_row(*(str(cell) for cell in row))
     return table

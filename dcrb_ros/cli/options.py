@@ -44,6 +44,13 @@ def worker_count(workers: int) -> int:
     return workers or cores()
 
 
+def literal(*texts: str) -> tuple[str, ...]:
+    """Return texts that rich prints literally: units in brackets are not read as markup."""
+    from rich.markup import escape
+
+    return tuple(map(escape, texts))
+
+
 def announce_compilation() -> None:
     """Print a note if the kernels have to be compiled first."""
     from dcrb_ros.core import compiled

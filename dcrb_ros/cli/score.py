@@ -13,15 +13,15 @@ from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 import typer
 
-from dcrb_ros.cli.options import DetectorFile, JsonOutput, Workers, announce_compilation, worker_count
+from dcrb_ros.cli.options import DetectorFile, JsonOutput, Workers, announce_compilation, literal, worker_count
 from dcrb_ros.runtime.refusal import Refusal
 
 if TYPE_CHECKING:
     from dcrb_ros.diagnosis.parameters import DetectorParameters
     from dcrb_ros.exam.case import Case
     from dcrb_ros.exam.exam_file import Exam
-    from dcrb_ros.exam.received_diagnosis import ReceivedDiagnosis
     from dcrb_ros.exam.report import Report
+    from dcrb_ros.messages.received_diagnosis import ReceivedDiagnosis
 
 SHIPPED = "the shipped detector"
 
@@ -164,7 +164,8 @@ def _list(exam: Exam) -> None:
     from dcrb_ros.exam.case import scenarios_hash
 
     # `Text` keeps brackets in users' names from being read as markup.
-    table = Table("scenario", "correct verdict", "onset [s]", "duration [s]", "twin", title=Text(f"{exam.name}: {exam.about}"))
+    heads = literal("scenario", "correct verdict", "onset [s]", "duration [s]", "twin")
+    table = Table(*heads, title=Text(f"{exam.name}: {exam.about}"))
     for case in exam.cases:
         expectation = case.expectation
         name = expectation.name if expectation.required else f"{expectation.name} (not required)"

@@ -1,7 +1,8 @@
 """The physics as numba kernels: floats, arrays and named tuples in, nothing validated, nothing allocated in the loop.
 
 Importing this package chooses the folder of the compile cache, so it must come before any kernel. Numba's own cache does
-not notice that a kernel in another file has changed; a folder named by a hash of all kernel sources cannot be stale.
+not notice that a kernel in another file has changed; a folder named by a hash of all kernel sources cannot be stale. A user's
+NUMBA_CACHE_DIR gets such a folder, too.
 """
 
 from __future__ import annotations
@@ -44,16 +45,18 @@ def _made(folder: Path) -> Path:
 
 
 def _choose_cache() -> Path:
-    if "NUMBA_CACHE_DIR" in os.environ:
-        return Path(os.environ["NUMBA_CACHE_DIR"])
-    # Without a folder that can be written numba would refuse to import the kernels at all.
-    try:
-        folder = _made(Path(platformdirs.user_cache_dir("dcrb_ros")).expanduser() / _folder_name())
-    except (OSError, RuntimeError):  # the latter where a user has no home at all
+    name = _folder_name()
+    if chosen := os.environ.get("NUMBA_CACHE_DIR"):
+        folder = _made(Path(chosen) / name)
+    else:
+        # Without a folder that can be written numba would refuse to import the kernels at all.
         try:
-            folder = _made(_own_temporary_folder() / _folder_name())
-        except OSError:
-            folder = Path(tempfile.mkdtemp(prefix="dcrb_ros-kernels-"))
+            folder = _made(Path(platformdirs.user_cache_dir("dcrb_ros")).expanduser() / name)
+        except (OSError, RuntimeError):  # the latter where a user has no home at all
+            try:
+                folder = _made(_own_temporary_folder() / name)
+            except OSError:
+                folder = _made(Path(tempfile.mkdtemp(prefix="dcrb_ros-kernels-")) / name)
     setattr(numba.config, "CACHE_DIR", str(folder))  # noqa: B010 - numba's configuration is untyped
     return folder
 

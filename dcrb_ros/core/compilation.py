@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import contextlib
+import hashlib
 import os
 import pickle
 import subprocess
 import sys
 import threading
+from pathlib import Path
 
 import numba
 
-from dcrb_ros.core import CACHE, compiled
+from dcrb_ros.core import CACHE
 from dcrb_ros.core.contacts.conformal import linearize_cages
 from dcrb_ros.core.contacts.raceway import linearize_raceways
 from dcrb_ros.core.layout.state import State
@@ -23,6 +26,8 @@ MODULE = "dcrb_ros.core.compilation"
 COUNT = numba.types.int64
 HERE = ((find_bound, ()), (linearize_cages, (COUNT,)), (solve, (COUNT, COUNT)), (store_bound, (COUNT,)))
 """Pieces of the time loop that this process compiles, and the types of what they take besides payload, state and work."""
+ORPHANED = 75
+"""Exit status of the other process when this one has ended before it."""
 THERE = ((advance_unbound, ()), (linearize_raceways, (COUNT,)))
 """Those that the other one compiles meanwhile: half of the work."""
 
@@ -38,32 +43,40 @@ def compile_ahead(payload: Payload, state: State, work: Workspace) -> None:
 
     What the other process could not do is compiled here when it is needed.
     """
-    if compiled() or getattr(numba.config, "DISABLE_JIT") or (os.cpu_count() or 1) < 2:  # noqa: B009 - untyped
-        return
     arguments = tuple(numba.typeof(part) for part in (payload, state, work))  # type: ignore[no-untyped-call]
-    command, environment = [sys.executable, "-m", MODULE], {**os.environ, "NUMBA_CACHE_DIR": str(CACHE)}
+    if _marker(arguments).exists() or getattr(numba.config, "DISABLE_JIT") or (os.cpu_count() or 1) < 2:  # noqa: B009 - untyped
+        return
+    # The other process adds the name of the folder.
+    command, environment = [sys.executable, "-m", MODULE], {**os.environ, "NUMBA_CACHE_DIR": str(CACHE.parent)}
     silent = subprocess.DEVNULL
     try:
         other = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=silent, stderr=silent, env=environment)
     except OSError:  # no room for another process
         return
+    assert other.stdin is not None
     try:
-        assert other.stdin is not None
-        pickle.dump(arguments, other.stdin)
-        other.stdin.flush()
+        with contextlib.suppress(BrokenPipeError):  # it has ended already
+            pickle.dump(arguments, other.stdin)
+            other.stdin.flush()
         compile_pieces(HERE, arguments)
         other.wait()
-    except BrokenPipeError:
-        pass
+        _marker(arguments).touch()
     finally:
+        with contextlib.suppress(BrokenPipeError):
+            other.stdin.close()
         other.kill()
         other.wait()
+
+
+def _marker(arguments: tuple[object, ...]) -> Path:
+    """Return the file that says that the pieces lie compiled in the cache for these types."""
+    return CACHE / f"pieces-{hashlib.sha256(repr(arguments).encode()).hexdigest()[:16]}"
 
 
 def _end_with_parent() -> None:
     """End this process once the one that started it is no more."""
     sys.stdin.buffer.read()
-    os._exit(1)
+    os._exit(ORPHANED)
 
 
 if __name__ == "__main__":

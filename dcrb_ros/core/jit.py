@@ -9,8 +9,10 @@ from numba import njit
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
-OPTIONS: dict[str, Any] = {"cache": True, "error_model": "numpy", "_nrt": False, "fastmath": {"contract", "arcp", "nsz"}}
+COMPILED: dict[str, Any] = {"error_model": "numpy", "_nrt": False, "fastmath": {"contract", "arcp", "nsz"}}
 """Without numba's runtime nothing can be allocated, and no array is counted in and out of a call: a factor of six here."""
+INLINED: dict[str, Any] = {**COMPILED, "forceinline": True}
+OPTIONS: dict[str, Any] = {**COMPILED, "cache": True}
 
 
 def kernel(function: Function) -> Function:

@@ -6,10 +6,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from dcrb_ros.core.layout.records import Flags, Floats, Integers
+from dcrb_ros.core.laws.interface import Site, law_of
+from dcrb_ros.core.layout.records import ByLaw, Flags, Floats, Integers
+from dcrb_ros.core.layout.rollers import by_law
 
-JOHNSON, POWER = 0, 1
-"""Normal contact laws."""
 SINK, EDGE = 0, 1
 """Notch laws: the paper's depth, or edges with a contact normal of their own."""
 
@@ -86,33 +86,21 @@ class Payload(NamedTuple):
     gravity: float
     housing_stiffness: float
     housing_damping: float
-    contact_law: int
-    contact_modulus: float
-    """pi E* L of Johnson's line contact [N/m]."""
-    inner_scale: float
-    """4 dR of roller and inner raceway, dR = r_I + r_R [m]."""
-    outer_scale: float
-    """4 dR of roller and outer raceway, dR = r_O - r_R [m]."""
-    roller_scale: float
-    """4 dR of two rollers, dR = 2 r_R [m]."""
-    power_coefficient: float
-    """Coefficient of the power law [N/m^exponent]."""
-    power_exponent: float
+    inner: Site
+    """Contact of a roller with the inner raceway."""
+    outer: Site
+    """Contact of a roller with the outer raceway."""
+    pair: Site
+    """Contact of two rollers."""
+    normal_law: Any
+    """Constants of the law of the normal force; their type chooses it, see `dcrb_ros.core.laws.interface`."""
+    traction_law: Any
+    """The same of traction between rollers and raceways."""
+    cage_traction_law: Any
+    """The same of traction at bars and lands."""
     loss_time: float
     contact_damping: float
     """Constant damping of a closed contact [N s/m]."""
-    kinetic_coefficient: float
-    static_coefficient: float
-    stribeck_speed: float
-    bristle_stiffness: float
-    bristle_damping: float
-    viscous: float
-    convection: float
-    """Share kappa of rolling that carries bristles out of the contact [-]; 0 for none."""
-    inner_width: float
-    """Square of the contact's half-width over the force at the inner raceway, 4 R/(pi L E*) [m^2/N]."""
-    outer_width: float
-    """The same at the outer raceway."""
     notch_law: int
     edge_radius: float
     inner_notches: Notches
@@ -128,7 +116,10 @@ class Payload(NamedTuple):
     land_exponent: float
     impact_loss: float
     """3 (1 - c_e^2)/4 of Eq. 22 [-]."""
-    bar_friction: float
-    """Friction coefficient of bars and land [-]."""
     speed_ramp: float
     load_ramp: float
+
+
+def arrays_by_law(payload: Payload) -> ByLaw:
+    """Return the arrays that the bearing's laws name in the tables of contacts."""
+    return by_law(law_of(payload.normal_law), law_of(payload.traction_law), law_of(payload.cage_traction_law))

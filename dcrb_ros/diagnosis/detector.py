@@ -16,7 +16,6 @@ import numpy.typing as npt
 from dcrb_ros.bearing.kinematics import Orders
 from dcrb_ros.diagnosis.combination import Combination
 from dcrb_ros.diagnosis.demodulation import Band, Demodulator, band_tree, kurtosis
-from dcrb_ros.diagnosis.diagnosis import Diagnosis, Spectrum
 from dcrb_ros.diagnosis.evidence import BandEvidence, Evidence, LevelEvidence, LevelHistory, SampleEvidence
 from dcrb_ros.diagnosis.hysteresis import Hysteresis, confidence
 from dcrb_ros.diagnosis.order_spectrum import HARMONICS, SHAFT_SIDEBANDS, OrderSpectrum, order_spectra
@@ -30,6 +29,7 @@ from dcrb_ros.diagnosis.trend import Trend
 from dcrb_ros.diagnosis.window import REFERENCE_FREQUENCY, Hop, Window, margin_samples
 from dcrb_ros.runtime.refusal import Refusal
 from dcrb_ros.schema.verdicts import CHARACTERISTIC, Component, Verdict
+from dcrb_ros.stream.diagnosis import Diagnosis, Spectrum
 
 __all__ = ["Diagnosis", "FaultDetector"]
 
@@ -68,9 +68,9 @@ class FaultDetector:
         self._margin = margin_samples(rate, below.low, MARGIN_PERIODS)
         if self._hop < 2 * self._margin:
             least = 2 * self._margin / rate
-            raise Refusal(f"hop = {p.hop:g} s is below {least:.2g} s, what the band from {p.band_low:g} Hz needs: make it longer")
+            raise Refusal(f"hop = {p.hop:g} s is below {least:.2g} s, the least for a band from {p.band_low:g} Hz: make it longer")
         if p.window < p.hop:
-            raise Refusal(f"window = {p.window:g} s is below hop = {p.hop:g} s, how often it is judged: make it longer, or hop shorter")
+            raise Refusal(f"window = {p.window:g} s is below hop = {p.hop:g} s: make the window longer or the hop shorter")
         self._highest_order = (1.0 + p.slip) * (
             HARMONICS[-1] * max(2.0 * orders.bpfo, 2.0 * orders.bpfi, 2.0 * orders.bsf) + SHAFT_SIDEBANDS[-1]
         )
@@ -171,14 +171,14 @@ class FaultDetector:
         """Return why there is no verdict yet, or nothing."""
         p, window = self.parameters, self._window
         if window.reversed:
-            return "the shaft turned back within the window"
+            return "the shaft reversed within the window"
         seconds = len(window) * self._hop / self.rate
         if seconds < self._needed:
-            return f"{seconds:.1f} s of the {p.least_window:g} s that a verdict needs have come in"
+            return f"{seconds:.1f} s of the {p.least_window:g} s that a verdict needs have arrived"
         if window.tracked and window.turns < p.least_turns:
-            return f"the shaft makes {window.turns:.2g} turns in {seconds:g} s where a verdict needs {p.least_turns:g}"
+            return f"the shaft made {window.turns:.2g} revolutions in {seconds:g} s, but a verdict needs {p.least_turns:g}"
         if window.missing_share > p.most_missing:
-            return f"{100.0 * window.missing_share:.0f} % of the window are missing where {100.0 * p.most_missing:.0f} % are the most"
+            return f"{100.0 * window.missing_share:.0f} % of the window is missing, more than the {100.0 * p.most_missing:.0f} % allowed"
         return ""
 
     def _without_verdict(self, last: int, verdict: Verdict, reason: str) -> Diagnosis:
@@ -203,10 +203,11 @@ class FaultDetector:
             estimate = estimated_frequency((spectra[0], spectra[-1]), p.fastest, self.orders, p.slowest, p.fastest)
             if estimate.score < p.speed_score or estimate.rival > p.speed_rival:
                 why = (
-                    f"{estimate.frequency:.2f} Hz explains its lines with {estimate.score:.0f} dB, another speed with "
-                    f"{estimate.rival:.0%} of that"
+                    f"{estimate.frequency:.2f} Hz has a score of {estimate.score:.0f} dB, another frequency has {estimate.rival:.0%} of it"
                 )
-                return self._without_verdict(last, "waiting", f"there is no shaft angle, and the signal does not tell the speed: {why}")
+                return self._without_verdict(
+                    last, "waiting", f"there is no shaft angle, and the speed cannot be estimated from the signal: {why}"
+                )
             frequency = estimate.frequency
             spectra = [_rescaled(spectrum, p.fastest / frequency, self._scale(frequency)) for spectrum in spectra]
         bands = [BandEvidence(band, spectrum, self.orders, p.slip) for band, spectrum in zip(self._bands, spectra, strict=True)]
@@ -252,10 +253,10 @@ class FaultDetector:
         components = self._hysteresis.confirmed or (self._hysteresis.suspected if verdict == "waiting" else [])
         reasons = ", and ".join(found[component].reason for component in components)
         if verdict == "waiting":
-            return f"to be confirmed by the next judgement: {reasons or 'no line is beyond a healthy bearing'}"
+            return f"to be confirmed by the next hop: {reasons or 'no line exceeds that of a healthy bearing'}"
         if components:
             return reasons
-        return f"no line is beyond a healthy bearing; {found['outer_ring'].reason}, which its varying compliance explains"
+        return f"no line exceeds that of a healthy bearing; {found['outer_ring'].reason}, which the varying compliance explains"
 
     def _published(self, spectrum: OrderSpectrum, frequency: float) -> Spectrum:
         """Return the part of a spectrum that is published, as amplitudes at the present shaft frequency [Hz]."""
@@ -269,10 +270,10 @@ class FaultDetector:
         counts = self._segmenter.counts
         irregularities = {
             "samples lost in gaps": counts.lost,
-            "samples came again or too late and were left out": counts.repeated,
-            "samples are no finite numbers": counts.not_finite,
-            "times the stream began anew": counts.restarts,
-            "samples stood at the end of the range": self._saturation.clipped,
+            "samples arrived twice or too late and were ignored": counts.repeated,
+            "samples are not finite numbers": counts.not_finite,
+            "restarts of the signal": counts.restarts,
+            "clipped samples": self._saturation.clipped,
         }
         remarks = [f"{number} {words}" for words, number in irregularities.items() if number]
         if not self._window.tracked:

@@ -180,10 +180,10 @@ def _check(acceleration: npt.NDArray[Any], angle: npt.NDArray[Any]) -> None:
     if acceleration.shape != (samples, AXES) or angle.shape != (samples,):
         raise Refusal(
             f"a block with acceleration {acceleration.shape} and shaft_angle {angle.shape} is refused: "
-            "they must be (samples, 2) and (samples,); the detector waits for the next block"
+            "they must be (samples, 2) and (samples,); the detector continues with the next block"
         )
     if not (np.issubdtype(acceleration.dtype, np.number) and np.issubdtype(angle.dtype, np.number)):
         raise Refusal(
             f"a block of {acceleration.dtype} and {angle.dtype} is refused: accelerations [m/s^2] and angles [rad] must be numbers; "
-            "the detector waits for the next block"
+            "the detector continues with the next block"
         )

@@ -11,15 +11,15 @@ import numpy.typing as npt
 
 from dcrb_ros.bearing.kinematics import Orders
 from dcrb_ros.diagnosis.detector import FaultDetector
-from dcrb_ros.diagnosis.diagnosis import Diagnosis
 from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.exam.case import Case
-from dcrb_ros.exam.received_diagnosis import ReceivedDiagnosis, decode_diagnosis
 from dcrb_ros.exam.recording_cache import cached_recording
+from dcrb_ros.messages.received_diagnosis import ReceivedDiagnosis, decode_diagnosis
 from dcrb_ros.messages.topics.diagnosis import encode_diagnosis
 from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.runtime.refusal import Refusal, nearest
 from dcrb_ros.schema.verdicts import VERDICTS
+from dcrb_ros.stream.diagnosis import Diagnosis
 
 
 class Detector(Protocol):

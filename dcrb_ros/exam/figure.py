@@ -72,7 +72,7 @@ def _detection(axes: Axes, report: Report) -> None:
 
 def _delay(axes: Axes, report: Report) -> None:
     axes.set_title("Detection delay", fontsize=10)
-    rows = [row for row in report.delays() if row.asked]
+    rows = [row for row in report.delays() if row.scenarios]
     if not rows:
         _empty(axes, "no scenario with a fault")
         return
@@ -85,7 +85,7 @@ def _delay(axes: Axes, report: Report) -> None:
         axes.hlines(row.limit, place - 0.4, place + 0.4, color="red", lw=1.0, ls="--")
     axes.plot([], [], color="black", lw=1.5, label="median")
     axes.plot([], [], color="red", lw=1.0, ls="--", label="limit")
-    axes.set_xticks(range(len(rows)), [f"{row.verdict}\n{row.found} of {row.asked}" for row in rows], fontsize=8)
+    axes.set_xticks(range(len(rows)), [f"{row.verdict}\n{row.found} of {row.scenarios}" for row in rows], fontsize=8)
     axes.set(ylabel="delay [s]", ylim=(0.0, None), xlim=(-0.6, len(rows) - 0.4))
     axes.legend(fontsize=8, loc="center right")
     axes.grid(alpha=0.25, axis="y")

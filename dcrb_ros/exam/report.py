@@ -7,12 +7,12 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from dcrb_ros import __version__
 from dcrb_ros.exam.criteria import Criteria
 from dcrb_ros.exam.scoring import NO_ANSWER, ScenarioResult
 from dcrb_ros.exam.statistics import Characteristic, Interval, characteristic, percentile, rate, share
 from dcrb_ros.recordings.manifest import model_fingerprint, software
 from dcrb_ros.runtime.frames import pandas
+from dcrb_ros.runtime.version import __version__
 from dcrb_ros.schema.verdicts import FAULT_CLASSES, VERDICTS
 
 if TYPE_CHECKING:
@@ -38,7 +38,7 @@ class Delay:
     """Longest delay allowed [s]."""
     found: int
     """Scenarios in which the fault was detected [-]."""
-    asked: int
+    scenarios: int
     """Scenarios with the fault [-]."""
     median: float
     """Median delay [s]."""
@@ -55,13 +55,13 @@ class Detection:
     """Width [m]."""
     found: int
     """Scenarios in which the defect was detected [-]."""
-    asked: int
+    scenarios: int
     """Scenarios with the defect [-]."""
 
     @property
     def probability(self) -> Interval:
-        """Probability of detection with its bounds."""
-        return share(self.found, self.asked)
+        """Probability of detection with its confidence interval."""
+        return share(self.found, self.scenarios)
 
 
 @dataclass(frozen=True)
@@ -115,16 +115,16 @@ class Report:
     def delays(self) -> list[Delay]:
         """Return the detection delays of each fault in the exam."""
         return [
-            Delay(verdict, self.criteria.delay.of(verdict), len(found), len(asked), percentile(found, 50.0), percentile(found, 95.0))
-            for verdict, asked in _grouped(self.faulty).items()
-            for found in [[result.delay for result in asked if result.delay is not None and result.found]]
+            Delay(verdict, self.criteria.delay.of(verdict), len(found), len(group), percentile(found, 50.0), percentile(found, 95.0))
+            for verdict, group in _grouped(self.faulty).items()
+            for found in [[result.delay for result in group if result.delay is not None and result.found]]
         ]
 
     def confusion(self) -> dict[str, dict[str, int]]:
         """Return the confusion matrix: the number of scenarios by correct verdict and answer."""
         return {
-            verdict: {answer: sum(m.answer == answer for m in asked) for answer in (*VERDICTS, NO_ANSWER)}
-            for verdict, asked in _grouped(self.results).items()
+            verdict: {answer: sum(m.answer == answer for m in group) for answer in (*VERDICTS, NO_ANSWER)}
+            for verdict, group in _grouped(self.results).items()
         }
 
     def detections(self) -> list[Detection]:
@@ -132,9 +132,9 @@ class Report:
         sized = [result for result in self.faulty if result.expectation.width > 0.0]
         return [
             Detection(verdict, width, sum(result.found for result in same), len(same))
-            for verdict, asked in _grouped(sized).items()
-            for width in sorted({result.expectation.width for result in asked})
-            for same in [[result for result in asked if result.expectation.width == width]]
+            for verdict, group in _grouped(sized).items()
+            for width in sorted({result.expectation.width for result in group})
+            for same in [[result for result in group if result.expectation.width == width]]
         ]
 
     def characteristic(self) -> Characteristic | None:
@@ -182,12 +182,13 @@ class Report:
             "criteria": self.criteria.model_dump(),
             "checks": [vars(check) for check in self.checks()],
             "delay": {
-                d.verdict: {"limit": d.limit, "found": d.found, "asked": d.asked, "median": d.median, "p95": d.p95} for d in self.delays()
+                d.verdict: {"limit": d.limit, "found": d.found, "asked": d.scenarios, "median": d.median, "p95": d.p95}
+                for d in self.delays()
             },
             "false_alarms": {"count": self.alarms, "healthy_hours": self.hours, "per_hour": alarms._asdict()},
             "confusion": self.confusion(),
             "detection": [
-                {"verdict": d.verdict, "width": d.width, "found": d.found, "asked": d.asked, "probability": d.probability._asdict()}
+                {"verdict": d.verdict, "width": d.width, "found": d.found, "asked": d.scenarios, "probability": d.probability._asdict()}
                 for d in self.detections()
             ],
             "roc": curve._asdict() if curve else None,

@@ -7,13 +7,14 @@ from collections.abc import Iterator
 
 from rich.console import Group as Stack
 from rich.console import RenderableType
+from rich.markup import escape
 from rich.table import Table
 from rich.text import Text
 
-from dcrb_ros import __version__
 from dcrb_ros.exam.report import Report
 from dcrb_ros.exam.statistics import CONFIDENCE, Interval
 from dcrb_ros.recordings.manifest import model_fingerprint
+from dcrb_ros.runtime.version import __version__
 
 MOST_FAILURES = 40
 """Failed scenarios listed at most [-]; JSON and JUnit contain all of them."""
@@ -73,9 +74,10 @@ def _checks(report: Report) -> Table:
 def _delays(report: Report) -> Iterator[Table]:
     rows = report.delays()
     if rows:
-        table = Table("fault", "detected", "median delay [s]", "95th percentile [s]", "limit [s]", title="Detection delay")
+        heads = map(escape, ("fault", "detected", "median delay [s]", "95th percentile [s]", "limit [s]"))
+        table = Table(*heads, title="Detection delay")
         for row in rows:
-            table.add_row(row.verdict, f"{row.found} of {row.asked}", number(row.median), number(row.p95), f"{row.limit:g}")
+            table.add_row(row.verdict, f"{row.found} of {row.scenarios}", number(row.median), number(row.p95), f"{row.limit:g}")
         yield table
 
 
@@ -83,14 +85,11 @@ def _detections(report: Report) -> Iterator[Table]:
     rows = report.detections()
     if rows:
         table = Table(
-            "fault",
-            "width [mm]",
-            "detected",
-            "probability of detection",
+            *map(escape, ("fault", "width [mm]", "detected", "probability of detection")),
             title=f"Detection by width, {CONFIDENCE:.0%} confidence (Clopper-Pearson)",
         )
         for row in rows:
-            table.add_row(row.verdict, f"{row.width * 1e3:g}", f"{row.found} of {row.asked}", bounds(row.probability))
+            table.add_row(row.verdict, f"{row.width * 1e3:g}", f"{row.found} of {row.scenarios}", bounds(row.probability))
         yield table
 
 

@@ -90,7 +90,7 @@ class Description(Group):
     """Known ground truth in any form; it is stored but not used."""
 
     def fault_orders(self, source: Path) -> Orders:
-        """Return the characteristic orders.
+        """Return the characteristic orders of the bearing [-].
 
         Raises:
             Refusal: neither geometry nor orders are given.

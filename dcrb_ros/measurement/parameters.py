@@ -23,20 +23,20 @@ class Accelerometer(Group):
     range: float = quantity(
         5000.0,
         "m/s^2",
-        "Range: larger accelerations are clipped and counted",
+        "Measuring range: larger accelerations are clipped and counted",
         1.0,
         1e6,
         remedy="give m/s^2, 1 g is 9.81 m/s^2",
         run_time=True,
     )
     fault: SensorFault = choice(
-        "none", "Fault of the sensor: stuck, loose mounting, saturated, cable spikes, dead or gain_drift", run_time=True
+        "none", "Fault of the sensor: stuck, loose mount, saturated, spikes of a loose cable, dead, or gain_drift", run_time=True
     )
     fault_severity: float = quantity(
-        1.0, "-", "Severity of that fault; 0 for none", 0.0, 1.0, run_time=True, remedy="give a share, not per cent"
+        1.0, "-", "Severity of the sensor fault; 0 for none", 0.0, 1.0, run_time=True, remedy="give a share, not per cent"
     )
-    fault_axis: Literal["both", "x", "y"] = choice("both", "Axes that the fault is in; a loose mounting is in both", run_time=True)
-    fault_time: float = quantity(5.0, "s", "Time that gain_drift takes to its severity", 0.001, 1e6, run_time=True)
+    fault_axis: Literal["both", "x", "y"] = choice("both", "Axes with the sensor fault; a loose mount always affects both", run_time=True)
+    fault_time: float = quantity(5.0, "s", "Time in which gain_drift reaches its severity", 0.001, 1e6, run_time=True)
 
     def severity(self, fault: SensorFault) -> float:
         """Return the severity of a fault of the sensor, 0 if the sensor does not have it [-]."""

@@ -26,9 +26,11 @@ class ClockParameters(Group):
     """Offset and jitter of the sample clock."""
 
     clock_offset_ppm: float = quantity(
-        0.0, "ppm", "Sample clock: samples come so much later than their stamps say; negative for earlier", -1000.0, 1000.0
+        0.0, "ppm", "Offset of the sample clock: positive if samples are taken later than their stamps state", -1000.0, 1000.0
     )
-    clock_jitter: float = quantity(0.0, "s", "Sample clock: rms error of a sample's time", 0.0, 1e-5, remedy="give seconds, 1 ns is 1e-9")
+    clock_jitter: float = quantity(
+        0.0, "s", "Jitter of the sample clock: rms error of the sampling times", 0.0, 1e-5, remedy="give seconds, 1 ns is 1e-9"
+    )
 
 
 def interpolation_weights() -> Floats:

@@ -1,1 +1,1 @@
-"""Blocks to ROS messages and back, as pure functions: the only package that knows the fields of messages."""
+"""Blocks to ROS messages and back, as pure functions. No other package depends on the fields of messages."""

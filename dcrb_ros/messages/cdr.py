@@ -1,4 +1,4 @@
-"""CDR, the bytes of messages: from rosbags' type store, so that a machine without ROS encodes the very same ones."""
+"""Messages in CDR, encoded and decoded by the type store of rosbags: the same bytes with and without ROS."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ FRAME = "outer_ring"
 TEMPLATES = 64
 """Message templates kept, so that a message that differs from an earlier one in stamp and numbers only is not encoded anew."""
 STAMP_END = 12
-"""Bytes of a message with a header before its frame."""
+"""Length of a message with a header up to its frame [bytes]."""
 
 
 @cache
@@ -33,12 +33,12 @@ def typestore() -> Typestore:
 
 
 def ros_type(name: str) -> Any:
-    """Return the class of a message."""
+    """Return the class of a message type."""
     return typestore().types[name]
 
 
 def encoded(type_name: str, message: Any) -> bytes:
-    """Return the bytes of a message."""
+    """Return a message in CDR."""
     return bytes(typestore().serialize_cdr(message, type_name))
 
 
@@ -54,19 +54,19 @@ def stamp_of(header: Any) -> int:
 
 
 def decoded(data: bytes, type_name: str) -> Any:
-    """Return a message.
+    """Return the message in some bytes.
 
     Raises:
-        Refusal: the bytes are no such message.
+        Refusal: the bytes are not such a message.
     """
     try:
         return typestore().deserialize_cdr(data, type_name)
-    except Exception as error:  # rosbags raises whatever its generated decoder runs into
-        raise Refusal(f"a message of {len(data)} bytes is no valid {type_name}: {type(error).__name__}") from None
+    except Exception as error:  # the decoders that rosbags generates raise exceptions of any kind
+        raise Refusal(f"a message of {len(data)} bytes is not a valid {type_name}: {type(error).__name__}") from None
 
 
 def stamps(messages: Sequence[bytes]) -> npt.NDArray[np.int64]:
-    """Return the stamps of messages that begin with a header [ns]."""
+    """Return the stamps of messages that begin with a header, shape (messages,) [ns]."""
     heads = np.frombuffer(b"".join(data[4:12] for data in messages), np.dtype([("sec", "<i4"), ("nanosec", "<u4")]))
     found: npt.NDArray[np.int64] = heads["sec"].astype(np.int64) * 1_000_000_000 + heads["nanosec"]
     return found

@@ -1,4 +1,4 @@
-"""The sensor's description: what a reader must know of the waveform, as JSON."""
+"""The description of the sensor in JSON: what is needed to interpret the waveform."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ INDICATORS = ("BPFO", "BPFI", "BSF", "FTF")
 
 
 def sensor_text(configuration: Configuration) -> str:
-    """Return what a reader must know of the waveform, as JSON: rate, units, axes, geometry, orders, index rule."""
+    """Return the description in JSON: sampling rate, units, axes, bearing, characteristic orders, numbering of the samples."""
     orders = characteristic_orders(configuration.bearing)
     about = {
         "sampling_rate": configuration.sensor.sampling_rate,
@@ -36,10 +36,10 @@ def sensor_text(configuration: Configuration) -> str:
 
 
 def decode_sensor(data: bytes) -> tuple[int, Orders]:
-    """Return sampling rate [Hz] and characteristic orders from the sensor's description.
+    """Return sampling rate [Hz] and characteristic orders from a description.
 
     Raises:
-        Refusal: no such description.
+        Refusal: the message is not a description.
     """
     try:
         about = json.loads(decode_text(data))
@@ -47,15 +47,15 @@ def decode_sensor(data: bytes) -> tuple[int, Orders]:
         rate = int(about["sampling_rate"])
     except (ValueError, KeyError, TypeError, OverflowError, RecursionError) as error:
         raise Refusal(
-            f"the sensor's description is not understood ({type(error).__name__}): it must give sampling_rate and orders as JSON"
+            f"the sensor's description cannot be decoded ({type(error).__name__}): it must be JSON with sampling_rate and orders"
         ) from None
     if rate <= 0 or not all(math.isfinite(order) and order > 0.0 for order in orders.as_dict().values()):
-        raise Refusal(f"the sensor's description gives {rate} Hz and orders {orders.as_dict()}: both must be positive")
+        raise Refusal(f"the sensor's description gives {rate} Hz and orders {orders.as_dict()}: all must be positive and finite")
     return rate, orders
 
 
 def decode_range(data: bytes) -> float:
-    """Return the range from the sensor's description [m/s^2], 0 where it does not say."""
+    """Return the range from a description [m/s^2], 0 if it is not given."""
     try:
         found = float(json.loads(decode_text(data)).get("range", 0.0))
     except (ValueError, TypeError, AttributeError, OverflowError, RecursionError):

@@ -1,4 +1,4 @@
-"""Joint states: what the bodies do, a name for each, and features by name."""
+"""JointState messages: the states of the bodies, and features by name."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ from functools import lru_cache
 
 import numpy as np
 
-from dcrb_ros.bearing.states import States
 from dcrb_ros.measurement.features import features
 from dcrb_ros.messages.cdr import JOINT_STATE, TEMPLATES, decoded, encoded, header, ros_type, stamp_of
-from dcrb_ros.messages.message_template import MessageTemplate, marks
+from dcrb_ros.messages.message_template import MessageTemplate, placeholder_bytes
 from dcrb_ros.runtime.arrays import Floats
-from dcrb_ros.simulation.block import Block
+from dcrb_ros.stream.block import Block
+from dcrb_ros.stream.states import States
 
 
 @dataclass(frozen=True)
@@ -35,11 +35,11 @@ def encode_joints(time_ns: int, names: Sequence[str], position: Floats, velocity
 
 @lru_cache(TEMPLATES)
 def _joints_template(names: tuple[str, ...], *sizes: int) -> MessageTemplate:
-    """Return a JointState without its numbers, of which each array takes so many bytes."""
-    mark = marks(sum(sizes))
-    holes = [mark[sum(sizes[:k]) : sum(sizes[: k + 1])] for k in range(len(sizes))]
-    arrays = [np.frombuffer(hole, "<f8") for hole in holes]
-    return MessageTemplate(encoded(JOINT_STATE, ros_type(JOINT_STATE)(header(0, ""), list(names), *arrays)), *holes)
+    """Return the template of a JointState; ``sizes`` are the lengths of its three arrays [bytes]."""
+    placeholder = placeholder_bytes(sum(sizes))
+    placeholders = [placeholder[sum(sizes[:k]) : sum(sizes[: k + 1])] for k in range(len(sizes))]
+    arrays = [np.frombuffer(part, "<f8") for part in placeholders]
+    return MessageTemplate(encoded(JOINT_STATE, ros_type(JOINT_STATE)(header(0, ""), list(names), *arrays)), *placeholders)
 
 
 def encode_states(states: States, names: Sequence[str]) -> bytes:
@@ -54,8 +54,8 @@ def encode_contacts(states: States, names: Sequence[str]) -> bytes:
 
 def encode_features(block: Block) -> bytes:
     """Return the features of a block as a JointState; the values are in position."""
-    found, none = features(block.acceleration, block.clipped), np.zeros(0)
-    return encode_joints(block.stamp_ns, list(found), np.array(list(found.values())), none, none)
+    found, empty = features(block.acceleration, block.clipped), np.zeros(0)
+    return encode_joints(block.stamp_ns, list(found), np.array(list(found.values())), empty, empty)
 
 
 def decode_joints(data: bytes) -> Joints:
@@ -65,9 +65,9 @@ def decode_joints(data: bytes) -> Joints:
 
 
 def decode_alike(messages: Sequence[bytes]) -> Joints | None:
-    """Return JointStates of one length, names and frame as one: every field has a row for each, ``stamp_ns`` the first stamp.
+    """Return JointStates of equal length, names and frame as one with arrays of shape (messages, names) and the first stamp.
 
-    A topic repeats its names in every message; reading them once is ten times as fast. None where the messages are not alike.
+    The messages of a topic repeat its names; decoding them once is ten times as fast. Returns None if the messages differ.
     """
     if not messages or len({len(data) for data in messages}) > 1:
         return None
@@ -79,7 +79,7 @@ def decode_alike(messages: Sequence[bytes]) -> Joints | None:
     for count in reversed(counts):
         begin = end - 8 * count
         numbers.insert(0, np.ascontiguousarray(rows[:, begin:end]).view("<f8").reshape(len(messages), count))
-        # The length before the numbers, and what aligns them to eight.
+        # The length of the array, and padding that aligns its numbers to eight bytes.
         end = begin - (8 if count else 4)
     names_end = rows.shape[1] - sum(8 * count for count in counts) - sum(8 if count else 4 for count in counts[1:])
     same = np.all(rows[:, 12:names_end] == rows[0, 12:names_end])

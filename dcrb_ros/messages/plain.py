@@ -9,24 +9,25 @@ import numpy as np
 import numpy.typing as npt
 
 from dcrb_ros.messages.cdr import CLOCK, FRAME, IMU, TEMPLATES, TEXT, decoded, encoded, header, ros_type
-from dcrb_ros.messages.message_template import MessageTemplate, marks
+from dcrb_ros.messages.message_template import MessageTemplate, placeholder_bytes
 
-NO_ESTIMATE = -1.0  # first element of a covariance, sensor_msgs/msg/Imu
+NO_ESTIMATE = -1.0
+"""First element of a covariance whose quantity is not measured, see sensor_msgs/msg/Imu."""
 
 
 def encode_preview(time_ns: int, acceleration: npt.NDArray[np.float32], frame: str = FRAME) -> bytes:
-    """Return a preview sample as an Imu; orientation and rotation are absent, the covariances unknown."""
+    """Return a sample of the preview as an Imu without orientation and angular velocity; the covariances are unknown."""
     return _preview_template(frame).filled(time_ns, acceleration.astype("<f8").tobytes())
 
 
 @lru_cache(TEMPLATES)
 def _preview_template(frame: str) -> MessageTemplate:
-    vector, quaternion, mark = ros_type("geometry_msgs/msg/Vector3"), ros_type("geometry_msgs/msg/Quaternion"), marks(16)
+    vector, quaternion, placeholder = ros_type("geometry_msgs/msg/Vector3"), ros_type("geometry_msgs/msg/Quaternion"), placeholder_bytes(16)
     unknown = np.zeros(9)
     unknown[0] = NO_ESTIMATE
-    linear = vector(*struct.unpack("<dd", mark), 0.0)
+    linear = vector(*struct.unpack("<dd", placeholder), 0.0)
     imu = ros_type(IMU)(header(0, frame), quaternion(0.0, 0.0, 0.0, 1.0), unknown, vector(0.0, 0.0, 0.0), unknown, linear, unknown)
-    return MessageTemplate(encoded(IMU, imu), mark)
+    return MessageTemplate(encoded(IMU, imu), placeholder)
 
 
 def encode_text(text: str) -> bytes:

@@ -1,4 +1,4 @@
-"""Point clouds: the waveform and the envelope spectrum, a column for each field."""
+"""PointCloud2 messages: the waveform and the squared envelope spectrum, one field per quantity."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ import numpy as np
 import numpy.typing as npt
 
 from dcrb_ros.messages.cdr import FRAME, POINT_CLOUD, STAMP_END, TEMPLATES, decoded, encoded, header, ros_type, stamp_of, stamps
-from dcrb_ros.messages.message_template import MessageTemplate, marks
+from dcrb_ros.messages.message_template import MessageTemplate, placeholder_bytes
 from dcrb_ros.runtime.arrays import Floats, Samples
 from dcrb_ros.runtime.refusal import Refusal
-from dcrb_ros.simulation.block import Block
+from dcrb_ros.stream.block import Block
 
 SAMPLE = np.dtype([("t", "<u4"), ("ax", "<f4"), ("ay", "<f4"), ("shaft_angle", "<f4")])
 UNTRACKED_SAMPLE = np.dtype([("t", "<u4"), ("ax", "<f4"), ("ay", "<f4")])
@@ -24,6 +24,7 @@ SPECTRUM = np.dtype([("frequency", "<f4"), ("order", "<f4"), ("amplitude", "<f4"
 UINT32, FLOAT32 = 6, 7  # sensor_msgs/msg/PointField
 POINT_KINDS = {"<u4": UINT32, "<f4": FLOAT32}
 MOST_SAMPLES = 1 << 20
+"""Most samples accepted in a message."""
 
 
 def index_at(time_ns: int, rate: int) -> int:
@@ -33,7 +34,7 @@ def index_at(time_ns: int, rate: int) -> int:
 
 @dataclass(frozen=True)
 class Vibration:
-    """A block of the waveform as it comes over the wire or from a recording."""
+    """A block of the waveform, decoded from a message."""
 
     stamp_ns: int
     """Simulated time of the first sample [ns]."""
@@ -54,31 +55,31 @@ class Vibration:
 
 
 def packed(acceleration: Samples, shaft_angle: Samples) -> bytes:
-    """Return ax, ay and shaft angle of every sample as little-endian single floats: what a recording's hash is of."""
+    """Return ax, ay and shaft angle of every sample as little-endian float32; a recording states the hash of these bytes."""
     return np.column_stack([acceleration, shaft_angle]).astype("<f4", copy=False).tobytes()
 
 
 def encode_points(points: npt.NDArray[Any], time_ns: int, frame: str = FRAME) -> bytes:
-    """Return a PointCloud2 of structured points, one field per column."""
+    """Return structured points, shape (points,), as a PointCloud2."""
     return _points_template(points.dtype, len(points), frame).filled(time_ns, points.tobytes())
 
 
 @lru_cache(TEMPLATES)
 def _points_template(kind: np.dtype[Any], count: int, frame: str) -> MessageTemplate:
-    point_type, mark = ros_type("sensor_msgs/msg/PointField"), marks(kind.itemsize * count)
+    point_type, placeholder = ros_type("sensor_msgs/msg/PointField"), placeholder_bytes(kind.itemsize * count)
     fields = [
         point_type(name, offset, POINT_KINDS[dtype.str], 1)
         for name, (dtype, offset) in ((name, (entry[0], entry[1])) for name, entry in (kind.fields or {}).items())
     ]
-    raw = np.frombuffer(mark, np.uint8)
+    raw = np.frombuffer(placeholder, np.uint8)
     cloud = ros_type(POINT_CLOUD)(header(0, frame), 1, count, fields, False, kind.itemsize, kind.itemsize * count, raw, True)
-    return MessageTemplate(encoded(POINT_CLOUD, cloud), mark)
+    return MessageTemplate(encoded(POINT_CLOUD, cloud), placeholder)
 
 
 def encode_vibration(block: Block, acceleration: Samples, frame: str = FRAME) -> bytes:
     """Return the waveform of a block as a PointCloud2 with the fields of `SAMPLE`."""
     points = np.empty(len(acceleration), SAMPLE)
-    # What the first sample's time lost by rounding down counts for the others.
+    # The stamp is rounded down to nanoseconds; the times of the other samples include the remainder.
     lost = block.index * 1_000_000_000 % block.rate
     points["t"] = (lost + np.arange(len(acceleration), dtype=np.int64) * 1_000_000_000) // block.rate
     points["ax"], points["ay"], points["shaft_angle"] = acceleration[:, 0], acceleration[:, 1], block.shaft_angle
@@ -86,23 +87,23 @@ def encode_vibration(block: Block, acceleration: Samples, frame: str = FRAME) ->
 
 
 def decode_vibration(data: bytes) -> Vibration:
-    """Return the waveform of a PointCloud2; without the field ``shaft_angle`` the angles are no numbers.
+    """Return the waveform of a PointCloud2; without the field ``shaft_angle`` the angles are NaN.
 
     Raises:
-        Refusal: another layout than `SAMPLE`, or a length that does not fit the fields.
+        Refusal: the fields are not those of `SAMPLE`, or the length does not fit them.
     """
     cloud = decoded(data, POINT_CLOUD)
     found = [(field.name, field.offset, field.datatype, field.count) for field in cloud.fields]
     layout = next((kind for kind in (SAMPLE, UNTRACKED_SAMPLE) if found == _fields(kind) and cloud.point_step == kind.itemsize), None)
     if layout is None or cloud.is_bigendian or cloud.height != 1:
         raise Refusal(
-            f"a PointCloud2 with the fields {[name for name, *_ in found]} is no waveform: it must have t, ax, ay and shaft_angle, "
+            f"a PointCloud2 with the fields {[name for name, *_ in found]} is not a waveform: it must have t, ax, ay and shaft_angle, "
             f"{SAMPLE.itemsize} bytes a sample, or {UNTRACKED_SAMPLE.itemsize} without shaft_angle, little endian, height 1"
         )
     if not 0 < cloud.width <= MOST_SAMPLES or len(cloud.data) != cloud.width * layout.itemsize:
         raise Refusal(
-            f"a waveform block claims {cloud.width} samples in {len(cloud.data)} bytes; "
-            f"each takes {layout.itemsize}, and {MOST_SAMPLES} are the most"
+            f"a waveform block declares {cloud.width} samples in {len(cloud.data)} bytes: it must have {layout.itemsize} bytes per sample "
+            f"and 1 to {MOST_SAMPLES} samples"
         )
     points = np.frombuffer(cloud.data.tobytes(), layout)
     acceleration = np.stack([points["ax"], points["ay"]], axis=1)
@@ -115,9 +116,9 @@ def _fields(kind: np.dtype[Any]) -> list[tuple[str, int, int, int]]:
 
 
 def decode_waveform(messages: Sequence[bytes]) -> tuple[npt.NDArray[np.int64], Samples, Samples]:
-    """Return the samples of blocks end to end: time [ns], acceleration [m/s^2] of shape (samples, 2), shaft angle [rad].
+    """Return the samples of consecutive blocks: time [ns], acceleration [m/s^2] of shape (samples, 2), shaft angle [rad].
 
-    Blocks of one length repeat their fields; reading those once is many times as fast.
+    Blocks of equal length have the same fields; decoding those once is many times as fast.
 
     Raises:
         Refusal: as `decode_vibration`.
@@ -127,7 +128,7 @@ def decode_waveform(messages: Sequence[bytes]) -> tuple[npt.NDArray[np.int64], S
 
 
 def _stretch(messages: Sequence[bytes]) -> tuple[npt.NDArray[np.int64], Samples, Samples]:
-    """Return the samples of blocks whose messages have one length."""
+    """Return the samples of blocks whose messages have the same length."""
     points = _repeated(messages, decode_vibration(messages[0]))
     if points is not None:
         time_ns = (stamps(messages)[:, None] + points["t"]).reshape(-1)
@@ -140,10 +141,10 @@ def _stretch(messages: Sequence[bytes]) -> tuple[npt.NDArray[np.int64], Samples,
 
 
 def _repeated(messages: Sequence[bytes], first: Vibration) -> npt.NDArray[Any] | None:
-    """Return the samples of messages of one length, a row for each, where nothing but stamp and samples differs from the ``first``."""
+    """Return the samples, shape (messages, samples), if the messages differ from the ``first`` in stamp and samples only."""
     size = len(first.shaft_angle) * SAMPLE.itemsize
     rows = np.frombuffer(b"".join(messages), np.uint8).reshape(len(messages), -1)
-    # Behind the samples, which begin at a multiple of four, one byte says that none is missing; up to three fill it up.
+    # The samples begin at a multiple of four bytes; the byte is_dense and up to three bytes of padding follow them.
     begin = (rows.shape[1] - size - 1) // 4 * 4
     if begin < STAMP_END or not (rows[:, STAMP_END:begin] == rows[0, STAMP_END:begin]).all():
         return None
@@ -154,7 +155,7 @@ def _repeated(messages: Sequence[bytes], first: Vibration) -> npt.NDArray[Any] |
 
 
 def encode_spectrum(time_ns: int, orders: Floats, amplitude: Floats, shaft_frequency: float) -> bytes:
-    """Return an envelope spectrum as a PointCloud2 with frequency [Hz], order [-] and amplitude."""
+    """Return a squared envelope spectrum as a PointCloud2 with frequency [Hz], order [-] and amplitude [m/s^2]."""
     points = np.empty(len(orders), SPECTRUM)
     points["order"], points["amplitude"] = orders, amplitude
     points["frequency"] = orders * (shaft_frequency if math.isfinite(shaft_frequency) else 0.0)
@@ -162,15 +163,17 @@ def encode_spectrum(time_ns: int, orders: Floats, amplitude: Floats, shaft_frequ
 
 
 def decode_spectrum(data: bytes) -> tuple[int, Floats, Floats, float]:
-    """Return stamp [ns], orders [-], amplitudes and shaft frequency [Hz] of an envelope spectrum.
+    """Return stamp [ns], orders [-], amplitudes [m/s^2] and shaft frequency [Hz] of a squared envelope spectrum.
 
     Raises:
-        Refusal: another layout than `SPECTRUM`, or a length that does not fit the fields.
+        Refusal: the fields are not those of `SPECTRUM`, or the length does not fit them.
     """
     cloud = decoded(data, POINT_CLOUD)
     names = tuple(field.name for field in cloud.fields)
     if names != SPECTRUM.names or cloud.point_step != SPECTRUM.itemsize or len(cloud.data) != cloud.width * SPECTRUM.itemsize:
-        raise Refusal(f"a PointCloud2 with the fields {list(names)} is no envelope spectrum: it must have frequency, order and amplitude")
+        raise Refusal(
+            f"a PointCloud2 with the fields {list(names)} is not a squared envelope spectrum: it must have frequency, order and amplitude"
+        )
     points = np.frombuffer(cloud.data.tobytes(), SPECTRUM)
     orders, frequency = points["order"].astype(np.float64), points["frequency"].astype(np.float64)
     shaft_frequency = float(frequency[-1] / orders[-1]) if len(orders) and orders[-1] > 0.0 else 0.0

@@ -1,4 +1,4 @@
-"""Diagnostic arrays: states by name with keys and values, the ground truth among them."""
+"""DiagnosticArray messages: statuses with keys and values, among them the ground truth."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from dcrb_ros.bearing.kinematics import CHARACTERISTIC_FREQUENCIES
 from dcrb_ros.messages.cdr import DIAGNOSTICS, decoded, encoded, header, ros_type, stamp_of
 from dcrb_ros.messages.event_text import decode_event, encode_event
 from dcrb_ros.runtime.refusal import Refusal
-from dcrb_ros.simulation.block import Truth
+from dcrb_ros.stream.block import Truth
 
 OK, WARN, ERROR = 0, 1, 2  # diagnostic_msgs/msg/DiagnosticStatus
 
@@ -55,7 +55,7 @@ def decode_truth(data: bytes) -> Truth:
     """Return the ground truth that `encode_truth` wrote."""
     time_ns, statuses = decode_diagnostics(data)
     if not statuses or statuses[0].name != "operating":
-        raise Refusal("a DiagnosticArray without the status 'operating' is no ground truth of the bench")
+        raise Refusal("a DiagnosticArray without the status 'operating' is not a ground truth of the bench")
     operating, faults = statuses[0], [status for status in statuses if status.name.startswith("faults.")]
     background = next((status.values for status in statuses if status.name == "background"), {})
 

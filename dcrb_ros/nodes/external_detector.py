@@ -16,8 +16,8 @@ from itertools import pairwise
 from pathlib import Path
 from typing import IO, Any
 
-from dcrb_ros.exam.received_diagnosis import ReceivedDiagnosis, decode_diagnosis
 from dcrb_ros.messages.bundle import Bundle
+from dcrb_ros.messages.received_diagnosis import ReceivedDiagnosis, decode_diagnosis
 from dcrb_ros.messages.topics import DIAGNOSIS, NAMESPACE, SENSOR, VIBRATION
 from dcrb_ros.nodes.pacing import Pacer
 from dcrb_ros.nodes.publisher import Publisher, message_class, qos

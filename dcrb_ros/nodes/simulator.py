@@ -49,9 +49,9 @@ from dcrb_ros.runtime.refusal import Refusal
 from dcrb_ros.runtime.simulated_time import checked_duration
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import flatten, parameter_fields
-from dcrb_ros.simulation.events import TimedCommand
 from dcrb_ros.simulation.loop import Simulation
 from dcrb_ros.simulation.scenario import ScheduledChange, read_scenario_file, scheduled_changes, starting_configuration
+from dcrb_ros.stream.events import TimedCommand
 
 TARGETS = {"operating.speed": COMMANDS[0], "operating.load": COMMANDS[1], "operating.lateral_load": COMMANDS[1]}
 """Parameters that are changed by a topic while the node runs."""

@@ -69,11 +69,11 @@ class BarKinematics(NamedTuple):
     lever: Floats
     """Vector from the centre of the cage to the contact, shape (bars, 2) [m]."""
     penetration: Floats
-    """delta = side e.tau - c_p [m], Eqs. 20 and 21."""
+    """Penetration delta = side e.tau - c_p, Eqs. 20 and 21 [m]."""
     rate: Floats
     """d(delta)/dt [m/s]."""
     slip: Floats
-    """Radial slip of the roller's surface over the bar [m/s]."""
+    """Radial slip of the roller's surface relative to the bar [m/s]."""
 
 
 class IntactBars:
@@ -88,7 +88,7 @@ class IntactBars:
         self.roller: Indices = bodies.roller_bodies[rows, rollers]
         self._azimuth = pocket_azimuths(configuration.bearing)[rows, rollers]
         self.impact_speed: Floats = np.zeros(len(sides))
-        """Rate at which each closed contact was first touched [m/s]; zero while it is open."""
+        """Rate of penetration when each contact closed [m/s]; zero while it is open."""
 
     @property
     def count(self) -> int:

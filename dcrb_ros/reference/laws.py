@@ -6,7 +6,7 @@ import numpy as np
 from scipy.special import lambertw
 
 from dcrb_ros.runtime.arrays import Floats
-from dcrb_ros.settings.parameters import Friction
+from dcrb_ros.settings.contact import Friction
 
 FLOOR_SPEED = 1e-3
 """Smallest impact speed used in the damping of a bar contact [m/s]."""
@@ -38,7 +38,8 @@ def with_loss(force: Floats, stiffness: Floats, loss_time: float, rate: Floats) 
 def stribeck(slip: Floats, friction: Friction) -> Floats:
     """Return the friction coefficient in steady sliding [-], g(s) = mu_k + (mu_s - mu_k) exp(-(s / v_s)^2), Eq. 7."""
     span = friction.static_coefficient - friction.kinetic_coefficient
-    return friction.kinetic_coefficient + span * np.exp(-((slip / friction.stribeck_speed) ** 2))
+    steady: Floats = friction.kinetic_coefficient + span * np.exp(-((slip / friction.stribeck_speed) ** 2))
+    return steady
 
 
 def lugre(bristle: Floats, slip: Floats, steady: Floats, friction: Friction) -> tuple[Floats, Floats]:

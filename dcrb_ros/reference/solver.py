@@ -32,9 +32,9 @@ class State(NamedTuple):
     """The integrated quantities, or their rates."""
 
     position: Floats
-    """Shape (bodies, 3) [m, m, rad]."""
+    """Positions, shape (bodies, 3) [m, m, rad]."""
     velocity: Floats
-    """Shape (bodies, 3) [m/s, m/s, rad/s]."""
+    """Velocities, shape (bodies, 3) [m/s, m/s, rad/s]."""
     bristle: Floats
     """Bristle deflections, shape (contacts,) [m]."""
 

@@ -7,18 +7,19 @@ from collections.abc import Iterator
 
 from pydantic import model_validator
 
+from dcrb_ros.core.laws import NORMAL_LAWS
+from dcrb_ros.core.laws.interface import Material, inner_site
 from dcrb_ros.core.laws.pereira import pereira_coefficients, pereira_stiffness
 from dcrb_ros.faults import Faults
 from dcrb_ros.faults.geometry import BrokenBar
 from dcrb_ros.faults.ground_truth import summary_of
 from dcrb_ros.measurement.stage import Parameters, Setup
 from dcrb_ros.schema.fields import LENGTH_REMEDY, Group, quantity
+from dcrb_ros.settings.contact import Contact, Friction
 from dcrb_ros.settings.parameters import (
     SHORTEST_STEP,
     Bearing,
     Cage,
-    Contact,
-    Friction,
     Housing,
     Operating,
     Publishing,
@@ -265,10 +266,12 @@ def _fitting_step(c: Configuration, longest: float) -> float:
     return 1.0 / (c.sensor.sampling_rate * max(2, math.ceil(1.0 / (longest * c.sensor.sampling_rate))))
 
 
+def material_of(bearing: Bearing) -> Material:
+    """Return what the constants of contact laws may depend on."""
+    return Material(**{name: getattr(bearing, name) for name in Material._fields})
+
+
 def contact_stiffness(c: Configuration, force: float) -> float:
     """Return the stiffness [N/m] of a roller's contact with the inner raceway under a normal force [N]."""
-    if c.contact.law == "power":
-        return pereira_stiffness(force, c.contact.power_coefficient, c.contact.power_exponent)
-    modulus = math.pi * c.bearing.effective_modulus * c.bearing.roller_length
-    scale = 4.0 * (c.bearing.inner_raceway_radius + c.bearing.roller_radius)
-    return modulus / max(1.0, math.log(modulus * scale / force) - 2.0)
+    law = NORMAL_LAWS[c.contact.law]
+    return float(law.stiffness(law.build(dict(c.contact), material_of(c.bearing)), force, inner_site(material_of(c.bearing))))

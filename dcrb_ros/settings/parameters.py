@@ -69,59 +69,6 @@ class Housing(Group):
     damping: float = quantity(1e5, "N s/m", "Damping of the housing in X and in Y", 0.0, 1e8, symbol="c_h")
 
 
-class Contact(Group):
-    """Normal contact of rollers and raceways, its damping, and the law for notches."""
-
-    law: Literal["johnson", "power"] = choice(
-        "johnson", "Normal force: johnson, the line contact of Eq. 4 (the paper), or power, power_coefficient * penetration^power_exponent"
-    )
-    power_coefficient: float = quantity(3.449e9, "N/m^n", "Coefficient of the power law", 1e3, 1e15, symbol="K")
-    power_exponent: float = quantity(1.0766, "-", "Exponent of the power law", 1.0, 2.0, symbol="n")
-    loss_time: float = quantity(
-        2.5e-6, "s", "Damping of the normal contact divided by its stiffness; 0 in the paper", 0.0, 1e-4, symbol="beta"
-    )
-    damping: float = quantity(0.0, "N s/m", "Constant damping of a closed contact, in addition to loss_time", 0.0, 1e5, symbol="c")
-    notch: Literal["sink", "edge"] = choice(
-        "sink", "Law for notches: sink lowers the raceway along its normal (the paper); edge gives each edge a fillet with its own normal"
-    )
-    edge_radius: float = length(0.0001, "Fillet radius of the edges of a notch, for the law edge", 1e-6, 0.005, symbol="rho")
-
-
-class Friction(Group):
-    """LuGre friction in coefficient form (Eqs. 6 and 7)."""
-
-    kinetic_coefficient: float = quantity(0.05, "-", "Kinetic friction coefficient", 0.0, 1.0, symbol="mu_k")
-    static_coefficient: float = quantity(0.06, "-", "Static friction coefficient, not below the kinetic one", 0.0, 1.0, symbol="mu_s")
-    stribeck_speed: float = quantity(0.01, "m/s", "Stribeck velocity", 1e-6, 10.0, symbol="v_s")
-    bristle_stiffness: float = quantity(
-        1e5,
-        "1/m",
-        "Bristle stiffness per normal force",
-        1.0,
-        1e8,
-        symbol="sigma_0",
-        remedy="the coefficient form is in 1/m; the paper prints N/m",
-    )
-    bristle_damping: float = quantity(
-        0.0133,
-        "s/m",
-        "Bristle damping per normal force (400 N s/m at 30 kN)",
-        0.0,
-        10.0,
-        symbol="sigma_1",
-        remedy="the coefficient form is in s/m; the paper's 400 N s/m is 0.0133 s/m at 30 kN",
-    )
-    viscous: float = quantity(0.0, "s/m", "Viscous friction per normal force", 0.0, 10.0, symbol="sigma_2")
-    convection: float = quantity(
-        0.0,
-        "-",
-        "Transport of the bristles out of the contact by rolling: 0 for plain LuGre (the paper), 0.7 for Carter's creep",
-        0.0,
-        10.0,
-        symbol="kappa",
-    )
-
-
 class Cage(Group):
     """Joint of rollers and cage, and contacts of the cage."""
 

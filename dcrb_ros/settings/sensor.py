@@ -77,7 +77,7 @@ class Preset(Group):
     """Choice of a typical sensor."""
 
     preset: Literal["none", "ideal", "iepe_100mv_g", "mems"] = choice(
-        "none", "Typical values for the keys of this group that are not given: docs/measurement.md; none for the defaults below"
+        "none", "Typical sensor: values for the parameters of this group that are not given; none for the defaults below"
     )
 
 

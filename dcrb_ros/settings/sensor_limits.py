@@ -24,7 +24,7 @@ def block_limits(publishing: Publishing, rate: int) -> Iterator[str]:
     if publishing.block_size > most:
         yield (
             f"publishing.block_size = {publishing.block_size} lasts {publishing.block_size / rate:.4g} s at sensor.sampling_rate = "
-            f"{rate} Hz: the time of a sample within its block is told in nanoseconds up to {LONGEST_BLOCK:g} s; give {most} or fewer"
+            f"{rate} Hz: the times of samples within a block are limited to {LONGEST_BLOCK:g} s; give {most} or fewer"
         )
 
 

@@ -18,7 +18,6 @@ from dcrb_ros.bearing.kinematics import characteristic_orders
 from dcrb_ros.bearing.observation import observe
 from dcrb_ros.bearing.payload import body_names, build_payload, initial_state
 from dcrb_ros.bearing.runtime_change import altered, onsets, refitted
-from dcrb_ros.bearing.states import Account, BodyNames, States
 from dcrb_ros.core.compilation import compile_ahead
 from dcrb_ros.core.layout.state import copy_of
 from dcrb_ros.core.layout.workspace import workspace
@@ -30,10 +29,11 @@ from dcrb_ros.runtime.refusal import Refusal
 from dcrb_ros.runtime.simulated_time import nanoseconds
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.parameters import Operating
-from dcrb_ros.simulation.block import Block, Truth
-from dcrb_ros.simulation.events import BlockLost, Command, Event, LoadCommand, ParameterChange, Refused, ScenarioEvent, SpeedCommand, Start
 from dcrb_ros.simulation.scenario import ScheduledChange
 from dcrb_ros.simulation.transmission import Transmission
+from dcrb_ros.stream.block import Block, Truth
+from dcrb_ros.stream.events import BlockLost, Command, Event, LoadCommand, ParameterChange, Refused, ScenarioEvent, SpeedCommand, Start
+from dcrb_ros.stream.states import Account, BodyNames, States
 
 Item = TypeVar("Item")
 MAX_PENDING = 1000

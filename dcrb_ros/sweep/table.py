@@ -10,6 +10,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from dcrb_ros.schema.verdicts import FAULT_CLASSES
 from dcrb_ros.settings.files import fields_by_key
 from dcrb_ros.sweep.label import DONE
 from dcrb_ros.sweep.plan import Plan, Run
@@ -30,7 +31,7 @@ COLUMNS: Mapping[str, str] = {
     "condition": "shared by the runs of one bearing at one speed and load; never in two splits",
     "split": "train, validation or test",
     "case": "name of the case in the sweep file",
-    "fault": "healthy, outer_ring, inner_ring, roller, cage, sensor or compound",
+    "fault": f"one of {', '.join(FAULT_CLASSES)}",
     "width": "width of the largest defect [m]; null without one",
     "depth": "depth of that defect [m]",
     "row": "row of that defect, 0 for all rows",

@@ -100,7 +100,7 @@ def formulation_comparisons(agreements: Mapping[str, Agreement]) -> Iterator[Com
         found = agreements[name]
         drift = float(found.history.drift.max())
         yield Comparison(
-            f"State by the paper's formulation (111 coordinates, multipliers), {name}, {duration * 1e3:g} ms",
+            f"Motion by the paper's formulation (111 coordinates, multipliers), {name}, {duration * 1e3:g} ms",
             "revolute",
             "Eqs. 31-40",
             f"acceleration {found.acceleration:.1e}, normal forces {found.normal:.1e}, constraint drift {drift:.0e} m",

@@ -112,7 +112,8 @@ def _zone(run: Run) -> Comparison:
 def _cone_excess(run: Run) -> float:
     """Return the largest ratio of the friction force to its limit mu_s F_n [-]."""
     closed = run.inner_force > 1.0
-    return float((np.abs(run.friction[closed]) / run.inner_force[closed]).max()) / run.configuration.friction.static_coefficient
+    static: float = run.configuration.friction.static_coefficient
+    return float((np.abs(run.friction[closed]) / run.inner_force[closed]).max()) / static
 
 
 def _cold_friction(run: Run) -> Comparison:

@@ -10,7 +10,7 @@ import numpy as np
 import rerun as rr
 
 from dcrb_ros.runtime.arrays import Floats
-from dcrb_ros.simulation.block import Truth
+from dcrb_ros.stream.block import Truth
 from dcrb_ros.viewer import columns, palette
 from dcrb_ros.viewer.content import Content, Motion, Times
 from dcrb_ros.viewer.drawing import Drawing, arc, circle, on_circle, quaternions, rounded_up
@@ -134,7 +134,7 @@ def log_bars(drawing: Drawing, path: str, time_ns: Times, azimuth: Floats, force
 
 
 def log_faults(drawing: Drawing, row: int, truths: Sequence[Truth], start_ns: int, shown: RowFaults | None = None) -> RowFaults:
-    """Log the faults of a row from when the ground truth has them; return the last ones. ``shown`` are there already."""
+    """Log the faults of a row whenever the ground truth changes them; return the last ones. ``shown`` are already drawn."""
     if shown is None:
         shown = RowFaults()
         log_row_faults(drawing, row, start_ns, shown)

@@ -114,8 +114,8 @@ def test_the_housing_carries_the_load(joint: str) -> None:
 @given(force=st.floats(1.0, 1e5))
 def test_energy_is_the_integral_of_the_force(law: str, force: float) -> None:
     payload = build_payload(Configuration.model_validate({"contact": {"law": law}}))
-    depth = penetration_under(payload, np.array([0.999, 1.0, 1.001]) * force, payload.inner_scale)
-    energy = stored_energy(payload, depth, payload.inner_scale)
+    depth = penetration_under(payload, np.array([0.999, 1.0, 1.001]) * force, payload.inner)
+    energy = stored_energy(payload, depth, payload.inner)
     assert (energy[2] - energy[0]) / (depth[2] - depth[0]) == pytest.approx(force, rel=1e-4)
 
 

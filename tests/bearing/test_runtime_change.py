@@ -11,9 +11,9 @@ import pytest
 from dcrb_ros.bearing.runtime_change import altered
 from dcrb_ros.runtime.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
-from dcrb_ros.simulation.block import Block, Truth
-from dcrb_ros.simulation.events import ParameterChange
 from dcrb_ros.simulation.loop import Simulation
+from dcrb_ros.stream.block import Block, Truth
+from dcrb_ros.stream.events import ParameterChange
 
 LEAD = 0.001
 """Upper limit of the time by which the model is ahead of the samples [s]."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import pickle
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -26,11 +27,11 @@ def test_the_other_process_ends_with_the_one_that_started_it(tmp_path: Path) -> 
     environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path)}
     with subprocess.Popen([sys.executable, "-m", compilation.MODULE], stdin=subprocess.PIPE, env=environment) as other:
         other.communicate(pickle.dumps(wanted), PATIENCE)  # and closes the pipe, as the end of a process does
-    assert other.returncode == 1
+    assert other.returncode == compilation.ORPHANED  # 1 if it had failed
     assert not list(tmp_path.rglob("*linearize_raceways-*.nbc"))  # it had ten seconds to go
 
 
-def test_nothing_is_started_where_the_loop_lies_compiled(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_nothing_is_started_where_the_loop_lies_compiled(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     configuration = Configuration()
     payload = build_payload(configuration)
 
@@ -38,15 +39,41 @@ def test_nothing_is_started_where_the_loop_lies_compiled(monkeypatch: pytest.Mon
         raise AssertionError("a process was started")
 
     monkeypatch.setattr(compilation.subprocess, "Popen", start)
-    monkeypatch.setattr(compilation, "compiled", lambda: True)
-    compilation.compile_ahead(payload, initial_state(configuration, payload), workspace(payload))
+    arguments = payload, initial_state(configuration, payload), workspace(payload)
+    monkeypatch.setattr(compilation, "CACHE", tmp_path)
+    compilation._marker(tuple(numba.typeof(part) for part in arguments)).touch()
+    compilation.compile_ahead(*arguments)
 
 
-def test_without_a_second_process_the_kernels_are_compiled_here(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_a_second_process_the_kernels_are_compiled_here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     configuration, found = Configuration(), []
     payload = build_payload(configuration)
-    monkeypatch.setattr(compilation, "compiled", lambda: False)
+    monkeypatch.setattr(compilation, "CACHE", tmp_path / "kernels")
+    (tmp_path / "kernels").mkdir()
     monkeypatch.setattr(compilation, "MODULE", "dcrb_ros.no_such_module")
     monkeypatch.setattr(compilation, "compile_pieces", lambda pieces, arguments: found.append(pieces))
     compilation.compile_ahead(payload, initial_state(configuration, payload), workspace(payload))
-    assert found in ([compilation.HERE], [])  # none where its pipe broke at once: then all is compiled when it is needed
+    assert found == [compilation.HERE]
+
+
+def cache_of(package: Path, chosen: Path) -> list[Path]:
+    """Return the folders of the compile cache, ours and numba's, of a package run with NUMBA_CACHE_DIR ``chosen``."""
+    code = "import numba\nfrom dcrb_ros.core import CACHE\nprint(CACHE, numba.config.CACHE_DIR)"
+    environment = {**os.environ, "PYTHONPATH": str(package), "NUMBA_CACHE_DIR": str(chosen)}
+    done = subprocess.run([sys.executable, "-c", code], cwd=package, env=environment, capture_output=True, text=True, timeout=PATIENCE)
+    assert done.returncode == 0, done.stderr
+    return [Path(folder) for folder in done.stdout.split()]
+
+
+def test_an_upgrade_runs_no_old_kernels_from_a_folder_of_the_users(tmp_path: Path) -> None:
+    package, chosen = tmp_path / "package", tmp_path / "cache"
+    shutil.copytree(Path(__file__).parents[2] / "dcrb_ros" / "core", package / "dcrb_ros" / "core")
+    (package / "dcrb_ros" / "__init__.py").touch()
+    before = cache_of(package, chosen)
+    assert cache_of(package, chosen) == before
+    assert {folder.parent for folder in before} == {chosen}
+    law = package / "dcrb_ros" / "core" / "laws" / "johnson.py"
+    law.write_text(law.read_text() + "\n# another version\n")
+    after = cache_of(package, chosen)
+    assert {folder.parent for folder in after} == {chosen}
+    assert not set(after) & set(before)

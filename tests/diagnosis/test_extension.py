@@ -15,13 +15,13 @@ sys.path.insert(0, {str(ROOT / "tests" / "support")!r})
 import numpy as np
 from dcrb_ros.diagnosis.detector import FaultDetector
 from dcrb_ros.diagnosis.parameters import DetectorParameters
-from synthetic_bearing import ORDERS, RATE, bursts, stream, watch
+from synthetic_bearing import ORDERS, RATE, bursts, synthetic, diagnoses
 
 def diagnosis(amplitude, **parameters):
-    acceleration, angle = stream()
+    acceleration, angle = synthetic()
     turns = 20.0 * np.arange(len(angle)) / RATE
     acceleration += bursts(turns, 1.0 - ORDERS.ftf, amplitude)[:, None].astype(np.float32)
-    found = watch(FaultDetector(ORDERS, RATE, DetectorParameters(**parameters)), (acceleration, angle))[-1]
+    found = diagnoses(FaultDetector(ORDERS, RATE, DetectorParameters(**parameters)), (acceleration, angle))[-1]
     return found.verdict, found.reason, found.scores["cage"]
 
 print(json.dumps({{

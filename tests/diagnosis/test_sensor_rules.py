@@ -1,4 +1,4 @@
-"""Faults of the sensor, made on arrays: they are called the sensor's, and the bearing's strikes are not."""
+"""Rules for the sensor: faults of the sensor are found, and impacts of a defect are not mistaken for them."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 import pytest
-from synthetic_bearing import ORDERS, RATE, stream, watch
+from synthetic_bearing import ORDERS, RATE, diagnoses, synthetic
 
 from dcrb_ros.diagnosis.detector import Diagnosis, FaultDetector
 from dcrb_ros.diagnosis.parameters import DetectorParameters
@@ -22,11 +22,11 @@ RANGE = 5000.0
 RANDOM = np.random.default_rng(5)
 
 
-def judged(change: Callable[[Samples], Samples], *, seconds: float = 4.0, sensor_range: float = RANGE, **struck: Any) -> list[Diagnosis]:
+def judged(change: Callable[[Samples], Samples], *, seconds: float = 4.0, sensor_range: float = RANGE, **impacts: Any) -> list[Diagnosis]:
     """Return the diagnoses of a synthetic bearing whose samples are changed from the onset on."""
-    acceleration, angle = stream(seconds=seconds, **struck)
+    acceleration, angle = synthetic(seconds=seconds, **impacts)
     acceleration[ONSET:] = change(acceleration[ONSET:].copy())
-    return watch(FaultDetector(ORDERS, RATE, sensor_range=sensor_range), (acceleration, angle))
+    return diagnoses(FaultDetector(ORDERS, RATE, sensor_range=sensor_range), (acceleration, angle))
 
 
 def noise(samples: Samples, level: float) -> Samples:
@@ -51,7 +51,7 @@ def saturated(samples: Samples) -> Samples:
     return np.clip(samples, -2.5, 2.5)
 
 
-def senseless(samples: Samples) -> Samples:
+def not_finite(samples: Samples) -> Samples:
     samples[::30] = np.nan
     return samples
 
@@ -68,17 +68,17 @@ def spiking(samples: Samples) -> Samples:
     [
         (dead, "is noise"),
         (constant, "does not change"),
-        (stuck, "sticks"),
-        (saturated, "saturates"),
-        (senseless, "no finite numbers"),
+        (stuck, "is stuck"),
+        (saturated, "is saturated"),
+        (not_finite, "not finite numbers"),
         (spiking, "cable"),
     ],
     ids=lambda value: value if isinstance(value, str) else value.__name__,
 )
-@pytest.mark.parametrize("struck", [{}, {"outer": 600.0}], ids=["healthy", "faulty"])
-def test_sensor_fault_is_called_so_within_two_hops(change: Callable[[Samples], Samples], word: str, struck: dict[str, float]) -> None:
-    found = judged(change, **struck)
-    verdict = "outer_ring" if struck else "healthy"
+@pytest.mark.parametrize("impacts", [{}, {"outer": 600.0}], ids=["healthy", "faulty"])
+def test_a_sensor_fault_is_found_within_two_hops(change: Callable[[Samples], Samples], word: str, impacts: dict[str, float]) -> None:
+    found = judged(change, **impacts)
+    verdict = "outer_ring" if impacts else "healthy"
     verdicts = [diagnosis.verdict for diagnosis in found]
     assert verdicts[:5] == ["waiting"] * 4 + [verdict]
     assert verdicts[5] in ("sensor", verdict)  # its margin may still hold good samples
@@ -104,34 +104,39 @@ def loose(samples: Samples) -> Samples:
 
 
 @pytest.mark.parametrize(
-    ("change", "word", "seconds"), [(drifting, "gain drifts", 6.0), (fallen, "gain drifts", 9.0), (loose, "mounting is loose", 6.0)]
+    ("change", "word", "seconds"),
+    [
+        (drifting, "gain of the sensor drifts", 6.0),
+        (fallen, "gain of the sensor drifts", 9.0),
+        (loose, "mount of the sensor is loose", 6.0),
+    ],
 )
-def test_slow_sensor_faults_are_called_so(change: Callable[[Samples], Samples], word: str, seconds: float) -> None:
+def test_a_slow_sensor_fault_is_found(change: Callable[[Samples], Samples], word: str, seconds: float) -> None:
     found = judged(change, seconds=seconds, outer=600.0)
     assert found[-1].verdict == "sensor"
     assert word in found[-1].reason
 
 
-def test_sensor_that_recovers_is_forgiven_when_its_samples_have_left() -> None:
-    acceleration, angle = stream(outer=600.0, seconds=4.0)
+def test_a_sensor_fault_ends_when_its_samples_have_left_the_window() -> None:
+    acceleration, angle = synthetic(outer=600.0, seconds=4.0)
     acceleration[1000:2000] = math.nan
     detector = FaultDetector(ORDERS, RATE, DetectorParameters(window=1.0, least_window=1.0))
-    assert [diagnosis.verdict for diagnosis in watch(detector, (acceleration, angle))][:3] == ["sensor"] * 2 + ["waiting"]
-    assert watch(detector, (acceleration[RATE:], angle[RATE:]), first=len(angle))[-1].verdict == "outer_ring"
+    assert [diagnosis.verdict for diagnosis in diagnoses(detector, (acceleration, angle))][:3] == ["sensor"] * 2 + ["waiting"]
+    assert diagnoses(detector, (acceleration[RATE:], angle[RATE:]), first=len(angle))[-1].verdict == "outer_ring"
 
 
-@pytest.mark.parametrize("struck", [{"outer": 3000.0}, {"inner": 6000.0}, {"roller": 6000.0}])
-def test_strikes_beyond_the_range_are_counted_and_still_named(struck: dict[str, float]) -> None:
-    name = next(iter(struck))
-    acceleration, angle = stream(**struck)
+@pytest.mark.parametrize("impacts", [{"outer": 3000.0}, {"inner": 6000.0}, {"roller": 6000.0}])
+def test_clipped_impacts_are_counted_and_still_diagnosed(impacts: dict[str, float]) -> None:
+    name = next(iter(impacts))
+    acceleration, angle = synthetic(**impacts)
     clipped = np.clip(acceleration, -490.0, 490.0)
-    final = watch(FaultDetector(ORDERS, RATE, sensor_range=490.0), (clipped, angle))[-1]
+    final = diagnoses(FaultDetector(ORDERS, RATE, sensor_range=490.0), (clipped, angle))[-1]
     assert final.verdict == {"outer": "outer_ring", "inner": "inner_ring"}.get(name, name)
     assert final.clipped > 0
-    assert "at the end of the range" in "; ".join(final.remarks)
+    assert "clipped samples" in "; ".join(final.remarks)
 
 
-def test_spike_is_told_from_a_blow_that_rings() -> None:
+def test_a_spike_is_distinguished_from_an_impact_that_rings() -> None:
     time = np.arange(400) / RATE
     quiet = RANDOM.normal(size=4000)
     spike, blow = quiet.copy(), quiet.copy()
@@ -140,30 +145,30 @@ def test_spike_is_told_from_a_blow_that_rings() -> None:
     assert [count_spikes(column, 51, DetectorParameters()) for column in (quiet, spike, blow)] == [0, 1, 0]
 
 
-def test_coarse_converter_is_no_saturation() -> None:
+def test_a_coarse_adc_is_not_saturated() -> None:
     found = judged(lambda samples: np.asarray(np.round(samples), np.float32))
     assert found[-1].verdict == "healthy"
 
 
 @pytest.mark.parametrize("silence", [dead, constant])
-def test_standing_bearing_is_silent_with_a_sound_sensor(silence: Callable[[Samples], Samples]) -> None:
-    acceleration, angle = stream(seconds=5.0)
+def test_silence_of_a_standing_bearing_is_not_a_sensor_fault(silence: Callable[[Samples], Samples]) -> None:
+    acceleration, angle = synthetic(seconds=5.0)
     acceleration[ONSET:], angle[ONSET:] = silence(acceleration[ONSET:]), angle[ONSET]
-    diagnoses = watch(FaultDetector(ORDERS, RATE, sensor_range=RANGE), (acceleration, angle))
-    assert {diagnosis.verdict for diagnosis in diagnoses} <= {"waiting", "healthy"}
+    found = diagnoses(FaultDetector(ORDERS, RATE, sensor_range=RANGE), (acceleration, angle))
+    assert {diagnosis.verdict for diagnosis in found} <= {"waiting", "healthy"}
 
 
 @pytest.mark.parametrize("frequency", [4.0, 5.5])
 @pytest.mark.parametrize("silence", [dead, constant])
-def test_slow_bearing_with_a_dead_sensor_is_not_judged(silence: Callable[[Samples], Samples], frequency: float) -> None:
-    acceleration, angle = stream(seconds=6.0, frequency=frequency)
-    diagnoses = watch(FaultDetector(ORDERS, RATE, sensor_range=RANGE), (silence(acceleration), angle))
-    assert {diagnosis.verdict for diagnosis in diagnoses} <= {"waiting", "sensor"}
+def test_a_slow_bearing_with_a_dead_sensor_gets_no_verdict(silence: Callable[[Samples], Samples], frequency: float) -> None:
+    acceleration, angle = synthetic(seconds=6.0, frequency=frequency)
+    found = diagnoses(FaultDetector(ORDERS, RATE, sensor_range=RANGE), (silence(acceleration), angle))
+    assert {diagnosis.verdict for diagnosis in found} <= {"waiting", "sensor"}
 
 
 @pytest.mark.parametrize(("share", "verdict"), [(0.0, "sensor"), (0.2, "sensor"), (0.4, "outer_ring")])
-def test_a_gain_moves_all_bands_alike_and_a_load_does_not(share: float, verdict: str) -> None:
-    """The healthy hours' load step at 1800 rpm moved all bands by 3.2 to 4.7 dB, a gain moves them by 0.2 of its fall at most."""
+def test_a_gain_changes_all_bands_alike_and_a_load_does_not(share: float, verdict: str) -> None:
+    """A load step at 1800 rpm changed the bands by 3.2 to 4.7 dB; a drifting gain changes them alike within 0.2 of the decrease."""
     from scipy.signal import butter, sosfilt
 
     fall = 10.0 ** (-4.0 * np.array([1.0 - 0.5 * share, 1.0 + 0.5 * share]) / 20.0)
@@ -175,12 +180,12 @@ def test_a_gain_moves_all_bands_alike_and_a_load_does_not(share: float, verdict:
     assert judged(change, seconds=7.0, outer=600.0)[-1].verdict == verdict
 
 
-def test_change_of_load_is_no_drift() -> None:
+def test_a_change_of_load_is_not_a_drift() -> None:
     assert "sensor" not in {diagnosis.verdict for diagnosis in judged(_unevenly, seconds=6.0)}
 
 
 def _unevenly(samples: Samples) -> Samples:
-    """Return samples whose lower bands fall by half and whose upper ones stay, as a heavier load has it."""
+    """Return samples whose lower bands decrease to 0.4 and whose upper bands stay, like those of a heavier load."""
     from scipy.signal import butter, sosfilt
 
     high = sosfilt(butter(4, 6000.0, "highpass", fs=RATE, output="sos"), samples, axis=0)

@@ -26,12 +26,12 @@ from dcrb_ros.exam.criteria import Criteria
 from dcrb_ros.exam.exam_file import Exam, exam_of, read_exam, shipped_exams
 from dcrb_ros.exam.expectation import Expectation
 from dcrb_ros.exam.figure import write_figure
-from dcrb_ros.exam.received_diagnosis import ReceivedDiagnosis, decode_diagnosis, evidence
 from dcrb_ros.exam.recorded_case import read_recorded_case
 from dcrb_ros.exam.recording_cache import cache_path, cached_recording
 from dcrb_ros.exam.report import Report
 from dcrb_ros.exam.scoring import NO_ANSWER, ScenarioResult, score_scenario
 from dcrb_ros.exam.statistics import characteristic, rate, share
+from dcrb_ros.messages.received_diagnosis import ReceivedDiagnosis, decode_diagnosis, evidence
 from dcrb_ros.messages.statuses import Status, encode_diagnostics, encode_truth
 from dcrb_ros.messages.topics import DIAGNOSIS, GROUND_TRUTH, Message
 from dcrb_ros.messages.topics.diagnosis import encode_diagnosis
@@ -39,7 +39,7 @@ from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.recordings.recorder import Recorder
 from dcrb_ros.runtime.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
-from dcrb_ros.simulation.block import Truth
+from dcrb_ros.stream.block import Truth
 
 SPALL = Expectation("outer", "outer_ring", 10.0, 4.0, {"width": 0.002}, twin="twin")
 HEALTHY = Expectation("twin", "healthy", 10.0)
@@ -557,12 +557,18 @@ def test_special_characters_in_names_and_messages_do_not_break_the_outputs(tmp_p
     results = score_scenario(replace(SPALL, name=name), [], Criteria(), failure=words), *GOOD
     found = Report("an exam (only [ab]*) $x^$ \x01", "bash -c '[/x] $a^$'", Criteria(), "0" * 64, results)
     _output(found, as_json=False, junit=tmp_path / "junit.xml", figure=None)
-    told = capsys.readouterr().out
-    assert all(part in told for part in ("[my_detector-1]", "[/usr/lib/libfoo.so]", "(only [ab]*)", "[/x]"))
+    printed = capsys.readouterr().out
+    assert all(part in printed for part in ("[my_detector-1]", "[/usr/lib/libfoo.so]", "(only [ab]*)", "[/x]"))
     suites = {suite.name: suite for suite in JUnitXml.fromfile(str(tmp_path / "junit.xml"))}
     assert next(case.name for case in suites["an exam (only [ab]*) $x^$ ?: scenarios"]) == "outer [my_detector-1] ?"
     write_figure(replace(found, exam="$x^$"), tmp_path / "figure.png")
     assert (tmp_path / "figure.png").is_file()
+
+
+def test_units_in_table_heads_are_printed(capsys: pytest.CaptureFixture[str]) -> None:
+    _output(report(*GOOD), as_json=False, junit=None, figure=None)
+    printed = capsys.readouterr().out
+    assert all(head in printed for head in ("median delay [s]", "limit [s]", "width [mm]"))
 
 
 def test_results_are_printed_before_files_are_written(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -576,8 +582,8 @@ def test_names_in_brackets_are_printed_literally(tmp_path: Path, capsys: pytest.
     file = tmp_path / "tiny.yaml"
     file.write_text(yaml.safe_dump({**TINY, "about": "[/x]", "scenarios": [{**SPALLED, "name": "outer [a]"}]}), encoding="utf-8")
     assert dcrb("score", str(file), "--list") == 0
-    told = capsys.readouterr().out
-    assert all(part in told for part in ("outer [a]", "[/x]"))
+    printed = capsys.readouterr().out
+    assert all(part in printed for part in ("outer [a]", "[/x]"))
     with _progress("evaluated", 1) as done:
         done("outer [/a]")
     assert "outer [/a]" in capsys.readouterr().err

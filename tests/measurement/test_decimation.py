@@ -18,7 +18,7 @@ def tone(frequency: float, rate: float, count: int, offset: float) -> npt.NDArra
 
 
 @pytest.mark.parametrize(("factor", "between"), [(2, True), (4, True), (8, True), (256, False)])
-def test_passes_its_band_on_time(factor: int, between: bool) -> None:
+def test_the_pass_band_is_unchanged_and_not_delayed(factor: int, between: bool) -> None:
     decimator = Decimator(factor, between=between)
     out_rate = 51200.0
     for share in (0.01, 0.2, 0.39):
@@ -30,16 +30,16 @@ def test_passes_its_band_on_time(factor: int, between: bool) -> None:
 
 
 @pytest.mark.parametrize("factor", [2, 4, 256])
-def test_stops_what_would_fold_into_the_band(factor: int) -> None:
+def test_frequencies_that_alias_into_the_band_are_stopped(factor: int) -> None:
     out_rate = 51200.0
-    for share in (0.601, 0.75, 0.93):  # of the output rate: folds to 0.399 and below
+    for share in (0.601, 0.75, 0.93):  # of the output rate: aliases to 0.399 and below
         inputs = tone(share * out_rate, factor * out_rate, 400 * factor, 0.0)
         outputs = Decimator(factor, between=True).process(inputs)
         assert 20.0 * np.log10(np.abs(outputs[150:]).max()) < -80.0
 
 
 @given(st.lists(st.integers(1, 300), min_size=1, max_size=12), st.sampled_from([2, 5, 16]))
-def test_same_bits_for_any_split(cuts: list[int], factor: int) -> None:
+def test_the_result_does_not_depend_on_the_split(cuts: list[int], factor: int) -> None:
     samples = np.random.default_rng(1).standard_normal((sum(cuts), 2))
     decimator, start, parts = Decimator(factor), 0, []
     for cut in cuts:

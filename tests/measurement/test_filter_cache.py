@@ -1,4 +1,4 @@
-"""Filters that are read back where they were designed before."""
+"""The cache of filter designs."""
 
 from __future__ import annotations
 
@@ -27,17 +27,17 @@ def design(made: list[float]) -> Callable[..., Floats]:
     return thirds
 
 
-def test_reads_the_same_bits_back(made: list[float]) -> None:
+def test_a_cached_design_has_the_same_bits(made: list[float]) -> None:
     thirds = design(made)
     first, second = thirds(0.1), thirds(0.1)
     assert made == [0.1]
     assert first.tobytes() == second.tobytes()
     assert first.shape == second.shape
-    second[0, 0] = 7.0  # what a caller does to it stays with that caller
+    second[0, 0] = 7.0  # a change by one caller does not affect another
     assert thirds(0.1)[0, 0] == first[0, 0]
 
 
-def test_every_argument_counts_to_its_last_bit(made: list[float]) -> None:
+def test_designs_differ_in_the_last_bit_of_an_argument(made: list[float]) -> None:
     thirds = design(made)
     for factor in (0.1, np.nextafter(0.1, 1.0)):
         for last in (1.0, np.nextafter(1.0, 2.0)):
@@ -46,7 +46,7 @@ def test_every_argument_counts_to_its_last_bit(made: list[float]) -> None:
     assert len(made) == 4
 
 
-def test_another_scipy_or_source_designs_anew(made: list[float], monkeypatch: pytest.MonkeyPatch) -> None:
+def test_another_version_is_designed_again(made: list[float], monkeypatch: pytest.MonkeyPatch) -> None:
     thirds = design(made)
     thirds(0.1)
     monkeypatch.setattr(filter_cache, "_versions", lambda: b"another")
@@ -55,7 +55,7 @@ def test_another_scipy_or_source_designs_anew(made: list[float], monkeypatch: py
 
 
 @pytest.mark.parametrize("harm", [lambda held: held[:-5], lambda held: held[:9], lambda held: b"", lambda held: b"PK" + held])
-def test_a_broken_file_is_designed_anew(made: list[float], harm: Callable[[bytes], bytes]) -> None:
+def test_a_damaged_file_is_designed_again(made: list[float], harm: Callable[[bytes], bytes]) -> None:
     thirds = design(made)
     whole = thirds(0.1)
     (path,) = filter_cache.folder().iterdir()
@@ -66,7 +66,7 @@ def test_a_broken_file_is_designed_anew(made: list[float], harm: Callable[[bytes
     assert len(made) == 2
 
 
-def test_works_where_nothing_can_be_written(made: list[float]) -> None:
+def test_a_read_only_cache_is_ignored(made: list[float]) -> None:
     filter_cache.folder().parent.joinpath("filters").write_text("a file where the folder should be")
     thirds = design(made)
     assert thirds(0.3).tolist() == thirds(0.3).tolist()

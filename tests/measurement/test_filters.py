@@ -17,7 +17,7 @@ RATE = 102400.0
 
 
 def gain(filter_sections: npt.NDArray[np.float64], frequency: float) -> float:
-    """Return the amplitude that a tone of amplitude 1 has after a filter, once settled, by its quadrature components."""
+    """Return the gain of a filter at a frequency [Hz], from the settled response to a tone."""
     count = round(RATE)
     phase = 2.0 * np.pi * frequency * np.arange(count) / RATE
     out = Filter(filter_sections, columns=1).process(np.sin(phase)[:, None])[:, 0]
@@ -26,7 +26,7 @@ def gain(filter_sections: npt.NDArray[np.float64], frequency: float) -> float:
 
 
 @pytest.mark.parametrize(("frequency", "damping"), [(800.0, 0.1), (5000.0, 0.02), (25000.0, 0.03)])
-def test_a_resonance_has_its_peak_and_rests_at_one(frequency: float, damping: float) -> None:
+def test_a_resonance_has_its_peak_and_static_gain_one(frequency: float, damping: float) -> None:
     found = resonance(frequency, damping, RATE)
     assert gain(found, frequency) == pytest.approx(0.5 / damping, rel=1e-6)
     assert gain(found, 10.0) == pytest.approx(1.0, rel=3e-4)
@@ -34,13 +34,13 @@ def test_a_resonance_has_its_peak_and_rests_at_one(frequency: float, damping: fl
     assert gain(transmissibility(frequency, damping, RATE), frequency) == pytest.approx(peak, rel=1e-6)
 
 
-def test_passes_have_their_corner_at_three_decibels() -> None:
+def test_low_pass_and_high_pass_attenuate_three_decibels_at_their_corner() -> None:
     assert 20.0 * math.log10(gain(low_pass(11000.0, RATE), 11000.0)) == pytest.approx(-3.01, abs=0.01)
     assert 20.0 * math.log10(gain(high_pass(100.0, RATE), 100.0)) == pytest.approx(-3.01, abs=0.01)
     assert 20.0 * math.log10(gain(high_pass(100.0, RATE), 10.0)) == pytest.approx(-20.04, abs=0.01)
 
 
-def test_modes_in_a_row_are_the_sum_of_modes_side_by_side() -> None:
+def test_sections_in_series_equal_the_modes_in_parallel() -> None:
     structure = Structure(modes=24, coupling=0.7)
     found = modes(structure)
     frequencies = np.geomspace(1.0, 0.49 * RATE, 3000)
@@ -51,7 +51,7 @@ def test_modes_in_a_row_are_the_sum_of_modes_side_by_side() -> None:
     assert np.abs(signal.sos2zpk(together)[1]).max() < 1.0
 
 
-def test_drawn_modes_are_those_of_an_axle_box() -> None:
+def test_random_modes_are_within_the_range_of_an_axle_box() -> None:
     found = modes(Structure(modes=8, seed=3))
     assert found == modes(Structure(modes=8, seed=3))
     assert found != modes(Structure(modes=8, seed=4))
@@ -61,7 +61,7 @@ def test_drawn_modes_are_those_of_an_axle_box() -> None:
     assert [(mode.frequency, mode.damping) for mode in given] == [(900.0, 0.03), (2300.0, 0.01)]
 
 
-def test_a_blow_rings_at_the_mode_and_dies_with_its_damping() -> None:
+def test_an_impulse_decays_with_the_damping_of_the_mode() -> None:
     frequency, damping = 2000.0, 0.02
     bank = side_by_side([transmissibility(frequency, damping, RATE)], [1.0], 0.0)
     blow = np.zeros((4096, 1))
@@ -71,18 +71,18 @@ def test_a_blow_rings_at_the_mode_and_dies_with_its_damping() -> None:
     assert slope == pytest.approx(-damping * 2.0 * np.pi * frequency, rel=0.01)
 
 
-def test_pink_noise_falls_with_the_root_of_the_frequency() -> None:
+def test_the_density_of_pink_noise_falls_with_the_root_of_the_frequency() -> None:
     frequencies = np.geomspace(0.2, 10000.0, 200)
     density = np.abs(signal.sosfreqz(pink(51200.0), frequencies, fs=51200.0)[1]) * math.sqrt(2.0 / 51200.0)
     assert np.abs(20.0 * np.log10(density * np.sqrt(frequencies))).max() < 0.3
 
 
-def test_band_of_noise_keeps_the_rms() -> None:
+def test_band_limited_noise_has_rms_one() -> None:
     noise = np.random.default_rng(2).standard_normal((1 << 19, 1))
     out = Filter(band_of_noise(20.0, 1500.0, RATE), columns=1).process(noise)
     assert out.std() == pytest.approx(1.0, rel=0.03)
 
 
-def test_the_compiled_filter_is_that_of_scipy() -> None:
+def test_the_compiled_filter_equals_that_of_scipy() -> None:
     samples, cascade = np.random.default_rng(3).standard_normal((5000, 2)), pink(51200.0)
     assert Filter(cascade).process(samples) == pytest.approx(signal.sosfilt(cascade, samples, axis=0), rel=1e-9, abs=1e-12)

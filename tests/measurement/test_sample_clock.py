@@ -1,4 +1,4 @@
-"""The converter's clock: tones sampled off their times, exactly where the clock says."""
+"""The sample clock of the ADC: tones sampled off their nominal times."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def tone(frequency: float, ticks: npt.NDArray[np.float64]) -> npt.NDArray[np.flo
 
 @pytest.mark.parametrize("offset", [1000.0, -1000.0, 35.0])
 @pytest.mark.parametrize("frequency", [100.0, 5000.0, 20000.0])
-def test_an_offset_takes_samples_late_or_early(offset: float, frequency: float) -> None:
+def test_an_offset_moves_the_samples_by_the_right_time(offset: float, frequency: float) -> None:
     ticks = np.arange(20000.0)
     taken, turned = clock(offset).process(tone(frequency, ticks), 0.002 * ticks)
     due = np.arange(len(taken)) * (1.0 + offset * 1e-6)
@@ -34,7 +34,7 @@ def test_an_offset_takes_samples_late_or_early(offset: float, frequency: float) 
     assert turned[50:] == pytest.approx(0.002 * due[50:], abs=1e-9)
 
 
-def test_jitter_makes_noise_by_the_slope_of_the_signal() -> None:
+def test_jitter_adds_noise_in_proportion_to_the_slope() -> None:
     frequency, jitter = 8000.0, 2e-7
     ticks = np.arange(60000.0)
     taken, _ = clock(jitter=jitter).process(tone(frequency, ticks), ticks)
@@ -43,7 +43,7 @@ def test_jitter_makes_noise_by_the_slope_of_the_signal() -> None:
 
 
 @given(st.lists(st.integers(0, 400), min_size=1, max_size=10), st.sampled_from([0.0, 900.0, -900.0]), st.sampled_from([0.0, 1e-6]))
-def test_same_bits_for_any_split(cuts: list[int], offset: float, jitter: float) -> None:
+def test_the_result_does_not_depend_on_the_split(cuts: list[int], offset: float, jitter: float) -> None:
     samples = np.random.default_rng(1).standard_normal((sum(cuts), 2))
     angle, parts, start, cut_up = np.arange(float(len(samples))), [], 0, clock(offset, jitter)
     for cut in cuts:
@@ -53,7 +53,7 @@ def test_same_bits_for_any_split(cuts: list[int], offset: float, jitter: float) 
 
 
 @pytest.mark.parametrize("offset", [1000.0, -1000.0])
-def test_what_is_needed_is_enough(offset: float) -> None:
+def test_the_needed_ticks_are_sufficient(offset: float) -> None:
     for count in (1, 5, 1024, 5000):
         needed = clock(offset, 1e-6).needed(count)
         taken, _ = clock(offset, 1e-6).process(np.zeros((needed, 2)), np.zeros(needed))

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from chain import EVERYTHING, amplitude, chain, changed, measured, still, tone
+from chain import EVERYTHING, amplitude, at_rest, chain, changed, measured, tone
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import signal
@@ -25,17 +25,17 @@ STEPS = {12800: 1.0 / 102400, 25600: 1.0 / 102400, 51200: 1.0 / 102400, 102400: 
 
 
 @pytest.mark.parametrize("rate", STEPS)
-def test_nothing_folds_into_the_band_at_any_rate(rate: int) -> None:
+def test_no_alias_reaches_the_band_at_any_rate(rate: int) -> None:
     c = load_configuration("healthy", [f"sensor.sampling_rate={rate}", f"simulation.step={STEPS[rate]!r}", "sensor.preset=ideal"])
     passed = measured(c, tone(c, 0.39 * rate, 0.05)).measured[200:]
     assert passed.std() == pytest.approx(np.sqrt(0.5), rel=1e-3)
-    for share in (0.601, 0.7, 0.85, 0.99):  # folds to 0.399 .. 0.01 of the rate
+    for share in (0.601, 0.7, 0.85, 0.99):  # aliases to 0.399 .. 0.01 of the rate
         folded = measured(c, tone(c, share * rate, 0.05)).measured[200:]
         assert 20.0 * np.log10(np.abs(folded).max()) < -80.0
 
 
 @pytest.mark.parametrize("rate", STEPS)
-def test_a_mode_sounds_the_same_at_every_rate(rate: int) -> None:
+def test_the_gain_of_a_mode_does_not_depend_on_the_rate(rate: int) -> None:
     c = chain(
         structure={"frequencies": "3000", "dampings": "0.03", "coupling": 1.0},
         sensor={"sampling_rate": rate},
@@ -48,7 +48,7 @@ def test_a_mode_sounds_the_same_at_every_rate(rate: int) -> None:
 
 @settings(max_examples=25)
 @given(st.lists(st.integers(1, 900), min_size=1, max_size=8), st.integers(0, 300))
-def test_same_bits_for_any_split_with_every_stage_and_changes(cuts: list[int], at: int) -> None:
+def test_the_result_does_not_depend_on_the_split_with_every_stage_and_changes(cuts: list[int], at: int) -> None:
     c, count = Configuration.model_validate(EVERYTHING), sum(cuts)
     ring, angle = np.random.default_rng(7).normal(0.0, 30.0, (count, 2)), 125.0 * np.arange(count) / c.step_rate
     background = {"hum_level": 5.0, "track_level": 0.0}
@@ -67,7 +67,7 @@ def test_same_bits_for_any_split_with_every_stage_and_changes(cuts: list[int], a
         assert np.array_equal(getattr(whole, name), getattr(cut_up, name)), name
 
 
-def test_a_copy_goes_on_by_itself() -> None:
+def test_a_copy_continues_independently() -> None:
     c = Configuration.model_validate(EVERYTHING)
     sensor, ring, angle = Sensor(c.measurement), np.random.default_rng(7).normal(0.0, 30.0, (3000, 2)), 1e-3 * np.arange(3000)
     sensor.measure(ring[:1500], angle[:1500])
@@ -80,51 +80,51 @@ def test_a_copy_goes_on_by_itself() -> None:
 
 def test_switching_one_stage_on_changes_no_random_number_of_another() -> None:
     one = {"track_level": 3.0}
-    quiet, white = still(chain(background=one), 0.1), still(chain(background=one, sensor={"noise_density": 0.01}), 0.1)
-    noise = still(chain(sensor={"noise_density": 0.01}), 0.1)
+    quiet, white = at_rest(chain(background=one), 0.1), at_rest(chain(background=one, sensor={"noise_density": 0.01}), 0.1)
+    noise = at_rest(chain(sensor={"noise_density": 0.01}), 0.1)
     assert white.measured - quiet.measured == pytest.approx(noise.measured, abs=1e-12)
-    assert not np.array_equal(still(chain(background=one, simulation={"seed": 2}), 0.1).measured, quiet.measured)
+    assert not np.array_equal(at_rest(chain(background=one, simulation={"seed": 2}), 0.1).measured, quiet.measured)
 
 
-def test_white_noise_adds_up_in_power() -> None:
-    found = still(chain(sensor={"noise_density": 300.0 * MICRO_G, "white_noise_ug": 400.0}), 2.0).measured
+def test_white_noise_densities_add_in_power() -> None:
+    found = at_rest(chain(sensor={"noise_density": 300.0 * MICRO_G, "white_noise_ug": 400.0}), 2.0).measured
     assert found.std() == pytest.approx(500.0 * MICRO_G * np.sqrt(25600.0), rel=0.01)
 
 
 def test_pink_noise_has_its_density_at_one_hertz() -> None:
     c = chain(sensor={"pink_noise_ug": 100.0, "sampling_rate": 12800})
-    frequencies, power = signal.welch(still(c, 20.0).measured, c.sensor.sampling_rate, nperseg=12800, axis=0)
+    frequencies, power = signal.welch(at_rest(c, 20.0).measured, c.sensor.sampling_rate, nperseg=12800, axis=0)
     for low, high in ((5, 10), (10, 100), (100, 1000)):
         inside = (frequencies >= low) & (frequencies < high)
         density = np.sqrt(np.mean(power[inside] * frequencies[inside, None]))
         assert density == pytest.approx(100.0 * MICRO_G, rel=0.12)
 
 
-def test_cross_axis_bias_and_coupling() -> None:
+def test_cross_axis_bias_and_ac_coupling_have_their_values() -> None:
     c = chain(sensor={"cross_axis": 0.05})
     ring = tone(c, 1000.0, 0.1) * [1.0, 0.0]
     assert amplitude(measured(c, ring).measured[2560:, 1], 1000.0, 51200.0) == pytest.approx(0.05, rel=1e-3)
-    assert still(chain(sensor={"bias": 2.5}), 0.01).measured == pytest.approx(2.5)
-    coupled = still(chain(sensor={"bias": 2.5, "ac_coupling": 10.0}), 1.0).measured
+    assert at_rest(chain(sensor={"bias": 2.5}), 0.01).measured == pytest.approx(2.5)
+    coupled = at_rest(chain(sensor={"bias": 2.5, "ac_coupling": 10.0}), 1.0).measured
     assert abs(coupled[-1, 0]) < 1e-6
     assert coupled[round(51200 / (2.0 * np.pi * 10.0)), 0] == pytest.approx(2.5 / np.e, rel=0.01)  # after one time constant
 
 
-def test_the_bias_walks_at_random() -> None:
-    walks = [still(chain(sensor={"bias_drift": 0.5}, simulation={"seed": seed}), 0.25).measured[-1] for seed in range(60)]
+def test_the_bias_is_a_random_walk() -> None:
+    walks = [at_rest(chain(sensor={"bias_drift": 0.5}, simulation={"seed": seed}), 0.25).measured[-1] for seed in range(60)]
     assert np.std(walks) == pytest.approx(0.5 * np.sqrt(0.25), rel=0.25)
 
 
-def test_the_mount_and_the_bandwidth_shape_the_band() -> None:
+def test_mount_and_bandwidth_have_their_gain() -> None:
     c = chain(sensor={"mount_frequency": 25000.0, "mount_damping": 0.03})
     raised = amplitude(measured(c, tone(c, 10000.0, 0.1)).measured[2560:, 0], 10000.0, 51200.0)
-    ratio = np.tan(np.pi * 10000.0 / 102400.0) / np.tan(np.pi * 25000.0 / 102400.0)  # as the bilinear transform has it
+    ratio = np.tan(np.pi * 10000.0 / 102400.0) / np.tan(np.pi * 25000.0 / 102400.0)  # prewarped frequencies of the bilinear transform
     assert raised == pytest.approx(1.0 / abs(1.0 - ratio**2 + 0.06j * ratio), rel=1e-3)
     c = chain(sensor={"bandwidth": 11000.0})
     assert amplitude(measured(c, tone(c, 11000.0, 0.1)).measured[2560:, 0], 11000.0, 51200.0) == pytest.approx(0.7071, rel=1e-3)
 
 
-def test_presets_fill_in_and_what_is_given_wins() -> None:
+def test_a_preset_supplies_only_values_that_are_not_given() -> None:
     for name, typical in PRESETS.items():
         sensor = load_configuration("healthy", [f"sensor.preset={name}"]).sensor.model_dump()
         assert {key: sensor[key] for key in typical} == dict(typical)
@@ -134,7 +134,7 @@ def test_presets_fill_in_and_what_is_given_wins() -> None:
     assert all(set(typical) <= known for typical in PRESETS.values())
 
 
-def test_an_ideal_sensor_measures_the_ring() -> None:
+def test_an_ideal_sensor_measures_the_acceleration_of_the_ring() -> None:
     c = chain(sensor={"preset": "ideal"})
     found = measured(c, np.random.default_rng(1).normal(0.0, 300.0, (4096, 2)))
     assert np.array_equal(found.measured, found.clean)
@@ -151,25 +151,25 @@ def test_an_ideal_sensor_measures_the_ring() -> None:
         ("sensor.bandwidth=1.0", r"below 10 Hz: give 0\.0 for no low-pass"),
         ("sensor.clock_jitter=5.0", r"give seconds, 1 ns is 1e-9"),
         ("sensor.clock_offset_ppm=.nan", r"sensor.clock_offset_ppm = nan ppm is outside"),
-        ("structure.frequencies=900; 2300", r"structure.frequencies: '900; 2300' is no list of numbers"),
+        ("structure.frequencies=900; 2300", r"structure.frequencies: '900; 2300' is not a list of numbers"),
         ("structure.frequencies=0.9", r"structure.frequencies: 0\.9 Hz is outside 50 \.\. 20000 Hz"),
         ("structure.dampings=0.02", r"structure.dampings has 1 numbers for 0 structure.frequencies"),
-        ("background.track_low=1400.0", r"background.track_high = 1500 Hz is not 1\.2 times"),
+        ("background.track_low=1400.0", r"background.track_high = 1500 Hz is less than 1\.2 times"),
         ("background.joint_level=-1.0", r"background.joint_level = -1\.0 m/s\^2 is outside"),
         ("publishing.burst_length=2.0", r"has no publishing.burst_period"),
         ("publishing.burst_period=2.0", r"publishing.burst_length = 0 s is outside 0\.02 \.\. 2 s"),
         ("publishing.loss_probability=1.0", r"publishing.loss_probability = 1\.0 is outside 0 \.\. 0\.9"),
         ("operating.speed_kmh=1e9", r"operating.speed_kmh = 1000000000\.0 km/h is outside -1000 \.\. 1000 km/h"),
         ("operating.wheel_diameter=920.0", r"did you mean 0\.92\?"),
-        ("sensor.sampling_rate=102400", r"this must be a whole number, at least 2: take 4\.8828125e-06"),
+        ("sensor.sampling_rate=102400", r"must be a whole number, at least 2: take 4\.8828125e-06"),
     ],
 )
-def test_what_cannot_be_measured_is_refused(setting: str, sentence: str) -> None:
+def test_impossible_parameters_are_refused(setting: str, sentence: str) -> None:
     with pytest.raises(Refusal, match=sentence):
         load_configuration("healthy", [setting])
 
 
-def test_kilometres_per_hour_turn_the_wheel(tmp_path: Path) -> None:
+def test_a_vehicle_speed_gives_the_shaft_speed(tmp_path: Path) -> None:
     operating = load_configuration("healthy", ["operating.speed_kmh=-72.0", "operating.wheel_diameter=1.0"]).operating
     assert (operating.speed, operating.speed_kmh) == (-40.0, 0.0)
     path = tmp_path / "bench.yaml"
@@ -187,7 +187,7 @@ def with_fault(kind: str, severity: float = 1.0, **sensor: Any) -> Measurement:
     return found.measure(ring, 125.0 * np.arange(len(ring)) / c.step_rate)
 
 
-def test_a_dead_sensor_leaves_its_noise() -> None:
+def test_a_dead_sensor_measures_only_noise() -> None:
     found = with_fault("dead", noise_density=1e-3).measured
     assert found[2560:5120].std() == pytest.approx(7.07, rel=0.01)
     assert found[5120:].std() == pytest.approx(1e-3 * np.sqrt(25600.0), rel=0.05)
@@ -201,35 +201,35 @@ def test_a_stuck_sensor_repeats_its_last_sample(severity: float, share: float) -
     assert repeats[:10240].mean() == pytest.approx(share, abs=0.01)
 
 
-def test_a_saturated_sensor_limits_and_counts() -> None:
+def test_a_saturated_sensor_clips_and_counts() -> None:
     found = with_fault("saturated", 0.75, range=100.0)
     assert np.abs(found.measured[5120:]).max() == pytest.approx(100.0 * 0.01**0.75)
     assert not found.clipped[:5120].any()
     assert found.clipped[5120:].mean() > 0.5
 
 
-def test_a_gain_drifts_to_its_severity() -> None:
+def test_a_drifting_gain_reaches_its_severity() -> None:
     found = with_fault("gain_drift", 0.6).measured[:, 0]
     level = [amplitude(found[5120 + begin : 5120 + begin + 512], 1000.0, 51200.0) for begin in (2304, 5120, 8000)]
     assert level == pytest.approx([7.0, 4.0, 4.0], rel=0.01)
 
 
-def test_a_cable_spikes() -> None:
+def test_a_loose_cable_adds_spikes() -> None:
     found = with_fault("spikes", range=1000.0).measured
     after = np.abs(found[5120:, 0])
     assert after.max() > 150.0
     assert np.median(after) < 10.0
     c = chain(sensor={"range": 1000.0, "fault": "spikes"})
-    spikes = still(c, 20.0).measured[:, 0]
+    spikes = at_rest(c, 20.0).measured[:, 0]
     assert np.sum(np.abs(np.diff(spikes)) > 185.0) == pytest.approx(400, abs=60)  # 20 a second
 
 
-def test_a_loose_mount_loses_the_high_band_and_bends_the_wave() -> None:
+def test_a_loose_mount_attenuates_high_frequencies_and_adds_harmonics() -> None:
     c = chain(sensor={"fault": "loose"})
     high = measured(c, tone(c, 5000.0, 0.2)).measured[5120:, 0]
     assert amplitude(high, 5000.0, 51200.0) < 0.05  # far above its resonance of 800 Hz
     low = measured(c, tone(c, 200.0, 0.2)).measured[5120:, 0]
-    assert amplitude(low, 400.0, 51200.0) > 0.05  # one direction more than the other: a second harmonic
+    assert amplitude(low, 400.0, 51200.0) > 0.05  # different gains of the two directions: a second harmonic
 
 
 def test_a_fault_may_be_in_one_axis() -> None:

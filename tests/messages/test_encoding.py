@@ -11,7 +11,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 from runs import simulated
 
-from dcrb_ros.bearing.states import BodyNames
 from dcrb_ros.messages.cdr import typestore
 from dcrb_ros.messages.description import decode_sensor, sensor_text
 from dcrb_ros.messages.encoder import BlockEncoder
@@ -22,7 +21,8 @@ from dcrb_ros.messages.statuses import decode_diagnostics, decode_truth
 from dcrb_ros.messages.topics import FEATURES, GROUND_TRUTH, ROLLER_STATES
 from dcrb_ros.runtime.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
-from dcrb_ros.simulation.block import Block
+from dcrb_ros.stream.block import Block
+from dcrb_ros.stream.states import BodyNames
 
 
 def block_at(index: int, count: int, rate: int = 51200) -> Block:
@@ -43,13 +43,13 @@ def test_waveform_round_trip(index: int, count: int, rate: int) -> None:
 
 
 @pytest.mark.parametrize("frames", [("outer_ring",), ("outer_ring", "inner_ring"), ("box1", "box12")])
-def test_waveform_of_many_messages_is_that_of_each(frames: tuple[str, ...]) -> None:
+def test_many_messages_decode_to_the_same_waveform_as_one_by_one(frames: tuple[str, ...]) -> None:
     indices, counts = [0, 1024, 2048, 9000, 9512, 9700], [1024, 1024, 1024, 512, 188, 512]
     data = [
         encode_vibration(block, block.acceleration, frames[k % len(frames)])
         for k, block in enumerate(block_at(*both) for both in zip(indices, counts, strict=True))
     ]
-    # Middlewares fill a message up to four bytes.
+    # Middleware pads a message to a multiple of four bytes.
     data[2] += bytes(-len(data[2]) % 4)
     time_ns, acceleration, shaft_angle = decode_waveform(data)
     each = [decode_vibration(message) for message in data]
@@ -58,10 +58,10 @@ def test_waveform_of_many_messages_is_that_of_each(frames: tuple[str, ...]) -> N
     assert np.array_equal(shaft_angle, np.concatenate([block.shaft_angle for block in each]))
 
 
-def test_waveform_with_a_foreign_message_is_refused() -> None:
+def test_a_waveform_with_another_message_is_refused() -> None:
     block = block_at(0, 64)
     data = encode_vibration(block, block.acceleration)
-    with pytest.raises(Refusal, match=r"is no waveform"):
+    with pytest.raises(Refusal, match=r"is not a waveform"):
         decode_waveform([data, data.replace(b"shaft_angle", b"shift_angle")])
 
 
@@ -85,7 +85,7 @@ def test_states_truth_and_features_round_trip() -> None:
     assert rms == pytest.approx(y.std(), rel=1e-6)
 
 
-def test_sensor_explains_the_waveform() -> None:
+def test_the_sensor_description_has_rate_units_and_orders() -> None:
     about = json.loads(decode_text(encode_text(sensor_text(Configuration()))))
     assert about["sampling_rate"] == 51200
     assert about["acceleration_unit"] == "m/s^2"
@@ -104,16 +104,16 @@ def test_sensor_explains_the_waveform() -> None:
         '{"sampling_rate": -1, "orders": {"FTF":1,"BPFO":1,"BPFI":1,"BSF":1}}',
     ],
 )
-def test_foreign_sensor_texts_are_refused(text: str) -> None:
+def test_other_texts_are_not_a_sensor_description(text: str) -> None:
     with pytest.raises(Refusal, match="sensor's description"):
         decode_sensor(encode_text(text))
 
 
-def test_foreign_clouds_are_refused() -> None:
+def test_other_point_clouds_are_refused() -> None:
     points = np.zeros(4, [("x", "<f4"), ("y", "<f4")])
-    with pytest.raises(Refusal, match=r"\['x', 'y'\] is no waveform"):
+    with pytest.raises(Refusal, match=r"\['x', 'y'\] is not a waveform"):
         decode_vibration(encode_points(points, 0))
-    with pytest.raises(Refusal, match="claims 0 samples"):
+    with pytest.raises(Refusal, match="declares 0 samples"):
         decode_vibration(encode_points(np.zeros(0, SAMPLE), 0))
 
 
@@ -124,7 +124,7 @@ def test_any_bytes_are_decoded_or_refused(data: bytes) -> None:
 
 
 @given(st.binary(max_size=600), st.sampled_from([b"", b"\x00\x01\x00\x00"]))
-def test_any_bytes_lead_to_nothing_but_a_refusal(data: bytes, begin: bytes) -> None:
+def test_any_bytes_raise_at_most_a_refusal(data: bytes, begin: bytes) -> None:
     for decode in (decode_float, decode_wrench, decode_joints, decode_diagnostics, decode_sensor):
         with contextlib.suppress(Refusal):
             decode(begin + data)
@@ -142,5 +142,5 @@ def test_commands_are_decoded() -> None:
 @pytest.mark.parametrize("data", [b"", b"\x00\x01\x00\x00", b"\x00\x01\x00\x00abc", b"\xff" * 12, b"\x00\x01\x00\x00" + bytes(90)])
 def test_malformed_commands_are_refused(data: bytes) -> None:
     for decode in (decode_float, decode_wrench):
-        with pytest.raises(Refusal, match=f"a message of {len(data)} bytes is no valid"):
+        with pytest.raises(Refusal, match=f"a message of {len(data)} bytes is not a valid"):
             decode(data)

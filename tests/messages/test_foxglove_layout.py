@@ -1,4 +1,4 @@
-"""The layout for Foxglove: every panel has its place, every path its number, and the script unrolls a block."""
+"""The Foxglove layout: panels, message paths and the script that unrolls a block."""
 
 from __future__ import annotations
 
@@ -28,8 +28,8 @@ OUTPUT = re.search(r'output = "([^"]+)"', SCRIPT)[1]  # type: ignore[index]
 
 
 @cache
-def said() -> dict[str, Any]:
-    """Return a message of every topic of the bench."""
+def messages_by_topic() -> dict[str, Any]:
+    """Return a message of every topic."""
     messages = [*Recording(ROOT / "bags" / "outer_ring_defect").messages(), *diagnosis_messages(Diagnosis(0, 0.0, "healthy", "made up"))]
     return {m.topic.resolved(NAMESPACE): typestore().deserialize_cdr(m.data, m.topic.type) for m in messages}
 
@@ -58,7 +58,7 @@ def test_every_panel_has_a_place_and_a_configuration() -> None:
     assert sorted(placed) == sorted(LAYOUT["configById"])
 
 
-def test_every_topic_is_one_of_the_bench() -> None:
+def test_every_topic_exists() -> None:
     topics = {topic.resolved(NAMESPACE) for topic in (*SIMULATED, *DETECTED, BENCH_DIAGNOSTICS)}
     rendered = {config["topicToRender"] for config in LAYOUT["configById"].values() if "topicToRender" in config}
     assert rendered <= topics
@@ -66,9 +66,9 @@ def test_every_topic_is_one_of_the_bench() -> None:
 
 
 @pytest.mark.parametrize(("path", "label"), [both for both in paths() if not both[0].startswith(OUTPUT)])
-def test_every_path_leads_to_what_its_label_says(path: str, label: str) -> None:
+def test_every_path_leads_to_the_quantity_of_its_label(path: str, label: str) -> None:
     topic, *steps = re.split(r"\.|(?=\[)", path)
-    value = message = said()[topic]
+    value = message = messages_by_topic()[topic]
     for step in steps:
         value = value[int(step[1:-1])] if step.startswith("[") else getattr(value, step)
     names = getattr(message, "name", None)
@@ -86,7 +86,7 @@ def test_script_unrolls_a_block(tmp_path: Path) -> None:
     node = shutil.which("node")
     if node is None:
         pytest.skip("needs node (Debian: apt-get install nodejs)")
-    cloud = said()[VIBRATION.resolved(NAMESPACE)]
+    cloud = messages_by_topic()[VIBRATION.resolved(NAMESPACE)]
     data = next(m.data for m in Recording(ROOT / "bags" / "outer_ring_defect").messages((VIBRATION,)))
     block = decode_vibration(data)
     plain = re.sub(r"^import .*$|^type .*$|: Input<[^>]*>|: Waveform", "", SCRIPT, flags=re.MULTILINE)

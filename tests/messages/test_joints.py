@@ -1,4 +1,4 @@
-"""JointStates read all at once are the same as one by one."""
+"""JointStates decoded together equal those decoded one by one."""
 
 from __future__ import annotations
 
@@ -13,21 +13,21 @@ TIMES = st.integers(0, 2**31 * 1_000_000_000 - 1)
 
 
 @given(st.lists(TIMES, min_size=1, max_size=5), st.lists(st.text("abc/é", max_size=9), max_size=6), st.tuples(*[st.integers(0, 3)] * 3))
-def test_alike_messages_read_at_once(times: list[int], names: list[str], counts: tuple[int, int, int]) -> None:
+def test_similar_messages_are_decoded_together(times: list[int], names: list[str], counts: tuple[int, int, int]) -> None:
     random = np.random.default_rng(len(names))
     messages = [encode_joints(time, names, *(random.normal(size=count) for count in counts)) for time in times]
     singly = [decode_joints(data) for data in messages]
     joined = decode_alike(messages)
     assert stamps(messages).tolist() == times
     if joined is None:
-        assert 0 in counts  # the usual ones are always taken
+        assert 0 in counts  # messages with three arrays are always decoded together
         return
     assert joined.names == tuple(names)
     for name in ("position", "velocity", "effort"):
         assert np.array_equal(getattr(joined, name), np.array([getattr(joints, name) for joints in singly]))
 
 
-def test_messages_that_differ_are_left_to_the_slow_way() -> None:
+def test_messages_that_differ_are_not_decoded_together() -> None:
     none = np.zeros(0)
     one, other = encode_joints(0, ["a"], np.ones(1), none, none), encode_joints(0, ["b"], np.ones(1), none, none)
     assert decode_alike([]) is None

@@ -1,4 +1,4 @@
-"""Messages from a template are the bytes that the type store itself encodes."""
+"""Messages from a template equal those that the type store encodes."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from dcrb_ros.messages.cdr import JOINT_STATE, POINT_CLOUD, typestore
 from dcrb_ros.messages.joints import decode_joints, encode_joints
-from dcrb_ros.messages.message_template import MessageTemplate, marks
+from dcrb_ros.messages.message_template import MessageTemplate, placeholder_bytes
 from dcrb_ros.messages.plain import encode_preview
 from dcrb_ros.messages.points import SAMPLE, SPECTRUM, encode_points
 
@@ -46,6 +46,6 @@ def test_preview(time_ns: int, x: float, y: float, frame: str) -> None:
     assert bytes(typestore().serialize_cdr(imu, name)) == data
 
 
-def test_a_hole_must_be_there() -> None:
+def test_a_placeholder_must_be_in_the_message() -> None:
     with pytest.raises(ValueError, match="not found"):
-        MessageTemplate(bytes(40), marks(8))
+        MessageTemplate(bytes(40), placeholder_bytes(8))

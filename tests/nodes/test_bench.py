@@ -42,8 +42,8 @@ from dcrb_ros.nodes.publisher import message_class, qos
 from dcrb_ros.nodes.ros import spin
 from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.settings.configuration import Configuration
-from dcrb_ros.simulation.events import ScenarioEvent, SpeedCommand
 from dcrb_ros.simulation.loop import Simulation
+from dcrb_ros.stream.events import ScenarioEvent, SpeedCommand
 
 pytestmark = pytest.mark.node
 
@@ -318,7 +318,7 @@ def test_malformed_commands_are_counted_and_the_bench_continues(kind: signal.Sig
         assert time.monotonic() - began < PROMPT
     assert "command/speed: a message of" in simulator.output
     assert "command/load: a message of" in simulator.output
-    assert simulator.output.count("is no valid") <= 4  # explained once, not for every message
+    assert simulator.output.count("is not a valid") <= 4  # explained once, not for every message
     assert "Traceback" not in simulator.output
     assert Recording(bag).complete
 

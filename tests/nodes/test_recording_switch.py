@@ -20,7 +20,7 @@ from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.recordings.recorder import Recorder
 from dcrb_ros.recordings.recorder_thread import CLOSE_TIMEOUT, RecorderThread
 from dcrb_ros.settings.configuration import Configuration
-from dcrb_ros.simulation.events import Event, SpeedCommand, TimedCommand
+from dcrb_ros.stream.events import Event, SpeedCommand, TimedCommand
 
 PATIENCE = 20.0
 CAPACITY = 10

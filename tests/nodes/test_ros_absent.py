@@ -65,8 +65,8 @@ def compiled_without_a_home(tmp_path: Path, home: str = NO_HOME["a file"]) -> tu
         "import pathlib, platformdirs\n"
         f"platformdirs.user_cache_dir = {home}\n"
         "from dcrb_ros.core import CACHE\n"
-        "from dcrb_ros.core.laws.johnson import johnson_force\n"
-        "print(johnson_force(1e-5, 1e10, 0.4)[0] > 0.0, sum(johnson_force.stats.cache_hits.values()), CACHE)"
+        "from dcrb_ros.core.laws.lugre import stribeck_coefficient\n"
+        "print(stribeck_coefficient(0.1, 0.05, 0.06, 0.01) > 0.0, sum(stribeck_coefficient.stats.cache_hits.values()), CACHE)"
     )
     ours = {name: value for name, value in os.environ.items() if not name.startswith("NUMBA_")}
     env = {**ours, "TMPDIR": str(tmp_path), "PYTHONPATH": str(Path(__file__).parents[2])}
@@ -91,4 +91,5 @@ def test_kernels_are_not_read_from_a_folder_that_others_can_write(tmp_path: Path
     folder.chmod(0o777)
     for _ in range(2):
         found, cache = compiled_without_a_home(tmp_path)
-        assert (found, cache.parent) == ("True 0", tmp_path)
+        assert (found, cache.parents[1]) == ("True 0", tmp_path)
+        assert cache.parent != folder

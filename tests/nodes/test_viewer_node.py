@@ -42,7 +42,7 @@ def test_the_viewer_shows_everything_that_is_published(tmp_path: Path) -> None:
     [
         (["--save", "view.png"], 2, "--save view.png does not end in .rrd"),
         (["--save", "view.rrd", "--connect", "rerun+http://127.0.0.1:9876/proxy"], 2, "exclude each other"),
-        ([], 1, "it needs a display; without one save the view into a file"),
+        ([], 1, "it needs a display; without one, save the view to a file"),
     ],
 )
 def test_the_viewer_refuses_invalid_arguments(

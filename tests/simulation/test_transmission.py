@@ -13,9 +13,9 @@ from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.recordings.recorder import Recorder
 from dcrb_ros.recordings.reproduction import Reproduction
 from dcrb_ros.settings.configuration import Configuration
-from dcrb_ros.simulation.events import BlockLost
 from dcrb_ros.simulation.loop import Simulation
 from dcrb_ros.simulation.transmission import Transmission
+from dcrb_ros.stream.events import BlockLost
 
 
 def bench(**publishing: float) -> Configuration:

@@ -1,4 +1,4 @@
-"""The measurement chain without the model, for tests of its stages."""
+"""The measurement chain without the simulation, for tests of its stages."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ EVERYTHING: dict[str, Any] = {
 
 
 def chain(**groups: Any) -> Configuration:
-    """Return a configuration whose sensor has no noise, range or steps unless it is given some."""
+    """Return a configuration whose sensor has no noise, clipping or rounding unless they are given."""
     sensor = groups.pop("sensor", {})
     return Configuration.model_validate({**groups, "sensor": sensor if "preset" in sensor else {**QUIET, **sensor}})
 
@@ -42,23 +42,23 @@ def changed(configuration: Configuration, *, background: Mapping[str, Any] | Non
     return Parameters(present.structure, present.background.model_copy(update=background), present.sensor.model_copy(update=sensor))
 
 
-def still(configuration: Configuration, seconds: float, speed: float = SPEED) -> Measurement:
-    """Return what a sensor on an outer ring at rest measures while the shaft turns at a speed [rad/s]."""
+def at_rest(configuration: Configuration, seconds: float, speed: float = SPEED) -> Measurement:
+    """Return the measurement of an outer ring at rest while the shaft turns at a speed [rad/s]."""
     count = round(seconds * configuration.step_rate)
     return measured(configuration, np.zeros((count, 2)), speed)
 
 
 def measured(configuration: Configuration, acceleration: npt.NDArray[np.float64], speed: float = SPEED) -> Measurement:
-    """Return what a sensor measures of an acceleration at every time step [m/s^2]."""
+    """Return the measurement of an acceleration at every time step, shape (steps, 2) [m/s^2]."""
     return Sensor(configuration.measurement).measure(acceleration, speed * np.arange(len(acceleration)) / configuration.step_rate)
 
 
 def tone(configuration: Configuration, frequency: float, seconds: float) -> npt.NDArray[np.float64]:
-    """Return a tone of amplitude 1 in X and in quadrature in Y, its means over each step taken as its middle."""
+    """Return a tone of amplitude 1 in X and in quadrature in Y, at the middle of each time step."""
     phase = 2.0 * np.pi * frequency * (np.arange(round(seconds * configuration.step_rate)) + 0.5) / configuration.step_rate
     return np.stack([np.sin(phase), np.cos(phase)], axis=1)
 
 
 def amplitude(samples: npt.NDArray[np.float64], frequency: float, rate: float) -> float:
-    """Return the amplitude of a tone in samples that hold whole periods of it."""
+    """Return the amplitude of a tone in samples over a whole number of its periods."""
     return 2.0 * float(abs(np.mean(samples * np.exp(-2j * np.pi * frequency * np.arange(len(samples)) / rate))))

@@ -1,4 +1,4 @@
-"""A synthetic bearing and the detector fed with it."""
+"""Synthetic signals of a bearing, and the diagnoses of a detector."""
 
 from __future__ import annotations
 
@@ -12,32 +12,24 @@ from dcrb_ros.diagnosis.detector import Diagnosis, FaultDetector
 from dcrb_ros.settings.parameters import Bearing
 
 RATE = 51200
-
-
 ORDERS = characteristic_orders(Bearing())
-
-
 TURN = 2.0 * math.pi
-
-
 Floats = npt.NDArray[np.float64]
+Signal = tuple[npt.NDArray[np.float32], npt.NDArray[np.float32]]
 
 
-Stream = tuple[npt.NDArray[np.float32], npt.NDArray[np.float32]]
-
-
-def bursts(turns: Floats, order: float, amplitude: float, *, seen: Floats | None = None, rate: int = RATE) -> Floats:
-    """Return ringing at 7 kHz struck ``order`` times a turn; ``seen`` scales each strike."""
+def bursts(turns: Floats, order: float, amplitude: float, *, modulation: Floats | None = None, rate: int = RATE) -> Floats:
+    """Return impacts that ring at 7 kHz, ``order`` of them per revolution; ``modulation`` scales each of them."""
     samples = len(turns)
-    strikes = np.flatnonzero(np.diff(np.floor(turns * order)) != 0.0)
-    comb = np.zeros(samples)
-    comb[strikes] = amplitude if seen is None else amplitude * seen[strikes]
+    impacts = np.flatnonzero(np.diff(np.floor(turns * order)) != 0.0)
+    pulses = np.zeros(samples)
+    pulses[impacts] = amplitude if modulation is None else amplitude * modulation[impacts]
     time = np.arange(rate // 100) / rate
     ringing = np.exp(-time / 5e-4) * np.sin(TURN * min(7000.0, 0.3 * rate) * time)
-    return np.convolve(comb, ringing)[:samples]
+    return np.convolve(pulses, ringing)[:samples]
 
 
-def stream(
+def synthetic(
     *,
     outer: float = 0.0,
     inner: float = 0.0,
@@ -48,11 +40,11 @@ def stream(
     seconds: float = 3.0,
     seed: int = 1,
     rate: int = RATE,
-) -> Stream:
-    """Return a synthetic bearing: strikes of given amplitudes [m/s^2] in noise of 1 m/s^2 and a rolling sound of 300 Hz.
+) -> Signal:
+    """Return acceleration and shaft angle with impacts of given amplitudes [m/s^2] in noise of 1 m/s^2 and a tone at 300 Hz.
 
-    A missing bar lets one roller strike as it passes the load line, which is a comb at every k FTF. The cage runs 0.2 % behind the
-    kinematic order, as on the simulated bench.
+    A broken cage bar lets one roller strike as it passes the load line, which gives lines at k FTF. The cage is 0.2 % slower than the
+    kinematic order, as in the simulation.
     """
     slip = 0.998
     time = np.arange(round(seconds * rate)) / rate
@@ -60,17 +52,17 @@ def stream(
     noise = np.random.default_rng(seed).normal(size=(len(time), 2)) + 3.0 * np.sin(TURN * 300.0 * time)[:, None]
     ftf = ORDERS.ftf * slip
     bpfo = ORDERS.bpfo * slip
-    loaded, carried = (np.maximum(0.0, np.cos(TURN * phase)) ** 2 for phase in (turns, ftf * turns))
-    struck = bursts(turns, bpfo, outer, rate=rate)
-    struck = struck + bursts(turns, ORDERS.bpfo + ORDERS.bpfi - bpfo, inner, seen=loaded, rate=rate)
-    struck = struck + bursts(turns, 2.0 * ORDERS.bsf, roller, seen=carried, rate=rate)
-    struck = struck + bursts(turns, ftf, cage, rate=rate)
-    acceleration = noise + np.column_stack([0.3 * struck, struck])
+    in_load_zone, of_cage = (np.maximum(0.0, np.cos(TURN * phase)) ** 2 for phase in (turns, ftf * turns))
+    excitation = bursts(turns, bpfo, outer, rate=rate)
+    excitation = excitation + bursts(turns, ORDERS.bpfo + ORDERS.bpfi - bpfo, inner, modulation=in_load_zone, rate=rate)
+    excitation = excitation + bursts(turns, 2.0 * ORDERS.bsf, roller, modulation=of_cage, rate=rate)
+    excitation = excitation + bursts(turns, ftf, cage, rate=rate)
+    acceleration = noise + np.column_stack([0.3 * excitation, excitation])
     return acceleration.astype(np.float32), np.mod(TURN * turns, TURN).astype(np.float32)
 
 
-def watch(detector: FaultDetector, data: Stream, *, block: int = 1024, first: int = 0) -> list[Diagnosis]:
-    """Feed a stream in blocks and return the diagnoses."""
+def diagnoses(detector: FaultDetector, data: Signal, *, block: int = 1024, first: int = 0) -> list[Diagnosis]:
+    """Return the diagnoses of a signal that is passed on in blocks."""
     acceleration, angle = data
     found = [detector.update(first + k, acceleration[k : k + block], angle[k : k + block]) for k in range(0, len(angle), block)]
     return [diagnosis for diagnosis in found if diagnosis is not None]

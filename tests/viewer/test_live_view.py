@@ -147,5 +147,5 @@ def test_spectrum_round_trip() -> None:
     assert (time_ns, frequency) == (250_000_000, pytest.approx(20.0))
     assert orders == pytest.approx(ORDERS, abs=1e-6)
     assert amplitude.max() == 50.0
-    with pytest.raises(Refusal, match=r"is no envelope spectrum"):
+    with pytest.raises(Refusal, match=r"is not a squared envelope spectrum"):
         decode_spectrum(message.data.replace(b"amplitude", b"amplitudo"))

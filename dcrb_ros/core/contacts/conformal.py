@@ -9,7 +9,15 @@ from __future__ import annotations
 import math
 
 from dcrb_ros.core.jit import piece
-from dcrb_ros.core.laws.lugre import bristle_after, friction_line
+from dcrb_ros.core.laws.interface import (
+    clear_memory,
+    load_kept,
+    load_memory,
+    store_kept,
+    store_memory,
+    traction_line,
+    traction_update,
+)
 from dcrb_ros.core.laws.pereira import LEAST_IMPACT_SPEED, impact_damping, step_force
 from dcrb_ros.core.layout.records import Floats
 from dcrb_ros.core.layout.rollers import BarContact, ConformalContacts
@@ -25,7 +33,7 @@ CONCENTRIC = 1e-15
 @piece
 def find_lands(payload: Payload, state: State, work: Workspace) -> int:
     """Write how the cages in reach of the outer ring's land lie to it, in the first conformal contacts; return how many there are."""
-    contacts, land, h, found = work.conformal[0], state.land[0], payload.step, 0
+    contacts, land, law, h, found = work.conformal[0], state.land[0], payload.cage_traction_law, payload.step, 0
     for row in range(payload.free.shape[0]):
         dx, dy = state.position[CAGE + row, 0] - state.position[OUTER, 0], state.position[CAGE + row, 1] - state.position[OUTER, 1]
         distance = max(math.sqrt(dx * dx + dy * dy), CONCENTRIC)
@@ -34,7 +42,8 @@ def find_lands(payload: Payload, state: State, work: Workspace) -> int:
             state.velocity[CAGE + row, 1] - state.velocity[OUTER, 1]
         ) * ny
         if distance + 0.5 * h * abs(before) <= payload.land_clearance:
-            land.force[row] = land.impact_speed[row] = land.bristle[row] = 0.0
+            land.force[row] = land.impact_speed[row] = 0.0
+            clear_memory(law, land.traction, row)
             continue
         vx = work.mean_velocity[CAGE + row, 0] - work.mean_velocity[OUTER, 0]
         vy = work.mean_velocity[CAGE + row, 1] - work.mean_velocity[OUTER, 1]
@@ -44,7 +53,7 @@ def find_lands(payload: Payload, state: State, work: Workspace) -> int:
         contacts.closing_before[found], contacts.closing[found] = before, vx * nx + vy * ny
         contacts.slip[found] = vy * nx - vx * ny + payload.land_radius * work.mean_velocity[CAGE + row, 2]
         contacts.force[found], contacts.impact_speed[found] = land.force[row], land.impact_speed[row]
-        contacts.bristle[found] = land.bristle[row]
+        store_memory(law, contacts.traction, found, load_memory(law, land.traction, row))
         contacts.coefficient[found], contacts.exponent[found] = payload.land_coefficient, payload.land_exponent
         contacts.mobility[found] = 0.5 * h * (1.0 / payload.train_mass[row] + 1.0 / payload.outer_ring_mass)
         found += 1
@@ -54,7 +63,7 @@ def find_lands(payload: Payload, state: State, work: Workspace) -> int:
 @piece
 def find_bars(payload: Payload, state: State, work: Workspace, found: int) -> int:
     """Write how bound rollers lie to bars in reach, as conformal contacts from ``found`` on; return how many there are then."""
-    bound, contacts, radius, h = work.bound[0], work.conformal[0], payload.roller_radius, payload.step
+    bound, contacts, law, radius, h = work.bound[0], work.conformal[0], payload.cage_traction_law, payload.roller_radius, payload.step
     for k in range(work.row_ends[work.row_ends.size - 1]):
         if bound.near_bar[k] <= 0.0:
             continue
@@ -79,7 +88,7 @@ def find_bars(payload: Payload, state: State, work: Workspace, found: int) -> in
         contacts.closing_before[found], contacts.closing[found] = before, side * (vx * tx + vy * ty)
         contacts.slip[found] = vx * ty - vy * tx - side * bound.predicted_rim[k]
         contacts.force[found], contacts.impact_speed[found] = abs(state.rollers[0].bar.force[c]), state.rollers[0].bar.impact_speed[c]
-        contacts.bristle[found] = bound.bar.bristle[k]
+        store_memory(law, contacts.traction, found, load_memory(law, bound.bar.traction, k))
         contacts.coefficient[found], contacts.exponent[found] = payload.bar_coefficient, payload.bar_exponent
         contacts.mobility[found] = 0.5 * h / payload.roller_mass
         bound.bar.side[k], bound.bar.lever_x[k], bound.bar.lever_y[k] = side, rx, ry
@@ -90,7 +99,7 @@ def find_bars(payload: Payload, state: State, work: Workspace, found: int) -> in
 @piece
 def evaluate_conformal(payload: Payload, contacts: ConformalContacts, found: int) -> None:
     """Write elastic force and its slope, damping and friction of all conformal contacts found."""
-    count = filled(found)
+    law, count = payload.cage_traction_law, filled(found)
     for c in range(found, count):
         contacts.penetration[c], contacts.closing[c], contacts.closing_before[c], contacts.force[c] = -1.0, 0.0, 0.0, 0.0
     for c in range(count):
@@ -106,13 +115,14 @@ def evaluate_conformal(payload: Payload, contacts: ConformalContacts, found: int
         closed_at = contacts.impact_speed[c]
         impact = closed_at if closed_at > 0.0 else max(contacts.closing_before[c], LEAST_IMPACT_SPEED)
         damping = impact_damping(force, closing, impact, payload.impact_loss)
-        friction_offset, friction_slope, relaxation_rate, weight = friction_line(
-            contacts.slip[c], contacts.bristle[c], payload.bar_friction, payload.bar_friction, 0.0, payload
+        memory = load_memory(law, contacts.traction, c)
+        friction_offset, friction_slope, kept = traction_line(
+            law, memory, contacts.slip[c], None, force + damping * closing, None, payload.step
         )
         contacts.elastic_force[c], contacts.elastic_slope[c] = force, slope
         contacts.closing[c], contacts.damping[c] = closing, damping
         contacts.friction_offset[c], contacts.friction_slope[c] = friction_offset, friction_slope
-        contacts.relaxation_rate[c], contacts.bristle_weight[c] = relaxation_rate, weight
+        store_kept(law, contacts.kept, c, kept)
         contacts.impact_speed[c] = impact if force > 0.0 else 0.0
 
 
@@ -150,27 +160,29 @@ def add_land_forces(payload: Payload, work: Workspace, lands: int) -> None:
 @piece
 def store_lands(payload: Payload, state: State, work: Workspace, lands: int) -> None:
     """Write the contacts of cages and lands back into the state, and their losses into the energy account."""
-    contacts, land, h = work.conformal[0], state.land[0], payload.step
+    contacts, land, law, h = work.conformal[0], state.land[0], payload.cage_traction_law, payload.step
     for c in range(lands):
         row = contacts.owner[c]
         normal, closing, slip = contacts.force[c], land_closing(contacts, work.mean_velocity, c, row), contacts.slip[c]
-        bristle = bristle_after(contacts.bristle[c], slip, contacts.relaxation_rate[c], contacts.bristle_weight[c], h)
-        land.force[row], land.bristle[row] = normal, bristle if normal > 0.0 else 0.0
+        land.force[row] = normal
+        memory, kept = load_memory(law, contacts.traction, c), load_kept(law, contacts.kept, c)
+        store_memory(law, land.traction, row, traction_update(law, memory, kept, slip, normal > 0.0, h))
         land.impact_speed[row] = contacts.impact_speed[c]
         state.account[FRICTION] += h * normal * (contacts.friction_offset[c] + contacts.friction_slope[c] * slip) * slip
         state.account[LOSS] += h * contacts.damping[c] * closing * closing
 
 
 @piece
-def linearize_bars(bar: BarContact, contacts: ConformalContacts, lands: int, found: int) -> None:
+def linearize_bars(payload: Payload, bar: BarContact, contacts: ConformalContacts, lands: int, found: int) -> None:
     """Write contacts with bars as lines over the mean velocities of the step; the normal is the pocket's tangent, friction radial."""
+    law = payload.cage_traction_law
     for c in range(lands, found):
         k, elastic, slope, closing = contacts.owner[c], contacts.elastic_force[c], contacts.elastic_slope[c], contacts.closing[c]
         damping = contacts.damping[c]
         expected = elastic + damping * closing
         bar.force_offset[k], bar.force_slope[k] = elastic - slope * closing, slope + damping
         bar.friction_offset[k], bar.friction_slope[k] = contacts.friction_offset[c] * expected, contacts.friction_slope[c] * expected
-        bar.relaxation_rate[k], bar.bristle_weight[k] = contacts.relaxation_rate[c], contacts.bristle_weight[c]
+        store_kept(law, bar.kept, k, load_kept(law, contacts.kept, c))
         bar.damping[k] = damping
         bar.impact_speed[k] = contacts.impact_speed[c]
 
@@ -180,8 +192,7 @@ def clear_bars(bar: BarContact, count: int) -> None:
     """Write that no bar is touched."""
     for k in range(count):
         bar.force_offset[k] = bar.force_slope[k] = bar.friction_offset[k] = bar.friction_slope[k] = 0.0
-        bar.damping[k] = bar.relaxation_rate[k] = bar.bristle_weight[k] = 0.0
-        bar.side[k] = bar.lever_x[k] = bar.lever_y[k] = 0.0
+        bar.damping[k] = bar.side[k] = bar.lever_x[k] = bar.lever_y[k] = 0.0
         bar.impact_speed[k] = 0.0
 
 
@@ -195,5 +206,5 @@ def linearize_cages(payload: Payload, state: State, work: Workspace, count: int)
         found = find_bars(payload, state, work, lands)
     if found > 0:
         evaluate_conformal(payload, work.conformal[0], found)
-        linearize_bars(work.bound[0].bar, work.conformal[0], lands, found)
+        linearize_bars(payload, work.bound[0].bar, work.conformal[0], lands, found)
     return lands

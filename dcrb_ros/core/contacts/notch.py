@@ -8,9 +8,10 @@ deeper by h; then the blow has a tangential part, and the contact's energy a pot
 from __future__ import annotations
 
 import math
+from typing import Any
 
-from dcrb_ros.core.contacts.force_line import normal_force
 from dcrb_ros.core.jit import kernel
+from dcrb_ros.core.laws.interface import normal_force
 from dcrb_ros.core.layout.records import Floats
 from dcrb_ros.core.payload import Notches, Payload, RollerNotches
 
@@ -139,17 +140,26 @@ def roller_notch_under(
 
 @kernel
 def edge_contact(
-    dx: float, dy: float, towards_x: float, towards_y: float, half_angle: float, depth: float, gap: float, inner: bool, payload: Payload
+    dx: float,
+    dy: float,
+    towards_x: float,
+    towards_y: float,
+    half_angle: float,
+    depth: float,
+    gap: float,
+    memory: Any,
+    inner: bool,
+    payload: Payload,
 ) -> tuple[float, float, float, float]:
     """Return force [N], stiffness [N/m] and normal of a roller over a notch with edges, resultant of edges and floor.
 
     (dx, dy) is the roller's centre from the ring's, ``gap`` the smooth raceway's. The normal points from ring to
     roller at the inner ring, and the other way round at the outer, whose force is on the roller's far side.
     """
-    raceway, scale = payload.outer_raceway_radius + payload.edge_radius, payload.outer_scale
+    raceway, site = payload.outer_raceway_radius + payload.edge_radius, payload.outer
     side = -1.0
     if inner:
-        raceway, scale, side = payload.inner_raceway_radius - payload.edge_radius, payload.inner_scale, 1.0
+        raceway, site, side = payload.inner_raceway_radius - payload.edge_radius, payload.inner, 1.0
     wide = half_angle + payload.edge_radius / raceway
     cosine, sine = raceway * math.cos(wide), raceway * math.sin(wide)
     reach = payload.roller_radius + payload.edge_radius
@@ -159,13 +169,13 @@ def edge_contact(
         ey = dy - (cosine * towards_y + edge * sine * towards_x)
         distance = math.sqrt(ex * ex + ey * ey)
         if distance < reach:
-            force, stiffness = normal_force(reach - distance, scale, payload)
+            force, stiffness = normal_force(payload.normal_law, memory, reach - distance, site)
             fx += side * force * ex / distance
             fy += side * force * ey / distance
             total += stiffness
     if -gap > depth:
         distance = math.sqrt(dx * dx + dy * dy)
-        force, stiffness = normal_force(-gap - depth, scale, payload)
+        force, stiffness = normal_force(payload.normal_law, memory, -gap - depth, site)
         fx += force * dx / distance
         fy += force * dy / distance
         total += stiffness

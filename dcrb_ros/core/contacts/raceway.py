@@ -7,30 +7,15 @@ import math
 from dcrb_ros.core.contacts.force_line import crosses, crossing_line, elastic, lasting_line
 from dcrb_ros.core.contacts.notch import edge_contact, notch_under, passed, roller_notch_under
 from dcrb_ros.core.jit import piece
-from dcrb_ros.core.laws.lugre import convection_rate, friction_line
+from dcrb_ros.core.laws.interface import load_memory, normal_range, store_kept, traction_line
 from dcrb_ros.core.layout.records import Floats
 from dcrb_ros.core.layout.rollers import BoundRollers, RacewayContact
 from dcrb_ros.core.layout.state import INNER, OUTER, State
 from dcrb_ros.core.layout.workspace import Workspace
-from dcrb_ros.core.payload import JOHNSON, SINK, Notches, Payload
+from dcrb_ros.core.payload import SINK, Notches, Payload
 
 LARGEST_CLOSING = 1.0
 """A contact may close within a step when its gap is less than this speed covers [m/s]; idle rollers are slower."""
-LEAST_FORCE = 1e-9
-"""Force of an open contact where it divides [N]."""
-
-
-@piece
-def raceway_friction(
-    slip: float, bristle: float, along: float, distance: float, ring_speed: float, force: float, inner: bool, payload: Payload
-) -> tuple[float, float, float, float]:
-    """Return the `friction_line` of a raceway contact; rolling ``along`` the raceway [m/s] carries bristles out of it."""
-    raceway, width = payload.outer_raceway_radius, payload.outer_width
-    if inner:
-        raceway, width = payload.inner_raceway_radius, payload.inner_width
-    rolling = (along / distance - ring_speed) * raceway
-    convection = convection_rate(rolling, max(force, LEAST_FORCE), width, payload.convection)
-    return friction_line(slip, bristle, payload.kinetic_coefficient, payload.static_coefficient, convection, payload)
 
 
 @piece
@@ -135,14 +120,14 @@ def linearize_friction(
 
     ``mean`` is the ring's predicted mean velocity, ``surface`` the speed of its surface [m/s].
     """
-    side = 1.0 if inner else -1.0
+    side, site, law = 1.0 if inner else -1.0, payload.inner if inner else payload.outer, payload.traction_law
     rx, ry = contact.radial_x[k], contact.radial_y[k]
     along = (bound.predicted_vy[k] - mean[1]) * rx - (bound.predicted_vx[k] - mean[0]) * ry
     slip, force = along - side * bound.predicted_rim[k] - surface, contact.expected_force[k]
-    bristle, distance = contact.bristle[k], contact.distance[k]
-    offset, slope, relaxation_rate, weight = raceway_friction(slip, bristle, along, distance, ring_speed, force, inner, payload)
+    rolling = (along / contact.distance[k] - ring_speed) * site.raceway_radius
+    offset, slope, kept = traction_line(law, load_memory(law, contact.traction, k), slip, rolling, force, site, payload.step)
     contact.friction_offset[k], contact.friction_slope[k] = offset * force, slope * force
-    contact.relaxation_rate[k], contact.bristle_weight[k] = relaxation_rate, weight
+    store_kept(law, contact.kept, k, kept)
 
 
 @piece
@@ -150,7 +135,7 @@ def apply_notches(payload: Payload, state: State, work: Workspace, contact: Race
     """Subtract the depth of notches from the penetrations of contacts that are closed or nearly so, and write how fast it grows."""
     bound = work.bound[0]
     for k in range(work.row_ends[work.row_ends.size - 1]):
-        if contact.penetration[k] > -LARGEST_CLOSING * payload.step:
+        if contact.penetration[k] > -LARGEST_CLOSING * payload.step - normal_range(payload.normal_law):
             row = bound.row[k]
             nx, ny = contact.radial_x[k], contact.radial_y[k]
             orbit = (bound.predicted_vy[k] - mean[1]) * nx - (bound.predicted_vx[k] - mean[0]) * ny
@@ -175,24 +160,34 @@ def linearize_edges(
     """Replace force, normal and friction of the smooth raceway where a roller is over a notch with edges."""
     bound, side = work.bound[0], 1.0 if inner else -1.0
     surface = ring_speed * payload.inner_raceway_radius
-    ring, notches, direction = OUTER, payload.outer_notches, work.outer_notch_direction
+    ring, notches, direction, site = OUTER, payload.outer_notches, work.outer_notch_direction, payload.outer
     if inner:
-        ring, notches, direction = INNER, payload.inner_notches, work.inner_notch_direction
+        ring, notches, direction, site = INNER, payload.inner_notches, work.inner_notch_direction, payload.inner
     for k in range(work.row_ends[work.row_ends.size - 1]):
         gap = -contact.penetration[k]
-        if gap >= LARGEST_CLOSING * payload.step:
+        if gap >= LARGEST_CLOSING * payload.step + normal_range(payload.normal_law):
             continue
         rx, ry = contact.radial_x[k], contact.radial_y[k]
         notch, _ = notch_under(notches, direction, bound.row[k], rx, ry)
         if notch >= 0:
+            memory = load_memory(payload.normal_law, contact.normal, k)
             dx, dy = bound.x[k] - state.position[ring, 0], bound.y[k] - state.position[ring, 1]
             force, stiffness, nx, ny = edge_contact(
-                dx, dy, direction[notch, 0], direction[notch, 1], notches.half_angle[notch], notches.depth[notch], gap, inner, payload
+                dx,
+                dy,
+                direction[notch, 0],
+                direction[notch, 1],
+                notches.half_angle[notch],
+                notches.depth[notch],
+                gap,
+                memory,
+                inner,
+                payload,
             )
             contact.normal_x[k], contact.normal_y[k] = nx, ny
             contact.surface_speed_normal[k] = surface * (rx * ny - ry * nx)
             closing, before, sink = closing_speeds(bound, contact, k, mean, old, side)
-            write_force_line(contact, k, lasting_line(force, stiffness, closing, before, sink, payload))
+            write_force_line(contact, k, lasting_line(payload, memory, site, -gap, force, stiffness, closing, before, sink))
             linearize_friction(bound, contact, k, mean, ring_speed, surface, inner, payload)
 
 
@@ -224,17 +219,18 @@ def linearize_smooth(
     old: tuple[float, float],
     ring_speed: float,
     inner: bool,
-    johnson: bool,
 ) -> None:
     """Write the contacts with a smooth raceway as lines, and which of them close or open within the step."""
-    side = 1.0 if inner else -1.0
-    scale, surface = payload.inner_scale if inner else payload.outer_scale, ring_speed * payload.inner_raceway_radius
+    side, site, law = 1.0 if inner else -1.0, payload.inner if inner else payload.outer, payload.normal_law
+    surface = ring_speed * payload.inner_raceway_radius
     for k in range(count):
         closing, before, sink = closing_speeds(bound, contact, k, mean, old, side)
         penetration = contact.penetration[k]
-        force, stiffness = elastic(penetration, scale, johnson, payload)
-        contact.crossing[k] = 1.0 if crosses(penetration, closing, before, payload.step) else 0.0
-        write_force_line(contact, k, lasting_line(force, stiffness, closing, before, sink, payload))
+        memory = load_memory(law, contact.normal, k)
+        force, stiffness = elastic(law, memory, penetration, site)
+        contact.crossing[k] = 1.0 if crosses(law, penetration, closing, before, payload.step) else 0.0
+        line = lasting_line(payload, memory, site, penetration, force, stiffness, closing, before, sink)
+        write_force_line(contact, k, line)
         linearize_friction(bound, contact, k, mean, ring_speed, surface, inner, payload)
 
 
@@ -249,8 +245,8 @@ def linearize_crossing(
     inner: bool,
 ) -> None:
     """Write the lines of the contacts that close or open within the step."""
-    bound, side = work.bound[0], 1.0 if inner else -1.0
-    scale, surface, found = payload.inner_scale if inner else payload.outer_scale, ring_speed * payload.inner_raceway_radius, 0
+    bound, side, site = work.bound[0], 1.0 if inner else -1.0, payload.inner if inner else payload.outer
+    surface, found = ring_speed * payload.inner_raceway_radius, 0
     for k in range(work.row_ends[work.row_ends.size - 1]):
         if contact.crossing[k] > 0.0:
             bound.crossings[found] = k
@@ -261,7 +257,8 @@ def linearize_crossing(
         # A pinned roller moves with its whole cage: its force changes next to nothing.
         mobility = 0.5 * payload.step / payload.roller_mass * bound.free[k]
         penetration, last = contact.penetration[k], contact.last_force[k]
-        write_force_line(contact, k, crossing_line(penetration, closing, before, sink, last, mobility, scale, payload))
+        memory = load_memory(payload.normal_law, contact.normal, k)
+        write_force_line(contact, k, crossing_line(payload, memory, site, penetration, closing, before, sink, last, mobility))
         linearize_friction(bound, contact, k, mean, ring_speed, surface, inner, payload)
 
 
@@ -280,10 +277,7 @@ def linearize_raceway(
     """Write the contacts of bound rollers with a raceway as lines over the mean velocities of the step, notches included."""
     if payload.any_notch:
         apply_notches(payload, state, work, contact, mean, inner)
-    if payload.contact_law == JOHNSON:
-        linearize_smooth(payload, work.bound[0], contact, count, mean, old, ring_speed, inner, True)
-    else:
-        linearize_smooth(payload, work.bound[0], contact, count, mean, old, ring_speed, inner, False)
+    linearize_smooth(payload, work.bound[0], contact, count, mean, old, ring_speed, inner)
     linearize_crossing(payload, work, contact, mean, old, ring_speed, inner)
     if payload.any_notch and payload.notch_law != SINK:
         linearize_edges(payload, state, work, contact, mean, old, ring_speed, inner)

@@ -4,10 +4,18 @@ from __future__ import annotations
 
 import math
 
-from dcrb_ros.core.contacts.force_line import normal_force
+from dcrb_ros.core.contacts.force_line import damping_of
 from dcrb_ros.core.jit import piece
+from dcrb_ros.core.laws.interface import (
+    clear_memory,
+    load_memory,
+    normal_force,
+    normal_update,
+    store_memory,
+    traction_line,
+    traction_update,
+)
 from dcrb_ros.core.laws.loss import loss_coefficient
-from dcrb_ros.core.laws.lugre import bristle_after, friction_line
 from dcrb_ros.core.layout.records import Floats
 from dcrb_ros.core.layout.rollers import Rollers
 from dcrb_ros.core.layout.state import FRICTION, LOSS, State
@@ -25,24 +33,29 @@ def predicted_velocity(rollers: Rollers, c: int) -> tuple[float, float, float]:
 def add_pair_contact(payload: Payload, state: State, pair_force: Floats, row: int, i: int, j: int) -> None:
     """Add the contact of rollers ``i`` and ``j`` of a row to the forces on both, at their predicted velocities."""
     rollers, first = state.rollers[0], row * payload.free.shape[1]
-    pair, k = rollers.pair, first + i
+    pair, k, h = rollers.pair, first + i, payload.step
+    normal_law, traction_law = payload.normal_law, payload.traction_law
     dx, dy = rollers.x[first + i] - rollers.x[first + j], rollers.y[first + i] - rollers.y[first + j]
     distance = math.sqrt(dx * dx + dy * dy)
     penetration = 2.0 * payload.roller_radius - distance
     if penetration <= 0.0:
-        pair.force[k] = pair.bristle[k] = 0.0
+        pair.force[k] = 0.0
+        clear_memory(traction_law, pair.traction, k)
+        clear_memory(normal_law, pair.normal, k)
         return
     nx, ny = dx / distance, dy / distance
     own, other = predicted_velocity(rollers, first + i), predicted_velocity(rollers, first + j)
     vx, vy = own[0] - other[0], own[1] - other[1]
     rate = -(vx * nx + vy * ny)
     slip = vy * nx - vx * ny - payload.roller_radius * (own[2] + other[2])
-    force, stiffness = normal_force(penetration, payload.roller_scale, payload)
-    damping = loss_coefficient(force, stiffness * payload.loss_time + payload.contact_damping, rate)
+    memory = load_memory(normal_law, pair.normal, k)
+    force, stiffness = normal_force(normal_law, memory, penetration, payload.pair)
+    damping = damping_of(payload, memory, payload.pair, penetration - 0.5 * h * rate, h * rate, force, stiffness, 1.0)
+    damping = loss_coefficient(force, damping, rate)
     normal = force + damping * rate
-    offset, slope, relaxation_rate, weight = friction_line(
-        slip, pair.bristle[k], payload.kinetic_coefficient, payload.static_coefficient, 0.0, payload
-    )
+    store_memory(normal_law, pair.normal, k, normal_update(normal_law, memory, penetration, rate, h))
+    slipping = load_memory(traction_law, pair.traction, k)
+    offset, slope, kept = traction_line(traction_law, slipping, slip, None, normal, None, h)
     friction = normal * (offset + slope * slip)
     fx, fy = normal * nx + friction * ny, normal * ny - friction * nx
     for roller, sign in ((i, 1.0), (j, -1.0)):
@@ -50,9 +63,9 @@ def add_pair_contact(payload: Payload, state: State, pair_force: Floats, row: in
         pair_force[row, roller, 1] += sign * fy
         pair_force[row, roller, 2] += friction
     pair.force[k] = normal
-    pair.bristle[k] = bristle_after(pair.bristle[k], slip, relaxation_rate, weight, payload.step)
-    state.account[FRICTION] += payload.step * friction * slip
-    state.account[LOSS] += payload.step * damping * rate * rate
+    state.account[FRICTION] += h * friction * slip
+    state.account[LOSS] += h * damping * rate * rate
+    store_memory(traction_law, pair.traction, k, traction_update(traction_law, slipping, kept, slip, True, h))
 
 
 @piece

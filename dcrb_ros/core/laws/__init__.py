@@ -1,1 +1,20 @@
-"""The published laws, one per file: force, slope, inverse and energy side by side."""
+"""The published laws, one per file: force, slope, inverse and energy side by side; a new one is a file and a line here."""
+
+from __future__ import annotations
+
+import importlib
+
+from dcrb_ros.core.laws.interface import NormalLaw, TractionLaw, register
+
+REGISTRY: tuple[str, ...] = (
+    "johnson",
+    "power",
+    "lugre",
+)
+"""Files with a law that users may choose, each with a ``LAW``; the first of a kind is the default."""
+
+_LAWS: tuple[NormalLaw | TractionLaw, ...] = tuple(importlib.import_module(f"{__name__}.{name}").LAW for name in REGISTRY)
+NORMAL_LAWS: dict[str, NormalLaw] = {law.name: law for law in _LAWS if isinstance(law, NormalLaw)}
+TRACTION_LAWS: dict[str, TractionLaw] = {law.name: law for law in _LAWS if isinstance(law, TractionLaw)}
+for _law in _LAWS:
+    register(_law)

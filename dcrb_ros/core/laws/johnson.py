@@ -2,15 +2,27 @@
 
     delta = F/(pi E* L) (ln(4 pi E* L dR/F) - 1)
 
-with ``modulus`` pi E* L [N/m] and ``scale`` 4 dR [m]; dR is r_I + r_R at the inner raceway, r_O - r_R at the outer, 2 r_R of two rollers.
+with pi E* L [N/m] as ``modulus`` and 4 dR [m] as ``scale`` of the `Site`.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+import numpy as np
 
 from dcrb_ros.core.arithmetic import logarithm
 from dcrb_ros.core.jit import kernel
+from dcrb_ros.core.laws.interface import Material, NoMemory, NormalLaw, Site
+
+
+class Johnson(NamedTuple):
+    """Constants."""
+
+    modulus: float
+    """pi E* L [N/m]."""
 
 
 @kernel
@@ -32,23 +44,44 @@ def line_contact(log_ratio: float) -> tuple[float, float]:
 
 
 @kernel
-def johnson_force(penetration: float, modulus: float, scale: float) -> tuple[float, float]:
+def johnson_force(law: Johnson, memory: NoMemory, penetration: float, site: Site) -> tuple[float, float]:
     """Return the normal force [N] and its slope [N/m] at a penetration [m] above zero.
 
     F = -pi E* L delta / W_-1(-e delta / (4 dR)), its slope -pi E* L / (W_-1 + 1).
     """
-    above, below = line_contact(1.0 + logarithm(penetration) - logarithm(scale))
-    share = modulus * below / (above * (above - below))
+    above, below = line_contact(1.0 + logarithm(penetration) - logarithm(site.scale))
+    share = law.modulus * below / (above * (above - below))
     return penetration * share * (above - below), share * above
 
 
 @kernel
-def johnson_penetration(force: float, modulus: float, scale: float) -> float:
+def johnson_energy(law: Johnson, memory: NoMemory, penetration: Any, force: Any) -> Any:
+    """Return the energy stored [J]: F delta/2 - F^2/(4 pi E* L)."""
+    return 0.5 * force * penetration - force * force / (4.0 * law.modulus)
+
+
+def johnson_penetration(law: Johnson, force: Any, site: Site) -> Any:
     """Return the penetration [m] under a normal force [N] above zero, Eq. 4 as printed."""
-    return force / modulus * (math.log(modulus * scale / force) - 1.0)
+    return force / law.modulus * (np.log(law.modulus * site.scale / force) - 1.0)
 
 
-@kernel
-def johnson_energy(penetration: float, force: float, modulus: float) -> float:
-    """Return the energy [J] stored at a penetration [m] under its force [N]: F delta/2 - F^2/(4 pi E* L)."""
-    return 0.5 * force * penetration - force * force / (4.0 * modulus)
+def johnson_stiffness(law: Johnson, force: Any, site: Site) -> Any:
+    """Return the slope [N/m] under a normal force [N] above zero; under more than the law describes, that at its limit."""
+    return law.modulus / np.maximum(np.log(law.modulus * site.scale / force) - 2.0, 1.0)
+
+
+def build(values: Mapping[str, float], material: Material) -> Johnson:
+    """Return the constants."""
+    return Johnson(math.pi * material.effective_modulus * material.roller_length)
+
+
+LAW = NormalLaw(
+    name="johnson",
+    summary="the line contact of Eq. 4 (the paper)",
+    constants=Johnson,
+    build=build,
+    force=johnson_force,
+    energy=johnson_energy,
+    penetration=johnson_penetration,
+    stiffness=johnson_stiffness,
+)

@@ -1,12 +1,60 @@
-"""LuGre friction in coefficient form (Eqs. 6 and 7 of Fan et al. 2025), integrated over one step."""
+"""LuGre friction: Canudas de Wit et al. 1995, in coefficient form as Eqs. 6 and 7 of Fan et al. 2025, integrated over one step.
+
+    friction/normal force = sigma_0 z + sigma_1 dz/dt + sigma_2 s
+    dz/dt = s - lambda z,   lambda = sigma_0 |s|/g(s) + kappa V/(2 a)
+    g(s) = mu_k + (mu_s - mu_k) exp(-(s/v_s)^2)
+
+with the slip s and the bristle deflection z. The term kappa V/(2 a), rolling that carries bristles out of the contact of half-width a, is
+not the paper's.
+"""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
+from typing import NamedTuple
 
 from dcrb_ros.core.arithmetic import exponential
 from dcrb_ros.core.jit import kernel
-from dcrb_ros.core.payload import Payload
+from dcrb_ros.core.laws.interface import Material, Parameter, Site, TractionLaw
+
+LEAST_FORCE = 1e-9
+"""Normal force that stands for that of an open contact where the half-width divides [N]."""
+
+
+class LuGre(NamedTuple):
+    """Constants."""
+
+    kinetic_coefficient: float
+    """mu_k [-]."""
+    static_coefficient: float
+    """mu_s [-]."""
+    stribeck_speed: float
+    """v_s [m/s]."""
+    bristle_stiffness: float
+    """sigma_0 [1/m]."""
+    bristle_damping: float
+    """sigma_1 [s/m]."""
+    viscous: float
+    """sigma_2 [s/m]."""
+    convection: float
+    """kappa [-]."""
+
+
+class Bristle(NamedTuple):
+    """Memory of a contact."""
+
+    bristle: float
+    """Deflection z [m]."""
+
+
+class Relaxation(NamedTuple):
+    """How a bristle relaxes over a step."""
+
+    rate: float
+    """lambda [1/s]."""
+    bristle_weight: float
+    """phi of `bristle_weights` [-]."""
 
 
 @kernel
@@ -38,24 +86,76 @@ def convection_rate(rolling: float, force: float, width: float, convection: floa
 
 
 @kernel
-def friction_line(
-    slip: float, bristle: float, kinetic: float, static: float, convection: float, payload: Payload
-) -> tuple[float, float, float, float]:
-    """Return friction per normal force as a straight line over the mean slip of the step, and the bristle's law.
+def lugre_line(
+    law: LuGre, memory: Bristle, slip: float, rolling: float | None, force: float, site: Site | None, step: float
+) -> tuple[float, float, Relaxation]:
+    """Return friction per normal force over the mean slip of the step, a + b s, and the bristle's relaxation.
 
-    ``slip`` [m/s] is the slip known beforehand, which sets the relaxation, ``convection`` [1/s] what rolling adds to
-    it; the line a + b s [-, s/m] is what the implicit velocity update needs. The last two numbers are lambda [1/s] and
-    phi [-] for `bristle_after`.
+    ``slip`` [m/s], known beforehand, sets the relaxation.
     """
-    g = stribeck_coefficient(slip, kinetic, static, payload.stribeck_speed)
-    rate = payload.bristle_stiffness * abs(slip) / g + convection
-    phi, psi = bristle_weights(rate * payload.step)
-    constant = phi * bristle * (payload.bristle_stiffness - payload.bristle_damping * rate)
-    slope = payload.bristle_stiffness * psi * payload.step + payload.bristle_damping * phi + payload.viscous
-    return constant, slope, rate, phi
+    g = stribeck_coefficient(slip, law.kinetic_coefficient, law.static_coefficient, law.stribeck_speed)
+    convection = 0.0 if rolling is None or site is None else convection_rate(rolling, max(force, LEAST_FORCE), site.width, law.convection)
+    rate = law.bristle_stiffness * abs(slip) / g + convection
+    phi, psi = bristle_weights(rate * step)
+    offset = phi * memory.bristle * (law.bristle_stiffness - law.bristle_damping * rate)
+    slope = law.bristle_stiffness * psi * step + law.bristle_damping * phi + law.viscous
+    return offset, slope, Relaxation(rate, phi)
 
 
 @kernel
-def bristle_after(bristle: float, slip: float, rate: float, phi: float, step: float) -> float:
-    """Return the bristle deflection [m] at the end of a step with mean slip ``slip`` [m/s]."""
-    return bristle + step * phi * (slip - rate * bristle)
+def lugre_update(law: LuGre, memory: Bristle, kept: Relaxation, slip: float, closed: bool, step: float) -> Bristle:
+    """Return the bristle at the end of a step of mean slip ``slip`` [m/s]; an open contact has none."""
+    after = memory.bristle + step * kept.bristle_weight * (slip - kept.rate * memory.bristle)
+    return Bristle(after if closed else 0.0)
+
+
+def build(values: Mapping[str, float], material: Material) -> LuGre:
+    """Return the constants."""
+    return LuGre(*(values[name] for name in LuGre._fields))
+
+
+LAW = TractionLaw(
+    name="lugre",
+    summary="bristles as in the paper, Eqs. 6 and 7",
+    constants=LuGre,
+    build=build,
+    line=lugre_line,
+    update=lugre_update,
+    memory=Bristle,
+    kept=Relaxation,
+    parameters=(
+        Parameter("kinetic_coefficient", 0.05, "-", "Kinetic friction coefficient", 0.0, 1.0, symbol="mu_k"),
+        Parameter("static_coefficient", 0.06, "-", "Static friction coefficient, not below the kinetic one", 0.0, 1.0, symbol="mu_s"),
+        Parameter("stribeck_speed", 0.01, "m/s", "Stribeck velocity", 1e-6, 10.0, symbol="v_s"),
+        Parameter(
+            "bristle_stiffness",
+            1e5,
+            "1/m",
+            "Bristle stiffness per normal force",
+            1.0,
+            1e8,
+            symbol="sigma_0",
+            remedy="the coefficient form is in 1/m; the paper prints N/m",
+        ),
+        Parameter(
+            "bristle_damping",
+            0.0133,
+            "s/m",
+            "Bristle damping per normal force (400 N s/m at 30 kN)",
+            0.0,
+            10.0,
+            symbol="sigma_1",
+            remedy="the coefficient form is in s/m; the paper's 400 N s/m is 0.0133 s/m at 30 kN",
+        ),
+        Parameter("viscous", 0.0, "s/m", "Viscous friction per normal force", 0.0, 10.0, symbol="sigma_2"),
+        Parameter(
+            "convection",
+            0.0,
+            "-",
+            "Transport of the bristles out of the contact by rolling: 0 for plain LuGre (the paper), 0.7 for Carter's creep",
+            0.0,
+            10.0,
+            symbol="kappa",
+        ),
+    ),
+)

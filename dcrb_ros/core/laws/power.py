@@ -1,18 +1,75 @@
-"""The power law F = K delta^n of a normal contact."""
+"""The power law of a normal contact, F = K delta^n."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
 from dcrb_ros.core.jit import kernel
+from dcrb_ros.core.laws.interface import Material, NoMemory, NormalLaw, Parameter, Site
+
+Floats = npt.NDArray[np.float64]
+
+
+class Power(NamedTuple):
+    """Constants."""
+
+    coefficient: float
+    """K [N/m^n]."""
+    exponent: float
+    """n [-]."""
 
 
 @kernel
-def power_force(penetration: float, coefficient: float, exponent: float) -> tuple[float, float]:
+def power_force(law: Power, memory: NoMemory, penetration: float, site: Site) -> tuple[float, float]:
     """Return the normal force [N] and its slope [N/m] at a penetration [m] above zero."""
-    force = coefficient * penetration**exponent
-    return force, exponent * force / penetration
+    force = law.coefficient * penetration**law.exponent
+    return force, law.exponent * force / penetration
 
 
 @kernel
-def power_energy(penetration: float, force: float, exponent: float) -> float:
-    """Return the energy [J] stored at a penetration [m] under its force [N]: F delta/(n + 1)."""
-    return force * penetration / (exponent + 1.0)
+def power_energy(law: Power, memory: NoMemory, penetration: Any, force: Any) -> Any:
+    """Return the energy stored [J]: F delta/(n + 1)."""
+    return force * penetration / (law.exponent + 1.0)
+
+
+def power_forces(law: Power, penetration: Floats, site: Site) -> tuple[Floats, Floats]:
+    """Return `power_force` over arrays, zero where a contact is open."""
+    depth = np.maximum(penetration, 0.0)
+    force = law.coefficient * depth**law.exponent
+    return force, np.where(force > 0.0, law.exponent * force / np.where(force > 0.0, penetration, 1.0), 0.0)
+
+
+def power_penetration(law: Power, force: Any, site: Site) -> Any:
+    """Return the penetration [m] under a normal force [N] above zero."""
+    return (force / law.coefficient) ** (1.0 / law.exponent)
+
+
+def power_stiffness(law: Power, force: float, site: Site) -> float:
+    """Return the slope [N/m] under a normal force [N] above zero."""
+    return float(law.exponent * force ** (1.0 - 1.0 / law.exponent) * law.coefficient ** (1.0 / law.exponent))
+
+
+def build(values: Mapping[str, float], material: Material) -> Power:
+    """Return the constants."""
+    return Power(values["power_coefficient"], values["power_exponent"])
+
+
+LAW = NormalLaw(
+    name="power",
+    summary="power_coefficient * penetration^power_exponent",
+    constants=Power,
+    build=build,
+    force=power_force,
+    energy=power_energy,
+    penetration=power_penetration,
+    stiffness=power_stiffness,
+    forces=power_forces,
+    parameters=(
+        Parameter("power_coefficient", 3.449e9, "N/m^n", "Coefficient of the power law", 1e3, 1e15, symbol="K"),
+        Parameter("power_exponent", 1.0766, "-", "Exponent of the power law", 1.0, 2.0, symbol="n"),
+    ),
+)

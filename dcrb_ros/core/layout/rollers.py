@@ -2,14 +2,35 @@
 
 from __future__ import annotations
 
-from dcrb_ros.core.layout.records import Indices, Lanes
+from dcrb_ros.core.laws.interface import NormalLaw, TractionLaw, fields_of
+from dcrb_ros.core.layout.records import ByLaw, Indices, Lanes
+
+
+class NormalMemory:
+    """Memory of the law of the normal force; its arrays are the fields of `NormalLaw.memory`."""
+
+
+class TractionMemory:
+    """Memory of the law of traction at raceways and between rollers; its arrays are the fields of `TractionLaw.memory`."""
+
+
+class TractionKept:
+    """What that law keeps for the end of the step; its arrays are the fields of `TractionLaw.kept`."""
+
+
+class CageTractionMemory:
+    """Memory of the law of traction at bars and lands."""
+
+
+class CageTractionKept:
+    """What that law keeps for the end of the step."""
 
 
 class RacewayState:
     """What lasts of the rollers' contacts with one raceway from step to step."""
 
-    bristle: Lanes
-    """Bristle deflection [m]."""
+    normal: NormalMemory
+    traction: TractionMemory
     force: Lanes
     """Normal force over the last step [N]."""
     friction: Lanes
@@ -21,8 +42,7 @@ class RacewayState:
 class BarState:
     """What lasts of the rollers' contacts with their bars from step to step."""
 
-    bristle: Lanes
-    """Bristle deflection [m]."""
+    traction: CageTractionMemory
     force: Lanes
     """Normal force over the last step, positive at the bar ahead [N]."""
     impact_speed: Lanes
@@ -32,8 +52,8 @@ class BarState:
 class PairState:
     """What lasts of the contacts of rollers with the next ones, where the bar between them is broken."""
 
-    bristle: Lanes
-    """Bristle deflection [m]."""
+    normal: NormalMemory
+    traction: TractionMemory
     force: Lanes
     """Normal force over the last step [N]."""
 
@@ -41,8 +61,7 @@ class PairState:
 class LandState:
     """What lasts of the contacts of the cages with the outer ring's lands; one element per row."""
 
-    bristle: Lanes
-    """Bristle deflection [m]."""
+    traction: CageTractionMemory
     force: Lanes
     """Normal force over the last step [N]."""
     impact_speed: Lanes
@@ -148,12 +167,11 @@ class RacewayContact:
     """[N]"""
     force_slope: Lanes
     """[N s/m]"""
-    bristle: Lanes
-    """Bristle deflection, at the beginning of the step and then at its end [m]."""
-    relaxation_rate: Lanes
-    """Of the bristle [1/s]."""
-    bristle_weight: Lanes
-    """Weight of the bristle at the beginning in its mean over the step [-]."""
+    normal: NormalMemory
+    """At the beginning of the step, and then at its end."""
+    traction: TractionMemory
+    """At the beginning of the step, and then at its end."""
+    kept: TractionKept
     friction_offset: Lanes
     """[N]"""
     friction_slope: Lanes
@@ -182,12 +200,9 @@ class BarContact:
     """[N]"""
     force_slope: Lanes
     """[N s/m]"""
-    bristle: Lanes
-    """Bristle deflection, at the beginning of the step and then at its end [m]."""
-    relaxation_rate: Lanes
-    """Of the bristle [1/s]."""
-    bristle_weight: Lanes
-    """Weight of the bristle at the beginning in its mean over the step [-]."""
+    traction: CageTractionMemory
+    """At the beginning of the step, and then at its end."""
+    kept: CageTractionKept
     friction_offset: Lanes
     """[N]"""
     friction_slope: Lanes
@@ -310,13 +325,21 @@ class ConformalContacts:
     """Slope of the elastic force over the mean speed of penetration [N s/m]."""
     damping: Lanes
     """[N s/m]"""
-    bristle: Lanes
-    """Bristle deflection at the beginning of the step [m]."""
-    relaxation_rate: Lanes
-    """Of the bristle [1/s]."""
-    bristle_weight: Lanes
-    """Weight of the bristle at the beginning in its mean over the step [-]."""
+    traction: CageTractionMemory
+    """At the beginning of the step."""
+    kept: CageTractionKept
     friction_offset: Lanes
     """Friction per normal force without slip [-]."""
     friction_slope: Lanes
     """Its slope over the slip [s/m]."""
+
+
+def by_law(normal: NormalLaw, traction: TractionLaw, cage_traction: TractionLaw) -> ByLaw:
+    """Return the arrays that the laws of a bearing name in these tables."""
+    return (
+        (NormalMemory, fields_of(normal.memory)),
+        (TractionMemory, fields_of(traction.memory)),
+        (TractionKept, fields_of(traction.kept)),
+        (CageTractionMemory, fields_of(cage_traction.memory)),
+        (CageTractionKept, fields_of(cage_traction.kept)),
+    )

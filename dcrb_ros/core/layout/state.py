@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from dcrb_ros.core.layout.records import Floats, Lanes, OneRecord, empty_record, view_of
+from dcrb_ros.core.layout.records import Floats, Lanes, OneRecord, copy_of_record, empty_record, view_of
 from dcrb_ros.core.layout.rollers import LandState, Rollers
+from dcrb_ros.core.payload import Payload, arrays_by_law
 
 OUTER, INNER, CAGE = 0, 1, 2
 """Bodies that rollers touch: the rings, then the cages row by row."""
@@ -115,12 +116,13 @@ class State(NamedTuple):
         return self.of_rollers(self.rollers[0].outer.force)
 
 
-def empty_state(rows: int, rollers: int) -> State:
-    """Return a state of zeros for ``rows`` rows of ``rollers`` rollers."""
+def empty_state(payload: Payload) -> State:
+    """Return a state of zeros for a bearing."""
+    (rows, rollers), by_law = payload.free.shape, arrays_by_law(payload)
     bodies = CAGE + rows
     return State(
-        rollers=empty_record(Rollers),
-        land=empty_record(LandState),
+        rollers=empty_record(Rollers, by_law),
+        land=empty_record(LandState, by_law),
         position=np.zeros((bodies, 3)),
         velocity=np.zeros((bodies, 3)),
         change=np.zeros((bodies, 3)),
@@ -135,7 +137,6 @@ def empty_state(rows: int, rollers: int) -> State:
 
 def copy_of(state: State) -> State:
     """Return a state with the same values and arrays of its own."""
-    found = empty_state(len(state.position) - CAGE, state.rollers_per_row)
-    for part, other in zip(found[:-1], state[:-1], strict=True):
-        part[...] = other  # type: ignore[index] # a table is a numpy array, too
-    return found
+    tables: dict[str, Any] = {name: copy_of_record(getattr(state, name)) for name in ("rollers", "land")}
+    arrays = {name: part.copy() for name, part in state._asdict().items() if name not in tables and isinstance(part, np.ndarray)}
+    return state._replace(**arrays | tables)

@@ -8,7 +8,7 @@ import numpy as np
 
 from dcrb_ros.core.layout.records import Floats, Integers, OneRecord, empty_record
 from dcrb_ros.core.layout.rollers import BoundRollers, ConformalContacts, RollerStep
-from dcrb_ros.core.payload import Payload
+from dcrb_ros.core.payload import Payload, arrays_by_law
 
 
 class Workspace(NamedTuple):
@@ -41,11 +41,11 @@ class Workspace(NamedTuple):
 
 def workspace(payload: Payload) -> Workspace:
     """Return scratch arrays for a bearing."""
-    rows, rollers = payload.free.shape
+    (rows, rollers), by_law = payload.free.shape, arrays_by_law(payload)
     return Workspace(
-        rollers=empty_record(RollerStep),
-        bound=empty_record(BoundRollers),
-        conformal=empty_record(ConformalContacts),
+        rollers=empty_record(RollerStep, by_law),
+        bound=empty_record(BoundRollers, by_law),
+        conformal=empty_record(ConformalContacts, by_law),
         row_ends=np.zeros(rows, np.int64),
         mean_velocity=np.zeros((2 + rows, 3)),
         heading=np.zeros((rows, 2)),

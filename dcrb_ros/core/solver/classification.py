@@ -8,6 +8,7 @@ touch nothing.
 from __future__ import annotations
 
 from dcrb_ros.core.jit import piece
+from dcrb_ros.core.laws.interface import load_memory, normal_range, store_memory
 from dcrb_ros.core.layout.records import VECTOR
 from dcrb_ros.core.layout.state import CAGE, INNER, OUTER, State
 from dcrb_ros.core.layout.workspace import Workspace
@@ -46,7 +47,9 @@ def classify_rollers(payload: Payload, state: State, work: Workspace, pinned: bo
         state.velocity[OUTER, 0],
         state.velocity[OUTER, 1],
     )
-    inner_reach, outer_reach = payload.inner_raceway_radius + payload.roller_radius, payload.outer_raceway_radius - payload.roller_radius
+    acting = normal_range(payload.normal_law)
+    inner_reach = payload.inner_raceway_radius + payload.roller_radius + acting
+    outer_reach = payload.outer_raceway_radius - payload.roller_radius - acting
     slow_way = h * NEGLIGIBLE_STRIKE * outer_reach
     inner_square, outer_square = inner_reach * inner_reach, outer_reach * outer_reach
     first_at, second_at = (place[CAGE, 0], place[CAGE, 1]), (place[last, 0], place[last, 1])
@@ -113,9 +116,10 @@ def list_bound(payload: Payload, work: Workspace, row: int, found: int) -> int:
 
 
 @piece
-def gather_bound(state: State, work: Workspace, found: int) -> int:
+def gather_bound(payload: Payload, state: State, work: Workspace, found: int) -> int:
     """Copy the bound rollers side by side, filled up to a multiple of `VECTOR`; return how many elements that makes."""
     rollers, step, bound = state.rollers[0], work.rollers[0], work.bound[0]
+    normal_law, traction_law, cage_law = payload.normal_law, payload.traction_law, payload.cage_traction_law
     count = filled(found)
     for k in range(found, count):
         bound.roller[k], bound.row[k] = bound.roller[found - 1], bound.row[found - 1]
@@ -127,8 +131,11 @@ def gather_bound(state: State, work: Workspace, found: int) -> int:
         bound.vx[k], bound.vy[k], bound.spin[k] = rollers.vx[c], rollers.vy[c], rollers.spin[c]
         bound.change_vx[k], bound.change_vy[k] = rollers.change_vx[c], rollers.change_vy[c]
         bound.change_spin[k] = rollers.change_spin[c]
-        bound.inner.bristle[k], bound.outer.bristle[k] = rollers.inner.bristle[c], rollers.outer.bristle[c]
-        bound.bar.bristle[k] = rollers.bar.bristle[c]
+        store_memory(traction_law, bound.inner.traction, k, load_memory(traction_law, rollers.inner.traction, c))
+        store_memory(traction_law, bound.outer.traction, k, load_memory(traction_law, rollers.outer.traction, c))
+        store_memory(normal_law, bound.inner.normal, k, load_memory(normal_law, rollers.inner.normal, c))
+        store_memory(normal_law, bound.outer.normal, k, load_memory(normal_law, rollers.outer.normal, c))
+        store_memory(cage_law, bound.bar.traction, k, load_memory(cage_law, rollers.bar.traction, c))
         bound.inner.last_force[k], bound.outer.last_force[k] = rollers.inner.force[c], rollers.outer.force[c]
     return count
 

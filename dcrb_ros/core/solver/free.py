@@ -9,9 +9,17 @@ from __future__ import annotations
 import math
 
 from dcrb_ros.core.contacts.force_line import elastic, lasting_line
-from dcrb_ros.core.contacts.raceway import notch_depth, raceway_friction
+from dcrb_ros.core.contacts.raceway import notch_depth
 from dcrb_ros.core.jit import piece
-from dcrb_ros.core.laws.lugre import bristle_after
+from dcrb_ros.core.laws.interface import (
+    clear_memory,
+    load_memory,
+    normal_update,
+    scale_memory,
+    store_memory,
+    traction_line,
+    traction_update,
+)
 from dcrb_ros.core.layout.state import OUTER, State
 from dcrb_ros.core.layout.workspace import Workspace
 from dcrb_ros.core.payload import SINK, Payload
@@ -57,9 +65,10 @@ def write_notch_depth(payload: Payload, state: State, work: Workspace, c: int) -
 
 
 @piece
-def advance_free(payload: Payload, state: State, work: Workspace, johnson: bool) -> None:
+def advance_free(payload: Payload, state: State, work: Workspace) -> None:
     """Move all rollers over the step as if none were bound; the results of bound ones are replaced afterwards."""
     rollers, outer, found, h, radius = state.rollers[0], state.rollers[0].outer, work.rollers[0], payload.step, payload.roller_radius
+    site, normal_law, traction_law = payload.outer, payload.normal_law, payload.traction_law
     by_mass, by_inertia = 0.5 * h / payload.roller_mass, 0.5 * h * radius * radius / payload.roller_inertia
     by_radius, fall, reach = 1.0 / radius, by_mass * payload.roller_mass * payload.gravity, payload.outer_raceway_radius - radius
     ring_x, ring_y = state.position[OUTER, 0], state.position[OUTER, 1]
@@ -68,20 +77,21 @@ def advance_free(payload: Payload, state: State, work: Workspace, johnson: bool)
     for c in range(filled(payload.free.size)):
         dx, dy = rollers.x[c] - ring_x, rollers.y[c] - ring_y
         distance = max(math.sqrt(dx * dx + dy * dy), LEAST_DISTANCE)
-        nx, ny, sink, bristle = dx / distance, dy / distance, found.sink_speed[c], outer.bristle[c]
+        nx, ny, sink = dx / distance, dy / distance, found.sink_speed[c]
+        normal_memory, traction_memory = load_memory(normal_law, outer.normal, c), load_memory(traction_law, outer.traction, c)
 
         own_x, own_y, spin = rollers.vx[c], rollers.vy[c], rollers.spin[c]
         vx, vy = own_x + 0.5 * rollers.change_vx[c] - mean_x, own_y + 0.5 * rollers.change_vy[c] - mean_y
         along, rim = vy * nx - vx * ny, radius * spin
         before = (own_x - old_x) * nx + (own_y - old_y) * ny - sink
-        force, stiffness = elastic(distance - reach - found.notch_depth[c], payload.outer_scale, johnson, payload)
+        penetration = distance - reach - found.notch_depth[c]
+        force, stiffness = elastic(normal_law, normal_memory, penetration, site)
         force_offset, force_slope, expected_force, damping, expected_closing = lasting_line(
-            force, stiffness, vx * nx + vy * ny - sink, before, sink, payload
+            payload, normal_memory, site, penetration, force, stiffness, vx * nx + vy * ny - sink, before, sink
         )
         predicted_slip = along + rim + 0.5 * radius * rollers.change_spin[c]
-        offset, slope, relaxation_rate, weight = raceway_friction(
-            predicted_slip, bristle, along, distance, 0.0, expected_force, False, payload
-        )
+        rolling = (along / distance - 0.0) * site.raceway_radius
+        offset, slope, kept = traction_line(traction_law, traction_memory, predicted_slip, rolling, expected_force, site, h)
         friction_offset, friction_slope = offset * expected_force, slope * expected_force
 
         alone_x, alone_y = own_x - mean_x, own_y - fall - mean_y
@@ -92,10 +102,7 @@ def advance_free(payload: Payload, state: State, work: Workspace, johnson: bool)
         fx, fy = normal * nx - friction * ny, normal * ny + friction * nx
         x, y, turned = alone_x - by_mass * fx, alone_y - by_mass * fy, rim - by_inertia * friction
         slip, closing = y * nx - x * ny + turned, x * nx + y * ny - sink
-        bristle, law_force = (
-            bristle_after(bristle, slip, relaxation_rate, weight, h),
-            max(expected_force + damping * (closing - expected_closing), 0.0),
-        )
+        law_force = max(expected_force + damping * (closing - expected_closing), 0.0)
 
         bound = found.bound[c]
         found.force_on_outer_x[c], found.force_on_outer_y[c] = (1.0 - bound) * fx, (1.0 - bound) * fy
@@ -103,7 +110,9 @@ def advance_free(payload: Payload, state: State, work: Workspace, johnson: bool)
         rollers.change_vx[c], rollers.change_vy[c], rollers.change_spin[c] = change_vx, change_vy, change_spin
         rollers.vx[c], rollers.vy[c], rollers.spin[c] = own_x + change_vx, own_y + change_vy, spin + change_spin
         outer.force[c], outer.friction[c], outer.slip[c] = law_force, friction, slip
-        outer.bristle[c] = bristle if expected_force > 0.0 else 0.0
+        traction_memory = traction_update(traction_law, traction_memory, kept, slip, expected_force > 0.0, h)
+        store_memory(traction_law, outer.traction, c, traction_memory)
+        store_memory(normal_law, outer.normal, c, normal_update(normal_law, normal_memory, penetration, closing, h))
         time = h * (1.0 - bound)
         rollers.friction_loss[c] += time * friction * slip
         rollers.contact_loss[c] += time * damping * closing * closing
@@ -118,19 +127,23 @@ def clear_contacts(payload: Payload, state: State, work: Workspace) -> None:
         touching = work.rollers[0].bound[c]
         inner.force[c] *= touching
         inner.friction[c] *= touching
-        inner.bristle[c] *= touching
+        scale_memory(payload.traction_law, inner.traction, c, touching)
+        scale_memory(payload.normal_law, inner.normal, c, touching)
         bar.force[c] *= touching
-        bar.bristle[c] *= touching
+        scale_memory(payload.cage_traction_law, bar.traction, c, touching)
         bar.impact_speed[c] *= touching
 
 
 @piece
-def clear_pinned(state: State, count: int) -> None:
+def clear_pinned(payload: Payload, state: State) -> None:
     """Clear the contacts of all rollers before those of bound ones are written: pinned ones that are not bound touch nothing."""
     rollers, inner, outer = state.rollers[0], state.rollers[0].inner, state.rollers[0].outer
-    for c in range(count):
-        inner.force[c] = inner.friction[c] = inner.bristle[c] = 0.0
-        outer.force[c] = outer.friction[c] = outer.bristle[c] = rollers.change_spin[c] = 0.0
+    for c in range(payload.free.size):
+        inner.force[c] = inner.friction[c] = outer.force[c] = outer.friction[c] = rollers.change_spin[c] = 0.0
+        clear_memory(payload.traction_law, inner.traction, c)
+        clear_memory(payload.normal_law, inner.normal, c)
+        clear_memory(payload.traction_law, outer.traction, c)
+        clear_memory(payload.normal_law, outer.normal, c)
 
 
 @piece

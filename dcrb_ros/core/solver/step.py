@@ -18,7 +18,7 @@ from dcrb_ros.core.jit import kernel, loop, piece
 from dcrb_ros.core.layout.records import Floats
 from dcrb_ros.core.layout.state import OUTER, State
 from dcrb_ros.core.layout.workspace import Workspace
-from dcrb_ros.core.payload import JOHNSON, Payload
+from dcrb_ros.core.payload import Payload
 from dcrb_ros.core.solver.bodies import drift, finish_bodies, move_cage, move_rings, predict_bodies
 from dcrb_ros.core.solver.bound import prepare_bound, solve_bound, sum_bound_forces
 from dcrb_ros.core.solver.classification import apply_pair_forces, bind_special, classify_rollers, gather_bound, list_bound, predict_bound
@@ -66,7 +66,7 @@ def find_bound(payload: Payload, state: State, work: Workspace) -> int:
         work.row_ends[row] = found
     if found == 0:
         return 0
-    count = gather_bound(state, work, found)
+    count = gather_bound(payload, state, work, found)
     predict_bound(payload, state, work, count)
     if payload.any_broken:
         add_pair_contacts(payload, state, work.pair_force)
@@ -78,14 +78,11 @@ def find_bound(payload: Payload, state: State, work: Workspace) -> int:
 def advance_unbound(payload: Payload, state: State, work: Workspace) -> None:
     """Move the rollers that are not bound over the step, where there are such, and sum their forces on the outer ring."""
     if not payload.all_free:
-        clear_pinned(state, payload.free.size)
+        clear_pinned(payload, state)
         return
     if payload.any_notch:
         find_notches(payload, state, work)
-    if payload.contact_law == JOHNSON:
-        advance_free(payload, state, work, True)
-    else:
-        advance_free(payload, state, work, False)
+    advance_free(payload, state, work)
     clear_contacts(payload, state, work)
     sum_free_forces(payload, work)
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dcrb_ros.core.jit import piece
-from dcrb_ros.core.laws.lugre import bristle_after
+from dcrb_ros.core.laws.interface import load_kept, load_memory, normal_update, store_memory, traction_update
 from dcrb_ros.core.layout.records import Floats
 from dcrb_ros.core.layout.rollers import BarContact, BoundRollers, RacewayContact
 from dcrb_ros.core.layout.state import CAGE, INNER, OUTER, State
@@ -13,13 +13,13 @@ from dcrb_ros.core.payload import Payload
 
 @piece
 def update_raceway(
-    bound: BoundRollers, contact: RacewayContact, count: int, mean_x: float, mean_y: float, surface: float, side: float, step: float
+    payload: Payload, bound: BoundRollers, contact: RacewayContact, count: int, mean_x: float, mean_y: float, surface: float, side: float
 ) -> None:
     """Write forces, slips and bristles of the contacts with a ring at the mean velocities found, and their powers.
 
     Those of the inner ring, where ``side`` is 1, begin the sums of a roller's powers, those of the outer are added.
     """
-    first = side > 0.0
+    first, h, normal_law, traction_law = side > 0.0, payload.step, payload.normal_law, payload.traction_law
     for k in range(count):
         nx, ny = contact.normal_x[k], contact.normal_y[k]
         tx, ty = -contact.radial_y[k], contact.radial_x[k]
@@ -29,12 +29,14 @@ def update_raceway(
         normal = contact.force_offset[k] + contact.force_slope[k] * approach
         friction = contact.friction_offset[k] + contact.friction_slope[k] * slip
         sink = contact.sink_speed[k]
-        closing, bristle = approach - sink, contact.bristle[k]
-        after = bristle_after(bristle, slip, contact.relaxation_rate[k], contact.bristle_weight[k], step)
+        closing, memory = approach - sink, load_memory(traction_law, contact.traction, k)
         contact.friction[k], contact.slip[k] = friction, slip
         expected = contact.expected_force[k]
         contact.force[k] = max(expected + contact.damping[k] * (closing - contact.expected_closing[k]), 0.0)
-        contact.bristle[k] = after if expected > 0.0 else 0.0
+        memory = traction_update(traction_law, memory, load_kept(traction_law, contact.kept, k), slip, expected > 0.0, h)
+        store_memory(traction_law, contact.traction, k, memory)
+        own = load_memory(normal_law, contact.normal, k)
+        store_memory(normal_law, contact.normal, k, normal_update(normal_law, own, contact.penetration[k], closing, h))
         friction_power, loss_power = friction * slip, contact.damping[k] * closing * closing
         notch_power, drive_power = normal * sink, side * normal * surface_n - friction * surface
         bound.friction_power[k] = friction_power if first else friction_power + bound.friction_power[k]
@@ -44,9 +46,9 @@ def update_raceway(
 
 
 @piece
-def update_bars(bound: BoundRollers, bar: BarContact, mean_velocity: Floats, count: int, step: float) -> None:
+def update_bars(payload: Payload, bound: BoundRollers, bar: BarContact, mean_velocity: Floats, count: int) -> None:
     """Write forces and bristles of the contacts with bars, and add their powers; ``mean_velocity`` is that of all bodies."""
-    last = mean_velocity.shape[0] - 1
+    last, law = mean_velocity.shape[0] - 1, payload.cage_traction_law
     first_x, first_y, first_turn = mean_velocity[CAGE, 0], mean_velocity[CAGE, 1], mean_velocity[CAGE, 2]
     second_x, second_y, second_turn = mean_velocity[last, 0], mean_velocity[last, 1], mean_velocity[last, 2]
     for k in range(count):
@@ -59,8 +61,8 @@ def update_bars(bound: BoundRollers, bar: BarContact, mean_velocity: Floats, cou
         friction = bar.friction_offset[k] + bar.friction_slope[k] * slip
         force = max(bar.force_offset[k] + bar.force_slope[k] * approach, 0.0)
         bar.force[k] = force if side != 0.0 else 0.0
-        bristle = bristle_after(bar.bristle[k], slip, bar.relaxation_rate[k], bar.bristle_weight[k], step)
-        bar.bristle[k] = bristle if side != 0.0 else 0.0
+        memory, kept = load_memory(law, bar.traction, k), load_kept(law, bar.kept, k)
+        store_memory(law, bar.traction, k, traction_update(law, memory, kept, slip, side != 0.0, payload.step))
         bound.friction_power[k] += friction * slip
         bound.loss_power[k] += bar.damping[k] * approach * approach
 
@@ -69,17 +71,21 @@ def update_bars(bound: BoundRollers, bar: BarContact, mean_velocity: Floats, cou
 def store_bound(payload: Payload, state: State, work: Workspace, count: int) -> None:
     """Write the bound rollers, in ``count`` elements, back into the state."""
     rollers, bound, by_radius, h = state.rollers[0], work.bound[0], 1.0 / payload.roller_radius, payload.step
+    normal_law, traction_law, cage_law = payload.normal_law, payload.traction_law, payload.cage_traction_law
     surface = state.shaft[1] * payload.inner_raceway_radius
-    update_raceway(bound, bound.inner, count, work.mean_velocity[INNER, 0], work.mean_velocity[INNER, 1], surface, 1.0, h)
-    update_raceway(bound, bound.outer, count, work.mean_velocity[OUTER, 0], work.mean_velocity[OUTER, 1], 0.0, -1.0, h)
+    update_raceway(payload, bound, bound.inner, count, work.mean_velocity[INNER, 0], work.mean_velocity[INNER, 1], surface, 1.0)
+    update_raceway(payload, bound, bound.outer, count, work.mean_velocity[OUTER, 0], work.mean_velocity[OUTER, 1], 0.0, -1.0)
     if payload.any_free:
-        update_bars(bound, bound.bar, work.mean_velocity, count, h)
+        update_bars(payload, bound, bound.bar, work.mean_velocity, count)
     for k in range(work.row_ends[work.row_ends.size - 1]):
         c = bound.roller[k]
         rollers.inner.force[c], rollers.outer.force[c] = bound.inner.force[k], bound.outer.force[k]
         rollers.inner.friction[c], rollers.outer.friction[c] = bound.inner.friction[k], bound.outer.friction[k]
         rollers.inner.slip[c], rollers.outer.slip[c] = bound.inner.slip[k], bound.outer.slip[k]
-        rollers.inner.bristle[c], rollers.outer.bristle[c] = bound.inner.bristle[k], bound.outer.bristle[k]
+        store_memory(traction_law, rollers.inner.traction, c, load_memory(traction_law, bound.inner.traction, k))
+        store_memory(traction_law, rollers.outer.traction, c, load_memory(traction_law, bound.outer.traction, k))
+        store_memory(normal_law, rollers.inner.normal, c, load_memory(normal_law, bound.inner.normal, k))
+        store_memory(normal_law, rollers.outer.normal, c, load_memory(normal_law, bound.outer.normal, k))
         rollers.friction_loss[c] += h * bound.friction_power[k]
         rollers.contact_loss[c] += h * bound.loss_power[k]
         rollers.notch_loss[c] += h * bound.notch_power[k]
@@ -89,7 +95,7 @@ def store_bound(payload: Payload, state: State, work: Workspace, count: int) -> 
         rollers.spin[c] = (2.0 * bound.mean_rim[k] - before) * by_radius
         if bound.free[k] > 0.0:
             rollers.bar.force[c] = bound.bar.side[k] * bound.bar.force[k]
-            rollers.bar.bristle[c] = bound.bar.bristle[k]
+            store_memory(cage_law, rollers.bar.traction, c, load_memory(cage_law, bound.bar.traction, k))
             rollers.bar.impact_speed[c] = bound.bar.impact_speed[k]
             x, y = bound.mean_vx[k], bound.mean_vy[k]
             rollers.change_vx[c], rollers.change_vy[c] = 2.0 * (x - bound.vx[k]), 2.0 * (y - bound.vy[k])

@@ -19,19 +19,19 @@ CAGE_HARMONICS = np.arange(1.0, 14.0)
 class CageParameters(Group):
     """Thresholds of the lines at k FTF."""
 
-    cage_depth: float = quantity(
-        0.08, "-", "Share of the mean squared envelope that the comb at k FTF must have; healthy up to 0.06", 0.0, 2.0
+    cage_depth: float = quantity(0.08, "-", "Modulation depth required of the lines at k FTF; healthy bearings have up to 0.06", 0.0, 2.0)
+    cage_level: float = quantity(
+        6.0, "dB", "Level over background required of the lines at k FTF; healthy bearings have up to 3", 0.0, 60.0
     )
-    cage_level: float = quantity(6.0, "dB", "Comb at k FTF over its background; healthy up to 3", 0.0, 60.0)
     comb_shadow: float = quantity(
-        0.7, "-", "The same for the comb at k FTF, whose teeth stand near every line; real ones rise well above it", 0.1, 100.0
+        0.7, "-", "Ratio of modulation depths from which lines at k FTF explain lines of another component in the same band", 0.1, 100.0
     )
 
 
 class Cage(LineRule[CageParameters]):
     """Harmonics of FTF by their modulation depth, which no gain of the sensor changes."""
 
-    component, name, parameters = "cage", "the comb at FTF", CageParameters
+    component, name, parameters = "cage", "FTF with its harmonics", CageParameters
 
     def bands(self, evidence: Evidence) -> Sequence[BandEvidence]:
         """Return all bands: below the detector's band, the varying compliance carries the rhythm of the cage."""

@@ -22,11 +22,13 @@ class DeadParameters(Group):
     """Thresholds for noise."""
 
     dead_level: float = quantity(
-        6.0, "dB", "Power density from 200 to 2000 Hz over that near the Nyquist frequency; a turning bearing has 12 and more", 0.0, 60.0
+        6.0,
+        "dB",
+        "Power density at 200 to 2000 Hz relative to that near the Nyquist frequency, below which it is noise; bearings have 12",
+        0.0,
+        60.0,
     )
-    dead_kurtosis: float = quantity(
-        4.0, "-", "Kurtosis below which a flat spectrum is noise, which has 3; impacts have 6 and more", 3.0, 100.0
-    )
+    dead_kurtosis: float = quantity(4.0, "-", "Kurtosis below which a flat spectrum is noise, which has 3; impacts have 6", 3.0, 100.0)
 
 
 class Dead(SampleRule[DeadParameters]):
@@ -38,7 +40,7 @@ class Dead(SampleRule[DeadParameters]):
         for axis, column in evidence.axes:
             level = self._level_of_noise(column, evidence.rate)
             if level is not None and level < self.p.dead_level:
-                return f"the acceleration in {axis} is noise, only {level:.1f} dB louder where a bearing is heard: the sensor is dead"
+                return f"the acceleration in {axis} is noise, only {level:.1f} dB stronger at 200 to 2000 Hz: the sensor is dead"
         return ""
 
     def _level_of_noise(self, column: Floats, rate: int) -> float | None:

@@ -12,9 +12,13 @@ from dcrb_ros.schema.fields import Group, quantity
 class GainDriftParameters(Group):
     """Thresholds for a common fall of all bands."""
 
-    gain_drop: float = quantity(3.0, "dB", "Fall of all bands at the same speed from which the sensor's gain is blamed", 0.5, 60.0)
+    gain_drop: float = quantity(3.0, "dB", "Decrease of all bands at the same speed that indicates a falling gain of the sensor", 0.5, 60.0)
     gain_spread: float = quantity(
-        0.25, "-", "Largest difference between the bands' falls over their mean; a gain has 0.2, a change of load 0.3 and more", 0.01, 10.0
+        0.25,
+        "-",
+        "Largest difference between the decreases of the bands relative to their mean; a gain causes 0.2, a change of load 0.3",
+        0.01,
+        10.0,
     )
 
 
@@ -36,4 +40,4 @@ class GainDrift(LevelRule[GainDriftParameters]):
         together = len(change) > 1 and fall >= self.p.gain_drop and float(np.ptp(change)) <= self.p.gain_spread * fall
         # Further down the noise of the sensor dominates in the weaker bands, and they no longer fall together.
         self._low = together or (self._low and float(change.max()) <= -self.p.gain_drop)
-        return f"all bands have fallen by {fall:.1f} dB at the same speed: the sensor's gain drifts" if self._low else ""
+        return f"all bands have decreased by {fall:.1f} dB at the same speed: the gain of the sensor drifts" if self._low else ""

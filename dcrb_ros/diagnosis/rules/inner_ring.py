@@ -18,9 +18,11 @@ class InnerRingParameters(ShadowParameters):
     """Thresholds of BPFI lines."""
 
     inner_depth: float = quantity(
-        0.08, "-", "Share of the mean squared envelope that BPFI lines with sidebands must have; healthy up to 0.06", 0.0, 2.0
+        0.08, "-", "Modulation depth required of BPFI lines with sidebands; healthy bearings have up to 0.06", 0.0, 2.0
     )
-    inner_level: float = quantity(7.0, "dB", "BPFI lines with sidebands over their background; healthy up to 3", 0.0, 60.0)
+    inner_level: float = quantity(
+        7.0, "dB", "Level over background required of BPFI lines with sidebands; healthy bearings have up to 3", 0.0, 60.0
+    )
 
 
 class InnerRing(LineRule[InnerRingParameters]):

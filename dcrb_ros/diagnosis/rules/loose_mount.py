@@ -13,13 +13,13 @@ class LooseMountParameters(Group):
     loose_level: float = quantity(
         -23.0,
         "dB",
-        "Power of the band's third quarter over that of the band below it, under which a mounting may be loose; healthy down to -22",
+        "Power of the third quarter of the band relative to the band below it, under which a mount may be loose; healthy down to -22",
         -120.0,
         0.0,
     )
-    loose_drop: float = quantity(8.0, "dB", "Fall of that level since it was highest from which the mounting is loose", 1.0, 60.0)
+    loose_drop: float = quantity(8.0, "dB", "Decrease of that level from its highest value that indicates a loose mount", 1.0, 60.0)
     firm_level: float = quantity(
-        -60.0, "dB", "That level of a firm sensor, where the first seconds must not decide; a rigid mount has -10", -120.0, 60.0
+        -60.0, "dB", "That level for a firm mount, if the first seconds must not define it; a rigid mount has -10", -120.0, 60.0
     )
 
 
@@ -39,6 +39,5 @@ class LooseMount(LevelRule[LooseMountParameters]):
         self._highest = max(self._highest, level)
         if level > self.p.loose_level or level > self._highest - self.p.loose_drop:
             return ""
-        return (
-            f"the high band has fallen to {-level:.1f} dB below the low one, from {-self._highest:.1f} dB: the sensor's mounting is loose"
-        )
+        change = f"from {-self._highest:.1f} to {-level:.1f} dB below the band under the detector's"
+        return f"the third quarter of the band has decreased {change}: the mount of the sensor is loose"

@@ -10,7 +10,9 @@ from dcrb_ros.schema.fields import Group, quantity
 class NotFiniteParameters(Group):
     """Threshold for samples that are not finite."""
 
-    most_senseless: float = quantity(0.01, "-", "Share of a hop that may be no finite numbers before the sensor is blamed", 0.0, 1.0)
+    most_senseless: float = quantity(
+        0.01, "-", "Largest share of samples in a hop that are not finite numbers; more indicate a sensor fault", 0.0, 1.0
+    )
 
 
 class NotFinite(SampleRule[NotFiniteParameters]):
@@ -22,4 +24,4 @@ class NotFinite(SampleRule[NotFiniteParameters]):
     def flaw(self, evidence: SampleEvidence) -> str:
         if evidence.not_finite <= self.p.most_senseless * evidence.count:
             return ""
-        return f"{evidence.not_finite} of {evidence.count} samples are no finite numbers"
+        return f"{evidence.not_finite} of {evidence.count} samples are not finite numbers"

@@ -21,26 +21,30 @@ class OuterRingParameters(Group):
     """Limits of BPFO lines, and how they are learned."""
 
     outer_limit: float = quantity(
-        38.0, "m/s^2", "BPFO lines in the whole band from which an outer-ring defect is named, at 20 Hz; healthy up to 26", 0.0, 1e6
+        38.0,
+        "m/s^2",
+        "BPFO lines in the whole band, scaled to 20 Hz, from which they indicate a defect; healthy bearings have up to 26",
+        0.0,
+        1e6,
     )
     outer_limit_high: float = quantity(
         12.0,
         "m/s^2",
-        "BPFO lines in the band's upper quarter from which it is named, at 20 Hz; healthy up to 5, 10 by a mount that rings",
+        "The same for the upper quarter of the band; healthy bearings have up to 5, with a resonant mount up to 10",
         0.0,
         1e6,
     )
     outer_depth: float = quantity(
-        0.3, "-", "Share of the mean squared envelope that BPFO lines of a defect must have; noise has 0.05", 0.0, 2.0
+        0.3, "-", "Modulation depth required of BPFO lines, relative to the mean squared envelope; noise has 0.05", 0.0, 2.0
     )
     learn: float = quantity(
         0.0,
         "s",
-        "Time from the first judgement over which the bearing is taken for healthy and raises the outer limits; 0 for none",
+        "Time from the first verdict during which the bearing is assumed healthy and the limits of the outer ring are learned; 0 for none",
         0.0,
         1e5,
     )
-    learn_margin: float = quantity(4.0, "dB", "Margin over the largest BPFO lines that were learned", 0.0, 40.0)
+    learn_margin: float = quantity(4.0, "dB", "Margin of learned limits over the largest BPFO lines", 0.0, 40.0)
 
 
 class OuterRing(LineRule[OuterRingParameters]):
@@ -76,7 +80,7 @@ class OuterRing(LineRule[OuterRingParameters]):
         limit = self._limit(band, evidence)
         if limit == 0.0:
             return super().reason(lines, band, evidence)
-        size = f"has {lines.amplitude**0.5:.3g} m/s^2 at 20 Hz where {limit:g} is a defect"
+        size = f"has {lines.amplitude**0.5:.3g} m/s^2 at 20 Hz where {limit:g} indicates a defect"
         return f"{self._place(lines)} {size}, {self._level(lines, band)}"
 
     def settled(self, finding: Finding, evidence: Evidence) -> Finding:
@@ -96,4 +100,4 @@ class OuterRing(LineRule[OuterRingParameters]):
     @property
     def remark(self) -> str:
         """How long the limits are still learned."""
-        return f"learning for {self._remaining:.1f} s more: outer-ring defects are not named yet" if self._remaining > 0.0 else ""
+        return f"learning for another {self._remaining:.1f} s: outer-ring defects are not reported yet" if self._remaining > 0.0 else ""

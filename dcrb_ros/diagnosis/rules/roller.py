@@ -18,9 +18,11 @@ class RollerParameters(ShadowParameters):
     """Thresholds of 2 BSF lines."""
 
     roller_depth: float = quantity(
-        0.2, "-", "Share of the mean squared envelope that 2 BSF lines with cage sidebands must have; healthy up to 0.07", 0.0, 2.0
+        0.2, "-", "Modulation depth required of 2 BSF lines with cage sidebands; healthy bearings have up to 0.07", 0.0, 2.0
     )
-    roller_level: float = quantity(7.0, "dB", "2 BSF lines with cage sidebands over their background; healthy up to 3", 0.0, 60.0)
+    roller_level: float = quantity(
+        7.0, "dB", "Level over background required of 2 BSF lines with cage sidebands; healthy bearings have up to 3", 0.0, 60.0
+    )
 
 
 class Roller(LineRule[RollerParameters]):

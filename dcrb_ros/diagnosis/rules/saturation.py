@@ -1,4 +1,4 @@
-"""A sensor that saturates: samples that stay at a limit."""
+"""A saturated sensor: samples are clipped."""
 
 from __future__ import annotations
 
@@ -16,10 +16,14 @@ class SaturationParameters(Group):
     """Thresholds for clipped samples."""
 
     most_clipped: float = quantity(
-        0.15, "-", "Share of a hop at the ends of the range before the sensor is blamed; strikes of a defect reach 0.1", 0.0, 1.0
+        0.15, "-", "Largest share of clipped samples in a hop; more indicate a sensor fault, impacts of a defect clip up to 0.1", 0.0, 1.0
     )
-    least_clipped: float = quantity(0.0005, "-", "Share of a hop at a limit below the range before the sensor is blamed", 0.0, 1.0)
-    range_share: float = quantity(0.9, "-", "Limit over the sensor's range below which it is a fault", 0.0, 1.0)
+    least_clipped: float = quantity(
+        0.0005, "-", "Largest share of samples clipped below the range in a hop; more indicate a sensor fault", 0.0, 1.0
+    )
+    range_share: float = quantity(
+        0.9, "-", "Clipping level relative to the sensor's range below which it indicates a sensor fault", 0.0, 1.0
+    )
 
 
 class Saturation(SampleRule[SaturationParameters]):
@@ -45,5 +49,6 @@ class Saturation(SampleRule[SaturationParameters]):
             below_range = limit < self.p.range_share * evidence.sensor_range
             if share > self.p.most_clipped or (share > self.p.least_clipped and below_range):
                 known = f" where its range is {evidence.sensor_range:g}" if evidence.sensor_range else ""
-                return f"the acceleration in {axis} stands at {limit:.3g} m/s^2{known} for {share:.1%} of the time: the sensor saturates"
+                level = f"{limit:.3g} m/s^2{known} for {share:.1%} of the time"
+                return f"the acceleration in {axis} is clipped at {level}: the sensor is saturated"
         return ""

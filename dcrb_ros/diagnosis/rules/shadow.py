@@ -11,7 +11,7 @@ class ShadowParameters(Group):
     shadow: float = quantity(
         2.0,
         "-",
-        "Ratio of depths from which BPFI or 2 BSF lines explain a fault's that are found beside them, in the same band",
+        "Ratio of modulation depths from which BPFI or 2 BSF lines explain lines of another component in the same band",
         0.1,
         100.0,
     )

@@ -11,7 +11,7 @@ class SilenceParameters(Group):
     """Least level of a turning bearing."""
 
     silence: float = quantity(
-        1e-3, "m/s^2", "RMS that some band must reach at 20 Hz, or the sensor is dead; the softest healthy bearing has 0.2", 0.0, 10.0
+        1e-3, "m/s^2", "RMS at 20 Hz that at least one band of a working sensor has; the quietest healthy bearing has 0.2", 0.0, 10.0
     )
 
 
@@ -24,4 +24,4 @@ class Silence(LevelRule[SilenceParameters]):
         # The mean squared envelope is twice the power.
         if not 0.0 < float(evidence.powers.max()) < 2.0 * self.p.silence**2:
             return ""
-        return f"no band holds more than {self.p.silence:g} m/s^2: the sensor is dead, or the signal below its resolution"
+        return f"no band has more than {self.p.silence:g} m/s^2: the sensor is dead, or the signal is below its resolution"

@@ -17,12 +17,16 @@ BEFORE = 4
 class SpikeParameters(Group):
     """Shape and number of spikes."""
 
-    spike_height: float = quantity(25.0, "-", "Jump within a sample over the median size of the samples that may be a spike", 5.0, 1e4)
-    spike_quiet: float = quantity(0.12, "-", "Share of a spike's height that the samples before it reach; a blow has a rise", 0.0, 1.0)
-    spike_front: float = quantity(0.9, "-", "Share of a spike's height that it reaches within one sample; a shock takes several", 0.0, 1.0)
-    spike_swing: float = quantity(0.15, "-", "Share of a spike's height by which it swings to the other side; a blow rings", 0.0, 1.0)
-    spike_time: float = quantity(0.001, "s", "Time within which a blow on the bearing swings back and a spike does not", 1e-5, 0.1)
-    most_spikes: int = quantity(3, "spikes", "Spikes in a window from which the cable is blamed", 1, 100000)
+    spike_height: float = quantity(
+        25.0, "-", "Jump within one sample, relative to the median magnitude of the samples, that may be a spike", 5.0, 1e4
+    )
+    spike_quiet: float = quantity(0.12, "-", "Largest magnitude before a spike relative to its height; an impact has a rise", 0.0, 1.0)
+    spike_front: float = quantity(0.9, "-", "Share of its height that a spike reaches within one sample; an impact takes several", 0.0, 1.0)
+    spike_swing: float = quantity(
+        0.15, "-", "Largest overshoot of a spike to the other side relative to its height; an impact rings", 0.0, 1.0
+    )
+    spike_time: float = quantity(0.001, "s", "Time within which an impact on the bearing overshoots and a spike does not", 1e-5, 0.1)
+    most_spikes: int = quantity(3, "spikes", "Number of spikes in a window that indicates a loose cable", 1, 100000)
 
 
 class Spikes(SampleRule[SpikeParameters]):
@@ -41,7 +45,7 @@ class Spikes(SampleRule[SpikeParameters]):
         self._counts = [*self._counts, count][-evidence.hops :]
         if sum(self._counts) < self.p.most_spikes or not count:
             return ""
-        return f"{sum(self._counts)} spikes that no body could follow are in the window: a cable or its plug is loose"
+        return f"{sum(self._counts)} spikes without ringing in the window: a cable or its plug is loose"
 
 
 def count_spikes(column: Floats, after: int, p: SpikeParameters) -> int:

@@ -1,4 +1,4 @@
-"""A sensor that sticks: one value repeated for a while, again and again."""
+"""A stuck sensor: the same value is repeated."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ from dcrb_ros.schema.fields import Group, quantity
 class StuckParameters(Group):
     """Thresholds for repeated values."""
 
-    stuck_time: float = quantity(0.001, "s", "Time for which one value must stand to count as stuck", 1e-5, 1.0)
-    stuck_share: float = quantity(0.03, "-", "Share of a hop that may be stuck before the sensor is blamed", 0.0, 1.0)
+    stuck_time: float = quantity(0.001, "s", "Time for which a value must repeat to count as stuck", 1e-5, 1.0)
+    stuck_share: float = quantity(0.03, "-", "Largest share of stuck samples in a hop; more indicate a sensor fault", 0.0, 1.0)
 
 
 class Stuck(SampleRule[StuckParameters]):
@@ -30,7 +30,7 @@ class Stuck(SampleRule[StuckParameters]):
             long = (lengths >= least) & (np.abs(column[ends]) < max(float(column.max()), -float(column.min())))
             share = float(lengths[long].sum()) / len(column)
             if share > self.p.stuck_share:
-                return f"the acceleration in {axis} repeats itself for {share:.0%} of the time: the sensor sticks"
+                return f"the acceleration in {axis} repeats the same value for {share:.0%} of the time: the sensor is stuck"
         return ""
 
 

@@ -12,7 +12,7 @@ class AcCouplingParameters(Group):
     """Corner frequency of the coupling."""
 
     ac_coupling: float = quantity(
-        0.0, "Hz", "First-order high-pass of the supply, -3 dB; 0 for a sensor that sees constant acceleration", 0.0, 100.0
+        0.0, "Hz", "AC coupling: -3 dB frequency of a first-order high-pass; 0 for a sensor that measures constant acceleration", 0.0, 100.0
     )
 
 

@@ -13,7 +13,7 @@ from dcrb_ros.schema.fields import Group, quantity
 class AdcParameters(Group):
     """Resolution of the ADC."""
 
-    adc_bits: int = quantity(24, "bit", "Resolution of the converter over the range; 0 for none", 0, 32, run_time=True)
+    adc_bits: int = quantity(24, "bit", "Resolution of the ADC over the range; 0 for no rounding", 0, 32, run_time=True)
 
 
 class Adc(Stage):

@@ -30,20 +30,34 @@ class BackgroundParameters(Group):
     """Levels of wheel, track and look-alike impacts."""
 
     unbalance: float = quantity(
-        0.0, "m", "Unbalance: amplitude over the square of the shaft speed; 1e-4 is 1.6 m/s^2 at 1200 rpm", 0.0, 0.01, run_time=True
+        0.0,
+        "m",
+        "Unbalance: acceleration amplitude over the square of the shaft speed; 1e-4 gives 1.6 m/s^2 at 1200 rpm",
+        0.0,
+        0.01,
+        run_time=True,
     )
-    joint_level: float = quantity(0.0, "m/s^2", "Peak of a rail joint's pulse at 72 km/h; grows with the speed", 0.0, 1e4, run_time=True)
+    joint_level: float = quantity(
+        0.0, "m/s^2", "Peak acceleration at a rail joint at 72 km/h; proportional to the speed", 0.0, 1e4, run_time=True
+    )
     joint_spacing: float = quantity(25.0, "m", "Distance between rail joints", 1.0, 1000.0)
     flat_level: float = quantity(
-        0.0, "m/s^2", "Peak of a wheel flat's pulse at 72 km/h, once a turn; grows with the speed", 0.0, 1e4, run_time=True
+        0.0,
+        "m/s^2",
+        "Peak acceleration of a wheel flat, once per revolution, at 72 km/h; proportional to the speed",
+        0.0,
+        1e4,
+        run_time=True,
     )
     track_level: float = quantity(
-        0.0, "m/s^2", "Random track noise at 72 km/h, rms per axis; grows with the speed", 0.0, 1e3, run_time=True
+        0.0, "m/s^2", "Random track excitation, rms per axis, at 72 km/h; proportional to the speed", 0.0, 1e3, run_time=True
     )
-    track_low: float = quantity(20.0, "Hz", "Lower edge of the track noise", 1.0, 20000.0)
-    track_high: float = quantity(1500.0, "Hz", "Upper edge of the track noise", 2.0, 40000.0)
-    impact_rate: float = quantity(0.0, "1/s", "Look-alike impacts a second, at random times", 0.0, 1000.0, run_time=True)
-    impact_level: float = quantity(200.0, "m/s^2", "Mean peak of a look-alike impact, 0.1 ms long", 0.0, 1e5, run_time=True)
+    track_low: float = quantity(20.0, "Hz", "Lower edge of the track excitation", 1.0, 20000.0)
+    track_high: float = quantity(1500.0, "Hz", "Upper edge of the track excitation", 2.0, 40000.0)
+    impact_rate: float = quantity(
+        0.0, "1/s", "Impacts per second, at random times, that resemble those of a defect", 0.0, 1000.0, run_time=True
+    )
+    impact_level: float = quantity(200.0, "m/s^2", "Mean peak of these impacts, which last 0.1 ms", 0.0, 1e5, run_time=True)
 
 
 class Background(Stage):
@@ -69,7 +83,7 @@ class Background(Stage):
         yield from above_step_rate("background.track_high", levels.track_high, step_rate)
         if levels.track_high < NARROWEST_BAND * levels.track_low:
             yield (
-                f"background.track_high = {levels.track_high:g} Hz is not {NARROWEST_BAND:g} times "
+                f"background.track_high = {levels.track_high:g} Hz is less than {NARROWEST_BAND:g} times "
                 f"background.track_low = {levels.track_low:g} Hz: make the band wider"
             )
 

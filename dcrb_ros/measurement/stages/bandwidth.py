@@ -16,7 +16,7 @@ LOWEST_BANDWIDTH = 10.0
 class BandwidthParameters(Group):
     """Bandwidth of the sensor."""
 
-    bandwidth: float = quantity(0.0, "Hz", "Second-order low-pass of the sensor, -3 dB; 0 for none", 0.0, 90000.0)
+    bandwidth: float = quantity(0.0, "Hz", "Bandwidth of the sensor: -3 dB frequency of a second-order low-pass; 0 for none", 0.0, 90000.0)
 
 
 class Bandwidth(Stage):
@@ -34,7 +34,7 @@ class Bandwidth(Stage):
         bandwidth = parameters[BandwidthParameters].bandwidth
         yield from above_step_rate("sensor.bandwidth", bandwidth, step_rate)
         if 0.0 < bandwidth < LOWEST_BANDWIDTH:
-            yield f"sensor.bandwidth = {bandwidth:g} Hz is below {LOWEST_BANDWIDTH:g} Hz: give 0.0 for no low-pass or more, it is in Hz"
+            yield f"sensor.bandwidth = {bandwidth:g} Hz is below {LOWEST_BANDWIDTH:g} Hz: give 0.0 for no low-pass, or more Hz"
 
     @property
     def active(self) -> bool:

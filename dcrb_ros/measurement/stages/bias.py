@@ -13,8 +13,8 @@ from dcrb_ros.schema.fields import Group, quantity
 class BiasParameters(Group):
     """Offset and drift."""
 
-    bias: float = quantity(0.0, "m/s^2", "Constant offset of both axes", -1e4, 1e4)
-    bias_drift: float = quantity(0.0, "m/s^2/sqrt(s)", "Random walk of the offset: rms after one second", 0.0, 100.0)
+    bias: float = quantity(0.0, "m/s^2", "Constant bias of both axes", -1e4, 1e4)
+    bias_drift: float = quantity(0.0, "m/s^2/sqrt(s)", "Random walk of the bias: rms after one second", 0.0, 100.0)
 
 
 class Bias(Stage):

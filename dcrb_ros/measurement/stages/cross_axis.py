@@ -10,7 +10,9 @@ from dcrb_ros.schema.fields import Group, quantity
 class CrossAxisParameters(Group):
     """Cross-axis sensitivity."""
 
-    cross_axis: float = quantity(0.0, "-", "Cross-axis sensitivity: share of the other axis", 0.0, 0.5, remedy="give a share, not per cent")
+    cross_axis: float = quantity(
+        0.0, "-", "Cross-axis sensitivity: share of the other axis in each signal", 0.0, 0.5, remedy="give a share, not per cent"
+    )
 
 
 class CrossAxis(Stage):

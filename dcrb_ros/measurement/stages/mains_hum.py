@@ -18,7 +18,7 @@ SECOND, THIRD = 0.5, 0.33
 class HumParameters(Group):
     """Level and frequency of the hum."""
 
-    hum_level: float = quantity(0.0, "m/s^2", "Mains hum in the cable: amplitude of the fundamental", 0.0, 1e3, run_time=True)
+    hum_level: float = quantity(0.0, "m/s^2", "Mains hum in the cable: amplitude of its fundamental", 0.0, 1e3, run_time=True)
     hum_frequency: float = quantity(50.0, "Hz", "Mains frequency", 10.0, 500.0, remedy="50, 60 or 16.7 Hz")
 
 

@@ -21,7 +21,7 @@ LOWEST_FREQUENCY = 100.0
 class MountParameters(Group):
     """Resonance of the mounted sensor."""
 
-    mount_frequency: float = quantity(0.0, "Hz", "Resonance of the sensor on its mount; 0 for rigid", 0.0, 90000.0)
+    mount_frequency: float = quantity(0.0, "Hz", "Resonance frequency of the sensor on its mount; 0 for a rigid mount", 0.0, 90000.0)
     mount_damping: float = quantity(0.05, "-", "Damping ratio of that resonance", 0.001, 1.0)
 
 
@@ -42,7 +42,7 @@ class Mount(Stage):
         if 0.0 < frequency < LOWEST_FREQUENCY:
             yield (
                 f"sensor.mount_frequency = {frequency:g} Hz is below {LOWEST_FREQUENCY:g} Hz: "
-                "give 0.0 for a rigid mount or more, it is in Hz"
+                "give 0.0 for a rigid mount, or a higher frequency in Hz"
             )
 
     def set_parameters(self, parameters: Parameters, tick: int) -> None:

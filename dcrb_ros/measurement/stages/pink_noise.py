@@ -14,7 +14,12 @@ class PinkNoiseParameters(Group):
     """Density of the 1/f noise."""
 
     pink_noise_ug: float = quantity(
-        0.0, "ug/sqrt(Hz)", "1/f noise: density at 1 Hz, falling with the root of the frequency", 0.0, 1e6, run_time=True
+        0.0,
+        "ug/sqrt(Hz)",
+        "1/f noise: density at 1 Hz; the density is inversely proportional to the square root of the frequency",
+        0.0,
+        1e6,
+        run_time=True,
     )
 
 

@@ -31,15 +31,15 @@ class StructureParameters(Group):
     """Modes of the axle box."""
 
     modes: int = quantity(
-        0, "-", "Modes of the axle box drawn by structure.seed, 500 to 8000 Hz, damping 1 to 5 %; 0 for a rigid path", 0, MOST_MODES
+        0, "-", "Number of modes of the axle box drawn at random, 500 to 8000 Hz, damping 1 to 5 %; 0 for a rigid path", 0, MOST_MODES
     )
-    seed: int = quantity(1, "-", "Seed of the axle box; the same box for every simulation.seed", 0, 2**31 - 1)
-    frequencies: str = choice("", "Natural frequencies of given modes [Hz], such as '900, 2300, 5200', in place of drawn ones")
-    dampings: str = choice("", "Damping ratio of each given mode [-], such as '0.02, 0.03, 0.01'; empty for 0.02 each")
+    seed: int = quantity(1, "-", "Seed of the random modes, independent of simulation.seed", 0, 2**31 - 1)
+    frequencies: str = choice("", "Natural frequencies of the modes [Hz], such as '900, 2300, 5200', instead of random ones")
+    dampings: str = choice("", "Damping ratios of these modes [-], such as '0.02, 0.03, 0.01'; empty for 0.02 each")
     coupling: float = quantity(
         0.7,
         "-",
-        "Share of the acceleration that goes through the modes; the rest goes straight",
+        "Share of the acceleration transmitted by the modes; the rest is transmitted directly",
         0.0,
         1.0,
         remedy="give a share, not per cent",
@@ -69,7 +69,7 @@ class AxleBox(Stage):
         yield from _outside("structure.frequencies", frequencies, FREQUENCY_RANGE, " Hz")
         yield from _outside("structure.dampings", dampings, DAMPING_RANGE, "")
         if dampings and len(dampings) != len(frequencies):
-            yield f"structure.dampings has {len(dampings)} numbers for {len(frequencies)} structure.frequencies: give one each, or none"
+            yield f"structure.dampings has {len(dampings)} numbers for {len(frequencies)} structure.frequencies: give one for each, or none"
 
     @property
     def active(self) -> bool:
@@ -124,7 +124,7 @@ def numbers(text: str, key: str) -> list[float]:
     try:
         return [float(word) for word in words]
     except ValueError:
-        raise ValueError(f"{key}: '{text}' is no list of numbers; write them with commas, such as '900, 2300'") from None
+        raise ValueError(f"{key}: '{text}' is not a list of numbers: separate them by commas, such as '900, 2300'") from None
 
 
 def _outside(key: str, found: list[float], span: tuple[float, float], unit: str) -> Iterator[str]:
@@ -133,4 +133,4 @@ def _outside(key: str, found: list[float], span: tuple[float, float], unit: str)
         if not low <= value <= high:
             yield f"{key}: {value:g}{unit} is outside {low:g} .. {high:g}{unit}"
     if len(found) > MOST_MODES:
-        yield f"{key} has {len(found)} numbers; {MOST_MODES} are the most"
+        yield f"{key} has {len(found)} numbers; at most {MOST_MODES} are allowed"

@@ -18,14 +18,19 @@ class WhiteNoiseParameters(Group):
     noise_density: float = quantity(
         2e-3,
         "m/s^2/sqrt(Hz)",
-        "White noise density (IEPE: 0.5e-3 to 4e-3, that is 50 to 400 ug/sqrt(Hz))",
+        "White noise density; IEPE sensors have 0.5e-3 to 4e-3, that is 50 to 400 ug/sqrt(Hz)",
         0.0,
         10.0,
         remedy="100 ug/sqrt(Hz) is 0.00098 m/s^2/sqrt(Hz)",
         run_time=True,
     )
     white_noise_ug: float = quantity(
-        0.0, "ug/sqrt(Hz)", "White noise density as data sheets give it; its power adds to that of noise_density", 0.0, 1e6, run_time=True
+        0.0,
+        "ug/sqrt(Hz)",
+        "White noise density in the unit of data sheets; its power is added to that of noise_density",
+        0.0,
+        1e6,
+        run_time=True,
     )
 
 

@@ -9,7 +9,7 @@ from dcrb_ros.messages.topic import Topic
 BENCH_DIAGNOSTICS = Topic(
     "/diagnostics",
     DIAGNOSTICS,
-    "the bench itself, 1 Hz: paused or running, time scale, real-time factor, late blocks, refused commands, recorder, residual of the "
-    "energy account",
+    "state of the simulator, 1 Hz: paused or running, time scale, real-time factor, late blocks, rejected commands, recorder, residual of "
+    "the energy account",
     decode=decode_diagnostics,
 )

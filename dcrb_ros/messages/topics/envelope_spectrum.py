@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from dcrb_ros.diagnosis.diagnosis import Diagnosis
 from dcrb_ros.messages.cdr import POINT_CLOUD
 from dcrb_ros.messages.points import decode_spectrum, encode_spectrum
 from dcrb_ros.messages.topic import DetectedTopic
+from dcrb_ros.stream.diagnosis import Diagnosis
 
 
 def _encode(diagnosis: Diagnosis) -> bytes | None:
@@ -16,7 +16,7 @@ def _encode(diagnosis: Diagnosis) -> bytes | None:
 ENVELOPE_SPECTRUM = DetectedTopic(
     "envelope_spectrum",
     POINT_CLOUD,
-    "the detector's spectrum: `frequency` [Hz], `order` [-], `amplitude` [m/s²]",
+    "squared envelope spectrum of the detector: `frequency` [Hz], `order` [-], `amplitude` [m/s²]",
     decode=decode_spectrum,
     encode=_encode,
     recorded=False,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dcrb_ros.messages.cdr import JOINT_STATE
 from dcrb_ros.messages.joints import decode_joints, encode_features
 from dcrb_ros.messages.topic import Encoded, SimulatedTopic, Source
-from dcrb_ros.simulation.block import Block
+from dcrb_ros.stream.block import Block
 
 
 def _encode(block: Block, source: Source) -> Encoded:
@@ -15,7 +15,7 @@ def _encode(block: Block, source: Source) -> Encoded:
 FEATURES = SimulatedTopic(
     "outer_ring/features",
     JOINT_STATE,
-    "of each block: rms, peak, crest factor and kurtosis of `ay`, clipped samples of both axes",
+    "per block: rms, peak, crest factor and kurtosis of `ay`, clipped samples of both axes",
     decode=decode_joints,
     encode=_encode,
 )

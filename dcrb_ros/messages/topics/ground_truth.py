@@ -5,7 +5,7 @@ from __future__ import annotations
 from dcrb_ros.messages.cdr import DIAGNOSTICS
 from dcrb_ros.messages.statuses import decode_truth, encode_truth
 from dcrb_ros.messages.topic import Encoded, SimulatedTopic, Source
-from dcrb_ros.simulation.block import Block
+from dcrb_ros.stream.block import Block
 
 
 def _encode(block: Block, source: Source) -> Encoded:
@@ -16,7 +16,7 @@ GROUND_TRUTH = SimulatedTopic(
     "ground_truth",
     DIAGNOSTICS,
     "every fault of bearing and sensor with its size, as a status `faults.outer_1`, `faults.broken_bars.row1/bar15`, "
-    "`faults.sensor.stuck`; background, speed, load, FTF, BPFO, BPFI, BSF; 10 Hz and on change",
+    "`faults.sensor.stuck`; background, speed, load, FTF, BPFO, BPFI, BSF; 10 Hz and at every change",
     decode=decode_truth,
     encode=_encode,
 )

@@ -6,7 +6,7 @@ from dcrb_ros.messages.cdr import JOINT_STATE
 from dcrb_ros.messages.joints import decode_joints, encode_contacts
 from dcrb_ros.messages.topic import Encoded, SimulatedTopic, Source
 from dcrb_ros.settings.configuration import Configuration
-from dcrb_ros.simulation.block import Block
+from dcrb_ros.stream.block import Block
 
 
 def _enabled(configuration: Configuration) -> bool:
@@ -20,7 +20,8 @@ def _encode(block: Block, source: Source) -> Encoded:
 ROLLER_CONTACTS = SimulatedTopic(
     "roller_contacts",
     JOINT_STATE,
-    "the same bodies: outer-raceway force [N], slip [m/s] and friction [N] at the inner raceway; off by default (`publishing.contacts`)",
+    "the same bodies: force at the outer raceway [N], slip [m/s] and friction force [N] at the inner raceway; off by default "
+    "(`publishing.contacts`)",
     depth=500,
     decode=decode_joints,
     encode=_encode,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dcrb_ros.messages.cdr import JOINT_STATE
 from dcrb_ros.messages.joints import decode_joints, encode_states
 from dcrb_ros.messages.topic import Encoded, SimulatedTopic, Source
-from dcrb_ros.simulation.block import Block
+from dcrb_ros.stream.block import Block
 
 
 def _encode(block: Block, source: Source) -> Encoded:
@@ -15,7 +15,7 @@ def _encode(block: Block, source: Source) -> Encoded:
 ROLLER_STATES = SimulatedTopic(
     "roller_states",
     JOINT_STATE,
-    "rollers, cages and inner ring: azimuth [rad], speed [rad/s], inner-raceway force [N]; 100 Hz",
+    "rollers, cages and inner ring: azimuth [rad], speed [rad/s], force at the inner raceway [N]; 100 Hz",
     depth=500,
     decode=decode_joints,
     encode=_encode,

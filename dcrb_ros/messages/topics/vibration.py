@@ -5,7 +5,7 @@ from __future__ import annotations
 from dcrb_ros.messages.cdr import POINT_CLOUD
 from dcrb_ros.messages.points import decode_vibration, encode_vibration
 from dcrb_ros.messages.topic import Encoded, SimulatedTopic, Source
-from dcrb_ros.simulation.block import Block
+from dcrb_ros.stream.block import Block
 
 
 def _encode(block: Block, source: Source) -> Encoded:
@@ -15,7 +15,7 @@ def _encode(block: Block, source: Source) -> Encoded:
 VIBRATION = SimulatedTopic(
     "outer_ring/vibration",
     POINT_CLOUD,
-    "the measured waveform, 1024 samples a message at 51.2 kHz: `t` [ns] after the stamp, `ax`, `ay` [m/s²], `shaft_angle` [rad]",
+    "the measured waveform in blocks of 1024 samples at 51.2 kHz: `t` [ns] after the stamp, `ax`, `ay` [m/s²], `shaft_angle` [rad]",
     decode=decode_vibration,
     encode=_encode,
 )

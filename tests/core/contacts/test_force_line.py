@@ -12,9 +12,10 @@ from scipy.integrate import solve_ivp
 from dcrb_ros.bearing.payload import build_payload
 from dcrb_ros.core.contacts.force_line import crosses, crossing_line, elastic, lasting_line
 from dcrb_ros.core.jit import loop, piece
+from dcrb_ros.core.laws.interface import NoMemory
 from dcrb_ros.core.laws.johnson import johnson_force
 from dcrb_ros.core.laws.power import power_force
-from dcrb_ros.core.payload import JOHNSON, Payload
+from dcrb_ros.core.payload import Payload
 from dcrb_ros.settings.configuration import Configuration
 
 pytestmark = pytest.mark.kernel
@@ -24,29 +25,30 @@ speeds, phases = st.floats(2e-3, 1.0), st.floats(0.0, 1.0)
 
 @piece
 def raceway_line(
-    payload: Payload, middle: float, closing: float, before: float, last: float, yielding: float, johnson: bool
+    payload: Payload, middle: float, closing: float, before: float, last: float, mobility: float
 ) -> tuple[float, float, float, float, float]:
     """Return the line of a contact, be it closed all the step or not."""
-    if crosses(middle, closing, before, payload.step):
-        return crossing_line(middle, closing, before, 0.0, last, yielding, payload.outer_scale, payload)
-    force, stiffness = elastic(middle, payload.outer_scale, johnson, payload)
-    return lasting_line(force, stiffness, closing, before, 0.0, payload)
+    law, memory = payload.normal_law, NoMemory()
+    if crosses(law, middle, closing, before, payload.step):
+        return crossing_line(payload, memory, payload.outer, middle, closing, before, 0.0, last, mobility)
+    force, stiffness = elastic(law, memory, middle, payload.outer)
+    return lasting_line(payload, memory, payload.outer, middle, force, stiffness, closing, before, 0.0)
 
 
 @loop
-def line(payload: Payload, middle: float, speed: float, johnson: bool) -> tuple[float, float, float, float, float]:
+def line(payload: Payload, middle: float, speed: float) -> tuple[float, float, float, float, float]:
     """Return the line of a contact at a steady speed of penetration."""
-    return raceway_line(payload, middle, speed, speed, 0.0, 0.0, johnson)
+    return raceway_line(payload, middle, speed, speed, 0.0, 0.0)
 
 
 @loop
-def fly(payload: Payload, place: float, speed: float, johnson: bool, steps: int) -> tuple[float, float]:
+def fly(payload: Payload, place: float, speed: float, steps: int) -> tuple[float, float]:
     """Return the speed of a roller into a raceway, and the impulse that it took, ``steps`` after it was ``place`` deep in it."""
-    yielding, last, change, impulse = 0.5 * payload.step / payload.roller_mass, 0.0, 0.0, 0.0
+    mobility, last, change, impulse = 0.5 * payload.step / payload.roller_mass, 0.0, 0.0, 0.0
     for _ in range(steps):
         middle = place + 0.5 * payload.step * speed
-        push, give, known, damping, expected = raceway_line(payload, middle, speed + 0.5 * change, speed, last, yielding, johnson)
-        mean = (speed - yielding * push) / (1.0 + yielding * give)
+        push, give, known, damping, expected = raceway_line(payload, middle, speed + 0.5 * change, speed, last, mobility)
+        mean = (speed - mobility * push) / (1.0 + mobility * give)
         last, change = known + damping * (mean - expected), 2.0 * (mean - speed)
         impulse += payload.step * (push + give * mean)
         speed, place = 2.0 * mean - speed, middle + 0.5 * payload.step * (2.0 * mean - speed)
@@ -63,7 +65,7 @@ def bearing(**contact: object) -> Payload:
 def test_strike_without_loss_gives_back_what_it_took(law: str, speed: float, phase: float) -> None:
     # At the default step it lasts four to six, whatever its phase.
     payload = bearing(law=law)
-    after, impulse = fly(payload, -phase * payload.step * speed, speed, law == "johnson", 40)
+    after, impulse = fly(payload, -phase * payload.step * speed, speed, 40)
     assert after**2 == pytest.approx(speed**2, rel=8e-3)
     assert impulse == pytest.approx(payload.roller_mass * (speed - after), rel=1e-9)
 
@@ -75,12 +77,12 @@ def test_strike_with_loss_leaves_at_the_laws_speed(loss: dict[str, float], speed
 
     def law(_: float, state: list[float]) -> list[float]:
         depth, rate = state
-        force, stiffness = johnson_force(depth, payload.contact_modulus, payload.outer_scale) if depth > 0.0 else (0.0, 0.0)
+        force, stiffness = johnson_force(payload.normal_law, NoMemory(), depth, payload.outer) if depth > 0.0 else (0.0, 0.0)
         damping = stiffness * payload.loss_time + (payload.contact_damping if depth > 0.0 else 0.0)
         return [rate, -max(force + damping * rate, 0.0) / payload.roller_mass]
 
     exact = solve_ivp(law, (0.0, 1e-4), [0.0, speed], max_step=2e-7, rtol=1e-9, atol=1e-14).y[1, -1]
-    after = fly(payload, -phase * payload.step * speed, speed, True, 40)[0]
+    after = fly(payload, -phase * payload.step * speed, speed, 40)[0]
     assert after == pytest.approx(exact, rel=0.015)
 
 
@@ -88,10 +90,10 @@ def test_strike_with_loss_leaves_at_the_laws_speed(loss: dict[str, float], speed
 def line_over_floor(payload: Payload, middle: float, closing: float, sink: float, crossing: bool) -> tuple[float, float]:
     """Return push and give of a contact that closes at a speed against a floor that falls away with ``sink`` [m/s]."""
     if crossing:
-        found = crossing_line(middle, closing, closing, sink, 0.0, 0.0, payload.outer_scale, payload)
+        found = crossing_line(payload, NoMemory(), payload.outer, middle, closing, closing, sink, 0.0, 0.0)
     else:
-        force, stiffness = elastic(middle, payload.outer_scale, True, payload)
-        found = lasting_line(force, stiffness, closing, closing, sink, payload)
+        force, stiffness = elastic(payload.normal_law, NoMemory(), middle, payload.outer)
+        found = lasting_line(payload, NoMemory(), payload.outer, middle, force, stiffness, closing, closing, sink)
     return found[0], found[1]
 
 
@@ -109,13 +111,12 @@ def test_a_falling_floor_shifts_the_approach(middle: float, closing: float, sink
 def test_lasting_contact_swings_at_its_own_frequency(depth: float, johnson: bool) -> None:
     # Small swings about a depth, 9 steps a period: leapfrog alone would be 2 % too fast, the mean over a straight way 4 % too slow.
     payload = bearing(law="johnson" if johnson else "power")
-    law = (payload.contact_modulus, payload.outer_scale) if johnson else (payload.power_coefficient, payload.power_exponent)
-    weight, stiffness = johnson_force(depth, *law) if johnson else power_force(depth, *law)
+    weight, stiffness = (johnson_force if johnson else power_force)(payload.normal_law, NoMemory(), depth, payload.outer)
     places, place, speed, swing = [], depth, 1e-9 * math.sqrt(stiffness / payload.roller_mass), payload.step
     for _ in range(200):
         # The weight holds it in: a kick to the speed before the step, half taken back for the way.
         kick = 0.5 * swing * weight / payload.roller_mass
-        push, give, *_ = line(payload, place + 0.5 * swing * speed, speed, johnson)
+        push, give, *_ = line(payload, place + 0.5 * swing * speed, speed)
         mean = (speed + kick - 0.5 * swing / payload.roller_mass * push) / (1.0 + 0.5 * swing / payload.roller_mass * give)
         place, speed = place + 0.5 * swing * speed + 0.5 * swing * (2.0 * mean - speed), 2.0 * mean - speed
         places.append(place - depth)
@@ -128,7 +129,7 @@ def test_lasting_contact_swings_at_its_own_frequency(depth: float, johnson: bool
 def test_open_contact_is_without_force(gap: float, speed: float) -> None:
     payload = bearing()
     reached = max(-gap - 0.5 * payload.step * speed, -gap + 0.5 * payload.step * speed)
-    push, give, known, damping, _ = line(payload, -gap, speed, payload.contact_law == JOHNSON)
+    push, give, known, damping, _ = line(payload, -gap, speed)
     if reached <= 0.0:
         assert (push, give, known, damping) == (0.0, 0.0, 0.0, 0.0)
     else:

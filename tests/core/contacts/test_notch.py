@@ -13,6 +13,7 @@ from dcrb_ros.bearing.payload import build_payload
 from dcrb_ros.core.contacts.notch import inner_notch_depth, outer_notch_depth, passed, roller_notch_depth, roller_notch_under, turn_notches
 from dcrb_ros.core.contacts.raceway import linearize_raceways, locate_raceways
 from dcrb_ros.core.jit import kernel, loop
+from dcrb_ros.core.laws.interface import NoMemory
 from dcrb_ros.core.laws.johnson import johnson_force
 from dcrb_ros.core.layout.state import State, empty_state
 from dcrb_ros.core.layout.workspace import Workspace, workspace
@@ -57,7 +58,7 @@ def touch_one(payload: Payload, state: State, work: Workspace) -> None:
 def touch(payload: Payload, inner: bool, azimuth: float, pressed: float, turn: float = 0.0) -> tuple[float, float, float, float]:
     """Return force without loss, normal and sink speed (at 1 rad/s) of a roller at an azimuth, pressed in by ``pressed`` [m]."""
     payload = payload._replace(loss_time=0.0, contact_damping=0.0)
-    state, work = empty_state(*payload.free.shape), workspace(payload)
+    state, work = empty_state(payload), workspace(payload)
     turn_notches(payload.inner_notches, turn, work.inner_notch_direction)
     turn_notches(payload.outer_notches, turn, work.outer_notch_direction)
     distance = R_I + R_R - pressed if inner else R_O - R_R + pressed
@@ -77,7 +78,7 @@ def test_depth_seen_under_a_turned_ring(azimuth: float, offset: float, turn: flo
     edge = 0.5 * width / R_I - abs(offset)
     depth = inner_notch_depth(edge, 3e-4, R_I, R_R) if edge > 0.0 else 0.0
     payload = under(width, azimuth, "inner")
-    assert force == pytest.approx(johnson_force(1e-4 - depth, payload.contact_modulus, payload.inner_scale)[0], rel=5e-4)  # 10 urad a step
+    assert force == pytest.approx(johnson_force(payload.normal_law, NoMemory(), 1e-4 - depth, payload.inner)[0], rel=5e-4)  # 10 urad a step
     assert sink_speed * offset <= 1e-12  # deeper towards the middle
 
 

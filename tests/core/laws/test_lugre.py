@@ -10,42 +10,43 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from dcrb_ros.bearing.payload import build_payload
-from dcrb_ros.core.laws.lugre import bristle_after, bristle_weights, convection_rate, friction_line, stribeck_coefficient
+from dcrb_ros.core.laws.lugre import Bristle, bristle_weights, convection_rate, lugre_line, lugre_update, stribeck_coefficient
 from dcrb_ros.settings.configuration import Configuration
 
 pytestmark = pytest.mark.kernel
 
 PAYLOAD = build_payload(Configuration())
-STATIC, KINETIC = PAYLOAD.static_coefficient, PAYLOAD.kinetic_coefficient
+LAW = PAYLOAD.traction_law
+STATIC, KINETIC = LAW.static_coefficient, LAW.kinetic_coefficient
 slips = st.floats(-20.0, 20.0)
 
 
 def settled(slip: float, steps: int) -> tuple[float, float]:
     """Return bristle [m] and friction coefficient [-] after ``steps`` steps of constant slip [m/s]."""
-    bristle, coefficient = 0.0, 0.0
+    memory, coefficient = Bristle(0.0), 0.0
     for _ in range(steps):
-        constant, slope, rate, phi = friction_line(slip, bristle, KINETIC, STATIC, 0.0, PAYLOAD)
-        coefficient = constant + slope * slip
-        bristle = bristle_after(bristle, slip, rate, phi, PAYLOAD.step)
-    return bristle, coefficient
+        offset, slope, kept = lugre_line(LAW, memory, slip, None, 0.0, None, PAYLOAD.step)
+        coefficient = offset + slope * slip
+        memory = lugre_update(LAW, memory, kept, slip, True, PAYLOAD.step)
+    return memory.bristle, coefficient
 
 
 @given(slips.filter(lambda s: abs(s) > 1e-3))
 def test_steady_slip_has_the_stribeck_coefficient(slip: float) -> None:
-    expected = math.copysign(stribeck_coefficient(slip, KINETIC, STATIC, PAYLOAD.stribeck_speed), slip)
+    expected = math.copysign(stribeck_coefficient(slip, KINETIC, STATIC, LAW.stribeck_speed), slip)
     assert settled(slip, 2000)[1] == pytest.approx(expected, rel=1e-6)
 
 
 @given(slips, st.integers(1, 50))
 def test_friction_stays_inside_its_cone(slip: float, steps: int) -> None:
     bristle, coefficient = settled(slip, steps)
-    assert abs(bristle) <= STATIC / PAYLOAD.bristle_stiffness * (1.0 + 1e-12)
-    assert abs(coefficient) <= STATIC + PAYLOAD.bristle_damping * abs(slip)
+    assert abs(bristle) <= STATIC / LAW.bristle_stiffness * (1.0 + 1e-12)
+    assert abs(coefficient) <= STATIC + LAW.bristle_damping * abs(slip)
 
 
 @given(slips, st.floats(-1.0, 1.0))
 def test_friction_opposes_slip_more_as_slip_grows(slip: float, share: float) -> None:
-    _, slope, _, _ = friction_line(slip, share * STATIC / PAYLOAD.bristle_stiffness, KINETIC, STATIC, 0.0, PAYLOAD)
+    _, slope, _ = lugre_line(LAW, Bristle(share * STATIC / LAW.bristle_stiffness), slip, None, 0.0, None, PAYLOAD.step)
     assert slope > 0.0  # the implicit update is passive
 
 
@@ -69,14 +70,19 @@ def test_stribeck_limits() -> None:
     assert stribeck_coefficient(1.0, KINETIC, STATIC, 0.01) == pytest.approx(KINETIC)
 
 
+def test_an_open_contact_forgets_its_bristle() -> None:
+    _, _, kept = lugre_line(LAW, Bristle(1e-7), 0.1, None, 0.0, None, PAYLOAD.step)
+    assert lugre_update(LAW, Bristle(1e-7), kept, 0.1, False, PAYLOAD.step) == Bristle(0.0)
+
+
 def test_rolling_convection_gives_carters_creep() -> None:
     # Carter 1926: the slope of friction over creep in a line contact is pi L E* a/2, whatever the friction coefficient.
     bearing, force, rolling = Configuration().bearing, 30e3, 5.7
-    half_width = math.sqrt(PAYLOAD.inner_width * force)
-    slip = 1e-6
-    convection, bristle, coefficient = convection_rate(rolling, force, PAYLOAD.inner_width, 0.7), 0.0, 0.0
+    law, half_width = LAW._replace(convection=0.7), math.sqrt(PAYLOAD.inner.width * force)
+    assert convection_rate(rolling, force, PAYLOAD.inner.width, 0.7) == pytest.approx(0.35 * rolling / half_width)
+    slip, memory, coefficient = 1e-6, Bristle(0.0), 0.0
     for _ in range(3000):
-        constant, slope, rate, phi = friction_line(slip, bristle, KINETIC, STATIC, convection, PAYLOAD)
-        coefficient, bristle = constant + slope * slip, bristle_after(bristle, slip, rate, phi, PAYLOAD.step)
+        offset, slope, kept = lugre_line(law, memory, slip, rolling, force, PAYLOAD.inner, PAYLOAD.step)
+        coefficient, memory = offset + slope * slip, lugre_update(law, memory, kept, slip, True, PAYLOAD.step)
     slope = coefficient * force / (slip / rolling)
     assert slope == pytest.approx(0.5 * math.pi * bearing.roller_length * bearing.effective_modulus * half_width, rel=0.05)

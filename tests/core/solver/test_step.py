@@ -75,8 +75,8 @@ def mechanical_energy(payload: Payload, state: State) -> float:
     energy = kinetic_energy(payload, state) + potential_of_weight(payload, state) - float(state.load @ state.inner_position)
     energy += energy_of_bars(payload, state) + energy_of_lands(payload, state)
     energy += 0.5 * payload.housing_stiffness * float(state.outer_position @ state.outer_position)
-    scales = (payload.inner_scale, payload.outer_scale)
-    return energy + sum(float(contact_energy(payload, depth, scale).sum()) for depth, scale in zip(depths, scales, strict=True))
+    sites = (payload.inner, payload.outer)
+    return energy + sum(float(contact_energy(payload, depth, site).sum()) for depth, site in zip(depths, sites, strict=True))
 
 
 # Free rollers without weight: it would drop idle ones from raceway to raceway, strikes of four steps whose phase decides what they gain.
@@ -149,7 +149,7 @@ def test_free_rollers_move_as_if_they_were_solved_for_with_the_rings(contact: di
     assert free.roller_velocity == pytest.approx(bound.roller_velocity, rel=1e-4, abs=2e-4)
     assert free.outer_velocity == pytest.approx(bound.outer_velocity, abs=1e-5)
     assert free.outer_force == pytest.approx(bound.outer_force, rel=1e-3, abs=3.0)
-    assert free.rollers[0].outer.bristle == pytest.approx(bound.rollers[0].outer.bristle, abs=2e-9)
+    assert free.rollers[0].outer.traction.bristle == pytest.approx(bound.rollers[0].outer.traction.bristle, abs=2e-9)
 
 
 @pytest.mark.kernel

@@ -1,0 +1,35 @@
+"""The law of the normal force over arrays, for what lies outside of the time loop."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from dcrb_ros.core.contacts.force_line import elastic
+from dcrb_ros.core.jit import loop
+from dcrb_ros.core.laws.interface import Site, fields_of, law_of
+from dcrb_ros.core.layout.records import Floats
+
+
+@loop
+def _evaluate(law: Any, memory: Any, site: Site, penetration: Floats, force: Floats, stiffness: Floats) -> None:
+    for k in range(penetration.size):
+        force[k], stiffness[k] = elastic(law, memory, penetration[k], site)
+
+
+def no_memory(law: Any) -> Any:
+    """Return the memory of a contact at which nothing has happened."""
+    memory = law_of(law).memory
+    return memory(*(0.0 for _ in fields_of(memory)))
+
+
+def normal_forces(law: Any, penetration: Floats, site: Site) -> tuple[Floats, Floats]:
+    """Return elastic forces [N] and stiffnesses [N/m] of contacts without memory at penetrations [m]; any shape."""
+    known = law_of(law)
+    if known.forces is not None:
+        found: tuple[Floats, Floats] = known.forces(law, penetration, site)
+        return found
+    depth, force, stiffness = np.ascontiguousarray(penetration), np.empty(penetration.shape), np.empty(penetration.shape)
+    _evaluate(law, no_memory(law), site, depth.reshape(-1), force.reshape(-1), stiffness.reshape(-1))
+    return force, stiffness
