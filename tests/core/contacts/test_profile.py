@@ -115,7 +115,7 @@ def test_profile_without_depth_changes_no_bit(joint: str) -> None:
 
 @pytest.mark.parametrize(("joint", "ring"), [("revolute", "outer"), ("pocket", "outer"), ("revolute", "inner")])
 def test_profile_with_the_shape_of_a_notch_strikes_like_it(joint: str, ring: str) -> None:
-    width, azimuth, cage = 2e-3, 0.05, {"cage": {"joint": joint}}
+    width, azimuth, cage = 2e-3, 0.05 if ring == "outer" else -0.05, {"cage": {"joint": joint}}
     notched = build_payload(Configuration.model_validate({**cage, "faults": {f"{ring}_1": {"width": width, "azimuth": azimuth}}}))
     smooth = build_payload(Configuration.model_validate(cage))
     raceway = smooth.outer_raceway_radius if ring == "outer" else smooth.inner_raceway_radius
