@@ -17,7 +17,6 @@ if TYPE_CHECKING:
     from dcrb_ros.bearing.waveform import Waveform
     from dcrb_ros.diagnosis.detection import DetectionResult, detect
     from dcrb_ros.diagnosis.detector import FaultDetector
-    from dcrb_ros.diagnosis.diagnosis import Diagnosis
     from dcrb_ros.diagnosis.envelope_spectrum import EnvelopeSpectrum, envelope_spectrum
     from dcrb_ros.diagnosis.parameters import DetectorParameters
     from dcrb_ros.exam.in_process import score
@@ -33,6 +32,7 @@ if TYPE_CHECKING:
     from dcrb_ros.simulation.loop import Simulation
     from dcrb_ros.simulation.run import Run, simulate
     from dcrb_ros.stream.block import Block
+    from dcrb_ros.stream.diagnosis import Diagnosis
 
 __all__ = [
     "Bearing",
@@ -65,11 +65,11 @@ __all__ = [
 
 _MODULES = {
     "Bearing": "settings.parameters",
-    "Block": "simulation.block",
+    "Block": "stream.block",
     "Configuration": "settings.configuration",
     "DetectionResult": "diagnosis.detection",
     "DetectorParameters": "diagnosis.parameters",
-    "Diagnosis": "diagnosis.diagnosis",
+    "Diagnosis": "stream.diagnosis",
     "EnvelopeSpectrum": "diagnosis.envelope_spectrum",
     "FaultDetector": "diagnosis.detector",
     "GroundTruth": "simulation.ground_truth",

@@ -12,11 +12,11 @@ import numpy.typing as npt
 from dcrb_ros.bearing.fault_lines import BearingLike
 from dcrb_ros.bearing.waveform import Piece, Signal, signal_of
 from dcrb_ros.diagnosis.detector import FaultDetector
-from dcrb_ros.diagnosis.diagnosis import Diagnosis
 from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.runtime.frames import pandas
 from dcrb_ros.runtime.refusal import Refusal
 from dcrb_ros.schema.verdicts import Verdict
+from dcrb_ros.stream.diagnosis import Diagnosis
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -16,7 +16,6 @@ import numpy.typing as npt
 from dcrb_ros.bearing.kinematics import Orders
 from dcrb_ros.diagnosis.combination import Combination
 from dcrb_ros.diagnosis.demodulation import Band, Demodulator, band_tree, kurtosis
-from dcrb_ros.diagnosis.diagnosis import Diagnosis, Spectrum
 from dcrb_ros.diagnosis.evidence import BandEvidence, Evidence, LevelEvidence, LevelHistory, SampleEvidence
 from dcrb_ros.diagnosis.hysteresis import Hysteresis, confidence
 from dcrb_ros.diagnosis.order_spectrum import HARMONICS, SHAFT_SIDEBANDS, OrderSpectrum, order_spectra
@@ -30,6 +29,7 @@ from dcrb_ros.diagnosis.trend import Trend
 from dcrb_ros.diagnosis.window import REFERENCE_FREQUENCY, Hop, Window, margin_samples
 from dcrb_ros.runtime.refusal import Refusal
 from dcrb_ros.schema.verdicts import CHARACTERISTIC, Component, Verdict
+from dcrb_ros.stream.diagnosis import Diagnosis, Spectrum
 
 __all__ = ["Diagnosis", "FaultDetector"]
 

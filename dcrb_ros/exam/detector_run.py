@@ -11,7 +11,6 @@ import numpy.typing as npt
 
 from dcrb_ros.bearing.kinematics import Orders
 from dcrb_ros.diagnosis.detector import FaultDetector
-from dcrb_ros.diagnosis.diagnosis import Diagnosis
 from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.exam.case import Case
 from dcrb_ros.exam.recording_cache import cached_recording
@@ -20,6 +19,7 @@ from dcrb_ros.messages.topics.diagnosis import encode_diagnosis
 from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.runtime.refusal import Refusal, nearest
 from dcrb_ros.schema.verdicts import VERDICTS
+from dcrb_ros.stream.diagnosis import Diagnosis
 
 
 class Detector(Protocol):

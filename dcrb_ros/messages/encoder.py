@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from dcrb_ros.diagnosis.diagnosis import Diagnosis
 from dcrb_ros.messages.topic import Message, Source
 from dcrb_ros.messages.topics import DETECTED, SIMULATED
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.stream.block import Block
+from dcrb_ros.stream.diagnosis import Diagnosis
 from dcrb_ros.stream.states import BodyNames
 
 

@@ -6,10 +6,10 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from dcrb_ros.diagnosis.diagnosis import Diagnosis
 from dcrb_ros.messages.cdr import decoded, stamp_of
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.stream.block import Block
+from dcrb_ros.stream.diagnosis import Diagnosis
 
 NAMESPACE = "/dcrb"
 MANIFEST = "dcrb_ros"

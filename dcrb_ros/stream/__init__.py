@@ -1,1 +1,1 @@
-"""What flows from a simulation to its sinks: blocks of samples with the states, the ground truth and the events of their time."""
+"""What flows to the sinks: blocks of samples with their states, ground truth and events, and the diagnoses made of them."""

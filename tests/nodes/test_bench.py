@@ -17,7 +17,7 @@ from node_arguments import GARBAGE, parameters
 
 pytest.importorskip("rclpy", reason="the nodes need ROS 2; everything else is tested without")
 
-from ros_bench import PATIENCE, domain, environment, listener, node
+from ros_bench import PATIENCE, domain, environment, graph_client, node
 
 from dcrb_ros.diagnosis.detector import Diagnosis
 from dcrb_ros.messages.joints import decode_joints, encode_joints
@@ -52,45 +52,45 @@ PROMPT = 3.0
 
 
 @pytest.mark.parametrize(("fault", "verdict"), [("outer_1", "outer_ring"), ("inner_1", "inner_ring"), ("", "healthy")])
-def test_detector_names_the_fault_over_dds(fault: str, verdict: str, tmp_path: Path) -> None:
+def test_the_detector_finds_the_fault_over_dds(fault: str, verdict: str, tmp_path: Path) -> None:
     number = domain()
     faulty = {f"faults__{fault}__width": 0.002} if fault else {}
     with (
-        listener(number) as heard,
+        graph_client(number) as client,
         node("fault_detector", [], environment(number), tmp_path / "detector.log") as detector,
         node("simulator", parameters(**faulty), environment(number), tmp_path / "simulator.log") as simulator,
     ):
 
         def judged() -> list[str]:
-            assert detector.process.poll() is None, detector.words
-            assert simulator.process.poll() is None, simulator.words
-            found = [decode_diagnostics(data)[1][0].message for data in heard.heard[DIAGNOSIS]]
+            assert detector.process.poll() is None, detector.output
+            assert simulator.process.poll() is None, simulator.output
+            found = [decode_diagnostics(data)[1][0].message for data in client.received[DIAGNOSIS]]
             return [word for word in found if word != "waiting"]
 
-        heard.until(lambda: len(judged()) >= 3, "three verdicts")
+        client.until(lambda: len(judged()) >= 3, "three verdicts")
         assert set(judged()) == {verdict}
         for topic in (SENSOR, VIBRATION, ACCELERATION, FEATURES, ROLLER_STATES, GROUND_TRUTH, FAULT_INDICATORS, BENCH_DIAGNOSTICS):
-            assert heard.heard[topic], topic.name
-        about = json.loads(decode_text(heard.heard[SENSOR][0]))
-        indices = [decode_vibration(data).first_index(about["sampling_rate"]) for data in heard.heard[VIBRATION]]
+            assert client.received[topic], topic.name
+        about = json.loads(decode_text(client.received[SENSOR][0]))
+        indices = [decode_vibration(data).first_index(about["sampling_rate"]) for data in client.received[VIBRATION]]
         assert np.all(np.diff(indices) == about["block_size"])  # nothing is dropped
-        heard.until(lambda: heard.status.get("energy_residual [J]", "0") != "0", "the energy account")
-        assert abs(float(heard.status["energy_residual [J]"])) < 10.0
-        states = decode_joints(heard.heard[ROLLER_STATES][-1])
+        client.until(lambda: client.status.get("energy_residual [J]", "0") != "0", "the energy account")
+        assert abs(float(client.status["energy_residual [J]"])) < 10.0
+        states = decode_joints(client.received[ROLLER_STATES][-1])
         assert len(states.names) == 35
         assert states.effort[:32].max() > 15e3
-        assert set(decode_truth(heard.heard[GROUND_TRUTH][-1]).faults) == ({fault} if fault else set())
+        assert set(decode_truth(client.received[GROUND_TRUTH][-1]).faults) == ({fault} if fault else set())
 
 
-def test_commands_take_effect_and_bad_ones_are_refused(tmp_path: Path) -> None:
+def test_commands_take_effect_and_invalid_ones_are_refused(tmp_path: Path) -> None:
     from geometry_msgs.msg import Wrench
     from std_msgs.msg import Float64
 
     number = domain()
-    with listener(number) as heard, node("simulator", parameters(), environment(number), tmp_path / "log") as simulator:
-        speed = heard.node.create_publisher(Float64, "command/speed", 10)
-        load = heard.node.create_publisher(Wrench, "command/load", 10)
-        heard.meet(speed, load)
+    with graph_client(number) as client, node("simulator", parameters(), environment(number), tmp_path / "log") as simulator:
+        speed = client.node.create_publisher(Float64, "command/speed", 10)
+        load = client.node.create_publisher(Wrench, "command/load", 10)
+        client.connect(speed, load)
         for value in (float("nan"), float("inf"), 1e9, -1e300):
             speed.publish(Float64(data=value))
         wrench = Wrench()
@@ -98,23 +98,23 @@ def test_commands_take_effect_and_bad_ones_are_refused(tmp_path: Path) -> None:
         load.publish(wrench)
 
         def rejected() -> int:
-            assert simulator.process.poll() is None, simulator.words
-            if not heard.heard[BENCH_DIAGNOSTICS]:
+            assert simulator.process.poll() is None, simulator.output
+            if not client.received[BENCH_DIAGNOSTICS]:
                 return 0
-            return int(decode_diagnostics(heard.heard[BENCH_DIAGNOSTICS][-1])[1][0].values["rejected_commands"])
+            return int(decode_diagnostics(client.received[BENCH_DIAGNOSTICS][-1])[1][0].values["rejected_commands"])
 
-        heard.until(lambda: rejected() == 5, "five refusals")
+        client.until(lambda: rejected() == 5, "five refusals")
         speed.publish(Float64(data=140.0))
 
-        def obeyed() -> list[int]:
-            truths = [decode_truth(data) for data in heard.heard[GROUND_TRUTH]]
+        def taken() -> list[int]:
+            truths = [decode_truth(data) for data in client.received[GROUND_TRUTH]]
             return [truth.time_ns for truth in truths if truth.event == SpeedCommand(140.0)]
 
-        heard.until(obeyed, "the command in the ground truth")
-        heard.until(lambda: decode_truth(heard.heard[GROUND_TRUTH][-1]).speed == pytest.approx(140.0), "the speed commanded")
-        assert len(obeyed()) == 1
-        assert "command/speed = nan rad/s is refused" in simulator.words
-        assert simulator.words.count("is refused") <= 3  # explained, not repeated
+        client.until(taken, "the command in the ground truth")
+        client.until(lambda: decode_truth(client.received[GROUND_TRUTH][-1]).speed == pytest.approx(140.0), "the speed commanded")
+        assert len(taken()) == 1
+        assert "command/speed = nan rad/s is refused" in simulator.output
+        assert simulator.output.count("is refused") <= 3  # explained once, not for every message
 
 
 @pytest.mark.parametrize("number_of_signals", [1, 2])
@@ -122,18 +122,18 @@ def test_commands_take_effect_and_bad_ones_are_refused(tmp_path: Path) -> None:
 def test_signals_close_the_recording(kind: signal.Signals, number_of_signals: int, tmp_path: Path) -> None:
     number, bag = domain(), tmp_path / "bag"
     with (
-        listener(number) as heard,
+        graph_client(number) as client,
         node("simulator", parameters(recording__path=bag, time_scale=0.0), environment(number), tmp_path / "log") as simulator,
     ):
-        heard.until(lambda: len(heard.heard[VIBRATION]) > 60, "sixty blocks")
+        client.until(lambda: len(client.received[VIBRATION]) > 60, "sixty blocks")
         for _ in range(number_of_signals - 1):
             simulator.process.send_signal(kind)
-        assert simulator.end(kind) == 0, simulator.words
-        heard.executor.spin_once(timeout_sec=0.1)
+        assert simulator.end(kind) == 0, simulator.output
+        client.executor.spin_once(timeout_sec=0.1)
     recording = Recording(bag)
     recorded = {v.stamp_ns: v for v in recording.vibrations()}
     assert recording.complete
-    for data in heard.heard[VIBRATION]:
+    for data in client.received[VIBRATION]:
         block = decode_vibration(data)
         assert np.array_equal(recorded[block.stamp_ns].acceleration, block.acceleration)  # the same bytes, published and recorded
 
@@ -144,7 +144,7 @@ def test_samples_do_not_depend_on_the_time_scale(tmp_path: Path) -> None:
         bag = tmp_path / f"scale{scale}"
         arguments = ["--duration", "0.5", *parameters(recording__path=bag, time_scale=scale, publishing__block_size=700)]
         with node("simulator", arguments, environment(domain()), tmp_path / "log") as simulator:
-            assert simulator.process.wait(PATIENCE) == 0, simulator.words
+            assert simulator.process.wait(PATIENCE) == 0, simulator.output
         assert np.array_equal(np.concatenate([v.acceleration for v in Recording(bag).vibrations()]), expected)
 
 
@@ -157,11 +157,11 @@ def test_samples_do_not_depend_on_the_time_scale(tmp_path: Path) -> None:
         ({"cage__joint": "welded"}, "is not one of revolute"),
     ],
 )
-def test_wrong_parameters_end_with_a_sentence(values: dict[str, object], sentence: str, tmp_path: Path) -> None:
+def test_invalid_parameters_end_the_node_with_one_sentence(values: dict[str, object], sentence: str, tmp_path: Path) -> None:
     with node("simulator", parameters(**values), environment(domain()), tmp_path / "log") as simulator:
-        assert simulator.process.wait(PATIENCE) == 2, simulator.words
-    assert sentence in simulator.words
-    assert "Traceback" not in simulator.words
+        assert simulator.process.wait(PATIENCE) == 2, simulator.output
+    assert sentence in simulator.output
+    assert "Traceback" not in simulator.output
 
 
 @pytest.mark.parametrize(
@@ -172,45 +172,45 @@ def test_wrong_parameters_end_with_a_sentence(values: dict[str, object], sentenc
         (["--scenario", "nowhere"], "there is no scenario 'nowhere': give a YAML file or one of braking, failing_sensor"),
     ],
 )
-def test_wrong_arguments_end_with_a_sentence(arguments: list[str], sentence: str, tmp_path: Path) -> None:
+def test_invalid_arguments_end_the_node_with_one_sentence(arguments: list[str], sentence: str, tmp_path: Path) -> None:
     with node("simulator", arguments, environment(domain()), tmp_path / "log") as simulator:
-        assert simulator.process.wait(PATIENCE) == 2, simulator.words
-    assert sentence in simulator.words
-    assert "Traceback" not in simulator.words
+        assert simulator.process.wait(PATIENCE) == 2, simulator.output
+    assert sentence in simulator.output
+    assert "Traceback" not in simulator.output
 
 
 @pytest.mark.parametrize("module", ["simulator", "fault_detector"])
-def test_absent_middleware_ends_with_a_sentence(module: str, tmp_path: Path) -> None:
+def test_a_missing_middleware_ends_the_node_with_one_sentence(module: str, tmp_path: Path) -> None:
     env = environment(domain(), RMW_IMPLEMENTATION="rmw_absent_cpp")
     with node(module, [], env, tmp_path / "log") as started:
-        assert started.process.wait(PATIENCE) == 2, started.words
-    assert "RMW_IMPLEMENTATION = rmw_absent_cpp is not installed here" in started.words
-    assert "Traceback" not in started.words
+        assert started.process.wait(PATIENCE) == 2, started.output
+    assert "RMW_IMPLEMENTATION = rmw_absent_cpp is not installed here" in started.output
+    assert "Traceback" not in started.output
 
 
-def test_detector_takes_its_file_in_any_namespace(tmp_path: Path) -> None:
+def test_the_detector_reads_its_parameter_file_in_any_namespace(tmp_path: Path) -> None:
     text = (Path(__file__).parents[2] / "config" / "detector.yaml").read_text()
     changed = tmp_path / "detector.yaml"
     changed.write_text(text.replace("window: 2.0", "window: -1.0"))
     for namespace in ("/dcrb", "/wagon/box1"):
         arguments = ["--ros-args", "--params-file", str(changed), "-r", f"__ns:={namespace}"]
         with node("fault_detector", arguments, environment(domain()), tmp_path / "log") as detector:
-            assert detector.process.wait(PATIENCE) == 2, detector.words
-        assert "window = -1.0 s is outside" in detector.words
+            assert detector.process.wait(PATIENCE) == 2, detector.output
+        assert "window = -1.0 s is outside" in detector.output
 
 
 def test_existing_recording_is_refused(tmp_path: Path) -> None:
     with node("simulator", parameters(recording__path=tmp_path), environment(domain()), tmp_path / "log") as simulator:
-        assert simulator.process.wait(PATIENCE) == 2, simulator.words
-    assert "a recording is never overwritten" in simulator.words
+        assert simulator.process.wait(PATIENCE) == 2, simulator.output
+    assert "a recording is never overwritten" in simulator.output
 
 
-def test_dead_model_ends_the_node(tmp_path: Path) -> None:
+def test_a_failed_model_ends_the_node(tmp_path: Path) -> None:
     values = {"operating__load": 1e7, "housing__stiffness": 1e6, "cage__land_clearance": 0.005}
     with node("simulator", parameters(**values), environment(domain()), tmp_path / "log") as simulator:
-        assert simulator.process.wait(PATIENCE) == 1, simulator.words
-    assert "the bench stopped: the model failed at" in simulator.words
-    assert "Traceback" not in simulator.words
+        assert simulator.process.wait(PATIENCE) == 1, simulator.output
+    assert "the bench stopped: the model failed at" in simulator.output
+    assert "Traceback" not in simulator.output
 
 
 def test_bench_command_ends_with_the_verdict(tmp_path: Path) -> None:
@@ -245,7 +245,7 @@ def processes(module: str, variable: str) -> list[str]:
 @pytest.mark.parametrize(
     ("kind", "moment"), [(signal.SIGINT, "as ROS 2 nodes"), (signal.SIGHUP, "x real time"), (signal.SIGTERM, "x real time")]
 )
-def test_what_ends_the_bench_command_ends_its_nodes(kind: signal.Signals, moment: str, tmp_path: Path) -> None:
+def test_signals_to_the_bench_command_end_its_nodes(kind: signal.Signals, moment: str, tmp_path: Path) -> None:
     number, log = domain(), tmp_path / "log"
     command = [sys.executable, "-c", "from dcrb_ros.cli.app import main; main()", "bench", "healthy"]
     with log.open("wb") as output:
@@ -269,13 +269,13 @@ def test_time_scale_changes_while_running(tmp_path: Path) -> None:
     from rclpy.parameter import Parameter
 
     number = domain()
-    with listener(number) as heard, node("simulator", parameters(time_scale=0.25), environment(number), tmp_path / "log"):
-        client = heard.node.create_client(SetParameters, "simulator/set_parameters")
-        heard.until(lambda: client.service_is_ready() and heard.heard[VIBRATION], "the parameter service")
+    with graph_client(number) as client, node("simulator", parameters(time_scale=0.25), environment(number), tmp_path / "log"):
+        client = client.node.create_client(SetParameters, "simulator/set_parameters")
+        client.until(lambda: client.service_is_ready() and client.received[VIBRATION], "the parameter service")
 
         def ask(value: float) -> tuple[bool, str]:
             future = client.call_async(SetParameters.Request(parameters=[Parameter("time_scale", value=value).to_parameter_msg()]))
-            heard.until(future.done, "the answer")
+            client.until(future.done, "the answer")
             result = future.result().results[0]
             return result.successful, result.reason
 
@@ -284,101 +284,109 @@ def test_time_scale_changes_while_running(tmp_path: Path) -> None:
 
         def asked() -> str:
             return (
-                decode_diagnostics(heard.heard[BENCH_DIAGNOSTICS][-1])[1][0].values["time_scale"] if heard.heard[BENCH_DIAGNOSTICS] else ""
+                decode_diagnostics(client.received[BENCH_DIAGNOSTICS][-1])[1][0].values["time_scale"]
+                if client.received[BENCH_DIAGNOSTICS]
+                else ""
             )
 
-        heard.until(lambda: asked() == "0.5", "the new time scale in /diagnostics")
+        client.until(lambda: asked() == "0.5", "the new time scale in /diagnostics")
 
 
 @pytest.mark.parametrize("kind", [signal.SIGINT, signal.SIGTERM])
-def test_malformed_commands_are_counted_and_the_bench_runs_on(kind: signal.Signals, tmp_path: Path) -> None:
+def test_malformed_commands_are_counted_and_the_bench_continues(kind: signal.Signals, tmp_path: Path) -> None:
     from geometry_msgs.msg import Wrench
     from std_msgs.msg import Float64
 
     number, bag = domain(), tmp_path / "bag"
-    with listener(number) as heard, node("simulator", parameters(recording__path=bag), environment(number), tmp_path / "log") as simulator:
-        speed = heard.node.create_publisher(Float64, "command/speed", 10)
-        load = heard.node.create_publisher(Wrench, "command/load", 10)
-        heard.meet(speed, load)
+    with (
+        graph_client(number) as client,
+        node("simulator", parameters(recording__path=bag), environment(number), tmp_path / "log") as simulator,
+    ):
+        speed = client.node.create_publisher(Float64, "command/speed", 10)
+        load = client.node.create_publisher(Wrench, "command/load", 10)
+        client.connect(speed, load)
         for data in GARBAGE:
             speed.publish(data)
             load.publish(data)
-        heard.until(lambda: heard.status.get("rejected_commands") == str(2 * len(GARBAGE)), "the refusals")
-        blocks = len(heard.heard[VIBRATION])
+        client.until(lambda: client.status.get("rejected_commands") == str(2 * len(GARBAGE)), "the refusals")
+        blocks = len(client.received[VIBRATION])
         speed.publish(Float64(data=140.0))
-        heard.until(lambda: decode_truth(heard.heard[GROUND_TRUTH][-1]).speed == pytest.approx(140.0), "the speed commanded")
-        assert len(heard.heard[VIBRATION]) > blocks
+        client.until(lambda: decode_truth(client.received[GROUND_TRUTH][-1]).speed == pytest.approx(140.0), "the speed commanded")
+        assert len(client.received[VIBRATION]) > blocks
         began = time.monotonic()
-        assert simulator.end(kind) == 0, simulator.words
+        assert simulator.end(kind) == 0, simulator.output
         assert time.monotonic() - began < PROMPT
-    assert "command/speed: a message of" in simulator.words
-    assert "command/load: a message of" in simulator.words
-    assert simulator.words.count("is not a valid") <= 4  # explained, not repeated
-    assert "Traceback" not in simulator.words
+    assert "command/speed: a message of" in simulator.output
+    assert "command/load: a message of" in simulator.output
+    assert simulator.output.count("is not a valid") <= 4  # explained once, not for every message
+    assert "Traceback" not in simulator.output
     assert Recording(bag).complete
 
 
 @pytest.mark.parametrize("kind", [signal.SIGINT, signal.SIGTERM])
-def test_signals_do_not_wait_for_the_compiler(kind: signal.Signals, tmp_path: Path) -> None:
+def test_a_signal_ends_the_node_during_compilation(kind: signal.Signals, tmp_path: Path) -> None:
     from std_msgs.msg import Float64
 
     number, bag = domain(), tmp_path / "bag"
     env = environment(number, NUMBA_CACHE_DIR=str(tmp_path / "kernels"))
-    with listener(number) as heard, node("simulator", parameters(recording__path=bag), env, tmp_path / "log") as simulator:
-        speed = heard.node.create_publisher(Float64, "command/speed", 10)
-        heard.until(speed.get_subscription_count, "the simulator")
-        heard.until(lambda: "compiling the kernels" in simulator.words, "the compiler")
+    with graph_client(number) as client, node("simulator", parameters(recording__path=bag), env, tmp_path / "log") as simulator:
+        speed = client.node.create_publisher(Float64, "command/speed", 10)
+        client.until(speed.get_subscription_count, "the simulator")
+        client.until(lambda: "compiling the kernels" in simulator.output, "the compiler")
         began = time.monotonic()
-        assert simulator.end(kind) == 0, simulator.words
+        assert simulator.end(kind) == 0, simulator.output
         assert time.monotonic() - began < PROMPT
-        heard.until(lambda: not processes("dcrb_ros.core.compilation", str(tmp_path)), "the end of the process that compiles with it")
-    assert not heard.heard[VIBRATION]
+        client.until(lambda: not processes("dcrb_ros.core.compilation", str(tmp_path)), "the end of the process that compiles with it")
+    assert not client.received[VIBRATION]
     assert Recording(bag).complete
 
 
-def test_only_verdicts_of_this_run_are_recorded(tmp_path: Path) -> None:
+def test_only_diagnoses_of_this_run_are_recorded(tmp_path: Path) -> None:
     number, bag = domain(), tmp_path / "bag"
-    early, good, late = (Diagnosis(0, seconds, "healthy", "said so") for seconds in (-1.0, 0.01, 1e6))
-    with listener(number) as heard, node("simulator", parameters(recording__path=bag), environment(number), tmp_path / "log") as simulator:
-        publishers = [heard.node.create_publisher(message_class(topic), topic.name, qos(topic)) for topic in (DIAGNOSIS, FAULT_INDICATORS)]
-        heard.meet(*publishers, count=2)  # the simulator and the listener itself
+    early, good, late = (Diagnosis(0, seconds, "healthy", "test") for seconds in (-1.0, 0.01, 1e6))
+    with (
+        graph_client(number) as client,
+        node("simulator", parameters(recording__path=bag), environment(number), tmp_path / "log") as simulator,
+    ):
+        publishers = [client.node.create_publisher(message_class(topic), topic.name, qos(topic)) for topic in (DIAGNOSIS, FAULT_INDICATORS)]
+        client.connect(*publishers, count=2)  # the simulator and the listener itself
         for publisher, encode in zip(publishers, (encode_diagnosis, encode_indicators), strict=True):
             for data in (*GARBAGE, encode(early), encode(late), encode(good)):
                 publisher.publish(data)
 
         def rejected() -> str:
-            assert simulator.process.poll() is None, simulator.words
-            return heard.status.get("rejected_messages", "")
+            assert simulator.process.poll() is None, simulator.output
+            return client.status.get("rejected_messages", "")
 
-        heard.until(lambda: rejected() == str(2 * (len(GARBAGE) + 2)), "the refusals")
-        assert heard.status["rejected_commands"] == "0"
-        assert simulator.end(signal.SIGINT) == 0, simulator.words
-    assert "diagnosis: a message of" in simulator.words
-    assert simulator.words.count("[WARN]") <= 4  # explained, not repeated
+        client.until(lambda: rejected() == str(2 * (len(GARBAGE) + 2)), "the refusals")
+        assert client.status["rejected_commands"] == "0"
+        assert simulator.end(signal.SIGINT) == 0, simulator.output
+    assert "diagnosis: a message of" in simulator.output
+    assert simulator.output.count("[WARN]") <= 4  # explained once, not for every message
     recording = Recording(bag)
     assert recording.complete
     assert recording.counts()["/dcrb/diagnosis"] == 1
     assert recording.counts()["/dcrb/fault_indicators"] == 1
 
 
-def test_detector_outlives_malformed_messages(tmp_path: Path) -> None:
+def test_the_detector_survives_malformed_messages(tmp_path: Path) -> None:
     number = domain()
     endless = '{"sampling_rate": Infinity, "orders": {"FTF": 1, "BPFO": 1, "BPFI": 1, "BSF": 1}}'
-    with listener(number) as heard, node("fault_detector", [], environment(number), tmp_path / "log") as detector:
-        publishers = [heard.node.create_publisher(message_class(topic), topic.name, qos(topic)) for topic in (SENSOR, VIBRATION)]
-        heard.until(lambda: all(p.get_subscription_count() == 2 for p in publishers), "the detector")
+    with graph_client(number) as client, node("fault_detector", [], environment(number), tmp_path / "log") as detector:
+        publishers = [client.node.create_publisher(message_class(topic), topic.name, qos(topic)) for topic in (SENSOR, VIBRATION)]
+        client.until(lambda: all(p.get_subscription_count() == 2 for p in publishers), "the detector")
         sensor, vibration = publishers
         sensor.publish(encode_text(endless))
-        heard.until(lambda: "OverflowError" in detector.words, "the refusal of the rate")
+        client.until(lambda: "OverflowError" in detector.output, "the refusal of the rate")
         for data in GARBAGE:
             vibration.publish(data)
         sensor.publish(GARBAGE[3])
-        heard.until(lambda: "2 so far" in detector.words, "the refusal of the bytes")
+        client.until(lambda: "2 so far" in detector.output, "the refusal of the bytes")
         began = time.monotonic()
-        assert detector.end(signal.SIGINT) == 0, detector.words
+        assert detector.end(signal.SIGINT) == 0, detector.output
         assert time.monotonic() - began < PROMPT
-    assert "Traceback" not in detector.words
-    assert "a callback failed" not in detector.words
+    assert "Traceback" not in detector.output
+    assert "a callback failed" not in detector.output
 
 
 def test_failing_callback_does_not_end_the_node(capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
@@ -409,8 +417,8 @@ def test_failing_callback_does_not_end_the_node(capfd: pytest.CaptureFixture[str
     assert "KeyError: 'absent'" in words
 
 
-class Ears:
-    """A node's subscriptions without a node."""
+class FakeNode:
+    """Keeps the callbacks of subscriptions, without ROS."""
 
     def __init__(self) -> None:
         self.callbacks: dict[str, Any] = {}
@@ -420,23 +428,23 @@ class Ears:
         self.callbacks[name] = callback
 
 
-def test_observer_leaves_foreign_messages_aside() -> None:
-    ears, observer = Ears(), Observer()
-    observer.subscribe(ears)
+def test_the_observer_ignores_foreign_messages() -> None:
+    fake, observer = FakeNode(), Observer()
+    observer.subscribe(fake)
     foreign = encode_diagnostics(0, [Status("battery", OK, "full", {})])
     nothing = encode_diagnostics(0, [])
     joints = encode_joints(0, ["elbow"], np.zeros(1), np.zeros(0), np.zeros(0))
     for data in GARBAGE:
         for name in ("/dcrb/diagnosis", "/diagnostics", "/dcrb/outer_ring/features"):
-            ears.callbacks[name](data)
+            fake.callbacks[name](data)
     for name, data in (("/dcrb/diagnosis", foreign), ("/dcrb/diagnosis", nothing), ("/dcrb/outer_ring/features", joints)):
-        ears.callbacks[name](data)
+        fake.callbacks[name](data)
     assert observer.refused == 3 * len(GARBAGE) + 3
     for data in (foreign, nothing):  # others may report there
-        ears.callbacks["/diagnostics"](data)
+        fake.callbacks["/diagnostics"](data)
     assert observer.refused == 3 * len(GARBAGE) + 3
     assert (observer.verdict, observer.bench, observer.features) == (None, None, None)
     assert observer.line() == "waiting for the first block ..."
-    ears.callbacks["/dcrb/diagnosis"](encode_diagnosis(Diagnosis(0, 1.0, "healthy", "said so")))
+    fake.callbacks["/dcrb/diagnosis"](encode_diagnosis(Diagnosis(0, 1.0, "healthy", "test")))
     assert observer.verdict is not None
     assert observer.verdict.message == "healthy"

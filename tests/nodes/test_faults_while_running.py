@@ -1,4 +1,4 @@
-"""Parameters of a running node: what it accepts, what it refuses and in which words."""
+"""Parameters of a running node: which changes it accepts, and how it refuses the others."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ pytest.importorskip("rclpy", reason="the nodes need ROS 2; everything else is te
 
 from node_arguments import parameters
 from rcl_interfaces.srv import GetParameters
-from ros_bench import Listener, domain, environment, listener, node
+from ros_bench import GraphClient, domain, environment, graph_client, node
 
 from dcrb_ros.messages.plain import decode_text
 from dcrb_ros.messages.statuses import decode_truth
@@ -24,14 +24,17 @@ from dcrb_ros.stream.events import ParameterChange
 pytestmark = pytest.mark.node
 
 
-def truths(heard: Listener) -> list[Truth]:
-    return [decode_truth(data) for data in heard.heard[GROUND_TRUTH]]
+def truths(client: GraphClient) -> list[Truth]:
+    return [decode_truth(data) for data in client.received[GROUND_TRUTH]]
 
 
-def test_faults_come_and_are_refused_as_a_whole(tmp_path: Path) -> None:
+def test_changes_of_parameters_take_effect_or_are_refused_together(tmp_path: Path) -> None:
     number = domain()
-    with listener(number) as heard, node("simulator", parameters(cage__joint="revolute"), environment(number), tmp_path / "log") as bench:
-        heard.until(lambda: len(heard.heard[VIBRATION]) > 5, "blocks")
+    with (
+        graph_client(number) as client,
+        node("simulator", parameters(cage__joint="revolute"), environment(number), tmp_path / "log") as bench,
+    ):
+        client.until(lambda: len(client.received[VIBRATION]) > 5, "blocks")
         refusals: list[tuple[dict[str, Any], str]] = [
             ({"faults__outer_1__width": 0.5}, "faults.outer_1.width = 0.5 m is outside 0 .. 0.05 m"),
             ({"faults__outer_1__width": float("nan")}, "faults.outer_1.width = nan m is outside 0 .. 0.05 m"),
@@ -46,68 +49,68 @@ def test_faults_come_and_are_refused_as_a_whole(tmp_path: Path) -> None:
             ({"time_scale": -1.0}, "time_scale = -1.0 is outside 0 .. 1000"),
         ]
         for values, reason in refusals:
-            done, said = heard.set(**values)
+            done, said = client.set(**values)
             assert not done
             assert reason in said
-        assert heard.set(faults__outer_1__width=0.002, faults__outer_1__row=1, faults__broken_bars="row2/bar7") == (True, "")
-        heard.until(lambda: len(truths(heard)[-1].faults) == 2, "the faults in the ground truth")
-        change = next(truth for truth in truths(heard) if isinstance(truth.event, ParameterChange))
+        assert client.set(faults__outer_1__width=0.002, faults__outer_1__row=1, faults__broken_bars="row2/bar7") == (True, "")
+        client.until(lambda: len(truths(client)[-1].faults) == 2, "the faults in the ground truth")
+        change = next(truth for truth in truths(client) if isinstance(truth.event, ParameterChange))
         assert change.event == ParameterChange({"faults.outer_1.width": 0.002, "faults.outer_1.row": 1, "faults.broken_bars": "row2/bar7"})
         assert change.faults["outer_1"]["onset"] == pytest.approx(change.time_ns * 1e-9, abs=1e-9)
         assert "broken_bars.row2/bar7" in change.faults
-        done, said = heard.set(faults__broken_bars="")
+        done, said = client.set(faults__broken_bars="")
         assert (done, "does not heal" in said) == (False, True)
-        assert heard.set(faults__outer_1__width=0.0) == (True, "")
-        heard.until(lambda: set(truths(heard)[-1].faults) == {"broken_bars.row2/bar7"}, "the defect gone")
-        assert heard.set(sensor__fault="stuck", background__hum_level=2.0) == (True, "")
-        heard.until(lambda: "sensor.stuck" in truths(heard)[-1].faults, "the sensor's fault")
-        assert truths(heard)[-1].background == {"hum_level": 2.0}
-        assert heard.set(sensor__fault="none") == (True, "")
-        heard.until(lambda: "sensor.stuck" not in truths(heard)[-1].faults, "a sound sensor")
-        blocks = len(heard.heard[VIBRATION])
-        heard.until(lambda: len(heard.heard[VIBRATION]) > blocks + 20, "blocks")
-        heard.until(lambda: heard.status["rejected_parameters"] == str(len(refusals) + 1), "the count of refusals")
-        assert bench.words.count("[WARN]") <= 2
-        assert "Traceback" not in bench.words
+        assert client.set(faults__outer_1__width=0.0) == (True, "")
+        client.until(lambda: set(truths(client)[-1].faults) == {"broken_bars.row2/bar7"}, "the defect gone")
+        assert client.set(sensor__fault="stuck", background__hum_level=2.0) == (True, "")
+        client.until(lambda: "sensor.stuck" in truths(client)[-1].faults, "the sensor's fault")
+        assert truths(client)[-1].background == {"hum_level": 2.0}
+        assert client.set(sensor__fault="none") == (True, "")
+        client.until(lambda: "sensor.stuck" not in truths(client)[-1].faults, "a sound sensor")
+        blocks = len(client.received[VIBRATION])
+        client.until(lambda: len(client.received[VIBRATION]) > blocks + 20, "blocks")
+        client.until(lambda: client.status["rejected_parameters"] == str(len(refusals) + 1), "the count of refusals")
+        assert bench.output.count("[WARN]") <= 2
+        assert "Traceback" not in bench.output
 
 
-def test_parameters_say_how_the_bench_is(tmp_path: Path) -> None:
+def test_parameters_follow_the_scenario_and_a_reset(tmp_path: Path) -> None:
     from std_srvs.srv import Trigger
 
     story, number = tmp_path / "story.yaml", domain()
     events = "timeline: [{at: 0.1, set: {faults.outer_1.width: 0.002, sensor.range: 1000.0}}]"
     story.write_text(f"start: {{operating.speed: 100.0, sensor.fault: dead}}\n{events}")
     given = ["--scenario", str(story), *parameters(sensor__preset="mems", sensor__range=5000.0)]
-    with listener(number) as heard, node("simulator", given, environment(number), tmp_path / "log"):
+    with graph_client(number) as client, node("simulator", given, environment(number), tmp_path / "log"):
 
         def value(*names: str) -> list[float]:
-            return [found.double_value for found in heard.ask(GetParameters, "simulator/get_parameters", names=list(names)).values]
+            return [found.double_value for found in client.ask(GetParameters, "simulator/get_parameters", names=list(names)).values]
 
         def width() -> float:
             return value("faults.outer_1.width")[0]
 
-        heard.until(lambda: heard.heard[VIBRATION] and truths(heard), "a block and its truth")
+        client.until(lambda: client.received[VIBRATION] and truths(client), "a block and its truth")
         assert value("operating.speed", "sensor.white_noise_ug") == [100.0, 30.0]  # the scenario's start, the preset
-        assert "sensor.dead" in truths(heard)[0].faults  # of those heard: the bench may have begun before it was known here
-        heard.until(lambda: width() == 0.002, "what the scenario has set")
-        assert heard.set(faults__outer_1__width=0.001, time_scale=0.01) == (True, "")
-        assert width() == 0.001  # though it has hardly taken effect yet
-        assert heard.ask(Trigger, "reset").success
-        heard.until(lambda: width() == 0.0, "the width of the start")
-        about = [json.loads(decode_text(data))["range"] for data in heard.heard[SENSOR]]
-        assert about[-2:] == [1000.0, 5000.0]  # told anew with every change
+        assert "sensor.dead" in truths(client)[0].faults  # the first one received; earlier ones may have been missed
+        client.until(lambda: width() == 0.002, "what the scenario has set")
+        assert client.set(faults__outer_1__width=0.001, time_scale=0.01) == (True, "")
+        assert width() == 0.001  # even before it takes effect
+        assert client.ask(Trigger, "reset").success
+        client.until(lambda: width() == 0.0, "the width of the start")
+        about = [json.loads(decode_text(data))["range"] for data in client.received[SENSOR]]
+        assert about[-2:] == [1000.0, 5000.0]  # published again with every change
 
 
 def test_every_parameter_is_declared_from_the_schema(tmp_path: Path) -> None:
     from rcl_interfaces.srv import DescribeParameters, ListParameters
 
     number = domain()
-    with listener(number) as heard, node("simulator", parameters(), environment(number), tmp_path / "log"):
-        heard.until(lambda: heard.heard[VIBRATION], "a block")
-        names = set(heard.ask(ListParameters, "simulator/list_parameters").result.names)
+    with graph_client(number) as client, node("simulator", parameters(), environment(number), tmp_path / "log"):
+        client.until(lambda: client.received[VIBRATION], "a block")
+        names = set(client.ask(ListParameters, "simulator/list_parameters").result.names)
         fields = {field.key: field for field in parameter_fields()}
         assert names - {"use_sim_time", "start_type_description_service"} == set(fields)
-        described = heard.ask(DescribeParameters, "simulator/describe_parameters", names=sorted(fields)).descriptors
+        described = client.ask(DescribeParameters, "simulator/describe_parameters", names=sorted(fields)).descriptors
         kinds = {bool: 1, int: 2, float: 3, str: 4}
         for about in described:
             field = fields[about.name]
@@ -123,10 +126,10 @@ def test_several_bearings_in_one_graph(tmp_path: Path) -> None:
 
     number, heard_of = domain(), dict[str, list[PointCloud2]]()
     seen = {f"/wagon/box{box}": ["--ros-args", "-r", f"__ns:=/wagon/box{box}", "-r", "__node:=bearing"] for box in (1, 2)}
-    with listener(number) as heard:
+    with graph_client(number) as client:
         for box, name in enumerate(seen, 1):
             heard_of[name] = []
-            heard.node.create_subscription(PointCloud2, f"{name}/outer_ring/vibration", heard_of[name].append, 200)
+            client.node.create_subscription(PointCloud2, f"{name}/outer_ring/vibration", heard_of[name].append, 200)
             seen[name] += [
                 "-p",
                 f"simulation.seed:={box}",
@@ -140,15 +143,16 @@ def test_several_bearings_in_one_graph(tmp_path: Path) -> None:
             node("simulator", first[1], environment(number), tmp_path / "log1"),
             node("simulator", second[1], environment(number), tmp_path / "log2"),
         ):
-            heard.until(lambda: all(len(blocks) > 2 for blocks in heard_of.values()), "blocks of both")
+            client.until(lambda: all(len(blocks) > 2 for blocks in heard_of.values()), "blocks of both")
             assert {name: blocks[0].header.frame_id for name, blocks in heard_of.items()} == {
                 "/wagon/box1": "box1/outer_ring",
                 "/wagon/box2": "box2/outer_ring",
             }
-            assert bytes(heard_of["/wagon/box1"][0].data) != bytes(heard_of["/wagon/box2"][0].data)  # other noise
-            heard.until(
+            assert bytes(heard_of["/wagon/box1"][0].data) != bytes(heard_of["/wagon/box2"][0].data)  # different noise
+            client.until(
                 lambda: (
-                    {"/wagon/box1/bearing", "/wagon/box2/bearing"} <= {ns + "/" + n for n, ns in heard.node.get_node_names_and_namespaces()}
+                    {"/wagon/box1/bearing", "/wagon/box2/bearing"}
+                    <= {ns + "/" + n for n, ns in client.node.get_node_names_and_namespaces()}
                 ),
                 "both nodes",
             )

@@ -1,4 +1,4 @@
-"""The launch files, run against stand-ins for `launch` and `launch_ros`, which are not on PyPI: what they would start."""
+"""The nodes that the launch files start, with substitutes for `launch` and `launch_ros`, which are not on PyPI."""
 
 from __future__ import annotations
 
@@ -78,7 +78,7 @@ def modules() -> dict[str, ModuleType]:
 
 
 def description(name: str, monkeypatch: pytest.MonkeyPatch) -> Any:
-    """Return the module of a launch file, with stand-ins for what it imports."""
+    """Return the module of a launch file, with substitutes for what it imports."""
     for module, made in modules().items():
         monkeypatch.setitem(sys.modules, module, made)
     monkeypatch.delitem(sys.modules, "dcrb_ros.nodes.launching", raising=False)
@@ -92,7 +92,7 @@ def description(name: str, monkeypatch: pytest.MonkeyPatch) -> Any:
 
 
 def started(name: str, monkeypatch: pytest.MonkeyPatch, **given: str) -> list[Node]:
-    """Return the nodes that a launch file starts with its defaults and what is given."""
+    """Return the nodes that a launch file starts with the given arguments and its defaults."""
     described = description(name, monkeypatch)
     arguments = {action.name: action.default for action in described.generate_launch_description() if isinstance(action, Argument)}
     assert given.keys() <= arguments.keys()
@@ -102,7 +102,7 @@ def started(name: str, monkeypatch: pytest.MonkeyPatch, **given: str) -> list[No
 
 
 def configuration(node: Node) -> Any:
-    """Return what a node would make of its parameters."""
+    """Return the parameters as the node would read them."""
     model = Configuration if node.executable == "simulator" else DetectorParameters
     flat: dict[str, Any] = {}
     for given in node.parameters:
@@ -120,7 +120,7 @@ def test_bench_starts_both_nodes(monkeypatch: pytest.MonkeyPatch) -> None:
     assert configuration(nodes[1]) == DetectorParameters()
 
 
-def test_bench_leaves_to_the_configuration_what_is_not_asked_for(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+def test_arguments_left_empty_do_not_override_the_configuration(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     mine, judging = tmp_path / "mine.yaml", tmp_path / "judging.yaml"
     own = {"time_scale": 0.5, "recording": {"path": "/tmp/mine"}, "publishing": {"clock": True}}
     mine.write_text(yaml.safe_dump({"/**": {"ros__parameters": own}}))
@@ -131,7 +131,7 @@ def test_bench_leaves_to_the_configuration_what_is_not_asked_for(monkeypatch: py
     assert configuration(detector) == DetectorParameters(learn=10.0)
 
 
-def test_bench_is_shown_where_asked_for(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_viewer_is_started_on_request(monkeypatch: pytest.MonkeyPatch) -> None:
     nodes = started("bench", monkeypatch, rerun="true", namespace="wagon/box1")
     assert (nodes[0].executable, nodes[0].namespace) == ("viewer", "wagon/box1")
     assert len(nodes) == 3
@@ -154,7 +154,7 @@ def test_replay_takes_its_parameters_from_the_arguments(monkeypatch: pytest.Monk
     assert (replayer.namespace.name, detector.namespace) == ("namespace", "dcrb")
 
 
-def test_axle_boxes_differ(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_axle_boxes_have_different_seeds_and_faults(monkeypatch: pytest.MonkeyPatch) -> None:
     nodes = started("axle_boxes", monkeypatch, clock="true")
     assert [node.namespace for node in nodes] == [f"wagon/box{box}" for box in (1, 2, 3, 4) for _ in range(2)]
     boxes = [configuration(node) for node in nodes if node.executable == "simulator"]

@@ -1,4 +1,4 @@
-"""The replayer as a real process: the detector takes it for the live bench."""
+"""The replayer as a process: subscribers cannot distinguish it from the live bench."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ pytest.importorskip("rclpy", reason="the nodes need ROS 2; everything else is te
 
 from made_up_blocks import narrowed, recorded
 from node_arguments import parameters
-from ros_bench import PATIENCE, domain, environment, listener, node
+from ros_bench import PATIENCE, domain, environment, graph_client, node
 
 from dcrb_ros.messages.description import decode_range
 from dcrb_ros.messages.points import decode_vibration
@@ -31,62 +31,62 @@ BAGS = Path(__file__).parents[2] / "bags"
 
 
 @pytest.mark.parametrize(("name", "verdict"), [("outer_ring_defect", "outer_ring"), ("inner_ring_defect", "inner_ring")])
-def test_detector_takes_a_replay_for_the_live_bench(name: str, verdict: str, tmp_path: Path) -> None:
+def test_the_detector_diagnoses_a_replay_like_the_live_bench(name: str, verdict: str, tmp_path: Path) -> None:
     number = domain()
     with (
-        listener(number) as heard,
+        graph_client(number) as client,
         node("fault_detector", [], environment(number), tmp_path / "detector.log") as detector,
     ):
-        heard.until(lambda: heard.node.count_subscribers(VIBRATION.resolved("/dcrb")) >= 2, "the detector")
+        client.until(lambda: client.node.count_subscribers(VIBRATION.resolved("/dcrb")) >= 2, "the detector")
         given = parameters(bag=str(BAGS / name), rate=2.0, listeners=2, wait=60.0)
         with node("replayer", given, environment(number), tmp_path / "replayer.log") as replayer:
 
-            def judged() -> list[str]:
-                assert detector.process.poll() is None, detector.words
-                assert replayer.process.poll() in (None, 0), replayer.words
-                found = [decode_diagnostics(data)[1][0].message for data in heard.heard[DIAGNOSIS]]
+            def verdicts() -> list[str]:
+                assert detector.process.poll() is None, detector.output
+                assert replayer.process.poll() in (None, 0), replayer.output
+                found = [decode_diagnostics(data)[1][0].message for data in client.received[DIAGNOSIS]]
                 return [word for word in found if word != "waiting"]
 
-            heard.until(lambda: len(heard.heard[VIBRATION]) == 150, "every block")
-            heard.until(judged, "a verdict")
-            assert set(judged()) == {verdict}
+            client.until(lambda: len(client.received[VIBRATION]) == 150, "every block")
+            client.until(verdicts, "a verdict")
+            assert set(verdicts()) == {verdict}
             assert replayer.process.wait(PATIENCE) == 0
-        # The very bytes, in their order, gaps and stamps included; the middleware pads them to four.
+        # The same bytes in the same order; the middleware pads them to a multiple of four.
         for topic in (VIBRATION, FEATURES, ROLLER_STATES, GROUND_TRUTH, SENSOR):
             recording = [message.data + bytes(-len(message.data) % 4) for message in Recording(BAGS / name).messages((topic,))]
-            heard.until(lambda t=topic, expected=recording: len(heard.heard[t]) >= len(expected), topic.name)
-            assert heard.heard[topic] == recording, topic.name
-    assert decode_diagnostics(heard.heard[BENCH_DIAGNOSTICS][-1])[1][0].name == "/dcrb/replayer"
+            client.until(lambda t=topic, expected=recording: len(client.received[t]) >= len(expected), topic.name)
+            assert client.received[topic] == recording, topic.name
+    assert decode_diagnostics(client.received[BENCH_DIAGNOSTICS][-1])[1][0].name == "/dcrb/replayer"
 
 
-def test_replay_keeps_the_recorded_pace_scaled(tmp_path: Path) -> None:
+def test_a_replay_keeps_the_recorded_pace_times_its_rate(tmp_path: Path) -> None:
     bag, number, stamps = recorded(tmp_path / "bag", 150), domain(), []
-    with listener(number) as heard:
-        heard.node.create_subscription(
+    with graph_client(number) as client:
+        client.node.create_subscription(
             message_class(VIBRATION), VIBRATION.resolved("/dcrb"), lambda data: stamps.append(time.monotonic()), qos(VIBRATION), raw=True
         )
         given = parameters(bag=str(bag), rate=2.0, listeners=2, wait=60.0)
         with node("replayer", given, environment(number), tmp_path / "log") as replayer:
-            heard.until(lambda: len(stamps) == 150, "every block")
+            client.until(lambda: len(stamps) == 150, "every block")
             assert replayer.process.wait(PATIENCE) == 0
     asked = 148 * 0.02 / 2.0
-    assert 0.9 * asked < stamps[-1] - stamps[1] < 3.0 * asked  # never ahead; a busy machine may be behind
+    assert 0.9 * asked < stamps[-1] - stamps[1] < 3.0 * asked  # never early; on a busy machine it may be late
 
 
 def test_loop_offset_and_clock(tmp_path: Path) -> None:
     bag, number, clock = recorded(tmp_path / "bag", 40), domain(), []
-    with listener(number) as heard:
-        heard.node.create_subscription(message_class(CLOCK), "/clock", clock.append, qos(CLOCK), raw=True)
+    with graph_client(number) as client:
+        client.node.create_subscription(message_class(CLOCK), "/clock", clock.append, qos(CLOCK), raw=True)
         given = parameters(bag=str(bag), rate=10.0, loop="true", offset=0.5, clock="true", wait=60.0)
         with node("replayer", given, environment(number), tmp_path / "log") as replayer:
-            heard.until(lambda: len(heard.heard[VIBRATION]) > 100 and clock, "several passes and the clock")
+            client.until(lambda: len(client.received[VIBRATION]) > 100 and clock, "several passes and the clock")
             assert replayer.end(signal.SIGINT) == 0
-    indices = [decode_vibration(data).first_index(51200) for data in heard.heard[VIBRATION]]
+    indices = [decode_vibration(data).first_index(51200) for data in client.received[VIBRATION]]
     assert min(indices) == 25 * 1024  # the first block that begins half a second in or later
     assert indices[:16] == [1024 * k for k in (*range(25, 40), 25)]
 
 
-def test_command_replays_and_refuses(tmp_path: Path) -> None:
+def test_the_command_replays_and_refuses(tmp_path: Path) -> None:
     bag, number = recorded(tmp_path / "bag", 10), domain()
     command = [sys.executable, "-c", "from dcrb_ros.cli.app import main; main()", "replay"]
     done = subprocess.run(
@@ -96,7 +96,7 @@ def test_command_replays_and_refuses(tmp_path: Path) -> None:
     for arguments, sentence in (
         (["nothing"], "there is no recording nothing"),
         ([str(bag), "--rate", "-1"], "rate = -1.0 is outside 0 .. 1000"),
-        ([str(bag), "--rate", "nan"], "--rate nan is refused"),
+        ([str(bag), "--rate", "nan"], "--rate nan is not a finite number"),
         ([str(bag), "--topics", "vibration"], "there is no topic 'vibration'"),
         ([str(bag), "--offset", "9"], "lower the offset"),
     ):
@@ -108,7 +108,7 @@ def test_command_replays_and_refuses(tmp_path: Path) -> None:
         assert "Traceback" not in done.stderr
 
 
-def test_bundles_come_at_the_end_of_their_block(tmp_path: Path) -> None:
+def test_bundles_are_due_at_the_end_of_their_block(tmp_path: Path) -> None:
     replay = Replay(ReplayParameters(bag=str(recorded(tmp_path / "bag", 5))))
     bundles = list(replay.bundles())
     assert [bundle.end_ns for bundle in bundles] == [20_000_000 * k for k in range(1, 6)]
@@ -118,7 +118,7 @@ def test_bundles_come_at_the_end_of_their_block(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(("offset", "passed"), [(0.0, 3), (0.1, 0)])
-def test_a_range_that_changes_is_replayed_with_its_block(offset: float, passed: int, tmp_path: Path) -> None:
+def test_a_changed_range_is_replayed_with_its_block(offset: float, passed: int, tmp_path: Path) -> None:
     bag = narrowed(tmp_path / "bag", 6, at=3, limit=20.0)
     replay = Replay(ReplayParameters(bag=str(bag), offset=offset, topics=VIBRATION.name))
     assert [decode_range(message.data) for message in replay.start()] == [5000.0]
@@ -126,5 +126,5 @@ def test_a_range_that_changes_is_replayed_with_its_block(offset: float, passed: 
     told = [[decode_range(message.data) for message in bundle if message.topic == SENSOR] for bundle in first]
     assert told == [[]] * passed + [[20.0]] + [[]] * (5 - round(50 * offset) - passed)
     assert [message.topic for message in first[passed]] == [SENSOR, VIBRATION]
-    # A loop begins with the first range again; an offset behind the change has only the second.
+    # A loop starts with the first range again; after an offset beyond the change there is only the second.
     assert [message.topic for message in again[0]] == ([VIBRATION] if offset else [SENSOR, VIBRATION])

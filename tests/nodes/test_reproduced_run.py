@@ -1,4 +1,4 @@
-"""A run over DDS with commands: its recording makes the same samples without ROS."""
+"""A recording of a node that received commands is reproduced without ROS."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ pytest.importorskip("rclpy", reason="the nodes need ROS 2; everything else is te
 
 from command import dcrb
 from node_arguments import parameters
-from ros_bench import domain, environment, listener, node
+from ros_bench import domain, environment, graph_client, node
 
 from dcrb_ros.messages.topics import VIBRATION
 from dcrb_ros.recordings.reader import Recording
@@ -20,22 +20,22 @@ from dcrb_ros.stream.events import LoadCommand, SpeedCommand
 pytestmark = pytest.mark.node
 
 
-def test_a_commanded_run_is_made_again_without_ros(tmp_path: Path) -> None:
+def test_a_run_with_commands_is_reproduced_without_ros(tmp_path: Path) -> None:
     from geometry_msgs.msg import Wrench
     from std_msgs.msg import Float64
 
     number, bag = domain(), tmp_path / "bag"
     given = parameters(recording__path=str(bag), recording__split_duration=0.5, faults__inner_1__width=0.002)
-    with listener(number) as heard, node("simulator", given, environment(number), tmp_path / "log") as simulator:
-        speed = heard.node.create_publisher(Float64, "command/speed", 10)
-        load = heard.node.create_publisher(Wrench, "command/load", 10)
-        heard.meet(speed, load)
+    with graph_client(number) as client, node("simulator", given, environment(number), tmp_path / "log") as simulator:
+        speed = client.node.create_publisher(Float64, "command/speed", 10)
+        load = client.node.create_publisher(Wrench, "command/load", 10)
+        client.connect(speed, load)
         speed.publish(Float64(data=140.0))
         wrench = Wrench()
         wrench.force.x, wrench.force.y = 500.0, -60e3
         load.publish(wrench)
-        blocks = len(heard.heard[VIBRATION])
-        heard.until(lambda: len(heard.heard[VIBRATION]) > blocks + 40, "what follows on the commands")
+        blocks = len(client.received[VIBRATION])
+        client.until(lambda: len(client.received[VIBRATION]) > blocks + 40, "blocks after the commands")
         assert simulator.end(signal.SIGINT) == 0
     recording = Recording(bag)
     assert recording.complete

@@ -1,4 +1,4 @@
-"""What a machine without ROS 2, or without the middleware asked for, is told."""
+"""Machines without ROS 2, without the requested middleware, or without a cache folder."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ from dcrb_ros.nodes.ros import check_ros
 from dcrb_ros.runtime.refusal import Refusal
 
 
-def test_nodes_say_what_is_missing(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_check_names_what_is_missing(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(importlib.util, "find_spec", lambda name: None)
     with pytest.raises(Refusal, match=r"rclpy is not installed: source a ROS installation, or pip install 'dcrb_ros\[ros\]'"):
         check_ros()
 
 
 def test_everything_but_the_nodes_works_without_ros(tmp_path: Path) -> None:
-    # A module of the same name that cannot be imported stands before the real one.
+    # A module of the same name that cannot be imported hides the real one.
     (tmp_path / "rclpy.py").write_text("raise ImportError('no ROS here')")
     code = "from dcrb_ros.cli.app import main; main()"
     env = {**os.environ, "PYTHONPATH": str(tmp_path)}
@@ -42,7 +42,7 @@ def test_everything_but_the_nodes_works_without_ros(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("program", ["simulator", "replayer", "fault_detector", "viewer"])
-def test_programs_say_what_is_missing_where_no_signal_can_be_kept_back(program: str) -> None:
+def test_programs_name_what_is_missing_on_systems_without_signal_masks(program: str) -> None:
     code = (
         "import importlib.util, signal, sys\n"
         "find = importlib.util.find_spec\n"
@@ -55,11 +55,11 @@ def test_programs_say_what_is_missing_where_no_signal_can_be_kept_back(program: 
 
 
 NO_HOME = {"a file": "lambda name: __file__ + '/cache'", "none": "lambda name: str(pathlib.Path('~nobody at all').expanduser())"}
-"""Where the user's cache would be: below something that is no folder, or where platformdirs cannot tell."""
+"""Location of the user's cache: below a file, or unknown to platformdirs."""
 
 
 def compiled_without_a_home(tmp_path: Path, home: str = NO_HOME["a file"]) -> tuple[str, Path]:
-    """Compile a kernel in a process without a cache of the user's; return what it found, and the folder of its cache."""
+    """Compile a kernel in a process without a user cache; return its result with the number of cache hits, and the cache folder."""
     program = tmp_path / "program.py"
     program.write_text(
         "import pathlib, platformdirs\n"
@@ -85,7 +85,7 @@ def test_kernels_are_compiled_once_without_a_home(tmp_path: Path, home: str) -> 
 
 
 @pytest.mark.skipif(os.name != "posix", reason="elsewhere the folder for temporary files is the user's own")
-def test_kernels_are_not_read_from_where_others_can_write(tmp_path: Path) -> None:
+def test_kernels_are_not_read_from_a_folder_that_others_can_write(tmp_path: Path) -> None:
     folder = tmp_path / f"dcrb_ros-{os.getuid()}"
     folder.mkdir()
     folder.chmod(0o777)

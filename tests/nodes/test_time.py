@@ -15,7 +15,7 @@ import pytest
 pytest.importorskip("rclpy", reason="the nodes need ROS 2; everything else is tested without")
 
 from node_arguments import parameters
-from ros_bench import PATIENCE, Listener, domain, environment, listener, node
+from ros_bench import PATIENCE, GraphClient, domain, environment, graph_client, node
 
 from dcrb_ros.messages.plain import decode_clock
 from dcrb_ros.messages.points import decode_vibration
@@ -30,7 +30,7 @@ from dcrb_ros.stream.events import SpeedCommand
 
 pytestmark = pytest.mark.node
 
-STORY = """
+SCENARIO = """
 timeline:
   - {at: 0.03, set: {operating.speed: 120.0}}
   - {at: 0.05, set: {faults.outer_1.width: 0.002, faults.broken_bars: row1/bar3}}
@@ -44,9 +44,9 @@ LEAD_NS = 1_000_000
 _index = functools.lru_cache(maxsize=None)(lambda data: decode_vibration(data).first_index(51200))
 
 
-def indices(heard: Listener) -> list[int]:
-    """Return the index of the first sample of every block heard; each is decoded once."""
-    return [_index(data) for data in heard.heard[VIBRATION]]
+def indices(client: GraphClient) -> list[int]:
+    """Return the index of the first sample of every received block; each is decoded once."""
+    return [_index(data) for data in client.received[VIBRATION]]
 
 
 def waveform(recording: Recording, count: int) -> npt.NDArray[np.float32]:
@@ -56,71 +56,71 @@ def waveform(recording: Recording, count: int) -> npt.NDArray[np.float32]:
 
 @pytest.mark.parametrize(("scale", "size"), [(0.1, 1024), (1.0, 700), (0.0, 64)])
 def test_same_samples_at_any_time_scale_and_block_size(scale: float, size: int, tmp_path: Path) -> None:
-    story, bag = tmp_path / "story.yaml", tmp_path / "bag"
-    story.write_text(STORY)
+    scenario, bag = tmp_path / "scenario.yaml", tmp_path / "bag"
+    scenario.write_text(SCENARIO)
     configuration = Configuration()
-    blocks = list(Simulation(configuration, read_scenario(story, configuration)).blocks(0.2))
-    arguments = ["--duration", "0.2", "--scenario", str(story)]
+    blocks = list(Simulation(configuration, read_scenario(scenario, configuration)).blocks(0.2))
+    arguments = ["--duration", "0.2", "--scenario", str(scenario)]
     arguments += parameters(recording__path=bag, time_scale=scale, publishing__block_size=size)
     with node("simulator", arguments, environment(domain()), tmp_path / "log") as simulator:
-        assert simulator.process.wait(PATIENCE) == 0, simulator.words
+        assert simulator.process.wait(PATIENCE) == 0, simulator.output
     recorded = np.concatenate([v.acceleration for v in Recording(bag).vibrations()])
     assert np.array_equal(recorded, np.concatenate([block.acceleration for block in blocks]))
-    said = [decode_truth(m.data) for m in Recording(bag).messages((GROUND_TRUTH,))]
+    truths = [decode_truth(m.data) for m in Recording(bag).messages((GROUND_TRUTH,))]
     expected = [truth for block in blocks for truth in block.truths]
-    assert [(t.time_ns, t.event, t.faults) for t in said] == [(t.time_ns, t.event, t.faults) for t in expected]
+    assert [(t.time_ns, t.event, t.faults) for t in truths] == [(t.time_ns, t.event, t.faults) for t in expected]
 
 
-def test_pause_holds_and_steps_go_one_block(tmp_path: Path) -> None:
+def test_a_pause_holds_the_blocks_and_a_step_sends_one(tmp_path: Path) -> None:
     from std_srvs.srv import SetBool, Trigger
 
     number = domain()
-    with listener(number) as heard, node("simulator", parameters(), environment(number), tmp_path / "log") as simulator:
-        heard.until(lambda: len(heard.heard[VIBRATION]) > 5, "blocks")
-        refused = heard.ask(Trigger, "step")
+    with graph_client(number) as client, node("simulator", parameters(), environment(number), tmp_path / "log") as simulator:
+        client.until(lambda: len(client.received[VIBRATION]) > 5, "blocks")
+        refused = client.ask(Trigger, "step")
         assert (refused.success, refused.message) == (False, "step: the bench runs; pause it first (service pause, data: true)")
-        answer = heard.ask(SetBool, "pause", data=True)
+        answer = client.ask(SetBool, "pause", data=True)
         assert answer.success
         assert answer.message.startswith("paused at ")
-        heard.until(lambda: heard.status.get("model") == "paused", "the pause in /diagnostics")
-        # What was on its way has come by then: a report later.
-        held = indices(heard)
+        client.until(lambda: client.status.get("model") == "paused", "the pause in /diagnostics")
+        # Blocks that were already sent have arrived by then.
+        held = indices(client)
         for count in (1, 2, 3):
-            assert heard.ask(Trigger, "step").success
-            heard.until(lambda c=count: len(indices(heard)) == len(held) + c, "one block")
-        reports = len(heard.heard[BENCH_DIAGNOSTICS])
-        heard.until(lambda: len(heard.heard[BENCH_DIAGNOSTICS]) >= reports + 2, "two reports")
-        assert len(indices(heard)) == len(held) + 3
-        assert heard.ask(SetBool, "pause", data=False).success
-        heard.until(lambda: len(indices(heard)) > len(held) + 30, "blocks after the pause")
-        assert np.all(np.diff(indices(heard)) == 1024)  # nothing is lost, nothing twice
-        heard.until(lambda: heard.status["model"] == "running", "running in /diagnostics")
-        assert "Traceback" not in simulator.words
+            assert client.ask(Trigger, "step").success
+            client.until(lambda c=count: len(indices(client)) == len(held) + c, "one block")
+        reports = len(client.received[BENCH_DIAGNOSTICS])
+        client.until(lambda: len(client.received[BENCH_DIAGNOSTICS]) >= reports + 2, "two reports")
+        assert len(indices(client)) == len(held) + 3
+        assert client.ask(SetBool, "pause", data=False).success
+        client.until(lambda: len(indices(client)) > len(held) + 30, "blocks after the pause")
+        assert np.all(np.diff(indices(client)) == 1024)  # no block is lost or repeated
+        client.until(lambda: client.status["model"] == "running", "running in /diagnostics")
+        assert "Traceback" not in simulator.output
 
 
-def test_reset_gives_the_same_samples_and_a_new_recording(tmp_path: Path) -> None:
+def test_a_reset_leads_to_the_same_samples_in_a_new_recording(tmp_path: Path) -> None:
     from std_srvs.srv import Trigger
 
     number, bag = domain(), tmp_path / "bag"
     with (
-        listener(number) as heard,
+        graph_client(number) as client,
         node("simulator", parameters(recording__path=bag), environment(number), tmp_path / "log") as simulator,
     ):
-        heard.until(lambda: len(heard.heard[VIBRATION]) > 25, "blocks")
-        assert heard.set(faults__outer_1__width=0.002, sensor__range=2000.0) == (True, "")
-        heard.until(lambda: any("outer_1" in decode_truth(t).faults for t in heard.heard[GROUND_TRUTH]), "the defect")
-        reset_at = len(indices(heard))
-        answer = heard.ask(Trigger, "reset")
+        client.until(lambda: len(client.received[VIBRATION]) > 25, "blocks")
+        assert client.set(faults__outer_1__width=0.002, sensor__range=2000.0) == (True, "")
+        client.until(lambda: any("outer_1" in decode_truth(t).faults for t in client.received[GROUND_TRUTH]), "the defect")
+        reset_at = len(indices(client))
+        answer = client.ask(Trigger, "reset")
         assert answer.success, answer.message
-        heard.until(lambda: 0 in indices(heard)[reset_at:], "the first block again")
-        begun_at = indices(heard).index(0, reset_at)
-        heard.until(lambda: len(indices(heard)) > begun_at + 25, "blocks from the start")
-        assert np.all(np.diff(indices(heard)[indices(heard).index(0, reset_at) :]) == 1024)
-        assert heard.set(faults__outer_2__width=0.002) == (True, "")  # where outer_1 was: it is gone
-        heard.until(lambda: set(decode_truth(heard.heard[GROUND_TRUTH][-1]).faults) == {"outer_2"}, "the other defect")
-        assert heard.ask(Trigger, "reset").success
-        heard.until(lambda: heard.status["recording"] == f"{bag}-3", "the third recording")
-        assert simulator.end(2) == 0, simulator.words
+        client.until(lambda: 0 in indices(client)[reset_at:], "the first block again")
+        restarted_at = indices(client).index(0, reset_at)
+        client.until(lambda: len(indices(client)) > restarted_at + 25, "blocks from the start")
+        assert np.all(np.diff(indices(client)[indices(client).index(0, reset_at) :]) == 1024)
+        assert client.set(faults__outer_2__width=0.002) == (True, "")  # where outer_1 was, which is gone
+        client.until(lambda: set(decode_truth(client.received[GROUND_TRUTH][-1]).faults) == {"outer_2"}, "the other defect")
+        assert client.ask(Trigger, "reset").success
+        client.until(lambda: client.status["recording"] == f"{bag}-3", "the third recording")
+        assert simulator.end(2) == 0, simulator.output
     first, second = Recording(bag), Recording(tmp_path / "bag-2")
     for recording in (first, second):
         stamps = [v.stamp_ns for v in recording.vibrations()]
@@ -130,55 +130,55 @@ def test_reset_gives_the_same_samples_and_a_new_recording(tmp_path: Path) -> Non
     assert np.array_equal(*(waveform(recording, 20) for recording in (first, second)))
 
 
-def test_record_starts_and_ends_recordings(tmp_path: Path) -> None:
+def test_the_service_record_begins_and_ends_recordings(tmp_path: Path) -> None:
     from std_srvs.srv import SetBool
 
     number, bag = domain(), tmp_path / "bag"
-    with listener(number) as heard, node("simulator", parameters(recording__path=bag), environment(number), tmp_path / "log"):
-        heard.until(lambda: len(heard.heard[VIBRATION]) > 5, "blocks")
-        assert heard.ask(SetBool, "record", data=True).message == f"recording to {bag}"
-        assert heard.ask(SetBool, "record", data=False).message.startswith(f"{bag} is finished at")
-        assert heard.ask(SetBool, "record", data=False).message == "no recording runs"
-        blocks = len(heard.heard[VIBRATION])
-        heard.until(lambda: len(heard.heard[VIBRATION]) > blocks + 10, "blocks")
-        assert heard.ask(SetBool, "record", data=True).message == f"recording to {bag}-2"
-        heard.until(lambda: heard.status["recording"] == f"{bag}-2", "the recording in /diagnostics")
-        assert heard.ask(SetBool, "record", data=False).success
+    with graph_client(number) as client, node("simulator", parameters(recording__path=bag), environment(number), tmp_path / "log"):
+        client.until(lambda: len(client.received[VIBRATION]) > 5, "blocks")
+        assert client.ask(SetBool, "record", data=True).message == f"recording to {bag}"
+        assert client.ask(SetBool, "record", data=False).message.startswith(f"{bag} is finished at")
+        assert client.ask(SetBool, "record", data=False).message == "no recording runs"
+        blocks = len(client.received[VIBRATION])
+        client.until(lambda: len(client.received[VIBRATION]) > blocks + 10, "blocks")
+        assert client.ask(SetBool, "record", data=True).message == f"recording to {bag}-2"
+        client.until(lambda: client.status["recording"] == f"{bag}-2", "the recording in /diagnostics")
+        assert client.ask(SetBool, "record", data=False).success
     assert Recording(bag).complete
     later = Recording(tmp_path / "bag-2")
     assert later.complete
-    assert min(message.time_ns for message in later.messages()) > 10 * 1024 * 1e9 / 51200  # not from zero: it began later
+    assert min(message.time_ns for message in later.messages()) > 10 * 1024 * 1e9 / 51200  # it does not begin at zero
 
 
-def test_clock_is_simulated_time_and_rare(tmp_path: Path) -> None:
+def test_the_clock_is_simulated_time_and_throttled(tmp_path: Path) -> None:
     number = domain()
     values = {"publishing__clock": True, "time_scale": 0.0, "publishing__block_size": 256}
-    with listener(number) as heard, node("simulator", parameters(**values), environment(number), tmp_path / "log"):
-        heard.until(lambda: heard.heard[CLOCK], "the clock")
-        began, first = time.monotonic(), len(heard.heard[CLOCK])
-        heard.until(lambda: time.monotonic() > began + 2.0, "two seconds")
-        clocks = [decode_clock(data) for data in heard.heard[CLOCK]]
-        assert 10 < len(clocks) - first <= 230  # 100 Hz of wall time at most; the throttle and the listener count apart
+    with graph_client(number) as client, node("simulator", parameters(**values), environment(number), tmp_path / "log"):
+        client.until(lambda: client.received[CLOCK], "the clock")
+        began, first = time.monotonic(), len(client.received[CLOCK])
+        client.until(lambda: time.monotonic() > began + 2.0, "two seconds")
+        clocks = [decode_clock(data) for data in client.received[CLOCK]]
+        assert 10 < len(clocks) - first <= 230  # at most 100 Hz in wall time; throttle and subscriber use different clocks
         assert clocks == sorted(clocks)
-        heard.until(lambda: decode_vibration(heard.heard[VIBRATION][-1]).stamp_ns >= clocks[-1], "the block of that time")
+        client.until(lambda: decode_vibration(client.received[VIBRATION][-1]).stamp_ns >= clocks[-1], "the block of that time")
 
 
-def test_no_clock_unless_asked_for(tmp_path: Path) -> None:
+def test_there_is_no_clock_by_default(tmp_path: Path) -> None:
     number = domain()
-    with listener(number) as heard, node("simulator", parameters(), environment(number), tmp_path / "log"):
-        heard.until(lambda: len(heard.heard[BENCH_DIAGNOSTICS]) >= 2, "two reports")
-        assert not heard.heard[CLOCK]
-        assert heard.node.count_publishers("/clock") == 0
+    with graph_client(number) as client, node("simulator", parameters(), environment(number), tmp_path / "log"):
+        client.until(lambda: len(client.received[BENCH_DIAGNOSTICS]) >= 2, "two reports")
+        assert not client.received[CLOCK]
+        assert client.node.count_publishers("/clock") == 0
 
 
-def test_a_whole_number_will_do(tmp_path: Path) -> None:
+def test_an_integer_is_accepted_for_a_floating_point_parameter(tmp_path: Path) -> None:
     number = domain()
-    with listener(number) as heard, node("simulator", parameters(), environment(number), tmp_path / "log") as simulator:
-        heard.until(lambda: heard.heard[VIBRATION], "the first block")
-        assert heard.set(time_scale=2) == (True, "")  # as of `ros2 param set /dcrb/simulator time_scale 2`
-        heard.until(lambda: heard.status.get("time_scale") == "2", "the time scale in the status")
-        assert not heard.set(publishing__block_size=2.0)[0]
-        assert simulator.end(signal.SIGINT) == 0, simulator.words
+    with graph_client(number) as client, node("simulator", parameters(), environment(number), tmp_path / "log") as simulator:
+        client.until(lambda: client.received[VIBRATION], "the first block")
+        assert client.set(time_scale=2) == (True, "")  # as of `ros2 param set /dcrb/simulator time_scale 2`
+        client.until(lambda: client.status.get("time_scale") == "2", "the time scale in the status")
+        assert not client.set(publishing__block_size=2.0)[0]
+        assert simulator.end(signal.SIGINT) == 0, simulator.output
 
 
 def test_a_command_takes_effect_within_two_blocks(tmp_path: Path) -> None:
@@ -186,27 +186,27 @@ def test_a_command_takes_effect_within_two_blocks(tmp_path: Path) -> None:
     from std_srvs.srv import SetBool, Trigger
 
     number = domain()
-    with listener(number) as heard, node("simulator", parameters(), environment(number), tmp_path / "log"):
-        speed = heard.node.create_publisher(Float64, "command/speed", 10)
-        heard.until(lambda: heard.heard[VIBRATION], "the first block")
-        heard.meet(speed)
-        assert heard.ask(SetBool, "pause", data=True).success
-        heard.until(lambda: heard.status.get("model") == "paused", "the pause in /diagnostics")
+    with graph_client(number) as client, node("simulator", parameters(), environment(number), tmp_path / "log"):
+        speed = client.node.create_publisher(Float64, "command/speed", 10)
+        client.until(lambda: client.received[VIBRATION], "the first block")
+        client.connect(speed)
+        assert client.ask(SetBool, "pause", data=True).success
+        client.until(lambda: client.status.get("model") == "paused", "the pause in /diagnostics")
         for count in (1, 2, 3):
-            sent = indices(heard)
+            sent = indices(client)
             speed.publish(Float64(data=100.0 + count))
             speed.publish(Float64(data=float("nan")))  # its refusal shows that the command before it has arrived
-            heard.until(lambda n=count: heard.status["rejected_commands"] == str(n), "the refusal of the second command")
+            client.until(lambda n=count: client.status["rejected_commands"] == str(n), "the refusal of the second command")
             for _ in range(2):  # the block that was simulated before the pause, and the next one
-                assert heard.ask(Trigger, "step").success
+                assert client.ask(Trigger, "step").success
             command = SpeedCommand(100.0 + count)
-            heard.until(lambda c=command: command_times(heard, c), "the command in the ground truth")
-            heard.until(lambda known=sent: len(indices(heard)) == len(known) + 2, "both blocks")
+            client.until(lambda c=command: command_times(client, c), "the command in the ground truth")
+            client.until(lambda known=sent: len(indices(client)) == len(known) + 2, "both blocks")
             end, latest = (nanoseconds(sent[-1] + 1024 * blocks, 51200) for blocks in (1, 2))
-            (time_ns,) = command_times(heard, command)
+            (time_ns,) = command_times(client, command)
             assert end <= time_ns <= latest + LEAD_NS
 
 
-def command_times(heard: Listener, command: SpeedCommand) -> list[int]:
+def command_times(client: GraphClient, command: SpeedCommand) -> list[int]:
     """Return the times [ns] at which a command took effect according to the ground truth."""
-    return [truth.time_ns for truth in map(decode_truth, heard.heard[GROUND_TRUTH]) if truth.event == command]
+    return [truth.time_ns for truth in map(decode_truth, client.received[GROUND_TRUTH]) if truth.event == command]

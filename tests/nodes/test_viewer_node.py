@@ -1,4 +1,4 @@
-"""The viewer node as a real process beside a replay: everything that was published is in the Rerun file."""
+"""The viewer node as a process, with a replay: everything that is published is in the Rerun file."""
 
 from __future__ import annotations
 
@@ -22,14 +22,14 @@ pytestmark = pytest.mark.node
 BAG = Path(__file__).parents[2] / "bags" / "outer_ring_defect"
 
 
-def test_viewer_shows_all_that_is_published(tmp_path: Path) -> None:
+def test_the_viewer_shows_everything_that_is_published(tmp_path: Path) -> None:
     number, document = domain(), tmp_path / "live.rrd"
     with node("viewer", ["--save", str(document)], environment(number), tmp_path / "viewer.log") as viewer:
         given = parameters(bag=str(BAG), rate=1.0, listeners=1, wait=60.0)
         with node("replayer", given, environment(number), tmp_path / "replayer.log") as replayer:
-            assert replayer.process.wait(PATIENCE) == 0, replayer.words
-        assert viewer.end(signal.SIGINT) == 0, viewer.words
-    assert "not shown" not in viewer.words
+            assert replayer.process.wait(PATIENCE) == 0, replayer.output
+        assert viewer.end(signal.SIGINT) == 0, viewer.output
+    assert "not shown" not in viewer.output
     found, recorded = rows(document), Recording(BAG).counts()
     assert found["/waveform"] == 1024 * recorded["/dcrb/outer_ring/vibration"]
     assert found["/forces/row1"] == found["/bearing/row2/rollers"] == recorded["/dcrb/roller_states"]
@@ -45,7 +45,7 @@ def test_viewer_shows_all_that_is_published(tmp_path: Path) -> None:
         ([], 1, "it needs a display; without one, save the view to a file"),
     ],
 )
-def test_viewer_says_what_is_wrong(
+def test_the_viewer_refuses_invalid_arguments(
     arguments: list[str], status: int, sentence: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     command = [sys.executable, "-m", "dcrb_ros.nodes", "viewer", *arguments]

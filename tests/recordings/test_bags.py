@@ -1,4 +1,4 @@
-"""The shipped recordings are what the present code makes."""
+"""The shipped recordings equal what the present code simulates."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ BAGS = sorted(path.parent for path in (Path(__file__).parents[2] / "bags").glob(
 
 
 @pytest.mark.parametrize("bag", BAGS, ids=lambda bag: bag.name)
-def test_shipped_recordings_are_whole_and_small(bag: Path) -> None:
+def test_shipped_recordings_are_complete_and_small(bag: Path) -> None:
     recording = Recording(bag)
     assert recording.counts()["/dcrb/outer_ring/vibration"] == 150
     assert recording.complete
@@ -45,8 +45,8 @@ def test_events_are_recovered_from_the_shipped_recordings(bag: Path) -> None:
 
 
 @pytest.mark.parametrize("bag", BAGS, ids=lambda bag: bag.name)
-def test_shipped_recordings_are_what_this_model_makes(bag: Path) -> None:
-    # Before idle rollers rattle apart: what differs by a last bit, by another library say, has not grown by then.
+def test_shipped_recordings_agree_with_the_present_model(bag: Path) -> None:
+    # Before the motion of unloaded rollers becomes chaotic, a difference in the last bit, from another library for instance, is small.
     recording = Recording(bag)
     simulation = Simulation(recording.configuration)
     made = np.concatenate([block.acceleration for block in simulation.blocks(BEFORE_CHAOS)])
@@ -55,11 +55,11 @@ def test_shipped_recordings_are_what_this_model_makes(bag: Path) -> None:
 
 
 @pytest.mark.parametrize("bag", BAGS, ids=lambda bag: bag.name)
-def test_shipped_recordings_make_themselves_again(bag: Path) -> None:
+def test_shipped_recordings_are_reproduced(bag: Path) -> None:
     recording = Recording(bag)
     made_with = recording.manifest.get("model"), recording.manifest.get("software")
     if made_with != (model_fingerprint(), software()):
-        pytest.skip(f"{bag.name} was made with other sources or software, whose last bits may differ: `make bags` makes it anew")
+        pytest.skip(f"{bag.name} was made with other sources or software, which may differ in the last bits: `make bags` regenerates it")
     reproduction = Reproduction(recording)
     for _ in reproduction.blocks(Simulation(reproduction.configuration)):
         pass

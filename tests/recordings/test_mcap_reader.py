@@ -87,7 +87,7 @@ def test_every_command_answers_a_hostile_recording_in_a_sentence(name: str, bag:
         assert "Traceback" not in done.stderr
 
 
-def test_each_of_many_flipped_bytes_is_survived(bag: Path, tmp_path: Path) -> None:
+def test_flipped_bytes_are_survived(bag: Path, tmp_path: Path) -> None:
     whole = (bag / "bag_0.mcap").read_bytes()
     path, random = tmp_path / "flipped.mcap", np.random.default_rng(4)
     head_and_tail = [*range(0, 3000, 7), *range(len(whole) - 3000, len(whole), 7)]
@@ -126,7 +126,7 @@ def test_any_bytes_anywhere_are_read_or_refused(
     "text",
     ["", "[", "{}", "rosbag2_bagfile_information: 3", "rosbag2_bagfile_information: {relative_file_paths: 7}", "[" * 5000, "\x00", "é" * 9],
 )
-def test_damaged_metadata_is_named_and_the_recording_read(text: str, tmp_path: Path) -> None:
+def test_damaged_metadata_is_reported_and_the_recording_is_read(text: str, tmp_path: Path) -> None:
     bag = recorded(tmp_path / "bag", 3)
     (bag / "metadata.yaml").write_text(text, encoding="latin-1")
     assert metadata_flaw(bag) == "metadata.yaml is damaged"
@@ -167,7 +167,7 @@ JSON = st.recursive(
     JSON,
 )
 @settings(max_examples=100)
-def test_any_manifest_is_explained_or_refused(tmp_path_factory: pytest.TempPathFactory, key: str, value: object) -> None:
+def test_any_manifest_is_read_or_refused(tmp_path_factory: pytest.TempPathFactory, key: str, value: object) -> None:
     from dcrb_ros.cli.info import info
     from dcrb_ros.messages.topics import MANIFEST
     from dcrb_ros.recordings.manifest import OUTCOME, opening

@@ -1,4 +1,4 @@
-"""Recordings: written, read back by ourselves and by others, cut off, refused."""
+"""Recordings, read by this package and by others: complete, cut off and invalid ones."""
 
 from __future__ import annotations
 
@@ -87,7 +87,7 @@ def test_mcap_ros2_reads_the_same(run: Run, bag: Path) -> None:
     assert np.array_equal(np.concatenate(read), samples(run))
 
 
-def test_rerun_finds_nothing_to_remark(bag: Path) -> None:
+def test_rerun_reads_a_recording_without_warnings(bag: Path) -> None:
     command = [str(Path(sys.executable).with_name("rerun")), "mcap", "check", "--full", str(bag / "outer_0.mcap")]
     done = subprocess.run(command, capture_output=True, text=True, timeout=120, check=False)
     words = done.stdout + done.stderr
@@ -109,7 +109,7 @@ def test_metadata_has_every_key_of_version_9(bag: Path, run: Run) -> None:
         assert topic["topic_metadata"]["type_description_hash"].startswith("RIHS01_")
 
 
-def test_recording_explains_itself(run: Run, bag: Path) -> None:
+def test_the_manifest_describes_the_recording(run: Run, bag: Path) -> None:
     recording = Recording(bag)
     assert recording.configuration == run.configuration
     assert recording.manifest["seed"] == 1
@@ -117,7 +117,7 @@ def test_recording_explains_itself(run: Run, bag: Path) -> None:
     assert recording.complete
 
 
-def test_cut_off_recordings_give_what_is_there(run: Run, bag: Path, tmp_path: Path) -> None:
+def test_the_intact_part_of_a_cut_off_recording_is_read(run: Run, bag: Path, tmp_path: Path) -> None:
     whole = (bag / "outer_0.mcap").read_bytes()
     full, reached = samples(run), []
     for share in (0.99, 0.7, 0.4, 0.15):
@@ -133,7 +133,7 @@ def test_cut_off_recordings_give_what_is_there(run: Run, bag: Path, tmp_path: Pa
     assert reached == sorted(reached, reverse=True)
 
 
-def test_foreign_and_broken_files_are_refused(bag: Path, tmp_path: Path) -> None:
+def test_foreign_and_invalid_files_are_refused(bag: Path, tmp_path: Path) -> None:
     with pytest.raises(Refusal, match="there is no recording"):
         Recording(tmp_path / "nothing")
     empty = tmp_path / "empty"
@@ -150,7 +150,7 @@ def test_foreign_and_broken_files_are_refused(bag: Path, tmp_path: Path) -> None
         Recording(head)
 
 
-def test_flipped_bytes_never_end_in_a_traceback(bag: Path, tmp_path: Path) -> None:
+def test_flipped_bytes_never_cause_a_traceback(bag: Path, tmp_path: Path) -> None:
     whole = bytearray((bag / "outer_0.mcap").read_bytes())
     random = np.random.default_rng(3)
     for at in random.integers(0, min(len(whole), 300_000), 60):
@@ -166,7 +166,7 @@ def test_flipped_bytes_never_end_in_a_traceback(bag: Path, tmp_path: Path) -> No
             assert 0 < count <= 100
 
 
-def test_existing_and_impossible_outputs_are_refused(run: Run, bag: Path, tmp_path: Path) -> None:
+def test_existing_and_invalid_outputs_are_refused(run: Run, bag: Path, tmp_path: Path) -> None:
     with pytest.raises(Refusal, match="exists: give another name"):
         Recorder(bag, run.configuration, BodyNames(2, 16))
     blocked = tmp_path / "file"
@@ -175,7 +175,7 @@ def test_existing_and_impossible_outputs_are_refused(run: Run, bag: Path, tmp_pa
         Recorder(blocked / "bag", run.configuration, BodyNames(2, 16))
 
 
-def test_a_disk_without_room_leaves_nothing_behind(run: Run, tmp_path: Path) -> None:
+def test_nothing_is_left_behind_on_a_full_disk(run: Run, tmp_path: Path) -> None:
     soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (100, hard))
     try:
@@ -191,7 +191,7 @@ def record_all(recorder: Recorder, run: Run) -> None:
         recorder.write(block)
 
 
-def test_full_disk_ends_with_a_reason_and_a_readable_file(run: Run, tmp_path: Path) -> None:
+def test_a_full_disk_ends_the_recording_with_a_reason_and_a_readable_file(run: Run, tmp_path: Path) -> None:
     recorder = Recorder(tmp_path / "full", run.configuration, BodyNames(2, 16))
     soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (500_000, hard))
@@ -206,7 +206,7 @@ def test_full_disk_ends_with_a_reason_and_a_readable_file(run: Run, tmp_path: Pa
     assert not recording.complete
 
 
-def test_a_range_that_changes_is_followed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_changed_range_is_read_with_its_blocks(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     bag = narrowed(tmp_path / "bag", 175, at=75, limit=20.0)
     assert [span for _, span in Recording(bag).ranged_vibrations()] == [5000.0] * 75 + [20.0] * 100
     detect(bag, as_json=True)

@@ -1,4 +1,4 @@
-"""The recorder: files that split, topics that are chosen, disks that are slow or full, a process that is killed."""
+"""The recorder: splitting, chosen topics, slow and full disks, a killed process."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def about(bag: Path) -> dict[str, object]:
 
 
 @pytest.mark.parametrize("keys", [{"split_duration": 0.5}, {"split_size": 1_000_000, "compression": "none"}])
-def test_a_recording_goes_on_in_the_next_file(tmp_path: Path, keys: dict[str, object]) -> None:
+def test_a_recording_is_split_into_files(tmp_path: Path, keys: dict[str, object]) -> None:
     bag = recorded(tmp_path / "bag", 160, **keys)
     names = about(bag)["relative_file_paths"]
     assert isinstance(names, list)
@@ -50,7 +50,7 @@ def test_a_recording_goes_on_in_the_next_file(tmp_path: Path, keys: dict[str, ob
     assert starts == sorted(set(starts))
     with AnyReader([bag]) as reader:
         assert sum(1 for _ in reader.messages([c for c in reader.connections if c.topic == WAVEFORM])) == 160
-    for name in names:  # every file explains itself
+    for name in names:  # every file has the manifest
         assert Recording(bag / name).manifest["seed"] == 1
     recording = Recording(bag)
     assert [block.first_index(51200) for block in recording.vibrations()] == [1024 * k for k in range(160)]
@@ -58,14 +58,14 @@ def test_a_recording_goes_on_in_the_next_file(tmp_path: Path, keys: dict[str, ob
     assert metadata_flaw(bag) == ""
 
 
-def test_more_than_ten_files_are_read_in_their_order(tmp_path: Path) -> None:
+def test_more_than_ten_files_are_read_in_order(tmp_path: Path) -> None:
     bag = recorded(tmp_path / "bag", 75, split_duration=0.1)
     assert len(Recording(bag).files) > 11
     assert [block.first_index(51200) for block in Recording(bag).vibrations()] == [1024 * k for k in range(75)]
 
 
 @pytest.mark.parametrize("compression", ["zstd", "lz4", "none"])
-def test_each_compression_is_read_by_others(tmp_path: Path, compression: str) -> None:
+def test_other_readers_read_each_compression(tmp_path: Path, compression: str) -> None:
     bag = recorded(tmp_path / "bag", 60, compression=compression)
     with (bag / "bag_0.mcap").open("rb") as stream:
         reader = make_reader(stream, validate_crcs=True)
@@ -78,7 +78,7 @@ def test_each_compression_is_read_by_others(tmp_path: Path, compression: str) ->
         assert {c.topic: c.msgcount for c in other.connections}[WAVEFORM] == 60
 
 
-def test_only_chosen_topics_are_recorded_and_the_hash_is_of_all(tmp_path: Path) -> None:
+def test_only_chosen_topics_are_recorded_and_the_hash_covers_all_samples(tmp_path: Path) -> None:
     bag = recorded(tmp_path / "bag", 10, topics="outer_ring/features, ground_truth", events={3: SpeedCommand(130.0)})
     recording = Recording(bag)
     assert set(recording.counts()) == {"/dcrb/outer_ring/features", "/dcrb/ground_truth", "/dcrb/outer_ring/sensor"}
@@ -96,51 +96,51 @@ def test_only_chosen_topics_are_recorded_and_the_hash_is_of_all(tmp_path: Path) 
         ("recording.queue=1", r"is outside 10 \.\. 100000 blocks"),
     ],
 )
-def test_impossible_keys_are_refused(setting: str, sentence: str) -> None:
+def test_invalid_settings_are_refused(setting: str, sentence: str) -> None:
     with pytest.raises(Refusal, match=sentence):
         load_configuration("healthy", [setting])
 
 
-def test_an_unknown_topic_is_refused_before_a_folder_is_made(tmp_path: Path) -> None:
+def test_an_unknown_topic_is_refused_before_the_folder_is_created(tmp_path: Path) -> None:
     with pytest.raises(Refusal, match=r"no topic 'ground_thruth'; did you mean 'ground_truth'\?"):
         recorded(tmp_path / "bag", 1, topics="ground_thruth")
     assert not (tmp_path / "bag").exists()
 
 
-def test_a_slow_disk_ends_the_recording_and_nobody_waits_for_it(tmp_path: Path) -> None:
+def test_a_slow_disk_ends_the_recording_without_blocking_the_writer(tmp_path: Path) -> None:
     slow = SlowRecorder(tmp_path / "bag")
-    queued, encoder = RecorderThread(slow, 10), BlockEncoder(Configuration(), BODIES)
+    thread, encoder = RecorderThread(slow, 10), BlockEncoder(Configuration(), BODIES)
     written, failures = 0, []
     for block in blocks(40):
         try:
-            queued.write_messages(encoder.encode(block))
+            thread.write_messages(encoder.encode(block))
             written += 1
         except RecordingFailed as error:
             failures.append(str(error))
-    assert len(failures) == 1  # said once
+    assert len(failures) == 1  # raised once
     assert "the disk is slower than the bench, 10 blocks were waiting" in failures[0]
     slow.allowed.set()
-    queued.close()
+    thread.close()
     recording = Recording(tmp_path / "bag")
     kept = sum(1 for _ in recording.vibrations())
-    assert 10 <= kept <= 11  # what waited was still written
+    assert 10 <= kept <= 11  # queued messages were still written
     assert recording.complete
 
 
-def test_a_full_disk_behind_the_queue_is_said_once_and_the_file_has_an_end(tmp_path: Path) -> None:
+def test_a_full_disk_is_raised_once_by_the_thread_and_the_file_has_an_end(tmp_path: Path) -> None:
     encoder = BlockEncoder(Configuration(), BODIES)
-    queued = RecorderThread(Recorder(tmp_path / "bag", Configuration(), BODIES), 500)
+    thread = RecorderThread(Recorder(tmp_path / "bag", Configuration(), BODIES), 500)
     soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (700_000, hard))
     failures = []
     try:
         for block in blocks(300):
             try:
-                queued.write_messages(encoder.encode(block))
+                thread.write_messages(encoder.encode(block))
             except RecordingFailed as error:
                 failures.append(str(error))
         try:
-            queued.close()
+            thread.close()
         except RecordingFailed as error:
             failures.append(str(error))
     finally:
@@ -151,12 +151,12 @@ def test_a_full_disk_behind_the_queue_is_said_once_and_the_file_has_an_end(tmp_p
     kept = sum(1 for _ in recording.vibrations())
     assert kept > 10
     assert not recording.complete
-    with (tmp_path / "bag" / "bag_0.mcap").open("rb") as stream:  # a whole file to others too
+    with (tmp_path / "bag" / "bag_0.mcap").open("rb") as stream:  # a valid file for other readers, too
         assert sum(1 for _, channel, _ in make_reader(stream).iter_messages() if channel.topic == WAVEFORM) == kept
     assert about(tmp_path / "bag")["message_count"] >= kept  # type: ignore[operator]
 
 
-def test_a_disk_that_is_full_at_a_split_leaves_the_files_before_it_whole(tmp_path: Path) -> None:
+def test_a_disk_that_is_full_at_a_split_leaves_the_earlier_files_complete(tmp_path: Path) -> None:
     bag, encoder = tmp_path / "bag", BlockEncoder(Configuration(), BODIES)
     recorder = Recorder(bag, Configuration.model_validate({"recording": {"split_duration": 0.5}}), BODIES)
     (bag / "bag_1.mcap").symlink_to("/dev/full")
@@ -174,7 +174,7 @@ def test_a_disk_that_is_full_at_a_split_leaves_the_files_before_it_whole(tmp_pat
     assert recording.complete
 
 
-def test_a_disk_that_fills_up_at_the_beginning_is_refused_and_leaves_nothing(tmp_path: Path) -> None:
+def test_a_disk_that_is_full_at_the_beginning_is_refused_and_nothing_is_left(tmp_path: Path) -> None:
     Recorder(tmp_path / "whole", Configuration(), BODIES)
     size = (tmp_path / "whole" / "whole_0.mcap").stat().st_size
     soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
@@ -207,8 +207,8 @@ def test_a_killed_writer_loses_a_second_at_most(tmp_path: Path, seed: int) -> No
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(Path(__file__).parents[1] / "support"), *sys.path])}
     writer = subprocess.Popen([sys.executable, "-c", WRITER, str(bag)], stdout=subprocess.PIPE, env=environment)
     assert writer.stdout is not None
-    told = int(np.random.default_rng(seed).integers(30, 600))  # the first chunk is full by then
-    lines = [writer.stdout.readline() for _ in range(told)]
+    count = int(np.random.default_rng(seed).integers(30, 600))  # the first chunk is full by then
+    lines = [writer.stdout.readline() for _ in range(count)]
     writer.send_signal(signal.SIGKILL)
     rest, _ = writer.communicate(timeout=60.0)
     written_ns = int(b"".join([*lines, rest]).rstrip(b"\n").split(b"\n")[-1])

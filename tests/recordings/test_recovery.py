@@ -1,4 +1,4 @@
-"""Repair: what can be read of a damaged recording makes a whole one."""
+"""Recovery: the readable part of a damaged recording becomes a complete one."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def waveform(bag: Path) -> list[int]:
     return [block.first_index(51200) for block in Recording(bag).vibrations()]
 
 
-def test_a_cut_off_recording_becomes_whole(bag: Path, tmp_path: Path) -> None:
+def test_a_cut_off_recording_becomes_complete(bag: Path, tmp_path: Path) -> None:
     whole = (bag / "bag_0.mcap").read_bytes()
     cut = tmp_path / "cut.mcap"
     cut.write_bytes(whole[: int(0.6 * len(whole))])
@@ -47,7 +47,7 @@ def test_a_cut_off_recording_becomes_whole(bag: Path, tmp_path: Path) -> None:
     assert counts[VIBRATION.resolved(NAMESPACE)] == len(waveform(cut))
 
 
-def test_a_whole_recording_is_recovered_to_the_same(bag: Path, tmp_path: Path) -> None:
+def test_a_complete_recording_is_recovered_unchanged(bag: Path, tmp_path: Path) -> None:
     salvage = recover(bag, tmp_path / "new")
     assert salvage.damage == ()
     old, new = Recording(bag), Recording(tmp_path / "new")
@@ -57,7 +57,7 @@ def test_a_whole_recording_is_recovered_to_the_same(bag: Path, tmp_path: Path) -
     assert [(m.topic, m.time_ns, m.data) for m in old.messages()] == [(m.topic, m.time_ns, m.data) for m in new.messages()]
 
 
-def test_what_lies_behind_a_damaged_chunk_is_saved(bag: Path, tmp_path: Path) -> None:
+def test_messages_after_a_damaged_chunk_are_recovered(bag: Path, tmp_path: Path) -> None:
     broken = bytearray((bag / "bag_0.mcap").read_bytes())
     broken[len(broken) // 3] ^= 0xFF
     path = tmp_path / "broken.mcap"
@@ -69,7 +69,7 @@ def test_what_lies_behind_a_damaged_chunk_is_saved(bag: Path, tmp_path: Path) ->
     assert found[-1] == 149 * 1024
 
 
-def test_damaged_lengths_lose_one_chunk(bag: Path, tmp_path: Path) -> None:
+def test_a_damaged_length_loses_one_chunk(bag: Path, tmp_path: Path) -> None:
     from mcap.reader import make_reader
 
     whole = bytearray((bag / "bag_0.mcap").read_bytes())
@@ -86,7 +86,7 @@ def test_damaged_lengths_lose_one_chunk(bag: Path, tmp_path: Path) -> None:
     assert not recording.complete
 
 
-def test_a_message_that_is_none_is_left_out_and_named(bag: Path, tmp_path: Path) -> None:
+def test_a_corrupt_message_is_left_out_and_reported(bag: Path, tmp_path: Path) -> None:
     # Damage that no checksum tells of.
     broken, blocks = tmp_path / "broken.mcap", 0
     with (bag / "bag_0.mcap").open("rb") as source, broken.open("wb") as stream:
@@ -111,8 +111,8 @@ def test_a_message_that_is_none_is_left_out_and_named(bag: Path, tmp_path: Path)
     assert waveform(tmp_path / "new") == [index for index in waveform(bag) if index != 2048]
 
 
-@pytest.mark.parametrize("headless", [b"", bytes(4096)], ids=["empty", "zeros"])  # what a power loss leaves of a file just begun
-def test_a_file_that_has_not_begun_is_left_out_and_named(headless: bytes, tmp_path: Path) -> None:
+@pytest.mark.parametrize("headless", [b"", bytes(4096)], ids=["empty", "zeros"])  # left by a power loss right after a split
+def test_a_file_without_a_beginning_is_left_out_and_reported(headless: bytes, tmp_path: Path) -> None:
     split = recorded(tmp_path / "split", 60, split_duration=0.5)
     (split / "split_2.mcap").write_bytes(headless)
     recording = Recording(split)
@@ -131,7 +131,7 @@ def test_a_file_that_has_not_begun_is_left_out_and_named(headless: bytes, tmp_pa
         Recording(split)
 
 
-def test_foreign_recordings_are_repaired_too(tmp_path: Path) -> None:
+def test_recordings_of_other_programs_are_recovered(tmp_path: Path) -> None:
     path = tmp_path / "foreign.mcap"
     with path.open("wb") as stream:
         writer = Writer(stream)
@@ -147,7 +147,7 @@ def test_foreign_recordings_are_repaired_too(tmp_path: Path) -> None:
         assert [(c.topic, c.msgcount) for c in reader.connections] == [("/number", 5)]
 
 
-def test_what_cannot_be_recovered_is_refused(bag: Path, tmp_path: Path) -> None:
+def test_unrecoverable_input_is_refused(bag: Path, tmp_path: Path) -> None:
     with pytest.raises(Refusal, match="exists: give another name"):
         recover(bag, bag)
     head = tmp_path / "head.mcap"

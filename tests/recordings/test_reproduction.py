@@ -1,4 +1,4 @@
-"""A recording explains itself and makes itself again."""
+"""A recording contains everything that is needed to reproduce it."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def bag(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return path
 
 
-def test_the_manifest_holds_what_explains_the_run(bag: Path) -> None:
+def test_the_manifest_describes_the_run(bag: Path) -> None:
     recording = Recording(bag)
     manifest, outcome = recording.manifest, recording.outcome
     assert outcome is not None
@@ -63,7 +63,7 @@ def test_the_manifest_holds_what_explains_the_run(bag: Path) -> None:
     assert times == sorted(times)
 
 
-def test_the_same_samples_come_out_again(bag: Path, tmp_path: Path) -> None:
+def test_the_same_samples_are_reproduced(bag: Path, tmp_path: Path) -> None:
     done = dcrb("simulate", "--from", str(bag), "-o", str(tmp_path / "again"))
     assert done.returncode == 0, done.stderr
     assert "the same 20480 samples" in done.stdout
@@ -72,11 +72,11 @@ def test_the_same_samples_come_out_again(bag: Path, tmp_path: Path) -> None:
     assert old.commands() == new.commands()
 
 
-def test_scenario_and_changes_while_it_runs_come_out_again(tmp_path: Path) -> None:
-    story = {"timeline": [{"at": 0.05, "over": 0.1, "set": {"faults.outer_1.width": 0.002}}]}
+def test_scenario_and_changes_are_reproduced(tmp_path: Path) -> None:
+    scenario = {"timeline": [{"at": 0.05, "over": 0.1, "set": {"faults.outer_1.width": 0.002}}]}
     configuration = Configuration.model_validate({"faults": {"outer_1": {"width": 0.0005}}})
-    simulation = Simulation(configuration, scheduled_changes(story, configuration, "story"))
-    with Recorder(tmp_path / "run", configuration, simulation.bodies, scenario=story) as recorder:
+    simulation = Simulation(configuration, scheduled_changes(scenario, configuration, "scenario"))
+    with Recorder(tmp_path / "run", configuration, simulation.bodies, scenario=scenario) as recorder:
         for number, block in enumerate(simulation.blocks(0.4)):
             recorder.write(block)
             if number == 6:
@@ -88,7 +88,7 @@ def test_scenario_and_changes_while_it_runs_come_out_again(tmp_path: Path) -> No
     assert "the same 20480 samples" in done.stdout
 
 
-def test_a_cut_off_run_is_made_again_too(bag: Path, tmp_path: Path) -> None:
+def test_a_cut_off_recording_is_reproduced(bag: Path, tmp_path: Path) -> None:
     whole = (bag / "run_0.mcap").read_bytes()
     path = tmp_path / "cut.mcap"
     path.write_bytes(whole[: len(whole) - 9000])
@@ -100,7 +100,7 @@ def test_a_cut_off_run_is_made_again_too(bag: Path, tmp_path: Path) -> None:
     reproduction.check()
 
 
-def test_other_samples_end_with_the_reason(bag: Path, tmp_path: Path) -> None:
+def test_different_samples_are_reported_with_the_reason(bag: Path, tmp_path: Path) -> None:
     recording = Recording(bag)
     recording.manifest["model"] = "0123456789abcdef"
     recording.__dict__["outcome"] = {**(recording.outcome or {}), "sha256": "0" * 64, "samples": 700}
@@ -131,26 +131,26 @@ def test_unknown_commands_are_refused(tmp_path: Path) -> None:
         ([], "Missing argument 'CONFIG'"),
     ],
 )
-def test_wrong_usage_is_refused(arguments: list[str], sentence: str) -> None:
+def test_invalid_arguments_are_refused(arguments: list[str], sentence: str) -> None:
     done = dcrb("simulate", *arguments)
     assert done.returncode == 2
     assert sentence in done.stderr
 
 
-def test_a_damaged_waveform_cannot_be_compared(tmp_path: Path) -> None:
+def test_a_waveform_with_a_gap_cannot_be_compared(tmp_path: Path) -> None:
     bag = recorded(tmp_path / "bag", 60)
     broken = bytearray((bag / "bag_0.mcap").read_bytes())
     broken[len(broken) // 2] ^= 0xFF
     path = tmp_path / "broken.mcap"
     path.write_bytes(broken)
-    assert recorded_samples(Recording(path)).count == 60 * 1024  # the end still knows
+    assert recorded_samples(Recording(path)).count == 60 * 1024  # from the outcome record
     recording = Recording(path)
     recording.__dict__["outcome"] = None
     with pytest.raises(Refusal, match="are missing, so it cannot be checked"):
         recorded_samples(recording)
 
 
-def test_info_tells_it_in_words_and_as_json(bag: Path) -> None:
+def test_info_prints_the_manifest_as_text_and_as_json(bag: Path) -> None:
     words = dcrb("info", str(bag))
     assert words.returncode == 0, words.stderr
     for word in ("sha256", "BPFO 6.72340", "command/speed 111.66666666666667 rad/s", "publishing.block_size", "inner_1"):
@@ -162,7 +162,7 @@ def test_info_tells_it_in_words_and_as_json(bag: Path) -> None:
 
 
 @pytest.mark.parametrize(("count", "where"), [(20_000, "manifest"), (300_000, "ground truth")])
-def test_many_commands_are_all_kept(count: int, where: str, tmp_path: Path) -> None:
+def test_all_of_many_commands_are_kept(count: int, where: str, tmp_path: Path) -> None:
     """A controller may send a command with every block for hours."""
     before = [TimedCommand(k, SpeedCommand(float(k))) for k in range(count)]
     with Recorder(tmp_path / "bag", Configuration(), BODIES, commands=before) as recorder:

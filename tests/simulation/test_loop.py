@@ -25,7 +25,7 @@ def samples(blocks: list[Block]) -> npt.NDArray[np.float32]:
     return np.concatenate([np.column_stack([block.acceleration, block.shaft_angle]) for block in blocks])
 
 
-def test_blocks_are_contiguous_and_exact() -> None:
+def test_blocks_are_contiguous_and_have_the_exact_duration() -> None:
     blocks = list(bench().blocks(0.25))
     assert sum(len(block.acceleration) for block in blocks) == 12800
     ends = [block.index + len(block.acceleration) for block in blocks]
@@ -38,7 +38,7 @@ def test_same_samples_for_any_block_size_and_run() -> None:
         assert np.array_equal(once, samples(list(bench(size).blocks(0.1))))
 
 
-def test_seed_changes_the_noise_alone() -> None:
+def test_the_seed_changes_only_the_noise() -> None:
     one, other = (next(bench(simulation={"seed": seed}).blocks(0.02)) for seed in (1, 2))
     assert not np.array_equal(one.acceleration, other.acceleration)
     assert np.array_equal(one.clean, other.clean)
@@ -86,7 +86,7 @@ def test_speed_command_follows_its_ramp() -> None:
     assert after[0].frequencies["BPFO"] == pytest.approx(6.7234 * 130.0 / (2.0 * np.pi), rel=1e-4)
 
 
-def test_load_command_reaches_the_ring() -> None:
+def test_a_load_command_reaches_the_ring() -> None:
     simulation = bench(operating={"load_ramp": 1e6})
     simulation.command_load(0.0, -60e3)
     states = [s for block in simulation.blocks(0.3) for s in block.states]
@@ -105,23 +105,23 @@ def test_commands_out_of_range_are_refused(value: float) -> None:
 SHARED = bench()
 
 
-def test_a_load_that_the_bearing_cannot_bear_is_refused() -> None:
+def test_a_load_too_large_for_the_bearing_is_refused() -> None:
     with pytest.raises(Refusal, match=r"command/load: cage.land_clearance .* is below .* m, the offset of the cage"):
         SHARED.command_load(0.0, -5e6)
 
 
-def test_a_model_out_of_its_domain_ends_with_a_reason() -> None:
+def test_a_model_outside_its_domain_fails_with_the_reason() -> None:
     simulation = bench(operating={"load": 1e7}, housing={"stiffness": 1e6}, cage={"land_clearance": 0.005})
     with pytest.raises(ModelFailure, match=r"outer ring is .* m off its seat"):
         list(simulation.blocks(0.1))
 
 
 @pytest.mark.parametrize("rate", [12800, 25600, 102400])
-def test_other_rates_hear_the_same_bearing(rate: int) -> None:
+def test_the_spectrum_does_not_depend_on_the_sampling_rate(rate: int) -> None:
     step = 1.0 / max(102400, 2 * rate)
     groups = {"simulation": {"step": step}, "cage": {"joint": "revolute"}}
     one, other = (bench(sensor={"sampling_rate": r, "preset": "ideal"}, **groups) for r in (rate, 51200 if rate < 51200 else 25600))
     found, known = (samples(list(simulation.blocks(0.08)))[:, :2] for simulation in (one, other))
     assert len(found) == round(0.08 * rate)
-    heard, expected = (np.fft.rfft(s, axis=0)[:300] / len(s) for s in (found, known))  # to 3.7 kHz, where both let pass
-    assert np.abs(heard - expected).max() < 2e-3 * np.abs(expected).max()
+    spectrum, expected = (np.fft.rfft(s, axis=0)[:300] / len(s) for s in (found, known))  # to 3.7 kHz, in the passband of both
+    assert np.abs(spectrum - expected).max() < 2e-3 * np.abs(expected).max()

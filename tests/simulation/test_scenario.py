@@ -1,4 +1,4 @@
-"""Scenarios: timelines in simulated time, exact to the step, refused with a sentence."""
+"""Scenarios: timelines in simulated time, exact to the step; invalid ones are refused."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from dcrb_ros.simulation.scenario import first_step, read_scenario, read_scenari
 from dcrb_ros.stream.block import Block, Truth
 from dcrb_ros.stream.events import Refused, ScenarioEvent
 
-STORY = """
+SCENARIO = """
 timeline:
   - at: 0.0301
     set: {operating.speed: 120.0, operating.load: 80000.0}
@@ -36,8 +36,8 @@ timeline:
 
 
 def run(block_size: int, tmp_path: Path) -> list[Block]:
-    path = tmp_path / "story.yaml"
-    path.write_text(STORY)
+    path = tmp_path / "scenario.yaml"
+    path.write_text(SCENARIO)
     configuration = Configuration.model_validate({"publishing": {"block_size": block_size}})
     return list(Simulation(configuration, read_scenario(path, configuration)).blocks(0.4))
 
@@ -50,24 +50,24 @@ def truths(blocks: list[Block]) -> list[Truth]:
     return [truth for block in blocks for truth in block.truths]
 
 
-def test_a_scenario_is_exact_whatever_the_block_size(tmp_path: Path) -> None:
+def test_a_scenario_is_exact_for_any_block_size(tmp_path: Path) -> None:
     one, other = run(1024, tmp_path), run(700, tmp_path)
     assert np.array_equal(samples(one), samples(other))
     assert truths(one) == truths(other)
-    said = {truth.time_ns: truth for truth in truths(one) if isinstance(truth.event, ScenarioEvent)}
+    reported = {truth.time_ns: truth for truth in truths(one) if isinstance(truth.event, ScenarioEvent)}
     # The first step at or after the time; a step takes 1/102400 s.
-    assert list(said) == [-(-t * 102400 // 10**4) * 10**9 // 102400 for t in (301, 500, 1000, 1100, 2600, 3000)]
-    assert said[50_000_000].faults["outer_1"] == {"width": 0.001, "depth": 0.0003, "row": 1, "azimuth": 0.0, "onset": 0.05}
-    assert said[260_000_000].faults["outer_1"]["width"] == 0.003
-    assert said[260_000_000].faults["outer_1"]["onset"] == 0.05
-    assert set(said[300_000_000].faults) == {"broken_bars.row2/bar3"}
+    assert list(reported) == [-(-t * 102400 // 10**4) * 10**9 // 102400 for t in (301, 500, 1000, 1100, 2600, 3000)]
+    assert reported[50_000_000].faults["outer_1"] == {"width": 0.001, "depth": 0.0003, "row": 1, "azimuth": 0.0, "onset": 0.05}
+    assert reported[260_000_000].faults["outer_1"]["width"] == 0.003
+    assert reported[260_000_000].faults["outer_1"]["onset"] == 0.05
+    assert set(reported[300_000_000].faults) == {"broken_bars.row2/bar3"}
     growing = [truth.faults["outer_1"]["width"] for truth in truths(one) if 0.055e9 < truth.time_ns < 0.3e9 and not truth.event]
     assert growing == sorted(growing)
     assert truths(one)[-1].speed == pytest.approx(120.0)
     assert truths(one)[-1].load[1] == pytest.approx(-80e3)
 
 
-def test_steps_at_or_after_a_time() -> None:
+def test_a_change_takes_effect_at_the_first_step_at_or_after_its_time() -> None:
     assert [first_step(t, 102400) for t in (0.0, 0.1, 1.0, 3600.0, 0.1 + 1e-17)] == [0, 10240, 102400, 368640000, 10240]
     assert first_step(0.100001, 102400) == 10241
 
@@ -141,22 +141,22 @@ def test_steps_at_or_after_a_time() -> None:
         ),
     ],
 )
-def test_bad_scenarios_are_refused(tree: Any, sentence: str) -> None:
+def test_invalid_scenarios_are_refused(tree: Any, sentence: str) -> None:
     with pytest.raises(Refusal, match=sentence):
-        scheduled_changes(tree, Configuration(), "story.yaml")
+        scheduled_changes(tree, Configuration(), "scenario.yaml")
 
 
 @pytest.mark.parametrize("text", ["timeline: [", "\x00", "timeline:\n - at: 1\n   at: 2\n"])
-def test_files_that_are_no_yaml_are_refused(text: str, tmp_path: Path) -> None:
-    path = tmp_path / "story.yaml"
+def test_files_that_are_not_yaml_are_refused(text: str, tmp_path: Path) -> None:
+    path = tmp_path / "scenario.yaml"
     path.write_text(text)
     with pytest.raises(Refusal, match="is not valid YAML"):
         read_scenario(path, Configuration())
 
 
-def test_a_live_change_can_forbid_an_event() -> None:
+def test_a_scenario_change_that_conflicts_with_a_live_change_is_refused() -> None:
     configuration = Configuration()
-    events = scheduled_changes(yaml.safe_load("timeline: [{at: 0.03, set: {faults.outer_1.width: 0.002}}]"), configuration, "story.yaml")
+    events = scheduled_changes(yaml.safe_load("timeline: [{at: 0.03, set: {faults.outer_1.width: 0.002}}]"), configuration, "scenario.yaml")
     simulation = Simulation(configuration, events)
     simulation.change({"faults.outer_2.width": 0.002})
     event = [truth.event for truth in truths(list(simulation.blocks(0.1))) if truth.event][-1]
@@ -166,14 +166,14 @@ def test_a_live_change_can_forbid_an_event() -> None:
     assert set(simulation.configuration.faults.described()) == {"outer_2"}
 
 
-def test_the_shipped_scenario_is_found_by_name() -> None:
+def test_a_shipped_scenario_is_found_by_name() -> None:
     events = read_scenario(Path("growing_spall"), Configuration())
     assert events[-1].event == ScenarioEvent({"faults.broken_bars": "row2/bar3"})
     with pytest.raises(Refusal, match=r"there is no scenario 'growing_spal': .* did you mean 'growing_spall'\?"):
         read_scenario(Path("growing_spal"), Configuration())
 
 
-def test_simulate_takes_a_scenario(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+def test_simulate_applies_a_scenario(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     from dcrb_ros.cli.app import main
     from dcrb_ros.messages.statuses import decode_truth
     from dcrb_ros.messages.topics import GROUND_TRUTH
@@ -185,13 +185,13 @@ def test_simulate_takes_a_scenario(tmp_path: Path, monkeypatch: pytest.MonkeyPat
             main()
         return int(str(end.value.code or 0))
 
-    story = tmp_path / "story.yaml"
-    story.write_text(STORY)
-    assert dcrb("simulate", "healthy", "--scenario", str(story), "--duration", "0.2", "-o", str(tmp_path / "bag")) == 0
+    scenario = tmp_path / "scenario.yaml"
+    scenario.write_text(SCENARIO)
+    assert dcrb("simulate", "healthy", "--scenario", str(scenario), "--duration", "0.2", "-o", str(tmp_path / "bag")) == 0
     last = [decode_truth(message.data) for message in Recording(tmp_path / "bag").messages((GROUND_TRUTH,))][-1]
     assert set(last.faults) == {"outer_1", "broken_bars.row2/bar3"}
-    story.write_text("timeline: [{at: 1.0, set: {bearing.rows: 1}}]")
-    assert dcrb("simulate", "healthy", "--scenario", str(story), "-o", str(tmp_path / "none")) == 2
+    scenario.write_text("timeline: [{at: 1.0, set: {bearing.rows: 1}}]")
+    assert dcrb("simulate", "healthy", "--scenario", str(scenario), "-o", str(tmp_path / "none")) == 2
     assert "bearing.rows is fixed while the bench runs" in capsys.readouterr().err
     assert not (tmp_path / "none").exists()
 
@@ -200,37 +200,37 @@ PROFILES = sorted((Path(__file__).parents[2] / "config" / "scenarios").glob("*.y
 
 
 @pytest.mark.parametrize("profile", PROFILES, ids=lambda path: path.stem)
-def test_shipped_scenarios_are_possible_on_the_default_bench(profile: Path) -> None:
+def test_shipped_scenarios_are_valid_for_the_default_bench(profile: Path) -> None:
     assert read_scenario(Path(profile.stem), Configuration())
 
 
-def story(text: str, seconds: float, **operating: float) -> list[Truth]:
+def truths_of(text: str, seconds: float, **operating: float) -> list[Truth]:
     configuration = Configuration.model_validate(
         {"cage": {"joint": "revolute"}, "operating": operating, "publishing": {"truth_rate": 100, "block_size": 512}}
     )
-    events = scheduled_changes(yaml.safe_load(text), configuration, "story.yaml")
+    events = scheduled_changes(yaml.safe_load(text), configuration, "scenario.yaml")
     return truths(list(Simulation(configuration, events).blocks(seconds)))
 
 
-def test_the_speed_takes_its_time_and_the_ramp_of_before_holds_again() -> None:
+def test_a_gradual_change_takes_its_duration_and_restores_the_previous_ramp() -> None:
     text = """
 timeline:
   - {at: 0.05, over: 0.1, set: {operating.speed_kmh: 180.0}}
   - {at: 0.15, over: 0.1, set: {operating.load: 80000.0, operating.lateral_load: 10000.0}}
   - {at: 0.25, set: {operating.speed: 110.0}}
 """
-    told = story(text, 0.3, speed=100.0)
+    found = truths_of(text, 0.3, speed=100.0)
     reached = 180.0 / 3.6 / 0.46
-    by_time = {truth.time_ns: truth for truth in told}
+    by_time = {truth.time_ns: truth for truth in found}
     assert by_time[100_000_000].speed == pytest.approx(100.0 + 0.5 * (reached - 100.0), abs=0.01)
     assert by_time[150_000_000].speed == pytest.approx(reached, abs=0.01)
     assert by_time[200_000_000].load == pytest.approx((10000.0, -90000.0), rel=1e-3)
     assert by_time[230_000_000].load == pytest.approx((10000.0, -84000.0), rel=1e-3)
     assert by_time[270_000_000].speed == pytest.approx(reached + 50.0 * 0.02, abs=0.01)
-    assert [truth.event for truth in told if truth.event][1] == ScenarioEvent({"operating.speed": reached}, over=0.1)
+    assert [truth.event for truth in found if truth.event][1] == ScenarioEvent({"operating.speed": reached}, over=0.1)
 
 
-def test_entries_that_touch_each_other_follow_each_other() -> None:
+def test_adjacent_entries_follow_each_other() -> None:
     text = """
 timeline:
   - {at: 0.1, over: 0.2, set: {faults.outer_1.width: 0.002, operating.speed: 120.0}}
@@ -238,7 +238,7 @@ timeline:
   - {at: 0.3, over: 0.3, set: {faults.outer_1.width: 0.004, operating.speed: 100.0}}
   - {at: 0.6, set: {faults.outer_1.width: 0.0}}
 """
-    events = scheduled_changes(yaml.safe_load(text), Configuration.model_validate({"operating": {"speed": 110.0}}), "story.yaml")
+    events = scheduled_changes(yaml.safe_load(text), Configuration.model_validate({"operating": {"speed": 110.0}}), "scenario.yaml")
     widths = [event.changes["faults.outer_1.width"] for event in events if "faults.outer_1.width" in event.changes]
     # 0.1 + 0.2 is a little above 0.3; they are one step.
     assert widths == pytest.approx([0.001, 0.00125, 0.0015, 0.00175, 0.002, *np.arange(0.0024, 0.0041, 0.0004), 0.0], abs=1e-9)
@@ -246,9 +246,9 @@ timeline:
     assert slopes == pytest.approx([50.0, 20.0 / 0.3])
 
 
-def test_a_reversal_goes_through_a_standstill() -> None:
-    told = story("timeline: [{at: 0.02, over: 0.2, set: {operating.speed: -4.0}}]", 0.25, speed=4.0)
-    speeds = [truth.speed for truth in told]
+def test_a_reversal_passes_through_standstill() -> None:
+    found = truths_of("timeline: [{at: 0.02, over: 0.2, set: {operating.speed: -4.0}}]", 0.25, speed=4.0)
+    speeds = [truth.speed for truth in found]
     assert (speeds[0], speeds[-1]) == (4.0, -4.0)
     assert min(np.abs(speeds)) < 0.2
 
@@ -256,24 +256,24 @@ def test_a_reversal_goes_through_a_standstill() -> None:
 def test_a_shipped_profile_runs() -> None:
     own, profile = Configuration.model_validate({"cage": {"joint": "revolute"}}), Path("run_up")
     configuration = starting_configuration(read_scenario_file(profile), own, "run_up")
-    told = truths(list(Simulation(configuration, read_scenario(profile, own)).blocks(2.3)))
+    found = truths(list(Simulation(configuration, read_scenario(profile, own)).blocks(2.3)))
     slope = (160.0 - 20.0) / 3.6 / 0.46 / 40.0
-    last = told[-1]
+    last = found[-1]
     assert last.speed == pytest.approx(20.0 / 3.6 / 0.46 + slope * (last.time_ns * 1e-9 - 2.0), abs=0.01)
 
 
-def test_sensor_and_background_follow_a_scenario_and_the_truth_tells_them_apart() -> None:
+def test_sensor_and_background_follow_a_scenario_and_only_the_sensor_fault_is_a_fault() -> None:
     text = """
 timeline:
   - {at: 0.02, set: {background.hum_level: 2.0, background.unbalance: 0.0001}}
   - {at: 0.04, set: {sensor.fault: stuck, sensor.fault_axis: x}}
   - {at: 0.06, set: {sensor.fault: none, background.hum_level: 0.0}}
 """
-    told = {truth.time_ns: truth for truth in story(text, 0.08)}
-    assert told[30_000_000].background == {"unbalance": 0.0001, "hum_level": 2.0}
-    assert told[30_000_000].faults == {}
-    assert told[50_000_000].faults == {"sensor.stuck": {"severity": 1.0, "axis": 1, "onset": 0.04}}
-    assert (told[70_000_000].faults, told[70_000_000].background) == ({}, {"unbalance": 0.0001})
+    found = {truth.time_ns: truth for truth in truths_of(text, 0.08)}
+    assert found[30_000_000].background == {"unbalance": 0.0001, "hum_level": 2.0}
+    assert found[30_000_000].faults == {}
+    assert found[50_000_000].faults == {"sensor.stuck": {"severity": 1.0, "axis": 1, "onset": 0.04}}
+    assert (found[70_000_000].faults, found[70_000_000].background) == ({}, {"unbalance": 0.0001})
 
 
 @pytest.mark.parametrize(
@@ -286,12 +286,12 @@ timeline:
         ({"operating.load": 5e6}, "the cage would carry the load"),
     ],
 )
-def test_impossible_starts_are_refused(start: Any, sentence: str) -> None:
+def test_invalid_starts_are_refused(start: Any, sentence: str) -> None:
     with pytest.raises(Refusal, match=sentence):
-        starting_configuration({"start": start, "timeline": []}, Configuration(), "story.yaml")
+        starting_configuration({"start": start, "timeline": []}, Configuration(), "scenario.yaml")
 
 
-def test_a_scenario_may_begin_with_a_preset() -> None:
+def test_a_scenario_may_start_with_a_preset() -> None:
     start = {"sensor": {"preset": "mems", "adc_bits": 12}}
-    sensor = starting_configuration({"start": start, "timeline": []}, Configuration(), "story.yaml").sensor
+    sensor = starting_configuration({"start": start, "timeline": []}, Configuration(), "scenario.yaml").sensor
     assert (sensor.preset, sensor.white_noise_ug, sensor.adc_bits) == ("mems", 30.0, 12)

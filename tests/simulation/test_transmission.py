@@ -1,4 +1,4 @@
-"""Blocks that do not arrive: lost at random, or between two bursts; what recordings and the ground truth say of them."""
+"""Blocks lost at random or between two bursts, in recordings and in the ground truth."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def bench(**publishing: float) -> Configuration:
     return Configuration.model_validate({"cage": {"joint": "revolute"}, "publishing": {"block_size": 512, **publishing}})
 
 
-def test_blocks_are_lost_by_the_seed() -> None:
+def test_lost_blocks_follow_from_the_seed() -> None:
     def lost(seed: int) -> list[bool]:
         groups = {"simulation": {"seed": seed}, "publishing": {"loss_probability": 0.3}}
         transmission = Transmission(Configuration.model_validate(groups))
@@ -33,7 +33,7 @@ def test_blocks_are_lost_by_the_seed() -> None:
     assert lost(1) != lost(2)
 
 
-def test_a_lost_block_is_told_and_the_run_makes_itself_again(tmp_path: Path) -> None:
+def test_lost_blocks_are_in_the_ground_truth_and_the_run_is_reproduced(tmp_path: Path) -> None:
     configuration = bench(loss_probability=0.3)
     simulation = Simulation(configuration)
     blocks = list(simulation.blocks(0.2))
@@ -54,7 +54,7 @@ def test_a_lost_block_is_told_and_the_run_makes_itself_again(tmp_path: Path) -> 
     reproduction.check()
 
 
-def test_bursts_leave_out_what_is_made_of_samples() -> None:
+def test_between_bursts_nothing_derived_from_samples_is_published() -> None:
     configuration = bench(burst_length=0.02, burst_period=0.05)
     simulation = Simulation(configuration)
     encoder = BlockEncoder(configuration, simulation.bodies)

@@ -1,4 +1,4 @@
-"""Blocks made up without the model, for tests of what carries them."""
+"""Blocks of noise, made without the model, for tests of encoders and recordings."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def recorded(path: Path, count: int, *, events: Mapping[int, Event] | None = Non
 
 
 def narrowed(path: Path, count: int, *, at: int, limit: float) -> Path:
-    """Record blocks of dull noise, 10 m/s^2 rms, whose sensor has another range from a block on and stands at it now and then."""
+    """Record blocks of dull noise, 10 m/s^2 rms, whose sensor has a smaller range from block ``at`` on, at which it clips now and then."""
     with Recorder(path, Configuration(), BODIES) as recorder:
         for number, block in enumerate(blocks(count)):
             dull = np.stack([np.convolve(column, np.full(16, 0.25), "same") for column in block.acceleration.T], axis=1)

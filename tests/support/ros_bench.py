@@ -1,4 +1,4 @@
-"""Real nodes in processes of their own, and a listener to what they say."""
+"""Nodes as processes, and a client that receives their messages and calls their services."""
 
 from __future__ import annotations
 
@@ -24,13 +24,13 @@ _domains = itertools.count(1)
 
 
 def domain() -> int:
-    """Return a ROS domain of this process's own."""
+    """Return a ROS domain that no other test process uses."""
     worker = int(os.environ.get("PYTEST_XDIST_WORKER", "gw0").removeprefix("gw"))
     return 1 + (os.getpid() * 7 + worker * 13 + next(_domains)) % 100
 
 
 def environment(number: int, **changes: str) -> dict[str, str]:
-    """Return the environment of a node in domain ``number`` that talks to this machine alone."""
+    """Return the environment of a node in domain ``number`` that communicates on this machine only."""
     return {**os.environ, "ROS_DOMAIN_ID": str(number), "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST", **changes}
 
 
@@ -45,8 +45,8 @@ class Node:
             )
 
     @property
-    def words(self) -> str:
-        """What it has printed."""
+    def output(self) -> str:
+        """Everything the node has printed."""
         return self._log.read_text(errors="replace")
 
     def end(self, number: int) -> int:
@@ -57,7 +57,7 @@ class Node:
 
 @contextmanager
 def node(name: str, arguments: list[str], env: dict[str, str], log: Path) -> Iterator[Node]:
-    """Run a node; it is ended whatever happens."""
+    """Run a node, which is ended in any case."""
     started = Node(name, arguments, env, log)
     try:
         yield started
@@ -67,8 +67,8 @@ def node(name: str, arguments: list[str], env: dict[str, str], log: Path) -> Ite
         started.process.wait(PATIENCE)
 
 
-class Listener:
-    """A node of the test itself that keeps the raw messages of every topic."""
+class GraphClient:
+    """A node in the test process that keeps the raw messages on every topic."""
 
     def __init__(self, number: int) -> None:
         import rclpy
@@ -80,12 +80,12 @@ class Listener:
         self.node = rclpy.create_node("listener", namespace=NAMESPACE, context=self.context)
         self.executor = SingleThreadedExecutor(context=self.context)
         self.executor.add_node(self.node)
-        self.heard: dict[Topic, list[bytes]] = defaultdict(list)
+        self.received: dict[Topic, list[bytes]] = defaultdict(list)
         for topic in (*SIMULATED, *DETECTED, BENCH_DIAGNOSTICS, CLOCK):
             self.node.create_subscription(
                 message_class(topic),
                 topic.resolved(NAMESPACE),
-                lambda data, t=topic: self.heard[t].append(bytes(data)),
+                lambda data, t=topic: self.received[t].append(bytes(data)),
                 qos(topic),
                 raw=True,
             )
@@ -100,7 +100,7 @@ class Listener:
         return future.result()
 
     def set(self, **values: Any) -> tuple[bool, str]:
-        """Set parameters of the simulator together; return whether it was accepted, and the reason."""
+        """Set parameters of the simulator atomically; return whether they were accepted, and the reason."""
         from rcl_interfaces.srv import SetParametersAtomically
         from rclpy.parameter import Parameter
 
@@ -110,38 +110,38 @@ class Listener:
 
     @property
     def status(self) -> dict[str, str]:
-        """The values of the simulator's last status, none before the first."""
-        found = self.heard[BENCH_DIAGNOSTICS]
+        """The values of the simulator's last status, empty before the first."""
+        found = self.received[BENCH_DIAGNOSTICS]
         return dict(decode_diagnostics(found[-1])[1][0].values) if found else {}
 
-    def meet(self, *publishers: Any, count: int = 1) -> None:
-        """Wait until publishers of this node know ``count`` subscriptions each, and the bench, which may learn of them later, too.
+    def connect(self, *publishers: Any, count: int = 1) -> None:
+        """Wait until publishers of this node have ``count`` subscribers each, and until the bench knows the publishers.
 
-        What is sent to a subscription that does not know its publisher yet may be lost: hence two reports of the bench more.
+        A message to a subscriber that has not yet discovered its publisher may be lost; two more reports of the bench show that it has.
         """
         self.until(lambda: all(publisher.get_subscription_count() >= count for publisher in publishers), "the subscriptions")
-        reports = len(self.heard[BENCH_DIAGNOSTICS])
-        self.until(lambda: len(self.heard[BENCH_DIAGNOSTICS]) > reports + 1, "two reports of the bench")
+        reports = len(self.received[BENCH_DIAGNOSTICS])
+        self.until(lambda: len(self.received[BENCH_DIAGNOSTICS]) > reports + 1, "two reports of the bench")
 
     def until(self, reached: Callable[[], Any], why: str) -> None:
-        """Listen until something is reached; fail where it is not in time. What looks at messages may find none yet."""
+        """Serve callbacks until a condition holds; fail after `PATIENCE`. The condition may look at messages that have not arrived yet."""
 
-        def there() -> bool:
+        def holds() -> bool:
             try:
                 return bool(reached())
             except LookupError:
                 return False
 
         end = time.monotonic() + PATIENCE
-        while not there():
+        while not holds():
             assert time.monotonic() < end, (
-                f"waited {PATIENCE} s in vain for {why}; heard { {t.name: len(m) for t, m in self.heard.items()} }, "
+                f"waited {PATIENCE} s for {why}; received { {t.name: len(m) for t, m in self.received.items()} }, "
                 f"the status is {self.status}"
             )
             self.executor.spin_once(timeout_sec=0.1)
 
     def close(self) -> None:
-        """Leave the graph."""
+        """Leave the ROS graph."""
         import rclpy
 
         self.executor.shutdown()
@@ -150,9 +150,9 @@ class Listener:
 
 
 @contextmanager
-def listener(number: int) -> Iterator[Listener]:
-    """Listen in a domain."""
-    found = Listener(number)
+def graph_client(number: int) -> Iterator[GraphClient]:
+    """Yield a client in a ROS domain."""
+    found = GraphClient(number)
     try:
         yield found
     finally:

@@ -19,7 +19,7 @@ PAPER_SPEED = 124.8  # rad/s, printed in Fan et al. 2025, section 2.3.2
 
 @dataclass(frozen=True)
 class Run:
-    """A simulated run, its blocks joined."""
+    """A simulated run with its blocks joined."""
 
     configuration: Configuration
     blocks: list[Block]
@@ -55,5 +55,5 @@ def _simulated(duration: float, fault: str, width: float, speed: float, start: s
 def simulated(
     duration: float, *, fault: str = "", width: float = 0.002, speed: float = PAPER_SPEED, start: str = "warm", state_rate: int = 1000
 ) -> Run:
-    """Return a noiseless run; the same arguments are simulated once."""
+    """Return a noiseless run; runs with the same arguments are simulated once."""
     return _simulated(duration, fault, width, speed, start, state_rate)

@@ -1,4 +1,4 @@
-"""A recorder whose disk is slow."""
+"""A recorder on a slow disk."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from dcrb_ros.settings.configuration import Configuration
 
 
 class SlowRecorder(Recorder):
-    """A recorder whose disk answers when it is allowed to."""
+    """A recorder that writes once it is allowed to."""
 
     def __init__(self, path: Path) -> None:
         super().__init__(path, Configuration(), BODIES)

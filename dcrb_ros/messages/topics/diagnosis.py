@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from dcrb_ros.diagnosis.diagnosis import Diagnosis
 from dcrb_ros.messages.cdr import DIAGNOSTICS
 from dcrb_ros.messages.description import INDICATORS
 from dcrb_ros.messages.statuses import ERROR, OK, WARN, Status, decode_diagnostics, encode_diagnostics
 from dcrb_ros.messages.topic import DetectedTopic
+from dcrb_ros.stream.diagnosis import Diagnosis
 
 LEVELS = {"waiting": OK, "healthy": OK, "sensor": WARN}
 """Status level of each verdict; that of any other verdict is an error."""

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from dcrb_ros.diagnosis.diagnosis import Diagnosis
 from dcrb_ros.messages.cdr import POINT_CLOUD
 from dcrb_ros.messages.points import decode_spectrum, encode_spectrum
 from dcrb_ros.messages.topic import DetectedTopic
+from dcrb_ros.stream.diagnosis import Diagnosis
 
 
 def _encode(diagnosis: Diagnosis) -> bytes | None:

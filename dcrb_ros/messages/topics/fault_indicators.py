@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from dcrb_ros.diagnosis.diagnosis import Diagnosis
 from dcrb_ros.messages.cdr import JOINT_STATE
 from dcrb_ros.messages.description import INDICATORS
 from dcrb_ros.messages.joints import decode_joints, encode_joints
 from dcrb_ros.messages.topic import DetectedTopic
+from dcrb_ros.stream.diagnosis import Diagnosis
 
 
 def encode_indicators(diagnosis: Diagnosis) -> bytes:
