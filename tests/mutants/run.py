@@ -160,6 +160,7 @@ def examine(name: str, count: int, seed: int) -> tuple[int, int]:
         outcome, _ = run_tests(command(target, mutant.module), TIMEOUT)
         path.write_text(source, encoding="utf-8")
         killed += outcome != TestOutcome.SURVIVED
+        print(f"{name}: {killed} of {ran}", end="\r", file=sys.stderr, flush=True)
         if outcome == TestOutcome.SURVIVED:
             print(f"survived: {mutant.module} {mutant.operator.removeprefix('core/')}", *diff, "", sep="\n", flush=True)
     print(f"{name}: a sample of {ran} of some {len(population)} mutants", flush=True)
