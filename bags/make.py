@@ -9,8 +9,8 @@ from pathlib import Path
 
 from dcrb_ros.recordings.recorder import Recorder
 from dcrb_ros.settings.files import load_configuration
-from dcrb_ros.simulation.events import CommandSchedule, SpeedCommand, TimedCommand
 from dcrb_ros.simulation.loop import Simulation
+from dcrb_ros.stream.events import CommandSchedule, SpeedCommand, TimedCommand
 
 HERE = Path(__file__).resolve().parent
 DURATION = 3.0

@@ -16,12 +16,11 @@ from pathlib import Path
 import numpy as np
 
 from dcrb_ros.bearing.payload import build_payload, initial_state
-from dcrb_ros.cli.simulate import PREFETCH_DEPTH
 from dcrb_ros.core.layout.workspace import workspace
 from dcrb_ros.core.solver.step import advance
 from dcrb_ros.messages.encoder import BlockEncoder
 from dcrb_ros.recordings.recorder import Recorder
-from dcrb_ros.runtime.prefetch import prefetch
+from dcrb_ros.runtime.prefetch import WRITING_DEPTH, prefetch
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import load_configuration
 from dcrb_ros.simulation.loop import Simulation
@@ -71,7 +70,7 @@ def recorded(configuration: Configuration) -> Callable[[float], None]:
 
     def run(duration: float) -> None:
         with tempfile.TemporaryDirectory() as folder, Recorder(Path(folder) / "bag", configuration, simulation.bodies) as recorder:
-            for block in prefetch(simulation.blocks(duration), depth=PREFETCH_DEPTH):
+            for block in prefetch(simulation.blocks(duration), depth=WRITING_DEPTH):
                 recorder.write(block)
 
     return run

@@ -22,8 +22,8 @@ from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.recordings.recorder import Recorder
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import load_configuration
-from dcrb_ros.simulation.block import Block
 from dcrb_ros.simulation.loop import Simulation
+from dcrb_ros.stream.block import Block
 
 RAW = 12
 """Size of a sample, ax, ay and shaft angle as single floats [B]."""

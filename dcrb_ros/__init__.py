@@ -8,6 +8,8 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
+from dcrb_ros.runtime.version import __version__
+
 if TYPE_CHECKING:
     from dcrb_ros.bearing.frequencies import characteristic_frequencies
     from dcrb_ros.bearing.history import StateHistory
@@ -27,12 +29,10 @@ if TYPE_CHECKING:
     from dcrb_ros.settings.configuration import Configuration
     from dcrb_ros.settings.files import load_configuration
     from dcrb_ros.settings.parameters import Bearing
-    from dcrb_ros.simulation.block import Block
     from dcrb_ros.simulation.ground_truth import GroundTruth
     from dcrb_ros.simulation.loop import Simulation
     from dcrb_ros.simulation.run import Run, simulate
-
-__version__ = "0.1.0"
+    from dcrb_ros.stream.block import Block
 
 __all__ = [
     "Bearing",

@@ -5,25 +5,25 @@ from __future__ import annotations
 from launch.actions import OpaqueFunction
 from launch_ros.actions import Node
 
-from dcrb_ros.nodes.launching import CONFIG, TIME_SCALE, arguments, asked, fault_detector, given, node, simulator
+from dcrb_ros.nodes.launching import CONFIG, TIME_SCALE, arguments, fault_detector, node, parameters_from, simulator, value_of
 from launch import LaunchContext, LaunchDescription
 
-OWN = {
+ARGUMENTS = {
     "time_scale": ("time_scale", float),
     "record": ("recording.path", str),
-    "clock": ("publishing.clock", lambda said: said == "true"),
+    "clock": ("publishing.clock", lambda text: text == "true"),
 }
-"""Parameters that have an argument of their own."""
+"""Arguments with the parameters that they set."""
 
 
 def nodes(context: LaunchContext) -> list[Node]:
-    """Return the nodes of the bench, and the viewer where it is asked for."""
-    namespace = given(context, "namespace")
-    own = asked(context, OWN)
+    """Return the nodes of the bench, with the viewer if it is requested."""
+    namespace = value_of(context, "namespace")
+    parameters = parameters_from(context, ARGUMENTS)
     return [
-        *([node("viewer", namespace)] if given(context, "rerun") == "true" else []),
-        simulator(namespace, given(context, "config"), own, scenario=given(context, "scenario")),
-        fault_detector(namespace, given(context, "detector")),
+        *([node("viewer", namespace)] if value_of(context, "rerun") == "true" else []),
+        simulator(namespace, value_of(context, "config"), parameters, scenario=value_of(context, "scenario")),
+        fault_detector(namespace, value_of(context, "detector")),
     ]
 
 
@@ -35,6 +35,6 @@ def generate_launch_description() -> LaunchDescription:
         "record": ("", "folder of a recording; empty for the configuration's"),
         "time_scale": ("", TIME_SCALE),
         "clock": ("", "whether to publish /clock: true or false; empty for the configuration's"),
-        "rerun": ("false", "whether to show it in Rerun: true or false"),
+        "rerun": ("false", "whether to show the bench in Rerun: true or false"),
     }
     return LaunchDescription([*arguments(described, namespace="dcrb"), OpaqueFunction(function=nodes)])

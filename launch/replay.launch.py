@@ -7,13 +7,13 @@ from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
 from launch_ros.parameter_descriptions import ParameterValue
 
-from dcrb_ros.nodes.launching import arguments, fault_detector, given, node
+from dcrb_ros.nodes.launching import arguments, fault_detector, node, value_of
 from launch import LaunchContext, LaunchDescription
 
 
-def listener(context: LaunchContext) -> list[Node]:
+def detector_node(context: LaunchContext) -> list[Node]:
     """Return the fault detector."""
-    return [fault_detector(given(context, "namespace"), given(context, "detector"))]
+    return [fault_detector(value_of(context, "namespace"), value_of(context, "detector"))]
 
 
 def generate_launch_description() -> LaunchDescription:
@@ -24,9 +24,9 @@ def generate_launch_description() -> LaunchDescription:
     described = {
         "bag": (None, "a recording: its folder or an .mcap file"),
         "rate": ("1.0", "recorded over wall time, 0.0 as fast as possible"),
-        "loop": ("false", "begin again at the end"),
+        "loop": ("false", "start again at the end"),
         "offset": ("0.0", "recorded time to skip at the beginning [s]"),
         "clock": ("false", "publish /clock"),
     }
-    replayer, detector = node("replayer", namespace, [parameters]), OpaqueFunction(function=listener)
+    replayer, detector = node("replayer", namespace, [parameters]), OpaqueFunction(function=detector_node)
     return LaunchDescription([*arguments(described, namespace="dcrb"), replayer, detector])

@@ -6,11 +6,11 @@ import math
 
 import numpy as np
 
-from dcrb_ros.bearing.states import States
 from dcrb_ros.core import observation as of
 from dcrb_ros.core.layout.state import State
 from dcrb_ros.core.payload import Payload
 from dcrb_ros.runtime.arrays import Floats
+from dcrb_ros.stream.states import States
 
 
 def wrapped(angle: Floats) -> Floats:

@@ -7,10 +7,10 @@ import sys
 
 import typer
 
-from dcrb_ros import __version__
 from dcrb_ros.cli import bench, config, detect, exchange, info, plot, recover, replay, score, simulate, sweep, validate, view
 from dcrb_ros.runtime.exit_status import exit_status
 from dcrb_ros.runtime.signals import TERMINATION
+from dcrb_ros.runtime.version import __version__
 
 app = typer.Typer(add_completion=False, no_args_is_help=True, pretty_exceptions_enable=False)
 app.command("simulate")(simulate.simulate)

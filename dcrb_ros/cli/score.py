@@ -20,8 +20,8 @@ if TYPE_CHECKING:
     from dcrb_ros.diagnosis.parameters import DetectorParameters
     from dcrb_ros.exam.case import Case
     from dcrb_ros.exam.exam_file import Exam
-    from dcrb_ros.exam.received_diagnosis import ReceivedDiagnosis
     from dcrb_ros.exam.report import Report
+    from dcrb_ros.messages.received_diagnosis import ReceivedDiagnosis
 
 SHIPPED = "the shipped detector"
 
@@ -203,9 +203,9 @@ def _evaluate_exam(exam: Exam, candidate: Candidate, recordings: Path | None, wo
 def _recorded(cases: Sequence[Case], folder: Path, workers: int, node: str, patience: float) -> dict[str, Path]:
     """Return the recordings of cases; an invalid command is refused before anything is simulated."""
     from dcrb_ros.exam.evaluation import record_all
-    from dcrb_ros.nodes.examinee import Examinee
+    from dcrb_ros.nodes.external_detector import ExternalDetector
 
-    Examinee(node, patience=patience)
+    ExternalDetector(node, patience=patience)
     with _progress("simulated", len(cases)) as on_done:
         paths = record_all(cases, folder, workers, on_done)
     return {case.expectation.name: paths[case.expectation.name] for case in cases}
@@ -215,19 +215,19 @@ def _evaluate_node(
     bags: Mapping[str, Path], node: str, rate: float, patience: float
 ) -> tuple[dict[str, list[ReceivedDiagnosis]], dict[str, str]]:
     """Return a node's diagnoses of recordings, and the failures, by name."""
-    from dcrb_ros.nodes.examinee import Examinee, Unanswered
+    from dcrb_ros.nodes.external_detector import ExternalDetector, NoDiagnosis
 
-    examinee = Examinee(node, rate=rate, patience=patience)
+    detector = ExternalDetector(node, rate=rate, patience=patience)
     diagnoses: dict[str, list[ReceivedDiagnosis]] = {}
     failures: dict[str, str] = {}
     with _progress("evaluated", len(bags)) as on_done:
         for name, bag in bags.items():
-            answers = examinee.examine(bag)
-            if answers.failure and not answers.opinions and not diagnoses:
-                raise Unanswered(f"the detector '{node}' failed on the first scenario ({name}): {answers.failure}")
-            diagnoses[name] = answers.opinions
-            if answers.failure:
-                failures[name] = answers.failure
+            found = detector.diagnose(bag)
+            if found.failure and not found.received and not diagnoses:
+                raise NoDiagnosis(f"the detector '{node}' failed on the first scenario ({name}): {found.failure}")
+            diagnoses[name] = found.received
+            if found.failure:
+                failures[name] = found.failure
             on_done(name)
     return diagnoses, failures
 

@@ -16,11 +16,8 @@ from dcrb_ros.runtime.simulated_time import checked_duration
 
 if TYPE_CHECKING:
     from dcrb_ros.settings.configuration import Configuration
-    from dcrb_ros.simulation.block import Block
     from dcrb_ros.simulation.loop import Simulation
-
-PREFETCH_DEPTH = 4
-"""Blocks simulated ahead while one is written [-]."""
+    from dcrb_ros.stream.block import Block
 
 
 def simulate(
@@ -108,7 +105,7 @@ def _run(name: str, blocks: Iterable[Block], seconds: float, write: Callable[[Bl
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
-    from dcrb_ros.runtime.prefetch import prefetch
+    from dcrb_ros.runtime.prefetch import WRITING_DEPTH, prefetch
 
     console = Console(stderr=True)
     started, done = time.perf_counter(), 0.0
@@ -121,7 +118,7 @@ def _run(name: str, blocks: Iterable[Block], seconds: float, write: Callable[[Bl
     with Progress(*columns, console=console) as progress:
         task = progress.add_task(name, total=seconds)
         try:
-            for block in prefetch(iter(blocks), depth=PREFETCH_DEPTH):
+            for block in prefetch(iter(blocks), depth=WRITING_DEPTH):
                 if write is not None:
                     write(block)
                 done = block.end_ns * 1e-9

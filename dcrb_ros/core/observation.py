@@ -11,7 +11,7 @@ from dcrb_ros.core.layout.state import CAGE, INNER, OUTER
 
 OBSERVED = 9
 (AZIMUTH, SPEED, INNER_FORCE, OUTER_FORCE, SLIP, FRICTION, TORQUE, RELATIVE_SPEED, BAR_FORCE) = range(OBSERVED)
-"""Rows of what is observed; see `dcrb_ros.bearing.states.States`."""
+"""Rows of what is observed; see `dcrb_ros.stream.states.States`."""
 
 
 @loop

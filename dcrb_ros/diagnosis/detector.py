@@ -240,7 +240,7 @@ class FaultDetector:
             severity=severity,
             trend=self._trend.slope(time, verdict, severity),
             clipped=self._saturation.clipped,
-            remarks=self._remarks(f"the spectrum is that of the band from {selected.band}"),
+            remarks=self._remarks(f"the spectrum is of the band from {selected.band}"),
         )
 
     def _severity(self, evidence: Evidence, confirmed: list[Component]) -> float:

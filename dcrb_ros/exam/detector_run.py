@@ -14,8 +14,8 @@ from dcrb_ros.diagnosis.detector import FaultDetector
 from dcrb_ros.diagnosis.diagnosis import Diagnosis
 from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.exam.case import Case
-from dcrb_ros.exam.received_diagnosis import ReceivedDiagnosis, decode_diagnosis
 from dcrb_ros.exam.recording_cache import cached_recording
+from dcrb_ros.messages.received_diagnosis import ReceivedDiagnosis, decode_diagnosis
 from dcrb_ros.messages.topics.diagnosis import encode_diagnosis
 from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.runtime.refusal import Refusal, nearest

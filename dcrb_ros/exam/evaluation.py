@@ -11,10 +11,10 @@ from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.exam.case import Case
 from dcrb_ros.exam.criteria import Criteria
 from dcrb_ros.exam.detector_run import run_shipped_detector, run_shipped_detector_on_case
-from dcrb_ros.exam.received_diagnosis import ReceivedDiagnosis
 from dcrb_ros.exam.recorded_case import RecordedCase
 from dcrb_ros.exam.recording_cache import cache_path, cached_recording
 from dcrb_ros.exam.scoring import ScenarioResult, score_scenario
+from dcrb_ros.messages.received_diagnosis import ReceivedDiagnosis
 from dcrb_ros.runtime.processes import in_processes
 from dcrb_ros.runtime.refusal import Refusal
 

@@ -10,15 +10,15 @@ from typing import Any
 from mcap.records import Channel, Message
 
 from dcrb_ros.exam.expectation import Expectation
-from dcrb_ros.exam.received_diagnosis import ReceivedDiagnosis, decode_diagnosis
 from dcrb_ros.faults.ground_truth import class_of
+from dcrb_ros.messages.received_diagnosis import ReceivedDiagnosis, decode_diagnosis
 from dcrb_ros.messages.statuses import decode_truth
 from dcrb_ros.messages.topics import DIAGNOSIS, GROUND_TRUTH
 from dcrb_ros.recordings.mcap_reader import McapRecords
 from dcrb_ros.recordings.reader import valid_files
 from dcrb_ros.runtime.refusal import Refusal
 from dcrb_ros.settings.parameters import rpm
-from dcrb_ros.simulation.block import Truth
+from dcrb_ros.stream.block import Truth
 
 
 @dataclass(frozen=True)

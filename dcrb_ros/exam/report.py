@@ -7,12 +7,12 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from dcrb_ros import __version__
 from dcrb_ros.exam.criteria import Criteria
 from dcrb_ros.exam.scoring import NO_ANSWER, ScenarioResult
 from dcrb_ros.exam.statistics import Characteristic, Interval, characteristic, percentile, rate, share
 from dcrb_ros.recordings.manifest import model_fingerprint, software
 from dcrb_ros.runtime.frames import pandas
+from dcrb_ros.runtime.version import __version__
 from dcrb_ros.schema.verdicts import FAULT_CLASSES, VERDICTS
 
 if TYPE_CHECKING:

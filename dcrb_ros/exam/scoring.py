@@ -9,7 +9,7 @@ from itertools import pairwise
 
 from dcrb_ros.exam.criteria import Criteria
 from dcrb_ros.exam.expectation import Expectation
-from dcrb_ros.exam.received_diagnosis import ReceivedDiagnosis
+from dcrb_ros.messages.received_diagnosis import ReceivedDiagnosis
 from dcrb_ros.schema.verdicts import BEARING_FAULTS
 
 WAITING = "waiting"

@@ -11,10 +11,10 @@ from rich.markup import escape
 from rich.table import Table
 from rich.text import Text
 
-from dcrb_ros import __version__
 from dcrb_ros.exam.report import Report
 from dcrb_ros.exam.statistics import CONFIDENCE, Interval
 from dcrb_ros.recordings.manifest import model_fingerprint
+from dcrb_ros.runtime.version import __version__
 
 MOST_FAILURES = 40
 """Failed scenarios listed at most [-]; JSON and JUnit contain all of them."""

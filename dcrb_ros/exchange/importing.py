@@ -14,7 +14,6 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from dcrb_ros import __version__
 from dcrb_ros.bearing.kinematics import Orders
 from dcrb_ros.exchange.description import Description, read_description
 from dcrb_ros.exchange.files import Array, ExternalFile, channel, read_external
@@ -27,8 +26,9 @@ from dcrb_ros.recordings.manifest import FORMAT, UNITS, Outcome, now
 from dcrb_ros.recordings.recorder import channel_of
 from dcrb_ros.recordings.rosbag2 import Bag, RecordingFailed
 from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.runtime.version import __version__
 from dcrb_ros.settings.sensor_limits import LONGEST_BLOCK
-from dcrb_ros.simulation.block import Block
+from dcrb_ros.stream.block import Block
 
 FULL_TURN = 2.0 * np.pi
 LATEST_STAMP = 2**31

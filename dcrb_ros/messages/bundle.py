@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from dcrb_ros.messages.topics import Message
-from dcrb_ros.simulation.block import Block
+from dcrb_ros.stream.block import Block
 
 
 @dataclass(frozen=True)

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dcrb_ros.bearing.states import BodyNames
 from dcrb_ros.diagnosis.diagnosis import Diagnosis
 from dcrb_ros.messages.topic import Message, Source
 from dcrb_ros.messages.topics import DETECTED, SIMULATED
 from dcrb_ros.settings.configuration import Configuration
-from dcrb_ros.simulation.block import Block
+from dcrb_ros.stream.block import Block
+from dcrb_ros.stream.states import BodyNames
 
 
 class BlockEncoder:

@@ -10,7 +10,7 @@ import re
 from collections.abc import Mapping
 from typing import Any
 
-from dcrb_ros.simulation.events import (
+from dcrb_ros.stream.events import (
     BlockLost,
     Event,
     LoadCommand,

@@ -16,7 +16,7 @@ from dcrb_ros.messages.cdr import FRAME, POINT_CLOUD, STAMP_END, TEMPLATES, deco
 from dcrb_ros.messages.message_template import MessageTemplate, placeholder_bytes
 from dcrb_ros.runtime.arrays import Floats, Samples
 from dcrb_ros.runtime.refusal import Refusal
-from dcrb_ros.simulation.block import Block
+from dcrb_ros.stream.block import Block
 
 SAMPLE = np.dtype([("t", "<u4"), ("ax", "<f4"), ("ay", "<f4"), ("shaft_angle", "<f4")])
 UNTRACKED_SAMPLE = np.dtype([("t", "<u4"), ("ax", "<f4"), ("ay", "<f4")])

@@ -9,7 +9,7 @@ from typing import Any
 from dcrb_ros.diagnosis.diagnosis import Diagnosis
 from dcrb_ros.messages.cdr import decoded, stamp_of
 from dcrb_ros.settings.configuration import Configuration
-from dcrb_ros.simulation.block import Block
+from dcrb_ros.stream.block import Block
 
 NAMESPACE = "/dcrb"
 MANIFEST = "dcrb_ros"

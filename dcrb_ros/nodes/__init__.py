@@ -1,1 +1,1 @@
-"""The ROS 2 nodes: thin wires round what works without ROS."""
+"""ROS 2 nodes: thin layers over code that runs without ROS."""

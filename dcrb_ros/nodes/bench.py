@@ -1,4 +1,4 @@
-"""The bench in one command: both nodes as processes of their own, and an observer with a status line."""
+"""The bench in one command: simulator and fault detector as processes, and an observer that shows a status line."""
 
 from __future__ import annotations
 
@@ -28,50 +28,50 @@ from dcrb_ros.schema.fields import Group
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import to_yaml
 
-LAST_WORDS = 3.0
-"""Wall time that the detector gets for its last verdict after the last block [s]."""
-LISTENER_START = 20.0
-"""Wall time that the detector gets to come up [s]."""
-CHILD_END = 10.0
-"""Wall time that a node gets to end after SIGINT [s]."""
+VERDICT_TIMEOUT = 3.0
+"""Wall time after the last block in which the last verdict must arrive [s]."""
+SUBSCRIBER_TIMEOUT = 20.0
+"""Wall time in which the other nodes must subscribe before the simulator is started [s]."""
+EXIT_TIMEOUT = 10.0
+"""Wall time in which a node must end after SIGINT [s]."""
 
 
 def _with_values(status: Status, *keys: str) -> Status:
-    """Return a status that has the values ``keys``; refuse any other."""
+    """Return a status, or refuse it if one of the values ``keys`` is missing."""
     absent = [key for key in keys if key not in status.values]
     if absent:
-        raise Refusal(f"the status '{status.name}' has no {', '.join(absent)}: it is not of this bench")
+        raise Refusal(f"the status '{status.name}' has no {', '.join(absent)}: it does not belong to this bench")
     return status
 
 
 class Observer:
-    """What the bench has said so far."""
+    """Keeps the last messages of the bench for the status line and the result."""
 
     def __init__(self) -> None:
         self.blocks = 0
         self.refused = 0
-        """Messages that were not understood; they are left aside."""
+        """Invalid messages; they are ignored."""
         self.verdict: Status | None = None
         self.verdict_ns = 0
         self.bench: Status | None = None
         self.features: Joints | None = None
 
     def subscribe(self, node: Any) -> None:
-        """Listen to the bench's topics."""
+        """Subscribe to the topics of the bench."""
 
-        def listen(topic: Topic, callback: Any) -> None:
-            def heard(data: bytes) -> None:
+        def subscribe(topic: Topic, callback: Any) -> None:
+            def receive(data: bytes) -> None:
                 try:
                     callback(bytes(data))
                 except Refusal:
                     self.refused += 1
 
-            node.create_subscription(message_class(topic), topic.resolved(NAMESPACE), heard, qos(topic), raw=True)
+            node.create_subscription(message_class(topic), topic.resolved(NAMESPACE), receive, qos(topic), raw=True)
 
-        listen(DIAGNOSIS, self._on_diagnosis)
-        listen(BENCH_DIAGNOSTICS, self._on_bench)
-        listen(FEATURES, self._on_features)
-        listen(VIBRATION, self._on_block)
+        subscribe(DIAGNOSIS, self._on_diagnosis)
+        subscribe(BENCH_DIAGNOSTICS, self._on_bench)
+        subscribe(FEATURES, self._on_features)
+        subscribe(VIBRATION, self._on_block)
 
     def _on_block(self, data: bytes) -> None:
         self.blocks += 1
@@ -79,12 +79,12 @@ class Observer:
     def _on_diagnosis(self, data: bytes) -> None:
         time_ns, statuses = decode_diagnostics(data)
         if not statuses:
-            raise Refusal("a diagnosis without a status is no verdict")
+            raise Refusal("a diagnosis without a status has no verdict")
         self.verdict = _with_values(statuses[0], "confidence", "reason", "BPFO [dB]", "BPFI [dB]")
         self.verdict_ns = time_ns
 
     def _on_bench(self, data: bytes) -> None:
-        """Take the simulator's status; others may report on the same topic."""
+        """Keep the status of the simulator; other nodes publish on the same topic."""
         for status in decode_diagnostics(data)[1]:
             if status.name == f"{NAMESPACE}/simulator":
                 self.bench = _with_values(status, "real_time_factor", "late_blocks")
@@ -92,7 +92,7 @@ class Observer:
     def _on_features(self, data: bytes) -> None:
         joints = decode_joints(data)
         if not {"rms", "kurtosis"} <= set(joints.names[: len(joints.position)]):
-            raise Refusal("a JointState without rms and kurtosis has no features of the bench")
+            raise Refusal("a JointState without rms and kurtosis does not contain the features of the bench")
         self.features = joints
 
     def line(self) -> str:
@@ -100,21 +100,21 @@ class Observer:
         if self.features is None:
             return "waiting for the first block ..."
         values = dict(zip(self.features.names, self.features.position, strict=False))
-        words = [f"{self.features.stamp_ns * 1e-9:6.2f} s simulated"]
+        parts = [f"{self.features.stamp_ns * 1e-9:6.2f} s simulated"]
         if self.bench is not None:
             if self.bench.values.get("model") == "paused":
-                words.append("paused")
-            words.append(f"{self.bench.values['real_time_factor']} x real time, {self.bench.values['late_blocks']} late")
-        words.append(f"rms {values['rms']:7.1f} m/s^2, kurtosis {values['kurtosis']:5.1f}")
+                parts.append("paused")
+            parts.append(f"{self.bench.values['real_time_factor']} x real time, {self.bench.values['late_blocks']} late")
+        parts.append(f"rms {values['rms']:7.1f} m/s^2, kurtosis {values['kurtosis']:5.1f}")
         if self.verdict is not None:
             levels = "  ".join(f"{name} {self.verdict.values[f'{name} [dB]']}" for name in ("BPFO", "BPFI"))
-            words.append(f"{levels} dB  ->  {self.verdict.message}")
-        return "  |  ".join(words)
+            parts.append(f"{levels} dB  ->  {self.verdict.message}")
+        return "  |  ".join(parts)
 
 
 @contextmanager
 def node_process(name: str, arguments: Sequence[str], environment: dict[str, str]) -> Iterator[subprocess.Popen[bytes]]:
-    """Run a node as a process; whatever happens, it is ended."""
+    """Run a node as a process, which is ended in any case."""
     command = [sys.executable, "-m", "dcrb_ros.nodes", name, *arguments]
     with signals_blocked():
         process = subprocess.Popen(command, env=environment, stdin=subprocess.DEVNULL, start_new_session=True)
@@ -124,7 +124,7 @@ def node_process(name: str, arguments: Sequence[str], environment: dict[str, str
         if process.poll() is None:
             process.send_signal(signal.SIGINT)
             try:
-                process.wait(CHILD_END)
+                process.wait(EXIT_TIMEOUT)
             except subprocess.TimeoutExpired:
                 process.kill()
                 process.wait()
@@ -133,44 +133,45 @@ def node_process(name: str, arguments: Sequence[str], environment: dict[str, str
 def run(
     name: str,
     configuration: Configuration,
-    detecting: DetectorParameters,
+    detector_parameters: DetectorParameters,
     duration: float,
     scenario: Path | None = None,
     *,
     shown: bool = False,
 ) -> int:
-    """Run the bench for ``duration`` [s] of simulated time, through a scenario if there is one; return the exit status.
+    """Run the bench for ``duration`` of simulated time [s], with a scenario if one is given; return the exit status.
 
-    With ``shown`` Rerun shows it meanwhile; where it cannot, the bench runs all the same.
+    With ``shown`` Rerun shows the bench; a failure of the viewer does not stop it.
     """
     check_ros()
-    told = stop_on_signals()
+    stop = stop_on_signals()
     limit_discovery()
     environment = dict(os.environ)
     console = Console(stderr=True)
     with tempfile.TemporaryDirectory(prefix="dcrb-") as folder:
-        ros, ros_of_detector = (_in_file(Path(folder) / f"{i}.yaml", group) for i, group in enumerate((configuration, detecting)))
+        for_simulator = _parameter_arguments(Path(folder) / "simulator.yaml", configuration)
+        for_detector = _parameter_arguments(Path(folder) / "fault_detector.yaml", detector_parameters)
         console.print(
             f"bench '{name}': simulator and fault detector as ROS 2 nodes in {NAMESPACE}, "
             f"{duration:g} s at time scale {configuration.time_scale:g}"
         )
-        arguments = ["--duration", repr(duration), *(["--scenario", str(scenario)] if scenario else []), *ros]
+        arguments = ["--duration", repr(duration), *(["--scenario", str(scenario)] if scenario else []), *for_simulator]
         observer = Observer()
         with ExitStack() as stack:
             node = stack.enter_context(_observing(observer))
-            detector = stack.enter_context(node_process("fault_detector", ros_of_detector, environment))
-            listeners = [detector, *([stack.enter_context(node_process("viewer", [], environment))] if shown else [])]
-            # The simulator waits for its listeners, so that they get the first block and do not start up beside it.
-            _await_listeners(node, listeners, told)
-            if told.is_set():
+            detector = stack.enter_context(node_process("fault_detector", for_detector, environment))
+            subscribers = [detector, *([stack.enter_context(node_process("viewer", [], environment))] if shown else [])]
+            # The simulator is started last, so that the others receive the first block and do not slow it down by their start.
+            _await_subscribers(node, subscribers, stop)
+            if stop.is_set():
                 console.print("stopped before the simulator was started")
                 return STOPPED
             with node_process("simulator", arguments, environment) as simulator:
-                failed = _watch(observer, node, simulator, detector, duration, told, console)
+                failed = _watch(observer, node, simulator, detector, duration, stop, console)
     return failed or _conclude(observer, configuration, console)
 
 
-def _in_file(path: Path, parameters: Group) -> list[str]:
+def _parameter_arguments(path: Path, parameters: Group) -> list[str]:
     """Write parameters into a file; return the arguments with which a node reads it."""
     path.write_text(to_yaml(parameters), encoding="utf-8")
     return ["--ros-args", "--params-file", str(path)]
@@ -178,7 +179,7 @@ def _in_file(path: Path, parameters: Group) -> list[str]:
 
 @contextmanager
 def _observing(observer: Observer) -> Iterator[Any]:
-    """Yield a node through which the observer listens."""
+    """Yield a node with the observer's subscriptions."""
     import rclpy
     from rclpy.signals import SignalHandlerOptions
     from rclpy.utilities import try_shutdown
@@ -193,13 +194,13 @@ def _observing(observer: Observer) -> Iterator[Any]:
         try_shutdown()
 
 
-def _await_listeners(node: Any, listeners: Sequence[subprocess.Popen[bytes]], told: threading.Event) -> None:
-    """Wait until those of the listeners that have not ended listen beside the observer, or have had their time."""
+def _await_subscribers(node: Any, processes: Sequence[subprocess.Popen[bytes]], stop: threading.Event) -> None:
+    """Wait until the observer and every running process have subscribed, at most `SUBSCRIBER_TIMEOUT`."""
     import rclpy
 
-    topic, patience = VIBRATION.resolved(NAMESPACE), time.monotonic() + LISTENER_START
-    while not told.is_set() and time.monotonic() < patience:
-        if node.count_subscribers(topic) > sum(listener.poll() is None for listener in listeners):
+    topic, deadline = VIBRATION.resolved(NAMESPACE), time.monotonic() + SUBSCRIBER_TIMEOUT
+    while not stop.is_set() and time.monotonic() < deadline:
+        if node.count_subscribers(topic) > sum(process.poll() is None for process in processes):
             return
         rclpy.spin_once(node, timeout_sec=0.05)
 
@@ -210,15 +211,15 @@ def _watch(
     simulator: subprocess.Popen[bytes],
     detector: subprocess.Popen[bytes],
     duration: float,
-    told: threading.Event,
+    stop: threading.Event,
     console: Console,
 ) -> int:
     """Show the status line until the simulator ends; return the status of a node that failed, or 0."""
     import rclpy
 
-    end_ns, patience, shown = round((duration - 1.0) * 1e9), None, 0.0
+    end_ns, deadline, shown = round((duration - 1.0) * 1e9), None, 0.0
     with console.status("starting ...") as status:
-        while not told.is_set():
+        while not stop.is_set():
             rclpy.spin_once(node, timeout_sec=0.05)
             now = time.monotonic()
             if console.is_terminal:
@@ -232,23 +233,23 @@ def _watch(
             if simulator.poll() is None:
                 continue
             if simulator.returncode != 0:
-                return simulator.returncode if simulator.returncode > 0 else 1  # below zero it was killed by a signal
-            patience = patience or now + LAST_WORDS
-            if now > patience or observer.verdict_ns >= end_ns:
+                return simulator.returncode if simulator.returncode > 0 else 1  # negative if a signal killed it
+            deadline = deadline or now + VERDICT_TIMEOUT
+            if now > deadline or observer.verdict_ns >= end_ns:
                 return 0
     return 0
 
 
 def _conclude(observer: Observer, configuration: Configuration, console: Console) -> int:
-    """Print verdict, recording and what to do next; return 1 where there is no verdict."""
+    """Print verdict, recording and how to open it; return 1 if there is no verdict."""
     if configuration.recording.path:
         path = Path(configuration.recording.path)
         print(f"recording: {path}")
         print(f"open it with: dcrb view {path}   or: rerun {path / (path.name + '_0.mcap')}")
     if observer.refused:
-        console.print(f"{observer.refused} messages on the bench's topics were not understood and left aside")
+        console.print(f"{observer.refused} invalid messages on the topics of the bench were ignored")
     if observer.verdict is None or observer.verdict.message == "waiting":
-        console.print(f"no verdict after {observer.blocks} blocks: the detector needs a few seconds of a turning shaft")
+        console.print(f"no verdict after {observer.blocks} blocks: the detector needs a few seconds of signal with a turning shaft")
         return 1
     values = observer.verdict.values
     print(

@@ -1,4 +1,4 @@
-"""What the launch files share: arguments, and the nodes with their parameters."""
+"""Arguments and nodes of the launch files."""
 
 from __future__ import annotations
 
@@ -18,43 +18,43 @@ RANGE = "ROS_AUTOMATIC_DISCOVERY_RANGE"
 
 
 def arguments(described: Mapping[str, tuple[Any, str]], *, namespace: str) -> list[Any]:
-    """Declare arguments by name, each with its default (none: it must be given) and description; and who may join."""
-    everywhere = {
+    """Return actions that declare arguments, given by name with default (none for a mandatory one) and description, and set discovery."""
+    common = {
         "namespace": (namespace, "namespace of topics and nodes"),
         "detector": ("detector", "parameters of the fault detector: a YAML file or the shipped ones"),
-        "discovery": (EnvironmentVariable(RANGE, default_value="LOCALHOST"), "who may join: LOCALHOST or SUBNET"),
+        "discovery": (EnvironmentVariable(RANGE, default_value="LOCALHOST"), "range of discovery: LOCALHOST or SUBNET"),
     }
     declared = [
         DeclareLaunchArgument(name, default_value=default, description=description)
-        for name, (default, description) in {**described, **everywhere}.items()
+        for name, (default, description) in {**described, **common}.items()
     ]
     return [*declared, SetEnvironmentVariable(RANGE, LaunchConfiguration("discovery"))]
 
 
-def given(context: Any, name: str) -> str:
+def value_of(context: Any, name: str) -> str:
     """Return the value of an argument."""
     return str(LaunchConfiguration(name).perform(context))
 
 
-def asked(context: Any, wanted: Mapping[str, tuple[str, Callable[[str], Any]]]) -> dict[str, Any]:
-    """Return parameters by their keys from arguments by their names; one that is left empty leaves it to the configuration."""
-    return {key: convert(value) for name, (key, convert) in wanted.items() if (value := given(context, name))}
+def parameters_from(context: Any, arguments: Mapping[str, tuple[str, Callable[[str], Any]]]) -> dict[str, Any]:
+    """Return parameters from arguments, given by name with key and type of the parameter; empty arguments are left out."""
+    return {key: convert(value) for name, (key, convert) in arguments.items() if (value := value_of(context, name))}
 
 
 def parameter_file(config: str) -> str:
-    """Return a file of parameters: a user's, or a shipped one by its name."""
+    """Return the path of a parameter file, given by its path or by the name of a shipped one."""
     shipped = Path(get_package_share_directory(PACKAGE)) / "config"
     return config if Path(config).is_file() else str(shipped / f"{config}.yaml")
 
 
-def simulator(namespace: Any, config: str, own: Mapping[str, Any], *, scenario: str = "") -> Any:
-    """Return the simulator of a bench, with parameters of its own."""
+def simulator(namespace: Any, config: str, parameters: Mapping[str, Any], *, scenario: str = "") -> Any:
+    """Return the simulator of a bench; ``parameters`` override those of the file ``config``."""
     extra = ["--scenario", scenario] if scenario else []
-    return node("simulator", namespace, [parameter_file(config), dict(own)], extra)
+    return node("simulator", namespace, [parameter_file(config), dict(parameters)], extra)
 
 
 def fault_detector(namespace: Any, parameters: str) -> Any:
-    """Return the fault detector that listens to a bench, with its parameters as in a file."""
+    """Return the fault detector of a bench, with the parameters in a file."""
     return node("fault_detector", namespace, [parameter_file(parameters)])
 
 

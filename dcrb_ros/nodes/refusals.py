@@ -1,4 +1,4 @@
-"""Refusals of a running node: each counted, explained once and then ever more rarely."""
+"""Refusals of a running node: all are counted, and logged less and less often."""
 
 from __future__ import annotations
 
@@ -9,17 +9,17 @@ from contextlib import contextmanager
 
 from dcrb_ros.runtime.refusal import Refusal
 
-LONGEST_SENTENCE = 400
-"""Longest refusal that is logged or answered [characters]; what was sent may be long and stands in it."""
+MAX_LENGTH = 400
+"""Longest refusal that is logged or answered [characters]: it contains the refused value, which may be long."""
 
 
 def shortened(sentence: str) -> str:
-    """Return a sentence of at most `LONGEST_SENTENCE` characters."""
-    return sentence if len(sentence) <= LONGEST_SENTENCE else f"{sentence[: LONGEST_SENTENCE - 4]} ..."
+    """Return a sentence of at most `MAX_LENGTH` characters."""
+    return sentence if len(sentence) <= MAX_LENGTH else f"{sentence[: MAX_LENGTH - 4]} ..."
 
 
 class Refusals:
-    """Counts by kind. The first, tenth, hundredth refusal of a kind and so on is logged, the others are only counted."""
+    """Counts refusals by kind; the first, the tenth, the hundredth and so on of each kind is logged."""
 
     def __init__(self, log: Callable[[str], object]) -> None:
         self._log = log
@@ -27,11 +27,11 @@ class Refusals:
         self._lock = threading.Lock()
 
     def count(self, *kinds: str) -> int:
-        """Return the refusals of some kinds so far."""
+        """Return the number of refusals of some kinds."""
         return sum(self._counts[kind] for kind in kinds)
 
     def note(self, kind: str, sentence: str) -> None:
-        """Count a refusal, and perhaps log it."""
+        """Count a refusal, and log it if it is due."""
         with self._lock:
             self._counts[kind] += 1
             count = self._counts[kind]
@@ -40,7 +40,7 @@ class Refusals:
 
     @contextmanager
     def counted(self, kind: str) -> Iterator[None]:
-        """Note a refusal of what happens within, and let it through."""
+        """Count a refusal raised in the context, and raise it again."""
         try:
             yield
         except Refusal as refusal:
@@ -48,8 +48,8 @@ class Refusals:
             raise
 
     @contextmanager
-    def of(self, kind: str) -> Iterator[None]:
-        """Note a refusal of what happens within, and go on."""
+    def suppressed(self, kind: str) -> Iterator[None]:
+        """Count a refusal raised in the context, and suppress it."""
         try:
             yield
         except Refusal as refusal:

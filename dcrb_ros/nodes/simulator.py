@@ -49,9 +49,9 @@ from dcrb_ros.runtime.refusal import Refusal
 from dcrb_ros.runtime.simulated_time import checked_duration
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import flatten, parameter_fields
-from dcrb_ros.simulation.events import TimedCommand
 from dcrb_ros.simulation.loop import Simulation
 from dcrb_ros.simulation.scenario import ScheduledChange, read_scenario_file, scheduled_changes, starting_configuration
+from dcrb_ros.stream.events import TimedCommand
 
 TARGETS = {"operating.speed": COMMANDS[0], "operating.load": COMMANDS[1], "operating.lateral_load": COMMANDS[1]}
 """Parameters that are changed by a topic while the node runs."""
@@ -176,7 +176,7 @@ class SimulatorNode(BenchNode):
         def record(data: bytes) -> None:
             if self.recording.path is None:
                 return
-            with self.refusals.of(topic.name):
+            with self.refusals.suppressed(topic.name):
                 time_ns = _decoded(topic.name, topic.stamp, data)
                 self._check_stamp(topic, time_ns)
                 self.recording.write_messages([Message(topic, time_ns, data)])
@@ -196,11 +196,11 @@ class SimulatorNode(BenchNode):
             )
 
     def _on_speed(self, data: bytes) -> None:
-        with self.refusals.of(COMMANDS[0]):
+        with self.refusals.suppressed(COMMANDS[0]):
             self._source.simulation.command_speed(_decoded(COMMANDS[0], decode_float, data))
 
     def _on_load(self, data: bytes) -> None:
-        with self.refusals.of(COMMANDS[1]):
+        with self.refusals.suppressed(COMMANDS[1]):
             self._source.simulation.command_load(*_decoded(COMMANDS[1], decode_wrench, data))
 
     def on_parameters(self, changes: dict[str, Any]) -> None:
@@ -216,7 +216,7 @@ class SimulatorNode(BenchNode):
 
     def update_parameters(self) -> None:
         """Set the node's parameters to the present configuration, which a reset or a scenario may have changed."""
-        if self._source.simulation.awaited:
+        if self._source.simulation.has_pending:
             return
         present = flatten(self._source.simulation.configuration.model_dump())
         keys = [key for key in RUN_TIME if key != "time_scale" and self.get_parameter(key).value != present[key]]

@@ -1,1 +1,1 @@
-"""Recordings: written, read, repaired, replayed and reproduced."""
+"""Recordings: writing, reading, recovery, replay and reproduction."""

@@ -3,25 +3,45 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from pathlib import Path
+from typing import Protocol
 
 import numpy as np
 
 from dcrb_ros.bearing.history import StateHistory
+from dcrb_ros.bearing.kinematics import Orders
 from dcrb_ros.bearing.waveform import Piece, Waveform
 from dcrb_ros.messages.cdr import STAMP_END, stamps
 from dcrb_ros.messages.joints import Joints, decode_alike, decode_joints
+from dcrb_ros.messages.points import Vibration
 from dcrb_ros.messages.statuses import decode_diagnostics, decode_truth
-from dcrb_ros.messages.topics import DIAGNOSIS, GROUND_TRUTH, ROLLER_CONTACTS, ROLLER_STATES, Topic
+from dcrb_ros.messages.topics import DIAGNOSIS, GROUND_TRUTH, ROLLER_CONTACTS, ROLLER_STATES, Message, Topic
 from dcrb_ros.runtime.arrays import Floats
 from dcrb_ros.runtime.refusal import Refusal
-from dcrb_ros.simulation.block import Truth
 from dcrb_ros.simulation.ground_truth import GroundTruth
+from dcrb_ros.stream.block import Truth
 
-if TYPE_CHECKING:
-    from dcrb_ros.recordings.reader import Recording
+
+class Source(Protocol):
+    """The part of a recording that is read here; `dcrb_ros.recordings.reader.Recording` has it."""
+
+    path: Path
+
+    @property
+    def sampling_rate(self) -> int:
+        """Sampling rate [Hz]."""
+
+    @property
+    def orders(self) -> Orders:
+        """Characteristic orders of the bearing."""
+
+    def ranged_vibrations(self) -> Iterator[tuple[Vibration, float]]:
+        """Yield the blocks of the waveform, each with the range of the sensor [m/s^2]."""
+
+    def messages(self, topics: Iterable[Topic] | None = None) -> Iterator[Message]:
+        """Yield the messages on some topics."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -40,14 +60,14 @@ class RecordedVerdict:
         return f"<RecordedVerdict: {self.verdict} at {self.time:.2f} s>"
 
 
-def pieces_of(recording: Recording) -> Iterator[Piece]:
+def pieces_of(recording: Source) -> Iterator[Piece]:
     """Yield the blocks of the waveform in the order in which they were recorded."""
     rate = recording.sampling_rate
     for block, sensor_range in recording.ranged_vibrations():
         yield Piece(block.first_index(rate), block.acceleration, block.shaft_angle, sensor_range)
 
 
-def waveform_of(recording: Recording, start: float | None, stop: float | None) -> Waveform:
+def waveform_of(recording: Source, start: float | None, stop: float | None) -> Waveform:
     """Return the samples with ``start <= time < stop`` [s], all without these; see `Recording.waveform`."""
     rate = recording.sampling_rate
     first = -math.inf if start is None else start * rate
@@ -74,7 +94,7 @@ def waveform_of(recording: Recording, start: float | None, stop: float | None) -
     ).between(start, stop)
 
 
-def states_of(recording: Recording) -> StateHistory:
+def states_of(recording: Source) -> StateHistory:
     """Return the bodies over time; see `Recording.states`."""
     times, states = _joints(recording, ROLLER_STATES)
     if states is None:
@@ -93,7 +113,7 @@ def states_of(recording: Recording) -> StateHistory:
     )
 
 
-def _joints(recording: Recording, topic: Topic) -> tuple[Floats, Joints | None]:
+def _joints(recording: Source, topic: Topic) -> tuple[Floats, Joints | None]:
     """Return the times [s] and the values, shape (times, bodies), of a topic of joint states; none where it was not recorded."""
     messages = [message.data for message in recording.messages((topic,))]
     if not messages:
@@ -124,12 +144,12 @@ def truths_of(messages: Sequence[bytes]) -> tuple[Truth, ...]:
     return tuple(found)
 
 
-def truth_of(recording: Recording) -> GroundTruth:
+def truth_of(recording: Source) -> GroundTruth:
     """Return the ground truth over time; see `Recording.truth`."""
     return GroundTruth(truths_of([message.data for message in recording.messages((GROUND_TRUTH,))]))
 
 
-def verdicts_of(recording: Recording) -> list[RecordedVerdict]:
+def verdicts_of(recording: Source) -> list[RecordedVerdict]:
     """Return the recorded verdicts; see `Recording.verdicts`."""
     found = []
     for message in recording.messages((DIAGNOSIS,)):

@@ -15,7 +15,7 @@ import yaml
 from mcap.opcode import Opcode
 from mcap.writer import MCAP0_MAGIC, CompressionType, Writer
 
-from dcrb_ros import __version__
+from dcrb_ros.runtime.version import __version__
 
 CHUNK = 256 * 1024
 """Chunk size [bytes]: a crash loses at most one chunk, and at most `FLUSH_PERIOD_NS` of signal."""

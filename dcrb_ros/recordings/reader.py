@@ -14,7 +14,6 @@ import yaml
 from mcap.records import Channel, Metadata
 from mcap.records import Message as McapMessage
 
-from dcrb_ros import __version__
 from dcrb_ros.bearing.history import StateHistory
 from dcrb_ros.bearing.kinematics import Orders, characteristic_orders
 from dcrb_ros.bearing.waveform import Piece, Waveform
@@ -28,9 +27,10 @@ from dcrb_ros.recordings.arrays import RecordedVerdict
 from dcrb_ros.recordings.manifest import OUTCOME
 from dcrb_ros.recordings.mcap_reader import MAGIC, McapRecords
 from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.runtime.version import __version__
 from dcrb_ros.settings.configuration import Configuration
-from dcrb_ros.simulation.events import TimedCommand, commands_in
-from dcrb_ros.simulation.ground_truth import GroundTruth
+from dcrb_ros.simulation.ground_truth import GroundTruth, commands_in
+from dcrb_ros.stream.events import TimedCommand
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -11,7 +11,6 @@ from typing import Any
 
 import yaml
 
-from dcrb_ros.bearing.states import BodyNames
 from dcrb_ros.messages.cdr import typestore
 from dcrb_ros.messages.encoder import BlockEncoder
 from dcrb_ros.messages.topics import DETECTED, NAMESPACE, SENSOR, SIMULATED, Message, Topic
@@ -20,8 +19,9 @@ from dcrb_ros.recordings.mcap_writer import Channel
 from dcrb_ros.recordings.rosbag2 import SECOND, Bag, RecordingFailed, Splitting
 from dcrb_ros.runtime.refusal import Refusal, nearest
 from dcrb_ros.settings.configuration import Configuration
-from dcrb_ros.simulation.block import Block
-from dcrb_ros.simulation.events import TimedCommand
+from dcrb_ros.stream.block import Block
+from dcrb_ros.stream.events import TimedCommand
+from dcrb_ros.stream.states import BodyNames
 
 __all__ = ["Recorder", "RecordingFailed", "channel_of", "chosen_topics"]
 

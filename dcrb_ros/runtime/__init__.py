@@ -1,1 +1,1 @@
-"""Processes, threads, signals and exit statuses."""
+"""Processes, threads, signals, exit status and simulated time."""

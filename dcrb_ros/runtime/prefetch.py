@@ -10,6 +10,8 @@ from typing import TypeVar
 from dcrb_ros.runtime.threads import show_name
 
 Item = TypeVar("Item")
+WRITING_DEPTH = 4
+"""Blocks that are simulated while one is written to a recording."""
 
 
 def prefetch(items: Iterator[Item], wanted: Callable[[], bool] = lambda: True, depth: int = 1) -> Generator[Item, None, None]:

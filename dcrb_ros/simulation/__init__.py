@@ -1,1 +1,1 @@
-"""The time loop in blocks, its scenario and its commands."""
+"""Simulation in blocks: time loop, events, scenarios, batches."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -11,7 +11,8 @@ import numpy as np
 from dcrb_ros.faults.ground_truth import summary_of
 from dcrb_ros.runtime.arrays import Floats
 from dcrb_ros.runtime.frames import pandas
-from dcrb_ros.simulation.block import Truth
+from dcrb_ros.stream.block import Truth
+from dcrb_ros.stream.events import LoadCommand, ParameterChange, SpeedCommand, TimedCommand, UnknownCommand
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -79,3 +80,9 @@ class GroundTruth:
             for truth in self.truths
         ]
         return pandas().DataFrame(rows, index=pandas().Index(self.time, name="time"))
+
+
+def commands_in(truths: Iterable[Truth]) -> list[TimedCommand]:
+    """Return the commands that took effect according to the ground truth."""
+    commands = (SpeedCommand, LoadCommand, ParameterChange, UnknownCommand)
+    return [TimedCommand(truth.time_ns, truth.event) for truth in truths if isinstance(truth.event, commands)]

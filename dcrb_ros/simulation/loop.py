@@ -1,4 +1,4 @@
-"""The loop: step the model, sample the sensor, yield blocks. No ROS, no files."""
+"""The simulation loop: step the model, sample the sensor, yield blocks. No ROS, no files."""
 
 from __future__ import annotations
 
@@ -18,7 +18,6 @@ from dcrb_ros.bearing.kinematics import characteristic_orders
 from dcrb_ros.bearing.observation import observe
 from dcrb_ros.bearing.payload import body_names, build_payload, initial_state
 from dcrb_ros.bearing.runtime_change import altered, onsets, refitted
-from dcrb_ros.bearing.states import Account, BodyNames, States
 from dcrb_ros.core.compilation import compile_ahead
 from dcrb_ros.core.layout.state import copy_of
 from dcrb_ros.core.layout.workspace import workspace
@@ -30,10 +29,11 @@ from dcrb_ros.runtime.refusal import Refusal
 from dcrb_ros.runtime.simulated_time import nanoseconds
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.parameters import Operating
-from dcrb_ros.simulation.block import Block, Truth
-from dcrb_ros.simulation.events import BlockLost, Command, Event, LoadCommand, ParameterChange, Refused, ScenarioEvent, SpeedCommand, Start
 from dcrb_ros.simulation.scenario import ScheduledChange
 from dcrb_ros.simulation.transmission import Transmission
+from dcrb_ros.stream.block import Block, Truth
+from dcrb_ros.stream.events import BlockLost, Command, Event, LoadCommand, ParameterChange, Refused, ScenarioEvent, SpeedCommand, Start
+from dcrb_ros.stream.states import Account, BodyNames, States
 
 Item = TypeVar("Item")
 MAX_PENDING = 1000
@@ -41,27 +41,29 @@ MAX_PENDING = 1000
 
 
 class ModelFailure(RuntimeError):
-    """The model left its domain (not a number, or a ring out of its seat); the run cannot go on."""
+    """The model left its domain: a result is not a number, or the outer ring left its seat. The run cannot continue."""
 
 
 def _checked(name: str, key: str, value: float, unit: str) -> float:
+    """Return a commanded value that is within the range of a parameter of operation."""
     low, high = (
         next((m.ge for m in Operating.model_fields[key].metadata if hasattr(m, "ge")), -math.inf),
         next((m.le for m in Operating.model_fields[key].metadata if hasattr(m, "le")), math.inf),
     )
     if not (math.isfinite(value) and low <= value <= high):
         raise Refusal(
-            f"{name} = {value} {unit} is refused: it must be a number within {low:g} .. {high:g} {unit}; the bench keeps its course"
+            f"{name} = {value} {unit} is refused: it must be a number within {low:g} .. {high:g} {unit}; "
+            "the previous command remains in effect"
         )
     return float(value)
 
 
 class Simulation:
-    """A source of blocks: the bearing stepped from its settled start.
+    """Simulates a bearing from its steady state and yields blocks of samples.
 
-    Commands and changes may come from any thread; they take effect at the next block's first step, which the truth states. The
-    events of a scenario take effect at their own steps.
-    The samples follow from the configuration, the scenario and the simulated times of the commands alone.
+    Commands and changes may be given from any thread. They take effect at the first step of the next block, and the ground truth contains
+    them with that time. The changes of a scenario take effect at their own steps, independent of the blocks.
+    The samples depend only on the configuration, the scenario and the simulated times of the commands.
 
     Examples
     --------
@@ -75,10 +77,16 @@ class Simulation:
     """
 
     def __init__(self, configuration: Configuration, scenario: Iterable[ScheduledChange] = (), *, waveform_only: bool = False) -> None:
-        """Start a bearing; with ``waveform_only`` its blocks have no states and no preview, and the same samples and truths."""
+        """Set up the bearing at simulated time 0.
+
+        Args:
+            configuration: the bench.
+            scenario: changes in the order of time, see `dcrb_ros.simulation.scenario`.
+            waveform_only: leave out states, preview and energy; samples and ground truth are the same.
+        """
         self._waveform_only = waveform_only
         self.configuration = configuration
-        """As it is now: with the changes that have taken effect."""
+        """The present configuration, with the changes that have taken effect."""
         self._scheduled = deque(scenario)
         self._requested: dict[str, Any] = {}
         """Values in the pending changes."""
@@ -110,30 +118,38 @@ class Simulation:
 
     @property
     def energy(self) -> Account:
-        """The energy account up to `time_ns`; to be asked for between two blocks."""
+        """The energy account up to `time_ns`; valid between two blocks."""
         return account(self._payload, self._state, self._stored)
 
     def command_speed(self, speed: float) -> None:
-        """Ask for a speed [rad/s], reached with the configured ramp from the next block on."""
+        """Set the target speed [rad/s], approached with the configured ramp from the next block on.
+
+        Raises:
+            Refusal: the speed is out of range, or too many commands are pending.
+        """
         value = _checked("command/speed", "speed", speed, "rad/s")
         altered(self.configuration, {"operating.speed": value}, "command/speed")
         with self._lock:
             self._enqueue(SpeedCommand(value))
 
     def command_load(self, x: float, y: float) -> None:
-        """Ask for a force on the inner ring in X and Y [N], reached with the configured ramp from the next block on."""
+        """Set the target force on the inner ring in X and Y [N], approached with the configured ramp from the next block on.
+
+        Raises:
+            Refusal: the force is out of range or too large for the bearing, or too many commands are pending.
+        """
         force = _checked("command/load force.x", "lateral_load", x, "N"), _checked("command/load force.y", "load", y, "N")
         altered(self.configuration, {"operating.lateral_load": force[0], "operating.load": -force[1]}, "command/load")
         with self._lock:
             self._enqueue(LoadCommand(*force))
 
     def change(self, changes: Mapping[str, Any]) -> None:
-        """Ask for other faults or another sensor from the next block on: dotted keys and values, checked as a whole.
+        """Change parameters from the next block on: dotted keys and values, such as ``{"faults.outer_1.width": 0.002}``.
 
         Raises:
-            Refusal: see `dcrb_ros.bearing.runtime_change.altered`.
+            Refusal: a parameter is unknown or fixed, a value is invalid, or the values contradict each other; nothing is changed.
         """
-        # Scalars of numpy, as a loop over an array gives them, would be printed as such in the ground truth.
+        # The ground truth contains the values as Python prints them.
         changes = {key: value.item() if isinstance(value, np.generic) else value for key, value in changes.items()}
         if not changes:
             return
@@ -143,22 +159,22 @@ class Simulation:
             self._requested.update(changes)
 
     def fork(self) -> Simulation:
-        """Return a bearing that goes on from here by itself: with the same samples, until one of the two is told otherwise.
+        """Return an independent copy that continues from the present state; without further commands both yield the same samples.
 
         Raises:
-            ValueError: commands or changes wait for the next block.
+            ValueError: commands or changes are pending.
         """
         with self._lock:
             if self._pending:
-                raise ValueError(f"{len(self._pending)} commands wait for the next block; fork once it is made")
-            # What is constant is shared; the state's views of its lanes and the lock cannot be copied like the rest.
-            apart = (self._state, copy_of(self._state)), (self._work, workspace(self._payload)), (self._lock, threading.Lock())
+                raise ValueError(f"{len(self._pending)} commands wait for the next block; fork after it")
+            # Constants are shared; the views in the state and the lock cannot be copied like the rest.
+            copies = (self._state, copy_of(self._state)), (self._work, workspace(self._payload)), (self._lock, threading.Lock())
             shared = (self._payload, self._payload), (self.configuration, self.configuration)
-            return copy.deepcopy(self, {id(part): other for part, other in (*apart, *shared)})
+            return copy.deepcopy(self, {id(part): other for part, other in (*copies, *shared)})
 
     @property
-    def awaited(self) -> bool:
-        """Whether commands or changes wait for the next block; to be asked for from another thread, it waits while they take effect."""
+    def has_pending(self) -> bool:
+        """Whether commands or changes are pending; while they are being applied, the call waits."""
         with self._lock:
             return bool(self._pending)
 
@@ -171,9 +187,9 @@ class Simulation:
         self._pending.append(command)
 
     def blocks(self, duration: float | None = None) -> Iterator[Block]:
-        """Yield blocks until ``duration`` [s] of samples is reached, for ever without one.
+        """Yield blocks until ``duration`` [s] of samples is reached, endlessly without one.
 
-        The last block may be shorter, so that exactly the samples before ``duration`` come out.
+        The last block may be shorter, so that the duration is exact.
         """
         rate, size = self.configuration.sensor.sampling_rate, self.configuration.publishing.block_size
         last = None if duration is None else self._samples + round(duration * rate)
@@ -185,7 +201,7 @@ class Simulation:
             compile_ahead(self._payload, self._state, self._work)
         self._apply_commands()
         first, rate = self._samples, self.configuration.sensor.sampling_rate
-        lost = self._transmission.loses()
+        lost = self._transmission.next_is_lost()
         if lost:
             self._note(BlockLost(first, first + size - 1))
         self._step_to(self._sensor.steps(first + size))
@@ -199,7 +215,7 @@ class Simulation:
             index=first,
             rate=rate,
             acceleration=measured.measured.astype(np.float32),
-            shaft_angle=_within_a_turn(measured.angle),
+            shaft_angle=_wrapped(measured.angle),
             clean=measured.clean.astype(np.float32),
             clipped=int(measured.clipped.sum()),
             range=self.configuration.sensor.range,
@@ -260,7 +276,7 @@ class Simulation:
         return request
 
     def _step_to(self, end: int) -> None:
-        """Step the model to step ``end``, stopping on the way at every time of a state or a truth."""
+        """Step the model to step ``end``, stopping at every time of a state, a truth or a scheduled change."""
         motion: list[tuple[Floats, Floats]] = []
         while self._steps < end:
             self._apply_scheduled()
@@ -272,7 +288,7 @@ class Simulation:
             acceleration, angles = np.empty((count, 2)), np.empty(count)
             advance(self._payload, self._state, self._work, acceleration, angles)
             self._steps += count
-            self._guard(acceleration)
+            self._check_domain(acceleration)
             motion.append((acceleration, angles))
             if self._steps == state_due and not self._waveform_only:
                 self._states.append(observe(self._payload, self._state, self.time_ns))
@@ -282,7 +298,7 @@ class Simulation:
             accelerations, shaft = zip(*motion, strict=True)
             self._measured.append(self._sensor.measure(np.concatenate(accelerations), np.concatenate(shaft)))
 
-    def _guard(self, acceleration: Floats) -> None:
+    def _check_domain(self, acceleration: Floats) -> None:
         off_seat = max(map(abs, self._state.outer_position.tolist()))
         if not (math.isfinite(float(acceleration.sum())) and off_seat < self._payload.roller_radius):
             raise ModelFailure(
@@ -291,7 +307,7 @@ class Simulation:
             )
 
     def _take(self, size: int) -> Measurement:
-        """Take the next ``size`` samples from what has been measured."""
+        """Remove the next ``size`` samples from the measured ones and return them."""
         joined = [np.concatenate([getattr(part, field.name) for part in self._measured]) for field in dataclasses.fields(Measurement)]
         self._measured = deque([Measurement(*(samples[size:] for samples in joined))])
         return Measurement(*(samples[:size] for samples in joined))
@@ -319,15 +335,15 @@ def _next_tick(step: int, rate: int, step_rate: int) -> int:
     return -(-tick * step_rate // rate)
 
 
-def _within_a_turn(angle: Floats) -> npt.NDArray[np.float32]:
-    """Return angles wrapped to [0, 2 pi) in single precision, where 2 pi itself could round up into the range."""
+def _wrapped(angle: Floats) -> npt.NDArray[np.float32]:
+    """Return angles wrapped to [0, 2 pi) in single precision, where an angle below 2 pi may be rounded up to it."""
     turned = np.mod(angle, 2.0 * math.pi).astype(np.float32)
     turned[turned >= np.float32(2.0 * math.pi)] = 0.0
     return turned
 
 
 def _before(items: deque[Item], end_ns: int, time_of: Callable[[Item], int]) -> list[Item]:
-    """Take the items with a time before ``end_ns`` [ns] off the queue."""
+    """Remove the items with a time before ``end_ns`` [ns] from the queue and return them."""
     taken = []
     while items and time_of(items[0]) < end_ns:
         taken.append(items.popleft())

@@ -19,10 +19,10 @@ from dcrb_ros.runtime.arrays import Samples
 from dcrb_ros.runtime.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import load_configuration
-from dcrb_ros.simulation.block import Block
 from dcrb_ros.simulation.ground_truth import GroundTruth
 from dcrb_ros.simulation.loop import Simulation
 from dcrb_ros.simulation.scenario import ScheduledChange, read_scenario_file, scheduled_changes, starting_configuration
+from dcrb_ros.stream.block import Block
 
 LONGEST = 3600.0
 """Longest run that is returned as arrays [s]."""

@@ -14,7 +14,7 @@ from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import COMMANDED, flatten, overlaid, shipped_folder, validated
 from dcrb_ros.settings.vehicle_speed import SPEED, replaced
 from dcrb_ros.settings.yaml import read_yaml
-from dcrb_ros.simulation.events import ScenarioEvent
+from dcrb_ros.stream.events import ScenarioEvent
 
 TICK = 0.05
 """Simulated time between two steps of a gradual change [s]; longer if there would be more than `MAX_TICKS`."""

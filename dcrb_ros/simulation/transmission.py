@@ -1,4 +1,4 @@
-"""The way of blocks to the topics: some are lost, and a sensor that sends bursts leaves most of them out."""
+"""Transmission of blocks: some are lost at random, and a sensor in burst mode sends only some."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dcrb_ros.settings.configuration import Configuration
 
 
 class Transmission:
-    """Says of each block, in their order, whether its waveform arrives."""
+    """Decides for each block, in order, whether its waveform is transmitted."""
 
     def __init__(self, configuration: Configuration) -> None:
         publishing = configuration.publishing
@@ -17,9 +17,9 @@ class Transmission:
         self._random = random_stream(configuration.simulation.seed, "transmission")
 
     def between_bursts(self, first: int) -> bool:
-        """Return whether a block that begins with a sample ``first`` lies between two bursts."""
+        """Return whether a block whose first sample has the index ``first`` lies between two bursts."""
         return self._period > 0 and first % self._period >= self._length
 
-    def loses(self) -> bool:
-        """Return whether the next block is lost on its way."""
+    def next_is_lost(self) -> bool:
+        """Return whether the next block is lost."""
         return self._probability > 0.0 and float(self._random.random()) < self._probability

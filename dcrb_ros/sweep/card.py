@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import hashlib
 
-from dcrb_ros import __version__
 from dcrb_ros.recordings.manifest import UNITS, model_fingerprint, software
+from dcrb_ros.runtime.version import __version__
 from dcrb_ros.sweep.design import GRID, Axes, Choice
 from dcrb_ros.sweep.label import DONE
 from dcrb_ros.sweep.plan import Plan

@@ -7,10 +7,10 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
-from dcrb_ros import __version__
 from dcrb_ros.recordings.manifest import model_fingerprint
 from dcrb_ros.runtime.processes import cores
 from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.runtime.version import __version__
 from dcrb_ros.sweep.execution import CommonSettings, run_task
 from dcrb_ros.sweep.plan import Task
 from dcrb_ros.sweep.store import StoreFailed

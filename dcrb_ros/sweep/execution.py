@@ -20,10 +20,10 @@ from dcrb_ros.runtime.refusal import Refusal
 from dcrb_ros.runtime.simulated_time import nanoseconds
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import flatten, overlaid, validated
-from dcrb_ros.simulation.block import Block, Truth
-from dcrb_ros.simulation.events import commands_in
+from dcrb_ros.simulation.ground_truth import commands_in
 from dcrb_ros.simulation.loop import ModelFailure, Simulation
 from dcrb_ros.simulation.scenario import ScheduledChange, scheduled_changes, starting_configuration
+from dcrb_ros.stream.block import Block, Truth
 from dcrb_ros.sweep.design import Value
 from dcrb_ros.sweep.label import DONE, ERROR, FAILED, REFUSED, base_label, fault_label
 from dcrb_ros.sweep.plan import Run, Task

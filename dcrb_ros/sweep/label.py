@@ -6,11 +6,11 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from dcrb_ros import __version__
 from dcrb_ros.faults.ground_truth import class_of
 from dcrb_ros.recordings.manifest import model_fingerprint
+from dcrb_ros.runtime.version import __version__
 from dcrb_ros.settings.files import overlaid
-from dcrb_ros.simulation.block import Truth
+from dcrb_ros.stream.block import Truth
 from dcrb_ros.sweep.plan import Run
 
 DONE, REFUSED, FAILED, ERROR = "done", "refused", "failed", "error"

@@ -10,8 +10,8 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from dcrb_ros import __version__
 from dcrb_ros.recordings.manifest import model_fingerprint
+from dcrb_ros.runtime.version import __version__
 from dcrb_ros.sweep.design import GRID, Point, Value, points
 from dcrb_ros.sweep.sweep_file import NO_FAULTS, SCENARIO, Shares, Sweep
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from importlib import resources
 
-from dcrb_ros import __version__
+from dcrb_ros.runtime.version import __version__
 from dcrb_ros.validation.comparison import Comparison
 from dcrb_ros.validation.runs import RunSpec
 

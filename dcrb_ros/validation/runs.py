@@ -9,10 +9,10 @@ import numpy.typing as npt
 
 from dcrb_ros.bearing.kinematics import characteristic_orders
 from dcrb_ros.bearing.payload import cage_speed
-from dcrb_ros.bearing.states import Account
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import load_configuration
 from dcrb_ros.simulation.loop import Simulation
+from dcrb_ros.stream.states import Account
 
 Floats = npt.NDArray[np.float64]
 Singles = npt.NDArray[np.float32]

@@ -10,7 +10,7 @@ import numpy as np
 import rerun as rr
 
 from dcrb_ros.runtime.arrays import Floats
-from dcrb_ros.simulation.block import Truth
+from dcrb_ros.stream.block import Truth
 from dcrb_ros.viewer import columns, palette
 from dcrb_ros.viewer.content import Content, Motion, Times
 from dcrb_ros.viewer.drawing import Drawing, arc, circle, on_circle, quaternions, rounded_up

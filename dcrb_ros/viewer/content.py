@@ -11,10 +11,10 @@ import numpy as np
 import numpy.typing as npt
 
 from dcrb_ros.bearing.kinematics import Orders
-from dcrb_ros.bearing.states import BodyNames
 from dcrb_ros.runtime.arrays import Floats, Samples
 from dcrb_ros.settings.parameters import Bearing
-from dcrb_ros.simulation.block import Truth
+from dcrb_ros.stream.block import Truth
+from dcrb_ros.stream.states import BodyNames
 
 if TYPE_CHECKING:
     from dcrb_ros.diagnosis.detector import Diagnosis

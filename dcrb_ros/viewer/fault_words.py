@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 from dcrb_ros.faults.ground_truth import kind_of, words_of
 from dcrb_ros.schema.verdicts import Component
-from dcrb_ros.simulation.block import Truth
+from dcrb_ros.stream.block import Truth
 
 
 class RacewayMark(NamedTuple):

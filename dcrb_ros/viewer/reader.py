@@ -9,7 +9,6 @@ from concurrent.futures import Future, ThreadPoolExecutor
 import numpy as np
 
 from dcrb_ros.bearing.kinematics import Orders
-from dcrb_ros.bearing.states import BodyNames
 from dcrb_ros.messages.cdr import stamps
 from dcrb_ros.messages.joints import decode_alike, decode_joints
 from dcrb_ros.messages.points import decode_waveform
@@ -19,6 +18,7 @@ from dcrb_ros.recordings.arrays import truths_of
 from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.runtime.refusal import Refusal
 from dcrb_ros.settings.parameters import Bearing
+from dcrb_ros.stream.states import BodyNames
 from dcrb_ros.viewer.content import BenchInfo, Content, DetectorOutput, Motion, Series, Verdict, Waveform
 from dcrb_ros.viewer.spectrum import diagnoses, indicators_of, verdicts_of
 

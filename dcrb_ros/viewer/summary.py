@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 from dcrb_ros.faults.ground_truth import words_of
 from dcrb_ros.schema.verdicts import TITLES
-from dcrb_ros.simulation.block import Truth
+from dcrb_ros.stream.block import Truth
 from dcrb_ros.viewer.content import Content
 
 

@@ -11,9 +11,9 @@ import pytest
 from dcrb_ros.bearing.runtime_change import altered
 from dcrb_ros.runtime.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
-from dcrb_ros.simulation.block import Block, Truth
-from dcrb_ros.simulation.events import ParameterChange
 from dcrb_ros.simulation.loop import Simulation
+from dcrb_ros.stream.block import Block, Truth
+from dcrb_ros.stream.events import ParameterChange
 
 LEAD = 0.001
 """Upper limit of the time by which the model is ahead of the samples [s]."""
@@ -135,12 +135,12 @@ def test_changes_are_checked_together_with_pending_ones() -> None:
 def test_a_change_is_pending_until_it_is_in_the_configuration(monkeypatch: pytest.MonkeyPatch) -> None:
     simulation = bench()
     simulation.change({"faults.outer_1.width": 0.002})
-    assert simulation.awaited
+    assert simulation.has_pending
     with ThreadPoolExecutor(1) as other:
         looks: list[Future[tuple[bool, Configuration]]] = []
 
         def amid(*arguments: Any) -> Configuration:
-            looks.append(other.submit(lambda: (simulation.awaited, simulation.configuration)))
+            looks.append(other.submit(lambda: (simulation.has_pending, simulation.configuration)))
             wait(looks, timeout=0.1)
             return altered(*arguments)
 

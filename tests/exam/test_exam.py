@@ -26,12 +26,12 @@ from dcrb_ros.exam.criteria import Criteria
 from dcrb_ros.exam.exam_file import Exam, exam_of, read_exam, shipped_exams
 from dcrb_ros.exam.expectation import Expectation
 from dcrb_ros.exam.figure import write_figure
-from dcrb_ros.exam.received_diagnosis import ReceivedDiagnosis, decode_diagnosis, evidence
 from dcrb_ros.exam.recorded_case import read_recorded_case
 from dcrb_ros.exam.recording_cache import cache_path, cached_recording
 from dcrb_ros.exam.report import Report
 from dcrb_ros.exam.scoring import NO_ANSWER, ScenarioResult, score_scenario
 from dcrb_ros.exam.statistics import characteristic, rate, share
+from dcrb_ros.messages.received_diagnosis import ReceivedDiagnosis, decode_diagnosis, evidence
 from dcrb_ros.messages.statuses import Status, encode_diagnostics, encode_truth
 from dcrb_ros.messages.topics import DIAGNOSIS, GROUND_TRUTH, Message
 from dcrb_ros.messages.topics.diagnosis import encode_diagnosis
@@ -39,7 +39,7 @@ from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.recordings.recorder import Recorder
 from dcrb_ros.runtime.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
-from dcrb_ros.simulation.block import Truth
+from dcrb_ros.stream.block import Truth
 
 SPALL = Expectation("outer", "outer_ring", 10.0, 4.0, {"width": 0.002}, twin="twin")
 HEALTHY = Expectation("twin", "healthy", 10.0)

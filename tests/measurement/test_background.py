@@ -9,7 +9,7 @@ from scipy import signal
 
 from dcrb_ros.measurement.sensor import Sensor
 from dcrb_ros.messages.statuses import decode_truth, encode_truth
-from dcrb_ros.simulation.block import Truth
+from dcrb_ros.stream.block import Truth
 
 SPEED_SHARE = SPEED * 0.46 / 20.0
 """Vehicle speed relative to the one at which levels are given [-]."""

@@ -11,7 +11,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 from runs import simulated
 
-from dcrb_ros.bearing.states import BodyNames
 from dcrb_ros.messages.cdr import typestore
 from dcrb_ros.messages.description import decode_sensor, sensor_text
 from dcrb_ros.messages.encoder import BlockEncoder
@@ -22,7 +21,8 @@ from dcrb_ros.messages.statuses import decode_diagnostics, decode_truth
 from dcrb_ros.messages.topics import FEATURES, GROUND_TRUTH, ROLLER_STATES
 from dcrb_ros.runtime.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
-from dcrb_ros.simulation.block import Block
+from dcrb_ros.stream.block import Block
+from dcrb_ros.stream.states import BodyNames
 
 
 def block_at(index: int, count: int, rate: int = 51200) -> Block:

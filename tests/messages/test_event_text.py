@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from dcrb_ros.messages.event_text import decode_command, decode_event, encode_command, encode_event
-from dcrb_ros.simulation.events import (
+from dcrb_ros.stream.events import (
     BlockLost,
     Event,
     LoadCommand,

@@ -15,13 +15,13 @@ PAGE = ROOT / "docs/how-to/add-a-topic.md"
 RECORD = """
 import json
 import numpy as np
-from dcrb_ros.bearing.states import Account, BodyNames
+from dcrb_ros.stream.states import Account, BodyNames
 from dcrb_ros.messages.encoder import BlockEncoder
 from dcrb_ros.messages.topics import SIMULATED, topic_table
 from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.recordings.recorder import Recorder, chosen_topics
 from dcrb_ros.settings.configuration import Configuration
-from dcrb_ros.simulation.block import Block
+from dcrb_ros.stream.block import Block
 
 def block(number):
     zeros = np.zeros((1024, 2), np.float32)

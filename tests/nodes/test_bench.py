@@ -42,8 +42,8 @@ from dcrb_ros.nodes.publisher import message_class, qos
 from dcrb_ros.nodes.ros import spin
 from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.settings.configuration import Configuration
-from dcrb_ros.simulation.events import ScenarioEvent, SpeedCommand
 from dcrb_ros.simulation.loop import Simulation
+from dcrb_ros.stream.events import ScenarioEvent, SpeedCommand
 
 pytestmark = pytest.mark.node
 

@@ -18,8 +18,8 @@ from dcrb_ros.messages.plain import decode_text
 from dcrb_ros.messages.statuses import decode_truth
 from dcrb_ros.messages.topics import GROUND_TRUTH, SENSOR, VIBRATION
 from dcrb_ros.settings.files import COMMANDED, parameter_fields
-from dcrb_ros.simulation.block import Truth
-from dcrb_ros.simulation.events import ParameterChange
+from dcrb_ros.stream.block import Truth
+from dcrb_ros.stream.events import ParameterChange
 
 pytestmark = pytest.mark.node
 

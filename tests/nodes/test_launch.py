@@ -143,7 +143,7 @@ def test_replay_takes_its_parameters_from_the_arguments(monkeypatch: pytest.Monk
     defaults = {action.name: action.default for action in actions if isinstance(action, Argument)}
     assert [name for name, default in defaults.items() if default is None] == ["bag"]
     replayer = next(action for action in actions if isinstance(action, Node))
-    (detector,) = described.listener({"namespace": "dcrb", "detector": "detector"})
+    (detector,) = described.detector_node({"namespace": "dcrb", "detector": "detector"})
     given = {
         name: typed.kind(defaults[typed.value.name] or "/tmp/bag")
         for name, typed in replayer.parameters[0].items()

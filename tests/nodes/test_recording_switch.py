@@ -13,14 +13,14 @@ from waiting import wait_for
 
 from dcrb_ros.messages.bundle import Bundle
 from dcrb_ros.messages.encoder import BlockEncoder
-from dcrb_ros.nodes.bench import CHILD_END
+from dcrb_ros.nodes.bench import EXIT_TIMEOUT
 from dcrb_ros.nodes.engine import CLOSE_TIMEOUT as ENGINE_TIMEOUT
 from dcrb_ros.nodes.recording_switch import RecordingSwitch, free_path
 from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.recordings.recorder import Recorder
 from dcrb_ros.recordings.recorder_thread import CLOSE_TIMEOUT, RecorderThread
 from dcrb_ros.settings.configuration import Configuration
-from dcrb_ros.simulation.events import Event, SpeedCommand, TimedCommand
+from dcrb_ros.stream.events import Event, SpeedCommand, TimedCommand
 
 PATIENCE = 20.0
 CAPACITY = 10
@@ -155,4 +155,4 @@ def test_a_path_is_free_with_the_next_number(tmp_path: Path) -> None:
 
 
 def test_a_node_ends_before_the_bench_kills_it() -> None:
-    assert ENGINE_TIMEOUT + CLOSE_TIMEOUT < CHILD_END - 1.0  # and a second to leave the graph
+    assert ENGINE_TIMEOUT + CLOSE_TIMEOUT < EXIT_TIMEOUT - 1.0  # and a second to leave the graph

@@ -15,7 +15,7 @@ from ros_bench import domain, environment, listener, node
 
 from dcrb_ros.messages.topics import VIBRATION
 from dcrb_ros.recordings.reader import Recording
-from dcrb_ros.simulation.events import LoadCommand, SpeedCommand
+from dcrb_ros.stream.events import LoadCommand, SpeedCommand
 
 pytestmark = pytest.mark.node
 

@@ -24,9 +24,9 @@ from dcrb_ros.messages.topics import BENCH_DIAGNOSTICS, CLOCK, GROUND_TRUTH, VIB
 from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.runtime.simulated_time import nanoseconds
 from dcrb_ros.settings.configuration import Configuration
-from dcrb_ros.simulation.events import SpeedCommand
 from dcrb_ros.simulation.loop import Simulation
 from dcrb_ros.simulation.scenario import read_scenario
+from dcrb_ros.stream.events import SpeedCommand
 
 pytestmark = pytest.mark.node
 

@@ -13,8 +13,8 @@ from dcrb_ros.messages.topics import GROUND_TRUTH
 from dcrb_ros.recordings.manifest import model_fingerprint, software
 from dcrb_ros.recordings.reader import Recording, metadata_flaw
 from dcrb_ros.recordings.reproduction import Reproduction
-from dcrb_ros.simulation.events import SpeedCommand, Start, TimedCommand
 from dcrb_ros.simulation.loop import Simulation
+from dcrb_ros.stream.events import SpeedCommand, Start, TimedCommand
 
 BEFORE_CHAOS = 0.01
 """[s]."""

@@ -18,7 +18,6 @@ from mcap_ros2.decoder import DecoderFactory
 from rosbags.highlevel import AnyReader
 from runs import Run, simulated
 
-from dcrb_ros.bearing.states import BodyNames
 from dcrb_ros.cli.detect import detect
 from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.exam.detector_run import run_shipped_detector
@@ -27,6 +26,7 @@ from dcrb_ros.messages.topics import ACCELERATION, FEATURES, GROUND_TRUTH, NAMES
 from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.recordings.recorder import Recorder, RecordingFailed
 from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.stream.states import BodyNames
 
 WAVEFORM = VIBRATION.resolved(NAMESPACE)
 

@@ -26,7 +26,7 @@ from dcrb_ros.recordings.rosbag2 import RecordingFailed
 from dcrb_ros.runtime.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import load_configuration
-from dcrb_ros.simulation.events import SpeedCommand
+from dcrb_ros.stream.events import SpeedCommand
 
 WAVEFORM = VIBRATION.resolved(NAMESPACE)
 

@@ -16,7 +16,7 @@ from dcrb_ros.messages.topics import NAMESPACE, VIBRATION
 from dcrb_ros.recordings.reader import Recording, metadata_flaw
 from dcrb_ros.recordings.recovery import recover
 from dcrb_ros.runtime.refusal import Refusal
-from dcrb_ros.simulation.events import LoadCommand
+from dcrb_ros.stream.events import LoadCommand
 
 
 @pytest.fixture(scope="module")

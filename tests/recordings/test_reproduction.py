@@ -19,9 +19,9 @@ from dcrb_ros.recordings.recorder import Recorder
 from dcrb_ros.recordings.reproduction import NotReproduced, Reproduction, recorded_samples
 from dcrb_ros.runtime.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
-from dcrb_ros.simulation.events import Command, CommandSchedule, LoadCommand, ParameterChange, SpeedCommand, TimedCommand, UnknownCommand
 from dcrb_ros.simulation.loop import Simulation
 from dcrb_ros.simulation.scenario import scheduled_changes
+from dcrb_ros.stream.events import Command, CommandSchedule, LoadCommand, ParameterChange, SpeedCommand, TimedCommand, UnknownCommand
 
 
 @pytest.fixture(scope="module")

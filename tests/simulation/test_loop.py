@@ -12,9 +12,9 @@ from hypothesis import strategies as st
 
 from dcrb_ros.runtime.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
-from dcrb_ros.simulation.block import Block
-from dcrb_ros.simulation.events import SpeedCommand
 from dcrb_ros.simulation.loop import ModelFailure, Simulation
+from dcrb_ros.stream.block import Block
+from dcrb_ros.stream.events import SpeedCommand
 
 
 def bench(block_size: int = 1024, **groups: Any) -> Simulation:

@@ -12,10 +12,10 @@ import yaml
 
 from dcrb_ros.runtime.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
-from dcrb_ros.simulation.block import Block, Truth
-from dcrb_ros.simulation.events import Refused, ScenarioEvent
 from dcrb_ros.simulation.loop import Simulation
 from dcrb_ros.simulation.scenario import first_step, read_scenario, read_scenario_file, scheduled_changes, starting_configuration
+from dcrb_ros.stream.block import Block, Truth
+from dcrb_ros.stream.events import Refused, ScenarioEvent
 
 STORY = """
 timeline:

@@ -13,9 +13,9 @@ from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.recordings.recorder import Recorder
 from dcrb_ros.recordings.reproduction import Reproduction
 from dcrb_ros.settings.configuration import Configuration
-from dcrb_ros.simulation.events import BlockLost
 from dcrb_ros.simulation.loop import Simulation
 from dcrb_ros.simulation.transmission import Transmission
+from dcrb_ros.stream.events import BlockLost
 
 
 def bench(**publishing: float) -> Configuration:
@@ -26,7 +26,7 @@ def test_blocks_are_lost_by_the_seed() -> None:
     def lost(seed: int) -> list[bool]:
         groups = {"simulation": {"seed": seed}, "publishing": {"loss_probability": 0.3}}
         transmission = Transmission(Configuration.model_validate(groups))
-        return [transmission.loses() for _ in range(2000)]
+        return [transmission.next_is_lost() for _ in range(2000)]
 
     assert lost(1) == lost(1)
     assert abs(np.mean(lost(1)) - 0.3) < 0.04

@@ -8,12 +8,12 @@ from pathlib import Path
 
 import numpy as np
 
-from dcrb_ros.bearing.states import BodyNames
 from dcrb_ros.recordings.recorder import Recorder
 from dcrb_ros.runtime.simulated_time import nanoseconds
 from dcrb_ros.settings.configuration import Configuration
-from dcrb_ros.simulation.block import Block, Truth
-from dcrb_ros.simulation.events import Event, Start
+from dcrb_ros.stream.block import Block, Truth
+from dcrb_ros.stream.events import Event, Start
+from dcrb_ros.stream.states import BodyNames
 
 BODIES = BodyNames(2, 16)
 FREQUENCIES = {"FTF": 8.4, "BPFO": 134.5, "BPFI": 185.5, "BSF": 61.1}

@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from dcrb_ros.bearing.states import States
 from dcrb_ros.settings.configuration import Configuration
-from dcrb_ros.simulation.block import Block
 from dcrb_ros.simulation.loop import Simulation
+from dcrb_ros.stream.block import Block
+from dcrb_ros.stream.states import States
 
 PAPER_SPEED = 124.8  # rad/s, printed in Fan et al. 2025, section 2.3.2
 

@@ -17,9 +17,9 @@ from typing import Any
 from dcrb_ros.bearing.payload import body_names
 from dcrb_ros.messages.encoder import BlockEncoder
 from dcrb_ros.settings.files import load_configuration
-from dcrb_ros.simulation.block import Block
 from dcrb_ros.simulation.loop import Simulation
 from dcrb_ros.simulation.scenario import read_scenario
+from dcrb_ros.stream.block import Block
 
 FILE = Path(__file__).with_name("fingerprints.json")
 ROOT = Path(__file__).parents[2]

@@ -31,8 +31,8 @@ from dcrb_ros.runtime.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import load_configuration
 from dcrb_ros.settings.parameters import Bearing
-from dcrb_ros.simulation.block import Truth
 from dcrb_ros.simulation.loop import Simulation
+from dcrb_ros.stream.block import Truth
 from dcrb_ros.viewer import order_map, palette
 from dcrb_ros.viewer.content import Content, Waveform
 from dcrb_ros.viewer.drawing import Drawing, on_circle, quaternions, rounded_up

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dcrb_ros.messages.cdr import JOINT_STATE
 from dcrb_ros.messages.joints import decode_joints, encode_features
 from dcrb_ros.messages.topic import Encoded, SimulatedTopic, Source
-from dcrb_ros.simulation.block import Block
+from dcrb_ros.stream.block import Block
 
 
 def _encode(block: Block, source: Source) -> Encoded:

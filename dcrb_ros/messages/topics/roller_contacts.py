@@ -6,7 +6,7 @@ from dcrb_ros.messages.cdr import JOINT_STATE
 from dcrb_ros.messages.joints import decode_joints, encode_contacts
 from dcrb_ros.messages.topic import Encoded, SimulatedTopic, Source
 from dcrb_ros.settings.configuration import Configuration
-from dcrb_ros.simulation.block import Block
+from dcrb_ros.stream.block import Block
 
 
 def _enabled(configuration: Configuration) -> bool:

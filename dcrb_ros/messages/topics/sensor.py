@@ -6,7 +6,7 @@ from dcrb_ros.messages.cdr import TEXT
 from dcrb_ros.messages.description import decode_sensor, sensor_text
 from dcrb_ros.messages.plain import encode_text
 from dcrb_ros.messages.topic import Encoded, SimulatedTopic, Source
-from dcrb_ros.simulation.block import Block
+from dcrb_ros.stream.block import Block
 
 
 def _start(source: Source) -> bytes:

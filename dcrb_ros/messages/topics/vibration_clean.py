@@ -6,7 +6,7 @@ from dcrb_ros.messages.cdr import POINT_CLOUD
 from dcrb_ros.messages.points import decode_vibration, encode_vibration
 from dcrb_ros.messages.topic import Encoded, SimulatedTopic, Source
 from dcrb_ros.settings.configuration import Configuration
-from dcrb_ros.simulation.block import Block
+from dcrb_ros.stream.block import Block
 
 
 def _enabled(configuration: Configuration) -> bool:

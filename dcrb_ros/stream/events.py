@@ -9,12 +9,9 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
+from typing import Any, Protocol, TypeAlias
 
 from dcrb_ros.runtime.refusal import Refusal
-
-if TYPE_CHECKING:
-    from dcrb_ros.simulation.block import Truth
 
 
 @dataclass(frozen=True)
@@ -130,12 +127,6 @@ class TimedCommand:
                     f"the recording has the command '{text}' at {self.time_ns * 1e-9:g} s, which this version does not know: "
                     "reproduce it with the version that made it"
                 )
-
-
-def commands_in(truths: Iterable[Truth]) -> list[TimedCommand]:
-    """Return the commands that took effect according to the ground truth."""
-    commands = (SpeedCommand, LoadCommand, ParameterChange, UnknownCommand)
-    return [TimedCommand(truth.time_ns, truth.event) for truth in truths if isinstance(truth.event, commands)]
 
 
 class CommandSchedule:

@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from dcrb_ros.bearing.states import Account, States
 from dcrb_ros.runtime.arrays import Samples
 from dcrb_ros.runtime.simulated_time import nanoseconds
-from dcrb_ros.simulation.events import Event
+from dcrb_ros.stream.events import Event
+from dcrb_ros.stream.states import Account, States
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,267 @@
+"""A user's detector as a process in its own ROS domain, to which a recording is replayed as the live bench would publish it."""
+
+from __future__ import annotations
+
+import os
+import shlex
+import signal
+import subprocess
+import tempfile
+import time
+from bisect import bisect_left
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass, field, replace
+from itertools import pairwise
+from pathlib import Path
+from typing import IO, Any
+
+from dcrb_ros.messages.bundle import Bundle
+from dcrb_ros.messages.received_diagnosis import ReceivedDiagnosis, decode_diagnosis
+from dcrb_ros.messages.topics import DIAGNOSIS, NAMESPACE, SENSOR, VIBRATION
+from dcrb_ros.nodes.pacing import Pacer
+from dcrb_ros.nodes.publisher import Publisher, message_class, qos
+from dcrb_ros.nodes.ros import check_ros, limit_discovery
+from dcrb_ros.recordings.replay import Replay, ReplayParameters
+from dcrb_ros.runtime.refusal import Refusal
+
+LEAD = 0.5
+"""Signal sent beyond the next expected diagnosis [s]: 25 blocks, which the queue of a subscriber should hold."""
+DIAGNOSIS_TIMEOUT = 2.0
+"""Wall time without a diagnosis after which no more are expected [s]."""
+PROMPT = 2.0
+"""Wall time after its signal was sent within which a diagnosis counts as issued at its stamp [s]."""
+MAX_STAMP_LEAD = 1.0
+"""Signal by which a stamp may be ahead of the signal sent [s], for a detector that counts samples itself."""
+SETTLING_TIME = 0.3
+"""Wall time between the discovery of the detector and the first block [s]."""
+EXIT_TIMEOUT = 5.0
+"""Wall time in which the detector must end after SIGINT [s]."""
+SHOWN_LINES = 6
+"""Lines of its output that are shown when it fails."""
+FIRST_DOMAIN, DOMAINS = 110, 120
+"""ROS domains for exams; low ones are left to users, and 232 is the highest that is valid on all systems."""
+
+
+class NoDiagnosis(RuntimeError):
+    """The detector published no diagnosis in the first scenario; the others are not tried."""
+
+
+@dataclass
+class Diagnoses:
+    """The diagnoses that a detector published in a scenario."""
+
+    received: list[ReceivedDiagnosis] = field(default_factory=list)
+    refused: list[str] = field(default_factory=list)
+    """Why messages are invalid."""
+    failure: str = ""
+    """Why the detector failed; empty if it did not."""
+    begin: float = 0.0
+    """Time of the first sample [s]."""
+    received_at: float = 0.0
+    """Wall time of the last message [s]."""
+    _ends: list[float] = field(default_factory=list)
+    """Time up to which the signal had been sent after each bundle [s]."""
+    _sent_at: list[float] = field(default_factory=list)
+    """Wall time at which each bundle was sent [s]."""
+
+    def signal_sent(self, end: float) -> None:
+        """Note that the signal has been sent up to the time ``end`` [s]."""
+        self._ends.append(end)
+        self._sent_at.append(time.monotonic())
+
+    def receive(self, data: bytes) -> None:
+        """Take a message on `diagnosis`."""
+        self.received_at = time.monotonic()
+        try:
+            diagnosis = decode_diagnosis(data)
+            self.received.append(replace(diagnosis, signal_received=self._signal_received(diagnosis.time)))
+        except Refusal as refusal:
+            self.refused.append(str(refusal))
+
+    def _signal_received(self, stamp: float) -> float:
+        """Return the signal time at which a diagnosis counts as issued [s].
+
+        This is its stamp, unless it arrived after a diagnosis with a later stamp or more than `PROMPT` after its signal.
+
+        Raises:
+            Refusal: the stamp is later than the signal sent.
+        """
+        sent = self._ends[-1] if self._ends else self.begin
+        if stamp > sent + MAX_STAMP_LEAD:
+            raise Refusal(
+                f"a diagnosis is stamped {stamp:.2f} s when the signal had been sent up to {sent:.2f} s: the stamp must be the simulated "
+                "time of the judged samples, from the block's header"
+            )
+        index = bisect_left(self._ends, stamp)
+        late = index < len(self._sent_at) and self.received_at - self._sent_at[index] > PROMPT
+        return max(stamp, self.latest, sent if late else stamp)
+
+    @property
+    def latest(self) -> float:
+        """Latest stamp of a diagnosis [s]."""
+        return max((diagnosis.time for diagnosis in self.received), default=self.begin)
+
+    @property
+    def period(self) -> float:
+        """Longest time between two consecutive diagnoses, and before the first one [s]."""
+        times = sorted({self.begin, *(diagnosis.time for diagnosis in self.received)})
+        return max((later - earlier for earlier, later in pairwise(times)), default=0.0)
+
+
+class ExternalDetector:
+    """A detector given by its command, which is started anew for every scenario."""
+
+    def __init__(self, command: str, *, rate: float = 0.0, patience: float = 30.0) -> None:
+        """Prepare to run a command.
+
+        Args:
+            command: starts the detector.
+            rate: recorded over wall time; with 0 the signal is sent as fast as its diagnoses arrive.
+            patience: wall time in which it must subscribe and advertise its topic [s].
+
+        Raises:
+            Refusal: ROS is not installed, or the command is empty or malformed.
+        """
+        check_ros()
+        self._command, self._rate, self._patience = _split(command), rate, patience
+        self._domain = FIRST_DOMAIN + os.getpid() % DOMAINS
+
+    def diagnose(self, bag: Path) -> Diagnoses:
+        """Return the diagnoses for a recording.
+
+        Raises:
+            Refusal: the program does not exist.
+        """
+        replay = Replay(ReplayParameters(bag=str(bag), topics=VIBRATION.name))
+        diagnoses = Diagnoses()
+        with _node(self._domain) as (node, spin), _process(self._command, self._domain) as (process, log):
+            # Only the output of a sensor is published, not the ground truth.
+            publisher = Publisher(node, [VIBRATION, SENSOR])
+            node.create_subscription(
+                message_class(DIAGNOSIS), DIAGNOSIS.name, lambda data: diagnoses.receive(bytes(data)), qos(DIAGNOSIS), raw=True
+            )
+            publisher.write_messages(replay.start())
+            diagnoses.failure = self._connect(publisher, node, spin, process) or self._send(replay, publisher, diagnoses, spin, process)
+            if not diagnoses.failure and diagnoses.refused:
+                diagnoses.failure = f"{len(diagnoses.refused)} messages on diagnosis are invalid, the first because {diagnoses.refused[0]}"
+            elif not diagnoses.failure and not diagnoses.received:
+                diagnoses.failure = (
+                    f"it published nothing on {DIAGNOSIS.resolved(NAMESPACE)}; publish a DiagnosticArray there at least once in "
+                    "a few seconds of signal, with the value 'verdict' and the stamp of the samples judged"
+                )
+            if diagnoses.failure:
+                diagnoses.failure += _last_lines(log)
+        return diagnoses
+
+    def _connect(self, publisher: Publisher, node: Any, spin: Any, process: subprocess.Popen[bytes]) -> str:
+        """Wait until the detector has subscribed and advertised its topic; return why it has not."""
+        deadline, topic = time.monotonic() + self._patience, DIAGNOSIS.resolved(NAMESPACE)
+        while not (publisher.subscribers(VIBRATION) and node.count_publishers(topic)):
+            spin(0.05)
+            if process.poll() is not None:
+                return f"it ended with status {process.returncode} before it subscribed"
+            if time.monotonic() > deadline:
+                missing = f"subscribe to {VIBRATION.resolved(NAMESPACE)}" if not publisher.subscribers(VIBRATION) else f"advertise {topic}"
+                return f"it did not {missing} within {self._patience:g} s; do so, or allow more with --patience"
+        settled = time.monotonic() + SETTLING_TIME
+        while time.monotonic() < settled:
+            spin(0.05)
+        return ""
+
+    def _send(self, replay: Replay, publisher: Publisher, diagnoses: Diagnoses, spin: Any, process: subprocess.Popen[bytes]) -> str:
+        """Publish the recording and wait for the last diagnosis; return why the detector failed."""
+        pacer, end = Pacer(self._rate, time.monotonic), 0.0
+        for number, bundle in enumerate(replay.bundles()):
+            if number == 0:
+                diagnoses.begin = bundle.begin_ns * 1e-9
+            end = bundle.end_ns * 1e-9
+            self._wait(bundle, pacer, diagnoses, spin)
+            if process.poll() is not None:
+                return f"it ended with status {process.returncode} at {end:.1f} s of the signal"
+            publisher.write_messages(bundle.messages)
+            diagnoses.signal_sent(end)
+        diagnoses.received_at = time.monotonic()
+        while diagnoses.latest < end - diagnoses.period and time.monotonic() < diagnoses.received_at + DIAGNOSIS_TIMEOUT:
+            spin(0.05)
+        return ""
+
+    def _wait(self, bundle: Bundle, pacer: Pacer, diagnoses: Diagnoses, spin: Any) -> None:
+        """Wait until a bundle may be sent: at its deadline if there is a rate, otherwise when the previous signal has been judged.
+
+        Without a rate, the wait is no longer than the bundle itself, so that a detector with rare diagnoses is not waited for endlessly.
+        """
+        begin, end = bundle.begin_ns * 1e-9, bundle.end_ns * 1e-9
+        deadline = time.monotonic() + (pacer.until(begin, end) if self._rate else end - begin)
+        spin(0.0)
+        while time.monotonic() < deadline and (self._rate or end > diagnoses.latest + diagnoses.period + LEAD):
+            spin(min(0.005, max(0.0, deadline - time.monotonic())))
+
+
+def _split(command: str) -> list[str]:
+    try:
+        words = shlex.split(command)
+    except ValueError as error:
+        raise Refusal(f"--node '{command}' is not a valid command: {error}; quote it as on a command line") from None
+    if not words:
+        raise Refusal("--node is empty: give the command that starts your detector, such as 'python3 my_detector.py'")
+    return words
+
+
+@contextmanager
+def _node(domain: int) -> Iterator[tuple[Any, Any]]:
+    """Yield a node in a ROS domain, and a function that serves its callbacks for a time [s]."""
+    import rclpy
+    from rclpy.context import Context
+    from rclpy.executors import SingleThreadedExecutor
+    from rclpy.utilities import try_shutdown
+
+    limit_discovery()
+    context = Context()
+    rclpy.init(context=context, domain_id=domain, args=[])
+    node = rclpy.create_node("examiner", namespace=NAMESPACE, context=context)
+    executor = SingleThreadedExecutor(context=context)
+    executor.add_node(node)
+    try:
+        yield node, lambda seconds: executor.spin_once(timeout_sec=seconds)
+    finally:
+        executor.shutdown()
+        node.destroy_node()
+        try_shutdown(context=context)
+
+
+@contextmanager
+def _process(command: Sequence[str], domain: int) -> Iterator[tuple[subprocess.Popen[bytes], IO[bytes]]]:
+    """Run the detector with its output in a file; the process and its children are ended in any case."""
+    environment = {**os.environ, "ROS_DOMAIN_ID": str(domain)}
+    with tempfile.TemporaryFile() as log:
+        try:
+            process = subprocess.Popen(
+                command, env=environment, stdin=subprocess.DEVNULL, stdout=log, stderr=subprocess.STDOUT, start_new_session=True
+            )
+        except OSError as error:
+            raise Refusal(f"--node: '{command[0]}' cannot be started: {error.strerror}; give the command as you would type it") from None
+        try:
+            yield process, log
+        finally:
+            _end(process)
+
+
+def _end(process: subprocess.Popen[bytes]) -> None:
+    """End a process like Ctrl-C, and then kill what remains of its group."""
+    try:
+        with suppress(subprocess.TimeoutExpired, ProcessLookupError):
+            os.killpg(process.pid, signal.SIGINT)
+            process.wait(EXIT_TIMEOUT)
+    finally:  # even after a second Ctrl-C
+        with suppress(ProcessLookupError):
+            os.killpg(process.pid, signal.SIGKILL)
+        process.wait()
+
+
+def _last_lines(log: IO[bytes]) -> str:
+    """Return the end of the detector's output."""
+    log.flush()
+    log.seek(0)
+    lines = [line for line in log.read()[-20_000:].decode(errors="replace").splitlines() if line.strip()]
+    return "; its last output:\n" + "\n".join(f"    {line}" for line in lines[-SHOWN_LINES:]) if lines else "; it printed nothing"

@@ -1,0 +1,195 @@
+"""The exam of detectors that run as processes: the one of the tutorial, a poor one and several that fail."""
+
+from __future__ import annotations
+
+import json
+import shlex
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml
+
+pytest.importorskip("rclpy", reason="the nodes need ROS 2; everything else is tested without")
+
+from own_process import dcrb
+
+from dcrb_ros.messages.statuses import Status, encode_diagnostics
+from dcrb_ros.nodes.external_detector import Diagnoses, ExternalDetector
+
+pytestmark = pytest.mark.node
+
+ROOT = Path(__file__).parents[2]
+SHORT = {
+    "exam": "short",
+    "duration": 4.3,
+    "onset": 2.2,
+    "criteria": {"delay": {"outer_ring": 2.1}},
+    "scenarios": [
+        {
+            "name": "outer",
+            "verdict": "outer_ring",
+            "set": {"cage.joint": "revolute"},  # twice as fast to simulate
+            "fault": {"faults.outer_1.width": 0.002},
+        }
+    ],
+}
+
+
+def python(*words: str) -> str:
+    return shlex.join([sys.executable, *words])
+
+
+@pytest.fixture(scope="module")
+def short(tmp_path_factory: pytest.TempPathFactory) -> list[str]:
+    folder = tmp_path_factory.mktemp("exam")
+    (folder / "short.yaml").write_text(yaml.safe_dump(SHORT), encoding="utf-8")
+    return ["score", str(folder / "short.yaml"), "--recordings", str(folder / "kept"), "--workers", "1"]
+
+
+def report(capsys: pytest.CaptureFixture[str]) -> tuple[dict[str, Any], dict[str, str]]:
+    document = json.loads(capsys.readouterr().out)
+    return document, {scenario["name"]: scenario["answer"] for scenario in document["scenarios"]}
+
+
+def test_the_detector_of_the_tutorial_passes_and_the_naive_one_fails(short: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    assert dcrb(*short, "--json", "--node", python(str(ROOT / "examples/my_detector.py"))) == 0
+    document, found = report(capsys)
+    assert found == {"outer": "outer_ring", "twin": "healthy"}
+    assert document["roc"]["area"] == 1.0
+    assert dcrb(*short, "--json", "--node", python(str(ROOT / "examples/naive_detector.py"))) == 1
+    document, found = report(capsys)
+    assert found == {"outer": "outer_ring", "twin": "outer_ring"}
+    assert document["false_alarms"]["count"] >= 1
+    assert [check["holds"] for check in document["checks"]] == [False, False, True]
+
+
+def test_the_shipped_node_and_the_detector_in_this_process_give_the_same_diagnoses(capsys: pytest.CaptureFixture[str]) -> None:
+    bag = str(ROOT / "bags/inner_ring_defect")
+    found = []
+    for options in (["--reference"], ["--node", python("-m", "dcrb_ros.nodes.fault_detector")]):
+        assert dcrb("score", bag, "--json", "--workers", "1", *options) == 0
+        scenario = json.loads(capsys.readouterr().out)["scenarios"][0]
+        found.append({key: scenario[key] for key in ("answer", "delay", "score", "opinions")})
+    assert found[0] == found[1]
+
+
+SUBSCRIBER = """
+import rclpy
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from sensor_msgs.msg import PointCloud2
+rclpy.init()
+node = rclpy.create_node("candidate", namespace="dcrb")
+publisher = node.create_publisher(DiagnosticArray, "diagnosis", 10)
+def on_block(message):
+    {}
+node.create_subscription(PointCloud2, "outer_ring/vibration", on_block, 200)
+rclpy.spin(node)
+"""
+INVALID = "publisher.publish(DiagnosticArray(status=[DiagnosticStatus(values=[KeyValue(key='verdict', value='broken')])]))"
+
+
+@pytest.mark.parametrize(
+    ("command", "sentence"),
+    [
+        (
+            python("-c", "import sys; sys.exit('no such sensor')"),
+            "it ended with status 1 before it subscribed; its last output:\n    no such sensor",
+        ),
+        (python("-c", "import time; time.sleep(60)"), "it did not subscribe to /dcrb/outer_ring/vibration within 2 s"),
+        (python("-c", SUBSCRIBER.format("pass")), "it published nothing on /dcrb/diagnosis"),
+        (python("-c", SUBSCRIBER.format("1 / 0")), "s of the signal; its last output:"),
+        (
+            python("-c", SUBSCRIBER.format(INVALID)),
+            "messages on diagnosis are invalid, the first because the verdict 'broken' is unknown",
+        ),
+    ],
+    ids=["ends", "does not subscribe", "publishes nothing", "fails", "publishes an unknown verdict"],
+)
+def test_the_failure_of_a_detector_is_explained(command: str, sentence: str, capsys: pytest.CaptureFixture[str]) -> None:
+    patience = "2" if "sleep" in command else "60"
+    assert dcrb("score", str(ROOT / "bags/healthy"), "--node", command, "--patience", patience) == 1
+    said = capsys.readouterr().err
+    assert sentence in said
+    assert "failed on the first scenario (healthy)" in said
+
+
+def test_a_detector_that_cannot_be_started_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
+    sentences = {"": "--node is empty", "'": "--node ''' is not a valid command", "no-such-program": "cannot be started"}
+    for command, sentence in sentences.items():
+        assert dcrb("score", str(ROOT / "bags/healthy"), "--node", command) == 2
+        assert sentence in capsys.readouterr().err
+
+
+def diagnoses_of(*received: tuple[float, float], pace: float = 1.0, begin: float = 0.0) -> Diagnoses:
+    """Return the diagnoses for 10 s of signal sent at a pace; each is given by its stamp [s] and the wall time since the start [s]."""
+    diagnoses, ends = Diagnoses(begin=begin), (0.02 * number for number in range(1, 501))
+    events = sorted([(wall, "received", stamp) for stamp, wall in received] + [(end / pace, "sent", begin + end) for end in ends])
+    for wall, kind, moment in events:
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr("dcrb_ros.nodes.external_detector.time.monotonic", lambda wall=wall: wall)
+            if kind == "sent":
+                diagnoses.signal_sent(moment)
+            else:
+                diagnoses.receive(encode_diagnostics(round(moment * 1e9), [Status("mine", 0, "", {"verdict": "healthy"})]))
+    return diagnoses
+
+
+@pytest.mark.parametrize(
+    ("received", "pace", "issued"),
+    [
+        ([(0.5, 0.6), (1.0, 1.1)], 1.0, [0.5, 1.0]),
+        ([(0.5, 2.4), (1.0, 2.9), (1.5, 3.4)], 1.0, [0.5, 1.0, 1.5]),  # slow, but within the time for which the exam waits at the end
+        ([(2.5, 0.13), (5.0, 0.26)], 20.0, [2.5, 5.0]),  # sent as fast as it answers
+        ([(4.5, 10.1), (5.0, 10.1), (9.5, 10.1)], 1.0, [10.0, 10.0, 9.5]),  # after the whole signal was received
+        ([(9.5, 0.5), (4.5, 0.6)], 20.0, [9.5, 9.5]),  # after a diagnosis of later signal
+    ],
+)
+def test_a_diagnosis_counts_as_issued_at_its_stamp_if_it_is_prompt(
+    received: list[tuple[float, float]], pace: float, issued: list[float]
+) -> None:
+    diagnoses = diagnoses_of(*received, pace=pace)
+    assert not diagnoses.refused
+    assert [diagnosis.issued_at for diagnosis in diagnoses.received] == pytest.approx(issued)
+
+
+def test_a_stamp_later_than_the_signal_sent_is_refused() -> None:
+    diagnoses = diagnoses_of((1.0, 1.1), (9.0, 2.01))
+    assert len(diagnoses.received) == 1
+    assert "stamped 9.00 s when the signal had been sent up to 2.00 s" in diagnoses.refused[0]
+
+
+def test_the_period_counts_from_the_start_of_the_signal() -> None:
+    diagnoses = diagnoses_of((7.5, 0.6), (8.0, 1.1), begin=7.0)
+    assert (diagnoses.latest, diagnoses.period) == pytest.approx((8.0, 0.5))
+
+
+HINDSIGHT = """
+    global stamps
+    stamps = [*globals().get("stamps", []), message.header.stamp]
+    if len(stamps) == 140:
+        for stamp in stamps[::25]:
+            array = DiagnosticArray(status=[DiagnosticStatus(values=[KeyValue(key="verdict", value="outer_ring")])])
+            array.header.stamp = stamp
+            publisher.publish(array)
+"""
+
+
+def test_diagnoses_published_in_hindsight_count_as_issued_late() -> None:
+    detector = ExternalDetector(python("-c", SUBSCRIBER.format(HINDSIGHT.strip())))
+    diagnoses = detector.diagnose(ROOT / "bags/outer_ring_defect")
+    assert not diagnoses.failure
+    assert len(diagnoses.received) == 6
+    early = [diagnosis for diagnosis in diagnoses.received if diagnosis.time < 1.0]
+    assert len(early) == 2
+    assert all(diagnosis.issued_at > 2.5 for diagnosis in early)
+
+
+def test_a_rate_is_kept(capsys: pytest.CaptureFixture[str]) -> None:
+    began = time.monotonic()
+    diagnoses = ExternalDetector(python("-m", "dcrb_ros.nodes.fault_detector"), rate=0.5).diagnose(ROOT / "bags/outer_ring_defect")
+    assert time.monotonic() - began > 5.5  # of three seconds
+    assert not diagnoses.failure
+    assert diagnoses.received[-1].verdict == "outer_ring"
