@@ -13,13 +13,22 @@ import difflib
 import os
 import random
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
-from collections.abc import Iterator
+import time
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+import hypothesis  # noqa: F401 - imported before the forks, like the next ones
+import matplotlib.figure  # noqa: F401
+import numba
+import pydantic  # noqa: F401
+import pytest
+import scipy.signal
+import scipy.stats  # noqa: F401
 import yaml
 
 ROOT = Path(__file__).parents[2]
@@ -107,15 +116,47 @@ def copied(folder: Path) -> Path:
     return folder
 
 
-def command(target: Target, module: str = "") -> str:
-    """Return the shell command that runs the tests and stops at the first failure; tests that name the module come first."""
+def test_files(target: Target, module: str) -> list[str]:
+    """Return the test files of a target; those that name the module come first, those of the how-to pages, which are slow, last."""
     files = [file for test in map(Path, target.tests) for file in ([test] if test.is_file() else sorted(test.rglob("test_*.py")))]
-    words = module.removesuffix(".py").replace("/", ".").removesuffix(".__init__")
-    # The tests of the how-to pages run on copies of the package: they are slow.
-    files.sort(key=lambda file: ("how_to" in (text := file.read_text(encoding="utf-8")), words not in text))
-    pytest = f"{sys.executable} -m pytest -x -q -p no:cacheprovider"
-    runs = [f"env NUMBA_DISABLE_JIT=1 {pytest} {target.kernels}"] if target.kernels else []
-    return f"sh -c '{' && '.join([*runs, f'{pytest} ' + ' '.join(map(str, files))])}'"
+    name = module.removesuffix(".py").replace("/", ".").removesuffix(".__init__")
+    files.sort(key=lambda file: ("how_to" in (text := file.read_text(encoding="utf-8")), name not in text))
+    return [str(file) for file in files]
+
+
+def passes(arguments: Sequence[str], *, compiled: bool = True, bytecode: bool = False) -> bool:
+    """Return whether pytest passes in a fork of this process, which spares it the imports; a run that takes too long fails."""
+    pid = os.fork()
+    if pid == 0:
+        status = 1
+        try:
+            os.setsid()
+            null = os.open(os.devnull, os.O_RDWR)
+            for stream in (0, 1, 2):
+                os.dup2(null, stream)
+            sys.dont_write_bytecode = not bytecode
+            if not compiled:
+                os.environ["NUMBA_DISABLE_JIT"] = "1"
+                numba.config.reload_config()  # type: ignore[attr-defined]
+            status = int(pytest.main(["-x", "-q", "-p", "no:cacheprovider", *arguments]))
+        finally:
+            os._exit(status)
+    end = time.monotonic() + TIMEOUT
+    while time.monotonic() < end:
+        ended, status = os.waitpid(pid, os.WNOHANG)
+        if ended:
+            return status == 0
+        time.sleep(0.1)
+    os.killpg(pid, signal.SIGKILL)
+    os.waitpid(pid, 0)
+    return False
+
+
+def survives(target: Target, module: str = "", *, bytecode: bool = False) -> bool:
+    """Return whether all tests of a target pass; stop at the first that fails."""
+    if target.kernels and not passes(target.kernels.split(), compiled=False, bytecode=bytecode):
+        return False
+    return passes(test_files(target, module), bytecode=bytecode)
 
 
 def mutants(source: str) -> Iterator[Mutant]:
@@ -133,11 +174,9 @@ def mutants(source: str) -> Iterator[Mutant]:
 
 def examine(name: str, count: int, seed: int) -> tuple[int, int]:
     """Run a sample of the mutants of a package; return how many were killed or are equivalent, and how many ran."""
-    from cosmic_ray.testing import run_tests
-    from cosmic_ray.work_item import TestOutcome
-
     target = TARGETS[name]
-    subprocess.run(command(target), shell=True, check=True, stdout=subprocess.DEVNULL)
+    if not survives(target, bytecode=True):
+        raise SystemExit(f"the tests of {name} fail without any mutation")
     reasons: dict[str, list[dict[str, str]]] = yaml.safe_load(REASONS.read_text(encoding="utf-8")) if REASONS.exists() else {}
     population = sorted(mutant for source in target.sources for mutant in mutants(source))
     random.Random(seed).shuffle(population)
@@ -152,16 +191,24 @@ def examine(name: str, count: int, seed: int) -> tuple[int, int]:
         if any(reason["line"] in removed and reason.get("operator", "") in mutant.operator for reason in reasons.get(mutant.module, [])):
             killed += 1
             continue
-        source = path.read_text(encoding="utf-8")
-        path.write_text(code, encoding="utf-8")
-        outcome, _ = run_tests(command(target, mutant.module), TIMEOUT)
-        path.write_text(source, encoding="utf-8")
-        killed += outcome != TestOutcome.SURVIVED
+        survived = _survives_mutated(target, path, code)
+        killed += not survived
         print(f"{name}: {killed} of {ran}", end="\r", file=sys.stderr, flush=True)
-        if outcome == TestOutcome.SURVIVED:
+        if survived:
             print(f"survived: {mutant.module} {mutant.operator.removeprefix('core/')}", *diff, "", sep="\n", flush=True)
     print(f"{name}: a sample of {ran} of some {len(population)} mutants", flush=True)
     return killed, ran
+
+
+def _survives_mutated(target: Target, path: Path, code: str) -> bool:
+    """Return whether the tests pass with another text of a module, which is put back afterwards."""
+    source, times = path.read_text(encoding="utf-8"), path.stat()
+    path.write_text(code, encoding="utf-8")
+    try:
+        return survives(target, str(path))
+    finally:
+        path.write_text(source, encoding="utf-8")
+        os.utime(path, ns=(times.st_atime_ns, times.st_mtime_ns))
 
 
 def main() -> int:
@@ -180,6 +227,7 @@ def main() -> int:
         os.chdir(copied(Path(folder)))
         # The compiled kernels and cached filters go there, too: those of a mutant are of no use later.
         os.environ |= {"PYTHONPATH": folder, "XDG_CACHE_HOME": f"{folder}/.cache"}
+        sys.path.insert(0, folder)
         for name in options.packages or TARGETS:
             killed, ran = examine(name, options.sample, options.seed)
             failed |= killed < options.least * ran
