@@ -55,7 +55,10 @@ TARGETS = {
     "diagnosis": Target(("dcrb_ros/diagnosis",), ("tests/diagnosis",)),
     "exam": Target(("dcrb_ros/exam",), ("tests/exam",)),
     "recordings": Target(("dcrb_ros/recordings",), ("tests/recordings",)),
-    "pacing": Target(("dcrb_ros/nodes/pacing.py", "dcrb_ros/nodes/gate.py"), ("tests/nodes/test_pacing.py tests/nodes/test_gate.py",)),
+    "pacing": Target(
+        ("dcrb_ros/nodes/pacing.py", "dcrb_ros/nodes/gate.py", "dcrb_ros/nodes/engine.py"),
+        ("tests/nodes/test_pacing.py tests/nodes/test_gate.py tests/nodes/test_engine.py",),
+    ),
 }
 
 
