@@ -81,6 +81,14 @@ def test_a_block_is_sent_once_it_is_due() -> None:
     assert sent[1] - sent[0] >= 0.05
 
 
+def test_a_block_that_is_due_now_is_sent_without_a_wait() -> None:
+    readings = iter([7.0, 7.0])  # one for the deadline, one for the time that remains
+    pacer = FixedPacer(0.0)
+    gate, sent = Gate(pacer, lambda: next(readings)), list[bool]()
+    assert gate.send(0.0, 0.02, lambda: sent.append(True))
+    assert sent == [True]
+
+
 def test_nothing_is_sent_after_a_pause_but_steps() -> None:
     sender = Sender(0.0)
     wait_for(lambda: len(sender.sent) > 100)
