@@ -193,6 +193,18 @@ def test_a_finished_reset_restarts_the_deadlines_and_forgets_steps() -> None:
     assert gate.send(0.0, 0.02, lambda: None)
 
 
+def test_a_reset_during_a_pause_leaves_no_step_behind() -> None:
+    sender = Sender(0.0)
+    wait_for(lambda: len(sender.sent) > 10)
+    sender.gate.pause(True)
+    assert sender.gate.reset(PATIENCE)
+    before = len(sender.sent)
+    for count in range(1, 4):
+        assert sender.gate.step(PATIENCE)
+        assert sender.sent[before:] == list(range(count))
+    sender.close()
+
+
 def test_start_over_is_passed_to_the_pacer() -> None:
     pacer = Pacer(1e-6, time.monotonic)
     gate, sent = Gate(pacer, time.monotonic), list[int]()
