@@ -61,7 +61,7 @@ def test_a_detector_that_asks_for_it_is_given_the_range_of_the_sensor(tmp_path: 
 
 def test_an_unknown_verdict_of_a_detector_is_refused(tmp_path: Path) -> None:
     detector = SimpleNamespace(update=lambda *_: "cgae")
-    with pytest.raises(Refusal, match="update returned 'cgae', which is not a verdict: .*did you mean 'cage'"):
+    with pytest.raises(Refusal, match=r"update returned 'cgae', which is not a verdict: .*did you mean 'cage'"):
         run_detector(lambda orders, rate: detector, recorded(tmp_path / "bag", 1))
 
 
@@ -113,7 +113,9 @@ def test_a_recording_that_cannot_be_put_in_its_place_is_an_error(tmp_path: Path,
 
 def test_only_missing_recordings_are_simulated_and_all_are_reported(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     made: list[str] = []
-    monkeypatch.setattr(evaluation, "cached_recording", lambda case, folder: (made.append(case.expectation.name), cache_path(case, folder))[1])
+    monkeypatch.setattr(
+        evaluation, "cached_recording", lambda case, folder: (made.append(case.expectation.name), cache_path(case, folder))[1]
+    )
     monkeypatch.setattr(evaluation, "in_processes", lambda calls, workers: [(name, call()) for name, call in calls.items()])
     cache_path(CASES[1], tmp_path).mkdir()
     done: list[str] = []

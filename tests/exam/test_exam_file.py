@@ -126,7 +126,7 @@ def test_the_place_of_an_error_is_named(changes: dict[str, Any], sentence: str) 
 
 
 def test_an_unknown_exam_is_refused_and_a_file_is_read(tmp_path: Path) -> None:
-    with pytest.raises(Refusal, match="there is no exam 'smoek': .*did you mean 'smoke'"):
+    with pytest.raises(Refusal, match=r"there is no exam 'smoek': .*did you mean 'smoke'"):
         read_exam("smoek")
     file = tmp_path / "own.yaml"
     file.write_text("{exam: own, about: mine, scenarios: [{name: well, verdict: healthy}]}", encoding="utf-8")

@@ -230,7 +230,11 @@ def test_the_figure_shows_the_confusion_matrix_with_counts() -> None:
     rows = [label.get_text() for label in made.get_yticklabels()]
     answers = [label.get_text() for label in made.get_xticklabels()]
     assert (rows, answers) == (["healthy", "outer_ring", "sensor"], ["healthy", "outer_ring", "cage", "sensor"])
-    assert [[texts[i, j].get_text() for j in range(4)] for i in range(3)] == [["1", "0", "1", "0"], ["1", "2", "0", "0"], ["0", "0", "0", "1"]]
+    assert [[texts[i, j].get_text() for j in range(4)] for i in range(3)] == [
+        ["1", "0", "1", "0"],
+        ["1", "2", "0", "0"],
+        ["0", "0", "0", "1"],
+    ]
     assert [texts[i, j].get_color() for i, j in ((0, 0), (1, 1), (2, 3))] == ["black", "white", "white"]
     assert {(i, j) for i, j in texts if texts[i, j].get_fontweight() == "bold"} == {(0, 0), (1, 1), (2, 3)}
     right, wrong = (image.get_array() for image in made.images)

@@ -63,9 +63,7 @@ class Target:
 TARGETS = {
     "core": Target(("dcrb_ros/core",), ("tests/core", "tests/bearing"), kernels="tests/core -m kernel"),
     "measurement": Target(("dcrb_ros/measurement",), ("tests/measurement",)),
-    "diagnosis": Target(
-        ("dcrb_ros/diagnosis",), ("tests/diagnosis", "tests/api/test_detect.py", "tests/api/test_envelope_spectrum.py")
-    ),
+    "diagnosis": Target(("dcrb_ros/diagnosis",), ("tests/diagnosis", "tests/api/test_detect.py", "tests/api/test_envelope_spectrum.py")),
     "exam": Target(("dcrb_ros/exam",), ("tests/exam", "tests/api/test_score.py")),
     "recordings": Target(("dcrb_ros/recordings",), ("tests/recordings",)),
     "pacing": Target(("dcrb_ros/nodes/pacing.py", "dcrb_ros/nodes/gate.py"), ("tests/nodes/test_pacing.py", "tests/nodes/test_gate.py")),
