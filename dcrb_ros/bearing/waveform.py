@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from itertools import pairwise
@@ -14,6 +15,7 @@ from dcrb_ros.bearing.fault_lines import UNKNOWN, BearingLike, orders_of
 from dcrb_ros.bearing.kinematics import Orders
 from dcrb_ros.runtime.arrays import Floats, Integers, Samples
 from dcrb_ros.runtime.frames import pandas
+from dcrb_ros.runtime.numbers import finite_number
 from dcrb_ros.runtime.refusal import Refusal
 
 if TYPE_CHECKING:
@@ -36,6 +38,34 @@ class Piece(NamedTuple):
     """Shape (samples,) [rad]."""
     sensor_range: float
     """Range of the sensor [m/s^2]; 0 if unknown."""
+
+
+def stretch(rate: int, start: float | None, stop: float | None) -> tuple[float, float]:
+    """Return the index of the first sample with ``start <= time`` and of the first with ``stop <= time``; infinite where not given.
+
+    A time within rounding of a sample counts as the time of that sample, so that 1.1 s at 51200 Hz is sample 56320.
+
+    Raises:
+        Refusal: a time is not a finite number, or ``start`` is not below ``stop``.
+    """
+    begin = -math.inf if start is None else _index_at(finite_number("start =", start, "s"), rate)
+    end = math.inf if stop is None else _index_at(finite_number("stop =", stop, "s"), rate)
+    if start is not None and stop is not None and not start < stop:
+        raise Refusal(f"start = {start:g} s is not below stop = {stop:g} s: give the earlier time first")
+    return begin, end
+
+
+def described_stretch(start: float | None, stop: float | None) -> str:
+    """Return a stretch of time as text."""
+    if start is None:
+        return "at all" if stop is None else f"before {stop:g} s"
+    return f"from {start:g} s on" if stop is None else f"from {start:g} to {stop:g} s"
+
+
+def _index_at(time: float, rate: int) -> float:
+    """Return the index of the first sample at or after a time [s]."""
+    place = time * rate
+    return float(round(place) if math.isclose(place, round(place), rel_tol=1e-12, abs_tol=1e-6) else math.ceil(place))
 
 
 @runtime_checkable
@@ -174,14 +204,13 @@ class Waveform:
         Raises
         ------
         Refusal
-            There are none.
+            There are none, or ``start`` is not below ``stop``.
         """
-        first, last = (None if edge is None else -(-edge * self.sampling_rate // 1) for edge in (start, stop))
-        begin = 0 if first is None else int(np.searchsorted(self.index, first))
-        end = len(self) if last is None else int(np.searchsorted(self.index, last))
+        first, last = stretch(self.sampling_rate, start, stop)
+        begin, end = np.searchsorted(self.index, [first, last]).tolist()
         if begin >= end:
             about = f"it has samples from {self.time[0]:g} to {self.time[-1]:g} s" if len(self) else "it is empty"
-            raise Refusal(f"the waveform has no sample from {start} to {stop} s: {about}")
+            raise Refusal(f"the waveform has no sample {described_stretch(start, stop)}: {about}")
         return self._cut(slice(begin, end))
 
     def _cut(self: Kind, samples: slice) -> Kind:

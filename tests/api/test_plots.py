@@ -126,7 +126,7 @@ def test_load_zone_lies_below_the_shaft() -> None:
     ("call", "sentence"),
     [
         (lambda run: plot_waveform(run, axis="z"), "axis = 'z' is not one of x, y, both"),
-        (lambda run: plot_waveform(run, start=5.0), "no sample from 5.0"),
+        (lambda run: plot_waveform(run, start=5.0), "no sample from 5 s on"),
         (lambda run: plot_envelope_spectrum(run, lines=["BFPO"]), "there is no fault line 'BFPO'.*did you mean 'BPFO'"),
         (lambda run: plot_envelope_spectrum(np.ones(51200), 51200, x="order"), "the speed is unknown"),
         (lambda run: plot_load_zone(run, ax=plt.figure().add_subplot()), "needs polar axes"),
@@ -153,9 +153,9 @@ def test_command_writes_a_picture(suffix: str, tmp_path: Path) -> None:
         ((str(BAGS / "healthy"),), "Missing option '-o'"),
         ((str(BAGS / "healthy"), "-o", "picture.jpg"), "--output picture.jpg is of no known kind: the name must end in .png, .svg, .pdf"),
         ((str(BAGS / "healthy"), "-o", "nowhere/picture.png"), "there is no folder nowhere"),
-        ((str(BAGS / "healthy"), "-o", "picture.png", "--duration", "0"), "--duration 0.0 s is outside 0 .. 60 s"),
+        ((str(BAGS / "healthy"), "-o", "picture.png", "--duration", "0"), "--duration 0 s is out of range: it must be above 0 and at most 60 s"),
         ((str(BAGS / "healthy"), "-o", "picture.png", "--start", "-1"), "--start -1.0 s is not a simulated time"),
-        ((str(BAGS / "healthy"), "-o", "picture.png", "--start", "9"), "has no sample from 9.0 to 19.0 s: it has samples from 0 to 3 s"),
+        ((str(BAGS / "healthy"), "-o", "picture.png", "--start", "9"), "has no sample from 9 to 19 s: it has samples from 0 to 3 s"),
         (("nothing", "-o", "picture.png"), "there is no recording nothing"),
     ],
 )

@@ -108,6 +108,34 @@ def test_a_stretch_of_a_run(run: Run) -> None:
     assert np.array_equal(part.acceleration, run.acceleration[5120:10240])
 
 
+@pytest.mark.parametrize("rate", [1000, 25600, 51200])
+def test_stretches_between_tenths_of_a_second_have_equal_lengths(rate: int) -> None:
+    waveform = Waveform.from_arrays(np.zeros(4 * rate), rate)
+    assert {len(waveform.between(k * 0.1, (k + 1) * 0.1)) for k in range(39)} == {rate // 10}
+    assert {int(waveform.between(k / 10).index[0]) - k * rate // 10 for k in range(40)} == {0}
+
+
+@pytest.mark.parametrize(
+    ("start", "stop", "sentence"),
+    [
+        (3.0, None, "no sample from 3 s on"),
+        (None, 0.0, "no sample before 0 s"),
+        (2.0, 1.0, "start = 2 s is not below stop = 1 s"),
+        ("a", None, "start = 'a' is not a number"),
+        (float("nan"), None, "start = nan s is not a finite number"),
+    ],
+)
+def test_stretches_without_samples_are_refused(start: Any, stop: Any, sentence: str) -> None:
+    with pytest.raises(Refusal, match=sentence):
+        Waveform.from_arrays(np.zeros(1000), 1000).between(start, stop)
+
+
+@pytest.mark.parametrize("duration", [np.float32(0.125), np.float64(0.125)])
+def test_a_duration_may_be_a_number_of_numpy(duration: Any) -> None:
+    assert len(simulate("healthy", duration)) == 6400
+    assert len(simulate("healthy", np.int64(1))) == 51200
+
+
 def test_frames_carry_time_and_columns(run: Run) -> None:
     frame = run.to_pandas()
     assert list(frame.columns) == ["ax", "ay", "shaft_angle", "ax_clean", "ay_clean"]
@@ -129,8 +157,11 @@ def test_without_pandas_one_sentence(run: Run, monkeypatch: pytest.MonkeyPatch) 
 @pytest.mark.parametrize(
     ("arguments", "sentence"),
     [
-        ({"duration": 0.0}, "duration = 0.0 s is outside 0 .. 3600 s"),
-        ({"duration": float("nan")}, "duration = nan s is outside"),
+        ({"duration": 0.0}, "duration = 0 s is out of range: it must be above 0 and at most 3600 s"),
+        ({"duration": float("nan")}, "duration = nan s is not a finite number"),
+        ({"duration": "5"}, "duration = '5' is not a number"),
+        ({"duration": True}, "duration = True is not a number"),
+        ({"duration": 1e-6}, r"duration = 1e-06 s is shorter than one sample \(19.5 us at 51200 Hz\)"),
         ({"duration": 1e5}, "block by block with dcrb_ros.Simulation"),
         ({"configuration": "heathy"}, "did you mean 'healthy'"),
         ({"settings": {"operating.sped": 1.0}}, "did you mean 'operating.speed'"),
@@ -149,7 +180,7 @@ def test_unknown_bodies_and_rows_are_refused(run: Run) -> None:
         run.states.column("cage3")
     with pytest.raises(Refusal, match="there is no row 3: the bearing has 2"):
         run.states.rollers(3)
-    with pytest.raises(Refusal, match=r"no sample from 1.0 to None s: it has samples from 0 to 0.29"):
+    with pytest.raises(Refusal, match=r"no sample from 1 s on: it has samples from 0 to 0.29"):
         run.between(1.0)
 
 
