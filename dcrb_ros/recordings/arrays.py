@@ -79,7 +79,9 @@ def waveform_of(recording: Source, start: float | None, stop: float | None) -> W
             found.append(piece)
     if not found:
         begin, end = min(begin for begin, _ in spans), max(end for _, end in spans)
-        raise Refusal(f"{recording.path} has no sample {described_stretch(start, stop)}: it has samples from {begin / rate:g} to {end / rate:g} s")
+        raise Refusal(
+            f"{recording.path} has no sample {described_stretch(start, stop)}: it has samples from {begin / rate:g} to {end / rate:g} s"
+        )
     # A block that came twice or too late is kept once, in its place.
     index = np.concatenate([piece.first_index + np.arange(len(piece.shaft_angle), dtype=np.int64) for piece in found])
     index, order = np.unique(index, return_index=True)

@@ -57,7 +57,7 @@ def simulate(
     configuration: Configuration | str | Path = "healthy",
     duration: float = 1.0,
     *,
-    settings: Mapping[str, Any] | Sequence[str] = (),
+    settings: Mapping[str, Any] | Sequence[str] | str = (),
     scenario: Mapping[str, Any] | str | Path | None = None,
     seed: int | None = None,
 ) -> Run:

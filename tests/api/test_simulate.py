@@ -196,7 +196,9 @@ def test_plain_arrays_become_a_waveform() -> None:
 @pytest.mark.parametrize(
     ("arguments", "sentence"),
     [
-        ((np.zeros((10, 3)), 1000), r"acceleration of shape \(10, 3\)"),
+        ((np.zeros((10, 3)), 1000), r"acceleration of shape \(10, 3\) is not a waveform"),
+        ((np.zeros((3, 1000)), 1000), r"shape \(3, 1000\) is not a waveform: .* one sample; transpose the array"),
+        ((np.zeros(10), "51200"), "sampling_rate = '51200' is not a number: give it in Hz"),
         ((np.zeros(0), 1000), "at least one sample"),
         ((np.zeros(10, complex), 1000), "give real numbers"),
         ((np.zeros(10), 0.0), "sampling_rate = 0.0 Hz is not a whole number"),
@@ -220,3 +222,46 @@ def test_characteristic_frequencies_of_a_catalogue_bearing() -> None:
     assert dcrb_ros.characteristic_frequencies(bearing, -2.0 * np.pi * 10.0) == found
     with pytest.raises(Refusal, match="speed = nan rad/s"):
         dcrb_ros.characteristic_frequencies(bearing, float("nan"))
+
+
+@pytest.mark.parametrize(
+    ("call", "sentence"),
+    [
+        (lambda: dcrb_ros.characteristic_frequencies("healthy", "20"), "speed = '20' is not a number: give it in rad/s"),  # type: ignore[arg-type]
+        (lambda: dcrb_ros.detect(np.zeros(10), 1000, bearing="healthy"), r"give dcrb_ros.load_configuration\('healthy'\)"),  # type: ignore[arg-type]
+        (lambda: dcrb_ros.detect(np.zeros(10), 1000, bearing=5), "bearing = 5 is not a bearing"),  # type: ignore[arg-type]
+        (lambda: dcrb_ros.detect("bags/healthy"), r"use dcrb_ros.Recording\('bags/healthy'\)"),
+        (lambda: dcrb_ros.envelope_spectrum("bags/healthy"), r"use dcrb_ros.Recording\('bags/healthy'\)"),
+        (lambda: dcrb_ros.Recording(3), "3 is not the path of a recording"),  # type: ignore[arg-type]
+        (lambda: load_configuration(5), "5 is not a configuration"),  # type: ignore[arg-type]
+        (lambda: load_configuration("healthy", 5), "settings = 5 is neither a mapping nor texts"),  # type: ignore[arg-type]
+        (lambda: load_configuration("healthy", ["operating.speed"]), "setting 'operating.speed': write KEY=VALUE"),
+        (lambda: Simulation("healthy"), r"'healthy' is not a Configuration: give dcrb_ros.load_configuration"),  # type: ignore[arg-type]
+        (lambda: Simulation(Configuration(), "run_up"), "scenario = 'run_up' is not a list of scheduled changes"),  # type: ignore[arg-type]
+        (lambda: Simulation(Configuration()).blocks(-1.0), "duration = -1 s is negative"),
+        (lambda: dcrb_ros.Bearing(rows=3), r"^rows = 3 is outside 1 \.\. 2"),
+        (lambda: dcrb_ros.Bearing(row=2), r"^unknown parameter 'row'; did you mean 'rows'\?"),  # type: ignore[call-arg]
+        (lambda: dcrb_ros.Bearing(inner_raceway_radius=78.86), r"^inner_raceway_radius = 78.86 m is outside .*did you mean 0.07886"),
+        (lambda: dcrb_ros.DetectorParameters(hop=100), r"^hop = 100 s is outside 0.05 \.\. 60 s"),
+        (lambda: Configuration(operating={"speed": "x"}), "^operating.speed = 'x' rad/s is not a number"),  # type: ignore[arg-type]
+        (lambda: Configuration(operating={"sped": 1.0}), r"^unknown parameter 'operating.sped'; did you mean 'operating.speed'\?"),  # type: ignore[arg-type]
+        (lambda: Configuration(operating={"speed": float("nan")}), "^operating.speed = nan rad/s is not a finite number"),  # type: ignore[arg-type]
+        (lambda: Configuration(simulation={"seed": -1}), r"^simulation.seed = -1 is outside 0 \.\. 2147483647"),  # type: ignore[arg-type]
+        (lambda: Configuration(friction={"static_coefficient": 0.01}), "^friction.static_coefficient = 0.01 is below"),  # type: ignore[arg-type]
+    ],
+)
+def test_invalid_input_is_rejected_in_one_sentence(call: Any, sentence: str) -> None:
+    with pytest.raises(Refusal, match=sentence) as caught:
+        call()
+    assert "\n" not in str(caught.value)
+    assert isinstance(caught.value, ValueError)
+
+
+def test_settings_may_be_one_text() -> None:
+    assert load_configuration("healthy", "operating.speed=100").operating.speed == 100.0
+
+
+def test_names_in_the_ground_truth(run: Run) -> None:
+    with pytest.raises(Refusal, match=r"there is no characteristic frequency 'BPFX': .*did you mean 'BPF"):
+        run.truth.frequency("BPFX")
+    assert run.truth.to_pandas()["event"].tolist()[:2] == ["start", ""]
