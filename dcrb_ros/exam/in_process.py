@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 
 from dcrb_ros.exam.case import scenarios_hash
 from dcrb_ros.exam.detector_run import DetectorFactory, run_detector
-from dcrb_ros.exam.evaluation import record_all
+from dcrb_ros.exam.evaluation import named, record_all
 from dcrb_ros.exam.exam_file import read_exam
 from dcrb_ros.exam.recording_cache import cached_recording, checked_folder, default_folder
 from dcrb_ros.exam.report import Report
 from dcrb_ros.exam.scoring import score_scenario
-from dcrb_ros.messages.received_diagnosis import ReceivedDiagnosis
 from dcrb_ros.runtime.refusal import Refusal
 
 MOST_WORKERS = 256
@@ -66,15 +66,5 @@ def score(detector: DetectorFactory, exam: str | Path = "smoke", *, recordings: 
         bags = {case.expectation.name: cached_recording(case, folder) for case in chosen.cases}
     name = getattr(detector, "__name__", type(detector).__name__)
     expectations = [case.expectation for case in chosen.cases]
-    results = tuple(score_scenario(e, _diagnoses(detector, e.name, bags[e.name]), chosen.criteria) for e in expectations)
+    results = tuple(score_scenario(e, named(e.name, partial(run_detector, detector, bags[e.name])), chosen.criteria) for e in expectations)
     return Report(chosen.name, name, chosen.criteria, scenarios_hash(chosen.cases), results)
-
-
-def _diagnoses(detector: DetectorFactory, scenario: str, bag: Path) -> list[ReceivedDiagnosis]:
-    """Return the diagnoses of a scenario; an exception names it."""
-    try:
-        return run_detector(detector, bag)
-    except Refusal as refusal:
-        raise Refusal(f"scenario '{scenario}': {refusal}") from None
-    except Exception as error:
-        raise RuntimeError(f"scenario '{scenario}' could not be evaluated: {error or type(error).__name__}") from error

@@ -147,7 +147,7 @@ def _draw_lines(ax: Axes, spectrum: EnvelopeSpectrum, lines: Sequence[str], unit
             ax.axvline(order * unit, color=colour, linewidth=0.9, alpha=0.55, linestyle=dashes, zorder=1.0)
             place, height = _peak(spectrum, order)
             distance = {name: float(np.abs(lines - place).min(initial=np.inf)) for name, lines in places.items()}
-            if height >= MARKED * largest and distance[comb.name] <= min(distance.values()):
+            if height > 0.0 and height >= MARKED * largest and distance[comb.name] <= min(distance.values()):
                 ax.plot(place * unit, height, marker=MARKERS[comb.name], markersize=4.5, color=colour, zorder=3.0)
         label = f"{comb.name} {comb.orders[0] * unit:.2f}" if unit == 1.0 else f"{comb.name} {comb.orders[0] * unit:.1f} Hz"
         handles.append(Line2D([], [], color=colour, linestyle=dashes, marker=MARKERS[comb.name], markersize=4.5, label=label))
@@ -156,7 +156,11 @@ def _draw_lines(ax: Axes, spectrum: EnvelopeSpectrum, lines: Sequence[str], unit
 
 
 def _peak(spectrum: EnvelopeSpectrum, order: float) -> tuple[float, float]:
-    """Return order and amplitude of the highest line near an order, as far as rollers slip."""
-    near = np.flatnonzero(np.abs(spectrum.order - order) <= max(SLIP * order, 2.0 * spectrum.order[1]))
-    best = near[np.argmax(spectrum.amplitude[near])]
-    return float(spectrum.order[best]), float(spectrum.amplitude[best])
+    """Return order and amplitude of the highest peak near an order, as far as rollers slip; amplitude 0 where there is none."""
+    amplitude = spectrum.amplitude
+    near = np.flatnonzero(np.abs(spectrum.order[1:-1] - order) <= max(SLIP * order, 2.0 * spectrum.order[1])) + 1
+    peaks = near[(amplitude[near] >= amplitude[near - 1]) & (amplitude[near] >= amplitude[near + 1])]
+    if not len(peaks):
+        return order, 0.0
+    best = peaks[np.argmax(amplitude[peaks])]
+    return float(spectrum.order[best]), float(amplitude[best])
