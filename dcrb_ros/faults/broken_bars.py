@@ -25,7 +25,7 @@ class BrokenBars(Fault):
     @classmethod
     def parameter(cls) -> tuple[Any, Any]:
         """Return the type of the text and its field."""
-        description = "Broken cage bars, such as 'row1/bar15, row2/bar15'; bar k stands between rollers k and k + 1"
+        description = "Broken cage bars, such as 'row1/bar15, row2/bar15'; bar k is between rollers k and k + 1"
         return str, choice("", description, run_time=True)
 
     @classmethod
@@ -57,7 +57,7 @@ class BrokenBars(Fault):
             if not (1 <= row <= bearing.rows and 1 <= bar <= bearing.rollers_per_row):
                 yield (
                     f"faults.{key}: row{row}/bar{bar} is outside row1/bar1 .. row{bearing.rows}/bar{bearing.rollers_per_row}: "
-                    "bar k stands between rollers k and k + 1"
+                    "bar k is between rollers k and k + 1"
                 )
         if len(set(bars)) < len(bars):
             yield f"faults.{key} = '{self.text}' names a bar twice: name each once"

@@ -1,4 +1,4 @@
-"""What a topic of the bench is: name, type, delivery, and how its messages are encoded and decoded."""
+"""A topic of the bench: name, type, delivery, and how its messages are encoded and decoded."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ class Message:
 
     @property
     def content(self) -> Any:
-        """What the message carries, as its topic decodes it."""
+        """Content of the message, as its topic decodes it."""
         return self.topic.decoded(self.data)
 
 
