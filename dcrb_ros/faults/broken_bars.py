@@ -14,7 +14,7 @@ BAR = re.compile(r"row(\d{1,3})/bar(\d{1,3})")
 
 
 class BrokenBars(Fault):
-    """All broken bars of a bench; the only kind whose parameter is a text instead of a group."""
+    """All broken bars of a bearing; the only kind whose parameter is a text instead of a group."""
 
     keys = ("broken_bars",)
     component = "cage"
@@ -48,7 +48,7 @@ class BrokenBars(Fault):
         return [(int(match[1]), int(match[2])) for match in found if match is not None]
 
     def problems(self, key: str, bearing: Dimensions) -> Iterator[str]:
-        """Refuse words that name no bar, bars beyond the cage, bars named twice, and a cage with fewer than two bars."""
+        """Reject words that name no bar, bars beyond the cage, bars named twice, and a cage with fewer than two bars."""
         for word in self._names:
             if BAR.fullmatch(word) is None:
                 yield f"faults.{key}: '{word}' is not a bar; write row1/bar15, or 'row1/bar15, row2/bar15' for two"

@@ -1,4 +1,4 @@
-"""What every stage of the measurement chain has in common."""
+"""Base of the stages of the measurement chain."""
 
 from __future__ import annotations
 

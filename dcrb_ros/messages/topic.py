@@ -24,7 +24,7 @@ class Topic:
     type: str
     """ROS message type, ``package/msg/Type``."""
     content: str
-    """What its messages carry, for the documentation."""
+    """Content of its messages, for the documentation."""
     depth: int = 200
     """Messages kept for a slow subscriber."""
     latched: bool = False
