@@ -9,12 +9,13 @@ import numpy as np
 import numpy.typing as npt
 
 from dcrb_ros.bearing.equilibrium import roller_forces, static_equilibrium
+from dcrb_ros.bearing.profiles import profile_records
 from dcrb_ros.core.laws import NORMAL_LAWS, TRACTION_LAWS, lugre
 from dcrb_ros.core.laws.interface import inner_site, outer_site, pair_site
 from dcrb_ros.core.laws.pereira import pereira_coefficients
 from dcrb_ros.core.layout.state import State, empty_state
 from dcrb_ros.core.payload import EDGE, NOTCH, ROLLER_NOTCH, SINK, Notches, Payload
-from dcrb_ros.faults.geometry import BrokenBar, RacewayNotch, RollerNotch
+from dcrb_ros.faults.geometry import BrokenBar, RacewayNotch, RollerNotch, SurfaceProfile
 from dcrb_ros.runtime.arrays import Floats
 from dcrb_ros.settings.configuration import Configuration, material_of
 from dcrb_ros.settings.parameters import Bearing
@@ -77,6 +78,8 @@ def build_payload(configuration: Configuration) -> Payload:
     damage = c.faults.damage(b, c.contact.edge_radius if c.contact.notch == "edge" else 0.0)
     raceway_notches = [notch for notch in damage if isinstance(notch, RacewayNotch)]
     roller_notches = [notch for notch in damage if isinstance(notch, RollerNotch)]
+    surface_profiles = [profile for profile in damage if isinstance(profile, SurfaceProfile)]
+    profiles, depths, height = profile_records(surface_profiles)
     tangent = np.stack([np.cos(azimuth), np.sin(azimuth)], axis=-1)
     pinned = (~free).sum(axis=1)
     # With all rollers pinned the sum of the tangents is zero up to rounding, which must not influence the motion.
@@ -97,7 +100,7 @@ def build_payload(configuration: Configuration) -> Payload:
         all_free=bool(free.all()),
         any_broken=bool(broken.any()),
         any_free=bool(free.any()),
-        any_notch=bool(raceway_notches or roller_notches),
+        any_defect=bool(raceway_notches or roller_notches or surface_profiles),
         inner_raceway_radius=b.inner_raceway_radius,
         outer_raceway_radius=b.outer_raceway_radius,
         pitch_radius=b.pitch_radius,
@@ -126,6 +129,9 @@ def build_payload(configuration: Configuration) -> Payload:
         inner_notches=_records((notch for notch in raceway_notches if notch.ring == "inner_ring"), NOTCH),
         outer_notches=_records((notch for notch in raceway_notches if notch.ring == "outer_ring"), NOTCH),
         roller_notches=_records(roller_notches, ROLLER_NOTCH),
+        profiles=profiles,
+        profile_depths=depths,
+        profile_height=height,
         pocket_clearance=c.cage.pocket_clearance,
         bar_coefficient=bar[0],
         bar_exponent=bar[1],

@@ -19,6 +19,9 @@ Notches = np.recarray[Any, np.dtype[np.record]]
 RollerNotches = np.recarray[Any, np.dtype[np.record]]
 """Defects of rollers, an entry of the fields `ROLLER_NOTCH` each."""
 
+Profiles = np.recarray[Any, np.dtype[np.record]]
+"""Profiles of surfaces, an entry of the fields `PROFILE` each."""
+
 NOTCH = np.dtype(
     [
         ("row", np.int64),  # of the defect, -1 for all rows
@@ -43,6 +46,18 @@ ROLLER_NOTCH = np.dtype(
         ("azimuth", np.float64),  # of the middle on the roller at spin angle zero, from -Y [rad]
     ]
 )
+PROFILE = np.dtype(
+    [
+        ("body", np.int64),  # 0 for the inner raceway, 1 for the outer one, 2 for a roller
+        ("row", np.int64),  # -1 for all rows
+        ("roller", np.int64),  # -1 for all rollers
+        ("azimuth", np.float64),  # of the middle, or of the first sample of a periodic one [rad]
+        ("spacing", np.float64),  # angle between samples [rad]
+        ("first", np.int64),  # its first sample among all
+        ("count", np.int64),  # of its samples
+        ("periodic", np.bool_),  # whether it goes round
+    ]
+)
 
 
 class Payload(NamedTuple):
@@ -65,7 +80,8 @@ class Payload(NamedTuple):
     all_free: bool
     any_broken: bool
     any_free: bool
-    any_notch: bool
+    any_defect: bool
+    """Whether there is a notch or a profile."""
     inner_raceway_radius: float
     outer_raceway_radius: float
     pitch_radius: float
@@ -106,6 +122,11 @@ class Payload(NamedTuple):
     inner_notches: Notches
     outer_notches: Notches
     roller_notches: RollerNotches
+    profiles: Profiles
+    profile_depths: Floats
+    """Samples of all profiles, one after the other [m]."""
+    profile_height: float
+    """How far the highest of them rises above the nominal surface [m]."""
     pocket_clearance: float
     bar_coefficient: float
     """Coefficient of a bar's conformal contact, Eq. 22 [N/m^exponent]."""

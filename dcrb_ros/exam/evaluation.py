@@ -56,7 +56,7 @@ def named(name: str, call: Callable[[], Value]) -> Value:
     except Refusal as refusal:
         raise Refusal(f"scenario '{name}': {refusal}") from None
     except Exception as error:
-        raise RuntimeError(f"scenario '{name}' could not be evaluated: {error or type(error).__name__}") from error
+        raise RuntimeError(f"scenario '{name}' could not be evaluated: {str(error) or type(error).__name__}") from error
 
 
 def _run_all(calls: Mapping[str, Callable[[], Value]], workers: int, on_done: OnDone) -> dict[str, Value]:

@@ -5,6 +5,7 @@ Rows and rollers count from zero, angles from the load line (-Y), counter-clockw
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Literal, NamedTuple
 
 Ring = Literal["inner_ring", "outer_ring"]
@@ -58,4 +59,25 @@ class BrokenBar(NamedTuple):
     """Number of the roller before it, from zero."""
 
 
-Damage = RacewayNotch | RollerNotch | BrokenBar
+class SurfaceProfile(NamedTuple):
+    """The depth of a surface over the angle, from samples: waviness, dents, or a spall of any shape.
+
+    It is the depth by which the roller's centre follows the surface, with the shape of the roller taken into account. Where profiles
+    and notches overlap, their depths add.
+    """
+
+    body: Ring | Literal["roller"]
+    depths: Sequence[float]
+    """Samples [m], at least four; below zero for a surface that is raised."""
+    azimuth: float = 0.0
+    """Azimuth of the middle, or of the first sample of a periodic profile; on the inner ring at shaft angle zero, on a roller the angle at
+    spin angle zero [rad]."""
+    spacing: float = 0.0
+    """Angle between samples [rad], zero depth beyond their ends; 0 for samples that go round the whole surface."""
+    row: int = -1
+    """Row; -1 for all rows."""
+    roller: int = -1
+    """Roller in its row, for the body roller; -1 for all rollers."""
+
+
+Damage = RacewayNotch | RollerNotch | BrokenBar | SurfaceProfile

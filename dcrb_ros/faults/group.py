@@ -69,8 +69,17 @@ class FaultGroup(Group):
 
 
 def fault_group(kinds: Sequence[type[Fault]]) -> type[FaultGroup]:
-    """Return the group with the parameters of some kinds of faults."""
-    of_key = {key: kind for kind in kinds for key in kind.keys}
+    """Return the group with the parameters of some kinds of faults.
+
+    Raises:
+        TypeError: two kinds have the same key.
+    """
+    of_key: dict[str, type[Fault]] = {}
+    for kind in kinds:
+        for key in kind.keys:
+            if key in of_key:
+                raise TypeError(f"{of_key[key].__name__} and {kind.__name__} have the same key '{key}': rename one")
+            of_key[key] = kind
     parameters: dict[str, Any] = {key: kind.parameter() for key, kind in of_key.items()}
     group = create_model("Faults", __base__=FaultGroup, __module__="dcrb_ros.faults", **parameters)
     group.kinds = of_key

@@ -34,11 +34,11 @@ def samples(simulation, duration=0.02):
 
 simulation = bench()
 before = samples(simulation)
-simulation.change({"faults.dent_1.width": 0.001, "faults.dent_1.azimuth": 0.02})
+simulation.change({"faults.fluting_1.width": 0.02, "faults.fluting_1.azimuth": 0.02})
 blocks = list(simulation.blocks(0.02))
 truths = [decode_truth(encode_truth(truth)) for block in blocks for truth in block.truths]
 print(json.dumps({
-    "changed": bool(np.any(samples(bench(dent_1={"width": 0.001})) != before)),
+    "changed": bool(np.any(samples(bench(fluting_1={"width": 0.02})) != before)),
     "at run time": bool(np.any(np.concatenate([block.acceleration for block in blocks]) != samples(bench(), 0.04)[len(before):])),
     "truth": truths[-1].faults,
     "class": class_of(truths[-1].faults),
@@ -79,25 +79,26 @@ def test_the_page_adds_one_file_and_one_line(environment: Mapping[str, str]) -> 
 
 
 def test_the_commands_know_its_parameters(environment: Mapping[str, str]) -> None:
-    assert "faults.dent_1.width" in dcrb(environment, "config", "docs")
-    assert "dent_2:" in dcrb(environment, "config", "show", "healthy")
-    dcrb(environment, "config", "check", "healthy", "--set", "faults.dent_1.width=0.001")
+    assert "faults.fluting_1.width" in dcrb(environment, "config", "docs")
+    assert "fluting_1:" in dcrb(environment, "config", "show", "healthy")
+    dcrb(environment, "config", "check", "healthy", "--set", "faults.fluting_1.width=0.02")
 
 
 @pytest.mark.parametrize(
-    ("setting", "sentence"),
+    ("settings", "sentence"),
     [
-        ("faults.dent_1.width=1.0", r"faults.dent_1.width = 1.0 m is outside 0 .. 0.005 m"),
-        ("faults.dent_1.width=1e-5", "is not below its width"),
-        ("faults.dent_1.size=1e-3", "unknown parameter 'faults.dent_1.size'"),
+        (("faults.fluting_1.width=1.0",), "faults.fluting_1.width = 1.0 m is outside 0 .. 0.1 m"),
+        (("faults.fluting_1.width=1e-3",), "faults.fluting_1.width = 0.001 m is outside 0.002 .. 0.343 m, from a period to half a turn"),
+        (("faults.fluting_1.width=0.02", "faults.fluting_1.depth=5e-5"), "faults.fluting_1.depth = 5e-05 m is above 1.17e-05 m"),
+        (("faults.fluting_1.size=1e-3",), "unknown parameter 'faults.fluting_1.size'"),
     ],
 )
-def test_impossible_values_are_refused_in_a_sentence(environment: Mapping[str, str], setting: str, sentence: str) -> None:
+def test_impossible_values_are_refused_in_a_sentence(environment: Mapping[str, str], settings: tuple[str, ...], sentence: str) -> None:
     script = f"""
 from dcrb_ros.runtime.refusal import Refusal
 from dcrb_ros.settings.files import load_configuration
 try:
-    load_configuration("healthy", [{setting!r}])
+    load_configuration("healthy", {settings!r})
 except Refusal as refusal:
     print(refusal)
 """
@@ -108,11 +109,11 @@ def test_it_overlaps_no_other_fault_on_its_raceway(environment: Mapping[str, str
     script = """
 from dcrb_ros.settings.configuration import Configuration
 try:
-    Configuration.model_validate({"faults": {"dent_1": {"width": 1e-3}, "outer_1": {"width": 1e-3}}})
+    Configuration.model_validate({"faults": {"fluting_1": {"width": 0.02}, "outer_1": {"width": 1e-3}}})
 except ValueError as error:
     print(error)
 """
-    assert "faults.dent_1 overlaps faults.outer_1" in run(environment, PRELUDE + script)
+    assert "faults.fluting_1 overlaps faults.outer_1" in run(environment, PRELUDE + script)
 
 
 def test_it_changes_the_samples_from_the_start_and_at_run_time(found: Any) -> None:
@@ -121,16 +122,21 @@ def test_it_changes_the_samples_from_the_start_and_at_run_time(found: Any) -> No
 
 
 def test_the_ground_truth_names_it(found: Any) -> None:
-    fields = found["truth"]["dent_1"]
-    assert {key: fields[key] for key in ("width", "depth", "azimuth")} == {"width": 0.001, "depth": 2e-5, "azimuth": 0.02}
+    fields = found["truth"]["fluting_1"]
+    assert {key: fields[key] for key in ("width", "period", "depth", "azimuth")} == {
+        "width": 0.02,
+        "period": 0.002,
+        "depth": 5e-6,
+        "azimuth": 0.02,
+    }
     assert fields["onset"] == pytest.approx(0.02, abs=1e-3)
 
 
 def test_exams_and_sweeps_expect_its_verdict(found: Any) -> None:
     assert found["class"] == found["label"]["fault"] == "outer_ring"
-    assert found["label"]["width"] == 0.001
+    assert found["label"]["width"] == 0.02
 
 
 def test_the_viewer_draws_and_names_it(found: Any) -> None:
-    assert found["words"] == ["dent_1: dent 1 mm wide, 20 um deep"]
+    assert found["words"] == ["fluting_1: 20 mm fluted with a period of 2 mm"]
     assert found["drawn"] == ["outer_ring"]

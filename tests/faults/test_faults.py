@@ -15,6 +15,7 @@ from dcrb_ros.faults.broken_bars import BrokenBars
 from dcrb_ros.faults.fault import Fault, Footprint
 from dcrb_ros.faults.geometry import BrokenBar, RacewayNotch, RollerNotch
 from dcrb_ros.faults.ground_truth import class_of, words_of
+from dcrb_ros.faults.group import fault_group
 from dcrb_ros.faults.raceway_defect import InnerRacewayDefect, OuterRacewayDefect
 from dcrb_ros.runtime.refusal import Refusal
 from dcrb_ros.schema.verdicts import CHARACTERISTIC, COMPONENTS, FAULT_CLASSES, TITLES, VERDICTS, FaultClass, fault_class, is_alarm
@@ -172,3 +173,8 @@ def test_the_class_of_several_faults_does_not_depend_on_their_order(faults: list
     shuffled = sorted(faults)
     random.shuffle(shuffled)  # type: ignore[attr-defined] # hypothesis gives a random.Random
     assert fault_class(shuffled) == fault_class(faults) == fault_class({*faults, "healthy"})
+
+
+def test_two_kinds_cannot_have_the_same_key() -> None:
+    with pytest.raises(TypeError, match="have the same key 'outer_1'"):
+        fault_group([OuterRacewayDefect, OuterRacewayDefect])

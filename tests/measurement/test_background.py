@@ -7,7 +7,10 @@ import pytest
 from chain import SPEED, amplitude, at_rest, chain, changed
 from scipy import signal
 
+from dcrb_ros.measurement.random_streams import random_stream
 from dcrb_ros.measurement.sensor import Sensor
+from dcrb_ros.measurement.stage import Span
+from dcrb_ros.measurement.stages.background import Background
 from dcrb_ros.messages.statuses import decode_truth, encode_truth
 from dcrb_ros.stream.block import Truth
 
@@ -83,3 +86,46 @@ def test_the_ground_truth_keeps_background_and_faults_apart() -> None:
     levels, faults = {"unbalance": 1e-4}, {"sensor.stuck": {"severity": 1.0, "axis": 2.0, "onset": 0.5}}
     truth = Truth(10, 1.0, (0.0, -1.0), {"FTF": 1.0, "BPFO": 2.0, "BPFI": 3.0, "BSF": 4.0}, faults, None, levels)
     assert decode_truth(encode_truth(truth)) == truth
+
+
+@pytest.mark.parametrize(("level", "duration"), [({"joint_level": 40.0, "joint_spacing": 2.0}, 0.004), ({"flat_level": 30.0}, 0.002)])
+def test_pulses_of_the_track_have_their_duration(level: dict[str, float], duration: float) -> None:
+    """A Hann pulse is above a half of its peak for a half of its duration."""
+    found = at_rest(chain(background=level), 0.5).measured[:, 1]
+    peaks, _ = signal.find_peaks(found, height=1.0)
+    widths = signal.peak_widths(found, peaks[1:-1], rel_height=0.5)[0] / 51200.0
+    assert widths == pytest.approx(0.5 * duration, rel=0.01)
+    assert not at_rest(chain(background=level), 0.5).measured[:, 0].any()
+
+
+def test_look_alike_impacts_last_a_tenth_of_a_millisecond_and_vary_by_a_half() -> None:
+    """Before the anti-alias filter: the peaks are 0.5 to 1.5 times their mean."""
+    setup = chain(background={"impact_rate": 50.0, "impact_level": 100.0}).measurement
+    rate = 5e6  # so that no peak falls between two steps
+    stage = Background(setup, rate)
+    stage.set_parameters(setup.parameters, 0)
+    count = 1_000_000
+    found = np.concatenate([stage.process(np.zeros((count, 2)), Span(k * count, np.zeros(count + 1)))[:, 1] for k in range(8)])
+    peaks, about = signal.find_peaks(found, height=1.0)
+    heights = about["peak_heights"]
+    assert len(peaks) == pytest.approx(80, abs=27)  # three standard deviations of a Poisson process
+    assert 50.0 - 1e-3 <= heights.min() < 62.0
+    assert 138.0 < heights.max() < 200.0
+    assert np.median(signal.peak_widths(found, peaks, rel_height=0.5)[0]) / rate == pytest.approx(0.5e-4, rel=0.01)
+
+
+def test_phases_of_joints_flat_and_unbalance_follow_from_the_seed() -> None:
+    c = chain(background={"unbalance": 1e-4})
+    found = at_rest(c, 0.1).measured
+    phase = 2.0 * np.pi * random_stream(c.simulation.seed, "passings").random(3)[2]
+    angle = SPEED * np.arange(len(found)) / 51200.0 + phase
+    assert found[200:-200, 0] == pytest.approx(1e-4 * SPEED**2 * np.cos(angle[200:-200]), abs=2e-3)
+    assert found[200:-200, 1] == pytest.approx(1e-4 * SPEED**2 * np.sin(angle[200:-200]), abs=2e-3)
+
+
+@pytest.mark.parametrize("level", ["unbalance", "joint_level", "flat_level", "track_level", "impact_rate"])
+def test_any_level_switches_the_background_on(level: str) -> None:
+    setup = chain(background={level: 0.001}).measurement
+    stage = Background(setup, 51200.0)
+    stage.set_parameters(setup.parameters, 0)
+    assert stage.active

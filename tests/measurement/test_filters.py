@@ -9,7 +9,18 @@ import numpy.typing as npt
 import pytest
 from scipy import signal
 
-from dcrb_ros.measurement.filters import Filter, band_of_noise, high_pass, low_pass, pink, resonance, side_by_side, transmissibility
+from dcrb_ros.measurement.filters import (
+    Filter,
+    above_step_rate,
+    band_of_noise,
+    high_pass,
+    low_pass,
+    noise_gain,
+    pink,
+    resonance,
+    side_by_side,
+    transmissibility,
+)
 from dcrb_ros.measurement.stages.structure import modes, sections
 from dcrb_ros.settings.sensor import Structure
 
@@ -86,3 +97,56 @@ def test_band_limited_noise_has_rms_one() -> None:
 def test_the_compiled_filter_equals_that_of_scipy() -> None:
     samples, cascade = np.random.default_rng(3).standard_normal((5000, 2)), pink(51200.0)
     assert Filter(cascade).process(samples) == pytest.approx(signal.sosfilt(cascade, samples, axis=0), rel=1e-9, abs=1e-12)
+
+
+def response(filter_sections: npt.NDArray[np.float64], frequencies: npt.ArrayLike) -> npt.NDArray[np.float64]:
+    """Return the gain of a filter at frequencies [Hz]."""
+    return np.abs(signal.sosfreqz(filter_sections, np.asarray(frequencies, float), fs=RATE)[1])
+
+
+def test_filters_have_the_order_of_butterworth() -> None:
+    """|H|^2 = 1 / (1 + r^2n) with r the ratio of prewarped frequencies tan(pi f / rate)."""
+    frequencies = np.array([50.0, 500.0, 3000.0, 11000.0, 40000.0])
+    warped = np.tan(np.pi * frequencies / RATE)
+    corner = math.tan(math.pi * 3000.0 / RATE)
+    assert response(low_pass(3000.0, RATE), frequencies) == pytest.approx(1.0 / np.sqrt(1.0 + (warped / corner) ** 4), rel=1e-6)
+    assert response(high_pass(3000.0, RATE), frequencies) == pytest.approx(1.0 / np.sqrt(1.0 + (corner / warped) ** 2), rel=1e-6)
+
+
+def test_a_band_of_noise_has_its_edges_and_unit_power() -> None:
+    found = band_of_noise(200.0, 1500.0, RATE)
+    assert noise_gain(found) == pytest.approx(1.0, rel=1e-8)
+    frequencies = np.linspace(0.0, 0.5 * RATE, 400001)
+    assert np.mean(response(found, frequencies) ** 2) == pytest.approx(1.0, rel=1e-4)
+    middle = math.sqrt(200.0 * 1500.0)
+    assert response(found, [200.0, 1500.0]) / response(found, [middle]) == pytest.approx(math.sqrt(0.5), rel=1e-2)
+    assert response(found, [20.0, 15000.0]).max() < 0.02 * response(found, [middle])[0]  # 40 dB per decade
+
+
+@pytest.mark.parametrize("rate", [12800.0, 51200.0, 102400.0])
+def test_pink_noise_follows_one_over_f_from_a_tenth_of_a_hertz_on(rate: float) -> None:
+    """White noise of rms 1 has a one-sided density of sqrt(2 / rate)."""
+    frequencies = np.geomspace(0.15, 0.25 * rate, 500)
+    cascade = pink(rate)
+    density = np.abs(signal.sosfreqz(cascade, frequencies, fs=rate)[1]) * math.sqrt(2.0 / rate)
+    assert np.abs(20.0 * np.log10(density * np.sqrt(frequencies))).max() < 0.8
+    assert np.abs(signal.sosfreqz(cascade, [1.0], fs=rate)[1][0]) * math.sqrt(2.0 / rate) == pytest.approx(1.0)
+    white = np.abs(signal.sosfreqz(cascade, [1e-3, 5e-3], fs=rate)[1])
+    assert white[1] == pytest.approx(white[0], rel=0.02)
+    decades = math.log10(0.5 * rate / 0.05)
+    assert len(signal.sos2zpk(cascade)[1]) == pytest.approx(2.0 * decades, abs=2.0)
+
+
+def test_a_filter_may_reach_up_to_0_45_of_the_step_rate() -> None:
+    assert list(above_step_rate("sensor.bandwidth", 45000.0, 100000)) == []
+    (sentence,) = above_step_rate("sensor.bandwidth", 45000.1, 100000)
+    assert "above 45000 Hz, 0.45 of the step rate" in sentence
+
+
+def test_the_memory_of_a_filter_starts_at_zero_in_each_column() -> None:
+    found = Filter(low_pass(3000.0, RATE), high_pass(10.0, RATE))
+    impulse = np.zeros((200, 2))
+    impulse[0, 1] = 1.0
+    out = found.process(impulse)
+    assert not out[:, 0].any()
+    assert out[:, 1] == pytest.approx(signal.sosfilt(np.concatenate([low_pass(3000.0, RATE), high_pass(10.0, RATE)]), impulse[:, 1]))

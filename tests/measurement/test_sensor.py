@@ -15,8 +15,10 @@ from hypothesis import strategies as st
 from scipy import signal
 
 from dcrb_ros.measurement.parameters import MICRO_G
-from dcrb_ros.measurement.sensor import Measurement, Sensor
+from dcrb_ros.measurement.sensor import Measurement, Sensor, StageSequence
+from dcrb_ros.measurement.stages.background import Background
 from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.schema.fields import Group
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import load_configuration, parameter_fields
 from dcrb_ros.settings.sensor import PRESETS
@@ -238,3 +240,44 @@ def test_a_fault_may_be_in_one_axis() -> None:
     c = chain(sensor={"fault": "dead", "fault_axis": "y"})
     found = measured(c, tone(c, 1000.0, 0.1)).measured[512:]
     assert (found[:, 0].std() > 0.7, found[:, 1].std()) == (True, 0.0)
+
+
+@pytest.mark.parametrize("clock", [{}, {"clock_offset_ppm": 1000.0}, {"clock_offset_ppm": -1000.0, "clock_jitter": 1e-6}])
+@pytest.mark.parametrize("rate", [12800, 51200])
+def test_the_steps_for_a_number_of_samples_are_enough_and_not_many_more(rate: int, clock: dict[str, float]) -> None:
+    c = chain(sensor={"sampling_rate": rate, **clock}, publishing={"preview_rate": 100})
+    for samples in (1, 7, 500):
+        steps = Sensor(c.measurement).steps(samples)
+        found, fewer = (
+            Sensor(c.measurement).measure(np.zeros((count, 2)), np.zeros(count)).measured for count in (steps, steps - c.step_rate // rate)
+        )
+        assert len(fewer) < len(found)
+        assert samples <= len(found) <= samples + (1 if clock else 0)
+        if not clock:
+            assert len(Sensor(c.measurement).measure(np.zeros((steps - 1, 2)), np.zeros(steps - 1)).measured) == samples - 1
+
+
+def test_the_shaft_turns_at_its_initial_speed_before_the_first_step() -> None:
+    setup = chain(background={"unbalance": 1e-4}).measurement
+    rate = float(setup.step_rate)
+    sequence = StageSequence([Background], setup, rate)
+    found = sequence.process(np.zeros((3, 2)), setup.speed * np.arange(3) / rate)
+    assert np.hypot(*found.T) == pytest.approx(1e-4 * setup.speed**2, rel=1e-9)
+
+
+def test_the_angle_of_a_sample_is_that_of_its_first_step() -> None:
+    c = chain()
+    factor = c.step_rate // c.sensor.sampling_rate
+    angle = np.arange(4000.0)
+    found = Sensor(c.measurement).measure(np.zeros((4000, 2)), angle).angle
+    assert found.tolist() == (factor * np.arange(len(found))).tolist()
+
+
+def test_a_parameter_group_without_the_fields_of_a_stage_is_reported() -> None:
+    parameters = chain().measurement.parameters
+
+    class Unknown(Group):
+        pass
+
+    with pytest.raises(KeyError, match="Unknown"):
+        parameters[Unknown]

@@ -1,23 +1,34 @@
 """Mutation testing: change one operator or number at a time and see whether the tests of that package notice.
 
 ``make mutants`` draws a sample of the mutants of each package with a fixed seed, because all of them would take days: each one runs
-the tests that mirror its package. It works on a copy of the repository and prints every mutant that survived, so that a test can be
-written for it, or a reason be given in `EQUIVALENT` why no test can notice it.
+the tests that mirror its package, those that name the changed module first. It works on a copy of the repository and prints every
+mutant that survived, so that a test can be written for it, or a reason be given in ``equivalent.yaml`` why no test can notice it.
 """
 
 from __future__ import annotations
 
 import argparse
+import ast
+import difflib
 import os
 import random
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
+import time
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
+import hypothesis  # noqa: F401 - imported before the forks, like the next ones
+import matplotlib.figure  # noqa: F401
+import numba
+import pydantic  # noqa: F401
+import pytest
+import scipy.signal
+import scipy.stats  # noqa: F401
 import yaml
 
 ROOT = Path(__file__).parents[2]
@@ -29,34 +40,69 @@ BINARY = ("Add_Sub", "Sub_Add", "Mul_Div", "Div_Mul", "FloorDiv_Div", "Mod_Floor
 COMPARISON = ("Eq_NotEq", "NotEq_Eq", "Lt_LtE", "LtE_Lt", "Gt_GtE", "GtE_Gt", "Lt_Gt", "Gt_Lt", "LtE_GtE", "GtE_LtE")
 UNARY = ("USub_UAdd", "Delete_USub", "Delete_Not")
 LOGIC = ("AddNot", "ReplaceAndWithOr", "ReplaceOrWithAnd", "ReplaceTrueWithFalse", "ReplaceFalseWithTrue", "ReplaceBreakWithContinue")
-OPERATORS = {
+OPERATORS = (
     *(f"core/ReplaceBinaryOperator_{name}" for name in BINARY),
     *(f"core/ReplaceComparisonOperator_{name}" for name in COMPARISON),
     *(f"core/ReplaceUnaryOperator_{name}" for name in UNARY),
     *(f"core/{name}" for name in (*LOGIC, "NumberReplacer")),
-}
+)
 """Mutations that a programmer's slip looks like; most others, such as a float shifted by bits, fail at once."""
 
 
 @dataclass(frozen=True)
 class Target:
-    """Sources to mutate and the commands of which one must fail."""
+    """Sources to mutate and the tests of which one must fail."""
 
     sources: tuple[str, ...]
     tests: tuple[str, ...]
-    """Arguments of pytest, one string per run, the fastest first."""
-    without_compiler: bool = False
-    """Whether the first run has numba's compiler switched off."""
+    """Files or folders with the tests."""
+    kernels: str = ""
+    """Tests that first run without numba's compiler, as arguments of pytest."""
 
 
 TARGETS = {
-    "core": Target(("dcrb_ros/core",), ("tests/core -m kernel", "tests/core tests/bearing"), without_compiler=True),
+    "core": Target(("dcrb_ros/core",), ("tests/core", "tests/bearing"), kernels="tests/core -m kernel"),
     "measurement": Target(("dcrb_ros/measurement",), ("tests/measurement",)),
-    "diagnosis": Target(("dcrb_ros/diagnosis",), ("tests/diagnosis",)),
-    "exam": Target(("dcrb_ros/exam",), ("tests/exam",)),
+    "diagnosis": Target(("dcrb_ros/diagnosis",), ("tests/diagnosis", "tests/api/test_detect.py", "tests/api/test_envelope_spectrum.py")),
+    "exam": Target(("dcrb_ros/exam",), ("tests/exam", "tests/api/test_score.py")),
     "recordings": Target(("dcrb_ros/recordings",), ("tests/recordings",)),
-    "pacing": Target(("dcrb_ros/nodes/pacing.py", "dcrb_ros/nodes/gate.py"), ("tests/nodes/test_pacing.py tests/nodes/test_gate.py",)),
+    "pacing": Target(("dcrb_ros/nodes/pacing.py", "dcrb_ros/nodes/gate.py"), ("tests/nodes/test_pacing.py", "tests/nodes/test_gate.py")),
 }
+
+
+@dataclass(frozen=True, order=True)
+class Mutant:
+    """The occurrence of an operator in a module, by its number."""
+
+    module: str
+    operator: str
+    number: int
+
+    def code(self) -> str | None:
+        """Return the module with the mutation; None if it does not compile or differs in type annotations only."""
+        from cosmic_ray.mutating import mutate_code
+        from cosmic_ray.plugins import get_operator
+
+        source = Path(self.module).read_text(encoding="utf-8")
+        code: str = mutate_code(source, get_operator(self.operator)(), self.number)
+        try:
+            return None if _without_annotations(code) == _without_annotations(source) else code
+        except SyntaxError:
+            return None
+
+    def diff(self, code: str) -> list[str]:
+        """Return the lines that the mutation removes and adds."""
+        source = Path(self.module).read_text(encoding="utf-8").split("\n")
+        return [line for line in difflib.ndiff(source, code.split("\n")) if line.startswith(("-", "+"))]
+
+
+def _without_annotations(code: str) -> str:
+    tree = ast.parse(code)
+    for node in ast.walk(tree):
+        for field in ("annotation", "returns"):
+            if getattr(node, field, None) is not None:
+                setattr(node, field, None if field == "returns" or isinstance(node, ast.arg) else ast.Constant(0))
+    return ast.dump(tree)
 
 
 def copied(folder: Path) -> Path:
@@ -70,83 +116,99 @@ def copied(folder: Path) -> Path:
     return folder
 
 
-def command(target: Target) -> str:
-    """Return the shell command that fails when one of the test runs fails."""
-    runs = [f"{sys.executable} -m pytest -x -q -p no:cacheprovider {tests}" for tests in target.tests]
-    if target.without_compiler:
-        runs[0] = f"env NUMBA_DISABLE_JIT=1 {runs[0]}"
-    return f"sh -c '{' && '.join(runs)}'"
+def test_files(target: Target, module: str) -> list[str]:
+    """Return the test files of a target; those that name the module come first, those of the how-to pages, which are slow, last."""
+    files = [file for test in map(Path, target.tests) for file in ([test] if test.is_file() else sorted(test.rglob("test_*.py")))]
+    name = module.removesuffix(".py").replace("/", ".").removesuffix(".__init__")
+    files.sort(key=lambda file: ("how_to" in (text := file.read_text(encoding="utf-8")), name not in text))
+    return [str(file) for file in files]
 
 
-def mutants(copy: Path, source: str, target: Target) -> Path:
-    """Write a session of all mutants of a source file or folder; return its path."""
-    name = source.replace("/", "_")
-    configuration, session = copy / f"{name}.toml", copy / f"{name}.sqlite"
-    configuration.write_text(
-        f'[cosmic-ray]\nmodule-path = "{source}"\ntimeout = {TIMEOUT}\nexcluded-modules = []\n'
-        f'test-command = "{command(target)}"\n\n[cosmic-ray.distributor]\nname = "local"\n'
-    )
-    subprocess.run([sys.executable, "-m", "cosmic_ray.cli", "init", configuration.name, session.name], cwd=copy, check=True)
-    return session
+def passes(arguments: Sequence[str], *, compiled: bool = True, bytecode: bool = False) -> bool:
+    """Return whether pytest passes in a fork of this process, which spares it the imports; a run that takes too long fails."""
+    pid = os.fork()
+    if pid == 0:
+        status = 1
+        try:
+            os.setsid()
+            null = os.open(os.devnull, os.O_RDWR)
+            for stream in (0, 1, 2):
+                os.dup2(null, stream)
+            sys.dont_write_bytecode = not bytecode
+            if not compiled:
+                os.environ["NUMBA_DISABLE_JIT"] = "1"
+                numba.config.reload_config()  # type: ignore[attr-defined]
+            status = int(pytest.main(["-x", "-q", "-p", "no:cacheprovider", *arguments]))
+        finally:
+            os._exit(status)
+    end = time.monotonic() + TIMEOUT
+    while time.monotonic() < end:
+        ended, status = os.waitpid(pid, os.WNOHANG)
+        if ended:
+            return status == 0
+        time.sleep(0.1)
+    os.killpg(pid, signal.SIGKILL)
+    os.waitpid(pid, 0)
+    return False
 
 
-def sampled(session: Path, count: int, seed: int) -> int:
-    """Leave ``count`` of a session's mutants to run, chosen at random; return how many there were to choose from."""
-    from cosmic_ray.work_db import WorkDB, use_db
-    from cosmic_ray.work_item import WorkerOutcome, WorkResult
-
-    with use_db(str(session), WorkDB.Mode.open) as database:
-        items = sorted(database.work_items, key=lambda item: [repr(m) for m in item.mutations])
-        wanted = [item for item in items if all(m.operator_name in OPERATORS for m in item.mutations)]
-        chosen = {item.job_id for item in random.Random(seed).sample(wanted, min(count, len(wanted)))}
-        skipped = WorkResult(worker_outcome=WorkerOutcome.SKIPPED)
-        database.set_multiple_results([item.job_id for item in items if item.job_id not in chosen], skipped)
-    return len(wanted)
+def survives(target: Target, module: str = "", *, bytecode: bool = False) -> bool:
+    """Return whether all tests of a target pass; stop at the first that fails."""
+    if target.kernels and not passes(target.kernels.split(), compiled=False, bytecode=bytecode):
+        return False
+    return passes(test_files(target, module), bytecode=bytecode)
 
 
-def outcomes(session: Path) -> list[tuple[str, Any]]:
-    """Return where each mutant that ran is and its result."""
-    from cosmic_ray.work_db import WorkDB, use_db
-    from cosmic_ray.work_item import WorkerOutcome
+def mutants(source: str) -> Iterator[Mutant]:
+    """Yield all mutants of a source file or of the modules in a folder."""
+    from cosmic_ray.ast import ast_nodes, get_ast
+    from cosmic_ray.plugins import get_operator
 
-    with use_db(str(session), WorkDB.Mode.open) as database:
-        return [
-            (f"{m.module_path}:{m.start_pos[0]} {m.operator_name.removeprefix('core/')}", result)
-            for item, result in database.completed_work_items
-            if result.worker_outcome != WorkerOutcome.SKIPPED
-            for m in item.mutations
-        ]
+    for path in [Path(source)] if source.endswith(".py") else sorted(Path(source).rglob("*.py")):
+        nodes = list(ast_nodes(get_ast(path.read_text(encoding="utf-8"))))
+        for name in OPERATORS:
+            operator = get_operator(name)()
+            for number in range(sum(len(list(operator.mutation_positions(node))) for node in nodes)):
+                yield Mutant(str(path), name, number)
 
 
-def examine(name: str, count: int, seed: int, copy: Path) -> tuple[int, int]:
+def examine(name: str, count: int, seed: int) -> tuple[int, int]:
     """Run a sample of the mutants of a package; return how many were killed or are equivalent, and how many ran."""
-    from cosmic_ray.work_item import TestOutcome
-
     target = TARGETS[name]
-    subprocess.run(command(target), shell=True, cwd=copy, check=True, stdout=subprocess.DEVNULL)
-    reasons: dict[str, list[dict[str, str]]] = yaml.safe_load(REASONS.read_text()) if REASONS.exists() else {}
+    if not survives(target, bytecode=True):
+        raise SystemExit(f"the tests of {name} fail without any mutation")
+    reasons: dict[str, list[dict[str, str]]] = yaml.safe_load(REASONS.read_text(encoding="utf-8")) if REASONS.exists() else {}
+    population = sorted(mutant for source in target.sources for mutant in mutants(source))
+    random.Random(seed).shuffle(population)
+    valid = ((mutant, code) for mutant in population if (code := mutant.code()) is not None)
     killed = ran = 0
-    for source in target.sources:
-        session = mutants(copy, source, target)
-        share = max(count // len(target.sources), 1)
-        of = sampled(session, share, seed)
-        subprocess.run([sys.executable, "-m", "cosmic_ray.cli", "exec", f"{session.stem}.toml", session.name], cwd=copy, check=True)
-        for place, result in outcomes(session):
-            ran += 1
-            module = place.split(":")[0]
-            reason = next((r["why"] for r in reasons.get(module, []) if r["line"] in _mutated_line(result)), "")
-            if result.test_outcome == TestOutcome.SURVIVED and not reason:
-                print(f"survived: {place}\n{result.diff}\n", flush=True)
-            else:
-                killed += 1
-        print(f"{source}: a sample of {min(share, of)} of {of} mutants", flush=True)
+    for mutant, code in valid:
+        if ran == count:
+            break
+        ran += 1
+        diff, path = mutant.diff(code), Path(mutant.module)
+        removed = " ".join(line[1:].strip() for line in diff if line.startswith("-"))
+        if any(reason["line"] in removed and reason.get("operator", "") in mutant.operator for reason in reasons.get(mutant.module, [])):
+            killed += 1
+            continue
+        survived = _survives_mutated(target, path, code)
+        killed += not survived
+        print(f"{name}: {killed} of {ran}", end="\r", file=sys.stderr, flush=True)
+        if survived:
+            print(f"survived: {mutant.module} {mutant.operator.removeprefix('core/')}", *diff, "", sep="\n", flush=True)
+    print(f"{name}: a sample of {ran} of some {len(population)} mutants", flush=True)
     return killed, ran
 
 
-def _mutated_line(result: Any) -> str:
-    """Return the line that the mutation removed, without its leading blanks."""
-    lines = [line[1:].strip() for line in (result.diff or "").split("\n") if line.startswith("-") and not line.startswith("---")]
-    return " ".join(lines)
+def _survives_mutated(target: Target, path: Path, code: str) -> bool:
+    """Return whether the tests pass with another text of a module, which is put back afterwards."""
+    source, times = path.read_text(encoding="utf-8"), path.stat()
+    path.write_text(code, encoding="utf-8")
+    try:
+        return survives(target, str(path))
+    finally:
+        path.write_text(source, encoding="utf-8")
+        os.utime(path, ns=(times.st_atime_ns, times.st_mtime_ns))
 
 
 def main() -> int:
@@ -162,10 +224,12 @@ def main() -> int:
         parser.error(f"unknown package {sorted(unknown)[0]!r}; give some of {', '.join(TARGETS)}")
     failed = False
     with tempfile.TemporaryDirectory() as folder:
-        copy = copied(Path(folder))
-        os.environ["PYTHONPATH"] = str(copy)
+        os.chdir(copied(Path(folder)))
+        # The compiled kernels and cached filters go there, too: those of a mutant are of no use later.
+        os.environ |= {"PYTHONPATH": folder, "XDG_CACHE_HOME": f"{folder}/.cache"}
+        sys.path.insert(0, folder)
         for name in options.packages or TARGETS:
-            killed, ran = examine(name, options.sample, options.seed, copy)
+            killed, ran = examine(name, options.sample, options.seed)
             failed |= killed < options.least * ran
             print(f"{name}: {killed} of {ran} mutants killed or equivalent", flush=True)
     return 1 if failed else 0

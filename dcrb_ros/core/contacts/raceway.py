@@ -6,6 +6,7 @@ import math
 
 from dcrb_ros.core.contacts.force_line import crosses, crossing_line, elastic, lasting_line
 from dcrb_ros.core.contacts.notch import edge_contact, notch_under, passed, roller_notch_under
+from dcrb_ros.core.contacts.profile import profiles_under
 from dcrb_ros.core.jit import piece
 from dcrb_ros.core.laws.interface import load_memory, normal_range, store_kept, traction_line
 from dcrb_ros.core.layout.records import Floats
@@ -22,7 +23,7 @@ LARGEST_CLOSING = 1.0
 def notch_depth(
     payload: Payload, state: State, work: Workspace, row: int, i: int, nx: float, ny: float, orbit: float, spin: float, inner: bool
 ) -> tuple[float, float]:
-    """Return the depth of notches under a contact, for the step [m], and how fast it grows [m/s].
+    """Return the depth of notches and profiles under a contact, for the step [m], and how fast it grows [m/s].
 
     (nx, ny) points from the ring to the roller, ``orbit`` is the roller's angular speed about the ring's centre, ``spin`` its own [rad/s].
     """
@@ -37,6 +38,11 @@ def notch_depth(
         own, change = roller_notch_under(
             payload.roller_notches, row, i, side * nx, side * ny, angle, way, raceway, payload.roller_radius, inner
         )
+        depth, sink = depth + own, sink + change / payload.step
+    if payload.profiles.row.size > 0:
+        angle = state.rollers[0].angle[row * payload.free.shape[1] + i]
+        turn, turning = (state.shaft[0], state.shaft[1]) if inner else (0.0, 0.0)
+        own, change = profiles_under(payload, row, i, nx, ny, orbit, spin, turn, turning, angle, inner)
         depth, sink = depth + own, sink + change / payload.step
     return depth, sink
 
@@ -135,7 +141,7 @@ def apply_notches(payload: Payload, state: State, work: Workspace, contact: Race
     """Subtract the depth of notches from the penetrations of contacts that are closed or nearly so, and write how fast it grows."""
     bound = work.bound[0]
     for k in range(work.row_ends[work.row_ends.size - 1]):
-        if contact.penetration[k] > -LARGEST_CLOSING * payload.step - normal_range(payload.normal_law):
+        if contact.penetration[k] > -LARGEST_CLOSING * payload.step - normal_range(payload.normal_law) - payload.profile_height:
             row = bound.row[k]
             nx, ny = contact.radial_x[k], contact.radial_y[k]
             orbit = (bound.predicted_vy[k] - mean[1]) * nx - (bound.predicted_vx[k] - mean[0]) * ny
@@ -275,11 +281,11 @@ def linearize_raceway(
     inner: bool,
 ) -> None:
     """Write the contacts of bound rollers with a raceway as lines over the mean velocities of the step, notches included."""
-    if payload.any_notch:
+    if payload.any_defect:
         apply_notches(payload, state, work, contact, mean, inner)
     linearize_smooth(payload, work.bound[0], contact, count, mean, old, ring_speed, inner)
     linearize_crossing(payload, work, contact, mean, old, ring_speed, inner)
-    if payload.any_notch and payload.notch_law != SINK:
+    if payload.any_defect and payload.notch_law != SINK:
         linearize_edges(payload, state, work, contact, mean, old, ring_speed, inner)
 
 

@@ -47,7 +47,7 @@ def classify_rollers(payload: Payload, state: State, work: Workspace, pinned: bo
         state.velocity[OUTER, 0],
         state.velocity[OUTER, 1],
     )
-    acting = normal_range(payload.normal_law)
+    acting = normal_range(payload.normal_law) + payload.profile_height
     inner_reach = payload.inner_raceway_radius + payload.roller_radius + acting
     outer_reach = payload.outer_raceway_radius - payload.roller_radius - acting
     slow_way = h * NEGLIGIBLE_STRIKE * outer_reach

@@ -45,6 +45,9 @@ def find_notches(payload: Payload, state: State, work: Workspace) -> None:
                 rollers.over_notch[c] = 1.0 if over else rollers.over_notch[c]
     for k in range(payload.roller_notches.row.size):
         rollers.over_notch[payload.roller_notches.row[k] * count + payload.roller_notches.roller[k]] = 1.0
+    if payload.profiles.row.size > 0:
+        for c in range(payload.free.size):
+            rollers.over_notch[c] = 1.0
     for c in range(payload.free.size):
         if rollers.over_notch[c] > 0.0 and rollers.near_outer[c] > 0.0:
             write_notch_depth(payload, state, work, c)

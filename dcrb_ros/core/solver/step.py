@@ -80,7 +80,7 @@ def advance_unbound(payload: Payload, state: State, work: Workspace) -> None:
     if not payload.all_free:
         clear_pinned(payload, state)
         return
-    if payload.any_notch:
+    if payload.any_defect:
         find_notches(payload, state, work)
     advance_free(payload, state, work)
     clear_contacts(payload, state, work)

@@ -1,0 +1,303 @@
+"""Rules for the sensor at their thresholds."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+
+from dcrb_ros.diagnosis.evidence import LevelHistory, Levels, SampleEvidence
+from dcrb_ros.diagnosis.parameters import DetectorParameters
+from dcrb_ros.diagnosis.rules.constant import Constant
+from dcrb_ros.diagnosis.rules.dead import Dead
+from dcrb_ros.diagnosis.rules.gain_drift import GainDrift
+from dcrb_ros.diagnosis.rules.loose_mount import LooseMount
+from dcrb_ros.diagnosis.rules.not_finite import NotFinite
+from dcrb_ros.diagnosis.rules.saturation import Saturation
+from dcrb_ros.diagnosis.rules.silence import Silence
+from dcrb_ros.diagnosis.rules.spikes import Spikes, count_spikes
+from dcrb_ros.diagnosis.rules.stuck import Stuck
+
+RATE = 51200
+P = DetectorParameters()
+Floats = npt.NDArray[np.float64]
+
+
+def samples(
+    x: npt.ArrayLike, y: npt.ArrayLike | None = None, *, not_finite: int = 0, sensor_range: float = 0.0, hops: int = 8, rate: int = RATE
+) -> SampleEvidence:
+    first = np.asarray(x, float)
+    second = np.random.default_rng(1).normal(size=len(first)) if y is None else np.asarray(y, float)
+    return SampleEvidence(np.column_stack([first, second]), len(first), not_finite, rate, sensor_range, hops)
+
+
+def noise(count: int = 10000, seed: int = 3) -> Floats:
+    return np.random.default_rng(seed).normal(size=count)
+
+
+def test_a_constant_axis_is_dead_and_the_least_change_is_not() -> None:
+    assert "in Y does not change" in Constant(P).flaw(samples(noise(100), np.full(100, 2.0)))
+    assert Constant(P).flaw(samples(noise(100), [2.0] * 99 + [2.0000001])) == ""
+
+
+@pytest.mark.parametrize(("count", "flaw"), [(100, ""), (101, "101 of 10000 samples are not finite numbers")])
+def test_a_hundredth_of_the_samples_may_be_not_finite(count: int, flaw: str) -> None:
+    assert NotFinite(P).flaw(samples(noise(), not_finite=count)) == flaw
+    assert (NotFinite(P).at_standstill, NotFinite(P).fewest_samples) == (True, 0)
+
+
+def clipped(count: int, limit: float = 3.5) -> Floats:
+    """Return noise within a limit, of which the last ``count`` samples are clipped at it."""
+    column = np.clip(noise(), -0.9 * limit, 0.9 * limit)
+    column[-count:] = limit
+    return column
+
+
+@pytest.mark.parametrize(
+    ("count", "sensor_range", "flawed"),
+    [(1500, 0.0, False), (1501, 0.0, True), (5, 10.0, False), (6, 10.0, True), (6, 3.5 / 0.9, False), (6, 3.9, True), (6, 0.0, False)],
+)
+def test_clipping_is_a_fault_from_its_shares_on(count: int, sensor_range: float, flawed: bool) -> None:
+    rule = Saturation(P)
+    flaw = rule.flaw(samples(clipped(count), sensor_range=sensor_range))
+    assert bool(flaw) is flawed
+    assert rule.clipped == count
+    if flawed:
+        known = f" where its range is {sensor_range:g}" if sensor_range else ""
+        assert flaw == f"the acceleration in X is clipped at 3.5 m/s^2{known} for {count / 1e4:.1%} of the time: the sensor is saturated"
+
+
+def test_both_ends_count_where_two_neighbours_are_equal() -> None:
+    column = clipped(3)
+    column[100:102] = -3.9
+    rule = Saturation(P)
+    assert rule.flaw(samples(column)) == ""
+    assert rule.clipped == 5
+    single = noise()
+    single[[10, 200]] = 9.0
+    rule.flaw(samples(single))
+    assert rule.clipped == 5  # equal peaks that are not neighbours are no clipping
+    rule.flaw(samples(noise(), clipped(4)))
+    assert rule.clipped == 9
+
+
+@pytest.mark.parametrize(("values", "flawed"), [(15, False), (16, True)])
+def test_a_signal_of_few_values_is_not_clipped_but_coarse(values: int, flawed: bool) -> None:
+    column = np.tile(np.arange(values, dtype=float), 1000)[:10000]
+    column[-2000:] = values - 1.0
+    assert bool(Saturation(P).flaw(samples(column))) is flawed
+    late = np.concatenate([np.zeros(256), column])  # only the first 256 samples are looked at
+    late[:256] = np.tile(np.arange(15.0), 18)[:256]
+    assert Saturation(P).flaw(samples(late)) == ""
+
+
+def stuck(share: float, run: int) -> Floats:
+    column = noise()
+    for k in range(round(share * len(column) / run)):
+        column[k * 2 * run + 1 : k * 2 * run + run + 1] = 0.1
+    return column
+
+
+@pytest.mark.parametrize(("share", "run", "flawed"), [(0.0306, 51, True), (0.0255, 51, False), (0.5, 50, False), (0.25, 51, True)])
+def test_runs_of_a_millisecond_may_take_three_per_cent(share: float, run: int, flawed: bool) -> None:
+    assert bool(Stuck(P).flaw(samples(stuck(share, run)))) is flawed
+
+
+def test_runs_at_the_largest_magnitude_are_clipping() -> None:
+    for end in (9.0, -9.0):
+        column = noise()
+        column[:2000] = end
+        assert Stuck(P).flaw(samples(column)) == ""
+    column[:2000] = 2.5
+    assert Stuck(P).flaw(samples(column)) == "the acceleration in X repeats the same value for 20% of the time: the sensor is stuck"
+    assert "in Y" in Stuck(P).flaw(samples(noise(), stuck(0.25, 51)))
+
+
+def tones(densities: dict[tuple[float, float], float], seed: int = 1) -> Floats:
+    """Return a second of tones at random phases with given amplitudes in bands [Hz]."""
+    spectrum, random = np.zeros(RATE // 2 + 1, complex), np.random.default_rng(seed)
+    for (low, high), amplitude in densities.items():
+        bins = np.arange(round(low), round(high))
+        spectrum[bins] = amplitude * np.exp(2j * np.pi * random.random(len(bins)))
+    return np.fft.irfft(spectrum) * RATE
+
+
+@pytest.mark.parametrize("level", [-3.0, 0.0, 5.9, 6.1, 15.0])
+def test_a_signal_is_noise_if_its_low_frequencies_are_not_six_decibels_stronger(level: float) -> None:
+    """The bands are 200 to 2000 Hz and 0.2 to 0.45 of the sampling rate; what lies beside them does not count."""
+    low, beside = 10.0 ** (level / 20.0), 0.7
+    bands = {(50.0, 200.0): beside, (200.0, 2000.0): low, (2000.0, 10240.0): beside, (10240.0, 23040.0): 1.0, (23040.0, 25600.0): beside}
+    column = 4.0 + tones(bands)
+    assert Dead(P)._level_of_noise(column, RATE) == pytest.approx(level, abs=1e-6)
+    flaw = Dead(P).flaw(samples(column, tones({(200.0, 2000.0): 1.0})))
+    assert bool(flaw) is (level < 6.0)
+    if flaw:
+        assert flaw == f"the acceleration in X is noise, only {level:.1f} dB stronger at 200 to 2000 Hz: the sensor is dead"
+    assert bool(Dead(P).flaw(samples(tones({(200.0, 2000.0): 1.0}), column))) is (level < 6.0)
+
+
+@pytest.mark.parametrize(("kurtosis", "found"), [(3.9, True), (4.1, False)])
+def test_a_signal_with_impacts_is_not_noise(kurtosis: float, found: bool) -> None:
+    column = noise(50000)
+    # One sample in a hundred of height h has a kurtosis of (3 + h^4 / 100) / (1 + h^2 / 100)^2, here about.
+    heights = np.linspace(1.0, 9.0, 4000)
+    place = np.arange(len(column)) % 100 == 50
+
+    def measured(height: float) -> float:
+        changed = np.where(place, height * np.sign(column), column)
+        centred = changed - changed.mean()
+        return float(np.mean(centred**4) / np.mean(centred**2) ** 2)
+
+    height = min(heights, key=lambda h: abs(measured(h) - kurtosis))
+    changed = np.where(place, height * np.sign(column), column)
+    assert (Dead(P)._level_of_noise(changed, RATE) is not None) is found
+
+
+@pytest.mark.parametrize(("power", "flawed"), [(2.0e-6, False), (1.99e-6, True), (0.0, False), (1e-12, True)])
+def test_a_working_sensor_has_a_millimetre_per_second_squared_in_some_band(power: float, flawed: bool) -> None:
+    """The mean squared envelope is twice the power: 2 (1e-3)^2."""
+    flaw = Silence(P).flaw(SimpleNamespace(powers=np.array([0.0, power, 0.0])))  # type: ignore[arg-type]
+    assert bool(flaw) is flawed
+
+
+def levels(*change: float, level: tuple[float, ...] = (), third: int | None = 2) -> Any:
+    return SimpleNamespace(levels=Levels(np.array(level or change), np.array(change)), third=third)
+
+
+@pytest.mark.parametrize(
+    ("change", "flawed"),
+    [
+        ((-3.0, -3.0, -3.0), True),
+        ((-2.99, -3.0, -3.0), False),
+        ((-3.5, -4.0, -4.5), True),  # a spread of a quarter of the mean
+        ((-3.49, -4.0, -4.51), False),
+        ((3.0, 3.0, 3.0), False),
+        ((-9.0,), False),
+    ],
+)
+def test_a_gain_drifts_if_all_bands_fall_alike(change: tuple[float, ...], flawed: bool) -> None:
+    flaw = GainDrift(P).flaw(levels(*change))
+    assert flaw == (f"all bands have decreased by {-np.mean(change):.1f} dB at the same speed: the gain of the sensor drifts" if flawed else "")
+
+
+def test_a_drift_lasts_until_a_band_has_recovered() -> None:
+    rule = GainDrift(P)
+    assert rule.flaw(levels(-3.0, -9.0)) == ""  # never fell together
+    assert rule.flaw(levels(-4.0, -4.0))
+    assert rule.flaw(levels(-3.0, -9.0))
+    assert rule.flaw(SimpleNamespace(levels=None)) == ""  # type: ignore[arg-type]
+    assert rule.flaw(levels(-2.9, -9.0)) == ""
+    assert rule.flaw(levels(-3.0, -9.0)) == ""
+
+
+def test_a_loose_mount_has_lost_eight_decibels_and_is_below_its_level() -> None:
+    def level(value: float) -> Any:
+        return levels(0.0, 0.0, 0.0, 0.0, level=(50.0, 50.0, 7.0 + value, 7.0))
+
+    rule = LooseMount(P)
+    assert [rule.flaw(level(value)) for value in (-14.0, -22.9)] == ["", ""]
+    expected = "the third quarter of the band has decreased from 14.0 to 23.0 dB below the band under the detector's"
+    assert rule.flaw(level(-23.0)) == f"{expected}: the mount of the sensor is loose"
+    rule = LooseMount(P)
+    assert [rule.flaw(level(value)) for value in (-40.0, -47.9)] == ["", ""]
+    assert rule.flaw(level(-48.0))
+    assert LooseMount(DetectorParameters(firm_level=-10.0)).flaw(level(-23.0))
+    assert LooseMount(P).flaw(levels(0.0, 0.0, 0.0, 0.0, level=(50.0, 50.0, -90.0, 7.0), third=None)) == ""
+    assert LooseMount(P).flaw(SimpleNamespace(levels=None, third=2)) == ""  # type: ignore[arg-type]
+
+
+def test_levels_are_averaged_over_four_hops_and_compared_with_the_first_average() -> None:
+    history, powers = LevelHistory(), np.array([1.0, 100.0])
+    assert [history.add(powers, 20.0) for _ in range(3)] == [None] * 3
+    first = history.add(10.0 * powers, 20.0)
+    assert first is not None
+    assert first.level.tolist() == [2.5, 22.5]
+    assert first.change.tolist() == [0.0, 0.0]
+    second = history.add(10.0 * powers, 20.0)
+    assert second is not None
+    assert second.change.tolist() == [2.5, 2.5]
+    assert history.add(np.array([0.0, 1.0]), 20.0) is None
+    assert history.add(powers, 0.0) is None
+    assert history.add(powers, 20.59) is not None  # not quite 3 % faster
+    assert history.add(powers, 20.61) is None
+    assert [history.add(powers, 20.61) is None for _ in range(3)] == [True, True, False]
+    history.restart()
+    assert [history.add(powers, 20.61) is None for _ in range(4)] == [True, True, True, False]
+
+
+def spiked(*, before: float = 0.0, front: float = 1.0, swing: float = 0.0, height: float = 100.0, at: int = 5000) -> Floats:
+    """Return noise of median magnitude 1 with a spike: shares of its height before it, in its first sample, and to the other side."""
+    column = noise()
+    column /= np.median(np.abs(column - np.median(column)))
+    column -= np.median(column)
+    column[at - 10 : at + 60] = 0.0
+    column[at - 4] = before * height
+    column[at : at + 3] = front * height, height, 0.5 * height
+    column[at + 8] = -swing * height
+    return column
+
+
+@pytest.mark.parametrize(
+    ("changes", "count"),
+    [
+        ({}, 1),
+        ({"height": 27.0}, 1),
+        ({"height": 23.0}, 0),
+        ({"before": 0.10}, 1),
+        ({"before": 0.14}, 0),
+        ({"before": -0.14}, 0),
+        ({"front": 0.92}, 1),
+        ({"front": 0.88}, 0),
+        ({"swing": 0.13}, 1),
+        ({"swing": 0.17}, 0),
+        ({"at": 10000 - 61}, 1),
+    ],
+)
+def test_a_spike_is_quiet_before_steep_and_without_overshoot(changes: dict[str, Any], count: int) -> None:
+    assert count_spikes(spiked(**changes), 51, P) == count
+    assert count_spikes(-spiked(**changes), 51, P) == count
+    assert count_spikes(7.0 + spiked(**changes), 51, P) == count
+
+
+def test_only_the_millisecond_after_a_spike_and_four_samples_before_it_count() -> None:
+    late, early = spiked(), spiked()
+    late[5000 + 51], early[5000 - 5] = -20.0, 14.0
+    assert count_spikes(late, 51, P) == 1
+    assert count_spikes(late, 52, P) == 0
+    assert count_spikes(early, 51, P) == 1
+
+
+@pytest.mark.parametrize("place", [3, 4, 9948, 9949])
+def test_a_spike_needs_samples_on_either_side(place: int) -> None:
+    column = noise()
+    column[place : place + 2] = 200.0, 100.0
+    column[max(0, place - 4) : place] = 0.0
+    assert count_spikes(column, 51, P) == (4 <= place < 9949)
+
+
+def test_a_silent_signal_has_no_spikes() -> None:
+    column = np.zeros(1000)
+    column[500] = 1.0
+    assert count_spikes(column, 51, P) == 0
+
+
+def test_a_spike_is_found_where_many_samples_are_large() -> None:
+    """A median is above a threshold only if more than half of the samples are."""
+    column = np.where(np.arange(10000) % 5 < 2, 9.0, 0.0) * np.sign(noise()) + 0.1 * noise()
+    column[4990:5060] = 0.0
+    column[5000:5002] = 200.0, 100.0
+    median = float(np.median(np.abs(column - np.median(column))))
+    assert 25.0 * median < 200.0
+    assert count_spikes(column, 51, P) >= 1
+
+
+def test_spikes_of_a_window_add_up() -> None:
+    rule, quiet = Spikes(P), noise()
+    assert [bool(rule.flaw(samples(spiked(), quiet, hops=3))) for _ in range(3)] == [False, False, True]
+    assert rule.flaw(samples(spiked(), quiet, hops=3)) == "3 spikes without ringing in the window: a cable or its plug is loose"
+    assert rule.flaw(samples(quiet, quiet, hops=3)) == ""  # none in this hop
+    assert rule.flaw(samples(spiked(), quiet, hops=3)) == ""  # two in the window
+    assert Spikes(P).flaw(samples(spiked(), spiked(), hops=3)) == ""

@@ -1,0 +1,219 @@
+"""Detectors run on recordings, recordings kept in a folder, and recordings as scenarios."""
+
+from __future__ import annotations
+
+import os
+import time
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+from made_up_blocks import BODIES, blocks, recorded
+
+from dcrb_ros.exam import evaluation, in_process, recording_cache
+from dcrb_ros.exam.criteria import Criteria
+from dcrb_ros.exam.detector_run import run_detector
+from dcrb_ros.exam.evaluation import named, record_all, score_recordings
+from dcrb_ros.exam.exam_file import exam_of
+from dcrb_ros.exam.expectation import Expectation
+from dcrb_ros.exam.recorded_case import RecordedCase, read_recorded_case
+from dcrb_ros.exam.recording_cache import ABANDONED, cache_path, cached_recording, checked_folder
+from dcrb_ros.messages.received_diagnosis import ReceivedDiagnosis
+from dcrb_ros.messages.statuses import Status, encode_diagnostics, encode_truth
+from dcrb_ros.messages.topics import DIAGNOSIS, GROUND_TRUTH, Message
+from dcrb_ros.recordings.recorder import Recorder
+from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.settings.configuration import Configuration
+from dcrb_ros.simulation.block import Truth
+
+CASES = exam_of({"exam": "t", "scenarios": [{"name": f"Well {k}!", "verdict": "healthy"} for k in range(3)]}, "t").cases
+
+
+class Echo:
+    """Names the fault of every second block."""
+
+    def __init__(self) -> None:
+        self.seen: list[tuple[int, int]] = []
+
+    def update(self, index: int, acceleration: Any, shaft_angle: Any, /) -> str | None:
+        self.seen.append((index, len(shaft_angle)))
+        return "cage" if len(self.seen) % 2 else None
+
+
+def test_a_verdict_is_dated_by_the_last_sample_of_its_block(tmp_path: Path) -> None:
+    bag, detector = recorded(tmp_path / "bag", 4), Echo()
+    found = run_detector(lambda orders, rate: detector, bag)
+    assert [index for index, _ in detector.seen] == [0, 1024, 2048, 3072]
+    assert found == [ReceivedDiagnosis(1023 / 51200, "cage"), ReceivedDiagnosis(3071 / 51200, "cage")]
+
+
+def test_a_detector_that_asks_for_it_is_given_the_range_of_the_sensor(tmp_path: Path) -> None:
+    detector = Echo()
+    detector.sensor_range = -1.0  # type: ignore[attr-defined]
+    run_detector(lambda orders, rate: detector, recorded(tmp_path / "bag", 2))
+    assert detector.sensor_range == 5000.0  # type: ignore[attr-defined]
+    plain = Echo()
+    run_detector(lambda orders, rate: plain, tmp_path / "bag")
+    assert not hasattr(plain, "sensor_range")
+
+
+def test_an_unknown_verdict_of_a_detector_is_refused(tmp_path: Path) -> None:
+    detector = SimpleNamespace(update=lambda *_: "cgae")
+    with pytest.raises(Refusal, match=r"update returned 'cgae', which is not a verdict: .*did you mean 'cage'"):
+        run_detector(lambda orders, rate: detector, recorded(tmp_path / "bag", 1))
+
+
+def test_the_path_of_a_recording_has_a_readable_name(tmp_path: Path) -> None:
+    name = cache_path(CASES[0], tmp_path).name
+    assert name.startswith("well-0-")
+    assert len(name) == len("well-0-") + 16
+    long = exam_of({"exam": "t", "scenarios": [{"name": "x" * 200, "verdict": "healthy"}]}, "t").cases[0]
+    assert len(cache_path(long, tmp_path).name) == 60 + 1 + 16
+
+
+@pytest.mark.parametrize(("age", "kept"), [(ABANDONED - 600.0, True), (ABANDONED + 600.0, False)])
+def test_unfinished_recordings_are_deleted_after_a_day(age: float, kept: bool, tmp_path: Path) -> None:
+    assert ABANDONED == 24 * 3600.0
+    unfinished, other = tmp_path / ".making-abc", tmp_path / "finished"
+    for folder in (unfinished, other):
+        folder.mkdir()
+        os.utime(folder, (time.time() - age,) * 2)
+    assert checked_folder(tmp_path) == tmp_path
+    assert unfinished.is_dir() is kept
+    assert other.is_dir()
+    assert checked_folder(tmp_path / "new" / "deep").is_dir()
+
+
+def test_a_recording_that_another_process_finished_first_is_used(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = cache_path(CASES[0], tmp_path)
+
+    def simulate(case: Any, target: Path) -> None:
+        target.mkdir()
+        path.mkdir(exist_ok=True)
+        (path / "theirs").touch()
+
+    monkeypatch.setattr(recording_cache, "_simulate", simulate)
+    assert cached_recording(CASES[0], tmp_path) == path
+    assert [file.name for file in tmp_path.iterdir()] == [path.name]
+    assert [file.name for file in path.iterdir()] == ["theirs"]
+
+
+def test_a_recording_that_cannot_be_put_in_its_place_is_an_error(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def simulate(case: Any, target: Path) -> None:
+        target.mkdir()
+        cache_path(CASES[0], tmp_path).write_text("a file is in the way")
+
+    monkeypatch.setattr(recording_cache, "_simulate", simulate)
+    with pytest.raises(OSError, match=r"well-0"):
+        cached_recording(CASES[0], tmp_path)
+    assert not list(tmp_path.glob(".making-*"))
+
+
+def test_only_missing_recordings_are_simulated_and_all_are_reported(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    made: list[str] = []
+
+    def recording(case: Case, folder: Path) -> Path:
+        made.append(case.expectation.name)
+        return cache_path(case, folder)
+
+    monkeypatch.setattr(evaluation, "cached_recording", recording)
+    monkeypatch.setattr(evaluation, "in_processes", lambda calls, workers: [(name, call()) for name, call in calls.items()])
+    cache_path(CASES[1], tmp_path).mkdir()
+    done: list[str] = []
+    found = record_all(CASES, tmp_path, 1, done.append)
+    assert made == ["Well 0!", "Well 2!"]
+    assert found == {case.expectation.name: cache_path(case, tmp_path) for case in CASES}
+    assert sorted(done) == ["Well 0!", "Well 1!", "Well 2!"]
+
+
+def test_no_more_processes_are_started_than_there_are_calls(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[int] = []
+    monkeypatch.setattr(evaluation, "in_processes", lambda calls, workers: (asked.append(workers), [])[1])
+    for workers in (2, 9):
+        record_all(CASES, tmp_path, workers, lambda _: None)
+    assert asked == [2, 3]
+
+
+def test_an_error_names_its_scenario() -> None:
+    def fail(error: Exception) -> None:
+        raise error
+
+    with pytest.raises(Refusal, match="scenario 'a': too short"):
+        named("a", lambda: fail(Refusal("too short")))
+    with pytest.raises(RuntimeError, match="scenario 'a' could not be evaluated: broken"):
+        named("a", lambda: fail(ValueError("broken")))
+    with pytest.raises(RuntimeError, match="could not be evaluated: ValueError"):
+        named("a", lambda: fail(ValueError()))
+    assert named("a", lambda: 3) == 3
+
+
+def test_a_recording_without_diagnoses_is_not_scored() -> None:
+    expectation = Expectation("bag", "healthy", 1.0)
+    good = RecordedCase(Path("bag"), expectation, (ReceivedDiagnosis(0.5, "healthy"),), ())
+    assert [result.passed for result in score_recordings([good], Criteria())] == [True]
+    with pytest.raises(Refusal, match="bag has no messages on diagnosis"):
+        score_recordings([good, RecordedCase(Path("bag"), expectation, (), ())], Criteria())
+
+
+@pytest.mark.parametrize("workers", [0, 257])
+def test_from_one_to_256_processes_are_allowed(workers: int) -> None:
+    with pytest.raises(Refusal, match=rf"workers = {workers} is outside 1 \.\. 256"):
+        in_process.score(lambda orders, rate: Echo(), "smoke", workers=workers)
+
+
+def test_processes_are_started_for_more_than_one_worker(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    file = tmp_path / "own.yaml"
+    file.write_text("{exam: own, scenarios: [{name: well, verdict: healthy}]}", encoding="utf-8")
+    asked: list[int] = []
+    monkeypatch.setattr(in_process, "record_all", lambda cases, folder, workers, on_done: (asked.append(workers), {"well": tmp_path})[1])
+    monkeypatch.setattr(in_process, "cached_recording", lambda case, folder: (asked.append(1), tmp_path)[1])
+    monkeypatch.setattr(in_process, "run_detector", lambda factory, bag: [ReceivedDiagnosis(5.0, "healthy")])
+    for workers in (1, 2, 256):
+        report = in_process.score(Echo, file, recordings=tmp_path / "kept", workers=workers)  # type: ignore[arg-type]
+        assert (report.passed, report.detector, report.exam) == (True, "Echo", "own")
+    assert asked == [1, 2, 256]
+
+
+def truths(path: Path, *faults: dict[str, dict[str, float]], begin: float = 2.0) -> RecordedCase:
+    """Record a ground truth every second and a diagnosis half a second later."""
+    with Recorder(path, Configuration(), BODIES) as recorder:
+        for number, present in enumerate(faults):
+            stamp = round((begin + number) * 1e9)
+            truth = Truth(stamp, 60.0, (300.0, -1e5), {}, present)
+            recorder.write_messages([Message(GROUND_TRUTH, stamp, encode_truth(truth))])
+            later = stamp + 500_000_000
+            status = encode_diagnostics(later, [Status("mine", 0, "", {"verdict": "healthy"})])
+            recorder.write_messages([Message(DIAGNOSIS, later, status)])
+    return read_recorded_case(path, name="mine")
+
+
+def test_the_expectation_of_a_recording_follows_from_its_ground_truth(tmp_path: Path) -> None:
+    spalls = {"outer_1": {"width": 0.002, "onset": 3.0}, "inner_1": {"width": 0.001, "onset": 4.0}}
+    recorded_case = truths(tmp_path / "bag", {}, {"outer_1": spalls["outer_1"]}, spalls)
+    found = recorded_case.expectation
+    assert (found.name, found.verdict, found.begin, found.duration) == ("mine", "compound", 2.0, 2.5)
+    assert (found.onset, found.first_onset, found.bearing_onset) == (4.0, 3.0, 3.0)
+    assert found.tags == {"speed": 60.0, "speed_rpm": 573.0, "load": 1e5, "width": 0.002}
+    assert [diagnosis.time for diagnosis in recorded_case.diagnoses] == [2.5, 3.5, 4.5]
+    assert recorded_case.damage == ()
+
+
+def test_the_expectation_of_a_healthy_recording_has_no_onset(tmp_path: Path) -> None:
+    found = truths(tmp_path / "bag", {}, {}).expectation
+    assert (found.verdict, found.onset, found.first_onset, found.bearing_onset) == ("healthy", 0.0, 2.0, None)
+    assert "width" not in found.tags
+
+
+def test_a_sensor_fault_hides_no_bearing_fault_unless_there_is_one(tmp_path: Path) -> None:
+    dead = {"sensor.dead": {"severity": 1.0, "axis": 0.0, "onset": 0.5}}
+    found = truths(tmp_path / "bag", dead, dead).expectation
+    assert (found.verdict, found.onset, found.bearing_onset) == ("sensor", 2.0, None)  # not before the recording begins
+
+
+def test_made_up_blocks_are_read_back(tmp_path: Path) -> None:
+    found = read_recorded_case(recorded(tmp_path / "bag", 3)).expectation
+    assert (found.name, found.verdict) == ("bag", "healthy")
+    assert sum(len(block.acceleration) for block in blocks(3)) == 3 * 1024
+    assert np.isclose(found.duration, 2 * 1024 / 51200)

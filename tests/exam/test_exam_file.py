@@ -1,0 +1,147 @@
+"""Exam files expanded into cases: boundaries, names, tags and twins."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from dcrb_ros.exam.case import Case, derived_tags
+from dcrb_ros.exam.exam_file import MOST_CASES, Exam, exam_of, read_exam
+from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.settings.configuration import Configuration
+
+SPALL = {"name": "outer", "verdict": "outer_ring", "fault": {"faults.outer_1.width": 0.002}}
+WELL = {"name": "well", "verdict": "healthy"}
+
+
+def exam(*scenarios: dict[str, Any], **changes: Any) -> Exam:
+    """Return an exam of short scenarios."""
+    tree = {"exam": "tiny", "duration": 0.2, "onset": 0.1, "criteria": {"delay": {"outer_ring": 0.1, "sensor": 0.1}}, **changes}
+    return exam_of({**tree, "scenarios": list(scenarios)}, "tiny")
+
+
+def first(*scenarios: dict[str, Any], **changes: Any) -> Case:
+    return exam(*scenarios, **changes).cases[0]
+
+
+def refused(*scenarios: Any, **changes: Any) -> str:
+    with pytest.raises(Refusal) as found:
+        exam(*scenarios, **changes)
+    return str(found.value)
+
+
+@pytest.mark.parametrize("seeds", [MOST_CASES, MOST_CASES + 1])
+def test_an_exam_may_have_ten_thousand_scenarios(seeds: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    assert MOST_CASES == 10_000
+    monkeypatch.setattr("dcrb_ros.exam.exam_file.MOST_CASES", seeds - MOST_CASES + 3)
+    assert len(exam(WELL, seeds=list(range(1, seeds - MOST_CASES + 4))).cases) == seeds - MOST_CASES + 3
+    assert "an exam must have 1 to" in refused(WELL, seeds=list(range(1, seeds - MOST_CASES + 5)))
+
+
+def test_a_scenario_may_end_exactly_at_the_limit() -> None:
+    assert first({**SPALL, "duration": 0.2}).run.duration == 0.2
+    assert "it ends 0.0999 s after the onset" in refused({**SPALL, "duration": 0.1999})
+    assert first({**WELL, "duration": 0.1}).run.duration == 0.1  # nothing to detect
+
+
+@pytest.mark.parametrize(("width", "required"), [(0.0009, False), (0.001, True), (0.002, True)])
+def test_defects_of_the_smallest_width_are_required(width: float, required: bool) -> None:
+    assert first({**SPALL, "fault": {"faults.outer_1.width": width}}).expectation.required is required
+    assert first({**SPALL, "fault": {"faults.outer_1.width": width}, "required": False}).expectation.required is False
+
+
+def test_a_fault_without_width_is_required() -> None:
+    assert first({"name": "dead", "verdict": "sensor", "fault": {"sensor.fault": "dead"}}).expectation.required
+
+
+@pytest.mark.parametrize(
+    ("scenario", "twins"),
+    [(SPALL, 1), ({**SPALL, "twin": False}, 0), (WELL, 0), ({**SPALL, "fault": {}, "set": {"faults.outer_1.width": 0.002}}, 0)],
+)
+def test_a_scenario_with_a_fault_at_an_onset_has_a_twin(scenario: dict[str, Any], twins: int) -> None:
+    found = exam({**scenario, "duration": 0.3}).cases
+    assert len(found) == 1 + twins
+    assert bool(found[0].expectation.twin) == bool(twins)
+    assert all(case.expectation.verdict == "healthy" for case in found[1:])
+
+
+def test_a_twin_is_as_long_as_the_longest_of_its_scenarios_and_keeps_their_timeline() -> None:
+    timeline = [{"at": 0.05, "set": {"operating.speed": 100.0}}]
+    long, short = ({**SPALL, "name": name, "duration": duration, "timeline": timeline} for name, duration in (("a", 0.4), ("b", 0.3)))
+    for order in ((long, short), (short, long)):
+        (*_, twin) = exam(*order).cases
+        assert (twin.run.duration, twin.expectation.duration) == (0.4, 0.4)
+        assert twin.run.scenario == {"timeline": timeline}
+    assert exam(SPALL).cases[1].run.scenario is None
+
+
+def test_names_have_the_parts_that_vary() -> None:
+    points = {"slow": {"operating.speed": 60.0}, "fast": {"operating.speed": 180.0}}
+    names = [case.expectation.name for case in exam({**SPALL, "points": ["slow"]}, points=points).cases]
+    assert names == ["outer", "twin/slow"]
+    names = [case.expectation.name for case in exam({**SPALL, "twin": False}, points=points, seeds=[3, 4]).cases]
+    assert names == ["outer/slow/seed3", "outer/slow/seed4", "outer/fast/seed3", "outer/fast/seed4"]
+    (case, twin) = exam({**SPALL, "points": ["slow"], "seeds": [9], "tags": {"where": "here"}}, points=points, seeds=[1, 2]).cases
+    assert case.run.configuration.simulation.seed == 9
+    assert (case.expectation.tags["where"], case.expectation.tags["point"], twin.expectation.tags["point"]) == ("here", "slow", "slow")
+    assert "where" not in twin.expectation.tags
+    lists = {"name": "v", "verdict": "healthy", "set": {"operating.speed": [60.0, 70.0], "operating.load": [1e4, 2e4]}}
+    names = [case.expectation.name for case in exam(lists).cases]
+    assert names == ["v/speed=60.0/load=10000.0", "v/speed=60.0/load=20000.0", "v/speed=70.0/load=10000.0", "v/speed=70.0/load=20000.0"]
+
+
+def test_twins_of_different_configurations_have_different_names() -> None:
+    found = exam({**SPALL, "set": {"operating.speed": [60.0, 70.0, 80.0]}}).cases
+    assert [case.expectation.name for case in found[3:]] == ["twin", "twin-2", "twin-3"]
+    assert [case.expectation.twin for case in found[:3]] == ["twin", "twin-2", "twin-3"]
+
+
+def test_tags_are_derived_from_configuration_and_changes() -> None:
+    configuration = Configuration.model_validate(
+        {"operating": {"speed": 100.0, "load": 3e4, "lateral_load": 4e4}, "faults": {"outer_1": {"width": 0.002}}}
+    )
+    tags = derived_tags(configuration, {"faults.inner_1.width": 0.003, "faults.inner_1.depth": 0.9, "operating.speed": 0.5})
+    assert tags == {"speed": 100.0, "speed_rpm": 954.9, "load": 5e4, "joint": configuration.cage.joint, "width": 0.003}
+    assert derived_tags(configuration, {})["width"] == 0.002
+    assert "width" not in derived_tags(Configuration(), {"operating.speed": 0.5})
+
+
+@pytest.mark.parametrize(
+    ("changes", "sentence"),
+    [
+        ({"scenarios": 3}, "tiny: scenarios = 3 is refused: input should be a valid list"),
+        ({"scenarios": [3]}, "tiny: scenarios: 0 = 3 is refused"),
+        ({"scenarios": [WELL, {"verdict": "healthy"}]}, "tiny: scenario 2: the key 'name' is missing"),
+        ({"criteria": {"delay": {"cog": 1.0}}}, "criteria.delay: unknown key 'cog' (known: outer_ring"),
+        ({"criteria": {"found": 2.0}}, "criteria: found = 2.0 is refused: input should be less than or equal to 1"),
+        ({"scenarios": [{**WELL, "duration": 0.05}]}, "scenario 'well': duration = 0.05 is refused"),
+    ],
+)
+def test_the_place_of_an_error_is_named(changes: dict[str, Any], sentence: str) -> None:
+    with pytest.raises(Refusal) as found:
+        exam_of({"exam": "tiny", "scenarios": [WELL], **changes}, "tiny")
+    assert sentence in str(found.value)
+
+
+def test_an_unknown_exam_is_refused_and_a_file_is_read(tmp_path: Path) -> None:
+    with pytest.raises(Refusal, match=r"there is no exam 'smoek': .*did you mean 'smoke'"):
+        read_exam("smoek")
+    file = tmp_path / "own.yaml"
+    file.write_text("{exam: own, about: mine, scenarios: [{name: well, verdict: healthy}]}", encoding="utf-8")
+    found = read_exam(file)
+    assert (found.name, found.about, len(found.cases)) == ("own", "mine", 1)
+    with pytest.raises(Refusal, match="is not an exam"):
+        exam_of([1], "list.yaml")
+
+
+def test_a_hidden_bearing_fault_needs_a_sensor_verdict() -> None:
+    fault = {"sensor.fault": "dead", "faults.outer_1.width": 0.002}
+    assert first({"name": "both", "verdict": "sensor", "fault": fault}).expectation.bearing_onset == 0.1
+    assert first({"name": "dead", "verdict": "sensor", "fault": {"sensor.fault": "dead"}}).expectation.bearing_onset is None
+    assert first(SPALL).expectation.bearing_onset is None
+
+
+def test_a_healthy_case_has_no_onset() -> None:
+    assert first({**WELL, "onset": 0.05}).expectation.onset == 0.0

@@ -1,0 +1,287 @@
+"""The report of an exam: numbers, sentences, tables, figures and JUnit XML."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from junitparser import Failure, JUnitXml, Skipped
+from matplotlib.axes import Axes
+from matplotlib.colors import to_hex
+from matplotlib.figure import Figure
+from rich.console import Console
+from rich.table import Table
+
+from dcrb_ros.exam import figure
+from dcrb_ros.exam.criteria import Criteria
+from dcrb_ros.exam.expectation import Expectation
+from dcrb_ros.exam.figure import COLOURS, write_figure
+from dcrb_ros.exam.junit import write_junit
+from dcrb_ros.exam.report import Report
+from dcrb_ros.exam.scoring import FalseAlarm, ScenarioResult
+from dcrb_ros.exam.statistics import Interval, share
+from dcrb_ros.exam.table import MOST_FAILURES, bounds, number, sentences, tables
+from dcrb_ros.runtime.refusal import Refusal
+
+
+def result(
+    verdict: str,
+    answer: str,
+    delay: float | None = None,
+    *,
+    width: float | None = None,
+    score: float | None = None,
+    alarms: tuple[float, ...] = (),
+    required: bool = True,
+    healthy: float = 4.0,
+    **more: Any,
+) -> ScenarioResult:
+    """Return the result of a scenario of 10 s whose fault appears at 4 s."""
+    tags: dict[str, str | float] = {} if width is None else {"width": width}
+    expectation = Expectation(f"{verdict}/{width}", verdict, 10.0, 4.0, tags, required=required)
+    flaw = "" if answer == verdict else f"diagnosed as {answer}"
+    raised = tuple(FalseAlarm(time, "cage") for time in alarms)
+    return ScenarioResult(expectation, answer, delay, delay, raised, healthy, score, 20, flaw, **more)
+
+
+def report(*results: ScenarioResult, **criteria: Any) -> Report:
+    return Report("made up", "nobody", Criteria.model_validate(criteria), "0" * 64, results)
+
+
+MIXED = report(
+    result("outer_ring", "outer_ring", 1.0, width=0.002, score=3.0),
+    result("outer_ring", "outer_ring", 2.0, width=0.002, score=2.0),
+    result("outer_ring", "healthy", None, width=0.001, score=1.0),
+    result("sensor", "sensor", 0.5, score=9.0),
+    result("healthy", "healthy", score=0.5, healthy=1796.0),
+    result("healthy", "cage", score=1.5, alarms=(1.0, 6.0), healthy=1788.0),
+)
+
+
+def test_the_statistics_of_a_report_follow_from_its_results() -> None:
+    assert MIXED.hours == pytest.approx(1.0)
+    assert (MIXED.alarms, MIXED.alarm_rate().value) == (2, pytest.approx(2.0))
+    outer, sensor = MIXED.delays()
+    assert (outer.verdict, outer.limit, outer.found, outer.scenarios, outer.median, outer.p95) == ("outer_ring", 5.0, 2, 3, 1.5, 1.95)
+    assert (sensor.verdict, sensor.found, sensor.scenarios) == ("sensor", 1, 1)
+    narrow, wide = MIXED.detections()
+    assert [(d.verdict, d.width, d.found, d.scenarios) for d in (narrow, wide)] == [
+        ("outer_ring", 0.001, 0, 1),
+        ("outer_ring", 0.002, 2, 2),
+    ]
+    assert wide.probability == share(2, 2)
+    curve = MIXED.characteristic()
+    assert curve is not None
+    assert curve.area == pytest.approx(5.0 / 6.0)  # without the sensor fault: 3, 2, 1 against 0.5, 1.5
+    counts = {(right, answer): n for right, row in MIXED.confusion().items() for answer, n in row.items() if n}
+    assert counts == {
+        ("healthy", "healthy"): 1,
+        ("healthy", "cage"): 1,
+        ("outer_ring", "outer_ring"): 2,
+        ("outer_ring", "healthy"): 1,
+        ("sensor", "sensor"): 1,
+    }
+
+
+@pytest.mark.parametrize(
+    ("criteria", "holds"),
+    [
+        ({"found": 0.75, "false_alarms": 2}, [True, True, True]),
+        ({"found": 0.76, "false_alarms": 1}, [False, False, True]),
+    ],
+)
+def test_a_criterion_is_met_at_its_limit(criteria: dict[str, Any], holds: list[bool]) -> None:
+    checks = report(*MIXED.results, **criteria).checks()
+    assert [check.holds for check in checks] == holds
+    assert [check.got for check in checks] == ["3 of 4", "2", "0"]
+    assert checks[0].name == "required faults detected in time with the correct verdict"
+    assert report(name_right=False).checks()[0].name == "required faults detected in time"
+
+
+def test_missing_verdicts_and_faults_that_are_not_required_are_told_apart() -> None:
+    assert report(result("cage", "healthy", required=False)).passed
+    assert report().passed
+    assert not report(result("healthy", "nothing", broken=True)).passed
+
+
+def test_a_report_as_a_tree_has_null_for_what_does_not_exist() -> None:
+    tree = MIXED.described()
+    assert [scenario["onset"] for scenario in tree["scenarios"]] == [4.0] * 4 + [None] * 2
+    assert tree["false_alarms"]["per_hour"]["value"] == pytest.approx(2.0)
+    assert tree["scenarios"][5]["false_alarms"] == [{"time": time, "verdict": "cage", "reason": ""} for time in (1.0, 6.0)]
+    empty = report(result("healthy", "healthy", healthy=0.0)).described()
+    assert (empty["false_alarms"]["per_hour"], empty["roc"]) == ({"value": None, "low": 0.0, "high": None}, None)
+    assert Report("made up", "nobody", Criteria(), "", ()).described()["scenarios_sha256"] is None
+
+
+def test_a_report_as_a_frame_has_a_row_per_scenario() -> None:
+    frame = MIXED.to_pandas()
+    assert frame["false_alarms"].tolist() == [0, 0, 0, 0, 0, 2]
+    assert frame["passed"].tolist() == [True, True, False, True, True, False]
+    assert frame["onset"].isna().tolist() == [False] * 4 + [True] * 2
+    assert repr(MIXED) == "<Report: nobody failed made up, 6 scenarios>"
+
+
+def test_numbers_and_intervals_as_text() -> None:
+    assert (number(1.005, 1), number(2.0), number(math.nan), number(math.inf)) == ("1.0", "2.00", "-", "-")
+    assert bounds(Interval(0.5, 0.25, math.inf)) == "0.50 (0.25 .. -)"
+    assert bounds(Interval(0.5, 0.25, 0.75), 1) == "0.5 (0.2 .. 0.8)"
+
+
+def test_the_sentences_of_a_report_have_its_numbers() -> None:
+    alarms, roc, scenarios, software = sentences(MIXED)
+    assert alarms.startswith("false alarms: 2 in 60.0 min of healthy signal, 2.0 (0.2 .. 7.2) per hour (95% Poisson")
+    assert roc == "ROC: area 0.833 over 5 thresholds"
+    assert scenarios == f"scenarios: sha256 {'0' * 64}"
+    assert software.startswith("dcrb_ros ")
+    empty = list(sentences(Report("made up", "nobody", Criteria(), "", ())))
+    assert empty[0] == "false alarms: not counted, there is no healthy signal"
+    assert empty[1].startswith("ROC: none")
+    assert len(empty) == 3
+
+
+def printed(shown: Report) -> str:
+    console = Console(width=160, record=True, force_terminal=False)
+    with console.capture() as capture:
+        console.print(tables(shown))
+    return capture.get()
+
+
+def cells(text: str, word: str) -> list[list[str]]:
+    """Return the cells of the rows of tables that begin with a word."""
+    rows = [[cell.strip() for cell in line.strip("│┃ ").split("│")] for line in text.splitlines()]
+    return [row for row in rows if row[0] == word and len(row) > 1]
+
+
+def test_the_tables_have_delays_widths_and_counts() -> None:
+    text = printed(MIXED)
+    assert "made up: FAILED, nobody" in text
+    assert ["outer_ring", "2 of 3", "1.50", "1.95", "5"] in cells(text, "outer_ring")
+    assert ["outer_ring", "2", "2 of 2", "1.00 (0.16 .. 1.00)"] in cells(text, "outer_ring")
+    assert ["outer_ring", "1", "2", ".", "."] in cells(text, "outer_ring")  # answers: healthy, outer_ring, cage, sensor
+    assert "2 of 6 scenarios failed" in text
+    good = printed(report(result("healthy", "healthy")))
+    assert "made up: passed, nobody" in good
+    assert not any(word in good for word in ("scenarios failed", "Detection delay", "Detection by width"))
+
+
+@pytest.mark.parametrize("failed", [MOST_FAILURES, MOST_FAILURES + 3])
+def test_at_most_forty_failed_scenarios_are_listed(failed: int) -> None:
+    text = printed(report(*[result("cage", "roller", required=k > 0) for k in range(failed)]))
+    assert MOST_FAILURES == 40
+    assert text.count("diagnosed as roller") == 40
+    assert text.count("(not required)") == 1
+    assert ("and 3 more" in text) == (failed > 40)
+    assert ("more: --json" in text) == (failed > 40)
+
+
+def test_met_and_missed_criteria_differ_in_style() -> None:
+    checks: Any = next(iter(tables(MIXED).renderables))  # type: ignore[union-attr]
+    assert isinstance(checks, Table)
+    assert [row.style for row in checks.rows] == ["bold red", "bold red", ""]
+
+
+def axes(draw: Any, shown: Report) -> Axes:
+    made: Axes = Figure().subplots()
+    draw(made, shown)
+    return made
+
+
+def test_the_figure_shows_the_probability_of_detection_over_the_width() -> None:
+    both = report(*MIXED.results, result("cage", "healthy", width=0.004))
+    made = axes(figure._detection, both)
+    cage, outer = (line for line in made.get_lines() if len(line.get_xdata()) in (1, 2) and line.get_marker() == "o")
+    if len(np.asarray(cage.get_xdata())) == 2:
+        cage, outer = outer, cage
+    assert np.asarray(outer.get_ydata()).tolist() == [0.0, 1.0]
+    # The families are shifted to either side, so that their bars do not hide each other.
+    assert np.asarray(outer.get_xdata()) == pytest.approx(np.array([1.0, 2.0]) - 0.024, abs=0.03)
+    assert np.asarray(outer.get_xdata()) - [1.0, 2.0] == pytest.approx(-(np.asarray(cage.get_xdata())[0] - 4.0))
+    (bars, _) = (collection.get_segments() for collection in made.collections)
+    assert bars[0][:, 1] == pytest.approx([share(0, 1).low, share(0, 1).high])
+    assert bars[1][:, 1] == pytest.approx([share(2, 2).low, share(2, 2).high])
+    (required,) = (line for line in made.get_lines() if line.get_label() == "smallest required width")
+    assert list(np.asarray(required.get_xdata())) == [1.0, 1.0]
+    assert made.get_xlim() == pytest.approx((0.0, 4.4))
+    assert made.get_ylim()[0] < 0.0 < 1.0 < made.get_ylim()[1]
+
+
+def test_the_figure_shows_each_delay_with_median_and_limit() -> None:
+    made = axes(figure._delay, MIXED)
+    outer, sensor = (line for line in made.get_lines() if line.get_marker() == "o")
+    assert np.asarray(outer.get_ydata()).tolist() == [1.0, 2.0]
+    assert np.asarray(outer.get_xdata()).mean() == pytest.approx(0.0)
+    assert np.asarray(sensor.get_xdata()).tolist() == [1.0]
+    assert to_hex(sensor.get_color()) == COLOURS["sensor"]
+    levels = [collection.get_segments()[0][0, 1] for collection in made.collections]
+    assert levels == [1.5, 5.0, 0.5, 5.0]
+    assert [label.get_text() for label in made.get_xticklabels()] == ["outer_ring\n2 of 3", "sensor\n1 of 1"]
+    assert made.get_ylim()[0] == 0.0
+    missed = axes(figure._delay, report(result("cage", "healthy")))
+    assert len(missed.collections) == 1  # no median
+
+
+def test_the_figure_shows_the_confusion_matrix_with_counts() -> None:
+    made = axes(figure._confusion, MIXED)
+    texts = {(round(text.get_position()[1]), round(text.get_position()[0])): text for text in made.texts}
+    rows = [label.get_text() for label in made.get_yticklabels()]
+    answers = [label.get_text() for label in made.get_xticklabels()]
+    assert (rows, answers) == (["healthy", "outer_ring", "sensor"], ["healthy", "outer_ring", "cage", "sensor"])
+    printed = [[texts[i, j].get_text() for j in range(4)] for i in range(3)]
+    assert printed == [["1", "0", "1", "0"], ["1", "2", "0", "0"], ["0", "0", "0", "1"]]
+    assert [texts[i, j].get_color() for i, j in ((0, 0), (1, 1), (2, 3))] == ["black", "white", "white"]
+    assert {(i, j) for i, j in texts if texts[i, j].get_fontweight() == "bold"} == {(0, 0), (1, 1), (2, 3)}
+    right, wrong = (image.get_array() for image in made.images)
+    assert right is not None
+    assert wrong is not None
+    assert right.compressed() == pytest.approx([0.5, 2.0 / 3.0, 1.0])
+    assert wrong.compressed() == pytest.approx([0.0, 0.5, 0.0, 1.0 / 3.0, 0.0, 0.0, 0.0, 0.0, 0.0])
+
+
+def test_the_figure_shows_the_characteristic() -> None:
+    made = axes(figure._roc, MIXED)
+    curve, chance = made.get_lines()
+    expected = MIXED.characteristic()
+    assert expected is not None
+    assert (list(np.asarray(curve.get_xdata())), list(np.asarray(curve.get_ydata()))) == (expected.false, expected.true)
+    assert curve.get_label() == "area 0.833"
+    assert (list(np.asarray(chance.get_xdata())), list(np.asarray(chance.get_ydata()))) == ([0.0, 1.0], [0.0, 1.0])
+    assert made.get_xlim()[0] <= 0.0 < 1.0 <= made.get_xlim()[1] < 1.1
+    assert made.get_ylim()[0] <= 0.0 < 1.0 <= made.get_ylim()[1] < 1.1
+
+
+def test_a_figure_without_data_says_so() -> None:
+    empty = report(result("healthy", "healthy"))
+    for draw, words in (
+        (figure._detection, "no defect with a width"),
+        (figure._delay, "no scenario with a fault"),
+        (figure._roc, "no score or confidence for both\nfaulty and healthy scenarios"),
+    ):
+        assert [text.get_text() for text in axes(draw, empty).texts] == [words]
+    assert [text.get_text() for text in axes(figure._confusion, report()).texts] == ["no scenario"]
+
+
+@pytest.mark.parametrize(("name", "words"), [("f.bmp", "unknown file type"), ("gone/f.png", "cannot be written")])
+def test_a_figure_that_cannot_be_written_is_refused(name: str, words: str, tmp_path: Path) -> None:
+    with pytest.raises(Refusal, match=words):
+        write_figure(report(), tmp_path / name)
+
+
+@pytest.mark.parametrize(("shown", "word"), [(MIXED, "failed"), (report(), "passed")])
+def test_the_title_of_the_figure_says_whether_the_detector_passed(shown: Report, word: str, tmp_path: Path) -> None:
+    write_figure(shown, tmp_path / "f.svg")
+    assert f"made up: {word}, nobody" in (tmp_path / "f.svg").read_text(encoding="utf-8")
+
+
+def test_junit_has_criteria_and_scenarios_with_their_failures(tmp_path: Path) -> None:
+    shown = report(*MIXED.results, result("cage", "healthy", required=False))
+    write_junit(shown, tmp_path / "junit.xml")
+    criteria, scenarios = JUnitXml.fromfile(str(tmp_path / "junit.xml"))
+    assert [len(case.result) for case in criteria] == [1, 1, 0]
+    assert {p.name: p.value for p in criteria.properties()}["scenarios_sha256"] == "0" * 64
+    kinds = [[type(found) for found in case.result] for case in scenarios]
+    assert kinds == [[], [], [Failure], [], [], [Failure], [Skipped]]
+    assert [case.time for case in scenarios] == [1.0, 2.0, 0.0, 0.5, 0.0, 0.0, 0.0]
