@@ -14,7 +14,7 @@ CAGE_HARMONICS = 4
 """Harmonics of FTF that are shown."""
 
 UNKNOWN = Orders(math.nan, math.nan, math.nan, math.nan)
-"""Orders of a bearing that nothing is known of."""
+"""Orders of an unknown bearing."""
 
 
 class HasBearing(Protocol):
@@ -26,7 +26,7 @@ class HasBearing(Protocol):
 
 
 BearingLike = Bearing | Orders | HasBearing
-"""Whatever has characteristic orders: a geometry, a configuration or the orders themselves."""
+"""Any object with characteristic orders: a geometry, a configuration or the orders themselves."""
 
 
 @dataclass(frozen=True)

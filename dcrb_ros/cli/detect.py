@@ -61,7 +61,8 @@ def detect(bag: Bag, as_json: JsonOutput = False, detector: DetectorFile = None)
     heads = literal("fault", "line", "level over background [dB]", "over threshold [dB]")
     table = Table(*heads, title=f"{bag}: {last.verdict}")
     for (fault, score), (name, level) in zip(last.scores.items(), last.levels.items(), strict=False):
-        table.add_row(fault, name, f"{level:.1f}", f"{score:.1f}")
+        line = "2 BSF" if name == "BSF" else name  # a roller defect strikes at twice BSF
+        table.add_row(fault, line, f"{level:.1f}", f"{score:.1f}")
     console = Console()
     console.print(table)
     when = f"first at {found.since:.2f} s of {found.duration:.2f} s"

@@ -36,7 +36,7 @@ def import_(
     ],
     output: Annotated[Path, typer.Option("-o", "--output", help="New folder of the recording.")],
 ) -> None:
-    """Convert a waveform measured elsewhere to a recording that can be used like one of the bench.
+    """Convert a waveform measured elsewhere to a recording that can be used like a simulated recording.
 
     Example: dcrb import 97.mat --about 97.yaml -o cwru_97
     """

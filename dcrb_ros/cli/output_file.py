@@ -19,7 +19,7 @@ def check_output(option: str, file: Path, suffixes: Sequence[str] = ()) -> None:
         Refusal: an unknown suffix, a folder that does not exist, a folder instead of a file, or no permission.
     """
     if suffixes and file.suffix not in suffixes:
-        raise Refusal(f"{option} {file} is of no known kind: the name must end in {', '.join(suffixes)}")
+        raise Refusal(f"{option} {file} has an unknown file type: the name must end in {', '.join(suffixes)}")
     if not file.parent.is_dir():
         raise Refusal(f"{option} {file} cannot be written: there is no folder {file.parent}; make it or give another file")
     if file.is_dir():

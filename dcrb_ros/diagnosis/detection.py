@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, repr=False)
 class DetectionResult:
-    """What the fault detector found in a signal: a diagnosis per hop, the last of them with a verdict."""
+    """Diagnoses of a signal by the fault detector, one per hop; at least one of them has a verdict."""
 
     history: tuple[Diagnosis, ...]
     """The diagnoses in the order of time."""

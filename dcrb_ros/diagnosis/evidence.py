@@ -1,4 +1,4 @@
-"""What the rules of the detector look at: samples, levels of bands, and squared envelope spectra."""
+"""Evidence that the rules of the detector evaluate: samples, levels of bands, and squared envelope spectra."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ class BandEvidence:
 
 @dataclass(frozen=True)
 class Evidence:
-    """What is known of the bearing at the end of a hop."""
+    """Evidence on the bearing at the end of a hop."""
 
     bands: Sequence[BandEvidence]
     """All bands; the first is `whole`, the last lies below it."""

@@ -11,7 +11,7 @@ from dcrb_ros.schema.fields import Group, choice, quantity
 
 @with_fields_of(rule.parameters for rule in RULES)
 class DetectorParameters(Group):
-    """Window, bands, thresholds; the defaults were tuned on the default bench, see `docs/explanation/detector.md`."""
+    """Window, bands and thresholds of the fault detector; the defaults were tuned on the default simulated bearing."""
 
     window: float = quantity(4.0, "s", "Length of the window from which a verdict is derived", 0.5, 60.0)
     least_window: float = quantity(2.0, "s", "Length of signal required for the first verdict", 0.5, 60.0)

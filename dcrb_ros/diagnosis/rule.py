@@ -1,4 +1,4 @@
-"""What the rules of the detector have in common: each looks for one fault of the bearing, or one of the sensor."""
+"""Base of the rules of the detector: each looks for one fault of the bearing, or one of the sensor."""
 
 from __future__ import annotations
 

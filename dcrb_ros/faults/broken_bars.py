@@ -14,7 +14,7 @@ BAR = re.compile(r"row(\d{1,3})/bar(\d{1,3})")
 
 
 class BrokenBars(Fault):
-    """All broken bars of a bench; the only kind whose parameter is a text instead of a group."""
+    """All broken bars of a bearing; the only kind whose parameter is a text instead of a group."""
 
     keys = ("broken_bars",)
     component = "cage"
@@ -25,7 +25,7 @@ class BrokenBars(Fault):
     @classmethod
     def parameter(cls) -> tuple[Any, Any]:
         """Return the type of the text and its field."""
-        description = "Broken cage bars, such as 'row1/bar15, row2/bar15'; bar k stands between rollers k and k + 1"
+        description = "Broken cage bars, such as 'row1/bar15, row2/bar15'; bar k is between rollers k and k + 1"
         return str, choice("", description, run_time=True)
 
     @classmethod
@@ -48,7 +48,7 @@ class BrokenBars(Fault):
         return [(int(match[1]), int(match[2])) for match in found if match is not None]
 
     def problems(self, key: str, bearing: Dimensions) -> Iterator[str]:
-        """Refuse words that name no bar, bars beyond the cage, bars named twice, and a cage with fewer than two bars."""
+        """Reject words that name no bar, bars beyond the cage, bars named twice, and a cage with fewer than two bars."""
         for word in self._names:
             if BAR.fullmatch(word) is None:
                 yield f"faults.{key}: '{word}' is not a bar; write row1/bar15, or 'row1/bar15, row2/bar15' for two"
@@ -57,7 +57,7 @@ class BrokenBars(Fault):
             if not (1 <= row <= bearing.rows and 1 <= bar <= bearing.rollers_per_row):
                 yield (
                     f"faults.{key}: row{row}/bar{bar} is outside row1/bar1 .. row{bearing.rows}/bar{bearing.rollers_per_row}: "
-                    "bar k stands between rollers k and k + 1"
+                    "bar k is between rollers k and k + 1"
                 )
         if len(set(bars)) < len(bars):
             yield f"faults.{key} = '{self.text}' names a bar twice: name each once"

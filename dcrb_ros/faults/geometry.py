@@ -1,4 +1,4 @@
-"""What a fault does to the bearing: the geometry that the kernels take, one record per notch, broken bar or profile.
+"""Geometry of the faults as the kernels take it: one record per notch, broken bar or profile.
 
 Rows and rollers count from zero, angles from the load line (-Y), counter-clockwise.
 """

@@ -1,4 +1,4 @@
-"""What follows from the names of faults in the ground truth: their class and their words.
+"""Class and description of the faults that the ground truth names.
 
 A fault of the bearing has the name of its key (``outer_1``, ``broken_bars.row1/bar15``), one of the sensor begins with ``sensor.``.
 """

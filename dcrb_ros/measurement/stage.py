@@ -1,4 +1,4 @@
-"""What every stage of the measurement chain has in common."""
+"""Base of the stages of the measurement chain."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class Parameters:
 
 @dataclass(frozen=True)
 class Setup:
-    """What a measurement chain is built for."""
+    """Parameters, rate and seed from which a measurement chain is built."""
 
     parameters: Parameters
     step_rate: int

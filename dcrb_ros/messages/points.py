@@ -155,7 +155,7 @@ def _repeated(messages: Sequence[bytes], first: Vibration) -> npt.NDArray[Any] |
 
 
 def encode_spectrum(time_ns: int, orders: Floats, amplitude: Floats, shaft_frequency: float) -> bytes:
-    """Return a squared envelope spectrum as a PointCloud2 with frequency [Hz], order [-] and amplitude [m/s^2]."""
+    """Return a PointCloud2 with frequency [Hz], order [-] and the square root of the squared envelope spectrum's amplitudes [m/s^2]."""
     points = np.empty(len(orders), SPECTRUM)
     points["order"], points["amplitude"] = orders, amplitude
     points["frequency"] = orders * (shaft_frequency if math.isfinite(shaft_frequency) else 0.0)
@@ -163,7 +163,7 @@ def encode_spectrum(time_ns: int, orders: Floats, amplitude: Floats, shaft_frequ
 
 
 def decode_spectrum(data: bytes) -> tuple[int, Floats, Floats, float]:
-    """Return stamp [ns], orders [-], amplitudes [m/s^2] and shaft frequency [Hz] of a squared envelope spectrum.
+    """Return stamp [ns], orders [-], square roots of the amplitudes [m/s^2] and shaft frequency [Hz] of a squared envelope spectrum.
 
     Raises:
         Refusal: the fields are not those of `SPECTRUM`, or the length does not fit them.

@@ -1,4 +1,4 @@
-"""What a topic of the bench is: name, type, delivery, and how its messages are encoded and decoded."""
+"""A topic of the bench: name, type, delivery, and how its messages are encoded and decoded."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class Topic:
     type: str
     """ROS message type, ``package/msg/Type``."""
     content: str
-    """What its messages carry, for the documentation."""
+    """Content of its messages, for the documentation."""
     depth: int = 200
     """Messages kept for a slow subscriber."""
     latched: bool = False
@@ -65,7 +65,7 @@ class Message:
 
     @property
     def content(self) -> Any:
-        """What the message carries, as its topic decodes it."""
+        """Content of the message, as its topic decodes it."""
         return self.topic.decoded(self.data)
 
 

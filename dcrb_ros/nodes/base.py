@@ -28,7 +28,7 @@ class BenchNode(Node):
     """A node with the life cycle that `dcrb_ros.nodes.ros.run_node` drives: construct, `start`, spin until `ended`, `close`."""
 
     purpose = "node"
-    """What the node runs, in the message about its failure."""
+    """Name of what the node runs, for the message about its failure."""
 
     def __init__(self, name: str) -> None:
         super().__init__(name, namespace=NAMESPACE, automatically_declare_parameters_from_overrides=True)

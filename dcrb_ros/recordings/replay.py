@@ -18,7 +18,7 @@ from dcrb_ros.schema.fields import Group, choice, quantity
 
 
 class ReplayParameters(Group):
-    """What is replayed, and how."""
+    """Recording to replay, its topics and its rate."""
 
     bag: str = choice("", "Recording to replay: a folder or an .mcap file")
     rate: float = quantity(

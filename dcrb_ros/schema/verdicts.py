@@ -8,9 +8,9 @@ from typing import Literal, get_args
 Component = Literal["outer_ring", "inner_ring", "roller", "cage"]
 """Component of the bearing that a fault damages."""
 FaultClass = Literal["healthy", Component, "compound", "sensor"]
-"""What is wrong with a bearing and its sensor: the verdict that is correct for them."""
+"""State of a bearing and its sensor: the verdict that is correct for them."""
 Verdict = Literal[FaultClass, "waiting"]
-"""What a detector reports; ``waiting`` until it has seen enough signal."""
+"""Verdict of a detector; ``waiting`` until it has received enough signal."""
 
 COMPONENTS: tuple[Component, ...] = get_args(Component)
 BEARING_FAULTS: tuple[FaultClass, ...] = (*COMPONENTS, "compound")

@@ -1,1 +1,1 @@
-"""What the user says about a bench: parameters, their limits, and the files they are read from."""
+"""Settings of a bench: parameters, their limits, and the files they are read from."""

@@ -85,7 +85,7 @@ class Configuration(Group):
 
     @property
     def measurement(self) -> Setup:
-        """What the measurement chain is built for."""
+        """Parameters, rate and seed from which the measurement chain is built."""
         return Setup(
             Parameters(self.structure, self.background, self.sensor),
             self.step_rate,

@@ -26,7 +26,7 @@ FREQUENCIES = ("FTF", "BPFO", "BPFI", "BSF")
 
 @dataclass(frozen=True, eq=False, repr=False)
 class GroundTruth:
-    """What a detector should have found: at the start, ten times a second and whenever something changes."""
+    """Ground truth of a run: at the start, ten times a second and whenever something changes."""
 
     truths: tuple[Truth, ...]
     """The ground truth at each instant."""

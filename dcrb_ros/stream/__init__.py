@@ -1,1 +1,1 @@
-"""What flows to the sinks: blocks of samples with their states, ground truth and events, and the diagnoses made of them."""
+"""Data for the sinks: blocks of samples with their states, ground truth and events, and the diagnoses made of them."""

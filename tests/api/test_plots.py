@@ -179,7 +179,10 @@ def test_command_writes_a_picture(suffix: str, tmp_path: Path) -> None:
     ("arguments", "sentence"),
     [
         ((str(BAGS / "healthy"),), "Missing option '-o'"),
-        ((str(BAGS / "healthy"), "-o", "picture.jpg"), "--output picture.jpg is of no known kind: the name must end in .png, .svg, .pdf"),
+        (
+            (str(BAGS / "healthy"), "-o", "picture.jpg"),
+            "--output picture.jpg has an unknown file type: the name must end in .png, .svg, .pdf",
+        ),
         ((str(BAGS / "healthy"), "-o", "nowhere/picture.png"), "there is no folder nowhere"),
         (
             (str(BAGS / "healthy"), "-o", "picture.png", "--duration", "0"),

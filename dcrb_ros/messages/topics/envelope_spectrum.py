@@ -16,7 +16,7 @@ def _encode(diagnosis: Diagnosis) -> bytes | None:
 ENVELOPE_SPECTRUM = DetectedTopic(
     "envelope_spectrum",
     POINT_CLOUD,
-    "squared envelope spectrum of the detector: `frequency` [Hz], `order` [-], `amplitude` [m/s²]",
+    "squared envelope spectrum of the detector: `frequency` [Hz], `order` [-], `amplitude` [m/s²], the square root of its amplitudes",
     decode=decode_spectrum,
     encode=_encode,
     recorded=False,
