@@ -12,6 +12,7 @@ from typing import Any, BinaryIO
 import lz4.frame
 import zstandard
 from mcap.data_stream import ReadDataStream
+from mcap.exceptions import McapError
 from mcap.opcode import Opcode
 from mcap.records import Attachment, Channel, Chunk, ChunkIndex, Footer, Header, Message, Metadata, Schema
 
@@ -108,7 +109,7 @@ class McapRecords:
                 yield record
                 return
         except Exception as error:  # parser and decompressor raise various exceptions for damaged data
-            self._report(f"the record at byte {at} is damaged ({error or type(error).__name__})")
+            self._report(f"the record at byte {at} is damaged ({_reason(error)})")
             return
         yield from self._in_chunk(data, at)
 
@@ -126,8 +127,8 @@ class McapRecords:
                     record = parsed(opcode, data[position : position + length])
                     self._register(record)
                     yield record
-            except (struct.error, ValueError, EOFError) as error:
-                self._report(f"a record in the chunk at byte {at} is damaged ({error})")
+            except (struct.error, ValueError, McapError) as error:
+                self._report(f"a record in the chunk at byte {at} is damaged ({_reason(error)})")
             position += length
 
     def _register(self, record: Any) -> None:
@@ -138,6 +139,11 @@ class McapRecords:
     def _report(self, sentence: str) -> None:
         if len(self.damage) < MAX_DAMAGE:
             self.damage.append(f"{self.path.name}: {sentence}")
+
+
+def _reason(error: Exception) -> str:
+    """Return the text of an error, or its type if it has none, such as the end of the data in the parser of MCAP."""
+    return str(error) or type(error).__name__
 
 
 def parsed(opcode: int, payload: bytes) -> Any:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
 from dcrb_ros.diagnosis.hysteresis import Hysteresis, confidence
@@ -36,3 +37,41 @@ def test_the_trend_is_the_growth_in_decibels_per_minute() -> None:
     for k in range(20):
         slope = trend.slope(0.5 * k, "outer_ring", 10.0 ** (0.05 * 0.5 * k))  # 1 dB a second
     assert slope == pytest.approx(60.0)
+
+
+def test_the_trend_needs_four_points_and_forgets_those_before_its_time() -> None:
+    trend = Trend(3.0, 0.5)  # six points
+    slopes = [trend.slope(0.5 * k, "cage", 10.0 if k < 6 else 10.0 * 10.0 ** (0.05 * (k - 5))) for k in range(12)]
+    assert slopes[:3] == [0.0] * 3
+    assert slopes[3] == pytest.approx(0.0, abs=1e-9)
+    assert slopes[6] > 0.0
+    assert slopes[11] == pytest.approx(120.0)  # 1 dB per half a second
+    assert slopes[10] == pytest.approx(120.0, rel=1e-9)  # the last six points are on the line
+    assert [trend.slope(6.0 + 0.5 * k, "roller", 2.0**k) for k in range(3)] == [0.0] * 3
+    assert trend.slope(7.5, "roller", 8.0) == pytest.approx(60.0 * 20.0 * np.log10(2.0) / 0.5)
+    assert trend.slope(8.0, "roller", 0.0) == 0.0
+    assert trend.slope(8.5, "roller", 1.0) == 0.0
+    short = Trend(0.1, 0.5)
+    assert [short.slope(0.5 * k, "cage", 10.0 ** (0.05 * k)) for k in range(4)][3] == pytest.approx(120.0)
+
+
+def test_confidence_is_that_of_the_weakest_confirmed_fault_or_of_the_strongest_suspicion() -> None:
+    both = {**QUIET, "outer_ring": 20.0, "cage": 10.0}
+    assert confidence("compound", ["outer_ring", "cage"], both) == pytest.approx(0.95)
+    assert confidence("healthy", [], {**QUIET, "cage": -3.0}) == pytest.approx(1.0 - 0.5 * 10.0**-0.3)
+    assert confidence("cage", ["cage"], {**QUIET, "cage": -2.0}) == 0.5
+
+
+def test_an_excess_of_zero_counts_and_the_margin_does_not_release() -> None:
+    hysteresis = Hysteresis(confirm=2, release=1, release_margin=1.0)
+    course = [{**QUIET, "cage": value} for value in (0.0, 0.0, -1.0, -1.01)]
+    assert [hysteresis.verdict(excess) for excess in course] == ["waiting", "cage", "cage", "waiting"]
+
+
+def test_a_suspicion_interrupts_the_way_to_the_first_verdict_only() -> None:
+    hysteresis = Hysteresis(confirm=2, release=2, release_margin=1.0)
+    loud = {**QUIET, "cage": 1.0}
+    assert [hysteresis.verdict(excess) for excess in (QUIET, loud, QUIET, QUIET, loud)] == ["waiting"] * 3 + ["healthy"] * 2
+    assert (hysteresis.suspected, hysteresis.confirmed) == (["cage"], [])
+    hysteresis.reset()
+    assert (hysteresis.suspected, hysteresis.verdict(QUIET)) == ([], "waiting")

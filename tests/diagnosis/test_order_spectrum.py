@@ -9,7 +9,17 @@ import numpy.typing as npt
 import pytest
 
 from dcrb_ros.diagnosis.demodulation import Band, Demodulator
-from dcrb_ros.diagnosis.order_spectrum import OrderSpectrum, fitted_orders, line_family, median, order_spectra
+from dcrb_ros.diagnosis.order_spectrum import (
+    LineFamily,
+    OrderSpectrum,
+    decibels,
+    deeper,
+    fitted_orders,
+    line_family,
+    median,
+    order_spectra,
+    ratio,
+)
 from dcrb_ros.diagnosis.order_tracking import bin_edges, bin_means
 
 RATE = 51200
@@ -87,3 +97,77 @@ def test_a_silent_signal_has_no_lines() -> None:
 def test_median_equals_that_of_numpy(length: int, kind: type[np.floating]) -> None:
     values = np.random.default_rng(length).standard_normal(length).astype(kind)
     assert median(values) == np.median(values)
+
+
+def flat() -> OrderSpectrum:
+    orders = np.arange(0.0, 40.0, 0.01)
+    return OrderSpectrum(orders, np.ones(len(orders), np.float32), 10.0)
+
+
+def test_the_largest_amplitude_within_two_bins_of_an_order_is_its_line() -> None:
+    found = flat()
+    found.amplitude[[0, 502, 3999]] = 90.0, 30.0, 70.0
+    assert found.lines([5.0, 5.02, 5.04, 4.99, 5.05]).tolist() == [30.0, 30.0, 30.0, 1.0, 1.0]
+    assert found.lines([0.0, 0.02]).tolist() == [1.0, 1.0]  # without the mean
+    assert found.lines([500.0]).tolist() == [70.0]  # beyond the end
+
+
+def test_the_background_is_the_median_from_0_3_orders_to_0_3_beyond_the_last_line() -> None:
+    orders = np.arange(0.0, 40.0, 0.01)
+    found = OrderSpectrum(orders, orders.astype(np.float32), 1.0)
+    for highest in (1.0, 6.7, 20.0):
+        assert found.background(highest) == pytest.approx(0.5 * (0.3 + highest + 0.3), abs=0.011)
+    assert OrderSpectrum(orders[:20], orders[:20].astype(np.float32), 1.0).background(1.0) == 0.0
+
+
+def test_orders_are_fitted_within_the_slip_to_the_product_of_three_harmonics() -> None:
+    for order in (6.7 * 0.996, 6.7, 6.7 * 1.004):
+        found = flat()
+        for k in (1, 2, 3):
+            found.amplitude[round(100.0 * k * order) + np.arange(-1, 2)] = 20.0
+        assert fitted_orders(found, [6.7], 0.004)[0] == pytest.approx(order, abs=0.007)
+    candidates = {
+        round(float(fitted_orders(OrderSpectrum(SLIGHT, np.exp(-5e4 * (SLIGHT - at) ** 2), 1.0), [1.0], 0.01)[0]), 4)
+        for at in SLIGHT[990:1011]
+    }
+    assert (min(candidates), max(candidates), len(candidates)) == (0.99, 1.01, 21)
+
+
+SLIGHT = np.arange(0.0, 4.0, 0.001)
+
+
+@pytest.mark.parametrize(("value", "reference", "expected"), [(8.0, 2.0, 4.0), (1e20, 1e-3, 1e12), (1.0, 0.0, 0.0), (1.0, -1.0, 0.0)])
+def test_ratios_are_limited(value: float, reference: float, expected: float) -> None:
+    assert ratio(value, reference) == expected
+
+
+@pytest.mark.parametrize(("value", "expected"), [(100.0, 20.0), (0.5, -3.0103), (0.0, -120.0), (1e13, 120.0), (1e12, 120.0)])
+def test_decibels_of_a_ratio_of_squared_amplitudes(value: float, expected: float) -> None:
+    assert decibels(value) == pytest.approx(expected, abs=1e-4)
+
+
+def test_the_deeper_family_counts_and_the_first_of_two_alike() -> None:
+    first, second, third = (LineFamily(order, 1.0, depth, 1.0) for order, depth in ((1.0, 0.5), (2.0, 0.5), (3.0, 0.6)))
+    assert deeper(first, second) is first
+    assert deeper(first, third) is third
+    assert deeper(third, first) is third
+
+
+@pytest.mark.parametrize("bins", [1000, 1009, 4096])
+def test_a_tone_has_its_amplitude_and_its_mean(bins: int) -> None:
+    """The mean of a tone over a bin is attenuated by sinc(order / bins per turn), which is made up for."""
+    (found,) = order_spectra(np.full((1, bins), 5.0), np.zeros(bins, np.bool_), 50.0)
+    length = round(50.0 / found.orders[1])
+    assert 2 * bins <= length < 2.1 * bins
+    assert len(found.orders) == length // 2 + 1
+    order = 2 * (length // 12) * found.orders[1]
+    place = (np.arange(bins) + 0.5) / 50.0
+    values = 5.0 + 2.0 * np.cos(2.0 * math.pi * order * place) * np.sinc(order / 50.0)
+    (found,) = order_spectra(values[None, :], np.zeros(bins, np.bool_), 50.0)
+    assert found.mean == pytest.approx(5.0, abs=1e-2)
+    assert found.lines([order])[0] == pytest.approx(2.0, rel=5e-3)
+
+
+def test_without_any_known_bin_there_is_no_spectrum() -> None:
+    (found,) = order_spectra(np.full((1, 100), 7.0), np.ones(100, np.bool_), 50.0)
+    assert (found.mean, float(found.amplitude.max())) == (0.0, 0.0)

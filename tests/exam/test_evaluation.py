@@ -13,6 +13,7 @@ import pytest
 from made_up_blocks import BODIES, blocks, recorded
 
 from dcrb_ros.exam import evaluation, in_process, recording_cache
+from dcrb_ros.exam.case import Case
 from dcrb_ros.exam.criteria import Criteria
 from dcrb_ros.exam.detector_run import run_detector
 from dcrb_ros.exam.evaluation import named, record_all, score_recordings
@@ -26,7 +27,7 @@ from dcrb_ros.messages.topics import DIAGNOSIS, GROUND_TRUTH, Message
 from dcrb_ros.recordings.recorder import Recorder
 from dcrb_ros.runtime.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
-from dcrb_ros.simulation.block import Truth
+from dcrb_ros.stream.block import Truth
 
 CASES = exam_of({"exam": "t", "scenarios": [{"name": f"Well {k}!", "verdict": "healthy"} for k in range(3)]}, "t").cases
 

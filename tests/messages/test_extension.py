@@ -44,7 +44,7 @@ print(json.dumps({
 }))
 """
 NAMES = ["drive", "friction", "loss", "residual"]
-EXPECTED = [(0, [0.0, 4.0, 3.0, -9.0]), (40_000_000, [20.0, 4.0, 3.0, 11.0])]
+EXPECTED = [(20_000_000, [0.0, 4.0, 3.0, -9.0]), (60_000_000, [20.0, 4.0, 3.0, 11.0])]
 """Times [ns] and values of the messages: the second block has no energy account."""
 
 

@@ -5,15 +5,21 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Generator, Sequence
+from dataclasses import fields, replace
 
+import numpy as np
 import pytest
+from made_up_blocks import blocks
 from waiting import PATIENCE, wait_for
 
 from dcrb_ros.messages.bundle import Bundle
 from dcrb_ros.messages.topics import SENSOR, VIBRATION, Message
+from dcrb_ros.nodes import engine as engine_module
 from dcrb_ros.nodes.engine import Engine, Progress
 from dcrb_ros.nodes.gate import Gate
 from dcrb_ros.nodes.pacing import Pacer
+from dcrb_ros.runtime.threads import NamedThread
+from dcrb_ros.stream.states import Account
 
 BLOCK_NS = 20_000_000
 
@@ -137,3 +143,89 @@ def test_a_failure_ends_the_engine_and_is_kept(where: str) -> None:
     run(engine)
     wait_for(lambda: engine.ended)
     assert str(engine.failure) == "broken"
+
+
+def test_progress_starts_at_zero_and_keeps_the_last_residual_of_the_energy_balance() -> None:
+    progress = Progress()
+    assert (progress.time_ns, progress.bundles, progress.energy_residual) == (0, 0, 0.0)
+    made = next(blocks(1))
+    account = Account(*[2.0**k for k in range(len(fields(Account)))])
+    for number, block in enumerate((replace(made, energy=account), made, None)):
+        progress.write(Bundle(number * BLOCK_NS, (number + 1) * BLOCK_NS, (), block))
+        assert (progress.time_ns, progress.bundles) == ((number + 1) * BLOCK_NS, number + 1)
+        assert progress.energy_residual == account.residual != 0.0
+    progress.start([])
+    assert (progress.time_ns, progress.bundles, progress.energy_residual) == (0, 0, account.residual)
+
+
+def test_the_deadlines_are_those_of_the_bundles_in_seconds() -> None:
+    asked: list[tuple[float, float]] = []
+
+    class Spy(Pacer):
+        def until(self, begin: float, end: float) -> float:
+            asked.append((begin, end))
+            return 0.0
+
+    engine = Engine("test engine", Blocks(3), [Log()], Gate(Spy(1.0, time.monotonic), time.monotonic))
+    run(engine)
+    wait_for(lambda: engine.ended)
+    assert np.array(asked) == pytest.approx(np.array([[0.0, 0.02], [0.02, 0.04], [0.04, 0.06]]), rel=1e-9)
+
+
+def test_a_source_is_played_once_unless_the_engine_is_to_loop() -> None:
+    log = Log()
+    gate = Gate(Pacer(0.0, time.monotonic), time.monotonic)
+    engine = Engine("test engine", Blocks(3), [log], gate)
+    assert engine.passes == 0
+    run(engine)
+    wait_for(lambda: engine.ended)
+    assert (engine.passes, log.blocks) == (1, [0, 1, 2])
+    with pytest.raises(TypeError):
+        Engine("test engine", Blocks(3), [log], gate, True)  # type: ignore[misc]
+
+
+def test_passes_are_counted_in_a_loop_and_after_a_reset() -> None:
+    class Closing(Log):
+        """A sink that closes the gate at its fifth bundle."""
+
+        def write(self, bundle: Bundle) -> None:
+            super().write(bundle)
+            if len(self.blocks) == 5:
+                engine.gate.close()
+
+    log, source = Closing(), Blocks(1)
+    engine = engine_of(source, log, loop=True)
+    run(engine)
+    wait_for(lambda: engine.ended)
+    assert (engine.passes, log.blocks, source.starts) == (5, [0] * 5, 1)
+    source = Blocks(10**9)
+    engine = engine_of(source, Progress())
+    run(engine)
+    for passes in (1, 2, 3):
+        wait_for(lambda known=passes: engine.passes == known)  # type: ignore[misc]
+        assert engine.gate.reset(PATIENCE)
+    wait_for(lambda: engine.passes == 4)
+    assert source.starts == 4
+    engine.close()
+
+
+def test_close_leaves_a_thread_that_does_not_end_after_less_than_a_second(monkeypatch: pytest.MonkeyPatch) -> None:
+    waits: list[float | None] = []
+
+    class Stuck(NamedThread):
+        ident = 1
+
+        def is_alive(self) -> bool:
+            return True
+
+        def join(self, timeout: float | None = None) -> None:
+            waits.append(timeout)
+
+    monkeypatch.setattr(engine_module, "NamedThread", Stuck)
+    engine = engine_of(Blocks(1), Log())
+    engine.close()
+    assert engine.gate.closed
+    assert not engine.ended
+    (wait,) = waits
+    assert wait is not None
+    assert 0.0 < wait < 1.0

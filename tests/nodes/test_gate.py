@@ -81,6 +81,14 @@ def test_a_block_is_sent_once_it_is_due() -> None:
     assert sent[1] - sent[0] >= 0.05
 
 
+def test_a_block_that_is_due_now_is_sent_without_a_wait() -> None:
+    readings = iter([7.0, 7.0])  # one for the deadline, one for the time that remains
+    pacer = FixedPacer(0.0)
+    gate, sent = Gate(pacer, lambda: next(readings)), list[bool]()
+    assert gate.send(0.0, 0.02, lambda: sent.append(True))
+    assert sent == [True]
+
+
 def test_nothing_is_sent_after_a_pause_but_steps() -> None:
     sender = Sender(0.0)
     wait_for(lambda: len(sender.sent) > 100)
@@ -183,6 +191,18 @@ def test_a_finished_reset_restarts_the_deadlines_and_forgets_steps() -> None:
     assert gate.paused
     gate.pause(False)
     assert gate.send(0.0, 0.02, lambda: None)
+
+
+def test_a_reset_during_a_pause_leaves_no_step_behind() -> None:
+    sender = Sender(0.0)
+    wait_for(lambda: len(sender.sent) > 10)
+    sender.gate.pause(True)
+    assert sender.gate.reset(PATIENCE)
+    before = len(sender.sent)
+    for count in range(1, 4):
+        assert sender.gate.step(PATIENCE)
+        assert sender.sent[before:] == list(range(count))
+    sender.close()
 
 
 def test_start_over_is_passed_to_the_pacer() -> None:

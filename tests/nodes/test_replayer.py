@@ -8,22 +8,19 @@ import sys
 import time
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 pytest.importorskip("rclpy", reason="the nodes need ROS 2; everything else is tested without")
 
-from made_up_blocks import narrowed, recorded
+from made_up_blocks import recorded
 from node_arguments import parameters
 from ros_bench import PATIENCE, domain, environment, graph_client, node
 
-from dcrb_ros.messages.description import decode_range
 from dcrb_ros.messages.points import decode_vibration
 from dcrb_ros.messages.statuses import decode_diagnostics
 from dcrb_ros.messages.topics import BENCH_DIAGNOSTICS, CLOCK, DIAGNOSIS, FEATURES, GROUND_TRUTH, ROLLER_STATES, SENSOR, VIBRATION
 from dcrb_ros.nodes.publisher import message_class, qos
 from dcrb_ros.recordings.reader import Recording
-from dcrb_ros.recordings.replay import Replay, ReplayParameters
 
 pytestmark = pytest.mark.node
 
@@ -106,25 +103,3 @@ def test_the_command_replays_and_refuses(tmp_path: Path) -> None:
         assert done.returncode == 2, done.stderr
         assert sentence in done.stderr
         assert "Traceback" not in done.stderr
-
-
-def test_bundles_are_due_at_the_end_of_their_block(tmp_path: Path) -> None:
-    replay = Replay(ReplayParameters(bag=str(recorded(tmp_path / "bag", 5))))
-    bundles = list(replay.bundles())
-    assert [bundle.end_ns for bundle in bundles] == [20_000_000 * k for k in range(1, 6)]
-    assert [bundle.messages[0].topic for bundle in bundles] == [VIBRATION] * 5
-    assert sum(len(bundle.messages) for bundle in bundles) == sum(replay.recording.counts().values()) - 1
-    assert np.all(np.diff([bundle.begin_ns for bundle in bundles]) > 0)
-
-
-@pytest.mark.parametrize(("offset", "passed"), [(0.0, 3), (0.1, 0)])
-def test_a_changed_range_is_replayed_with_its_block(offset: float, passed: int, tmp_path: Path) -> None:
-    bag = narrowed(tmp_path / "bag", 6, at=3, limit=20.0)
-    replay = Replay(ReplayParameters(bag=str(bag), offset=offset, topics=VIBRATION.name))
-    assert [decode_range(message.data) for message in replay.start()] == [5000.0]
-    first, again = ([bundle.messages for bundle in replay.bundles()] for _ in range(2))
-    told = [[decode_range(message.data) for message in bundle if message.topic == SENSOR] for bundle in first]
-    assert told == [[]] * passed + [[20.0]] + [[]] * (5 - round(50 * offset) - passed)
-    assert [message.topic for message in first[passed]] == [SENSOR, VIBRATION]
-    # A loop starts with the first range again; after an offset beyond the change there is only the second.
-    assert [message.topic for message in again[0]] == ([VIBRATION] if offset else [SENSOR, VIBRATION])

@@ -1,205 +1,301 @@
-"""Hostile files: whatever they claim, memory stays bounded and the answer is a sentence."""
+"""Reading the records of an MCAP file: which are yielded, which are reported as damaged."""
 
 from __future__ import annotations
 
-import json
 import struct
-import subprocess
-import sys
 import zlib
 from pathlib import Path
 
 import lz4.frame
-import numpy as np
 import pytest
 import zstandard
-from command import dcrb
-from hypothesis import given, settings
-from hypothesis import strategies as st
-from made_up_blocks import BODIES, recorded
+from mcap.opcode import Opcode
+from mcap.records import Channel, Header, Message, Metadata
+from mcap.writer import Writer
 
-from dcrb_ros.recordings.mcap_reader import MAGIC, McapRecords
-from dcrb_ros.recordings.reader import Recording, metadata_flaw
-from dcrb_ros.runtime.refusal import Refusal
-from dcrb_ros.settings.configuration import Configuration
+from dcrb_ros.messages.topics import FEATURES, NAMESPACE, VIBRATION
+from dcrb_ros.recordings import mcap_reader
+from dcrb_ros.recordings.mcap_reader import MAGIC, MAX_DAMAGE, McapRecords
+from dcrb_ros.recordings.mcap_writer import McapFile
+from dcrb_ros.recordings.recorder import channel_of
 
-HEADER = struct.pack("<BQII", 1, 8, 0, 0)
-BOMB = 1 << 31
-
-
-@pytest.fixture(scope="module")
-def bag(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return recorded(tmp_path_factory.mktemp("bags") / "bag", 30)
+UNKNOWN = 0x80
+"""An opcode that the specification of MCAP leaves to applications."""
+CHUNK_HEADER = struct.calcsize("<QQQIIQ")
+"""Size of the fields of an uncompressed chunk before its data [bytes]."""
 
 
-def chunk(compression: bytes, size: int, data: bytes, claimed: int | None = None) -> bytes:
-    body = struct.pack("<QQQII", 0, 0, size, 0, len(compression)) + compression
-    body += struct.pack("<Q", len(data) if claimed is None else claimed) + data
-    return struct.pack("<BQ", 6, len(body)) + body
+def record(opcode: int, payload: bytes) -> bytes:
+    return struct.pack("<BQ", opcode, len(payload)) + payload
 
 
-def zstd_bomb() -> bytes:
-    packer = zstandard.ZstdCompressor().compressobj(size=BOMB)
-    return b"".join(packer.compress(bytes(1 << 24)) for _ in range(BOMB >> 24)) + packer.flush()
+def text(content: str) -> bytes:
+    return struct.pack("<I", len(content)) + content.encode()
 
 
-HOSTILE = {
-    "zstd bomb": lambda: chunk(b"zstd", 1000, zstd_bomb()),
-    "zstd bomb that says so": lambda: chunk(b"zstd", BOMB, zstd_bomb()),
-    "lz4 bomb": lambda: chunk(b"lz4", 1000, lz4.frame.compress(bytes(1 << 28))),
-    "a chunk of more than there is": lambda: chunk(b"", 1 << 62, b"abc"),
-    "data of more than there is": lambda: chunk(b"", 3, b"abc", claimed=1 << 62),
-    "a record without end": lambda: struct.pack("<BQ", 12, 1 << 62) + b"abc",
-    "metadata of endless text": lambda: struct.pack("<BQI", 12, 4, 0xFFFFFFFF),
-    "an unknown packer": lambda: chunk(b"xz", 3, b"abc"),
-    "a message without head": lambda: struct.pack("<BQ", 5, 3) + b"abc",
-    "zeros": lambda: bytes(100000),
+def message(data: bytes, *, channel: int = 1, sequence: int = 7) -> bytes:
+    return record(Opcode.MESSAGE, struct.pack("<HIQQ", channel, sequence, 10, 20) + data)
+
+
+def metadata(name: str) -> bytes:
+    return record(Opcode.METADATA, text(name) + struct.pack("<I", 0))
+
+
+def chunk(data: bytes, *, compression: str = "", packed: bytes | None = None, size: int | None = None, checksum: int = 0) -> bytes:
+    content = data if packed is None else packed
+    claimed = len(data) if size is None else size
+    fields = struct.pack("<QQQI", 0, 0, claimed, checksum) + text(compression) + struct.pack("<Q", len(content))
+    return record(Opcode.CHUNK, fields + content)
+
+
+HEADER = record(Opcode.HEADER, text("ros2") + text("test"))
+END = record(Opcode.DATA_END, bytes(4)) + record(Opcode.FOOTER, bytes(20)) + MAGIC
+
+
+def records_of(folder: Path, *parts: bytes, chunks: bool = True) -> tuple[list[object], list[str]]:
+    """Return the records of a file with some content, and the damage without the name of the file."""
+    path = folder / "x.mcap"
+    path.write_bytes(MAGIC + b"".join(parts))
+    records = McapRecords(path, chunks=chunks)
+    return list(records), [sentence.removeprefix("x.mcap: ") for sentence in records.damage]
+
+
+def data_of(records: list[object]) -> list[bytes]:
+    return [found.data for found in records if isinstance(found, Message)]
+
+
+def test_records_in_and_between_chunks_are_read_and_unknown_ones_are_skipped(tmp_path: Path) -> None:
+    inner = record(UNKNOWN, b"ignored") + message(b"one") + message(b"two")
+    found, damage = records_of(tmp_path, HEADER, record(UNKNOWN, b"ignored"), chunk(inner), message(b"three"), metadata("m"), END)
+    assert [type(one) for one in found] == [Header, Message, Message, Message, Metadata]
+    assert data_of(found) == [b"one", b"two", b"three"]
+    assert (found[1], found[3]) == (Message(1, 10, b"one", 20, 7), Message(1, 10, b"three", 20, 7))
+    assert damage == []
+
+
+def test_without_chunks_only_the_records_between_them_are_read(tmp_path: Path) -> None:
+    found, damage = records_of(tmp_path, HEADER, chunk(message(b"one")), metadata("m"), END, chunks=False)
+    assert [type(one) for one in found] == [Header, Metadata]
+    assert damage == []
+
+
+def test_nothing_is_read_after_the_footer(tmp_path: Path) -> None:
+    found, damage = records_of(tmp_path, HEADER, END, metadata("m"))
+    assert [type(one) for one in found] == [Header]
+    assert damage == []
+
+
+def test_a_file_that_ends_after_a_record_lacks_its_footer_only(tmp_path: Path) -> None:
+    content = HEADER + metadata("m")
+    found, damage = records_of(tmp_path, content)
+    assert [type(one) for one in found] == [Header, Metadata]
+    assert damage == [f"the footer is missing at {len(MAGIC + content)}"]
+    assert records_of(tmp_path) == ([], ["the footer is missing at 8"])
+
+
+@pytest.mark.parametrize("kept", range(-1, -len(metadata("m")), -1))
+def test_a_record_that_is_cut_off_is_reported_with_its_place(kept: int, tmp_path: Path) -> None:
+    content = HEADER + metadata("m")
+    found, damage = records_of(tmp_path, content[:kept])
+    assert [type(one) for one in found] == [Header]
+    assert damage == [f"the record at byte {len(MAGIC + HEADER)} reaches beyond the end of the file at {len(MAGIC + content) + kept}"]
+
+
+def test_a_file_without_magic_is_not_read(tmp_path: Path) -> None:
+    path = tmp_path / "x.mcap"
+    path.write_bytes(b"\x88" + MAGIC[1:] + HEADER)
+    records = McapRecords(path)
+    assert list(records) == []
+    assert records.damage == ["x.mcap: it does not begin as an MCAP file"]
+    assert list(records) == []
+    assert len(records.damage) == 1  # of the last reading
+
+
+COMPRESSED = {
+    "zstd": zstandard.ZstdCompressor().compress,
+    "zstd without its size": lambda data: zstandard.ZstdCompressor(write_content_size=False).compress(data),
+    "lz4": lz4.frame.compress,
+    "": bytes,
 }
 
 
-@pytest.mark.parametrize("name", HOSTILE)
-def test_hostile_records_are_remarked_in_bounded_memory(name: str, tmp_path: Path) -> None:
-    path = tmp_path / "hostile.mcap"
-    path.write_bytes(MAGIC + HEADER + HOSTILE[name]())
-    code = (
-        "import resource, sys\n"
-        "from pathlib import Path\n"
-        "from dcrb_ros.recordings.mcap_reader import McapRecords\n"
-        "before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss\n"
-        "records = McapRecords(Path(sys.argv[1])); list(records)\n"
-        "print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before, len(records.damage))\n"
-    )
-    done = subprocess.run([sys.executable, "-c", code, str(path)], capture_output=True, text=True, timeout=120, check=False)
-    assert done.returncode == 0, done.stderr
-    grown, damage = map(int, done.stdout.split())
-    assert grown < 150_000  # [KiB]
-    assert damage >= 1
+@pytest.mark.parametrize("name", COMPRESSED)
+@pytest.mark.parametrize("data", [message(b"one"), b""], ids=["message", "empty"])
+def test_chunks_of_each_compression_are_read(name: str, data: bytes, tmp_path: Path) -> None:
+    packed = chunk(data, compression=name.split(" ")[0], packed=COMPRESSED[name](data), checksum=zlib.crc32(data))
+    found, damage = records_of(tmp_path, HEADER, packed, END)
+    assert data_of(found) == ([b"one"] if data else [])
+    assert damage == []
 
 
-@pytest.mark.parametrize("name", ["zstd bomb that says so", "a record without end", "zeros"])
-def test_every_command_answers_a_hostile_recording_in_a_sentence(name: str, bag: Path, tmp_path: Path) -> None:
-    whole = (bag / "bag_0.mcap").read_bytes()
-    path = tmp_path / "hostile.mcap"
-    path.write_bytes(whole[:9000] + HOSTILE[name]())
-    for command in (["info", str(path)], ["recover", str(path), "-o", str(tmp_path / "new")]):
-        done = dcrb(*command)
-        assert done.returncode in (0, 2), done.stderr
-        assert "Traceback" not in done.stderr
+@pytest.mark.parametrize("name", COMPRESSED)
+@pytest.mark.parametrize("error", [-1, 1])
+def test_a_chunk_of_another_size_than_it_claims_is_damage(name: str, error: int, tmp_path: Path) -> None:
+    data = message(b"one") + record(UNKNOWN, b"")
+    packed = chunk(data, compression=name.split(" ")[0], packed=COMPRESSED[name](data), size=len(data) + error)
+    found, damage = records_of(tmp_path, HEADER, packed, metadata("m"), END)
+    assert [type(one) for one in found] == [Header, Metadata]
+    (sentence,) = damage
+    assert sentence.startswith(f"the record at byte {len(MAGIC + HEADER)} is damaged (")
+    if name in ("zstd", ""):
+        assert f"a chunk contains {len(data)} bytes instead of {len(data) + error}" in sentence
 
 
-def test_flipped_bytes_are_survived(bag: Path, tmp_path: Path) -> None:
-    whole = (bag / "bag_0.mcap").read_bytes()
-    path, random = tmp_path / "flipped.mcap", np.random.default_rng(4)
-    head_and_tail = [*range(0, 3000, 7), *range(len(whole) - 3000, len(whole), 7)]
-    for at in [*head_and_tail, *random.integers(0, len(whole), 100)]:
-        broken = bytearray(whole)
-        broken[at] ^= 0xFF
-        path.write_bytes(broken)
-        try:
-            recording = Recording(path)
-            counts = recording.counts()
-            recording.commands()
-        except Refusal as refusal:
-            assert "\n" not in str(refusal)  # noqa: PT017 - a refusal is one of the two right answers
-        else:
-            assert counts.get("/dcrb/outer_ring/vibration", 0) <= 30
+def test_the_reason_of_damage_is_never_empty(tmp_path: Path) -> None:
+    """The parser of MCAP raises an error without a text at the end of the data."""
+    _, damage = records_of(tmp_path, HEADER, record(Opcode.METADATA, b""), chunk(record(Opcode.SCHEMA, b"")), END)
+    at = len(MAGIC + HEADER)
+    assert damage == [
+        f"the record at byte {at} is damaged (EndOfFile)",
+        f"a record in the chunk at byte {at + len(record(Opcode.METADATA, b''))} is damaged (EndOfFile)",
+    ]
 
 
-@given(st.binary(max_size=400), st.integers(0, 2**32), st.integers(0, 3000))
-@settings(max_examples=200)
-def test_any_bytes_anywhere_are_read_or_refused(
-    tmp_path_factory: pytest.TempPathFactory, bag: Path, content: bytes, seed: int, cut: int
-) -> None:
-    whole = (bag / "bag_0.mcap").read_bytes()
-    at = int(np.random.default_rng(seed).integers(0, len(whole)))
-    path = tmp_path_factory.mktemp("fuzz") / "x.mcap"
-    path.write_bytes(whole[:at] + content + whole[at + cut :])
-    try:
-        sum(Recording(path).counts().values())
-    except Refusal as refusal:
-        assert "\n" not in str(refusal)  # noqa: PT017 - a refusal is one of the two right answers
-    path.write_bytes(MAGIC + content)
-    assert len(list(McapRecords(path))) <= len(content)
+@pytest.mark.parametrize("opcode", [Opcode.MESSAGE, Opcode.SCHEMA, Opcode.CHANNEL])
+@pytest.mark.parametrize("payload", [b"", b"\x01", b"\x01\x00\x09"])
+def test_a_damaged_record_in_a_chunk_leaves_the_others_readable(opcode: int, payload: bytes, tmp_path: Path) -> None:
+    for inner in (message(b"one") + record(opcode, payload) + message(b"two"), message(b"one") + message(b"two") + record(opcode, payload)):
+        found, damage = records_of(tmp_path, HEADER, chunk(inner), END)
+        assert data_of(found) == [b"one", b"two"]
+        assert [sentence.startswith(f"a record in the chunk at byte {len(MAGIC + HEADER)} is damaged (") for sentence in damage] == [True]
 
 
-@pytest.mark.parametrize(
-    "text",
-    ["", "[", "{}", "rosbag2_bagfile_information: 3", "rosbag2_bagfile_information: {relative_file_paths: 7}", "[" * 5000, "\x00", "é" * 9],
-)
-def test_damaged_metadata_is_reported_and_the_recording_is_read(text: str, tmp_path: Path) -> None:
-    bag = recorded(tmp_path / "bag", 3)
-    (bag / "metadata.yaml").write_text(text, encoding="latin-1")
-    assert metadata_flaw(bag) == "metadata.yaml is damaged"
-    assert sum(1 for _ in Recording(bag).vibrations()) == 3
+def test_a_hundred_sentences_about_damage_are_kept(tmp_path: Path) -> None:
+    _, damage = records_of(tmp_path, HEADER, *[record(Opcode.METADATA, b"")] * 150, END)
+    assert len(damage) == MAX_DAMAGE == 100
 
 
-@given(st.binary(max_size=300))
-def test_any_metadata_is_survived(tmp_path_factory: pytest.TempPathFactory, bag: Path, content: bytes) -> None:
-    folder = tmp_path_factory.mktemp("metadata")
-    (folder / "bag_0.mcap").write_bytes((bag / "bag_0.mcap").read_bytes()[:100])
-    (folder / "metadata.yaml").write_bytes(content)
-    assert "\n" not in metadata_flaw(folder)
+@pytest.mark.parametrize("excess", [0, 1])
+def test_records_up_to_the_limit_are_read(excess: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    long = metadata("a long name")
+    monkeypatch.setattr(mcap_reader, "MAX_RECORD", len(long) - 9 - excess)
+    found, damage = records_of(tmp_path, HEADER, long, metadata("m"), END)
+    at, limit = len(MAGIC + HEADER), mcap_reader.MAX_RECORD
+    assert [one.name for one in found if isinstance(one, Metadata)] == (["m"] if excess else ["a long name", "m"])
+    assert damage == ([f"the record at byte {at} claims {limit + 1} bytes; at most {limit} are read"] if excess else [])
 
 
-JSON = st.recursive(
-    st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=5),
-    lambda inner: st.lists(inner) | st.dictionaries(st.text(), inner),
-)
+@pytest.mark.parametrize("excess", [0, 1])
+@pytest.mark.parametrize("name", ["zstd", "lz4"])
+def test_chunks_up_to_the_limit_are_unpacked(excess: int, name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    data = message(bytes(2000))
+    monkeypatch.setattr(mcap_reader, "MAX_RECORD", len(data) - excess)
+    found, damage = records_of(tmp_path, HEADER, chunk(data, compression=name, packed=COMPRESSED[name](data)), END)
+    assert data_of(found) == ([] if excess else [bytes(2000)])
+    assert [f"a chunk claims {len(data)} bytes, at most {len(data) - 1} are read" in sentence for sentence in damage] == [True] * excess
 
 
-@given(
-    st.sampled_from(
-        [
-            "format",
-            "units",
-            "software",
-            "orders",
-            "configuration",
-            "sampling_rate",
-            "namespace",
-            "imported",
-            "sensor",
-            "samples",
-            "sha256",
-            "commands",
-        ]
-    ),
-    JSON,
-)
-@settings(max_examples=100)
-def test_any_manifest_is_read_or_refused(tmp_path_factory: pytest.TempPathFactory, key: str, value: object) -> None:
-    from dcrb_ros.cli.info import info
-    from dcrb_ros.messages.topics import MANIFEST
-    from dcrb_ros.recordings.manifest import OUTCOME, opening
-    from dcrb_ros.recordings.reproduction import recorded_samples
-    from dcrb_ros.recordings.rosbag2 import Bag
-
-    about = json.loads(opening(Configuration(), BODIES, "/dcrb")[MANIFEST]["manifest"])
-    outcome = {"samples": 3, "sha256": "0", "first_index": 0, "commands": []}
-    (outcome if key in outcome else about)[key] = value
-    folder = tmp_path_factory.mktemp("manifest") / "bag"
-    ending = {OUTCOME: {"outcome": json.dumps(outcome)}}
-    Bag(folder, opening={MANIFEST: {"manifest": json.dumps(about)}}, closing=lambda: ending).close()
-    try:
-        info(folder)
-        recorded_samples(Recording(folder))
-    except Refusal as refusal:
-        assert "\n" not in str(refusal)  # noqa: PT017 - a refusal is one of the two right answers
+@pytest.mark.parametrize("excess", [0, 1])
+def test_the_size_in_a_frame_of_zstd_is_checked_before_it_is_unpacked(excess: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    data = message(bytes(2000))
+    monkeypatch.setattr(mcap_reader, "MAX_RECORD", len(data) - excess)
+    _, damage = records_of(tmp_path, HEADER, chunk(data, compression="zstd", packed=COMPRESSED["zstd"](data), size=10), END)
+    expected = f"a chunk unpacks to {len(data)} bytes, at most {len(data) - 1} are read" if excess else f"{len(data)} bytes instead of 10"
+    assert expected in damage[0]
 
 
-def test_huge_metadata_is_not_read(tmp_path: Path) -> None:
-    bag = recorded(tmp_path / "bag", 2)
-    with (bag / "metadata.yaml").open("ab") as stream:
-        stream.truncate(1 << 33)
-    assert "bytes, at most 4000000 are read" in metadata_flaw(bag)
-    (bag / "metadata.yaml").unlink()
-    assert "No such file" in metadata_flaw(bag)
+def test_sixteen_megabytes_of_manifest_can_be_read(tmp_path: Path) -> None:
+    """The recorder limits the outcome record to 16 MiB."""
+    entry = record(Opcode.METADATA, text("m") + struct.pack("<I", 24 + (1 << 24)) + text("key") + text("x" * ((1 << 24) + 13)))
+    found, damage = records_of(tmp_path, HEADER, entry, END)
+    assert [type(one) for one in found] == [Header, Metadata]
+    assert damage == []
 
 
-def test_a_wrong_checksum_is_damage(tmp_path: Path) -> None:
-    body = struct.pack("<QQQII", 0, 0, 3, zlib.crc32(b"abd"), 0) + struct.pack("<Q", 3) + b"abc"
-    path = tmp_path / "x.mcap"
-    path.write_bytes(MAGIC + HEADER + struct.pack("<BQ", 6, len(body)) + body)
+@pytest.fixture
+def four(tmp_path: Path) -> tuple[Path, list[int]]:
+    """Four chunks with two messages each, on two topics; return the file and the positions of the chunks."""
+    path = tmp_path / "four.mcap"
+    file, starts = McapFile(path, {}, "none"), []
+    for number in range(4):
+        starts.append(file.size)
+        for topic in (FEATURES, VIBRATION):
+            file.write(channel_of(topic, NAMESPACE), number, b"%d" % number, number)
+        file.flush()
+    file.close({})
+    return path, starts
+
+
+@pytest.mark.parametrize("number", range(4))
+def test_an_invalid_length_loses_its_chunk_only(number: int, four: tuple[Path, list[int]]) -> None:
+    path, starts = four
+    broken = bytearray(path.read_bytes())
+    assert broken[starts[number]] == Opcode.CHUNK
+    broken[starts[number] + 1 : starts[number] + 9] = struct.pack("<Q", 1 << 62)
+    path.write_bytes(broken)
     records = McapRecords(path)
-    assert len(list(records)) == 1
-    assert any("the checksum of a chunk does not match" in words for words in records.damage)
+    assert data_of(list(records)) == [b"%d" % k for k in range(4) if k != number for _ in range(2)]
+    assert records.damage == [f"four.mcap: the record at byte {starts[number]} reaches beyond the end of the file at {len(broken)}"]
+
+
+def test_channels_are_known_from_the_summary_when_the_chunk_that_defines_them_is_damaged(four: tuple[Path, list[int]]) -> None:
+    path, starts = four
+    broken = bytearray(path.read_bytes())
+    broken[starts[0] + 9 + CHUNK_HEADER + 20] ^= 0xFF
+    path.write_bytes(broken)
+    records = McapRecords(path, topics={VIBRATION.resolved(NAMESPACE)})
+    found = list(records)
+    assert data_of(found) == [b"1", b"2", b"3"]
+    assert ["the checksum of a chunk does not match its data" in sentence for sentence in records.damage] == [True]
+
+
+def in_summary(path: Path) -> int:
+    """Return how many channels are yielded before the header: those of the summary."""
+    types = [type(one) for one in McapRecords(path, chunks=False)]
+    return types[: types.index(Header)].count(Channel)
+
+
+@pytest.mark.parametrize("end", [b"", b"\x00"], ids=["cut off", "overwritten"])
+def test_a_summary_without_the_magic_after_it_is_not_used(end: bytes, four: tuple[Path, list[int]]) -> None:
+    path, _ = four
+    whole = path.read_bytes()
+    assert in_summary(path) == 2
+    path.write_bytes(whole[:-1] + end)
+    assert in_summary(path) == 0
+    assert len(data_of(list(McapRecords(path)))) == 8
+
+
+@pytest.mark.parametrize("begin", [0, 7, 1 << 40], ids=["none", "in the magic", "beyond the end"])
+def test_an_impossible_place_of_the_summary_counts_as_none(begin: int, four: tuple[Path, list[int]]) -> None:
+    path, _ = four
+    broken = bytearray(path.read_bytes())
+    at = len(broken) - len(MAGIC) - 20
+    broken[at : at + 8] = struct.pack("<Q", begin)
+    path.write_bytes(broken)
+    assert in_summary(path) == 0
+    assert len(data_of(list(McapRecords(path)))) == 8
+
+
+@pytest.mark.parametrize("excess", [0, 1])
+def test_a_summary_up_to_the_limit_is_read(excess: int, four: tuple[Path, list[int]], monkeypatch: pytest.MonkeyPatch) -> None:
+    path, _ = four
+    whole = path.read_bytes()
+    footer = len(whole) - len(MAGIC) - 20 - 9
+    (begin,) = struct.unpack_from("<Q", whole, footer + 9)
+    monkeypatch.setattr(mcap_reader, "MAX_RECORD", footer - begin - excess)
+    assert in_summary(path) == (0 if excess else 2)
+
+
+def test_messages_of_other_topics_are_skipped_until_their_channel_gets_another_topic(tmp_path: Path) -> None:
+    def channel(topic: str) -> bytes:
+        return record(Opcode.CHANNEL, struct.pack("<HH", 1, 0) + text(topic) + text("cdr") + struct.pack("<I", 0))
+
+    path = tmp_path / "x.mcap"
+    inner = channel("/other") + message(b"other") + channel("/wanted") + message(b"wanted") + channel("/other") + message(b"other")
+    path.write_bytes(MAGIC + HEADER + chunk(inner) + END)
+    assert data_of(list(McapRecords(path, topics={"/wanted"}))) == [b"wanted"]
+    assert data_of(list(McapRecords(path))) == [b"other", b"wanted", b"other"]
+
+
+def test_a_file_of_another_writer_without_chunks_is_read(tmp_path: Path) -> None:
+    path = tmp_path / "x.mcap"
+    with path.open("wb") as stream:
+        writer = Writer(stream, use_chunking=False)
+        writer.start(profile="ros2")
+        channel = writer.register_channel("/number", "cdr", writer.register_schema("std_msgs/msg/Float64", "ros2msg", b"float64 data"))
+        for number in range(3):
+            writer.add_message(channel, number, b"%d" % number, number)
+        writer.finish()
+    records = McapRecords(path)
+    assert data_of(list(records)) == [b"0", b"1", b"2"]
+    assert records.damage == []

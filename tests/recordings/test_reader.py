@@ -6,26 +6,36 @@ import json
 import resource
 import subprocess
 import sys
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
 import pytest
 import yaml
-from made_up_blocks import narrowed
+from made_up_blocks import BODIES, blocks, narrowed, recorded
 from mcap.reader import make_reader
 from mcap_ros2.decoder import DecoderFactory
 from rosbags.highlevel import AnyReader
 from runs import Run, simulated
 
+from dcrb_ros.bearing.kinematics import characteristic_orders
 from dcrb_ros.cli.detect import detect
 from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.exam.detector_run import run_shipped_detector
+from dcrb_ros.messages.encoder import BlockEncoder
+from dcrb_ros.messages.event_text import encode_command
 from dcrb_ros.messages.points import SAMPLE
-from dcrb_ros.messages.topics import ACCELERATION, FEATURES, GROUND_TRUTH, NAMESPACE, ROLLER_STATES, SENSOR, VIBRATION
-from dcrb_ros.recordings.reader import Recording
-from dcrb_ros.recordings.recorder import Recorder, RecordingFailed
+from dcrb_ros.messages.topics import ACCELERATION, FEATURES, GROUND_TRUTH, MANIFEST, NAMESPACE, ROLLER_STATES, SENSOR, VIBRATION
+from dcrb_ros.recordings import reader
+from dcrb_ros.recordings.manifest import OUTCOME, opening
+from dcrb_ros.recordings.mcap_reader import MAGIC
+from dcrb_ros.recordings.reader import Recording, metadata_flaw, valid_files
+from dcrb_ros.recordings.recorder import Recorder, RecordingFailed, channel_of
+from dcrb_ros.recordings.rosbag2 import Bag
 from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.settings.configuration import Configuration
+from dcrb_ros.stream.events import SpeedCommand, TimedCommand
 from dcrb_ros.stream.states import BodyNames
 
 WAVEFORM = VIBRATION.resolved(NAMESPACE)
@@ -67,10 +77,10 @@ def points(data: npt.NDArray[np.uint8] | bytes) -> npt.NDArray[np.float32]:
 
 
 def test_rosbags_reads_the_same(run: Run, bag: Path) -> None:
-    with AnyReader([bag]) as reader:
-        assert {c.topic: c.msgcount for c in reader.connections} == expected_counts(run)
-        waveform = [c for c in reader.connections if c.topic == WAVEFORM]
-        read = [points(reader.deserialize(raw, c.msgtype).data) for c, _, raw in reader.messages(waveform)]
+    with AnyReader([bag]) as other:
+        assert {c.topic: c.msgcount for c in other.connections} == expected_counts(run)
+        waveform = [c for c in other.connections if c.topic == WAVEFORM]
+        read = [points(other.deserialize(raw, c.msgtype).data) for c, _, raw in other.messages(waveform)]
     assert np.array_equal(np.concatenate(read), samples(run))
 
 
@@ -213,3 +223,192 @@ def test_a_changed_range_is_read_with_its_blocks(tmp_path: Path, capsys: pytest.
     verdicts = [found["verdict"] for found in json.loads(capsys.readouterr().out)["history"]]
     assert verdicts == [diagnosis.verdict for diagnosis in run_shipped_detector(bag, DetectorParameters())]
     assert "sensor" not in verdicts
+
+
+def made(path: Path, outcome: Mapping[str, object] | None = None, **changes: object) -> Recording:
+    """Write a recording of three blocks whose manifest has some other entries; None removes an entry."""
+    about = json.loads(opening(Configuration(), BODIES, NAMESPACE)[MANIFEST]["manifest"]) | changes
+    manifest = json.dumps({key: value for key, value in about.items() if value is not None})
+    end = {} if outcome is None else {OUTCOME: {"outcome": json.dumps(outcome)}}
+    bag = Bag(path, opening={MANIFEST: {"manifest": manifest}, "other": {"a": "1"}}, closing=lambda: end)
+    encoder = BlockEncoder(Configuration(), BODIES)
+    messages = [message for block in blocks(3, events={1: SpeedCommand(130.0)}) for message in encoder.encode(block)]
+    bag.write((channel_of(message.topic, NAMESPACE), message.time_ns, message.data) for message in messages)
+    bag.close()
+    return Recording(path)
+
+
+@pytest.mark.parametrize("number", [1, None, 0, 2, 3])
+def test_an_outcome_is_expected_from_the_second_format_on(number: int | None, tmp_path: Path) -> None:
+    recording = made(tmp_path / "bag", format=number)
+    old = number in (1, None)
+    assert recording.complete == old
+    assert recording.damage == ([] if old else ["bag_0.mcap: the end is missing, the recording was cut off"])
+    assert made(tmp_path / "whole", {"samples": 3072}, format=number).complete
+
+
+def test_the_end_that_is_missing_is_that_of_the_last_file(tmp_path: Path) -> None:
+    bag = recorded(tmp_path / "bag", 35, split_duration=0.2)
+    assert len(Recording(bag).files) == 4
+    last = bag / "bag_3.mcap"
+    whole = last.read_bytes()
+    last.write_bytes(whole[: len(whole) // 2])
+    assert Recording(bag).damage[-1] == "bag_3.mcap: the end is missing, the recording was cut off"
+
+
+def test_representation_states_length_rate_content_and_damage(tmp_path: Path) -> None:
+    summary = Configuration().summary
+    for outcome, changes, expected in (
+        ({"samples": 3072}, {}, f"0.06 s at 51.2 kHz, {summary}"),
+        ({"samples": 3072}, {"imported": {}}, "0.06 s at 51.2 kHz, imported data"),
+        ({"samples": 3072}, {"sampling_rate": None}, f"of unknown length at 0 kHz, {summary}"),
+        ({}, {}, f"of unknown length at 51.2 kHz, {summary}"),
+        (None, {}, f"of unknown length at 51.2 kHz, {summary}, damaged"),
+    ):
+        path = tmp_path / str(len(list(tmp_path.iterdir())))
+        assert repr(made(path, outcome, **changes)) == f"<Recording {path}: {expected}>"
+
+
+@pytest.mark.parametrize(
+    ("rate", "accepted"), [(1, True), (51200, True), (10_000_000, True), (0, False), (-1, False), (10_000_001, False), (None, False)]
+)
+def test_sampling_rates_up_to_10_mhz_are_accepted(rate: int | None, accepted: bool, tmp_path: Path) -> None:
+    recording = made(tmp_path / "bag", {}, sampling_rate=rate)
+    if accepted:
+        assert recording.sampling_rate == rate
+    else:
+        with pytest.raises(Refusal, match=f"gives a sampling rate of {rate} Hz: it must be a whole number above 0"):
+            _ = recording.sampling_rate
+
+
+def test_imported_data_have_orders_and_no_configuration(tmp_path: Path) -> None:
+    recording = made(tmp_path / "bag", {}, imported={}, configuration=None)
+    assert recording.imported
+    assert recording.orders.as_dict() == made(tmp_path / "run", {}).orders.as_dict()
+    assert not made(tmp_path / "bench", {}).imported
+    with pytest.raises(Refusal, match="contains imported data, not a run of the bench"):
+        _ = recording.configuration
+    with pytest.raises(Refusal, match="gives no fault orders: import the data again"):
+        _ = made(tmp_path / "none", {}, imported={}, orders={}).orders
+
+
+def test_orders_of_a_run_are_those_of_its_configuration(tmp_path: Path) -> None:
+    assert made(tmp_path / "bag", {}, orders={}).orders == characteristic_orders(Configuration().bearing)
+
+
+@pytest.mark.parametrize(
+    ("outcome", "speeds", "damage"),
+    [
+        ({"commands": [encode_command(TimedCommand(5, SpeedCommand(1.5)))]}, [1.5], 0),
+        ({"commands": []}, [], 0),
+        ({"commands": None}, [130.0], 0),
+        ({"commands": [7]}, [130.0], 1),
+        (None, [130.0], 1),
+    ],
+)
+def test_commands_come_from_the_outcome_or_else_from_the_ground_truth(
+    outcome: dict[str, object] | None, speeds: list[float], damage: int, tmp_path: Path
+) -> None:
+    recording = made(tmp_path / "bag", outcome)
+    for _ in range(2):
+        assert [timed.command for timed in recording.commands()] == [SpeedCommand(speed) for speed in speeds]
+        assert len(recording.damage) == damage  # each sentence once
+
+
+def test_messages_are_those_of_the_topics_in_the_namespace(tmp_path: Path) -> None:
+    recording = made(tmp_path / "bag", {})
+    assert {message.topic for message in recording.messages()} == {VIBRATION, FEATURES, GROUND_TRUTH}
+    assert {message.topic for message in recording.messages((FEATURES,))} == {FEATURES}
+    assert list(recording.messages(namespace="/other")) == []
+    assert [message.time_ns for message in recording.messages((VIBRATION,))] == [0, 20_000_000, 40_000_000]
+    assert made(tmp_path / "elsewhere", {}, namespace="/other").counts() == recording.counts()
+    assert list(Recording(tmp_path / "elsewhere").messages()) == []
+
+
+def test_a_recording_without_a_waveform_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(Refusal, match="contains no messages on /other/outer_ring/vibration"):
+        list(made(tmp_path / "bag", {}, namespace="/other").vibrations())
+
+
+@pytest.mark.parametrize(
+    ("sensor", "expected"),
+    [
+        ({"range": 20.0}, 20.0),
+        ({"range": 7}, 7.0),
+        ({"range": 0.5}, 0.5),
+        ({"range": 0.0}, 0.0),
+        ({"range": -20.0}, 0.0),
+        ({"range": "20"}, 0.0),
+        ({"frame": "a"}, 0.0),
+        (None, 5000.0),
+    ],
+)
+def test_the_first_range_is_that_of_the_manifest(sensor: dict[str, object] | None, expected: float, tmp_path: Path) -> None:
+    recording = made(tmp_path / "bag", {}, sensor=sensor)
+    assert [limit for _, limit in recording.ranged_vibrations()] == [expected] * 3
+
+
+def test_a_manifest_that_is_damaged_in_the_first_file_is_read_from_the_next(tmp_path: Path) -> None:
+    for number, text in enumerate(("[]", '{"namespace": 7}', "{", None)):
+        about = made(tmp_path / f"bag{number}", {}).manifest | {"seed": 99}
+        entries = [{"manifest": text}] if text is not None else [{"other": "{}"}]
+        folder = tmp_path / f"split{number}"
+        folder.mkdir()
+        for file, entry in enumerate([*entries, {"manifest": json.dumps(about)}]):
+            Bag(tmp_path / f"part{number}{file}", opening={MANIFEST: entry}, closing=lambda: {OUTCOME: {"outcome": "{}"}}).close()
+            (tmp_path / f"part{number}{file}" / f"part{number}{file}_0.mcap").rename(folder / f"split_{file}.mcap")
+        assert Recording(folder).manifest["seed"] == 99
+
+
+def test_the_outcome_is_the_last_one_in_the_last_file(tmp_path: Path) -> None:
+    bag = recorded(tmp_path / "bag", 35, split_duration=0.2)
+    of_files = [(Recording(file).outcome or {})["samples"] for file in Recording(bag).files]
+    assert of_files == sorted(set(of_files))  # of the run so far
+    assert (Recording(bag).outcome or {})["samples"] == of_files[-1] == 35 * 1024
+
+
+def test_a_configuration_of_another_version_is_refused_with_the_reason(tmp_path: Path) -> None:
+    with pytest.raises(Refusal, match=r"was written by dcrb_ros 0\.0\.1 and is not understood by .* \(1 validation error for"):
+        made(tmp_path / "bag", {}, configuration={"gear": 3}, dcrb_ros="0.0.1")
+    with pytest.raises(Refusal, match=r"of an unknown version and is not understood by .* \('configuration'\): read it with"):
+        made(tmp_path / "none", {}, configuration=None, dcrb_ros=None)
+
+
+def test_files_are_in_the_order_of_their_numbers_after_those_without(tmp_path: Path) -> None:
+    names = ["bag.mcap", "bag_0.mcap", "bag_2.mcap", "bag_10.mcap", "bag_x.mcap", "cat_1.mcap"]
+    for name in sorted(names):
+        (tmp_path / name).write_bytes(MAGIC)
+    assert [file.name for file in valid_files(tmp_path)[0]] == names
+    assert valid_files(tmp_path / "bag_2.mcap") == ([tmp_path / "bag_2.mcap"], [])
+
+
+def test_files_that_are_none_are_named_with_the_reason(tmp_path: Path) -> None:
+    for name, content in (("a_0.mcap", b""), ("a_1.mcap", b"other bytes")):
+        (tmp_path / name).write_bytes(content)
+    with pytest.raises(Refusal, match=r"a_0\.mcap is not an MCAP file: it is empty$"):
+        valid_files(tmp_path)
+    (tmp_path / "a_2.mcap").write_bytes(MAGIC)
+    assert valid_files(tmp_path) == (
+        [tmp_path / "a_2.mcap"],
+        [
+            "a_0.mcap: left out, not an MCAP file: it is empty",
+            f"a_1.mcap: left out, not an MCAP file: it must begin with {MAGIC!r}",
+        ],
+    )
+
+
+def test_metadata_must_name_every_file(tmp_path: Path) -> None:
+    bag = recorded(tmp_path / "bag", 15, split_duration=0.1)
+    assert metadata_flaw(bag) == ""
+    assert metadata_flaw(bag / "bag_0.mcap") == ""  # a file needs none
+    (bag / "bag_7.mcap").write_bytes((bag / "bag_0.mcap").read_bytes())
+    (bag / "bag_8.mcap").write_bytes((bag / "bag_0.mcap").read_bytes())
+    assert metadata_flaw(bag) == "metadata.yaml does not name bag_7.mcap, bag_8.mcap"
+
+
+@pytest.mark.parametrize("excess", [0, 1])
+def test_metadata_up_to_the_limit_are_read(excess: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    bag = recorded(tmp_path / "bag", 1)
+    size = (bag / "metadata.yaml").stat().st_size
+    monkeypatch.setattr(reader, "MAX_METADATA", size - excess)
+    assert metadata_flaw(bag) == (f"metadata.yaml has {size} bytes, at most {size - 1} are read" if excess else "")

@@ -18,9 +18,9 @@ from rosbags.highlevel import AnyReader
 from slow_recorder import SlowRecorder
 
 from dcrb_ros.messages.encoder import BlockEncoder
-from dcrb_ros.messages.topics import NAMESPACE, VIBRATION
+from dcrb_ros.messages.topics import DETECTED, NAMESPACE, SENSOR, SIMULATED, VIBRATION
 from dcrb_ros.recordings.reader import Recording, metadata_flaw
-from dcrb_ros.recordings.recorder import Recorder
+from dcrb_ros.recordings.recorder import Recorder, channel_of, chosen_topics
 from dcrb_ros.recordings.recorder_thread import RecorderThread
 from dcrb_ros.recordings.rosbag2 import RecordingFailed
 from dcrb_ros.runtime.refusal import Refusal
@@ -34,6 +34,65 @@ WAVEFORM = VIBRATION.resolved(NAMESPACE)
 def about(bag: Path) -> dict[str, object]:
     found: dict[str, object] = yaml.safe_load((bag / "metadata.yaml").read_text())["rosbag2_bagfile_information"]
     return found
+
+
+def test_the_offered_profiles_are_those_of_rosbag2() -> None:
+    """Without a limit, a duration has the most nanoseconds that 64 bits hold."""
+    for topic, durability in ((VIBRATION, "volatile"), (SENSOR, "transient_local")):
+        (profile,) = channel_of(topic, NAMESPACE).profiles()
+        assert list(profile)[:4] == ["history", "depth", "reliability", "durability"]
+        for name in ("deadline", "lifespan", "liveliness_lease_duration"):
+            duration = profile.pop(name)
+            assert duration["sec"] * 10**9 + duration["nsec"] == 2**63 - 1
+            assert duration["nsec"] < 10**9
+        assert profile == {
+            "history": "keep_last",
+            "depth": topic.depth,
+            "reliability": "reliable",
+            "durability": durability,
+            "liveliness": "automatic",
+            "avoid_ros_namespace_conventions": False,
+        }
+
+
+def test_definitions_are_those_of_ros_2() -> None:
+    definition = channel_of(VIBRATION, NAMESPACE).definition
+    assert "builtin_interfaces/Time stamp" in definition
+    assert "uint32 seq" not in definition  # of ROS 1
+
+
+@pytest.mark.parametrize(
+    ("text", "names"),
+    [
+        ("ground_truth", {"ground_truth", "outer_ring/sensor"}),
+        (" ground_truth ,diagnosis  outer_ring/features", {"ground_truth", "diagnosis", "outer_ring/features", "outer_ring/sensor"}),
+        ("", {topic.name for topic in (*SIMULATED, *DETECTED)}),
+        (" , ", {topic.name for topic in (*SIMULATED, *DETECTED)}),
+    ],
+)
+def test_topics_are_separated_by_commas_or_blanks(text: str, names: set[str]) -> None:
+    assert {topic.name for topic in chosen_topics(text)} == names
+
+
+@pytest.mark.parametrize(("given", "start_ns"), [({}, 0), ({"start_ns": 5}, 5)])
+def test_the_sensor_description_is_on_the_disk_from_the_start(given: dict[str, int], start_ns: int, tmp_path: Path) -> None:
+    recorder = Recorder(tmp_path / "bag", Configuration(), BODIES, **given)  # type: ignore[arg-type]
+    assert [(message.topic, message.time_ns) for message in Recording(tmp_path / "bag").messages()] == [(SENSOR, start_ns)]
+    recorder.close()
+
+
+def test_a_closed_recorder_ignores_blocks_and_its_outcome_stays(tmp_path: Path) -> None:
+    made = list(blocks(60))
+    recorder = Recorder(tmp_path / "bag", Configuration.model_validate({"recording": {"split_duration": 0.5}}), BODIES)
+    for block in made[:50]:
+        recorder.write(block)
+    recorder.close()
+    for block in made[50:]:
+        recorder.write(block)
+    recorder.close()
+    assert recorder.outcome.samples == 50 * 1024
+    assert sum(1 for _ in Recording(tmp_path / "bag").vibrations()) == 50
+    assert recorder.file == tmp_path / "bag" / "bag_0.mcap"
 
 
 @pytest.mark.parametrize("keys", [{"split_duration": 0.5}, {"split_size": 1_000_000, "compression": "none"}])

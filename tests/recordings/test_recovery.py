@@ -2,20 +2,29 @@
 
 from __future__ import annotations
 
+import json
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 import pytest
 from command import dcrb
-from made_up_blocks import recorded
+from made_up_blocks import BODIES, blocks, recorded
 from mcap.reader import make_reader
+from mcap.records import Metadata
 from mcap.writer import Writer
 from rosbags.highlevel import AnyReader
 
-from dcrb_ros.messages.topics import NAMESPACE, VIBRATION
+from dcrb_ros.messages.encoder import BlockEncoder
+from dcrb_ros.messages.topics import FEATURES, GROUND_TRUTH, MANIFEST, NAMESPACE, VIBRATION, Message
+from dcrb_ros.recordings.manifest import OUTCOME, opening
+from dcrb_ros.recordings.mcap_reader import McapRecords
 from dcrb_ros.recordings.reader import Recording, metadata_flaw
-from dcrb_ros.recordings.recovery import recover
+from dcrb_ros.recordings.recorder import channel_of
+from dcrb_ros.recordings.recovery import RECOVERY, Recovered, recover
+from dcrb_ros.recordings.rosbag2 import Bag
 from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.stream.events import LoadCommand
 
 
@@ -155,3 +164,109 @@ def test_unrecoverable_input_is_refused(bag: Path, tmp_path: Path) -> None:
     with pytest.raises(Refusal, match="nothing can be recovered"):
         recover(head, tmp_path / "new")
     assert not (tmp_path / "new").exists()
+
+
+def message_bag(path: Path, messages: Sequence[Message], *, namespace: str = NAMESPACE, **changes: object) -> Path:
+    """Write messages with the manifest of the bench, in which some entries differ; None removes an entry."""
+    about = json.loads(opening(Configuration(), BODIES, namespace)[MANIFEST]["manifest"]) | changes
+    manifest = json.dumps({key: value for key, value in about.items() if value is not None})
+    bag = Bag(path, opening={MANIFEST: {"manifest": manifest}}, closing=lambda: {OUTCOME: {"outcome": "{}"}}, compression="lz4")
+    bag.write((channel_of(message.topic, namespace), message.time_ns, message.data) for message in messages)
+    bag.close()
+    return path
+
+
+def compressions(bag: Path) -> set[str]:
+    """Return the compressions of the chunks in a recording."""
+    found = set()
+    for file in sorted(bag.glob("*.mcap")):
+        with file.open("rb") as stream:
+            summary = make_reader(stream).get_summary()
+        assert summary is not None
+        found |= {index.compression for index in summary.chunk_indexes}
+    return found
+
+
+def test_the_result_counts_the_messages_and_states_the_last_time(bag: Path, tmp_path: Path) -> None:
+    salvage = recover(bag, tmp_path / "new")
+    messages = list(Recording(bag).messages())
+    assert salvage.messages == len(messages) == sum(Recording(bag).counts().values())
+    assert salvage.last_ns == max(message.time_ns for message in messages)
+    assert Recovered() == Recovered(messages=0, last_ns=0, damage=())
+
+
+def test_a_recovered_recording_is_split_and_compressed_like_the_source(tmp_path: Path) -> None:
+    split = recorded(tmp_path / "split", 60, split_duration=0.5, compression="lz4")
+    recover(split, tmp_path / "new")
+    assert [len(waveform(file)) for file in Recording(tmp_path / "new").files] == [25, 25, 10]
+    assert compressions(tmp_path / "new") == {"lz4"}
+
+
+def test_imported_data_are_recovered_as_one_file(tmp_path: Path) -> None:
+    messages = [message for block in blocks(3) for message in BlockEncoder(Configuration(), BODIES).encode(block)]
+    imported = message_bag(tmp_path / "bag", messages, imported={}, configuration=None)
+    assert recover(imported, tmp_path / "new").damage == ()
+    recording = Recording(tmp_path / "new")
+    assert recording.imported
+    assert (recording.outcome or {})["samples"] == 3 * 1024
+    assert compressions(tmp_path / "new") == {"zstd"}
+
+
+def test_a_hundred_sentences_about_corrupt_messages_are_kept(tmp_path: Path) -> None:
+    corrupt = [Message(topic, 20_000_000 * k, b"corrupt") for k in range(60) for topic in (VIBRATION, GROUND_TRUTH)]
+    source = message_bag(tmp_path / "bag", [*corrupt, Message(FEATURES, 7, b"kept")])
+    salvage = recover(source, tmp_path / "new")
+    assert (salvage.messages, salvage.last_ns, len(salvage.damage)) == (1, 7, 100)
+    assert salvage.damage[0].startswith("outer_ring/vibration at 0.000 s: ")
+    assert salvage.damage[3].startswith("ground_truth at 0.020 s: ")
+
+
+def test_messages_of_another_namespace_are_not_examined(tmp_path: Path) -> None:
+    source = message_bag(tmp_path / "bag", [Message(VIBRATION, 7, b"corrupt")], namespace="/other")
+    about = json.loads(opening(Configuration(), BODIES, NAMESPACE)[MANIFEST]["manifest"])
+    assert Recording(source).manifest["namespace"] == "/other" != about["namespace"]
+    with pytest.raises(Refusal, match="no message can be read: outer_ring/vibration"):
+        recover(source, tmp_path / "new")
+    bag = Bag(tmp_path / "two", opening={MANIFEST: {"manifest": json.dumps(about)}}, closing=dict)
+    bag.write([(channel_of(VIBRATION, "/other"), 7, b"corrupt")])
+    bag.close()
+    assert recover(tmp_path / "two", tmp_path / "kept").messages == 1
+
+
+def test_what_was_lost_is_listed_in_the_recovered_recording(bag: Path, tmp_path: Path) -> None:
+    whole = (bag / "bag_0.mcap").read_bytes()
+    (tmp_path / "cut.mcap").write_bytes(whole[: len(whole) // 2])
+    salvage = recover(tmp_path / "cut.mcap", tmp_path / "new")
+    assert recover(tmp_path / "new", tmp_path / "again").damage == ()
+    for folder, lost in (("new", list(salvage.damage)), ("again", [])):
+        names = [record for record in McapRecords(tmp_path / folder / f"{folder}_0.mcap", chunks=False) if isinstance(record, Metadata)]
+        assert [record.name for record in names] == [MANIFEST, RECOVERY, OUTCOME, "rosbag2"]
+        assert json.loads(names[1].metadata["recovery"])["lost"] == lost
+
+
+def test_the_reason_why_nothing_can_be_recovered_is_the_first_damage(tmp_path: Path) -> None:
+    with pytest.raises(Refusal, match=r"because no message can be read$"):
+        recover(message_bag(tmp_path / "empty", []), tmp_path / "new")
+    source = message_bag(tmp_path / "bag", [Message(VIBRATION, 20_000_000 * k, b"corrupt") for k in range(1, 4)])
+    with pytest.raises(Refusal, match=r"because no message can be read: outer_ring/vibration at 0\.020 s: "):
+        recover(source, tmp_path / "new")
+
+
+@pytest.mark.parametrize(
+    ("encoding", "definition", "words"),
+    [
+        ("json", "ros2msg", "/number contains json messages defined by ros2msg"),
+        ("cdr", "ros1msg", "/number contains cdr messages defined by ros1msg"),
+        ("", "", "/number contains unnamed messages defined by nothing"),
+    ],
+)
+def test_messages_of_other_encodings_are_refused(encoding: str, definition: str, words: str, tmp_path: Path) -> None:
+    path = tmp_path / "foreign.mcap"
+    with path.open("wb") as stream:
+        writer = Writer(stream)
+        writer.start(profile="")
+        channel = writer.register_channel("/number", encoding, writer.register_schema("Number", definition, b"{}"))
+        writer.add_message(channel, 0, b"0", 0)
+        writer.finish()
+    with pytest.raises(Refusal, match=words):
+        recover(path, tmp_path / "new")

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import FrozenInstanceError, replace
 from pathlib import Path
 from typing import Any
 
@@ -13,14 +14,16 @@ import pytest
 from command import dcrb
 from made_up_blocks import BODIES, blocks, recorded
 
-from dcrb_ros.recordings.manifest import model_fingerprint
+from dcrb_ros import __version__
+from dcrb_ros.recordings.manifest import model_fingerprint, software
 from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.recordings.recorder import Recorder
-from dcrb_ros.recordings.reproduction import NotReproduced, Reproduction, recorded_samples
+from dcrb_ros.recordings.reproduction import NotReproduced, RecordedSamples, Reproduction, recorded_samples
 from dcrb_ros.runtime.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.simulation.loop import Simulation
 from dcrb_ros.simulation.scenario import scheduled_changes
+from dcrb_ros.stream.block import Block
 from dcrb_ros.stream.events import Command, CommandSchedule, LoadCommand, ParameterChange, SpeedCommand, TimedCommand, UnknownCommand
 
 
@@ -203,3 +206,105 @@ def test_commands_are_applied_when_they_are_due_in_the_order_of_time() -> None:
         applied.append(len(log.commands))
     assert applied == [0, 1, 1, 2, 3]
     assert log.commands == commands[::-1]
+
+
+def with_outcome(recording: Recording, outcome: Mapping[str, Any] | None) -> Recording:
+    """Return a recording with another outcome record."""
+    recording.__dict__["outcome"] = outcome
+    return recording
+
+
+@pytest.mark.parametrize(
+    ("outcome", "expected"),
+    [
+        ({"first_index": 5, "samples": 7, "sha256": "ab", "end_index": 20}, (5, 7, "ab", 20)),
+        ({"first_index": 5, "samples": 7, "sha256": "ab"}, (5, 7, "ab", 12)),
+    ],
+)
+def test_range_and_hash_are_those_of_the_outcome(outcome: dict[str, Any], expected: tuple[int, int, str, int], tmp_path: Path) -> None:
+    recording = with_outcome(Recording(recorded(tmp_path / "bag", 1)), outcome)
+    assert recorded_samples(recording) == RecordedSamples(*expected)
+    with pytest.raises(FrozenInstanceError):
+        recorded_samples(recording).count = 0  # type: ignore[misc]
+
+
+def late(path: Path, numbers: Sequence[int], **publishing: Any) -> Recording:
+    """Record some of the blocks of noise; return the recording without its outcome."""
+    configuration, made = Configuration.model_validate({"publishing": publishing}), list(blocks(8))
+    with Recorder(path, configuration, BODIES) as recorder:
+        for number in numbers:
+            recorder.write(made[number])
+    return with_outcome(Recording(path), None)
+
+
+@pytest.mark.parametrize("outcome", [None, {}, {"first_index": 0, "samples": None, "sha256": ""}, {"first_index": "x"}])
+def test_without_an_outcome_range_and_hash_are_those_of_the_waveform(outcome: dict[str, Any] | None, tmp_path: Path) -> None:
+    made = list(blocks(5))[2:]
+    samples = np.concatenate([np.column_stack([block.acceleration, block.shaft_angle]) for block in made])
+    recording = with_outcome(late(tmp_path / "bag", range(2, 5)), outcome)
+    expected = RecordedSamples(2048, 3072, hashlib.sha256(samples.astype("<f4").tobytes()).hexdigest(), 5120)
+    assert recorded_samples(recording) == expected
+
+
+def test_a_gap_in_the_waveform_is_refused_with_its_samples(tmp_path: Path) -> None:
+    with pytest.raises(Refusal, match=r"is damaged: the samples 2048 \.\. 4095 are missing, so it cannot be checked"):
+        recorded_samples(late(tmp_path / "bag", (0, 1, 4, 5)))
+
+
+@pytest.mark.parametrize("publishing", [{"loss_probability": 0.1}, {"burst_period": 1.0, "burst_length": 0.5}])
+def test_gaps_are_accepted_where_blocks_are_lost_by_configuration(publishing: dict[str, float], tmp_path: Path) -> None:
+    found = recorded_samples(late(tmp_path / "bag", (0, 1, 4), **publishing))
+    assert (found.first_index, found.count, found.end) == (0, 3 * 1024, 5 * 1024)
+
+
+@pytest.mark.parametrize("count", [0, 1])
+def test_a_recording_without_samples_cannot_be_reproduced(count: int, tmp_path: Path) -> None:
+    outcome = {"first_index": 0, "samples": count, "sha256": "ab"}
+    recording = with_outcome(Recording(recorded(tmp_path / "bag", 1)), outcome)
+    if count:
+        assert Reproduction(recording).duration == pytest.approx(1.0 / 51200, rel=1e-12)
+    else:
+        with pytest.raises(Refusal, match="contains no samples to reproduce"):
+            Reproduction(recording)
+
+
+class Playback:
+    """Yields blocks of noise instead of simulating."""
+
+    def __init__(self, lost: int = -1) -> None:
+        self.time_ns, self.lost = 0, lost
+
+    def blocks(self, duration: float) -> Iterator[Block]:
+        for number, block in enumerate(blocks(round(duration * 51200 / 1024))):
+            yield replace(block, lost=number == self.lost)
+
+
+@pytest.mark.parametrize(("first", "lost"), [(0, -1), (1, -1), (1024, -1), (1500, -1), (3000, -1), (1024, 3), (0, 0)])
+def test_samples_are_compared_from_the_first_recorded_one_without_lost_blocks(first: int, lost: int, tmp_path: Path) -> None:
+    rows = [np.column_stack([block.acceleration, block.shaft_angle]) for block in blocks(5)]
+    kept = [row[max(0, first - 1024 * number) :] for number, row in enumerate(rows) if number != lost]
+    digest = hashlib.sha256(np.concatenate(kept).astype("<f4").tobytes()).hexdigest()
+    outcome = {"first_index": first, "samples": sum(map(len, kept)), "sha256": digest, "end_index": 5 * 1024}
+    reproduction = Reproduction(with_outcome(Recording(recorded(tmp_path / "bag", 1)), outcome))
+    assert len(list(reproduction.blocks(Playback(lost)))) == 5  # type: ignore[arg-type]
+    reproduction.check()
+
+
+def test_a_difference_is_explained_by_version_model_or_software(tmp_path: Path) -> None:
+    recording = Recording(recorded(tmp_path / "bag", 1))
+    reproduction = Reproduction(with_outcome(recording, {**(recording.outcome or {}), "sha256": "0123456789abcdef" * 4}))
+    known = dict(recording.manifest)
+    assert reproduction.difference() == ""
+    with pytest.raises(NotReproduced, match=r"\(sha256 [0-9a-f]{12} instead of 0123456789ab\): although model and software are the same"):
+        reproduction.check()
+    for changes, words in (
+        ({"dcrb_ros": "0.0.1"}, f"it was made by dcrb_ros 0.0.1 with model {model_fingerprint()}, this is {__version__} with model"),
+        ({"model": "other"}, f"it was made by dcrb_ros {__version__} with model other, this is {__version__} with model"),
+        ({"software": {**software(), "numpy": "1.0"}}, f"it was made with numpy 1.0 instead of {software()['numpy']}"),
+        ({"software": {}}, f"it was made with python unknown instead of {software()['python']}, numpy unknown instead of"),
+    ):
+        recording.manifest.clear()
+        recording.manifest.update(known | changes)
+        assert reproduction.difference().startswith(words)
+        with pytest.raises(NotReproduced, match="it was made"):
+            reproduction.check()

@@ -55,7 +55,11 @@ class Asked(BandEvidence):
     ("rule", "order", "families"),
     [
         (OuterRing(P), 13.44, [[6.72, 13.44, 20.16], [13.44, 26.88, 40.32]]),
-        (InnerRing(P), 18.56, [[k * 9.28 + s for k in (1, 2, 3) for s in (-2, -1, 0, 1, 2)], [k * 18.56 + s for k in (1, 2, 3) for s in (-2, -1, 0, 1, 2)]]),
+        (
+            InnerRing(P),
+            18.56,
+            [[k * 9.28 + s for k in (1, 2, 3) for s in (-2, -1, 0, 1, 2)], [k * 18.56 + s for k in (1, 2, 3) for s in (-2, -1, 0, 1, 2)]],
+        ),
         (Roller(P), 6.1, [[k * 6.1 + s * 0.42 for k in (1, 2, 3) for s in (-1, 0, 1)]]),
         (Cage(P), 0.42, [[k * 0.42 for k in range(1, 14)]]),
     ],

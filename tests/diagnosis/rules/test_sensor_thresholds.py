@@ -180,7 +180,9 @@ def levels(*change: float, level: tuple[float, ...] = (), third: int | None = 2)
 )
 def test_a_gain_drifts_if_all_bands_fall_alike(change: tuple[float, ...], flawed: bool) -> None:
     flaw = GainDrift(P).flaw(levels(*change))
-    assert flaw == (f"all bands have decreased by {-np.mean(change):.1f} dB at the same speed: the gain of the sensor drifts" if flawed else "")
+    assert flaw == (
+        f"all bands have decreased by {-np.mean(change):.1f} dB at the same speed: the gain of the sensor drifts" if flawed else ""
+    )
 
 
 def test_a_drift_lasts_until_a_band_has_recovered() -> None:

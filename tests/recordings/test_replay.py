@@ -1,0 +1,160 @@
+"""A recording as a source of messages: parameters, bundles and the sensor description."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from made_up_blocks import BODIES, blocks, narrowed, recorded
+from pydantic import ValidationError
+
+from dcrb_ros.messages.description import decode_range, sensor_text
+from dcrb_ros.messages.encoder import BlockEncoder
+from dcrb_ros.messages.plain import decode_text
+from dcrb_ros.messages.topics import FEATURES, GROUND_TRUTH, MANIFEST, SENSOR, SIMULATED, VIBRATION, Message
+from dcrb_ros.recordings.manifest import opening
+from dcrb_ros.recordings.recorder import Recorder, channel_of
+from dcrb_ros.recordings.replay import Replay, ReplayParameters
+from dcrb_ros.recordings.rosbag2 import Bag
+from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.settings.configuration import Configuration
+
+BLOCK_NS = 20_000_000
+
+
+def replay_of(path: Path, messages: Sequence[Message], **parameters: Any) -> Replay:
+    """Record messages after the sensor description at the time 0, and replay them."""
+    with Recorder(path, Configuration(), BODIES) as recorder:
+        recorder.write_messages(messages)
+    return Replay(ReplayParameters(bag=str(path), **parameters))
+
+
+def at(*times: int) -> list[Message]:
+    return [Message(FEATURES, time, b"%d" % time) for time in times]
+
+
+def bundled(replay: Replay) -> list[tuple[int, int, list[int]]]:
+    """Return begin, end and the times of the messages of each bundle."""
+    return [(bundle.begin_ns, bundle.end_ns, [message.time_ns for message in bundle.messages]) for bundle in replay.bundles()]
+
+
+def test_parameters_have_the_documented_defaults() -> None:
+    assert ReplayParameters().model_dump() == {
+        "bag": "",
+        "rate": 1.0,
+        "loop": False,
+        "offset": 0.0,
+        "clock": False,
+        "topics": "",
+        "listeners": 1,
+        "wait": 3.0,
+    }
+
+
+@pytest.mark.parametrize(("name", "low", "high"), [("rate", 0.0, 1e3), ("offset", 0.0, 1e6), ("listeners", 0, 1000), ("wait", 0.0, 1e4)])
+def test_parameters_are_accepted_within_their_limits_only(name: str, low: float, high: float) -> None:
+    step = 1 if isinstance(low, int) else 0.5
+    for value in (low, high, low + step, high - step):
+        assert getattr(ReplayParameters(**{name: value}), name) == value
+    for value in (low - step, high + step):
+        with pytest.raises(ValidationError):
+            ReplayParameters(**{name: value})
+
+
+def test_only_the_rate_can_change_while_a_replay_runs() -> None:
+    extra = {name: field.json_schema_extra for name, field in ReplayParameters.model_fields.items()}
+    assert [name for name, about in extra.items() if isinstance(about, dict) and about["run_time"]] == ["rate"]
+
+
+def test_a_replay_without_a_recording_is_refused() -> None:
+    with pytest.raises(Refusal, match="there is nothing to replay"):
+        Replay(ReplayParameters())
+
+
+def test_messages_of_one_time_are_sent_together(tmp_path: Path) -> None:
+    replay = replay_of(tmp_path / "bag", at(10, 10, 30, 30, 30, 70))
+    assert bundled(replay) == [(10, 10, [10, 10]), (10, 30, [30, 30, 30]), (30, 70, [70])]
+
+
+def test_a_message_that_was_recorded_late_is_sent_with_the_next_ones(tmp_path: Path) -> None:
+    replay = replay_of(tmp_path / "bag", at(10, 30, 20, 40))
+    assert bundled(replay) == [(10, 10, [10]), (10, 30, [30, 20]), (30, 40, [40])]
+
+
+def test_blocks_are_due_at_their_end_with_the_messages_in_them(tmp_path: Path) -> None:
+    replay = Replay(ReplayParameters(bag=str(recorded(tmp_path / "bag", 5))))
+    bundles = list(replay.bundles())
+    assert [bundle.end_ns for bundle in bundles] == [BLOCK_NS * k for k in range(1, 6)]
+    assert [bundle.begin_ns for bundle in bundles] == [BLOCK_NS * k for k in range(5)]
+    assert [bundle.messages[0].topic for bundle in bundles] == [VIBRATION] * 5
+    assert sum(len(bundle.messages) for bundle in bundles) == sum(replay.recording.counts().values()) - 1
+
+
+@pytest.mark.parametrize(("offset", "first"), [(0.0, 50), (20e-9, 70), (21e-9, 90), (40e-9, 90)])
+def test_an_offset_counts_from_the_first_message(offset: float, first: int, tmp_path: Path) -> None:
+    replay = replay_of(tmp_path / "bag", at(50, 70, 90), offset=offset)
+    assert next(bundle.messages[0].time_ns for bundle in replay.bundles()) == first
+
+
+def test_an_offset_beyond_the_end_is_refused(tmp_path: Path) -> None:
+    replay = replay_of(tmp_path / "bag", at(50, 70, 90), offset=2.5)
+    with pytest.raises(Refusal, match=r"has no message later than 2\.5 s after its start: lower the offset"):
+        list(replay.bundles())
+
+
+@pytest.mark.parametrize(
+    ("topics", "expected"),
+    [
+        ("", [topic for topic in SIMULATED if topic.name in ("outer_ring/vibration", "outer_ring/features", "ground_truth")]),
+        ("outer_ring/features", [FEATURES]),
+        ("ground_truth, outer_ring/vibration", [GROUND_TRUTH, VIBRATION]),
+    ],
+)
+def test_only_chosen_topics_are_replayed(topics: str, expected: list[object], tmp_path: Path) -> None:
+    replay = Replay(ReplayParameters(bag=str(recorded(tmp_path / "bag", 3)), topics=topics))
+    found = {message.topic for bundle in replay.bundles() for message in bundle.messages}
+    assert found == set(expected)
+    assert [topic.name for topic in replay.topics] == (
+        [topic.name for topic in SIMULATED] if not topics else sorted([*topics.split(", "), SENSOR.name])
+    )
+
+
+@pytest.mark.parametrize(("offset", "passed"), [(0.0, 3), (0.1, 0)])
+def test_a_range_that_changes_is_replayed_with_its_block(offset: float, passed: int, tmp_path: Path) -> None:
+    bag = narrowed(tmp_path / "bag", 6, at=3, limit=20.0)
+    replay = Replay(ReplayParameters(bag=str(bag), offset=offset, topics=VIBRATION.name))
+    assert [decode_range(message.data) for message in replay.start()] == [5000.0]
+    first, again = ([bundle.messages for bundle in replay.bundles()] for _ in range(2))
+    told = [[decode_range(message.data) for message in bundle if message.topic == SENSOR] for bundle in first]
+    assert told == [[]] * passed + [[20.0]] + [[]] * (5 - round(50 * offset) - passed)
+    assert [message.topic for message in first[passed]] == [SENSOR, VIBRATION]
+    # A loop begins with the first range again; an offset behind the change has only the second.
+    assert [message.topic for message in again[0]] == ([VIBRATION] if offset else [SENSOR, VIBRATION])
+
+
+@pytest.mark.parametrize("described", [True, False])
+def test_without_a_recorded_description_that_of_the_manifest_is_sent(described: bool, tmp_path: Path) -> None:
+    configuration = Configuration()
+    about = json.loads(opening(configuration, BODIES, "/dcrb")[MANIFEST]["manifest"])
+    about["sensor"] = {"sampling_rate": 51200, "range": 7.0, "frame": "a"} if described else None
+    bag = Bag(tmp_path / "bag", opening={MANIFEST: {"manifest": json.dumps({k: v for k, v in about.items() if v})}}, closing=dict)
+    encoder = BlockEncoder(configuration, BODIES)
+    bag.write(
+        (channel_of(message.topic, "/dcrb"), message.time_ns, message.data) for block in blocks(2) for message in encoder.encode(block)
+    )
+    bag.close()
+    (message,) = Replay(ReplayParameters(bag=str(tmp_path / "bag"))).start()
+    assert (message.topic, message.time_ns) == (SENSOR, 0)
+    expected = '{"frame": "a", "range": 7.0, "sampling_rate": 51200}' if described else sensor_text(configuration)
+    assert decode_text(message.data) == expected
+
+
+def test_a_recorded_description_is_sent_as_it_is(tmp_path: Path) -> None:
+    replay = Replay(ReplayParameters(bag=str(narrowed(tmp_path / "bag", 2, at=0, limit=20.0))))
+    (message,) = replay.start()
+    assert message == next(replay.recording.messages((SENSOR,)))
+    assert np.isclose(decode_range(message.data), 5000.0)

@@ -1,0 +1,171 @@
+"""A rosbag2 folder: its metadata, and when it continues in a new file."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import FrozenInstanceError
+from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml
+from mcap.records import Message, Metadata
+
+from dcrb_ros import __version__
+from dcrb_ros.messages.topics import FEATURES, NAMESPACE, VIBRATION
+from dcrb_ros.recordings.mcap_reader import McapRecords
+from dcrb_ros.recordings.mcap_writer import Channel
+from dcrb_ros.recordings.recorder import channel_of
+from dcrb_ros.recordings.rosbag2 import Bag, Splitting
+from dcrb_ros.runtime.refusal import Refusal
+
+ONE, OTHER = channel_of(FEATURES, NAMESPACE), channel_of(VIBRATION, NAMESPACE)
+MS = 1_000_000
+
+
+def bag_of(path: Path, splitting: Splitting | None = None, messages: Sequence[tuple[Channel, int, bytes]] = ()) -> Bag:
+    bag = Bag(path, opening={"first": {"a": "1"}}, closing=lambda: {"last": {"b": "2"}}, compression="none", splitting=splitting)
+    bag.write(messages)
+    return bag
+
+
+def at(*times: int) -> list[tuple[Channel, int, bytes]]:
+    """Return messages at some times [ms]."""
+    return [(ONE, time * MS, b"data") for time in times]
+
+
+def times_in(path: Path) -> list[int]:
+    """Return the times of the messages in a file [ms]."""
+    return [record.log_time // MS for record in McapRecords(path) if isinstance(record, Message)]
+
+
+def metadata_of(bag: Bag) -> dict[str, Any]:
+    text = (bag.path / "metadata.yaml").read_text()
+    assert text.index("version:") < text.index("storage_identifier:") < text.index("relative_file_paths:")
+    found: dict[str, Any] = yaml.safe_load(text)["rosbag2_bagfile_information"]
+    return found
+
+
+def topic(channel: Channel, count: int) -> dict[str, Any]:
+    about = {"name": channel.name, "type": channel.type, "serialization_format": "cdr"}
+    about |= {"offered_qos_profiles": yaml.safe_load(channel.qos), "type_description_hash": channel.type_hash}  # type: ignore[dict-item]
+    return {"topic_metadata": about, "message_count": count}
+
+
+def test_metadata_state_the_content_of_each_file(tmp_path: Path) -> None:
+    messages = [(ONE, 3 * MS, b"1"), (OTHER, 5 * MS, b"2"), (ONE, 9 * MS, b"3"), (ONE, 13 * MS, b"4"), (ONE, 14 * MS, b"5")]
+    bag = bag_of(tmp_path / "bag", Splitting(duration_ns=10 * MS), messages)
+    bag.close()
+    assert metadata_of(bag) == {
+        "version": 9,
+        "storage_identifier": "mcap",
+        "duration": {"nanoseconds": 11 * MS},
+        "starting_time": {"nanoseconds_since_epoch": 3 * MS},
+        "message_count": 5,
+        "topics_with_message_count": [topic(ONE, 4), topic(OTHER, 1)],
+        "compression_format": "",
+        "compression_mode": "",
+        "relative_file_paths": ["bag_0.mcap", "bag_1.mcap"],
+        "files": [
+            {
+                "path": "bag_0.mcap",
+                "starting_time": {"nanoseconds_since_epoch": 3 * MS},
+                "duration": {"nanoseconds": 6 * MS},
+                "message_count": 3,
+            },
+            {
+                "path": "bag_1.mcap",
+                "starting_time": {"nanoseconds_since_epoch": 13 * MS},
+                "duration": {"nanoseconds": 1 * MS},
+                "message_count": 2,
+            },
+        ],
+        "custom_data": {"dcrb_ros": __version__},
+        "ros_distro": "jazzy",
+    }
+    for number, file in enumerate(bag.files):
+        records = {record.name: record.metadata for record in McapRecords(file) if isinstance(record, Metadata)}
+        assert (records["first"], records["last"]) == ({"a": "1"}, {"b": "2"})
+        text = records["rosbag2"]["serialized_metadata"]
+        assert text.startswith("version: 9\nstorage_identifier: mcap\n")
+        assert yaml.safe_load(text)["files"] == [metadata_of(bag)["files"][number]]
+
+
+def test_a_bag_without_messages_begins_at_zero(tmp_path: Path) -> None:
+    bag = bag_of(tmp_path / "bag")
+    about = metadata_of(bag)
+    assert (about["starting_time"], about["duration"]) == ({"nanoseconds_since_epoch": 0}, {"nanoseconds": 0})
+    assert (about["files"][0]["starting_time"], about["message_count"]) == ({"nanoseconds_since_epoch": 0}, 0)
+    bag.close()
+    assert metadata_of(bag) == about
+
+
+def test_a_file_ends_before_the_message_that_exceeds_its_duration(tmp_path: Path) -> None:
+    bag = bag_of(tmp_path / "bag", Splitting(duration_ns=10 * MS), at(5, 14, 15, 20, 24, 25, 26, 60))
+    bag.close()
+    assert [times_in(file) for file in bag.files] == [[5, 14], [15, 20, 24], [25, 26], [60]]
+    assert [file.name for file in bag.files] == [f"bag_{k}.mcap" for k in range(4)]
+
+
+def test_a_file_ends_once_it_has_its_size(tmp_path: Path) -> None:
+    bag = bag_of(tmp_path / "bag", Splitting(size=1), at(0, 1, 2))
+    bag.close()
+    assert [times_in(file) for file in bag.files] == [[0], [1], [2]]
+    size = bag_of(tmp_path / "first", None, at(0))
+    size.flush()
+    limit = size.files[0].stat().st_size
+    for excess, files in ((0, 2), (1, 1)):
+        bag = bag_of(tmp_path / f"bag{excess}", Splitting(size=limit + excess), at(0))
+        bag.flush()
+        assert bag.files[0].stat().st_size == limit
+        bag.write(at(1))
+        assert len(bag.files) == files
+
+
+def test_a_file_is_never_left_without_messages(tmp_path: Path) -> None:
+    bag = bag_of(tmp_path / "bag", Splitting(size=1, duration_ns=1), at(50))
+    assert len(bag.files) == 1
+
+
+@pytest.mark.parametrize("splitting", [None, Splitting()])
+def test_without_limits_there_is_one_file(splitting: Splitting | None, tmp_path: Path) -> None:
+    bag = bag_of(tmp_path / "bag", splitting, at(0, 10**6, 10**9))
+    assert len(bag.files) == 1
+    assert Splitting() == Splitting(size=0, duration_ns=0)
+    with pytest.raises(FrozenInstanceError):
+        Splitting().size = 1  # type: ignore[misc]
+
+
+def test_messages_are_numbered_per_topic_across_files(tmp_path: Path) -> None:
+    messages = [(channel, time * MS, b"") for time in range(4) for channel in (ONE, OTHER)]
+    bag = bag_of(tmp_path / "bag", Splitting(duration_ns=2 * MS), messages)
+    bag.close()
+    found = [record.sequence for file in bag.files for record in McapRecords(file) if isinstance(record, Message)]
+    assert found == [0, 0, 1, 1, 2, 2, 3, 3]
+
+
+def test_a_closed_bag_ignores_messages(tmp_path: Path) -> None:
+    bag = bag_of(tmp_path / "bag", None, at(1))
+    assert bag.open
+    bag.close()
+    assert not bag.open
+    before = bag.files[0].read_bytes()
+    bag.write(at(2))
+    bag.flush()
+    bag.close()
+    assert bag.files[0].read_bytes() == before
+    assert metadata_of(bag)["message_count"] == 1
+
+
+def test_what_is_flushed_can_be_read_before_the_end(tmp_path: Path) -> None:
+    bag = bag_of(tmp_path / "bag", None, at(1))
+    assert times_in(bag.files[0]) == []
+    bag.flush()
+    assert times_in(bag.files[0]) == [1]
+
+
+def test_missing_parents_of_the_folder_are_created_and_an_existing_folder_is_kept(tmp_path: Path) -> None:
+    bag_of(tmp_path / "some" / "where" / "bag").close()
+    with pytest.raises(Refusal, match="exists: give another name"):
+        bag_of(tmp_path / "some" / "where" / "bag")
+    assert (tmp_path / "some" / "where" / "bag" / "bag_0.mcap").exists()
