@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from dcrb_ros.diagnosis.envelope_spectrum import EnvelopeSpectrum, envelope_spectrum
     from dcrb_ros.diagnosis.parameters import DetectorParameters
     from dcrb_ros.exam.in_process import score
+    from dcrb_ros.exam.report import Report
     from dcrb_ros.plots.envelope_spectrum import plot_envelope_spectrum
     from dcrb_ros.plots.load_zone import plot_load_zone
     from dcrb_ros.plots.waveform import plot_waveform
@@ -47,6 +48,7 @@ __all__ = [
     "Orders",
     "Recording",
     "Refusal",
+    "Report",
     "Run",
     "Simulation",
     "StateHistory",
@@ -76,6 +78,7 @@ _MODULES = {
     "Orders": "bearing.kinematics",
     "Recording": "recordings.reader",
     "Refusal": "runtime.refusal",
+    "Report": "exam.report",
     "Run": "simulation.run",
     "Simulation": "simulation.loop",
     "StateHistory": "bearing.history",

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from dcrb_ros.bearing.kinematics import Orders, characteristic_orders
+from dcrb_ros.runtime.refusal import Refusal
 from dcrb_ros.settings.parameters import Bearing
 
 CAGE_HARMONICS = 4
@@ -50,7 +51,15 @@ def fault_combs(orders: Orders, highest: float) -> list[Comb]:
 
 
 def orders_of(bearing: BearingLike) -> Orders:
-    """Return the characteristic orders of a bearing, given by its geometry, a configuration or the orders themselves."""
+    """Return the characteristic orders of a bearing, given by its geometry, a configuration or the orders themselves.
+
+    Raises:
+        Refusal: it is something else, such as the name of a configuration.
+    """
     if isinstance(bearing, Orders):
         return bearing
-    return characteristic_orders(bearing if isinstance(bearing, Bearing) else bearing.bearing)
+    geometry = bearing if isinstance(bearing, Bearing) else getattr(bearing, "bearing", None)
+    if not isinstance(geometry, Bearing):
+        remedy = f"dcrb_ros.load_configuration({bearing!r})" if isinstance(bearing, str) else "a Bearing, Orders or a Configuration"
+        raise Refusal(f"bearing = {bearing!r} is not a bearing: give {remedy}")
+    return characteristic_orders(geometry)

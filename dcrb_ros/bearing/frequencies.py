@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from dcrb_ros.bearing.fault_lines import BearingLike, orders_of
-from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.runtime.numbers import finite_number
 from dcrb_ros.settings.files import load_configuration
 
 
@@ -35,7 +35,5 @@ def characteristic_frequencies(bearing: BearingLike | str, speed: float) -> dict
     >>> {name: round(value, 1) for name, value in frequencies.items()}
     {'FTF': 8.4, 'BPFO': 134.5, 'BPFI': 185.5, 'BSF': 61.1}
     """
-    if not math.isfinite(speed):
-        raise Refusal(f"speed = {speed!r} rad/s is not a finite number: give the speed of the inner ring in rad/s")
     found = load_configuration(bearing) if isinstance(bearing, str) else bearing
-    return orders_of(found).frequencies(speed / (2.0 * math.pi))
+    return orders_of(found).frequencies(finite_number("speed =", speed, "rad/s") / (2.0 * math.pi))

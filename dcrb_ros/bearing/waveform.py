@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from itertools import pairwise
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, TypeVar, runtime_checkable
 
 import numpy as np
@@ -14,6 +16,7 @@ from dcrb_ros.bearing.fault_lines import UNKNOWN, BearingLike, orders_of
 from dcrb_ros.bearing.kinematics import Orders
 from dcrb_ros.runtime.arrays import Floats, Integers, Samples
 from dcrb_ros.runtime.frames import pandas
+from dcrb_ros.runtime.numbers import finite_number
 from dcrb_ros.runtime.refusal import Refusal
 
 if TYPE_CHECKING:
@@ -36,6 +39,34 @@ class Piece(NamedTuple):
     """Shape (samples,) [rad]."""
     sensor_range: float
     """Range of the sensor [m/s^2]; 0 if unknown."""
+
+
+def stretch(rate: int, start: float | None, stop: float | None) -> tuple[float, float]:
+    """Return the index of the first sample with ``start <= time`` and of the first with ``stop <= time``; infinite where not given.
+
+    A time within rounding of a sample counts as the time of that sample, so that 1.1 s at 51200 Hz is sample 56320.
+
+    Raises:
+        Refusal: a time is not a finite number, or ``start`` is not below ``stop``.
+    """
+    begin = -math.inf if start is None else _index_at(finite_number("start =", start, "s"), rate)
+    end = math.inf if stop is None else _index_at(finite_number("stop =", stop, "s"), rate)
+    if start is not None and stop is not None and not start < stop:
+        raise Refusal(f"start = {start:g} s is not below stop = {stop:g} s: give the earlier time first")
+    return begin, end
+
+
+def described_stretch(start: float | None, stop: float | None) -> str:
+    """Return a stretch of time as text."""
+    if start is None:
+        return "at all" if stop is None else f"before {stop:g} s"
+    return f"from {start:g} s on" if stop is None else f"from {start:g} to {stop:g} s"
+
+
+def _index_at(time: float, rate: int) -> float:
+    """Return the index of the first sample at or after a time [s]."""
+    place = time * rate
+    return float(round(place) if math.isclose(place, round(place), rel_tol=1e-12, abs_tol=1e-6) else math.ceil(place))
 
 
 @runtime_checkable
@@ -108,23 +139,30 @@ class Waveform:
         >>> Waveform.from_arrays(noise, 25600, bearing=Bearing(rollers_per_row=14))
         <Waveform: 1 s at 25.6 kHz (25600 samples), no shaft angle>
         """
-        values = np.asarray(acceleration)
+        try:
+            values = np.asarray(acceleration)
+        except ValueError:
+            raise Refusal("the acceleration has rows of different lengths: give an array of shape (samples, 2) or (samples,)") from None
         columns = np.column_stack([values, values]) if values.ndim == 1 else values
         samples = len(columns) if columns.ndim else 0
         angle = np.full(samples, np.nan) if shaft_angle is None else np.asarray(shaft_angle)
         if columns.shape != (samples, 2) or angle.shape != (samples,) or not samples:
+            beside = "" if shaft_angle is None else f" with a shaft angle of shape {angle.shape}"
+            angles = "" if shaft_angle is None else ", and a shaft angle of shape (samples,)"
+            turned = values.ndim == 2 and values.shape[0] in (1, 2, 3) and values.shape[1] > values.shape[0]
             raise Refusal(
-                f"acceleration of shape {values.shape} with a shaft angle of shape {angle.shape} is not a waveform: give (samples, 2), "
-                "or (samples,) for one axis, and (samples,), with at least one sample"
+                f"acceleration of shape {values.shape}{beside} is not a waveform: give (samples, 2), or (samples,) for one axis{angles}, "
+                f"with at least one sample{'; transpose the array and take two axes' if turned else ''}"
             )
         if not (np.isrealobj(columns) and np.issubdtype(columns.dtype, np.number) and np.issubdtype(angle.dtype, np.number)):
             raise Refusal(f"arrays of {columns.dtype} and {angle.dtype} are not a waveform: give real numbers in m/s^2 and rad")
-        if not (sampling_rate >= 1.0 and float(sampling_rate).is_integer()):
+        rate = finite_number("sampling_rate =", sampling_rate, "Hz")
+        if not (rate >= 1.0 and rate.is_integer()):
             raise Refusal(f"sampling_rate = {sampling_rate!r} Hz is not a whole number of at least 1 Hz: resample the signal")
         return Waveform(
             acceleration=columns.astype(np.float32),
             shaft_angle=np.mod(angle, 2.0 * np.pi).astype(np.float32),
-            sampling_rate=int(sampling_rate),
+            sampling_rate=int(rate),
             index=np.arange(samples, dtype=np.int64),
             orders=UNKNOWN if bearing is None else orders_of(bearing),
         )
@@ -174,14 +212,13 @@ class Waveform:
         Raises
         ------
         Refusal
-            There are none.
+            There are none, or ``start`` is not below ``stop``.
         """
-        first, last = (None if edge is None else -(-edge * self.sampling_rate // 1) for edge in (start, stop))
-        begin = 0 if first is None else int(np.searchsorted(self.index, first))
-        end = len(self) if last is None else int(np.searchsorted(self.index, last))
+        first, last = stretch(self.sampling_rate, start, stop)
+        begin, end = np.searchsorted(self.index, [first, last]).tolist()
         if begin >= end:
             about = f"it has samples from {self.time[0]:g} to {self.time[-1]:g} s" if len(self) else "it is empty"
-            raise Refusal(f"the waveform has no sample from {start} to {stop} s: {about}")
+            raise Refusal(f"the waveform has no sample {described_stretch(start, stop)}: {about}")
         return self._cut(slice(begin, end))
 
     def _cut(self: Kind, samples: slice) -> Kind:
@@ -232,6 +269,8 @@ def signal_of(
         if double is not None:
             raise Refusal(f"{double} is given beside {signal!r}, which has its own: leave it out, or give plain arrays")
         return signal
+    if isinstance(signal, (str, Path)):
+        raise Refusal(f"{str(signal)!r} is a text, not a signal: use dcrb_ros.Recording({str(signal)!r}) for a recording")
     if sampling_rate is None:
-        raise Refusal("an array of accelerations does not say how fast it was sampled: give sampling_rate [Hz] beside it")
+        raise Refusal("sampling_rate is missing: give it in Hz with plain arrays")
     return Waveform.from_arrays(signal, sampling_rate, bearing=bearing, shaft_angle=shaft_angle)

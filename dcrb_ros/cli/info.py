@@ -26,8 +26,8 @@ def info(
 
     Example: dcrb info bags/healthy
     """
-    from dcrb_ros.messages.event_text import encode_command
     from dcrb_ros.recordings.reader import Recording, metadata_flaw
+    from dcrb_ros.stream.event_text import encode_command
 
     recording = Recording(bag)
     counts, flaw = recording.counts(), metadata_flaw(bag)

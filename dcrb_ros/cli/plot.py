@@ -8,7 +8,9 @@ from typing import Annotated
 
 import typer
 
+from dcrb_ros.cli.options import Bag
 from dcrb_ros.cli.output_file import PICTURES, check_output
+from dcrb_ros.runtime.numbers import duration_within
 from dcrb_ros.runtime.refusal import Refusal
 
 LONGEST = 60.0
@@ -16,16 +18,18 @@ LONGEST = 60.0
 
 
 def plot(
-    bag: Annotated[Path, typer.Argument(help="Folder of a recording or an .mcap file.")],
+    bag: Bag,
     output: Annotated[Path, typer.Option("-o", "--output", help="Picture to write (.png, .svg, .pdf); it replaces one of that name.")],
-    start: Annotated[float | None, typer.Option(help="Simulated time of the first sample [s]; by default the beginning.")] = None,
-    duration: Annotated[float, typer.Option(help="Length of the stretch [s], at most 60.")] = 10.0,
-    order: Annotated[bool, typer.Option("--order/--frequency", help="Spectrum over orders of the shaft, or over frequency [Hz].")] = True,
+    start: Annotated[float | None, typer.Option(help="Simulated time of the first sample in seconds; by default the beginning.")] = None,
+    duration: Annotated[float, typer.Option(help="Length of the stretch in seconds, at most 60.")] = 10.0,
+    order: Annotated[bool, typer.Option("--order/--frequency", help="Spectrum over orders of the shaft, or over frequency in Hz.")] = True,
 ) -> None:
-    """Plot the waveform and the squared envelope spectrum of a recording with the fault lines."""
+    """Plot the waveform and the squared envelope spectrum of a recording with the fault lines.
+
+    Example: dcrb plot bags/outer_ring_defect -o picture.png --duration 2
+    """
     check_output("--output", output, PICTURES)
-    if not (math.isfinite(duration) and 0.0 < duration <= LONGEST):
-        raise Refusal(f"--duration {duration} s is outside 0 .. {LONGEST:g} s: give the length of the stretch to plot")
+    duration_within("--duration", duration, LONGEST, "give the length of the stretch to plot")
     if start is not None and not (math.isfinite(start) and start >= 0.0):
         raise Refusal(f"--start {start} s is not a simulated time from 0 s up")
     from dcrb_ros.plots.overview import write_overview

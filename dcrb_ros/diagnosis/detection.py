@@ -127,6 +127,8 @@ def detect(
     source = signal_of(signal, sampling_rate, shaft_angle=shaft_angle, bearing=bearing)
     if math.isnan(source.orders.bpfo):
         raise Refusal("the orders of the bearing are unknown: give its geometry or orders as bearing")
+    if not isinstance(parameters, (DetectorParameters, type(None))):
+        raise Refusal(f"parameters = {parameters!r} are not those of the detector: give DetectorParameters(...)")
     detector = FaultDetector(source.orders, source.sampling_rate, parameters or DetectorParameters())
     found, samples = _diagnoses(detector, source.pieces())
     duration = samples / source.sampling_rate

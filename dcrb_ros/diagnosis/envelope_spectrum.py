@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,12 +16,15 @@ from dcrb_ros.diagnosis.demodulation import Band, Demodulator
 from dcrb_ros.diagnosis.order_spectrum import order_spectra
 from dcrb_ros.diagnosis.order_tracking import bin_edges, bin_means, reverses
 from dcrb_ros.runtime.arrays import Floats
+from dcrb_ros.runtime.numbers import finite_number
 from dcrb_ros.runtime.refusal import Refusal
 
 DEFAULT_BAND = (2000.0, 20000.0)
 """Band of the envelope [Hz]: above the mode of the housing, below the filter of the converter."""
 NYQUIST_SHARE = 0.45
 """Highest edge of the default band over the sampling rate [-]."""
+LEAST_LINES = 64
+"""Least product of the duration of a signal and the width of its band, about the number of lines of the spectrum [-]."""
 LEAST_TURNS = 4.0
 """Turns of the shaft that order tracking needs."""
 JITTER = 0.02
@@ -53,15 +57,37 @@ class EnvelopeSpectrum:
         return f"<EnvelopeSpectrum: {len(self.amplitude)} lines, {axis}, of the band from {Band(*self.band)}>"
 
     def at(self, order: npt.ArrayLike) -> Floats:
-        """Return the largest amplitude within the resolution of each order, shape like ``order`` [(m/s^2)^2]."""
-        return self._nearest(np.asarray(order, np.float64) / self.order[1])
+        """Return the largest amplitude within two lines of each order, shape like ``order`` [(m/s^2)^2].
+
+        Raises
+        ------
+        Refusal
+            An order outside the spectrum, or a spectrum without orders, for the speed is unknown.
+        """
+        if math.isnan(self.order[-1]):
+            raise Refusal("the spectrum has no orders, for the speed is unknown: use at_frequency, or give shaft_angle")
+        return self._nearest("order", order, self.order)
 
     def at_frequency(self, frequency: npt.ArrayLike) -> Floats:
-        """Return the largest amplitude within the resolution of each frequency [Hz], shape like ``frequency`` [(m/s^2)^2]."""
-        return self._nearest(np.asarray(frequency, np.float64) / self.frequency[1])
+        """Return the largest amplitude within two lines of each frequency [Hz], shape like ``frequency`` [(m/s^2)^2].
 
-    def _nearest(self, place: Floats) -> Floats:
-        near = np.clip(np.rint(place).astype(np.int64)[..., None] + np.arange(-2, 3), 0, len(self.amplitude) - 1)
+        Raises
+        ------
+        Refusal
+            A frequency outside the spectrum.
+        """
+        return self._nearest("frequency", frequency, self.frequency)
+
+    def _nearest(self, name: str, given: npt.ArrayLike, axis: Floats) -> Floats:
+        """Return the largest of the five lines around each place on an axis."""
+        places = np.asarray(given)
+        if places.dtype.kind not in "iuf":
+            raise Refusal(f"{name} = {given!r} is not a number")
+        outside = places[~((places >= 0.0) & (places <= axis[-1]))]
+        if outside.size:
+            unit = "" if name == "order" else " Hz"
+            raise Refusal(f"{name} {outside.flat[0]:g}{unit} is outside 0 .. {axis[-1]:g}{unit}")
+        near = np.clip(np.rint(places / axis[1]).astype(np.int64)[..., None] + np.arange(-2, 3), 0, len(self.amplitude) - 1)
         return np.asarray(self.amplitude[near].max(axis=-1), np.float64)
 
 
@@ -103,8 +129,8 @@ def envelope_spectrum(
     Raises
     ------
     Refusal
-        Lost samples, a band outside 0 .. half the sampling rate, or order tracking without a shaft angle, over fewer than 4 turns or
-        with a shaft that turns back.
+        Lost samples, a signal shorter than 64 over the width of the band, a band outside 0 .. half the sampling rate, or order
+        tracking without a shaft angle, over fewer than 4 turns or with a shaft that turns back.
 
     Examples
     --------
@@ -124,6 +150,9 @@ def envelope_spectrum(
     edges = _checked_band(band, waveform.sampling_rate)
     tracked = waveform.tracked if order_tracking is None else order_tracking
     rate, samples = waveform.sampling_rate, len(waveform)
+    if waveform.duration * (edges[1] - edges[0]) < LEAST_LINES:
+        least = math.ceil(LEAST_LINES * rate / (edges[1] - edges[0]))
+        raise Refusal(f"{samples} samples are too few for the band of {Band(*edges)}: give at least {least}, or a wider band")
     bank = Demodulator((Band(*edges),), rate, samples)
     ((places, squared),) = bank.squared_envelopes(waveform.acceleration[:, :axes])
     width = edges[1] - edges[0]
@@ -161,12 +190,19 @@ def _waveform(
 
 def _checked_band(band: tuple[float, float] | None, rate: int) -> tuple[float, float]:
     """Return the edges of a band [Hz], or refuse them."""
-    low, high = (DEFAULT_BAND[0], min(DEFAULT_BAND[1], NYQUIST_SHARE * rate)) if band is None else (float(band[0]), float(band[1]))
+    low, high = _edges((DEFAULT_BAND[0], min(DEFAULT_BAND[1], NYQUIST_SHARE * rate)) if band is None else band)
     if not 0.0 < low < high <= 0.5 * rate:
         raise Refusal(
             f"band = ({low:g}, {high:g}) Hz is not within 0 .. {0.5 * rate:g} Hz, half the sampling rate: give (low, high) with low < high"
         )
     return low, high
+
+
+def _edges(band: Sequence[float]) -> tuple[float, float]:
+    """Return the two edges of a band [Hz]."""
+    if isinstance(band, str) or not isinstance(band, (Sequence, np.ndarray)) or len(band) != 2:
+        raise Refusal(f"band = {band!r} is not a pair of frequencies: give (low, high) in Hz")
+    return finite_number("the lower edge of the band,", band[0], "Hz"), finite_number("the upper edge of the band,", band[1], "Hz")
 
 
 def _forward_turns(waveform: Waveform) -> Floats:

@@ -37,15 +37,21 @@ def run_detector(factory: DetectorFactory, bag: Path) -> list[ReceivedDiagnosis]
     """Return a detector's diagnoses of a recording, decoded from the messages that a node would publish.
 
     Raises:
-        Refusal: the recording cannot be read, or the detector returns an unknown verdict.
+        Refusal: the recording cannot be read, or the detector has no ``update`` or returns an unknown verdict.
+        RuntimeError: the detector raised an exception.
     """
     recording = Recording(bag)
     rate = recording.sampling_rate
     detector, diagnoses = factory(recording.orders, rate), []
+    if not callable(getattr(detector, "update", None)):
+        raise Refusal(f"the detector {detector!r} has no method update(index, acceleration, shaft_angle): give it one")
     for piece in recording.pieces():
         if hasattr(detector, "sensor_range"):
             detector.sensor_range = piece.sensor_range
-        output = detector.update(piece.first_index, piece.acceleration, piece.shaft_angle)
+        try:
+            output = detector.update(piece.first_index, piece.acceleration, piece.shaft_angle)
+        except Exception as error:
+            raise RuntimeError(f"update failed at sample {piece.first_index}: {type(error).__name__}: {error}") from error
         if output is not None:
             diagnoses.append(_received(output, (piece.first_index + len(piece.shaft_angle) - 1) / rate))
     return diagnoses

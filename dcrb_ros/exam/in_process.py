@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 
 from dcrb_ros.exam.case import scenarios_hash
 from dcrb_ros.exam.detector_run import DetectorFactory, run_detector
-from dcrb_ros.exam.evaluation import record_all
+from dcrb_ros.exam.evaluation import named, record_all
 from dcrb_ros.exam.exam_file import read_exam
 from dcrb_ros.exam.recording_cache import cached_recording, checked_folder, default_folder
 from dcrb_ros.exam.report import Report
@@ -41,7 +42,10 @@ def score(detector: DetectorFactory, exam: str | Path = "smoke", *, recordings: 
     Raises
     ------
     Refusal
-        The exam is unknown, workers is outside 1 .. 256, the folder cannot be written, or the detector returns an unknown verdict.
+        The exam is unknown, workers is outside 1 .. 256, the folder cannot be written, the detector cannot be called,
+        has no ``update`` or returns an unknown verdict.
+    RuntimeError
+        The detector raised an exception; the message names it, the scenario and the sample.
 
     Examples
     --------
@@ -50,6 +54,8 @@ def score(detector: DetectorFactory, exam: str | Path = "smoke", *, recordings: 
     >>> report.passed
     True
     """
+    if not callable(detector):
+        raise Refusal(f"detector = {detector!r} cannot be called: give a class such as dcrb_ros.FaultDetector, or a function")
     if not 1 <= workers <= MOST_WORKERS:
         raise Refusal(f"workers = {workers} is outside 1 .. {MOST_WORKERS}: give the number of parallel simulations")
     chosen = read_exam(exam)
@@ -60,5 +66,5 @@ def score(detector: DetectorFactory, exam: str | Path = "smoke", *, recordings: 
         bags = {case.expectation.name: cached_recording(case, folder) for case in chosen.cases}
     name = getattr(detector, "__name__", type(detector).__name__)
     expectations = [case.expectation for case in chosen.cases]
-    results = tuple(score_scenario(e, run_detector(detector, bags[e.name]), chosen.criteria) for e in expectations)
+    results = tuple(score_scenario(e, named(e.name, partial(run_detector, detector, bags[e.name])), chosen.criteria) for e in expectations)
     return Report(chosen.name, name, chosen.criteria, scenarios_hash(chosen.cases), results)

@@ -41,8 +41,9 @@ def decode_sensor(data: bytes) -> tuple[int, Orders]:
     Raises:
         Refusal: the message is not a description.
     """
+    text = decode_text(data)
     try:
-        about = json.loads(decode_text(data))
+        about = json.loads(text)
         orders = Orders.from_dict(about["orders"])
         rate = int(about["sampling_rate"])
     except (ValueError, KeyError, TypeError, OverflowError, RecursionError) as error:
@@ -56,8 +57,9 @@ def decode_sensor(data: bytes) -> tuple[int, Orders]:
 
 def decode_range(data: bytes) -> float:
     """Return the range from a description [m/s^2], 0 if it is not given."""
+    text = decode_text(data)
     try:
-        found = float(json.loads(decode_text(data)).get("range", 0.0))
+        found = float(json.loads(text).get("range", 0.0))
     except (ValueError, TypeError, AttributeError, OverflowError, RecursionError):
         return 0.0
     return found if math.isfinite(found) and found > 0.0 else 0.0

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 from dcrb_ros.bearing.kinematics import CHARACTERISTIC_FREQUENCIES
 from dcrb_ros.messages.cdr import DIAGNOSTICS, decoded, encoded, header, ros_type, stamp_of
-from dcrb_ros.messages.event_text import decode_event, encode_event
 from dcrb_ros.runtime.refusal import Refusal
 from dcrb_ros.stream.block import Truth
+from dcrb_ros.stream.event_text import decode_event, encode_event
 
 OK, WARN, ERROR = 0, 1, 2  # diagnostic_msgs/msg/DiagnosticStatus
 

@@ -16,7 +16,8 @@ from dcrb_ros.nodes.publisher import message_class, qos
 from dcrb_ros.nodes.refusals import shortened
 from dcrb_ros.runtime.refusal import Refusal
 from dcrb_ros.schema.fields import Group
-from dcrb_ros.settings.files import ParameterField, flatten, parameter_fields, validated
+from dcrb_ros.schema.parameter_field import ParameterField
+from dcrb_ros.settings.files import flatten, parameter_fields, validated
 
 Model = TypeVar("Model", bound=Group)
 BUILT_IN = ("use_sim_time", "start_type_description_service")

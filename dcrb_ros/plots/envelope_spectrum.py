@@ -12,6 +12,7 @@ from dcrb_ros.bearing.waveform import Signal
 from dcrb_ros.diagnosis.demodulation import Band
 from dcrb_ros.diagnosis.envelope_spectrum import EnvelopeSpectrum, envelope_spectrum
 from dcrb_ros.plots.style import CURVE, DASHES, FAULT_LINES, MARKERS, labelled, legend_above, new_axes
+from dcrb_ros.runtime.numbers import finite_number
 from dcrb_ros.runtime.refusal import Refusal, nearest
 
 if TYPE_CHECKING:
@@ -19,6 +20,8 @@ if TYPE_CHECKING:
 
     from matplotlib.axes import Axes
 
+HORIZONTAL = ("order", "frequency")
+"""Quantities of the horizontal axis."""
 HIGHEST_ORDER = 30.0
 """Highest order shown by default: three harmonics of each ring of the default bearing [-]."""
 HIGHEST_FREQUENCY = 600.0
@@ -27,6 +30,8 @@ LEAST_ORDER = 0.3
 """Order from which the spectrum sets the vertical scale [-]: below lies what changes over the signal, such as a run-up."""
 MARKED = 0.1
 """Least height of a peak that is marked, over that of the highest [-]."""
+SIDEBANDS = np.arange(-8.0, 9.0)
+"""Distances of the sidebands of BPFI from its harmonics, with 0 for these: a defect passes the load zone once a turn [-]."""
 SLIP = 0.004
 """Share of its frequency by which a line may lie beside that of pure rolling [-]."""
 
@@ -41,7 +46,7 @@ def plot_envelope_spectrum(
     order_tracking: bool | None = None,
     x: Literal["order", "frequency"] | None = None,
     highest: float | None = None,
-    lines: Sequence[str] = ("BPFO", "BPFI", "2BSF", "FTF"),
+    lines: str | Sequence[str] = ("BPFO", "BPFI", "2BSF", "FTF"),
     ax: Axes | None = None,
 ) -> Axes:
     """Plot the squared envelope spectrum with the lines at which faults of the bearing show, and their harmonics.
@@ -57,7 +62,7 @@ def plot_envelope_spectrum(
     highest
         End of the horizontal axis; order 30 by default, or 600 Hz where the speed is unknown.
     lines
-        Fault lines to draw: BPFO (outer ring), BPFI (inner ring), 2BSF (roller), FTF (cage).
+        One or several fault lines to draw: BPFO (outer ring), BPFI (inner ring), 2BSF (roller), FTF (cage).
     ax
         Axes to draw into; those of a new figure by default.
 
@@ -68,7 +73,7 @@ def plot_envelope_spectrum(
     Raises
     ------
     Refusal
-        As `envelope_spectrum`; an unknown line, or orders where the speed is unknown.
+        As `envelope_spectrum`; an unknown line or axis, an end of the axis that is not above 0, or orders where the speed is unknown.
 
     Examples
     --------
@@ -80,10 +85,25 @@ def plot_envelope_spectrum(
     """
     from matplotlib.ticker import EngFormatter
 
-    unknown = next((name for name in lines if name not in FAULT_LINES), None)
+    lines = (lines,) if isinstance(lines, str) else lines
+    unknown = next((str(name) for name in lines if name not in FAULT_LINES), None)
     if unknown is not None:
         raise Refusal(f"there is no fault line '{unknown}': give some of {', '.join(FAULT_LINES)}{nearest(unknown, FAULT_LINES)}")
+    if x not in (None, *HORIZONTAL):
+        raise Refusal(f"x = {x!r} is not one of {', '.join(HORIZONTAL)}{nearest(str(x), HORIZONTAL)}")
+    if highest is not None and finite_number("highest =", highest, "orders or Hz") <= 0.0:
+        raise Refusal(f"highest = {highest:g} is not above 0: give the end of the horizontal axis")
     if isinstance(signal, EnvelopeSpectrum):
+        options = {
+            "sampling_rate": sampling_rate,
+            "band": band,
+            "shaft_angle": shaft_angle,
+            "bearing": bearing,
+            "order_tracking": order_tracking,
+        }
+        double = next((name for name, value in options.items() if value is not None), None)
+        if double is not None:
+            raise Refusal(f"{double} is given beside {signal!r}, which has its own: leave it out, or give the signal")
         spectrum = signal
     else:
         spectrum = envelope_spectrum(
@@ -115,14 +135,19 @@ def _draw_lines(ax: Axes, spectrum: EnvelopeSpectrum, lines: Sequence[str], unit
     from matplotlib.lines import Line2D
 
     handles = []
-    for comb in fault_combs(spectrum.orders, limit / unit):
+    combs = fault_combs(spectrum.orders, limit / unit)
+    places = {comb.name: np.array(comb.orders) for comb in combs}
+    if "BPFI" in places:
+        places["BPFI"] = np.add.outer(places["BPFI"], SIDEBANDS)
+    for comb in combs:
         if comb.name not in lines or not comb.orders:
             continue
         colour, dashes = FAULT_LINES[comb.name], DASHES[comb.name]
         for order in comb.orders:
             ax.axvline(order * unit, color=colour, linewidth=0.9, alpha=0.55, linestyle=dashes, zorder=1.0)
             place, height = _peak(spectrum, order)
-            if height >= MARKED * largest:
+            distance = {name: float(np.abs(lines - place).min(initial=np.inf)) for name, lines in places.items()}
+            if height > 0.0 and height >= MARKED * largest and distance[comb.name] <= min(distance.values()):
                 ax.plot(place * unit, height, marker=MARKERS[comb.name], markersize=4.5, color=colour, zorder=3.0)
         label = f"{comb.name} {comb.orders[0] * unit:.2f}" if unit == 1.0 else f"{comb.name} {comb.orders[0] * unit:.1f} Hz"
         handles.append(Line2D([], [], color=colour, linestyle=dashes, marker=MARKERS[comb.name], markersize=4.5, label=label))
@@ -131,7 +156,11 @@ def _draw_lines(ax: Axes, spectrum: EnvelopeSpectrum, lines: Sequence[str], unit
 
 
 def _peak(spectrum: EnvelopeSpectrum, order: float) -> tuple[float, float]:
-    """Return order and amplitude of the highest line near an order, as far as rollers slip."""
-    near = np.flatnonzero(np.abs(spectrum.order - order) <= max(SLIP * order, 2.0 * spectrum.order[1]))
-    best = near[np.argmax(spectrum.amplitude[near])]
-    return float(spectrum.order[best]), float(spectrum.amplitude[best])
+    """Return order and amplitude of the highest peak near an order, as far as rollers slip; amplitude 0 where there is none."""
+    amplitude = spectrum.amplitude
+    near = np.flatnonzero(np.abs(spectrum.order[1:-1] - order) <= max(SLIP * order, 2.0 * spectrum.order[1])) + 1
+    peaks = near[(amplitude[near] >= amplitude[near - 1]) & (amplitude[near] >= amplitude[near + 1])]
+    if not len(peaks):
+        return order, 0.0
+    best = peaks[np.argmax(amplitude[peaks])]
+    return float(spectrum.order[best]), float(amplitude[best])

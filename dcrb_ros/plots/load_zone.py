@@ -55,7 +55,9 @@ def plot_load_zone(source: HasStates | StateHistory | Recording, *, ax: Axes | N
     >>> [line.get_label() for line in ax.lines]
     ['row 1', 'row 2']
     """
-    states = source.states() if isinstance(source, Recording) else source if isinstance(source, StateHistory) else source.states
+    states = source.states() if isinstance(source, Recording) else getattr(source, "states", source)
+    if not isinstance(states, StateHistory):
+        raise Refusal(f"{source!r} has no states: give a Run, a Recording or a StateHistory")
     if not len(states):
         raise Refusal(f"{source!r} has no states: simulate at least {1.0 / 100.0:g} s, or raise publishing.state_rate")
     if ax is not None and ax.name != "polar":

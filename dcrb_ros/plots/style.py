@@ -10,6 +10,9 @@ if TYPE_CHECKING:
     from matplotlib.artist import Artist
     from matplotlib.axes import Axes
 
+ABOVE_LEGEND = 22.0
+"""Distance of a title from the axes that leaves the legend between them [points]."""
+
 # The palette of Okabe and Ito, which people with colour blindness tell apart.
 CURVE = "#404040"
 AXES_COLOURS = {"x": "#E69F00", "y": "#0072B2"}
@@ -52,7 +55,7 @@ def labelled(ax: Axes, x: str, y: str, title: str = "") -> Axes:
     ax.set_xlabel(x)
     ax.set_ylabel(y)
     if title:
-        ax.set_title(title, fontsize="medium", loc="left")
+        ax.set_title(title, fontsize="medium", loc="left", pad=ABOVE_LEGEND if ax.get_legend() else None)
     ax.grid(alpha=0.25, linewidth=0.6)
     ax.spines[["top", "right"]].set_visible(False)
     return ax

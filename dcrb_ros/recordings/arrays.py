@@ -12,7 +12,7 @@ import numpy as np
 
 from dcrb_ros.bearing.history import StateHistory
 from dcrb_ros.bearing.kinematics import Orders
-from dcrb_ros.bearing.waveform import Piece, Waveform
+from dcrb_ros.bearing.waveform import Piece, Waveform, described_stretch, stretch
 from dcrb_ros.messages.cdr import STAMP_END, stamps
 from dcrb_ros.messages.joints import Joints, decode_alike, decode_joints
 from dcrb_ros.messages.points import Vibration
@@ -70,8 +70,7 @@ def pieces_of(recording: Source) -> Iterator[Piece]:
 def waveform_of(recording: Source, start: float | None, stop: float | None) -> Waveform:
     """Return the samples with ``start <= time < stop`` [s], all without these; see `Recording.waveform`."""
     rate = recording.sampling_rate
-    first = -math.inf if start is None else start * rate
-    last = math.inf if stop is None else stop * rate
+    first, last = stretch(rate, start, stop)
     found, spans = [], []
     for piece in pieces_of(recording):
         begin, end = piece.first_index, piece.first_index + len(piece.shaft_angle)
@@ -80,7 +79,9 @@ def waveform_of(recording: Source, start: float | None, stop: float | None) -> W
             found.append(piece)
     if not found:
         begin, end = min(begin for begin, _ in spans), max(end for _, end in spans)
-        raise Refusal(f"{recording.path} has no sample from {start} to {stop} s: it has samples from {begin / rate:g} to {end / rate:g} s")
+        raise Refusal(
+            f"{recording.path} has no sample {described_stretch(start, stop)}: it has samples from {begin / rate:g} to {end / rate:g} s"
+        )
     # A block that came twice or too late is kept once, in its place.
     index = np.concatenate([piece.first_index + np.arange(len(piece.shaft_angle), dtype=np.int64) for piece in found])
     index, order = np.unique(index, return_index=True)

@@ -18,13 +18,13 @@ from typing import Any
 
 from dcrb_ros.bearing.kinematics import characteristic_orders
 from dcrb_ros.messages.description import sensor_text
-from dcrb_ros.messages.event_text import encode_command
 from dcrb_ros.messages.points import decode_vibration, decode_waveform, packed
 from dcrb_ros.messages.statuses import decode_truth
 from dcrb_ros.messages.topics import GROUND_TRUTH, MANIFEST, VIBRATION, Message
 from dcrb_ros.runtime.version import __version__
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.simulation.ground_truth import commands_in
+from dcrb_ros.stream.event_text import encode_command
 from dcrb_ros.stream.events import TimedCommand
 from dcrb_ros.stream.states import BodyNames
 

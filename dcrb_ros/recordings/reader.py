@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import re
 from collections import Counter
 from collections.abc import Container, Iterable, Iterator, Mapping
@@ -18,7 +19,6 @@ from dcrb_ros.bearing.history import StateHistory
 from dcrb_ros.bearing.kinematics import Orders, characteristic_orders
 from dcrb_ros.bearing.waveform import Piece, Waveform
 from dcrb_ros.messages.description import decode_range
-from dcrb_ros.messages.event_text import decode_command
 from dcrb_ros.messages.points import Vibration, decode_vibration
 from dcrb_ros.messages.statuses import decode_truth
 from dcrb_ros.messages.topics import DETECTED, GROUND_TRUTH, MANIFEST, NAMESPACE, SENSOR, SIMULATED, VIBRATION, Message, Topic
@@ -30,6 +30,7 @@ from dcrb_ros.runtime.refusal import Refusal
 from dcrb_ros.runtime.version import __version__
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.simulation.ground_truth import GroundTruth, commands_in
+from dcrb_ros.stream.event_text import decode_command
 from dcrb_ros.stream.events import TimedCommand
 
 if TYPE_CHECKING:
@@ -51,11 +52,15 @@ DAMAGE = (ValueError, KeyError, TypeError, RecursionError)
 class Recording:
     """A recording of the bench, or of imported data: a rosbag2 folder or a single MCAP file.
 
-    Raises:
-        Refusal: there is no recording, or it is not a recording of the bench.
+    Raises
+    ------
+    Refusal
+        There is no recording, or it is not a recording of the bench.
     """
 
     def __init__(self, path: str | Path) -> None:
+        if not isinstance(path, (str, os.PathLike)):
+            raise Refusal(f"{path!r} is not the path of a recording: give a folder made by dcrb simulate or dcrb bench, or an .mcap file")
         self.path = Path(path)
         self.files, self.damage = valid_files(self.path)
         """The MCAP files in order; a sentence for everything that could not be read so far."""
@@ -79,8 +84,10 @@ class Recording:
     def configuration(self) -> Configuration:
         """Configuration of the bench.
 
-        Raises:
-            Refusal: the recording contains imported data.
+        Raises
+        ------
+        Refusal
+            The recording contains imported data.
         """
         if self._configuration is None:
             raise Refusal(f"{self.path} contains imported data, not a run of the bench: it has no configuration")
@@ -143,8 +150,10 @@ class Recording:
     def ranged_vibrations(self) -> Iterator[tuple[Vibration, float]]:
         """Yield the blocks of the waveform, each with the sensor's range at that time [m/s^2]; 0 if it is unknown.
 
-        Raises:
-            Refusal: the recording has no waveform.
+        Raises
+        ------
+        Refusal
+            The recording has no waveform.
         """
         found, sensor_range = False, self._first_range()
         for message in self.messages((SENSOR, VIBRATION)):
@@ -281,8 +290,10 @@ def valid_files(path: Path) -> tuple[list[Path], list[str]]:
 
     A crash or a power loss right after a split leaves an empty file.
 
-    Raises:
-        Refusal: there are none.
+    Raises
+    ------
+    Refusal
+        There are none.
     """
     if not path.exists():
         raise Refusal(f"there is no recording {path}: give a folder made by dcrb simulate or dcrb bench, or an .mcap file")
@@ -324,10 +335,11 @@ def metadata_flaw(path: Path) -> str:
         if file.stat().st_size > MAX_METADATA:
             return f"{METADATA} has {file.stat().st_size} bytes, at most {MAX_METADATA} are read"
         about = yaml.safe_load(file.read_text(encoding="utf-8"))["rosbag2_bagfile_information"]
-        named, there = [str(name) for name in about["relative_file_paths"]], [found.name for found in valid_files(path)[0]]
+        named = [str(name) for name in about["relative_file_paths"]]
     except OSError as error:
         return f"{METADATA} cannot be read: {error.strerror}"
     except (yaml.YAMLError, UnicodeDecodeError, *DAMAGE):
         return f"{METADATA} is damaged"
+    there = [found.name for found in valid_files(path)[0]]
     missing = [name for name in there if name not in named]
     return f"{METADATA} does not name {', '.join(missing)}" if missing else ""

@@ -9,7 +9,7 @@ MAX_COMPARED = 100
 """Longest word for which a suggestion is searched [characters]; the time grows with the square of the length."""
 
 
-class Refusal(Exception):
+class Refusal(ValueError):
     """Invalid input. The message is one sentence with the value, the valid range and the remedy.
 
     The command line prints the sentence and exits with status 2; a running node logs and counts it and continues.

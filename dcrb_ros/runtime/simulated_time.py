@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import math
-
-from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.runtime.numbers import duration_within
 
 MAX_DURATION = 1e6
 """Longest simulated duration that is accepted [s]."""
@@ -21,6 +19,4 @@ def checked_duration(duration: float) -> float:
     Raises:
         Refusal: it is not a number above 0 and up to `MAX_DURATION`.
     """
-    if not (math.isfinite(duration) and 0.0 < duration <= MAX_DURATION):
-        raise Refusal(f"--duration {duration} s is outside 0 .. {MAX_DURATION:g} s: give the simulated time to run in seconds")
-    return duration
+    return duration_within("--duration", duration, MAX_DURATION, "give the simulated time to run in seconds")

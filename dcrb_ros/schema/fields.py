@@ -6,14 +6,34 @@ the table in the documentation.
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.schema.parameter_field import sentence
+
+if TYPE_CHECKING:
+    from pydantic._internal._model_construction import ModelMetaclass
+else:
+    ModelMetaclass = type(BaseModel)
 
 LENGTH_REMEDY = "lengths are in metres; catalogues give millimetres"
 
 
-class Group(BaseModel):
+class Refusing(ModelMetaclass):
+    """Raises a `Refusal` where a group is made of invalid values; ``model_validate`` raises the errors of pydantic."""
+
+    if not TYPE_CHECKING:  # a type checker takes the parameters from the fields
+
+        def __call__(cls, *args: Any, **kwargs: Any) -> Any:
+            try:
+                return super().__call__(*args, **kwargs)
+            except ValidationError as error:
+                raise Refusal(sentence(error, cls)) from None
+
+
+class Group(BaseModel, metaclass=Refusing):
     """A group of parameters: immutable, without unknown keys, silent conversions or NaN."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)

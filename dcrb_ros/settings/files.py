@@ -5,20 +5,18 @@ from __future__ import annotations
 import itertools
 import re
 import sys
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import cache
 from pathlib import Path
-from typing import Any, TypeVar, get_args
+from typing import Any, TypeVar
 
 import numpy as np
 import yaml
 from pydantic import ValidationError
-from pydantic.fields import FieldInfo
-from pydantic_core import ErrorDetails
 
 from dcrb_ros.runtime.refusal import Refusal, nearest
 from dcrb_ros.schema.fields import Group
+from dcrb_ros.schema.parameter_field import ParameterField, field_of, more, sentence
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.sensor import preset_values
 from dcrb_ros.settings.vehicle_speed import without_replaced
@@ -30,51 +28,7 @@ LEAST = sys.float_info.min
 COMMANDED = ("operating.speed", "operating.load", "operating.lateral_load")
 """Parameters that are changed on a topic of their own."""
 
-Scalar = bool | int | float | str
 Model = TypeVar("Model", bound=Group)
-
-
-@dataclass(frozen=True)
-class ParameterField:
-    """One parameter of the schema."""
-
-    key: str
-    """Dotted key, ``faults.outer_1.width``."""
-    kind: type
-    """bool, int, float or str."""
-    default: Scalar
-    low: float | int | None
-    high: float | int | None
-    unit: str
-    symbol: str
-    description: str
-    remedy: str
-    run_time: bool
-    """Whether it can change while the simulation runs."""
-    choices: tuple[str, ...] = ()
-
-
-def _field(key: str, info: FieldInfo) -> ParameterField:
-    extra: dict[str, Any] = dict(info.json_schema_extra) if isinstance(info.json_schema_extra, dict) else {}
-    low = next((m.ge for m in info.metadata if hasattr(m, "ge")), None)
-    high = next((m.le for m in info.metadata if hasattr(m, "le")), None)
-    choices = tuple(str(choice) for choice in get_args(info.annotation))
-    kind = str if choices else info.annotation
-    if not isinstance(kind, type):
-        raise TypeError(f"{key} has no plain type")
-    return ParameterField(
-        key,
-        kind,
-        info.default,
-        low,
-        high,
-        extra.get("unit", "-"),
-        extra.get("symbol", ""),
-        info.description or "",
-        extra.get("remedy", ""),
-        extra.get("run_time", False),
-        choices,
-    )
 
 
 def parameter_fields(model: type[Group] = Configuration, prefix: str = "") -> Iterator[ParameterField]:
@@ -83,7 +37,7 @@ def parameter_fields(model: type[Group] = Configuration, prefix: str = "") -> It
         if isinstance(info.annotation, type) and issubclass(info.annotation, Group):
             yield from parameter_fields(info.annotation, f"{prefix}{name}.")
         else:
-            yield _field(prefix + name, info)
+            yield field_of(prefix + name, info)
 
 
 @cache
@@ -125,50 +79,14 @@ def validated(flat: Mapping[str, Any], model: type[Model], source: str) -> Model
     fields = fields_by_key(model)
     unknown = [key for key in flat if key not in fields]
     if unknown:
-        raise Refusal(f"{source}: unknown parameter '{unknown[0]}'{nearest(unknown[0], fields)}{_more(len(unknown))}")
+        raise Refusal(f"{source}: unknown parameter '{unknown[0]}'{nearest(unknown[0], fields)}{more(len(unknown))}")
     for key, value in flat.items():
         if isinstance(value, float) and 0.0 < abs(value) < LEAST:
             raise Refusal(f"{source}: {key} = {value!r} is too close to zero: give 0.0, or a magnitude of at least {LEAST:g}")
     try:
         return model.model_validate(nest(flat))
     except ValidationError as error:
-        problems = error.errors()
-        raise Refusal(f"{source}: {_sentence(problems[0], fields)}{_more(len(problems))}") from None
-
-
-def _more(count: int) -> str:
-    return f" (and {count - 1} more)" if count > 1 else ""
-
-
-def _sentence(problem: ErrorDetails, fields: Mapping[str, ParameterField]) -> str:
-    """Return one sentence with the value, the range and the remedy."""
-    key = ".".join(str(part) for part in problem["loc"])
-    if key not in fields:
-        return problem["msg"].removeprefix("Value error, ")
-    field, value = fields[key], problem["input"]
-    said = f"{key} = {value!r}" + (f" {field.unit}" if field.unit != "-" else "")
-    kind = {float: "a number", int: "a whole number", bool: "true or false", str: "a text"}[field.kind]
-    if field.choices:
-        return f"{said} is not one of {', '.join(field.choices)}{nearest(str(value), field.choices)}"
-    if field.low is None or field.high is None:
-        return f"{said} is not {kind} ({_lower(field.description)})"
-    span = f"{field.low:g} .. {field.high:g} {field.unit}".removesuffix(" -")
-    if isinstance(value, (bool, str)) or not isinstance(value, (int, float)) or (field.kind is int and isinstance(value, float)):
-        return f"{said} is not {kind} within {span}"
-    remedy = f": {field.remedy}" if field.remedy else f" ({_lower(field.description)})"
-    return f"{said} is outside {span}{remedy}{_millimetres(field, value)}"
-
-
-def _lower(description: str) -> str:
-    """Return a description that continues a sentence."""
-    return description[0].lower() + description[1:]
-
-
-def _millimetres(field: ParameterField, value: Any) -> str:
-    """Return the length in metres if a value would be in range as millimetres."""
-    if field.unit != "m" or not isinstance(value, (int, float)) or field.low is None or field.high is None:
-        return ""
-    return f" (did you mean {value / 1000.0:g}?)" if field.low <= value / 1000.0 <= field.high else ""
+        raise Refusal(f"{source}: {sentence(error, model)}") from None
 
 
 def read_parameters(path: Path, node: str) -> dict[str, Any]:
@@ -192,16 +110,19 @@ def read_parameters(path: Path, node: str) -> dict[str, Any]:
 
 
 def _settings(settings: Sequence[str], fields: Mapping[str, ParameterField]) -> dict[str, Any]:
+    """Return parameters given as texts, KEY=VALUE."""
     flat: dict[str, Any] = {}
     for setting in settings:
+        if not isinstance(setting, str):
+            raise Refusal(f"setting {setting!r} is not a text: write KEY=VALUE, such as operating.speed=125.664")
         key, equals, text = setting.partition("=")
         if not equals:
-            raise Refusal(f"--set {setting}: write KEY=VALUE, such as operating.speed=125.664")
+            raise Refusal(f"setting '{setting}': write KEY=VALUE, such as operating.speed=125.664")
         known = fields.get(key)
         try:
             value = parsed(text)
         except yaml.YAMLError:
-            raise Refusal(f"--set {setting}: the value is not a plain number or text") from None
+            raise Refusal(f"setting '{setting}': the value is not a plain number or text") from None
         if known and known.kind is str and type(value) is not str:
             value = text
         flat[key] = float(value) if known and known.kind is float and type(value) is int else value
@@ -215,7 +136,7 @@ def overlaid(whole: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, 
     return {**whole, **brought, **changes}
 
 
-def load_configuration(source: Configuration | str | Path, settings: Mapping[str, Any] | Sequence[str] = ()) -> Configuration:
+def load_configuration(source: Configuration | str | Path, settings: Mapping[str, Any] | Sequence[str] | str = ()) -> Configuration:
     """Return the configuration of a file or a shipped name, with some settings changed.
 
     Parameters
@@ -223,7 +144,8 @@ def load_configuration(source: Configuration | str | Path, settings: Mapping[str
     source
         The name of a shipped configuration (``"healthy"``), a YAML file, or a configuration to change.
     settings
-        Parameters and values: ``{"operating.speed": 100.0}``, nested or with dotted keys, or texts such as ``"operating.speed=100.0"``.
+        Parameters and values: ``{"operating.speed": 100.0}``, nested or with dotted keys, or texts such as
+        ``"operating.speed=100.0"``, one or several.
 
     Raises
     ------
@@ -235,7 +157,14 @@ def load_configuration(source: Configuration | str | Path, settings: Mapping[str
     >>> load_configuration("healthy", {"faults": {"outer_1": {"width": 0.002}}, "operating.speed": 100.0})
     <Configuration: 100 rad/s (954.9 rpm), 100 kN, outer_1: 2 mm wide>
     """
-    asked = _plain(flatten(settings)) if isinstance(settings, Mapping) else _settings(settings, fields_by_key())
+    if not isinstance(source, (Configuration, str, Path)):
+        raise Refusal(f"{source!r} is not a configuration: give a shipped name such as 'healthy', a YAML file or a Configuration")
+    if not isinstance(settings, (Mapping, Iterable)):
+        raise Refusal(f"settings = {settings!r} is neither a mapping nor texts: write {{'operating.speed': 100.0}}")
+    if isinstance(settings, Mapping):
+        asked = _plain(flatten(settings))
+    else:
+        asked = _settings((settings,) if isinstance(settings, str) else settings, fields_by_key())
     if isinstance(source, Configuration):
         return validated(overlaid(flatten(source.model_dump()), asked), Configuration, "settings") if asked else source
     flat = read_parameters(find_configuration(source), "simulator")
@@ -307,8 +236,7 @@ def _range(field: ParameterField) -> str:
     unit = field.unit if field.unit != "-" else ""
     for plain, sign in UNIT_SIGNS:
         unit = unit.replace(plain, sign)
-    low, high = (str(limit) if isinstance(limit, int) else f"{limit:g}" for limit in (field.low, field.high))
-    return f"<br>{low} to {high} {unit}".rstrip()
+    return f"<br>{' to '.join(field.limits)} {unit}".rstrip()
 
 
 def _symbol(field: ParameterField) -> str:

@@ -11,11 +11,17 @@ import numpy as np
 from dcrb_ros.faults.ground_truth import summary_of
 from dcrb_ros.runtime.arrays import Floats
 from dcrb_ros.runtime.frames import pandas
+from dcrb_ros.runtime.refusal import Refusal, nearest
 from dcrb_ros.stream.block import Truth
+from dcrb_ros.stream.event_text import encode_event
 from dcrb_ros.stream.events import LoadCommand, ParameterChange, SpeedCommand, TimedCommand, UnknownCommand
 
 if TYPE_CHECKING:
     import pandas as pd
+
+
+FREQUENCIES = ("FTF", "BPFO", "BPFI", "BSF")
+"""Characteristic frequencies in the ground truth."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -57,7 +63,17 @@ class GroundTruth:
         return self.truths[-1].faults if self.truths else {}
 
     def frequency(self, name: str) -> Floats:
-        """Return FTF, BPFO, BPFI or BSF at the speed of each instant, shape (times,) [Hz]."""
+        """Return FTF, BPFO, BPFI or BSF at the speed of each instant, shape (times,) [Hz].
+
+        Raises
+        ------
+        Refusal
+            Another name.
+        """
+        if name not in FREQUENCIES:
+            raise Refusal(
+                f"there is no characteristic frequency {name!r}: give one of {', '.join(FREQUENCIES)}{nearest(str(name), FREQUENCIES)}"
+            )
         return np.array([truth.frequencies[name] for truth in self.truths])
 
     def to_pandas(self) -> pd.DataFrame:
@@ -75,7 +91,7 @@ class GroundTruth:
                 "load_y": truth.load[1],
                 **truth.frequencies,
                 "faults": ", ".join(truth.faults),
-                "event": truth.event,
+                "event": encode_event(truth.event),
             }
             for truth in self.truths
         ]

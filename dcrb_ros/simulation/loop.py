@@ -25,6 +25,7 @@ from dcrb_ros.core.solver.step import advance
 from dcrb_ros.measurement.decimation import Cascade
 from dcrb_ros.measurement.sensor import Measurement, Sensor
 from dcrb_ros.runtime.arrays import Floats
+from dcrb_ros.runtime.numbers import finite_number
 from dcrb_ros.runtime.refusal import Refusal
 from dcrb_ros.runtime.simulated_time import nanoseconds
 from dcrb_ros.settings.configuration import Configuration
@@ -79,15 +80,31 @@ class Simulation:
     def __init__(self, configuration: Configuration, scenario: Iterable[ScheduledChange] = (), *, waveform_only: bool = False) -> None:
         """Set up the bearing at simulated time 0.
 
-        Args:
-            configuration: the bench.
-            scenario: changes in the order of time, see `dcrb_ros.simulation.scenario`.
-            waveform_only: leave out states, preview and energy; samples and ground truth are the same.
+        Parameters
+        ----------
+        configuration
+            The bench.
+        scenario
+            Changes in the order of time, see `dcrb_ros.simulation.scenario`.
+        waveform_only
+            Leave out states, preview and energy; samples and ground truth are the same.
+
+        Raises
+        ------
+        Refusal
+            The configuration or the scenario is of another type.
         """
+        if not isinstance(configuration, Configuration):
+            raise Refusal(f"{configuration!r} is not a Configuration: give dcrb_ros.load_configuration('healthy') or another one")
+        changes = tuple(scenario) if isinstance(scenario, Iterable) else (scenario,)
+        if not all(isinstance(change, ScheduledChange) for change in changes):
+            raise Refusal(
+                f"scenario = {scenario!r} is not a list of scheduled changes: dcrb_ros.simulate takes a scenario by name, file or content"
+            )
         self._waveform_only = waveform_only
         self.configuration = configuration
         """The present configuration, with the changes that have taken effect."""
-        self._scheduled = deque(scenario)
+        self._scheduled = deque(changes)
         self._requested: dict[str, Any] = {}
         """Values in the pending changes."""
         self._onsets = onsets({}, configuration, 0.0)
@@ -124,8 +141,10 @@ class Simulation:
     def command_speed(self, speed: float) -> None:
         """Set the target speed [rad/s], approached with the configured ramp from the next block on.
 
-        Raises:
-            Refusal: the speed is out of range, or too many commands are pending.
+        Raises
+        ------
+        Refusal
+            The speed is out of range, or too many commands are pending.
         """
         value = _checked("command/speed", "speed", speed, "rad/s")
         altered(self.configuration, {"operating.speed": value}, "command/speed")
@@ -135,8 +154,10 @@ class Simulation:
     def command_load(self, x: float, y: float) -> None:
         """Set the target force on the inner ring in X and Y [N], approached with the configured ramp from the next block on.
 
-        Raises:
-            Refusal: the force is out of range or too large for the bearing, or too many commands are pending.
+        Raises
+        ------
+        Refusal
+            The force is out of range or too large for the bearing, or too many commands are pending.
         """
         force = _checked("command/load force.x", "lateral_load", x, "N"), _checked("command/load force.y", "load", y, "N")
         altered(self.configuration, {"operating.lateral_load": force[0], "operating.load": -force[1]}, "command/load")
@@ -146,8 +167,10 @@ class Simulation:
     def change(self, changes: Mapping[str, Any]) -> None:
         """Change parameters from the next block on: dotted keys and values, such as ``{"faults.outer_1.width": 0.002}``.
 
-        Raises:
-            Refusal: a parameter is unknown or fixed, a value is invalid, or the values contradict each other; nothing is changed.
+        Raises
+        ------
+        Refusal
+            A parameter is unknown or fixed, a value is invalid, or the values contradict each other; nothing is changed.
         """
         # The ground truth contains the values as Python prints them.
         changes = {key: value.item() if isinstance(value, np.generic) else value for key, value in changes.items()}
@@ -161,8 +184,10 @@ class Simulation:
     def fork(self) -> Simulation:
         """Return an independent copy that continues from the present state; without further commands both yield the same samples.
 
-        Raises:
-            ValueError: commands or changes are pending.
+        Raises
+        ------
+        ValueError
+            Commands or changes are pending.
         """
         with self._lock:
             if self._pending:
@@ -190,7 +215,17 @@ class Simulation:
         """Yield blocks until ``duration`` [s] of samples is reached, endlessly without one.
 
         The last block may be shorter, so that the duration is exact.
+
+        Raises
+        ------
+        Refusal
+            The duration is not a finite number, or negative.
         """
+        if duration is not None and finite_number("duration =", duration, "s") < 0.0:
+            raise Refusal(f"duration = {duration:g} s is negative: give the simulated time that the blocks cover")
+        return self._blocks(duration)
+
+    def _blocks(self, duration: float | None) -> Iterator[Block]:
         rate, size = self.configuration.sensor.sampling_rate, self.configuration.publishing.block_size
         last = None if duration is None else self._samples + round(duration * rate)
         while last is None or self._samples < last:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
@@ -16,6 +15,7 @@ from dcrb_ros.bearing.kinematics import characteristic_orders
 from dcrb_ros.bearing.waveform import Waveform
 from dcrb_ros.faults.ground_truth import summary_of
 from dcrb_ros.runtime.arrays import Samples
+from dcrb_ros.runtime.numbers import duration_within
 from dcrb_ros.runtime.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import load_configuration
@@ -57,7 +57,7 @@ def simulate(
     configuration: Configuration | str | Path = "healthy",
     duration: float = 1.0,
     *,
-    settings: Mapping[str, Any] | Sequence[str] = (),
+    settings: Mapping[str, Any] | Sequence[str] | str = (),
     scenario: Mapping[str, Any] | str | Path | None = None,
     seed: int | None = None,
 ) -> Run:
@@ -88,7 +88,7 @@ def simulate(
     Raises
     ------
     Refusal
-        An unknown configuration or parameter, a value out of range, or a duration outside 0 .. 3600 s.
+        An unknown configuration or parameter, a value out of range, or a duration that is not above 0 and at most 3600 s.
 
     Examples
     --------
@@ -99,11 +99,7 @@ def simulate(
     >>> run.acceleration.shape, run.states.azimuth.shape
     ((25600, 2), (49, 35))
     """
-    if not (isinstance(duration, (int, float)) and math.isfinite(duration) and 0.0 < duration <= LONGEST):
-        raise Refusal(
-            f"duration = {duration!r} s is outside 0 .. {LONGEST:g} s: give the simulated time, or take longer runs block by block "
-            "with dcrb_ros.Simulation"
-        )
+    duration = duration_within("duration =", duration, LONGEST, "longer runs are simulated block by block with dcrb_ros.Simulation")
     asked = load_configuration(configuration, settings)
     if seed is not None:
         asked = load_configuration(asked, {"simulation.seed": seed})
@@ -112,6 +108,9 @@ def simulate(
         story, source = (read_scenario_file(Path(scenario)), str(scenario)) if isinstance(scenario, (str, Path)) else (scenario, "scenario")
         start = starting_configuration(story, asked, source)
         events = scheduled_changes(story, start, source)
+    rate = start.sensor.sampling_rate
+    if round(duration * rate) < 1:
+        raise Refusal(f"duration = {duration:g} s is shorter than one sample ({1e6 / rate:.3g} us at {rate} Hz): simulate longer")
     simulation = Simulation(start, events)
     names = simulation.bodies.names
     blocks = list(simulation.blocks(duration))

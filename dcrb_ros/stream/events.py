@@ -1,6 +1,6 @@
 """Events of a run: commands, changes of parameters, steps of a scenario, lost blocks.
 
-They are data everywhere in the program. `dcrb_ros.messages.event_text` turns them into text where they leave it (ground truth, manifest)
+They are data everywhere in the program. `dcrb_ros.stream.event_text` turns them into text where they leave it (ground truth, manifest)
 and back.
 """
 

@@ -11,8 +11,8 @@ from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
 from dcrb_ros.runtime.refusal import Refusal, nearest
+from dcrb_ros.schema.parameter_field import ParameterField
 from dcrb_ros.settings.files import (
-    ParameterField,
     fields_by_key,
     find_configuration,
     flatten,
@@ -118,7 +118,7 @@ def _value(key: str, given: Any, field: ParameterField, source: str) -> Value:
         raise Refusal(f"{source}: {key} = {value!r} is not one of {', '.join(field.choices)}{nearest(str(value), field.choices)}")
     if field.low is not None and field.high is not None and not field.low <= given <= field.high:
         remedy = field.remedy or f"give a value within it for the {field.description.lower()}"
-        raise Refusal(f"{source}: {key} = {value!r} is outside {field.low:g} .. {field.high:g} {field.unit}: {remedy}")
+        raise Refusal(f"{source}: {key} = {value!r} is outside {' .. '.join(field.limits)} {field.unit}: {remedy}")
     return cast(Value, value)
 
 

@@ -108,8 +108,9 @@ def bench_info(data: bytes, title: str) -> BenchInfo:
         Refusal: the description is invalid.
     """
     rate, orders = decode_sensor(data)
+    text = decode_text(data)
     try:
-        described = json.loads(decode_text(data)).get("bearing")
+        described = json.loads(text).get("bearing")
         bearing = Bearing.model_validate(described) if described else Bearing()
     except (ValueError, AttributeError) as error:
         raise Refusal(f"the bearing in the sensor's description is invalid ({type(error).__name__})") from None

@@ -64,5 +64,9 @@ def test_refusals(run: Run) -> None:
         detect(run.between(stop=1.0))
     with pytest.raises(Refusal, match="the orders of the bearing are unknown"):
         detect(np.zeros(51200), 51200)
+    with pytest.raises(Refusal, match=r"window = 1 s is below least_window = 2 s"):
+        detect(run, parameters=DetectorParameters(window=1.0))
+    with pytest.raises(Refusal, match=r"give DetectorParameters"):
+        detect(run, parameters={"learn": 10})  # type: ignore[arg-type]
     with pytest.raises(Refusal, match="shaft_angle is given beside <Run"):
         detect(run, shaft_angle=run.shaft_angle)

@@ -84,9 +84,12 @@ ANGLE = np.linspace(0.0, 200.0, RATE)
 @pytest.mark.parametrize(
     ("arguments", "sentence"),
     [
-        ({"sampling_rate": None}, "give sampling_rate"),
+        ({"sampling_rate": None}, "sampling_rate is missing: give it in Hz"),
         ({"band": (8000.0, 4000.0)}, r"band = \(8000, 4000\) Hz is not within 0 .. 25600 Hz"),
         ({"band": (2000.0, 30000.0)}, "half the sampling rate"),
+        ({"band": 5}, "band = 5 is not a pair of frequencies"),
+        ({"band": ("a", "b")}, "the lower edge of the band, 'a' is not a number: give it in Hz"),
+        ({"band": (4000.0, 4060.0)}, "51200 samples are too few for the band of .*: give at least 54614"),
         ({"order_tracking": True}, "cannot be order-tracked: give shaft_angle"),
         ({"shaft_angle": ANGLE / 100.0}, "the shaft makes 0.32 turns where order tracking needs 4"),
         ({"shaft_angle": 100.0 * np.abs(np.linspace(-0.5, 1.0, RATE))}, "the shaft turns back"),
@@ -97,6 +100,28 @@ def test_refusals(arguments: dict[str, Any], sentence: str) -> None:
     noise = np.random.default_rng(1).standard_normal(RATE)
     with pytest.raises(Refusal, match=sentence):
         envelope_spectrum(noise, **{"sampling_rate": RATE, **arguments})
+
+
+@pytest.mark.parametrize("order", [900.0, -3.0, np.nan, [1.0, 900.0]])
+def test_places_outside_the_spectrum_are_refused(order: Any) -> None:
+    spectrum = envelope_spectrum(np.random.default_rng(1).standard_normal(RATE), RATE, shaft_angle=ANGLE)
+    with pytest.raises(Refusal, match=r"order (900|-3|nan) is outside 0 \.\. "):
+        spectrum.at(order)
+    with pytest.raises(Refusal, match=r"frequency 1e\+06 Hz is outside 0 \.\. "):
+        spectrum.at_frequency(1e6)
+    with pytest.raises(Refusal, match="order = 'a' is not a number"):
+        spectrum.at("a")  # type: ignore[arg-type]
+    assert spectrum.at(spectrum.order[-1]) > 0.0
+
+
+def test_orders_of_a_signal_without_speed_are_refused() -> None:
+    with pytest.raises(Refusal, match="the spectrum has no orders"):
+        envelope_spectrum(np.random.default_rng(1).standard_normal(RATE), RATE).at(1.0)
+
+
+def test_a_signal_of_a_few_samples_is_refused() -> None:
+    with pytest.raises(Refusal, match=r"10 samples are too few for the band of .*: give at least 183"):
+        envelope_spectrum(np.ones(10), RATE)
 
 
 def test_lost_samples_and_values_that_are_not_finite_are_refused() -> None:

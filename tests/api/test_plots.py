@@ -94,6 +94,27 @@ def test_a_defect_is_marked_at_its_own_lines(run: Run) -> None:
     assert [text.get_text().split()[0] for text in ax.get_legend().get_texts()] == ["BPFO", "BPFI", "2BSF", "FTF"]
 
 
+def test_a_sideband_of_another_fault_is_not_marked() -> None:
+    run = simulate("inner_ring_defect", 1.0)
+    ax = plot_envelope_spectrum(run)
+    marked = np.array([float(line.get_xdata()[0]) for line in ax.lines if len(line.get_xdata()) == 1])
+    assert len(marked) >= 3
+    assert marked == pytest.approx(np.round(marked / run.orders.bpfi) * run.orders.bpfi, rel=0.004)
+
+
+def test_one_line_may_be_given_as_text(run: Run) -> None:
+    labels = [text.get_text() for text in plot_envelope_spectrum(run, lines="BPFO").get_legend().get_texts()]
+    assert labels == ["BPFO 6.72"]
+
+
+@pytest.mark.parametrize("x", ["order", "frequency"])
+def test_the_legend_leaves_the_title_free(x: Any, run: Run) -> None:
+    ax = plot_envelope_spectrum(run, x=x)
+    ax.figure.draw_without_rendering()
+    title = next(text for text in ax.get_children() if isinstance(text, mpl.text.Text) and text.get_text().startswith("squared"))
+    assert not title.get_window_extent().overlaps(ax.get_legend().get_window_extent())
+
+
 def test_frequency_axis_is_in_hertz(run: Run) -> None:
     ax = plot_envelope_spectrum(run, x="frequency", lines=["BPFO"])
     expected = characteristic_frequencies(run.configuration, run.configuration.operating.speed)["BPFO"]
@@ -126,8 +147,15 @@ def test_load_zone_lies_below_the_shaft() -> None:
     ("call", "sentence"),
     [
         (lambda run: plot_waveform(run, axis="z"), "axis = 'z' is not one of x, y, both"),
-        (lambda run: plot_waveform(run, start=5.0), "no sample from 5.0"),
+        (lambda run: plot_waveform(run, start=5.0), "no sample from 5 s on"),
         (lambda run: plot_envelope_spectrum(run, lines=["BFPO"]), "there is no fault line 'BFPO'.*did you mean 'BPFO'"),
+        (lambda run: plot_envelope_spectrum(run, lines="BFPO"), "there is no fault line 'BFPO'.*did you mean 'BPFO'"),
+        (lambda run: plot_envelope_spectrum(run, x="freq"), "x = 'freq' is not one of order, frequency; did you mean 'frequency'"),
+        (lambda run: plot_envelope_spectrum(run, highest=-1), "highest = -1 is not above 0"),
+        (lambda run: plot_envelope_spectrum(envelope_spectrum(run), band=(4e3, 8e3)), "band is given beside <EnvelopeSpectrum"),
+        (lambda run: plot_envelope_spectrum(envelope_spectrum(run), 51200), "sampling_rate is given beside <EnvelopeSpectrum"),
+        (lambda run: plot_waveform("bags/healthy"), r"use dcrb_ros.Recording\('bags/healthy'\)"),
+        (lambda run: plot_load_zone(run.waveform().waveform), "has no states: give a Run, a Recording or a StateHistory"),
         (lambda run: plot_envelope_spectrum(np.ones(51200), 51200, x="order"), "the speed is unknown"),
         (lambda run: plot_load_zone(run, ax=plt.figure().add_subplot()), "needs polar axes"),
         (lambda run: plot_load_zone(simulate("healthy", 0.005)), "has no states"),
@@ -156,9 +184,12 @@ def test_command_writes_a_picture(suffix: str, tmp_path: Path) -> None:
             "--output picture.jpg has an unknown file type: the name must end in .png, .svg, .pdf",
         ),
         ((str(BAGS / "healthy"), "-o", "nowhere/picture.png"), "there is no folder nowhere"),
-        ((str(BAGS / "healthy"), "-o", "picture.png", "--duration", "0"), "--duration 0.0 s is outside 0 .. 60 s"),
+        (
+            (str(BAGS / "healthy"), "-o", "picture.png", "--duration", "0"),
+            "--duration 0 s is out of range: it must be above 0 and at most 60 s",
+        ),
         ((str(BAGS / "healthy"), "-o", "picture.png", "--start", "-1"), "--start -1.0 s is not a simulated time"),
-        ((str(BAGS / "healthy"), "-o", "picture.png", "--start", "9"), "has no sample from 9.0 to 19.0 s: it has samples from 0 to 3 s"),
+        ((str(BAGS / "healthy"), "-o", "picture.png", "--start", "9"), "has no sample from 9 to 19 s: it has samples from 0 to 3 s"),
         (("nothing", "-o", "picture.png"), "there is no recording nothing"),
     ],
 )

@@ -81,5 +81,11 @@ def test_representation_says_duration_rate_and_fault(recording: Recording) -> No
 
 
 def test_a_time_outside_the_recording_is_refused(recording: Recording) -> None:
-    with pytest.raises(Refusal, match=r"bag has no sample from 3.0 to 4.0 s: it has samples from 0 to 0.4 s"):
+    with pytest.raises(Refusal, match=r"bag has no sample from 3 to 4 s: it has samples from 0 to 0.4 s"):
         recording.waveform(3.0, 4.0)
+
+
+def test_a_stretch_of_a_tenth_of_a_second_has_its_samples() -> None:
+    recording = Recording(BAGS / "healthy")
+    assert len(recording.waveform(1.1, 1.2)) == 5120
+    assert recording.waveform(1.1).index[0] == 56320

@@ -66,3 +66,26 @@ def test_refusals(exam: tuple[Path, Path], monkeypatch: pytest.MonkeyPatch) -> N
         score(Always, "smok")
     with pytest.raises(Refusal, match=r"workers = 0 is outside 1 .. 256"):
         score(Always, "smoke", workers=0)
+
+
+class Failing(Always):
+    """Fail at the second second."""
+
+    def update(self, index: int, acceleration: Any, shaft_angle: Any) -> Any:
+        if index >= 51200:
+            raise ZeroDivisionError("division by zero")
+
+
+def test_an_exception_of_a_detector_names_scenario_and_sample(exam: tuple[Path, Path]) -> None:
+    sentence = r"scenario 'outer.*' could not be evaluated: update failed at sample 51200: ZeroDivisionError: division by zero"
+    with pytest.raises(RuntimeError, match=sentence):
+        score(Failing, exam[0], recordings=exam[1])
+
+
+@pytest.mark.parametrize(
+    ("detector", "sentence"),
+    [("x", "detector = 'x' cannot be called: give a class"), (lambda orders, rate: 5, r"the detector 5 has no method update\(")],
+)
+def test_what_is_no_detector_is_refused(detector: Any, sentence: str, exam: tuple[Path, Path]) -> None:
+    with pytest.raises(Refusal, match=sentence):
+        score(detector, exam[0], recordings=exam[1])

@@ -108,6 +108,34 @@ def test_a_stretch_of_a_run(run: Run) -> None:
     assert np.array_equal(part.acceleration, run.acceleration[5120:10240])
 
 
+@pytest.mark.parametrize("rate", [1000, 25600, 51200])
+def test_stretches_between_tenths_of_a_second_have_equal_lengths(rate: int) -> None:
+    waveform = Waveform.from_arrays(np.zeros(4 * rate), rate)
+    assert {len(waveform.between(k * 0.1, (k + 1) * 0.1)) for k in range(39)} == {rate // 10}
+    assert {int(waveform.between(k / 10).index[0]) - k * rate // 10 for k in range(40)} == {0}
+
+
+@pytest.mark.parametrize(
+    ("start", "stop", "sentence"),
+    [
+        (3.0, None, "no sample from 3 s on"),
+        (None, 0.0, "no sample before 0 s"),
+        (2.0, 1.0, "start = 2 s is not below stop = 1 s"),
+        ("a", None, "start = 'a' is not a number"),
+        (float("nan"), None, "start = nan s is not a finite number"),
+    ],
+)
+def test_stretches_without_samples_are_refused(start: Any, stop: Any, sentence: str) -> None:
+    with pytest.raises(Refusal, match=sentence):
+        Waveform.from_arrays(np.zeros(1000), 1000).between(start, stop)
+
+
+@pytest.mark.parametrize("duration", [np.float32(0.125), np.float64(0.125)])
+def test_a_duration_may_be_a_number_of_numpy(duration: Any) -> None:
+    assert len(simulate("healthy", duration)) == 6400
+    assert len(simulate("healthy", np.int64(1))) == 51200
+
+
 def test_frames_carry_time_and_columns(run: Run) -> None:
     frame = run.to_pandas()
     assert list(frame.columns) == ["ax", "ay", "shaft_angle", "ax_clean", "ay_clean"]
@@ -129,8 +157,11 @@ def test_without_pandas_one_sentence(run: Run, monkeypatch: pytest.MonkeyPatch) 
 @pytest.mark.parametrize(
     ("arguments", "sentence"),
     [
-        ({"duration": 0.0}, "duration = 0.0 s is outside 0 .. 3600 s"),
-        ({"duration": float("nan")}, "duration = nan s is outside"),
+        ({"duration": 0.0}, "duration = 0 s is out of range: it must be above 0 and at most 3600 s"),
+        ({"duration": float("nan")}, "duration = nan s is not a finite number"),
+        ({"duration": "5"}, "duration = '5' is not a number"),
+        ({"duration": True}, "duration = True is not a number"),
+        ({"duration": 1e-6}, r"duration = 1e-06 s is shorter than one sample \(19.5 us at 51200 Hz\)"),
         ({"duration": 1e5}, "block by block with dcrb_ros.Simulation"),
         ({"configuration": "heathy"}, "did you mean 'healthy'"),
         ({"settings": {"operating.sped": 1.0}}, "did you mean 'operating.speed'"),
@@ -149,7 +180,7 @@ def test_unknown_bodies_and_rows_are_refused(run: Run) -> None:
         run.states.column("cage3")
     with pytest.raises(Refusal, match="there is no row 3: the bearing has 2"):
         run.states.rollers(3)
-    with pytest.raises(Refusal, match=r"no sample from 1.0 to None s: it has samples from 0 to 0.29"):
+    with pytest.raises(Refusal, match=r"no sample from 1 s on: it has samples from 0 to 0.29"):
         run.between(1.0)
 
 
@@ -165,7 +196,9 @@ def test_plain_arrays_become_a_waveform() -> None:
 @pytest.mark.parametrize(
     ("arguments", "sentence"),
     [
-        ((np.zeros((10, 3)), 1000), r"acceleration of shape \(10, 3\)"),
+        ((np.zeros((10, 3)), 1000), r"acceleration of shape \(10, 3\) is not a waveform"),
+        ((np.zeros((3, 1000)), 1000), r"shape \(3, 1000\) is not a waveform: .* one sample; transpose the array"),
+        ((np.zeros(10), "51200"), "sampling_rate = '51200' is not a number: give it in Hz"),
         ((np.zeros(0), 1000), "at least one sample"),
         ((np.zeros(10, complex), 1000), "give real numbers"),
         ((np.zeros(10), 0.0), "sampling_rate = 0.0 Hz is not a whole number"),
@@ -189,3 +222,46 @@ def test_characteristic_frequencies_of_a_catalogue_bearing() -> None:
     assert dcrb_ros.characteristic_frequencies(bearing, -2.0 * np.pi * 10.0) == found
     with pytest.raises(Refusal, match="speed = nan rad/s"):
         dcrb_ros.characteristic_frequencies(bearing, float("nan"))
+
+
+@pytest.mark.parametrize(
+    ("call", "sentence"),
+    [
+        (lambda: dcrb_ros.characteristic_frequencies("healthy", "20"), "speed = '20' is not a number: give it in rad/s"),  # type: ignore[arg-type]
+        (lambda: dcrb_ros.detect(np.zeros(10), 1000, bearing="healthy"), r"give dcrb_ros.load_configuration\('healthy'\)"),  # type: ignore[arg-type]
+        (lambda: dcrb_ros.detect(np.zeros(10), 1000, bearing=5), "bearing = 5 is not a bearing"),  # type: ignore[arg-type]
+        (lambda: dcrb_ros.detect("bags/healthy"), r"use dcrb_ros.Recording\('bags/healthy'\)"),
+        (lambda: dcrb_ros.envelope_spectrum("bags/healthy"), r"use dcrb_ros.Recording\('bags/healthy'\)"),
+        (lambda: dcrb_ros.Recording(3), "3 is not the path of a recording"),  # type: ignore[arg-type]
+        (lambda: load_configuration(5), "5 is not a configuration"),  # type: ignore[arg-type]
+        (lambda: load_configuration("healthy", 5), "settings = 5 is neither a mapping nor texts"),  # type: ignore[arg-type]
+        (lambda: load_configuration("healthy", ["operating.speed"]), "setting 'operating.speed': write KEY=VALUE"),
+        (lambda: Simulation("healthy"), r"'healthy' is not a Configuration: give dcrb_ros.load_configuration"),  # type: ignore[arg-type]
+        (lambda: Simulation(Configuration(), "run_up"), "scenario = 'run_up' is not a list of scheduled changes"),  # type: ignore[arg-type]
+        (lambda: Simulation(Configuration()).blocks(-1.0), "duration = -1 s is negative"),
+        (lambda: dcrb_ros.Bearing(rows=3), r"^rows = 3 is outside 1 \.\. 2"),
+        (lambda: dcrb_ros.Bearing(row=2), r"^unknown parameter 'row'; did you mean 'rows'\?"),  # type: ignore[call-arg]
+        (lambda: dcrb_ros.Bearing(inner_raceway_radius=78.86), r"^inner_raceway_radius = 78.86 m is outside .*did you mean 0.07886"),
+        (lambda: dcrb_ros.DetectorParameters(hop=100), r"^hop = 100 s is outside 0.05 \.\. 60 s"),
+        (lambda: Configuration(operating={"speed": "x"}), "^operating.speed = 'x' rad/s is not a number"),  # type: ignore[arg-type]
+        (lambda: Configuration(operating={"sped": 1.0}), r"^unknown parameter 'operating.sped'; did you mean 'operating.speed'\?"),  # type: ignore[arg-type]
+        (lambda: Configuration(operating={"speed": float("nan")}), "^operating.speed = nan rad/s is not a finite number"),  # type: ignore[arg-type]
+        (lambda: Configuration(simulation={"seed": -1}), r"^simulation.seed = -1 is outside 0 \.\. 2147483647"),  # type: ignore[arg-type]
+        (lambda: Configuration(friction={"static_coefficient": 0.01}), "^friction.static_coefficient = 0.01 is below"),  # type: ignore[arg-type]
+    ],
+)
+def test_invalid_input_is_rejected_in_one_sentence(call: Any, sentence: str) -> None:
+    with pytest.raises(Refusal, match=sentence) as caught:
+        call()
+    assert "\n" not in str(caught.value)
+    assert isinstance(caught.value, ValueError)
+
+
+def test_settings_may_be_one_text() -> None:
+    assert load_configuration("healthy", "operating.speed=100").operating.speed == 100.0
+
+
+def test_names_in_the_ground_truth(run: Run) -> None:
+    with pytest.raises(Refusal, match=r"there is no characteristic frequency 'BPFX': .*did you mean 'BPF"):
+        run.truth.frequency("BPFX")
+    assert run.truth.to_pandas()["event"].tolist()[:2] == ["start", ""]

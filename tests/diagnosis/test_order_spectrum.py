@@ -171,3 +171,11 @@ def test_a_tone_has_its_amplitude_and_its_mean(bins: int) -> None:
 def test_without_any_known_bin_there_is_no_spectrum() -> None:
     (found,) = order_spectra(np.full((1, 100), 7.0), np.ones(100, np.bool_), 50.0)
     assert (found.mean, float(found.amplitude.max())) == (0.0, 0.0)
+
+
+@pytest.mark.parametrize(("line", "background"), [(0.0, 1.0), (5.0, 0.0)])
+def test_lines_without_amplitude_or_background_have_no_level(line: float, background: float) -> None:
+    orders = np.arange(0.0, 20.0, 0.01)
+    amplitude = np.full(len(orders), background, np.float32)
+    amplitude[np.abs(orders - 6.7) < 0.05] = line
+    assert line_family(OrderSpectrum(orders, amplitude, 10.0), 6.7, np.array([6.7])).level == 0.0

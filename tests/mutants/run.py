@@ -149,7 +149,7 @@ def passes(arguments: Sequence[str], limit: int, *, compiled: bool = True) -> bo
                 os.dup2(null, stream)
             if not compiled:
                 os.environ["NUMBA_DISABLE_JIT"] = "1"
-                numba.config.reload_config()  # type: ignore[attr-defined]
+                numba.config.reload_config()
             status = int(pytest.main(["-x", "-q", "-p", "no:cacheprovider", *arguments]))
         finally:
             os._exit(status)

@@ -181,7 +181,7 @@ def test_a_source_is_played_once_unless_the_engine_is_to_loop() -> None:
     wait_for(lambda: engine.ended)
     assert (engine.passes, log.blocks) == (1, [0, 1, 2])
     with pytest.raises(TypeError):
-        Engine("test engine", Blocks(3), [log], gate, True)  # type: ignore[misc]
+        Engine("test engine", Blocks(3), [log], gate, True)  # type: ignore[call-arg]
 
 
 def test_passes_are_counted_in_a_loop_and_after_a_reset() -> None:
@@ -202,7 +202,7 @@ def test_passes_are_counted_in_a_loop_and_after_a_reset() -> None:
     engine = engine_of(source, Progress())
     run(engine)
     for passes in (1, 2, 3):
-        wait_for(lambda known=passes: engine.passes == known)  # type: ignore[misc]
+        wait_for(lambda known=passes: engine.passes == known)
         assert engine.gate.reset(PATIENCE)
     wait_for(lambda: engine.passes == 4)
     assert source.starts == 4

@@ -156,3 +156,11 @@ def test_a_finished_file_is_not_abandoned(tmp_path: Path) -> None:
     whole = file.path.read_bytes()
     file.abandon()
     assert file.path.read_bytes() == whole
+
+
+@pytest.mark.parametrize(("time_ns", "written"), [(499_999_999, 0), (500_000_000, 1)])
+def test_the_flush_is_due_at_half_a_second_to_the_nanosecond(time_ns: int, written: int, tmp_path: Path) -> None:
+    file = McapFile(tmp_path / "file.mcap", {}, "none")
+    file.write(CHANNEL, time_ns, b"small", 0)
+    file.flush_due()
+    assert len(times_on_disk(file.path)) == written

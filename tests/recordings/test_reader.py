@@ -338,6 +338,7 @@ def test_a_recording_without_a_waveform_is_refused(tmp_path: Path) -> None:
         ({"range": 0.5}, 0.5),
         ({"range": 0.0}, 0.0),
         ({"range": -20.0}, 0.0),
+        ({"range": -0.5}, 0.0),
         ({"range": "20"}, 0.0),
         ({"frame": "a"}, 0.0),
         (None, 5000.0),

@@ -59,10 +59,10 @@ def test_parameters_have_the_documented_defaults() -> None:
 def test_parameters_are_accepted_within_their_limits_only(name: str, low: float, high: float) -> None:
     step = 1 if isinstance(low, int) else 0.5
     for value in (low, high, low + step, high - step):
-        assert getattr(ReplayParameters(**{name: value}), name) == value
+        assert getattr(ReplayParameters.model_validate({name: value}), name) == value
     for value in (low - step, high + step):
         with pytest.raises(ValidationError):
-            ReplayParameters(**{name: value})
+            ReplayParameters.model_validate({name: value})
 
 
 def test_only_the_rate_can_change_while_a_replay_runs() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from collections.abc import Sequence
 from dataclasses import FrozenInstanceError
 from pathlib import Path
@@ -16,7 +17,7 @@ from dcrb_ros.messages.topics import FEATURES, NAMESPACE, VIBRATION
 from dcrb_ros.recordings.mcap_reader import McapRecords
 from dcrb_ros.recordings.mcap_writer import Channel
 from dcrb_ros.recordings.recorder import channel_of
-from dcrb_ros.recordings.rosbag2 import Bag, Splitting
+from dcrb_ros.recordings.rosbag2 import SECOND, Bag, RecordingFailed, Splitting
 from dcrb_ros.runtime.refusal import Refusal
 
 ONE, OTHER = channel_of(FEATURES, NAMESPACE), channel_of(VIBRATION, NAMESPACE)
@@ -122,6 +123,11 @@ def test_a_file_ends_once_it_has_its_size(tmp_path: Path) -> None:
         assert len(bag.files) == files
 
 
+def test_a_duration_in_seconds_is_exact_in_nanoseconds() -> None:
+    assert SECOND == 10**9
+    assert round(1e6 * SECOND) == 10**15
+
+
 def test_a_file_is_never_left_without_messages(tmp_path: Path) -> None:
     bag = bag_of(tmp_path / "bag", Splitting(size=1, duration_ns=1), at(50))
     assert len(bag.files) == 1
@@ -169,3 +175,12 @@ def test_missing_parents_of_the_folder_are_created_and_an_existing_folder_is_kep
     with pytest.raises(Refusal, match="exists: give another name"):
         bag_of(tmp_path / "some" / "where" / "bag")
     assert (tmp_path / "some" / "where" / "bag" / "bag_0.mcap").exists()
+
+
+def test_a_folder_that_disappears_ends_the_recording_with_a_reason(tmp_path: Path) -> None:
+    bag = bag_of(tmp_path / "bag", Splitting(duration_ns=10 * MS), at(0, 2500))
+    shutil.rmtree(bag.path)
+    with pytest.raises(RecordingFailed, match=r"bag ended at 2\.5 s: No such file or directory"):
+        bag.write(at(3000))
+    assert not bag.open
+    bag.write(at(4000))

@@ -10,9 +10,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.schema.parameter_field import ParameterField
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import (
-    ParameterField,
     fields_by_key,
     flatten,
     load_configuration,
@@ -55,7 +55,7 @@ def test_yaml_round_trip(tmp_path_factory: pytest.TempPathFactory, speed: float,
         ("faults.outer_1.width=2.0", r"did you mean 0\.002\?"),
         ("bearing.roler_radius=0.015", r"unknown parameter 'bearing.roler_radius'; did you mean 'bearing.roller_radius'\?"),
         ("operating.speed=5.0e-324", r"operating.speed = 5e-324 is too close to zero: give 0\.0, or a magnitude of at least 2\.22507e-308"),
-        ("operating.speed=.nan", r"operating.speed = nan rad/s is outside -1000 \.\. 1000 rad/s"),
+        ("operating.speed=.nan", r"operating.speed = nan rad/s is not a finite number"),
         ("operating.speed=1200", r"1200 rpm is 125\.664 rad/s"),
         ("operating.load=fast", r"operating.load = 'fast' N is not a number within"),
         ("cage.joint=welded", r"cage.joint = 'welded' is not one of revolute"),

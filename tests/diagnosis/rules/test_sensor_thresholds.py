@@ -303,3 +303,8 @@ def test_spikes_of_a_window_add_up() -> None:
     assert rule.flaw(samples(quiet, quiet, hops=3)) == ""  # none in this hop
     assert rule.flaw(samples(spiked(), quiet, hops=3)) == ""  # two in the window
     assert Spikes(P).flaw(samples(spiked(), spiked(), hops=3)) == ""
+
+
+@pytest.mark.parametrize(("sensor_range", "flawed"), [(10.0, False), (10.01, True)])
+def test_clipping_at_nine_tenths_of_the_range_is_no_fault(sensor_range: float, flawed: bool) -> None:
+    assert bool(Saturation(P).flaw(samples(clipped(100, 9.0), sensor_range=sensor_range))) is flawed

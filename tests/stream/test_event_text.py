@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dcrb_ros.messages.event_text import decode_command, decode_event, encode_command, encode_event
+from dcrb_ros.stream.event_text import decode_command, decode_event, encode_command, encode_event
 from dcrb_ros.stream.events import (
     BlockLost,
     Event,

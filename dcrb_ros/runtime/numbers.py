@@ -1,0 +1,34 @@
+"""Numbers given by the user."""
+
+from __future__ import annotations
+
+import math
+from numbers import Real
+from typing import Any
+
+from dcrb_ros.runtime.refusal import Refusal
+
+
+def finite_number(name: str, value: Any, unit: str) -> float:
+    """Return a finite real number of Python or numpy as a float; ``name`` introduces it in the message, such as ``"duration ="``.
+
+    Raises:
+        Refusal: it is another type, a truth value, NaN or infinite.
+    """
+    if isinstance(value, bool) or not isinstance(value, Real):
+        raise Refusal(f"{name} {value!r} is not a number: give it in {unit}")
+    if not math.isfinite(value):
+        raise Refusal(f"{name} {float(value):g} {unit} is not a finite number")
+    return float(value)
+
+
+def duration_within(name: str, value: Any, longest: float, remedy: str) -> float:
+    """Return a duration above 0 and up to ``longest`` [s].
+
+    Raises:
+        Refusal: it is not a number in that range.
+    """
+    duration = finite_number(name, value, "s")
+    if not 0.0 < duration <= longest:
+        raise Refusal(f"{name} {duration:g} s is out of range: it must be above 0 and at most {longest:g} s; {remedy}")
+    return duration

@@ -1,0 +1,128 @@
+"""The parameters of a model by their dotted keys, and the sentence with which an invalid value is refused."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any, Literal, get_args, get_origin
+
+from pydantic import BaseModel, ValidationError
+from pydantic.fields import FieldInfo
+from pydantic_core import ErrorDetails
+
+from dcrb_ros.runtime.refusal import nearest
+
+Scalar = bool | int | float | str
+KINDS: dict[Any, str] = {float: "a number", int: "a whole number", bool: "true or false", str: "a text"}
+"""Types of parameters, and how a message names them."""
+
+
+@dataclass(frozen=True)
+class ParameterField:
+    """One parameter of the schema."""
+
+    key: str
+    """Dotted key, ``faults.outer_1.width``."""
+    kind: type
+    """bool, int, float or str."""
+    default: Scalar
+    low: float | int | None
+    high: float | int | None
+    unit: str
+    symbol: str
+    description: str
+    remedy: str
+    run_time: bool
+    """Whether it can change while the simulation runs."""
+    choices: tuple[str, ...] = ()
+
+    @property
+    def limits(self) -> tuple[str, ...]:
+        """The ends of the range as text, integers in full; none without a range."""
+        return tuple(str(limit) if isinstance(limit, int) else f"{limit:g}" for limit in (self.low, self.high) if limit is not None)
+
+
+def field_of(key: str, info: FieldInfo) -> ParameterField:
+    """Return the parameter of a field of a model."""
+    extra: dict[str, Any] = dict(info.json_schema_extra) if isinstance(info.json_schema_extra, dict) else {}
+    low = next((m.ge for m in info.metadata if hasattr(m, "ge")), None)
+    high = next((m.le for m in info.metadata if hasattr(m, "le")), None)
+    choices = tuple(str(choice) for choice in get_args(info.annotation))
+    kind = str if choices else info.annotation
+    if not isinstance(kind, type):
+        raise TypeError(f"{key} has no plain type")
+    return ParameterField(
+        key,
+        kind,
+        info.default,
+        low,
+        high,
+        extra.get("unit", "-"),
+        extra.get("symbol", ""),
+        info.description or "",
+        extra.get("remedy", ""),
+        extra.get("run_time", False),
+        choices,
+    )
+
+
+def more(count: int) -> str:
+    """Return how many problems follow the first of ``count``, as text."""
+    return f" (and {count - 1} more)" if count > 1 else ""
+
+
+def sentence(error: ValidationError, model: type[BaseModel]) -> str:
+    """Return the first problem of a model's values as a sentence with the value, the range and the remedy."""
+    problems = error.errors()
+    return f"{_described(problems[0], model)}{more(len(problems))}"
+
+
+def _described(problem: ErrorDetails, model: type[BaseModel]) -> str:
+    """Return one problem as a sentence."""
+    *groups, name = [str(part) for part in problem["loc"]] or [""]
+    for group in groups:
+        inner = model.model_fields[group].annotation if group in model.model_fields else None
+        if not (isinstance(inner, type) and issubclass(inner, BaseModel)):
+            return _without_prefix(problem)
+        model = inner
+    key = ".".join((*groups, name))
+    if problem["type"] == "extra_forbidden":
+        prefix = key.removesuffix(name)
+        return f"unknown parameter '{key}'{nearest(key, [prefix + known for known in model.model_fields])}"
+    info = model.model_fields.get(name)
+    if info is None or not (get_origin(info.annotation) is Literal or info.annotation in KINDS):
+        return _without_prefix(problem)
+    return _refused(field_of(key, info), problem["input"])
+
+
+def _without_prefix(problem: ErrorDetails) -> str:
+    return problem["msg"].removeprefix("Value error, ")
+
+
+def _refused(field: ParameterField, value: Any) -> str:
+    """Return why a value is invalid."""
+    said = f"{field.key} = {value!r}" + (f" {field.unit}" if field.unit != "-" else "")
+    kind = KINDS[field.kind]
+    if field.choices:
+        return f"{said} is not one of {', '.join(field.choices)}{nearest(str(value), field.choices)}"
+    if field.low is None or field.high is None:
+        return f"{said} is not {kind} ({_lower(field.description)})"
+    span = f"{' .. '.join(field.limits)} {field.unit}".removesuffix(" -")
+    if isinstance(value, float) and not math.isfinite(value):
+        return f"{said} is not a finite number within {span}"
+    if isinstance(value, (bool, str)) or not isinstance(value, (int, float)) or (field.kind is int and isinstance(value, float)):
+        return f"{said} is not {kind} within {span}"
+    remedy = f": {field.remedy}" if field.remedy else f" ({_lower(field.description)})"
+    return f"{said} is outside {span}{remedy}{_millimetres(field, value)}"
+
+
+def _lower(description: str) -> str:
+    """Return a description that continues a sentence."""
+    return description[0].lower() + description[1:]
+
+
+def _millimetres(field: ParameterField, value: Any) -> str:
+    """Return the length in metres if a value would be in range as millimetres."""
+    if field.unit != "m" or not isinstance(value, (int, float)) or field.low is None or field.high is None:
+        return ""
+    return f" (did you mean {value / 1000.0:g}?)" if field.low <= value / 1000.0 <= field.high else ""
