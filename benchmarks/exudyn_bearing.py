@@ -22,7 +22,7 @@ from dcrb_ros.bearing.observation import place_pinned_rollers
 from dcrb_ros.bearing.payload import build_payload, initial_state, pocket_azimuths
 from dcrb_ros.core.layout.workspace import workspace
 from dcrb_ros.core.solver.step import advance
-from dcrb_ros.runtime.arrays import Floats
+from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.settings.files import load_configuration
 
 SETTINGS = [

@@ -21,7 +21,7 @@ from dcrb_ros.core.layout.workspace import workspace
 from dcrb_ros.core.solver.step import advance
 from dcrb_ros.reference.bodies import OUTER_RING
 from dcrb_ros.reference.solver import ReferenceSolver, State
-from dcrb_ros.runtime.arrays import Floats
+from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.settings.files import load_configuration
 from dcrb_ros.settings.parameters import SimulationParameters
 

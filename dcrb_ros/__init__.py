@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from dcrb_ros.plots.load_zone import plot_load_zone
     from dcrb_ros.plots.waveform import plot_waveform
     from dcrb_ros.recordings.reader import Recording
-    from dcrb_ros.runtime.refusal import Refusal
+    from dcrb_ros.schema.refusal import Refusal
     from dcrb_ros.settings.configuration import Configuration
     from dcrb_ros.settings.files import load_configuration
     from dcrb_ros.settings.parameters import Bearing
@@ -77,7 +77,7 @@ _MODULES = {
     "GroundTruth": "simulation.ground_truth",
     "Orders": "bearing.kinematics",
     "Recording": "recordings.reader",
-    "Refusal": "runtime.refusal",
+    "Refusal": "schema.refusal",
     "Report": "exam.report",
     "Run": "simulation.run",
     "Simulation": "simulation.loop",

@@ -8,7 +8,7 @@ from dcrb_ros.bearing.equilibrium import energy_under, penetration_under
 from dcrb_ros.core.laws.interface import Site
 from dcrb_ros.core.layout.state import FRICTION, HOUSING, LOAD, LOSS, State
 from dcrb_ros.core.payload import Payload
-from dcrb_ros.runtime.arrays import Floats
+from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.stream.states import Account
 
 LEAST_FORCE = 1e-9

@@ -15,7 +15,7 @@ from dcrb_ros.core.contacts.notch import inner_notch_depth, outer_notch_depth, r
 from dcrb_ros.core.laws.interface import Site, normal_energy, normal_penetration
 from dcrb_ros.core.laws.johnson import Johnson, johnson_stiffness
 from dcrb_ros.core.payload import SINK, Payload
-from dcrb_ros.runtime.arrays import Floats
+from dcrb_ros.schema.arrays import Floats
 
 START_PENETRATION = 2e-5
 """Penetration of the lowest roller at the start of the search [m]."""

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from dcrb_ros.bearing.kinematics import Orders, characteristic_orders
-from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.parameters import Bearing
 
 CAGE_HARMONICS = 4

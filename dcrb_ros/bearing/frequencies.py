@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from dcrb_ros.bearing.fault_lines import BearingLike, orders_of
-from dcrb_ros.runtime.numbers import finite_number
+from dcrb_ros.schema.numbers import finite_number
 from dcrb_ros.settings.files import load_configuration
 
 

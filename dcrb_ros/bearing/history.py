@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from dcrb_ros.runtime.arrays import Floats
 from dcrb_ros.runtime.frames import pandas
-from dcrb_ros.runtime.refusal import Refusal, nearest
+from dcrb_ros.schema.arrays import Floats
+from dcrb_ros.schema.refusal import Refusal, nearest
 from dcrb_ros.stream.states import States
 
 if TYPE_CHECKING:

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from dcrb_ros.runtime.arrays import Floats
+from dcrb_ros.schema.arrays import Floats
 
 SECTORS = 72
 """Sectors of azimuth over which the mean is taken."""

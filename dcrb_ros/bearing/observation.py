@@ -9,7 +9,7 @@ import numpy as np
 from dcrb_ros.core import observation as of
 from dcrb_ros.core.layout.state import State
 from dcrb_ros.core.payload import Payload
-from dcrb_ros.runtime.arrays import Floats
+from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.stream.states import States
 
 

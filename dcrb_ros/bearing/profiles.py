@@ -10,7 +10,7 @@ import numpy as np
 from dcrb_ros.core.contacts.profile import profiles_under
 from dcrb_ros.core.payload import PROFILE, Payload, Profiles
 from dcrb_ros.faults.geometry import SurfaceProfile
-from dcrb_ros.runtime.arrays import Floats
+from dcrb_ros.schema.arrays import Floats
 
 BODIES = ("inner_ring", "outer_ring", "roller")
 LEAST_SAMPLES = 4

@@ -9,7 +9,7 @@ from dcrb_ros.bearing.observation import place_pinned_rollers
 from dcrb_ros.bearing.payload import build_payload
 from dcrb_ros.core.layout.state import State
 from dcrb_ros.core.payload import Payload
-from dcrb_ros.runtime.refusal import Refusal, nearest
+from dcrb_ros.schema.refusal import Refusal, nearest
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import fields_by_key, flatten, validated
 

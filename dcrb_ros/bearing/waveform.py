@@ -14,10 +14,10 @@ import numpy.typing as npt
 
 from dcrb_ros.bearing.fault_lines import UNKNOWN, BearingLike, orders_of
 from dcrb_ros.bearing.kinematics import Orders
-from dcrb_ros.runtime.arrays import Floats, Integers, Samples
 from dcrb_ros.runtime.frames import pandas
-from dcrb_ros.runtime.numbers import finite_number
-from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.schema.arrays import Floats, Integers, Samples
+from dcrb_ros.schema.numbers import finite_number
+from dcrb_ros.schema.refusal import Refusal
 
 if TYPE_CHECKING:
     import pandas as pd

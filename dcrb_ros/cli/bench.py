@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from dcrb_ros.cli.options import Config, DetectorFile, Duration, Scenario, Settings
-from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.schema.refusal import Refusal
 
 
 def bench(
@@ -29,7 +29,7 @@ def bench(
     Example: dcrb bench outer_ring_defect --duration 10 --record my_recording
     """
     from dcrb_ros.cli.detect import detector_parameters
-    from dcrb_ros.runtime.simulated_time import checked_duration
+    from dcrb_ros.schema.simulated_time import checked_duration
     from dcrb_ros.settings.files import load_configuration
     from dcrb_ros.simulation.scenario import read_scenario
 

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.schema.refusal import Refusal
 
 MOST_WORKERS = 256
 """Largest number of parallel runs that is accepted [-]."""

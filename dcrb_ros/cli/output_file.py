@@ -6,7 +6,7 @@ import os
 from collections.abc import Sequence
 from pathlib import Path
 
-from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.schema.refusal import Refusal
 
 PICTURES = (".png", ".svg", ".pdf")
 """Suffixes of the pictures that matplotlib writes."""

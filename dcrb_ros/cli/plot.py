@@ -10,8 +10,8 @@ import typer
 
 from dcrb_ros.cli.options import Bag
 from dcrb_ros.cli.output_file import PICTURES, check_output
-from dcrb_ros.runtime.numbers import duration_within
-from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.schema.numbers import duration_within
+from dcrb_ros.schema.refusal import Refusal
 
 LONGEST = 60.0
 """Longest stretch that is plotted [s]."""

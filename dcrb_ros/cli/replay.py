@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from dcrb_ros.cli.options import Bag
-from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.schema.refusal import Refusal
 
 
 def replay(

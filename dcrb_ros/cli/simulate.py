@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from dcrb_ros.cli.options import Duration, Scenario, Settings, announce_compilation
-from dcrb_ros.runtime.refusal import Refusal
-from dcrb_ros.runtime.simulated_time import checked_duration
+from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.schema.simulated_time import checked_duration
 
 if TYPE_CHECKING:
     from dcrb_ros.settings.configuration import Configuration

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from dcrb_ros.cli.options import announce_compilation
-from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.schema.refusal import Refusal
 
 if TYPE_CHECKING:
     from distributed import Client

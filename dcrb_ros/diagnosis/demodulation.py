@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy import fft
 
-from dcrb_ros.runtime.arrays import Floats
+from dcrb_ros.schema.arrays import Floats
 
 TAPER = 0.2
 """Share of a band's width taken by its two edges [-]: steep enough to separate the bands, smooth enough not to ring."""

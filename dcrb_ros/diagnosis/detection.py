@@ -14,7 +14,7 @@ from dcrb_ros.bearing.waveform import Piece, Signal, signal_of
 from dcrb_ros.diagnosis.detector import FaultDetector
 from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.runtime.frames import pandas
-from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.schema.verdicts import Verdict
 from dcrb_ros.stream.diagnosis import Diagnosis
 

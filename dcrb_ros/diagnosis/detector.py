@@ -27,7 +27,7 @@ from dcrb_ros.diagnosis.segments import Segment, Segmenter
 from dcrb_ros.diagnosis.speed_estimation import estimated_frequency
 from dcrb_ros.diagnosis.trend import Trend
 from dcrb_ros.diagnosis.window import REFERENCE_FREQUENCY, Hop, Window, margin_samples
-from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.schema.verdicts import CHARACTERISTIC, Component, Verdict
 from dcrb_ros.stream.diagnosis import Diagnosis, Spectrum
 

@@ -15,9 +15,9 @@ from dcrb_ros.bearing.waveform import Signal, Waveform, signal_of
 from dcrb_ros.diagnosis.demodulation import Band, Demodulator
 from dcrb_ros.diagnosis.order_spectrum import order_spectra
 from dcrb_ros.diagnosis.order_tracking import bin_edges, bin_means, reverses
-from dcrb_ros.runtime.arrays import Floats
-from dcrb_ros.runtime.numbers import finite_number
-from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.schema.arrays import Floats
+from dcrb_ros.schema.numbers import finite_number
+from dcrb_ros.schema.refusal import Refusal
 
 DEFAULT_BAND = (2000.0, 20000.0)
 """Band of the envelope [Hz]: above the mode of the housing, below the filter of the converter."""

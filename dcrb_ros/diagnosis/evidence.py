@@ -14,7 +14,7 @@ import numpy.typing as npt
 from dcrb_ros.bearing.kinematics import Orders
 from dcrb_ros.diagnosis.demodulation import Band
 from dcrb_ros.diagnosis.order_spectrum import LineFamily, OrderSpectrum, fitted_orders, line_family
-from dcrb_ros.runtime.arrays import Floats
+from dcrb_ros.schema.arrays import Floats
 
 AVERAGED_HOPS = 4
 """Hops over which levels are averaged: their mean scatters by less than a decibel."""

@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy import fft
 
-from dcrb_ros.runtime.arrays import Floats
+from dcrb_ros.schema.arrays import Floats
 
 SMALLEST = np.finfo(np.float64).tiny
 HARMONICS = np.array([1.0, 2.0, 3.0])

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from dcrb_ros.runtime.arrays import Floats
+from dcrb_ros.schema.arrays import Floats
 
 
 def unwrapped_turns(shaft_angle: npt.NDArray[Any]) -> Floats:

@@ -10,8 +10,8 @@ import numpy as np
 import numpy.typing as npt
 
 from dcrb_ros.diagnosis.order_tracking import unwrapped_turns
-from dcrb_ros.runtime.arrays import Floats
-from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.schema.arrays import Floats
+from dcrb_ros.schema.refusal import Refusal
 
 AXES = 2
 

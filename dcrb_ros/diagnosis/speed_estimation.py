@@ -9,7 +9,7 @@ import numpy as np
 
 from dcrb_ros.bearing.kinematics import Orders
 from dcrb_ros.diagnosis.order_spectrum import HARMONICS, SHAFT_SIDEBANDS, OrderSpectrum
-from dcrb_ros.runtime.arrays import Floats
+from dcrb_ros.schema.arrays import Floats
 
 STEP = 5e-4
 """Relative step of the shaft frequencies that are tried [-]: half the resolution of three harmonics over a window of seconds."""

@@ -12,7 +12,7 @@ import numpy.typing as npt
 from dcrb_ros.diagnosis.demodulation import Demodulator
 from dcrb_ros.diagnosis.order_tracking import bin_edges, bin_means, reverses
 from dcrb_ros.diagnosis.segments import Segment
-from dcrb_ros.runtime.arrays import Floats
+from dcrb_ros.schema.arrays import Floats
 
 REFERENCE_FREQUENCY = 20.0
 """Shaft frequency to which envelopes are scaled and for which limits are given [Hz]."""

@@ -16,7 +16,7 @@ from dcrb_ros.exam.recording_cache import cache_path, cached_recording
 from dcrb_ros.exam.scoring import ScenarioResult, score_scenario
 from dcrb_ros.messages.received_diagnosis import ReceivedDiagnosis
 from dcrb_ros.runtime.processes import in_processes
-from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.schema.refusal import Refusal
 
 Value = TypeVar("Value")
 OnDone = Callable[[str], None]

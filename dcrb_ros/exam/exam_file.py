@@ -18,8 +18,8 @@ from dcrb_ros.exam.case import Case, Run, canonical, derived_tags
 from dcrb_ros.exam.criteria import Criteria, DelayLimits
 from dcrb_ros.exam.expectation import Expectation
 from dcrb_ros.faults.ground_truth import class_of
-from dcrb_ros.runtime.refusal import Refusal, nearest
 from dcrb_ros.schema.fields import Group, choice, quantity
+from dcrb_ros.schema.refusal import Refusal, nearest
 from dcrb_ros.schema.verdicts import FAULT_CLASSES, FaultClass
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import find_configuration, flatten, read_parameters, shipped_folder, validated

@@ -12,7 +12,7 @@ from dcrb_ros.exam.exam_file import read_exam
 from dcrb_ros.exam.recording_cache import cached_recording, checked_folder, default_folder
 from dcrb_ros.exam.report import Report
 from dcrb_ros.exam.scoring import score_scenario
-from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.schema.refusal import Refusal
 
 MOST_WORKERS = 256
 

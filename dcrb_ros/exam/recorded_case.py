@@ -16,7 +16,7 @@ from dcrb_ros.messages.statuses import decode_truth
 from dcrb_ros.messages.topics import DIAGNOSIS, GROUND_TRUTH
 from dcrb_ros.recordings.mcap_reader import McapRecords
 from dcrb_ros.recordings.reader import valid_files
-from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.parameters import rpm
 from dcrb_ros.stream.block import Truth
 

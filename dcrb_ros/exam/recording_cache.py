@@ -16,7 +16,7 @@ from dcrb_ros.exam.case import Case, canonical
 from dcrb_ros.messages.topics import GROUND_TRUTH, VIBRATION
 from dcrb_ros.recordings.manifest import model_fingerprint, software
 from dcrb_ros.recordings.recorder import Recorder
-from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.simulation.loop import Simulation
 from dcrb_ros.simulation.scenario import scheduled_changes
 

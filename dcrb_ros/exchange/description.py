@@ -10,8 +10,8 @@ from typing import Annotated, Any, Literal
 from pydantic import BeforeValidator, Field, ValidationError
 
 from dcrb_ros.bearing.kinematics import Orders, characteristic_orders
-from dcrb_ros.runtime.refusal import Refusal, nearest
 from dcrb_ros.schema.fields import Group
+from dcrb_ros.schema.refusal import Refusal, nearest
 from dcrb_ros.settings.yaml import read_yaml
 
 UNITS = {"m/s^2": 1.0, "g": 9.80665, "mm/s^2": 1e-3}

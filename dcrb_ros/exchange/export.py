@@ -13,7 +13,7 @@ from dcrb_ros.messages.points import decode_vibration
 from dcrb_ros.messages.statuses import decode_truth
 from dcrb_ros.messages.topics import GROUND_TRUTH, VIBRATION
 from dcrb_ros.recordings.reader import Recording
-from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.schema.refusal import Refusal
 
 
 def export(recording: Recording, path: Path) -> Path:

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from dcrb_ros.runtime.refusal import Refusal, nearest
+from dcrb_ros.schema.refusal import Refusal, nearest
 
 Array = npt.NDArray[Any]
 

@@ -25,8 +25,8 @@ from dcrb_ros.messages.topics import FEATURES, MANIFEST, NAMESPACE, SENSOR, VIBR
 from dcrb_ros.recordings.manifest import FORMAT, UNITS, Outcome, now
 from dcrb_ros.recordings.recorder import channel_of
 from dcrb_ros.recordings.rosbag2 import Bag, RecordingFailed
-from dcrb_ros.runtime.refusal import Refusal
 from dcrb_ros.runtime.version import __version__
+from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.sensor_limits import LONGEST_BLOCK
 from dcrb_ros.stream.block import Block
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 
 from dcrb_ros.faults import Fault, Faults
-from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.schema.verdicts import FaultClass, fault_class
 
 SENSOR = "sensor."

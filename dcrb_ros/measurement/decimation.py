@@ -6,7 +6,7 @@ import numpy as np
 import scipy  # its subpackages are imported on first use
 
 from dcrb_ros.measurement.filter_cache import cached_on_disk
-from dcrb_ros.runtime.arrays import Floats
+from dcrb_ros.schema.arrays import Floats
 
 STOP_ATTENUATION = 85.0
 """Attenuation of frequencies that alias into the pass band [dB]."""

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from dcrb_ros.runtime.arrays import Samples
+from dcrb_ros.schema.arrays import Samples
 
 
 def features(acceleration: Samples, clipped: int) -> dict[str, float]:

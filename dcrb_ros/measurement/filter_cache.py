@@ -15,7 +15,7 @@ from typing import ParamSpec
 import numpy as np
 import scipy
 
-from dcrb_ros.runtime.arrays import Floats
+from dcrb_ros.schema.arrays import Floats
 
 P = ParamSpec("P")
 

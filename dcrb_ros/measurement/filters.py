@@ -13,7 +13,7 @@ import numpy as np
 import scipy  # its subpackages are imported on first use
 
 from dcrb_ros.measurement.filter_cache import cached_on_disk
-from dcrb_ros.runtime.arrays import Floats
+from dcrb_ros.schema.arrays import Floats
 
 PINK_LOWEST = 0.05
 """Corner below which pink noise is white [Hz]."""

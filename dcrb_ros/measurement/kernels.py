@@ -6,7 +6,7 @@ import numpy as np
 from numba import njit
 
 import dcrb_ros.core  # noqa: F401 - sets the folder of the compiled kernels
-from dcrb_ros.runtime.arrays import Floats, Integers
+from dcrb_ros.schema.arrays import Floats, Integers
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

@@ -9,7 +9,7 @@ import scipy  # its subpackages are imported on first use
 
 from dcrb_ros.measurement.random_streams import random_stream
 from dcrb_ros.measurement.stage import Setup
-from dcrb_ros.runtime.arrays import Floats
+from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.fields import Group, quantity
 
 HALF_WIDTH = 14

@@ -15,7 +15,7 @@ from dcrb_ros.measurement.sample_clock import ClockParameters, SampleClock
 from dcrb_ros.measurement.scheduled_changes import ScheduledChanges
 from dcrb_ros.measurement.stage import Parameters, Setup, Span, Stage
 from dcrb_ros.measurement.stages.measuring_range import MeasuringRange
-from dcrb_ros.runtime.arrays import Floats
+from dcrb_ros.schema.arrays import Floats
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ import math
 
 from dcrb_ros.bearing.kinematics import Orders, characteristic_orders
 from dcrb_ros.messages.plain import decode_text
-from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
 
 INDICATORS = ("BPFO", "BPFI", "BSF", "FTF")

@@ -11,7 +11,7 @@ import numpy as np
 from dcrb_ros.measurement.features import features
 from dcrb_ros.messages.cdr import JOINT_STATE, TEMPLATES, decoded, encoded, header, ros_type, stamp_of
 from dcrb_ros.messages.message_template import MessageTemplate, placeholder_bytes
-from dcrb_ros.runtime.arrays import Floats
+from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.stream.block import Block
 from dcrb_ros.stream.states import States
 

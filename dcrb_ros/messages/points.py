@@ -14,8 +14,8 @@ import numpy.typing as npt
 
 from dcrb_ros.messages.cdr import FRAME, POINT_CLOUD, STAMP_END, TEMPLATES, decoded, encoded, header, ros_type, stamp_of, stamps
 from dcrb_ros.messages.message_template import MessageTemplate, placeholder_bytes
-from dcrb_ros.runtime.arrays import Floats, Samples
-from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.schema.arrays import Floats, Samples
+from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.stream.block import Block
 
 SAMPLE = np.dtype([("t", "<u4"), ("ax", "<f4"), ("ay", "<f4"), ("shaft_angle", "<f4")])

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 
 from dcrb_ros.messages.statuses import decode_diagnostics
-from dcrb_ros.runtime.refusal import Refusal, nearest
+from dcrb_ros.schema.refusal import Refusal, nearest
 from dcrb_ros.schema.verdicts import BEARING_FAULTS, VERDICTS, is_alarm
 
 LATEST = 1e7

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from dcrb_ros.bearing.kinematics import CHARACTERISTIC_FREQUENCIES
 from dcrb_ros.messages.cdr import DIAGNOSTICS, decoded, encoded, header, ros_type, stamp_of
-from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.stream.block import Truth
 from dcrb_ros.stream.event_text import decode_event, encode_event
 

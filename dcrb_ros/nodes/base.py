@@ -14,9 +14,9 @@ from rclpy.parameter import Parameter
 from dcrb_ros.messages.topics import NAMESPACE, Topic
 from dcrb_ros.nodes.publisher import message_class, qos
 from dcrb_ros.nodes.refusals import shortened
-from dcrb_ros.runtime.refusal import Refusal
 from dcrb_ros.schema.fields import Group
 from dcrb_ros.schema.parameter_field import ParameterField
+from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.files import flatten, parameter_fields, validated
 
 Model = TypeVar("Model", bound=Group)

@@ -23,8 +23,8 @@ from dcrb_ros.messages.topics import BENCH_DIAGNOSTICS, DIAGNOSIS, FEATURES, NAM
 from dcrb_ros.nodes.publisher import message_class, qos
 from dcrb_ros.nodes.ros import check_ros, limit_discovery, signals_blocked, stop_on_signals
 from dcrb_ros.runtime.exit_status import STOPPED
-from dcrb_ros.runtime.refusal import Refusal
 from dcrb_ros.schema.fields import Group
+from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import to_yaml
 

@@ -13,7 +13,7 @@ from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.messages.description import decode_range, decode_sensor
 from dcrb_ros.messages.points import Vibration, decode_vibration
 from dcrb_ros.messages.topics import SENSOR
-from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.schema.refusal import Refusal
 
 RATE_TOLERANCE = 0.01
 """Accepted relative difference between the spacing of the samples and the sampling rate."""

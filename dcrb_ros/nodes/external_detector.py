@@ -23,7 +23,7 @@ from dcrb_ros.nodes.pacing import Pacer
 from dcrb_ros.nodes.publisher import Publisher, message_class, qos
 from dcrb_ros.nodes.ros import check_ros, limit_discovery
 from dcrb_ros.recordings.replay import Replay, ReplayParameters
-from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.schema.refusal import Refusal
 
 LEAD = 0.5
 """Signal sent beyond the next expected diagnosis [s]: 25 blocks, which the queue of a subscriber should hold."""

@@ -7,7 +7,7 @@ from collections import Counter
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
-from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.schema.refusal import Refusal
 
 MAX_LENGTH = 400
 """Longest refusal that is logged or answered [characters]: it contains the refused value, which may be long."""

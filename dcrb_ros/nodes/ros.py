@@ -14,8 +14,8 @@ from pathlib import Path
 from types import FrameType
 from typing import TYPE_CHECKING
 
-from dcrb_ros.runtime.refusal import Refusal
 from dcrb_ros.runtime.signals import TERMINATION
+from dcrb_ros.schema.refusal import Refusal
 
 if TYPE_CHECKING:
     from rclpy.node import Node

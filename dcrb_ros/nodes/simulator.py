@@ -45,8 +45,8 @@ from dcrb_ros.nodes.services import Services
 from dcrb_ros.recordings.recorder import Recorder
 from dcrb_ros.recordings.recorder_thread import RecorderThread
 from dcrb_ros.runtime.prefetch import prefetch
-from dcrb_ros.runtime.refusal import Refusal
-from dcrb_ros.runtime.simulated_time import checked_duration
+from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.schema.simulated_time import checked_duration
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import flatten, parameter_fields
 from dcrb_ros.simulation.loop import Simulation

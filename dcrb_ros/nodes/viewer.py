@@ -14,7 +14,7 @@ import rerun as rr
 from dcrb_ros.nodes.base import BenchNode
 from dcrb_ros.nodes.programs import main
 from dcrb_ros.nodes.ros import own_arguments, run_node
-from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.viewer.document import APPLICATION
 from dcrb_ros.viewer.live import SHOWN, LiveView
 from dcrb_ros.viewer.show import checked_output

@@ -12,8 +12,8 @@ from dcrb_ros.bearing.waveform import Signal
 from dcrb_ros.diagnosis.demodulation import Band
 from dcrb_ros.diagnosis.envelope_spectrum import EnvelopeSpectrum, envelope_spectrum
 from dcrb_ros.plots.style import CURVE, DASHES, FAULT_LINES, MARKERS, labelled, legend_above, new_axes
-from dcrb_ros.runtime.numbers import finite_number
-from dcrb_ros.runtime.refusal import Refusal, nearest
+from dcrb_ros.schema.numbers import finite_number
+from dcrb_ros.schema.refusal import Refusal, nearest
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -11,7 +11,7 @@ from dcrb_ros.bearing.history import StateHistory
 from dcrb_ros.bearing.load_zone import mean_force, sector_azimuths
 from dcrb_ros.plots.style import ROWS, new_axes
 from dcrb_ros.recordings.reader import Recording
-from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.schema.refusal import Refusal
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

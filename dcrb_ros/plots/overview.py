@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from dcrb_ros.bearing.waveform import Waveform
 from dcrb_ros.plots.envelope_spectrum import plot_envelope_spectrum
 from dcrb_ros.plots.waveform import plot_waveform
-from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.schema.refusal import Refusal
 
 
 def write_overview(waveform: Waveform, file: Path, *, title: str, order: bool = True) -> None:

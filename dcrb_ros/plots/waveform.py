@@ -9,8 +9,8 @@ import numpy.typing as npt
 
 from dcrb_ros.bearing.waveform import Signal, signal_of
 from dcrb_ros.plots.style import AXES_COLOURS, labelled, legend_above, new_axes
-from dcrb_ros.runtime.arrays import Floats, Samples
-from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.schema.arrays import Floats, Samples
+from dcrb_ros.schema.refusal import Refusal
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

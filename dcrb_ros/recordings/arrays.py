@@ -18,8 +18,8 @@ from dcrb_ros.messages.joints import Joints, decode_alike, decode_joints
 from dcrb_ros.messages.points import Vibration
 from dcrb_ros.messages.statuses import decode_diagnostics, decode_truth
 from dcrb_ros.messages.topics import DIAGNOSIS, GROUND_TRUTH, ROLLER_CONTACTS, ROLLER_STATES, Message, Topic
-from dcrb_ros.runtime.arrays import Floats
-from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.schema.arrays import Floats
+from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.simulation.ground_truth import GroundTruth
 from dcrb_ros.stream.block import Truth
 

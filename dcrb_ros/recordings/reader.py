@@ -26,8 +26,8 @@ from dcrb_ros.recordings import arrays
 from dcrb_ros.recordings.arrays import RecordedVerdict
 from dcrb_ros.recordings.manifest import OUTCOME
 from dcrb_ros.recordings.mcap_reader import MAGIC, McapRecords
-from dcrb_ros.runtime.refusal import Refusal
 from dcrb_ros.runtime.version import __version__
+from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.simulation.ground_truth import GroundTruth, commands_in
 from dcrb_ros.stream.event_text import decode_command

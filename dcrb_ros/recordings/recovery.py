@@ -19,7 +19,7 @@ from dcrb_ros.recordings.manifest import OUTCOME, Outcome, now
 from dcrb_ros.recordings.mcap_reader import McapRecords
 from dcrb_ros.recordings.reader import Recording, valid_files
 from dcrb_ros.recordings.rosbag2 import SECOND, Bag, Splitting
-from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.schema.refusal import Refusal
 
 ENCODING = ("cdr", "ros2msg")
 """Encodings of messages and their definitions in recordings of ROS 2."""

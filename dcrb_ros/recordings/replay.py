@@ -12,9 +12,9 @@ from dcrb_ros.messages.points import decode_vibration
 from dcrb_ros.messages.topics import SENSOR, SIMULATED, VIBRATION, Message, Topic
 from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.recordings.recorder import chosen_topics
-from dcrb_ros.runtime.refusal import Refusal
-from dcrb_ros.runtime.simulated_time import nanoseconds
 from dcrb_ros.schema.fields import Group, choice, quantity
+from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.schema.simulated_time import nanoseconds
 
 
 class ReplayParameters(Group):

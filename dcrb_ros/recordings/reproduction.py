@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from dcrb_ros.messages.points import packed
 from dcrb_ros.recordings.manifest import model_fingerprint, software
 from dcrb_ros.recordings.reader import Recording
-from dcrb_ros.runtime.refusal import Refusal
 from dcrb_ros.runtime.version import __version__
+from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.simulation.loop import Simulation
 from dcrb_ros.stream.block import Block
 from dcrb_ros.stream.events import CommandSchedule

@@ -14,8 +14,8 @@ from typing import Any
 import yaml
 
 from dcrb_ros.recordings.mcap_writer import Channel, McapFile, Span
-from dcrb_ros.runtime.refusal import Refusal
 from dcrb_ros.runtime.version import __version__
+from dcrb_ros.schema.refusal import Refusal
 
 SECOND = 1_000_000_000
 METADATA = "metadata.yaml"

@@ -13,7 +13,7 @@ from dcrb_ros.bearing.payload import pocket_azimuths
 from dcrb_ros.reference.bodies import ANGLE, CAGE, Bodies, Indices, pocket_directions
 from dcrb_ros.reference.laws import impact_loss, johnson, pereira, stribeck, with_loss
 from dcrb_ros.reference.raceways import ContactForces, ContactKinematics, dot, perpendicular, with_friction
-from dcrb_ros.runtime.arrays import Floats
+from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.settings.configuration import Configuration
 
 

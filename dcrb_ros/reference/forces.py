@@ -9,7 +9,7 @@ import numpy as np
 from dcrb_ros.reference.bodies import ANGLE, HOUSING, INNER_RING, OUTER_RING, Bodies
 from dcrb_ros.reference.cage_fracture import IntactBars, RollerPairs
 from dcrb_ros.reference.raceways import raceways
-from dcrb_ros.runtime.arrays import Floats
+from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.settings.configuration import Configuration
 
 X_Y = slice(0, ANGLE)

@@ -11,7 +11,7 @@ import numpy.typing as npt
 from dcrb_ros.faults.raceway_defect import InnerRacewayDefect, OuterRacewayDefect, RacewayDefect
 from dcrb_ros.reference.bodies import ANGLE, INNER_RING, OUTER_RING, Bodies
 from dcrb_ros.reference.laws import johnson, lugre, stribeck, with_loss
-from dcrb_ros.runtime.arrays import Floats
+from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.settings.configuration import Configuration
 
 BoolArray = npt.NDArray[np.bool_]

@@ -17,8 +17,8 @@ from dcrb_ros.reference.bodies import ANGLE, CAGE, INNER_RING, OUTER_RING, Bodie
 from dcrb_ros.reference.cage_fracture import IntactBars
 from dcrb_ros.reference.constraints import Constraints
 from dcrb_ros.reference.forces import ExternalForces, Forces
-from dcrb_ros.runtime.arrays import Floats
-from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.schema.arrays import Floats
+from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
 
 BAUMGARTE = 5e3

@@ -1,1 +1,1 @@
-"""Processes, threads, signals, exit status and simulated time."""
+"""Processes, threads, signals and exit status."""

@@ -9,7 +9,7 @@ from typing import Any
 
 import typer
 
-from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.schema.refusal import Refusal
 
 STOPPED = 130
 """Exit status of a program stopped by the user."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from types import ModuleType
 
-from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.schema.refusal import Refusal
 
 
 def pandas() -> ModuleType:

@@ -1,1 +1,1 @@
-"""The vocabulary below the physics: fields of parameters, and verdicts."""
+"""The vocabulary below the physics: fields of parameters, verdicts, refusals, checked numbers, arrays and simulated time."""

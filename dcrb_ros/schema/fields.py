@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-from dcrb_ros.runtime.refusal import Refusal
 from dcrb_ros.schema.parameter_field import sentence
+from dcrb_ros.schema.refusal import Refusal
 
 if TYPE_CHECKING:
     from pydantic._internal._model_construction import ModelMetaclass

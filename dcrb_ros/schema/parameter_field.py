@@ -10,7 +10,7 @@ from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
-from dcrb_ros.runtime.refusal import nearest
+from dcrb_ros.schema.refusal import nearest
 
 Scalar = bool | int | float | str
 KINDS: dict[Any, str] = {float: "a number", int: "a whole number", bool: "true or false", str: "a text"}

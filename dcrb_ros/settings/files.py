@@ -14,9 +14,9 @@ import numpy as np
 import yaml
 from pydantic import ValidationError
 
-from dcrb_ros.runtime.refusal import Refusal, nearest
 from dcrb_ros.schema.fields import Group
 from dcrb_ros.schema.parameter_field import ParameterField, field_of, more, sentence
+from dcrb_ros.schema.refusal import Refusal, nearest
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.sensor import preset_values
 from dcrb_ros.settings.vehicle_speed import without_replaced

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.schema.refusal import Refusal
 
 SPEED, SPEED_KMH = "operating.speed", "operating.speed_kmh"
 FASTEST_KMH = 1000.0

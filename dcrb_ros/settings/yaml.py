@@ -9,7 +9,7 @@ from typing import Any, NoReturn
 
 import yaml
 
-from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.schema.refusal import Refusal
 
 LARGEST_FILE = 1_000_000
 """Largest configuration file [bytes]; typical ones have a few hundred."""

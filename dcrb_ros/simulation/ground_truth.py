@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from dcrb_ros.faults.ground_truth import summary_of
-from dcrb_ros.runtime.arrays import Floats
 from dcrb_ros.runtime.frames import pandas
-from dcrb_ros.runtime.refusal import Refusal, nearest
+from dcrb_ros.schema.arrays import Floats
+from dcrb_ros.schema.refusal import Refusal, nearest
 from dcrb_ros.stream.block import Truth
 from dcrb_ros.stream.event_text import encode_event
 from dcrb_ros.stream.events import LoadCommand, ParameterChange, SpeedCommand, TimedCommand, UnknownCommand

@@ -24,10 +24,10 @@ from dcrb_ros.core.layout.workspace import workspace
 from dcrb_ros.core.solver.step import advance
 from dcrb_ros.measurement.decimation import Cascade
 from dcrb_ros.measurement.sensor import Measurement, Sensor
-from dcrb_ros.runtime.arrays import Floats
-from dcrb_ros.runtime.numbers import finite_number
-from dcrb_ros.runtime.refusal import Refusal
-from dcrb_ros.runtime.simulated_time import nanoseconds
+from dcrb_ros.schema.arrays import Floats
+from dcrb_ros.schema.numbers import finite_number
+from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.schema.simulated_time import nanoseconds
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.parameters import Operating
 from dcrb_ros.simulation.scenario import ScheduledChange

@@ -14,9 +14,9 @@ from dcrb_ros.bearing.history import StateHistory
 from dcrb_ros.bearing.kinematics import characteristic_orders
 from dcrb_ros.bearing.waveform import Waveform
 from dcrb_ros.faults.ground_truth import summary_of
-from dcrb_ros.runtime.arrays import Samples
-from dcrb_ros.runtime.numbers import duration_within
-from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.schema.arrays import Samples
+from dcrb_ros.schema.numbers import duration_within
+from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import load_configuration
 from dcrb_ros.simulation.ground_truth import GroundTruth

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from dcrb_ros.bearing.runtime_change import altered
-from dcrb_ros.runtime.refusal import Refusal, nearest
+from dcrb_ros.schema.refusal import Refusal, nearest
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import COMMANDED, flatten, overlaid, shipped_folder, validated
 from dcrb_ros.settings.vehicle_speed import SPEED, replaced

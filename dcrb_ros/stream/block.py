@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from dcrb_ros.runtime.arrays import Samples
-from dcrb_ros.runtime.simulated_time import nanoseconds
+from dcrb_ros.schema.arrays import Samples
+from dcrb_ros.schema.simulated_time import nanoseconds
 from dcrb_ros.stream.events import Event
 from dcrb_ros.stream.states import Account, States
 

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 import yaml
 
 from dcrb_ros.recordings.manifest import model_fingerprint
-from dcrb_ros.runtime.refusal import Refusal
 from dcrb_ros.runtime.version import __version__
+from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.files import nest
 from dcrb_ros.sweep.card import card
 from dcrb_ros.sweep.dispatch import dispatched

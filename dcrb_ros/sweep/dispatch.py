@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 from dcrb_ros.recordings.manifest import model_fingerprint
 from dcrb_ros.runtime.processes import cores
-from dcrb_ros.runtime.refusal import Refusal
 from dcrb_ros.runtime.version import __version__
+from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.sweep.execution import CommonSettings, run_task
 from dcrb_ros.sweep.plan import Task
 from dcrb_ros.sweep.store import StoreFailed

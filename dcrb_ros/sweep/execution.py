@@ -15,9 +15,9 @@ import numpy as np
 
 from dcrb_ros.messages.points import packed
 from dcrb_ros.recordings.recorder import Recorder, RecordingFailed
-from dcrb_ros.runtime.arrays import Samples
-from dcrb_ros.runtime.refusal import Refusal
-from dcrb_ros.runtime.simulated_time import nanoseconds
+from dcrb_ros.schema.arrays import Samples
+from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.schema.simulated_time import nanoseconds
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import flatten, overlaid, validated
 from dcrb_ros.simulation.ground_truth import commands_in

@@ -10,8 +10,8 @@ from typing import Any, cast
 from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
-from dcrb_ros.runtime.refusal import Refusal, nearest
 from dcrb_ros.schema.parameter_field import ParameterField
+from dcrb_ros.schema.refusal import Refusal, nearest
 from dcrb_ros.settings.files import (
     fields_by_key,
     find_configuration,

@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from dcrb_ros.faults.ground_truth import class_of
-from dcrb_ros.runtime.arrays import Samples
+from dcrb_ros.schema.arrays import Samples
 from dcrb_ros.stream.block import Truth
 from dcrb_ros.sweep.sweep_file import Windows
 

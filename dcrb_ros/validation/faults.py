@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from dcrb_ros.runtime.arrays import Floats
+from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.validation.comparison import Comparison, Runs, within
 from dcrb_ros.validation.healthy import ROLLING_FORCE, energy_residual
 from dcrb_ros.validation.measures import Spectrum, decibels, envelope_spectrum, kurtosis, load_zone, profile

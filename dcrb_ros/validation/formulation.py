@@ -11,7 +11,7 @@ from dcrb_ros.bearing.payload import build_payload, initial_state
 from dcrb_ros.core.layout.workspace import workspace
 from dcrb_ros.core.solver.step import advance
 from dcrb_ros.reference.solver import History, ReferenceSolver
-from dcrb_ros.runtime.arrays import Floats
+from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import load_configuration
 from dcrb_ros.validation.comparison import Comparison

@@ -9,7 +9,7 @@ import numpy as np
 from dcrb_ros.bearing.equilibrium import roller_forces, static_equilibrium
 from dcrb_ros.bearing.kinematics import characteristic_orders
 from dcrb_ros.bearing.payload import build_payload, degrees_of_freedom
-from dcrb_ros.runtime.arrays import Floats
+from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.settings.files import load_configuration
 from dcrb_ros.validation.comparison import Comparison, within
 from dcrb_ros.validation.runs import BENCH, JOINTS

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from dcrb_ros.runtime.processes import in_processes
-from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.validation.comparison import Comparison, Runs
 from dcrb_ros.validation.faults import fault_comparisons
 from dcrb_ros.validation.figures import write_figures

@@ -9,7 +9,7 @@ from functools import lru_cache
 import numpy as np
 import rerun as rr
 
-from dcrb_ros.runtime.arrays import Floats
+from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.stream.block import Truth
 from dcrb_ros.viewer import columns, palette
 from dcrb_ros.viewer.content import Content, Motion, Times

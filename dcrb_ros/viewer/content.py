@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from dcrb_ros.bearing.kinematics import Orders
-from dcrb_ros.runtime.arrays import Floats, Samples
+from dcrb_ros.schema.arrays import Floats, Samples
 from dcrb_ros.settings.parameters import Bearing
 from dcrb_ros.stream.block import Truth
 from dcrb_ros.stream.states import BodyNames

@@ -24,7 +24,7 @@ from dcrb_ros.messages.topics import (
     VIBRATION,
     Topic,
 )
-from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.parameters import Bearing
 from dcrb_ros.viewer.content import BenchInfo, DetectorOutput
 from dcrb_ros.viewer.live_run import LiveRun, completed

@@ -8,7 +8,7 @@ import numpy as np
 import rerun as rr
 
 from dcrb_ros.bearing.load_zone import mean_force, sector_azimuths
-from dcrb_ros.runtime.arrays import Floats
+from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.stream.states import BodyNames
 from dcrb_ros.viewer import columns, palette
 from dcrb_ros.viewer.bearing_picture import thinned

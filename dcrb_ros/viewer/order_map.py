@@ -12,7 +12,7 @@ import numpy.typing as npt
 import rerun as rr
 
 from dcrb_ros.bearing.fault_lines import Comb
-from dcrb_ros.runtime.arrays import Floats
+from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.viewer import columns, palette
 from dcrb_ros.viewer.content import Times
 from dcrb_ros.viewer.spectrum import Spectra

@@ -16,7 +16,7 @@ from dcrb_ros.messages.statuses import decode_diagnostics
 from dcrb_ros.messages.topics import DIAGNOSIS, FAULT_INDICATORS, FEATURES, GROUND_TRUTH, NAMESPACE, ROLLER_STATES, VIBRATION, Topic
 from dcrb_ros.recordings.arrays import truths_of
 from dcrb_ros.recordings.reader import Recording
-from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.parameters import Bearing
 from dcrb_ros.stream.states import BodyNames
 from dcrb_ros.viewer.content import BenchInfo, Content, DetectorOutput, Motion, Series, Verdict, Waveform

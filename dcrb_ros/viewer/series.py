@@ -11,7 +11,7 @@ import numpy as np
 import rerun as rr
 from rerun.components import AggregationPolicy
 
-from dcrb_ros.runtime.arrays import Floats, Samples
+from dcrb_ros.schema.arrays import Floats, Samples
 from dcrb_ros.viewer import columns, palette
 from dcrb_ros.viewer.content import Content, Motion, Series, Times, Verdict, Waveform
 from dcrb_ros.viewer.timeline import TIMELINE

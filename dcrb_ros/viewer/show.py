@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from dcrb_ros.recordings.reader import Recording
-from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.viewer.content import Content
 from dcrb_ros.viewer.reader import read_content
 

@@ -12,7 +12,7 @@ import numpy as np
 from dcrb_ros.bearing.kinematics import Orders
 from dcrb_ros.messages.statuses import ERROR
 from dcrb_ros.messages.topics.diagnosis import LEVELS
-from dcrb_ros.runtime.arrays import Floats
+from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.viewer.content import Series, Times, Verdict, Waveform
 
 if TYPE_CHECKING:

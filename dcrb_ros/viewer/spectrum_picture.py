@@ -13,7 +13,7 @@ import numpy as np
 import rerun as rr
 
 from dcrb_ros.bearing.fault_lines import Comb
-from dcrb_ros.runtime.arrays import Floats
+from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.viewer import columns, palette
 from dcrb_ros.viewer.content import Times
 from dcrb_ros.viewer.spectrum import ORDER_STEP, Spectra

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from dcrb_ros.bearing.runtime_change import altered
-from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.simulation.loop import Simulation
 from dcrb_ros.stream.block import Block, Truth

@@ -15,7 +15,7 @@ from synthetic_bearing import ORDERS, RATE, TURN, Signal, diagnoses, synthetic
 from dcrb_ros.diagnosis.detector import Diagnosis, FaultDetector
 from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.recordings.reader import Recording
-from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.files import read_parameters
 
 BAGS = Path(__file__).parents[2] / "bags"

@@ -14,7 +14,7 @@ from dcrb_ros.diagnosis.demodulation import Band, band_tree
 from dcrb_ros.diagnosis.detector import Diagnosis, FaultDetector, _bands, _rescaled
 from dcrb_ros.diagnosis.order_spectrum import OrderSpectrum
 from dcrb_ros.diagnosis.parameters import DetectorParameters
-from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.schema.refusal import Refusal
 
 SHORT = {"window": 0.5, "least_window": 0.5, "hop": 0.25, "least_turns": 4.0}
 

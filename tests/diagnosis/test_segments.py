@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from dcrb_ros.diagnosis.segments import Segment, Segmenter, bridged_turns
-from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.schema.refusal import Refusal
 
 RATE = 10000
 HOP, MARGIN, GAP = 1000, 50, 500

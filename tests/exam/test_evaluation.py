@@ -25,7 +25,7 @@ from dcrb_ros.messages.received_diagnosis import ReceivedDiagnosis
 from dcrb_ros.messages.statuses import Status, encode_diagnostics, encode_truth
 from dcrb_ros.messages.topics import DIAGNOSIS, GROUND_TRUTH, Message
 from dcrb_ros.recordings.recorder import Recorder
-from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.stream.block import Truth
 

@@ -9,7 +9,7 @@ import pytest
 
 from dcrb_ros.exam.case import Case, derived_tags
 from dcrb_ros.exam.exam_file import MOST_CASES, Exam, exam_of, read_exam
-from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
 
 SPALL = {"name": "outer", "verdict": "outer_ring", "fault": {"faults.outer_1.width": 0.002}}

@@ -24,7 +24,7 @@ from dcrb_ros.exam.report import Report
 from dcrb_ros.exam.scoring import FalseAlarm, ScenarioResult
 from dcrb_ros.exam.statistics import Interval, share
 from dcrb_ros.exam.table import MOST_FAILURES, bounds, number, sentences, tables
-from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.schema.refusal import Refusal
 
 
 def result(

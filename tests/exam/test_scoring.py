@@ -9,7 +9,7 @@ from dcrb_ros.exam.expectation import Expectation
 from dcrb_ros.exam.scoring import NO_ANSWER, ScenarioResult, score_scenario
 from dcrb_ros.messages.received_diagnosis import LATEST, ReceivedDiagnosis, decode_diagnosis
 from dcrb_ros.messages.statuses import Status, encode_diagnostics
-from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.schema.refusal import Refusal
 
 SPALL = Expectation("outer", "outer_ring", 10.0, 4.0)
 

@@ -23,7 +23,7 @@ from dcrb_ros.exchange.importing import WaveformImport
 from dcrb_ros.messages.description import decode_sensor
 from dcrb_ros.messages.topics import SENSOR, VIBRATION
 from dcrb_ros.recordings.reader import Recording
-from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.schema.refusal import Refusal
 
 BAGS = Path(__file__).parents[2] / "bags"
 # SKF 6205-2RS JEM, the drive end of the CWRU rig: orders as its bearing data centre prints them

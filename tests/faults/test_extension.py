@@ -95,7 +95,7 @@ def test_the_commands_know_its_parameters(environment: Mapping[str, str]) -> Non
 )
 def test_impossible_values_are_refused_in_a_sentence(environment: Mapping[str, str], settings: tuple[str, ...], sentence: str) -> None:
     script = f"""
-from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.files import load_configuration
 try:
     load_configuration("healthy", {settings!r})

@@ -17,7 +17,7 @@ from dcrb_ros.faults.geometry import BrokenBar, RacewayNotch, RollerNotch
 from dcrb_ros.faults.ground_truth import class_of, words_of
 from dcrb_ros.faults.group import fault_group
 from dcrb_ros.faults.raceway_defect import InnerRacewayDefect, OuterRacewayDefect
-from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.schema.verdicts import CHARACTERISTIC, COMPONENTS, FAULT_CLASSES, TITLES, VERDICTS, FaultClass, fault_class, is_alarm
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import fields_by_key

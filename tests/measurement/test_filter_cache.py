@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from dcrb_ros.measurement import filter_cache
-from dcrb_ros.runtime.arrays import Floats
+from dcrb_ros.schema.arrays import Floats
 
 
 @pytest.fixture

@@ -17,8 +17,8 @@ from scipy import signal
 from dcrb_ros.measurement.parameters import MICRO_G
 from dcrb_ros.measurement.sensor import Measurement, Sensor, StageSequence
 from dcrb_ros.measurement.stages.background import Background
-from dcrb_ros.runtime.refusal import Refusal
 from dcrb_ros.schema.fields import Group
+from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import load_configuration, parameter_fields
 from dcrb_ros.settings.sensor import PRESETS

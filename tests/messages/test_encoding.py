@@ -19,7 +19,7 @@ from dcrb_ros.messages.plain import decode_float, decode_text, decode_wrench, en
 from dcrb_ros.messages.points import SAMPLE, decode_vibration, decode_waveform, encode_points, encode_vibration
 from dcrb_ros.messages.statuses import decode_diagnostics, decode_truth
 from dcrb_ros.messages.topics import FEATURES, GROUND_TRUTH, ROLLER_STATES
-from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.stream.block import Block
 from dcrb_ros.stream.states import BodyNames

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from dcrb_ros.nodes.ros import check_ros
-from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.schema.refusal import Refusal
 
 
 def test_the_check_names_what_is_missing(monkeypatch: pytest.MonkeyPatch) -> None:

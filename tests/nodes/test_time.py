@@ -22,7 +22,7 @@ from dcrb_ros.messages.points import decode_vibration
 from dcrb_ros.messages.statuses import decode_truth
 from dcrb_ros.messages.topics import BENCH_DIAGNOSTICS, CLOCK, GROUND_TRUTH, VIBRATION
 from dcrb_ros.recordings.reader import Recording
-from dcrb_ros.runtime.simulated_time import nanoseconds
+from dcrb_ros.schema.simulated_time import nanoseconds
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.simulation.loop import Simulation
 from dcrb_ros.simulation.scenario import read_scenario

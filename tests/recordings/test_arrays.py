@@ -18,7 +18,7 @@ from dcrb_ros.messages.topics import DIAGNOSIS, GROUND_TRUTH, ROLLER_CONTACTS, R
 from dcrb_ros.recordings.arrays import RecordedVerdict
 from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.recordings.recorder import Recorder
-from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.stream.block import Truth
 

@@ -20,7 +20,7 @@ from made_up_blocks import BODIES, recorded
 
 from dcrb_ros.recordings.mcap_reader import MAGIC, McapRecords
 from dcrb_ros.recordings.reader import Recording, metadata_flaw
-from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
 
 HEADER = struct.pack("<BQII", 1, 8, 0, 0)

@@ -24,7 +24,6 @@ from dcrb_ros.cli.detect import detect
 from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.exam.detector_run import run_shipped_detector
 from dcrb_ros.messages.encoder import BlockEncoder
-from dcrb_ros.messages.event_text import encode_command
 from dcrb_ros.messages.points import SAMPLE
 from dcrb_ros.messages.topics import ACCELERATION, FEATURES, GROUND_TRUTH, MANIFEST, NAMESPACE, ROLLER_STATES, SENSOR, VIBRATION
 from dcrb_ros.recordings import reader
@@ -33,8 +32,9 @@ from dcrb_ros.recordings.mcap_reader import MAGIC
 from dcrb_ros.recordings.reader import Recording, metadata_flaw, valid_files
 from dcrb_ros.recordings.recorder import Recorder, RecordingFailed, channel_of
 from dcrb_ros.recordings.rosbag2 import Bag
-from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
+from dcrb_ros.stream.event_text import encode_command
 from dcrb_ros.stream.events import SpeedCommand, TimedCommand
 from dcrb_ros.stream.states import BodyNames
 

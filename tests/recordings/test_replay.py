@@ -20,7 +20,7 @@ from dcrb_ros.recordings.manifest import opening
 from dcrb_ros.recordings.recorder import Recorder, channel_of
 from dcrb_ros.recordings.replay import Replay, ReplayParameters
 from dcrb_ros.recordings.rosbag2 import Bag
-from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
 
 BLOCK_NS = 20_000_000

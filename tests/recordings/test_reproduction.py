@@ -19,7 +19,7 @@ from dcrb_ros.recordings.manifest import model_fingerprint, software
 from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.recordings.recorder import Recorder
 from dcrb_ros.recordings.reproduction import NotReproduced, RecordedSamples, Reproduction, recorded_samples
-from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.simulation.loop import Simulation
 from dcrb_ros.simulation.scenario import scheduled_changes

@@ -18,7 +18,7 @@ from dcrb_ros.recordings.mcap_reader import McapRecords
 from dcrb_ros.recordings.mcap_writer import Channel
 from dcrb_ros.recordings.recorder import channel_of
 from dcrb_ros.recordings.rosbag2 import SECOND, Bag, RecordingFailed, Splitting
-from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.schema.refusal import Refusal
 
 ONE, OTHER = channel_of(FEATURES, NAMESPACE), channel_of(VIBRATION, NAMESPACE)
 MS = 1_000_000

@@ -14,7 +14,7 @@ from dcrb_ros.reference.cage_fracture import IntactBars, RollerPairs
 from dcrb_ros.reference.laws import pereira, pereira_exponent
 from dcrb_ros.reference.raceways import Raceway, raceways
 from dcrb_ros.reference.solver import History, ReferenceSolver
-from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.parameters import Bearing
 from dcrb_ros.validation.formulation import STEP, agreement, deviation

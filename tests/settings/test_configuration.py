@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dcrb_ros.runtime.refusal import Refusal
 from dcrb_ros.schema.parameter_field import ParameterField
+from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import (
     fields_by_key,

@@ -10,7 +10,7 @@ import numpy.typing as npt
 import pytest
 import yaml
 
-from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.simulation.loop import Simulation
 from dcrb_ros.simulation.scenario import first_step, read_scenario, read_scenario_file, scheduled_changes, starting_configuration

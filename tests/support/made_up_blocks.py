@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from dcrb_ros.recordings.recorder import Recorder
-from dcrb_ros.runtime.simulated_time import nanoseconds
+from dcrb_ros.schema.simulated_time import nanoseconds
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.stream.block import Block, Truth
 from dcrb_ros.stream.events import Event, Start

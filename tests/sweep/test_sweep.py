@@ -30,7 +30,7 @@ from dcrb_ros.cli.app import app
 from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.recordings.reproduction import Reproduction
 from dcrb_ros.runtime.exit_status import exit_status
-from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import flatten, load_configuration, validated
 from dcrb_ros.simulation.batch import waveform

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.validation.comparison import Comparison
 from dcrb_ros.validation.figures import passes
 from dcrb_ros.validation.healthy import healthy_comparisons

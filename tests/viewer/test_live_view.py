@@ -17,7 +17,7 @@ from dcrb_ros.messages.encoder import BlockEncoder, diagnosis_messages
 from dcrb_ros.messages.plain import encode_text
 from dcrb_ros.messages.points import decode_spectrum
 from dcrb_ros.messages.topics import DIAGNOSIS, ENVELOPE_SPECTRUM, ROLLER_STATES, SENSOR, VIBRATION, Message
-from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.viewer.live import LiveView
 
 ORDERS = np.arange(0.0, 30.0, 0.05)

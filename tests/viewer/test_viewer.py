@@ -27,7 +27,7 @@ from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.messages.encoder import diagnosis_messages
 from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.recordings.recorder import Recorder
-from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import load_configuration
 from dcrb_ros.settings.parameters import Bearing

@@ -9,7 +9,7 @@ from scipy import fft
 
 from dcrb_ros.diagnosis.evidence import SampleEvidence
 from dcrb_ros.diagnosis.rule import SampleRule
-from dcrb_ros.runtime.arrays import Floats
+from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.fields import Group, quantity
 
 LOW = (200.0, 2000.0)

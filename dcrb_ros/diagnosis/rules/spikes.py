@@ -7,7 +7,7 @@ import numpy as np
 from dcrb_ros.diagnosis.evidence import SampleEvidence
 from dcrb_ros.diagnosis.order_spectrum import median
 from dcrb_ros.diagnosis.rule import SampleRule
-from dcrb_ros.runtime.arrays import Floats
+from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.fields import Group, quantity
 
 BEFORE = 4

@@ -7,7 +7,7 @@ import numpy.typing as npt
 
 from dcrb_ros.diagnosis.evidence import SampleEvidence
 from dcrb_ros.diagnosis.rule import SampleRule
-from dcrb_ros.runtime.arrays import Floats
+from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.fields import Group, quantity
 
 

@@ -11,7 +11,7 @@ from dcrb_ros.measurement.filters import Filter, above_step_rate, band_of_noise
 from dcrb_ros.measurement.pulses import Passings, Pulses
 from dcrb_ros.measurement.random_streams import PoissonTimes, random_stream
 from dcrb_ros.measurement.stage import Parameters, Setup, Span, Stage
-from dcrb_ros.runtime.arrays import Floats
+from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.fields import Group, quantity
 
 REFERENCE_SPEED = 20.0

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from dcrb_ros.measurement.filters import Filter, above_step_rate, low_pass
 from dcrb_ros.measurement.stage import Parameters, Setup, Span, Stage
-from dcrb_ros.runtime.arrays import Floats
+from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.fields import Group, quantity
 
 LOWEST_BANDWIDTH = 10.0

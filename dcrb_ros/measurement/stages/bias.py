@@ -6,7 +6,7 @@ import numpy as np
 
 from dcrb_ros.measurement.random_streams import random_stream
 from dcrb_ros.measurement.stage import Setup, Span, Stage
-from dcrb_ros.runtime.arrays import Floats
+from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.fields import Group, quantity
 
 

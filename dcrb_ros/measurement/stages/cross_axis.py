@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dcrb_ros.measurement.stage import Parameters, Setup, Span, Stage
-from dcrb_ros.runtime.arrays import Floats
+from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.fields import Group, quantity
 
 

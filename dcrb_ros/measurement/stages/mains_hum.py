@@ -8,7 +8,7 @@ import numpy as np
 
 from dcrb_ros.measurement.random_streams import random_stream
 from dcrb_ros.measurement.stage import Parameters, Setup, Span, Stage
-from dcrb_ros.runtime.arrays import Floats
+from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.fields import Group, quantity
 
 SECOND, THIRD = 0.5, 0.33

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from dcrb_ros.measurement.filters import Filter, above_step_rate, resonance
 from dcrb_ros.measurement.parameters import Accelerometer
 from dcrb_ros.measurement.stage import Parameters, Setup, Span, Stage
-from dcrb_ros.runtime.arrays import Floats
+from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.fields import Group, quantity
 
 LOOSE_FREQUENCY = 8000.0

@@ -6,7 +6,7 @@ from dcrb_ros.measurement.filters import Filter, pink
 from dcrb_ros.measurement.parameters import MICRO_G
 from dcrb_ros.measurement.random_streams import random_stream
 from dcrb_ros.measurement.stage import Parameters, Setup, Span, Stage
-from dcrb_ros.runtime.arrays import Floats
+from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.fields import Group, quantity
 
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from dcrb_ros.measurement.parameters import Accelerometer
 from dcrb_ros.measurement.stage import Parameters, Setup, Span, Stage
-from dcrb_ros.runtime.arrays import Floats
+from dcrb_ros.schema.arrays import Floats
 
 RATTLE = 0.3
 """Difference between the gains of the two directions, as a share, of a fully loose mount [-]."""

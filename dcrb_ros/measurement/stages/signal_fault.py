@@ -10,7 +10,7 @@ from dcrb_ros.measurement.filters import Filter
 from dcrb_ros.measurement.parameters import AXES, Accelerometer, SensorFault
 from dcrb_ros.measurement.random_streams import PoissonTimes, random_stream
 from dcrb_ros.measurement.stage import Parameters, Setup, Span, Stage
-from dcrb_ros.runtime.arrays import Floats
+from dcrb_ros.schema.arrays import Floats
 
 SPIKES = 20.0
 """Spikes of a cable per second at full severity."""

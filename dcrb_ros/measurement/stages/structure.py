@@ -11,7 +11,7 @@ import numpy as np
 from dcrb_ros.measurement.filters import Filter, side_by_side, transmissibility
 from dcrb_ros.measurement.random_streams import random_stream
 from dcrb_ros.measurement.stage import Parameters, Setup, Span, Stage
-from dcrb_ros.runtime.arrays import Floats
+from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.fields import Group, choice, quantity
 
 LOWEST, HIGHEST = 500.0, 8000.0

@@ -7,7 +7,7 @@ import numpy.typing as npt
 
 from dcrb_ros.measurement.parameters import AXES, Accelerometer
 from dcrb_ros.measurement.stage import Parameters, Setup, Span, Stage
-from dcrb_ros.runtime.arrays import Floats
+from dcrb_ros.schema.arrays import Floats
 
 PERIOD = 0.1
 """Period of sticking [s]; the sensor sticks for its severity's share of it."""

@@ -23,7 +23,7 @@ assert not deflection[state.inner_force == 0.0].any()
 print(np.count_nonzero(deflection), np.abs(deflection).max(), np.count_nonzero(deepest), deepest.max())
 """
 REFUSED = """
-from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.files import load_configuration
 
 try:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dcrb_ros.runtime.numbers import duration_within
+from dcrb_ros.schema.numbers import duration_within
 
 MAX_DURATION = 1e6
 """Longest simulated duration that is accepted [s]."""

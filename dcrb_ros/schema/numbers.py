@@ -6,7 +6,7 @@ import math
 from numbers import Real
 from typing import Any
 
-from dcrb_ros.runtime.refusal import Refusal
+from dcrb_ros.schema.refusal import Refusal
 
 
 def finite_number(name: str, value: Any, unit: str) -> float:
