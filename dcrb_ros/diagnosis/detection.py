@@ -129,7 +129,14 @@ def detect(
         raise Refusal("the orders of the bearing are unknown: give its geometry or orders as bearing")
     if not isinstance(parameters, (DetectorParameters, type(None))):
         raise Refusal(f"parameters = {parameters!r} are not those of the detector: give DetectorParameters(...)")
-    detector = FaultDetector(source.orders, source.sampling_rate, parameters or DetectorParameters())
+    chosen = parameters or DetectorParameters()
+    if chosen.window < chosen.least_window:
+        # A detector of spectra alone, as in the viewer, needs no verdict; one that is asked for a verdict would wait for ever.
+        raise Refusal(
+            f"window = {chosen.window:g} s is below least_window = {chosen.least_window:g} s, so that no verdict follows: "
+            "make the window longer"
+        )
+    detector = FaultDetector(source.orders, source.sampling_rate, chosen)
     found, samples = _diagnoses(detector, source.pieces())
     duration = samples / source.sampling_rate
     if all(diagnosis.verdict == "waiting" for diagnosis in found):

@@ -172,4 +172,4 @@ def test_remarks_count_irregularities() -> None:
         "3 samples are not finite numbers",
     )
     assert found.gaps == 1
-    assert found.remarks[-1].startswith("the spectrum is that of the band from ")
+    assert found.remarks[-1].startswith("the spectrum is of the band from ")

@@ -78,10 +78,21 @@ def test_blocks_that_come_twice_or_late_are_kept_once_in_their_place(tmp_path: P
     assert np.array_equal(waveform.shaft_angle, np.concatenate([block.shaft_angle for block in blocks(4)]))
 
 
-@pytest.mark.parametrize(("start", "stop"), [(0.08, 0.1), (0.08, None), (3.0, 4.0), (None, 0.02), (0.0, 0.02)])
-def test_a_stretch_without_samples_is_refused_with_those_there_are(start: float | None, stop: float | None, tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("start", "stop", "where"),
+    [
+        (0.08, 0.1, "from 0.08 to 0.1 s"),
+        (0.08, None, "from 0.08 s on"),
+        (3.0, 4.0, "from 3 to 4 s"),
+        (None, 0.02, "before 0.02 s"),
+        (0.0, 0.02, "from 0 to 0.02 s"),
+    ],
+)
+def test_a_stretch_without_samples_is_refused_with_those_there_are(
+    start: float | None, stop: float | None, where: str, tmp_path: Path
+) -> None:
     recording = waveform_in(tmp_path / "bag", (3, 1, 2))
-    with pytest.raises(Refusal, match=rf"bag has no sample from {start} to {stop} s: it has samples from 0.02 to 0.08 s"):
+    with pytest.raises(Refusal, match=rf"bag has no sample {where}: it has samples from 0.02 to 0.08 s"):
         recording.waveform(start, stop)
 
 
