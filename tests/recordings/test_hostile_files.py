@@ -187,15 +187,6 @@ def test_any_manifest_is_explained_or_refused(tmp_path_factory: pytest.TempPathF
         assert "\n" not in str(refusal)  # noqa: PT017 - a refusal is one of the two right answers
 
 
-def test_huge_metadata_is_not_read(tmp_path: Path) -> None:
-    bag = recorded(tmp_path / "bag", 2)
-    with (bag / "metadata.yaml").open("ab") as stream:
-        stream.truncate(1 << 33)
-    assert "bytes, at most 4000000 are read" in metadata_flaw(bag)
-    (bag / "metadata.yaml").unlink()
-    assert "No such file" in metadata_flaw(bag)
-
-
 def test_a_wrong_checksum_is_damage(tmp_path: Path) -> None:
     body = struct.pack("<QQQII", 0, 0, 3, zlib.crc32(b"abd"), 0) + struct.pack("<Q", 3) + b"abc"
     path = tmp_path / "x.mcap"

@@ -413,3 +413,12 @@ def test_metadata_up_to_the_limit_are_read(excess: int, tmp_path: Path, monkeypa
     size = (bag / "metadata.yaml").stat().st_size
     monkeypatch.setattr(reader, "MAX_METADATA", size - excess)
     assert metadata_flaw(bag) == (f"metadata.yaml has {size} bytes, at most {size - 1} are read" if excess else "")
+
+
+def test_huge_metadata_is_not_read(tmp_path: Path) -> None:
+    bag = recorded(tmp_path / "bag", 2)
+    with (bag / "metadata.yaml").open("ab") as stream:
+        stream.truncate(1 << 33)
+    assert "bytes, at most 4000000 are read" in metadata_flaw(bag)
+    (bag / "metadata.yaml").unlink()
+    assert "No such file" in metadata_flaw(bag)

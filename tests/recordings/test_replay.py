@@ -158,3 +158,8 @@ def test_a_recorded_description_is_sent_as_it_is(tmp_path: Path) -> None:
     (message,) = replay.start()
     assert message == next(replay.recording.messages((SENSOR,)))
     assert np.isclose(decode_range(message.data), 5000.0)
+
+
+def test_an_offset_in_seconds_is_exact_in_nanoseconds(tmp_path: Path) -> None:
+    replay = replay_of(tmp_path / "bag", at(0, 999_999_999, 1_000_000_000, 1_000_000_001), offset=1.0)
+    assert next(bundle.messages[0].time_ns for bundle in replay.bundles()) == 1_000_000_000
