@@ -86,3 +86,10 @@ def test_rolling_convection_gives_carters_creep() -> None:
         coefficient, memory = offset + slope * slip, lugre_update(law, memory, kept, slip, True, PAYLOAD.step)
     slope = coefficient * force / (slip / rolling)
     assert slope == pytest.approx(0.5 * math.pi * bearing.roller_length * bearing.effective_modulus * half_width, rel=0.05)
+
+
+@pytest.mark.parametrize("slip", [-0.02, -0.005, 0.0, 0.005, 0.01, 0.02, 0.03])
+def test_the_stribeck_curve_falls_with_the_square_of_the_slip(slip: float) -> None:
+    # Fan et al. 2025, Eq. 7: g = mu_k + (mu_s - mu_k) exp(-(s/v_s)^2), here with v_s = 0.01 m/s.
+    expected = 0.05 + 0.01 * math.exp(-((slip / 0.01) ** 2))
+    assert stribeck_coefficient(slip, 0.05, 0.06, 0.01) == pytest.approx(expected, rel=1e-13)
