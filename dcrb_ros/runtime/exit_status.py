@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import os
 import sys
 from collections.abc import Callable
@@ -9,15 +10,14 @@ from typing import Any
 
 import typer
 
+from dcrb_ros.runtime.signals import STOPPED
+from dcrb_ros.schema.printable import printable_lines
 from dcrb_ros.schema.refusal import Refusal
-
-STOPPED = 130
-"""Exit status of a program stopped by the user."""
 
 
 def print_error(program: str, sentence: str) -> None:
-    """Print a sentence to the standard error output."""
-    print(f"{program}: {sentence}", file=sys.stderr)
+    """Print a sentence to the standard error output; what it quotes comes from outside."""
+    print(printable_lines(f"{program}: {sentence}"), file=sys.stderr)
 
 
 def exit_status(program: str, command: Callable[[], Any]) -> int:
@@ -25,6 +25,7 @@ def exit_status(program: str, command: Callable[[], Any]) -> int:
 
     Any error is printed as one sentence. With the environment variable DCRB_DEBUG=1 it is raised instead.
     """
+    _print_any_character()
     if os.environ.get("DCRB_DEBUG") == "1":
         return _status(command())
     try:
@@ -47,8 +48,22 @@ def exit_status(program: str, command: Callable[[], Any]) -> int:
             print_error(program, f"{explain()} (try --help)")
             return 2
         where = "" if isinstance(error, RuntimeError) else " (DCRB_DEBUG=1 shows where)"
-        print_error(program, f"{error or type(error).__name__}{where}")
+        print_error(program, f"{_explained(error)}{where}")
         return 1
+
+
+def _explained(error: Exception) -> str:
+    """Return an error as a sentence; one of the operating system with the file that it concerns."""
+    if isinstance(error, OSError) and error.filename is not None:
+        return f"{os.fsdecode(error.filename)} cannot be used: {error.strerror}; make room for it, or give another path"
+    return str(error) or type(error).__name__
+
+
+def _print_any_character() -> None:
+    """Let the output escape characters that its encoding does not have, such as those of ``LC_ALL=C``, instead of failing."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")
 
 
 def _status(returned: Any) -> int:

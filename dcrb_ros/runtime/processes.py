@@ -1,14 +1,23 @@
-"""Parallel work in processes, one per core."""
+"""Parallel work in processes, one per core, and their memory."""
 
 from __future__ import annotations
 
+import contextlib
 import multiprocessing
 import os
 import signal
 from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import Future, ProcessPoolExecutor, as_completed
+from multiprocessing import resource_tracker
+from pathlib import Path
 from typing import TypeVar
 
+from dcrb_ros.runtime.children import signals_blocked
+from dcrb_ros.runtime.signals import accept_termination
+from dcrb_ros.runtime.threads import NamedThread
+
+ORPHANED = 75
+"""Exit status of a worker whose parent process has ended."""
 Key = TypeVar("Key")
 Value = TypeVar("Value")
 
@@ -18,15 +27,32 @@ def cores() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
+def available_memory() -> int:
+    """Return the memory that this process and its children may use together [byte]: the machine's, or its container's."""
+    memory = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
+    with contextlib.suppress(OSError, ValueError):  # no control group, or one without a limit
+        memory = min(memory, int(Path("/sys/fs/cgroup/memory.max").read_text()))
+    return memory
+
+
+def resident_memory() -> int | None:
+    """Return the memory that this process uses [byte]; None if the system does not tell it."""
+    try:
+        return int(Path("/proc/self/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE")
+    except OSError:
+        return None
+
+
 def in_processes(calls: Mapping[Key, Callable[[], Value]], workers: int) -> Iterator[tuple[Key, Value]]:
     """Yield the key and the result of each call in the order of completion; calls must be picklable, such as partials of functions.
 
-    If the iteration ends early, by Ctrl-C for instance, the processes are terminated at once. An exception in a call is raised here.
+    If the iteration ends early, by Ctrl-C for instance, the processes are terminated at once; they also end with this process. An exception
+    in a call is raised here.
     """
-    # Spawned, because a process forked from one with threads may deadlock. Ctrl-C is handled by the parent, which ends its workers.
-    spawning, ignored = multiprocessing.get_context("spawn"), (signal.SIGINT, signal.SIG_IGN)
-    with ProcessPoolExecutor(workers, mp_context=spawning, initializer=signal.signal, initargs=ignored) as pool:
-        jobs: dict[Future[Value], Key] = {pool.submit(call): key for key, call in calls.items()}
+    # Spawned, because a process forked from one with threads may deadlock.
+    with ProcessPoolExecutor(workers, mp_context=multiprocessing.get_context("spawn"), initializer=_prepare_worker) as pool:
+        with worker_signals_blocked():
+            jobs: dict[Future[Value], Key] = {pool.submit(call): key for key, call in calls.items()}
         try:
             for job in as_completed(jobs):
                 # Results may be large and many: drop each one after it has been yielded.
@@ -36,3 +62,26 @@ def in_processes(calls: Mapping[Key, Callable[[], Value]], workers: int) -> Iter
             for worker in multiprocessing.active_children():
                 worker.terminate()
             raise
+
+
+@contextlib.contextmanager
+def worker_signals_blocked() -> Iterator[None]:
+    """Start processes of `multiprocessing` with termination signals blocked."""
+    if hasattr(signal, "pthread_sigmask"):
+        resource_tracker.ensure_running()  # its start would unblock the signals
+    with signals_blocked():
+        yield
+
+
+def _prepare_worker() -> None:
+    """Leave Ctrl-C to the parent, which ends its workers, and end with it if it is killed."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    accept_termination()
+    NamedThread("parent", _end_with_parent).start()
+
+
+def _end_with_parent() -> None:
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        parent.join()
+        os._exit(ORPHANED)

@@ -8,6 +8,21 @@ from typing import Any
 
 from dcrb_ros.schema.refusal import Refusal
 
+HIGHEST_RATE = 10_000_000
+"""Highest sampling rate [Hz]; the memory of a detector grows with it."""
+
+
+def sampling_rate(value: Any, source: str) -> int:
+    """Return the sampling rate that ``source`` gives, a whole number from 1 to `HIGHEST_RATE` [Hz].
+
+    Raises:
+        Refusal: it is not such a number.
+    """
+    whole = isinstance(value, Real) and not isinstance(value, bool) and math.isfinite(value) and float(value).is_integer()
+    if not whole or not 1 <= value <= HIGHEST_RATE:
+        raise Refusal(f"{source} gives a sampling rate of {value!r} Hz: it must be a whole number within 1 .. {HIGHEST_RATE} Hz")
+    return int(value)
+
 
 def finite_number(name: str, value: Any, unit: str) -> float:
     """Return a finite real number of Python or numpy as a float; ``name`` introduces it in the message, such as ``"duration ="``.

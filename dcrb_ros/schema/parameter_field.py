@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Literal, get_args, get_origin
 
@@ -71,10 +72,27 @@ def more(count: int) -> str:
     return f" (and {count - 1} more)" if count > 1 else ""
 
 
+class Contradictions(ValueError):
+    """Values that contradict each other, described by ``sentences``, at least one."""
+
+    def __init__(self, sentences: Sequence[str]) -> None:
+        super().__init__(f"{sentences[0]}{more(len(sentences))}")
+        self.sentences = sentences
+
+
+def sentences(error: ValidationError, model: type[BaseModel]) -> list[str]:
+    """Return every problem of a model's values as a sentence with the value, the range and the remedy."""
+    found: list[str] = []
+    for problem in error.errors():
+        cause = problem.get("ctx", {}).get("error")
+        found += cause.sentences if isinstance(cause, Contradictions) else [_described(problem, model)]
+    return found
+
+
 def sentence(error: ValidationError, model: type[BaseModel]) -> str:
     """Return the first problem of a model's values as a sentence with the value, the range and the remedy."""
-    problems = error.errors()
-    return f"{_described(problems[0], model)}{more(len(problems))}"
+    found = sentences(error, model)
+    return f"{found[0]}{more(len(found))}"
 
 
 def _described(problem: ErrorDetails, model: type[BaseModel]) -> str:
@@ -106,19 +124,19 @@ def _refused(field: ParameterField, value: Any) -> str:
     if field.choices:
         return f"{said} is not one of {', '.join(field.choices)}{nearest(str(value), field.choices)}"
     if field.low is None or field.high is None:
-        return f"{said} is not {kind} ({_lower(field.description)})"
+        return f"{said} is not {kind} ({_aside(field.description)})"
     span = f"{' .. '.join(field.limits)} {field.unit}".removesuffix(" -")
     if isinstance(value, float) and not math.isfinite(value):
         return f"{said} is not a finite number within {span}"
     if isinstance(value, (bool, str)) or not isinstance(value, (int, float)) or (field.kind is int and isinstance(value, float)):
         return f"{said} is not {kind} within {span}"
-    remedy = f": {field.remedy}" if field.remedy else f" ({_lower(field.description)})"
+    remedy = f": {field.remedy}" if field.remedy else f" ({_aside(field.description)})"
     return f"{said} is outside {span}{remedy}{_millimetres(field, value)}"
 
 
-def _lower(description: str) -> str:
-    """Return a description that continues a sentence."""
-    return description[0].lower() + description[1:]
+def _aside(description: str) -> str:
+    """Return a description as it stands in parentheses within a sentence."""
+    return (description[0].lower() + description[1:]).replace("; ", ", ")
 
 
 def _millimetres(field: ParameterField, value: Any) -> str:

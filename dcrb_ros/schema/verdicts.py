@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import Literal, get_args
 
 Component = Literal["outer_ring", "inner_ring", "roller", "cage"]
@@ -31,7 +31,17 @@ TITLES: dict[str, str] = {
     "sensor": "sensor fault",
     "waiting": "waiting",
 }
-"""Verdicts as a viewer shows them."""
+"""Verdicts in words."""
+
+
+def title_of(verdict: str, scores: Mapping[str, float]) -> str:
+    """Return a verdict in words; several faults are named: those above their thresholds, at least the two with the largest scores [dB]."""
+    title = TITLES.get(verdict, verdict)
+    if verdict != "compound" or len(scores) < 2:
+        return title
+    ranked = sorted(scores, key=lambda component: -scores[component])
+    named = ranked[: max(2, sum(score >= 0.0 for score in scores.values()))]
+    return f"{title}: {', '.join(TITLES.get(component, component) for component in named)}"
 
 
 def is_alarm(verdict: str) -> bool:

@@ -13,18 +13,23 @@ from dcrb_ros.core.laws.pereira import pereira_coefficients, pereira_stiffness
 from dcrb_ros.faults import Faults
 from dcrb_ros.faults.geometry import BrokenBar
 from dcrb_ros.faults.ground_truth import summary_of
+from dcrb_ros.faults.raceway_defect import NOTCH
 from dcrb_ros.measurement.stage import Parameters, Setup
 from dcrb_ros.schema.fields import LENGTH_REMEDY, Group, quantity
+from dcrb_ros.schema.parameter_field import Contradictions
 from dcrb_ros.settings.contact import Contact, Friction
+from dcrb_ros.settings.oil_limits import oil_limits
 from dcrb_ros.settings.parameters import (
     SHORTEST_STEP,
     Bearing,
     Cage,
     Housing,
+    Lubrication,
     Operating,
     Publishing,
     Recording,
     SimulationParameters,
+    Surfaces,
     rpm,
 )
 from dcrb_ros.settings.sensor import Background, SensorParameters, Structure
@@ -36,6 +41,8 @@ class Configuration(Group):
 
     bearing: Bearing = Bearing()
     housing: Housing = Housing()
+    lubrication: Lubrication = Lubrication()
+    surfaces: Surfaces = Surfaces()
     contact: Contact = Contact()
     friction: Friction = Friction()
     cage: Cage = Cage()
@@ -48,13 +55,19 @@ class Configuration(Group):
     publishing: Publishing = Publishing()
     recording: Recording = Recording()
     time_scale: float = quantity(
-        1.0, "-", "Requested ratio of simulated to wall time; 0 for as fast as possible", 0.0, 1000.0, run_time=True
+        1.0,
+        "-",
+        "Requested ratio of simulated to wall time; 0 for as fast as possible",
+        0.0,
+        1000.0,
+        remedy="give 0 for as fast as possible, 1 for real time",
+        run_time=True,
     )
 
     @model_validator(mode="after")
     def _consistent(self) -> Configuration:
-        for sentence in inconsistencies(self):
-            raise ValueError(sentence)
+        if found := list(inconsistencies(self)):
+            raise Contradictions(found)
         return self
 
     def described_faults(self) -> dict[str, dict[str, float]]:
@@ -97,21 +110,40 @@ class Configuration(Group):
 
 def inconsistencies(c: Configuration) -> Iterator[str]:
     """Yield a sentence with values, range and remedy for each set of parameters that contradict each other."""
-    yield from _geometry(c)
-    yield from _cage(c)
-    yield from _guidance(c)
-    yield from _rates(c)
-    yield from c.faults.problems(c.bearing)
-    yield from _stability(c)
+    geometry, rates, faults = list(_geometry(c)), list(_rates(c)), list(c.faults.problems(c.bearing))
+    yield from geometry
+    # What follows from impossible values would be impossible too.
+    if not geometry:
+        yield from _cage(c)
+        yield from _guidance(c)
+    yield from _housing(c)
+    yield from rates
+    yield from faults
+    if not (geometry or faults):
+        yield from _stability(c)
+        yield from _damping(c)
+        yield from oil_limits(c, material_of(c.bearing))
     yield from _splitting(c)
-    yield from measurement_limits(c.measurement)
+    if not rates:
+        yield from measurement_limits(c.measurement)
     yield from block_limits(c.publishing, c.sensor.sampling_rate)
     yield from burst_limits(c.publishing, c.sensor.sampling_rate)
+    yield from _surfaces(c)
     if c.friction.static_coefficient < c.friction.kinetic_coefficient:
         yield (
             f"friction.static_coefficient = {c.friction.static_coefficient:g} is below friction.kinetic_coefficient = "
             f"{c.friction.kinetic_coefficient:g}: make it at least as large"
         )
+
+
+def _surfaces(c: Configuration) -> Iterator[str]:
+    """Damage with heights of its own needs surfaces that have heights."""
+    if c.surfaces.law == "profile":
+        return
+    for key, fault in c.faults.present():
+        kind = getattr(fault, "kind", NOTCH)
+        if kind != NOTCH:
+            yield f"faults.{key}.kind = {kind} needs surfaces.law = profile, and it is {c.surfaces.law}: set both, or kind notch"
 
 
 def _geometry(c: Configuration) -> Iterator[str]:
@@ -123,7 +155,7 @@ def _geometry(c: Configuration) -> Iterator[str]:
             f"0 .. {largest:.3g} m: check the three radii; lengths are in metres"
         )
     low, high = b.inner_raceway_radius + b.roller_radius, b.outer_raceway_radius - b.roller_radius
-    if not low <= b.pitch_radius <= high:
+    if low <= high and not low <= b.pitch_radius <= high:
         yield f"bearing.pitch_radius = {b.pitch_radius:g} m is outside {low:g} .. {high:g} m, where a roller fits between the raceways"
     most = math.floor(math.pi / math.asin(min(1.0, b.roller_radius / b.pitch_radius)))
     if b.rollers_per_row > most:
@@ -133,6 +165,12 @@ def _geometry(c: Configuration) -> Iterator[str]:
         yield (
             f"bearing.roller_inertia = {b.roller_inertia:g} kg m^2 is outside {0.25 * solid:.3g} .. {4.0 * solid:.3g} kg m^2: "
             f"a solid roller has mass * radius^2 / 2 = {solid:.3g}"
+        )
+    thin = b.cage_mass * b.pitch_radius**2
+    if not 0.1 * thin <= b.cage_inertia <= 10.0 * thin:
+        yield (
+            f"bearing.cage_inertia = {b.cage_inertia:g} kg m^2 is outside {0.1 * thin:.3g} .. {10.0 * thin:.3g} kg m^2: "
+            f"a thin cage has mass * pitch_radius^2 = {thin:.3g}"
         )
 
 
@@ -214,9 +252,10 @@ def _stability(c: Configuration) -> Iterator[str]:
     b, h = c.bearing, c.simulation.step
     stiffness = contact_stiffness(c, heaviest(c))
     together = 0.5 * stiffness * (1.0 + 0.25 * b.rollers_per_row) * b.rows
+    inner, outer = b.inner_ring_mass + c.housing.axle_mass, b.outer_ring_mass + c.housing.box_mass
     modes = {
-        "the rings against each other": together * (1.0 / b.inner_ring_mass + 1.0 / b.outer_ring_mass),
-        "the outer ring in the housing": c.housing.stiffness / b.outer_ring_mass,
+        "the rings against each other": together * (1.0 / inner + 1.0 / outer),
+        "the outer ring in the housing": c.housing.stiffness / outer,
     }
     modes |= _modes_at_the_cage(c, stiffness)
     # The correction h^2 k/12 of the mass slows a mode: sin^2(phase/2) (1 + phase^2/12).
@@ -226,12 +265,69 @@ def _stability(c: Configuration) -> Iterator[str]:
     if h > longest:
         yield (
             f"simulation.step = {h:g} s is too long for {name}, a mode at {natural / (2.0 * math.pi):.4g} Hz "
-            f"under {_load(c):.4g} N: {_shorter(c, longest)}"
+            f"under {_load(c):.4g} N: {_shorter(c, min(longest, _longest_damped_step(c)))}"
+        )
+
+
+def _housing(c: Configuration) -> Iterator[str]:
+    """Compare the housing's deflection with the roller radius, beyond which the outer ring has left its seat."""
+    force = _load(c) + c.bearing.outer_ring_mass * c.operating.gravity
+    softest = 2.0 * force / c.bearing.roller_radius
+    if c.housing.stiffness < softest:
+        yield (
+            f"housing.stiffness = {c.housing.stiffness:g} N/m gives way by {force / c.housing.stiffness:.3g} m under {force:.4g} N: "
+            f"at least {softest:.3g} N/m keeps the outer ring within half a roller radius; give N/m, not N/um"
+        )
+
+
+LARGEST_DAMPING = 0.8
+"""Largest share of a body's momentum that contacts take up in a step [-]: the iteration of the bodies' velocities diverges from 1.0 on."""
+LARGEST_ROLLER_DAMPING = 0.1
+"""The same for viscous friction on a free roller [-]: simulations diverged from 0.2 on."""
+
+
+def _longest_damped_step(c: Configuration) -> float:
+    """Return the longest step [s] with which the contacts damp the rings."""
+    b = c.bearing
+    damping = c.contact.loss_time * contact_stiffness(c, heaviest(c)) + c.contact.damping
+    inner, outer = b.inner_ring_mass + c.housing.axle_mass, b.outer_ring_mass + c.housing.box_mass
+    rings = 0.5 * (1.0 + 0.25 * b.rollers_per_row) * b.rows * (1.0 / inner + 1.0 / outer)
+    return LARGEST_DAMPING / (damping * rings) if damping else math.inf
+
+
+def _damping(c: Configuration) -> Iterator[str]:
+    """Compare the damping of the contacts with the masses that it acts on in a step."""
+    b, h, longest = c.bearing, c.simulation.step, _longest_damped_step(c)
+    if h > longest:
+        stiffness, constant = contact_stiffness(c, heaviest(c)), c.contact.damping
+        lossy = c.contact.loss_time * stiffness
+        largest = (lossy + constant) * longest / h
+        words = f"contact.loss_time = {c.contact.loss_time:g} s", f"{max(0.0, largest - constant) / stiffness:.3g} s"
+        if constant > lossy:
+            words = f"contact.damping = {constant:g} N s/m", f"{max(0.0, largest - lossy):.3g} N s/m"
+        yield (
+            f"{words[0]} damps the rings too much for simulation.step = {h:g} s: at most {words[1]}, or a step of {_shorter(c, longest)}"
+        )
+    # The normal forces of all rollers add up to 4/pi of the load.
+    viscous = h * c.friction.viscous
+    excess = viscous * (1.0 / b.inner_ring_mass + 1.0 / b.outer_ring_mass) * 4.0 / math.pi * _load(c) / LARGEST_DAMPING
+    if c.cage.joint == "pocket":
+        excess = max(excess, viscous * heaviest(c) / b.roller_mass / LARGEST_ROLLER_DAMPING)
+    if excess > 1.0:
+        yield (
+            f"friction.viscous = {c.friction.viscous:g} s/m damps slip too much for simulation.step = {h:g} s: at most "
+            f"{c.friction.viscous / excess:.3g} s/m, or a step of at most {h / excess:.3g} s"
         )
 
 
 LEAST_DRAG = 0.12
 """Smallest share of a roller's normal force that presses it against a bar: friction of 0.06 at both raceways [-]."""
+
+
+def _largest_friction(c: Configuration) -> float:
+    """Return the largest friction coefficient between rollers and raceways [-]."""
+    dry = c.lubrication.law == "dry"
+    return float(c.friction.static_coefficient) if dry else max(c.lubrication.boundary_friction, c.lubrication.limiting_friction)
 
 
 def _modes_at_the_cage(c: Configuration, stiffness: float) -> dict[str, float]:
@@ -240,7 +336,7 @@ def _modes_at_the_cage(c: Configuration, stiffness: float) -> dict[str, float]:
     any_broken = any(isinstance(damage, BrokenBar) for damage in c.faults.damage(b))
     if c.cage.joint == "revolute" and not any_broken:
         return {"a cage with its rollers": 2.0 * stiffness / (b.cage_mass + b.rollers_per_row * b.roller_mass)}
-    drag = max(LEAST_DRAG, 2.0 * c.friction.static_coefficient) * heaviest(c)
+    drag = max(LEAST_DRAG, 2.0 * _largest_friction(c)) * heaviest(c)
     bar = pereira_stiffness(drag, *pereira_coefficients(c.cage.pocket_clearance, b.roller_length, b.effective_modulus))
     # Half a row presses against the cage at once: with more, simulations of light cages and small clearances diverged.
     pressing = 0.5 * b.rollers_per_row

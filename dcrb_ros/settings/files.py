@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import itertools
+import math
 import re
 import sys
+import textwrap
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import cache
 from pathlib import Path
@@ -15,13 +17,17 @@ import yaml
 from pydantic import ValidationError
 
 from dcrb_ros.schema.fields import Group
-from dcrb_ros.schema.parameter_field import ParameterField, field_of, more, sentence
-from dcrb_ros.schema.refusal import Refusal, nearest
+from dcrb_ros.schema.parameter_field import ParameterField, field_of, more, sentences
+from dcrb_ros.schema.refusal import GOOD_LIKENESS, Refusal, nearest, nearest_key
 from dcrb_ros.settings.configuration import Configuration
+from dcrb_ros.settings.sections import parameters_of
 from dcrb_ros.settings.sensor import preset_values
-from dcrb_ros.settings.vehicle_speed import without_replaced
-from dcrb_ros.settings.yaml import parsed, read_yaml
+from dcrb_ros.settings.vehicle_speed import layered, with_one_speed
+from dcrb_ros.text.files import checked_path
+from dcrb_ros.text.yaml import parsed, read_yaml
 
+MOST_UNKNOWN = 20
+"""Unknown parameters that are named, with those that may be meant, which takes a millisecond each."""
 LEAST = sys.float_info.min
 """Smallest magnitude of a number other than zero: quotients of smaller numbers overflow."""
 
@@ -47,13 +53,18 @@ def fields_by_key(model: type[Group] = Configuration) -> Mapping[str, ParameterF
 
 
 def flatten(tree: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
-    """Return a nested mapping with dotted keys."""
+    """Return a nested mapping with dotted keys; an empty group is a value of its own.
+
+    Raises:
+        Refusal: a key occurs twice, in its group and with a dotted name.
+    """
     flat: dict[str, Any] = {}
     for name, value in tree.items():
-        if isinstance(value, Mapping):
-            flat.update(flatten(value, f"{prefix}{name}."))
-        else:
-            flat[f"{prefix}{name}"] = value
+        key = f"{prefix}{name}"
+        inside = flatten(value, f"{key}.") if isinstance(value, Mapping) and value else {key: value}
+        for twice in flat.keys() & inside.keys():
+            raise Refusal(f"{twice} occurs twice, in its group and with a dotted name: remove one")
+        flat.update(inside)
     return flat
 
 
@@ -69,6 +80,11 @@ def nest(flat: Mapping[str, Any]) -> dict[str, Any]:
     return tree
 
 
+def problems(flat: Mapping[str, Any], model: type[Group]) -> list[str]:
+    """Return a sentence with the value, the range and the remedy for everything that is wrong with parameters with dotted keys."""
+    return _checked(flat, model)[1]
+
+
 def validated(flat: Mapping[str, Any], model: type[Model], source: str) -> Model:
     """Return the model of parameters with dotted keys.
 
@@ -76,36 +92,61 @@ def validated(flat: Mapping[str, Any], model: type[Model], source: str) -> Model
         Refusal: an unknown key, a value of the wrong type or out of range, or values that contradict each other; one sentence with the
             value, the range and the remedy.
     """
-    fields = fields_by_key(model)
-    unknown = [key for key in flat if key not in fields]
-    if unknown:
-        raise Refusal(f"{source}: unknown parameter '{unknown[0]}'{nearest(unknown[0], fields)}{more(len(unknown))}")
-    for key, value in flat.items():
+    found, wrong = _checked(flat, model)
+    if found is None or wrong:
+        raise Refusal(f"{source}: {wrong[0]}{more(len(wrong))}")
+    return found
+
+
+def _checked(flat: Mapping[str, Any], model: type[Model]) -> tuple[Model | None, list[str]]:
+    """Return the model of parameters with dotted keys, none with invalid values, and a sentence for everything that is wrong."""
+    known, fields = _without_empty_groups(flat, model), fields_by_key(model)
+    unknown = [key for key in known if key not in fields]
+    wrong = [unknown_parameter(key, model) for key in unknown[:MOST_UNKNOWN]]
+    if len(unknown) > MOST_UNKNOWN:
+        wrong.append(f"{len(unknown) - MOST_UNKNOWN} more parameters are unknown, the last '{unknown[-1]}'")
+    for key, value in known.items():
         if isinstance(value, float) and 0.0 < abs(value) < LEAST:
-            raise Refusal(f"{source}: {key} = {value!r} is too close to zero: give 0.0, or a magnitude of at least {LEAST:g}")
+            wrong.append(f"{key} = {value!r} is too close to zero: give 0.0, or a magnitude of at least {LEAST:g}")
     try:
-        return model.model_validate(nest(flat))
+        return model.model_validate(nest({key: value for key, value in known.items() if key in fields})), wrong
     except ValidationError as error:
-        raise Refusal(f"{source}: {sentence(error, model)}") from None
+        return None, wrong + sentences(error, model)
+
+
+def _groups(model: type[Group]) -> set[str]:
+    """Return the dotted names of a model's groups."""
+    return {".".join(parts[:end]) for parts in (key.split(".") for key in fields_by_key(model)) for end in range(1, len(parts))}
+
+
+def _without_empty_groups(flat: Mapping[str, Any], model: type[Group]) -> dict[str, Any]:
+    """Return parameters without the groups that a file names with nothing below them."""
+    groups = _groups(model) if any(value == {} for value in flat.values()) else ()
+    return {key: value for key, value in flat.items() if not (value == {} and key in groups)}
+
+
+def unknown_parameter(key: str, model: type[Group] = Configuration) -> str:
+    """Return a sentence about a key that is no parameter of a model: what it is instead, or what may be meant."""
+    fields, groups = fields_by_key(model), _groups(model)
+    if key in groups:
+        example = next(known for known in fields if known.startswith(f"{key}."))
+        return f"{key} is a group of parameters: give them below it, such as {example}, or leave it out"
+    alike = [group for group in groups if group.count(".") == key.count(".")]
+    return f"unknown parameter '{key}'{nearest(key, alike, GOOD_LIKENESS) or nearest_key(key, fields)}"
 
 
 def read_parameters(path: Path, node: str) -> dict[str, Any]:
-    """Return the parameters of a ROS parameter file for a node by their dotted keys: those of ``/**``, then those of its own section.
+    """Return the parameters of a file for a node of the bench by their dotted keys: plain groups, or those of a ROS parameter file.
 
     Raises:
-        Refusal: the file cannot be read, is not YAML or does not have the form of a ROS parameter file.
+        Refusal: the file cannot be read, is not YAML, has no parameters for the node, or has something that no node reads.
     """
-    tree = read_yaml(path)
-    if not isinstance(tree, Mapping) or not all(isinstance(section, Mapping) for section in tree.values()):
-        raise Refusal(f"{path} is not a ROS parameter file; it must begin with '/**:' and 'ros__parameters:'")
     flat: dict[str, Any] = {}
-    for name in ("/**", node, f"/{node}", f"/dcrb/{node}", f"/**/{node}"):
-        section = tree.get(name, {})
-        if section and (set(section) != {"ros__parameters"} or not isinstance(section["ros__parameters"], Mapping)):
-            raise Refusal(f"{path}: '{name}' must contain 'ros__parameters:' and nothing else")
-        flat.update({str(key): value for key, value in flatten(section.get("ros__parameters", {})).items()})
-    if not flat and not any(str(name).strip("/").split("/")[-1] for name in tree):
-        raise Refusal(f"{path} contains no parameters for the node '{node}'; put them below '/**:' and 'ros__parameters:'")
+    for parameters in parameters_of(read_yaml(path), node, str(path)):
+        try:
+            flat.update(flatten(parameters))
+        except Refusal as refusal:
+            raise Refusal(f"{path}: {refusal}") from None
     return flat
 
 
@@ -130,10 +171,13 @@ def _settings(settings: Sequence[str], fields: Mapping[str, ParameterField]) -> 
 
 
 def overlaid(whole: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
-    """Return a configuration with dotted keys after changes; a new preset of the sensor among them also changes its typical values."""
+    """Return all parameters of a configuration with dotted keys after changes.
+
+    A new preset of the sensor among them also changes its typical values, and a speed in one form replaces one in the other.
+    """
     preset = changes.get("sensor.preset")
     brought = preset_values(str(preset)) if preset not in (None, whole.get("sensor.preset")) else {}
-    return {**whole, **brought, **changes}
+    return with_one_speed({**whole, **brought, **changes}, changes)
 
 
 def load_configuration(source: Configuration | str | Path, settings: Mapping[str, Any] | Sequence[str] | str = ()) -> Configuration:
@@ -157,6 +201,18 @@ def load_configuration(source: Configuration | str | Path, settings: Mapping[str
     >>> load_configuration("healthy", {"faults": {"outer_1": {"width": 0.002}}, "operating.speed": 100.0})
     <Configuration: 100 rad/s (954.9 rpm), 100 kN, outer_1: 2 mm wide>
     """
+    flat = layers(source, settings)
+    if isinstance(source, Configuration):
+        return validated(flat, Configuration, "settings") if settings else source
+    return validated(flat, Configuration, str(source))
+
+
+def layers(source: Configuration | str | Path, settings: Mapping[str, Any] | Sequence[str] | str = ()) -> dict[str, Any]:
+    """Return the parameters of a configuration with settings on top by their dotted keys, unchecked; see `load_configuration`.
+
+    Raises:
+        Refusal: no such file, it has no parameters, or a setting cannot be read.
+    """
     if not isinstance(source, (Configuration, str, Path)):
         raise Refusal(f"{source!r} is not a configuration: give a shipped name such as 'healthy', a YAML file or a Configuration")
     if not isinstance(settings, (Mapping, Iterable)):
@@ -166,9 +222,8 @@ def load_configuration(source: Configuration | str | Path, settings: Mapping[str
     else:
         asked = _settings((settings,) if isinstance(settings, str) else settings, fields_by_key())
     if isinstance(source, Configuration):
-        return validated(overlaid(flatten(source.model_dump()), asked), Configuration, "settings") if asked else source
-    flat = read_parameters(find_configuration(source), "simulator")
-    return validated({**without_replaced(flat, asked), **asked}, Configuration, str(source))
+        return overlaid(flatten(source.model_dump()), asked)
+    return layered(read_parameters(find_configuration(source), "simulator"), asked)
 
 
 def _plain(settings: Mapping[str, Any]) -> dict[str, Any]:
@@ -178,7 +233,7 @@ def _plain(settings: Mapping[str, Any]) -> dict[str, Any]:
 
 def find_configuration(source: str | Path) -> Path:
     """Return the path of a configuration given as a file or by a shipped name."""
-    path = Path(source)
+    path = checked_path(source)
     if path.is_file():
         return path
     shipped = shipped_configurations()
@@ -204,6 +259,21 @@ def shipped_configurations() -> dict[str, Path]:
 def to_yaml(configuration: Group) -> str:
     """Return a configuration as a ROS parameter file that contains every parameter."""
     return str(yaml.safe_dump({"/**": {"ros__parameters": configuration.model_dump()}}, sort_keys=False))
+
+
+def to_described_yaml(configuration: Group) -> str:
+    """Return a configuration as a ROS parameter file that contains every parameter, with units as comments."""
+    lines, values = ["/**:", "  ros__parameters:"], flatten(configuration.model_dump())
+    before: tuple[str, ...] = ()
+    for field in parameter_fields(type(configuration)):
+        *groups, name = field.key.split(".")
+        same = next((k for k, (a, b) in enumerate(zip(groups, before, strict=False)) if a != b), min(len(groups), len(before)))
+        lines += [f"{'  ' * (k + 2)}{groups[k]}:" for k in range(same, len(groups))]
+        unit = f"  # {field.unit}" if field.unit != "-" else ""
+        text = yaml.safe_dump({name: values[field.key]}, width=math.inf).rstrip("\n")
+        lines.append(textwrap.indent(text, "  " * (len(groups) + 2)) + unit)
+        before = tuple(groups)
+    return "\n".join(lines) + "\n"
 
 
 UNIT_SIGNS = (("^2", "²"), ("sqrt(Hz)", "√Hz"), ("ug/", "µg/"))

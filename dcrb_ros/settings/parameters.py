@@ -67,6 +67,46 @@ class Housing(Group):
 
     stiffness: float = quantity(212e6, "N/m", "Stiffness of the housing in X and in Y", 1e3, 1e12, symbol="k_h")
     damping: float = quantity(1e5, "N s/m", "Damping of the housing in X and in Y", 0.0, 1e8, symbol="c_h")
+    box_mass: float = quantity(0.0, "kg", "Mass of the axle box, which moves with the outer ring", 0.0, 1e4)
+    axle_mass: float = quantity(0.0, "kg", "Mass of the axle and wheels, which moves with the inner ring", 0.0, 1e4)
+
+
+class Lubrication(Group):
+    """What is between rollers and raceways: a dry contact, for which only ``law`` counts, or an oil film at a constant temperature."""
+
+    law: Literal["dry", "film"] = choice("dry", "Lubrication: dry, no lubricant (the paper), or film, an oil film")
+    lubricant: Literal["grease", "vg100", "vg220", "custom"] = choice(
+        "grease", "Lubricant: a wheelset grease by its base oil, an oil of ISO VG 100 or 220, or custom, by the values below"
+    )
+    viscosity_40: float = quantity(100.0, "mm^2/s", "Kinematic viscosity at 40 deg C of a custom lubricant", 2.0, 2000.0, symbol="nu_40")
+    viscosity_100: float = quantity(11.0, "mm^2/s", "Kinematic viscosity at 100 deg C of a custom lubricant", 1.0, 200.0, symbol="nu_100")
+    density: float = quantity(890.0, "kg/m^3", "Density at 15 deg C of a custom lubricant", 700.0, 1200.0)
+    pressure_coefficient: float = quantity(
+        2.2e-8, "1/Pa", "Pressure coefficient of the viscosity at 40 deg C of a custom lubricant", 5e-9, 5e-8, symbol="alpha"
+    )
+    temperature: float = quantity(60.0, "deg C", "Temperature of the oil", -40.0, 250.0)
+    layer: float = length(0.0, "Thickness of the oil layer; 0 for 5 um with grease and 50 um with oil", 0.0, 0.001, symbol="H")
+    roughness: float = length(2.8e-7, "Combined roughness of roller and raceway, root mean square", 1e-9, 1e-5, symbol="sigma")
+    boundary_friction: float = quantity(0.12, "-", "Friction coefficient of asperities", 0.001, 1.0, symbol="mu_b")
+    limiting_friction: float = quantity(0.06, "-", "Largest traction coefficient of the film", 0.001, 1.0, symbol="mu_L")
+    squeeze: bool = choice(True, "Whether the oil resists the approach of roller and raceway")
+    rolling_resistance: bool = choice(True, "Whether the oil resists rolling")
+
+
+class Surfaces(Group):
+    """Heights of raceways and rollers: perfect surfaces with notches, or profiles of an individual bearing."""
+
+    law: Literal["smooth", "profile"] = choice(
+        "smooth",
+        "Surfaces: smooth, perfect ones (the paper), or profile, the waviness, dimensions and damage of an individual",
+    )
+    seed: int = quantity(0, "-", "Seed that makes the bearing an individual; 0 for simulation.seed", 0, 2**31 - 1)
+    waviness: float = length(1e-7, "Waviness of the raceways of 15 to 150 lobes, root mean square; half of it on rollers", 0.0, 1e-5)
+    waviness_slope: float = quantity(1.5, "-", "Exponent with which the amplitudes of waviness fall over the number of lobes", 0.5, 4.0)
+    roundness: float = length(1e-6, "Out-of-roundness of the raceways of 2 to 14 lobes, root mean square", 0.0, 1e-4)
+    roller_spread: float = length(4e-7, "Standard deviation of the diameters of the rollers", 0.0, 1e-5)
+    clearance_spread: float = length(1e-5, "Standard deviation of the diametral clearance between bearings", 0.0, 1e-4)
+    row_spread: float = length(1e-6, "Standard deviation of the outer raceway's radius between rows", 0.0, 1e-5)
 
 
 class Cage(Group):
@@ -151,6 +191,8 @@ class Publishing(Group):
     burst_period: float = quantity(0.0, "s", "Burst mode: period of the bursts; 0 for a continuous waveform", 0.0, 1e6)
     preview_rate: int = quantity(200, "Hz", "Rate of the low-pass filtered preview in simulated time", 10, 1000)
     truth_rate: int = quantity(10, "Hz", "Rate of ground_truth in simulated time; every change is published in addition", 1, 100)
+    listeners: int = quantity(0, "-", "Subscribers to the waveform that a node waits for before its first block", 0, 1000)
+    wait: float = quantity(30.0, "s", "Longest wall time to wait for them", 0.0, 1e4)
     clock: bool = choice(False, "Also publish /clock, the simulated time, at most 100 times per second of wall time")
     frame: str = choice("outer_ring", "Frame id of the sensor's messages; several bearings in one graph need different ones")
     clean: bool = choice(False, "Also publish outer_ring/vibration_clean, the waveform before noise, clipping and ADC")

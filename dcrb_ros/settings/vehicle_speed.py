@@ -24,11 +24,40 @@ def with_shaft_speed(operating: Mapping[str, Any], default_diameter: float) -> M
     """Return the values of the group ``operating`` with a speed in km/h replaced by the shaft's.
 
     Values that are not numbers within their ranges are left for the fields to refuse.
+
+    Raises:
+        ValueError: both speeds are given.
     """
-    kmh, diameter = operating.get("speed_kmh"), operating.get("wheel_diameter", default_diameter)
-    if not (isinstance(kmh, float) and 0.0 < abs(kmh) <= FASTEST_KMH and isinstance(diameter, float) and diameter > 0.0):
+    speed = _converted(operating.get("speed_kmh"), operating.get("wheel_diameter", default_diameter))
+    if speed is None:
         return operating
-    return {**operating, "speed": shaft_speed(kmh, diameter), "speed_kmh": 0.0}
+    if "speed" in operating:
+        raise ValueError(
+            f"{SPEED} = {operating['speed']} rad/s and {SPEED_KMH} = {operating['speed_kmh']} km/h are two forms of one parameter: "
+            "give one of them"
+        )
+    return {**operating, "speed": speed, "speed_kmh": 0.0}
+
+
+def _converted(kmh: Any, wheel_diameter: Any) -> float | None:
+    """Return the shaft's speed [rad/s], or None without a speed in km/h, or with values that are not numbers within their ranges."""
+    if not all(isinstance(value, (int, float)) and not isinstance(value, bool) for value in (kmh, wheel_diameter)):
+        return None
+    return shaft_speed(kmh, wheel_diameter) if 0.0 < abs(kmh) <= FASTEST_KMH and wheel_diameter > 0.0 else None
+
+
+def layered(below: Mapping[str, Any], above: Mapping[str, Any]) -> dict[str, Any]:
+    """Return parameters with dotted keys after changes ``above`` them: a speed in one form replaces one in the other."""
+    replaced_form = SPEED if above.get(SPEED_KMH) else SPEED_KMH if SPEED in above else ""
+    return {**{key: value for key, value in below.items() if key != replaced_form}, **above}
+
+
+def with_one_speed(parameters: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
+    """Return all parameters of a configuration after ``changes`` that are among them, the speed in the form that was changed last."""
+    if SPEED in changes:
+        return {**parameters, SPEED_KMH: changes.get(SPEED_KMH, 0.0)}
+    speed = _converted(parameters.get(SPEED_KMH), parameters.get("operating.wheel_diameter"))
+    return dict(parameters) if speed is None else {**parameters, SPEED: speed, SPEED_KMH: 0.0}
 
 
 def replaced(changes: Mapping[str, Any], wheel_diameter: float, source: str) -> dict[str, Any]:
@@ -46,8 +75,3 @@ def replaced(changes: Mapping[str, Any], wheel_diameter: float, source: str) -> 
         raise Refusal(f"{source}: {SPEED_KMH} = {kmh!r} km/h is not a number within {-FASTEST_KMH:g} .. {FASTEST_KMH:g} km/h")
     others = {key: value for key, value in changes.items() if key != SPEED_KMH}
     return {SPEED: shaft_speed(float(kmh), wheel_diameter), **others}
-
-
-def without_replaced(given: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the parameters of a file that still count once ``changes`` are on top of them: a speed in rad/s replaces one in km/h."""
-    return {key: value for key, value in given.items() if key != SPEED_KMH or SPEED not in changes}

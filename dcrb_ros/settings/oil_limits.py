@@ -1,0 +1,83 @@
+"""Lubricants, temperatures and films that the equations of the oil film do not describe."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+from dcrb_ros.core.laws.film import build, lubricant_of
+from dcrb_ros.core.laws.interface import Material, film_at, film_offset
+from dcrb_ros.core.laws.viscosity import LEAST_VISCOSITY, dynamic_viscosity, pressure_coefficient, roelands_exponent
+
+if TYPE_CHECKING:
+    from dcrb_ros.settings.configuration import Configuration
+
+MOST_VISCOSITY = 100.0
+"""Viscosity above which an oil does not flow into the contacts [Pa s]: a mineral oil is at its pour point."""
+LEAST_EXPONENT, MOST_EXPONENT = 0.2, 1.1
+"""Range of Roelands' exponent Z [-]; lubricants have 0.3 to 0.9."""
+CUSTOM = ("viscosity_40", "viscosity_100", "density", "pressure_coefficient")
+"""Parameters of ``lubrication`` that describe a custom lubricant."""
+
+
+def oil_limits(c: Configuration, material: Material) -> Iterator[str]:
+    """Yield a sentence for each reason why the film cannot be computed; a dry bearing has none.
+
+    As with other laws, the parameters of a film that is not chosen may have any value, so that a bench is made dry by one setting.
+    """
+    if c.lubrication.law == "dry":
+        return
+    named = list(_lubricant(c))
+    yield from named or _state_of_oil(c)
+    if c.contact.notch == "edge" and c.surfaces.law == "smooth":
+        yield "contact.notch = 'edge' knows no oil film: take sink or surfaces.law = profile, or lubrication.law = dry"
+    if not named:
+        yield from _thick_films(c, material)
+
+
+def _lubricant(c: Configuration) -> Iterator[str]:
+    oil = c.lubrication
+    if oil.lubricant != "custom":
+        for name in CUSTOM:
+            if getattr(oil, name) != type(oil).model_fields[name].default:
+                yield (
+                    f"lubrication.{name} = {getattr(oil, name):g} describes a custom lubricant, but lubrication.lubricant = "
+                    f"{oil.lubricant!r}: remove it, or take lubricant = custom"
+                )
+    elif oil.viscosity_100 >= oil.viscosity_40:
+        yield (
+            f"lubrication.viscosity_100 = {oil.viscosity_100:g} mm^2/s is not below lubrication.viscosity_40 = "
+            f"{oil.viscosity_40:g} mm^2/s: oils are thinner at 100 deg C than at 40 deg C; exchange the values"
+        )
+
+
+def _state_of_oil(c: Configuration) -> Iterator[str]:
+    lubricant, temperature = lubricant_of(dict(c.lubrication)), c.lubrication.temperature
+    viscosity = dynamic_viscosity(lubricant, temperature)
+    if not LEAST_VISCOSITY < viscosity <= MOST_VISCOSITY:
+        remedy = "raise the temperature, or take a thinner oil" if viscosity > 1.0 else "lower the temperature, or take a thicker oil"
+        at_most = "at most " if viscosity <= LEAST_VISCOSITY else ""
+        yield (
+            f"lubrication.temperature = {temperature:g} deg C gives lubricant {c.lubrication.lubricant!r} a viscosity of {at_most}"
+            f"{viscosity:.3g} Pa s, outside {LEAST_VISCOSITY:g} .. {MOST_VISCOSITY:g} Pa s: {remedy}"
+        )
+        return
+    exponent = roelands_exponent(viscosity, pressure_coefficient(lubricant, temperature))
+    if not LEAST_EXPONENT <= exponent <= MOST_EXPONENT:
+        yield (
+            f"lubrication.pressure_coefficient = {lubricant.pressure_coefficient_40:g} 1/Pa with a viscosity of {viscosity:.3g} Pa s gives "
+            f"Roelands' exponent {exponent:.3g}, outside {LEAST_EXPONENT:g} .. {MOST_EXPONENT:g}: oils have 1.5e-8 to 2.5e-8 1/Pa"
+        )
+
+
+def _thick_films(c: Configuration, material: Material) -> Iterator[str]:
+    """Compare the films at the speed of the shaft in pure rolling with the radial gap."""
+    b, oil = c.bearing, build(dict(c.lubrication), material)
+    surface = 0.5 * abs(c.operating.speed) * b.inner_raceway_radius
+    speed = surface * b.outer_raceway_radius / (b.inner_raceway_radius + b.roller_radius)
+    films = [film_offset(film_at(oil, number, speed)) for number in (0, 1)]
+    if sum(films) >= b.radial_gap:
+        yield (
+            f"bearing: films of {films[0]:.3g} m, {films[1]:.3g} m at lubrication.temperature = {c.lubrication.temperature:g} deg C fill "
+            f"the radial gap of {b.radial_gap:.3g} m: raise the temperature, or take a thinner oil or layer"
+        )

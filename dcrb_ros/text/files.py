@@ -1,0 +1,106 @@
+"""Files from outside: only regular ones are opened, and texts are read up to a limit."""
+
+from __future__ import annotations
+
+import os
+import stat
+from pathlib import Path
+from typing import BinaryIO
+
+from dcrb_ros.schema.refusal import Refusal
+
+LARGEST_TEXT = 1_000_000
+"""Largest text file that is read unless another limit is given [bytes]; typical ones have a few hundred."""
+KINDS = {
+    stat.S_IFDIR: "a folder",
+    stat.S_IFIFO: "a named pipe",
+    stat.S_IFCHR: "a device",
+    stat.S_IFBLK: "a device",
+    stat.S_IFSOCK: "a socket",
+}
+"""Kinds of entries of a folder that are not regular files."""
+
+
+def checked_path(path: str | Path) -> Path:
+    """Return a path that the file system can represent, whether something exists there or not.
+
+    Raises:
+        Refusal: it contains a NUL or a surrogate, or a name in it is too long.
+    """
+    found = Path(path)
+    try:
+        os.lstat(found)
+    except ValueError as error:
+        raise Refusal(f"{found} is not a path ({error}): give the name of a file or folder") from None
+    except OSError as error:
+        if not isinstance(error, FileNotFoundError | NotADirectoryError | PermissionError):
+            raise Refusal(f"{found} cannot be used: {error.strerror}; give another path") from None
+    return found
+
+
+def special_kind(path: Path) -> str:
+    """Return what exists at a path that is not a regular file, such as a named pipe; the empty string for a regular file or nothing."""
+    try:
+        return KINDS.get(stat.S_IFMT(os.stat(path).st_mode), "")
+    except OSError:
+        return ""
+
+
+def open_regular(path: Path) -> BinaryIO:
+    """Return a regular file opened for reading; a pipe or a device, which may never end, is not read.
+
+    Raises:
+        Refusal: the path is not a regular file, or it cannot be read.
+    """
+    try:
+        # Without this flag, opening a pipe would wait for a writer.
+        descriptor = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_CLOEXEC", 0))
+    except ValueError as error:
+        raise Refusal(f"{path} is not a path ({error}): give the name of a file") from None
+    except OSError as error:
+        raise Refusal(f"{path} cannot be read: {error.strerror}") from None
+    kind = stat.S_IFMT(os.fstat(descriptor).st_mode)
+    if kind != stat.S_IFREG:
+        os.close(descriptor)
+        raise Refusal(f"{path} is {KINDS.get(kind, 'not a file')}: give a regular file")
+    return os.fdopen(descriptor, "rb")
+
+
+def check_regular(path: Path) -> None:
+    """Refuse a path that `open_regular` refuses.
+
+    Raises:
+        Refusal: see `open_regular`.
+    """
+    open_regular(path).close()
+
+
+def read_bytes(path: Path, largest: int) -> bytes:
+    """Return the content of a file of at most ``largest`` bytes.
+
+    Raises:
+        Refusal: the path is not a regular file, or it cannot be read or is too large.
+    """
+    with open_regular(path) as stream:
+        size = os.fstat(stream.fileno()).st_size
+        try:
+            # A file that is being written, or one of the kernel, has more bytes than its size says.
+            data = b"" if size > largest else stream.read(largest + 1)
+        except OSError as error:
+            raise Refusal(f"{path} cannot be read: {error.strerror}") from None
+    if max(size, len(data)) > largest:
+        raise Refusal(f"{path} has {max(size, len(data))} bytes; at most {largest} are read")
+    return data
+
+
+def read_text(path: Path, largest: int = LARGEST_TEXT) -> str:
+    """Return the text of a file of at most ``largest`` bytes.
+
+    Raises:
+        Refusal: the path is not a regular file, or it cannot be read, is too large or is not UTF-8.
+    """
+    data = read_bytes(path, largest)
+    try:
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise Refusal(f"{path} is not a text file: byte {error.start} is not UTF-8; save it as UTF-8") from None

@@ -1,0 +1,68 @@
+"""Child processes that end with the one that started them."""
+
+from __future__ import annotations
+
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from waiting import wait_for
+
+pytestmark = pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="the states of processes are read from /proc")
+
+PATIENCE = 60.0
+CHILD = """
+import threading
+from dcrb_ros.runtime.children import end_with_parent
+from dcrb_ros.runtime.signals import end_at_once
+end_at_once(7, "ended")
+print("started", flush=True)
+end_with_parent()
+threading.Event().wait(60.0)
+"""
+PARENT = """
+import subprocess, sys, threading
+from dcrb_ros.runtime.children import signals_blocked
+with signals_blocked():
+    child = subprocess.Popen([sys.executable, "-c", {child!r}], stdin=subprocess.PIPE)
+print(child.pid, flush=True)
+threading.Event().wait(60.0)
+"""
+POOL = """
+import os, threading
+from dcrb_ros.runtime.processes import in_processes
+
+if __name__ == "__main__":
+    jobs = in_processes({"first": os.getpid, "second": os.getpid}, 1)
+    print(next(jobs)[1], flush=True)
+    threading.Event().wait(60.0)
+"""
+
+
+def runs(process: int) -> bool:
+    """Return whether a process exists and is not a zombie."""
+    try:
+        return Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
+    except OSError:
+        return False
+
+
+def test_a_child_ends_like_after_sigterm_when_its_standard_input_is_closed() -> None:
+    with subprocess.Popen([sys.executable, "-c", CHILD], stdin=subprocess.PIPE, stderr=subprocess.PIPE, stdout=subprocess.DEVNULL) as child:
+        _, words = child.communicate(timeout=PATIENCE)
+    assert (child.returncode, words) == (7, b"ended\n")
+
+
+@pytest.mark.parametrize("code", [PARENT.format(child=CHILD), POOL], ids=["a child", "a worker"])
+def test_no_child_outlives_a_killed_parent(code: str, tmp_path: Path) -> None:
+    program = tmp_path / "program.py"
+    program.write_text(code)
+    with subprocess.Popen([sys.executable, str(program)], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True) as parent:
+        assert parent.stdout is not None
+        child = int(parent.stdout.readline())
+        assert runs(child)
+        parent.send_signal(signal.SIGKILL)
+        parent.wait(PATIENCE)
+    wait_for(lambda: not runs(child))

@@ -1,0 +1,38 @@
+"""Exit status and error message of the programs."""
+
+from __future__ import annotations
+
+import io
+import os
+import sys
+from pathlib import Path
+
+import pytest
+
+from dcrb_ros.runtime.exit_status import exit_status
+
+
+def test_an_error_of_the_operating_system_names_the_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    def command() -> None:
+        raise OSError(28, os.strerror(28), str(tmp_path / "cache"))
+
+    assert exit_status("dcrb", command) == 1
+    error = capsys.readouterr().err
+    assert f"dcrb: {tmp_path}/cache cannot be used: No space left on device; make room for it, or give another path" in error
+    assert error.count("\n") == 1
+
+
+def test_an_error_is_printed_without_control_characters(capsys: pytest.CaptureFixture[str]) -> None:
+    def command() -> None:
+        raise RuntimeError("the name \x1b[2J\udc80 failed; its output:\n    a\x07")
+
+    assert exit_status("dcrb", command) == 1
+    assert capsys.readouterr().err == "dcrb: the name \\x1b[2J\\udc80 failed; its output:\n    a\\x07\n"
+
+
+def test_characters_that_the_output_does_not_have_are_escaped(monkeypatch: pytest.MonkeyPatch) -> None:
+    output = io.TextIOWrapper(io.BytesIO(), encoding="ascii")
+    monkeypatch.setattr(sys, "stdout", output)
+    assert exit_status("dcrb", lambda: print("m/s\u00b2 \ud800")) == 0
+    output.flush()
+    assert output.buffer.getvalue() == b"m/s\\xb2 \\ud800\n"  # type: ignore[attr-defined]
