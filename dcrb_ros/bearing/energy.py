@@ -63,8 +63,8 @@ def potential_of_weight(payload: Payload, state: State) -> float:
 
 def kinetic_energy(payload: Payload, state: State) -> float:
     """Return the kinetic energy of all bodies except that of the driven rotation of the inner ring [J]."""
-    rings = payload.outer_ring_mass * state.outer_velocity @ state.outer_velocity
-    rings += payload.inner_ring_mass * state.inner_velocity @ state.inner_velocity
+    rings = payload.outer_mass * state.outer_velocity @ state.outer_velocity
+    rings += payload.inner_mass * state.inner_velocity @ state.inner_velocity
     linear, turning = state.cage_velocity[:, :2], state.cage_velocity[:, 2]
     cosine, sine = np.cos(state.cage_position[:, 2]), np.sin(state.cage_position[:, 2])
     mx, my = payload.train_moment[:, 0], payload.train_moment[:, 1]

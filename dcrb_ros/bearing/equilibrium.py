@@ -10,9 +10,10 @@ from scipy.optimize import least_squares, minimize
 from scipy.special import lambertw
 
 from dcrb_ros.bearing.profiles import profile_depths
+from dcrb_ros.bearing.surfaces import felt_heights
 from dcrb_ros.core.contacts import arrays
 from dcrb_ros.core.contacts.notch import inner_notch_depth, outer_notch_depth, roller_notch_depth
-from dcrb_ros.core.laws.interface import Site, normal_energy, normal_penetration
+from dcrb_ros.core.laws.interface import Site, film_reach, normal_energy, normal_penetration
 from dcrb_ros.core.laws.johnson import Johnson, johnson_stiffness
 from dcrb_ros.core.payload import SINK, Payload
 from dcrb_ros.schema.arrays import Floats
@@ -20,6 +21,8 @@ from dcrb_ros.schema.arrays import Floats
 START_PENETRATION = 2e-5
 """Penetration of the lowest roller at the start of the search [m]."""
 
+BISECTIONS = 60
+"""Halvings of the interval in which the position of a roller on its film is sought."""
 MICROMETRE = 1e-6
 TURN = 1e-7
 """Angle of the finite difference for the slope of a notch [rad]."""
@@ -51,11 +54,11 @@ def normal_forces(law: Any, penetration: Floats, site: Site) -> tuple[Floats, Fl
 
     Johnson's law with scipy's Lambert W instead of the kernels' fit, because recordings depend on its last bits.
     """
-    if not isinstance(law, Johnson):
+    if not isinstance(law, Johnson) or arrays.lubricated(site):
         return arrays.normal_forces(law, penetration, site)
     closed = penetration > 0.0
     depth = np.where(closed, penetration, 1.0)
-    force = np.where(closed, -law.modulus * depth / lambertw(-np.e * depth / site.scale, -1).real, 0.0)
+    force = np.where(closed, -law.modulus * depth / lambertw(-math.e * depth / site.scale, -1).real, 0.0)
     return force, np.where(closed, johnson_stiffness(law, np.where(closed, force, 1.0), site), 0.0)
 
 
@@ -64,9 +67,28 @@ def penetration_under(payload: Payload, force: Floats, site: Site) -> Floats:
     return np.asarray(normal_penetration(payload.normal_law, force, site))
 
 
+def resting_penetration(payload: Payload, force: Floats, site: Site) -> Floats:
+    """Return the penetrations [m], below zero on a film, at which rollers rest under forces [N] above zero; any shape."""
+    if not arrays.lubricated(site):
+        return penetration_under(payload, force, site)
+    low, high = np.full(force.shape, -film_reach(site.film)), penetration_under(payload, force, site)
+    for _ in range(BISECTIONS):
+        middle = 0.5 * (low + high)
+        heavy = normal_forces(payload.normal_law, middle, site)[0] > force
+        low, high = np.where(heavy, low, middle), np.where(heavy, middle, high)
+    return 0.5 * (low + high)
+
+
 def stored_energy(payload: Payload, penetration: Floats, site: Site) -> Floats:
     """Return the energy of contacts [J] at penetrations [m]; any shape."""
-    return energy_under(payload, normal_forces(payload.normal_law, penetration, site)[0], penetration)
+    return contact_energy(payload, normal_forces(payload.normal_law, penetration, site)[0], penetration, site)
+
+
+def contact_energy(payload: Payload, force: Floats, penetration: Floats, site: Site) -> Floats:
+    """Return the energy of contacts [J] at penetrations [m], where their force is known [N]; any shape."""
+    if arrays.lubricated(site):
+        return arrays.contact_energies(payload.normal_law, penetration, site)
+    return energy_under(payload, force, penetration)
 
 
 def energy_under(payload: Payload, force: Floats, penetration: Floats) -> Floats:
@@ -91,7 +113,7 @@ def notch_depths(payload: Payload, from_ring: Floats, inner: bool) -> Floats:
 
     Profiles of the surfaces are included. Notches with the law `edge` are not: their edges have contact normals of their own.
     """
-    depths = profile_depths(payload, from_ring, inner)
+    depths = profile_depths(payload, from_ring, inner) - felt_heights(payload, from_ring, inner)
     if payload.notch_law != SINK:
         return depths
     raceway = payload.inner_raceway_radius if inner else payload.outer_raceway_radius
@@ -136,7 +158,8 @@ def _forces_and_energy(
     from_inner, from_outer, inner_depth, outer_depth = penetrations(payload, outer, inner, rollers, notch_depth)
     inner_force = normal_forces(payload.normal_law, inner_depth, payload.inner)[0]
     outer_force = normal_forces(payload.normal_law, outer_depth, payload.outer)[0]
-    energy = energy_under(payload, inner_force, inner_depth).sum() + energy_under(payload, outer_force, outer_depth).sum()
+    energy = contact_energy(payload, inner_force, inner_depth, payload.inner).sum()
+    energy += contact_energy(payload, outer_force, outer_depth, payload.outer).sum()
     return (
         from_inner * (inner_force / np.linalg.norm(from_inner, axis=-1))[..., None],
         -from_outer * (outer_force / np.linalg.norm(from_outer, axis=-1))[..., None],
@@ -240,9 +263,9 @@ class _Problem:
         p, rest = self.payload, self.positions(x)
         inner, outer = (depth[self.free] for depth in penetrations(p, rest.outer, rest.inner, rest.rollers)[2:])
         outside, weight = self.outward > 0.0, np.maximum(np.abs(self.outward), LEAST_CONTACT_FORCE)
-        down = np.where(outside, penetration_under(p, weight, p.outer) - outer, inner - penetration_under(p, weight, p.inner))
+        down = np.where(outside, resting_penetration(p, weight, p.outer) - outer, inner - resting_penetration(p, weight, p.inner))
         laid: Floats = x.copy()
-        laid[self.first_free :] += np.where(np.maximum(inner, outer) > 0.0, 0.0, down)
+        laid[self.first_free :] += np.where(np.maximum(inner, outer) > -film_reach(p.outer.film), 0.0, down)
         return laid
 
     def start(self) -> Floats:

@@ -11,7 +11,7 @@ import numpy as np
 from dcrb_ros.runtime.frames import pandas
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.refusal import Refusal, nearest
-from dcrb_ros.stream.states import States
+from dcrb_ros.stream.states import LubricationState, States
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -48,16 +48,29 @@ class StateHistory:
     """Centre of each cage relative to that of the outer ring, shape (times, rows, 2) [m]."""
     inner_ring_force: Floats | None = None
     """Total force of the rollers on the inner ring in X and Y, shape (times, 2) [N]."""
+    film: Floats | None = None
+    """Central film of the most loaded contact at inner and outer raceway, shape (times, 2) [m]; like the following, None if dry."""
+    film_ratio: Floats | None = None
+    """Its ratio Lambda to the roughness, shape (times, 2) [-]."""
+    sliding_loss: Floats | None = None
+    """Energy lost since the start in sliding at raceways and bars, shape (times, rows) [J]."""
+    rolling_loss: Floats | None = None
+    """Energy lost since the start in the resistance of films to rolling, shape (times, rows) [J]."""
+    contact_loss: Floats | None = None
+    """Energy lost since the start in the damping of normal contacts, shape (times, rows) [J]."""
 
     @staticmethod
     def of(states: Sequence[States], names: Sequence[str]) -> StateHistory:
         """Return the history of some states, each an instant."""
-        wanted = [field.name for field in fields(States) if field.name != "time_ns"]
+        wanted = [field.name for field in fields(States) if field.name not in ("time_ns", "lubrication")]
         arrays = {name: np.array([getattr(state, name) for state in states], np.float64) for name in wanted}
         if not states:
             bodies, rows = len(names), sum(name.startswith("cage") for name in names)
             shapes = {"cage_offset": (0, rows, 2), "inner_ring_force": (0, 2)}
             arrays = {name: np.zeros(shapes.get(name, (0, bodies))) for name in wanted}
+        oiled = [state.lubrication for state in states if state.lubrication is not None]
+        if oiled:
+            arrays |= {field.name: np.array([getattr(oil, field.name) for oil in oiled]) for field in fields(LubricationState)}
         return StateHistory(time=np.array([state.time_ns * 1e-9 for state in states]), names=tuple(names), **arrays)
 
     def __len__(self) -> int:

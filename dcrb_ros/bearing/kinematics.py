@@ -2,16 +2,26 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Protocol
 
+from dcrb_ros.schema.refusal import Refusal
+
 CHARACTERISTIC_FREQUENCIES = ("FTF", "BPFO", "BPFI", "BSF")
+LOWEST_ORDER, HIGHEST_ORDER = 0.01, 1000.0
+"""Range of the orders [-]: three rollers that almost touch have an FTF of 0.07, a row of 1000 a BPFI below 1000."""
 
 
 @dataclass(frozen=True)
 class Orders:
-    """Characteristic frequencies as multiples of the shaft frequency (Eqs. 43 to 45 of Fan et al. 2025, and BSF)."""
+    """Characteristic frequencies as multiples of the shaft frequency (Eqs. 43 to 45 of Fan et al. 2025, and BSF).
+
+    Raises:
+        Refusal: an order is outside `LOWEST_ORDER` .. `HIGHEST_ORDER`; the memory of a detector grows with the orders. All of them are NaN
+            if the bearing is unknown.
+    """
 
     ftf: float
     """Fundamental train frequency, the rotation of the cage [-]."""
@@ -22,13 +32,21 @@ class Orders:
     bsf: float
     """Ball spin frequency: roller spin relative to the cage [-]; a roller defect strikes twice as often."""
 
+    def __post_init__(self) -> None:
+        found = self.as_dict()
+        if all(map(math.isnan, found.values())):
+            return
+        for name, order in found.items():
+            if not LOWEST_ORDER <= order <= HIGHEST_ORDER:
+                raise Refusal(f"{name} = {order:g} is outside {LOWEST_ORDER:g} .. {HIGHEST_ORDER:g} orders of the shaft: check the bearing")
+
     @classmethod
     def from_dict(cls, orders: Mapping[str, float]) -> Orders:
         """Return the orders given by name, as `as_dict` returns them.
 
         Raises:
             KeyError: one of `CHARACTERISTIC_FREQUENCIES` is missing.
-            TypeError, ValueError: an order is not a number.
+            TypeError, ValueError: an order is not a number, or out of range.
         """
         return cls(*(float(orders[name]) for name in CHARACTERISTIC_FREQUENCIES))
 

@@ -7,10 +7,12 @@ import math
 import numpy as np
 
 from dcrb_ros.core import observation as of
+from dcrb_ros.core.contacts.films import entrainment_speeds
+from dcrb_ros.core.laws.interface import film_at, law_of
 from dcrb_ros.core.layout.state import State
 from dcrb_ros.core.payload import Payload
 from dcrb_ros.schema.arrays import Floats
-from dcrb_ros.stream.states import States
+from dcrb_ros.stream.states import LubricationState, States
 
 
 def wrapped(angle: Floats) -> Floats:
@@ -22,6 +24,25 @@ def place_pinned_rollers(payload: Payload, state: State) -> None:
     """Write position and velocity of the pinned rollers, which move with their cages."""
     if not payload.all_free:
         of.place_pinned(state.rollers, payload.free, payload.pocket_tangent, state.position, state.velocity, payload.pitch_radius)
+
+
+def observe_lubrication(payload: Payload, state: State) -> LubricationState | None:
+    """Return films and losses of a lubricated bearing."""
+    law = law_of(payload.lubrication)
+    if law.thickness is None:
+        return None
+    found = []
+    for site, speed, forces in zip(
+        (payload.inner, payload.outer), entrainment_speeds(payload, state), (state.inner_force, state.outer_force), strict=True
+    ):
+        found.append(law.thickness(film_at(payload.lubrication, site.number, speed), float(forces.max())))
+    films, rollers = np.array(found), state.rollers[0]
+    friction, rolling, contact = (
+        state.of_rollers(values).sum(axis=1) for values in (rollers.friction_loss, rollers.rolling_loss, rollers.contact_loss)
+    )
+    return LubricationState(
+        film=films[:, 0], film_ratio=films[:, 1], sliding_loss=friction - rolling, rolling_loss=rolling, contact_loss=contact
+    )
 
 
 def observe(payload: Payload, state: State, time_ns: int) -> States:
@@ -49,4 +70,5 @@ def observe(payload: Payload, state: State, time_ns: int) -> States:
         bar_force=found[of.BAR_FORCE],
         cage_offset=state.cage_position[:, :2] - state.outer_position,
         inner_ring_force=force,
+        lubrication=observe_lubrication(payload, state),
     )

@@ -10,8 +10,10 @@ import numpy.typing as npt
 
 from dcrb_ros.bearing.equilibrium import roller_forces, static_equilibrium
 from dcrb_ros.bearing.profiles import profile_records
-from dcrb_ros.core.laws import NORMAL_LAWS, TRACTION_LAWS, lugre
-from dcrb_ros.core.laws.interface import inner_site, outer_site, pair_site
+from dcrb_ros.bearing.surfaces import build_surfaces
+from dcrb_ros.core.contacts.surface import Profile
+from dcrb_ros.core.laws import LUBRICATION_LAWS, NORMAL_LAWS, TRACTION_LAWS, lugre
+from dcrb_ros.core.laws.interface import film_at, inner_site, outer_site, pair_site
 from dcrb_ros.core.laws.pereira import pereira_coefficients
 from dcrb_ros.core.layout.state import State, empty_state
 from dcrb_ros.core.payload import EDGE, NOTCH, ROLLER_NOTCH, SINK, Notches, Payload
@@ -76,6 +78,8 @@ def build_payload(configuration: Configuration) -> Payload:
     c, b = configuration, configuration.bearing
     azimuth, free, broken = pocket_azimuths(b), free_rollers(c), broken_bars(c)
     damage = c.faults.damage(b, c.contact.edge_radius if c.contact.notch == "edge" else 0.0)
+    surfaces, highest = build_surfaces(c, damage)
+    damage = [] if isinstance(surfaces, Profile) else damage
     raceway_notches = [notch for notch in damage if isinstance(notch, RacewayNotch)]
     roller_notches = [notch for notch in damage if isinstance(notch, RollerNotch)]
     surface_profiles = [profile for profile in damage if isinstance(profile, SurfaceProfile)]
@@ -89,6 +93,7 @@ def build_payload(configuration: Configuration) -> Payload:
     bar = pereira_coefficients(c.cage.pocket_clearance, b.roller_length, b.effective_modulus)
     land = pereira_coefficients(c.cage.land_clearance, b.roller_length, b.effective_modulus)
     material = material_of(b)
+    oil, orbit = LUBRICATION_LAWS[c.lubrication.law].build(dict(c.lubrication), material), cage_speed(c, c.operating.speed)
     cage_friction = {"kinetic_coefficient": c.cage.friction_coefficient, "static_coefficient": c.cage.friction_coefficient}
     return Payload(
         step=1.0 / c.step_rate,
@@ -105,6 +110,8 @@ def build_payload(configuration: Configuration) -> Payload:
         outer_raceway_radius=b.outer_raceway_radius,
         pitch_radius=b.pitch_radius,
         roller_radius=b.roller_radius,
+        outer_mass=b.outer_ring_mass + c.housing.box_mass,
+        inner_mass=b.inner_ring_mass + c.housing.axle_mass,
         outer_ring_mass=b.outer_ring_mass,
         inner_ring_mass=b.inner_ring_mass,
         roller_mass=b.roller_mass,
@@ -116,11 +123,12 @@ def build_payload(configuration: Configuration) -> Payload:
         gravity=c.operating.gravity,
         housing_stiffness=c.housing.stiffness,
         housing_damping=c.housing.damping,
-        inner=inner_site(material),
-        outer=outer_site(material),
-        pair=pair_site(material),
+        inner=inner_site(material, film_at(oil, 0, (c.operating.speed - orbit) * b.inner_raceway_radius)),
+        outer=outer_site(material, film_at(oil, 1, -orbit * b.outer_raceway_radius)),
+        pair=pair_site(material, film_at(oil, 2, 0.0)),
         normal_law=NORMAL_LAWS[c.contact.law].build(dict(c.contact), material),
         traction_law=TRACTION_LAWS[c.friction.law].build(dict(c.friction), material),
+        lubrication=oil,
         cage_traction_law=lugre.build(dict(c.friction) | cage_friction, material),
         loss_time=c.contact.loss_time,
         contact_damping=c.contact.damping,
@@ -131,7 +139,8 @@ def build_payload(configuration: Configuration) -> Payload:
         roller_notches=_records(roller_notches, ROLLER_NOTCH),
         profiles=profiles,
         profile_depths=depths,
-        profile_height=height,
+        profile_height=height + highest,
+        surfaces=surfaces,
         pocket_clearance=c.cage.pocket_clearance,
         bar_coefficient=bar[0],
         bar_exponent=bar[1],

@@ -9,9 +9,9 @@ from dcrb_ros.bearing.observation import place_pinned_rollers
 from dcrb_ros.bearing.payload import build_payload
 from dcrb_ros.core.layout.state import State
 from dcrb_ros.core.payload import Payload
-from dcrb_ros.schema.refusal import Refusal, nearest
+from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
-from dcrb_ros.settings.files import fields_by_key, flatten, validated
+from dcrb_ros.settings.files import fields_by_key, flatten, unknown_parameter, validated
 
 
 def altered(configuration: Configuration, changes: Mapping[str, Any], source: str = "parameters") -> Configuration:
@@ -24,7 +24,7 @@ def altered(configuration: Configuration, changes: Mapping[str, Any], source: st
     fields = fields_by_key()
     for key in changes:
         if key not in fields:
-            raise Refusal(f"{source}: unknown parameter '{key}'{nearest(key, fields)}")
+            raise Refusal(f"{source}: {unknown_parameter(key)}")
         if not fields[key].run_time:
             raise Refusal(f"{source}: {key} is fixed while the bench runs; set it in the configuration and restart")
     after = validated({**flatten(configuration.model_dump()), **changes}, Configuration, source)

@@ -1,8 +1,8 @@
 """The physics as numba kernels: floats, arrays and named tuples in, nothing validated, nothing allocated in the loop.
 
 Importing this package chooses the folder of the compile cache, so it must come before any kernel. Numba's own cache does
-not notice that a kernel in another file has changed; a folder named by a hash of all kernel sources cannot be stale. A user's
-NUMBA_CACHE_DIR gets such a folder, too.
+not notice that a kernel in another file has changed; a folder named by a hash of all kernel sources cannot be stale. The hash includes
+their path and the processor, because numba compiles anew for others. A user's NUMBA_CACHE_DIR gets such a folder, too.
 """
 
 from __future__ import annotations
@@ -14,13 +14,16 @@ import stat
 import tempfile
 from pathlib import Path
 
+import llvmlite.binding
 import numba
 import platformdirs
 
 
 def _folder_name() -> str:
-    digest = hashlib.sha256(f"{numba.__version__} {platform.python_version()}".encode())
-    for source in sorted(Path(__file__).parent.rglob("*.py")):
+    sources = Path(__file__).resolve().parent
+    versions = f"{numba.__version__} {platform.python_version()} {llvmlite.binding.get_host_cpu_name()}"
+    digest = hashlib.sha256(f"{versions} {sources}".encode())
+    for source in sorted(sources.rglob("*.py")):
         digest.update(source.read_bytes())
     return f"kernels-{digest.hexdigest()[:16]}"
 

@@ -10,23 +10,43 @@ from numba import njit
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 COMPILED: dict[str, Any] = {"error_model": "numpy", "_nrt": False, "fastmath": {"contract", "arcp", "nsz"}}
-"""Without numba's runtime nothing can be allocated, and no array is counted in and out of a call: a factor of six here."""
+"""Without numba's runtime nothing can be allocated, and no array is counted in and out of a call: a factor of six here.
+
+``contract`` joins a product and a sum where the processor has fused multiply-add, which rounds once instead of twice; of two products, the
+compiler chooses one by the processor. That is the only difference between processors. A recording names its processor in the manifest.
+"""
 INLINED: dict[str, Any] = {**COMPILED, "forceinline": True}
 OPTIONS: dict[str, Any] = {**COMPILED, "cache": True}
 
 
 def kernel(function: Function) -> Function:
     """Compile a kernel that is inlined into its callers: its named tuples never cross a call."""
-    return cast(Function, njit(**OPTIONS, forceinline=True)(function))
+    return cast(Function, _cached(njit(**OPTIONS, forceinline=True)(function)))
 
 
 def piece(function: Function) -> Function:
     """Compile a kernel that only other kernels call: the way in from Python, most of the work for so many arguments, is left out."""
     # Numba takes these two, but does not list them among its keywords.
     without: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
-    return cast(Function, njit(**OPTIONS, **without, forceinline=True)(function))
+    return cast(Function, _cached(njit(**OPTIONS, **without, forceinline=True)(function)))
 
 
 def loop(function: Function) -> Function:
     """Compile an entry point that Python calls; it lets go of the interpreter's lock."""
-    return cast(Function, njit(**OPTIONS, nogil=True)(function))
+    return cast(Function, _cached(njit(**OPTIONS, nogil=True)(function)))
+
+
+def _cached(dispatcher: Any) -> Any:
+    """Return a dispatcher whose cache names its folder if it cannot be written, because the disk is full for instance."""
+    cache = getattr(dispatcher, "_cache", None)  # there is none without the compiler
+    if cache is not None:
+        save = cache.save_overload
+
+        def save_overload(signature: Any, data: Any) -> None:
+            try:
+                save(signature, data)
+            except OSError as error:
+                raise OSError(error.errno, error.strerror, cache.cache_path) from None
+
+        cache.save_overload = save_overload
+    return dispatcher

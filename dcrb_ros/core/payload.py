@@ -86,7 +86,12 @@ class Payload(NamedTuple):
     outer_raceway_radius: float
     pitch_radius: float
     roller_radius: float
+    outer_mass: float
+    """Mass of the outer ring with the axle box [kg]."""
+    inner_mass: float
+    """Mass of the inner ring with the axle [kg]."""
     outer_ring_mass: float
+    """Mass of the ring alone: what box and axle weigh is part of the load [kg]."""
     inner_ring_mass: float
     roller_mass: float
     roller_inertia: float
@@ -112,6 +117,10 @@ class Payload(NamedTuple):
     """Constants of the law of the normal force; their type chooses it, see `dcrb_ros.core.laws.interface`."""
     traction_law: Any
     """The same of traction between rollers and raceways."""
+    lubrication: Any
+    """The same of what is between them."""
+    surfaces: Any
+    """The same of their surfaces, see `dcrb_ros.core.contacts.surface`."""
     cage_traction_law: Any
     """The same of traction at bars and lands."""
     loss_time: float
@@ -126,7 +135,7 @@ class Payload(NamedTuple):
     profile_depths: Floats
     """Samples of all profiles, one after the other [m]."""
     profile_height: float
-    """How far the highest of them rises above the nominal surface [m]."""
+    """How far the highest of all surfaces rises above the nominal one [m]."""
     pocket_clearance: float
     bar_coefficient: float
     """Coefficient of a bar's conformal contact, Eq. 22 [N/m^exponent]."""
@@ -143,4 +152,5 @@ class Payload(NamedTuple):
 
 def arrays_by_law(payload: Payload) -> ByLaw:
     """Return the arrays that the bearing's laws name in the tables of contacts."""
-    return by_law(law_of(payload.normal_law), law_of(payload.traction_law), law_of(payload.cage_traction_law))
+    laws = (payload.normal_law, payload.traction_law, payload.cage_traction_law, payload.lubrication)
+    return by_law(*(law_of(constants) for constants in laws))

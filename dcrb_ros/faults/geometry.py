@@ -80,4 +80,20 @@ class SurfaceProfile(NamedTuple):
     """Roller in its row, for the body roller; -1 for all rollers."""
 
 
-Damage = RacewayNotch | RollerNotch | BrokenBar | SurfaceProfile
+class SurfaceHeights(NamedTuple):
+    """The heights of a raceway where it is damaged, from samples; the envelope of the rollers and the width of the contact follow."""
+
+    ring: Ring
+    row: int
+    """Row; -1 for all rows."""
+    heights: Sequence[float]
+    """Samples at an odd number of places about the middle, zero at both ends; below zero where metal is missing [m]."""
+    azimuth: float
+    """Azimuth of the middle; on the inner ring at shaft angle zero [rad]."""
+    spacing: float
+    """Distance between the samples along the raceway [m]."""
+    share: float
+    """Share of the roller's length that the damage takes [-]."""
+
+
+Damage = RacewayNotch | RollerNotch | BrokenBar | SurfaceProfile | SurfaceHeights

@@ -284,16 +284,16 @@ class Simulation:
         while self._scheduled and self._scheduled[0].step <= self._steps:
             scheduled = self._scheduled.popleft()
             with self._lock:
-                event = self._alter(scheduled.changes, scheduled.event)
-            if scheduled.event is not None:
+                event = self._alter(scheduled.changes, scheduled.event or ScenarioEvent(scheduled.changes))
+            if scheduled.event is not None or isinstance(event, Refused):
                 self._note(event)
 
-    def _alter(self, changes: Mapping[str, Any], request: ParameterChange | ScenarioEvent | None) -> Event | None:
+    def _alter(self, changes: Mapping[str, Any], request: ParameterChange | ScenarioEvent) -> Event:
         """Apply changes of parameters from this step on; return the request, or its refusal."""
         try:
             after = altered(self.configuration, changes)
         except Refusal as refusal:  # it conflicts with a change that came in between
-            return Refused(request, str(refusal)) if request is not None else None
+            return Refused(request, str(refusal))
         before, self.configuration = self.configuration, after
         if after.faults != before.faults:
             self._payload = refitted(after, self._payload, self._state)

@@ -63,8 +63,8 @@ def simulate(
 ) -> Run:
     """Simulate a bearing and return what its sensor measured, as arrays.
 
-    The same arguments give the same samples, bit for bit. The first call on a machine compiles the kernels, which takes some ten
-    seconds.
+    The same arguments give the same samples, bit for bit, on the same kind of processor. The first call on a machine
+    compiles the kernels, which takes 15 s to over a minute.
 
     Parameters
     ----------

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import Counter, defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,17 +14,23 @@ from dcrb_ros.schema.refusal import Refusal, nearest
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import COMMANDED, flatten, overlaid, shipped_folder, validated
 from dcrb_ros.settings.vehicle_speed import SPEED, replaced
-from dcrb_ros.settings.yaml import read_yaml
 from dcrb_ros.stream.events import ScenarioEvent
+from dcrb_ros.text.files import checked_path
+from dcrb_ros.text.yaml import read_yaml
 
 TICK = 0.05
 """Simulated time between two steps of a gradual change [s]; longer if there would be more than `MAX_TICKS`."""
 MAX_TICKS = 20_000
+MAX_CHANGES = 100_000
+"""Steps of all gradual changes together."""
 MAX_TIME = 1e6
 """Latest time of an entry [s]."""
-MAX_ENTRIES = 10_000
+MAX_ENTRIES = 3_000
+"""Entries of a timeline; each is checked with the whole configuration, which takes 0.4 ms."""
 RAMPS = {SPEED: "operating.speed_ramp", "operating.load": "operating.load_ramp", "operating.lateral_load": "operating.load_ramp"}
 """The ramp at which each target is approached."""
+MOST_REHEARSED = 500
+"""Intermediate values of a gradual change that are checked beforehand, at most [-]; a check takes half a millisecond."""
 KEYS = ("at", "over", "set")
 START_GROUPS = ("operating", "faults", "structure", "background", "sensor")
 """Groups of parameters that may stand under ``start``."""
@@ -91,7 +98,7 @@ def read_scenario_file(path: Path) -> Any:
 def _find(path: Path) -> Path:
     """Return the file of a scenario given by its path or a shipped name."""
     shipped = {file.stem: file for file in sorted((shipped_folder() / "scenarios").glob("*.yaml"))}
-    if not path.is_file() and str(path) not in shipped:
+    if not checked_path(path).is_file() and str(path) not in shipped:
         raise Refusal(f"there is no scenario '{path}': give a YAML file or one of {', '.join(shipped)}{nearest(str(path), shipped)}")
     return path if path.is_file() else shipped[str(path)]
 
@@ -134,18 +141,52 @@ def scheduled_changes(tree: Any, configuration: Configuration, source: str) -> l
     # Immediate changes come before gradual changes that begin at the same time.
     entries = sorted(parsed, key=lambda entry: (entry.first, entry.gradual))
     _refuse_overlaps(entries)
-    changes: list[ScheduledChange] = []
+    _refuse_many_steps(entries, source)
+    beginning, ending = defaultdict[int, list[_Entry]](list), defaultdict[int, list[_Entry]](list)
+    for entry in entries:
+        beginning[entry.first].append(entry)
+        if entry.gradual:
+            ending[entry.last].append(entry)
+    planned: list[tuple[ScheduledChange, _Entry]] = []
     present = configuration
-    for moment in sorted({entry.first for entry in entries} | {entry.last for entry in entries}):
-        for entry in entries:
-            # Gradual changes end before others begin at the same time.
-            if entry.gradual and entry.last == moment:
-                present = altered(present, entry.values, f"{entry.source} (at {entry.at + entry.over:g} s)")
-        for entry in entries:
-            if entry.first == moment:
-                changes += _changes(entry, present)
-                present = present if entry.gradual else altered(present, entry.values, f"{entry.source} (at {entry.at:g} s)")
-    return sorted(changes, key=lambda change: change.step)
+    for moment in sorted({*beginning, *ending}):
+        # Gradual changes end before others begin at the same time.
+        for entry in ending.get(moment, ()):
+            present = altered(present, entry.values, f"{entry.source} (at {entry.at + entry.over:g} s)")
+        for entry in beginning.get(moment, ()):
+            planned += [(change, entry) for change in _changes(entry, present)]
+            present = present if entry.gradual else altered(present, entry.values, f"{entry.source} (at {entry.at:g} s)")
+    planned.sort(key=lambda one: one[0].step)
+    _rehearse(planned, configuration)
+    return [change for change, _ in planned]
+
+
+def _rehearse(planned: Sequence[tuple[ScheduledChange, _Entry]], configuration: Configuration) -> None:
+    """Refuse a gradual change on whose way the bench becomes impossible, together with whatever else changes meanwhile."""
+    between = Counter(entry.source for change, entry in planned if change.event is None)
+    passed: Counter[str] = Counter()
+    present = configuration
+    for change, entry in planned if between else ():
+        if change.event is None:
+            passed[entry.source] += 1
+            if passed[entry.source] % math.ceil(between[entry.source] / MOST_REHEARSED):
+                continue
+        present = altered(present, change.changes, f"{entry.source} (at {change.step / configuration.step_rate:.6g} s)")
+
+
+def _refuse_many_steps(entries: Sequence[_Entry], source: str) -> None:
+    """Refuse gradual changes of more than `MAX_CHANGES` steps together."""
+    steps = sum(_steps(entry) for entry in entries if set(entry.values) - set(COMMANDED))
+    if steps > MAX_CHANGES:
+        raise Refusal(
+            f"{source}: its gradual changes take {steps} steps of {TICK:g} s or longer; a scenario has at most {MAX_CHANGES}: "
+            "shorten them, or give fewer"
+        )
+
+
+def _steps(entry: _Entry) -> int:
+    """Return the number of steps of a gradual change."""
+    return max(1, min(MAX_TICKS, math.floor(entry.over / TICK)))
 
 
 def _refuse_overlaps(entries: Sequence[_Entry]) -> None:
@@ -232,7 +273,7 @@ def _growth(entry: _Entry, values: Mapping[str, float], before: Mapping[str, Any
     if not values:
         return
     first, last = entry.first, entry.last
-    count = max(1, min(MAX_TICKS, math.floor(entry.over / TICK)))
+    count = _steps(entry)
     for k in range(1, count):
         share = k / count
         sizes = {key: before[key] + share * (value - before[key]) for key, value in values.items()}

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import math
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from dcrb_ros.bearing.kinematics import Orders, characteristic_orders
 from dcrb_ros.bearing.payload import cage_speed, roller_spin
+from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.parameters import Bearing
 
@@ -42,3 +45,23 @@ def test_cage_and_roller_speed_of_the_paper() -> None:
     cage, spin = cage_speed(PAPER, 124.8), roller_spin(PAPER.bearing, 124.8)
     assert cage == pytest.approx(52.4, rel=0.002)
     assert spin - cage == pytest.approx(-380.5, rel=0.001)
+
+
+@pytest.mark.parametrize("name", ["ftf", "bpfo", "bpfi", "bsf"])
+@pytest.mark.parametrize(
+    ("order", "accepted"), [(0.01, True), (1000.0, True), (0.0099, False), (1001.0, False), (-1.0, False), (1e300, False)]
+)
+def test_orders_have_one_range_wherever_they_come_from(name: str, order: float, accepted: bool) -> None:
+    found = {"ftf": 0.4, "bpfo": 3.6, "bpfi": 5.4, "bsf": 2.4, name: order}
+    if accepted:
+        assert getattr(Orders(**found), name) == order
+        return
+    for make in (lambda: Orders(**found), lambda: Orders.from_dict({key.upper(): value for key, value in found.items()})):
+        with pytest.raises(Refusal, match=rf"{name.upper()} = .* is outside 0\.01 \.\. 1000 orders of the shaft"):
+            make()
+
+
+def test_the_orders_of_an_unknown_bearing_are_all_nan() -> None:
+    Orders(*[math.nan] * 4)
+    with pytest.raises(Refusal, match="FTF = nan is outside"):
+        Orders(math.nan, 3.6, 5.4, 2.4)

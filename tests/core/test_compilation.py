@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import pickle
 import shutil
@@ -13,7 +14,8 @@ import numba
 import pytest
 
 from dcrb_ros.bearing.payload import build_payload, initial_state
-from dcrb_ros.core import compilation
+from dcrb_ros.core import CACHE, compilation
+from dcrb_ros.core.jit import loop
 from dcrb_ros.core.layout.workspace import workspace
 from dcrb_ros.settings.configuration import Configuration
 
@@ -65,10 +67,22 @@ def cache_of(package: Path, chosen: Path) -> list[Path]:
     return [Path(folder) for folder in done.stdout.split()]
 
 
-def test_an_upgrade_runs_no_old_kernels_from_a_folder_of_the_users(tmp_path: Path) -> None:
-    package, chosen = tmp_path / "package", tmp_path / "cache"
+def copied_core(package: Path) -> Path:
+    """Return a package with nothing but a copy of the core."""
     shutil.copytree(Path(__file__).parents[2] / "dcrb_ros" / "core", package / "dcrb_ros" / "core")
     (package / "dcrb_ros" / "__init__.py").touch()
+    return package
+
+
+def test_another_checkout_has_a_cache_of_its_own(tmp_path: Path) -> None:
+    # Numba's files are keyed by the path of the source: those of another checkout are no use, and hid that this one had to compile.
+    one, other = (cache_of(copied_core(tmp_path / name), tmp_path / "cache") for name in ("one", "other"))
+    assert not set(one) & set(other)
+
+
+def test_an_upgrade_runs_no_old_kernels_from_a_folder_of_the_users(tmp_path: Path) -> None:
+    package, chosen = tmp_path / "package", tmp_path / "cache"
+    copied_core(package)
     before = cache_of(package, chosen)
     assert cache_of(package, chosen) == before
     assert {folder.parent for folder in before} == {chosen}
@@ -77,3 +91,18 @@ def test_an_upgrade_runs_no_old_kernels_from_a_folder_of_the_users(tmp_path: Pat
     after = cache_of(package, chosen)
     assert {folder.parent for folder in after} == {chosen}
     assert not set(after) & set(before)
+
+
+@pytest.mark.skipif(bool(numba.config.DISABLE_JIT), reason="nothing is compiled")
+def test_a_cache_on_a_full_disk_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    def full(*_: object) -> None:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    @loop
+    def doubled(value: float) -> float:
+        return 2.0 * value
+
+    monkeypatch.setattr("numba.core.caching.IndexDataCacheFile.save", full)
+    with pytest.raises(OSError, match="No space left on device") as failed:
+        doubled(1.0)
+    assert str(failed.value.filename).startswith(str(CACHE))

@@ -18,7 +18,17 @@ from dcrb_ros.faults.ground_truth import class_of, words_of
 from dcrb_ros.faults.group import fault_group
 from dcrb_ros.faults.raceway_defect import InnerRacewayDefect, OuterRacewayDefect
 from dcrb_ros.schema.refusal import Refusal
-from dcrb_ros.schema.verdicts import CHARACTERISTIC, COMPONENTS, FAULT_CLASSES, TITLES, VERDICTS, FaultClass, fault_class, is_alarm
+from dcrb_ros.schema.verdicts import (
+    CHARACTERISTIC,
+    COMPONENTS,
+    FAULT_CLASSES,
+    TITLES,
+    VERDICTS,
+    FaultClass,
+    fault_class,
+    is_alarm,
+    title_of,
+)
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import fields_by_key
 from dcrb_ros.settings.parameters import Bearing
@@ -178,3 +188,12 @@ def test_the_class_of_several_faults_does_not_depend_on_their_order(faults: list
 def test_two_kinds_cannot_have_the_same_key() -> None:
     with pytest.raises(TypeError, match="have the same key 'outer_1'"):
         fault_group([OuterRacewayDefect, OuterRacewayDefect])
+
+
+def test_the_title_of_several_faults_names_them() -> None:
+    scores = {"outer_ring": -1.0, "inner_ring": 6.6, "roller": -4.9, "cage": -2.0}
+    assert title_of("compound", scores) == "several faults: inner ring defect, outer ring defect"
+    assert title_of("compound", {**scores, "cage": 1.0, "outer_ring": 0.0}).endswith(": inner ring defect, cage fault, outer ring defect")
+    assert title_of("compound", {}) == "several faults"
+    assert title_of("cage", scores) == "cage fault"
+    assert title_of("of another detector", {}) == "of another detector"

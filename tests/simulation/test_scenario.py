@@ -166,6 +166,41 @@ def test_a_scenario_change_that_conflicts_with_a_live_change_is_refused() -> Non
     assert set(simulation.configuration.faults.described()) == {"outer_2"}
 
 
+MOVING = """
+timeline:
+  - {{at: 0.0, set: {{faults.outer_1.width: 0.002, faults.outer_2.width: 0.002, faults.outer_2.azimuth: -0.1}}}}
+  - {{at: {at}, over: {over}, set: {{faults.outer_2.azimuth: {to}}}}}
+"""
+
+
+@pytest.mark.parametrize(("over", "seconds"), [(2.0, r"1\.85"), (2000.0, r"8[12]\d\S*")])
+def test_a_gradual_change_with_an_impossible_value_on_its_way_is_refused(over: float, seconds: str) -> None:
+    tree = yaml.safe_load(MOVING.format(at=1.0, over=over, to=0.1))
+    with pytest.raises(Refusal, match=rf"entry 2 \(at {seconds} s\): faults.outer_2 overlaps faults.outer_1"):
+        scheduled_changes(tree, Configuration(), "scenario.yaml")
+    assert scheduled_changes(yaml.safe_load(MOVING.format(at=1.0, over=over, to=-0.3)), Configuration(), "scenario.yaml")
+
+
+def test_another_entry_may_make_the_way_impossible() -> None:
+    tree = yaml.safe_load(MOVING.format(at=1.0, over=4.0, to=0.1))
+    narrow = {"at": 0.5, "set": {"faults.outer_1.width": 0.0}}
+    scheduled_changes({"timeline": [*tree["timeline"], narrow]}, Configuration(), "scenario.yaml")
+    back = {"at": 3.0, "set": {"faults.outer_1.width": 0.002}}
+    with pytest.raises(Refusal, match=r"entry 4 \(at 3 s\): faults.outer_2 overlaps faults.outer_1"):
+        scheduled_changes({"timeline": [*tree["timeline"], narrow, back]}, Configuration(), "scenario.yaml")
+
+
+def test_every_step_of_a_gradual_change_that_a_live_change_makes_impossible_is_reported() -> None:
+    configuration = Configuration.model_validate({"cage": {"joint": "revolute"}})
+    tree = yaml.safe_load("timeline: [{at: 0.02, over: 0.2, set: {faults.outer_1.width: 0.002}}]")
+    simulation = Simulation(configuration, scheduled_changes(tree, configuration, "scenario.yaml"))
+    simulation.change({"faults.outer_2.width": 0.002})
+    refused = [truth.event for truth in truths(list(simulation.blocks(0.24))) if isinstance(truth.event, Refused)]
+    assert [event.request.changes["faults.outer_1.width"] for event in refused if isinstance(event.request, ScenarioEvent)] == [
+        pytest.approx(width) for width in (0.002, 0.001, 0.0015, 0.002)
+    ]
+
+
 def test_a_shipped_scenario_is_found_by_name() -> None:
     events = read_scenario(Path("growing_spall"), Configuration())
     assert events[-1].event == ScenarioEvent({"faults.broken_bars": "row2/bar3"})
@@ -295,3 +330,29 @@ def test_a_scenario_may_start_with_a_preset() -> None:
     start = {"sensor": {"preset": "mems", "adc_bits": 12}}
     sensor = starting_configuration({"start": start, "timeline": []}, Configuration(), "scenario.yaml").sensor
     assert (sensor.preset, sensor.white_noise_ug, sensor.adc_bits) == ("mems", 30.0, 12)
+
+
+@pytest.mark.parametrize("excess", [0, 1])
+def test_the_number_of_entries_is_limited(excess: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("dcrb_ros.simulation.scenario.MAX_ENTRIES", 3)
+    tree = {"timeline": [{"at": 0.1 * k, "set": {"operating.speed": 100.0}} for k in range(3 + excess)]}
+    if excess:
+        with pytest.raises(Refusal, match=r"scenario\.yaml has 4 entries; a scenario has at most 3"):
+            scheduled_changes(tree, Configuration(), "scenario.yaml")
+    else:
+        assert len(scheduled_changes(tree, Configuration(), "scenario.yaml")) == 3
+
+
+@pytest.mark.parametrize("excess", [0, 1])
+def test_the_steps_of_all_gradual_changes_are_limited(excess: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("dcrb_ros.simulation.scenario.MAX_CHANGES", 30)
+    growths = [
+        {"at": 0.0, "over": 1.0 + 0.05 * excess, "set": {"faults.outer_1.width": 0.002}},
+        {"at": 0.0, "over": 0.5, "set": {"faults.inner_1.width": 0.002}},
+        {"at": 0.0, "over": 100.0, "set": {"operating.speed": 130.0}},  # a ramp takes no steps
+    ]
+    if excess:
+        with pytest.raises(Refusal, match=r"take 31 steps of 0\.05 s or longer; a scenario has at most 30: shorten them"):
+            scheduled_changes({"timeline": growths}, Configuration(), "scenario.yaml")
+    else:
+        assert len(scheduled_changes({"timeline": growths}, Configuration(), "scenario.yaml")) == 30 + 2

@@ -171,8 +171,8 @@ def marks(report: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def verdicts(report: Mapping[str, Any]) -> dict[str, Any]:
-    """Return what ``dcrb detect --json`` says without the words of its reason."""
-    return {key: value for key, value in report.items() if key != "reason"}
+    """Return what ``dcrb detect --json`` says without the words of its reason and remarks."""
+    return {key: value for key, value in report.items() if key not in ("reason", "remarks")}
 
 
 def main() -> None:

@@ -55,7 +55,7 @@ def find_lands(payload: Payload, state: State, work: Workspace) -> int:
         contacts.force[found], contacts.impact_speed[found] = land.force[row], land.impact_speed[row]
         store_memory(law, contacts.traction, found, load_memory(law, land.traction, row))
         contacts.coefficient[found], contacts.exponent[found] = payload.land_coefficient, payload.land_exponent
-        contacts.mobility[found] = 0.5 * h * (1.0 / payload.train_mass[row] + 1.0 / payload.outer_ring_mass)
+        contacts.mobility[found] = 0.5 * h * (1.0 / payload.train_mass[row] + 1.0 / payload.outer_mass)
         found += 1
     return found
 

@@ -13,7 +13,18 @@ from typing import Any
 
 from dcrb_ros.core.arithmetic import LEAST_PENETRATION
 from dcrb_ros.core.jit import piece
-from dcrb_ros.core.laws.interface import Site, normal_damping, normal_energy, normal_force, normal_range
+from dcrb_ros.core.laws.interface import (
+    Site,
+    film_damping,
+    film_lift,
+    film_lift_energy,
+    film_offset,
+    film_reach,
+    normal_damping,
+    normal_energy,
+    normal_force,
+    normal_range,
+)
 from dcrb_ros.core.laws.loss import loss_coefficient
 from dcrb_ros.core.payload import Payload
 
@@ -24,27 +35,42 @@ MEAN_DISPERSION = 1.0 / 6.0
 
 
 @piece
+def onset(law: Any, site: Site) -> float:
+    """Return the gap at which the elastic contact closes [m]: on the film, if there is one, or where the law begins to act."""
+    return normal_range(law) + film_offset(site.film)
+
+
+@piece
+def reach(law: Any, site: Site) -> float:
+    """Return the gap up to which there is any force [m]."""
+    return max(onset(law, site), film_reach(site.film))
+
+
+@piece
 def elastic(law: Any, memory: Any, penetration: float, site: Site) -> tuple[float, float]:
-    """Return elastic force [N] and stiffness [N/m] at a penetration [m]; zero out of the law's range."""
-    reach = normal_range(law)
-    closed = max(penetration, LEAST_PENETRATION - reach)
-    force, stiffness = normal_force(law, memory, closed, site)
-    return force if penetration > -reach else 0.0, stiffness if penetration > -reach else 0.0
+    """Return force [N] and stiffness [N/m] at a penetration [m] below zero for a gap: of the elastic contact and of the film's lift."""
+    least = -normal_range(law)
+    deep = penetration + film_offset(site.film)
+    force, stiffness = normal_force(law, memory, max(deep, LEAST_PENETRATION + least), site)
+    lift, lift_stiffness = film_lift(site.film, -penetration)
+    return (force if deep > least else 0.0) + lift, (stiffness if deep > least else 0.0) + lift_stiffness
 
 
 @piece
 def elastic_and_energy(law: Any, memory: Any, penetration: float, site: Site) -> tuple[float, float]:
-    """Return elastic force [N] and stored energy [J] at a penetration [m]; by a branch, for single contacts."""
-    if penetration > -normal_range(law):
-        force, _ = normal_force(law, memory, penetration, site)
-        return force, normal_energy(law, memory, penetration, force)
-    return 0.0, 0.0
+    """Return force [N] and stored energy [J] at a penetration [m]; by a branch, for single contacts."""
+    deep = penetration + film_offset(site.film)
+    lift, energy = film_lift(site.film, -penetration)[0], film_lift_energy(site.film, -penetration)
+    if deep > -normal_range(law):
+        force, _ = normal_force(law, memory, deep, site)
+        return force + lift, normal_energy(law, memory, deep, force) + energy
+    return lift, energy
 
 
 @piece
 def damping_of(payload: Payload, memory: Any, site: Site, begin: float, way: float, force: float, stiffness: float, share: float) -> float:
     """Return the damping [N s/m] of a contact that is closed for a ``share`` of the step [-]; see `NormalLaw.damping`."""
-    own = normal_damping(payload.normal_law, memory, site, begin, way, force, stiffness)
+    own = normal_damping(payload.normal_law, memory, site, begin, way, force, stiffness) + film_damping(site.film, -begin, way)
     return stiffness * payload.loss_time + (payload.contact_damping * share if force > 0.0 else 0.0) + own
 
 
@@ -72,23 +98,33 @@ def lasting_line(
     closing: float,
     before: float,
     sink: float,
+    last: float = 0.0,
+    mobility: float = 0.0,
 ) -> tuple[float, float, float, float, float]:
     """Return the `force_line` of a contact of elastic ``force`` [N] and ``stiffness`` [N/m] at the ``penetration`` [m] in mid-step.
 
-    ``closing`` is the speed of penetration expected, ``before`` that before the step [m/s].
+    ``closing`` is the speed of penetration expected if the force ``last`` [N] of the last step went on, ``before`` that before the step
+    [m/s], ``mobility`` how the force changes it [m/(N s)].
     """
     h = payload.step
     slope = 2.0 * DISPERSION * h * stiffness
-    damping = damping_of(payload, memory, site, penetration - 0.5 * h * before, h * closing, force, stiffness, 1.0)
+    # The film's lift has stiffness, but no loss beside that of its squeezing.
+    solid = stiffness - film_lift(site.film, -penetration)[1]
+    begin = penetration - 0.5 * h * before
+    damping = damping_of(payload, memory, site, begin, h * closing, force, solid, 1.0)
+    if film_reach(site.film) > 0.0:
+        # Near the floor of a squeeze film the damping changes the way on which it depends: one step of Newton's method.
+        change = mobility * (last - force - slope * (closing - before) - damping * closing) / (1.0 + mobility * (slope + damping))
+        damping = damping_of(payload, memory, site, begin, h * (closing + change), force, solid, 1.0)
     return force_line(force, force + slope * (closing - before), slope, damping, closing, sink)
 
 
 @piece
-def crosses(law: Any, penetration: float, closing: float, before: float, step: float) -> bool:
-    """Return whether a contact closes or opens within a step: see `crossing_line`."""
-    reach = normal_range(law)
+def crosses(law: Any, site: Site, penetration: float, closing: float, before: float, step: float) -> bool:
+    """Return whether an elastic contact closes or opens within a step: see `crossing_line`."""
+    gap = onset(law, site)
     begin = penetration - 0.5 * step * before
-    return (begin > -reach) != (begin + step * closing > -reach)
+    return (begin > -gap) != (begin + step * closing > -gap)
 
 
 @piece
@@ -109,10 +145,10 @@ def crossing_line(
     speed if the force ``last`` [N] of the last step went on [m/s], ``mobility`` how the force changes it [m/(N s)].
     """
     h, law = payload.step, payload.normal_law
-    reach = normal_range(law)
+    gap = onset(law, site)
     begin = penetration - 0.5 * h * before
     force, energy = elastic_and_energy(law, memory, begin, site)
-    deep = max(begin, -reach)
+    deep = max(begin, -gap)
     mean = slope = damping = change = 0.0
     # The way depends on the force and the force on the way: one step of Newton's method.
     for _ in range(2):
@@ -120,7 +156,7 @@ def crossing_line(
         way = h * closing
         by_way = 1.0 / way if abs(way) > LEAST_PENETRATION else 0.0
         after, energy_after = elastic_and_energy(law, memory, begin + way, site)
-        deeper = max(begin + way, -reach)
+        deeper = max(begin + way, -gap)
         over = (energy_after - energy) * by_way
         secant = max((after - force) * by_way, 0.0)
         correction = 2.0 * MEAN_DISPERSION * h * secant

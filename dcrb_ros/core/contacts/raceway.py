@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-import math
-
-from dcrb_ros.core.contacts.force_line import crosses, crossing_line, elastic, lasting_line
+from dcrb_ros.core.contacts.films import raceway_site
+from dcrb_ros.core.contacts.force_line import crosses, crossing_line, elastic, lasting_line, reach
+from dcrb_ros.core.contacts.lines import closing_speeds, linearize_friction, locate, write_force_line
 from dcrb_ros.core.contacts.notch import edge_contact, notch_under, passed, roller_notch_under
 from dcrb_ros.core.contacts.profile import profiles_under
+from dcrb_ros.core.contacts.surface import add_parts, feel_bound
 from dcrb_ros.core.jit import piece
-from dcrb_ros.core.laws.interface import load_memory, normal_range, store_kept, traction_line
+from dcrb_ros.core.laws.interface import load_memory, normal_range
 from dcrb_ros.core.layout.records import Floats
-from dcrb_ros.core.layout.rollers import BoundRollers, RacewayContact
+from dcrb_ros.core.layout.rollers import RacewayContact
 from dcrb_ros.core.layout.state import INNER, OUTER, State
 from dcrb_ros.core.layout.workspace import Workspace
 from dcrb_ros.core.payload import SINK, Notches, Payload
@@ -74,74 +75,11 @@ def raceway_notch_depth(
 
 
 @piece
-def locate(bound: BoundRollers, contact: RacewayContact, k: int, ring_x: float, ring_y: float, reach: float, side: float) -> None:
-    """Write direction, distance and penetration between a roller and a smooth raceway.
-
-    ``reach`` [m] is the distance at which a contact closes, ``side`` is 1 at the inner ring and -1 at the outer.
-    """
-    dx, dy = bound.x[k] - ring_x, bound.y[k] - ring_y
-    distance = math.sqrt(dx * dx + dy * dy)
-    nx, ny = dx / distance, dy / distance
-    contact.radial_x[k], contact.radial_y[k] = nx, ny
-    contact.normal_x[k], contact.normal_y[k] = nx, ny
-    contact.distance[k] = distance
-    contact.penetration[k] = side * (reach - distance)
-    contact.sink_speed[k] = contact.surface_speed_normal[k] = 0.0
-
-
-@piece
-def closing_speeds(
-    bound: BoundRollers, contact: RacewayContact, k: int, mean: tuple[float, float], old: tuple[float, float], side: float
-) -> tuple[float, float, float]:
-    """Return the speeds of penetration expected and before the step, and that at which the floor of a notch falls away [m/s].
-
-    ``mean`` is the ring's predicted mean velocity, ``old`` that before the step.
-    """
-    nx, ny = contact.normal_x[k], contact.normal_y[k]
-    vx, vy = bound.predicted_vx[k] - mean[0], bound.predicted_vy[k] - mean[1]
-    ux, uy = bound.vx[k] - old[0], bound.vy[k] - old[1]
-    surface_n, sink = contact.surface_speed_normal[k], contact.sink_speed[k]
-    return -side * (vx * nx + vy * ny - surface_n) - sink, -side * (ux * nx + uy * ny - surface_n) - sink, sink
-
-
-@piece
-def write_force_line(contact: RacewayContact, k: int, line: tuple[float, float, float, float, float]) -> None:
-    """Write a `force_line`."""
-    contact.force_offset[k], contact.force_slope[k], contact.expected_force[k] = line[0], line[1], line[2]
-    contact.damping[k], contact.expected_closing[k] = line[3], line[4]
-
-
-@piece
-def linearize_friction(
-    bound: BoundRollers,
-    contact: RacewayContact,
-    k: int,
-    mean: tuple[float, float],
-    ring_speed: float,
-    surface: float,
-    inner: bool,
-    payload: Payload,
-) -> None:
-    """Write the friction of a contact with a ring as a line over the slip.
-
-    ``mean`` is the ring's predicted mean velocity, ``surface`` the speed of its surface [m/s].
-    """
-    side, site, law = 1.0 if inner else -1.0, payload.inner if inner else payload.outer, payload.traction_law
-    rx, ry = contact.radial_x[k], contact.radial_y[k]
-    along = (bound.predicted_vy[k] - mean[1]) * rx - (bound.predicted_vx[k] - mean[0]) * ry
-    slip, force = along - side * bound.predicted_rim[k] - surface, contact.expected_force[k]
-    rolling = (along / contact.distance[k] - ring_speed) * site.raceway_radius
-    offset, slope, kept = traction_line(law, load_memory(law, contact.traction, k), slip, rolling, force, site, payload.step)
-    contact.friction_offset[k], contact.friction_slope[k] = offset * force, slope * force
-    store_kept(law, contact.kept, k, kept)
-
-
-@piece
 def apply_notches(payload: Payload, state: State, work: Workspace, contact: RacewayContact, mean: tuple[float, float], inner: bool) -> None:
     """Subtract the depth of notches from the penetrations of contacts that are closed or nearly so, and write how fast it grows."""
-    bound = work.bound[0]
+    bound, acting = work.bound[0], reach(payload.normal_law, raceway_site(payload, work, inner))
     for k in range(work.row_ends[work.row_ends.size - 1]):
-        if contact.penetration[k] > -LARGEST_CLOSING * payload.step - normal_range(payload.normal_law) - payload.profile_height:
+        if contact.penetration[k] > -LARGEST_CLOSING * payload.step - acting - payload.profile_height:
             row = bound.row[k]
             nx, ny = contact.radial_x[k], contact.radial_y[k]
             orbit = (bound.predicted_vy[k] - mean[1]) * nx - (bound.predicted_vx[k] - mean[0]) * ny
@@ -165,10 +103,10 @@ def linearize_edges(
 ) -> None:
     """Replace force, normal and friction of the smooth raceway where a roller is over a notch with edges."""
     bound, side = work.bound[0], 1.0 if inner else -1.0
-    surface = ring_speed * payload.inner_raceway_radius
-    ring, notches, direction, site = OUTER, payload.outer_notches, work.outer_notch_direction, payload.outer
+    surface, site = ring_speed * payload.inner_raceway_radius, raceway_site(payload, work, inner)
+    ring, notches, direction = OUTER, payload.outer_notches, work.outer_notch_direction
     if inner:
-        ring, notches, direction, site = INNER, payload.inner_notches, work.inner_notch_direction, payload.inner
+        ring, notches, direction = INNER, payload.inner_notches, work.inner_notch_direction
     for k in range(work.row_ends[work.row_ends.size - 1]):
         gap = -contact.penetration[k]
         if gap >= LARGEST_CLOSING * payload.step + normal_range(payload.normal_law):
@@ -194,7 +132,7 @@ def linearize_edges(
             contact.surface_speed_normal[k] = surface * (rx * ny - ry * nx)
             closing, before, sink = closing_speeds(bound, contact, k, mean, old, side)
             write_force_line(contact, k, lasting_line(payload, memory, site, -gap, force, stiffness, closing, before, sink))
-            linearize_friction(bound, contact, k, mean, ring_speed, surface, inner, payload)
+            linearize_friction(bound, contact, k, mean, ring_speed, surface, inner, site, payload)
 
 
 @piece
@@ -218,7 +156,7 @@ def locate_raceways(payload: Payload, state: State, work: Workspace, count: int)
 @piece
 def linearize_smooth(
     payload: Payload,
-    bound: BoundRollers,
+    work: Workspace,
     contact: RacewayContact,
     count: int,
     mean: tuple[float, float],
@@ -227,17 +165,18 @@ def linearize_smooth(
     inner: bool,
 ) -> None:
     """Write the contacts with a smooth raceway as lines, and which of them close or open within the step."""
-    side, site, law = 1.0 if inner else -1.0, payload.inner if inner else payload.outer, payload.normal_law
+    bound, side, site, law = work.bound[0], 1.0 if inner else -1.0, raceway_site(payload, work, inner), payload.normal_law
     surface = ring_speed * payload.inner_raceway_radius
     for k in range(count):
         closing, before, sink = closing_speeds(bound, contact, k, mean, old, side)
         penetration = contact.penetration[k]
         memory = load_memory(law, contact.normal, k)
         force, stiffness = elastic(law, memory, penetration, site)
-        contact.crossing[k] = 1.0 if crosses(law, penetration, closing, before, payload.step) else 0.0
-        line = lasting_line(payload, memory, site, penetration, force, stiffness, closing, before, sink)
+        contact.crossing[k] = 1.0 if crosses(law, site, penetration, closing, before, payload.step) else 0.0
+        last, mobility = contact.last_force[k], 0.5 * payload.step / payload.roller_mass * bound.free[k]
+        line = lasting_line(payload, memory, site, penetration, force, stiffness, closing, before, sink, last, mobility)
         write_force_line(contact, k, line)
-        linearize_friction(bound, contact, k, mean, ring_speed, surface, inner, payload)
+        linearize_friction(bound, contact, k, mean, ring_speed, surface, inner, site, payload)
 
 
 @piece
@@ -251,7 +190,7 @@ def linearize_crossing(
     inner: bool,
 ) -> None:
     """Write the lines of the contacts that close or open within the step."""
-    bound, side, site = work.bound[0], 1.0 if inner else -1.0, payload.inner if inner else payload.outer
+    bound, side, site = work.bound[0], 1.0 if inner else -1.0, raceway_site(payload, work, inner)
     surface, found = ring_speed * payload.inner_raceway_radius, 0
     for k in range(work.row_ends[work.row_ends.size - 1]):
         if contact.crossing[k] > 0.0:
@@ -265,7 +204,7 @@ def linearize_crossing(
         penetration, last = contact.penetration[k], contact.last_force[k]
         memory = load_memory(payload.normal_law, contact.normal, k)
         write_force_line(contact, k, crossing_line(payload, memory, site, penetration, closing, before, sink, last, mobility))
-        linearize_friction(bound, contact, k, mean, ring_speed, surface, inner, payload)
+        linearize_friction(bound, contact, k, mean, ring_speed, surface, inner, site, payload)
 
 
 @piece
@@ -281,12 +220,14 @@ def linearize_raceway(
     inner: bool,
 ) -> None:
     """Write the contacts of bound rollers with a raceway as lines over the mean velocities of the step, notches included."""
+    feel_bound(payload.surfaces, payload, state, work, contact, mean, inner)
     if payload.any_defect:
         apply_notches(payload, state, work, contact, mean, inner)
-    linearize_smooth(payload, work.bound[0], contact, count, mean, old, ring_speed, inner)
+    linearize_smooth(payload, work, contact, count, mean, old, ring_speed, inner)
     linearize_crossing(payload, work, contact, mean, old, ring_speed, inner)
     if payload.any_defect and payload.notch_law != SINK:
         linearize_edges(payload, state, work, contact, mean, old, ring_speed, inner)
+    add_parts(payload.surfaces, payload, state, work, contact, mean, old, ring_speed, inner)
 
 
 @piece

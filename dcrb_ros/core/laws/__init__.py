@@ -4,17 +4,20 @@ from __future__ import annotations
 
 import importlib
 
-from dcrb_ros.core.laws.interface import NormalLaw, TractionLaw, register
+from dcrb_ros.core.laws.interface import LubricationLaw, NormalLaw, TractionLaw, register
 
 REGISTRY: tuple[str, ...] = (
     "johnson",
     "power",
     "lugre",
+    "dry",
+    "film",
 )
 """Files with a law that users may choose, each with a ``LAW``; the first of a kind is the default."""
 
-_LAWS: tuple[NormalLaw | TractionLaw, ...] = tuple(importlib.import_module(f"{__name__}.{name}").LAW for name in REGISTRY)
+_LAWS: tuple[NormalLaw | TractionLaw | LubricationLaw, ...] = tuple(importlib.import_module(f"{__name__}.{name}").LAW for name in REGISTRY)
 NORMAL_LAWS: dict[str, NormalLaw] = {law.name: law for law in _LAWS if isinstance(law, NormalLaw)}
 TRACTION_LAWS: dict[str, TractionLaw] = {law.name: law for law in _LAWS if isinstance(law, TractionLaw)}
+LUBRICATION_LAWS: dict[str, LubricationLaw] = {law.name: law for law in _LAWS if isinstance(law, LubricationLaw)}
 for _law in _LAWS:
     register(_law)

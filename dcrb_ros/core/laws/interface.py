@@ -29,7 +29,11 @@ class Site(NamedTuple):
     scale: float
     """4 dR [m]; dR is r_I + r_R at the inner raceway, r_O - r_R at the outer one, 2 r_R between two rollers."""
     width: float
-    """Square of the contact's half-width over the normal force, 4 R/(pi L E*) [m^2/N]; R is the reduced radius."""
+    """Square of the contact's half-width over the normal force, 4 R/(pi L E*) [m^2/N]."""
+    reduced_radius: float
+    """R [m]: 1/R is the sum of both curvatures."""
+    film: Any
+    """The film at the present speed, as the bearing's law of lubrication describes it."""
 
 
 class Material(NamedTuple):
@@ -41,28 +45,32 @@ class Material(NamedTuple):
     """L [m]."""
     roller_radius: float
     """r_R [m]."""
+    roller_mass: float
+    """m_R [kg]."""
     inner_raceway_radius: float
     """r_I [m]."""
     outer_raceway_radius: float
     """r_O [m]."""
 
 
-def inner_site(material: Material) -> Site:
+def inner_site(material: Material, film: Any = None) -> Site:
     """Return the contact of a roller with the inner raceway."""
     roller, raceway = material.roller_radius, material.inner_raceway_radius
-    return Site(0, raceway, 4.0 * (raceway + roller), _width(material) / (1.0 / roller + 1.0 / raceway))
+    radius = 1.0 / (1.0 / roller + 1.0 / raceway)
+    return Site(0, raceway, 4.0 * (raceway + roller), _width(material) / (1.0 / roller + 1.0 / raceway), radius, film)
 
 
-def outer_site(material: Material) -> Site:
+def outer_site(material: Material, film: Any = None) -> Site:
     """Return the contact of a roller with the outer raceway."""
     roller, raceway = material.roller_radius, material.outer_raceway_radius
-    return Site(1, raceway, 4.0 * (raceway - roller), _width(material) / (1.0 / roller - 1.0 / raceway))
+    radius = 1.0 / (1.0 / roller - 1.0 / raceway)
+    return Site(1, raceway, 4.0 * (raceway - roller), _width(material) / (1.0 / roller - 1.0 / raceway), radius, film)
 
 
-def pair_site(material: Material) -> Site:
+def pair_site(material: Material, film: Any = None) -> Site:
     """Return the contact of two rollers."""
     roller = material.roller_radius
-    return Site(2, roller, 8.0 * roller, 0.5 * _width(material) * roller)
+    return Site(2, roller, 8.0 * roller, 0.5 * _width(material) * roller, 0.5 * roller, film)
 
 
 def _width(material: Material) -> float:
@@ -172,10 +180,51 @@ class TractionLaw:
 
 
 @dataclass(frozen=True)
+class LubricationLaw:
+    """What is between rollers and raceways: nothing, or an oil.
+
+    A ``film`` is a NamedTuple of floats, the film of a raceway's contacts at the present speed. Its kernels get it in place of ``law``.
+    """
+
+    name: str
+    """Value of ``lubrication.law``."""
+    summary: str
+    """For the description of ``lubrication.law``."""
+    constants: type
+    """NamedTuple that `film_at` gets as ``law``."""
+    film: type
+    """NamedTuple of floats."""
+    build: Callable[[Mapping[str, Any], Material], Any]
+    """Return the constants, from the values of the parameters and the material."""
+    film_at: Callable[..., Any]
+    """Kernel (law, number, speed): the film of raceway ``number`` (see `Site`) at an entrainment speed [m/s]; of contacts of two rollers,
+    2, one that does nothing."""
+    film_reach: Callable[..., float]
+    """Kernel (film): gap up to which the film acts [m]."""
+    film_offset: Callable[..., float]
+    """Kernel (film): gap at which the elastic contact closes, the thickness of the film [m]."""
+    film_lift: Callable[..., tuple[float, float]]
+    """Kernel (film, gap): force [N] and stiffness [N/m] that hold the bodies apart, beside the elastic contact."""
+    film_lift_energy: Callable[..., float]
+    """Kernel (film, gap): integral of that force from the gap to infinity [J]."""
+    film_damping: Callable[..., float]
+    """Kernel (film, gap, way): mean damping [N s/m] over a step from a gap to one smaller by ``way`` [m]."""
+    steady_friction: Callable[..., tuple[float, float]]
+    """Kernel (film, friction, slip, force): speed [m/s] and coefficient [-] of steady sliding at a slip [m/s] under a normal force [N]. 
+    Their ratio is what counts; ``friction`` are the constants of LuGre's law."""
+    film_resistance: Callable[..., float]
+    """Kernel (film, force, rolling): resistance of the contact to rolling [N], with the sign of the speed of rolling [m/s]."""
+    resists: bool = False
+    """Whether the law has a resistance to rolling, which is kept per contact over a step."""
+    thickness: Callable[[Any, float], tuple[float, float]] | None = None
+    """Function (film, force): film [m] under a normal force [N], and its ratio to the roughness [-]; None where there is no film."""
+
+
+@dataclass(frozen=True)
 class Registered:
     """A law with the functions that copy its memory and what it keeps from and to the tables of contacts."""
 
-    law: NormalLaw | TractionLaw
+    law: NormalLaw | TractionLaw | LubricationLaw | None
     functions: dict[str, Callable[..., Any]] = field(default_factory=dict)
 
 
@@ -204,14 +253,43 @@ def _accessors(content: type) -> dict[str, Callable[..., Any]]:
     }
 
 
+def _row_accessors(content: type) -> dict[str, Callable[..., Any]]:
+    """Return functions that load and store the values of a NamedTuple as a row of an array."""
+    fields = fields_of(content)
+    values = ", ".join(f"rows[k, {at}]" for at in range(len(fields)))
+    stores = "\n".join(f"    rows[k, {at}] = values.{name}" for at, name in enumerate(fields)) or "    pass"
+    return {
+        "load": _function(f"def made(law, rows, k):\n    return Content({values})", Content=content),
+        "store": _function(f"def made(law, rows, k, values):\n{stores}"),
+    }
+
+
 def fields_of(content: type) -> tuple[str, ...]:
     """Return the names of a NamedTuple's fields."""
     names: tuple[str, ...] = content._fields  # type: ignore[attr-defined]
     return names
 
 
-def register(law: NormalLaw | TractionLaw) -> None:
+FILM_KERNELS = ("film_reach", "film_offset", "film_lift", "film_lift_energy", "film_damping", "steady_friction", "film_resistance")
+
+
+def _register_lubrication(law: LubricationLaw) -> None:
+    """Make the kernels find a law of lubrication by its constants, and its kernels by its films."""
+    film = _row_accessors(law.film)
+    functions = {"film_at": law.film_at, "load_film": film["load"], "store_film": film["store"]}
+    loads, stores = ("table.resistance[k] * factor", "table.resistance[k] = value") if law.resists else ("0.0", "pass")
+    functions["load_resistance"] = _function(f"def made(law, table, k, factor):\n    return {loads}")
+    functions["store_resistance"] = _function(f"def made(law, table, k, value):\n    {stores}")
+    BY_CONSTANTS[law.constants] = Registered(law, functions)
+    resists = _function(f"def made(film):\n    return {law.resists}")
+    BY_CONSTANTS[law.film] = Registered(law, {name: getattr(law, name) for name in FILM_KERNELS} | {"film_resists": resists})
+
+
+def register(law: NormalLaw | TractionLaw | LubricationLaw) -> None:
     """Make the kernels find a law by its constants."""
+    if isinstance(law, LubricationLaw):
+        _register_lubrication(law)
+        return
     memory = _accessors(law.memory)
     functions = {f"{verb}_memory": function for verb, function in memory.items()}
     if isinstance(law, NormalLaw):
@@ -230,7 +308,8 @@ def law_of(constants: Any) -> Any:
 
 def by_law(function: Function) -> Function:
     """Make a function of a law's constants and more call that law's function of the same purpose, in kernels and in Python."""
-    name, parameters = function.__name__, ", ".join(inspect.signature(function).parameters)
+    names = list(inspect.signature(function).parameters)
+    name, first, parameters = function.__name__, names[0], ", ".join(names)
 
     def found(constants: type) -> Callable[..., Any]:
         return BY_CONSTANTS[constants].functions[name]
@@ -239,13 +318,13 @@ def by_law(function: Function) -> Function:
         kernel = found(type(law))
         return getattr(kernel, "py_func", kernel)
 
-    call: Any = _function(f"def made({parameters}):\n    return in_python(law)({parameters})", in_python=in_python)
+    call: Any = _function(f"def made({parameters}):\n    return in_python({first})({parameters})", in_python=in_python)
     call.__doc__, call.__name__, call.__module__ = function.__doc__, name, function.__module__
 
     def typed(law: Any) -> Callable[..., Any]:
         return _function(f"def made({parameters}):\n    return kernel({parameters})", kernel=_inlined(found(law.instance_class)))
 
-    overload(call, jit_options=cast(Any, INLINED))(_function(f"def made({parameters}):\n    return typed(law)", typed=typed))
+    overload(call, jit_options=cast(Any, INLINED))(_function(f"def made({parameters}):\n    return typed({first})", typed=typed))
     return call  # type: ignore[no-any-return]
 
 
@@ -334,3 +413,68 @@ def load_kept(law: Any, table: Any, k: int) -> Any:
 @by_law
 def store_kept(law: Any, table: Any, k: int, values: Any) -> None:
     """Write what the law keeps at element ``k`` of its table."""
+
+
+@by_law
+def film_at(law: Any, number: int, speed: float) -> Any:
+    """Return the film of a raceway's contacts at an entrainment speed [m/s]."""
+
+
+@by_law
+def load_film(law: Any, rows: Any, k: int) -> Any:
+    """Return the film in row ``k`` of an array."""
+
+
+@by_law
+def store_film(law: Any, rows: Any, k: int, values: Any) -> None:
+    """Write a film as row ``k`` of an array."""
+
+
+@by_law
+def load_resistance(law: Any, table: Any, k: int, factor: float) -> float:  # type: ignore[empty-body]
+    """Return the resistance to rolling [N] at element ``k`` of a table, times a factor."""
+
+
+@by_law
+def store_resistance(law: Any, table: Any, k: int, value: float) -> None:
+    """Write the resistance to rolling [N] at element ``k`` of a table."""
+
+
+@by_law
+def film_reach(film: Any) -> float:  # type: ignore[empty-body]
+    """Return the gap up to which a film acts [m]."""
+
+
+@by_law
+def film_offset(film: Any) -> float:  # type: ignore[empty-body]
+    """Return the gap at which the elastic contact closes [m]."""
+
+
+@by_law
+def film_lift(film: Any, gap: float) -> tuple[float, float]:  # type: ignore[empty-body]
+    """Return force [N] and stiffness [N/m] of a film at a gap [m], beside the elastic contact."""
+
+
+@by_law
+def film_lift_energy(film: Any, gap: float) -> float:  # type: ignore[empty-body]
+    """Return the integral of that force from a gap to infinity [J]."""
+
+
+@by_law
+def film_damping(film: Any, gap: float, way: float) -> float:  # type: ignore[empty-body]
+    """Return the mean damping [N s/m] of a film over a step from a gap to one smaller by ``way`` [m]."""
+
+
+@by_law
+def steady_friction(film: Any, friction: Any, slip: float, force: float) -> tuple[float, float]:  # type: ignore[empty-body]
+    """Return speed [m/s] and coefficient [-] of steady sliding at a slip [m/s] under a normal force [N]."""
+
+
+@by_law
+def film_resists(film: Any) -> bool:  # type: ignore[empty-body]
+    """Return whether a film resists rolling: a constant for the compiler."""
+
+
+@by_law
+def film_resistance(film: Any, force: float, rolling: float) -> float:  # type: ignore[empty-body]
+    """Return the resistance to rolling [N] under a normal force [N], with the sign of the speed of rolling [m/s]."""

@@ -16,10 +16,13 @@ from typing import NamedTuple
 
 from dcrb_ros.core.arithmetic import exponential
 from dcrb_ros.core.jit import kernel
-from dcrb_ros.core.laws.interface import Material, Parameter, Site, TractionLaw
+from dcrb_ros.core.laws.interface import Material, Parameter, Site, TractionLaw, steady_friction
 
 LEAST_FORCE = 1e-9
 """Normal force that stands for that of an open contact where the half-width divides [N]."""
+
+LEAST_COEFFICIENT = 1e-9
+"""Friction coefficient that stands for 0 [-]: as g vanishes, the steady bristle g/sigma_0 vanishes, but its rate grows beyond bounds."""
 
 
 class LuGre(NamedTuple):
@@ -93,9 +96,13 @@ def lugre_line(
 
     ``slip`` [m/s], known beforehand, sets the relaxation.
     """
-    g = stribeck_coefficient(slip, law.kinetic_coefficient, law.static_coefficient, law.stribeck_speed)
-    convection = 0.0 if rolling is None or site is None else convection_rate(rolling, max(force, LEAST_FORCE), site.width, law.convection)
-    rate = law.bristle_stiffness * abs(slip) / g + convection
+    sliding, g, convection = abs(slip), 0.0, 0.0
+    if rolling is None or site is None:
+        g = stribeck_coefficient(slip, law.kinetic_coefficient, law.static_coefficient, law.stribeck_speed)
+    else:
+        sliding, g = steady_friction(site.film, law, slip, force)
+        convection = convection_rate(rolling, max(force, LEAST_FORCE), site.width, law.convection)
+    rate = law.bristle_stiffness * sliding / g + convection
     phi, psi = bristle_weights(rate * step)
     offset = phi * memory.bristle * (law.bristle_stiffness - law.bristle_damping * rate)
     slope = law.bristle_stiffness * psi * step + law.bristle_damping * phi + law.viscous
@@ -110,8 +117,12 @@ def lugre_update(law: LuGre, memory: Bristle, kept: Relaxation, slip: float, clo
 
 
 def build(values: Mapping[str, float], material: Material) -> LuGre:
-    """Return the constants."""
-    return LuGre(*(values[name] for name in LuGre._fields))
+    """Return the constants; coefficients of 0 become `LEAST_COEFFICIENT`."""
+    law = LuGre(*(values[name] for name in LuGre._fields))
+    return law._replace(
+        kinetic_coefficient=max(law.kinetic_coefficient, LEAST_COEFFICIENT),
+        static_coefficient=max(law.static_coefficient, LEAST_COEFFICIENT),
+    )
 
 
 LAW = TractionLaw(

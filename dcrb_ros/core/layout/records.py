@@ -26,6 +26,7 @@ import numpy.typing as npt
 Floats = npt.NDArray[np.float64]
 Flags = npt.NDArray[np.bool_]
 Integers = npt.NDArray[np.int64]
+SingleFloats = npt.NDArray[np.float32]
 
 Lanes = npt.NDArray[np.float64]
 """An array of a table, shape (LANES,)."""

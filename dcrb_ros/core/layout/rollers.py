@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dcrb_ros.core.laws.interface import NormalLaw, TractionLaw, fields_of
+from dcrb_ros.core.laws.interface import LubricationLaw, NormalLaw, TractionLaw, fields_of
 from dcrb_ros.core.layout.records import ByLaw, Indices, Lanes
 
 
@@ -16,6 +16,10 @@ class TractionMemory:
 
 class TractionKept:
     """What that law keeps for the end of the step; its arrays are the fields of `TractionLaw.kept`."""
+
+
+class FilmResistance:
+    """Resistance of the film to rolling; one array, ``resistance`` [N], where the law of lubrication has any."""
 
 
 class CageTractionMemory:
@@ -98,7 +102,9 @@ class Rollers:
     second_row: Lanes
     """1 in the second row, 0 in the first."""
     friction_loss: Lanes
-    """Energy lost in friction with raceways and bars [J]."""
+    """Energy lost in friction with raceways and bars, and in rolling [J]."""
+    rolling_loss: Lanes
+    """The part of it lost in the resistance of films to rolling [J]."""
     contact_loss: Lanes
     """Energy lost in normal contacts [J]."""
     notch_loss: Lanes
@@ -128,9 +134,40 @@ class RollerStep:
     """Depth of notches under a free roller at the outer raceway [m]."""
     sink_speed: Lanes
     """Speed at which that depth grows [m/s]."""
+    height: Lanes
+    """Height of the outer raceway and of the roller at their contact [m]."""
+    tilt: Lanes
+    """Slope of the outer raceway there [-]."""
+    share: Lanes
+    """Share of the length that a defect of the outer raceway takes there; 0 for none [-]."""
     force_on_outer_x: Lanes
     """Force on the outer ring from a free roller that is not bound [N]."""
     force_on_outer_y: Lanes
+
+
+class Nodes:
+    """Where contacts with one raceway lie on the tables of heights, and the values on both sides."""
+
+    node: Indices
+    """Node of the raceway before the contact."""
+    way: Lanes
+    """Way from there [nodes]."""
+    roller_node: Indices
+    """The same of the roller's own heights."""
+    roller_way: Lanes
+    height_before: Lanes
+    """Height of the raceway at that node [m], and at the next one."""
+    height_after: Lanes
+    slope_before: Lanes
+    """[m/rad]"""
+    slope_after: Lanes
+    own_before: Lanes
+    """The same of the roller's own heights."""
+    own_after: Lanes
+    own_slope_before: Lanes
+    own_slope_after: Lanes
+    share: Lanes
+    """Share of the length that a defect takes; 0 for none [-]."""
 
 
 class RacewayContact:
@@ -153,6 +190,14 @@ class RacewayContact:
     """Speed at which the floor of a notch falls away [m/s]."""
     surface_speed_normal: Lanes
     """Speed of the ring's surface along the normal, other than zero at the edges of a notch [m/s]."""
+    tilt: Lanes
+    """Slope of the raceway along which the normal is tilted [-]."""
+    part_height: Lanes
+    """Height over a part of the roller's length, beside that over the whole [m]."""
+    part_slope: Lanes
+    """[m/rad]"""
+    share: Lanes
+    """Share of the length that it takes; 0 for none [-]."""
     crossing: Lanes
     """1 where the contact closes or opens within the step."""
     last_force: Lanes
@@ -182,6 +227,7 @@ class RacewayContact:
     """Friction force over the step, as found [N]."""
     slip: Lanes
     """Slip over the step, as found [m/s]."""
+    film: FilmResistance
 
 
 class BarContact:
@@ -281,7 +327,9 @@ class BoundRollers:
     torque_on_cage: Lanes
     """[N m]"""
     friction_power: Lanes
-    """Power lost in friction [W]."""
+    """Power lost in friction and rolling [W]."""
+    rolling_power: Lanes
+    """The part of it lost in the resistance of films to rolling [W]; written only where there is any."""
     loss_power: Lanes
     """Power lost in normal contacts [W]."""
     notch_power: Lanes
@@ -334,12 +382,13 @@ class ConformalContacts:
     """Its slope over the slip [s/m]."""
 
 
-def by_law(normal: NormalLaw, traction: TractionLaw, cage_traction: TractionLaw) -> ByLaw:
+def by_law(normal: NormalLaw, traction: TractionLaw, cage_traction: TractionLaw, lubrication: LubricationLaw) -> ByLaw:
     """Return the arrays that the laws of a bearing name in these tables."""
     return (
         (NormalMemory, fields_of(normal.memory)),
         (TractionMemory, fields_of(traction.memory)),
         (TractionKept, fields_of(traction.kept)),
+        (FilmResistance, ("resistance",) if lubrication.resists else ()),
         (CageTractionMemory, fields_of(cage_traction.memory)),
         (CageTractionKept, fields_of(cage_traction.kept)),
     )

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from dcrb_ros.core.layout.records import Floats, Integers, OneRecord, empty_record
-from dcrb_ros.core.layout.rollers import BoundRollers, ConformalContacts, RollerStep
+from dcrb_ros.core.layout.rollers import BoundRollers, ConformalContacts, Nodes, RollerStep
 from dcrb_ros.core.payload import Payload, arrays_by_law
 
 
@@ -18,6 +18,10 @@ class Workspace(NamedTuple):
     """All rollers in their order."""
     bound: OneRecord[BoundRollers]
     """Bound rollers side by side."""
+    outer: OneRecord[Nodes]
+    """Heights about the contacts of all rollers with the outer raceway."""
+    inner: OneRecord[Nodes]
+    """Heights about the contacts of bound rollers with the inner raceway."""
     conformal: OneRecord[ConformalContacts]
     """Contacts of cages with lands and of bound rollers with bars."""
     row_ends: Integers
@@ -34,6 +38,8 @@ class Workspace(NamedTuple):
     """The same from bound rollers and between cages and lands."""
     pair_force: Floats
     """Force, and torque over r_R, on free rollers from other rollers, shape (rows, rollers, 3) [N]."""
+    films: Floats
+    """The films of inner and outer raceway in this step, shape (2, numbers of the film) [-]."""
     inner_notch_direction: Floats
     """Directions of the inner ring's notches, shape (notches, 2) [-]."""
     outer_notch_direction: Floats
@@ -45,6 +51,8 @@ def workspace(payload: Payload) -> Workspace:
     return Workspace(
         rollers=empty_record(RollerStep, by_law),
         bound=empty_record(BoundRollers, by_law),
+        outer=empty_record(Nodes, by_law),
+        inner=empty_record(Nodes, by_law),
         conformal=empty_record(ConformalContacts, by_law),
         row_ends=np.zeros(rows, np.int64),
         mean_velocity=np.zeros((2 + rows, 3)),
@@ -53,6 +61,7 @@ def workspace(payload: Payload) -> Workspace:
         force_of_free=np.zeros((2 + rows, 3)),
         force_of_bound=np.zeros((2 + rows, 3)),
         pair_force=np.zeros((rows, rollers, 3)),
+        films=np.zeros((2, max(len(payload.inner.film), 1))),
         inner_notch_direction=np.zeros((payload.inner_notches.row.size, 2)),
         outer_notch_direction=np.zeros((payload.outer_notches.row.size, 2)),
     )

@@ -53,8 +53,8 @@ def move_rings(payload: Payload, state: State, work: Workspace) -> tuple[float, 
     """Solve for the mean velocities of the rings; return by how much that changes them, and they the velocities before the step [m/s]."""
     moved = changed = 0.0
     h, stiffness, mean, free, bound = payload.step, payload.housing_stiffness, work.mean_velocity, work.force_of_free, work.force_of_bound
-    outer_inertia = 2.0 * (payload.outer_ring_mass + DISPERSION * h * h * stiffness)
-    by_outer, by_inner = 1.0 / (outer_inertia + h * payload.housing_damping), 0.5 * h / payload.inner_ring_mass
+    outer_inertia = 2.0 * (payload.outer_mass + DISPERSION * h * h * stiffness)
+    by_outer, by_inner = 1.0 / (outer_inertia + h * payload.housing_damping), 0.5 * h / payload.inner_mass
     for axis in range(2):
         weight = payload.gravity if axis == 1 else 0.0
         outer = free[OUTER, axis] + bound[OUTER, axis] - stiffness * state.position[OUTER, axis] - payload.outer_ring_mass * weight

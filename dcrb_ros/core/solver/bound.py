@@ -6,9 +6,17 @@
 from __future__ import annotations
 
 from dcrb_ros.core.jit import piece
+from dcrb_ros.core.laws.interface import Site, load_resistance
 from dcrb_ros.core.layout.state import CAGE, INNER, OUTER
 from dcrb_ros.core.layout.workspace import Workspace
 from dcrb_ros.core.payload import Payload
+
+
+@piece
+def push_share(payload: Payload, site: Site) -> float:
+    """Return by how much the film's resistance to rolling F_R pushes a roller along the raceway, 2 R/r_R - 1 [-]."""
+    share: float = 2.0 * site.reduced_radius / payload.roller_radius - 1.0
+    return share
 
 
 @piece
@@ -16,6 +24,7 @@ def prepare_bound(payload: Payload, work: Workspace, count: int) -> None:
     """Write the equations of rollers between both raceways and a bar, as far as they do not depend on the bodies' velocities."""
     bound, h = work.bound[0], payload.step
     inner, outer, bar = bound.inner, bound.outer, bound.bar
+    oil, inner_share, outer_share = payload.lubrication, push_share(payload, payload.inner), push_share(payload, payload.outer)
     mass, inertia = 2.0 * payload.roller_mass, 2.0 * payload.roller_inertia / (payload.roller_radius * payload.roller_radius)
     for k in range(count):
         inx, iny = inner.normal_x[k], inner.normal_y[k]
@@ -30,10 +39,13 @@ def prepare_bound(payload: Payload, work: Workspace, count: int) -> None:
         btx, bty = bny, -bnx
         bg, bl = bar.force_slope[k], bar.friction_slope[k]
         bp, bc = side * bar.force_offset[k], bar.friction_offset[k]
+        inner_drag, outer_drag = load_resistance(oil, inner.film, k, 1.0), load_resistance(oil, outer.film, k, 1.0)
+        idrag = ic + load_resistance(oil, inner.film, k, inner_share)
+        odrag = oc + load_resistance(oil, outer.film, k, outer_share)
 
-        bound.rhs_x[k] = mass * bound.contact_free_vx[k] + h * (ip * inx - ic * itx - op * onx - oc * otx - bp * bnx - bc * btx)
-        bound.rhs_y[k] = mass * bound.contact_free_vy[k] + h * (ip * iny - ic * ity - op * ony - oc * oty - bp * bny - bc * bty)
-        bound.rhs_rim[k] = inertia * bound.contact_free_rim[k] + h * (ic - oc + side * bc)
+        bound.rhs_x[k] = mass * bound.contact_free_vx[k] + h * (ip * inx - idrag * itx - op * onx - odrag * otx - bp * bnx - bc * btx)
+        bound.rhs_y[k] = mass * bound.contact_free_vy[k] + h * (ip * iny - idrag * ity - op * ony - odrag * oty - bp * bny - bc * bty)
+        bound.rhs_rim[k] = inertia * bound.contact_free_rim[k] + h * (ic - oc + side * bc - inner_drag + outer_drag)
         xx = mass + h * (ig * inx * inx + il * itx * itx + og * onx * onx + ol * otx * otx + bg * bnx * bnx + bl * btx * btx)
         xy = h * (ig * inx * iny + il * itx * ity + og * onx * ony + ol * otx * oty + bg * bnx * bny + bl * btx * bty)
         yy = mass + h * (ig * iny * iny + il * ity * ity + og * ony * ony + ol * oty * oty + bg * bny * bny + bl * bty * bty)
@@ -54,6 +66,7 @@ def solve_bound(payload: Payload, work: Workspace, count: int, surface: float) -
     """
     bound, mean, h, pitch = work.bound[0], work.mean_velocity, payload.step, payload.pitch_radius
     inner, outer, bar = bound.inner, bound.outer, bound.bar
+    oil, inner_share, outer_share = payload.lubrication, push_share(payload, payload.inner), push_share(payload, payload.outer)
     inner_x, inner_y, outer_x, outer_y = mean[INNER, 0], mean[INNER, 1], mean[OUTER, 0], mean[OUTER, 1]
     last = mean.shape[0] - 1
     first_x, first_y, first_turn = mean[CAGE, 0], mean[CAGE, 1], mean[CAGE, 2]
@@ -97,6 +110,8 @@ def solve_bound(payload: Payload, work: Workspace, count: int, surface: float) -
         o_friction = outer.friction_offset[k] - o_drag + ol * (mean_x * otx + mean_y * oty + rim)
         b_normal = b_push - side * bar.force_offset[k] - bg * (mean_x * bnx + mean_y * bny)
         b_friction = bar.friction_offset[k] - b_drag + bl * (mean_x * btx + mean_y * bty - side * rim)
+        i_friction += load_resistance(oil, inner.film, k, inner_share)
+        o_friction += load_resistance(oil, outer.film, k, outer_share)
         fix, fiy = i_normal * inx - i_friction * itx, i_normal * iny - i_friction * ity
         fox, foy = -o_normal * onx - o_friction * otx, -o_normal * ony - o_friction * oty
         fbx, fby = b_normal * bnx - b_friction * btx, b_normal * bny - b_friction * bty

@@ -7,8 +7,10 @@ touch nothing.
 
 from __future__ import annotations
 
+from dcrb_ros.core.contacts.films import raceway_site
+from dcrb_ros.core.contacts.force_line import onset, reach
 from dcrb_ros.core.jit import piece
-from dcrb_ros.core.laws.interface import load_memory, normal_range, store_memory
+from dcrb_ros.core.laws.interface import load_memory, store_memory
 from dcrb_ros.core.layout.records import VECTOR
 from dcrb_ros.core.layout.state import CAGE, INNER, OUTER, State
 from dcrb_ros.core.layout.workspace import Workspace
@@ -47,11 +49,12 @@ def classify_rollers(payload: Payload, state: State, work: Workspace, pinned: bo
         state.velocity[OUTER, 0],
         state.velocity[OUTER, 1],
     )
-    acting = normal_range(payload.normal_law) + payload.profile_height
-    inner_reach = payload.inner_raceway_radius + payload.roller_radius + acting
-    outer_reach = payload.outer_raceway_radius - payload.roller_radius - acting
+    law, inner, outer = payload.normal_law, raceway_site(payload, work, True), raceway_site(payload, work, False)
+    inner_reach = payload.inner_raceway_radius + payload.roller_radius + (reach(law, inner) + payload.profile_height)
+    outer_reach = payload.outer_raceway_radius - payload.roller_radius - (reach(law, outer) + payload.profile_height)
+    outer_onset = payload.outer_raceway_radius - payload.roller_radius - (onset(law, outer) + payload.profile_height)
     slow_way = h * NEGLIGIBLE_STRIKE * outer_reach
-    inner_square, outer_square = inner_reach * inner_reach, outer_reach * outer_reach
+    inner_square, outer_square, onset_square = inner_reach * inner_reach, outer_reach * outer_reach, outer_onset * outer_onset
     first_at, second_at = (place[CAGE, 0], place[CAGE, 1]), (place[last, 0], place[last, 1])
     first_old, second_old = (old[CAGE, 0], old[CAGE, 1], old[CAGE, 2]), (old[last, 0], old[last, 1], old[last, 2])
     first_way, second_way = (heading[0, 0], heading[0, 1]), (heading[last - CAGE, 0], heading[last - CAGE, 1])
@@ -77,8 +80,9 @@ def classify_rollers(payload: Payload, state: State, work: Workspace, pinned: bo
         # What counts is whether a contact is closed at the beginning of the step, or will be at its end.
         inner_way = h * abs((vx - inner_vx) * ix + (vy - inner_vy) * iy)
         outer_way = h * abs((vx - outer_vx) * ox + (vy - outer_vy) * oy)
-        near_inner, outer_deep = inner_square - ix * ix - iy * iy + inner_way, ox * ox + oy * oy - outer_square
-        near_outer, outer_strike = outer_deep + outer_way, STRIKE_WINDOW * (outer_way - slow_way) - abs(outer_deep)
+        near_inner, outer_deep = inner_square - ix * ix - iy * iy + inner_way, ox * ox + oy * oy - onset_square
+        near_outer = ox * ox + oy * oy - outer_square + outer_way
+        outer_strike = STRIKE_WINDOW * (outer_way - slow_way) - abs(outer_deep)
         nearest = max(max(near_inner, near_bar), max(if_outer * near_outer, outer_strike))
         step.x[c], step.y[c], step.tangent_x[c], step.tangent_y[c] = x, y, tx, ty
         step.near_outer[c], step.near_bar[c], step.bound[c] = near_outer, near_bar, 1.0 if nearest > 0.0 else 0.0

@@ -8,11 +8,15 @@ from __future__ import annotations
 
 import math
 
+from dcrb_ros.core.contacts.films import raceway_site
 from dcrb_ros.core.contacts.force_line import elastic, lasting_line
 from dcrb_ros.core.contacts.raceway import notch_depth
+from dcrb_ros.core.contacts.surface import tilted, uneven
 from dcrb_ros.core.jit import piece
 from dcrb_ros.core.laws.interface import (
     clear_memory,
+    film_resistance,
+    film_resists,
     load_memory,
     normal_update,
     scale_memory,
@@ -71,26 +75,29 @@ def write_notch_depth(payload: Payload, state: State, work: Workspace, c: int) -
 def advance_free(payload: Payload, state: State, work: Workspace) -> None:
     """Move all rollers over the step as if none were bound; the results of bound ones are replaced afterwards."""
     rollers, outer, found, h, radius = state.rollers[0], state.rollers[0].outer, work.rollers[0], payload.step, payload.roller_radius
-    site, normal_law, traction_law = payload.outer, payload.normal_law, payload.traction_law
+    site, normal_law, traction_law = raceway_site(payload, work, False), payload.normal_law, payload.traction_law
     by_mass, by_inertia = 0.5 * h / payload.roller_mass, 0.5 * h * radius * radius / payload.roller_inertia
     by_radius, fall, reach = 1.0 / radius, by_mass * payload.roller_mass * payload.gravity, payload.outer_raceway_radius - radius
+    push = 2.0 * site.reduced_radius * by_radius - 1.0
     ring_x, ring_y = state.position[OUTER, 0], state.position[OUTER, 1]
     mean_x, mean_y = work.mean_velocity[OUTER, 0], work.mean_velocity[OUTER, 1]
     old_x, old_y = state.velocity[OUTER, 0], state.velocity[OUTER, 1]
     for c in range(filled(payload.free.size)):
         dx, dy = rollers.x[c] - ring_x, rollers.y[c] - ring_y
         distance = max(math.sqrt(dx * dx + dy * dy), LEAST_DISTANCE)
-        nx, ny, sink = dx / distance, dy / distance, found.sink_speed[c]
+        nx, ny, sink, height = dx / distance, dy / distance, found.sink_speed[c], 0.0
+        if uneven(payload.surfaces):
+            (nx, ny), height = tilted(nx, ny, found.tilt[c]), found.height[c]
         normal_memory, traction_memory = load_memory(normal_law, outer.normal, c), load_memory(traction_law, outer.traction, c)
 
         own_x, own_y, spin = rollers.vx[c], rollers.vy[c], rollers.spin[c]
         vx, vy = own_x + 0.5 * rollers.change_vx[c] - mean_x, own_y + 0.5 * rollers.change_vy[c] - mean_y
         along, rim = vy * nx - vx * ny, radius * spin
         before = (own_x - old_x) * nx + (own_y - old_y) * ny - sink
-        penetration = distance - reach - found.notch_depth[c]
+        penetration = distance - reach - found.notch_depth[c] + height
         force, stiffness = elastic(normal_law, normal_memory, penetration, site)
         force_offset, force_slope, expected_force, damping, expected_closing = lasting_line(
-            payload, normal_memory, site, penetration, force, stiffness, vx * nx + vy * ny - sink, before, sink
+            payload, normal_memory, site, penetration, force, stiffness, vx * nx + vy * ny - sink, before, sink, outer.force[c], by_mass
         )
         predicted_slip = along + rim + 0.5 * radius * rollers.change_spin[c]
         rolling = (along / distance - 0.0) * site.raceway_radius
@@ -98,12 +105,19 @@ def advance_free(payload: Payload, state: State, work: Workspace) -> None:
         friction_offset, friction_slope = offset * expected_force, slope * expected_force
 
         alone_x, alone_y = own_x - mean_x, own_y - fall - mean_y
+        resistance = film_resistance(site.film, expected_force, rolling)
+        if film_resists(site.film):
+            alone_x, alone_y = alone_x + by_mass * push * resistance * ny, alone_y - by_mass * push * resistance * nx
+            rim += by_inertia * resistance
         normal = (force_offset + force_slope * (alone_x * nx + alone_y * ny)) / (1.0 + by_mass * force_slope)
         friction = (friction_offset + friction_slope * (alone_y * nx - alone_x * ny + rim)) / (
             1.0 + (by_mass + by_inertia) * friction_slope
         )
         fx, fy = normal * nx - friction * ny, normal * ny + friction * nx
         x, y, turned = alone_x - by_mass * fx, alone_y - by_mass * fy, rim - by_inertia * friction
+        rim = radius * spin
+        if film_resists(site.film):
+            fx, fy = fx - push * resistance * ny, fy + push * resistance * nx
         slip, closing = y * nx - x * ny + turned, x * nx + y * ny - sink
         law_force = max(expected_force + damping * (closing - expected_closing), 0.0)
 
@@ -118,6 +132,10 @@ def advance_free(payload: Payload, state: State, work: Workspace) -> None:
         store_memory(normal_law, outer.normal, c, normal_update(normal_law, normal_memory, penetration, closing, h))
         time = h * (1.0 - bound)
         rollers.friction_loss[c] += time * friction * slip
+        if film_resists(site.film):
+            rolling_loss = time * resistance * (push * (y * nx - x * ny) - turned)
+            rollers.friction_loss[c] += rolling_loss
+            rollers.rolling_loss[c] += rolling_loss
         rollers.contact_loss[c] += time * damping * closing * closing
         rollers.notch_loss[c] += time * normal * sink
 

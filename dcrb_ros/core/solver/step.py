@@ -11,9 +11,11 @@ start from predicted velocities, and sweeps over the bound rollers correct these
 from __future__ import annotations
 
 from dcrb_ros.core.contacts.conformal import add_land_forces, linearize_cages, store_lands
+from dcrb_ros.core.contacts.films import write_films
 from dcrb_ros.core.contacts.notch import turn_notches
 from dcrb_ros.core.contacts.raceway import linearize_raceways, locate_raceways
 from dcrb_ros.core.contacts.roller_pair import add_pair_contacts
+from dcrb_ros.core.contacts.surface import feel_free
 from dcrb_ros.core.jit import kernel, loop, piece
 from dcrb_ros.core.layout.records import Floats
 from dcrb_ros.core.layout.state import OUTER, State
@@ -59,6 +61,7 @@ def find_bound(payload: Payload, state: State, work: Workspace) -> int:
         classify_rollers(payload, state, work, False)
     else:
         classify_rollers(payload, state, work, True)
+    feel_free(payload.surfaces, payload, state, work)
     bind_special(payload, work)
     found = 0
     for row in range(payload.free.shape[0]):
@@ -131,6 +134,7 @@ def advance(payload: Payload, state: State, work: Workspace, acceleration: Float
         drift(payload, state, 0.5 * h)
         turn_notches(payload.inner_notches, state.shaft[0], work.inner_notch_direction)
         predict_bodies(payload, state, work)
+        write_films(payload, state, work)
         clear(work.force_of_free)
         count = find_bound(payload, state, work)
         advance_unbound(payload, state, work)

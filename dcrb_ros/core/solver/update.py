@@ -3,12 +3,21 @@
 from __future__ import annotations
 
 from dcrb_ros.core.jit import piece
-from dcrb_ros.core.laws.interface import load_kept, load_memory, normal_update, store_memory, traction_update
+from dcrb_ros.core.laws.interface import (
+    film_resists,
+    load_kept,
+    load_memory,
+    load_resistance,
+    normal_update,
+    store_memory,
+    traction_update,
+)
 from dcrb_ros.core.layout.records import Floats
 from dcrb_ros.core.layout.rollers import BarContact, BoundRollers, RacewayContact
 from dcrb_ros.core.layout.state import CAGE, INNER, OUTER, State
 from dcrb_ros.core.layout.workspace import Workspace
 from dcrb_ros.core.payload import Payload
+from dcrb_ros.core.solver.bound import push_share
 
 
 @piece
@@ -20,6 +29,8 @@ def update_raceway(
     Those of the inner ring, where ``side`` is 1, begin the sums of a roller's powers, those of the outer are added.
     """
     first, h, normal_law, traction_law = side > 0.0, payload.step, payload.normal_law, payload.traction_law
+    site = payload.inner if first else payload.outer
+    share = push_share(payload, site)
     for k in range(count):
         nx, ny = contact.normal_x[k], contact.normal_y[k]
         tx, ty = -contact.radial_y[k], contact.radial_x[k]
@@ -39,6 +50,13 @@ def update_raceway(
         store_memory(normal_law, contact.normal, k, normal_update(normal_law, own, contact.penetration[k], closing, h))
         friction_power, loss_power = friction * slip, contact.damping[k] * closing * closing
         notch_power, drive_power = normal * sink, side * normal * surface_n - friction * surface
+        if film_resists(site.film):
+            resistance = load_resistance(payload.lubrication, contact.film, k, 1.0)
+            along, turning = vx * tx + vy * ty, side * bound.mean_rim[k] - surface
+            rolling_power = resistance * (share * along + turning)
+            bound.rolling_power[k] = rolling_power if first else rolling_power + bound.rolling_power[k]
+            friction_power += rolling_power
+            drive_power -= resistance * surface
         bound.friction_power[k] = friction_power if first else friction_power + bound.friction_power[k]
         bound.loss_power[k] = loss_power if first else loss_power + bound.loss_power[k]
         bound.notch_power[k] = notch_power if first else notch_power + bound.notch_power[k]
@@ -87,6 +105,8 @@ def store_bound(payload: Payload, state: State, work: Workspace, count: int) -> 
         store_memory(normal_law, rollers.inner.normal, c, load_memory(normal_law, bound.inner.normal, k))
         store_memory(normal_law, rollers.outer.normal, c, load_memory(normal_law, bound.outer.normal, k))
         rollers.friction_loss[c] += h * bound.friction_power[k]
+        if film_resists(payload.inner.film):
+            rollers.rolling_loss[c] += h * bound.rolling_power[k]
         rollers.contact_loss[c] += h * bound.loss_power[k]
         rollers.notch_loss[c] += h * bound.notch_power[k]
         rollers.drive_work[c] += h * bound.drive_power[k]

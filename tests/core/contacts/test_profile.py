@@ -139,6 +139,14 @@ def test_equilibrium_rests_in_profiles() -> None:
     assert apart[1][1] - apart[0][1] == pytest.approx(-1e-5, abs=1e-6)
 
 
+def test_idle_rollers_lie_on_the_profile() -> None:
+    # The centrifugal force of 65 N: 0.248 kg at 52.8 rad/s and 93.9 mm.
+    wide = with_profiles(HEALTHY, [SurfaceProfile("outer_ring", (1e-5,) * 8)])
+    state = initial_state(Configuration(), wide)
+    advance(wide, state, workspace(wide), np.empty((40, 2)), np.empty(40))
+    assert state.outer_force[:, 5:12] == pytest.approx(65.0, abs=15.0)
+
+
 @pytest.mark.parametrize(
     ("profile", "message"),
     [

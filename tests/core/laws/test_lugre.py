@@ -10,24 +10,25 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from dcrb_ros.bearing.payload import build_payload
-from dcrb_ros.core.laws.lugre import Bristle, bristle_weights, convection_rate, lugre_line, lugre_update, stribeck_coefficient
-from dcrb_ros.settings.configuration import Configuration
+from dcrb_ros.core.laws.lugre import Bristle, LuGre, bristle_weights, build, convection_rate, lugre_line, lugre_update, stribeck_coefficient
+from dcrb_ros.settings.configuration import Configuration, material_of
 
 pytestmark = pytest.mark.kernel
 
 PAYLOAD = build_payload(Configuration())
 LAW = PAYLOAD.traction_law
+MATERIAL = material_of(Configuration().bearing)
 STATIC, KINETIC = LAW.static_coefficient, LAW.kinetic_coefficient
 slips = st.floats(-20.0, 20.0)
 
 
-def settled(slip: float, steps: int) -> tuple[float, float]:
+def settled(slip: float, steps: int, law: LuGre = LAW) -> tuple[float, float]:
     """Return bristle [m] and friction coefficient [-] after ``steps`` steps of constant slip [m/s]."""
     memory, coefficient = Bristle(0.0), 0.0
     for _ in range(steps):
-        offset, slope, kept = lugre_line(LAW, memory, slip, None, 0.0, None, PAYLOAD.step)
+        offset, slope, kept = lugre_line(law, memory, slip, None, 0.0, None, PAYLOAD.step)
         coefficient = offset + slope * slip
-        memory = lugre_update(LAW, memory, kept, slip, True, PAYLOAD.step)
+        memory = lugre_update(law, memory, kept, slip, True, PAYLOAD.step)
     return memory.bristle, coefficient
 
 
@@ -42,6 +43,13 @@ def test_friction_stays_inside_its_cone(slip: float, steps: int) -> None:
     bristle, coefficient = settled(slip, steps)
     assert abs(bristle) <= STATIC / LAW.bristle_stiffness * (1.0 + 1e-12)
     assert abs(coefficient) <= STATIC + LAW.bristle_damping * abs(slip)
+
+
+@pytest.mark.parametrize(("kinetic", "static"), [(0.0, 0.06), (0.0, 0.0)])
+@pytest.mark.parametrize("slip", [0.0, 0.3, 20.0])
+def test_without_kinetic_friction_gross_sliding_is_free(kinetic: float, static: float, slip: float) -> None:
+    constants = build({**LAW._asdict(), "kinetic_coefficient": kinetic, "static_coefficient": static}, MATERIAL)
+    assert settled(slip, 200, constants)[1] == pytest.approx(0.0, abs=1e-8)
 
 
 @given(slips, st.floats(-1.0, 1.0))

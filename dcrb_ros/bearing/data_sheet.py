@@ -1,0 +1,70 @@
+"""What follows from a configuration: speeds, loads, clearances and characteristic frequencies, rounded for people."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+from dcrb_ros.bearing.kinematics import characteristic_orders
+from dcrb_ros.faults.ground_truth import summary_of
+from dcrb_ros.settings.configuration import Configuration, heaviest
+from dcrb_ros.settings.parameters import Bearing, rpm
+
+STEEL = 7850.0
+"""Density of steel [kg/m^3]."""
+ALIKE = 0.01
+"""Largest relative difference of dimensions that leaves masses as they are [-]."""
+DEPENDENCES = {
+    "roller_mass": ("roller_radius", "roller_length"),
+    "roller_inertia": ("roller_radius", "roller_length"),
+    "cage_mass": ("pitch_radius", "roller_length", "rollers_per_row"),
+    "cage_inertia": ("pitch_radius", "roller_length", "rollers_per_row"),
+    "inner_ring_mass": ("inner_raceway_radius", "roller_length", "rows"),
+    "outer_ring_mass": ("outer_raceway_radius", "roller_length", "rows"),
+}
+"""Masses and moments of inertia, with the dimensions on which they depend."""
+
+
+def data_sheet(configuration: Configuration) -> dict[str, str]:
+    """Return what follows from a configuration: texts with units, by what they describe."""
+    bearing, operating = configuration.bearing, configuration.operating
+    shaft = operating.speed / (2.0 * math.pi)
+    orders = characteristic_orders(bearing).as_dict()
+    load = math.hypot(operating.load, operating.lateral_load)
+    step, rate = configuration.simulation.step, configuration.sensor.sampling_rate
+    return {
+        "bearing": f"{_rows(bearing)} of {bearing.rollers_per_row} rollers, {2e3 * bearing.roller_radius:.4g} mm in diameter and "
+        f"{1e3 * bearing.roller_length:.4g} mm long, on a pitch circle of {2e3 * bearing.pitch_radius:.4g} mm",
+        "internal clearance": f"{2e6 * bearing.radial_gap:.4g} um, twice the radial gap",
+        "speed": f"{rpm(operating.speed):.5g} rpm, shaft frequency {abs(shaft):.4g} Hz",
+        "load": f"{load / 1e3:.4g} kN; about {heaviest(configuration) / 1e3:.3g} kN on the most heavily loaded roller (Stribeck: 5 F/z)",
+        "orders": ", ".join(f"{name} {order:.4f}" for name, order in orders.items()),
+        "frequencies": ", ".join(f"{name} {order * abs(shaft):.2f}" for name, order in orders.items()) + " Hz",
+        "time step": f"{1e6 * step:.4g} us, {configuration.steps_per_sample} for a sample at {rate / 1e3:g} kHz",
+        "faults": summary_of(configuration.described_faults()),
+    }
+
+
+def _rows(bearing: Bearing) -> str:
+    return "1 row" if bearing.rows == 1 else f"{bearing.rows} rows"
+
+
+def kept_defaults(bearing: Bearing) -> Iterator[str]:
+    """Yield a sentence for each mass or moment of inertia of the default bearing in a bearing of other dimensions."""
+    default = Bearing()
+    for key, dimensions in DEPENDENCES.items():
+        changed = [name for name in dimensions if abs(getattr(bearing, name) - getattr(default, name)) > ALIKE * getattr(default, name)]
+        value, unit = getattr(bearing, key), "kg m^2" if key.endswith("inertia") else "kg"
+        if changed and value == getattr(default, key):
+            other = f"{changed[0]} = {getattr(bearing, changed[0]):g}, not {getattr(default, changed[0]):g}"
+            yield f"bearing.{key} = {value:g} {unit} is that of the default bearing, but this one has {other}: {_remedy(key, bearing)}"
+
+
+def _remedy(key: str, bearing: Bearing) -> str:
+    """Return how to find a mass or a moment of inertia."""
+    solid = STEEL * math.pi * bearing.roller_radius**2 * bearing.roller_length
+    return {
+        "roller_mass": f"a roller of solid steel has {solid:.3g} kg",
+        "roller_inertia": f"a roller of solid steel has {0.5 * solid * bearing.roller_radius**2:.3g} kg m^2",
+        "cage_inertia": f"a thin cage has mass * pitch_radius^2, here {bearing.cage_mass * bearing.pitch_radius**2:.3g} kg m^2",
+    }.get(key, "take it from a drawing or a catalogue, or estimate it as solid steel of 7850 kg/m^3")

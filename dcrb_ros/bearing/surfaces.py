@@ -1,0 +1,313 @@
+"""Heights of raceways and rollers, as the rollers feel them: waviness, individual dimensions, and damage.
+
+A surface has heights z over its circumference, above zero where there is more metal. A rigid roller of reduced radius R follows the upper
+envelope of z by a parabola (a morphological dilation)
+
+    H_1(x) = max_t (z(x + t) - t^2/(2 R))
+
+and the elastic contact of half-width b the average of that over Hertz's pressure, a semi-ellipse, which in the order domain is the factor
+2 J_1(k b)/(k b), k = n/r. Waviness is shallow enough for the envelope to be itself.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+from scipy.interpolate import CubicSpline
+from scipy.special import j1
+
+from dcrb_ros.core.contacts.surface import HEIGHT, PART_HEIGHT, PART_SLOPE, SHARE, SLOPE, Profile, Smooth, interpolated
+from dcrb_ros.core.payload import Payload
+from dcrb_ros.faults.geometry import Damage, RacewayNotch, RollerNotch, SurfaceHeights, SurfaceProfile
+from dcrb_ros.measurement.random_streams import random_stream
+from dcrb_ros.schema.arrays import Floats
+from dcrb_ros.settings.configuration import Configuration
+from dcrb_ros.settings.parameters import Bearing
+
+RACEWAY_NODES, ROLLER_NODES = 16384, 1024
+COLUMNS = 5
+RINGS = ("inner_ring", "outer_ring")
+AVERAGING_FORCE = 20e3
+"""Force whose half-width averages the heights [N]."""
+ROUNDNESS_ORDERS = (2, 14)
+WAVINESS_ORDERS = (15, 150)
+"""Orders whose root mean square ``surfaces.waviness`` states."""
+HIGHEST_ORDER = 2000
+ROLLER_ORDERS = (2, 60)
+HIGHEST_ROLLER_ORDER = 280
+"""As many lobes per length as `HIGHEST_ORDER` on a raceway."""
+FINE = 4
+"""Samples per node for damage, which has edges."""
+LEAST_HEIGHT = 1e-12
+"""Height below which a defect is not felt [m]."""
+HEIGHT_RESOLUTION, SLOPE_RESOLUTION = 2.0**-50, 2.0**-44
+"""Heights [m] and slopes [m/rad] are rounded to multiples of these: the last bits of a Fourier transform differ between processors."""
+
+
+def envelope(heights: Floats, spacing: float, radius: float) -> Floats:
+    """Return the path of a rigid cylinder over a surface: its dilation by a parabola of the reduced radius [m].
+
+    ``heights`` [m] lie ``spacing`` [m] apart; beyond their ends the surface goes on as at the end.
+    """
+    reach = math.ceil(math.sqrt(2.0 * radius * max(float(np.ptp(heights)), 0.0)) / spacing)
+    padded, found = np.pad(heights, reach, mode="edge"), np.array(heights, np.float64)
+    for k in range(1, reach + 1):
+        drop = (k * spacing) ** 2 / (2.0 * radius)
+        for first in (reach - k, reach + k):
+            np.maximum(found, padded[first : first + len(heights)] - drop, out=found)
+    return found
+
+
+def averaged(heights: Floats, spacing: float, half_width: float) -> tuple[Floats, Floats]:
+    """Return the average of heights [m] over a semi-ellipse of a half-width [m], and its slope [-]; they end in zeros on both sides."""
+    count = 2 ** math.ceil(math.log2(2 * len(heights)))
+    wave: Floats = np.asarray(2.0 * math.pi * np.fft.rfftfreq(count, spacing), np.float64)
+    spectrum = np.fft.rfft(heights, count) * contact_weight(wave * half_width)
+    found = np.fft.irfft(spectrum, count)[: len(heights)]
+    return found, np.fft.irfft(1j * wave * spectrum, count)[: len(heights)]
+
+
+def contact_weight(phase: Floats) -> Floats:
+    """Return 2 J_1(x)/x [-], the mean of a wave over a semi-ellipse, at x = wave number times half-width."""
+    held = np.maximum(phase, 1e-9)
+    return np.asarray(2.0 * j1(held) / held)
+
+
+def level_of_orders(orders: Floats, slope: float, reference: tuple[int, int], rms: float) -> Floats:
+    """Return the amplitudes [m] of orders that fall as n^-slope, for a root mean square over the reference orders [m]."""
+    shape = orders**-slope
+    inside = np.arange(reference[0], reference[1] + 1, dtype=np.float64) ** -slope
+    return rms * math.sqrt(2.0) * shape / math.sqrt(float((inside**2).sum()))
+
+
+def waves(random: np.random.Generator, orders: Floats, amplitudes: Floats, factor: Floats, nodes: int) -> tuple[Floats, Floats]:
+    """Return heights [m] and slopes [m/rad] at the nodes of a turn, of orders with random phases and Rayleigh-distributed amplitudes.
+
+    ``factor`` weights each order after its random amplitude is drawn.
+    """
+    size = np.sqrt(-np.log1p(-random.random(len(orders))))  # Rayleigh, of unit mean square
+    phase = 2.0 * math.pi * random.random(len(orders))
+    spectrum = np.zeros(nodes // 2 + 1, np.complex128)
+    index = orders.astype(np.int64)
+    spectrum[index] = 0.5 * nodes * amplitudes * size * factor * np.exp(1j * phase)
+    return np.fft.irfft(spectrum, nodes), np.fft.irfft(1j * np.arange(nodes // 2 + 1) * spectrum, nodes)
+
+
+def half_width(configuration: Configuration, radius: float) -> float:
+    """Return the half-width [m] of a contact of a reduced radius [m], over which it averages heights."""
+    bearing = configuration.bearing
+    return math.sqrt(4.0 * radius * AVERAGING_FORCE / (math.pi * bearing.roller_length * bearing.effective_modulus))
+
+
+def reduced_radii(configuration: Configuration) -> tuple[float, float]:
+    """Return the reduced radii of the contacts with inner and outer raceway [m]."""
+    b = configuration.bearing
+    return 1.0 / (1.0 / b.roller_radius + 1.0 / b.inner_raceway_radius), 1.0 / (1.0 / b.roller_radius - 1.0 / b.outer_raceway_radius)
+
+
+def surface_seed(configuration: Configuration) -> int:
+    """Return the seed that makes the bearing an individual."""
+    return configuration.surfaces.seed or configuration.simulation.seed
+
+
+@lru_cache(maxsize=32)
+def raceway_waves(
+    seed: int, name: str, radius: float, width: float, roundness: float, waviness: float, exponent: float
+) -> tuple[Floats, Floats]:
+    """Return heights [m] and slopes [m/rad] of a raceway without damage over a turn, about a mean of zero."""
+    random = random_stream(seed, name)
+    low = np.arange(ROUNDNESS_ORDERS[0], ROUNDNESS_ORDERS[1] + 1, dtype=np.float64)
+    high = np.arange(WAVINESS_ORDERS[0], HIGHEST_ORDER + 1, dtype=np.float64)
+    amplitudes = [level_of_orders(low, 1.0, ROUNDNESS_ORDERS, roundness), level_of_orders(high, exponent, WAVINESS_ORDERS, waviness)]
+    orders = np.concatenate([low, high])
+    return waves(random, orders, np.concatenate(amplitudes), contact_weight(orders / radius * width), RACEWAY_NODES)
+
+
+@lru_cache(maxsize=256)
+def roller_waves(seed: int, name: str, radius: float, widths: tuple[float, float], waviness: float, exponent: float) -> tuple[Floats, ...]:
+    """Return heights [m] and slopes [m/rad] of a roller as the inner raceway feels it, and then as the outer one does."""
+    orders = np.arange(ROLLER_ORDERS[0], HIGHEST_ROLLER_ORDER + 1, dtype=np.float64)
+    amplitudes = level_of_orders(orders, exponent, ROLLER_ORDERS, waviness)
+    felt = [
+        part
+        for width in widths
+        for part in waves(random_stream(seed, name), orders, amplitudes, contact_weight(orders / radius * width), ROLLER_NODES)
+    ]
+    return tuple(felt)
+
+
+class FeltDefect(NamedTuple):
+    """What a contact feels of a defect, at equal distances about its middle."""
+
+    height: Floats
+    """[m]"""
+    slope: Floats
+    """[-]"""
+    spacing: float
+    """[m]"""
+
+
+def felt_defect(heights: Floats, spacing: float, radius: float, width: float) -> FeltDefect:
+    """Return what a contact of a reduced radius and a half-width [m] feels of heights that end in zeros [m]."""
+    margin = math.ceil((math.sqrt(2.0 * radius * float(np.ptp(heights))) + 2.0 * width) / spacing)
+    path = envelope(np.pad(heights, margin), spacing, radius)
+    return FeltDefect(*averaged(path, spacing, width), spacing)
+
+
+def notch_heights(width: float, depth: float, spacing: float) -> tuple[Floats, float]:
+    """Return the heights of a notch with sharp edges and a flat floor, and their distance [m], at most ``spacing``.
+
+    A sample lies on each edge, or the notch would be wider for the roller by up to a sample.
+    """
+    half = math.ceil(0.5 * width / spacing)
+    heights = np.full(2 * half + 3, -depth)
+    heights[[0, 1, -2, -1]] = 0.0
+    return heights, 0.5 * width / half
+
+
+def add_window(table: Floats, columns: tuple[int, int], felt: FeltDefect, azimuth: float, radius: float) -> None:
+    """Add a felt defect, whose middle is at an azimuth [rad] of a surface of a radius [m], to two columns of its table over a turn."""
+    spacing, half = 2.0 * math.pi / len(table), len(felt.height) // 2
+    places = azimuth + np.arange(-half, half + 1) * (felt.spacing / radius)
+    at = np.arange(math.ceil(places[0] / spacing), math.floor(places[-1] / spacing) + 1)
+    table[at % len(table), columns[0]] += np.interp(at * spacing, places, felt.height)
+    table[at % len(table), columns[1]] += np.interp(at * spacing, places, felt.slope) * radius
+
+
+def build_surfaces(configuration: Configuration, damage: Sequence[Damage]) -> tuple[Smooth | Profile, float]:
+    """Return the surfaces of a bearing as the kernels take them, and how far the highest rises [m].
+
+    Every row, raceway and roller has random numbers of its own, so that one parameter changes nothing else.
+    """
+    c = configuration
+    if c.surfaces.law == "smooth":
+        return Smooth(), 0.0
+    b, seed, s = c.bearing, surface_seed(c), c.surfaces
+    radii, raceways = reduced_radii(c), (b.inner_raceway_radius, b.outer_raceway_radius)
+    widths = half_width(c, radii[0]), half_width(c, radii[1])
+    table = np.zeros((2, b.rows, RACEWAY_NODES, COLUMNS))
+    clearance = random_stream(seed, "clearance").standard_normal() * s.clearance_spread
+    for ring in (0, 1):
+        for row in range(b.rows):
+            name = f"{('inner', 'outer')[ring]} raceway of row {row + 1}"
+            height, slope = raceway_waves(seed, name, raceways[ring], widths[ring], s.roundness, s.waviness, s.waviness_slope)
+            table[ring, row, :, HEIGHT], table[ring, row, :, SLOPE] = height, slope
+    table[1, :, :, HEIGHT] -= 0.5 * clearance
+    rows = random_stream(seed, "raceways of the rows").standard_normal(b.rows) * s.row_spread
+    table[1, :, :, HEIGHT] += rows[:, None]
+    rollers = np.zeros((b.rows * b.rollers_per_row, ROLLER_NODES, 4))
+    diameters = random_stream(seed, "roller diameters").standard_normal(len(rollers)) * s.roller_spread
+    for k in range(len(rollers)):
+        felt = roller_waves(seed, f"roller {k + 1}", b.roller_radius, widths, 0.5 * s.waviness, s.waviness_slope)
+        rollers[k] = np.stack(felt, axis=-1)
+    rollers[:, :, 0::2] += 0.5 * diameters[:, None, None]
+    for item in damage:
+        add_damage(c, item, table, rollers)
+    table[..., :SHARE] = np.round(table[..., :SHARE] / HEIGHT_RESOLUTION) * HEIGHT_RESOLUTION
+    rollers = np.round(rollers / HEIGHT_RESOLUTION) * HEIGHT_RESOLUTION
+    highest = float(table[..., HEIGHT].max() + max(table[..., PART_HEIGHT].max(), 0.0) + rollers[:, :, 0::2].max())
+    heights = np.zeros((*table.shape[:-1], 4), np.float32)
+    heights[..., :2], heights[..., 2] = table[..., [HEIGHT, SLOPE]], table[..., SHARE]
+    parts = table[..., [PART_HEIGHT, PART_SLOPE]].astype(np.float32)
+    return Profile(heights, parts, rollers.astype(np.float32)), max(highest, 0.0)
+
+
+def felt_heights(payload: Payload, from_ring: Floats, inner: bool) -> Floats:
+    """Return the heights at the contacts, at shaft and spin angle zero, shape (rows, rollers) [m]; those over a part of the length count by
+    their share.
+
+    ``from_ring`` are the vectors from the ring's centre to the rollers', shape (rows, rollers, 2).
+    """
+    surfaces = payload.surfaces
+    if isinstance(surfaces, Smooth):
+        return np.zeros(payload.free.shape)
+    azimuth = np.arctan2(from_ring[..., 0], -from_ring[..., 1])
+    ring, column = (0, 0) if inner else (1, 2)
+    found = np.zeros(azimuth.shape)
+    for row, angles in enumerate(azimuth):
+        found[row] = between_nodes(surfaces.raceways[ring, row, :, :2], angles)
+        nodes = np.floor(np.mod(angles / (2.0 * math.pi), 1.0) * RACEWAY_NODES).astype(np.int64) % RACEWAY_NODES
+        found[row] += surfaces.raceways[ring, row, nodes, 2] * between_nodes(surfaces.parts[ring, row], angles)
+        for i, angle in enumerate(angles + math.pi if inner else angles):
+            roller = surfaces.rollers[row * azimuth.shape[1] + i, :, column : column + 2]
+            found[row, i] += between_nodes(roller, np.array([angle]))[0]
+    return found
+
+
+def between_nodes(table: npt.NDArray[np.float32], angles: Floats) -> Floats:
+    """Return heights [m] at angles [rad] of a table of heights and slopes over a turn, as the kernels do."""
+    nodes = len(table)
+    place = np.mod(angles / (2.0 * math.pi), 1.0) * nodes
+    i = np.minimum(np.floor(place), nodes - 1.0).astype(np.int64)
+    before, after = table[i].astype(np.float64), table[(i + 1) % nodes].astype(np.float64)
+    curve = getattr(interpolated, "py_func", interpolated)
+    return np.asarray(curve(before[:, 0], after[:, 0], before[:, 1], after[:, 1], 2.0 * math.pi / nodes, place - i)[0])
+
+
+def add_damage(configuration: Configuration, damage: Damage, table: Floats, rollers: Floats) -> None:
+    """Add a fault to the tables of raceways and rollers."""
+    c, b = configuration, configuration.bearing
+    radii, raceways = reduced_radii(c), (b.inner_raceway_radius, b.outer_raceway_radius)
+    if isinstance(damage, RollerNotch):
+        spacing = 2.0 * math.pi * b.roller_radius / (ROLLER_NODES * FINE)
+        for ring in (0, 1):
+            width = half_width(c, radii[ring])
+            heights, distance = notch_heights(2.0 * damage.half_angle * b.roller_radius, damage.depth, spacing)
+            felt = felt_defect(heights, distance, radii[ring], width)
+            add_window(
+                rollers[damage.row * b.rollers_per_row + damage.roller], (2 * ring, 2 * ring + 1), felt, damage.azimuth, b.roller_radius
+            )
+    elif isinstance(damage, RacewayNotch):
+        ring = RINGS.index(damage.ring)
+        spacing = 2.0 * math.pi * raceways[ring] / (RACEWAY_NODES * FINE)
+        heights, distance = notch_heights(2.0 * damage.half_angle * raceways[ring], damage.depth, spacing)
+        felt = felt_defect(heights, distance, radii[ring], half_width(c, radii[ring]))
+        add_to_raceway(table[ring], damage.row, felt, damage.azimuth, raceways[ring], 1.0)
+    elif isinstance(damage, SurfaceHeights):
+        ring = RINGS.index(damage.ring)
+        felt = felt_defect(np.asarray(damage.heights), damage.spacing, radii[ring], half_width(c, radii[ring]))
+        add_to_raceway(table[ring], damage.row, felt, damage.azimuth, raceways[ring], damage.share)
+    elif isinstance(damage, SurfaceProfile):
+        add_profile(damage, table, rollers, b)
+
+
+def add_to_raceway(table: Floats, row: int, felt: FeltDefect, azimuth: float, raceway: float, share: float) -> None:
+    """Add what a contact feels of a defect to the table of a raceway; ``row`` -1 stands for all rows."""
+    for at in range(len(table)) if row < 0 else (row,):
+        if share < 1.0:
+            add_window(table[at], (PART_HEIGHT, PART_SLOPE), felt, azimuth, raceway)
+            table[at, np.abs(table[at, :, PART_HEIGHT]) > LEAST_HEIGHT, SHARE] = share
+        else:
+            add_window(table[at], (HEIGHT, SLOPE), felt, azimuth, raceway)
+
+
+def add_profile(profile: SurfaceProfile, table: Floats, rollers: Floats, bearing: Bearing) -> None:
+    """Add a profile, which is given as a contact feels it, to the tables of its surface."""
+    if profile.body == "roller":
+        chosen = rollers.reshape(bearing.rows, bearing.rollers_per_row, ROLLER_NODES, 4)
+        chosen = chosen if profile.row < 0 else chosen[profile.row : profile.row + 1]
+        chosen = chosen if profile.roller < 0 else chosen[:, profile.roller : profile.roller + 1]
+        tables: list[Floats] = [one for row in chosen for one in row]
+        columns: tuple[tuple[int, int], ...] = ((0, 1), (2, 3))
+    else:
+        rows = table[RINGS.index(profile.body)]
+        tables, columns = list(rows if profile.row < 0 else rows[profile.row : profile.row + 1]), ((HEIGHT, SLOPE),)
+    heights, nodes = -np.asarray(profile.depths), len(tables[0])
+    spacing = 2.0 * math.pi / nodes
+    if profile.spacing == 0.0:
+        samples = CubicSpline(np.linspace(0.0, 2.0 * math.pi, len(heights) + 1), np.append(heights, heights[0]), bc_type="periodic")
+        at = np.arange(nodes)
+    else:
+        half = 0.5 * profile.spacing * (len(heights) + 1)
+        samples = CubicSpline(np.linspace(-half, half, len(heights) + 2), np.pad(heights, 1), bc_type="clamped")
+        at = np.arange(math.ceil((profile.azimuth - half) / spacing), math.floor((profile.azimuth + half) / spacing) + 1)
+    places = at * spacing - profile.azimuth
+    for one in tables:
+        for height, slope in columns:
+            one[at % nodes, height] += samples(places)
+            one[at % nodes, slope] += samples(places, 1)

@@ -1,0 +1,75 @@
+"""The line over the mean velocities of a step that stands for a contact of a bound roller with a raceway."""
+
+from __future__ import annotations
+
+import math
+
+from dcrb_ros.core.jit import piece
+from dcrb_ros.core.laws.interface import Site, film_resistance, load_memory, store_kept, store_resistance, traction_line
+from dcrb_ros.core.layout.rollers import BoundRollers, RacewayContact
+from dcrb_ros.core.payload import Payload
+
+
+@piece
+def locate(bound: BoundRollers, contact: RacewayContact, k: int, ring_x: float, ring_y: float, reach: float, side: float) -> None:
+    """Write direction, distance and penetration between a roller and a smooth raceway.
+
+    ``reach`` [m] is the distance at which a contact closes, ``side`` is 1 at the inner ring and -1 at the outer.
+    """
+    dx, dy = bound.x[k] - ring_x, bound.y[k] - ring_y
+    distance = math.sqrt(dx * dx + dy * dy)
+    nx, ny = dx / distance, dy / distance
+    contact.radial_x[k], contact.radial_y[k] = nx, ny
+    contact.normal_x[k], contact.normal_y[k] = nx, ny
+    contact.distance[k] = distance
+    contact.penetration[k] = side * (reach - distance)
+    contact.sink_speed[k] = contact.surface_speed_normal[k] = 0.0
+
+
+@piece
+def closing_speeds(
+    bound: BoundRollers, contact: RacewayContact, k: int, mean: tuple[float, float], old: tuple[float, float], side: float
+) -> tuple[float, float, float]:
+    """Return the speeds of penetration expected and before the step, and that at which the floor of a notch falls away [m/s].
+
+    ``mean`` is the ring's predicted mean velocity, ``old`` that before the step.
+    """
+    nx, ny = contact.normal_x[k], contact.normal_y[k]
+    vx, vy = bound.predicted_vx[k] - mean[0], bound.predicted_vy[k] - mean[1]
+    ux, uy = bound.vx[k] - old[0], bound.vy[k] - old[1]
+    surface_n, sink = contact.surface_speed_normal[k], contact.sink_speed[k]
+    return -side * (vx * nx + vy * ny - surface_n) - sink, -side * (ux * nx + uy * ny - surface_n) - sink, sink
+
+
+@piece
+def write_force_line(contact: RacewayContact, k: int, line: tuple[float, float, float, float, float]) -> None:
+    """Write a `force_line`."""
+    contact.force_offset[k], contact.force_slope[k], contact.expected_force[k] = line[0], line[1], line[2]
+    contact.damping[k], contact.expected_closing[k] = line[3], line[4]
+
+
+@piece
+def linearize_friction(
+    bound: BoundRollers,
+    contact: RacewayContact,
+    k: int,
+    mean: tuple[float, float],
+    ring_speed: float,
+    surface: float,
+    inner: bool,
+    site: Site,
+    payload: Payload,
+) -> None:
+    """Write the friction of a contact with a ring as a line over the slip, and the resistance of its film.
+
+    ``mean`` is the ring's predicted mean velocity, ``surface`` the speed of its surface [m/s].
+    """
+    side, law = 1.0 if inner else -1.0, payload.traction_law
+    rx, ry = contact.radial_x[k], contact.radial_y[k]
+    along = (bound.predicted_vy[k] - mean[1]) * rx - (bound.predicted_vx[k] - mean[0]) * ry
+    slip, force = along - side * bound.predicted_rim[k] - surface, contact.expected_force[k]
+    rolling = (along / contact.distance[k] - ring_speed) * site.raceway_radius
+    offset, slope, kept = traction_line(law, load_memory(law, contact.traction, k), slip, rolling, force, site, payload.step)
+    contact.friction_offset[k], contact.friction_slope[k] = offset * force, slope * force
+    store_kept(law, contact.kept, k, kept)
+    store_resistance(payload.lubrication, contact.film, k, film_resistance(site.film, force, rolling))

@@ -1,0 +1,308 @@
+"""Oil-lubricated contacts of rollers and raceways: film, wedge, squeeze, traction and rolling resistance together.
+
+The film lifts the bodies by its thickness, so that the elastic contact closes at a gap. Between that and the end of the oil layer the wedge
+carries and the squeeze film resists approach. Traction is the bristle law with the steady coefficient of `fluid_traction`.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+from dcrb_ros.core.jit import kernel
+from dcrb_ros.core.laws.film_thickness import (
+    LEAST_FORCE,
+    asperity_share,
+    central_per_load,
+    inlet_heating,
+    minimum_per_load,
+    power,
+    starved,
+)
+from dcrb_ros.core.laws.fluid_traction import LEAST_SLIP, characteristic_slip, fluid_coefficient
+from dcrb_ros.core.laws.interface import LubricationLaw, Material, Site, inner_site, outer_site
+from dcrb_ros.core.laws.lugre import LuGre
+from dcrb_ros.core.laws.rolling_resistance import directed, flooded_resistance, inlet_cooling, resistance_scale, starvation
+from dcrb_ros.core.laws.squeeze import squeeze_coefficient, squeeze_damping, squeeze_floor, wedge_energy, wedge_force
+from dcrb_ros.core.laws.viscosity import (
+    ROELANDS_OFFSET,
+    Lubricant,
+    dynamic_viscosity,
+    pressure_coefficient,
+    roelands_exponent,
+    temperature_coefficient,
+)
+
+OIL_CONDUCTIVITY = 0.14
+"""k_f [W/(m K)]."""
+OFFSET_FORCE = 10e3
+"""Force at which the thickness of the film is taken that lifts the bodies [N]; over 1 to 30 kN it changes by a seventh."""
+WEDGE = 4.9
+"""Martin's factor [-]."""
+IMPACT_STIFFNESS = 1.2e9
+"""Stiffness of a contact in a blow [N/m], for the largest damping of a squeeze film."""
+MENISCUS_LAYERS = 2.0
+"""Height of the inlet meniscus over the thickness of the layer [-]: both surfaces bring oil."""
+HYSTERESIS = 0.007
+"""Share a_v of the elastic energy that rolling loses in the material [-] (Johnson 1985)."""
+MICRO_SLIP = 0.004
+"""Slip of asperities in rolling that a planar model lacks: skew, crown, profile [-]."""
+LEAST_SPEED = 1e-6
+"""Least speed for which a film is evaluated [m/s]."""
+NO_LAYER = 1e-9
+"""Layer between two rollers of a row, where no film is described [m]."""
+
+LUBRICANTS = {
+    "grease": Lubricant(100.0, 11.0, 890.0, 2.2e-8),
+    "vg100": Lubricant(100.0, 11.2, 885.0, 2.2e-8),
+    "vg220": Lubricant(220.0, 18.7, 890.0, 2.4e-8),
+}
+"""Lubricants by name: the base oil of a wheelset grease (a choice, no data sheet gives it), and typical mineral oils."""
+LAYERS = {"grease": 5e-6, "vg100": 50e-6, "vg220": 50e-6, "custom": 50e-6}
+"""Oil layer that both surfaces offer together [m]: what a grease leaves on the raceway, or an oil bath."""
+
+
+class RacewayOil(NamedTuple):
+    """What does not depend on speed, of one raceway."""
+
+    radius: float
+    """Reduced radius R [m]."""
+    pressure: float
+    """Mean pressure over the square root of the force [Pa/N^(1/2)]."""
+    squeeze: float
+    """A [N s m^(1/2)]."""
+    hysteresis: float
+    """Resistance of the material over F^(3/2), a_v (2 b/(3 pi))/(2 R) for b = 1 N^(1/2) [N^(-1/2)]."""
+
+
+class Oil(NamedTuple):
+    """Constants."""
+
+    viscosity: float
+    """eta [Pa s]."""
+    material: float
+    """G = alpha E' [-]."""
+    offset: float
+    """ln eta + 9.67 [-]."""
+    exponent: float
+    """Z [-]."""
+    heating: float
+    """L_t/u^2 [s^2/m^2]."""
+    layer: float
+    """H [m]."""
+    roughness: float
+    """sigma [m]."""
+    boundary: float
+    """mu_b [-]."""
+    limiting: float
+    """mu_L [-]."""
+    squeezes: float
+    """1 with a squeeze film, otherwise 0 [-]."""
+    resists: float
+    """1 with rolling resistance, otherwise 0 [-]."""
+    modulus: float
+    """E' [Pa]."""
+    length: float
+    """L [m]."""
+    impedance: float
+    """Largest damping of a squeeze film [N s/m]: a blow meets film and elastic contact in series."""
+    inner: RacewayOil
+    outer: RacewayOil
+
+
+class Film(NamedTuple):
+    """The film of a raceway's contacts at a speed."""
+
+    offset: float
+    """h_f, by which the film lifts the bodies [m]."""
+    layer: float
+    """H [m]."""
+    lift: float
+    """4.9 eta u R L [N m]."""
+    squeeze: float
+    """A [N s m^(1/2)], 0 without a squeeze film."""
+    floor: float
+    """h_s, always below H [m]."""
+    thickness: float
+    """Flooded central film times F^0.10 [m N^0.10]."""
+    least: float
+    """Flooded minimum film times F^0.13 [m N^0.13]."""
+    resistance: float
+    """Factor on sqrt(M) in the resistance of light loads, inlet heating included [N]; 0 without rolling resistance."""
+    by_force: float
+    """M over the force [1/N]."""
+    hysteresis: float
+    """Resistance of the material over F^(3/2) [N^(-1/2)]; 0 without rolling resistance."""
+    micro_slip: float
+    """Resistance of asperities over their load [-]; 0 without rolling resistance."""
+    pressure: float
+    """Mean pressure over the square root of the force [Pa/N^(1/2)]."""
+    viscosity: float
+    stiffening: float
+    """ln eta + 9.67 [-]."""
+    exponent: float
+    roughness: float
+    boundary: float
+    limiting: float
+
+
+@kernel
+def film_at(law: Oil, number: int, speed: float) -> Film:
+    """Return the film of a raceway's contacts at an entrainment speed [m/s], the mean speed of both surfaces."""
+    oil, present = law.inner if number == 0 else law.outer, 0.0 if number == 2 else 1.0
+    u = max(abs(speed), LEAST_SPEED)
+    group = law.viscosity * u / (law.modulus * oil.radius)
+    loading = law.heating * u * u
+    thickness = central_per_load(group, law.material, law.modulus, oil.radius, law.length) * inlet_heating(loading)
+    least = minimum_per_load(group, law.material, law.modulus, oil.radius, law.length) * inlet_heating(loading)
+    offset = starved(thickness * power(OFFSET_FORCE, -0.10), law.layer)
+    floor = max(offset, squeeze_floor(oil.squeeze, law.impedance, law.layer))
+    double = 2.0 * group
+    return Film(
+        offset * present,
+        law.layer if present > 0.0 else NO_LAYER,
+        WEDGE * law.viscosity * u * oil.radius * law.length * present,
+        oil.squeeze * law.squeezes * present,
+        floor,
+        thickness,
+        least,
+        resistance_scale(double, law.modulus, oil.radius, law.length) * inlet_cooling(loading) * law.resists,
+        1.0 / (law.modulus * oil.radius * law.length * math.sqrt(double)),
+        oil.hysteresis * law.resists,
+        0.5 * MICRO_SLIP * law.boundary * law.resists,
+        oil.pressure,
+        law.viscosity,
+        law.offset,
+        law.exponent,
+        law.roughness,
+        law.boundary,
+        law.limiting,
+    )
+
+
+@kernel
+def film_reach(film: Film) -> float:
+    """Return the gap up to which the film acts [m]."""
+    return film.layer
+
+
+@kernel
+def film_offset(film: Film) -> float:
+    """Return by how much the film lifts the bodies [m]."""
+    return film.offset
+
+
+@kernel
+def film_lift(film: Film, gap: float) -> tuple[float, float]:
+    """Return force [N] and stiffness [N/m] of the wedge at a gap [m]."""
+    return wedge_force(gap, film.lift, film.offset, film.layer)
+
+
+@kernel
+def film_lift_energy(film: Film, gap: float) -> float:
+    """Return the integral of the wedge's force from a gap to the end of the layer [J]."""
+    return wedge_energy(gap, film.lift, film.offset, film.layer)
+
+
+@kernel
+def film_damping(film: Film, gap: float, way: float) -> float:
+    """Return the mean damping [N s/m] of a step from a gap to one smaller by ``way`` [m]."""
+    return squeeze_damping(gap, way, film.squeeze, film.floor, film.layer)
+
+
+@kernel
+def thickness_under(film: Film, force: float) -> float:
+    """Return the central film [m] under a force above zero [N]."""
+    return starved(film.thickness * power(max(force, LEAST_FORCE), -0.10), film.layer)
+
+
+def thickness_and_ratio(film: Film, force: float) -> tuple[float, float]:
+    """Return the central film [m] under a force [N], and its ratio Lambda to the roughness [-]."""
+    thickness = thickness_under(film, force)
+    return thickness, thickness / film.roughness
+
+
+@kernel
+def film_steady(film: Film, friction: LuGre, slip: float, force: float) -> tuple[float, float]:
+    """Return slip [m/s] and coefficient g [-] of steady sliding, whose ratio is finite at rest, too; ``friction`` has no part in it."""
+    held = max(force, LEAST_FORCE)
+    thickness = thickness_under(film, held)
+    pressure = film.pressure * math.sqrt(held)
+    characteristic = characteristic_slip(pressure, thickness, film.limiting, film.viscosity, film.stiffening, film.exponent)
+    sliding = max(abs(slip), LEAST_SLIP)
+    share = asperity_share(thickness / film.roughness)
+    return sliding, share * film.boundary + (1.0 - share) * fluid_coefficient(sliding, characteristic, film.limiting)
+
+
+@kernel
+def film_resistance(film: Film, force: float, rolling: float) -> float:
+    """Return the resistance F_R of the contact to rolling [N], with the sign of the speed of rolling [m/s]."""
+    held = max(force, 0.0)
+    loaded = max(force, LEAST_FORCE)
+    flooded = flooded_resistance(film.resistance, loaded * film.by_force)
+    meniscus = MENISCUS_LAYERS * film.layer / (film.least * power(loaded, -0.13))
+    share = asperity_share(thickness_under(film, loaded) / film.roughness)
+    dry = held * (film.micro_slip * share + film.hysteresis * math.sqrt(held))
+    return (flooded * starvation(meniscus) + dry if force > 0.0 else 0.0) * directed(rolling)
+
+
+def raceway_oil(values: Mapping[str, Any], material: Material, site: Site, viscosity: float) -> RacewayOil:
+    """Return what does not depend on speed, of one raceway."""
+    half_width = math.sqrt(site.width)
+    return RacewayOil(
+        radius=site.reduced_radius,
+        pressure=1.0 / (2.0 * half_width * material.roller_length),
+        squeeze=squeeze_coefficient(viscosity, material.roller_length, site.reduced_radius),
+        hysteresis=HYSTERESIS * half_width / (3.0 * math.pi * site.reduced_radius),
+    )
+
+
+def lubricant_of(values: Mapping[str, Any]) -> Lubricant:
+    """Return the lubricant that the parameters choose or describe."""
+    own = Lubricant(values["viscosity_40"], values["viscosity_100"], values["density"], values["pressure_coefficient"])
+    return LUBRICANTS.get(values["lubricant"], own)
+
+
+def build(values: Mapping[str, Any], material: Material) -> Oil:
+    """Return the constants."""
+    lubricant, temperature = lubricant_of(values), values["temperature"]
+    viscosity, alpha = dynamic_viscosity(lubricant, temperature), pressure_coefficient(lubricant, temperature)
+    modulus = 2.0 * material.effective_modulus
+    return Oil(
+        viscosity=viscosity,
+        material=alpha * modulus,
+        offset=math.log(viscosity) + ROELANDS_OFFSET,
+        exponent=roelands_exponent(viscosity, alpha),
+        heating=temperature_coefficient(lubricant, temperature) * viscosity / OIL_CONDUCTIVITY,
+        layer=values["layer"] or LAYERS[values["lubricant"]],
+        roughness=values["roughness"],
+        boundary=values["boundary_friction"],
+        limiting=values["limiting_friction"],
+        squeezes=float(values["squeeze"]),
+        resists=float(values["rolling_resistance"]),
+        modulus=modulus,
+        length=material.roller_length,
+        impedance=math.sqrt(material.roller_mass * IMPACT_STIFFNESS),
+        inner=raceway_oil(values, material, inner_site(material), viscosity),
+        outer=raceway_oil(values, material, outer_site(material), viscosity),
+    )
+
+
+LAW = LubricationLaw(
+    name="film",
+    summary="an oil film",
+    constants=Oil,
+    film=Film,
+    build=build,
+    film_at=film_at,
+    film_reach=film_reach,
+    film_offset=film_offset,
+    film_lift=film_lift,
+    film_lift_energy=film_lift_energy,
+    film_damping=film_damping,
+    steady_friction=film_steady,
+    film_resistance=film_resistance,
+    resists=True,
+    thickness=thickness_and_ratio,
+)

@@ -1,0 +1,175 @@
+"""Heights as rollers feel them; the numbers are those of docs/explanation/surfaces.md."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.special import j1
+
+from dcrb_ros.bearing.surfaces import (
+    RACEWAY_NODES,
+    averaged,
+    build_surfaces,
+    envelope,
+    felt_defect,
+    notch_heights,
+    raceway_waves,
+    reduced_radii,
+)
+from dcrb_ros.core.contacts.surface import Profile, Smooth, felt_at
+from dcrb_ros.faults.geometry import SurfaceProfile
+from dcrb_ros.settings.configuration import Configuration
+
+EVEN: dict[str, Any] = {"law": "profile", "waviness": 0, "roundness": 0, "roller_spread": 0, "clearance_spread": 0, "row_spread": 0}
+OUTER_RADIUS, INNER_RADIUS = 17.390e-3, 12.603e-3
+"""Reduced radii of the default bearing [m]."""
+
+
+def surfaces(*damage: SurfaceProfile, faults: dict[str, Any] | None = None, **changes: Any) -> Profile:
+    made = Configuration.model_validate({"surfaces": EVEN | changes, "faults": faults or {}})
+    found, _ = build_surfaces(made, [*made.faults.damage(made.bearing), *damage])
+    assert isinstance(found, Profile)
+    return found
+
+
+def test_the_reduced_radii_are_those_of_the_default_bearing() -> None:
+    assert reduced_radii(Configuration()) == pytest.approx((INNER_RADIUS, OUTER_RADIUS), rel=1e-4)
+
+
+@pytest.mark.parametrize(("radius", "depth"), [(OUTER_RADIUS, 28.75e-6), (INNER_RADIUS, 39.67e-6)])
+def test_a_rigid_roller_sinks_into_a_notch_as_the_paper_says(radius: float, depth: float) -> None:
+    """(b/2)^2/(2 R) for b = 2 mm: Eqs. 8 and 14 of Fan et al. 2025 to second order."""
+    for spacing in (1e-6, 2.3e-5):
+        heights, distance = notch_heights(2e-3, 3e-4, spacing)
+        path = envelope(np.pad(heights, 4000), distance, radius)
+        assert path.min() == pytest.approx(-depth, rel=1e-3)
+
+
+def test_a_shallow_notch_is_felt_to_its_floor() -> None:
+    heights, distance = notch_heights(5e-3, 1e-4, 5e-6)
+    assert envelope(np.pad(heights, 1000), distance, OUTER_RADIUS).min() == -1e-4
+
+
+@given(st.lists(st.floats(-1e-4, 1e-4), min_size=3, max_size=40), st.floats(1e-3, 0.05))
+def test_the_envelope_covers_the_surface_keeps_its_order_and_a_flat_one(values: list[float], radius: float) -> None:
+    heights, spacing = np.array(values), 2e-5
+    path = envelope(heights, spacing, radius)
+    assert (path >= heights).all()
+    assert path.max() == heights.max()
+    assert (envelope(heights - 1e-6, spacing, radius) <= path).all()
+    assert np.array_equal(envelope(np.full(9, values[0]), spacing, radius), np.full(9, values[0]))
+
+
+@given(st.floats(0.1e-3, 5e-3), st.floats(0.1e-3, 0.5e-3))
+def test_a_wave_is_averaged_over_the_contact(length: float, width: float) -> None:
+    """A wave of the number k keeps 2 J_1(k b)/(k b) of its amplitude."""
+    spacing, k = length / 64, 2.0 * math.pi / length
+    x = spacing * np.arange(-4096, 4097)
+    found, slope = averaged(np.cos(k * x), spacing, width)
+    middle = slice(3000, 5000)
+    expected = 2.0 * j1(k * width) / (k * width)
+    if width < 20.0 * length:  # the ends of the samples lie outside of the contact
+        assert found[middle] == pytest.approx(expected * np.cos(k * x[middle]), abs=5e-3)
+        assert slope[middle] / k == pytest.approx(-expected * np.sin(k * x[middle]), abs=5e-3)
+
+
+def test_a_loaded_roller_feels_three_quarters_of_the_depth_of_a_notch() -> None:
+    """22.4 um of 28.8 um with a half-width of 0.285 mm, and nothing beside it."""
+    heights, distance = notch_heights(2e-3, 3e-4, 2e-6)
+    felt = felt_defect(heights, distance, OUTER_RADIUS, 0.2845e-3)
+    assert felt.height.min() == pytest.approx(-22.4e-6, rel=2e-3)
+    assert felt.height.max() < 1e-9
+    assert np.cumsum(felt.slope) * felt.spacing == pytest.approx(felt.height, abs=1e-7)
+
+
+def test_waviness_has_its_root_mean_square_and_falls_with_the_order() -> None:
+    heights, slopes = raceway_waves(3, "raceway", 0.109, 1e-6, 0.0, 1e-7, 1.5)
+    level = np.abs(np.fft.rfft(heights)) / RACEWAY_NODES
+    assert math.sqrt(2.0 * float((level[15:151] ** 2).sum())) == pytest.approx(1e-7, rel=0.2)
+    low, high = (float(np.mean(level[band] ** 2)) for band in (slice(80, 121), slice(800, 1201)))
+    assert 10.0 * math.log10(low / high) == pytest.approx(30.0, abs=1.5)
+    assert level[:15].max() < 1e-15
+    assert np.gradient(heights, 2.0 * math.pi / RACEWAY_NODES)[1:-1] == pytest.approx(slopes[1:-1], abs=0.06 * np.abs(slopes).max())
+
+
+def test_between_nodes_a_height_is_continuous_with_its_slope() -> None:
+    table = surfaces(waviness=1e-7).raceways[1, 0]
+    spacing = 2.0 * math.pi / RACEWAY_NODES
+    for node in (0, 1, 7000, RACEWAY_NODES - 1):
+        before, after = (felt_at(table, node * spacing + side * 1e-9 * spacing, 0) for side in (-1.0, 1.0))
+        assert before == pytest.approx(after, abs=1e-12)
+    angles = np.linspace(-7.0, 7.0, 301)
+    rise = [(felt_at(table, angle + 1e-6, 0)[0] - felt_at(table, angle - 1e-6, 0)[0]) / 2e-6 for angle in angles]
+    assert rise == pytest.approx([felt_at(table, angle, 0)[1] for angle in angles], abs=1e-6)
+
+
+def test_the_same_seed_makes_the_same_bearing_and_one_item_changes_no_other() -> None:
+    full = {"waviness": 1e-7, "roundness": 1e-6, "roller_spread": 4e-7}
+    one, again, other = surfaces(**full, seed=7), surfaces(**full, seed=7), surfaces(**full, seed=8)
+    for name in Profile._fields[:1] + Profile._fields[2:]:
+        assert np.array_equal(getattr(one, name), getattr(again, name))
+        assert not np.array_equal(getattr(one, name), getattr(other, name))
+    thicker = surfaces(**full | {"roller_spread": 8e-7}, seed=7)
+    assert np.array_equal(thicker.raceways, one.raceways)
+    difference = (thicker.rollers - one.rollers)[:, 0, 0]
+    assert 2.0 * difference.std() == pytest.approx(4e-7, rel=0.4)
+    assert (thicker.rollers - one.rollers)[:, :, 0] == pytest.approx(np.tile(difference[:, None], 1024), abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("kind", "width", "depth", "lowest", "highest", "share"),
+    [
+        ("notch", 1e-3, 3e-4, -4.26, 0.0, 0.0),
+        ("spall", 2e-3, 6e-5, -22.4, 0.0, 0.3),
+        ("dent", 4e-4, 1e-5, 0.0, 1.36, 4e-4 / 0.048),
+        ("brinelling", 1.2e-3, 3e-5, -5.9, 0.0, 0.0),
+        ("fluting", 0.02, 4e-6, -3.0, 0.0, 0.0),
+        ("corrosion", 0.02, 4e-5, -6.0, 0.0, 0.1),
+        ("scratch", 1e-4, 1e-5, 0.0, 2.4, 0.0),
+    ],
+)
+def test_each_kind_of_damage_is_felt(kind: str, width: float, depth: float, lowest: float, highest: float, share: float) -> None:
+    found = surfaces(faults={"outer_1": {"kind": kind, "width": width, "depth": depth}})
+    felt = 1e6 * (found.raceways[1, 0, :, 0] + found.parts[1, 0, :, 0])
+    assert (felt.min(), felt.max()) == pytest.approx((lowest, highest), abs=0.1)
+    assert found.raceways[1, 0, :, 2].max() == pytest.approx(share, rel=1e-6)
+    assert np.array_equal(found.raceways[1, 0], found.raceways[1, 1])
+    assert not found.raceways[0].any()
+
+
+def test_brinelling_lies_under_every_roller_of_the_load_zone() -> None:
+    found = surfaces(faults={"outer_1": {"kind": "brinelling", "width": 1e-3, "depth": 5e-6}}).raceways[1, 0, :, 0]
+    pitch = RACEWAY_NODES // 16
+    assert [found[k * pitch] < -1e-7 for k in range(-4, 5)] == [False, *[True] * 7, False]
+    assert found[pitch] == pytest.approx(found[-pitch], rel=1e-3)
+    assert found[0] < found[pitch] < found[2 * pitch] < found[3 * pitch] < 0.0
+
+
+def test_a_roller_defect_meets_both_raceways_with_its_own_depth() -> None:
+    found = surfaces(faults={"roller_1": {"width": 2e-3, "row": 2, "roller": 3, "azimuth": 0.5}}).rollers
+    damaged = found[16 + 2]
+    assert (damaged[:, 0].min(), damaged[:, 2].min()) == pytest.approx((-31.7e-6, -22.4e-6), rel=0.02)
+    assert np.argmin(damaged[:, 0]) == pytest.approx(0.5 / (2.0 * math.pi) * len(damaged), abs=1)
+    assert not np.delete(found, 18, axis=0).any()
+
+
+@pytest.mark.parametrize(("body", "row", "roller"), [("outer_ring", 1, -1), ("inner_ring", -1, -1), ("roller", 0, 4)])
+@pytest.mark.parametrize("spacing", [0.0, 0.01])
+def test_a_profile_of_a_fault_is_felt_as_it_is(body: Any, row: int, roller: int, spacing: float) -> None:
+    angles = np.arange(64) * (spacing or 2.0 * math.pi / 64)
+    depths = 1e-6 * (1.0 - np.cos(2.0 * math.pi * np.arange(64) / 64))
+    found = surfaces(SurfaceProfile(body, depths.tolist(), 0.3, spacing, row, roller))
+    tables = found.rollers[4] if body == "roller" else found.raceways[("inner_ring", "outer_ring").index(body), max(row, 0)]
+    places = 0.3 + angles - (0.5 * spacing * 63)
+    assert [felt_at(tables, place, 0)[0] for place in places] == pytest.approx(-depths, abs=2e-9)
+
+
+def test_smooth_surfaces_have_no_heights_and_refuse_damage_that_has() -> None:
+    assert build_surfaces(Configuration(), []) == (Smooth(), 0.0)
+    with pytest.raises(ValueError, match=r"faults\.outer_1\.kind = spall needs surfaces\.law = profile, and it is smooth"):
+        Configuration.model_validate({"faults": {"outer_1": {"kind": "spall", "width": 2e-3}}})
