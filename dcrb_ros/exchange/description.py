@@ -9,10 +9,11 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field, ValidationError
 
-from dcrb_ros.bearing.kinematics import Orders, characteristic_orders
+from dcrb_ros.bearing.kinematics import HIGHEST_ORDER, LOWEST_ORDER, Orders, characteristic_orders
 from dcrb_ros.schema.fields import Group
+from dcrb_ros.schema.numbers import HIGHEST_RATE
 from dcrb_ros.schema.refusal import Refusal, nearest
-from dcrb_ros.settings.yaml import read_yaml
+from dcrb_ros.text.yaml import read_yaml
 
 UNITS = {"m/s^2": 1.0, "g": 9.80665, "mm/s^2": 1e-3}
 """Units of acceleration in m/s^2."""
@@ -64,17 +65,17 @@ class Geometry(Group):
 class GivenOrders(Group):
     """Characteristic frequencies as multiples of the shaft frequency [-]."""
 
-    FTF: float = Field(gt=0.0, le=1000.0)
-    BPFO: float = Field(gt=0.0, le=1000.0)
-    BPFI: float = Field(gt=0.0, le=1000.0)
-    BSF: float = Field(gt=0.0, le=1000.0)
+    FTF: float = Field(ge=LOWEST_ORDER, le=HIGHEST_ORDER)
+    BPFO: float = Field(ge=LOWEST_ORDER, le=HIGHEST_ORDER)
+    BPFI: float = Field(ge=LOWEST_ORDER, le=HIGHEST_ORDER)
+    BSF: float = Field(ge=LOWEST_ORDER, le=HIGHEST_ORDER)
 
 
 class Description(Group):
     """The description of an external waveform."""
 
     channels: Channels
-    sampling_rate: Whole | None = Field(None, ge=100, le=10_000_000)
+    sampling_rate: Whole | None = Field(None, ge=100, le=HIGHEST_RATE)
     """[Hz]"""
     unit: Literal["m/s^2", "g", "mm/s^2"] | None = None
     full_scale: float | None = Field(None, gt=0.0)
@@ -102,7 +103,10 @@ class Description(Group):
         b = self.bearing
         if b.roller_radius >= b.pitch_radius:
             raise Refusal(f"{source}: bearing.roller_radius = {b.roller_radius:g} m must be below pitch_radius = {b.pitch_radius:g} m")
-        return characteristic_orders(b)
+        try:
+            return characteristic_orders(b)
+        except Refusal as refusal:
+            raise Refusal(f"{source}: bearing: {refusal}") from None
 
     def shaft_speed(self, source: Path) -> float:
         """Return the speed of the shaft [rad/s].

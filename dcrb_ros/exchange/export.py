@@ -10,23 +10,29 @@ import yaml
 
 from dcrb_ros.exchange.files import WRITERS, Array
 from dcrb_ros.messages.points import decode_vibration
-from dcrb_ros.messages.statuses import decode_truth
 from dcrb_ros.messages.topics import GROUND_TRUTH, VIBRATION
+from dcrb_ros.recordings.arrays import truths_of
 from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.text.files import checked_path
+
+
+def description_of(path: Path) -> Path:
+    """Return the path of the description of an exported file, such as ``healthy.csv.yaml`` of ``healthy.csv``."""
+    return path.with_name(f"{path.name}.yaml")
 
 
 def export(recording: Recording, path: Path) -> Path:
-    """Write the waveform to ``path`` and its description to the same path with the suffix ``.yaml``; return the path of the latter.
+    """Write the waveform to ``path`` and its description to `description_of` it; return the path of the latter.
 
     Raises:
         Refusal: the suffix is unknown, a file exists, the recording has no waveform, or a file cannot be written.
     """
-    writer, beside = WRITERS.get(path.suffix.lower()), path.with_suffix(".yaml")
+    writer, beside = WRITERS.get(path.suffix.lower()), description_of(path)
     if writer is None:
-        raise Refusal(f"{path} has an unknown file type: its name must end in {', '.join(WRITERS)}")
+        raise Refusal(f"{path} has an unknown file type: its name must end in one of {', '.join(WRITERS)}")
     for file in (path, beside):
-        if file.exists():
+        if checked_path(file).exists():
             raise Refusal(f"{file} exists: give another name or remove it; files are never overwritten")
     if not path.absolute().parent.is_dir():
         raise Refusal(f"{path} cannot be written: there is no folder {path.absolute().parent}; create it or give another path")
@@ -47,17 +53,20 @@ def export(recording: Recording, path: Path) -> Path:
 
 def _collect(recording: Recording) -> tuple[dict[str, Array], dict[str, Array], dict[str, Any], int]:
     """Return the sample columns, the ground truth over time, the labels and the block size."""
-    blocks, truths = [], []
+    blocks, truth_messages = [], []
     for message in recording.messages((VIBRATION, GROUND_TRUTH)):
         if message.topic == VIBRATION:
             blocks.append(decode_vibration(message.data))
         else:
-            truths.append(decode_truth(message.data))
+            truth_messages.append(message.data)
     if not blocks:
         raise Refusal(f"{recording.path} has no messages on {VIBRATION.resolved(recording.namespace)}: give a recording of the bench")
+    truths = truths_of(truth_messages)
     rate, acceleration = recording.sampling_rate, np.concatenate([block.acceleration for block in blocks])
+    index = np.concatenate([block.first_index(rate) + np.arange(len(block.shaft_angle), dtype=np.int64) for block in blocks])
     columns: dict[str, Array] = {
-        "index": np.concatenate([block.first_index(rate) + np.arange(len(block.shaft_angle), dtype=np.int64) for block in blocks]),
+        "index": index,
+        "time": index / rate,
         "ax": acceleration[:, 0],
         "ay": acceleration[:, 1],
         "shaft_angle": np.concatenate([block.shaft_angle for block in blocks]),
@@ -76,9 +85,9 @@ def _collect(recording: Recording) -> tuple[dict[str, Array], dict[str, Array], 
 
 
 def _description(recording: Recording, path: Path, columns: dict[str, Array], labels: dict[str, Any], block_size: int) -> dict[str, Any]:
-    names = list(columns)
     wav = path.suffix.lower() == ".wav"
-    channels: dict[str, Any] = {"ax": 1, "ay": 2, "shaft_angle": 3} if wav else {name: name for name in sorted(names)}
+    # The time follows from index and sampling rate, so an import does not read it.
+    channels: dict[str, Any] = {"ax": 1, "ay": 2, "shaft_angle": 3} if wav else {name: name for name in sorted(columns) if name != "time"}
     return {
         "sampling_rate": recording.sampling_rate,
         "unit": "m/s^2",

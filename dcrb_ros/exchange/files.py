@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import itertools
 import json
+import math
 import re
+import zipfile
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,8 +16,17 @@ import numpy as np
 import numpy.typing as npt
 
 from dcrb_ros.schema.refusal import Refusal, nearest
+from dcrb_ros.text.files import check_regular, checked_path
 
 Array = npt.NDArray[Any]
+MOST_RATIO = 256
+"""Largest size of a file's channels in memory relative to the file [-]; a compressed waveform has 5."""
+LEAST_LOADED = 64 * 1024 * 1024
+"""Size up to which the channels of any file are loaded [bytes]."""
+LONGEST_LINE = 100_000
+"""Longest line of a CSV file that is read for the names of the columns [characters]."""
+MAT_BYTES = {"int8": 1, "uint8": 1, "int16": 2, "uint16": 2, "int32": 4, "uint32": 4, "single": 4, "char": 2, "logical": 1}
+"""Size of an element by its class in a MAT file [bytes], where it is not 8."""
 
 
 @dataclass(frozen=True)
@@ -39,9 +50,10 @@ def read_external(path: Path) -> ExternalFile:
     """
     reader = READERS.get(path.suffix.lower())
     if reader is None:
-        raise Refusal(f"{path} has an unknown file type: its name must end in {', '.join(READERS)}")
-    if not path.is_file():
+        raise Refusal(f"{path} has an unknown file type: its name must end in one of {', '.join(READERS)}")
+    if not checked_path(path).exists():
         raise Refusal(f"there is no file {path}: check the path")
+    check_regular(path)
     try:
         return reader(path)
     except Refusal:
@@ -49,6 +61,13 @@ def read_external(path: Path) -> ExternalFile:
     except Exception as error:  # the libraries raise many kinds of exceptions for invalid files
         reason = str(error).splitlines()[0] if str(error) else type(error).__name__
         raise Refusal(f"{path} cannot be read as {path.suffix[1:].upper()}: {reason}") from None
+
+
+def _check_loaded(path: Path, size: int) -> None:
+    """Refuse a small file that states channels of ``size`` [bytes]."""
+    most = max(LEAST_LOADED, MOST_RATIO * path.stat().st_size)
+    if size > most:
+        raise Refusal(f"{path} has {path.stat().st_size} bytes, but its channels have {size}; at most {most} are loaded: split it")
 
 
 def channel(external: ExternalFile, source: Path, name: str | int) -> Array:
@@ -69,6 +88,8 @@ def channel(external: ExternalFile, source: Path, name: str | int) -> Array:
 
 
 def _read_npz(path: Path) -> ExternalFile:
+    with zipfile.ZipFile(path) as packed:
+        _check_loaded(path, sum(entry.file_size for entry in packed.infolist()))
     with np.load(path, allow_pickle=False) as file:
         arrays = {name: file[name] for name in file.files}
     return ExternalFile(tuple(arrays), lambda name: arrays[str(name)])
@@ -76,7 +97,9 @@ def _read_npz(path: Path) -> ExternalFile:
 
 def _read_csv(path: Path) -> ExternalFile:
     with path.open(encoding="utf-8-sig") as stream:
-        first = next((line for line in stream if line.strip() and not line.startswith("#")), "")
+        first = next((line for line in iter(lambda: stream.readline(LONGEST_LINE), "") if line.strip() and not line.startswith("#")), "")
+    if len(first) == LONGEST_LINE:
+        raise Refusal(f"{path} has a line of {LONGEST_LINE} characters or more: give a file with one column per channel")
     delimiter = next((character for character in ",;\t" if character in first), None)
     names = tuple(word.strip().strip('"') for word in first.strip().split(delimiter))
     headed = not all(_is_number(name) for name in names)
@@ -126,9 +149,10 @@ def _read_wav(path: Path) -> ExternalFile:
 
 
 def _read_mat(path: Path) -> ExternalFile:
-    from scipy.io import loadmat
+    from scipy.io import loadmat, whosmat
 
     try:
+        _check_loaded(path, sum(math.prod(shape) * MAT_BYTES.get(kind, 8) for _, shape, kind in whosmat(path)))
         found = loadmat(path, squeeze_me=True, struct_as_record=False)
     except NotImplementedError:
         return _read_hdf5(path)
@@ -157,6 +181,7 @@ def _read_hdf5(path: Path) -> ExternalFile:
 
         def keep(name: str, entry: Any) -> None:
             if isinstance(entry, h5py.Dataset) and entry.dtype.kind in "iuf" and not name.startswith("#"):
+                _check_loaded(path, entry.nbytes + sum(values.nbytes for values in found.values()))
                 found[name.replace("/", ".")] = entry[()]
 
         file.visititems(keep)
@@ -166,6 +191,8 @@ def _read_hdf5(path: Path) -> ExternalFile:
 def _read_parquet(path: Path) -> ExternalFile:
     from pyarrow import parquet
 
+    about = parquet.read_metadata(path)
+    _check_loaded(path, 8 * about.num_rows * about.num_columns)
     table = parquet.read_table(path)
     return ExternalFile(tuple(table.column_names), lambda name: table.column(str(name)).to_numpy())
 
@@ -188,7 +215,8 @@ def _write_npz(path: Path, columns: Columns, extra: Columns, rate: int, about: M
 
 
 def _write_csv(path: Path, columns: Columns, extra: Columns, rate: int, about: Mapping[str, Any]) -> None:
-    forms = ["%d" if values.dtype.kind == "i" else "%.9g" for values in columns.values()]  # nine digits represent a float32 exactly
+    # Nine digits represent a float32 exactly; a time is given to the nanosecond.
+    forms = ["%d" if values.dtype.kind == "i" else "%.9f" if name == "time" else "%.9g" for name, values in columns.items()]
     table = np.column_stack([values.astype(np.float64) for values in columns.values()])
     np.savetxt(path, table, fmt=forms, delimiter=",", header=",".join(columns), comments="")
 
@@ -205,7 +233,7 @@ def _write_wav(path: Path, columns: Columns, extra: Columns, rate: int, about: M
     steps = np.diff(columns["index"])
     if np.any(steps != 1):
         raise Refusal(
-            f"the recording has {int(np.sum(steps != 1))} gaps, which a WAV file cannot represent: export it as npz, mat, csv or parquet"
+            f"a WAV file cannot represent gaps, of which the recording has {int(np.sum(steps != 1))}: export it as npz, mat, csv or parquet"
         )
     wavfile.write(path, rate, np.column_stack([columns[name] for name in ("ax", "ay", "shaft_angle")]))
 

@@ -22,13 +22,15 @@ from dcrb_ros.messages.joints import encode_features
 from dcrb_ros.messages.plain import encode_text
 from dcrb_ros.messages.points import encode_vibration
 from dcrb_ros.messages.topics import FEATURES, MANIFEST, NAMESPACE, SENSOR, VIBRATION, Message
-from dcrb_ros.recordings.manifest import FORMAT, UNITS, Outcome, now
+from dcrb_ros.messages.topics.sensor import repeats_with
+from dcrb_ros.recordings.manifest import FORMAT, MEASURED_UNITS, Outcome, now
 from dcrb_ros.recordings.recorder import channel_of
 from dcrb_ros.recordings.rosbag2 import Bag, RecordingFailed
 from dcrb_ros.runtime.version import __version__
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.sensor_limits import LONGEST_BLOCK
 from dcrb_ros.stream.block import Block
+from dcrb_ros.text.files import open_regular
 
 FULL_TURN = 2.0 * np.pi
 LATEST_STAMP = 2**31
@@ -168,16 +170,19 @@ class WaveformImport:
 
     def manifest(self) -> dict[str, Any]:
         """Return the manifest of the recording: its origin, orders, sensor and units."""
-        digest = hashlib.sha256(self._file.read_bytes()).hexdigest()
+        digest = hashlib.sha256()
+        with open_regular(self._file) as stream:
+            for part in iter(lambda: stream.read(1 << 20), b""):
+                digest.update(part)
         return {
             "format": FORMAT,
             "dcrb_ros": __version__,
-            "imported": {"file": self._file.name, "sha256": digest, **self.description.model_dump(exclude_none=True)},
+            "imported": {"file": self._file.name, "sha256": digest.hexdigest(), **self.description.model_dump(exclude_none=True)},
             "namespace": NAMESPACE,
             "sampling_rate": self.rate,
             "orders": self.sensor()["orders"],
             "sensor": self.sensor(),
-            "units": UNITS,
+            "units": MEASURED_UNITS,
             "recorded": now(),
         }
 
@@ -188,8 +193,11 @@ class WaveformImport:
         bag = Bag(path, opening=about, closing=outcome.records)
         channels = {topic: channel_of(topic, NAMESPACE) for topic in (SENSOR, VIBRATION, FEATURES)}
         try:
-            bag.write([(channels[SENSOR], 0, encode_text(json.dumps(self.sensor(), sort_keys=True)))])
+            description = encode_text(json.dumps(self.sensor(), sort_keys=True))
+            bag.write([(channels[SENSOR], 0, description)])
             for block in self.blocks():
+                if repeats_with(block):
+                    bag.write([(channels[SENSOR], block.stamp_ns, description)])
                 waveform = Message(VIBRATION, block.stamp_ns, encode_vibration(block, block.acceleration))
                 outcome.add(waveform)
                 features = (channels[FEATURES], block.stamp_ns, encode_features(block))

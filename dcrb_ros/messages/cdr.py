@@ -32,6 +32,12 @@ def typestore() -> Typestore:
     return get_typestore(Stores.ROS2_JAZZY)
 
 
+def definition_of(type_name: str) -> str:
+    """Return the text of a message definition with those of nested messages; the empty string if the type is unknown."""
+    store = typestore()
+    return store.generate_msgdef(type_name, ros_version=2)[0] if type_name in store.types else ""
+
+
 def ros_type(name: str) -> Any:
     """Return the class of a message type."""
     return typestore().types[name]

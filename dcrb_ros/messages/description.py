@@ -4,12 +4,19 @@ from __future__ import annotations
 
 import json
 import math
+from typing import Any
 
 from dcrb_ros.bearing.kinematics import Orders, characteristic_orders
+from dcrb_ros.messages.cdr import FRAME
 from dcrb_ros.messages.plain import decode_text
+from dcrb_ros.schema.numbers import sampling_rate
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
+from dcrb_ros.text.json import parsed_json
 
+SOURCE = "the sensor's description"
+LARGEST_DESCRIPTION = 100_000
+"""Longest description that is read [characters]; that of the bench has some 1500."""
 INDICATORS = ("BPFO", "BPFI", "BSF", "FTF")
 
 
@@ -41,25 +48,35 @@ def decode_sensor(data: bytes) -> tuple[int, Orders]:
     Raises:
         Refusal: the message is not a description.
     """
-    text = decode_text(data)
     try:
-        about = json.loads(text)
+        about = parsed_json(decode_text(data), SOURCE, LARGEST_DESCRIPTION)
         orders = Orders.from_dict(about["orders"])
-        rate = int(about["sampling_rate"])
-    except (ValueError, KeyError, TypeError, OverflowError, RecursionError) as error:
-        raise Refusal(
-            f"the sensor's description cannot be decoded ({type(error).__name__}): it must be JSON with sampling_rate and orders"
-        ) from None
-    if rate <= 0 or not all(math.isfinite(order) and order > 0.0 for order in orders.as_dict().values()):
-        raise Refusal(f"the sensor's description gives {rate} Hz and orders {orders.as_dict()}: all must be positive and finite")
+        rate = sampling_rate(about["sampling_rate"], SOURCE)
+    except Refusal:
+        raise
+    except (ValueError, KeyError, TypeError) as error:
+        raise Refusal(f"{SOURCE} cannot be decoded ({type(error).__name__}): it must be JSON with sampling_rate and orders") from None
     return rate, orders
 
 
 def decode_range(data: bytes) -> float:
     """Return the range from a description [m/s^2], 0 if it is not given."""
-    text = decode_text(data)
     try:
-        found = float(json.loads(text).get("range", 0.0))
-    except (ValueError, TypeError, AttributeError, OverflowError, RecursionError):
+        found = float(_entry(data, "range"))
+    except (ValueError, TypeError, OverflowError):
         return 0.0
     return found if math.isfinite(found) and found > 0.0 else 0.0
+
+
+def decode_frame(data: bytes) -> str:
+    """Return the frame id from a description, that of the shipped configurations if it is not given."""
+    found = _entry(data, "frame")
+    return found if isinstance(found, str) and found else FRAME
+
+
+def _entry(data: bytes, key: str) -> Any:
+    """Return an entry of a description, or None."""
+    try:
+        return parsed_json(decode_text(data), SOURCE, LARGEST_DESCRIPTION).get(key)
+    except (ValueError, AttributeError):
+        return None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dcrb_ros.messages.cdr import FRAME
 from dcrb_ros.messages.topic import Message, Source
 from dcrb_ros.messages.topics import DETECTED, SIMULATED
 from dcrb_ros.settings.configuration import Configuration
@@ -28,7 +29,7 @@ class BlockEncoder:
         return sorted(messages, key=lambda message: message.time_ns)
 
 
-def diagnosis_messages(diagnosis: Diagnosis) -> list[Message]:
-    """Return the messages of a diagnosis on all topics of the detector."""
-    messages = ((topic, topic.encode(diagnosis)) for topic in DETECTED)
+def diagnosis_messages(diagnosis: Diagnosis, frame: str = FRAME) -> list[Message]:
+    """Return the messages of a diagnosis on all topics of the detector, with the frame id of the sensor."""
+    messages = ((topic, topic.encode(diagnosis, frame)) for topic in DETECTED)
     return [Message(topic, diagnosis.time_ns, data) for topic, data in messages if data is not None]

@@ -9,7 +9,7 @@ from functools import lru_cache
 import numpy as np
 
 from dcrb_ros.measurement.features import features
-from dcrb_ros.messages.cdr import JOINT_STATE, TEMPLATES, decoded, encoded, header, ros_type, stamp_of
+from dcrb_ros.messages.cdr import FRAME, JOINT_STATE, TEMPLATES, decoded, encoded, header, ros_type, stamp_of
 from dcrb_ros.messages.message_template import MessageTemplate, placeholder_bytes
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.stream.block import Block
@@ -27,35 +27,35 @@ class Joints:
     effort: Floats
 
 
-def encode_joints(time_ns: int, names: Sequence[str], position: Floats, velocity: Floats, effort: Floats) -> bytes:
+def encode_joints(time_ns: int, names: Sequence[str], position: Floats, velocity: Floats, effort: Floats, frame: str = FRAME) -> bytes:
     """Return a JointState."""
     numbers = [np.asarray(values, "<f8").tobytes() for values in (position, velocity, effort)]
-    return _joints_template(tuple(names), *map(len, numbers)).filled(time_ns, *numbers)
+    return _joints_template(frame, tuple(names), *map(len, numbers)).filled(time_ns, *numbers)
 
 
 @lru_cache(TEMPLATES)
-def _joints_template(names: tuple[str, ...], *sizes: int) -> MessageTemplate:
+def _joints_template(frame: str, names: tuple[str, ...], *sizes: int) -> MessageTemplate:
     """Return the template of a JointState; ``sizes`` are the lengths of its three arrays [bytes]."""
     placeholder = placeholder_bytes(sum(sizes))
     placeholders = [placeholder[sum(sizes[:k]) : sum(sizes[: k + 1])] for k in range(len(sizes))]
     arrays = [np.frombuffer(part, "<f8") for part in placeholders]
-    return MessageTemplate(encoded(JOINT_STATE, ros_type(JOINT_STATE)(header(0, ""), list(names), *arrays)), *placeholders)
+    return MessageTemplate(encoded(JOINT_STATE, ros_type(JOINT_STATE)(header(0, frame), list(names), *arrays)), *placeholders)
 
 
-def encode_states(states: States, names: Sequence[str]) -> bytes:
+def encode_states(states: States, names: Sequence[str], frame: str = FRAME) -> bytes:
     """Return azimuth [rad], spin or rotation [rad/s] and inner normal force [N] of all bodies as a JointState."""
-    return encode_joints(states.time_ns, names, states.azimuth, states.speed, states.inner_force)
+    return encode_joints(states.time_ns, names, states.azimuth, states.speed, states.inner_force, frame)
 
 
-def encode_contacts(states: States, names: Sequence[str]) -> bytes:
+def encode_contacts(states: States, names: Sequence[str], frame: str = FRAME) -> bytes:
     """Return outer normal force [N], slip [m/s] and friction [N] of all bodies as a JointState."""
-    return encode_joints(states.time_ns, names, states.outer_force, states.slip, states.friction)
+    return encode_joints(states.time_ns, names, states.outer_force, states.slip, states.friction, frame)
 
 
-def encode_features(block: Block) -> bytes:
+def encode_features(block: Block, frame: str = FRAME) -> bytes:
     """Return the features of a block as a JointState; the values are in position."""
     found, empty = features(block.acceleration, block.clipped), np.zeros(0)
-    return encode_joints(block.stamp_ns, list(found), np.array(list(found.values())), empty, empty)
+    return encode_joints(block.stamp_ns, list(found), np.array(list(found.values())), empty, empty, frame)
 
 
 def decode_joints(data: bytes) -> Joints:

@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from dcrb_ros.messages.cdr import CLOCK, FRAME, IMU, TEMPLATES, TEXT, decoded, encoded, header, ros_type
 from dcrb_ros.messages.message_template import MessageTemplate, placeholder_bytes
+from dcrb_ros.schema.refusal import Refusal
 
 NO_ESTIMATE = -1.0
 """First element of a covariance whose quantity is not measured, see sensor_msgs/msg/Imu."""
@@ -59,10 +60,14 @@ def decode_wrench(data: bytes) -> tuple[float, float]:
     """Return the force of a Wrench in X and Y [N].
 
     Raises:
-        Refusal: no such message.
+        Refusal: no such message, or it has a force in Z or a torque, for which the bearing has no degree of freedom.
     """
-    force = decoded(data, "geometry_msgs/msg/Wrench").force
-    return float(force.x), float(force.y)
+    wrench = decoded(data, "geometry_msgs/msg/Wrench")
+    others = {"force.z": (wrench.force.z, "N"), **{f"torque.{axis}": (getattr(wrench.torque, axis), "N m") for axis in "xyz"}}
+    for name, (value, unit) in others.items():
+        if value != 0.0:
+            raise Refusal(f"{name} = {value:g} {unit} is refused, as only force.x and force.y act on the inner ring: give 0")
+    return float(wrench.force.x), float(wrench.force.y)
 
 
 def decode_text(data: bytes) -> str:

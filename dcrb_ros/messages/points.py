@@ -154,12 +154,12 @@ def _repeated(messages: Sequence[bytes], first: Vibration) -> npt.NDArray[Any] |
     return points if all(alike) else None
 
 
-def encode_spectrum(time_ns: int, orders: Floats, amplitude: Floats, shaft_frequency: float) -> bytes:
+def encode_spectrum(time_ns: int, orders: Floats, amplitude: Floats, shaft_frequency: float, frame: str = FRAME) -> bytes:
     """Return a PointCloud2 with frequency [Hz], order [-] and the square root of the squared envelope spectrum's amplitudes [m/s^2]."""
     points = np.empty(len(orders), SPECTRUM)
     points["order"], points["amplitude"] = orders, amplitude
     points["frequency"] = orders * (shaft_frequency if math.isfinite(shaft_frequency) else 0.0)
-    return encode_points(points, time_ns)
+    return encode_points(points, time_ns, frame)
 
 
 def decode_spectrum(data: bytes) -> tuple[int, Floats, Floats, float]:

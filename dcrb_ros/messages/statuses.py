@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 from dcrb_ros.bearing.kinematics import CHARACTERISTIC_FREQUENCIES
-from dcrb_ros.messages.cdr import DIAGNOSTICS, decoded, encoded, header, ros_type, stamp_of
+from dcrb_ros.messages.cdr import DIAGNOSTICS, FRAME, decoded, encoded, header, ros_type, stamp_of
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.stream.block import Truth
 from dcrb_ros.stream.event_text import decode_event, encode_event
@@ -25,14 +25,14 @@ class Status:
     values: Mapping[str, str]
 
 
-def encode_diagnostics(time_ns: int, statuses: Iterable[Status]) -> bytes:
-    """Return a DiagnosticArray."""
+def encode_diagnostics(time_ns: int, statuses: Iterable[Status], frame: str = FRAME) -> bytes:
+    """Return a DiagnosticArray on the bearing whose sensor has the frame id ``frame``, which also identifies the hardware."""
     pair, status_type = ros_type("diagnostic_msgs/msg/KeyValue"), ros_type("diagnostic_msgs/msg/DiagnosticStatus")
-    found = [status_type(s.level, s.name, s.message, "dcrb", [pair(key, value) for key, value in s.values.items()]) for s in statuses]
-    return encoded(DIAGNOSTICS, ros_type(DIAGNOSTICS)(header(time_ns, ""), found))
+    found = [status_type(s.level, s.name, s.message, frame, [pair(key, value) for key, value in s.values.items()]) for s in statuses]
+    return encoded(DIAGNOSTICS, ros_type(DIAGNOSTICS)(header(time_ns, frame), found))
 
 
-def encode_truth(truth: Truth) -> bytes:
+def encode_truth(truth: Truth, frame: str = FRAME) -> bytes:
     """Return the ground truth: a status ``operating`` and one per fault, named by its configuration key."""
     operating = {"speed [rad/s]": repr(truth.speed), "load_x [N]": repr(truth.load[0]), "load_y [N]": repr(truth.load[1])}
     operating |= {f"{name} [Hz]": repr(frequency) for name, frequency in truth.frequencies.items()}
@@ -41,7 +41,7 @@ def encode_truth(truth: Truth) -> bytes:
         statuses.append(Status("background", OK, "no fault", {key: repr(value) for key, value in truth.background.items()}))
     for name, fields in truth.faults.items():
         statuses.append(Status(f"faults.{name}", ERROR, "present", {key: repr(value) for key, value in fields.items()}))
-    return encode_diagnostics(truth.time_ns, statuses)
+    return encode_diagnostics(truth.time_ns, statuses, frame)
 
 
 def decode_diagnostics(data: bytes) -> tuple[int, list[Status]]:

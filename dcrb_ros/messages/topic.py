@@ -116,7 +116,7 @@ class SimulatedTopic(Topic):
 class DetectedTopic(Topic):
     """A topic of the fault detector, encoded from its diagnoses."""
 
-    encode: Callable[[Diagnosis], bytes | None] = lambda diagnosis: None
-    """Returns the message of a diagnosis, or none."""
+    encode: Callable[[Diagnosis, str], bytes | None] = lambda diagnosis, frame: None
+    """Returns the message of a diagnosis with a frame id, or none."""
     recorded: bool = True
     """Whether a running simulator records it beside its own topics."""

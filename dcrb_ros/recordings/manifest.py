@@ -21,6 +21,7 @@ from dcrb_ros.messages.description import sensor_text
 from dcrb_ros.messages.points import decode_vibration, decode_waveform, packed
 from dcrb_ros.messages.statuses import decode_truth
 from dcrb_ros.messages.topics import GROUND_TRUTH, MANIFEST, VIBRATION, Message
+from dcrb_ros.recordings.processor import processor
 from dcrb_ros.runtime.version import __version__
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.simulation.ground_truth import commands_in
@@ -37,13 +38,18 @@ HASH_BATCH = 1 << 20
 MAX_RECORD = 16 * 1024 * 1024
 """Largest record of the manifest [bytes], some 200000 commands; more commands are only counted there, and read from the ground truth."""
 UNITS = {"acceleration": "m/s^2", "angle": "rad", "speed": "rad/s", "force": "N", "time": "s, simulated, from zero"}
+MEASURED_UNITS = UNITS | {"time": "s, index of the sample over the sampling rate"}
+"""Units of imported data and of recordings without a manifest, whose time need not be simulated."""
 MODEL = ("bearing", "core", "faults", "measurement", "schema", "settings", "simulation")
 """Packages on whose sources the samples depend."""
 
 
 @functools.cache
 def model_fingerprint() -> str:
-    """Return a short hash of the model's sources: equal sources produce equal samples on the same kind of machine."""
+    """Return a short hash of the model's sources.
+
+    Equal sources produce equal samples with equal software on processors of one kind.
+    """
     package, digest = Path(__file__).parents[1], hashlib.sha256()
     for folder in MODEL:
         for source in sorted((package / folder).rglob("*.py")):
@@ -72,6 +78,7 @@ def opening(
         "dcrb_ros": __version__,
         "model": model_fingerprint(),
         "software": software(),
+        "processor": processor(),
         "configuration": configuration.model_dump(),
         "scenario": scenario,
         "seed": configuration.simulation.seed,

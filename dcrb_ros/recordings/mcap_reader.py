@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import struct
 import zlib
 from collections.abc import Container, Iterator
@@ -16,9 +17,15 @@ from mcap.exceptions import McapError
 from mcap.opcode import Opcode
 from mcap.records import Attachment, Channel, Chunk, ChunkIndex, Footer, Header, Message, Metadata, Schema
 
+from dcrb_ros.text.files import open_regular
+
 MAGIC = b"\x89MCAP0\r\n"
 MAX_RECORD = 64 * 1024 * 1024
 """Largest record that is read, compressed or not [bytes]; those of the recorder have a quarter of a megabyte."""
+MAX_RATIO = 80
+"""Largest size of a file's unpacked chunks relative to the file [-]; the recorder of the bench reaches 44 with a constant signal."""
+LEAST_UNPACKED = 16 * 1024 * 1024
+"""Size up to which the chunks of a file of any size are unpacked [bytes]."""
 MAX_DAMAGE = 100
 """Sentences about damage that are kept."""
 HEAD = struct.Struct("<BQ")
@@ -46,27 +53,34 @@ KINDS: dict[int, Any] = {
 class McapRecords:
     """The records of a file, including those in chunks; iterating collects in `damage` a sentence for everything that cannot be read."""
 
-    def __init__(self, path: Path, *, chunks: bool = True, topics: Container[str] | None = None) -> None:
+    def __init__(self, path: Path, *, chunks: bool = True, topics: Container[str] | None = None, name: str = "") -> None:
         """Read ``path``.
 
         Args:
             path: the file.
             chunks: whether to read the chunks; without them only the records between them are read, which is fast.
             topics: the topics whose messages are read; by default all.
+            name: name of the file in sentences about damage; by default that of ``path``.
         """
-        self.path, self._chunks, self._topics = path, chunks, topics
+        self.path, self._chunks, self._topics, self._name = path, chunks, topics, name or path.name
+        self._summarized: dict[tuple[type[Any], int], Any] = {}
+        """Schemas and channels in the summary by kind and number."""
         self._skipped: set[int] = set()
         """Channels of other topics."""
         self.damage: list[str] = []
+        self._unpacked = self._most_unpacked = 0
+        """Size of the chunks that have been unpacked so far, and its limit [bytes]."""
 
     def __iter__(self) -> Iterator[Any]:
-        self.damage = []
-        size = self.path.stat().st_size
-        with self.path.open("rb") as stream:
+        self.damage, self._unpacked = [], 0
+        with open_regular(self.path) as stream:
+            size = os.fstat(stream.fileno()).st_size
+            self._most_unpacked = max(LEAST_UNPACKED, MAX_RATIO * size)
             if stream.read(len(MAGIC)) != MAGIC:
                 self._report("it does not begin as an MCAP file")
                 return
             known, starts = _summary(stream, size)
+            self._summarized = {(type(record), record.id): record for record in known}
             for record in known:
                 self._register(record)
                 yield record
@@ -95,14 +109,18 @@ class McapRecords:
     def _record(self, stream: BinaryIO, opcode: int, length: int, at: int) -> Iterator[Any]:
         if opcode in (Opcode.FOOTER, Opcode.CHUNK_INDEX) or (opcode not in KINDS and opcode != Opcode.MESSAGE):
             return
-        if opcode == Opcode.CHUNK and not self._chunks:
+        if opcode == Opcode.CHUNK and (not self._chunks or self._unpacked > self._most_unpacked):
             return
         if length > MAX_RECORD:
             self._report(f"the record at byte {at} claims {length} bytes; at most {MAX_RECORD} are read")
             return
         try:
-            record = parsed(opcode, stream.read(length))
+            payload = stream.read(length)
+            if opcode == Opcode.MESSAGE and CHANNEL.unpack_from(payload)[0] in self._skipped:
+                return
+            record = parsed(opcode, payload)
             if isinstance(record, Chunk):
+                self._check_unpacked(record)
                 data = decompressed(record)
             else:
                 self._register(record)
@@ -113,6 +131,17 @@ class McapRecords:
             return
         yield from self._in_chunk(data, at)
 
+    def _check_unpacked(self, chunk: Chunk) -> None:
+        """Count the size of a chunk once it is unpacked.
+
+        Raises:
+            ValueError: the chunks of the file unpack to more than its limit.
+        """
+        self._unpacked += chunk.uncompressed_size
+        if self._unpacked > self._most_unpacked:
+            most = self._most_unpacked
+            raise ValueError(f"the chunks up to it unpack to {self._unpacked} bytes, of this file at most {most} are unpacked")
+
     def _in_chunk(self, data: bytes, at: int) -> Iterator[Any]:
         """Yield the records of a chunk's data."""
         position, view, skipped = 0, memoryview(data), self._skipped
@@ -120,6 +149,8 @@ class McapRecords:
             opcode, length = HEAD.unpack_from(data, position)
             position += HEAD.size
             try:
+                if position + length > len(data):
+                    raise ValueError(f"it reaches {position + length - len(data)} bytes beyond the end of the chunk")
                 if opcode == Opcode.MESSAGE:
                     if CHANNEL.unpack_from(data, position)[0] not in skipped:
                         yield _message(view[position : position + length])
@@ -132,13 +163,19 @@ class McapRecords:
             position += length
 
     def _register(self, record: Any) -> None:
-        """Note whether the messages of a channel are to be read."""
+        """Note whether the messages of a channel are to be read.
+
+        Raises:
+            ValueError: a schema or channel differs from that of the same number in the summary.
+        """
+        if isinstance(record, Schema | Channel) and self._summarized.get((type(record), record.id), record) != record:
+            raise ValueError(f"{type(record).__name__.lower()} {record.id} differs from that in the summary")
         if isinstance(record, Channel) and self._topics is not None:
             (self._skipped.discard if record.topic in self._topics else self._skipped.add)(record.id)
 
     def _report(self, sentence: str) -> None:
         if len(self.damage) < MAX_DAMAGE:
-            self.damage.append(f"{self.path.name}: {sentence}")
+            self.damage.append(f"{self._name}: {sentence}")
 
 
 def _reason(error: Exception) -> str:
@@ -184,6 +221,12 @@ def decompressed(chunk: Chunk) -> bytes:
     if chunk.uncompressed_crc and zlib.crc32(data) != chunk.uncompressed_crc:
         raise ValueError("the checksum of a chunk does not match its data")
     return data
+
+
+def has_summary(path: Path) -> bool:
+    """Return whether a file ends with a summary, which most other readers need."""
+    with path.open("rb") as stream:
+        return bool(_summary(stream, path.stat().st_size)[0])
 
 
 def _summary(stream: BinaryIO, size: int) -> tuple[list[Any], list[int]]:

@@ -8,20 +8,25 @@ import struct
 from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any, BinaryIO
 
 import yaml
+from mcap import records
 from mcap.opcode import Opcode
 from mcap.writer import MCAP0_MAGIC, CompressionType, Writer
 
 from dcrb_ros.runtime.version import __version__
+from dcrb_ros.text.yaml import parsed
 
 CHUNK = 256 * 1024
 """Chunk size [bytes]: a crash loses at most one chunk, and at most `FLUSH_PERIOD_NS` of signal."""
 FLUSH_PERIOD_NS = 500_000_000
 """Simulated time after which buffered messages are written [ns]: half of the second that a crash may lose."""
 COMPRESSIONS = {"zstd": CompressionType.ZSTD, "lz4": CompressionType.LZ4, "none": CompressionType.NONE}
+TRANSIENT_LOCAL = ("transient_local", 1)
+"""Names of the durability of latched topics; rosbag2 wrote a number before version 9."""
 MINIMAL_END = struct.pack("<BQI", Opcode.DATA_END, 4, 0) + struct.pack("<BQQQI", Opcode.FOOTER, 20, 0, 0, 0) + MCAP0_MAGIC
 """The end of an MCAP file without a summary."""
 
@@ -39,13 +44,24 @@ class Channel:
     """Offered QoS profiles, a YAML sequence."""
     type_hash: str
 
+    @cached_property
+    def latched(self) -> bool:
+        """Whether a late subscriber receives the last message."""
+        return any(isinstance(profile, dict) and profile.get("durability") in TRANSIENT_LOCAL for profile in self.profiles())
+
     def profiles(self) -> list[Any]:
         """Return the offered QoS profiles; an empty list if the text is not a YAML sequence."""
         try:
-            found = yaml.safe_load(self.qos)
-        except (yaml.YAMLError, RecursionError):
+            found = parsed(self.qos)
+        except yaml.YAMLError:
             return []
         return found if isinstance(found, list) else []
+
+
+def described_channel(channel: records.Channel, schema: records.Schema) -> Channel:
+    """Return the description of a topic that its records in a file give."""
+    about, definition = channel.metadata, schema.data.decode("utf-8", errors="replace")
+    return Channel(channel.topic, schema.name, definition, about.get("offered_qos_profiles", "[]"), about.get("topic_type_hash", ""))
 
 
 @dataclass(frozen=True)

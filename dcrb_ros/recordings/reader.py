@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
-import json
 import os
-import re
 from collections import Counter
 from collections.abc import Container, Iterable, Iterator, Mapping
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import yaml
-from mcap.records import Channel, Metadata
-from mcap.records import Message as McapMessage
+from mcap.records import Metadata
 
 from dcrb_ros.bearing.history import StateHistory
 from dcrb_ros.bearing.kinematics import Orders, characteristic_orders
@@ -24,14 +20,20 @@ from dcrb_ros.messages.statuses import decode_truth
 from dcrb_ros.messages.topics import DETECTED, GROUND_TRUTH, MANIFEST, NAMESPACE, SENSOR, SIMULATED, VIBRATION, Message, Topic
 from dcrb_ros.recordings import arrays
 from dcrb_ros.recordings.arrays import RecordedVerdict
+from dcrb_ros.recordings.latched import described_manifest, in_order
 from dcrb_ros.recordings.manifest import OUTCOME
-from dcrb_ros.recordings.mcap_reader import MAGIC, McapRecords
+from dcrb_ros.recordings.storage import StoredMessage, plain_name, valid_files
 from dcrb_ros.runtime.version import __version__
+from dcrb_ros.schema.numbers import sampling_rate
+from dcrb_ros.schema.printable import printable
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
+from dcrb_ros.settings.parameters import Bearing
 from dcrb_ros.simulation.ground_truth import GroundTruth, commands_in
 from dcrb_ros.stream.event_text import decode_command
 from dcrb_ros.stream.events import TimedCommand
+from dcrb_ros.text.json import parsed_json
+from dcrb_ros.text.yaml import read_yaml
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -40,7 +42,7 @@ METADATA = "metadata.yaml"
 MAX_METADATA = 4_000_000
 """Largest metadata.yaml that is read [bytes]; those of the bench have a few thousand."""
 TYPES: dict[str, type] = {
-    **dict.fromkeys(("units", "software", "orders", "faults", "imported", "sensor", "configuration"), dict),
+    **dict.fromkeys(("units", "software", "processor", "orders", "faults", "imported", "sensor", "configuration"), dict),
     **dict.fromkeys(("format", "first_index", "samples", "sampling_rate"), int),
     **dict.fromkeys(("namespace", "sha256", "dcrb_ros", "model"), str),
 }
@@ -50,7 +52,9 @@ DAMAGE = (ValueError, KeyError, TypeError, RecursionError)
 
 
 class Recording:
-    """A recording of the bench, or of imported data: a rosbag2 folder or a single MCAP file.
+    """A recording of the bench, or of imported data: a rosbag2 folder or a single file of one.
+
+    A recording that `ros2 bag record` made beside the bench has no manifest; the description of the sensor in it takes its place.
 
     Raises
     ------
@@ -62,8 +66,8 @@ class Recording:
         if not isinstance(path, (str, os.PathLike)):
             raise Refusal(f"{path!r} is not the path of a recording: give a folder made by dcrb simulate or dcrb bench, or an .mcap file")
         self.path = Path(path)
-        self.files, self.damage = valid_files(self.path)
-        """The MCAP files in order; a sentence for everything that could not be read so far."""
+        self.stored, self.damage = valid_files(self.path)
+        """The files in order; a sentence for everything that could not be read so far."""
         self.manifest = self._manifest()
         if self.manifest.get("format", 1) != 1 and self.outcome is None:
             self._report(f"{self.files[-1].name}: the end is missing, the recording was cut off")
@@ -72,8 +76,13 @@ class Recording:
     def __repr__(self) -> str:
         rate, samples = self.manifest.get("sampling_rate", 0), (self.outcome or {}).get("samples", 0)
         length = f"{samples / rate:.4g} s" if rate and samples else "of unknown length"
-        content = "imported data" if self._configuration is None else self._configuration.summary
+        content = self._configuration.summary if self._configuration is not None else "imported data" if self.imported else "no manifest"
         return f"<Recording {self.path}: {length} at {rate / 1e3:g} kHz, {content}{'' if self.complete else ', damaged'}>"
+
+    @property
+    def files(self) -> list[Path]:
+        """The files in order."""
+        return [file.path for file in self.stored]
 
     @property
     def complete(self) -> bool:
@@ -87,16 +96,42 @@ class Recording:
         Raises
         ------
         Refusal
-            The recording contains imported data.
+            The recording contains imported data, or it has no manifest.
         """
+        if self.described:
+            raise Refusal(
+                f"{self.path} has no manifest, so the configuration of its bench is unknown: give a recording made by dcrb simulate, "
+                "dcrb bench or the service record"
+            )
         if self._configuration is None:
             raise Refusal(f"{self.path} contains imported data, not a run of the bench: it has no configuration")
         return self._configuration
 
     @property
+    def configured(self) -> bool:
+        """Whether the recording contains the configuration of the bench."""
+        return self._configuration is not None
+
+    @property
     def imported(self) -> bool:
         """Whether the recording contains imported data."""
-        return self._configuration is None
+        return "imported" in self.manifest
+
+    @property
+    def described(self) -> bool:
+        """Whether the recording has no manifest, so that the description of the sensor takes its place."""
+        return "described_by" in self.manifest
+
+    @property
+    def bearing(self) -> Bearing | None:
+        """The bearing of the bench, from the configuration or the description of the sensor; none if it is unknown."""
+        if self._configuration is not None:
+            return self._configuration.bearing
+        about = None if self.imported else self.manifest.get("sensor", {}).get("bearing")
+        try:
+            return Bearing.model_validate(about) if about else None
+        except ValueError:
+            return None
 
     @property
     def namespace(self) -> str:
@@ -106,10 +141,7 @@ class Recording:
     @cached_property
     def sampling_rate(self) -> int:
         """Sampling rate [Hz]."""
-        rate = self.manifest.get("sampling_rate")
-        if not isinstance(rate, int) or not 0 < rate <= 10_000_000:
-            raise Refusal(f"the manifest of {self.path} gives a sampling rate of {rate!r} Hz: it must be a whole number above 0")
-        return rate
+        return sampling_rate(self.manifest.get("sampling_rate"), f"the manifest of {self.path}")
 
     @cached_property
     def orders(self) -> Orders:
@@ -118,6 +150,8 @@ class Recording:
             return characteristic_orders(self._configuration.bearing)
         try:
             return Orders.from_dict(self.manifest["orders"])
+        except Refusal as refusal:
+            raise Refusal(f"the manifest of {self.path}: {refusal}") from None
         except DAMAGE:
             raise Refusal(f"the manifest of {self.path} gives no fault orders: import the data again") from None
 
@@ -140,8 +174,9 @@ class Recording:
         """Yield the messages on some topics, by default on all topics of the bench, in the order of the file."""
         prefix = self.namespace if namespace is None else namespace
         wanted = {topic.resolved(prefix): topic for topic in (topics or (*SIMULATED, *DETECTED))}
-        for channel, message in self._records(wanted):
-            yield Message(wanted[channel.topic], message.log_time, message.data)
+        found = (Message(wanted[one.channel.topic], one.message.log_time, one.message.data) for one in self._messages(wanted))
+        # Without a manifest the log times are not those of the bench, nor is the order.
+        return in_order(found) if self.described else found
 
     def vibrations(self) -> Iterator[Vibration]:
         """Yield the blocks of the waveform; see `ranged_vibrations`."""
@@ -215,24 +250,24 @@ class Recording:
 
     def counts(self) -> dict[str, int]:
         """Return the number of messages per topic."""
-        return dict(sorted(Counter(channel.topic for channel, _ in self._records()).items()))
+        return dict(sorted(Counter(one.channel.topic for one in self._messages()).items()))
 
     def _manifest(self) -> dict[str, Any]:
-        """Return the manifest of the first file that has one."""
-        for file in self.files:
-            for record in McapRecords(file, chunks=False):
-                if isinstance(record, Metadata) and record.name == MANIFEST:
-                    found = _json(record, "manifest")
-                    if found is not None:
-                        return found
-                    break
-        raise Refusal(
-            f"{self.path} has no manifest of the bench: give a recording made by dcrb simulate, dcrb bench or dcrb import; "
-            "dcrb recover repairs the container of any other"
-        )
+        """Return the manifest of the first file that has one, or what the description of the sensor tells instead."""
+        for file in self.stored:
+            record = next((record for record in file.metadata() if record.name == MANIFEST), None)
+            found = self._json(record, "manifest", file.path.name) if record else None
+            if found is not None:
+                return found
+        try:
+            return described_manifest(self.path, self.stored)
+        except Refusal as refusal:
+            if not self.damage:
+                raise
+            raise Refusal(f"{refusal} ({self.damage[0]})") from None
 
     def _read_configuration(self) -> Configuration | None:
-        if "imported" in self.manifest:
+        if self.imported or self.described:
             return None
         try:
             return Configuration.model_validate(self.manifest["configuration"])
@@ -251,95 +286,46 @@ class Recording:
 
     def _last(self, name: str, key: str) -> dict[str, Any] | None:
         """Return the last metadata record with a name in the last file."""
-        found = None
-        for record in McapRecords(self.files[-1], chunks=False):
-            if isinstance(record, Metadata) and record.name == name:
-                found = record
-        return _json(found, key) if found else None
+        found = [record for record in self.stored[-1].metadata() if record.name == name]
+        return self._json(found[-1], key, self.stored[-1].path.name) if found else None
 
-    def _records(self, topics: Container[str] | None = None) -> Iterator[tuple[Channel, McapMessage]]:
-        """Yield the messages on some topics, by default on all, with their channels."""
-        for file in self.files:
-            channels: dict[int, Channel] = {}
-            records = McapRecords(file, topics=topics)
-            for record in records:
-                if isinstance(record, Channel):
-                    channels[record.id] = record
-                elif isinstance(record, McapMessage) and record.channel_id in channels:
-                    yield channels[record.channel_id], record
-            for sentence in records.damage:
+    def _json(self, record: Metadata, key: str, file: str) -> dict[str, Any] | None:
+        """Return the JSON object in a metadata record; none if it is damaged."""
+        try:
+            found = parsed_json(record.metadata.get(key, ""), f"{file}: the record {record.name}")
+        except Refusal as refusal:
+            self._report(str(refusal))
+            return None
+        sound = isinstance(found, dict) and all(isinstance(found.get(name, kind()), kind) for name, kind in TYPES.items())
+        if not sound:
+            self._report(f"{file}: the record {record.name} is damaged: it does not have the form that the bench writes")
+        return found if sound else None
+
+    def _messages(self, topics: Container[str] | None = None) -> Iterator[StoredMessage]:
+        """Yield the messages on some topics, by default on all."""
+        for file in self.stored:
+            flaws: list[str] = []
+            yield from file.messages(flaws, topics)
+            for sentence in flaws:
                 self._report(sentence)
 
     def _report(self, sentence: str) -> None:
-        if sentence not in self.damage:
-            self.damage.append(sentence)
-
-
-def _json(record: Metadata, key: str) -> dict[str, Any] | None:
-    """Return the JSON object in a metadata record; none if it is damaged."""
-    try:
-        found = json.loads(record.metadata[key])
-    except DAMAGE:
-        return None
-    sound = isinstance(found, dict) and all(isinstance(found.get(name, kind()), kind) for name, kind in TYPES.items())
-    return found if sound else None
-
-
-def valid_files(path: Path) -> tuple[list[Path], list[str]]:
-    """Return the MCAP files of a recording, and a sentence for each file that is left out because it does not begin like one.
-
-    A crash or a power loss right after a split leaves an empty file.
-
-    Raises
-    ------
-    Refusal
-        There are none.
-    """
-    if not path.exists():
-        raise Refusal(f"there is no recording {path}: give a folder made by dcrb simulate or dcrb bench, or an .mcap file")
-    files = sorted(path.glob("*.mcap"), key=_file_order) if path.is_dir() else [path]
-    if not files:
-        raise Refusal(f"{path} contains no .mcap file: give the folder of a recording")
-    flaws = {file: flaw for file in files if (flaw := _flaw(file))}
-    if len(flaws) == len(files):
-        raise Refusal(f"{files[0]} is not an MCAP file: it {flaws[files[0]]}")
-    return [file for file in files if file not in flaws], [
-        f"{file.name}: left out, not an MCAP file: it {flaw}" for file, flaw in flaws.items()
-    ]
-
-
-def _flaw(file: Path) -> str:
-    """Return what is wrong with the first bytes of an MCAP file; the empty string if nothing."""
-    try:
-        with file.open("rb") as stream:
-            magic = stream.read(len(MAGIC))
-    except OSError as error:
-        raise Refusal(f"{file} cannot be read: {error.strerror}") from None
-    if magic == MAGIC:
-        return ""
-    return f"must begin with {MAGIC!r}" if magic else "is empty"
-
-
-def _file_order(path: Path) -> tuple[str, int, str]:
-    """Return a sort key that puts NAME_2 before NAME_10."""
-    found = re.fullmatch(r"(.*)_(\d{1,9})", path.stem)
-    return (found[1], int(found[2]), path.name) if found else (path.stem, -1, path.name)
+        shown = printable(sentence)
+        if shown not in self.damage:
+            self.damage.append(shown)
 
 
 def metadata_flaw(path: Path) -> str:
     """Return what is wrong with metadata.yaml, which ROS needs and this reader does not; the empty string if nothing."""
-    file = path / METADATA
     if not path.is_dir():
         return ""
     try:
-        if file.stat().st_size > MAX_METADATA:
-            return f"{METADATA} has {file.stat().st_size} bytes, at most {MAX_METADATA} are read"
-        about = yaml.safe_load(file.read_text(encoding="utf-8"))["rosbag2_bagfile_information"]
-        named = [str(name) for name in about["relative_file_paths"]]
-    except OSError as error:
-        return f"{METADATA} cannot be read: {error.strerror}"
-    except (yaml.YAMLError, UnicodeDecodeError, *DAMAGE):
-        return f"{METADATA} is damaged"
-    there = [found.name for found in valid_files(path)[0]]
-    missing = [name for name in there if name not in named]
+        about = read_yaml(path / METADATA, MAX_METADATA)["rosbag2_bagfile_information"]
+        named = {plain_name(str(name)) for name in about["relative_file_paths"]}
+    except Refusal as refusal:
+        return str(refusal).replace(str(path / METADATA), METADATA)
+    except DAMAGE:
+        return f"{METADATA} is damaged: it must have rosbag2_bagfile_information with relative_file_paths"
+    there = [found.path.name for found in valid_files(path)[0]]
+    missing = [name for name in there if plain_name(name) not in named]
     return f"{METADATA} does not name {', '.join(missing)}" if missing else ""

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from mcap.records import Channel, Metadata, Schema
 from mcap.records import Message as McapMessage
 
 from dcrb_ros.messages.points import decode_vibration
@@ -16,10 +15,13 @@ from dcrb_ros.messages.statuses import decode_truth
 from dcrb_ros.messages.topics import GROUND_TRUTH, MANIFEST, VIBRATION, Message
 from dcrb_ros.recordings import mcap_writer
 from dcrb_ros.recordings.manifest import OUTCOME, Outcome, now
-from dcrb_ros.recordings.mcap_reader import McapRecords
-from dcrb_ros.recordings.reader import Recording, valid_files
+from dcrb_ros.recordings.mcap_writer import described_channel
+from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.recordings.rosbag2 import SECOND, Bag, Splitting
+from dcrb_ros.recordings.storage import StoredMessage, valid_files
+from dcrb_ros.schema.printable import printable
 from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.text.files import checked_path
 
 ENCODING = ("cdr", "ros2msg")
 """Encodings of messages and their definitions in recordings of ROS 2."""
@@ -44,8 +46,10 @@ class Recovery:
     """Copies what can be read of a recording to a new bag."""
 
     def __init__(self, source: Path) -> None:
-        self._files, self._damage = valid_files(source)
         self._recording = _recording(source)
+        self._files, self._damage = valid_files(source)
+        if self._recording is not None:
+            self._files = self._recording.stored  # unpacked already
         self._source = source
         self._recovered = Recovered()
         self._outcome = Outcome(self._recording.sampling_rate) if self._recording else None
@@ -68,24 +72,31 @@ class Recovery:
                 bag.write([message])
         finally:
             bag.close()
-        self._recovered.damage = tuple(self._damage)
+        self._recovered.damage = tuple(map(printable, self._damage))
         return self._recovered
 
     def _messages(self) -> Iterator[tuple[mcap_writer.Channel, int, bytes]]:
         for file in self._files:
-            records = McapRecords(file)
-            schemas: dict[int, Schema] = {}
-            channels: dict[int, mcap_writer.Channel] = {}
-            for record in records:
-                if isinstance(record, Schema):
-                    schemas[record.id] = record
-                elif isinstance(record, Channel) and record.schema_id in schemas:
-                    channels[record.id] = _channel(record, schemas[record.schema_id])
-                elif not isinstance(record, McapMessage) or record.channel_id not in channels:
-                    continue
-                elif self._valid(channels[record.channel_id], record):
-                    yield channels[record.channel_id], record.log_time, record.data
-            self._damage += [sentence for sentence in records.damage if sentence not in self._damage]
+            damage: list[str] = []
+            for stored in file.messages(damage):
+                channel = self._channel(stored)
+                if channel is not None and self._valid(channel, stored.message):
+                    yield channel, stored.message.log_time, stored.message.data
+            self._note(damage)
+
+    def _channel(self, stored: StoredMessage) -> mcap_writer.Channel | None:
+        """Return the description of a message's channel; none if a recording of ROS 2 has no such channel, which counts as damage."""
+        channel, schema = stored.channel, stored.schema
+        encoding = channel.message_encoding, schema.encoding if schema else ""
+        if schema is None or encoding != ENCODING:
+            found = f"{channel.topic} contains {encoding[0] or 'unnamed'} messages defined by {encoding[1] or 'nothing'}"
+            self._note([f"{found}, which are left out: dcrb recover repairs ROS 2 recordings, with cdr defined by ros2msg"])
+            return None
+        return described_channel(channel, schema)
+
+    def _note(self, sentences: Iterable[str]) -> None:
+        """Keep new sentences about damage."""
+        self._damage += [sentence for sentence in sentences if sentence not in self._damage][: MAX_DAMAGE - len(self._damage)]
 
     def _valid(self, channel: mcap_writer.Channel, record: McapMessage) -> bool:
         """Count a message; return false if it is a corrupt waveform or ground truth of the bench."""
@@ -96,8 +107,7 @@ class Recovery:
                     check(record.data)
                     self._outcome.add(Message(topic, record.log_time, record.data))
                 except Refusal as refusal:
-                    if len(self._damage) < MAX_DAMAGE:
-                        self._damage.append(f"{topic.name} at {record.log_time * 1e-9:.3f} s: {refusal}")
+                    self._note([f"{topic.name} at {record.log_time * 1e-9:.3f} s: {refusal}"])
                     return False
         self._recovered.messages += 1
         self._recovered.last_ns = max(self._recovered.last_ns, record.log_time)
@@ -107,8 +117,8 @@ class Recovery:
         """Return the metadata records of the source, except those of its end."""
         found: dict[str, dict[str, str]] = {}
         for file in self._files:
-            for record in McapRecords(file, chunks=False):
-                if isinstance(record, Metadata) and record.name not in ("rosbag2", OUTCOME, RECOVERY):
+            for record in file.metadata():
+                if record.name not in ("rosbag2", OUTCOME, RECOVERY):
                     found.setdefault(record.name, dict(record.metadata))
         return found
 
@@ -118,13 +128,15 @@ class Recovery:
         return {**ending, **(self._outcome.records() if self._outcome else {})}
 
     def _splitting(self) -> Splitting:
-        if self._recording is None or self._recording.imported:
+        if self._recording is None or not self._recording.configured:
             return Splitting()
         settings = self._recording.configuration.recording
         return Splitting(settings.split_size, round(settings.split_duration * SECOND))
 
     def _compression(self) -> str:
-        return "zstd" if self._recording is None or self._recording.imported else self._recording.configuration.recording.compression
+        if self._recording is None or not self._recording.configured:
+            return "zstd"
+        return self._recording.configuration.recording.compression
 
 
 def recover(source: Path, target: Path) -> Recovered:
@@ -133,7 +145,7 @@ def recover(source: Path, target: Path) -> Recovered:
     Raises:
         Refusal: no message can be read, or the target exists.
     """
-    if target.exists():
+    if checked_path(target).exists():
         raise Refusal(f"{target} exists: give another name or remove it, a recording is never overwritten")
     return Recovery(source).write(target)
 
@@ -144,16 +156,3 @@ def _recording(source: Path) -> Recording | None:
         return Recording(source)
     except Refusal:
         return None
-
-
-def _channel(record: Channel, schema: Schema) -> mcap_writer.Channel:
-    if (record.message_encoding, schema.encoding) != ENCODING:
-        raise Refusal(
-            f"{record.topic} contains {record.message_encoding or 'unnamed'} messages defined by {schema.encoding or 'nothing'}: "
-            "dcrb recover repairs ROS 2 recordings, with cdr defined by ros2msg"
-        )
-    definition = schema.data.decode("utf-8", errors="replace")
-    about = record.metadata
-    return mcap_writer.Channel(
-        record.topic, schema.name, definition, about.get("offered_qos_profiles", "[]"), about.get("topic_type_hash", "")
-    )

@@ -6,7 +6,7 @@ import json
 from collections.abc import Generator
 
 from dcrb_ros.messages.bundle import Bundle
-from dcrb_ros.messages.description import sensor_text
+from dcrb_ros.messages.description import decode_frame, sensor_text
 from dcrb_ros.messages.plain import encode_text
 from dcrb_ros.messages.points import decode_vibration
 from dcrb_ros.messages.topics import SENSOR, SIMULATED, VIBRATION, Message, Topic
@@ -20,7 +20,7 @@ from dcrb_ros.schema.simulated_time import nanoseconds
 class ReplayParameters(Group):
     """Recording to replay, its topics and its rate."""
 
-    bag: str = choice("", "Recording to replay: a folder or an .mcap file")
+    bag: str = choice("", "Recording to replay: a folder, or an .mcap or .db3 file")
     rate: float = quantity(
         1.0, "-", "Recorded over wall time; 0 for as fast as possible", 0.0, 1000.0, remedy="1.0 is the recorded pace", run_time=True
     )
@@ -46,8 +46,11 @@ class Replay:
         self._offset_ns = round(parameters.offset * 1e9)
         chosen = sorted(chosen_topics(parameters.topics), key=lambda topic: topic.name) if parameters.topics else SIMULATED
         self.topics: tuple[Topic, ...] = tuple(chosen)
-        found = next(self.recording.messages((SENSOR,)), None)
+        # Without a manifest, the description that takes its place is the first one.
+        found = None if self.recording.described else next(self.recording.messages((SENSOR,)), None)
         self._first = found or Message(SENSOR, 0, encode_text(_sensor(self.recording)))
+        self.frame = decode_frame(self._first.data)
+        """Frame id of the sensor."""
         self._sent = self._first
         """The sensor description sent last."""
 
@@ -56,16 +59,17 @@ class Replay:
         return [self._first]
 
     def bundles(self) -> Generator[Bundle, None, None]:
-        """Yield the bundles in the order of time, with the sensor description where it differs from the last one sent.
+        """Yield the bundles in the order of time, with the sensor description where it is recorded again, or differs.
 
         Raises:
             Refusal: the offset skips all messages.
         """
         begin = end = start = None
+        repeated = False
         description, collected = self._first, list[Message]()
         for message in self.recording.messages({SENSOR, *self.topics}):
             if message.topic == SENSOR:
-                description = message
+                description, repeated = message, begin is not None
                 continue
             start = message.time_ns if start is None else start
             if message.time_ns < start + self._offset_ns:
@@ -78,14 +82,15 @@ class Replay:
                 begin, collected = end, []
             end = due
             # A description is sent with the block that it describes, not with the previous one.
-            collected += [*self._unsent(description), message]
+            collected += [*self._unsent(description, repeated), message]
+            repeated = False
         if begin is None or end is None:
             raise Refusal(f"{self.recording.path} has no message later than {self._offset_ns * 1e-9:g} s after its start: lower the offset")
         yield Bundle(begin, end, tuple(collected))
 
-    def _unsent(self, description: Message) -> list[Message]:
-        """Return a description if it differs from the last one sent."""
-        if description.data == self._sent.data:
+    def _unsent(self, description: Message, repeated: bool) -> list[Message]:
+        """Return a description if it was recorded again or differs from the last one sent."""
+        if description.data == self._sent.data and not repeated:
             return []
         self._sent = description
         return [description]

@@ -1,16 +1,25 @@
-"""Reproduction of a recorded run: the same configuration, seed and commands must produce the same samples."""
+"""Reproduction of a recorded run: the same configuration, seed and commands must produce the same samples.
+
+That holds with the same software on the same kind of processor, and nearly always on another that has fused multiply-add, too.
+"""
 
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from typing import Any
 
-from dcrb_ros.messages.points import packed
+from dcrb_ros.messages.points import MOST_SAMPLES as LONGEST_BLOCK
+from dcrb_ros.messages.points import SAMPLE, index_at, packed
+from dcrb_ros.messages.topics import SIMULATED
 from dcrb_ros.recordings.manifest import model_fingerprint, software
+from dcrb_ros.recordings.mcap_reader import MAX_RECORD
+from dcrb_ros.recordings.processor import processor, processor_difference
 from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.runtime.version import __version__
 from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.schema.simulated_time import MAX_DURATION
 from dcrb_ros.simulation.loop import Simulation
 from dcrb_ros.stream.block import Block
 from dcrb_ros.stream.events import CommandSchedule
@@ -38,13 +47,10 @@ def recorded_samples(recording: Recording) -> RecordedSamples:
     Raises:
         Refusal: there is no outcome record, and the waveform has a gap.
     """
-    outcome = recording.outcome
-    try:
-        if outcome is not None:
-            first, count = int(outcome["first_index"]), int(outcome["samples"])
-            return RecordedSamples(first, count, str(outcome["sha256"]), int(outcome.get("end_index", first + count)))
-    except (KeyError, TypeError, ValueError):
-        pass  # damaged, therefore treated as missing
+    stated = _stated(recording)
+    if stated is not None:
+        _check_stated(stated, recording)
+        return stated
     digest, rate = hashlib.sha256(), recording.sampling_rate
     begin: int | None = None
     reached = count = 0
@@ -58,6 +64,36 @@ def recorded_samples(recording: Recording) -> RecordedSamples:
         digest.update(block.packed())
         reached, count = index + len(block.shaft_angle), count + len(block.shaft_angle)
     return RecordedSamples(begin or 0, count, digest.hexdigest(), reached)
+
+
+def _stated(recording: Recording) -> RecordedSamples | None:
+    """Return what the outcome record states; none if it is damaged or missing."""
+    outcome = recording.outcome
+    if outcome is None:
+        return None
+    try:
+        first, count = int(outcome["first_index"]), int(outcome["samples"])
+        return RecordedSamples(first, count, str(outcome["sha256"]), int(outcome.get("end_index", first + count)))
+    except (KeyError, TypeError, ValueError):
+        return None
+
+
+def _check_stated(stated: RecordedSamples, recording: Recording) -> None:
+    """Refuse an outcome record that states a longer run than the messages show; a chunk that cannot be read may hold some of them.
+
+    Raises:
+        Refusal: the run would not end where the recording does.
+    """
+    rate = recording.sampling_rate
+    last = index_at(max((message.time_ns for message in recording.messages(SIMULATED)), default=0), rate)
+    unread = len(recording.damage) * MAX_RECORD // SAMPLE.itemsize
+    # A recording of the sensor description alone does not show how long the run was.
+    most = min(last + LONGEST_BLOCK + unread, MAX_DURATION * rate) if last else MAX_DURATION * rate
+    if not 0 <= stated.first_index <= stated.end <= most or stated.count > stated.end - stated.first_index:
+        raise Refusal(
+            f"{recording.path} is damaged: its outcome record states {stated.count} samples from {stated.first_index} to {stated.end}, but "
+            f"its last message belongs to sample {last}: simulate the configuration anew"
+        )
 
 
 class Reproduction:
@@ -98,19 +134,29 @@ class Reproduction:
         if found != self.samples.sha256:
             raise NotReproduced(
                 f"the samples differ from those of {self.recording.path} (sha256 {found[:12]} instead of {self.samples.sha256[:12]}): "
-                f"{self.difference() or 'although model and software are the same: the recording or the model is faulty'}"
+                f"{self.difference() or 'although model, software and processor are alike: the recording or the model is faulty'}"
             )
 
     def difference(self) -> str:
-        """Return how model or software differ from those that made the recording; the empty string if they do not."""
+        """Return how model, software or processor differ from those that made the recording; the empty string if they do not."""
         manifest = self.recording.manifest
-        version, model = manifest.get("dcrb_ros", "of an unknown version"), manifest.get("model", "unknown")
-        if version != __version__ or model != model_fingerprint():
-            return f"it was made by dcrb_ros {version} with model {model}, this is {__version__} with model {model_fingerprint()}"
-        recorded = manifest.get("software", {})
-        differing = [
-            f"{name} {recorded.get(name, 'unknown')} instead of {present}"
-            for name, present in software().items()
-            if recorded.get(name) != present
-        ]
-        return "it was made with " + ", ".join(differing) if differing else ""
+        reasons = [_model_difference(manifest) or _software_difference(manifest)]
+        reasons.append(processor_difference(manifest.get("processor"), processor()))
+        return "; ".join(reason for reason in reasons if reason)
+
+
+def _model_difference(manifest: Mapping[str, Any]) -> str:
+    version, model = manifest.get("dcrb_ros", "of an unknown version"), manifest.get("model", "unknown")
+    if version == __version__ and model == model_fingerprint():
+        return ""
+    return f"it was made by dcrb_ros {version} with model {model}, this is {__version__} with model {model_fingerprint()}"
+
+
+def _software_difference(manifest: Mapping[str, Any]) -> str:
+    recorded = manifest.get("software", {})
+    differing = [
+        f"{name} {recorded.get(name, 'unknown')} instead of {present}"
+        for name, present in software().items()
+        if recorded.get(name) != present
+    ]
+    return "it was made with " + ", ".join(differing) if differing else ""

@@ -16,6 +16,7 @@ import yaml
 from dcrb_ros.recordings.mcap_writer import Channel, McapFile, Span
 from dcrb_ros.runtime.version import __version__
 from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.text.files import checked_path
 
 SECOND = 1_000_000_000
 METADATA = "metadata.yaml"
@@ -51,7 +52,7 @@ def new_folder(path: Path) -> Path:
     Raises:
         Refusal: it exists or cannot be created.
     """
-    if path.exists():
+    if checked_path(path).exists():
         raise Refusal(f"{path} exists: give another name or remove it, a recording is never overwritten")
     try:
         path.mkdir(parents=True)
@@ -63,7 +64,8 @@ def new_folder(path: Path) -> Path:
 class Bag:
     """A rosbag2 folder being written, with one MCAP file or several.
 
-    Every file begins with the metadata records ``opening`` and ends with those that ``closing`` returns.
+    Every file begins with the metadata records ``opening`` and the last messages on latched topics, so that it can be read alone. It ends
+    with the metadata records that ``closing`` returns.
 
     Raises:
         Refusal: the path exists or cannot be written.
@@ -84,6 +86,8 @@ class Bag:
         self._compression, self._splitting = compression, splitting or Splitting()
         self._ended: list[McapFile] = []
         self._sequences: Counter[Channel] = Counter()
+        self._latched: dict[Channel, bytes] = {}
+        """The last message on each latched topic."""
         self.open = True
         try:
             self._file = self._begin_file(0)
@@ -105,9 +109,17 @@ class Bag:
             for channel, time_ns, data in messages:
                 if self._splitting.due(self._file, time_ns):
                     self._split()
-                self._file.write(channel, time_ns, data, self._sequences[channel])
-                self._sequences[channel] += 1
+                    for latched, last in self._latched.items():
+                        if latched != channel:
+                            self._write(latched, time_ns, last)
+                self._write(channel, time_ns, data)
             self._file.flush_due()
+
+    def _write(self, channel: Channel, time_ns: int, data: bytes) -> None:
+        self._file.write(channel, time_ns, data, self._sequences[channel])
+        self._sequences[channel] += 1
+        if channel.latched:
+            self._latched[channel] = data
 
     def flush(self) -> None:
         """Write everything to the file."""

@@ -6,6 +6,7 @@ The format is part of every recording, old and new: extend it, but do not change
 from __future__ import annotations
 
 import ast
+import math
 import re
 from collections.abc import Mapping
 from typing import Any
@@ -25,15 +26,13 @@ from dcrb_ros.stream.events import (
 
 LITERAL = r"""(?:'(?:[^'\\]|\\.)*'|"(?:[^"\\]|\\.)*"|[-+.\w]+)"""
 """A number, a truth value or a string as Python prints them."""
-PAIR = rf"[\w.]+ = {LITERAL}"
-CHANGES = rf"(?:{PAIR}(?:, {PAIR})*)?"
-EACH_PAIR = re.compile(rf"([\w.]+) = ({LITERAL})")
+PAIR = re.compile(rf"([\w.]+) = ({LITERAL})")
+OVER = re.compile(r" over (\S+) s begins")
+SCENARIO, REFUSED = "scenario: ", "refused: "
+CONSTANTS = {"True": True, "False": False, "None": None}
 
 SPEED = re.compile(r"command/speed (\S+) rad/s")
 LOAD = re.compile(r"command/load (\S+) (\S+) N")
-CHANGE = re.compile(CHANGES)
-SCENARIO = re.compile(rf"scenario: ({CHANGES})(?: over (\S+) s begins)?")
-REFUSED = re.compile(rf"refused: ((?:scenario: )?{CHANGES}(?: over \S+ s begins)?): (.*)", re.DOTALL)
 LOST = re.compile(r"lost: samples (\d+) \.\. (\d+)")
 
 
@@ -79,13 +78,25 @@ def _decode(text: str) -> Event | None:
         return LoadCommand(float(found[1]), float(found[2]))
     if found := LOST.fullmatch(text):
         return BlockLost(int(found[1]), int(found[2]))
-    if found := SCENARIO.fullmatch(text):
-        return ScenarioEvent(_decode_changes(found[1]), float(found[2] or 0.0))
-    if (found := REFUSED.fullmatch(text)) and isinstance(request := _decode(found[1]), ParameterChange | ScenarioEvent):
-        return Refused(request, found[2])
-    if CHANGE.fullmatch(text):
-        return ParameterChange(_decode_changes(text))
+    if text.startswith(REFUSED):
+        request, end = _request(text, len(REFUSED))
+        if text.startswith(": ", end) and end > len(REFUSED):
+            return Refused(request, text[end + 2 :])
+    else:
+        request, end = _request(text, 0)
+        if end == len(text):
+            return request
     return UnknownCommand(text)
+
+
+def _request(text: str, begin: int) -> tuple[ParameterChange | ScenarioEvent, int]:
+    """Return the changes of parameters or of a scenario that begin at a place, and their end, in a time linear in the text."""
+    scenario = text.startswith(SCENARIO, begin)
+    changes, end = _decode_changes(text, begin + len(SCENARIO) if scenario else begin)
+    if not scenario:
+        return ParameterChange(changes), end
+    over = OVER.match(text, end)
+    return ScenarioEvent(changes, float(over[1]) if over else 0.0), over.end() if over else end
 
 
 def _encode_changes(changes: Mapping[str, Any]) -> str:
@@ -93,8 +104,26 @@ def _encode_changes(changes: Mapping[str, Any]) -> str:
     return ", ".join(f"{key} = {value!r}" for key, value in changes.items())
 
 
-def _decode_changes(text: str) -> dict[str, Any]:
-    return {key: ast.literal_eval(value) for key, value in EACH_PAIR.findall(text)}
+def _decode_changes(text: str, begin: int) -> tuple[dict[str, Any], int]:
+    """Return the changes that begin at a place, and their end."""
+    changes: dict[str, Any] = {}
+    end = begin
+    while pair := PAIR.match(text, end + 2 if changes else end):
+        changes[pair[1]] = _literal(pair[2])
+        end = pair.end()
+        if not text.startswith(", ", end):
+            break
+    return changes, end
+
+
+def _literal(text: str) -> Any:
+    """Return the number, truth value or string that Python prints as ``text``."""
+    if text in CONSTANTS:
+        return CONSTANTS[text]
+    value = ast.literal_eval(text) if text[0] in "'\"" else int(text) if text.lstrip("-").isdecimal() else float(text)
+    if repr(value) != text or value in (math.inf, -math.inf):
+        raise ValueError(f"{text[:40]} is not as Python prints it")
+    return value
 
 
 def encode_command(command: TimedCommand) -> dict[str, Any]:

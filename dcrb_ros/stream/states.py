@@ -47,6 +47,22 @@ class Account:
 
 
 @dataclass(frozen=True)
+class LubricationState:
+    """The oil films at one instant, and the energy lost since the start by source; arrays of losses have the shape (rows,)."""
+
+    film: Floats
+    """Central film of the most loaded contact at inner and outer raceway, shape (2,) [m]."""
+    film_ratio: Floats
+    """Its ratio Lambda to the roughness, shape (2,) [-]."""
+    sliding_loss: Floats
+    """Energy lost in sliding at raceways and bars [J]."""
+    rolling_loss: Floats
+    """Energy lost in the resistance of films to rolling [J]."""
+    contact_loss: Floats
+    """Energy lost in the damping of normal contacts, the squeezing of films included [J]."""
+
+
+@dataclass(frozen=True)
 class States:
     """States of the bodies at one instant; each array has one entry per name in `BodyNames.names`."""
 
@@ -75,3 +91,5 @@ class States:
     """Position of each cage's centre relative to the outer ring's, shape (rows, 2) [m]."""
     inner_ring_force: tuple[float, float]
     """Total force of the rollers on the inner ring in X and Y [N]."""
+    lubrication: LubricationState | None = None
+    """Films and losses; None for a dry bearing, and for states read from a recording."""

@@ -49,7 +49,7 @@ def test_export_and_import_round_trip(suffix: str, tmp_path: Path) -> None:
     file = tmp_path / f"wave{suffix}"
     done = dcrb("export", str(bag), "-o", str(file))
     assert done.returncode == 0, done.stderr
-    again = dcrb("import", str(file), "--about", str(file.with_suffix(".yaml")), "-o", str(tmp_path / "new"))
+    again = dcrb("import", str(file), "--about", f"{file}.yaml", "-o", str(tmp_path / "new"))
     assert again.returncode == 0, again.stderr
     old, new = Recording(bag), Recording(tmp_path / "new")
     assert [m.data for m in old.messages((VIBRATION,))] == [m.data for m in new.messages((VIBRATION,))]
@@ -68,7 +68,7 @@ def test_gaps_are_preserved_or_refused(suffix: str, tmp_path: Path) -> None:
     (bag / "bag_1.mcap").unlink()
     file = tmp_path / f"wave{suffix}"
     if suffix == ".wav":
-        with pytest.raises(Refusal, match="1 gaps, which a WAV file cannot represent"):
+        with pytest.raises(Refusal, match="cannot represent gaps, of which the recording has 1:"):
             export(Recording(bag), file)
         assert not file.exists()
         return
@@ -93,10 +93,29 @@ def test_exports_carry_labels_and_manifest(tmp_path: Path) -> None:
     assert json.loads(parquet.read_schema(tmp_path / "b.parquet").metadata[b"dcrb_ros"])["labels"]["faults"]
     with pytest.raises(Refusal, match="exists: give another name"):
         export(bag, tmp_path / "a.npz")
-    with pytest.raises(Refusal, match=r"must end in \.csv"):
+    with pytest.raises(Refusal, match=r"must end in one of \.csv"):
         export(bag, tmp_path / "a.xlsx")
     with pytest.raises(Refusal, match="there is no folder"):
         export(bag, tmp_path / "none" / "a.npz")
+
+
+@pytest.mark.parametrize("suffix", [".npz", ".csv", ".mat", ".parquet"])
+def test_exported_tables_have_the_time_of_each_sample(suffix: str, tmp_path: Path) -> None:
+    bag = Recording(recorded(tmp_path / "bag", 30))
+    export(bag, tmp_path / f"wave{suffix}")
+    external = read_external(tmp_path / f"wave{suffix}")
+    index = channel(external, tmp_path, "index")
+    assert channel(external, tmp_path, "time") == pytest.approx(index / bag.sampling_rate, abs=1e-9)
+    if suffix in (".csv", ".parquet"):
+        assert external.names == ("index", "time", "ax", "ay", "shaft_angle")
+
+
+def test_exports_of_one_stem_keep_their_own_descriptions(tmp_path: Path) -> None:
+    first, second = (Recording(BAGS / name) for name in ("outer_ring_defect", "healthy"))
+    beside = [export(first, tmp_path / "wave.wav"), export(first, tmp_path / "wave.npz"), export(second, tmp_path / "wave.mat")]
+    assert [path.name for path in beside] == ["wave.wav.yaml", "wave.npz.yaml", "wave.mat.yaml"]
+    assert [read_description(path).channels.ax for path in beside] == [1, "ax", "ax"]
+    assert [len(read_description(path).labels["faults"]) for path in beside] == [1, 1, 0]
 
 
 def test_blocks_of_slow_data_are_limited_in_duration(tmp_path: Path) -> None:
@@ -125,6 +144,8 @@ def test_a_single_axis_in_g_at_a_given_speed_is_imported(noise: np.ndarray[Any, 
     rate, orders = decode_sensor(next(recording.messages((SENSOR,))).data)
     assert (rate, orders.bpfi) == (12000, 5.4152)
     assert recording.imported
+    assert "simulated" not in dcrb("info", str(tmp_path / "bag")).stdout
+    assert recording.manifest["units"]["time"] == "s, index of the sample over the sampling rate"
     with pytest.raises(Refusal, match="imported data, not a run of the bench"):
         _ = recording.configuration
 
@@ -301,3 +322,34 @@ def test_any_description_is_read_or_refused(tmp_path_factory: pytest.TempPathFac
     path.write_text(text, encoding="utf-8")
     with pytest.raises(Refusal):
         read_description(path)
+
+
+@pytest.mark.parametrize("suffix", [".npz", ".mat", ".parquet", ".h5.mat"])
+def test_a_small_file_with_large_channels_is_refused(suffix: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    import pyarrow
+    from pyarrow import parquet
+
+    path, zeros = tmp_path / f"x{suffix}", np.zeros(100_000)
+    if suffix == ".npz":
+        np.savez_compressed(path, de=zeros)
+    elif suffix == ".mat":
+        savemat(path, {"de": zeros}, do_compression=True)
+    elif suffix == ".parquet":
+        parquet.write_table(pyarrow.table({"de": zeros}), path)
+    else:
+        with pytest.importorskip("h5py").File(path, "w", userblock_size=512) as file:
+            file.create_dataset("de", data=zeros, compression="gzip")
+        with path.open("r+b") as stream:
+            stream.write(b"MATLAB 7.3 MAT-file".ljust(124) + b"\x00\x02IM")
+    monkeypatch.setattr("dcrb_ros.exchange.files.MOST_RATIO", 1)
+    assert len(channel(read_external(path), path, "de")) == 100_000
+    monkeypatch.setattr("dcrb_ros.exchange.files.LEAST_LOADED", 700_000)
+    with pytest.raises(Refusal, match=r"has \d+ bytes, but its channels have 80\d+; at most 700000 are loaded"):
+        read_external(path)
+
+
+def test_a_line_without_end_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "x.csv"
+    path.write_text("a" * 100_000)
+    with pytest.raises(Refusal, match="has a line of 100000 characters or more"):
+        read_external(path)

@@ -9,19 +9,21 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from made_up_blocks import BODIES, blocks
 from runs import simulated
 
-from dcrb_ros.messages.cdr import typestore
-from dcrb_ros.messages.description import decode_sensor, sensor_text
-from dcrb_ros.messages.encoder import BlockEncoder
+from dcrb_ros.messages.cdr import decoded, typestore
+from dcrb_ros.messages.description import decode_frame, decode_sensor, sensor_text
+from dcrb_ros.messages.encoder import BlockEncoder, diagnosis_messages
 from dcrb_ros.messages.joints import decode_joints
 from dcrb_ros.messages.plain import decode_float, decode_text, decode_wrench, encode_text
 from dcrb_ros.messages.points import SAMPLE, decode_vibration, decode_waveform, encode_points, encode_vibration
 from dcrb_ros.messages.statuses import decode_diagnostics, decode_truth
-from dcrb_ros.messages.topics import FEATURES, GROUND_TRUTH, ROLLER_STATES
+from dcrb_ros.messages.topics import DETECTED, FEATURES, GROUND_TRUTH, ROLLER_STATES, SENSOR, SIMULATED, VIBRATION
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.stream.block import Block
+from dcrb_ros.stream.diagnosis import Diagnosis
 from dcrb_ros.stream.states import BodyNames
 
 
@@ -135,7 +137,7 @@ def test_commands_are_decoded() -> None:
     number = store.types["std_msgs/msg/Float64"](140.5)
     assert decode_float(bytes(store.serialize_cdr(number, "std_msgs/msg/Float64"))) == 140.5
     vector, name = store.types["geometry_msgs/msg/Vector3"], "geometry_msgs/msg/Wrench"
-    wrench = store.types[name](vector(1.0, -2.0, 3.0), vector(4.0, 5.0, 6.0))
+    wrench = store.types[name](vector(1.0, -2.0, 0.0), vector(0.0, 0.0, 0.0))
     assert decode_wrench(bytes(store.serialize_cdr(wrench, name))) == (1.0, -2.0)
 
 
@@ -144,3 +146,53 @@ def test_malformed_commands_are_refused(data: bytes) -> None:
     for decode in (decode_float, decode_wrench):
         with pytest.raises(Refusal, match=f"a message of {len(data)} bytes is not a valid"):
             decode(data)
+
+
+def test_every_header_and_status_names_the_hardware() -> None:
+    frame, names = "box2/outer_ring", BodyNames(2, 16)
+    configuration = Configuration.model_validate({"publishing": {"frame": frame, "clean": True, "contacts": True}})
+    encoder, blocks = BlockEncoder(configuration, names), simulated(0.3, fault="outer_1", state_rate=100).blocks
+    diagnosis = Diagnosis(0, 1.0, "healthy", "test", spectrum=(np.arange(3.0), np.ones(3)))
+    messages = [*(message for block in blocks for message in encoder.encode(block)), *diagnosis_messages(diagnosis, frame)]
+    headed = [message for message in messages if message.topic != SENSOR]
+    assert {message.topic for message in headed} == {*SIMULATED, *DETECTED} - {SENSOR}
+    for message in headed:
+        found = decoded(message.data, message.topic.type)
+        assert found.header.frame_id == frame, message.topic.name
+        assert all(status.hardware_id == frame for status in getattr(found, "status", ())), message.topic.name
+
+
+@pytest.mark.parametrize("name", ["force.z", "torque.x", "torque.y", "torque.z"])
+@pytest.mark.parametrize("value", [1.0, -1e-300, float("nan")])
+def test_a_wrench_that_the_bearing_cannot_take_is_refused(name: str, value: float) -> None:
+    vector, wrench = (typestore().types[f"geometry_msgs/msg/{kind}"] for kind in ("Vector3", "Wrench"))
+    message = wrench(vector(1.0, -2.0, 0.0), vector(0.0, 0.0, 0.0))
+    encode = typestore().serialize_cdr
+    assert decode_wrench(bytes(encode(message, "geometry_msgs/msg/Wrench"))) == (1.0, -2.0)
+    part, _, axis = name.partition(".")
+    setattr(getattr(message, part), axis, value)
+    with pytest.raises(Refusal, match=rf"^{name} = .* is refused, as only force.x and force.y act on the inner ring: give 0$"):
+        decode_wrench(bytes(encode(message, "geometry_msgs/msg/Wrench")))
+
+
+@pytest.mark.parametrize(
+    ("text", "frame"),
+    [('{"frame": "box2"}', "box2"), ("{}", "outer_ring"), ('{"frame": 3}', "outer_ring"), ("[", "outer_ring"), ("[]", "outer_ring")],
+)
+def test_the_frame_of_a_description_is_read_if_it_has_one(text: str, frame: str) -> None:
+    assert decode_frame(encode_text(text)) == frame
+
+
+@pytest.mark.parametrize(("size", "expected"), [(1024, [50, 100, 150]), (1000, [51, 102, 153]), (51200, [1, 2]), (60000, [1, 2])])
+def test_the_sensor_is_described_again_every_second(size: int, expected: list[int]) -> None:
+    """With the block on which the second falls, before its waveform; the messages before the first block describe it at zero."""
+    encoder = BlockEncoder(Configuration(), BODIES)
+    found = {}
+    for number, block in enumerate(blocks(-(-3 * 51200 // size) + 1 if size < 51200 else 3, size=size)):
+        messages = encoder.encode(block)
+        if messages[0].topic == SENSOR:
+            found[number] = (messages[0].time_ns, messages[0].data)
+            assert messages[1].topic == VIBRATION
+    assert list(found) == expected
+    assert {data for _, data in found.values()} == {encoder.start()[0].data}
+    assert [time_ns for time_ns, _ in found.values()] == [number * size * 1_000_000_000 // 51200 for number in expected]

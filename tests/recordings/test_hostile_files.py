@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import struct
 import subprocess
 import sys
@@ -129,7 +130,7 @@ def test_any_bytes_anywhere_are_read_or_refused(
 def test_damaged_metadata_is_named_and_the_recording_read(text: str, tmp_path: Path) -> None:
     bag = recorded(tmp_path / "bag", 3)
     (bag / "metadata.yaml").write_text(text, encoding="latin-1")
-    assert metadata_flaw(bag) == "metadata.yaml is damaged"
+    assert re.fullmatch("metadata.yaml is (damaged: it must have|not valid YAML|not a text file).*", metadata_flaw(bag))
     assert sum(1 for _ in Recording(bag).vibrations()) == 3
 
 

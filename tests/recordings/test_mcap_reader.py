@@ -299,3 +299,65 @@ def test_a_file_of_another_writer_without_chunks_is_read(tmp_path: Path) -> None
     records = McapRecords(path)
     assert data_of(list(records)) == [b"0", b"1", b"2"]
     assert records.damage == []
+
+
+def unchunked(path: Path, *topics: str) -> Path:
+    """Write a file without chunks: a message on each topic."""
+    with path.open("wb") as stream:
+        writer = Writer(stream, use_chunking=False)
+        writer.start(profile="ros2")
+        known = writer.register_schema("std_msgs/msg/Float64", "ros2msg", b"float64 data")
+        for number, topic in enumerate(topics):
+            writer.add_message(writer.register_channel(topic, "cdr", known), number, topic.encode(), number)
+        writer.finish()
+    return path
+
+
+@pytest.mark.parametrize("summary", [True, False])
+def test_only_the_topics_asked_for_are_read_outside_chunks(summary: bool, tmp_path: Path) -> None:
+    path = unchunked(tmp_path / "x.mcap", "/other", "/wanted", "/third")
+    if not summary:
+        whole = path.read_bytes()
+        path.write_bytes(whole[: whole.index(record(Opcode.DATA_END, b"")[:1] + struct.pack("<Q", 4))] + END)
+    records = McapRecords(path, topics={"/wanted"})
+    assert data_of(list(records)) == [b"/wanted"]
+    assert records.damage == []
+
+
+def test_a_record_that_reaches_beyond_its_chunk_is_damage(tmp_path: Path) -> None:
+    inner = message(b"one") + message(b"two")[:-1]
+    found, damage = records_of(tmp_path, HEADER, chunk(inner), END)
+    assert data_of(found) == [b"one"]
+    assert damage == [f"a record in the chunk at byte {len(MAGIC + HEADER)} is damaged (it reaches 1 bytes beyond the end of the chunk)"]
+
+
+@pytest.mark.parametrize("kind", [Opcode.CHANNEL, Opcode.SCHEMA])
+def test_a_channel_or_schema_that_differs_from_the_summary_is_damage(kind: int, four: tuple[Path, list[int]]) -> None:
+    path, starts = four
+    broken = bytearray(path.read_bytes())
+    old, new = {Opcode.CHANNEL: (b"/dcrb/outer_ring/vibration", b"/dcrb/outer_ring/vibratiox"), Opcode.SCHEMA: (b"ros2msg", b"ros2msh")}[
+        kind
+    ]
+    at = broken.index(old, starts[0])
+    broken[at : at + len(old)] = new
+    crc = starts[0] + 9 + struct.calcsize("<QQQ")
+    broken[crc : crc + 4] = bytes(4)  # not checked
+    path.write_bytes(broken)
+    records = McapRecords(path, topics={VIBRATION.resolved(NAMESPACE)})
+    assert data_of(list(records)) == [b"0", b"1", b"2", b"3"]
+    assert [sentence.endswith("differs from that in the summary)") for sentence in records.damage] == [True]
+
+
+@pytest.mark.parametrize("beyond", [0, 1])
+def test_the_size_of_all_unpacked_chunks_is_limited(beyond: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    data = message(bytes(100))
+    parts = [HEADER, *[chunk(data, compression="zstd", packed=zstandard.compress(data))] * (3 + beyond), END]
+    monkeypatch.setattr(mcap_reader, "MAX_RATIO", 0)
+    monkeypatch.setattr(mcap_reader, "LEAST_UNPACKED", 3 * len(data) - beyond)
+    found, damage = records_of(tmp_path, *parts)
+    assert sum(isinstance(one, Message) for one in found) == 3 - beyond
+    if beyond:
+        (sentence,) = damage
+        assert f"the chunks up to it unpack to {3 * len(data)} bytes, of this file at most {3 * len(data) - 1} are unpacked" in sentence
+    monkeypatch.setattr(mcap_reader, "MAX_RATIO", 3)  # of the size of the file
+    assert records_of(tmp_path, *parts)[1] == []

@@ -163,3 +163,20 @@ def test_a_recorded_description_is_sent_as_it_is(tmp_path: Path) -> None:
 def test_an_offset_in_seconds_is_exact_in_nanoseconds(tmp_path: Path) -> None:
     replay = replay_of(tmp_path / "bag", at(0, 999_999_999, 1_000_000_000, 1_000_000_001), offset=1.0)
     assert next(bundle.messages[0].time_ns for bundle in replay.bundles()) == 1_000_000_000
+
+
+def test_a_description_that_was_recorded_again_is_sent_again(tmp_path: Path) -> None:
+    """Whoever joins or records the replay late finds one in time."""
+    bag = recorded(tmp_path / "bag", 110, split_duration=1.5)
+    for offset, expected in ((0.0, [1.0, 1.5, 2.0]), (1.2, [1.5, 2.0])):
+        replay = Replay(ReplayParameters(bag=str(bag), offset=offset))
+        times = [bundle.begin_ns * 1e-9 for bundle in replay.bundles() if any(message.topic == SENSOR for message in bundle.messages)]
+        assert times == pytest.approx(expected)
+    assert len(replay.start()) == 1
+
+
+def test_a_later_part_of_a_split_recording_can_be_replayed_alone(tmp_path: Path) -> None:
+    bag = recorded(tmp_path / "bag", 110, split_duration=1.5)
+    part = Replay(ReplayParameters(bag=str(bag / "bag_1.mcap")))
+    assert decode_range(part.start()[0].data) == 5000.0
+    assert next(part.bundles()).begin_ns == 1_500_000_000

@@ -295,7 +295,9 @@ def test_a_difference_is_explained_by_version_model_or_software(tmp_path: Path) 
     reproduction = Reproduction(with_outcome(recording, {**(recording.outcome or {}), "sha256": "0123456789abcdef" * 4}))
     known = dict(recording.manifest)
     assert reproduction.difference() == ""
-    with pytest.raises(NotReproduced, match=r"\(sha256 [0-9a-f]{12} instead of 0123456789ab\): although model and software are the same"):
+    with pytest.raises(
+        NotReproduced, match=r"\(sha256 [0-9a-f]{12} instead of 0123456789ab\): although model, software and processor are alike"
+    ):
         reproduction.check()
     for changes, words in (
         ({"dcrb_ros": "0.0.1"}, f"it was made by dcrb_ros 0.0.1 with model {model_fingerprint()}, this is {__version__} with model"),
@@ -308,3 +310,46 @@ def test_a_difference_is_explained_by_version_model_or_software(tmp_path: Path) 
         assert reproduction.difference().startswith(words)
         with pytest.raises(NotReproduced, match="it was made"):
             reproduction.check()
+
+
+WITH = {"target": "znver4", "features": ["fma", "avx2"]}
+WITHOUT = {"target": "sandybridge", "features": ["avx"]}
+
+
+def test_a_processor_without_fused_multiply_add_is_named_as_the_cause(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    recording = Recording(recorded(tmp_path / "bag", 1))
+    reproduction = Reproduction(with_outcome(recording, {**(recording.outcome or {}), "sha256": "0" * 64}))
+    monkeypatch.setattr("dcrb_ros.recordings.reproduction.processor", lambda: WITHOUT)
+    recording.manifest["processor"] = WITH
+    with pytest.raises(
+        NotReproduced, match=r"compiled with fused multiply-add, for znver4 \(fma, avx2\), and the present ones without it, for sandy"
+    ):
+        reproduction.check()
+    recording.manifest["software"] = {**software(), "numpy": "1.0"}
+    assert "it was made with numpy 1.0" in reproduction.difference()
+    assert "fused multiply-add" in reproduction.difference()
+
+
+LAST = 1024 * 59
+"""First sample of the last block of a recording of 60 blocks."""
+
+
+@pytest.mark.parametrize(
+    ("first", "samples", "end", "accepted"),
+    [
+        (0, 60 * 1024, LAST + 1024, True),
+        (0, 9, LAST + (1 << 20), True),
+        (0, 9, LAST + (1 << 20) + 1, False),
+        (0, 9, 10**15, False),
+        (-1, 9, 1000, False),
+        (0, 1001, 1000, False),
+    ],
+)
+def test_an_outcome_that_the_messages_contradict_is_refused(first: int, samples: int, end: int, accepted: bool, tmp_path: Path) -> None:
+    recording = Recording(recorded(tmp_path / "bag", 60))
+    recording.__dict__["outcome"] = {"first_index": first, "samples": samples, "end_index": end, "sha256": "0"}
+    if accepted:
+        assert recorded_samples(recording) == RecordedSamples(first, samples, "0", end)
+    else:
+        with pytest.raises(Refusal, match=f"states {samples} samples from {first} to {end}, but its last message belongs to sample {LAST}"):
+            recorded_samples(recording)

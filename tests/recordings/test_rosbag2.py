@@ -13,14 +13,14 @@ import yaml
 from mcap.records import Message, Metadata
 
 from dcrb_ros import __version__
-from dcrb_ros.messages.topics import FEATURES, NAMESPACE, VIBRATION
+from dcrb_ros.messages.topics import FEATURES, NAMESPACE, SENSOR, VIBRATION
 from dcrb_ros.recordings.mcap_reader import McapRecords
 from dcrb_ros.recordings.mcap_writer import Channel
 from dcrb_ros.recordings.recorder import channel_of
 from dcrb_ros.recordings.rosbag2 import SECOND, Bag, RecordingFailed, Splitting
 from dcrb_ros.schema.refusal import Refusal
 
-ONE, OTHER = channel_of(FEATURES, NAMESPACE), channel_of(VIBRATION, NAMESPACE)
+ONE, OTHER, LATCHED = (channel_of(topic, NAMESPACE) for topic in (FEATURES, VIBRATION, SENSOR))
 MS = 1_000_000
 
 
@@ -184,3 +184,36 @@ def test_a_folder_that_disappears_ends_the_recording_with_a_reason(tmp_path: Pat
         bag.write(at(3000))
     assert not bag.open
     bag.write(at(4000))
+
+
+def test_every_file_begins_with_the_last_messages_on_latched_topics(tmp_path: Path) -> None:
+    messages = [(LATCHED, 0, b"first"), *at(0, 5), (LATCHED, 6 * MS, b"second"), *at(10, 19), (LATCHED, 20 * MS, b"third"), *at(21, 30)]
+    bag = bag_of(tmp_path / "bag", Splitting(duration_ns=10 * MS), messages)
+    bag.close()
+    found = [[(m.log_time // MS, m.data, m.sequence) for m in McapRecords(file) if isinstance(m, Message)][:2] for file in bag.files]
+    assert found == [
+        [(0, b"first", 0), (0, b"data", 0)],
+        [(10, b"second", 2), (10, b"data", 2)],
+        [(20, b"third", 3), (21, b"data", 4)],  # once, where it is the message that begins the file
+        [(30, b"third", 4), (30, b"data", 5)],
+    ]
+    counts = {entry["topic_metadata"]["name"]: entry["message_count"] for entry in metadata_of(bag)["topics_with_message_count"]}
+    assert counts == {LATCHED.name: 5, ONE.name: 6}
+    assert [entry["message_count"] for entry in metadata_of(bag)["files"]] == [4, 3, 2, 2]
+
+
+@pytest.mark.parametrize(
+    ("qos", "latched"),
+    [
+        ("- durability: transient_local", True),
+        ("- durability: 1", True),
+        ("- {durability: volatile}\n- {durability: transient_local}", True),
+        ("- durability: volatile", False),
+        ("- durability: 2", False),
+        ("- transient_local", False),
+        ("[]", False),
+        ("{", False),
+    ],
+)
+def test_a_topic_is_latched_if_a_publisher_offers_it(qos: str, latched: bool) -> None:
+    assert Channel("/a", "std_msgs/msg/String", "", qos, "").latched is latched

@@ -82,7 +82,14 @@ def test_texts_of_old_recordings_are_decoded_and_still_written(text: str, event:
     assert encode_event(event) == text
 
 
-@pytest.mark.parametrize("text", ["command/tilt 3.0 rad", "command/speed ? rad/s", "a = f(1)", "x = 08", "starts", "lost: samples"])
+OTHERS = ["command/tilt 3.0 rad", "command/speed ? rad/s", "a = f(1)", "x = 08", "starts", "lost: samples"]
+OTHERS += ["a = 1, ", "a = 1; b = 2", "x = 1e999"]
+LONG = ["a" * 200_000, "a = " + "-" * 200_000 + "1", "a = '" + "\\'" * 100_000]
+LONG += ["refused: " + "a = 1, " * 30_000, "refused: a = 1" + " over 2" * 30_000]
+
+
+@pytest.mark.timeout(20)  # a search that backtracks takes hours
+@pytest.mark.parametrize("text", [*OTHERS, *LONG], ids=lambda text: text[:20])
 def test_other_texts_are_unknown_commands(text: str) -> None:
     assert decode_event(text) == UnknownCommand(text)
 

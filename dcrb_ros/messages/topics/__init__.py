@@ -20,6 +20,7 @@ from dcrb_ros.messages.topics.ground_truth import GROUND_TRUTH
 from dcrb_ros.messages.topics.roller_contacts import ROLLER_CONTACTS
 from dcrb_ros.messages.topics.roller_states import ROLLER_STATES
 from dcrb_ros.messages.topics.sensor import SENSOR
+from dcrb_ros.messages.topics.transforms import TRANSFORMS
 from dcrb_ros.messages.topics.vibration import VIBRATION
 from dcrb_ros.messages.topics.vibration_clean import VIBRATION_CLEAN
 
@@ -40,6 +41,7 @@ __all__ = [
     "ROLLER_STATES",
     "SENSOR",
     "SIMULATED",
+    "TRANSFORMS",
     "VIBRATION",
     "VIBRATION_CLEAN",
     "Message",
@@ -75,6 +77,7 @@ DETECTED: tuple[DetectedTopic, ...] = _topics(
 BENCH: tuple[Topic, ...] = _topics(
     "bench_diagnostics:BENCH_DIAGNOSTICS",
     "clock:CLOCK",
+    "transforms:TRANSFORMS",
 )
 """Topics that the nodes publish about themselves."""
 

@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
-from dcrb_ros.messages.cdr import DIAGNOSTICS
+import math
+from collections.abc import Mapping
+from contextlib import suppress
+
+from dcrb_ros.messages.cdr import DIAGNOSTICS, FRAME
 from dcrb_ros.messages.description import INDICATORS
 from dcrb_ros.messages.statuses import ERROR, OK, WARN, Status, decode_diagnostics, encode_diagnostics
 from dcrb_ros.messages.topic import DetectedTopic
+from dcrb_ros.schema.verdicts import COMPONENTS
 from dcrb_ros.stream.diagnosis import Diagnosis
 
 LEVELS = {"waiting": OK, "healthy": OK, "sensor": WARN}
 """Status level of each verdict; that of any other verdict is an error."""
 
 
-def encode_diagnosis(diagnosis: Diagnosis) -> bytes:
+def encode_diagnosis(diagnosis: Diagnosis, frame: str = FRAME) -> bytes:
     """Return a diagnosis as a DiagnosticArray with one status."""
     values = {
         "verdict": diagnosis.verdict,
@@ -28,7 +33,16 @@ def encode_diagnosis(diagnosis: Diagnosis) -> bytes:
     values |= {"score": f"{max(diagnosis.scores.values()):.2f}"} if diagnosis.scores else {}
     values |= {"clipped": str(diagnosis.clipped), "remarks": "; ".join(diagnosis.remarks)}
     status = Status("fault_detector", LEVELS.get(diagnosis.verdict, ERROR), diagnosis.verdict, values)
-    return encode_diagnostics(diagnosis.time_ns, [status])
+    return encode_diagnostics(diagnosis.time_ns, [status], frame)
+
+
+def decode_scores(values: Mapping[str, str]) -> dict[str, float]:
+    """Return the scores in the values of a diagnosis by component [dB]; anything that is not a finite number is left out."""
+    scores: dict[str, float] = {}
+    for component in COMPONENTS:
+        with suppress(ValueError):
+            scores[component] = float(values.get(f"score {component} [dB]", ""))
+    return {component: score for component, score in scores.items() if math.isfinite(score)}
 
 
 DIAGNOSIS = DetectedTopic(

@@ -8,9 +8,9 @@ from dcrb_ros.messages.topic import DetectedTopic
 from dcrb_ros.stream.diagnosis import Diagnosis
 
 
-def _encode(diagnosis: Diagnosis) -> bytes | None:
+def _encode(diagnosis: Diagnosis, frame: str) -> bytes | None:
     orders, amplitude = diagnosis.spectrum
-    return encode_spectrum(diagnosis.time_ns, orders, amplitude, diagnosis.shaft_frequency) if len(orders) else None
+    return encode_spectrum(diagnosis.time_ns, orders, amplitude, diagnosis.shaft_frequency, frame) if len(orders) else None
 
 
 ENVELOPE_SPECTRUM = DetectedTopic(

@@ -9,7 +9,7 @@ from dcrb_ros.stream.block import Block
 
 
 def _encode(block: Block, source: Source) -> Encoded:
-    return () if block.lost else ((block.stamp_ns, encode_features(block)),)
+    return () if block.lost else ((block.stamp_ns, encode_features(block, source.frame)),)
 
 
 FEATURES = SimulatedTopic(

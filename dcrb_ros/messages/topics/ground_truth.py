@@ -9,7 +9,7 @@ from dcrb_ros.stream.block import Block
 
 
 def _encode(block: Block, source: Source) -> Encoded:
-    return ((truth.time_ns, encode_truth(truth)) for truth in block.truths)
+    return ((truth.time_ns, encode_truth(truth, source.frame)) for truth in block.truths)
 
 
 GROUND_TRUTH = SimulatedTopic(

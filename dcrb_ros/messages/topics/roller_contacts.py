@@ -14,7 +14,7 @@ def _enabled(configuration: Configuration) -> bool:
 
 
 def _encode(block: Block, source: Source) -> Encoded:
-    return ((states.time_ns, encode_contacts(states, source.bodies)) for states in block.states)
+    return ((states.time_ns, encode_contacts(states, source.bodies, source.frame)) for states in block.states)
 
 
 ROLLER_CONTACTS = SimulatedTopic(

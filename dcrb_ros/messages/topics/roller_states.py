@@ -9,7 +9,7 @@ from dcrb_ros.stream.block import Block
 
 
 def _encode(block: Block, source: Source) -> Encoded:
-    return ((states.time_ns, encode_states(states, source.bodies)) for states in block.states)
+    return ((states.time_ns, encode_states(states, source.bodies, source.frame)) for states in block.states)
 
 
 ROLLER_STATES = SimulatedTopic(

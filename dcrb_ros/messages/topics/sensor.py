@@ -1,4 +1,4 @@
-"""The description of the sensor: at the start, and again when its range has changed."""
+"""The description of the sensor: at the start, again every second, and when its range has changed."""
 
 from __future__ import annotations
 
@@ -8,6 +8,9 @@ from dcrb_ros.messages.plain import encode_text
 from dcrb_ros.messages.topic import Encoded, SimulatedTopic, Source
 from dcrb_ros.stream.block import Block
 
+REPEAT_NS = 1_000_000_000
+"""Simulated time between two descriptions [ns]: whoever reads a part of a recording, or plays it from the middle, loses less than that."""
+
 
 def _start(source: Source) -> bytes:
     return encode_text(sensor_text(source.configuration))
@@ -15,7 +18,12 @@ def _start(source: Source) -> bytes:
 
 def _encode(block: Block, source: Source) -> Encoded:
     changed = source.after(block)
-    return () if changed is source else ((block.stamp_ns, _start(changed)),)
+    return ((block.stamp_ns, _start(changed)),) if changed is not source or repeats_with(block) else ()
+
+
+def repeats_with(block: Block) -> bool:
+    """Return whether the description is repeated with a block: whether a multiple of `REPEAT_NS` after zero falls on it."""
+    return block.index > 0 and -(-block.stamp_ns // REPEAT_NS) * REPEAT_NS < block.end_ns
 
 
 SENSOR = SimulatedTopic(

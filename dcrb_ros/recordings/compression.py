@@ -1,0 +1,97 @@
+"""Compression of whole files and of single messages, as rosbag2 applies it (`ros2 bag record --compression-mode file` or `message`)."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import IO, BinaryIO
+
+import zstandard
+
+from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.text.files import open_regular
+
+ZSTD = b"\x28\xb5\x2f\xfd"
+"""First bytes of a zstd frame; no message in CDR begins with them."""
+OTHERS = {b"\x04\x22\x4d\x18": "lz4", b"\x1f\x8b": "gzip", b"BZh": "bzip2", b"\xfd7zXZ\x00": "xz", b"PK\x03\x04": "zip"}
+"""First bytes of compressions that are recognized but not read."""
+MAX_WINDOW = 128 * 1024 * 1024
+"""Largest window of a zstd frame [bytes]: that of its highest level."""
+MAX_RATIO = 1000
+"""Largest ratio of the sizes of a file after and before unpacking."""
+FREE_SIZE = 256 * 1024 * 1024
+"""Size to which a file of any ratio is unpacked [bytes]."""
+PIECE = 64 * 1024
+"""Bytes unpacked at a time; damage loses at most as many before it."""
+
+
+def compression_of(data: bytes) -> str:
+    """Return the name of the compression of some data by their first bytes; the empty string if they are not compressed."""
+    if data.startswith(ZSTD):
+        return "zstd"
+    return next((name for magic, name in OTHERS.items() if data.startswith(magic)), "")
+
+
+def unpacked_message(data: bytes, limit: int) -> bytes:
+    """Return the message in a zstd frame.
+
+    Raises:
+        ValueError: it is damaged, or larger than ``limit`` [bytes].
+    """
+    try:
+        claimed = zstandard.frame_content_size(data)
+        if claimed > limit:
+            raise ValueError(f"it unpacks to {claimed} bytes; at most {limit} are read")
+        # The limit counts where the frame does not give its size.
+        return bytes(zstandard.ZstdDecompressor(max_window_size=MAX_WINDOW).decompress(data, max_output_size=limit))
+    except zstandard.ZstdError as error:
+        raise ValueError(f"it is damaged or has more than {limit} bytes: {error}") from None
+
+
+def beginning(path: Path, count: int) -> bytes:
+    """Return the first bytes of a file, unpacked if it is compressed by zstd.
+
+    Raises:
+        Refusal: it cannot be read.
+    """
+    try:
+        with open_regular(path) as stream:
+            head = stream.read(count)
+            if compression_of(head) != "zstd":
+                return head
+            stream.seek(0)
+            return bytes(_reader(stream).read(count))
+    except OSError as error:
+        raise Refusal(f"{path} cannot be read: {error.strerror}") from None
+    except zstandard.ZstdError:
+        return b""
+
+
+def unpack(path: Path, target: IO[bytes]) -> str:
+    """Write the data in a zstd file; return why the rest of it cannot be unpacked, or the empty string.
+
+    Raises:
+        OSError: the target cannot be written.
+        Refusal: the file cannot be read.
+    """
+    limit, total = max(FREE_SIZE, MAX_RATIO * path.stat().st_size), 0
+    try:
+        stream = open_regular(path)
+    except OSError as error:
+        raise Refusal(f"{path} cannot be read: {error.strerror}") from None
+    with stream:
+        reader = _reader(stream)
+        while True:
+            try:
+                piece = reader.read(PIECE)
+            except zstandard.ZstdError as error:
+                return f"it cannot be unpacked beyond byte {total} ({error})"
+            total += len(piece)
+            if not piece:
+                return ""
+            if total > limit:
+                return f"it unpacks to more than {limit} bytes, {MAX_RATIO} times its size; the rest is left out"
+            target.write(piece)
+
+
+def _reader(stream: BinaryIO) -> zstandard.ZstdDecompressionReader:
+    return zstandard.ZstdDecompressor(max_window_size=MAX_WINDOW).stream_reader(stream, read_across_frames=True, closefd=False)

@@ -1,0 +1,113 @@
+"""Recordings without a manifest, such as those of `ros2 bag record`: what the latched description of the sensor tells about them."""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Iterable, Iterator, Sequence
+from heapq import heappop, heappush
+from pathlib import Path
+from typing import Any
+
+from dcrb_ros.messages.cdr import STAMP_END
+from dcrb_ros.messages.description import decode_sensor
+from dcrb_ros.messages.plain import decode_text
+from dcrb_ros.messages.topics import SENSOR, Message
+from dcrb_ros.recordings.manifest import MEASURED_UNITS
+from dcrb_ros.recordings.storage import StoredFile
+from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.text.json import parsed_json
+
+ENDING = f"/{SENSOR.name}"
+"""End of the topic of the description in any namespace."""
+WINDOW_NS = 1_000_000_000
+"""Signal in which messages are put in order [ns]."""
+RESET_NS = 5_000_000_000
+"""Step back in time that is a reset of the simulation [ns]."""
+MAX_WAITING = 10_000
+"""Messages that are held back at most; the bench sends some 500 in `WINDOW_NS`."""
+
+
+class _Descriptions:
+    """The topics of descriptions in all namespaces; collects those in a file."""
+
+    def __init__(self) -> None:
+        self.found: set[str] = set()
+
+    def __contains__(self, topic: object) -> bool:
+        if not str(topic).endswith(ENDING):
+            return False
+        self.found.add(str(topic))
+        return True
+
+
+def described_manifest(path: Path, files: Sequence[StoredFile]) -> dict[str, Any]:
+    """Return the entries of a manifest that follow from the first description of the sensor in a recording.
+
+    Raises:
+        Refusal: there is none, it is invalid, or there are those of several benches.
+    """
+    topics, damage = _Descriptions(), list[str]()
+    first = next((message for file in files for message in file.messages(damage, topics)), None)
+    if first is None:
+        raise Refusal(
+            f"{path} has no manifest of the bench and no message on {SENSOR.name}: give a recording made by dcrb simulate, dcrb bench, "
+            "dcrb import, or ros2 bag record -a beside a running bench; dcrb recover repairs the container of any other"
+            + (f" (not all of it could be read: {damage[0]})" if damage else "")
+        )
+    if len(topics.found) > 1:
+        raise Refusal(f"{path} contains several benches, {', '.join(sorted(topics.found))}: record the topics of one of them")
+    topic, data = first.channel.topic, first.message.data
+    try:
+        rate, orders = decode_sensor(data)
+    except Refusal as refusal:
+        raise Refusal(f"{path} has no manifest of the bench, and {topic} cannot take its place: {refusal}") from None
+    return {
+        "described_by": topic,
+        "namespace": topic.removesuffix(ENDING) or "/",
+        "sampling_rate": rate,
+        "orders": orders.as_dict(),
+        "sensor": parsed_json(decode_text(data), str(topic)),
+        "units": MEASURED_UNITS,
+    }
+
+
+def in_order(messages: Iterable[Message]) -> Iterator[Message]:
+    """Yield messages with the times of their headers, in the order of these times.
+
+    They are recorded in the order of arrival, and several threads that compress them exchange neighbours. Messages that are more than
+    `WINDOW_NS` late stay late, and those of a simulation that was reset follow the ones before.
+    """
+    waiting: list[tuple[int, int, Message]] = []
+    newest = 0
+    for number, message in enumerate(_stamped(messages)):
+        if message.time_ns < newest - RESET_NS:
+            yield from (heappop(waiting)[-1] for _ in range(len(waiting)))
+            newest = 0
+        heappush(waiting, (message.time_ns, number, message))
+        newest = max(newest, message.time_ns)
+        while waiting[0][0] < newest - WINDOW_NS or len(waiting) > MAX_WAITING:
+            yield heappop(waiting)[-1]
+    yield from (heappop(waiting)[-1] for _ in range(len(waiting)))
+
+
+def _stamped(messages: Iterable[Message]) -> Iterator[Message]:
+    """Yield messages with the times of their headers; the description, which has none, gets that of the message before it."""
+    time_ns = 0
+    for message in messages:
+        if message.topic != SENSOR:
+            time_ns = header_time(message)
+        yield Message(message.topic, time_ns, message.data)
+
+
+def header_time(message: Message) -> int:
+    """Return the stamp of a message with a header [ns].
+
+    Raises:
+        Refusal: it is too short.
+    """
+    if len(message.data) < STAMP_END:
+        raise Refusal(
+            f"a message of {len(message.data)} bytes on {message.topic.name} is not a valid {message.topic.type}: it has no header"
+        )
+    seconds, rest = struct.unpack_from("<iI" if message.data[1] & 1 else ">iI", message.data, 4)
+    return int(seconds) * 1_000_000_000 + int(rest)

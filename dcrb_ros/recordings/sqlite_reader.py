@@ -1,0 +1,105 @@
+"""Reading the records of an SQLite file, the other storage of rosbag2, in the form of MCAP records."""
+
+from __future__ import annotations
+
+import sqlite3
+from collections.abc import Container, Iterator
+from contextlib import closing
+from pathlib import Path
+from typing import Any
+from urllib.parse import quote
+
+from mcap.records import Channel, Message, Schema
+
+from dcrb_ros.messages.cdr import definition_of
+from dcrb_ros.recordings.mcap_reader import MAX_DAMAGE, MAX_RECORD
+
+MAGIC = b"SQLite format 3\x00"
+TABLES = ("topics", "messages")
+"""Tables that every bag of rosbag2 has."""
+
+
+class SqliteRecords:
+    """Schemas, channels and messages of a file; iterating collects in `damage` a sentence for everything that cannot be read.
+
+    The file is opened for reading only. Log time and publish time of a message are both the time at which it was received.
+    """
+
+    def __init__(self, path: Path, *, chunks: bool = True, topics: Container[str] | None = None, name: str = "") -> None:
+        """Read ``path``; the arguments are those of `McapRecords`, without ``chunks`` there is nothing to read."""
+        self.path, self._chunks, self._topics, self._name = path, chunks, topics, name or path.name
+        self.damage: list[str] = []
+
+    def __iter__(self) -> Iterator[Any]:
+        self.damage = []
+        if not self._chunks:
+            return
+        try:
+            with closing(_connected(self.path)) as connection:
+                yield from self._records(connection)
+        except sqlite3.Error as error:
+            self._report(f"the database cannot be read further ({error})")
+
+    def _records(self, connection: sqlite3.Connection) -> Iterator[Any]:
+        plain = {name for name, text in connection.execute("SELECT name, sql FROM sqlite_master WHERE type = 'table'") if _is_plain(text)}
+        missing = [name for name in TABLES if name not in plain]
+        if missing:
+            self._report(f"it has no table '{missing[0]}'")
+            return
+        definitions = dict(_rows(connection, "message_definitions", "topic_type", "encoded_message_definition"))
+        wanted = []
+        columns = ("id", "name", "type", "serialization_format", "offered_qos_profiles", "type_description_hash")
+        for number, topic, kind, encoding, profiles, type_hash in _rows(connection, "topics", *columns):
+            if not (isinstance(number, int) and isinstance(topic, str) and isinstance(kind, str)):
+                self._report(f"the topic {topic!r} is damaged")
+                continue
+            if self._topics is None or topic in self._topics:
+                wanted.append(number)
+            yield Schema(number, (definitions.get(kind) or definition_of(kind)).encode(), "ros2msg", kind)
+            about = {"offered_qos_profiles": profiles or "[]", "topic_type_hash": type_hash or ""}
+            yield Channel(number, topic, encoding or "cdr", about, number)
+        yield from self._messages(connection, wanted)
+
+    def _messages(self, connection: sqlite3.Connection, wanted: list[int]) -> Iterator[Message]:
+        places = ", ".join("?" * len(wanted))
+        query = (
+            "SELECT id, topic_id, timestamp, CASE WHEN length(data) <= ? THEN data END FROM messages "
+            f"WHERE topic_id IN ({places}) ORDER BY id"
+        )
+        for number, topic, time_ns, data in connection.execute(query, (MAX_RECORD, *wanted)):
+            if isinstance(time_ns, int) and isinstance(data, bytes) and time_ns >= 0:
+                yield Message(topic, time_ns, data, time_ns, number & 0xFFFFFFFF)
+            else:
+                self._report(f"message {number} is damaged, or has more than {MAX_RECORD} bytes")
+
+    def _report(self, sentence: str) -> None:
+        if len(self.damage) < MAX_DAMAGE:
+            self.damage.append(f"{self._name}: {sentence}")
+
+
+def _connected(path: Path) -> sqlite3.Connection:
+    """Return a connection that only reads; a file in a folder that cannot be written is taken as it is."""
+    place = f"file:{quote(str(path.absolute()))}?mode=ro"
+    connection = sqlite3.connect(place, uri=True)
+    connection.text_factory = lambda data: data.decode("utf-8", errors="replace")
+    try:
+        # Nothing that the file itself defines, such as a view, is to run.
+        connection.execute("PRAGMA trusted_schema = OFF")
+        connection.execute("SELECT name FROM sqlite_master").fetchone()
+    except sqlite3.OperationalError:
+        connection.close()
+        connection = sqlite3.connect(f"{place}&immutable=1", uri=True)
+        connection.text_factory = lambda data: data.decode("utf-8", errors="replace")
+    return connection
+
+
+def _is_plain(definition: object) -> bool:
+    """Return whether a table is stored in the file, not computed."""
+    return isinstance(definition, str) and definition.upper().startswith("CREATE TABLE")
+
+
+def _rows(connection: sqlite3.Connection, table: str, *columns: str) -> Iterator[Any]:
+    """Return some columns of a table; what an older version of rosbag2 does not write is empty."""
+    present = {row[1] for row in connection.execute(f"PRAGMA table_info({table})")}
+    chosen = ", ".join(column if column in present else "NULL" for column in columns)
+    return connection.execute(f"SELECT {chosen} FROM {table}") if present else iter(())
