@@ -18,4 +18,8 @@ COPY . src/dcrb_ros
 RUN . /opt/ros/jazzy/setup.sh && colcon build
 RUN echo '. /workspace/install/setup.bash' >> /etc/bash.bashrc \
     && sed --in-place 's|^exec |. /workspace/install/setup.bash\nexec |' /ros_entrypoint.sh
+# Nothing runs as root. The kernels are cached below the home folder, and recordings are written to it by default.
+RUN useradd --create-home --shell /bin/bash dcrb
+USER dcrb
+WORKDIR /home/dcrb
 CMD ["ros2", "launch", "dcrb_ros", "bench.launch.py"]

@@ -24,25 +24,32 @@ def waveform(folder: Path, file: str) -> tuple[np.ndarray, np.ndarray]:
     return np.stack([columns["ax"], columns["ay"]]), np.asarray(columns["shaft_angle"])
 
 
-def windows(folder: Path, split: str, length: int = 4096, hop: int = 2048) -> Iterator[tuple[np.ndarray, int]]:
-    """Yield windows of shape (2, length) with the index of their class in `CLASSES`; one run at a time is kept in memory."""
-    for row in labels(folder, split).itertuples():
+def windows(
+    folder: Path, split: str, length: int = 4096, hop: int = 2048, share: tuple[int, int] = (0, 1)
+) -> Iterator[tuple[np.ndarray, int]]:
+    """Yield windows of shape (2, length) with the index of their class in `CLASSES`; one run at a time is kept in memory.
+
+    ``share`` (k, n) takes the runs k, k + n, k + 2 n ... only, so that n processes can divide the split.
+    """
+    number, count = share
+    for row in labels(folder, split).iloc[number::count].itertuples():
         acceleration, _ = waveform(folder, row.file)
         for begin in range(0, acceleration.shape[1] - length + 1, hop):
             yield acceleration[:, begin : begin + length], CLASSES.index(row.fault)
 
 
 try:  # PyTorch, if it is installed
-    from torch.utils.data import IterableDataset
+    from torch.utils.data import IterableDataset, get_worker_info
 
     class Windows(IterableDataset):
-        """Windows and classes for `torch.utils.data.DataLoader`."""
+        """Windows and classes for `torch.utils.data.DataLoader`; its workers divide the runs, so every window occurs once."""
 
         def __init__(self, folder: Path, split: str) -> None:
             self.folder, self.split = folder, split
 
         def __iter__(self) -> Iterator[tuple[np.ndarray, int]]:
-            return windows(self.folder, self.split)
+            worker = get_worker_info()  # None in the main process
+            return windows(self.folder, self.split, share=(worker.id, worker.num_workers) if worker else (0, 1))
 except ImportError:
     pass
 

@@ -2,39 +2,62 @@
 
 from __future__ import annotations
 
-from launch.actions import OpaqueFunction
-from launch_ros.actions import Node
+from typing import Any
 
-from dcrb_ros.nodes.launching import CONFIG, TIME_SCALE, arguments, fault_detector, node, parameters_from, simulator, value_of
+from dcrb_ros.nodes.launching import (
+    CONFIG,
+    LISTENERS,
+    TIME_SCALE,
+    WAIT,
+    Argument,
+    common,
+    configuration_file,
+    declarations,
+    detector_file,
+    node,
+    parameters_of,
+    suspicions,
+    values_of,
+)
 from launch import LaunchContext, LaunchDescription
 
 ARGUMENTS = {
-    "time_scale": ("time_scale", float),
-    "record": ("recording.path", str),
-    "clock": ("publishing.clock", lambda text: text == "true"),
+    "config": CONFIG,
+    "scenario": Argument("", "a scenario file or a shipped one, such as growing_spall"),
+    "record": Argument("", "folder of a recording; empty for the configuration's"),
+    "time_scale": TIME_SCALE,
+    "clock": Argument("", "whether to publish /clock: true or false; empty for the configuration's", bool),
+    "rerun": Argument("false", "whether to show the bench in Rerun: true or false", bool),
+    "listeners": Argument("", LISTENERS, int),
+    "wait": WAIT,
+    **common("dcrb"),
 }
-"""Arguments with the parameters that they set."""
+PARAMETERS = {
+    "time_scale": "time_scale",
+    "record": "recording.path",
+    "clock": "publishing.clock",
+    "listeners": "publishing.listeners",
+    "wait": "publishing.wait",
+}
+"""Parameters of the simulator by the arguments that set them."""
 
 
-def nodes(context: LaunchContext) -> list[Node]:
+def nodes(context: LaunchContext) -> list[Any]:
     """Return the nodes of the bench, with the viewer if it is requested."""
-    namespace = value_of(context, "namespace")
-    parameters = parameters_from(context, ARGUMENTS)
+    given = values_of(context, ARGUMENTS)
+    if given["listeners"] is None:
+        given["listeners"] = 2 if given["rerun"] else 1
+    namespace, scenario = given["namespace"], given["scenario"]
+    file, parameters = configuration_file("config", given, PARAMETERS, scenario), parameters_of(given, PARAMETERS)
+    extra = ["--scenario", scenario] if scenario else []
     return [
-        *([node("viewer", namespace)] if value_of(context, "rerun") == "true" else []),
-        simulator(namespace, value_of(context, "config"), parameters, scenario=value_of(context, "scenario")),
-        fault_detector(namespace, value_of(context, "detector")),
+        *suspicions(context, ARGUMENTS),
+        *([node("viewer", namespace, required=False)] if given["rerun"] else []),
+        node("simulator", namespace, file=file, parameters=parameters, extra=extra),
+        node("fault_detector", namespace, file=detector_file(given["detector"])),
     ]
 
 
 def generate_launch_description() -> LaunchDescription:
     """Describe the bench."""
-    described = {
-        "config": ("healthy", CONFIG),
-        "scenario": ("", "a scenario file or a shipped one, such as growing_spall"),
-        "record": ("", "folder of a recording; empty for the configuration's"),
-        "time_scale": ("", TIME_SCALE),
-        "clock": ("", "whether to publish /clock: true or false; empty for the configuration's"),
-        "rerun": ("false", "whether to show the bench in Rerun: true or false"),
-    }
-    return LaunchDescription([*arguments(described, namespace="dcrb"), OpaqueFunction(function=nodes)])
+    return LaunchDescription(declarations(ARGUMENTS, nodes))

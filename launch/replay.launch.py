@@ -2,31 +2,41 @@
 
 from __future__ import annotations
 
-from launch.actions import OpaqueFunction
-from launch.substitutions import LaunchConfiguration
-from launch_ros.actions import Node
-from launch_ros.parameter_descriptions import ParameterValue
+from typing import Any
 
-from dcrb_ros.nodes.launching import arguments, fault_detector, node, value_of
+from dcrb_ros.nodes.launching import LISTENERS, WAIT, Argument, common, declarations, detector_file, naming, node, suspicions, values_of
+from dcrb_ros.recordings.replay import Replay, ReplayParameters
+from dcrb_ros.settings.files import validated
 from launch import LaunchContext, LaunchDescription
 
+ARGUMENTS = {
+    "bag": Argument(None, "a recording: its folder or an .mcap file"),
+    "rate": Argument("1.0", "recorded over wall time, 0.0 as fast as possible", float),
+    "loop": Argument("false", "whether to start again at the end: true or false", bool),
+    "offset": Argument("0.0", "recorded time to skip at the beginning [s]", float),
+    "clock": Argument("false", "whether to publish /clock: true or false", bool),
+    "topics": Argument("", "topics to publish, such as 'outer_ring/vibration, diagnosis'; empty for those of the simulator"),
+    "listeners": Argument("1", LISTENERS, int),
+    "wait": WAIT,
+    **common("dcrb"),
+}
 
-def detector_node(context: LaunchContext) -> list[Node]:
-    """Return the fault detector."""
-    return [fault_detector(value_of(context, "namespace"), value_of(context, "detector"))]
+
+def nodes(context: LaunchContext) -> list[Any]:
+    """Return the replayer and the fault detector."""
+    given = values_of(context, ARGUMENTS)
+    namespace = given["namespace"]
+    parameters = {name: given[name] for name in ReplayParameters.model_fields if given[name] is not None}
+    replayed = validated(parameters, ReplayParameters, "replay")
+    with naming("bag", replayed.bag):
+        Replay(replayed)
+    return [
+        *suspicions(context, ARGUMENTS),
+        node("replayer", namespace, parameters=parameters),
+        node("fault_detector", namespace, file=detector_file(given["detector"])),
+    ]
 
 
 def generate_launch_description() -> LaunchDescription:
     """Describe the replay."""
-    namespace = LaunchConfiguration("namespace")
-    kinds = {"bag": str, "rate": float, "loop": bool, "offset": float, "clock": bool}
-    parameters = {name: ParameterValue(LaunchConfiguration(name), value_type=kind) for name, kind in kinds.items()}
-    described = {
-        "bag": (None, "a recording: its folder or an .mcap file"),
-        "rate": ("1.0", "recorded over wall time, 0.0 as fast as possible"),
-        "loop": ("false", "start again at the end"),
-        "offset": ("0.0", "recorded time to skip at the beginning [s]"),
-        "clock": ("false", "publish /clock"),
-    }
-    replayer, detector = node("replayer", namespace, [parameters]), OpaqueFunction(function=detector_node)
-    return LaunchDescription([*arguments(described, namespace="dcrb"), replayer, detector])
+    return LaunchDescription(declarations(ARGUMENTS, nodes))

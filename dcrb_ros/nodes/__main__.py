@@ -1,11 +1,16 @@
-"""`python -m dcrb_ros.nodes NAME [ARGUMENTS]`: a node without `ros2 run`."""
+"""`python -m dcrb_ros.nodes [--with-parent] NAME [ARGUMENTS]`: a node without `ros2 run`.
+
+With ``--with-parent`` it ends with the process that started it, which holds the other end of its standard input.
+"""
 
 from __future__ import annotations
 
 import sys
 
-from dcrb_ros.nodes.programs import NAMES, main
+from dcrb_ros.nodes.programs import NAMES, WITH_PARENT, main
 
-if len(sys.argv) < 2 or sys.argv[1] not in NAMES:
-    sys.exit(f"usage: python -m dcrb_ros.nodes {{{','.join(NAMES)}}} [ARGUMENTS]")
-main(sys.argv[1], sys.argv[2:])
+with_parent = sys.argv[1:2] == [WITH_PARENT]
+arguments = sys.argv[2:] if with_parent else sys.argv[1:]
+if not arguments or arguments[0] not in NAMES:
+    sys.exit(f"usage: python -m dcrb_ros.nodes [{WITH_PARENT}] {{{','.join(NAMES)}}} [ARGUMENTS]")
+main(arguments[0], arguments[1:], with_parent=with_parent)

@@ -11,17 +11,22 @@ from rclpy.clock_type import ClockType
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
-from dcrb_ros.messages.topics import NAMESPACE, Topic
-from dcrb_ros.nodes.publisher import message_class, qos
+from dcrb_ros.messages.cdr import FRAME
+from dcrb_ros.messages.statuses import Status, encode_diagnostics
+from dcrb_ros.messages.topics import BENCH_DIAGNOSTICS, NAMESPACE, VIBRATION, Message, Topic
+from dcrb_ros.nodes.other_publishers import OtherPublishers
+from dcrb_ros.nodes.publisher import Publisher, message_class, qos
 from dcrb_ros.nodes.refusals import shortened
+from dcrb_ros.nodes.subscriber_wait import SubscriberWait
 from dcrb_ros.schema.fields import Group
 from dcrb_ros.schema.parameter_field import ParameterField
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.files import flatten, parameter_fields, validated
+from dcrb_ros.settings.sections import OF_ROS
 
 Model = TypeVar("Model", bound=Group)
-BUILT_IN = ("use_sim_time", "start_type_description_service")
-"""Parameters that rclpy declares itself."""
+POLL_PERIOD = 0.05
+"""Wall time between two counts of subscribers [s]."""
 
 
 class BenchNode(Node):
@@ -68,7 +73,7 @@ class BenchNode(Node):
             Refusal: an override is unknown, mistyped or out of range.
         """
         found: Mapping[str, Any] = self.get_parameters_by_prefix("")
-        overrides = {key: parameter.value for key, parameter in found.items() if key not in BUILT_IN}
+        overrides = {key: parameter.value for key, parameter in found.items() if key not in OF_ROS}
         adjusted = adjust(validated(overrides, model, "parameters"))
         values = flatten(adjusted.model_dump())
         for field in parameter_fields(model):
@@ -81,16 +86,26 @@ class BenchNode(Node):
     def set_parameters_atomically(self, parameter_list: list[Any]) -> Any:
         """Apply a change of parameters that others request, or answer why not; an integer is accepted for a floating-point number.
 
+        A read-only parameter may be set to the value that it has, as `ros2 param load` does with the file of `ros2 param dump`.
         `set_parameters`, which the node itself uses, does not call `on_parameters`.
         """
-        parameter_list = [self._with_declared_type(parameter) for parameter in parameter_list]
-        changes = {parameter.name: parameter.value for parameter in parameter_list if parameter.name not in BUILT_IN}
+        given = (self._with_declared_type(parameter) for parameter in parameter_list)
+        parameter_list = [parameter for parameter in given if not self._is_settled(parameter)]
+        changes = {parameter.name: parameter.value for parameter in parameter_list if parameter.name not in OF_ROS}
         if changes:
             try:
                 self.on_parameters(changes)
             except Refusal as refusal:
                 return SetParametersResult(successful=False, reason=shortened(str(refusal)))
         return super().set_parameters_atomically(parameter_list)
+
+    def _is_settled(self, parameter: Any) -> bool:
+        """Return whether a parameter is read-only and has the requested value."""
+        name = parameter.name
+        if not (self.has_parameter(name) and self.describe_parameter(name).read_only):
+            return False
+        present = self.get_parameter(name)
+        return bool(present.type_ == parameter.type_ and present.value == parameter.value)
 
     def _with_declared_type(self, parameter: Any) -> Any:
         """Return a parameter with an integer converted to a floating-point number if it is declared as one."""
@@ -99,13 +114,41 @@ class BenchNode(Node):
             return Parameter(parameter.name, Parameter.Type.DOUBLE, float(parameter.value))
         return parameter
 
-    def subscribe(self, topic: Topic, callback: Callable[[bytes], None]) -> None:
-        """Pass the bytes of each message on a topic to ``callback``."""
+    def subscribe(self, topic: Topic, callback: Callable[[bytes], None]) -> Any:
+        """Pass the bytes of each message on a topic to ``callback``; return the subscription."""
 
         def receive(data: Any) -> None:
             callback(bytes(data))
 
-        self.create_subscription(message_class(topic), topic.name, receive, qos(topic), raw=True)
+        return self.create_subscription(message_class(topic), topic.name, receive, qos(topic), raw=True)
+
+    def start_with_subscribers(self, publisher: Publisher, listeners: int, timeout: float, start: Callable[[], None]) -> None:
+        """Call ``start`` once ``listeners`` subscribers to the waveform have joined, or after ``timeout`` of wall time [s] without them."""
+        wait = SubscriberWait(publisher, listeners, timeout)
+        if listeners:
+            plural = "" if listeners == 1 else "s"
+            self.get_logger().info(f"waiting for {listeners} subscriber{plural} to {VIBRATION.name}, at most {timeout:g} s")
+
+        def poll() -> None:
+            if wait.over():
+                timer.cancel()
+                if wait.missing:
+                    self.get_logger().warning(wait.missing)
+                start()
+
+        timer = self.repeat(POLL_PERIOD, poll)
+
+    def watch_publishers(self, *topics: Topic) -> OtherPublishers:
+        """Warn about other publishers on topics of this node, within two seconds."""
+        others = OtherPublishers(self, topics, self.get_logger().warning)
+        self.repeat(1.0, others.look)
+        return others
+
+    def diagnostics(self, status: Status, time_ns: int, frame: str = FRAME) -> Message:
+        """Return a status for /diagnostics, stamped with the wall clock, or with the simulated time [ns] if ``use_sim_time`` is set."""
+        simulated = self.get_parameter("use_sim_time").value
+        stamp_ns = time_ns if simulated else self.get_clock().now().nanoseconds
+        return Message(BENCH_DIAGNOSTICS, stamp_ns, encode_diagnostics(stamp_ns, [status], frame))
 
     def repeat(self, period: float, callback: Callable[[], None]) -> Any:
         """Return a timer that calls ``callback`` every ``period`` of wall time [s], whatever ``use_sim_time`` says."""

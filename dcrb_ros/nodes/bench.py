@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import signal
 import subprocess
 import sys
@@ -20,9 +19,12 @@ from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.messages.joints import Joints, decode_joints
 from dcrb_ros.messages.statuses import Status, decode_diagnostics
 from dcrb_ros.messages.topics import BENCH_DIAGNOSTICS, DIAGNOSIS, FEATURES, NAMESPACE, VIBRATION, Topic
+from dcrb_ros.nodes.programs import WITH_PARENT
 from dcrb_ros.nodes.publisher import message_class, qos
-from dcrb_ros.nodes.ros import check_ros, limit_discovery, signals_blocked, stop_on_signals
-from dcrb_ros.runtime.exit_status import STOPPED
+from dcrb_ros.nodes.ros import check_ros, limit_discovery, stop_on_signals
+from dcrb_ros.runtime import terminal
+from dcrb_ros.runtime.children import signals_blocked
+from dcrb_ros.runtime.signals import STOPPED
 from dcrb_ros.schema.fields import Group
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
@@ -113,11 +115,13 @@ class Observer:
 
 
 @contextmanager
-def node_process(name: str, arguments: Sequence[str], environment: dict[str, str]) -> Iterator[subprocess.Popen[bytes]]:
-    """Run a node as a process, which is ended in any case."""
-    command = [sys.executable, "-m", "dcrb_ros.nodes", name, *arguments]
-    with signals_blocked():
-        process = subprocess.Popen(command, env=environment, stdin=subprocess.DEVNULL, start_new_session=True)
+def node_process(name: str, arguments: Sequence[str], parameters: Group | None = None) -> Iterator[subprocess.Popen[bytes]]:
+    """Run a node as a process, which is ended in any case: it also ends with this process, by the pipe to its standard input."""
+    command = [sys.executable, "-m", "dcrb_ros.nodes", WITH_PARENT, name, *arguments]
+    with _parameter_file(parameters) as files, signals_blocked():
+        given = ["--ros-args", *(word for file in files for word in ("--params-file", f"/dev/fd/{file}"))] if files else []
+        process = subprocess.Popen([*command, *given], stdin=subprocess.PIPE, pass_fds=files, start_new_session=True)
+    assert process.stdin is not None
     try:
         yield process
     finally:
@@ -128,6 +132,19 @@ def node_process(name: str, arguments: Sequence[str], environment: dict[str, str
             except subprocess.TimeoutExpired:
                 process.kill()
                 process.wait()
+        process.stdin.close()
+
+
+@contextmanager
+def _parameter_file(parameters: Group | None) -> Iterator[tuple[int, ...]]:
+    """Write parameters into a file without a name, so that nothing remains of it however the bench ends; yield its descriptor."""
+    if parameters is None:
+        yield ()
+        return
+    with tempfile.TemporaryFile() as file:
+        file.write(to_yaml(parameters).encode())
+        file.flush()
+        yield (file.fileno(),)
 
 
 def run(
@@ -146,35 +163,37 @@ def run(
     check_ros()
     stop = stop_on_signals()
     limit_discovery()
-    environment = dict(os.environ)
-    console = Console(stderr=True)
-    with tempfile.TemporaryDirectory(prefix="dcrb-") as folder:
-        for_simulator = _parameter_arguments(Path(folder) / "simulator.yaml", configuration)
-        for_detector = _parameter_arguments(Path(folder) / "fault_detector.yaml", detector_parameters)
-        console.print(
-            f"bench '{name}': simulator and fault detector as ROS 2 nodes in {NAMESPACE}, "
-            f"{duration:g} s at time scale {configuration.time_scale:g}"
-        )
-        arguments = ["--duration", repr(duration), *(["--scenario", str(scenario)] if scenario else []), *for_simulator]
-        observer = Observer()
-        with ExitStack() as stack:
-            node = stack.enter_context(_observing(observer))
-            detector = stack.enter_context(node_process("fault_detector", for_detector, environment))
-            subscribers = [detector, *([stack.enter_context(node_process("viewer", [], environment))] if shown else [])]
-            # The simulator is started last, so that the others receive the first block and do not slow it down by their start.
-            _await_subscribers(node, subscribers, stop)
-            if stop.is_set():
-                console.print("stopped before the simulator was started")
-                return STOPPED
-            with node_process("simulator", arguments, environment) as simulator:
-                failed = _watch(observer, node, simulator, detector, duration, stop, console)
+    console = terminal.console(stderr=True)
+    console.print(
+        f"bench '{name}': simulator and fault detector as ROS 2 nodes in {NAMESPACE}, "
+        f"{duration:g} s at time scale {configuration.time_scale:g}"
+    )
+    arguments = ["--duration", repr(duration), *(["--scenario", str(scenario)] if scenario else [])]
+    observer = Observer()
+    with ExitStack() as stack:
+        node = stack.enter_context(_observing(observer))
+        detector = stack.enter_context(node_process("fault_detector", [], detector_parameters))
+        subscribers = [detector, *([stack.enter_context(node_process("viewer", []))] if shown else [])]
+        # The simulator is started last, so that the others do not slow it down by their start.
+        _await_subscribers(node, subscribers, stop)
+        if stop.is_set():
+            console.print("stopped before the simulator was started")
+            return STOPPED
+        # Its first block waits until they have discovered it.
+        with node_process("simulator", arguments, _waiting_for(configuration, 1 + _running(subscribers))) as simulator:
+            failed = _watch(observer, node, simulator, detector, duration, stop, console)
     return failed or _conclude(observer, configuration, console)
 
 
-def _parameter_arguments(path: Path, parameters: Group) -> list[str]:
-    """Write parameters into a file; return the arguments with which a node reads it."""
-    path.write_text(to_yaml(parameters), encoding="utf-8")
-    return ["--ros-args", "--params-file", str(path)]
+def _waiting_for(configuration: Configuration, listeners: int) -> Configuration:
+    """Return a configuration with which the simulator waits for at least so many subscribers to the waveform."""
+    publishing = configuration.publishing
+    publishing = publishing.model_copy(update={"listeners": max(publishing.listeners, listeners)})
+    return configuration.model_copy(update={"publishing": publishing})
+
+
+def _running(processes: Sequence[subprocess.Popen[bytes]]) -> int:
+    return sum(process.poll() is None for process in processes)
 
 
 @contextmanager
@@ -200,7 +219,7 @@ def _await_subscribers(node: Any, processes: Sequence[subprocess.Popen[bytes]], 
 
     topic, deadline = VIBRATION.resolved(NAMESPACE), time.monotonic() + SUBSCRIBER_TIMEOUT
     while not stop.is_set() and time.monotonic() < deadline:
-        if node.count_subscribers(topic) > sum(process.poll() is None for process in processes):
+        if node.count_subscribers(topic) > _running(processes):
             return
         rclpy.spin_once(node, timeout_sec=0.05)
 

@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Sequence
 
 from dcrb_ros.messages.statuses import ERROR, OK, WARN, Status
 from dcrb_ros.messages.topics import DETECTED
 from dcrb_ros.nodes.engine import Engine, Progress
 from dcrb_ros.nodes.recording_switch import RecordingSwitch
 from dcrb_ros.nodes.refusals import Refusals
+from dcrb_ros.nodes.ros import installed
+from dcrb_ros.nodes.simulation_interfaces import PACKAGE
 
 COMMANDS = ("command/speed", "command/load")
-SERVICES = ("pause", "step", "reset", "record")
+SERVICES = ("pause", "step", "reset", "record", "set_simulation_state", "step_simulation", "reset_simulation")
+"""Services that may refuse a call."""
 MAX_LAG = 0.1
 """Lag above which the status is a warning [s]."""
 
@@ -23,12 +27,12 @@ class BenchStatus:
         self._engine, self._progress, self._recording, self._refusals = engine, progress, recording, refusals
         self._simulated, self._wall = 0.0, time.monotonic()
 
-    def status(self, name: str) -> Status:
-        """Return the present status of the node ``name``."""
+    def status(self, name: str, others: Sequence[str] = ()) -> Status:
+        """Return the present status of the node ``name``, with the names of the other nodes that publish on its topics."""
         gate, progress, recording = self._engine.gate, self._progress, self._recording
-        model = "failed" if self._engine.failure is not None else "paused" if gate.paused else "running"
+        model = self._model()
         behind = gate.pacer.lag > MAX_LAG and not gate.paused
-        level = ERROR if recording.failed else WARN if behind else OK
+        level = ERROR if recording.failed else WARN if behind or others else OK
         count = self._refusals.count
         values = {
             "time_scale": f"{gate.pacer.scale:g}",
@@ -43,11 +47,27 @@ class BenchStatus:
             "rejected_calls": str(count(*SERVICES)),
             "recorder": recording.state,
             "recording": str(recording.path or ""),
+            "simulation_interfaces": "offered" if installed(PACKAGE) else "not installed",
             "energy_residual [J]": f"{progress.energy_residual:.4g}",
             "model": model,
+            "other_publishers": ", ".join(others),
         }
-        message = recording.state if level == ERROR else "behind real time" if behind else model
+        message = (
+            recording.state
+            if level == ERROR
+            else "behind real time"
+            if behind
+            else "others publish on the same topics"
+            if others
+            else model
+        )
         return Status(name, level, message, values)
+
+    def _model(self) -> str:
+        """Return what the model does: ``failed``, ``paused``, ``waiting`` for subscribers, or ``running``."""
+        if self._engine.failure is not None:
+            return "failed"
+        return "paused" if self._engine.gate.paused else "running" if self._engine.started else "waiting"
 
     def _real_time_factor(self, simulated: float) -> float:
         """Return simulated over wall time since the last call; 0 right after a reset."""

@@ -10,15 +10,18 @@ import numpy as np
 from dcrb_ros.bearing.kinematics import Orders
 from dcrb_ros.diagnosis.detector import Diagnosis, FaultDetector
 from dcrb_ros.diagnosis.parameters import DetectorParameters
-from dcrb_ros.messages.description import decode_range, decode_sensor
+from dcrb_ros.messages.cdr import FRAME
+from dcrb_ros.messages.description import decode_frame, decode_range, decode_sensor
 from dcrb_ros.messages.points import Vibration, decode_vibration
 from dcrb_ros.messages.topics import SENSOR
 from dcrb_ros.schema.refusal import Refusal
 
 RATE_TOLERANCE = 0.01
 """Accepted relative difference between the spacing of the samples and the sampling rate."""
-MAX_EARLY = 50
-"""Blocks kept until the sensor description arrives, one second by default: the order of messages on two topics is undefined."""
+EARLY_NS = 1_500_000_000
+"""Signal kept until the description arrives [ns]: it is repeated every second, and the order of messages on two topics is undefined."""
+MAX_EARLY = 1 << 22
+"""Samples kept until then at most."""
 
 
 @dataclass(frozen=True)
@@ -39,8 +42,10 @@ class DetectorInput:
         self._parameters = parameters
         self._detector: FaultDetector | None = None
         self._description: tuple[int, Orders] | None = None
-        self._early: deque[Vibration] = deque(maxlen=MAX_EARLY)
+        self._early: deque[Vibration] = deque()
         """Blocks that arrived before the description."""
+        self.frame = FRAME
+        """Frame id of the sensor, as its description has it."""
         self._refused = 0
         self._time = 0.0
 
@@ -54,6 +59,7 @@ class DetectorInput:
                 information = f"watching a bearing at {rate} Hz, BPFO {orders.bpfo:.3f}, BPFI {orders.bpfi:.3f} orders"
             if self._detector is not None:
                 self._detector.sensor_range = decode_range(data)
+            self.frame = decode_frame(data)
             responses = [self._update(self._early.popleft()) for _ in range(len(self._early))]
             warning = next((response.warning for response in responses if response.warning), "")
             return Response(tuple(diagnosis for response in responses for diagnosis in response.diagnoses), information, warning)
@@ -67,13 +73,21 @@ class DetectorInput:
             self._time = block.stamp_ns * 1e-9
             if self._detector is not None:
                 return self._update(block)
-            full = len(self._early) == MAX_EARLY
             self._early.append(block)
-            if full:
+            if self._drop_early():
                 raise Refusal(f"blocks arrive, but no description on {SENSOR.name} with the rate and the bearing: publish it, latched")
             return Response()
         except Refusal as refusal:
             return self._refuse(refusal)
+
+    def _drop_early(self) -> bool:
+        """Drop the oldest of the early blocks where there are too many; return whether there were."""
+        newest, count = self._early[-1].stamp_ns, sum(len(block.shaft_angle) for block in self._early)
+        excess = False
+        while len(self._early) > 1 and (newest - self._early[0].stamp_ns > EARLY_NS or count > MAX_EARLY):
+            count -= len(self._early.popleft().shaft_angle)
+            excess = True
+        return excess
 
     def _update(self, block: Vibration) -> Response:
         """Pass a block to the detector, or refuse it."""

@@ -76,9 +76,14 @@ class Engine:
         self._thread = NamedThread(name, self._run)
 
     @property
+    def started(self) -> bool:
+        """Whether the thread has been started."""
+        return self._thread.ident is not None
+
+    @property
     def ended(self) -> bool:
-        """Whether the thread has ended: at the end of the source, after `close`, or by a failure."""
-        return self._thread.ident is not None and not self._thread.is_alive()
+        """Whether the work has ended: at the end of the source, by a failure, or because the gate was closed, even before `start`."""
+        return not self._thread.is_alive() if self.started else self.gate.closed
 
     def prepare(self) -> None:
         """Start the source and pass the messages that precede the first bundle to the sinks; call it before `start`."""
@@ -93,7 +98,7 @@ class Engine:
     def close(self) -> None:
         """Send nothing any more and wait for the thread, up to `CLOSE_TIMEOUT`."""
         self.gate.close()
-        if self._thread.ident is not None:
+        if self.started:
             self._thread.join(CLOSE_TIMEOUT)
 
     def _run(self) -> None:

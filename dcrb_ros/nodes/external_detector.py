@@ -37,6 +37,8 @@ SETTLING_TIME = 0.3
 """Wall time between the discovery of the detector and the first block [s]."""
 EXIT_TIMEOUT = 5.0
 """Wall time in which the detector must end after SIGINT [s]."""
+MOST_OUTPUT = 20_000
+"""Bytes at the end of its output in which these lines are looked for."""
 SHOWN_LINES = 6
 """Lines of its output that are shown when it fails."""
 FIRST_DOMAIN, DOMAINS = 110, 120
@@ -262,6 +264,6 @@ def _end(process: subprocess.Popen[bytes]) -> None:
 def _last_lines(log: IO[bytes]) -> str:
     """Return the end of the detector's output."""
     log.flush()
-    log.seek(0)
-    lines = [line for line in log.read()[-20_000:].decode(errors="replace").splitlines() if line.strip()]
+    log.seek(max(0, log.seek(0, os.SEEK_END) - MOST_OUTPUT))
+    lines = [line for line in log.read(MOST_OUTPUT).decode(errors="replace").splitlines() if line.strip()]
     return "; its last output:\n" + "\n".join(f"    {line}" for line in lines[-SHOWN_LINES:]) if lines else "; it printed nothing"

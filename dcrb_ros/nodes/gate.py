@@ -21,6 +21,7 @@ class Gate:
         self._paused = self._closed = self._resetting = False
         self._steps = 0
         """Bundles to send while paused."""
+        self._stepped = 0
         self._deadline: float | None = None
         """Wall time at which the present bundle is due [s]; none if it is to be determined."""
 
@@ -35,6 +36,16 @@ class Gate:
         return self._closed
 
     @property
+    def stepping(self) -> bool:
+        """Whether bundles remain to be sent while paused."""
+        return self._steps > 0 and not (self._closed or self._resetting)
+
+    @property
+    def stepped(self) -> int:
+        """Number of bundles sent while paused, since the beginning."""
+        return self._stepped
+
+    @property
     def open(self) -> bool:
         """Whether bundles are sent as soon as they are ready."""
         return self.pacer.scale == 0.0 and not self._paused
@@ -47,6 +58,7 @@ class Gate:
             write()
             if self._paused:
                 self._steps -= 1
+                self._stepped += 1
                 self._changed.notify_all()
             return True
 
@@ -77,9 +89,14 @@ class Gate:
     def step(self, timeout: float) -> bool:
         """Send one bundle while paused; return whether it was sent within ``timeout`` of wall time [s]."""
         with self._changed:
-            self._steps += 1
-            self._changed.notify_all()
+            self.request_steps(1)
             return self._changed.wait_for(lambda: self._steps == 0 or self._closed, timeout) and self._steps == 0
+
+    def request_steps(self, count: int) -> None:
+        """Send ``count`` more bundles while paused, without waiting for them; `pause` and a reset discard what remains."""
+        with self._changed:
+            self._steps += count
+            self._changed.notify_all()
 
     def rescale(self, scale: float) -> None:
         """Continue at another time scale, at once."""

@@ -1,70 +1,198 @@
-"""Arguments and nodes of the launch files."""
+"""Arguments and nodes of the launch files. Arguments are checked before a node is started: `launch` drops a missing parameter file."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+import math
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from ament_index_python.packages import get_package_share_directory
-from launch.actions import DeclareLaunchArgument, SetEnvironmentVariable
+from launch.actions import DeclareLaunchArgument, LogInfo, OpaqueFunction, SetEnvironmentVariable, Shutdown
 from launch.substitutions import EnvironmentVariable, LaunchConfiguration
 from launch_ros.actions import Node
+from launch_ros.parameter_descriptions import ParameterValue
+
+from dcrb_ros.diagnosis.parameters import DetectorParameters
+from dcrb_ros.schema.refusal import Refusal, nearest
+from dcrb_ros.settings.configuration import Configuration
+from dcrb_ros.settings.files import find_configuration, load_configuration, read_parameters, shipped_folder, validated
+from dcrb_ros.simulation.scenario import read_scenario
 
 PACKAGE = "dcrb_ros"
-CONFIG = "a YAML file or a shipped configuration"
-TIME_SCALE = "simulated over wall time, 0 as fast as possible; empty for the configuration's"
 RANGE = "ROS_AUTOMATIC_DISCOVERY_RANGE"
+TRUE, FALSE = ("true", "yes", "on", "1"), ("false", "no", "off", "0")
+NAMESPACE = re.compile(r"/?[A-Za-z_]\w*(/[A-Za-z_]\w*)*", re.ASCII)
+EXIT_TIMEOUT = "15"
+"""Wall time in which a node must end after SIGINT before `launch` sends SIGTERM, which changes nothing, and then SIGKILL [s]."""
 
 
-def arguments(described: Mapping[str, tuple[Any, str]], *, namespace: str) -> list[Any]:
-    """Return actions that declare arguments, given by name with default (none for a mandatory one) and description, and set discovery."""
-    common = {
-        "namespace": (namespace, "namespace of topics and nodes"),
-        "detector": ("detector", "parameters of the fault detector: a YAML file or the shipped ones"),
-        "discovery": (EnvironmentVariable(RANGE, default_value="LOCALHOST"), "range of discovery: LOCALHOST or SUBNET"),
+@dataclass(frozen=True)
+class Argument:
+    """An argument of a launch file."""
+
+    default: Any
+    """Its text; None for a mandatory argument, "" for one that may be left out."""
+    description: str
+    kind: type = str
+    choices: tuple[str, ...] = ()
+
+
+CONFIG = Argument("healthy", "configuration: a YAML file or a shipped one")
+TIME_SCALE = Argument("", "simulated over wall time, 0 as fast as possible; empty for the configuration's", float)
+WAIT = Argument("30.0", "longest wall time to wait for subscribers before the first block [s]", float)
+LISTENERS = "subscribers to the waveform to wait for; empty for the nodes that this file starts"
+
+
+def common(namespace: str) -> dict[str, Argument]:
+    """Return the arguments of every launch file, with the default namespace."""
+    environment = EnvironmentVariable(RANGE, default_value="LOCALHOST")
+    ranges = ("LOCALHOST", "SUBNET", "OFF", "SYSTEM_DEFAULT")
+    return {
+        "namespace": Argument(namespace, "namespace of topics and nodes"),
+        "detector": Argument("detector", "parameters of the fault detector: a YAML file or the shipped ones"),
+        "discovery": Argument(environment, f"range of discovery: {', '.join(ranges)}", choices=ranges),
     }
+
+
+def declarations(arguments: Mapping[str, Argument], start: Any) -> list[Any]:
+    """Return actions that declare arguments, set the range of discovery, and start the nodes that ``start(context)`` returns."""
     declared = [
-        DeclareLaunchArgument(name, default_value=default, description=description)
-        for name, (default, description) in {**described, **common}.items()
+        DeclareLaunchArgument(name, default_value=argument.default, description=argument.description)
+        for name, argument in arguments.items()
     ]
-    return [*declared, SetEnvironmentVariable(RANGE, LaunchConfiguration("discovery"))]
+    return [*declared, SetEnvironmentVariable(RANGE, LaunchConfiguration("discovery")), OpaqueFunction(function=start)]
 
 
-def value_of(context: Any, name: str) -> str:
-    """Return the value of an argument."""
-    return str(LaunchConfiguration(name).perform(context))
+def values_of(context: Any, arguments: Mapping[str, Argument]) -> dict[str, Any]:
+    """Return the values of arguments by name; None for those left empty.
+
+    Raises:
+        Refusal: a value has the wrong type, or is not among the choices.
+    """
+    found = {name: _value(name, str(LaunchConfiguration(name).perform(context)), argument) for name, argument in arguments.items()}
+    if not NAMESPACE.fullmatch(found["namespace"] or ""):
+        raise Refusal(
+            f"namespace:={found['namespace'] or ''} is not a ROS namespace: write words of letters, digits and _ between /, such as dcrb"
+        )
+    return found
 
 
-def parameters_from(context: Any, arguments: Mapping[str, tuple[str, Callable[[str], Any]]]) -> dict[str, Any]:
-    """Return parameters from arguments, given by name with key and type of the parameter; empty arguments are left out."""
-    return {key: convert(value) for name, (key, convert) in arguments.items() if (value := value_of(context, name))}
+def _value(name: str, text: str, argument: Argument) -> Any:
+    if not text and argument.default:
+        raise Refusal(f"{name}:= is empty: leave it out, or give the {argument.description}")
+    if not text:
+        return None
+    if argument.kind is bool:
+        return _truth(name, text)
+    if argument.kind in (int, float):
+        return _number(name, text, argument.kind)
+    if argument.choices and text not in argument.choices:
+        raise Refusal(f"{name}:={text} is not one of {', '.join(argument.choices)}{nearest(text, argument.choices)}")
+    return text
 
 
-def parameter_file(config: str) -> str:
-    """Return the path of a parameter file, given by its path or by the name of a shipped one."""
-    shipped = Path(get_package_share_directory(PACKAGE)) / "config"
-    return config if Path(config).is_file() else str(shipped / f"{config}.yaml")
+def _truth(name: str, text: str) -> bool:
+    if text.lower() not in (*TRUE, *FALSE):
+        raise Refusal(f"{name}:={text} is neither true nor false: write {name}:=true or {name}:=false")
+    return text.lower() in TRUE
 
 
-def simulator(namespace: Any, config: str, parameters: Mapping[str, Any], *, scenario: str = "") -> Any:
-    """Return the simulator of a bench; ``parameters`` override those of the file ``config``."""
-    extra = ["--scenario", scenario] if scenario else []
-    return node("simulator", namespace, [parameter_file(config), dict(parameters)], extra)
+def _number(name: str, text: str, kind: type) -> Any:
+    try:
+        number = kind(text)
+    except ValueError:
+        number = math.nan
+    if not math.isfinite(number):
+        wanted, example = ("a whole number", "1") if kind is int else ("a finite number", "1.0")
+        raise Refusal(f"{name}:={text} is not {wanted}: write one, such as {name}:={example}")
+    return number
 
 
-def fault_detector(namespace: Any, parameters: str) -> Any:
-    """Return the fault detector of a bench, with the parameters in a file."""
-    return node("fault_detector", namespace, [parameter_file(parameters)])
+def suspicions(context: Any, arguments: Mapping[str, Argument]) -> list[Any]:
+    """Return log actions for given arguments that no launch file takes but that resemble one of ``arguments``: `launch` ignores them."""
+    given = (name for name in context.launch_configurations if name not in arguments)
+    return [LogInfo(msg=f"the argument '{name}' is ignored{near}") for name in given if (near := nearest(name, arguments))]
 
 
-def node(executable: str, namespace: Any, parameters: Sequence[Any] = (), extra: Sequence[str] = ()) -> Any:
-    """Return a node of the package."""
+@contextmanager
+def naming(argument: str, value: Any) -> Iterator[None]:
+    """Name the argument in a refusal."""
+    try:
+        yield
+    except Refusal as refusal:
+        raise Refusal(f"{argument}:={value}: {refusal}") from None
+
+
+def configuration_file(argument: str, given: Mapping[str, Any], keys: Mapping[str, str], scenario: str | None = None) -> str:
+    """Return the parameter file of a configuration, if it is valid with the values of other arguments and with a scenario.
+
+    Args:
+        argument: the name of the argument that gives the configuration, a path or a shipped name.
+        given: values by argument, None for those left empty.
+        keys: parameters by the arguments that set them.
+        scenario: a path or a shipped name.
+
+    Raises:
+        Refusal: there is no such file, or it is invalid; the sentence names the argument.
+    """
+    with naming(argument, given[argument]):
+        found: Configuration = load_configuration(given[argument])
+    for name, key in keys.items():
+        if given[name] is not None:
+            with naming(name, given[name]):
+                found = load_configuration(found, {key: given[name]})
+    if scenario is not None:
+        with naming("scenario", scenario):
+            read_scenario(Path(scenario), found)
+    return str(find_configuration(given[argument]))
+
+
+def parameters_of(given: Mapping[str, Any], keys: Mapping[str, str]) -> dict[str, Any]:
+    """Return the parameters that arguments set, without those of empty arguments."""
+    return {key: given[name] for name, key in keys.items() if given[name] is not None}
+
+
+def detector_file(detector: str) -> str:
+    """Return the parameter file of the fault detector, given by its path or as ``detector`` for the shipped one.
+
+    Raises:
+        Refusal: there is no such file, or it is invalid; the sentence names the argument.
+    """
+    shipped = {"detector": shipped_folder() / "detector.yaml"}
+    path = Path(detector)
+    if not path.is_file():
+        if detector not in shipped:
+            remedy = f"give a YAML file, or detector for the shipped parameters{nearest(detector, shipped)}"
+            raise Refusal(f"detector:={detector}: there is no such file: {remedy}")
+        path = shipped[detector]
+    with naming("detector", detector):
+        validated(read_parameters(path, "fault_detector"), DetectorParameters, str(path))
+    return str(path)
+
+
+def node(
+    executable: str,
+    namespace: str,
+    *,
+    file: str | None = None,
+    parameters: Mapping[str, Any] | None = None,
+    extra: Sequence[str] = (),
+    required: bool = True,
+) -> Any:
+    """Return a node of the package; the end of a ``required`` one ends the launch. ``parameters`` override those of a file."""
+    # Without its type, launch would take the text 2026 for a number.
+    given = {key: ParameterValue(value, value_type=str) if isinstance(value, str) else value for key, value in (parameters or {}).items()}
+    ending = {"on_exit": Shutdown(reason=f"{executable} in {namespace} has ended")} if required else {}
     return Node(
         package=PACKAGE,
         executable=executable,
         namespace=namespace,
-        parameters=list(parameters),
+        parameters=[*([file] if file else []), *([given] if given else [])],
         arguments=list(extra),
         output="screen",
+        sigterm_timeout=EXIT_TIMEOUT,
+        **ending,
     )

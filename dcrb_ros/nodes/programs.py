@@ -1,35 +1,36 @@
 """The nodes as programs, for `ros2 run`, launch files and `python -m dcrb_ros.nodes`.
 
-Importing a node takes up to a second. Termination signals are blocked until it can end orderly (`dcrb_ros.nodes.ros.stop_on_signals`), so
-this module itself imports next to nothing before they are.
+Importing a node takes up to a second, in which a termination signal ends the program at once; this module itself imports next to nothing
+before the signals are handled. Once the node runs, a signal ends it in order (`dcrb_ros.nodes.ros.stop_on_signals`).
 """
 
 from __future__ import annotations
 
-import importlib
-import signal
 import sys
-import threading
-from typing import Any, NoReturn
 
-from dcrb_ros.runtime.signals import TERMINATION
+from dcrb_ros.runtime.signals import accept_termination, end_at_once, heed_in_background, leave_at_once
 
-MODEL_THREAD = "model"
-"""Name of the thread that runs the simulation."""
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from typing import Any, NoReturn
+
 NAMES = ("simulator", "replayer", "fault_detector", "viewer")
+WITH_PARENT = "--with-parent"
+"""Option of `python -m dcrb_ros.nodes` that ends the node with its parent process."""
 
 
-def main(name: str, arguments: list[str]) -> NoReturn:
-    """Run a node as a program, and exit."""
-    if hasattr(signal, "pthread_sigmask"):  # where it does not exist there is no ROS either, which the node reports
-        signal.pthread_sigmask(signal.SIG_BLOCK, TERMINATION)
+def main(name: str, arguments: list[str], *, with_parent: bool = False) -> NoReturn:
+    """Run a node as a program, and exit; ``with_parent`` ends it with the process that holds the other end of its standard input."""
+    heed_in_background()
+    end_at_once(0)
+    accept_termination()
     from dcrb_ros.runtime.exit_status import exit_status
 
-    status = exit_status(name, lambda: run(name, arguments))
-    if any(thread.name == MODEL_THREAD for thread in threading.enumerate()):
-        # A compilation cannot be interrupted, and the interpreter must not be shut down during it.
-        _exit_at_once(status)
-    sys.exit(status)
+    if with_parent:
+        from dcrb_ros.runtime.children import end_with_parent
+
+        end_with_parent()
+    leave_at_once(exit_status(name, lambda: run(name, arguments)))
 
 
 def run(name: str, arguments: list[str], **options: Any) -> int:
@@ -38,19 +39,13 @@ def run(name: str, arguments: list[str], **options: Any) -> int:
     Raises:
         Refusal: ROS is not installed, or the arguments or the node's parameters are invalid.
     """
+    from importlib import import_module
+
     from dcrb_ros.nodes.ros import check_ros
 
     check_ros()  # before the import: rclpy ends the process if the middleware is missing
-    status: int = importlib.import_module(f"dcrb_ros.nodes.{name}").run(arguments, **options)
+    status: int = import_module(f"dcrb_ros.nodes.{name}").run(arguments, **options)
     return status
-
-
-def _exit_at_once(status: int) -> NoReturn:
-    import os
-
-    sys.stdout.flush()
-    sys.stderr.flush()
-    os._exit(status)
 
 
 def simulator() -> None:

@@ -34,8 +34,11 @@ class Publisher:
     """A sink that publishes on topics of a node."""
 
     def __init__(self, node: Node, topics: Iterable[Topic]) -> None:
+        self._node = node
+        # Latched topics last: who has received one of their messages has discovered the publishers of the others.
         self._publishers: dict[Topic, Any] = {
-            topic: node.create_publisher(message_class(topic), topic.name, qos(topic)) for topic in topics
+            topic: node.create_publisher(message_class(topic), topic.name, qos(topic))
+            for topic in sorted(topics, key=lambda topic: topic.latched)
         }
 
     def start(self, messages: Sequence[Message]) -> None:
@@ -55,6 +58,12 @@ class Publisher:
         """Return the number of subscribers to a topic."""
         return int(self._publishers[topic].get_subscription_count())
 
+    def delivered(self, topic: Topic) -> bool:
+        """Return whether every subscriber to a topic has acknowledged its messages."""
+        from rclpy.duration import Duration
+
+        return bool(self._publishers[topic].wait_for_all_acked(Duration(seconds=0.0)))
+
     def flush(self, timeout: float) -> None:
         """Wait until the published messages have been delivered on all topics, at most ``timeout`` of wall time in total [s]."""
         from rclpy.duration import Duration
@@ -62,3 +71,8 @@ class Publisher:
         deadline = time.monotonic() + timeout
         for publisher in self._publishers.values():
             publisher.wait_for_all_acked(Duration(seconds=max(0.0, deadline - time.monotonic())))
+
+    def close(self) -> None:
+        """Leave the topics."""
+        for publisher in self._publishers.values():
+            self._node.destroy_publisher(publisher)

@@ -5,11 +5,12 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Protocol
 
 from dcrb_ros.messages.bundle import Bundle
-from dcrb_ros.messages.topics import Message
+from dcrb_ros.messages.topics import Message, Topic
 from dcrb_ros.recordings.recorder_thread import CLOSE_TIMEOUT, RecorderThread
 from dcrb_ros.recordings.rosbag2 import RecordingFailed
 from dcrb_ros.schema.refusal import Refusal
@@ -69,6 +70,8 @@ class RecordingSwitch:
         self._failure = ""
         self._started = False
         self._commands: list[TimedCommand] = []
+        self._latched: dict[Topic, Message] = {}
+        """The last message on each latched topic since the start."""
         self._time_ns = 0
 
     @property
@@ -89,14 +92,19 @@ class RecordingSwitch:
     def start(self, messages: Sequence[Message]) -> None:
         """Begin the configured recording; after a reset finish the present recording and begin the next one.
 
+        Where the path is taken, as when the node is started again, the recording takes the next free name.
+
         Raises:
             Refusal: the configured recording cannot be created.
         """
         finished = self.stop() if self._started else None
         with self._lock:
             self._commands, self._time_ns = [], 0
+            self._latched = {}
             if not self._started and self._wanted is not None:
-                self._begin(self._wanted)
+                path = self._begin(free_path(self._wanted))
+                if path != self._wanted:
+                    self._log.info(f"{self._wanted} exists and is kept: recording to {path}")
         self._started = True
         if finished is not None and self._wanted is not None:
             try:
@@ -119,12 +127,15 @@ class RecordingSwitch:
     def _begin(self, path: Path) -> Path:
         """Begin a recording, with the lock held."""
         self._recorder, self._failure = self._create(path, commands=self._commands, start_ns=self._time_ns), ""
+        if self._latched:  # the recorder describes the bench as it started
+            self._write([replace(message, time_ns=self._time_ns) for message in self._latched.values()])
         return path
 
     def write(self, bundle: Bundle) -> None:
         """Record a bundle, if a recording is running."""
         with self._lock:
             self._write(bundle.messages)
+            self._latched |= {message.topic: message for message in bundle.messages if message.topic.latched}
             self._time_ns = bundle.end_ns
             if bundle.block is not None:
                 self._commands += commands_in(bundle.block.truths)

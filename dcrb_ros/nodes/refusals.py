@@ -7,6 +7,7 @@ from collections import Counter
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
+from dcrb_ros.schema import printable
 from dcrb_ros.schema.refusal import Refusal
 
 MAX_LENGTH = 400
@@ -15,7 +16,7 @@ MAX_LENGTH = 400
 
 def shortened(sentence: str) -> str:
     """Return a sentence of at most `MAX_LENGTH` characters."""
-    return sentence if len(sentence) <= MAX_LENGTH else f"{sentence[: MAX_LENGTH - 4]} ..."
+    return printable.shortened(sentence, MAX_LENGTH)
 
 
 class Refusals:

@@ -6,8 +6,8 @@ import sys
 import time
 from typing import Any
 
-from dcrb_ros.messages.statuses import OK, WARN, Status, encode_diagnostics
-from dcrb_ros.messages.topics import BENCH_DIAGNOSTICS, CLOCK, VIBRATION, Message
+from dcrb_ros.messages.statuses import OK, WARN, Status
+from dcrb_ros.messages.topics import BENCH_DIAGNOSTICS, CLOCK, VIBRATION
 from dcrb_ros.nodes.base import BenchNode
 from dcrb_ros.nodes.clock import ClockPublisher
 from dcrb_ros.nodes.engine import Engine, Progress, Sink
@@ -21,10 +21,6 @@ from dcrb_ros.settings.files import flatten, validated
 
 DELIVERY_TIMEOUT = 2.0
 """Wall time in which the last messages must be delivered [s]."""
-SETTLING_TIME = 0.5
-"""Wall time without a new subscriber after which the replay starts [s]."""
-POLL_PERIOD = 0.05
-"""Wall time between two counts of the subscribers [s]."""
 MAX_LAG = 0.1
 """Lag above which the status is a warning [s]."""
 
@@ -54,19 +50,11 @@ class ReplayerNode(BenchNode):
     def start(self) -> None:
         """Publish the sensor description; wait for subscribers to the waveform."""
         self._engine.prepare()
+        self.watch_publishers(*({VIBRATION, CLOCK} & {*self._replay.topics, *([CLOCK] if self._settings.clock else [])}))
         self.repeat(1.0, self._publish_status)
-        self._subscribers = 0
-        self._waiting_since = self._changed_at = time.monotonic()
-        self._poll = self.repeat(POLL_PERIOD, self._start_with_subscribers)
-
-    def _start_with_subscribers(self) -> None:
-        """Start the replay once there are enough subscribers, no more are joining, or the longest wait is over."""
-        now, count = time.monotonic(), self._publisher.subscribers(VIBRATION) if VIBRATION in self._replay.topics else 0
-        if count != self._subscribers:
-            self._subscribers, self._changed_at = count, now
-        complete = count >= self._settings.listeners and now - self._changed_at >= SETTLING_TIME
-        if complete or now >= self._waiting_since + self._settings.wait or VIBRATION not in self._replay.topics:
-            self._poll.cancel()
+        if VIBRATION in self._replay.topics:
+            self.start_with_subscribers(self._publisher, self._settings.listeners, self._settings.wait, self._engine.start)
+        else:
             self._engine.start()
 
     @property
@@ -105,7 +93,7 @@ class ReplayerNode(BenchNode):
         }
         message = "behind the recorded pace" if behind else damage[0] if damage else "replaying"
         status = Status(self.get_fully_qualified_name(), WARN if behind or damage else OK, message, values)
-        self._publisher.write_messages([Message(BENCH_DIAGNOSTICS, time_ns, encode_diagnostics(time_ns, [status]))])
+        self._publisher.write_messages([self.diagnostics(status, time_ns, self._replay.frame)])
 
 
 def run(arguments: list[str], parameters: ReplayParameters | None = None) -> int:

@@ -5,16 +5,14 @@ from __future__ import annotations
 import argparse
 import importlib.util
 import os
-import signal
 import sys
 import threading
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from types import FrameType
 from typing import TYPE_CHECKING
 
-from dcrb_ros.runtime.signals import TERMINATION
+from dcrb_ros.runtime.signals import accept_termination, handle_termination, heed_in_background
 from dcrb_ros.schema.refusal import Refusal
 
 if TYPE_CHECKING:
@@ -33,6 +31,11 @@ def limit_discovery() -> None:
     os.environ.setdefault(DISCOVERY, "LOCALHOST")
 
 
+def installed(package: str) -> bool:
+    """Return whether a Python package is installed."""
+    return importlib.util.find_spec(package) is not None
+
+
 def check_ros() -> None:
     """Check that ROS 2 and the requested middleware are installed; to be called before rclpy is imported.
 
@@ -41,10 +44,10 @@ def check_ros() -> None:
     Raises:
         Refusal: one of them is missing.
     """
-    if importlib.util.find_spec("rclpy") is None:
+    if not installed("rclpy"):
         raise Refusal(
-            "the nodes need ROS 2 Jazzy, and rclpy is not installed: source a ROS installation, or pip install 'dcrb_ros[ros]' "
-            "on x86-64 Linux; everything but the nodes works without"
+            "the nodes need ROS 2 Jazzy, and rclpy is not installed: source a ROS installation, or run pip install '.[ros]' in a checkout "
+            "of dcrb_ros on x86-64 Linux; everything but the nodes works without it"
         )
     wanted = os.environ.get("RMW_IMPLEMENTATION", "")
     found = middlewares()
@@ -141,25 +144,14 @@ def _log_failure(node: Node, error: Exception, count: int) -> None:
 def stop_on_signals() -> threading.Event:
     """Return an event that is set by SIGINT, SIGTERM and SIGHUP, however often they arrive.
 
-    An ignored SIGHUP stays ignored (``nohup``). Signals blocked by `signals_blocked` or during the import are delivered now.
+    An ignored SIGHUP stays ignored (``nohup``). Signals that the parent process blocked are delivered now.
     """
     stop = threading.Event()
 
     def handle(number: int, frame: FrameType | None) -> None:
         stop.set()
 
-    for number in TERMINATION:
-        if signal.getsignal(number) is not signal.SIG_IGN or number != signal.SIGHUP:
-            signal.signal(number, handle)
-    signal.pthread_sigmask(signal.SIG_UNBLOCK, TERMINATION)
+    heed_in_background()
+    handle_termination(handle)
+    accept_termination()
     return stop
-
-
-@contextmanager
-def signals_blocked() -> Iterator[None]:
-    """Start child processes with termination signals blocked until `stop_on_signals`, so that none is interrupted during its imports."""
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, TERMINATION)
-    try:
-        yield
-    finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)

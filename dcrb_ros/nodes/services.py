@@ -26,8 +26,14 @@ class Served(Protocol):
     recording: RecordingSwitch
     refusals: Refusals
 
-    def create_service(self, kind: Any, name: str, callback: Callable[[Any, Any], Any], /) -> Any:
+    def create_service(self, kind: Any, name: str, callback: Callable[[Any, Any], Any], /, *, callback_group: Any = None) -> Any:
         """Offer a service."""
+
+    def repeat(self, period: float, callback: Callable[[], None], /) -> Any:
+        """Call ``callback`` every ``period`` of wall time [s]; return the timer."""
+
+    def destroy_timer(self, timer: Any, /) -> Any:
+        """Stop a timer."""
 
     def get_namespace(self) -> str:
         """Return the namespace of the node."""
@@ -80,9 +86,13 @@ class Services:
 
     def reset(self, request: Any) -> str:
         """Return bearing, simulated time, scenario and parameters to the start; time scale and pause stay as they are."""
+        return "at the start again: simulated time 0" + ("" if self.restart() else " as soon as the model is ready")
+
+    def restart(self) -> bool:
+        """Reset the engine; return whether it finished within `TIMEOUT`. If not, it follows as soon as the model is ready."""
         done = self._engine.gate.reset(TIMEOUT)
         self._node.update_parameters()
-        return "at the start again: simulated time 0" + ("" if done else " as soon as the model is ready")
+        return done
 
     def record(self, request: Any) -> str:
         """Begin a recording, unless one is running, or finish it."""

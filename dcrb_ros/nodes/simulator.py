@@ -17,16 +17,16 @@ from std_msgs.msg import Float64
 
 from dcrb_ros.bearing.payload import body_names
 from dcrb_ros.bearing.runtime_change import altered
-from dcrb_ros.core import compiled
+from dcrb_ros.core.announcement import announce_compilation
 from dcrb_ros.messages.bundle import Bundle
 from dcrb_ros.messages.encoder import BlockEncoder
 from dcrb_ros.messages.plain import decode_float, decode_wrench
-from dcrb_ros.messages.statuses import encode_diagnostics
 from dcrb_ros.messages.topics import (
     BENCH_DIAGNOSTICS,
     CLOCK,
     DETECTED,
     SIMULATED,
+    VIBRATION,
     Message,
     Topic,
 )
@@ -36,12 +36,14 @@ from dcrb_ros.nodes.clock import ClockPublisher
 from dcrb_ros.nodes.engine import Engine, Progress, Sink
 from dcrb_ros.nodes.gate import Gate
 from dcrb_ros.nodes.pacing import Pacer
-from dcrb_ros.nodes.programs import MODEL_THREAD, main
+from dcrb_ros.nodes.programs import main
 from dcrb_ros.nodes.publisher import Publisher
 from dcrb_ros.nodes.recording_switch import RecordingSwitch
 from dcrb_ros.nodes.refusals import Refusals
-from dcrb_ros.nodes.ros import own_arguments, run_node
+from dcrb_ros.nodes.ros import installed, own_arguments, run_node
 from dcrb_ros.nodes.services import Services
+from dcrb_ros.nodes.simulation_interfaces import PACKAGE, SimulationInterfaces
+from dcrb_ros.nodes.transforms import publish_transforms
 from dcrb_ros.recordings.recorder import Recorder
 from dcrb_ros.recordings.recorder_thread import RecorderThread
 from dcrb_ros.runtime.prefetch import prefetch
@@ -124,13 +126,12 @@ class SimulatorNode(BenchNode):
         clock = [self._clock_publisher] if self._clock_publisher else []
         sinks: list[Sink] = [self.progress, *clock, self._publisher, self.recording, FirstBlockLog(log.info)]
         self._source = SimulationSource(self.configuration, changes, duration, gate)
-        self.engine = Engine(MODEL_THREAD, self._source, sinks, gate)
+        self.engine = Engine("model", self._source, sinks, gate)
         self._status = BenchStatus(self.engine, self.progress, self.recording, self.refusals)
 
     def start(self) -> None:
         """Start the simulation and the configured recording."""
-        if not compiled():
-            self.get_logger().info("compiling the kernels (once, about half a minute) ...")
+        announce_compilation(self.get_logger().info)
         self.engine.prepare()
         # Raw, because the middleware's own decoder drops malformed messages silently.
         self.create_subscription(Float64, COMMANDS[0], self._on_speed, 10, raw=True)
@@ -138,9 +139,17 @@ class SimulatorNode(BenchNode):
         for topic in DETECTED:
             if topic.recorded:
                 self._record_detected(topic)
-        Services(self)
+        publish_transforms(self, self.configuration)
+        services = Services(self)
+        if installed(PACKAGE):
+            SimulationInterfaces(self, services)
+        self._others = self.watch_publishers(VIBRATION, *([CLOCK] if self.configuration.publishing.clock else []))
         self.repeat(1.0, self._publish_status)
-        self.engine.start()
+        publishing = self.configuration.publishing
+        if publishing.listeners:
+            self.start_with_subscribers(self._publisher, publishing.listeners, publishing.wait, self.engine.start)
+        else:
+            self.engine.start()
 
     @property
     def ended(self) -> bool:
@@ -225,8 +234,8 @@ class SimulatorNode(BenchNode):
 
     def _publish_status(self) -> None:
         """Publish the status on /diagnostics, and the time of a paused simulation again on /clock."""
-        status, time_ns = self._status.status(self.get_fully_qualified_name()), self.progress.time_ns
-        self._publisher.write_messages([Message(BENCH_DIAGNOSTICS, time_ns, encode_diagnostics(time_ns, [status]))])
+        status, time_ns = self._status.status(self.get_fully_qualified_name(), self._others.names), self.progress.time_ns
+        self._publisher.write_messages([self.diagnostics(status, time_ns, self.configuration.publishing.frame)])
         if self._clock_publisher is not None:
             self._clock_publisher.repeat(time_ns)
         self.update_parameters()

@@ -8,6 +8,8 @@ import subprocess
 import sys
 import threading
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +20,7 @@ from node_arguments import GARBAGE, parameters
 pytest.importorskip("rclpy", reason="the nodes need ROS 2; everything else is tested without")
 
 from ros_bench import PATIENCE, domain, environment, graph_client, node
+from waiting import wait_for
 
 from dcrb_ros.diagnosis.detector import Diagnosis
 from dcrb_ros.messages.joints import decode_joints, encode_joints
@@ -47,6 +50,7 @@ from dcrb_ros.stream.events import ScenarioEvent, SpeedCommand
 
 pytestmark = pytest.mark.node
 
+PROGRAM = [sys.executable, "-m", "dcrb_ros.cli.program"]
 PROMPT = 3.0
 """Longest time that a node takes to end after a signal [s]."""
 
@@ -93,9 +97,10 @@ def test_commands_take_effect_and_invalid_ones_are_refused(tmp_path: Path) -> No
         client.connect(speed, load)
         for value in (float("nan"), float("inf"), 1e9, -1e300):
             speed.publish(Float64(data=value))
-        wrench = Wrench()
-        wrench.force.y = float("nan")
-        load.publish(wrench)
+        for part, axis, value in (("force", "y", float("nan")), ("force", "z", 1.0), ("torque", "x", 1.0)):
+            wrench = Wrench()
+            setattr(getattr(wrench, part), axis, value)
+            load.publish(wrench)
 
         def rejected() -> int:
             assert simulator.process.poll() is None, simulator.output
@@ -103,7 +108,7 @@ def test_commands_take_effect_and_invalid_ones_are_refused(tmp_path: Path) -> No
                 return 0
             return int(decode_diagnostics(client.received[BENCH_DIAGNOSTICS][-1])[1][0].values["rejected_commands"])
 
-        client.until(lambda: rejected() == 5, "five refusals")
+        client.until(lambda: rejected() == 7, "seven refusals")
         speed.publish(Float64(data=140.0))
 
         def taken() -> list[int]:
@@ -199,24 +204,30 @@ def test_the_detector_reads_its_parameter_file_in_any_namespace(tmp_path: Path) 
         assert "window = -1.0 s is outside" in detector.output
 
 
-def test_existing_recording_is_refused(tmp_path: Path) -> None:
-    with node("simulator", parameters(recording__path=tmp_path), environment(domain()), tmp_path / "log") as simulator:
-        assert simulator.process.wait(PATIENCE) == 2, simulator.output
-    assert "a recording is never overwritten" in simulator.output
+UNCHECKED = """
+import runpy, sys
+import dcrb_ros.settings.configuration as configuration
+
+configuration._housing = lambda _: iter(())  # the check that refuses so soft a housing
+sys.argv[0] = "dcrb_ros.nodes"
+runpy.run_module("dcrb_ros.nodes", run_name="__main__")
+"""
 
 
-def test_a_failed_model_ends_the_node(tmp_path: Path) -> None:
-    values = {"operating__load": 1e7, "housing__stiffness": 1e6, "cage__land_clearance": 0.005}
-    with node("simulator", parameters(**values), environment(domain()), tmp_path / "log") as simulator:
-        assert simulator.process.wait(PATIENCE) == 1, simulator.output
-    assert "the bench stopped: the model failed at" in simulator.output
-    assert "Traceback" not in simulator.output
+def test_a_failed_model_ends_the_node() -> None:
+    values = parameters(operating__load=1e7, housing__stiffness=1e6, cage__land_clearance=0.005)
+    command = [sys.executable, "-c", UNCHECKED, "simulator", *values]
+    done = subprocess.run(command, env=environment(domain()), capture_output=True, text=True, timeout=PATIENCE, check=False)
+    output = done.stdout + done.stderr
+    assert done.returncode == 1, output
+    assert "the bench stopped: the model failed at" in output
+    assert "Traceback" not in output
 
 
 def test_bench_command_ends_with_the_verdict(tmp_path: Path) -> None:
     bag, story = tmp_path / "bench", tmp_path / "story.yaml"
     story.write_text("timeline: [{at: 0.5, set: {operating.load: 95000.0}}]")
-    command = [sys.executable, "-c", "from dcrb_ros.cli.app import main; main()", "bench", "outer_ring_defect"]
+    command = [*PROGRAM, "bench", "outer_ring_defect"]
     command += ["--duration", "10", "--record", str(bag), "--scenario", str(story)]
     done = subprocess.run(command, env=environment(domain()), capture_output=True, text=True, timeout=2 * PATIENCE, check=False)
     assert done.returncode == 0, done.stderr
@@ -227,6 +238,9 @@ def test_bench_command_ends_with_the_verdict(tmp_path: Path) -> None:
     truths = [decode_truth(message.data) for message in recording.messages((GROUND_TRUTH,))]
     assert [t.time_ns for t in truths if t.event == ScenarioEvent({"operating.load": 95000.0})] == [500_000_000]
     assert truths[-1].load[1] == pytest.approx(-95e3)
+    # The detector hears the signal from its first sample on: its window of 2 s is full at 2.0 s.
+    first = next(recording.messages((DIAGNOSIS,)))
+    assert decode_diagnostics(first.data)[0] <= 500_000_000
 
 
 def processes(module: str, variable: str) -> list[str]:
@@ -242,26 +256,78 @@ def processes(module: str, variable: str) -> list[str]:
     return found
 
 
-@pytest.mark.parametrize(
-    ("kind", "moment"), [(signal.SIGINT, "as ROS 2 nodes"), (signal.SIGHUP, "x real time"), (signal.SIGTERM, "x real time")]
-)
-def test_signals_to_the_bench_command_end_its_nodes(kind: signal.Signals, moment: str, tmp_path: Path) -> None:
-    number, log = domain(), tmp_path / "log"
-    command = [sys.executable, "-c", "from dcrb_ros.cli.app import main; main()", "bench", "healthy"]
+@contextmanager
+def bench_at(moment: str, number: int, folder: Path, *arguments: str) -> Iterator[subprocess.Popen[bytes]]:
+    """Run `dcrb bench` with its output in ``log`` and its temporary files in ``tmp`` until it prints ``moment``; yield the process."""
+    log, temporary = folder / "log", folder / "tmp"
+    temporary.mkdir()
+    env = environment(number, TMPDIR=str(temporary))
     with log.open("wb") as output:
-        bench = subprocess.Popen(command, env=environment(number), stdout=output, stderr=subprocess.STDOUT)
+        bench = subprocess.Popen([*PROGRAM, "bench", "healthy", *arguments], env=env, stdout=output, stderr=subprocess.STDOUT)
     try:
         end = time.monotonic() + PATIENCE
         while moment not in log.read_text():
             assert time.monotonic() < end, log.read_text()
             assert bench.poll() is None, log.read_text()
             time.sleep(0.05)
-        bench.send_signal(kind)
-        assert bench.wait(PATIENCE) in (0, 1, 130), log.read_text()
+        yield bench
     finally:
         bench.kill()
-    assert not processes("dcrb_ros.nodes", f"ROS_DOMAIN_ID={number}\0")
+        bench.wait(PATIENCE)
+
+
+@pytest.mark.parametrize(
+    ("kind", "moment"), [(signal.SIGINT, "as ROS 2 nodes"), (signal.SIGHUP, "x real time"), (signal.SIGTERM, "x real time")]
+)
+def test_signals_to_the_bench_command_end_its_nodes(kind: signal.Signals, moment: str, tmp_path: Path) -> None:
+    number, log = domain(), tmp_path / "log"
+    with bench_at(moment, number, tmp_path) as bench:
+        bench.send_signal(kind)
+        assert bench.wait(PATIENCE) in (0, 1, 130), log.read_text()
+        assert not processes("dcrb_ros.nodes", f"ROS_DOMAIN_ID={number}\0")
     assert "Traceback" not in log.read_text()
+
+
+def test_a_killed_bench_command_leaves_neither_nodes_nor_files(tmp_path: Path) -> None:
+    number, bag = domain(), tmp_path / "bag"
+    with bench_at("x real time", number, tmp_path, "--record", str(bag)) as bench:
+        assert len(processes("dcrb_ros.nodes", f"ROS_DOMAIN_ID={number}\0")) == 2
+        bench.kill()
+        bench.wait(PATIENCE)
+        wait_for(lambda: not processes("dcrb_ros.nodes", f"ROS_DOMAIN_ID={number}\0"), PATIENCE)
+    assert not list((tmp_path / "tmp").iterdir())
+    assert Recording(bag).complete
+
+
+def test_no_sample_is_lost_to_the_listeners_that_are_waited_for(tmp_path: Path) -> None:
+    number = domain()
+    given = parameters(publishing__listeners=1, publishing__wait=PATIENCE)
+    with node("simulator", given, environment(number), tmp_path / "log") as simulator:
+        wait_for(lambda: "waiting for 1 subscriber" in simulator.output, PATIENCE)  # it is ready before anybody listens
+        with graph_client(number) as client:
+            client.until(lambda: len(client.received[VIBRATION]) > 20, "blocks")
+            indices = [decode_vibration(data).first_index(51200) for data in client.received[VIBRATION]]
+            assert indices[0] == 0
+            assert np.all(np.diff(indices) == 1024)
+
+
+def test_missing_listeners_are_reported_and_not_waited_for_any_longer(tmp_path: Path) -> None:
+    given = ["--duration", "0.1", *parameters(publishing__listeners=2, publishing__wait=0.5)]
+    with node("simulator", given, environment(domain()), tmp_path / "log") as simulator:
+        assert simulator.process.wait(PATIENCE) == 0, simulator.output
+    assert "0 of 2 subscribers to outer_ring/vibration have joined within 0.5 s" in simulator.output
+
+
+def test_two_simulators_in_one_namespace_warn_of_each_other(tmp_path: Path) -> None:
+    number = domain()
+    with (
+        node("simulator", parameters(), environment(number), tmp_path / "first") as first,
+        node("simulator", parameters(), environment(number), tmp_path / "second") as second,
+        graph_client(number) as client,
+    ):
+        warning = "/dcrb/simulator also publishes on /dcrb/outer_ring/vibration"
+        client.until(lambda: all(warning in simulator.output for simulator in (first, second)), "both warnings")
+        client.until(lambda: client.status["other_publishers"] == "/dcrb/simulator", "the status")
 
 
 def test_time_scale_changes_while_running(tmp_path: Path) -> None:
@@ -358,7 +424,7 @@ def test_the_detector_survives_malformed_messages(tmp_path: Path) -> None:
         client.until(lambda: all(p.get_subscription_count() == 2 for p in publishers), "the detector")
         sensor, vibration = publishers
         sensor.publish(encode_text(endless))
-        client.until(lambda: "OverflowError" in detector.output, "the refusal of the rate")
+        client.until(lambda: "Infinity is not a finite number" in detector.output, "the refusal of the rate")
         for data in GARBAGE:
             vibration.publish(data)
         sensor.publish(GARBAGE[3])

@@ -7,12 +7,15 @@ import json
 import numpy as np
 import pytest
 from made_up_blocks import blocks
+from ros2_bag_record import messages_of
 
 from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.messages.description import sensor_text
 from dcrb_ros.messages.plain import encode_text
 from dcrb_ros.messages.points import SPECTRUM, UNTRACKED_SAMPLE, decode_vibration, encode_points, encode_vibration
-from dcrb_ros.nodes.detector_input import MAX_EARLY, DetectorInput, Response
+from dcrb_ros.messages.topics import SENSOR, VIBRATION
+from dcrb_ros.nodes import detector_input
+from dcrb_ros.nodes.detector_input import DetectorInput, Response
 from dcrb_ros.settings.configuration import Configuration
 
 RATE = 51200
@@ -41,11 +44,19 @@ def reason(response: Response) -> str:
 
 def test_blocks_without_a_description_are_answered() -> None:
     detector = DetectorInput(DetectorParameters())
-    assert all(detector.block(waveform()[0]) == Response() for _ in range(MAX_EARLY))
-    assert "no description on outer_ring/sensor" in reason(detector.block(waveform()[0]))
+    *early, late = waveform(77)  # the last one begins 1.52 s after the first
+    assert all(detector.block(data) == Response() for data in early)
+    assert "no description on outer_ring/sensor" in reason(detector.block(late))
 
 
-@pytest.mark.parametrize("late", [1, MAX_EARLY])
+def test_a_bounded_number_of_samples_is_kept_without_a_description(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(detector_input, "MAX_EARLY", 3 * 1024)
+    detector = DetectorInput(DetectorParameters())
+    same = waveform()[0]
+    assert [detector.block(same) == Response() for _ in range(4)] == [True, True, True, False]
+
+
+@pytest.mark.parametrize("late", [1, 51, 76])
 def test_a_description_may_arrive_after_the_first_blocks(late: int) -> None:
     messages = waveform(100)
     in_time, detector = described_input(), DetectorInput(DetectorParameters())
@@ -105,3 +116,19 @@ def test_blocks_lead_to_diagnoses() -> None:
     detector = described_input()
     diagnoses = [diagnosis for data in waveform(60) for diagnosis in detector.block(data).diagnoses]
     assert [diagnosis.index for diagnosis in diagnoses] == [25599, 51199]
+
+
+@pytest.mark.parametrize("offset", [0.0, 0.02, 0.5, 1.01, 1.99])
+def test_a_recording_played_from_any_offset_is_diagnosed(offset: float) -> None:
+    """As `ros2 bag play --start-offset` sends it: the description comes within a second, and no block before it is lost."""
+    sent = [message for message in messages_of(250) if message.time_ns >= offset * 1e9]
+    played, in_time = DetectorInput(DetectorParameters()), described_input()
+    found = [
+        diagnosis
+        for message in sent
+        if message.topic in (SENSOR, VIBRATION)
+        for diagnosis in (played.sensor if message.topic == SENSOR else played.block)(message.data).diagnoses
+    ]
+    expected = [diagnosis for message in sent if message.topic == VIBRATION for diagnosis in in_time.block(message.data).diagnoses]
+    assert [(d.index, d.verdict, d.reason) for d in found] == [(d.index, d.verdict, d.reason) for d in expected]
+    assert found[-1].verdict != "waiting"

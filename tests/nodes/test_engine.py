@@ -4,48 +4,23 @@ from __future__ import annotations
 
 import threading
 import time
-from collections.abc import Generator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import fields, replace
 
 import numpy as np
 import pytest
 from made_up_blocks import blocks
+from made_up_bundles import BLOCK_NS, Blocks
 from waiting import PATIENCE, wait_for
 
 from dcrb_ros.messages.bundle import Bundle
-from dcrb_ros.messages.topics import SENSOR, VIBRATION, Message
+from dcrb_ros.messages.topics import SENSOR, Message
 from dcrb_ros.nodes import engine as engine_module
 from dcrb_ros.nodes.engine import Engine, Progress
 from dcrb_ros.nodes.gate import Gate
 from dcrb_ros.nodes.pacing import Pacer
 from dcrb_ros.runtime.threads import NamedThread
 from dcrb_ros.stream.states import Account
-
-BLOCK_NS = 20_000_000
-
-
-class Blocks:
-    """A source of bundles of 20 ms."""
-
-    def __init__(self, count: int, failure: Exception | None = None) -> None:
-        self.count, self.failure = count, failure
-        self.starts = 0
-        self.open_iterators = 0
-
-    def start(self) -> list[Message]:
-        self.starts += 1
-        return [Message(SENSOR, 0, b"sensor")]
-
-    def bundles(self) -> Generator[Bundle, None, None]:
-        self.open_iterators += 1
-        try:
-            for number in range(self.count):
-                message = Message(VIBRATION, number * BLOCK_NS, b"")
-                yield Bundle(number * BLOCK_NS, (number + 1) * BLOCK_NS, (message,))
-            if self.failure is not None:
-                raise self.failure
-        finally:
-            self.open_iterators -= 1
 
 
 class Log:
@@ -117,10 +92,16 @@ def test_close_interrupts_a_long_wait() -> None:
     assert (log.blocks, source.open_iterators) == ([0], 0)
 
 
-def test_close_without_start_does_nothing() -> None:
-    engine = engine_of(Blocks(10), Log())
-    engine.close()
+@pytest.mark.parametrize("close", [lambda engine: engine.close(), lambda engine: engine.gate.close()], ids=["engine", "gate"])
+def test_an_engine_closed_before_its_start_has_ended(close: Callable[[Engine], None]) -> None:
+    log = Log()
+    engine = engine_of(Blocks(10), log)
     assert not engine.ended
+    close(engine)
+    assert engine.ended
+    engine.start()  # the wait for subscribers may still be running
+    wait_for(lambda: engine.ended)
+    assert log.blocks == []
 
 
 def test_a_loop_starts_again_at_the_end_and_sends_the_first_bundle_at_once() -> None:

@@ -7,17 +7,19 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+import yaml
 
 pytest.importorskip("rclpy", reason="the nodes need ROS 2; everything else is tested without")
 
 from node_arguments import parameters
+from rcl_interfaces.msg import Parameter as ParameterMessage
 from rcl_interfaces.srv import GetParameters
 from ros_bench import GraphClient, domain, environment, graph_client, node
 
 from dcrb_ros.messages.plain import decode_text
 from dcrb_ros.messages.statuses import decode_truth
 from dcrb_ros.messages.topics import GROUND_TRUTH, SENSOR, VIBRATION
-from dcrb_ros.settings.files import COMMANDED, parameter_fields
+from dcrb_ros.settings.files import COMMANDED, load_configuration, nest, parameter_fields
 from dcrb_ros.stream.block import Truth
 from dcrb_ros.stream.events import ParameterChange
 
@@ -156,3 +158,24 @@ def test_several_bearings_in_one_graph(tmp_path: Path) -> None:
                 ),
                 "both nodes",
             )
+
+
+def test_what_is_dumped_can_be_loaded_again(tmp_path: Path) -> None:
+    from rcl_interfaces.srv import ListParameters, SetParameters
+    from rclpy.parameter import Parameter
+
+    number = domain()
+    given = parameters(faults__outer_1__width=0.001, operating__speed_kmh=60.0, sensor__preset="mems")
+    with graph_client(number) as client, node("simulator", given, environment(number), tmp_path / "log"):
+        client.until(lambda: client.received[VIBRATION], "a block")
+        names = list(client.ask(ListParameters, "simulator/list_parameters").result.names)
+        values = client.ask(GetParameters, "simulator/get_parameters", names=names).values
+        dumped = [Parameter.from_parameter_msg(ParameterMessage(name=name, value=value)) for name, value in zip(names, values, strict=True)]
+        results = client.ask(SetParameters, "simulator/set_parameters", parameters=[one.to_parameter_msg() for one in dumped]).results
+        assert [(name, result.reason) for name, result in zip(names, results, strict=True) if not result.successful] == []
+        assert len(results) > 100
+    # The shape that `ros2 param dump` writes.
+    tree = {"/dcrb/simulator": {"ros__parameters": nest({one.name: one.value for one in dumped})}}
+    (tmp_path / "dump.yaml").write_text(yaml.safe_dump(tree), encoding="utf-8")
+    asked = ["faults.outer_1.width=0.001", "operating.speed_kmh=60", "sensor.preset=mems"]
+    assert load_configuration(tmp_path / "dump.yaml") == load_configuration("healthy", asked)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 import time
+from collections.abc import Callable
 
 import pytest
 from waiting import PATIENCE, wait_for
@@ -125,6 +126,34 @@ def test_each_step_sends_one_block_without_a_deadline(steps: int) -> None:
     gate.close()
     thread.join(PATIENCE)
     assert sent == list(range(steps))
+
+
+def test_requested_steps_are_counted_until_a_pause_discards_the_rest() -> None:
+    gate, _ = gate_of(PATIENCE)
+    gate.pause(True)
+    assert not gate.stepping
+    gate.request_steps(3)
+    assert gate.stepping
+    for count in (1, 2):
+        assert gate.send(0.0, 0.02, lambda: None)
+        assert (gate.stepped, gate.stepping) == (count, True)
+    gate.pause(True)
+    assert (gate.stepped, gate.stepping) == (2, False)
+
+
+def test_only_blocks_sent_while_paused_are_steps() -> None:
+    gate, _ = gate_of(0.0)
+    assert gate.send(0.0, 0.02, lambda: None)
+    assert gate.stepped == 0
+
+
+@pytest.mark.parametrize("end", [lambda gate: gate.close(), lambda gate: gate.reset(0.0)], ids=["close", "reset"])
+def test_nothing_is_stepping_during_a_reset_and_after_the_end(end: Callable[[Gate], object]) -> None:
+    gate, _ = gate_of(PATIENCE)
+    gate.pause(True)
+    gate.request_steps(2)
+    end(gate)
+    assert not gate.stepping
 
 
 def test_steps_requested_before_a_pause_are_forgotten() -> None:

@@ -6,14 +6,17 @@ import importlib.util
 import sys
 from dataclasses import dataclass, field
 from pathlib import Path
-from types import ModuleType
+from types import ModuleType, SimpleNamespace
 from typing import Any
 
 import pytest
 import yaml
 
 from dcrb_ros.diagnosis.parameters import DetectorParameters
+from dcrb_ros.messages.topics import TRANSFORMS
+from dcrb_ros.messages.topics.transforms import encode_transforms
 from dcrb_ros.recordings.replay import ReplayParameters
+from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import flatten, read_parameters, validated
 
@@ -26,8 +29,10 @@ class Node:
     executable: str
     namespace: str
     output: str
+    sigterm_timeout: str
     parameters: list[Any] = field(default_factory=list)
     arguments: list[str] = field(default_factory=list)
+    on_exit: Any = None
 
 
 class Argument:
@@ -40,8 +45,8 @@ class Value:
     def __init__(self, name: str) -> None:
         self.name = name
 
-    def perform(self, context: dict[str, str]) -> str:
-        return context[self.name]
+    def perform(self, context: Any) -> str:
+        return str(context.launch_configurations[self.name])
 
 
 @dataclass
@@ -50,9 +55,10 @@ class Environment:
     default_value: str
 
 
+@dataclass
 class Typed:
-    def __init__(self, value: Value, *, value_type: type) -> None:
-        self.value, self.kind = value, value_type
+    value: str
+    value_type: type
 
 
 class Anything:
@@ -60,16 +66,28 @@ class Anything:
         self.arguments, self.named = arguments, named
 
 
+class Message(Anything):
+    pass
+
+
+class End(Anything):
+    pass
+
+
 def modules() -> dict[str, ModuleType]:
     contents: dict[str, dict[str, Any]] = {
         "launch": {"LaunchContext": Anything, "LaunchDescription": list},
-        "launch.actions": {"DeclareLaunchArgument": Argument, "OpaqueFunction": Anything, "SetEnvironmentVariable": Anything},
+        "launch.actions": {
+            "DeclareLaunchArgument": Argument,
+            "LogInfo": Message,
+            "OpaqueFunction": Anything,
+            "SetEnvironmentVariable": Anything,
+            "Shutdown": End,
+        },
         "launch.substitutions": {"EnvironmentVariable": Environment, "LaunchConfiguration": Value},
         "launch_ros": {},
         "launch_ros.actions": {"Node": Node},
         "launch_ros.parameter_descriptions": {"ParameterValue": Typed},
-        "ament_index_python": {},
-        "ament_index_python.packages": {"get_package_share_directory": lambda name: str(ROOT)},
     }
     made = {name: ModuleType(name) for name in contents}
     for name, values in contents.items():
@@ -91,23 +109,37 @@ def description(name: str, monkeypatch: pytest.MonkeyPatch) -> Any:
     return described
 
 
+def entities(name: str, monkeypatch: pytest.MonkeyPatch, **given: str) -> list[Any]:
+    """Return what a launch file starts with the given arguments and its defaults."""
+    actions = description(name, monkeypatch).generate_launch_description()
+    arguments = {action.name: action.default for action in actions if isinstance(action, Argument)}
+    assert arguments["discovery"] == Environment("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")  # what the user has set stays
+    arguments["discovery"] = "LOCALHOST"
+    start = next(action.named["function"] for action in actions if isinstance(action, Anything) and "function" in action.named)
+    found: list[Any] = start(SimpleNamespace(launch_configurations={**arguments, **given}))
+    return found
+
+
 def started(name: str, monkeypatch: pytest.MonkeyPatch, **given: str) -> list[Node]:
     """Return the nodes that a launch file starts with the given arguments and its defaults."""
-    described = description(name, monkeypatch)
-    arguments = {action.name: action.default for action in described.generate_launch_description() if isinstance(action, Argument)}
-    assert given.keys() <= arguments.keys()
-    assert arguments["discovery"] == Environment("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")  # what the user has set stays
-    found: list[Node] = described.nodes({**arguments, **given})
-    return found
+    return [entity for entity in entities(name, monkeypatch, **given) if isinstance(entity, Node)]
+
+
+def given_to(node: Node, kind: str) -> dict[str, Any]:
+    """Return the parameters of a node with dotted keys, of its files and its overrides, as ``kind`` of node reads them."""
+    flat: dict[str, Any] = {}
+    for given in node.parameters:
+        if isinstance(given, dict):
+            flat |= {key: value.value if isinstance(value, Typed) else value for key, value in flatten(given).items()}
+        else:
+            flat |= read_parameters(Path(given), kind)
+    return flat
 
 
 def configuration(node: Node) -> Any:
     """Return the parameters as the node would read them."""
-    model = Configuration if node.executable == "simulator" else DetectorParameters
-    flat: dict[str, Any] = {}
-    for given in node.parameters:
-        flat.update(flatten(given) if isinstance(given, dict) else read_parameters(Path(given), node.executable))
-    return validated(flat, model, node.executable)
+    model = {"simulator": Configuration, "replayer": ReplayParameters, "fault_detector": DetectorParameters}[node.executable]
+    return validated(given_to(node, node.executable), model, node.executable)
 
 
 def test_bench_starts_both_nodes(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -138,20 +170,13 @@ def test_the_viewer_is_started_on_request(monkeypatch: pytest.MonkeyPatch) -> No
 
 
 def test_replay_takes_its_parameters_from_the_arguments(monkeypatch: pytest.MonkeyPatch) -> None:
-    described = description("replay", monkeypatch)
-    actions = described.generate_launch_description()
-    defaults = {action.name: action.default for action in actions if isinstance(action, Argument)}
-    assert [name for name, default in defaults.items() if default is None] == ["bag"]
-    replayer = next(action for action in actions if isinstance(action, Node))
-    (detector,) = described.detector_node({"namespace": "dcrb", "detector": "detector"})
-    given = {
-        name: typed.kind(defaults[typed.value.name] or "/tmp/bag")
-        for name, typed in replayer.parameters[0].items()
-        if typed.kind is not bool
-    }
-    assert ReplayParameters.model_validate({**given, "loop": False, "clock": False}) == ReplayParameters(bag="/tmp/bag")
+    actions = description("replay", monkeypatch).generate_launch_description()
+    assert [action.name for action in actions if isinstance(action, Argument) and action.default is None] == ["bag"]
+    bag = str(ROOT / "bags" / "healthy")
+    replayer, detector = started("replay", monkeypatch, bag=bag, loop="True", rate="2", topics="diagnosis, outer_ring/vibration")
     assert (replayer.executable, detector.executable) == ("replayer", "fault_detector")
-    assert (replayer.namespace.name, detector.namespace) == ("namespace", "dcrb")
+    assert configuration(replayer) == ReplayParameters(bag=bag, loop=True, rate=2.0, wait=30.0, topics="diagnosis, outer_ring/vibration")
+    assert (replayer.namespace, detector.namespace) == ("dcrb", "dcrb")
 
 
 def test_axle_boxes_have_different_seeds_and_faults(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -162,3 +187,74 @@ def test_axle_boxes_have_different_seeds_and_faults(monkeypatch: pytest.MonkeyPa
     assert [box.publishing.clock for box in boxes] == [True, False, False, False]
     assert [set(box.faults.described()) for box in boxes] == [set(), set(), {"outer_1"}, set()]
     assert len({box.publishing.frame for box in boxes}) == 4
+    assert [box.publishing.listeners for box in boxes] == [1, 1, 1, 1]
+    transforms = [TRANSFORMS.decoded(encode_transforms(box)).transforms[0] for box in boxes]
+    frames = [frame for transform in transforms for frame in (transform.header.frame_id, transform.child_frame_id)]
+    assert len(set(frames)) == 8  # four trees without a common frame
+
+
+BAG = str(ROOT / "bags" / "healthy")
+
+
+@pytest.mark.parametrize(
+    ("file", "given", "sentence"),
+    [
+        (
+            "bench",
+            {"config": "outer_ring_defct"},
+            r"config:=outer_ring_defct: there is no configuration .*did you mean 'outer_ring_defect'",
+        ),
+        ("bench", {"config": ""}, "config:= is empty: leave it out"),
+        ("bench", {"detector": "detectr"}, "detector:=detectr: there is no such file.*did you mean 'detector'"),
+        ("bench", {"scenario": "growing_spal"}, "scenario:=growing_spal: there is no scenario.*did you mean 'growing_spall'"),
+        ("bench", {"time_scale": "fast"}, "time_scale:=fast is not a finite number"),
+        ("bench", {"time_scale": "-1"}, "^time_scale:=-1.0: settings: time_scale = -1.0 is outside 0 .. 1000"),
+        ("bench", {"clock": "maybe"}, "clock:=maybe is neither true nor false"),
+        ("bench", {"rerun": "tru"}, "rerun:=tru is neither true nor false"),
+        ("bench", {"listeners": "1.5"}, "listeners:=1.5 is not a whole number"),
+        ("bench", {"wait": "nan"}, "wait:=nan is not a finite number"),
+        ("bench", {"wait": "-1"}, "^wait:=-1.0: settings: publishing.wait = -1.0 s is outside"),
+        ("bench", {"namespace": "my bench"}, "namespace:=my bench is not a ROS namespace"),
+        ("bench", {"discovery": "SUBNETS"}, "discovery:=SUBNETS is not one of .*did you mean 'SUBNET'"),
+        ("axle_boxes", {"fault": "cage_fractur"}, "fault:=cage_fractur: there is no configuration.*did you mean 'cage_fracture'"),
+        ("axle_boxes", {"clock": "2"}, "clock:=2 is neither true nor false"),
+        ("replay", {"bag": "/nowhere"}, "bag:=/nowhere: there is no recording"),
+        ("replay", {"bag": BAG, "rate": "-1"}, "^replay: rate = -1.0 is outside 0 .. 1000"),
+        ("replay", {"bag": BAG, "loop": "2"}, "loop:=2 is neither true nor false"),
+        ("replay", {"bag": BAG, "listeners": "two"}, "listeners:=two is not a whole number"),
+    ],
+)
+def test_an_invalid_argument_is_refused_by_name_before_the_start(
+    file: str, given: dict[str, str], sentence: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with pytest.raises(Refusal, match=sentence):
+        started(file, monkeypatch, **given)
+
+
+@pytest.mark.parametrize(("text", "value"), [("true", True), ("True", True), ("1", True), ("on", True), ("false", False), ("0", False)])
+def test_every_spelling_of_a_truth_value_is_understood(text: str, value: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    simulator = next(node for node in started("bench", monkeypatch, clock=text, rerun=text) if node.executable == "simulator")
+    assert configuration(simulator).publishing.clock is value
+    assert configuration(simulator).publishing.listeners == (2 if value else 1)  # the detector, and the viewer
+
+
+def test_the_simulator_waits_for_the_listeners_that_are_asked_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    simulator, _ = started("bench", monkeypatch, listeners="3", wait="60")
+    publishing = configuration(simulator).publishing
+    assert (publishing.listeners, publishing.wait) == (3, 60.0)
+
+
+def test_texts_remain_texts(monkeypatch: pytest.MonkeyPatch) -> None:
+    simulator, _ = started("bench", monkeypatch, record="2026")
+    assert simulator.parameters[1]["recording.path"] == Typed("2026", str)
+
+
+def test_the_end_of_a_node_ends_the_launch_but_that_of_the_viewer_does_not(monkeypatch: pytest.MonkeyPatch) -> None:
+    nodes = [*started("bench", monkeypatch, rerun="true"), *started("replay", monkeypatch, bag=BAG), *started("axle_boxes", monkeypatch)]
+    assert all((node.on_exit is None) == (node.executable == "viewer") for node in nodes)
+    assert all(isinstance(node.on_exit, End) for node in nodes if node.executable != "viewer")
+
+
+def test_a_misspelt_argument_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:
+    messages = [entity for entity in entities("bench", monkeypatch, confg="healthy", unrelated="1") if isinstance(entity, Message)]
+    assert [message.named["msg"] for message in messages] == ["the argument 'confg' is ignored; did you mean 'config'?"]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -12,7 +13,9 @@ from slow_recorder import SlowRecorder
 from waiting import wait_for
 
 from dcrb_ros.messages.bundle import Bundle
+from dcrb_ros.messages.description import decode_range
 from dcrb_ros.messages.encoder import BlockEncoder
+from dcrb_ros.messages.topics import SENSOR
 from dcrb_ros.nodes.bench import EXIT_TIMEOUT
 from dcrb_ros.nodes.engine import CLOSE_TIMEOUT as ENGINE_TIMEOUT
 from dcrb_ros.nodes.recording_switch import RecordingSwitch, free_path
@@ -131,6 +134,19 @@ def test_a_recording_begun_later_contains_the_earlier_commands_and_starts_with_i
     assert min(message.time_ns for message in recording.messages()) == 20_000_000
 
 
+def test_a_recording_begun_later_starts_with_the_present_description(tmp_path: Path) -> None:
+    switch = RecordingSwitch(fast, Log())
+    switch.start([])
+    encoder = BlockEncoder(Configuration(), BODIES)
+    for block in blocks(3):
+        narrow = replace(block, range=20.0)
+        switch.write(Bundle(block.stamp_ns, block.end_ns, tuple(encoder.encode(narrow)), narrow))
+    switch.record(tmp_path / "bag")
+    switch.stop()
+    *_, last = Recording(tmp_path / "bag").messages((SENSOR,))
+    assert (decode_range(last.data), last.time_ns) == (20.0, 60_000_000)
+
+
 def test_a_reset_continues_in_a_new_recording_without_the_earlier_commands(tmp_path: Path) -> None:
     log = Log()
     switch = RecordingSwitch(fast, log, tmp_path / "bag")
@@ -156,3 +172,17 @@ def test_a_path_is_free_with_the_next_number(tmp_path: Path) -> None:
 
 def test_a_node_ends_before_the_bench_kills_it() -> None:
     assert ENGINE_TIMEOUT + CLOSE_TIMEOUT < EXIT_TIMEOUT - 1.0  # and a second to leave the graph
+
+
+def test_a_node_started_again_records_to_the_next_free_name(tmp_path: Path) -> None:
+    wanted = tmp_path / "bag"
+    for number, name in enumerate(("bag", "bag-2", "bag-3")):
+        log = Log()
+        switch = RecordingSwitch(fast, log, wanted)
+        switch.start([])
+        assert switch.path == tmp_path / name
+        assert log.messages == ([f"{wanted} exists and is kept: recording to {tmp_path / name}"] if number else [])
+        for bundle in bundles(number + 1):
+            switch.write(bundle)
+        switch.stop()
+    assert [len(list(Recording(tmp_path / name).vibrations())) for name in ("bag", "bag-2", "bag-3")] == [1, 2, 3]

@@ -15,6 +15,7 @@ pytest.importorskip("rclpy", reason="the nodes need ROS 2; everything else is te
 from made_up_blocks import recorded
 from node_arguments import parameters
 from ros_bench import PATIENCE, domain, environment, graph_client, node
+from waiting import wait_for
 
 from dcrb_ros.messages.points import decode_vibration
 from dcrb_ros.messages.statuses import decode_diagnostics
@@ -56,6 +57,16 @@ def test_the_detector_diagnoses_a_replay_like_the_live_bench(name: str, verdict:
     assert decode_diagnostics(client.received[BENCH_DIAGNOSTICS][-1])[1][0].name == "/dcrb/replayer"
 
 
+def test_a_replay_waits_until_its_subscriber_knows_it(tmp_path: Path) -> None:
+    bag, number = recorded(tmp_path / "bag", 20), domain()
+    given = parameters(bag=str(bag), rate=0.0, listeners=1, wait=PATIENCE)
+    with node("replayer", given, environment(number), tmp_path / "log") as replayer:
+        wait_for(lambda: "waiting for 1 subscriber" in replayer.output, PATIENCE)  # it is ready before anybody listens
+        with graph_client(number) as client:
+            client.until(lambda: len(client.received[VIBRATION]) == 20, "every block")
+            assert replayer.process.wait(PATIENCE) == 0, replayer.output
+
+
 def test_a_replay_keeps_the_recorded_pace_times_its_rate(tmp_path: Path) -> None:
     bag, number, stamps = recorded(tmp_path / "bag", 150), domain(), []
     with graph_client(number) as client:
@@ -87,15 +98,23 @@ def test_the_command_replays_and_refuses(tmp_path: Path) -> None:
     bag, number = recorded(tmp_path / "bag", 10), domain()
     command = [sys.executable, "-c", "from dcrb_ros.cli.app import main; main()", "replay"]
     done = subprocess.run(
-        [*command, str(bag), "--rate", "5"], env=environment(number), capture_output=True, text=True, timeout=PATIENCE, check=False
+        [*command, str(bag), "--rate", "5", "--listeners", "2", "--wait", "0.5"],
+        env=environment(number),
+        capture_output=True,
+        text=True,
+        timeout=PATIENCE,
+        check=False,
     )
     assert done.returncode == 0, done.stderr
+    assert "0 of 2 subscribers to outer_ring/vibration have joined within 0.5 s" in done.stderr
     for arguments, sentence in (
         (["nothing"], "there is no recording nothing"),
         ([str(bag), "--rate", "-1"], "rate = -1.0 is outside 0 .. 1000"),
         ([str(bag), "--rate", "nan"], "--rate nan is not a finite number"),
         ([str(bag), "--topics", "vibration"], "there is no topic 'vibration'"),
         ([str(bag), "--offset", "9"], "lower the offset"),
+        ([str(bag), "--listeners", "-1"], "listeners = -1 is outside 0 .. 1000"),
+        ([str(bag), "--wait", "inf"], "--wait inf is not a finite number"),
     ):
         done = subprocess.run(
             [*command, *arguments], env=environment(number), capture_output=True, text=True, timeout=PATIENCE, check=False

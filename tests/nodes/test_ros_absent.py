@@ -16,7 +16,7 @@ from dcrb_ros.schema.refusal import Refusal
 
 def test_the_check_names_what_is_missing(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(importlib.util, "find_spec", lambda name: None)
-    with pytest.raises(Refusal, match=r"rclpy is not installed: source a ROS installation, or pip install 'dcrb_ros\[ros\]'"):
+    with pytest.raises(Refusal, match=r"source a ROS installation, or run pip install '\.\[ros\]' in a checkout of dcrb_ros"):
         check_ros()
 
 

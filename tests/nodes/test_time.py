@@ -19,8 +19,10 @@ from ros_bench import PATIENCE, GraphClient, domain, environment, graph_client, 
 
 from dcrb_ros.messages.plain import decode_clock
 from dcrb_ros.messages.points import decode_vibration
-from dcrb_ros.messages.statuses import decode_truth
+from dcrb_ros.messages.statuses import decode_diagnostics, decode_truth
 from dcrb_ros.messages.topics import BENCH_DIAGNOSTICS, CLOCK, GROUND_TRUTH, VIBRATION
+from dcrb_ros.nodes.ros import installed
+from dcrb_ros.nodes.simulation_interfaces import PACKAGE
 from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.schema.simulated_time import nanoseconds
 from dcrb_ros.settings.configuration import Configuration
@@ -83,6 +85,7 @@ def test_a_pause_holds_the_blocks_and_a_step_sends_one(tmp_path: Path) -> None:
         assert answer.success
         assert answer.message.startswith("paused at ")
         client.until(lambda: client.status.get("model") == "paused", "the pause in /diagnostics")
+        assert client.status["simulation_interfaces"] == ("offered" if installed(PACKAGE) else "not installed")
         # Blocks that were already sent have arrived by then.
         held = indices(client)
         for count in (1, 2, 3):
@@ -161,6 +164,18 @@ def test_the_clock_is_simulated_time_and_throttled(tmp_path: Path) -> None:
         assert 10 < len(clocks) - first <= 230  # at most 100 Hz in wall time; throttle and subscriber use different clocks
         assert clocks == sorted(clocks)
         client.until(lambda: decode_vibration(client.received[VIBRATION][-1]).stamp_ns >= clocks[-1], "the block of that time")
+
+
+@pytest.mark.parametrize("simulated", [False, True])
+def test_reports_are_stamped_with_the_wall_clock_unless_simulated_time_is_used(simulated: bool, tmp_path: Path) -> None:
+    number, began = domain(), time.time_ns()
+    with graph_client(number) as client, node("simulator", parameters(use_sim_time=simulated), environment(number), tmp_path / "log"):
+        client.until(lambda: len(client.received[BENCH_DIAGNOSTICS]) >= 2, "two reports")
+        stamp_ns, (status,) = decode_diagnostics(client.received[BENCH_DIAGNOSTICS][-1])
+    if simulated:
+        assert stamp_ns == pytest.approx(float(status.values["simulated [s]"]) * 1e9, abs=1e6)
+    else:
+        assert began <= stamp_ns <= time.time_ns()
 
 
 def test_there_is_no_clock_by_default(tmp_path: Path) -> None:

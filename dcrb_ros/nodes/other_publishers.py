@@ -1,0 +1,43 @@
+"""Warnings about other nodes that publish on the topics of a node: their subscribers would receive a mixture."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from typing import Any
+
+from dcrb_ros.messages.topics import CLOCK, Topic
+
+REMEDIES = {CLOCK: "let one of them publish it"}
+"""What to do about two publishers of a topic that is not in the namespace of the bench."""
+NAMESPACES = "give each bench its own namespace (--ros-args -r __ns:=/NAME) or its own ROS_DOMAIN_ID"
+
+
+class OtherPublishers:
+    """Looks for other publishers on some topics of a node, and warns when their names change."""
+
+    def __init__(self, node: Any, topics: Iterable[Topic], warn: Callable[[str], object]) -> None:
+        self._node, self._topics, self._warn = node, tuple(topics), warn
+        self._found: dict[Topic, list[str]] = {}
+
+    def look(self) -> None:
+        """Look for them, and warn."""
+        for topic in self._topics:
+            name = topic.resolved(self._node.get_namespace())
+            others = self._others(name)
+            if others != self._found.get(topic, []) and others:
+                remedy = REMEDIES.get(topic, NAMESPACES)
+                self._warn(f"{', '.join(others)} also publishes on {name}, and subscribers receive a mixture: {remedy}")
+            self._found[topic] = others
+
+    @property
+    def names(self) -> list[str]:
+        """Names of the nodes found by the last `look`."""
+        return sorted({name for names in self._found.values() for name in names})
+
+    def _others(self, topic: str) -> list[str]:
+        """Return the names of the publishers on a topic without one of this node's name; a node of the same name remains."""
+        found = [f"{about.node_namespace.rstrip('/')}/{about.node_name}" for about in self._node.get_publishers_info_by_topic(topic)]
+        own = self._node.get_fully_qualified_name()
+        if own in found:
+            found.remove(own)
+        return sorted(found)

@@ -1,0 +1,61 @@
+"""Warnings about other publishers on the topics of a node, with a made-up graph."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+from dcrb_ros.messages.topics import CLOCK, VIBRATION
+from dcrb_ros.nodes.other_publishers import OtherPublishers
+
+OWN = ("/dcrb", "simulator")
+
+
+class Graph:
+    """Publishers by topic, as seen from the node /dcrb/simulator."""
+
+    def __init__(self) -> None:
+        self.publishers = {"/dcrb/outer_ring/vibration": [OWN], "/clock": [OWN]}
+
+    def get_namespace(self) -> str:
+        return OWN[0]
+
+    def get_fully_qualified_name(self) -> str:
+        return "/".join(OWN)
+
+    def get_publishers_info_by_topic(self, topic: str) -> list[SimpleNamespace]:
+        return [SimpleNamespace(node_namespace=namespace, node_name=name) for namespace, name in self.publishers[topic]]
+
+
+def test_a_second_node_is_reported_once_with_the_remedy() -> None:
+    graph, said = Graph(), list[str]()
+    others = OtherPublishers(graph, (VIBRATION, CLOCK), said.append)
+    others.look()
+    assert (others.names, said) == ([], [])
+    graph.publishers["/dcrb/outer_ring/vibration"].append(("/dcrb", "replayer"))
+    for _ in range(3):
+        others.look()
+    assert others.names == ["/dcrb/replayer"]
+    assert said == [
+        "/dcrb/replayer also publishes on /dcrb/outer_ring/vibration, and subscribers receive a mixture: give each bench its own "
+        "namespace (--ros-args -r __ns:=/NAME) or its own ROS_DOMAIN_ID"
+    ]
+
+
+def test_a_second_node_of_the_same_name_is_reported() -> None:
+    graph, said = Graph(), list[str]()
+    graph.publishers["/dcrb/outer_ring/vibration"].append(OWN)
+    others = OtherPublishers(graph, (VIBRATION,), said.append)
+    others.look()
+    assert others.names == ["/dcrb/simulator"]
+    assert len(said) == 1
+
+
+def test_a_second_clock_is_reported_with_its_own_remedy_and_forgotten_when_it_ends() -> None:
+    graph, said = Graph(), list[str]()
+    others = OtherPublishers(graph, (CLOCK,), said.append)
+    graph.publishers["/clock"] = [("/", "player"), OWN]
+    others.look()
+    graph.publishers["/clock"] = [OWN]
+    others.look()
+    assert others.names == []
+    assert said == ["/player also publishes on /clock, and subscribers receive a mixture: let one of them publish it"]

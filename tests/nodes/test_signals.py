@@ -1,0 +1,47 @@
+"""Signals at instants at which programs failed before; `make signals` draws random ones."""
+
+from __future__ import annotations
+
+import importlib.util
+import signal
+import sys
+from pathlib import Path
+from types import ModuleType
+
+import pytest
+
+pytest.importorskip("rclpy", reason="the nodes need ROS 2; everything else is tested without")
+
+from ros_bench import domain
+
+pytestmark = pytest.mark.node
+
+
+def loaded() -> ModuleType:
+    """Return benchmarks/signals.py as a module."""
+    spec = importlib.util.spec_from_file_location("random_signals", Path(__file__).parents[2] / "benchmarks" / "signals.py")
+    assert spec is not None
+    assert spec.loader is not None
+    module = sys.modules["random_signals"] = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+random_signals = loaded()
+
+
+@pytest.mark.parametrize(
+    ("program", "kind", "instant", "second"),
+    [
+        ("bench", signal.SIGINT, 0.4, None),
+        ("bench", signal.SIGKILL, 2.5, None),
+        ("simulator", signal.SIGTERM, 2.5, 0.5),
+        ("fault_detector", signal.SIGINT, 1.0, 0.3),
+        ("replayer", signal.SIGTERM, 0.3, None),
+    ],
+)
+def test_a_signal_leaves_no_traceback_no_process_and_no_file(
+    program: str, kind: signal.Signals, instant: float, second: float | None, tmp_path: Path
+) -> None:
+    outcome = random_signals.fire(random_signals.Shot(program, kind, instant, second), tmp_path, domain())
+    assert outcome.flaws == (), outcome.output
