@@ -182,7 +182,7 @@ def distance(found: Found, other: Found) -> str:
 def main() -> None:
     """Print a table, or a note if Exudyn is not installed."""
     if importlib.util.find_spec("exudyn") is None:
-        print("\nExudyn is not installed: `pip install 'dcrb_ros[bench]'` adds it to the comparison.")
+        print("\nExudyn is not installed: `pip install '.[bench]'` adds it to the comparison.")
         return
     ours, exact, limit = production_run(1), production_run(FINE), exudyn_run(EXACT_STEP, JOINED)
     print("\n| smooth raceways, power law | x real time | production is faster by | from own limit | from it |\n|---|---|---|---|---|")

@@ -1,4 +1,4 @@
-"""Overhead of a sweep: simulated time per core second relative to the kernel, busy cores, time between runs, and a long plan.
+"""Overhead of a sweep: simulated time per core second relative to the kernel, busy cores, and a long plan.
 
 The kernel is measured before and after in as many parallel processes as there are workers; processor times are compared.
 """
@@ -7,25 +7,22 @@ from __future__ import annotations
 
 import argparse
 import os
-import resource
 import statistics
 import tempfile
 import time
 import tracemalloc
 from collections.abc import Iterator
 from functools import partial
-from itertools import pairwise
 from typing import Any
 
 import psutil
-from distributed import Client, get_task_stream
 from real_time import kernel
 
 from dcrb_ros.runtime.processes import in_processes
 from dcrb_ros.settings.configuration import Configuration
-from dcrb_ros.sweep.data_set import DataSet
-from dcrb_ros.sweep.dispatch import local_workers
+from dcrb_ros.sweep.data_set import open_data_set
 from dcrb_ros.sweep.loader import sweep_of
+from dcrb_ros.sweep.local_workers import LocalWorkers, local_workers
 from dcrb_ros.sweep.plan import Plan
 from dcrb_ros.sweep.store import Store
 
@@ -53,42 +50,30 @@ def kernels(joint: str, duration: float, workers: int) -> Iterator[float]:
         yield factor
 
 
-def processor_time(client: Client) -> float:
+def processor_time(workers: LocalWorkers) -> float:
     """Return the processor time of all workers [s]."""
-    usage = client.run(lambda: sum(resource.getrusage(resource.RUSAGE_SELF)[:2]))
-    return float(sum(usage.values()))
-
-
-def between(tasks: list[dict[str, Any]]) -> tuple[float, float]:
-    """Return the idle time of the workers between tasks as a share of the whole time [-], and its median per gap [s]."""
-    gaps, whole = [], 0.0
-    for worker in {task["worker"] for task in tasks}:
-        spans = sorted((part["start"], part["stop"]) for task in tasks if task["worker"] == worker for part in task["startstops"])
-        gaps += [max(0.0, after[0] - before[1]) for before, after in pairwise(spans)]
-        whole += spans[-1][1] - spans[0][0]
-    return sum(gaps) / whole, statistics.median(gaps)
+    return sum(sum(psutil.Process(number).cpu_times()[:2]) for number in workers.process_ids)
 
 
 def measured(joint: str, runs: int, duration: float) -> str:
     """Return a row of the table."""
     workers = os.cpu_count() or 1
     before = list(kernels(joint, 3.0, workers))
-    with tempfile.TemporaryDirectory() as folder, local_workers(workers, "auto") as client:
-        DataSet(plan(joint, 2 * workers, 0.1), Store(f"{folder}/warm")).make(client, lambda _: None)
-        data_set = DataSet(plan(joint, runs, duration), Store(f"{folder}/set"))
-        others = psutil.cpu_times()
-        spent, begin = processor_time(client), time.perf_counter()
-        with get_task_stream(client) as stream:
-            tally = data_set.make(client, lambda _: None)
-        wall, spent = time.perf_counter() - begin, processor_time(client) - spent
-        share, gap = between([task for task in stream.data if task["key"].startswith("sweep-")])
-        later = psutil.cpu_times()
+    with tempfile.TemporaryDirectory() as folder, local_workers(workers, "auto") as processes:
+        with open_data_set(plan(joint, 2 * workers, 0.1), Store(f"{folder}/warm")) as data_set:
+            data_set.make(processes, lambda _: None)
+        with open_data_set(plan(joint, runs, duration), Store(f"{folder}/set")) as data_set:
+            others = psutil.cpu_times()
+            spent, begin = processor_time(processes), time.perf_counter()
+            tally = data_set.make(processes, lambda _: None)
+            wall, spent = time.perf_counter() - begin, processor_time(processes) - spent
+            later = psutil.cpu_times()
     alone = statistics.mean([*before, *kernels(joint, 3.0, workers)])
     foreign = (later.user + later.system + later.nice - others.user - others.system - others.nice - spent) / (wall * workers)
     factor = tally.seconds / spent
     return (
         f"| {joint} | {runs} of {duration:g} s | {alone:.2f} | {factor:.2f} | {factor / alone:.2f} | {tally.seconds / wall:.2f} | "
-        f"{100 * spent / (wall * workers):.0f} % | {100 * foreign:.0f} % | {100 * share:.2f} % | {1e3 * gap:.2f} ms |"
+        f"{100 * spent / (wall * workers):.0f} % | {100 * foreign:.0f} % |"
     )
 
 
@@ -117,8 +102,8 @@ def main() -> None:
     parser.add_argument("--joints", nargs="+", default=["revolute", "pocket"])
     options = parser.parse_args()
     print(f"Load average before: {os.getloadavg()[0]:.1f}\n")
-    print("| joint | runs | kernel, x real time | sweep, per core second | ratio | all workers | busy | others | between runs | gap |")
-    print("|---|---|---|---|---|---|---|---|---|---|")
+    print("| joint | runs | kernel, x real time | sweep, per core second | ratio | all workers | busy | others |")
+    print("|---|---|---|---|---|---|---|---|")
     for joint in options.joints:
         print(measured(joint, options.runs, options.duration), flush=True)
     long_plan(10_000)

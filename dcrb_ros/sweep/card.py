@@ -6,6 +6,7 @@ import hashlib
 
 from dcrb_ros.recordings.manifest import UNITS, model_fingerprint, software
 from dcrb_ros.runtime.version import __version__
+from dcrb_ros.settings.files import fields_by_key
 from dcrb_ros.sweep.design import GRID, Axes, Choice
 from dcrb_ros.sweep.label import DONE
 from dcrb_ros.sweep.plan import Plan
@@ -13,6 +14,8 @@ from dcrb_ros.sweep.sweep_file import Sweep
 from dcrb_ros.sweep.table import COLUMNS, Tally
 
 SPLITS = ("train", "validation", "test")
+SHOWN_VALUES = 20
+"""Values of an axis that are listed at most [-]."""
 
 
 def card(plan: Plan, tally: Tally) -> str:
@@ -23,18 +26,27 @@ def card(plan: Plan, tally: Tally) -> str:
 
 def _summary(sweep: Sweep, tally: Tally) -> str:
     rate, file = sweep.base["sensor.sampling_rate"], sweep.file
-    made = sum(tally.statuses.values())
-    rest = ", ".join(f"{count} {status}" for status, count in sorted(tally.statuses.items()) if status != DONE)
-    return f"""# Vibration of a simulated double-row roller bearing
+    planned, done = sum(tally.statuses.values()), tally.statuses[DONE]
+    outcomes = ", ".join(f"{count} {status}" for status, count in sorted(tally.statuses.items()))
+    result = "and all of them succeeded" if done == planned else f"with the outcomes {outcomes}"
+    left_out = f" The first {file.settle:g} s of a run are not recorded." if file.settle else ""
+    return f"""# Vibration of a simulated {_rows(sweep)} roller bearing
 
-{tally.statuses[DONE]} runs of {file.duration:g} s, {tally.seconds:.6g} s in all,
-made by dcrb_ros {__version__} (model {model_fingerprint()}). Of {made} planned runs, {rest or "none was refused or failed"}.
+{done} runs of {file.duration:g} s, {tally.seconds:.6g} s in total, made by dcrb_ros {__version__} (model {model_fingerprint()}).
+{planned} runs were planned, {result}.
 
-Every waveform is the output of an accelerometer on the outer ring at {rate} Hz (unless `labels.parquet` gives another rate):
-`ax` and `ay` [m/s^2], X to the right and Y up, and `shaft_angle` [rad], the rotation of the inner ring within 0 .. 2 pi. The first
-{file.settle:g} s of a run are not recorded. The data are simulated with a planar model of a rigid bearing, without lubricant, heat or wear.
+Every waveform is the output of an accelerometer on the outer ring, sampled at {rate} Hz unless `labels.parquet` gives another rate:
+`ax` and `ay` [m/s^2], X to the right and Y up, and `shaft_angle` [rad], the angle of the inner ring, 0 to 2 pi.{left_out}
+The data are simulated, not measured. The model is planar and its rings are rigid; `base.yaml` has its parameters.
 
-Licence of the data: {file.licence}. The licence of the program that made them, Apache-2.0, does not extend to the data."""
+Licence of the data: {file.licence}. The licence of the program, Apache-2.0, does not apply to the data."""
+
+
+def _rows(sweep: Sweep) -> str:
+    """Return the number of rows of the bearing as a word, or both words if the sweep varies it."""
+    axis = sweep.vary.get("bearing.rows", Choice((sweep.base["bearing.rows"],)))
+    rows = {int(count) for count in (axis.values if isinstance(axis, Choice) else (axis.low, axis.high))}
+    return " or ".join({1: "single-row", 2: "double-row"}[count] for count in sorted(rows))
 
 
 def _counts(tally: Tally) -> str:
@@ -49,9 +61,9 @@ def _counts(tally: Tally) -> str:
         [
             "## Runs by split and fault\n",
             *lines,
-            "\nA condition (bearing, speed, load) belongs to one split only, with all its seeds, faults and sensors. So do twins, "
-            "the runs of one condition\nand seed that differ in the fault only.",
-            *([f"\nNot simulated:\n\n{reasons}"] if reasons else []),
+            "\nA condition is a bearing at one speed and load. All its runs, with any seed, fault or sensor, are in one split. So are "
+            "twins, the runs\nof one condition and seed that differ in the fault only.",
+            *([f"\nReasons of the runs that were refused or failed:\n\n{reasons}"] if reasons else []),
         ]
     )
 
@@ -59,23 +71,26 @@ def _counts(tally: Tally) -> str:
 def _files(sweep: Sweep) -> str:
     kind, windows = sweep.file.output, sweep.file.windows
     waveform = {
-        "npz": "`runs/RUN.npz`: arrays `ax`, `ay`, `shaft_angle` (float32), `sampling_rate`, `first_index`; `numpy.load`",
-        "parquet": "`runs/RUN.parquet`: columns `ax`, `ay`, `shaft_angle` (float32); `pandas.read_parquet`",
-        "bag": "`runs/RUN/`: a rosbag2 recording (MCAP) with ground truth; `dcrb info` prints its contents",
+        "npz": "`runs/RUN.npz`: waveform of one run, arrays `ax`, `ay`, `shaft_angle` (float32), `sampling_rate` and `first_index`; "
+        "read it with `numpy.load`",
+        "parquet": "`runs/RUN.parquet`: waveform of one run, columns `ax`, `ay` and `shaft_angle` (float32); "
+        "read it with `pandas.read_parquet`",
+        "bag": "`runs/RUN/`: rosbag2 recording (MCAP) of one run with its ground truth; `dcrb info` prints its contents",
     }[kind]
     lines = [
         "## Files\n",
-        "* `labels.parquet`: one row per run; `pandas.read_parquet`",
+        "* `labels.parquet`: one row per run; read it with `pandas.read_parquet`",
         f"* {waveform}",
-        "* `labels/RUN.json`: the label of one run",
-        "* `sweep.yaml`: the sweep file; `base.yaml`: its base configuration with all parameters; `sweep.json`: both, with the scenarios",
+        "* `labels/RUN.json`: label of one run, with size and SHA-256 of its files",
+        "* `sweep.yaml`: the sweep file; `base.yaml`: its base configuration with all parameters; `sweep.json`: both, and the scenarios",
     ]
     if windows is not None:
         arrays = "array `x` of shape (windows, 2, length)" if windows.kind == "npz" else "columns `ax`, `ay`, lists of `length` samples"
         lines.append(
-            f"* `windows/SPLIT/RUN.{windows.kind}`: windows of {windows.length} samples every {windows.hop} samples: {arrays} [m/s^2], "
-            "with `start` (sample), `time` [s], `fault`, `width` [m], `speed` [rad/s], `load` [N] and `mixed` "
-            "(whether a fault changed within the window) of each window"
+            f"* `windows/SPLIT/RUN.{windows.kind}`: windows of {windows.length} samples, one every {windows.hop} samples: "
+            f"{arrays} [m/s^2], and for each window `start` [sample], `time` [s], `fault`, `width` [m], `speed` [rad/s], "
+            "`load` [N] and `mixed` "
+            "(whether a fault changes within the window)"
         )
     return "\n".join(lines)
 
@@ -83,7 +98,7 @@ def _files(sweep: Sweep) -> str:
 def _columns() -> str:
     lines = "\n".join(f"| `{name}` | {meaning} |" for name, meaning in COLUMNS.items())
     units = "; ".join(f"{name} in {unit}" for name, unit in UNITS.items())
-    head = f"## Columns of labels.parquet\n\n{units}. Every varied parameter has a column with its own name."
+    head = f"## Columns of labels.parquet\n\nUnits: {units}. Every varied parameter has a column with its own name."
     return f"{head}\n\n| column | meaning |\n|---|---|\n{lines}"
 
 
@@ -95,7 +110,14 @@ def _design(sweep: Sweep) -> str:
         lines.append(f"* case `{name}`: " + ("; ".join(_axes({k: a for k, a in axes.items() if _changes(k, a, sweep)})) or "no fault"))
     branches = f"the cases of a condition branch from one healthy simulation at {file.branch_at:g} s"
     start = branches if file.branch_at else "every run is simulated from its own start"
-    return "## Design\n\n" + "\n".join([*lines, f"* seeds: {file.seeds!r} per condition; {start}"])
+    return "## Design\n\n" + "\n".join([*lines, f"* {_seeds(file.seeds)}; {start}"])
+
+
+def _seeds(seeds: int | list[int]) -> str:
+    """Return the seeds of each condition in words."""
+    if isinstance(seeds, list):
+        return f"seeds: {', '.join(map(str, seeds))} in every condition"
+    return "one seed per condition" if seeds == 1 else f"{seeds} seeds per condition"
 
 
 def _changes(key: str, axis: object, sweep: Sweep) -> bool:
@@ -104,21 +126,31 @@ def _changes(key: str, axis: object, sweep: Sweep) -> bool:
 
 
 def _axes(axes: Axes) -> list[str]:
-    found = []
+    """Return each axis with its values and their unit."""
+    fields, found = fields_by_key(), []
     for key, axis in axes.items():
-        span = ", ".join(str(value) for value in axis.values[:20]) if isinstance(axis, Choice) else f"{axis.low:g} .. {axis.high:g}"
-        found.append(f"`{key}`: {span}" + (" (log)" if not isinstance(axis, Choice) and axis.log else ""))
+        if isinstance(axis, Choice):
+            values = [f"`{value}`" if isinstance(value, str) else str(value) for value in axis.values]
+            rest = f" and {len(values) - SHOWN_VALUES} more" if len(values) > SHOWN_VALUES else ""
+            text = ", ".join(values[:SHOWN_VALUES]) + rest
+        else:
+            text = f"{axis.low:g} to {axis.high:g}" + (", logarithmic" if axis.log else "")
+        unit = fields[key].unit if key in fields else ""
+        found.append(f"`{key}`" + (f" [{unit}]" if unit not in ("", "-") else "") + f": {text}")
     return found
 
 
 def _reproduction(sweep: Sweep) -> str:
     text = hashlib.sha256(sweep.text.encode()).hexdigest()
-    here = ", ".join(f"{name} {version}" for name, version in software().items())
+    versions = software()
+    machine = versions.pop("machine")
+    here = ", ".join(f"{name} {version}" for name, version in versions.items()) + f" on {machine}"
     return f"""## Reproducing the data set
 
 ```sh
 dcrb sweep sweep.yaml -o DIR    # dcrb_ros {__version__}
 ```
 
-`sweep.yaml` has the SHA-256 {text}. The data set was made with {here}. On the same kind of machine the samples are identical bit for bit.
-On another kind the last bit may differ; rollers outside the load zone then move differently in detail, with the same statistics."""
+`sweep.yaml` has the SHA-256 {text}. The data set was made with {here}. With the same software, on the same kind of processor, the
+samples are identical bit for bit. Otherwise the last bit may differ; rollers outside the load zone then move differently in detail, with
+the same statistics."""

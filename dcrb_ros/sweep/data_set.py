@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 from collections import Counter
-from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Iterator
+from typing import Any
 
 import yaml
 
@@ -14,15 +15,15 @@ from dcrb_ros.runtime.version import __version__
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.files import nest
 from dcrb_ros.sweep.card import card
-from dcrb_ros.sweep.dispatch import dispatched
 from dcrb_ros.sweep.execution import common_settings, error_label, write_label
+from dcrb_ros.sweep.folder_lock import locked
 from dcrb_ros.sweep.label import ERROR
 from dcrb_ros.sweep.plan import Plan
 from dcrb_ros.sweep.store import Store, StoreFailed
 from dcrb_ros.sweep.table import Tally, write_table
-
-if TYPE_CHECKING:
-    from distributed import Client
+from dcrb_ros.sweep.verification import ERRORS, LABELS, flaws, label_name
+from dcrb_ros.sweep.workers import Workers
+from dcrb_ros.text.json import parsed_json
 
 ABOUT, COPY, BASE, CARD = "sweep.json", "sweep.yaml", "base.yaml", "README.md"
 PARTS = ("sweep", "base", "scenarios")
@@ -33,15 +34,26 @@ TASK_SECONDS = 2.0
 Progress = Callable[[Counter[str]], None]
 
 
+@contextlib.contextmanager
+def open_data_set(plan: Plan, store: Store) -> Iterator[DataSet]:
+    """Create a data set, or open an existing one to continue it; its folder is locked until the end of the block.
+
+    Raises:
+        Refusal: the store contains other files, or a data set of another sweep, model or version, or it cannot be written, or another
+            process is writing to it.
+    """
+    with locked(store.folder):
+        try:
+            data_set = DataSet(plan, store)
+        except StoreFailed as failure:
+            raise Refusal(str(failure)) from None
+        yield data_set
+
+
 class DataSet:
-    """A data set in a store."""
+    """A data set in a store, see `open_data_set`."""
 
     def __init__(self, plan: Plan, store: Store) -> None:
-        """Create a data set, or open an existing one to continue it.
-
-        Raises:
-            Refusal: the store contains other files, or a data set of another sweep, model or version, or it cannot be written.
-        """
         self.plan, self.store = plan, store
         about = _about(plan)
         known = _known(store)
@@ -49,30 +61,32 @@ class DataSet:
             _check_same(known, about, store)
         elif any(True for _ in store.names("")):
             raise Refusal(f"{store.address} contains files that are not a data set: give an empty or a new folder")
-        try:
-            # Written first, since the folder is recognised by this file.
-            store.write(ABOUT, json.dumps(about, indent=1).encode())
-            store.write(COPY, plan.sweep.text.encode())
-            store.write(BASE, _as_file(plan).encode())
-        except StoreFailed as failure:
-            raise Refusal(str(failure)) from None
+        # Written first, since the folder is recognised by this file.
+        store.write(ABOUT, json.dumps(about, indent=1).encode())
+        store.write(COPY, plan.sweep.text.encode())
+        store.write(BASE, _as_file(plan).encode())
         store.remove_unfinished()
-        self.done = {name.removesuffix(".json") for name in store.names("labels")}
-        """Runs that have a label."""
+        labelled = sorted(name.removesuffix(".json") for name in store.names(LABELS))
+        self.flaws = flaws(store, labelled)
+        """Labelled runs that do not count, each with the reason; they are simulated again."""
+        for name in self.flaws:
+            store.remove(label_name(name))
+        self.done = set(labelled) - set(self.flaws)
+        """Runs with a whole label and with their files."""
 
-    def make(self, client: Client, progress: Progress) -> Tally:
+    def make(self, workers: Workers, progress: Progress) -> Tally:
         """Simulate the missing runs, then write the table and the card; ``progress`` is called with the outcomes of each task."""
-        common, runs = common_settings(self.plan.sweep, self.store), self.plan.tasks(self.done, self._task_seconds(client))
-        for task, outcome in dispatched(client, common, runs):
+        common, tasks = common_settings(self.plan.sweep, self.store), self.plan.tasks(self.done, self._task_seconds(workers.count))
+        for task, outcome in workers.dispatched(common, tasks):
             if isinstance(outcome, Exception):
                 for run in task:
-                    if not self.store.exists(f"labels/{run.name}.json"):
+                    if not self.store.exists(label_name(run.name)):
                         write_label(self.store, error_label(self.plan.sweep.base, run, str(outcome) or type(outcome).__name__))
                 progress(Counter({ERROR: len(task)}))
             else:
                 for name, status in outcome:
                     if status != ERROR:
-                        self.store.remove(f"errors/{name}.json")
+                        self.store.remove(label_name(name, ERRORS))
                 progress(Counter(status for _, status in outcome))
         return self.finish()
 
@@ -82,9 +96,9 @@ class DataSet:
         self.store.write(CARD, card(self.plan, tally).encode())
         return tally
 
-    def _task_seconds(self, client: Client) -> float:
+    def _task_seconds(self, workers: int) -> float:
         """Return the simulated time of a task [s]: short enough that all workers stay busy to the end."""
-        file, workers = self.plan.sweep.file, max(1, sum(client.nthreads().values()))
+        file = self.plan.sweep.file
         fair: float = self.plan.sweep.count * (file.duration + file.settle) / (8 * workers)
         return min(TASK_SECONDS, fair)
 
@@ -93,17 +107,15 @@ def _known(store: Store) -> dict[str, Any]:
     """Return the inputs of the data set in a store; empty if there is no data set.
 
     Raises:
-        Refusal: the store is not a folder or cannot be read, or the file of the inputs is damaged.
+        Refusal: the file of the inputs is damaged.
+        StoreFailed: the store cannot be read.
     """
-    try:
-        known = store.read(ABOUT)
-    except OSError as error:
-        raise Refusal(f"{store.address} cannot be read: {error.strerror or error}; give an empty or a new folder") from None
+    known = store.read(ABOUT)
     if known is None:
         return {}
     try:
-        about = json.loads(known)
-    except (ValueError, RecursionError):
+        about = parsed_json(known, store.path(ABOUT))
+    except Refusal:
         about = None
     if not isinstance(about, dict) or not all(isinstance(about.get(part, {}), dict) for part in PARTS):
         raise Refusal(f"{store.path(ABOUT)} is damaged, so the data set cannot be continued: give another folder")

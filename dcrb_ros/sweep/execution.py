@@ -27,8 +27,9 @@ from dcrb_ros.stream.block import Block, Truth
 from dcrb_ros.sweep.design import Value
 from dcrb_ros.sweep.label import DONE, ERROR, FAILED, REFUSED, base_label, fault_label
 from dcrb_ros.sweep.plan import Run, Task
-from dcrb_ros.sweep.store import PART, Store, StoreFailed
+from dcrb_ros.sweep.store import PART, FileRecord, Store, StoreFailed, file_record, record_of
 from dcrb_ros.sweep.sweep_file import Sweep, Windows
+from dcrb_ros.sweep.verification import ERRORS, LABELS, flaw, label_name, read_label
 from dcrb_ros.sweep.windows import cut_windows, window_labels, window_starts, windows_file
 
 WAVEFORM_PUBLISHING = {"block_size": 8192, "state_rate": 1}
@@ -84,22 +85,23 @@ def run_task(common: CommonSettings, task: Task) -> list[tuple[str, str]]:
     """
     statuses, branch_point = [], _BranchPoint(common)
     for run in task:
-        name = f"labels/{run.name}.json"
-        existing = common.store.read(name)  # written by a worker that was lost before it reported
-        label = json.loads(existing) if existing else _label(common, run, branch_point)
-        if not existing:
+        label = _existing_label(common.store, run)
+        if label is None:
+            label = _label(common, run, branch_point)
             write_label(common.store, label)
         statuses.append((run.name, str(label["status"])))
     return statuses
 
 
+def _existing_label(store: Store, run: Run) -> dict[str, Any] | None:
+    """Return the label of a worker that was lost before it reported its task; None if there is none that counts."""
+    return None if flaw(store, run.name) else read_label(store, run.name)
+
+
 def write_label(store: Store, label: Mapping[str, Any]) -> None:
     """Write a label; labels of errors are kept in a folder of their own, since these runs are tried again."""
     data = json.dumps(label, indent=1).encode()
-    if label["status"] == ERROR:
-        store.write(f"errors/{label['run']}.json", data)
-    else:
-        store.write(f"labels/{label['run']}.json", data)
+    store.write(label_name(str(label["run"]), ERRORS if label["status"] == ERROR else LABELS), data)
 
 
 def error_label(base: Mapping[str, Value], run: Run, reason: str) -> dict[str, Any]:
@@ -171,17 +173,23 @@ def _simulate(common: CommonSettings, run: Run, branch_point: _BranchPoint) -> d
     running = (branch_point.branch(run) if common.branch_at else _start(common, run)).skip(common.settle)
     rate = running.start.sensor.sampling_rate
     if common.output == "bag":
-        waveform = _record_bag(common, run, running)
         file = f"runs/{run.name}"
+        waveform, files = _record_bag(common, run, running)
     else:
-        waveform = _run_blocks(running.simulation.blocks(common.duration), running.truths, keep=True)
         file = f"runs/{run.name}.{common.output}"
-        common.store.write(file, _waveform_file(waveform, rate, common.output))
+        waveform = _run_blocks(running.simulation.blocks(common.duration), running.truths, keep=True)
+        files = _written(common.store, file, _waveform_file(waveform, rate, common.output))
     about = {"file": file, "sampling_rate": rate, "first_index": waveform.first_index, "samples": waveform.samples}
     if common.windows is not None:
-        _write_windows(common, run, waveform, rate)
+        files |= _write_windows(common, run, waveform, rate)
         about["windows"] = len(window_starts(waveform.samples, common.windows))
-    return {**fault_label(waveform.truths), **about, "clipped": waveform.clipped, "sha256": waveform.sha256}
+    return {**fault_label(waveform.truths), **about, "clipped": waveform.clipped, "sha256": waveform.sha256, "files": files}
+
+
+def _written(store: Store, name: str, data: bytes) -> dict[str, FileRecord]:
+    """Write a file and return its record by its name."""
+    store.write(name, data)
+    return {name: file_record(data)}
 
 
 def _start(common: CommonSettings, run: Run) -> _RunningSimulation:
@@ -214,8 +222,8 @@ def _run_blocks(blocks: Iterable[Block], before: Iterable[Truth], *, keep: bool)
     return Waveform(np.concatenate(accelerations), np.concatenate(angles), truths, first, samples, clipped, digest.hexdigest())
 
 
-def _record_bag(common: CommonSettings, run: Run, running: _RunningSimulation) -> Waveform:
-    """Run a simulation to its end and record a bag, which can be reproduced with `dcrb simulate --from`."""
+def _record_bag(common: CommonSettings, run: Run, running: _RunningSimulation) -> tuple[Waveform, dict[str, FileRecord]]:
+    """Run a simulation to its end and record a bag, which can be reproduced with `dcrb simulate --from`; return its files, too."""
     folder, simulation = common.store.folder, running.simulation
     if folder is not None:
         folder.mkdir(parents=True, exist_ok=True)
@@ -233,8 +241,9 @@ def _record_bag(common: CommonSettings, run: Run, running: _RunningSimulation) -
                     yield block
 
         waveform = _run_blocks(recorded_blocks(), running.truths, keep=common.windows is not None)
+        files = {f"runs/{run.name}/{part.name}": record_of(part) for part in sorted(path.iterdir())}
         common.store.put(path, f"runs/{run.name}")
-    return waveform
+    return waveform, files
 
 
 def _waveform_file(waveform: Waveform, rate: int, kind: str) -> bytes:
@@ -253,10 +262,10 @@ def _waveform_file(waveform: Waveform, rate: int, kind: str) -> bytes:
     return stream.getvalue()
 
 
-def _write_windows(common: CommonSettings, run: Run, waveform: Waveform, rate: int) -> None:
+def _write_windows(common: CommonSettings, run: Run, waveform: Waveform, rate: int) -> dict[str, FileRecord]:
     windows = common.windows
     assert windows is not None
     labels = window_labels(window_starts(waveform.samples, windows), waveform.first_index, rate, windows, waveform.truths)
     about = {"run": run.name, "case": run.case, "split": run.split}
     data = windows_file(cut_windows(waveform.acceleration, windows), labels, about, windows.kind)
-    common.store.write(f"windows/{run.split}/{run.name}.{windows.kind}", data)
+    return _written(common.store, f"windows/{run.split}/{run.name}.{windows.kind}", data)

@@ -19,12 +19,14 @@ from dcrb_ros.settings.files import (
     load_configuration,
     overlaid,
     shipped_folder,
+    unknown_parameter,
 )
 from dcrb_ros.settings.vehicle_speed import SPEED, SPEED_KMH
-from dcrb_ros.settings.yaml import read_yaml
 from dcrb_ros.simulation.scenario import read_scenario_file
 from dcrb_ros.sweep.design import GRID, Axes, Axis, Choice, Span, Value
 from dcrb_ros.sweep.sweep_file import NO_FAULTS, SCENARIO, Shares, Sweep, SweepFile, Windows
+from dcrb_ros.text.files import checked_path, read_text
+from dcrb_ros.text.yaml import read_yaml
 
 CASE_GROUPS = ("faults", "background", "sensor")
 """Groups of parameters that a case may set: the faults and their measurement. All others are conditions of the bearing."""
@@ -46,13 +48,13 @@ def read_sweep(source: str | Path) -> Sweep:
     tree = read_yaml(path)
     if not isinstance(tree, Mapping):
         raise Refusal(f"{path} is not a sweep: it must have keys such as 'base', 'vary', 'cases' and 'duration'")
-    return sweep_of({str(key): value for key, value in tree.items()}, str(path), path.parent, path.read_text(encoding="utf-8"))
+    return sweep_of({str(key): value for key, value in tree.items()}, str(path), path.parent, read_text(path))
 
 
 def find_sweep(source: str | Path) -> Path:
     """Return the path of the sweep given by a file or by a shipped name."""
     shipped = {path.stem: path for path in sorted((shipped_folder() / "sweeps").glob("*.yaml"))}
-    path = Path(source)
+    path = checked_path(source)
     if not path.is_file() and str(source) not in shipped:
         raise Refusal(f"there is no sweep '{source}': give a YAML file or one of {', '.join(shipped)}{nearest(str(source), shipped)}")
     return path if path.is_file() else shipped[str(source)]
@@ -103,7 +105,7 @@ def _sentence(problem: ErrorDetails) -> str:
 
 def _known(key: str, fields: Mapping[str, ParameterField], source: str) -> ParameterField:
     if key not in fields:
-        raise Refusal(f"{source}: unknown parameter '{key}'{nearest(key, fields)}")
+        raise Refusal(f"{source}: {unknown_parameter(key)}")
     if key == "simulation.seed":
         raise Refusal(f"{source}: simulation.seed cannot be set here: use 'seeds', a count or a list such as [1, 2]")
     return fields[key]
@@ -184,14 +186,14 @@ def _span(key: str, tree: Mapping[str, Any], field: ParameterField, design: str,
 
 def _beside(name: str, folder: Path) -> Path:
     """Return the path of a sweep's configuration: in the folder of the sweep file, or as for any other command."""
-    beside = folder / name
+    beside = checked_path(folder / name)
     return beside if beside.is_file() else find_configuration(name)
 
 
 def _scenarios(all_axes: list[Axes], folder: Path) -> dict[str, Any]:
     """Return the scenarios named by axes, as read from YAML."""
     names = {str(name) for axes in all_axes if SCENARIO in axes for name in axes[SCENARIO].grid() if name}
-    return {name: read_scenario_file(folder / name if (folder / name).is_file() else Path(name)) for name in sorted(names)}
+    return {name: read_scenario_file(folder / name if checked_path(folder / name).is_file() else Path(name)) for name in sorted(names)}
 
 
 def _consistent(sweep: Sweep, fields: Mapping[str, ParameterField], source: str) -> None:
@@ -220,8 +222,8 @@ def _consistent(sweep: Sweep, fields: Mapping[str, ParameterField], source: str)
         raise Refusal(
             f"{source}: duration = {file.duration:g} s is above {LONGEST_RUN:g} s, too long for memory: use 'output: bag' without windows"
         )
-    if SPEED_KMH in flatten(file.fixed) and SPEED in sweep.vary:
-        raise Refusal(f"{source}: set: {SPEED_KMH} would override {SPEED} under 'vary': give one of them")
+    if {SPEED, SPEED_KMH} <= {*flatten(file.fixed), *sweep.vary}:
+        raise Refusal(f"{source}: {SPEED} and {SPEED_KMH} under 'set' and 'vary' are two forms of one parameter: give one of them")
     gaps = [key for key in GAP_PARAMETERS if sweep.base[key] or key in sweep.vary]
     if held and gaps:
         raise Refusal(

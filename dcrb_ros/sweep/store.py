@@ -4,21 +4,52 @@ from __future__ import annotations
 
 import errno
 import functools
+import hashlib
 import os
 import shutil
 import uuid
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, TypedDict
 
 from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.sweep.folder_lock import LOCK
+from dcrb_ros.text.files import checked_path, read_bytes
 
+LARGEST_FILE = 16 * 1024 * 1024
+"""Largest label or description that is read [bytes]."""
 PART = ".part-"
 """Prefix of the names of unfinished files."""
 
 
+CHUNK = 1 << 20
+"""Bytes that are hashed at once [-]."""
+
+
 class StoreFailed(RuntimeError):
-    """Writing failed, for example on a full disk; the sweep stops and can be continued later."""
+    """Reading or writing failed, for example on a full disk; the sweep stops and can be continued later."""
+
+
+class FileRecord(TypedDict):
+    """A file as it was written."""
+
+    size: int
+    """Size [byte]."""
+    sha256: str
+
+
+def file_record(data: bytes) -> FileRecord:
+    """Return the record of a file with these contents."""
+    return {"size": len(data), "sha256": hashlib.sha256(data).hexdigest()}
+
+
+def record_of(path: Path) -> FileRecord:
+    """Return the record of a file of any size in a folder of this machine."""
+    digest = hashlib.sha256()
+    with path.open("rb") as file:
+        while data := file.read(CHUNK):
+            digest.update(data)
+        return {"size": file.tell(), "sha256": digest.hexdigest()}
 
 
 class Store:
@@ -30,7 +61,7 @@ class Store:
         Raises:
             Refusal: the protocol of the address is unknown, or its package is not installed.
         """
-        self.address = address if "://" in address else str(Path(address).absolute())
+        self.address = address if "://" in address else str(checked_path(address).absolute())
         try:
             _ = self._filesystem
         except (ValueError, ImportError) as error:
@@ -97,17 +128,55 @@ class Store:
             raise self._failed(error) from None
 
     def read(self, name: str) -> bytes | None:
-        """Return the contents of a file; None if it does not exist."""
+        """Return the contents of a file; None if it does not exist.
+
+        Raises:
+            StoreFailed: it cannot be read.
+        """
         try:
-            data: bytes = self._filesystem[0].cat_file(self.path(name))
-            return data
+            if self.folder is not None:
+                return None if not (self.folder / name).exists() else read_bytes(self.folder / name, LARGEST_FILE)
+            data: bytes = self._filesystem[0].cat_file(self.path(name), end=LARGEST_FILE + 1)
         except FileNotFoundError:
             return None
+        except OSError as error:
+            raise StoreFailed(f"{self.path(name)} cannot be read: {error.strerror or error}") from None
+        except Refusal as refusal:
+            raise StoreFailed(str(refusal)) from None
+        if len(data) > LARGEST_FILE:
+            raise Refusal(f"{self.path(name)} has more than {LARGEST_FILE} bytes")
+        return data
+
+    def size(self, name: str) -> int | None:
+        """Return the size of a file [byte]; None if it does not exist."""
+        try:
+            found = self._filesystem[0].info(self.path(name))
+        except OSError:
+            return None
+        return int(found["size"]) if found["type"] == "file" else None
+
+    def sha256(self, name: str) -> str | None:
+        """Return the SHA-256 of a file in a folder; None for a remote address, from which the file would have to be transferred.
+
+        Raises:
+            StoreFailed: it cannot be read.
+        """
+        try:
+            return None if self.folder is None else record_of(self.folder / name)["sha256"]
+        except OSError as error:
+            raise StoreFailed(f"{self.path(name)} cannot be read: {error.strerror or error}") from None
 
     def remove(self, name: str) -> None:
-        """Remove a file if it exists."""
-        if self._filesystem[0].exists(self.path(name)):
-            self._filesystem[0].rm_file(self.path(name))
+        """Remove a file if it exists, or a folder of that name.
+
+        Raises:
+            StoreFailed: it cannot be removed.
+        """
+        try:
+            if self._filesystem[0].exists(self.path(name)):
+                self._filesystem[0].rm(self.path(name), recursive=True)
+        except OSError as error:
+            raise self._failed(error) from None
 
     def exists(self, name: str) -> bool:
         """Return whether a file exists."""
@@ -123,7 +192,7 @@ class Store:
             return
         for path in found:
             name = str(path).rstrip("/").rsplit("/", 1)[-1]
-            if not name.startswith(PART):
+            if not name.startswith(PART) and name != LOCK:
                 yield name
 
     def remove_unfinished(self) -> None:

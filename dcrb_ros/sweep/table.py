@@ -14,8 +14,9 @@ from dcrb_ros.schema.verdicts import FAULT_CLASSES
 from dcrb_ros.settings.files import fields_by_key
 from dcrb_ros.sweep.label import DONE
 from dcrb_ros.sweep.plan import Plan, Run
-from dcrb_ros.sweep.store import Store
+from dcrb_ros.sweep.store import Store, StoreFailed
 from dcrb_ros.sweep.sweep_file import SCENARIO, Sweep
+from dcrb_ros.sweep.verification import ERRORS, DamagedLabel, label_name, read_label
 
 LABELS = "labels.parquet"
 ROWS = 1000
@@ -23,7 +24,7 @@ ROWS = 1000
 TEXTS = ("run", "twin", "condition", "split", "case", "status", "reason", "file", "fault", "scenario", "sha256", "dcrb_ros", "model")
 WHOLE = ("place", "seed", "row", "broken_bars", "sampling_rate", "first_index", "samples", "clipped", "windows")
 DECIMAL = ("width", "depth", "azimuth", "onset", "speed", "load", "ftf", "bpfo", "bpfi", "bsf")
-JSONS = ("faults", "configuration")
+JSONS = ("faults", "files", "configuration")
 COLUMNS: Mapping[str, str] = {
     "run": "name of the run, a hash of everything that its samples depend on",
     "place": "position of the run in the plan, from 0",
@@ -32,7 +33,7 @@ COLUMNS: Mapping[str, str] = {
     "split": "train, validation or test",
     "case": "name of the case in the sweep file",
     "fault": f"one of {', '.join(FAULT_CLASSES)}",
-    "width": "width of the largest defect [m]; null without one",
+    "width": "width of the widest defect [m]; null without one",
     "depth": "depth of that defect [m]",
     "row": "row of that defect, 0 for all rows",
     "azimuth": "azimuth of that defect [rad]",
@@ -54,6 +55,7 @@ COLUMNS: Mapping[str, str] = {
     "status": "done; refused (invalid parameters); failed (the model left its domain); error (tried again by the next call)",
     "reason": "reason why the run is not done; empty if it is",
     "file": "path of the waveform in the data set",
+    "files": "all files of the run with their size [byte] and SHA-256, as JSON",
     "sha256": "hash of ax, ay and shaft_angle of every sample, as little-endian single floats",
     "faults": "all faults with their fields, as JSON",
     "dcrb_ros": "version of dcrb_ros",
@@ -93,7 +95,11 @@ def varied(sweep: Sweep) -> dict[str, type]:
 
 
 def write_table(plan: Plan, store: Store) -> Tally:
-    """Write the labels of a plan's runs to one table; return their counts."""
+    """Write the labels of a plan's runs to one table; return their counts.
+
+    Raises:
+        StoreFailed: a run has no label, or a damaged one.
+    """
     import pyarrow
     from pyarrow import parquet
 
@@ -130,9 +136,13 @@ def _schema(columns: Mapping[str, type]) -> Any:
 
 def _labels(runs: Iterator[Run], store: Store) -> Iterator[Mapping[str, Any]]:
     for run in runs:
-        data = store.read(f"labels/{run.name}.json") or store.read(f"errors/{run.name}.json")
-        if data is not None:
-            yield json.loads(data)
+        try:
+            label = read_label(store, run.name) or read_label(store, run.name, ERRORS)
+        except DamagedLabel as damaged:
+            raise StoreFailed(f"{damaged}: run the same command again to simulate this run again") from None
+        if label is None:
+            raise StoreFailed(f"{store.path(label_name(run.name))} is missing: run the same command again to simulate this run again")
+        yield label
 
 
 def _row(label: Mapping[str, Any], columns: Mapping[str, type]) -> dict[str, Any]:

@@ -1,0 +1,127 @@
+"""Tasks on the workers of a Dask cluster, with a bounded number of submitted tasks."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any
+
+from dcrb_ros.recordings.manifest import model_fingerprint
+from dcrb_ros.runtime.version import __version__
+from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.sweep.execution import CommonSettings, run_task
+from dcrb_ros.sweep.plan import Task
+from dcrb_ros.sweep.store import StoreFailed
+from dcrb_ros.sweep.workers import Outcome
+
+if TYPE_CHECKING:
+    from distributed import Client, Future
+
+PATIENCE = 10.0
+"""Longest wait for the scheduler's answer, and for its first worker [s]."""
+TASKS_PER_WORKER = 3
+"""Tasks submitted per worker at a time [-]: one runs, the others are queued so that the worker never idles."""
+
+
+class ClusterWorkers:
+    """The workers of a Dask cluster."""
+
+    def __init__(self, client: Client) -> None:
+        self._client = client
+        self.count = max(1, sum(client.nthreads().values()))
+        """Tasks that are processed at the same time [-]."""
+
+    def __str__(self) -> str:
+        return f"{self.count} workers, dashboard: {self._client.dashboard_link}"
+
+    def dispatched(self, common: CommonSettings, tasks: Iterator[Task]) -> Iterator[tuple[Task, Outcome]]:
+        """Yield each task with its outcome; see `Workers.dispatched`."""
+        from distributed import as_completed
+
+        known: dict[Future[Any], Task] = {}
+        queue = as_completed()
+
+        def submit(count: int) -> None:
+            for task in itertools.islice(tasks, count):
+                future = self._client.submit(run_task, common, task, key=f"sweep-{task[0].name}", pure=False)
+                known[future] = task
+                queue.add(future)
+
+        try:
+            submit(TASKS_PER_WORKER * self.count)
+            for future in queue:
+                task = known.pop(future)
+                outcome = _outcome(future)
+                future.release()
+                if isinstance(outcome, StoreFailed):
+                    raise outcome
+                submit(1)
+                yield task, outcome
+        finally:
+            if known:
+                self._client.cancel(list(known))
+
+
+@contextmanager
+def cluster_workers(scheduler: str) -> Iterator[ClusterWorkers]:
+    """Use the workers of a scheduler, such as ``tls://10.0.0.1:8786``.
+
+    Raises:
+        Refusal: Dask is not installed, the scheduler cannot be reached, or its workers are missing or run another model.
+    """
+    _require_dask()
+    from distributed import Client
+
+    try:
+        client = Client(scheduler, timeout=PATIENCE)
+    except (OSError, ValueError, TypeError) as error:
+        reason = str(error).splitlines()[0] if str(error) else "it does not answer"
+        raise Refusal(
+            f"the scheduler {scheduler} cannot be reached: {reason}; start one with 'dask scheduler' and give its address, such as "
+            "tcp://10.0.0.1:8786"
+        ) from None
+    with client:
+        _compare(client, scheduler)
+        yield ClusterWorkers(client)
+
+
+def _outcome(future: Future[Any]) -> Outcome:
+    from distributed import KilledWorker
+
+    error = future.exception()
+    if error is None:
+        found: list[tuple[str, str]] = future.result()
+        return found
+    if isinstance(error, KilledWorker):
+        return RuntimeError("its worker was lost repeatedly, perhaps out of memory: give the workers more memory, or shorten the runs")
+    return error if isinstance(error, Exception) else RuntimeError(str(error))
+
+
+def _compare(client: Client, scheduler: str) -> None:
+    """Refuse missing workers, and workers that would compute other samples."""
+    try:
+        client.wait_for_workers(1, timeout=PATIENCE)
+    except TimeoutError:
+        raise Refusal(f"the scheduler {scheduler} has no workers: start some with 'dask worker {scheduler} --nthreads 1'") from None
+    try:
+        found = set(client.run(software_versions).values())
+    except Exception as error:  # a machine without this package may raise any exception
+        raise Refusal(f"the workers of {scheduler} cannot run dcrb_ros ({error}): install version {__version__} there") from None
+    for version, model in sorted(found - {software_versions()}):
+        raise Refusal(
+            f"the workers of {scheduler} run dcrb_ros {version} with model {model}, but this is {__version__} with model "
+            f"{model_fingerprint()}: install the same version on all machines"
+        )
+
+
+def software_versions() -> tuple[str, str]:
+    """Return the package version and the model fingerprint of this process."""
+    return __version__, model_fingerprint()
+
+
+def _require_dask() -> None:
+    try:
+        import distributed  # noqa: F401
+    except ImportError:
+        raise Refusal("--scheduler needs Dask: pip install dask distributed") from None

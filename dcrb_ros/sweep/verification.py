@@ -1,0 +1,114 @@
+"""Verification of labels: a labelled run counts only if its label is whole and its files are as the label states."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from concurrent.futures import ThreadPoolExecutor
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, Field, TypeAdapter, ValidationError
+
+from dcrb_ros.runtime.processes import cores
+from dcrb_ros.runtime.threads import show_name
+from dcrb_ros.sweep.store import Store, StoreFailed
+from dcrb_ros.text.json import parsed_json
+
+LABELS, ERRORS = "labels", "errors"
+"""Folders of the labels of runs that are not repeated, and of runs that ended in an error."""
+
+
+class DamagedLabel(RuntimeError):
+    """A label is not as `dcrb sweep` wrote it."""
+
+
+class _File(BaseModel):
+    """`FileRecord` as a label states it."""
+
+    size: int
+    sha256: str
+
+
+class _Label(BaseModel):
+    """What every label has."""
+
+    run: str
+    place: int
+    split: str
+    condition: str
+    reason: str
+    configuration: dict[str, Any]
+
+
+class _RunLabel(_Label):
+    status: Literal["refused", "failed", "error"]
+
+
+class _DoneLabel(_Label):
+    status: Literal["done"]
+    fault: str
+    file: str
+    sampling_rate: int = Field(gt=0)
+    first_index: int
+    samples: int
+    sha256: str
+    files: dict[str, _File] = Field(min_length=1)
+
+
+_SCHEMA: TypeAdapter[_RunLabel | _DoneLabel] = TypeAdapter(Annotated[_RunLabel | _DoneLabel, Field(discriminator="status")])
+
+
+def label_name(run: str, folder: str = LABELS) -> str:
+    """Return the name of a run's label in the store."""
+    return f"{folder}/{run}.json"
+
+
+def read_label(store: Store, run: str, folder: str = LABELS) -> dict[str, Any] | None:
+    """Return the label of a run; None if it has none.
+
+    Raises:
+        DamagedLabel: the label is empty, cut off, or lacks an entry.
+        StoreFailed: it cannot be read.
+    """
+    name = label_name(run, folder)
+    data = store.read(name)
+    if data is None:
+        return None
+    try:
+        label = parsed_json(data, store.path(name))
+        named = _SCHEMA.validate_python(label).run
+    except ValidationError as error:
+        problem = error.errors()[0]
+        key = ".".join(str(part) for part in problem["loc"][1:])
+        raise DamagedLabel(f"{store.path(name)} is damaged ({key or 'status'}: {problem['msg'].lower()})") from None
+    except (ValueError, RecursionError):
+        raise DamagedLabel(f"{store.path(name)} is {'damaged: it is not JSON' if data else 'empty'}") from None
+    if named != run:
+        raise DamagedLabel(f"{store.path(name)} is damaged: it is the label of the run {named}")
+    return dict(label)
+
+
+def flaw(store: Store, run: str) -> str | None:
+    """Return why a labelled run does not count, with the name of the file; None if its label and its files are whole."""
+    try:
+        label = read_label(store, run) or {}
+        return next((found for name, stated in label.get("files", {}).items() if (found := _file_flaw(store, name, stated))), None)
+    except (DamagedLabel, StoreFailed) as error:
+        return str(error)
+
+
+def flaws(store: Store, runs: list[str]) -> dict[str, str]:
+    """Return the labelled runs that do not count, each with the reason."""
+    with ThreadPoolExecutor(cores(), "verify", show_name) as threads:
+        found = threads.map(lambda run: flaw(store, run), runs)
+        return {run: reason for run, reason in zip(runs, found, strict=True) if reason is not None}
+
+
+def _file_flaw(store: Store, name: str, stated: Mapping[str, Any]) -> str | None:
+    path, size = store.path(name), store.size(name)
+    if size is None:
+        return f"{path} is missing"
+    if size != stated["size"]:
+        return f"{path} has {size} bytes instead of {stated['size']}"
+    if store.sha256(name) not in (None, stated["sha256"]):
+        return f"{path} has been changed: its SHA-256 is not the one in its label"
+    return None

@@ -1,0 +1,179 @@
+"""Verification: which labelled runs count as done when a data set is continued."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import pandas as pd
+import pytest
+
+from dcrb_ros.cli.app import app
+from dcrb_ros.cli.sweep import _report_flaws
+from dcrb_ros.runtime.exit_status import exit_status
+from dcrb_ros.sweep.data_set import open_data_set
+from dcrb_ros.sweep.execution import common_settings, run_task
+from dcrb_ros.sweep.loader import sweep_of
+from dcrb_ros.sweep.plan import Plan
+from dcrb_ros.sweep.store import Store, StoreFailed
+from dcrb_ros.sweep.table import write_table
+from dcrb_ros.sweep.verification import flaw
+
+TREE = {"set": {"cage.joint": "revolute"}, "duration": 0.02, "vary": {"operating.speed": [100.0, 120.0]}, "windows": {"length": 256}}
+SWEEP = "set: {cage.joint: revolute}\nduration: 0.02\nvary: {operating.speed: [100.0, 120.0]}\nwindows: {length: 256}\n"
+
+
+def simulated(folder: Path, **changed: object) -> tuple[Plan, Store, list[str]]:
+    """Make a data set in this process; return its plan, its store and the names of its runs."""
+    plan, store = Plan(sweep_of({**TREE, **changed}, "sweep.yaml", text=SWEEP)), Store(str(folder))
+    with open_data_set(plan, store) as data_set:
+        for task in plan.groups():
+            run_task(common_settings(plan.sweep, store), task)
+        data_set.finish()
+    return plan, store, [run.name for run in plan.runs()]
+
+
+def truncate(path: Path) -> None:
+    path.write_bytes(path.read_bytes()[:-100])
+
+
+def flip_a_bit(path: Path) -> None:
+    data = bytearray(path.read_bytes())
+    data[len(data) // 2] ^= 1
+    path.write_bytes(bytes(data))
+
+
+def without(key: str) -> Callable[[Path], None]:
+    def change(path: Path) -> None:
+        label = json.loads(path.read_text())
+        del label[key]
+        path.write_text(json.dumps(label))
+
+    return change
+
+
+DAMAGE: dict[str, tuple[str, Callable[[Path], object], str]] = {
+    "an empty label": ("labels/{}.json", lambda path: path.write_bytes(b""), "labels/{}.json is empty"),
+    "a label cut off": ("labels/{}.json", truncate, "labels/{}.json is damaged: it is not JSON"),
+    "a label that is text": ("labels/{}.json", lambda path: path.write_text('"done"'), "labels/{}.json is damaged (status:"),
+    "a label nested without end": ("labels/{}.json", lambda path: path.write_text("[" * 100_000), "labels/{}.json is damaged"),
+    "a label without files": ("labels/{}.json", without("files"), "labels/{}.json is damaged (files: field required)"),
+    "a label without status": ("labels/{}.json", without("status"), "labels/{}.json is damaged (status: unable to extract"),
+    "a folder for a label": (
+        "labels/{}.json",
+        lambda path: (path.unlink(), path.mkdir()),
+        "labels/{}.json is a folder: give a regular file",
+    ),
+    "a deleted waveform": ("runs/{}.npz", Path.unlink, "runs/{}.npz is missing"),
+    "a truncated waveform": ("runs/{}.npz", truncate, "bytes instead of"),
+    "a waveform with a flipped bit": ("runs/{}.npz", flip_a_bit, "runs/{}.npz has been changed: its SHA-256 is not the one in its label"),
+    "deleted windows": ("windows/train/{}.npz", Path.unlink, "windows/train/{}.npz is missing"),
+}
+
+
+@pytest.mark.parametrize("kind", DAMAGE)
+def test_a_damaged_run_is_named_and_simulated_again(kind: str, tmp_path: Path) -> None:
+    plan, store, runs = simulated(tmp_path, vary={}, split={"train": 1.0, "validation": 0.0, "test": 0.0})
+    place, damage, sentence = DAMAGE[kind]
+    file = tmp_path / place.format(runs[0])
+    whole = (tmp_path / f"runs/{runs[0]}.npz").read_bytes(), (tmp_path / f"labels/{runs[0]}.json").read_bytes()
+    damage(file)
+    with open_data_set(plan, store) as data_set:
+        assert data_set.done == set()
+        assert sentence.format(runs[0]) in data_set.flaws[runs[0]]
+        assert str(file) in data_set.flaws[runs[0]]
+        (task,) = plan.tasks(data_set.done, 1.0)
+        assert run_task(common_settings(plan.sweep, store), task) == [(runs[0], "done")]
+    assert ((tmp_path / f"runs/{runs[0]}.npz").read_bytes(), (tmp_path / f"labels/{runs[0]}.json").read_bytes()) == whole
+    with open_data_set(plan, store) as data_set:
+        assert (data_set.done, data_set.flaws) == ({runs[0]}, {})
+
+
+def test_the_label_of_another_run_does_not_count(tmp_path: Path) -> None:
+    _, store, runs = simulated(tmp_path)
+    (tmp_path / f"labels/{runs[0]}.json").write_bytes((tmp_path / f"labels/{runs[1]}.json").read_bytes())
+    assert f"labels/{runs[0]}.json is damaged: it is the label of the run {runs[1]}" in str(flaw(store, runs[0]))
+
+
+def test_every_file_of_a_bag_is_verified(tmp_path: Path) -> None:
+    _, store, runs = simulated(tmp_path, output="bag", windows=None, vary={})
+    assert flaw(store, runs[0]) is None
+    files = sorted((tmp_path / "runs" / runs[0]).iterdir())
+    assert len(files) == 2
+    for file in files:
+        kept = file.read_bytes()
+        file.write_bytes(kept[:-1])
+        assert f"{file} has {len(kept) - 1} bytes instead of {len(kept)}" in str(flaw(store, runs[0]))
+        file.write_bytes(kept)
+
+
+def test_files_at_a_remote_address_are_verified_by_their_size() -> None:
+    plan, store = Plan(sweep_of({**TREE, "vary": {}}, "sweep.yaml")), Store("memory://verification")
+    (task,) = plan.groups()
+    run_task(common_settings(plan.sweep, store), task)
+    name = task[0].name
+    assert flaw(store, name) is None
+    store.write(f"runs/{name}.npz", b"short")
+    assert f"runs/{name}.npz has 5 bytes instead of" in str(flaw(store, name))
+
+
+@pytest.mark.parametrize(("data", "sentence"), [(b"", "is empty"), (b"{", "is not JSON"), (None, "is missing")])
+def test_a_table_without_one_of_its_labels_is_not_written(tmp_path: Path, data: bytes | None, sentence: str) -> None:
+    plan, store, runs = simulated(tmp_path)
+    (tmp_path / "labels.parquet").unlink()
+    label = tmp_path / f"labels/{runs[1]}.json"
+    label.unlink()
+    if data is not None:
+        label.write_bytes(data)
+    with pytest.raises(StoreFailed, match=f"{runs[1]}.json {sentence}|{runs[1]}.json .*{sentence}.*run the same command again"):
+        write_table(plan, store)
+    assert not (tmp_path / "labels.parquet").exists()
+
+
+def test_the_command_repairs_a_damaged_data_set_without_dask(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def sweep(*options: str) -> int:
+        arguments = ["sweep", str(file), "-o", str(folder), "--workers", "1", *options]
+        return exit_status("dcrb", lambda: app(arguments, standalone_mode=False))
+
+    for module in ("dask", "distributed"):
+        monkeypatch.setitem(sys.modules, module, None)
+    file, folder = tmp_path / "sweep.yaml", tmp_path / "set"
+    file.write_text(SWEEP, encoding="utf-8")
+    _, _, runs = simulated(folder)
+    table = pd.read_parquet(folder / "labels.parquet")
+    assert list(table["status"]) == ["done", "done"]
+    assert set(json.loads(table["files"][0])) == {table["file"][0], f"windows/{table['split'][0]}/{runs[0]}.npz"}
+    (folder / f"labels/{runs[0]}.json").write_bytes(b"")
+    assert sweep() == 0
+    printed = capsys.readouterr()
+    assert f"{folder}/labels/{runs[0]}.json is empty: the run is simulated again" in printed.err
+    assert "2 done" in printed.out
+    assert pd.read_parquet(folder / "labels.parquet").equals(table)
+    assert sweep("--quiet", "--json") == 0
+    printed = capsys.readouterr()
+    assert printed.err == ""
+    about = json.loads(printed.out)
+    assert about == {
+        "address": str(folder),
+        "runs": {"done": 2},
+        "splits": {"train": 1, "validation": 0, "test": 1},
+        "seconds": pytest.approx(0.04),
+        "reasons": {},
+    }
+    assert sweep("--quiet") == 0
+    assert capsys.readouterr() == (f"{folder}: 2 done; 1 train, 1 test; 0.04 s recorded\n", "")
+
+
+def test_only_the_first_of_many_damaged_runs_are_named(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    plan, store, runs = simulated(tmp_path, vary={"operating.speed": [90.0 + k for k in range(7)]}, windows=None)
+    for run in runs:
+        (tmp_path / f"labels/{run}.json").write_bytes(b"")
+    with open_data_set(plan, store) as data_set:
+        _report_flaws(data_set)
+    lines = capsys.readouterr().err.splitlines()
+    assert len(lines) == 6
+    assert lines[-1] == "2 further runs are damaged and simulated again"
