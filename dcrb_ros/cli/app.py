@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-import signal
 import sys
 
 import typer
 
-from dcrb_ros.cli import bench, config, detect, exchange, info, plot, recover, replay, score, simulate, sweep, validate, view
+from dcrb_ros.cli import bench, cache, config, detect, exchange, info, plot, recover, replay, score, simulate, sweep, validate, view
+from dcrb_ros.cli.literal_help import Commands
 from dcrb_ros.runtime.exit_status import exit_status
-from dcrb_ros.runtime.signals import TERMINATION
 from dcrb_ros.runtime.version import __version__
 
-app = typer.Typer(add_completion=False, no_args_is_help=True, pretty_exceptions_enable=False)
+app = Commands(pretty_exceptions_enable=False)
 app.command("simulate")(simulate.simulate)
 app.command("bench")(bench.bench)
 app.command("replay")(replay.replay)
@@ -26,6 +25,7 @@ app.command("export")(exchange.export)
 app.command("import")(exchange.import_)
 app.command("sweep")(sweep.sweep)
 app.command("validate")(validate.validate)
+app.command("cache")(cache.cache)
 app.add_typer(config.app, name="config")
 
 
@@ -40,10 +40,11 @@ def dcrb(version: bool = typer.Option(False, "--version", callback=_version, is_
     """A simulated double-row cylindrical roller bearing with an accelerometer, for developing and testing fault detectors."""
 
 
+def run() -> int:
+    """Run the command line and return the exit status; `dcrb_ros.cli.program` handles the signals."""
+    return exit_status("dcrb", lambda: app(prog_name="dcrb", standalone_mode=False))
+
+
 def main() -> None:
-    """Run the command line."""
-    # Every termination signal is handled like Ctrl-C, so that child processes are terminated too.
-    for number in TERMINATION:
-        if signal.getsignal(number) is signal.SIG_DFL:
-            signal.signal(number, signal.default_int_handler)
-    sys.exit(exit_status("dcrb", lambda: app(standalone_mode=False)))
+    """Run the command line, and exit."""
+    sys.exit(run())

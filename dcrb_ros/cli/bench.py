@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from contextlib import nullcontext
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from dcrb_ros.cli.options import Config, DetectorFile, Duration, Scenario, Settings
-from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.cli.options import Config, DetectorFile, Duration, Force, Scenario, Settings
+from dcrb_ros.cli.output_file import replacing
 
 
 def bench(
@@ -23,6 +24,7 @@ def bench(
     scenario: Scenario = None,
     detector: DetectorFile = None,
     settings: Settings = None,
+    force: Force = False,
 ) -> None:
     """Run the simulator and the fault detector as ROS 2 nodes.
 
@@ -37,11 +39,12 @@ def bench(
     extra = [f"time_scale={time_scale!r}"] if time_scale is not None else []
     extra += [f"recording.path={str(record)!r}"] if record else []
     configuration = load_configuration(config, [*(settings or ()), *extra])
-    if record and record.exists():
-        raise Refusal(f"--record {record} exists: give another name or remove it; recordings are never overwritten")
     if scenario:
         read_scenario(scenario, configuration)
     parameters = detector_parameters(detector)
-    from dcrb_ros.nodes.bench import run
+    recorded = configuration.recording.path
+    with replacing("--record" if record else "recording.path =", Path(recorded), force=force) if recorded else nullcontext():
+        from dcrb_ros.nodes.bench import run
 
-    raise typer.Exit(run(config, configuration, parameters, seconds, scenario, shown=rerun))
+        status = run(config, configuration, parameters, seconds, scenario, shown=rerun)
+    raise typer.Exit(status)

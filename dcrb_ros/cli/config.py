@@ -1,12 +1,20 @@
-"""`dcrb config`: list, print and check configurations; print the parameter table."""
+"""`dcrb config`: list, print and check configurations; print the parameters."""
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING, Annotated
+
 import typer
 
+from dcrb_ros.cli.literal_help import Commands
 from dcrb_ros.cli.options import Config, Settings
 
-app = typer.Typer(no_args_is_help=True, help="List, print and check configurations of the bench.")
+if TYPE_CHECKING:
+    from dcrb_ros.schema.parameter_field import ParameterField
+
+app = Commands(help="List, print and check configurations of the bench.")
+DETECTOR = "fault_detector"
+"""The group that stands for the parameters of the fault detector."""
 
 
 @app.command("list")
@@ -24,33 +32,90 @@ def list_() -> None:
 
 @app.command()
 def show(config: Config, settings: Settings = None) -> None:
-    """Print a configuration as YAML with all parameters, defaults included.
+    """Print a configuration as YAML with all parameters, defaults included, as it runs; units are comments.
+
+    The output is a ROS parameter file, for dcrb and for --params-file.
 
     Example: dcrb config show healthy --set operating.speed=100.0
     """
-    from dcrb_ros.settings.files import load_configuration, to_yaml
+    from dcrb_ros.settings.files import load_configuration, to_described_yaml
 
-    print(to_yaml(load_configuration(config, settings or ())), end="")
+    print(to_described_yaml(load_configuration(config, settings or ())), end="")
 
 
 @app.command()
 def check(config: Config, settings: Settings = None) -> None:
-    """Check a configuration; if it is invalid, print the reason and exit with status 2.
+    """Check a configuration: print what follows from it, or everything that is wrong and exit with status 2.
+
+    Masses and inertias of the default bearing in a bearing of other dimensions give warnings.
 
     Example: dcrb config check my_bearing.yaml
     """
-    from dcrb_ros.settings.files import load_configuration
+    from dcrb_ros.bearing.data_sheet import data_sheet, kept_defaults
+    from dcrb_ros.runtime.exit_status import print_error
+    from dcrb_ros.settings.configuration import Configuration
+    from dcrb_ros.settings.files import layers, problems, validated
 
-    load_configuration(config, settings or ())
+    parameters = layers(config, settings or ())
+    wrong = problems(parameters, Configuration)
+    for sentence in wrong:
+        print_error("dcrb", f"{config}: {sentence}")
+    if wrong:
+        raise typer.Exit(2)
+    configuration = validated(parameters, Configuration, config)
     print(f"{config} is valid")
+    for name, text in data_sheet(configuration).items():
+        print(f"  {name:20s} {text}")
+    for sentence in kept_defaults(configuration.bearing):
+        print_error("dcrb", f"warning: {sentence}")
+
+
+Group = Annotated[
+    str,
+    typer.Argument(help=f"Group of parameters, such as bearing or faults.outer_1, a single parameter, or {DETECTOR}. Default: all."),
+]
 
 
 @app.command()
-def docs() -> None:
-    """Print the table of all parameters in Markdown: key, unit, default, range and meaning.
+def docs(group: Group = "") -> None:
+    """Print the parameters of a group as a table, or all of them in Markdown: key, unit, default, range and meaning.
 
-    Example: dcrb config docs > parameters.md
+    Example: dcrb config docs bearing
     """
     from dcrb_ros.settings.files import parameter_table
 
-    print(parameter_table())
+    if not group:
+        print(parameter_table())
+        return
+    from rich.table import Table
+
+    from dcrb_ros.runtime.terminal import console
+
+    table = Table()
+    for head in ("parameter", "default", "range", "unit", "meaning"):
+        table.add_column(head, no_wrap=head == "parameter", overflow="fold")
+    for field in _below(group):
+        default = f"{field.default:.6g}" if isinstance(field.default, float) else str(field.default)
+        span = ", ".join(field.choices) or " .. ".join(field.limits)
+        table.add_row(field.key, default, span, field.unit.removeprefix("-"), field.description)
+    console().print(table)
+
+
+def _below(group: str) -> list[ParameterField]:
+    """Return the parameters of a group, or the one with this key.
+
+    Raises:
+        Refusal: there is no such group.
+    """
+    from dcrb_ros.diagnosis.parameters import DetectorParameters
+    from dcrb_ros.schema.refusal import Refusal, nearest
+    from dcrb_ros.settings.files import fields_by_key
+
+    if group == DETECTOR:
+        return list(fields_by_key(DetectorParameters).values())
+    fields = fields_by_key()
+    found = [field for key, field in fields.items() if f"{key}.".startswith(f"{group}.")]
+    if not found:
+        groups = [*dict.fromkeys(key.partition(".")[0] for key in fields), DETECTOR]
+        raise Refusal(f"there is no group of parameters '{group}': give one of {', '.join(groups)}{nearest(group, [*groups, *fields])}")
+    return found

@@ -6,7 +6,7 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from dcrb_ros.cli.options import Bag, DetectorFile, JsonOutput, literal
+from dcrb_ros.cli.options import Bag, DetectorFile, JsonOutput
 
 if TYPE_CHECKING:
     from dcrb_ros.diagnosis.parameters import DetectorParameters
@@ -55,19 +55,20 @@ def detect(bag: Bag, as_json: JsonOutput = False, detector: DetectorFile = None)
         }
         print(json.dumps(about, indent=2))
         return
-    from rich.console import Console
     from rich.table import Table
 
-    heads = literal("fault", "line", "level over background [dB]", "over threshold [dB]")
-    table = Table(*heads, title=f"{bag}: {last.verdict}")
+    from dcrb_ros.runtime.terminal import console
+    from dcrb_ros.schema.verdicts import title_of
+
+    title = title_of(last.verdict, last.scores)
+    table = Table("component", "line", "level over background [dB]", "over threshold [dB]", title=f"{bag}: {title}")
     for (fault, score), (name, level) in zip(last.scores.items(), last.levels.items(), strict=False):
         line = "2 BSF" if name == "BSF" else name  # a roller defect strikes at twice BSF
         table.add_row(fault, line, f"{level:.1f}", f"{score:.1f}")
-    console = Console()
-    console.print(table)
+    shown = console()
+    shown.print(table)
     when = f"first at {found.since:.2f} s of {found.duration:.2f} s"
-    console.print(f"{last.verdict}, confidence {last.confidence:.2f}, {when}: {last.reason}", highlight=False)
-    for remark in last.remarks:
-        console.print(remark, highlight=False)
+    for sentence in (f"{last.verdict}, confidence {last.confidence:.2f}, {when}: {last.reason}", *last.remarks):
+        shown.print(sentence, soft_wrap=True)
     if not recording.complete:
-        console.print("the recording is truncated; the verdict is based on its readable part")
+        shown.print("the recording is truncated; the verdict is based on its readable part")

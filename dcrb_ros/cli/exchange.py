@@ -7,22 +7,26 @@ from typing import Annotated
 
 import typer
 
-from dcrb_ros.cli.options import Bag
+from dcrb_ros.cli.options import Bag, Force
+from dcrb_ros.cli.output_file import replacing
 
 
 def export(
     bag: Bag,
     output: Annotated[Path, typer.Option("-o", "--output", help="New file to write: .npz, .csv, .mat, .wav or .parquet.")],
+    force: Force = False,
 ) -> None:
-    """Write a recording's waveform to a file for other tools, and its description to a YAML file with the same name.
+    """Write a recording's waveform to a file for other tools, and its description beside it, such as healthy.csv.yaml.
 
     Example: dcrb export bags/healthy -o healthy.csv
     """
+    from dcrb_ros.exchange.export import description_of
     from dcrb_ros.exchange.export import export as exported
     from dcrb_ros.recordings.reader import Recording
 
     recording = Recording(bag)
-    beside = exported(recording, output)
+    with replacing("-o", output, force=force, source=bag), replacing("-o", description_of(output), force=force):
+        beside = exported(recording, output)
     for damage in recording.damage:
         typer.echo(f"dcrb: {damage}", err=True)
     print(f"{output}, described by {beside}")
@@ -35,6 +39,7 @@ def import_(
         typer.Option("--about", help="YAML description of the file: channels, unit, sampling_rate, speed, and bearing or orders."),
     ],
     output: Annotated[Path, typer.Option("-o", "--output", help="New folder of the recording.")],
+    force: Force = False,
 ) -> None:
     """Convert a waveform measured elsewhere to a recording that can be used like a simulated recording.
 
@@ -43,5 +48,6 @@ def import_(
     from dcrb_ros.exchange.importing import WaveformImport
 
     waveform = WaveformImport(file, about)
-    samples = waveform.write(output)
+    with replacing("-o", output, force=force):
+        samples = waveform.write(output)
     print(f"{output}: {samples} samples, {samples / waveform.rate:.3f} s at {waveform.rate} Hz")

@@ -7,13 +7,15 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from dcrb_ros.cli.options import Bag, literal
+from dcrb_ros.cli.options import Bag
 
 if TYPE_CHECKING:
     from rich.table import Table
 
     from dcrb_ros.recordings.reader import Recording
 
+LONGEST_CELL = 400
+"""Longest text in a table [characters]; --json prints all of it."""
 SHOWN_COMMANDS = 20
 """Commands printed in the table at most [-]; --json prints all of them."""
 
@@ -37,36 +39,39 @@ def info(
         about = {"manifest": recording.manifest, "outcome": recording.outcome, "messages": counts, "commands": commands, "damage": damage}
         print(json.dumps(about, indent=2))
         return
-    from rich.console import Console
+    from dcrb_ros.runtime.terminal import console
 
-    console = Console()
+    shown = console()
     for line in _lines(recording):
-        console.print(line, highlight=False, soft_wrap=True)
-    console.print(_table(str(bag), ("topic", "messages"), counts.items()))
+        shown.print(line, soft_wrap=True)
+    shown.print(_table(str(bag), ("topic", "messages"), counts.items()))
     if commands:
-        shown = [(f"{command['time_ns'] * 1e-9:.6f}", command["command"]) for command in commands[:SHOWN_COMMANDS]]
-        console.print(_table(f"commands: {len(commands)}", ("simulated time [s]", "command"), shown))
-    if not recording.imported:
-        console.print(_table("configuration, where it differs from the default", ("parameter", "value"), _changed(recording)))
+        first = [(f"{command['time_ns'] * 1e-9:.6f}", command["command"]) for command in commands[:SHOWN_COMMANDS]]
+        shown.print(_table(f"commands: {len(commands)}", ("simulated time [s]", "command"), first))
+    if recording.configured:
+        shown.print(_table("configuration, where it differs from the default", ("parameter", "value"), _changed(recording)))
     for description in damage:
-        console.print(f"damaged: {description}", highlight=False, soft_wrap=True)
+        shown.print(f"damaged: {description}", soft_wrap=True)
     if damage:
-        console.print("the counts above are of the readable part; dcrb recover writes it to a complete recording", soft_wrap=True)
+        shown.print("the counts above are of the readable part; dcrb recover writes it to a complete recording", soft_wrap=True)
 
 
 def _lines(recording: Recording) -> list[str]:
     """Return lines on the software, the sensor, the faults and the outcome of the recording."""
+    from dcrb_ros.recordings.manifest import MEASURED_UNITS
+
     manifest, orders, outcome = recording.manifest, recording.orders, recording.outcome
-    software = ", ".join(f"{name} {value}" for name, value in manifest.get("software", {}).items())
+    # An import by an older version calls its time simulated.
+    units = MEASURED_UNITS if recording.imported else manifest.get("units", {})
     lines = [
-        f"dcrb_ros {manifest.get('dcrb_ros')}, model {manifest.get('model', 'unknown')}, recorded {manifest.get('recorded')}"
-        + (f" with {software}" if software else ""),
-        f"sampling rate {recording.sampling_rate} Hz, " + ", ".join(f"{key} in {unit}" for key, unit in manifest.get("units", {}).items()),
+        _origin(recording),
+        f"sampling rate: {recording.sampling_rate} Hz",
+        "units: " + ", ".join(f"{key} [{unit}]" for key, unit in units.items()),
         f"orders: FTF {orders.ftf:.5f}, BPFO {orders.bpfo:.5f}, BPFI {orders.bpfi:.5f}, BSF {orders.bsf:.5f}",
     ]
     if recording.imported:
         lines.append(f"imported: {json.dumps(manifest['imported'])}")
-    else:
+    elif recording.configured:
         faults = manifest.get("faults") or recording.configuration.faults.described()
         lines.append(f"seed {manifest.get('seed')}, faults at the start: {', '.join(faults) or 'none'}")
     if manifest.get("scenario"):
@@ -74,7 +79,30 @@ def _lines(recording: Recording) -> list[str]:
     if outcome is not None:
         seconds = outcome.get("samples", 0) / recording.sampling_rate
         lines.append(f"{outcome.get('samples')} samples, {seconds:.3f} s, sha256 {outcome.get('sha256')}, ended {outcome.get('ended')}")
+    elif recording.described:
+        lines.append(_samples(recording))
     return lines
+
+
+def _origin(recording: Recording) -> str:
+    """Return what made the recording."""
+    from dcrb_ros.recordings.processor import described
+
+    manifest = recording.manifest
+    if recording.described:
+        return f"no manifest, as ros2 bag record writes none: sampling rate and bearing are those of {manifest['described_by']}"
+    software = ", ".join(f"{name} {value}" for name, value in manifest.get("software", {}).items())
+    made = f"dcrb_ros {manifest.get('dcrb_ros')}, model {manifest.get('model', 'unknown')}, recorded {manifest.get('recorded')}"
+    kernels = f", kernels for {described(manifest['processor'])}" if "processor" in manifest else ""
+    return made + (f" with {software}" if software else "") + kernels
+
+
+def _samples(recording: Recording) -> str:
+    """Return number and time of the samples of a recording without an outcome, read block by block."""
+    spans = [(piece.first_index, len(piece.shaft_angle)) for piece in recording.pieces()]
+    first, last = min(first for first, _ in spans), max(first + count for first, count in spans)
+    rate = recording.sampling_rate
+    return f"{sum(count for _, count in spans)} samples from {first / rate:.3f} to {last / rate:.3f} s"
 
 
 def _changed(recording: Recording) -> list[tuple[str, str]]:
@@ -88,7 +116,9 @@ def _changed(recording: Recording) -> list[tuple[str, str]]:
 def _table(title: str, heads: tuple[str, str], rows: Any) -> Table:
     from rich.table import Table
 
-    table = Table(*literal(*heads), title=title)
+    from dcrb_ros.schema.printable import shortened
+
+    table = Table(*heads, title=title)
     for row in rows:
-        table.add_row(*(str(cell) for cell in row))
+        table.add_row(*(shortened(str(cell), LONGEST_CELL) for cell in row))
     return table

@@ -7,27 +7,42 @@ from typing import Annotated
 
 import typer
 
+from dcrb_ros.cli import completion
 from dcrb_ros.schema.refusal import Refusal
 
 MOST_WORKERS = 256
 """Largest number of parallel runs that is accepted [-]."""
 
-Bag = Annotated[Path, typer.Argument(help="Recording: its folder, or a single .mcap file.")]
-Config = Annotated[str, typer.Argument(help="Configuration: a YAML file or a shipped name, such as outer_ring_defect.")]
-Duration = Annotated[float, typer.Option(help="Simulated time in seconds, above 0 and up to 1e6.")]
+Bag = Annotated[Path, typer.Argument(help="Recording: its folder, or a single .mcap or .db3 file.")]
+Config = Annotated[
+    str,
+    typer.Argument(
+        help="Configuration: a YAML file or a shipped name, such as outer_ring_defect.", autocompletion=completion.configurations
+    ),
+]
+Duration = Annotated[float, typer.Option(help="Simulated time [s], above 0 and up to 1e6.")]
 Settings = Annotated[
     list[str] | None,
-    typer.Option("--set", help="Override a parameter, KEY=VALUE, such as operating.speed=100.0 (rad/s); may be repeated."),
+    typer.Option(
+        "--set",
+        help="Override a parameter, KEY=VALUE, such as operating.speed=100.0 [rad/s]; may be repeated.",
+        autocompletion=completion.settings,
+    ),
 ]
 Scenario = Annotated[
     Path | None,
-    typer.Option(help="Scenario: a YAML file or a shipped name; a timeline of speed, load, faults and sensor in simulated time."),
+    typer.Option(
+        help="Scenario: a YAML file or a shipped name; a timeline of speed, load, faults and sensor in simulated time.",
+        autocompletion=completion.scenarios,
+    ),
 ]
 DetectorFile = Annotated[
     Path | None,
     typer.Option(help="Parameters of the shipped detector: a YAML file, such as a copy of config/detector.yaml. Default: built-in values."),
 ]
-JsonOutput = Annotated[bool, typer.Option("--json", help="Print JSON instead of tables.")]
+JsonOutput = Annotated[bool, typer.Option("--json", help="Print JSON instead of text and tables.")]
+Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Print the result only: no progress and no notes.")]
+Force = Annotated[bool, typer.Option("--force", "-f", help="Replace what exists under the name of the output.")]
 Workers = Annotated[int, typer.Option(help=f"Number of parallel runs, 0 to {MOST_WORKERS}; 0 uses all cores.")]
 
 
@@ -44,16 +59,6 @@ def worker_count(workers: int) -> int:
     return workers or cores()
 
 
-def literal(*texts: str) -> tuple[str, ...]:
-    """Return texts that rich prints literally: units in brackets are not read as markup."""
-    from rich.markup import escape
-
-    return tuple(map(escape, texts))
-
-
-def announce_compilation() -> None:
-    """Print a note if the kernels have to be compiled first."""
-    from dcrb_ros.core import compiled
-
-    if not compiled():
-        typer.echo("compiling the kernels (once, about half a minute) ...", err=True)
+def size_text(size: float) -> str:
+    """Return a size [byte] as text in MB or GB."""
+    return f"{size / 1e9:.3g} GB" if size >= 1e9 else f"{size / 1e6:.3g} MB"

@@ -1,12 +1,16 @@
-"""Files that a command is to write, checked before the work begins."""
+"""Files and recordings that a command is to write, checked before the work begins."""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+import shutil
+import tempfile
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
 from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.text.files import checked_path
 
 PICTURES = (".png", ".svg", ".pdf")
 """Suffixes of the pictures that matplotlib writes."""
@@ -18,11 +22,58 @@ def check_output(option: str, file: Path, suffixes: Sequence[str] = ()) -> None:
     Raises:
         Refusal: an unknown suffix, a folder that does not exist, a folder instead of a file, or no permission.
     """
-    if suffixes and file.suffix not in suffixes:
-        raise Refusal(f"{option} {file} has an unknown file type: the name must end in {', '.join(suffixes)}")
-    if not file.parent.is_dir():
-        raise Refusal(f"{option} {file} cannot be written: there is no folder {file.parent}; make it or give another file")
+    if suffixes and file.suffix.lower() not in suffixes:
+        raise Refusal(f"{option} {file} has an unknown file type: the name must end in one of {', '.join(suffixes)}")
+    if not checked_path(file).parent.is_dir():
+        raise Refusal(f"{option} {file} cannot be written: there is no folder {file.parent}; create it or give another file")
     if file.is_dir():
         raise Refusal(f"{option} {file} is a folder: give the name of a file in it")
     if not os.access(file if file.exists() else file.parent, os.W_OK):
         raise Refusal(f"{option} {file} cannot be written: permission denied; give another file")
+
+
+@contextmanager
+def replacing(option: str, path: Path, *, force: bool, source: Path | None = None) -> Iterator[None]:
+    """Refuse an existing file or recording; with ``force`` replace it by what is written in the context.
+
+    The old one is put aside meanwhile, and comes back if the work fails.
+
+    Raises:
+        Refusal: ``path`` exists and ``force`` is not given, or it contains ``source``, which is read, or a folder that is not a recording.
+    """
+    if not os.path.lexists(checked_path(path)):
+        yield
+        return
+    if source is not None and path.resolve() in (source.resolve(), *source.resolve().parents):
+        raise Refusal(f"{option} {path} contains the recording that is read: give another name")
+    if not force:
+        raise Refusal(f"{option} {path} exists: give another name, or --force to replace it")
+    if path.is_dir():
+        _check_recording(option, path)
+    with ExitStack() as stack:
+        try:
+            aside = stack.enter_context(tempfile.TemporaryDirectory(dir=path.absolute().parent, prefix=".replaced-"))
+            old = path.rename(Path(aside, "old"))
+        except OSError as error:
+            raise Refusal(f"{option} {path} cannot be replaced: {error.strerror}; give another name") from None
+        try:
+            yield
+        except BaseException:
+            _remove(path)
+            old.rename(path)
+            raise
+
+
+def _check_recording(option: str, folder: Path) -> None:
+    """Refuse a folder that contains anything but a recording."""
+    other = next((entry for entry in sorted(folder.iterdir()) if entry.name != "metadata.yaml" and entry.suffix != ".mcap"), None)
+    if other is not None:
+        raise Refusal(f"{option} {folder} contains {other.name}, which is not part of a recording: remove it or give another name")
+
+
+def _remove(path: Path) -> None:
+    """Remove what a failed command has written."""
+    if path.is_dir() and not path.is_symlink():
+        shutil.rmtree(path)
+    else:
+        path.unlink(missing_ok=True)

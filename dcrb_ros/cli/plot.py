@@ -8,8 +8,8 @@ from typing import Annotated
 
 import typer
 
-from dcrb_ros.cli.options import Bag
-from dcrb_ros.cli.output_file import PICTURES, check_output
+from dcrb_ros.cli.options import Bag, Force
+from dcrb_ros.cli.output_file import PICTURES, check_output, replacing
 from dcrb_ros.schema.numbers import duration_within
 from dcrb_ros.schema.refusal import Refusal
 
@@ -19,24 +19,28 @@ LONGEST = 60.0
 
 def plot(
     bag: Bag,
-    output: Annotated[Path, typer.Option("-o", "--output", help="Picture to write (.png, .svg, .pdf); it replaces one of that name.")],
-    start: Annotated[float | None, typer.Option(help="Simulated time of the first sample in seconds; by default the beginning.")] = None,
-    duration: Annotated[float, typer.Option(help="Length of the stretch in seconds, at most 60.")] = 10.0,
-    order: Annotated[bool, typer.Option("--order/--frequency", help="Spectrum over orders of the shaft, or over frequency in Hz.")] = True,
+    output: Annotated[Path, typer.Option("-o", "--output", help="New picture to write (.png, .svg or .pdf).")],
+    start: Annotated[float | None, typer.Option(help="Simulated time of the first sample [s]. Default: the beginning.")] = None,
+    duration: Annotated[float, typer.Option(help="Length of the stretch [s], above 0 and up to 60.")] = 10.0,
+    order: Annotated[bool, typer.Option("--order/--frequency", help="Spectrum over orders of the shaft, or over frequency [Hz].")] = True,
+    force: Force = False,
 ) -> None:
     """Plot the waveform and the squared envelope spectrum of a recording with the fault lines.
 
     Example: dcrb plot bags/outer_ring_defect -o picture.png --duration 2
     """
-    check_output("--output", output, PICTURES)
+    check_output("-o", output, PICTURES)
     duration_within("--duration", duration, LONGEST, "give the length of the stretch to plot")
     if start is not None and not (math.isfinite(start) and start >= 0.0):
-        raise Refusal(f"--start {start} s is not a simulated time from 0 s up")
+        raise Refusal(f"--start {start:g} s is out of range: give a simulated time of 0 s or later")
     from dcrb_ros.plots.overview import write_overview
     from dcrb_ros.recordings.reader import Recording
 
     recording = Recording(bag)
     begin = next(recording.pieces()).first_index / recording.sampling_rate if start is None else start
     waveform = recording.waveform(begin, begin + duration)
-    write_overview(waveform, output, title=recording.path.resolve().stem, order=order)
+    with replacing("-o", output, force=force, source=bag):
+        over_orders = write_overview(waveform, output, title=recording.path.resolve().stem, order=order)
+    if order and not over_orders:
+        typer.echo("the spectrum is over frequency, because the shaft does not turn far enough in one direction for orders", err=True)
     print(f"{output}: {waveform.duration:.2f} s of {bag} from {waveform.time[0]:.2f} s on")

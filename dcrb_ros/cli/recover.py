@@ -7,12 +7,14 @@ from typing import Annotated
 
 import typer
 
-from dcrb_ros.cli.options import Bag
+from dcrb_ros.cli.options import Bag, Force
+from dcrb_ros.cli.output_file import replacing
 
 
 def recover(
     bag: Bag,
     output: Annotated[Path, typer.Option("-o", "--output", help="New folder of the repaired recording.")],
+    force: Force = False,
 ) -> None:
     """Write the readable part of a truncated or damaged recording to a new, complete one.
 
@@ -20,7 +22,8 @@ def recover(
     """
     from dcrb_ros.recordings.recovery import recover as recovered
 
-    salvage = recovered(bag, output)
+    with replacing("-o", output, force=force, source=bag):
+        salvage = recovered(bag, output)
     for damage in salvage.damage:
         typer.echo(f"dcrb: {damage}", err=True)
     print(f"{output}: {salvage.messages} messages, the last at {salvage.last_ns * 1e-9:.3f} s")

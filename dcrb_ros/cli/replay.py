@@ -21,18 +21,21 @@ def replay(
         str,
         typer.Option(help="Topics to publish, such as 'outer_ring/vibration, diagnosis'. Default: all topics of the simulator."),
     ] = "",
+    listeners: Annotated[int, typer.Option(help="Subscribers to the waveform to wait for before the first block, 0 to 1000.")] = 1,
+    wait: Annotated[float, typer.Option(help="Longest time in seconds to wait for them, 0 to 1e4.")] = 3.0,
 ) -> None:
     """Publish a recording on the topics of the bench, as the simulator did.
 
     Example: dcrb replay bags/outer_ring_defect --rate 1 --loop
     """
-    for name, value in (("--rate", rate), ("--offset", offset)):
+    for name, value in (("--rate", rate), ("--offset", offset), ("--wait", wait)):
         if not math.isfinite(value):
             raise Refusal(f"{name} {value} is not a finite number: give one")
     from dcrb_ros.recordings.replay import Replay, ReplayParameters
     from dcrb_ros.settings.files import validated
 
     given = {"bag": str(bag), "rate": rate, "loop": loop, "offset": offset, "clock": clock, "topics": topics}
+    given |= {"listeners": listeners, "wait": wait}
     parameters = validated(given, ReplayParameters, "replay")
     Replay(parameters)  # refuses an invalid recording before ROS is started
     from dcrb_ros.nodes.programs import run

@@ -5,7 +5,6 @@ from __future__ import annotations
 import fnmatch
 import json
 import math
-import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -13,7 +12,10 @@ from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 import typer
 
-from dcrb_ros.cli.options import DetectorFile, JsonOutput, Workers, announce_compilation, literal, worker_count
+from dcrb_ros.cli import completion
+from dcrb_ros.cli.first_start import announce_compilation
+from dcrb_ros.cli.options import DetectorFile, JsonOutput, Quiet, Workers, worker_count
+from dcrb_ros.cli.output_file import PICTURES, check_output
 from dcrb_ros.schema.refusal import Refusal
 
 if TYPE_CHECKING:
@@ -43,24 +45,29 @@ class Candidate(NamedTuple):
 def score(
     sources: Annotated[
         list[str] | None,
-        typer.Argument(metavar="EXAM | BAG ...", help="An exam (smoke, standard, blind, full, hours or a YAML file), or recordings."),
+        typer.Argument(
+            metavar="EXAM | BAG ...",
+            help="An exam (smoke, standard, blind, full, hours or a YAML file), or recordings.",
+            autocompletion=completion.exams,
+        ),
     ] = None,
-    exam: Annotated[str | None, typer.Option(help="The exam; the same as the argument.")] = None,
+    exam: Annotated[str | None, typer.Option(help="The exam; the same as the argument.", autocompletion=completion.exams)] = None,
     node: Annotated[str | None, typer.Option(help="Command that starts your detector node; it is started anew for every scenario.")] = None,
     reference: Annotated[
         bool, typer.Option("--reference", help="Run the shipped detector on recordings, instead of scoring the diagnoses in them.")
     ] = False,
     detector: DetectorFile = None,
     rate: Annotated[
-        float, typer.Option(help="Recorded over wall time with --node, 0 to 1000; 0 sends the signal as fast as the node answers.")
+        float, typer.Option(help="Recorded over wall time with --node [-], 0 to 1000; 0 sends the signal as fast as the node answers.")
     ] = 0.0,
-    patience: Annotated[float, typer.Option(help="Wall time in seconds that the node may take to start, above 0 and up to 3600.")] = 30.0,
+    patience: Annotated[float, typer.Option(help="Wall time that the node may take to start [s], above 0 and up to 3600.")] = 30.0,
     only: Annotated[str, typer.Option(help="Pattern of scenario names, such as 'outer/*'; their twins are included. Default: all.")] = "",
     recordings: Annotated[
         Path | None, typer.Option(help="Folder that keeps the exam's recordings. Default: a folder in the user's cache.")
     ] = None,
     workers: Workers = 0,
     as_json: JsonOutput = False,
+    quiet: Quiet = False,
     junit: Annotated[Path | None, typer.Option(help="Also write the report as JUnit XML to this file.")] = None,
     figure: Annotated[Path | None, typer.Option(help="Also draw the report to this file (.png, .svg or .pdf).")] = None,
     show: Annotated[bool, typer.Option("--list", help="List the scenarios and exit.")] = False,
@@ -84,7 +91,7 @@ def score(
         raise Refusal(f"--only, --list and --recordings apply to an exam, but {bags[0]} is a recording: leave them out")
     if bags:
         run_detector = reference or node is not None or detector is not None
-        report = _evaluate_bags([Path(bag) for bag in bags], candidate, run_detector=run_detector, workers=count)
+        report = _evaluate_bags([Path(bag) for bag in bags], candidate, run_detector=run_detector, workers=count, quiet=quiet)
     else:
         from dcrb_ros.exam.exam_file import read_exam
 
@@ -94,7 +101,7 @@ def score(
         if show:
             _list(chosen)
             return
-        report = _evaluate_exam(chosen, candidate, recordings, count)
+        report = _evaluate_exam(chosen, candidate, recordings, count, quiet=quiet)
     _output(report, as_json, junit, figure)
     if not report.passed:
         raise typer.Exit(1)
@@ -124,17 +131,9 @@ def _candidate(node: str | None, detector: Path | None, rate: float, patience: f
 
 def _check_files(junit: Path | None, figure: Path | None) -> None:
     """Refuse output files that cannot be written before the evaluation starts."""
-    if figure is not None and figure.suffix not in (".png", ".svg", ".pdf"):
-        raise Refusal(f"--figure {figure} has an unknown file type: the name must end in .png, .svg or .pdf")
-    for option, file in (("--junit", junit), ("--figure", figure)):
-        if file is None:
-            continue
-        if not file.parent.is_dir():
-            raise Refusal(f"{option} {file} cannot be written: there is no folder {file.parent}; create it or give another file")
-        if file.is_dir():
-            raise Refusal(f"{option} {file} is a folder: give the name of a file in it")
-        if not os.access(file if file.exists() else file.parent, os.W_OK):
-            raise Refusal(f"{option} {file} cannot be written: permission denied; give another file")
+    for option, file, suffixes in (("--junit", junit, ()), ("--figure", figure, PICTURES)):
+        if file is not None:
+            check_output(option, file, suffixes)
 
 
 def _is_recording(path: Path) -> bool:
@@ -157,27 +156,23 @@ def _select(exam: Exam, pattern: str) -> Exam:
 
 
 def _list(exam: Exam) -> None:
-    from rich.console import Console
     from rich.table import Table
-    from rich.text import Text
 
     from dcrb_ros.exam.case import scenarios_hash
+    from dcrb_ros.runtime.terminal import console
 
-    # `Text` keeps brackets in users' names from being read as markup.
-    heads = literal("scenario", "correct verdict", "onset [s]", "duration [s]", "twin")
-    table = Table(*heads, title=Text(f"{exam.name}: {exam.about}"))
+    table = Table("scenario", "correct verdict", "onset [s]", "duration [s]", "twin", title=f"{exam.name}: {exam.about}")
     for case in exam.cases:
         expectation = case.expectation
         name = expectation.name if expectation.required else f"{expectation.name} (not required)"
         onset = f"{expectation.onset:g}" if expectation.faulty else "-"
-        table.add_row(Text(name), expectation.verdict, onset, f"{expectation.duration:g}", Text(expectation.twin or "-"))
-    console = Console()
-    Console(width=None if console.is_terminal else 160).print(table)
+        table.add_row(name, expectation.verdict, onset, f"{expectation.duration:g}", expectation.twin or "-")
+    console().print(table)
     seconds = sum(case.run.duration for case in exam.cases)
     print(f"{len(exam.cases)} scenarios, {seconds:.0f} s simulated, sha256 {scenarios_hash(exam.cases)}")
 
 
-def _evaluate_exam(exam: Exam, candidate: Candidate, recordings: Path | None, workers: int) -> Report:
+def _evaluate_exam(exam: Exam, candidate: Candidate, recordings: Path | None, workers: int, *, quiet: bool) -> Report:
     """Return the report of an exam."""
     from dcrb_ros.exam.case import scenarios_hash
     from dcrb_ros.exam.evaluation import evaluate_shipped
@@ -186,33 +181,33 @@ def _evaluate_exam(exam: Exam, candidate: Candidate, recordings: Path | None, wo
     from dcrb_ros.exam.scoring import score_scenario
 
     folder = checked_folder(recordings or default_folder())
-    announce_compilation()
+    announce_compilation(quiet=quiet)
     failures: dict[str, str] = {}
     if candidate.node is None:
-        with _progress("evaluated", len(exam.cases)) as on_done:
+        with _progress("evaluated", len(exam.cases), quiet=quiet) as on_done:
             diagnoses: Mapping[str, Sequence[ReceivedDiagnosis]]
             diagnoses = evaluate_shipped(exam.cases, folder, candidate.parameters, workers, on_done)
     else:
-        bags = _recorded(exam.cases, folder, workers, candidate.node, candidate.patience)
-        diagnoses, failures = _evaluate_node(bags, candidate.node, candidate.rate, candidate.patience)
+        bags = _recorded(exam.cases, folder, workers, candidate.node, candidate.patience, quiet=quiet)
+        diagnoses, failures = _evaluate_node(bags, candidate.node, candidate.rate, candidate.patience, quiet=quiet)
     expectations = [case.expectation for case in exam.cases]
     results = tuple(score_scenario(e, diagnoses[e.name], exam.criteria, failure=failures.get(e.name, "")) for e in expectations)
     return Report(exam.name, candidate.name, exam.criteria, scenarios_hash(exam.cases), results)
 
 
-def _recorded(cases: Sequence[Case], folder: Path, workers: int, node: str, patience: float) -> dict[str, Path]:
+def _recorded(cases: Sequence[Case], folder: Path, workers: int, node: str, patience: float, *, quiet: bool) -> dict[str, Path]:
     """Return the recordings of cases; an invalid command is refused before anything is simulated."""
     from dcrb_ros.exam.evaluation import record_all
     from dcrb_ros.nodes.external_detector import ExternalDetector
 
     ExternalDetector(node, patience=patience)
-    with _progress("simulated", len(cases)) as on_done:
+    with _progress("simulated", len(cases), quiet=quiet) as on_done:
         paths = record_all(cases, folder, workers, on_done)
     return {case.expectation.name: paths[case.expectation.name] for case in cases}
 
 
 def _evaluate_node(
-    bags: Mapping[str, Path], node: str, rate: float, patience: float
+    bags: Mapping[str, Path], node: str, rate: float, patience: float, *, quiet: bool
 ) -> tuple[dict[str, list[ReceivedDiagnosis]], dict[str, str]]:
     """Return a node's diagnoses of recordings, and the failures, by name."""
     from dcrb_ros.nodes.external_detector import ExternalDetector, NoDiagnosis
@@ -220,7 +215,7 @@ def _evaluate_node(
     detector = ExternalDetector(node, rate=rate, patience=patience)
     diagnoses: dict[str, list[ReceivedDiagnosis]] = {}
     failures: dict[str, str] = {}
-    with _progress("evaluated", len(bags)) as on_done:
+    with _progress("evaluated", len(bags), quiet=quiet) as on_done:
         for name, bag in bags.items():
             found = detector.diagnose(bag)
             if found.failure and not found.received and not diagnoses:
@@ -232,7 +227,7 @@ def _evaluate_node(
     return diagnoses, failures
 
 
-def _evaluate_bags(bags: Sequence[Path], candidate: Candidate, *, run_detector: bool, workers: int) -> Report:
+def _evaluate_bags(bags: Sequence[Path], candidate: Candidate, *, run_detector: bool, workers: int, quiet: bool) -> Report:
     """Return the report of recordings: of the candidate if ``run_detector``, otherwise of the diagnoses in the recordings."""
     from dcrb_ros.exam.criteria import Criteria
     from dcrb_ros.exam.evaluation import evaluate_shipped_on, score_recordings
@@ -250,10 +245,11 @@ def _evaluate_bags(bags: Sequence[Path], candidate: Candidate, *, run_detector: 
     if not run_detector:
         return Report("recordings", "the recorded diagnoses", criteria, "", score_recordings(recordings, criteria))
     if candidate.node is None:
-        with _progress("evaluated", len(recordings)) as on_done:
+        with _progress("evaluated", len(recordings), quiet=quiet) as on_done:
             diagnoses = evaluate_shipped_on(recordings, candidate.parameters, workers, on_done)
     else:
-        diagnoses, failures = _evaluate_node(dict(zip(names, bags, strict=True)), candidate.node, candidate.rate, candidate.patience)
+        paths = dict(zip(names, bags, strict=True))
+        diagnoses, failures = _evaluate_node(paths, candidate.node, candidate.rate, candidate.patience, quiet=quiet)
     expectations = [recorded.expectation for recorded in recordings]
     results = tuple(score_scenario(e, diagnoses[e.name], criteria, failure=failures.get(e.name, "")) for e in expectations)
     return Report("recordings", candidate.name, criteria, "", results)
@@ -270,21 +266,16 @@ def _names(bags: Sequence[Path]) -> list[str]:
 
 
 @contextmanager
-def _progress(activity: str, total: int) -> Iterator[Callable[[str], None]]:
+def _progress(activity: str, total: int, *, quiet: bool) -> Iterator[Callable[[str], None]]:
     """Show a progress bar; yield the function to call with the name of each scenario that is done."""
-    from rich.console import Console
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+    from rich.progress import MofNCompleteColumn, TextColumn, TimeElapsedColumn
 
-    columns = (
-        TextColumn("scenarios " + activity),
-        BarColumn(),
-        MofNCompleteColumn(),
-        TimeElapsedColumn(),
-        TextColumn("{task.description}", markup=False),
-    )
-    with Progress(*columns, console=Console(stderr=True)) as progress:
-        task = progress.add_task("", total=total)
-        yield lambda name: progress.update(task, advance=1, description=name)
+    from dcrb_ros.runtime.terminal import progress
+
+    columns = (MofNCompleteColumn(), TimeElapsedColumn(), TextColumn("{task.fields[last]}", markup=False))
+    with progress(*columns, quiet=quiet) as bar:
+        task = bar.add_task(f"scenarios {activity}", total=total, last="")
+        yield lambda name: bar.update(task, advance=1, last=name)
 
 
 def _output(report: Report, as_json: bool, junit: Path | None, figure: Path | None) -> None:
@@ -304,9 +295,7 @@ def _output(report: Report, as_json: bool, junit: Path | None, figure: Path | No
 
 
 def _print(report: Report) -> None:
-    from rich.console import Console
-
     from dcrb_ros.exam.table import tables
+    from dcrb_ros.runtime.terminal import console
 
-    console = Console()
-    Console(width=None if console.is_terminal else 140, highlight=False).print(tables(report))
+    console().print(tables(report))

@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+import itertools
+import json
 import time
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import ExitStack
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import typer
 
-from dcrb_ros.cli.options import Duration, Scenario, Settings, announce_compilation
+from dcrb_ros.cli import completion
+from dcrb_ros.cli.first_start import compilation_shown
+from dcrb_ros.cli.options import Duration, Force, JsonOutput, Quiet, Scenario, Settings
+from dcrb_ros.cli.output_file import replacing
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.schema.simulated_time import checked_duration
 
@@ -20,8 +25,23 @@ if TYPE_CHECKING:
     from dcrb_ros.stream.block import Block
 
 
+class Progress(NamedTuple):
+    """How far a simulation came, and how fast it was."""
+
+    simulated: float
+    """Simulated time [s]."""
+    factor: float | None
+    """Real-time factor without the compilation of the kernels [-]; None if the run consists of a single block."""
+
+    def __str__(self) -> str:
+        return f"{self.simulated:.2f} s simulated" + ("" if self.factor is None else f", {self.factor:.2f} x real time")
+
+
 def simulate(
-    config: Annotated[str | None, typer.Argument(help="Configuration: a YAML file or a shipped name, such as healthy.")] = None,
+    config: Annotated[
+        str | None,
+        typer.Argument(help="Configuration: a YAML file or a shipped name, such as healthy.", autocompletion=completion.configurations),
+    ] = None,
     output: Annotated[
         Path | None, typer.Option("-o", "--output", help="New folder of the recording. Default: the name of the configuration.")
     ] = None,
@@ -32,6 +52,9 @@ def simulate(
         Path | None,
         typer.Option("--from", help="Simulate this recording again with its configuration, seed and commands, and compare the samples."),
     ] = None,
+    force: Force = False,
+    quiet: Quiet = False,
+    as_json: JsonOutput = False,
 ) -> None:
     """Simulate a bearing without ROS and write a recording, or simulate an existing recording again.
 
@@ -40,7 +63,10 @@ def simulate(
     if source is not None:
         if config or settings or scenario:
             raise Refusal("--from reads configuration and scenario from the recording: leave out CONFIG, --set and --scenario")
-        reproduce(source, output)
+        with ExitStack() as stack:
+            if output is not None:
+                stack.enter_context(replacing("-o", output, force=force, source=source))
+            reproduce(source, output, quiet=quiet, as_json=as_json)
         return
     if config is None:
         raise Refusal("Missing argument 'CONFIG': give a YAML file or a shipped name, such as healthy, or --from BAG")
@@ -51,80 +77,90 @@ def simulate(
     story = read_scenario_file(scenario) if scenario else None
     configuration = starting_configuration(story, load_configuration(config, settings or ()), str(scenario))
     path = output or Path(Path(config).stem)
-    _refuse_existing(path)
-    from dcrb_ros.recordings.recorder import Recorder
+    with replacing("-o", path, force=force):
+        from dcrb_ros.recordings.recorder import Recorder
 
-    simulation = _started(configuration, story, str(scenario))
-    with Recorder(path, configuration, simulation.bodies, scenario=story) as recorder:
-        done, factor = _run(path.name, simulation.blocks(seconds), seconds, recorder.write)
-    print(f"{path}: {done:.2f} s simulated, {factor:.2f} x real time")
-    print(f"open it with: rerun {recorder.file}   or: dcrb view {path}")
+        simulation = _simulation(configuration, story, str(scenario))
+        with Recorder(path, configuration, simulation.bodies, scenario=story) as recorder:
+            progress = _run(path.name, simulation.blocks(seconds), seconds, recorder.write, quiet=quiet)
+    if as_json:
+        outcome = recorder.outcome
+        _print_json(path, progress, outcome.samples, outcome.sha256)
+        return
+    print(f"{path}: {progress}")
+    if not quiet:
+        print(f"open it with: dcrb view {path}")
 
 
-def reproduce(source: Path, output: Path | None) -> None:
+def reproduce(source: Path, output: Path | None, *, quiet: bool, as_json: bool) -> None:
     """Simulate a recording again and compare the samples; write them to a new recording if ``output`` is given."""
     from dcrb_ros.recordings.reader import Recording
     from dcrb_ros.recordings.recorder import Recorder
     from dcrb_ros.recordings.reproduction import Reproduction
 
-    if output is not None:
-        _refuse_existing(output)
     recording = Recording(source)
     reproduction = Reproduction(recording)
     difference = reproduction.difference()
     if difference:
         typer.echo(f"dcrb: {source}: {difference}; the samples may differ", err=True)
     scenario = recording.manifest.get("scenario")
-    simulation = _started(reproduction.configuration, scenario, f"{source}: scenario")
+    simulation = _simulation(reproduction.configuration, scenario, f"{source}: scenario")
     with ExitStack() as stack:
         write: Callable[[Block], None] | None = None
         if output is not None:
             write = stack.enter_context(Recorder(output, reproduction.configuration, simulation.bodies, scenario=scenario)).write
-        done, factor = _run(source.name, reproduction.blocks(simulation), reproduction.duration, write)
+        progress = _run(source.name, reproduction.blocks(simulation), reproduction.duration, write, quiet=quiet)
     reproduction.check()
     samples = reproduction.samples
-    print(f"{source}: {done:.2f} s simulated, {factor:.2f} x real time; the same {samples.count} samples, sha256 {samples.sha256[:16]}")
+    if as_json:
+        _print_json(output, progress, samples.count, samples.sha256)
+    else:
+        print(f"{source}: {progress}; the same {samples.count} samples, sha256 {samples.sha256[:16]}")
 
 
-def _refuse_existing(path: Path) -> None:
-    if path.exists():
-        raise Refusal(f"{path} exists: give another name with -o or remove it; recordings are never overwritten")
+def _print_json(path: Path | None, progress: Progress, samples: int, sha256: str) -> None:
+    about = {
+        "recording": None if path is None else str(path),
+        "simulated": progress.simulated,
+        "real_time_factor": progress.factor,
+        "samples": samples,
+        "sha256": sha256,
+    }
+    print(json.dumps(about, indent=2))
 
 
-def _started(configuration: Configuration, story: Mapping[str, Any] | None, source: str) -> Simulation:
+def _simulation(configuration: Configuration, story: Mapping[str, Any] | None, source: str) -> Simulation:
     from dcrb_ros.simulation.loop import Simulation
     from dcrb_ros.simulation.scenario import scheduled_changes
 
-    events = scheduled_changes(story, configuration, source) if story else []
-    announce_compilation()
-    return Simulation(configuration, events)
+    return Simulation(configuration, scheduled_changes(story, configuration, source) if story else [])
 
 
-def _run(name: str, blocks: Iterable[Block], seconds: float, write: Callable[[Block], None] | None) -> tuple[float, float]:
-    """Write blocks and show the progress; return the simulated time [s] and the real-time factor [-]."""
-    from rich.console import Console
-    from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+def _run(name: str, blocks: Iterable[Block], seconds: float, write: Callable[[Block], None] | None, *, quiet: bool) -> Progress:
+    """Write blocks and show the progress; Ctrl-C ends a recording early."""
+    from rich.progress import TextColumn, TimeRemainingColumn
 
     from dcrb_ros.runtime.prefetch import WRITING_DEPTH, prefetch
+    from dcrb_ros.runtime.terminal import progress
 
-    console = Console(stderr=True)
-    started, done = time.perf_counter(), 0.0
-    columns = (
-        TextColumn("{task.description}"),
-        BarColumn(),
-        TextColumn("{task.completed:.1f} of {task.total:.1f} s simulated"),
-        TimeRemainingColumn(),
-    )
-    with Progress(*columns, console=console) as progress:
-        task = progress.add_task(name, total=seconds)
-        try:
-            for block in prefetch(iter(blocks), depth=WRITING_DEPTH):
+    columns = (TextColumn("{task.completed:.1f} of {task.total:.1f} s simulated"), TimeRemainingColumn())
+    started = begin = done = 0.0
+    ready = prefetch(iter(blocks), depth=WRITING_DEPTH)
+    try:
+        # The kernels are compiled for the first block.
+        with compilation_shown(quiet=quiet):
+            first = list(itertools.islice(ready, 1))
+        with progress(*columns, quiet=quiet) as bar:
+            task = bar.add_task(name, total=seconds)
+            for block in itertools.chain(first, ready):
                 if write is not None:
                     write(block)
                 done = block.end_ns * 1e-9
-                progress.update(task, completed=done)
-        except KeyboardInterrupt:
-            if write is None:
-                raise
-            console.print(f"stopped at {done:.2f} s; the recording ends there")
-    return done, done / (time.perf_counter() - started)
+                if not started:
+                    started, begin = time.perf_counter(), done
+                bar.update(task, completed=done)
+    except KeyboardInterrupt:
+        if write is None:
+            raise
+        typer.echo(f"stopped at {done:.2f} s; the recording ends there", err=True)
+    return Progress(done, (done - begin) / (time.perf_counter() - started) if done > begin else None)

@@ -1,32 +1,39 @@
-"""`dcrb sweep`: generate a labelled data set with Dask."""
+"""`dcrb sweep`: generate a labelled data set on the cores of this machine or on a Dask cluster."""
 
 from __future__ import annotations
 
+import json
 from collections import Counter
-from collections.abc import Iterator
-from contextlib import contextmanager
-from typing import TYPE_CHECKING, Annotated
+from contextlib import ExitStack
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from dcrb_ros.cli.options import announce_compilation
+from dcrb_ros.cli import completion
+from dcrb_ros.cli.first_start import compilation_shown
+from dcrb_ros.cli.options import JsonOutput, Quiet, size_text
 from dcrb_ros.schema.refusal import Refusal
 
 if TYPE_CHECKING:
-    from distributed import Client
-
     from dcrb_ros.sweep.data_set import DataSet
     from dcrb_ros.sweep.plan import Plan
+    from dcrb_ros.sweep.store import Store
     from dcrb_ros.sweep.table import Tally
+    from dcrb_ros.sweep.workers import Workers
+
+SHOWN_FLAWS = 5
+"""Damaged runs that are named at most [-]."""
 
 
 def sweep(
-    sweep: Annotated[str, typer.Argument(help="Sweep: a YAML file or a shipped name, such as two_hundred.")],
+    sweep: Annotated[
+        str, typer.Argument(help="Sweep: a YAML file or a shipped name, such as two_hundred.", autocompletion=completion.sweeps)
+    ],
     output: Annotated[
         str | None, typer.Option("-o", "--output", help="Folder of the data set, or an fsspec address such as s3://bucket/folder.")
     ] = None,
     scheduler: Annotated[
-        str | None, typer.Option(help="Address of a Dask scheduler, such as tcp://10.0.0.1:8786. Default: workers on this machine.")
+        str | None, typer.Option(help="Address of a Dask scheduler, such as tls://10.0.0.1:8786. Default: processes on this machine.")
     ] = None,
     workers: Annotated[
         int | None, typer.Option(min=1, max=1024, help="Number of worker processes on this machine. Default: one per core.")
@@ -37,10 +44,12 @@ def sweep(
     dry_run: Annotated[
         bool, typer.Option("--dry-run", help="Print run counts, time and disk space, estimated from a few short runs; write nothing.")
     ] = False,
+    quiet: Quiet = False,
+    as_json: JsonOutput = False,
 ) -> None:
     """Generate a labelled data set: runs, labels, train, validation and test splits, and a data card.
 
-    If the data set exists and is incomplete, only the missing runs are simulated.
+    If the data set exists and is incomplete, only the missing and damaged runs are simulated.
 
     Example: dcrb sweep two_hundred -o my_data_set --workers 4
     """
@@ -54,106 +63,151 @@ def sweep(
     from dcrb_ros.sweep.plan import Plan
 
     plan = Plan(read_sweep(sweep))
-    if plan.conditions < 3:
+    if plan.conditions < 3 and not quiet:
         missing = "validation split" if plan.conditions == 2 else "validation or test split"
         typer.echo(f"too few bearing conditions ({plan.conditions}) for a {missing}: vary speed or load to get more", err=True)
     if dry_run:
-        _estimate(plan, workers or cores())
+        _estimate(plan, workers or cores(), as_json=as_json)
         return
-    from dcrb_ros.sweep.data_set import DataSet
     from dcrb_ros.sweep.store import Store
 
     store = Store(str(output))
     if store.address.startswith("memory:"):
         raise Refusal(f"{store.address} is deleted when this command ends: give a folder, or an address that all workers can write")
-    data_set = DataSet(plan, store)
     if scheduler is None:
-        _compile()
-    with _client(scheduler, workers, memory) as client:
-        tally = _generate(data_set, client)
-    _print_summary(tally, store.address)
+        from dcrb_ros.sweep.local_workers import local_workers
+
+        with local_workers(workers, memory) as here:
+            tally = _make(plan, store, here, compile_first=True, quiet=quiet)
+    else:
+        from dcrb_ros.sweep.cluster import cluster_workers
+
+        with cluster_workers(scheduler) as cluster:
+            tally = _make(plan, store, cluster, compile_first=False, quiet=quiet)
+    _print_summary(tally, store.address, quiet=quiet, as_json=as_json)
+
+
+def _make(plan: Plan, store: Store, workers: Workers, *, compile_first: bool, quiet: bool) -> Tally:
+    """Create or continue the data set of a plan; ``compile_first`` compiles the kernels once for all workers of this machine."""
+    from dcrb_ros.runtime.terminal import console
+    from dcrb_ros.sweep.data_set import open_data_set
+
+    shown = console(stderr=True)
+    shown.quiet = quiet
+    with ExitStack() as stack:
+        with shown.status("checking the finished runs ..."):
+            data_set = stack.enter_context(open_data_set(plan, store))
+        if not quiet:
+            _report_flaws(data_set)
+            typer.echo(str(workers), err=True)
+        if compile_first:
+            _compile(quiet=quiet)
+        return _generate(data_set, workers, quiet=quiet)
+
+
+def _compile(*, quiet: bool) -> None:
+    """Compile the kernels, so that the workers do not each compile them."""
+    from dcrb_ros.core import compiled
+    from dcrb_ros.settings.configuration import Configuration
+    from dcrb_ros.simulation.loop import Simulation
+
+    if not compiled():
+        with compilation_shown(quiet=quiet):
+            next(Simulation(Configuration()).blocks(0.001))
+
+
+def _report_flaws(data_set: DataSet) -> None:
+    """Name the files because of which runs are simulated again."""
+    reasons = list(data_set.flaws.values())
+    for reason in reasons[:SHOWN_FLAWS]:
+        typer.echo(f"{reason}: the run is simulated again", err=True)
+    if len(reasons) > SHOWN_FLAWS:
+        typer.echo(f"{len(reasons) - SHOWN_FLAWS} further runs are damaged and simulated again", err=True)
 
 
 def _require_fsspec() -> None:
     try:
         import fsspec  # noqa: F401
     except ImportError:
-        raise Refusal("dcrb sweep needs Dask and fsspec: pip install dask distributed pandas") from None
+        raise Refusal("dcrb sweep needs fsspec: pip install fsspec") from None
 
 
-def _compile() -> None:
-    """Compile the kernels once, so that the workers do not each compile them."""
-    from dcrb_ros.core import compiled
-    from dcrb_ros.settings.configuration import Configuration
-    from dcrb_ros.simulation.loop import Simulation
+def _generate(data_set: DataSet, workers: Workers, *, quiet: bool) -> Tally:
+    from rich.progress import MofNCompleteColumn, TimeRemainingColumn
 
-    announce_compilation()
-    if not compiled():
-        next(Simulation(Configuration()).blocks(0.001))
-
-
-@contextmanager
-def _client(scheduler: str | None, workers: int | None, memory: str) -> Iterator[Client]:
-    from dcrb_ros.sweep.dispatch import cluster_workers, dashboard_available, local_workers
-
-    with cluster_workers(scheduler) if scheduler else local_workers(workers, memory) as client:
-        dashboard = client.dashboard_link if scheduler or dashboard_available() else "none (requires bokeh: pip install bokeh)"
-        typer.echo(f"{len(client.nthreads())} workers, dashboard: {dashboard}", err=True)
-        yield client
-
-
-def _generate(data_set: DataSet, client: Client) -> Tally:
-    from rich.console import Console
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+    from dcrb_ros.runtime.terminal import progress
+    from dcrb_ros.sweep.verification import LABELS
 
     total, seen = data_set.plan.sweep.count, Counter[str]()
-    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
-    with Progress(*columns, console=Console(stderr=True)) as bar:
+    with progress(MofNCompleteColumn(), TimeRemainingColumn(), quiet=quiet) as bar:
         task = bar.add_task("runs", total=total, completed=len(data_set.done))
 
-        def progress(outcomes: Counter[str]) -> None:
+        def advance(outcomes: Counter[str]) -> None:
             seen.update(outcomes)
             bad = ", ".join(f"{count} {status}" for status, count in sorted(seen.items()) if status != "done")
             bar.update(task, advance=sum(outcomes.values()), description=f"runs ({bad})" if bad else "runs")
 
         try:
-            tally = data_set.make(client, progress)
+            tally = data_set.make(workers, advance)
         except KeyboardInterrupt:
-            reached = sum(1 for _ in data_set.store.names("labels"))
-            bar.console.print(f"stopped after {reached} of {total} runs; run the same command again to continue")
+            if not quiet:
+                reached = sum(1 for _ in data_set.store.names(LABELS))
+                bar.console.print(f"stopped after {reached} of {total} runs; run the same command again to continue")
             raise
         bar.update(task, total=sum(tally.statuses.values()), completed=sum(tally.statuses.values()))
         return tally
 
 
-def _print_summary(tally: Tally, address: str) -> None:
+def _print_summary(tally: Tally, address: str, *, quiet: bool = False, as_json: bool = False) -> None:
     """Print the outcome of the sweep.
 
     Raises:
         RuntimeError: no run succeeded.
     """
     done, counts = tally.statuses["done"], ", ".join(f"{count} {status}" for status, count in sorted(tally.statuses.items()))
-    for reason, count in tally.reasons.most_common(3):
-        typer.echo(f"{count} x {reason}", err=True)
-    if not done:
-        raise RuntimeError(f"no run of {address} succeeded ({counts}): the reasons are given above and in labels.parquet")
     splits = {split: sum(count for (of, _), count in tally.classes.items() if of == split) for split in ("train", "validation", "test")}
-    shares = ", ".join(f"{count} {split}" for split, count in splits.items() if count)
-    print(f"{address}: {counts}; {shares}; {tally.seconds:.6g} s recorded")
-    print(f"load it with: pandas.read_parquet('{address}/labels.parquet')")
+    if as_json:
+        about = {"address": address, "runs": tally.statuses, "splits": splits, "seconds": tally.seconds, "reasons": tally.reasons}
+        print(json.dumps(about, indent=2))
+    else:
+        for reason, count in tally.reasons.most_common(3):
+            typer.echo(f"{count} x {reason}", err=True)
+    if not done:
+        where = "are in 'reasons'" if as_json else "are given above"
+        raise RuntimeError(f"no run of {address} succeeded ({counts}): the reasons {where} and in labels.parquet")
+    if not as_json:
+        shares = ", ".join(f"{count} {split}" for split, count in splits.items() if count)
+        print(f"{address}: {counts}; {shares}; {tally.seconds:.6g} s recorded")
+        if not quiet:
+            print(f"load it with: pandas.read_parquet('{address}/labels.parquet')")
 
 
-def _estimate(plan: Plan, workers: int) -> None:
+def _estimate(plan: Plan, workers: int, *, as_json: bool) -> None:
+    """Print the estimated cost of a sweep."""
     from dcrb_ros.sweep.estimate import estimate
 
     cost = estimate(plan)
+    cases = [{"split": split, "case": case, "runs": count} for (split, case), count in sorted(cost.counts.items())]
+    if as_json:
+        about: dict[str, Any] = {
+            "runs": cost.runs,
+            "duration": cost.duration,
+            "conditions": plan.conditions,
+            "cases": cases,
+            "workers": workers,
+            "seconds": cost.seconds(workers),
+            "bytes": cost.size,
+            "refused": cost.refused,
+        }
+        print(json.dumps(about, indent=2))
+        return
     print(f"{cost.runs} runs of {cost.duration:g} s in {plan.conditions} conditions")
     print("| split | case | runs |\n|---|---|---|")
-    for (split, case), count in sorted(cost.counts.items()):
-        print(f"| {split} | {case} | {count} |")
+    for case in cases:
+        print(f"| {case['split']} | {case['case']} | {case['runs']} |")
     print(
         f"about {_span(cost.seconds(workers))} on {workers} workers of this machine ({cost.factor:.1f} x real time each, plus "
-        f"{cost.start:.2f} s per run) and {cost.size / 1e9:.3g} GB"
+        f"{cost.start:.2f} s per run) and {size_text(cost.size)} of disk space"
     )
     if cost.refused:
         print(f"{cost.refused} of the short runs were refused or failed")

@@ -3,12 +3,19 @@
 from __future__ import annotations
 
 import contextlib
+import json
+from collections.abc import Sequence
+from dataclasses import asdict
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from dcrb_ros.cli.options import Workers, announce_compilation, worker_count
+from dcrb_ros.cli.first_start import announce_compilation
+from dcrb_ros.cli.options import JsonOutput, Quiet, Workers, worker_count
+
+if TYPE_CHECKING:
+    from dcrb_ros.validation.comparison import Comparison
 
 
 def validate(
@@ -16,6 +23,8 @@ def validate(
         "validation"
     ),
     workers: Workers = 0,
+    quiet: Quiet = False,
+    as_json: JsonOutput = False,
 ) -> None:
     """Reproduce Fan et al. 2025: a table of numbers with tolerances, and Figs. 8 to 11, as a report.
 
@@ -24,32 +33,44 @@ def validate(
     Example: dcrb validate -o validation
     """
     processes = worker_count(workers)
-    from rich.console import Console
-    from rich.progress import Progress
-    from rich.table import Table
-
-    from dcrb_ros.validation.report import HEADINGS, cells, summary
+    from dcrb_ros.runtime.terminal import progress
+    from dcrb_ros.validation.report import summary
     from dcrb_ros.validation.validate import all_comparisons, report_folder, run_all, write_report
 
-    folder, console = report_folder(output), Console(stderr=True)
-    announce_compilation()
+    folder = report_folder(output)
+    announce_compilation(quiet=quiet)
     try:
-        with Progress(console=console) as progress:
-            task = progress.add_task("runs", total=None)
+        with progress(quiet=quiet) as bar:
+            task = bar.add_task("runs", total=None)
             runs, agreements = run_all(
                 processes,
-                lambda done, total, name: progress.update(task, completed=done, total=total, description=name),
+                lambda done, total, name: bar.update(task, completed=done, total=total, description=name),
             )
     except BaseException:
         with contextlib.suppress(OSError):
             folder.rmdir()  # fails if it contains an earlier report, which is kept
         raise
     comparisons = all_comparisons(runs, agreements)
+    # The results are printed first, so that they are not lost if the report cannot be written.
+    _print(comparisons, as_json=as_json)
+    report = write_report(folder, comparisons, runs)
+    if not as_json:
+        print(f"{summary(comparisons)} Report: {report}")
+    if not all(comparison.holds for comparison in comparisons):
+        raise typer.Exit(1)
+
+
+def _print(comparisons: Sequence[Comparison], *, as_json: bool) -> None:
+    from rich.table import Table
+
+    from dcrb_ros.runtime.terminal import console
+    from dcrb_ros.validation.report import HEADINGS, cells
+
+    if as_json:
+        rows = [{**asdict(comparison), "verdict": comparison.verdict} for comparison in comparisons]
+        print(json.dumps({"holds": all(comparison.holds for comparison in comparisons), "comparisons": rows}, indent=2))
+        return
     table = Table(*HEADINGS, show_lines=True)
     for comparison in comparisons:
         table.add_row(*cells(comparison), style="" if comparison.holds else "bold red")
-    Console(width=None if console.is_terminal else 200).print(table)
-    report = write_report(folder, comparisons, runs)
-    print(f"{summary(comparisons)} Report: {report}")
-    if not all(comparison.holds for comparison in comparisons):
-        raise typer.Exit(1)
+    console().print(table)

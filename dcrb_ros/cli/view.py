@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from dcrb_ros.cli.options import Bag
+from dcrb_ros.cli.options import Bag, Force
+from dcrb_ros.cli.output_file import replacing
 
 
 def view(
@@ -15,6 +17,7 @@ def view(
     save: Annotated[Path | None, typer.Option(help="Write a new Rerun file (.rrd) instead of opening the viewer.")] = None,
     screenshot: Annotated[Path | None, typer.Option(help="Write a new picture of the viewer (.png) instead of opening it.")] = None,
     web: Annotated[bool, typer.Option("--web", help="Open the viewer in the web browser instead of a window of its own.")] = False,
+    force: Force = False,
 ) -> None:
     """Show a recording in Rerun: waveform, squared envelope spectrum and the moving bearing.
 
@@ -22,7 +25,11 @@ def view(
     """
     from dcrb_ros.viewer.show import view_recording
 
-    content, complete, status = view_recording(bag, save=save, screenshot=screenshot, web=web)
+    with ExitStack() as stack:
+        for option, path in (("--save", save), ("--screenshot", screenshot)):
+            if path is not None:
+                stack.enter_context(replacing(option, path, force=force, source=bag))
+        content, complete, status = view_recording(bag, save=save, screenshot=screenshot, web=web)
     if not complete:
         seconds = (content.end_ns - content.start_ns) / 1e9
         typer.echo(f"dcrb: {bag} is truncated; its readable part of {seconds:.2f} s was shown", err=True)

@@ -26,7 +26,8 @@ from dcrb_ros.diagnosis.rules.saturation import Saturation
 from dcrb_ros.diagnosis.segments import Segment, Segmenter
 from dcrb_ros.diagnosis.speed_estimation import estimated_frequency
 from dcrb_ros.diagnosis.trend import Trend
-from dcrb_ros.diagnosis.window import REFERENCE_FREQUENCY, Hop, Window, margin_samples
+from dcrb_ros.diagnosis.window import MOST_BINS, REFERENCE_FREQUENCY, Hop, Window, margin_samples
+from dcrb_ros.schema.numbers import sampling_rate
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.schema.verdicts import CHARACTERISTIC, Component, Verdict
 from dcrb_ros.stream.diagnosis import Diagnosis, Spectrum
@@ -61,7 +62,8 @@ class FaultDetector:
             Refusal: the parameters do not fit each other or the sampling rate.
         """
         p = parameters
-        self.orders, self.rate, self.parameters, self.sensor_range = orders, rate, parameters, sensor_range
+        self.orders, self.parameters, self.sensor_range = orders, parameters, sensor_range
+        self.rate = rate = sampling_rate(rate, "the signal")
         self.band, self._high, self._bands = _bands(rate, p)
         below = self._bands[-1]
         self._hop = max(1, round(p.hop * rate))
@@ -172,6 +174,11 @@ class FaultDetector:
         p, window = self.parameters, self._window
         if window.reversed:
             return "the shaft reversed within the window"
+        if window.excessive_bins:
+            return (
+                f"at the speed of the shaft, the lines up to order {self._highest_order:.0f} need {window.excessive_bins:.0f} bins in a "
+                f"window, more than {MOST_BINS}: check the shaft angle and the orders"
+            )
         seconds = len(window) * self._hop / self.rate
         if seconds < self._needed:
             return f"{seconds:.1f} s of the {p.least_window:g} s that a verdict needs have arrived"
@@ -240,7 +247,7 @@ class FaultDetector:
             severity=severity,
             trend=self._trend.slope(time, verdict, severity),
             clipped=self._saturation.clipped,
-            remarks=self._remarks(f"the spectrum is of the band from {selected.band}"),
+            remarks=self._remarks(f"the squared envelope spectrum is that of the band from {selected.band}"),
         )
 
     def _severity(self, evidence: Evidence, confirmed: list[Component]) -> float:
@@ -256,7 +263,7 @@ class FaultDetector:
             return f"to be confirmed by the next hop: {reasons or 'no line exceeds that of a healthy bearing'}"
         if components:
             return reasons
-        return f"no line exceeds that of a healthy bearing; {found['outer_ring'].reason}, which the varying compliance explains"
+        return f"no line exceeds that of a healthy bearing; {found['outer_ring'].reason}, due to the varying compliance"
 
     def _published(self, spectrum: OrderSpectrum, frequency: float) -> Spectrum:
         """Return the part of a spectrum that is published, as amplitudes at the present shaft frequency [Hz]."""

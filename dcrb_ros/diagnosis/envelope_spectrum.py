@@ -205,6 +205,12 @@ def _edges(band: Sequence[float]) -> tuple[float, float]:
     return finite_number("the lower edge of the band,", band[0], "Hz"), finite_number("the upper edge of the band,", band[1], "Hz")
 
 
+def trackable(waveform: Waveform) -> bool:
+    """Return whether a waveform has a shaft angle that turns far enough in one direction for order tracking."""
+    turns = waveform.turns if waveform.tracked else np.zeros(1)
+    return bool(abs(turns[-1]) >= LEAST_TURNS and not reverses(turns, JITTER))
+
+
 def _forward_turns(waveform: Waveform) -> Floats:
     """Return the turns of the shaft since the first sample, counted forwards."""
     if not waveform.tracked:

@@ -20,6 +20,8 @@ SLOWEST = 0.5
 """Shaft frequency below which envelopes are scaled as at this one [Hz]."""
 LARGEST = 1e30
 """Largest squared envelope kept [(m/s^2)^2]: its square must not overflow in single precision sums."""
+MOST_BINS = 1 << 20
+"""Most bins of a window [-]; the default window has some 14000 at 20 Hz."""
 REVERSAL = 0.02
 """Turns in the other direction within a hop that are still jitter of the angle [-]."""
 
@@ -51,6 +53,8 @@ class Window:
         self._turned, self._direction, self._tracked = 0.0, 0, True
         self.reversed = False
         """Whether the shaft changed its direction within the latest hop, which started a new window."""
+        self.excessive_bins = 0.0
+        """Bins that a window like the latest hop would have, if that is more than `MOST_BINS`; such a hop starts a new window."""
 
     def __len__(self) -> int:
         return len(self._hops)
@@ -61,7 +65,7 @@ class Window:
         self._direction = 0
 
     def add(self, segment: Segment, clock: float, *, useless: bool) -> Hop | None:
-        """Take a segment and return its hop, or none if the shaft changed its direction.
+        """Take a segment and return its hop, or none if the shaft changed its direction or turned through more than `MOST_BINS`.
 
         Without a shaft angle, the turns are those of a ``clock`` [Hz]. ``useless`` samples count as missing.
         """
@@ -74,7 +78,11 @@ class Window:
         if tracked != self._tracked or self.reversed or (self._direction and direction != self._direction):
             self.clear()
         self._tracked, self._direction = tracked, direction
-        if self.reversed:
+        bins = abs(net) * self.bins_per_turn * (self._hops.maxlen or 1)
+        self.excessive_bins = bins if bins > MOST_BINS else 0.0
+        if self.excessive_bins:
+            self.clear()
+        if self.reversed or self.excessive_bins:
             return None
         forward = np.maximum.accumulate(turns if direction >= 0 else -turns)
         self._hops.append(self._binned(segment, forward - forward[self._margin], tracked=tracked, useless=useless))

@@ -6,7 +6,9 @@ A list where a parameter takes a single value is a variation: one case is made f
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator, Mapping, Sequence
+import math
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -23,11 +25,13 @@ from dcrb_ros.schema.refusal import Refusal, nearest
 from dcrb_ros.schema.verdicts import FAULT_CLASSES, FaultClass
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import find_configuration, flatten, read_parameters, shipped_folder, validated
-from dcrb_ros.settings.vehicle_speed import without_replaced
-from dcrb_ros.settings.yaml import read_yaml
+from dcrb_ros.settings.vehicle_speed import layered
 from dcrb_ros.simulation.scenario import ScheduledChange, read_scenario_file, scheduled_changes, starting_configuration
+from dcrb_ros.text.files import checked_path
+from dcrb_ros.text.yaml import read_yaml
 
-MOST_CASES = 10_000
+MOST_CASES = 2_000
+"""Cases of an exam, without the twins; each is checked with its whole configuration, which takes a millisecond."""
 
 
 class Entry(Group):
@@ -90,7 +94,7 @@ def read_exam(source: str | Path) -> Exam:
         Refusal: there is no such exam, it has an unknown key or no expected verdict, or one of its scenarios is invalid.
     """
     shipped = shipped_exams()
-    path = Path(source)
+    path = checked_path(source)
     if not path.is_file():
         if str(source) not in shipped:
             raise Refusal(f"there is no exam '{source}': give a YAML file or one of {', '.join(shipped)}{nearest(str(source), shipped)}")
@@ -106,13 +110,16 @@ def exam_of(tree: Any, source: str) -> Exam:
         file = ExamFile.model_validate(tree)
     except ValidationError as error:
         raise Refusal(f"{source}: {_sentence(error, tree)}") from None
+    # Counted first, because a list in a small file can stand for millions of cases.
+    count = sum(_count(file, entry, source) for entry in file.scenarios)
+    if not 0 < count <= MOST_CASES:
+        raise Refusal(f"{source} defines {count} scenarios: an exam must have 1 to {MOST_CASES}")
     cases = [case for entry in file.scenarios for case in _cases(file, entry, source)]
-    if not 0 < len(cases) <= MOST_CASES:
-        raise Refusal(f"{source} defines {len(cases)} scenarios: an exam must have 1 to {MOST_CASES}")
-    names = [case.expectation.name for case in cases]
-    twice = next((name for name in names if names.count(name) > 1), None)
-    if twice is not None:
-        raise Refusal(f"{source}: two scenarios are called '{twice}': give them different names")
+    names: set[str] = set()
+    for case in cases:
+        if case.expectation.name in names:
+            raise Refusal(f"{source}: two scenarios are called '{case.expectation.name}': give them different names")
+        names.add(case.expectation.name)
     return Exam(file.exam, file.about, file.criteria, tuple(_with_twins(cases)))
 
 
@@ -142,10 +149,31 @@ def _location(location: Sequence[int | str], tree: Mapping[str, Any]) -> str:
     return f"{'.'.join(str(part) for part in location)}: " if location else ""
 
 
+def _points(file: ExamFile, entry: Entry) -> list[str]:
+    """Return the names of an entry's operating points."""
+    return list(file.points) if entry.points is None else entry.points
+
+
+def _lists(entry: Entry, where: str) -> list[tuple[str, str, list[Any]]]:
+    """Return group, key and values of every list in an entry."""
+    groups = {"set": flatten(entry.set), "fault": flatten(entry.fault)}
+    lists = [(name, key, value) for name, group in groups.items() for key, value in group.items() if isinstance(value, list)]
+    empty = next((key for _, key, values in lists if not values), None)
+    if empty is not None:
+        raise Refusal(f"{where}: {empty} has an empty list: give at least one value")
+    return lists
+
+
+def _count(file: ExamFile, entry: Entry, source: str) -> int:
+    """Return the number of an entry's cases."""
+    lists = _lists(entry, f"{source}, scenario '{entry.name}'")
+    return max(1, len(_points(file, entry))) * len(entry.seeds or file.seeds) * math.prod(len(values) for _, _, values in lists)
+
+
 def _cases(file: ExamFile, entry: Entry, source: str) -> Iterator[Case]:
     """Yield the cases of an entry."""
     where = f"{source}, scenario '{entry.name}'"
-    names = list(file.points) if entry.points is None else entry.points
+    names = _points(file, entry)
     unknown = [name for name in names if name not in file.points]
     if unknown:
         raise Refusal(f"{where}: there is no operating point '{unknown[0]}'{nearest(unknown[0], file.points)}")
@@ -154,7 +182,7 @@ def _cases(file: ExamFile, entry: Entry, source: str) -> Iterator[Case]:
     for point in names or [""]:
         for seed in entry.seeds or file.seeds:
             for fixed, fault, words in _variations(entry, where):
-                overlay = {**flatten(file.points.get(point, {})), "simulation.seed": seed, **fixed}
+                overlay = layered({**flatten(file.points.get(point, {})), "simulation.seed": seed}, fixed)
                 parts = [entry.name, *([point] if len(names) > 1 else []), *words]
                 many_seeds = len(entry.seeds or file.seeds) > 1
                 name = "/".join([*parts, *([f"seed{seed}"] if many_seeds else [])])
@@ -165,22 +193,18 @@ def _cases(file: ExamFile, entry: Entry, source: str) -> Iterator[Case]:
 
 def _variations(entry: Entry, where: str) -> Iterator[tuple[dict[str, Any], dict[str, Any], list[str]]]:
     """Yield fixed parameters, fault parameters and name parts for every combination of listed values."""
-    fixed, fault = flatten(entry.set), flatten(entry.fault)
-    lists = [(group, key, value) for group in (fixed, fault) for key, value in group.items() if isinstance(value, list)]
-    empty = next((key for _, key, values in lists if not values), None)
-    if empty is not None:
-        raise Refusal(f"{where}: {empty} has an empty list: give at least one value")
+    lists = _lists(entry, where)
     for values in itertools.product(*(value for _, _, value in lists)):
-        own = dict(fixed), dict(fault)
+        own = {"set": flatten(entry.set), "fault": flatten(entry.fault)}
         for (group, key, _), value in zip(lists, values, strict=True):
-            own[0 if group is fixed else 1][key] = value
-        yield (*own, [f"{key.rsplit('.', 1)[-1]}={value}" for (_, key, _), value in zip(lists, values, strict=True)])
+            own[group][key] = value
+        yield own["set"], own["fault"], [f"{key.rsplit('.', 1)[-1]}={value}" for (_, key, _), value in zip(lists, values, strict=True)]
 
 
 def _case(
     file: ExamFile, entry: Entry, where: str, name: str, base: Mapping[str, Any], overlay: Mapping[str, Any], fault: Mapping[str, Any]
 ) -> Case:
-    configuration = validated({**without_replaced(base, overlay), **overlay}, Configuration, where)
+    configuration = validated(layered(base, overlay), Configuration, where)
     duration = entry.duration or file.duration
     faulty = entry.verdict != "healthy"
     fault_time = file.onset if entry.onset is None else entry.onset
@@ -237,17 +261,27 @@ def _without_fault(case: Case) -> Mapping[str, Any] | None:
     return {"timeline": entries} if entries else None
 
 
-def _twin_name(case: Case, taken: Sequence[str]) -> str:
-    """Return an unused name for a case's twin, based on the operating point."""
-    point = case.expectation.tags.get("point")
-    name = f"twin/{point}" if point else "twin"
-    return next(free for free in itertools.chain([name], (f"{name}-{number}" for number in itertools.count(2))) if free not in taken)
+class _TwinNames:
+    """Unused names for twins, based on the operating point."""
+
+    def __init__(self, taken: Iterable[str]) -> None:
+        self._taken, self._counts = set(taken), Counter[str]()
+
+    def next(self, case: Case) -> str:
+        """Return a name for a case's twin: twin/POINT, twin/POINT-2 and so on."""
+        point = case.expectation.tags.get("point")
+        name = f"twin/{point}" if point else "twin"
+        while True:
+            self._counts[name] += 1
+            found = name if self._counts[name] == 1 else f"{name}-{self._counts[name]}"
+            if found not in self._taken:
+                return found
 
 
 def _with_twins(cases: Sequence[Case]) -> Iterator[Case]:
     """Yield the cases, then their twins: the same runs without fault, one for each operating point and seed."""
     twins: dict[str, Case] = {}
-    names = [case.expectation.name for case in cases]
+    names = _TwinNames(case.expectation.name for case in cases)
     for case in cases:
         if not case.expectation.twin:
             yield case
@@ -256,7 +290,7 @@ def _with_twins(cases: Sequence[Case]) -> Iterator[Case]:
         key = canonical([case.run.configuration.model_dump(), scenario])
         known = twins.get(key)
         duration = max(case.run.duration, known.run.duration if known else 0.0)
-        name = known.expectation.name if known else _twin_name(case, [*names, *(twin.expectation.name for twin in twins.values())])
+        name = known.expectation.name if known else names.next(case)
         point = {"point": case.expectation.tags["point"]} if "point" in case.expectation.tags else {}
         tags = {**derived_tags(case.run.configuration, {}), **point}
         twins[key] = Case(Expectation(name, "healthy", duration, 0.0, tags), Run(case.run.configuration, scenario, duration))

@@ -30,7 +30,7 @@ def write_figure(report: Report, file: Path) -> None:
         Refusal: the file type is unknown, or the file cannot be written.
     """
     if file.suffix not in SUFFIXES:
-        raise Refusal(f"--figure {file} has an unknown file type: the name must end in {', '.join(SUFFIXES)}")
+        raise Refusal(f"--figure {file} has an unknown file type: the name must end in one of {', '.join(SUFFIXES)}")
     figure = Figure(figsize=(11, 8), dpi=90, layout="constrained")
     (detection, delay), (confusion, roc) = figure.subplots(2, 2)
     _detection(detection, report)

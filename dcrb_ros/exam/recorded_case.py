@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
-
-from mcap.records import Channel, Message
 
 from dcrb_ros.exam.expectation import Expectation
 from dcrb_ros.faults.ground_truth import class_of
 from dcrb_ros.messages.received_diagnosis import ReceivedDiagnosis, decode_diagnosis
 from dcrb_ros.messages.statuses import decode_truth
 from dcrb_ros.messages.topics import DIAGNOSIS, GROUND_TRUTH
-from dcrb_ros.recordings.mcap_reader import McapRecords
-from dcrb_ros.recordings.reader import valid_files
+from dcrb_ros.recordings.storage import valid_files
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.parameters import rpm
 from dcrb_ros.stream.block import Truth
@@ -43,13 +40,12 @@ def read_recorded_case(path: Path, *, name: str = "") -> RecordedCase:
     truths, diagnoses = [], []
     files, damage = valid_files(path)
     for file in files:
-        records = McapRecords(file)
-        for topic, data in _messages(records):
+        for stored in file.messages(damage):
+            topic, data = stored.channel.topic, stored.message.data
             if topic.endswith(f"/{GROUND_TRUTH.name}"):
                 truths.append(decode_truth(data))
             elif topic.endswith(f"/{DIAGNOSIS.name}"):
                 diagnoses.append(decode_diagnosis(data))
-        damage += records.damage
     if not truths:
         raise Refusal(
             f"{path} has no messages on {GROUND_TRUTH.name}, so the correct verdict is unknown: give a recording of the bench "
@@ -59,15 +55,6 @@ def read_recorded_case(path: Path, *, name: str = "") -> RecordedCase:
     # A diagnosis received just after the recording started may judge signal from before its start.
     diagnoses = [diagnosis for diagnosis in diagnoses if diagnosis.time >= truths[0].time_ns * 1e-9]
     return RecordedCase(path, _expectation(path, name or path.name, truths, diagnoses), tuple(diagnoses), tuple(damage))
-
-
-def _messages(records: McapRecords) -> Iterator[tuple[str, bytes]]:
-    channels: dict[int, Channel] = {}
-    for record in records:
-        if isinstance(record, Channel):
-            channels[record.id] = record
-        elif isinstance(record, Message) and record.channel_id in channels:
-            yield channels[record.channel_id].topic, record.data
 
 
 def _expectation(path: Path, name: str, truths: Sequence[Truth], diagnoses: Sequence[ReceivedDiagnosis]) -> Expectation:

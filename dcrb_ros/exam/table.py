@@ -1,4 +1,4 @@
-"""The report as tables in a terminal."""
+"""The report as tables for a terminal that prints text literally (`dcrb_ros.runtime.terminal`)."""
 
 from __future__ import annotations
 
@@ -7,7 +7,6 @@ from collections.abc import Iterator
 
 from rich.console import Group as Stack
 from rich.console import RenderableType
-from rich.markup import escape
 from rich.table import Table
 from rich.text import Text
 
@@ -63,8 +62,7 @@ def sentences(report: Report) -> Iterator[str]:
 
 
 def _checks(report: Report) -> Table:
-    # `Text` keeps brackets in users' names from being read as markup.
-    title = Text(f"{report.exam}: {'passed' if report.passed else 'FAILED'}, {report.detector}")
+    title = f"{report.exam}: {'passed' if report.passed else 'FAILED'}, {report.detector}"
     table = Table("criterion", "required", "result", "status", title=title)
     for check in report.checks():
         table.add_row(check.name, check.wanted, check.got, "passed" if check.holds else "FAILED", style="" if check.holds else "bold red")
@@ -74,8 +72,7 @@ def _checks(report: Report) -> Table:
 def _delays(report: Report) -> Iterator[Table]:
     rows = report.delays()
     if rows:
-        heads = map(escape, ("fault", "detected", "median delay [s]", "95th percentile [s]", "limit [s]"))
-        table = Table(*heads, title="Detection delay")
+        table = Table("fault", "detected", "median delay [s]", "95th percentile [s]", "limit [s]", title="Detection delay")
         for row in rows:
             table.add_row(row.verdict, f"{row.found} of {row.scenarios}", number(row.median), number(row.p95), f"{row.limit:g}")
         yield table
@@ -84,10 +81,8 @@ def _delays(report: Report) -> Iterator[Table]:
 def _detections(report: Report) -> Iterator[Table]:
     rows = report.detections()
     if rows:
-        table = Table(
-            *map(escape, ("fault", "width [mm]", "detected", "probability of detection")),
-            title=f"Detection by width, {CONFIDENCE:.0%} confidence (Clopper-Pearson)",
-        )
+        title = f"Detection by width, {CONFIDENCE:.0%} confidence (Clopper-Pearson)"
+        table = Table("fault", "width [mm]", "detected", "probability of detection", title=title)
         for row in rows:
             table.add_row(row.verdict, f"{row.width * 1e3:g}", f"{row.found} of {row.scenarios}", bounds(row.probability))
         yield table
@@ -98,9 +93,15 @@ def _confusion(report: Report) -> Table:
     answers = [answer for answer in next(iter(found.values()), {}) if any(row[answer] for row in found.values())]
     table = Table("correct \\ answer", *answers, title="Scenarios by correct verdict and answer")
     for verdict, row in found.items():
-        cells = [f"[bold]{row[a]}[/bold]" if a == verdict else f"[red]{row[a]}[/red]" if row[a] else "." for a in answers]
-        table.add_row(verdict, *cells)
+        table.add_row(verdict, *(_count(row[answer], correct=answer == verdict) for answer in answers))
     return table
+
+
+def _count(count: int, *, correct: bool) -> Text:
+    """Return a number of scenarios: correct answers bold, wrong ones red, or a dot if there are none."""
+    if correct:
+        return Text(str(count), style="bold")
+    return Text(str(count), style="red") if count else Text(".")
 
 
 def _failures(report: Report) -> Iterator[RenderableType]:
@@ -110,7 +111,7 @@ def _failures(report: Report) -> Iterator[RenderableType]:
     table = Table("scenario", "correct verdict", "reason", title=f"{len(wrong)} of {len(report.results)} scenarios failed")
     for result in wrong[:MOST_FAILURES]:
         counts = "" if result.expectation.required else " (not required)"
-        table.add_row(Text(result.expectation.name + counts), result.expectation.verdict, Text(result.flaw))
+        table.add_row(result.expectation.name + counts, result.expectation.verdict, result.flaw)
     yield table
     if len(wrong) > MOST_FAILURES:
         yield f"and {len(wrong) - MOST_FAILURES} more: --json and --junit list all of them"

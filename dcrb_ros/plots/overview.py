@@ -7,13 +7,16 @@ from pathlib import Path
 from matplotlib.figure import Figure
 
 from dcrb_ros.bearing.waveform import Waveform
+from dcrb_ros.diagnosis.envelope_spectrum import trackable
 from dcrb_ros.plots.envelope_spectrum import plot_envelope_spectrum
 from dcrb_ros.plots.waveform import plot_waveform
 from dcrb_ros.schema.refusal import Refusal
 
 
-def write_overview(waveform: Waveform, file: Path, *, title: str, order: bool = True) -> None:
-    """Write a figure of the waveform and its squared envelope spectrum, over ``order`` or frequency.
+def write_overview(waveform: Waveform, file: Path, *, title: str, order: bool = True) -> bool:
+    """Write a figure of the waveform and its squared envelope spectrum, over ``order`` or frequency; return whether it is over orders.
+
+    A waveform that cannot be order-tracked has a spectrum over frequency.
 
     Raises:
         Refusal: the file cannot be written, or samples are missing in the waveform.
@@ -21,10 +24,13 @@ def write_overview(waveform: Waveform, file: Path, *, title: str, order: bool = 
     figure = Figure(figsize=(10.0, 6.4), dpi=110, layout="constrained")
     upper, lower = figure.subplots(2, 1)
     plot_waveform(waveform, ax=upper)
-    plot_envelope_spectrum(waveform, x="order" if order and waveform.tracked else "frequency", ax=lower)
+    tracked = trackable(waveform)
+    over_orders = order and tracked
+    plot_envelope_spectrum(waveform, order_tracking=tracked, x="order" if over_orders else "frequency", ax=lower)
     speed = f", mean shaft frequency {waveform.shaft_frequency:.2f} Hz" if waveform.tracked else ""
     figure.suptitle(f"{title}{speed}", fontsize="large", parse_math=False)
     try:
         figure.savefig(file)
     except OSError as error:
         raise Refusal(f"{file} cannot be written: {error.strerror}; give another file") from None
+    return over_orders

@@ -173,13 +173,13 @@ def log_defects(drawing: Drawing, path: str, faults: Sequence[RacewayMark]) -> N
 
 @lru_cache(4)
 def cage(drawing: Drawing, broken: tuple[int, ...]) -> Pictures:
-    """Return the bars of a cage; a broken bar is replaced by a mark in the colour of a defect."""
+    """Return the bars of a cage; a broken bar is replaced by a radial mark in the colour of a defect."""
     bars = drawing.cage_bars()
     whole = [bar for number, bar in enumerate(bars, start=1) if number not in broken]
-    missing = [bars[number - 1] for number in broken if number <= len(bars)]
+    missing = [drawing.broken_bar(number) for number in broken if number <= len(bars)]
     return {
         "cage": rr.LineStrips2D(whole, radii=[0.24 * drawing.roller], colors=[palette.BRASS], draw_order=2.0),
-        "cage/broken": rr.LineStrips2D(missing, radii=[0.07 * drawing.roller], colors=[palette.DEFECT], draw_order=6.0),
+        "cage/broken": rr.LineStrips2D(missing, radii=[0.13 * drawing.roller], colors=[palette.DEFECT], draw_order=6.0),
     }
 
 

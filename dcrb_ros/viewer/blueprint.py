@@ -2,29 +2,58 @@
 
 from __future__ import annotations
 
+import math
+
 import rerun.blueprint as rrb
 
 from dcrb_ros.viewer import bearing_picture, load_zone, order_map, palette, spectrum_picture
-from dcrb_ros.viewer.content import Content
+from dcrb_ros.viewer.content import Content, Series
 from dcrb_ros.viewer.drawing import Drawing
 from dcrb_ros.viewer.timeline import TIMELINE
 
 CLOSE_UP = 0.15
 """Time shown before and after the cursor in close-ups [s]."""
+LEAST_CHANGE = 1.1
+"""Highest over lowest shaft frequency from which the order map is shown first [-]."""
+LEVEL_TICK = 10.0
+"""Spacing of the values at which the axis of levels may end [dB]."""
+MARGIN = 0.06
+"""Time shown before and after the whole recording, over its duration [-]."""
 PANELS = (rrb.BlueprintPanel(state="collapsed"), rrb.SelectionPanel(state="collapsed"))
 PANEL = rrb.archetypes.PlotBackground(color=palette.BACKGROUND, show_grid=True)
 
 
 def compose(content: Content, drawing: Drawing | None, *, picture_only: bool = False) -> rrb.Blueprint:
     """Return the arrangement for a recording; ``picture_only`` hides the viewer's bars for a screenshot."""
+    output, whole = content.detector_output, whole_time(content)
     detected: list[rrb.View | rrb.Container] = [
-        *([indicators()] if content.detector_output.indicators else []),
-        *([features()] if content.features else []),
-        *([verdicts()] if content.detector_output.verdicts else []),
+        *([indicators(whole, level_axis(output.indicators))] if output.indicators else []),
+        *([features(whole)] if content.features else []),
+        *([verdicts()] if output.verdicts else []),
     ]
     time = rrb.TimePanel(state="collapsed", timeline=TIMELINE, playback_speed=0.1, play_state="playing")
     bars = [rrb.TopPanel(state="hidden")] if picture_only else []
-    return rrb.Blueprint(arrangement(drawing, detected, around=(-CLOSE_UP, CLOSE_UP)), *bars, *PANELS, time, auto_views=False)
+    views = arrangement(drawing, detected, around=(-CLOSE_UP, CLOSE_UP), whole=whole, map_first=speed_varies(content))
+    return rrb.Blueprint(views, *bars, *PANELS, time, auto_views=False)
+
+
+def whole_time(content: Content) -> rrb.archetypes.TimeAxis:
+    """Return the time axis of the whole recording; with a margin, since the plots cut off a label at their edge."""
+    margin = round(MARGIN * (content.end_ns - content.start_ns))
+    begin, end = (rrb.TimeRangeBoundary.absolute(nanos=nanos) for nanos in (content.start_ns - margin, content.end_ns + margin))
+    return rrb.archetypes.TimeAxis(view_range=rrb.TimeRange(start=begin, end=end))
+
+
+def level_axis(found: Series) -> rrb.ScalarAxis:
+    """Return the vertical axis of levels; it ends at labelled values [dB]."""
+    low, high = (float(value) for value in (found.values.min(initial=0.0), found.values.max(initial=1.0)))
+    return rrb.ScalarAxis(range=(LEVEL_TICK * math.floor(low / LEVEL_TICK), LEVEL_TICK * math.ceil(high / LEVEL_TICK)))
+
+
+def speed_varies(content: Content) -> bool:
+    """Return whether the shaft frequency changes so much that a single spectrum does not represent the recording."""
+    found = [d.shaft_frequency for d in content.detector_output.diagnoses if d.shaft_frequency > 0.0]
+    return bool(found) and max(found) > LEAST_CHANGE * min(found)
 
 
 def compose_live(drawing: Drawing | None) -> rrb.Blueprint:
@@ -34,18 +63,29 @@ def compose_live(drawing: Drawing | None) -> rrb.Blueprint:
     return rrb.Blueprint(arrangement(drawing, detected, around=(-2.0 * CLOSE_UP, 0.0)), *PANELS, time, auto_views=False)
 
 
-def arrangement(drawing: Drawing | None, detected: list[rrb.View | rrb.Container], *, around: tuple[float, float]) -> rrb.Horizontal:
-    """Return the views; close-ups show the time range ``around`` the cursor [s]."""
+def arrangement(
+    drawing: Drawing | None,
+    detected: list[rrb.View | rrb.Container],
+    *,
+    around: tuple[float, float],
+    whole: rrb.archetypes.TimeAxis | None = None,
+    map_first: bool = False,
+) -> rrb.Horizontal:
+    """Return the views.
+
+    Close-ups show the time range ``around`` the cursor [s], other plots the ``whole`` time. ``map_first`` shows the order map before the
+    spectrum.
+    """
     axis = close_up(*around)
-    left: list[rrb.View | rrb.Container] = [waveform(axis)]
-    right: list[rrb.View | rrb.Container] = [rrb.Tabs(spectrum(), orders(), active_tab=0), summary()]
+    left: list[rrb.View | rrb.Container] = [waveform(axis, whole)]
+    right: list[rrb.View | rrb.Container] = [rrb.Tabs(spectrum(), orders(), active_tab=int(map_first)), summary()]
     if drawing is not None:
         left.insert(0, rrb.Tabs(bearing(drawing), zone(drawing.bearing.rows), active_tab=0))
-        right.append(motion(axis))
+        right.append(motion(axis, whole))
     if detected:
         left.append(rrb.Tabs(*detected))
     return rrb.Horizontal(
-        rrb.Vertical(*left, row_shares=[6.0, 3.0, 2.0][-len(left) :] if drawing is None else [6.0, 3.2, 2.4][: len(left)]),
+        rrb.Vertical(*left, row_shares=[6.0, 3.0, 2.0][-len(left) :] if drawing is None else [5.7, 3.2, 2.8][: len(left)]),
         rrb.Vertical(*right, row_shares=[4.9, 3.1, 3.5][: len(right)]),
         column_shares=[5.6, 4.4],
     )
@@ -56,7 +96,7 @@ def bearing(drawing: Drawing) -> rrb.Spatial2DView:
     centre = drawing.centre(drawing.bearing.rows - 1)[0]
     bounds = rrb.VisualBounds2D(
         x_range=[-centre - drawing.extent, centre + drawing.extent],
-        y_range=[-drawing.rim - 2.0 * drawing.roller, drawing.extent + 2.9 * drawing.roller],
+        y_range=[-drawing.rim - 2.0 * drawing.roller, drawing.extent + 3.5 * drawing.roller],
     )
     return rrb.Spatial2DView(
         origin=bearing_picture.ROOT, name="Bearing: normal force of the rollers", background=palette.BACKGROUND, visual_bounds=bounds
@@ -65,21 +105,19 @@ def bearing(drawing: Drawing) -> rrb.Spatial2DView:
 
 def spectrum() -> rrb.Spatial2DView:
     """Return the view of the squared envelope spectrum."""
+    name = "Squared envelope spectrum: level over background"
+    return rrb.Spatial2DView(origin=spectrum_picture.ROOT, name=name, background=palette.BACKGROUND, visual_bounds=spectrum_bounds())
+
+
+def spectrum_bounds() -> rrb.VisualBounds2D:
+    """Return the part of the plane that shows plot, tracks, and the texts beside them."""
     width, height = spectrum_picture.WIDTH, spectrum_picture.HEIGHT
-    bounds = rrb.VisualBounds2D(x_range=[-0.1 * width, 1.02 * width], y_range=[-4.6 * spectrum_picture.TRACK, height + 100.0])
-    return rrb.Spatial2DView(
-        origin=spectrum_picture.ROOT,
-        name="Squared envelope spectrum: level over background",
-        background=palette.BACKGROUND,
-        visual_bounds=bounds,
-    )
+    return rrb.VisualBounds2D(x_range=[-0.13 * width, 1.02 * width], y_range=[-5.0 * spectrum_picture.TRACK, height + 115.0])
 
 
 def orders() -> rrb.Spatial2DView:
     """Return the view of the order map: all squared envelope spectra over time."""
-    width, height = spectrum_picture.WIDTH, spectrum_picture.HEIGHT
-    bounds = rrb.VisualBounds2D(x_range=[-0.1 * width, 1.02 * width], y_range=[-4.6 * spectrum_picture.TRACK, height + 100.0])
-    return rrb.Spatial2DView(origin=order_map.ROOT, name="Order map", background=palette.BACKGROUND, visual_bounds=bounds)
+    return rrb.Spatial2DView(origin=order_map.ROOT, name="Order map", background=palette.BACKGROUND, visual_bounds=spectrum_bounds())
 
 
 def zone(rows: int) -> rrb.Spatial2DView:
@@ -90,7 +128,7 @@ def zone(rows: int) -> rrb.Spatial2DView:
     return rrb.Spatial2DView(origin=load_zone.ROOT, name=name, background=palette.BACKGROUND, visual_bounds=bounds)
 
 
-def waveform(axis: rrb.archetypes.TimeAxis) -> rrb.Tabs:
+def waveform(axis: rrb.archetypes.TimeAxis, whole_axis: rrb.archetypes.TimeAxis | None) -> rrb.Tabs:
     """Return the views of the waveform: around the cursor and, on a second tab, the whole recording."""
     around = rrb.TimeSeriesView(
         origin="waveform",
@@ -99,7 +137,8 @@ def waveform(axis: rrb.archetypes.TimeAxis) -> rrb.Tabs:
         background=PANEL,
         plot_legend=rrb.PlotLegend(rrb.Corner2D.RightTop),
     )
-    whole = rrb.TimeSeriesView(origin="waveform", name="Whole recording", background=PANEL, plot_legend=rrb.PlotLegend(visible=False))
+    plain = rrb.PlotLegend(visible=False)
+    whole = rrb.TimeSeriesView(origin="waveform", name="Whole recording", axis_x=whole_axis, background=PANEL, plot_legend=plain)
     return rrb.Tabs(around, whole, active_tab=0)
 
 
@@ -109,25 +148,26 @@ def close_up(before: float, after: float) -> rrb.archetypes.TimeAxis:
     return rrb.archetypes.TimeAxis(view_range=rrb.TimeRange(start=begin, end=end))
 
 
-def motion(axis: rrb.archetypes.TimeAxis) -> rrb.Tabs:
+def motion(axis: rrb.archetypes.TimeAxis, whole: rrb.archetypes.TimeAxis | None) -> rrb.Tabs:
     """Return the plots of the states over time."""
     plain = rrb.PlotLegend(visible=False)
     forces = rrb.TimeSeriesView(origin="forces/row1", name="Roller forces, row 1 [kN]", axis_x=axis, background=PANEL, plot_legend=plain)
     spins = rrb.TimeSeriesView(origin="spins/row1", name="Spins [rad/s]", axis_x=axis, background=PANEL, plot_legend=plain)
-    cages = rrb.TimeSeriesView(origin="cages", name="Cages [rad/s]", background=PANEL)
-    operating = rrb.TimeSeriesView(origin="operating", name="Speed and load", background=PANEL)
+    cages = rrb.TimeSeriesView(origin="cages", name="Cages [rad/s]", axis_x=whole, background=PANEL)
+    operating = rrb.TimeSeriesView(origin="operating", name="Speed and load", axis_x=whole, background=PANEL)
     return rrb.Tabs(forces, spins, cages, operating, active_tab=0)
 
 
-def indicators() -> rrb.TimeSeriesView:
+def indicators(whole: rrb.archetypes.TimeAxis | None = None, levels: rrb.ScalarAxis | None = None) -> rrb.TimeSeriesView:
     """Return the plot of the detector's levels over time."""
     legend = rrb.PlotLegend(rrb.Corner2D.LeftTop)
-    return rrb.TimeSeriesView(origin="indicators", name="Fault indicators [dB over background]", background=PANEL, plot_legend=legend)
+    name = "Fault indicators [dB over background]"
+    return rrb.TimeSeriesView(origin="indicators", name=name, axis_x=whole, axis_y=levels, background=PANEL, plot_legend=legend)
 
 
-def features() -> rrb.TimeSeriesView:
+def features(whole: rrb.archetypes.TimeAxis | None = None) -> rrb.TimeSeriesView:
     """Return the plot of the features of every block over time."""
-    return rrb.TimeSeriesView(origin="features", name="Features of each block", background=PANEL)
+    return rrb.TimeSeriesView(origin="features", name="Features of each block", axis_x=whole, background=PANEL)
 
 
 def verdicts() -> rrb.TextLogView:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from concurrent.futures import Future
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,6 +12,7 @@ import numpy.typing as npt
 
 from dcrb_ros.bearing.kinematics import Orders
 from dcrb_ros.schema.arrays import Floats, Samples
+from dcrb_ros.schema.verdicts import title_of
 from dcrb_ros.settings.parameters import Bearing
 from dcrb_ros.stream.block import Truth
 from dcrb_ros.stream.states import BodyNames
@@ -86,6 +87,13 @@ class Verdict:
     level: int
     """0 for OK, 1 for a warning, 2 for an error, as in diagnostic_msgs."""
     evidence: Mapping[str, str]
+    scores: Mapping[str, float] = field(default_factory=dict)
+    """Evidence for a fault of each component relative to its threshold [dB]."""
+
+    @property
+    def title(self) -> str:
+        """The verdict in words."""
+        return title_of(self.name, self.scores)
 
 
 @dataclass(frozen=True)

@@ -56,7 +56,7 @@ def log_content(content: Content, drawing: Drawing | None) -> None:
 
 def log_detector_output(content: Content) -> None:
     """Log the summary page, the indicators, the verdicts and the spectra of the detector."""
-    rr.log("summary", rr.TextDocument(summary.markdown(content), media_type="text/markdown"), static=True)
+    summary.log_summary(content)
     output = content.detector_output
     series.log_series("indicators", output.indicators)
     series.log_verdicts(output.verdicts)

@@ -126,6 +126,11 @@ class Drawing:
         half = max(half, 0.06 * pitch)
         return [arc(self.pitch, (i + 0.5) * pitch - half, (i + 0.5) * pitch + half) for i in range(self.bearing.rollers_per_row)]
 
+    def broken_bar(self, number: int) -> Floats:
+        """Return the radial mark of a broken bar, counted from 1: it runs through the gap between two rollers, shape (2, 2) [mm]."""
+        azimuth = (number - 0.5) * 2.0 * math.pi / self.bearing.rollers_per_row
+        return on_circle(np.array([self.pitch - 0.85 * self.roller, self.pitch + 0.85 * self.roller]), azimuth)
+
     def defect(self, radius: float, azimuth: float, width: float) -> Floats:
         """Return the arc of a defect with ``width`` [m] at ``radius`` [mm], at least 4 degrees wide so that it is visible."""
         half = max(0.5 * width * MILLIMETRES / radius, math.radians(2.0))

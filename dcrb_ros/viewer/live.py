@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections import defaultdict
 from collections.abc import Callable, Mapping, Sequence
 
@@ -10,7 +9,7 @@ import rerun as rr
 
 from dcrb_ros.diagnosis.detector import Diagnosis
 from dcrb_ros.messages.cdr import STAMP_END, stamps
-from dcrb_ros.messages.description import decode_sensor
+from dcrb_ros.messages.description import LARGEST_DESCRIPTION, SOURCE, decode_sensor
 from dcrb_ros.messages.plain import decode_text
 from dcrb_ros.messages.points import decode_spectrum
 from dcrb_ros.messages.topics import (
@@ -26,6 +25,7 @@ from dcrb_ros.messages.topics import (
 )
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.parameters import Bearing
+from dcrb_ros.text.json import parsed_json
 from dcrb_ros.viewer.content import BenchInfo, DetectorOutput
 from dcrb_ros.viewer.live_run import LiveRun, completed
 from dcrb_ros.viewer.reader import content_of, series_of, verdicts_in
@@ -108,9 +108,8 @@ def bench_info(data: bytes, title: str) -> BenchInfo:
         Refusal: the description is invalid.
     """
     rate, orders = decode_sensor(data)
-    text = decode_text(data)
     try:
-        described = json.loads(text).get("bearing")
+        described = parsed_json(decode_text(data), SOURCE, LARGEST_DESCRIPTION).get("bearing")
         bearing = Bearing.model_validate(described) if described else Bearing()
     except (ValueError, AttributeError) as error:
         raise Refusal(f"the bearing in the sensor's description is invalid ({type(error).__name__})") from None

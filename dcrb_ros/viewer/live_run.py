@@ -115,7 +115,7 @@ class LiveRun:
             self._axes = axes
             spectrum_picture.log_combs(axes, combs)
             order_map.log_fault_lines(axes.highest_order, combs)
-        spectrum_picture.log_axes(self._axes, float(spectra.shaft_frequency[-1]))
+        spectrum_picture.log_axes(self._axes)
         spectrum_picture.log_levels(self._axes, combs, spectra)
         self._spectra = _joined_spectra(self._spectra, spectra)
         order_map.log_map(self._spectra)
@@ -134,7 +134,8 @@ class LiveRun:
             imported=content.imported,
         )
         self._first("summary")
-        rr.log("summary", rr.TextDocument(summary.markdown(self._latest), media_type="text/markdown"), static=True)
+        page = summary.markdown(self._latest, self._latest.truths[-1] if self._latest.truths else None)
+        rr.log("summary", rr.TextDocument(page, media_type="text/markdown"), static=True)
 
 
 @contextmanager

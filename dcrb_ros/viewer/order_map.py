@@ -16,7 +16,7 @@ from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.viewer import columns, palette
 from dcrb_ros.viewer.content import Times
 from dcrb_ros.viewer.spectrum import Spectra
-from dcrb_ros.viewer.spectrum_picture import HEIGHT, TRACK, WIDTH, log_comb, log_texts, order_ticks
+from dcrb_ros.viewer.spectrum_picture import HEIGHT, VALUES, WIDTH, log_comb, log_texts, order_ticks, track
 
 ROOT = "order_map"
 TIME_TICKS = 6
@@ -41,7 +41,7 @@ def log_map(spectra: Spectra) -> None:
 def log_fault_lines(highest_order: float, combs: Sequence[Comb]) -> None:
     """Log the fault lines across the map."""
     for place, comb in enumerate(combs):
-        log_comb(highest_order, comb, -TRACK * (len(combs) - place - 0.1), root=ROOT)
+        log_comb(highest_order, comb, track(place, len(combs)), root=ROOT)
 
 
 def picture(spectra: Spectra, largest: float) -> npt.NDArray[np.uint8]:
@@ -76,7 +76,7 @@ def log_axes(spectra: Spectra, largest: float) -> None:
     first, last = span_of(spectra.time_ns)
     times = np.linspace(first, last, TIME_TICKS)
     below = np.stack([orders / spectra.highest_order * WIDTH, np.full_like(orders, HEIGHT + 30.0)], axis=-1)
-    beside = np.stack([np.full(TIME_TICKS, -42.0), np.linspace(0.0, HEIGHT, TIME_TICKS)], axis=-1)
+    beside = np.stack([np.full(TIME_TICKS, VALUES), np.linspace(0.0, HEIGHT, TIME_TICKS)], axis=-1)
     texts = [*(f"{order:g}" for order in orders), *(f"{time / 1e9:.2f} s" for time in times)]
     log_texts(f"{ROOT}/ticks", np.concatenate([below, beside]), texts, palette.MUTED)
     meaning = f"multiples of the shaft frequency; bright: {largest:g} dB over background"

@@ -14,6 +14,7 @@ from dcrb_ros.messages.joints import decode_alike, decode_joints
 from dcrb_ros.messages.points import decode_waveform
 from dcrb_ros.messages.statuses import decode_diagnostics
 from dcrb_ros.messages.topics import DIAGNOSIS, FAULT_INDICATORS, FEATURES, GROUND_TRUTH, NAMESPACE, ROLLER_STATES, VIBRATION, Topic
+from dcrb_ros.messages.topics.diagnosis import decode_scores
 from dcrb_ros.recordings.arrays import truths_of
 from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.schema.refusal import Refusal
@@ -37,8 +38,8 @@ def read_content(recording: Recording) -> Content:
     if not messages[VIBRATION]:
         topic = VIBRATION.resolved(recording.namespace)
         raise Refusal(f"{recording.path} has no block on {topic}: give a recording that contains the waveform")
-    bearing = Bearing() if recording.imported else recording.configuration.bearing
-    bench = BenchInfo(recording.path.stem, bearing, recording.orders, recording.sampling_rate, recording.imported)
+    bearing = recording.bearing
+    bench = BenchInfo(recording.path.stem, bearing or Bearing(), recording.orders, recording.sampling_rate, imported=bearing is None)
     return content_of(messages, bench, lambda waveform: _in_background(lambda: detector_output_of(waveform, recording.orders, messages)))
 
 
@@ -131,7 +132,7 @@ def verdicts_in(messages: Sequence[bytes]) -> tuple[Verdict, ...]:
     """Return the verdicts in messages on ``diagnosis``."""
     decoded = [decode_diagnostics(data) for data in messages]
     return tuple(
-        Verdict(time_ns, status.values.get("verdict", status.message), status.level, status.values)
+        Verdict(time_ns, status.values.get("verdict", status.message), status.level, status.values, decode_scores(status.values))
         for time_ns, statuses in decoded
         for status in statuses[:1]
     )

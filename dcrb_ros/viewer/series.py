@@ -70,8 +70,9 @@ def log_series(path: str, series: Series | None, *, fixed: bool = True) -> None:
     """Log each number of a series as an entity of its own, so that a view can select it."""
     if series is None:
         return
+    others = palette.wheel(len(series.names))
     for place, name in enumerate(series.names):
-        colour = palette.FAULT_LINES.get({"BSF": "2BSF"}.get(name, name), palette.BRIGHT)
+        colour = palette.FAULT_LINES.get({"BSF": "2BSF"}.get(name, name), others[place])
         log_lines(f"{path}/{name}", series.time_ns, series.values[:, place : place + 1], [name], [colour], fixed=fixed)
 
 
@@ -80,5 +81,5 @@ def log_verdicts(verdicts: Sequence[Verdict]) -> None:
     levels = (rr.TextLogLevel.INFO, rr.TextLogLevel.WARN, rr.TextLogLevel.ERROR)
     for verdict in verdicts:
         rr.set_time(TIMELINE, timestamp=np.datetime64(verdict.time_ns, "ns"))
-        text = f"{verdict.name}: {verdict.evidence.get('reason', '')}"
+        text = f"{verdict.title}: {verdict.evidence.get('reason', '')}"
         rr.log("diagnosis/verdict", rr.TextLog(text, level=levels[min(verdict.level, 2)]))

@@ -7,8 +7,10 @@ from pathlib import Path
 
 import numpy as np
 
+from dcrb_ros.recordings.copying import plain_files
 from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.text.files import checked_path
 from dcrb_ros.viewer.content import Content
 from dcrb_ros.viewer.reader import read_content
 
@@ -21,7 +23,7 @@ def checked_output(path: Path, *, suffix: str, option: str) -> Path:
     """
     if path.suffix != suffix:
         raise Refusal(f"{option} {path} does not end in {suffix}: give a name with this suffix")
-    if path.exists():
+    if checked_path(path).exists():
         raise Refusal(f"{option} {path} exists: give another name or remove it; files are never overwritten")
     folder = path.absolute().parent
     if not folder.is_dir():
@@ -35,14 +37,13 @@ def checked_output(path: Path, *, suffix: str, option: str) -> Path:
 
 
 def save_document(recording: Recording, content: Content, path: Path) -> None:
-    """Write the Rerun file, with the recording's other topics if it is complete; an incomplete file is never left behind."""
+    """Write the Rerun file, with the recording's other topics; an incomplete file is never left behind."""
     # Rerun takes a second to import; meanwhile the fault detector already runs in the background.
     from dcrb_ros.viewer.document import write_document
 
-    native = tuple(recording.files) if recording.complete else ()
     with tempfile.TemporaryDirectory(dir=path.absolute().parent, prefix=".dcrb-view-") as folder:
         part = Path(folder, path.name)
-        write_document(content, part, native=native)
+        write_document(content, part, native=plain_files(recording, Path(folder)))
         part.replace(path)
 
 

@@ -18,6 +18,8 @@ from dcrb_ros.viewer.content import Series, Times, Verdict, Waveform
 if TYPE_CHECKING:
     from dcrb_ros.diagnosis.detector import Diagnosis
 
+HIGHEST_ORDER = 31.0
+"""Highest order shown: four harmonics of BPFO and three of BPFI of the default bearing, and lines of FTF that can be told apart [-]."""
 ORDER_STEP = 0.025
 """Spacing of the orders shown [-]."""
 FINE_ORDERS = 2
@@ -82,7 +84,7 @@ def envelope_spectra(found: Sequence[Diagnosis]) -> Spectra | None:
     seen = [diagnosis for diagnosis in found if len(diagnosis.spectrum[0])]
     if not seen:
         return None
-    count = int(min(diagnosis.spectrum[0][-1] for diagnosis in seen) / ORDER_STEP)
+    count = int(min(HIGHEST_ORDER, *(diagnosis.spectrum[0][-1] for diagnosis in seen)) / ORDER_STEP)
     fine = np.arange(1, FINE_ORDERS * count + 1, dtype=np.float64) * (ORDER_STEP / FINE_ORDERS)
     amplitude: Floats = np.array([np.interp(fine, *diagnosis.spectrum) for diagnosis in seen])
     return Spectra(
@@ -115,4 +117,4 @@ def indicators_of(found: Sequence[Diagnosis]) -> Series | None:
 
 def verdicts_of(found: Sequence[Diagnosis]) -> tuple[Verdict, ...]:
     """Return the verdicts of the diagnoses."""
-    return tuple(Verdict(round(d.time * 1e9), d.verdict, LEVELS.get(d.verdict, ERROR), {"reason": d.reason}) for d in found)
+    return tuple(Verdict(d.time_ns, d.verdict, LEVELS.get(d.verdict, ERROR), {"reason": d.reason}, d.scores) for d in found)

@@ -17,10 +17,13 @@ from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.viewer import columns, palette
 from dcrb_ros.viewer.content import Times
 from dcrb_ros.viewer.spectrum import ORDER_STEP, Spectra
+from dcrb_ros.viewer.timeline import time_column
 
 ROOT = "envelope_spectrum"
-WIDTH, HEIGHT, TRACK = 1000.0, 330.0, 40.0
+WIDTH, HEIGHT, TRACK = 1000.0, 300.0, 46.0
 """Width and height of the plot, and height of the track of each fault above it [picture units]."""
+NAMES, VALUES = -72.0, -56.0
+"""Horizontal places of the names of the tracks and of the values of the vertical axis [picture units]."""
 LEVEL_TICK = 20.0
 """Spacing of the level ticks [dB]."""
 MOST_ORDER_TICKS = 8
@@ -54,7 +57,7 @@ def log_spectra(spectra: Spectra, combs: Sequence[Comb], start_ns: int) -> None:
     times = spectra.time_ns.copy()
     times[0] = start_ns
     axes = axes_of(spectra)
-    log_axes(axes, float(np.median(spectra.shaft_frequency)))
+    log_axes(axes)
     log_combs(axes, combs)
     log_levels(axes, combs, replace(spectra, time_ns=times))
 
@@ -65,10 +68,15 @@ def axes_of(spectra: Spectra) -> Axes:
     return Axes(spectra.highest_order, -0.5 * LEVEL_TICK, float(highest))
 
 
+def track(place: int, count: int) -> float:
+    """Return the height of a track above the plot, the lowest one clear of the plot's highest value [picture units]."""
+    return -TRACK * (count - place + 0.3)
+
+
 def log_combs(axes: Axes, combs: Sequence[Comb]) -> None:
     """Log the fault lines and the style of curve, area and peaks."""
     for place, comb in enumerate(combs):
-        log_comb(axes.highest_order, comb, -TRACK * (len(combs) - place - 0.1))
+        log_comb(axes.highest_order, comb, track(place, len(combs)))
         fixed = rr.Points2D.from_fields(radii=rr.Radius.ui_points(3.5), colors=[palette.FAULT_LINES[comb.name]], draw_order=5.0)
         rr.log(f"{ROOT}/{comb.name}/peaks", fixed, static=True)
     half = 0.55 * WIDTH * ORDER_STEP / axes.highest_order
@@ -78,14 +86,16 @@ def log_combs(axes: Axes, combs: Sequence[Comb]) -> None:
 
 
 def log_levels(axes: Axes, combs: Sequence[Comb], spectra: Spectra) -> None:
-    """Log the curve, the area below it and the peaks of every spectrum over time."""
+    """Log the curve, the area below it, the peaks and the shaft frequency of every spectrum over time."""
     for comb in combs:
         log_peaks(axes, comb, spectra.time_ns, spectra.orders, spectra.level)
     log_curve(axes, spectra.time_ns, spectra.orders, spectra.level)
+    labels = [f"multiples of the shaft frequency ({frequency:.2f} Hz)" for frequency in spectra.shaft_frequency]
+    rr.send_columns(f"{ROOT}/meaning", [time_column(spectra.time_ns)], rr.Points2D.columns(labels=labels))
 
 
-def log_axes(axes: Axes, shaft_frequency: float) -> None:
-    """Log grid, ticks and axis labels."""
+def log_axes(axes: Axes) -> None:
+    """Log grid, ticks and the place of the axis label."""
     orders = order_ticks(axes.highest_order)
     levels = np.arange(0.0, axes.highest_level + 1e-9, LEVEL_TICK)
     upright = [axes.points(np.array([o, o]), np.array([axes.lowest_level, axes.highest_level])) for o in orders]
@@ -93,11 +103,12 @@ def log_axes(axes: Axes, shaft_frequency: float) -> None:
     grid = rr.LineStrips2D([*upright, *level], radii=rr.Radius.ui_points(0.5), colors=[palette.FAINT], draw_order=0.0)
     rr.log(f"{ROOT}/grid", grid, static=True)
     below = axes.points(orders, np.full_like(orders, axes.lowest_level)) + np.array([0.0, 30.0])
-    beside = axes.points(np.zeros_like(levels), levels) + np.array([-36.0, 0.0])
+    beside = axes.points(np.zeros_like(levels), levels) + np.array([VALUES, 0.0])
     texts = [*(f"{order:g}" for order in orders), *(f"{value:g}" for value in levels[:-1]), f"{levels[-1]:g} dB"]
     log_texts(f"{ROOT}/ticks", np.concatenate([below, beside]), texts, palette.MUTED)
-    meaning = f"multiples of the shaft frequency ({shaft_frequency:.2f} Hz)"
-    log_texts(f"{ROOT}/meaning", np.array([[0.5 * WIDTH, HEIGHT + 74.0]]), [meaning], palette.MUTED)
+    middle = [[0.5 * WIDTH, HEIGHT + 74.0 - LABEL_DROP]]
+    place = rr.Points2D.from_fields(positions=middle, radii=[0.01], show_labels=True, colors=[palette.MUTED])
+    rr.log(f"{ROOT}/meaning", place, static=True)
 
 
 def order_ticks(highest: float) -> Floats:
@@ -124,7 +135,7 @@ def log_comb(highest_order: float, comb: Comb, y: float, *, root: str = ROOT) ->
     rr.log(f"{path}/track", rr.LineStrips2D(track, radii=thin, colors=[palette.FAINT], draw_order=1.0), static=True)
     rr.log(f"{path}/lines", rr.LineStrips2D(lines, radii=thin, colors=[palette.with_opacity(colour, 0.32)], draw_order=1.0), static=True)
     rr.log(f"{path}/harmonics", rr.Points2D(dots, radii=rr.Radius.ui_points(3.0), colors=[colour], draw_order=2.0), static=True)
-    log_texts(f"{path}/name", np.array([[-52.0, y]]), [comb.name], colour)
+    log_texts(f"{path}/name", np.array([[NAMES, y]]), [comb.name], colour)
 
 
 def log_peaks(axes: Axes, comb: Comb, time_ns: Times, orders: Floats, level: Floats) -> None:

@@ -5,26 +5,44 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
+import numpy as np
+import rerun as rr
+
 from dcrb_ros.faults.ground_truth import words_of
-from dcrb_ros.schema.verdicts import TITLES
 from dcrb_ros.stream.block import Truth
 from dcrb_ros.viewer.content import Content
+from dcrb_ros.viewer.timeline import time_column
+
+MOST_PAGES = 400
+"""Largest number of summary pages of a recording [-]."""
 
 
-def markdown(content: Content) -> str:
-    """Return the summary page in Markdown."""
-    return "\n".join(_lines(content))
+def log_summary(content: Content) -> None:
+    """Log the summary page over time, with the ground truth at the cursor."""
+    every = math.ceil(len(content.truths) / MOST_PAGES) or 1
+    times, pages = [content.start_ns], [markdown(content, content.truths[0] if content.truths else None)]
+    for truth in content.truths[::every]:
+        page = markdown(content, truth)
+        if page != pages[-1]:
+            times.append(truth.time_ns)
+            pages.append(page)
+    documents = rr.TextDocument.columns(text=pages, media_type=["text/markdown"] * len(pages))
+    rr.send_columns("summary", [time_column(np.array(times, np.int64))], documents)
 
 
-def _lines(content: Content) -> Iterator[str]:
+def markdown(content: Content, truth: Truth | None) -> str:
+    """Return the summary page with a ground truth in Markdown."""
+    return "\n".join(_lines(content, truth))
+
+
+def _lines(content: Content, truth: Truth | None) -> Iterator[str]:
     bearing, seconds = content.bearing, (content.end_ns - content.start_ns) / 1e9
     yield f"| Recording | {content.title}, {seconds:.2f} s at {content.waveform.rate / 1e3:g} kHz |\n|---|---|"
     verdict = content.detector_output.verdicts[-1] if content.detector_output.verdicts else None
     if verdict:
-        yield f"| Detector's verdict | **{TITLES.get(verdict.name, verdict.name)}** |"
-    if content.truths:
-        truth = content.truths[-1]
-        yield f"| Ground truth | {', '.join(_faults(truth)) or 'no fault'} |"
+        yield f"| Detector's verdict | **{verdict.title}** |"
+    if truth:
+        yield f"| Ground truth | {', '.join(_faults(truth, bearing.rows)) or 'no fault'} |"
         yield f"| Speed, load | {truth.speed * 30 / math.pi:.1f} rpm, {math.hypot(*truth.load) / 1e3:.4g} kN |"
         yield f"| Fault frequencies | {', '.join(f'{name} {value:.2f}' for name, value in truth.frequencies.items())} Hz |"
     if content.imported:
@@ -36,8 +54,8 @@ def _lines(content: Content) -> Iterator[str]:
         yield f"\nReason: {verdict.evidence['reason']}."
 
 
-def _faults(truth: Truth) -> Iterator[str]:
+def _faults(truth: Truth, rows: int) -> Iterator[str]:
     for name, fault in sorted(truth.faults.items()):
         row = int(fault.get("row", 0))
-        where = f"row {row}" if row else "both rows"
-        yield f"{words_of(name, fault)}, {where}"
+        where = "" if rows == 1 or "row" not in fault else f", row {row}" if row else ", both rows"
+        yield f"{words_of(name, fault)}{where}"

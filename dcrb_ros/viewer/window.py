@@ -17,12 +17,12 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
+from dcrb_ros.viewer.document_server import LOOPBACK, document_served
 from dcrb_ros.viewer.timeline import TIMELINE
 
 if TYPE_CHECKING:
     from rerun.experimental import ViewerClient
 
-LOOPBACK = "127.0.0.1"
 PATIENCE = 60.0
 """Longest wait for an action of the viewer [s]."""
 POLL = 0.2
@@ -34,6 +34,7 @@ BAR_HEIGHT = 37
 DRIVER_REMEDY = "install a Vulkan driver, such as the software driver (Debian, Ubuntu: apt-get install mesa-vulkan-drivers)"
 
 DISPLAY_REMEDY = "it needs a display; without one, save the view to a file (viewer --save FILE.rrd)"
+WINDOW_REMEDY = "use the browser (--web), or write a file for Rerun on another machine (--save FILE.rrd)"
 DISPLAYS = ("DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET")
 """Environment variables, of which a Linux desktop sets at least one."""
 MEMORY = "2GB"
@@ -47,13 +48,43 @@ class ViewerFailure(RuntimeError):
 
 
 def open_window(document: Path, *, web: bool = False) -> int:
-    """Show a Rerun file until the viewer is closed; return its exit status. The viewer accepts local connections only."""
-    port = _free_port()
-    command = [*_command(), "--bind", LOOPBACK, "--port", str(port), str(document)]
+    """Show a Rerun file until the viewer is closed; return its exit status. The viewer accepts local connections only.
+
+    Raises:
+        ViewerFailure: it cannot be opened.
+    """
+    if not (web or _has_display()):
+        raise ViewerFailure(f"the viewer cannot open its window, because there is no display: {WINDOW_REMEDY}")
+    command = [*_command(), "--bind", LOOPBACK, "--port", str(_free_port())]
     try:
-        return _serve_page(command, port) if web else subprocess.call(command)
+        return _serve_page(command, document) if web else _call([*command, str(document)])
     except KeyboardInterrupt:
         return 0
+
+
+def _has_display() -> bool:
+    return sys.platform != "linux" or any(os.environ.get(name) for name in DISPLAYS)
+
+
+def _environment() -> dict[str, str]:
+    """Return the environment of the viewer; it logs errors only, without escape codes, unless RUST_LOG asks for more."""
+    return {"RUST_LOG": "error", **os.environ, "NO_COLOR": "1"}
+
+
+def _call(command: list[str]) -> int:
+    """Run the viewer with a window until it is closed.
+
+    Raises:
+        ViewerFailure: it ended with an error; the message quotes its last line.
+    """
+    with tempfile.TemporaryFile() as output:
+        status = subprocess.call(command, stdout=output, stderr=output, env=_environment())
+        output.seek(0)
+        lines = output.read().decode(errors="replace").splitlines()
+    if status > 0:
+        reason = lines[-1].removeprefix("Error: ") if lines else f"exit status {status}"
+        raise ViewerFailure(f"the viewer failed ({reason}): {WINDOW_REMEDY}")
+    return 0
 
 
 @contextlib.contextmanager
@@ -63,7 +94,7 @@ def window_to_fill() -> Iterator[tuple[subprocess.Popen[bytes], str]]:
     Raises:
         ViewerFailure: it cannot be opened.
     """
-    if sys.platform == "linux" and not any(os.environ.get(name) for name in DISPLAYS):
+    if not _has_display():
         # The viewer starts to listen before it notices the missing display.
         raise ViewerFailure(f"the viewer cannot open its window: {DISPLAY_REMEDY}")
     port = _free_port()
@@ -74,22 +105,23 @@ def window_to_fill() -> Iterator[tuple[subprocess.Popen[bytes], str]]:
         yield viewer, f"rerun+http://{LOOPBACK}:{port}/proxy"
 
 
-def page_address(page_port: int, port: int) -> str:
-    """Return the address of the viewer's web page, which gets its data from ``port``.
+def page_address(page: str, data: str) -> str:
+    """Return the address of the viewer's web page at ``page``, which loads the file at ``data``.
 
     The dark theme is requested since the colours are chosen for it.
     """
-    data = urllib.parse.quote(f"rerun+http://{LOOPBACK}:{port}/proxy", safe="")
-    return f"http://{LOOPBACK}:{page_port}/?url={data}&theme=dark&hide_welcome_screen"
+    return f"{page}/?url={urllib.parse.quote(data, safe='')}&theme=dark&hide_welcome_screen"
 
 
-def _serve_page(command: list[str], port: int) -> int:
+def _serve_page(command: list[str], document: Path) -> int:
     """Serve the viewer as a web page, open it in the browser and wait until the server ends."""
-    page_port = _free_port()
-    with subprocess.Popen([*command, "--serve-web", "--web-viewer-port", str(page_port)]) as server:
+    port = _free_port()
+    page = f"http://{LOOPBACK}:{port}"
+    serving = [*command, "--serve-web", "--web-viewer-port", str(port)]
+    with document_served(document, page) as data, subprocess.Popen(serving, env=_environment()) as server:
         try:
-            _wait_for(server, "serve its page", lambda: _listens(page_port) and _listens(port), "its messages are printed above")
-            address = page_address(page_port, port)
+            _wait_for(server, "serve its page", lambda: _listens(port), "its messages are printed above")
+            address = page_address(page, data)
             print(f"the viewer is at {address} until Ctrl-C", flush=True)
             webbrowser.open(address)
             return server.wait()

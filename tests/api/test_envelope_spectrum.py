@@ -11,6 +11,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from dcrb_ros import Bearing, Recording, Refusal, envelope_spectrum, simulate
+from dcrb_ros.bearing.waveform import Waveform
+from dcrb_ros.diagnosis.envelope_spectrum import trackable
 
 RATE = 51200
 
@@ -45,6 +47,7 @@ def test_order_tracking_sharpens_what_a_run_up_smears() -> None:
     assert tracked.order[np.argmax(tracked.amplitude)] == pytest.approx(6.72, abs=0.02)
     assert smeared.amplitude.max() < 0.3
     assert tracked.frequency == pytest.approx(tracked.order * tracked.shaft_frequency)
+    assert smeared.order == pytest.approx(smeared.frequency / 20.0, rel=1e-3)
 
 
 def test_a_shaft_that_turns_backwards_has_the_same_orders() -> None:
@@ -138,3 +141,19 @@ def test_a_run_has_its_own_rate_and_bearing() -> None:
     run = simulate("healthy", 0.3)
     with pytest.raises(Refusal, match="bearing is given beside <Run"):
         envelope_spectrum(run, bearing=Bearing())
+
+
+@pytest.mark.parametrize(
+    ("turns", "expected"),
+    [
+        (np.linspace(0.0, 4.01, 1000), True),
+        (np.linspace(0.0, -4.01, 1000), True),
+        (np.linspace(0.0, 3.99, 1000), False),
+        (np.concatenate([np.linspace(0.0, 6.0, 1000), np.linspace(6.0, 5.0, 200)]), False),
+        (None, False),
+    ],
+    ids=["forwards", "backwards", "too short", "to and fro", "no angle"],
+)
+def test_order_tracking_needs_four_turns_in_one_direction(turns: Any, expected: bool) -> None:
+    angle = None if turns is None else 2.0 * np.pi * turns
+    assert trackable(Waveform.from_arrays(np.zeros(1000 if turns is None else len(turns)), RATE, shaft_angle=angle)) is expected

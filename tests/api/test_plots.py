@@ -166,7 +166,7 @@ def test_refusals(call: Any, sentence: str, run: Run) -> None:
         call(run)
 
 
-@pytest.mark.parametrize("suffix", [".png", ".svg", ".pdf"])
+@pytest.mark.parametrize("suffix", [".png", ".svg", ".pdf", ".PNG"])
 def test_command_writes_a_picture(suffix: str, tmp_path: Path) -> None:
     file = tmp_path / f"picture{suffix}"
     done = dcrb("plot", str(BAGS / "run_up"), "-o", str(file), "--start", "0.5", "--duration", "2")
@@ -175,20 +175,31 @@ def test_command_writes_a_picture(suffix: str, tmp_path: Path) -> None:
     assert file.read_bytes()[:4] in (b"\x89PNG", b"<?xm", b"%PDF")
 
 
+@pytest.mark.parametrize("choice", ["--order", "--frequency"])
+def test_command_plots_a_signal_that_is_too_short_for_orders(choice: str, tmp_path: Path) -> None:
+    # 0.15 s at 20 revolutions per second are 3 turns, and order tracking needs 4
+    done = dcrb("plot", str(BAGS / "healthy"), "-o", str(tmp_path / "short.png"), "--duration", "0.15", choice)
+    assert done.returncode == 0, done.stderr
+    assert ("the spectrum is over frequency" in done.stderr) == (choice == "--order")
+
+
 @pytest.mark.parametrize(
     ("arguments", "sentence"),
     [
         ((str(BAGS / "healthy"),), "Missing option '-o'"),
         (
             (str(BAGS / "healthy"), "-o", "picture.jpg"),
-            "--output picture.jpg has an unknown file type: the name must end in .png, .svg, .pdf",
+            "-o picture.jpg has an unknown file type: the name must end in one of .png, .svg, .pdf",
         ),
         ((str(BAGS / "healthy"), "-o", "nowhere/picture.png"), "there is no folder nowhere"),
         (
             (str(BAGS / "healthy"), "-o", "picture.png", "--duration", "0"),
             "--duration 0 s is out of range: it must be above 0 and at most 60 s",
         ),
-        ((str(BAGS / "healthy"), "-o", "picture.png", "--start", "-1"), "--start -1.0 s is not a simulated time"),
+        (
+            (str(BAGS / "healthy"), "-o", "picture.png", "--start", "-1"),
+            "--start -1 s is out of range: give a simulated time of 0 s or later",
+        ),
         ((str(BAGS / "healthy"), "-o", "picture.png", "--start", "9"), "has no sample from 9 to 19 s: it has samples from 0 to 3 s"),
         (("nothing", "-o", "picture.png"), "there is no recording nothing"),
     ],

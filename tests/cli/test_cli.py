@@ -126,6 +126,42 @@ def test_options_of_the_bench_override_the_configuration_file(tmp_path: Path, mo
     assert [parameters.learn for _, parameters in runs] == [0.0, 0.0, 0.0, 10.0]
 
 
+@pytest.mark.parametrize(
+    ("options", "words"), [([], "recording.path = kept exists: give another name"), (["--record", "asked"], "--record asked exists")]
+)
+def test_a_bench_does_not_record_to_an_existing_folder(
+    options: list[str], words: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """It names the recording at the end, and a node takes the next free name."""
+    monkeypatch.chdir(tmp_path)
+    mine = tmp_path / "mine.yaml"
+    mine.write_text(yaml.safe_dump({"/**": {"ros__parameters": {"recording": {"path": "kept"}}}}))
+    for name in ("kept", "asked"):
+        (tmp_path / name).mkdir()
+    monkeypatch.setattr("sys.argv", ["dcrb", "bench", str(mine), *options])
+    with pytest.raises(SystemExit) as end:
+        main()
+    assert end.value.code == 2
+    assert words in capsys.readouterr().err
+
+
+def test_a_bench_replaces_the_folder_of_its_configuration_with_force(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def run(name: str, configuration: Configuration, *others: Any, **more: Any) -> int:
+        Path(configuration.recording.path).mkdir()
+        return 0
+
+    monkeypatch.setattr("dcrb_ros.nodes.bench.run", run)
+    monkeypatch.chdir(tmp_path)
+    old = Path("kept", "kept_0.mcap")
+    old.parent.mkdir()
+    old.touch()
+    monkeypatch.setattr("sys.argv", ["dcrb", "bench", "healthy", "--set", "recording.path=kept", "--force"])
+    with pytest.raises(SystemExit) as end:
+        main()
+    assert end.value.code == 0
+    assert not old.exists()
+
+
 def test_the_detector_reads_its_parameters_from_a_file(tmp_path: Path) -> None:
     bag, file = tmp_path / "bag", tmp_path / "file.yaml"
     assert dcrb("simulate", "outer_ring_defect", "-o", str(bag), "--duration", "2.6").returncode == 0

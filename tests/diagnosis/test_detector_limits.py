@@ -124,7 +124,7 @@ def test_a_bearing_that_turns_too_slowly_for_the_window_is_not_judged_by_its_noi
 
 def test_severity_is_the_size_in_the_reason_and_the_spectrum() -> None:
     last = course(band="fixed")[-1]
-    (size,) = re.findall(r"has ([\d.]+) m/s\^2 at 20 Hz where 38", last.reason)
+    (size,) = re.findall(r"has ([\d.]+) m/s\^2 \(limit 38 m/s\^2", last.reason)
     assert last.severity == pytest.approx(float(size), rel=0.01)
     assert course(seconds=0.75)[-1].severity in (0.0, pytest.approx(last.severity, rel=0.2))
     assert last.confidence == pytest.approx(1.0 - 0.5 * 10.0 ** (-last.scores["outer_ring"] / 10.0))
@@ -172,4 +172,22 @@ def test_remarks_count_irregularities() -> None:
         "3 samples are not finite numbers",
     )
     assert found.gaps == 1
-    assert found.remarks[-1].startswith("the spectrum is of the band from ")
+    assert found.remarks[-1].startswith("the squared envelope spectrum is that of the band from ")
+
+
+def test_a_shaft_too_fast_for_the_orders_is_answered_with_the_number_of_bins(monkeypatch: pytest.MonkeyPatch) -> None:
+    limit = "dcrb_ros.diagnosis.window.MOST_BINS"
+    most = course()[-1]
+    bins = round(20.0 * 0.5 * math.ceil(3 * 1.004 * (3 * 2 * ORDERS.bpfi + 2)))  # turns of a window of 0.5 s, bins of a turn
+    monkeypatch.setattr(limit, 1.01 * bins)
+    assert course()[-1].reason == most.reason
+    monkeypatch.setattr(limit, 0.99 * bins)
+    last = course()[-1]
+    assert last.verdict == "waiting"
+    assert re.search(r"the lines up to order \d+ need \d+ bins in a window, more than", last.reason)
+
+
+@pytest.mark.parametrize("rate", [10**12, 0, 0.5, math.nan])
+def test_a_detector_has_a_possible_sampling_rate(rate: Any) -> None:
+    with pytest.raises(Refusal, match=r"the signal gives a sampling rate of .* Hz: it must be a whole number within 1 \.\. 10000000 Hz"):
+        FaultDetector(ORDERS, rate)

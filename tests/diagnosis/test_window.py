@@ -98,6 +98,14 @@ def test_a_reversal_starts_a_new_window_and_jitter_does_not() -> None:
     assert len(made) == 1
 
 
+@pytest.mark.parametrize("frequency", [10.0, -10.0])
+def test_a_shaft_that_starts_from_rest_keeps_its_window(frequency: float) -> None:
+    made = window()
+    for number, speed in enumerate((0.02, frequency)):  # a hundredth of a turn has no direction
+        made.add(segment(number, turning(speed)), 70.0, useless=False)
+    assert len(made) == 2
+
+
 @given(missing=st.lists(st.booleans(), min_size=40, max_size=40), beside=st.integers(0, 5), begin=st.floats(0.0, 8.0))
 def test_a_bin_is_missing_with_any_sample_in_it_or_beside_it(missing: list[bool], beside: int, begin: float) -> None:
     positions = begin + 3.7 * np.arange(9)

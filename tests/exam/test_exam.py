@@ -584,7 +584,7 @@ def test_names_in_brackets_are_printed_literally(tmp_path: Path, capsys: pytest.
     assert dcrb("score", str(file), "--list") == 0
     printed = capsys.readouterr().out
     assert all(part in printed for part in ("outer [a]", "[/x]"))
-    with _progress("evaluated", 1) as done:
+    with _progress("evaluated", 1, quiet=False) as done:
         done("outer [/a]")
     assert "outer [/a]" in capsys.readouterr().err
 
@@ -617,7 +617,7 @@ def test_the_command_evaluates_an_exam(tmp_path: Path, capsys: pytest.CaptureFix
         (["smoke", "--rate", "nan"], "--rate nan is outside"),
         (["smoke", "--workers", "-1"], "--workers -1 is outside"),
         (["smoke", "--only", "cage*"], "--only 'cage*' matches no scenario of smoke"),
-        (["smoke", "--figure", "figure.bmp"], "must end in .png"),
+        (["smoke", "--figure", "figure.bmp"], "must end in one of .png"),
         (["smoke", "--figure", "no/such/figure.png"], "--figure no/such/figure.png cannot be written: there is no folder no/such"),
         (["smoke", "--junit", "no/such/junit.xml"], "--junit no/such/junit.xml cannot be written: there is no folder no/such"),
         (["smoke", "--junit", "docs"], "--junit docs is a folder"),

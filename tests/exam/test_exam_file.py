@@ -33,11 +33,24 @@ def refused(*scenarios: Any, **changes: Any) -> str:
 
 
 @pytest.mark.parametrize("seeds", [MOST_CASES, MOST_CASES + 1])
-def test_an_exam_may_have_ten_thousand_scenarios(seeds: int, monkeypatch: pytest.MonkeyPatch) -> None:
-    assert MOST_CASES == 10_000
+def test_an_exam_may_have_two_thousand_scenarios(seeds: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    assert MOST_CASES == 2_000
     monkeypatch.setattr("dcrb_ros.exam.exam_file.MOST_CASES", seeds - MOST_CASES + 3)
     assert len(exam(WELL, seeds=list(range(1, seeds - MOST_CASES + 4))).cases) == seeds - MOST_CASES + 3
     assert "an exam must have 1 to" in refused(WELL, seeds=list(range(1, seeds - MOST_CASES + 5)))
+
+
+def test_a_list_of_many_seeds_is_counted_before_any_case_is_made(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("dcrb_ros.exam.exam_file._cases", lambda *_: pytest.fail("a case was made"))
+    entry = {**WELL, "set": {"operating.speed": [100.0, 110.0], "operating.load": [1e5, 9e4, 8e4]}}
+    assert "defines 59988 scenarios: an exam must have 1 to 2000" in refused(entry, seeds=list(range(9998)))
+
+
+def test_twins_of_many_seeds_have_names_of_their_own() -> None:
+    cases = exam(SPALL, {**WELL, "name": "twin-2"}, seeds=[1, 2, 3]).cases
+    names = [case.expectation.name for case in cases]
+    assert len(set(names)) == len(names) == 9
+    assert sorted(name for name in names if name.startswith("twin") and "/" not in name) == ["twin", "twin-2", "twin-3"]
 
 
 def test_a_scenario_may_end_exactly_at_the_limit() -> None:

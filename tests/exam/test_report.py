@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from pathlib import Path
 from typing import Any
@@ -12,7 +13,6 @@ from junitparser import Failure, JUnitXml, Skipped
 from matplotlib.axes import Axes
 from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
-from rich.console import Console
 from rich.table import Table
 
 from dcrb_ros.exam import figure
@@ -24,6 +24,7 @@ from dcrb_ros.exam.report import Report
 from dcrb_ros.exam.scoring import FalseAlarm, ScenarioResult
 from dcrb_ros.exam.statistics import Interval, share
 from dcrb_ros.exam.table import MOST_FAILURES, bounds, number, sentences, tables
+from dcrb_ros.runtime.terminal import console
 from dcrb_ros.schema.refusal import Refusal
 
 
@@ -144,9 +145,9 @@ def test_the_sentences_of_a_report_have_its_numbers() -> None:
 
 
 def printed(shown: Report) -> str:
-    console = Console(width=160, record=True, force_terminal=False)
-    with console.capture() as capture:
-        console.print(tables(shown))
+    output = console()
+    with output.capture() as capture:
+        output.print(tables(shown))
     return capture.get()
 
 
@@ -166,6 +167,21 @@ def test_the_tables_have_delays_widths_and_counts() -> None:
     good = printed(report(result("healthy", "healthy")))
     assert "made up: passed, nobody" in good
     assert not any(word in good for word in ("scenarios failed", "Detection delay", "Detection by width"))
+
+
+def test_the_tables_have_units_and_names_as_they_are() -> None:
+    shown = dataclasses.replace(MIXED, exam="mine [s]", detector="node --name '[x]'")
+    text = printed(shown)
+    for words in (
+        "median delay [s]",
+        "95th percentile [s]",
+        "limit [s]",
+        "width [mm]",
+        "correct \\ answer",
+        "mine [s]",
+        "node --name '[x]'",
+    ):
+        assert words in text
 
 
 @pytest.mark.parametrize("failed", [MOST_FAILURES, MOST_FAILURES + 3])

@@ -4,17 +4,20 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import re
 import subprocess
 import sys
 from collections import Counter
 from collections.abc import Iterator
+from concurrent.futures import Future
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 import pytest
-from mcap.writer import Writer
+from mcap.writer import IndexType, Writer
+from ros2_bag_record import bag_of
 from runs import PAPER_SPEED, Run, simulated
 
 from dcrb_ros.bearing import load_zone
@@ -34,16 +37,21 @@ from dcrb_ros.settings.parameters import Bearing
 from dcrb_ros.simulation.loop import Simulation
 from dcrb_ros.stream.block import Truth
 from dcrb_ros.viewer import order_map, palette
-from dcrb_ros.viewer.content import Content, Waveform
+from dcrb_ros.viewer.blueprint import level_axis, speed_varies, whole_time
+from dcrb_ros.viewer.content import Content, DetectorOutput, Series, Waveform
+from dcrb_ros.viewer.document import write_document
 from dcrb_ros.viewer.drawing import Drawing, on_circle, quaternions, rounded_up
 from dcrb_ros.viewer.fault_words import faults_of_row
+from dcrb_ros.viewer.live_run import completed
 from dcrb_ros.viewer.reader import read_content
 from dcrb_ros.viewer.show import screenshot_time, take_picture
-from dcrb_ros.viewer.spectrum import ORDER_STEP, diagnoses, envelope_spectra, over_background, pieces
+from dcrb_ros.viewer.spectrum import ORDER_STEP, diagnoses, envelope_spectra, over_background, pieces, verdicts_of
 from dcrb_ros.viewer.summary import markdown
 from dcrb_ros.viewer.window import ViewerFailure
 
 DURATION = 2.5
+SPEEDS = ((100.0, 0), (100.0, 500_000_000), (200.0, 1_000_000_000))
+"""Speeds [rad/s] and their times [ns]."""
 VULKAN_DRIVERS = [*Path("/usr/share/vulkan/icd.d").glob("*.json"), *Path("/etc/vulkan/icd.d").glob("*.json")]
 
 
@@ -92,11 +100,26 @@ def values(document: Path, entity: str, component: str) -> npt.NDArray[np.float6
     return np.concatenate(parts)
 
 
+def texts(chunk: Any, component: str) -> list[str]:
+    """Return the texts of a component over time; none if the chunk lacks it."""
+    batch = chunk.to_record_batch()
+    return [text for row in batch.column(component).to_pylist() for text in row] if component in batch.schema.names else []
+
+
 def rerun(*arguments: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run([sys.executable, "-m", "rerun_cli", *arguments], capture_output=True, text=True, timeout=120, check=False)
 
 
 # --- geometry: azimuth from the load line, counter-clockwise; Rerun's Y points down ---
+
+
+def test_a_broken_bar_is_marked_through_the_gap_between_its_rollers() -> None:
+    drawing = Drawing(Bearing(), 1.0)
+    mark, azimuth = drawing.broken_bar(3), 2.5 * 2.0 * math.pi / 16
+    assert mark @ [math.cos(azimuth), -math.sin(azimuth)] == pytest.approx(0.0, abs=1e-9)
+    radii = np.hypot(*mark.T)
+    assert drawing.inner_raceway < radii[0] < radii[1] < drawing.outer_raceway
+    assert radii[1] - radii[0] > 1.5 * drawing.roller  # long enough to be seen between two rollers
 
 
 @pytest.mark.parametrize(("azimuth", "place"), [(0.0, (0, 1)), (math.pi / 2, (1, 0)), (math.pi, (0, -1)), (-math.pi / 2, (-1, 0))])
@@ -215,7 +238,7 @@ def test_sample_times_follow_the_sampling_rate(content: Content) -> None:
 
 
 def test_summary_contains_verdict_and_ground_truth(content: Content) -> None:
-    page = markdown(content)
+    page = markdown(content, content.truths[-1])
     assert "outer ring defect" in page
     assert "outer_1: 2 mm wide, both rows" in page
     assert f"{PAPER_SPEED * 30 / math.pi:.1f} rpm, 100 kN" in page
@@ -233,7 +256,17 @@ def test_a_recorded_verdict_takes_precedence_over_a_computed_one(run: Run, tmp_p
     indicators = content.detector_output.indicators
     assert indicators is not None
     assert dict(zip(indicators.names, indicators.values[0], strict=True)) == published.levels
-    assert "reason given by the test" in markdown(content)
+    assert "reason given by the test" in markdown(content, None)
+
+
+def test_several_faults_are_named_in_the_summary(run: Run, tmp_path: Path) -> None:
+    scores = {"outer_ring": 13.4, "inner_ring": 6.6, "roller": -4.9, "cage": 0.0}
+    path = tmp_path / "judged"
+    with Recorder(path, run.configuration, body_names(run.configuration)) as recorder:
+        recorder.write(run.blocks[0])
+        recorder.write_messages(diagnosis_messages(Diagnosis(1023, 0.02, "compound", "because", scores=scores)))
+    content = read_content(Recording(path))
+    assert "**several faults: outer ring defect, inner ring defect, cage fault**" in markdown(content, None)
 
 
 def test_states_of_another_bearing_are_refused(run: Run, tmp_path: Path) -> None:
@@ -260,9 +293,38 @@ def test_summary_contains_every_fault(tmp_path: Path) -> None:
     with Recorder(path, configuration, simulation.bodies) as recorder:
         for block in simulation.blocks(0.2):
             recorder.write(block)
-    found = markdown(read_content(Recording(path)))
+    content = read_content(Recording(path))
+    found = markdown(content, content.truths[-1])
     for words in ("outer_1: 2 mm wide, row 1", "inner_1: 2 mm wide, row 2", "bar 15 broken, row 1"):
         assert words in found
+
+
+@pytest.mark.parametrize(
+    ("rows", "faults", "words"),
+    [
+        (2, {"outer_1": {"row": 0, "width": 0.002}, "sensor.stuck": {"severity": 1.0}}, "outer_1: 2 mm wide, both rows, sensor stuck |"),
+        (1, {"outer_1": {"row": 0, "width": 0.002}, "inner_1": {"row": 1, "width": 0.001}}, "inner_1: 1 mm wide, outer_1: 2 mm wide |"),
+    ],
+)
+def test_summary_names_rows_only_where_there_are_two(content: Content, rows: int, faults: Any, words: str) -> None:
+    truth = Truth(0, 100.0, (0.0, -1e5), {}, faults)
+    bearing = content.bearing.model_copy(update={"rows": rows})
+    assert f"| Ground truth | {words}" in markdown(dataclasses.replace(content, bearing=bearing), truth)
+
+
+@pytest.mark.parametrize(
+    ("scores", "words"),
+    [
+        ({"outer_ring": 4.0, "inner_ring": 0.5, "roller": -3.0, "cage": -8.0}, "several faults: outer ring defect, inner ring defect"),
+        ({}, "several faults"),
+    ],
+)
+def test_summary_names_the_faults_of_the_verdict_compound(content: Content, scores: dict[str, float], words: str) -> None:
+    judged: Future[DetectorOutput] = Future()
+    judged.set_result(
+        dataclasses.replace(content.detector_output, verdicts=verdicts_of([Diagnosis(1, 1.0, "compound", "lines", scores=scores)]))
+    )
+    assert f"| Detector's verdict | **{words}** |" in markdown(dataclasses.replace(content, pending_output=judged), None)
 
 
 def test_screenshot_time_is_that_of_the_largest_force(content: Content) -> None:
@@ -285,6 +347,21 @@ def test_file_has_recording_and_arrangement(document: Path) -> None:
 
     reader = RrdReader(str(document))
     assert [store.kind for store in (*reader.recordings(), *reader.blueprints())] == ["recording", "blueprint"]
+
+
+def test_the_summary_follows_the_cursor(content: Content, tmp_path: Path) -> None:
+    halves = [dataclasses.replace(truth, speed=speed, time_ns=time_ns) for truth in content.truths[:1] for speed, time_ns in SPEEDS]
+    path = tmp_path / "two.rrd"
+    write_document(dataclasses.replace(content, truths=tuple(halves)), path)
+    pages = [text for chunk in chunks(path) if chunk.entity_path == "/summary" for text in texts(chunk, "TextDocument:text")]
+    assert [re.search(r"([\d.]+) rpm", page)[1] for page in pages] == ["954.9", "1909.9"]  # type: ignore[index]
+
+
+def test_the_spectrum_names_the_shaft_frequency_of_its_window(content: Content, document: Path) -> None:
+    spectra = envelope_spectra(content.detector_output.diagnoses)
+    assert spectra is not None
+    named = [t for c in chunks(document) if c.entity_path == "/envelope_spectrum/meaning" for t in texts(c, "Points2D:labels")]
+    assert named == [f"multiples of the shaft frequency ({frequency:.2f} Hz)" for frequency in spectra.shaft_frequency]
 
 
 def test_file_contains_drawn_and_native_topics(run: Run, document: Path) -> None:
@@ -330,6 +407,39 @@ def test_the_readable_part_of_a_truncated_recording_is_shown(bag: Path, tmp_path
     view(cut, save=tmp_path / "cut.rrd")
     assert "is truncated" in capsys.readouterr().err
     assert 0 < len(values(tmp_path / "cut.rrd", "/waveform", "Scalars:scalars")) < 2 * round(DURATION * 51200)
+    assert any(chunk.entity_path == "/dcrb/roller_states" for chunk in chunks(tmp_path / "cut.rrd"))  # with the other topics
+
+
+def without_summary(bag: Path, path: Path) -> Path:
+    """Write the messages of a recording to a file without chunks and summary, as a plain writer does."""
+    damage: list[str] = []
+    with path.open("wb") as stream:
+        nothing = {"repeat_channels": False, "repeat_schemas": False, "use_statistics": False, "use_summary_offsets": False}
+        writer = Writer(stream, use_chunking=False, index_types=IndexType.NONE, **nothing)
+        writer.start(profile="ros2")
+        channels: dict[int, int] = {}
+        for stored in Recording(bag).stored[0].messages(damage):
+            channel, schema, message = stored.channel, stored.schema, stored.message
+            assert schema is not None
+            if channel.id not in channels:
+                known = writer.register_schema(schema.name, schema.encoding, schema.data)
+                channels[channel.id] = writer.register_channel(channel.topic, channel.message_encoding, known, channel.metadata)
+            writer.add_message(channels[channel.id], message.log_time, message.data, message.publish_time)
+        for metadata in Recording(bag).stored[0].metadata():
+            writer.add_metadata(metadata.name, dict(metadata.metadata))
+        writer.finish()
+    return path
+
+
+@pytest.mark.parametrize("form", ["no summary", "sqlite3"])
+def test_files_that_rerun_does_not_read_are_shown_with_all_their_topics(form: str, run: Run, bag: Path, tmp_path: Path) -> None:
+    source = without_summary(bag, tmp_path / "x.mcap") if form == "no summary" else bag_of(tmp_path / "x", Recording(bag).messages(), form)
+    view(source, save=tmp_path / "x.rrd")
+    rows: Counter[str] = Counter()
+    for chunk in chunks(tmp_path / "x.rrd"):
+        rows[chunk.entity_path] += 0 if chunk.is_static else chunk.num_rows
+    assert rows["/waveform"] == round(DURATION * 51200)
+    assert rows["/bearing/row1/rollers"] == rows["/dcrb/roller_states"] == len(run.states)
 
 
 # --- refusals ---
@@ -428,12 +538,44 @@ def test_load_zone_is_below_the_shaft(content: Content) -> None:
     assert loaded.max() < np.pi / 2  # with a radial gap the zone is narrower than half a turn
 
 
+def test_spectra_are_shown_up_to_an_order_at_which_lines_can_be_told_apart() -> None:
+    for last, shown in ((60.0, 31.0), (20.0, 20.0)):
+        orders = np.arange(0.0, last + 0.01, 0.02)
+        diagnosis = Diagnosis(0, 1.0, "healthy", "", spectrum=(orders, np.ones_like(orders)), shaft_frequency=20.0)
+        spectra = envelope_spectra([diagnosis])
+        assert spectra is not None
+        assert spectra.highest_order == pytest.approx(shown, abs=0.03)
+
+
 def test_order_map_is_brightest_at_the_lines_of_the_defect(content: Content) -> None:
     spectra = envelope_spectra(content.detector_output.diagnoses)
     assert spectra is not None
     picture = order_map.picture(spectra, 30.0)
-    assert picture.shape == (330, 1000, 3)
+    assert picture.shape == (300, 1000, 3)
     brightness = picture.astype(float).sum(axis=(0, 2))
     pixel = characteristic_orders(content.bearing).bpfo / spectra.highest_order * 1000.0
     harmonic = int(np.argmax(brightness)) / pixel
     assert harmonic == pytest.approx(round(harmonic), abs=0.02)
+
+
+@pytest.mark.parametrize(
+    ("frequencies", "varies"), [((20.0, 20.0), False), ((20.0, 21.9), False), ((20.0, 22.1), True), ((0.0, 20.0), False), ((), False)]
+)
+def test_the_order_map_comes_first_where_the_speed_varies(content: Content, frequencies: tuple[float, ...], varies: bool) -> None:
+    found = tuple(Diagnosis(0, 0.0, "healthy", "", shaft_frequency=frequency) for frequency in frequencies)
+    assert speed_varies(dataclasses.replace(content, pending_output=completed(DetectorOutput(None, (), found)))) == varies
+
+
+def test_the_axis_of_levels_ends_at_labelled_values() -> None:
+    times = np.arange(2)
+    for values, ends in (((3.0, 18.7), (0.0, 20.0)), ((-2.0, 20.0), (-10.0, 20.0)), ((0.0, 0.0), (0.0, 10.0))):
+        axis = level_axis(Series(times, ("BPFO",), np.array(values)[:, None]))
+        assert axis.range is not None
+        assert axis.range.as_arrow_array().to_pylist() == [list(ends)]
+
+
+def test_plots_of_the_whole_recording_have_a_margin_for_their_labels(content: Content) -> None:
+    margin = round(0.06 * (content.end_ns - content.start_ns))
+    shown = whole_time(content).view_range
+    assert shown is not None
+    assert shown.as_arrow_array().to_pylist() == [{"start": content.start_ns - margin, "end": content.end_ns + margin}]

@@ -64,8 +64,8 @@ def listeners(port: int) -> set[str]:
 
 def test_page_address_uses_the_loopback_address() -> None:
     assert (
-        page_address(9090, 9876)
-        == "http://127.0.0.1:9090/?url=rerun%2Bhttp%3A%2F%2F127.0.0.1%3A9876%2Fproxy&theme=dark&hide_welcome_screen"
+        page_address("http://127.0.0.1:9090", "http://127.0.0.1:9876/a%20bag.rrd")
+        == "http://127.0.0.1:9090/?url=http%3A%2F%2F127.0.0.1%3A9876%2Fa%2520bag.rrd&theme=dark&hide_welcome_screen"
     )
 
 

@@ -80,7 +80,7 @@ class OuterRing(LineRule[OuterRingParameters]):
         limit = self._limit(band, evidence)
         if limit == 0.0:
             return super().reason(lines, band, evidence)
-        size = f"has {lines.amplitude**0.5:.3g} m/s^2 at 20 Hz where {limit:g} indicates a defect"
+        size = f"has {lines.amplitude**0.5:.3g} m/s^2 (limit {limit:g} m/s^2, both at a shaft frequency of 20 Hz)"
         return f"{self._place(lines)} {size}, {self._level(lines, band)}"
 
     def settled(self, finding: Finding, evidence: Evidence) -> Finding:

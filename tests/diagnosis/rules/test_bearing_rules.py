@@ -107,7 +107,8 @@ def test_outer_ring_lines_are_compared_with_the_limit_of_their_band(band: Band, 
     assert rule.excess(LineFamily(6.7, 10.0 * limit**2, 0.3, 9.0), band, found) == pytest.approx(0.0, abs=1e-12)
     assert rule.excess(LineFamily(6.7, 10.0 * limit**2, 0.03, 9.0), band, found) == pytest.approx(-20.0)  # squared depth
     reason = rule.reason(LineFamily(6.7, 100.0, 2.0, 9.0), band, found)
-    assert reason == f"BPFO at 6.700 orders has 10 m/s^2 at 20 Hz where {limit:g} indicates a defect, 9.0 dB over background from {band}"
+    size = f"10 m/s^2 (limit {limit:g} m/s^2, both at a shaft frequency of 20 Hz)"
+    assert reason == f"BPFO at 6.700 orders has {size}, 9.0 dB over background from {band}"
 
 
 def test_without_a_limit_the_reason_gives_the_depth() -> None:

@@ -154,6 +154,7 @@ def test_a_signal_with_impacts_is_not_noise(kurtosis: float, found: bool) -> Non
     height = min(heights, key=lambda h: abs(measured(h) - kurtosis))
     changed = np.where(place, height * np.sign(column), column)
     assert (Dead(P)._level_of_noise(changed, RATE) is not None) is found
+    assert (Dead(P)._level_of_noise(changed + 5.0, RATE) is not None) is found  # an offset is no impact
 
 
 @pytest.mark.parametrize(("power", "flawed"), [(2.0e-6, False), (1.99e-6, True), (0.0, False), (1e-12, True)])

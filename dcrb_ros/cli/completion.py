@@ -1,0 +1,44 @@
+"""Shell completion of shipped names and of parameters; without a match the shell completes the names of files."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+
+def configurations(incomplete: str) -> list[str]:
+    """Return the shipped configurations that begin with a text."""
+    from dcrb_ros.settings.files import shipped_configurations
+
+    return _beginning(incomplete, shipped_configurations())
+
+
+def exams(incomplete: str) -> list[str]:
+    """Return the shipped exams that begin with a text."""
+    return _shipped(incomplete, "exams")
+
+
+def scenarios(incomplete: str) -> list[str]:
+    """Return the shipped scenarios that begin with a text."""
+    return _shipped(incomplete, "scenarios")
+
+
+def sweeps(incomplete: str) -> list[str]:
+    """Return the shipped sweeps that begin with a text."""
+    return _shipped(incomplete, "sweeps")
+
+
+def settings(incomplete: str) -> list[str]:
+    """Return the parameters that begin with a text, as ``KEY=``."""
+    from dcrb_ros.settings.files import fields_by_key
+
+    return _beginning(incomplete, (f"{key}=" for key in fields_by_key()))
+
+
+def _shipped(incomplete: str, folder: str) -> list[str]:
+    from dcrb_ros.settings.files import shipped_folder
+
+    return _beginning(incomplete, (path.stem for path in (shipped_folder() / folder).glob("*.yaml")))
+
+
+def _beginning(incomplete: str, names: Iterable[str]) -> list[str]:
+    return sorted(name for name in names if name.startswith(incomplete))

@@ -1,0 +1,88 @@
+"""Help pages show the texts of the commands, with every unit."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+import typer
+from own_process import dcrb
+
+from dcrb_ros.cli.app import app
+from dcrb_ros.cli.literal_help import Commands
+from dcrb_ros.runtime.exit_status import exit_status
+
+IN_BRACKETS = re.compile(r"\[[^\[\]]+\]")
+
+
+def commands(command: Any, *names: str) -> Iterator[tuple[tuple[str, ...], Any]]:
+    """Yield every command with its names."""
+    yield names, command
+    for name, below in getattr(command, "commands", {}).items():
+        yield from commands(below, *names, name)
+
+
+PAGES = dict(commands(typer.main.get_command(app)))
+
+
+def words(text: str) -> str:
+    """Return a text without frames and line breaks."""
+    return " ".join(re.sub("[│╭╮╰╯─]", " ", text).split())
+
+
+@pytest.mark.parametrize("names", PAGES, ids=lambda names: " ".join(names) or "dcrb")
+def test_a_help_page_shows_everything_in_brackets(
+    names: tuple[str, ...], capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("TERMINAL_WIDTH", "200")
+    assert dcrb(*names, "--help") == 0
+    page = words(capsys.readouterr().out)
+    command = PAGES[names]
+    for text in (command.help or "", *(parameter.help or "" for parameter in command.params)):
+        for found in IN_BRACKETS.findall(text):
+            assert found in page
+
+
+def test_units_occur_in_help_texts() -> None:
+    texts = " ".join(parameter.help or "" for command in PAGES.values() for parameter in command.params)
+    assert {"[s]", "[Hz]", "[rad/s]", "[-]"} <= set(IN_BRACKETS.findall(texts))
+
+
+def made_up() -> typer.Typer:
+    group = Commands(help="Speeds [rad/s].")
+    below = Commands(help="Below [m].")
+
+    @group.command()
+    def turn(speed: float = typer.Option(1.0, help="Speed [rad/s], not [bold]bold[/bold].")) -> None:
+        """Turn for some time [s]."""
+
+    @below.command()
+    def press(load: float = typer.Argument(help="Load [N].")) -> None:
+        """Press [kN]."""
+
+    group.add_typer(below, name="below")
+    return group
+
+
+@pytest.mark.parametrize(
+    ("arguments", "shown"),
+    [
+        (["--help"], ["Speeds [rad/s].", "Turn for some time [s].", "Below [m]."]),
+        (["turn", "--help"], ["Turn for some time [s].", "Speed [rad/s], not [bold]bold[/bold]."]),
+        (["below", "press", "--help"], ["Press [kN].", "Load [N]."]),
+    ],
+)
+def test_markup_is_printed_literally(arguments: list[str], shown: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    assert exit_status("made up", lambda: made_up()(arguments, standalone_mode=False)) == 0
+    page = words(capsys.readouterr().out)
+    for text in shown:
+        assert text in page
+
+
+def test_completion_shows_units(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("_DCRB_COMPLETE", "complete_zsh")
+    monkeypatch.setenv("_TYPER_COMPLETE_ARGS", "dcrb simulate healthy --dur")
+    assert dcrb() == 0
+    assert '"--duration":"Simulated time [s], above 0' in capsys.readouterr().out

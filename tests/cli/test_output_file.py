@@ -1,0 +1,116 @@
+"""Existing files and recordings are refused, or replaced with --force; a failure brings them back."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from made_up_blocks import recorded
+from own_process import dcrb
+
+from dcrb_ros.cli.output_file import replacing
+from dcrb_ros.schema.refusal import Refusal
+
+
+def entries(folder: Path) -> set[str]:
+    return {entry.name for entry in folder.iterdir()}
+
+
+@pytest.fixture
+def bag(tmp_path: Path) -> Path:
+    return recorded(tmp_path / "bag", 3)
+
+
+def test_a_new_path_is_written(tmp_path: Path) -> None:
+    for force in (False, True):
+        with replacing("-o", tmp_path / f"{force}.txt", force=force):
+            (tmp_path / f"{force}.txt").write_text("new")
+    assert entries(tmp_path) == {"True.txt", "False.txt"}
+
+
+def test_an_existing_file_is_refused_with_the_remedy(tmp_path: Path) -> None:
+    (tmp_path / "a").write_text("old")
+    with (
+        pytest.raises(Refusal, match=r"-o .*/a exists: give another name, or --force to replace it"),
+        replacing("-o", tmp_path / "a", force=False),
+    ):
+        pytest.fail("the work began")
+
+
+def test_an_existing_file_or_recording_is_replaced(bag: Path, tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("old")
+    for path in (tmp_path / "file", bag):
+        with replacing("-o", path, force=True):
+            assert not path.exists()
+            path.write_text("new")
+        assert path.read_text() == "new"
+    assert entries(tmp_path) == {"file", "bag"}
+
+
+def half_done(path: Path, failure: type[BaseException]) -> None:
+    """Replace a recording, and fail after half of the work."""
+    with replacing("-o", path, force=True):
+        path.mkdir()
+        (path / "half").touch()
+        raise failure
+
+
+@pytest.mark.parametrize("failure", [KeyboardInterrupt, RuntimeError])
+def test_a_failure_brings_back_the_old_one(failure: type[BaseException], bag: Path, tmp_path: Path) -> None:
+    before = entries(bag)
+    with pytest.raises(failure):
+        half_done(bag, failure)
+    assert entries(bag) == before
+    assert entries(tmp_path) == {"bag"}
+
+
+def test_a_folder_that_is_not_a_recording_is_never_replaced(tmp_path: Path) -> None:
+    home = tmp_path / "home"
+    home.mkdir()
+    (home / "letters").mkdir()
+    with pytest.raises(Refusal, match="contains letters, which is not part of a recording"), replacing("-o", home, force=True):
+        pytest.fail("the work began")
+    assert entries(home) == {"letters"}
+
+
+def test_the_recording_that_is_read_is_never_replaced(bag: Path, tmp_path: Path) -> None:
+    (tmp_path / "link").symlink_to(bag)
+    for path, source in ((bag, bag), (tmp_path / "link", bag), (bag, bag / "bag_0.mcap"), (tmp_path, bag)):
+        with pytest.raises(Refusal, match="contains the recording that is read"), replacing("-o", path, force=True, source=source):
+            pytest.fail("the work began")
+
+
+def test_a_folder_that_cannot_be_moved_is_refused(bag: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(bag)
+    with pytest.raises(Refusal, match=r"-o \. cannot be replaced: .*; give another name"), replacing("-o", Path(), force=True):
+        pytest.fail("the work began")
+    assert bag.is_dir()
+
+
+def outputs(tmp_path: Path, bag: Path) -> dict[str, list[str]]:
+    """Return a command for each output."""
+    return {
+        "picture.png": ["plot", str(bag), "-o", str(tmp_path / "picture.png")],
+        "wave.npz": ["export", str(bag), "-o", str(tmp_path / "wave.npz")],
+        "wave.npz.yaml": ["export", str(bag), "-o", str(tmp_path / "wave.npz")],
+        "view.rrd": ["view", str(bag), "--save", str(tmp_path / "view.rrd")],
+        "shot.png": ["view", str(bag), "--screenshot", str(tmp_path / "shot.png")],
+        "copy": ["recover", str(bag), "-o", str(tmp_path / "copy")],
+        "again": ["simulate", "healthy", "--duration", "0.01", "-o", str(tmp_path / "again")],
+        "bench": ["bench", "healthy", "--record", str(tmp_path / "bench")],
+    }
+
+
+@pytest.mark.parametrize("name", ["picture.png", "wave.npz", "wave.npz.yaml", "view.rrd", "shot.png", "copy", "again", "bench"])
+def test_every_command_refuses_what_exists(name: str, bag: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / name).write_text("old")
+    assert dcrb(*outputs(tmp_path, bag)[name]) == 2
+    assert f"{tmp_path / name} exists: give another name, or --force to replace it" in capsys.readouterr().err
+    assert (tmp_path / name).read_text() == "old"
+
+
+@pytest.mark.parametrize("name", ["picture.png", "wave.npz", "wave.npz.yaml", "view.rrd", "copy"])
+def test_every_command_replaces_with_force(name: str, bag: Path, tmp_path: Path) -> None:
+    (tmp_path / name).write_text("old")
+    assert dcrb(*outputs(tmp_path, bag)[name], "--force") == 0
+    assert (tmp_path / name).is_dir() or (tmp_path / name).read_bytes() != b"old"

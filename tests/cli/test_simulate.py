@@ -1,0 +1,76 @@
+"""`dcrb simulate`: what it prints, as text and as JSON, and the real-time factor."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+from own_process import dcrb
+
+from dcrb_ros.cli import simulate
+from dcrb_ros.recordings.reader import Recording
+from dcrb_ros.runtime import prefetch
+
+
+class Clock:
+    """A clock that only the simulation moves."""
+
+    def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        self.now = 1000.0
+        monkeypatch.setattr(simulate.time, "perf_counter", lambda: self.now)
+        monkeypatch.setattr(prefetch, "prefetch", lambda blocks, depth: blocks)
+
+    def blocks(self, count: int) -> Iterator[Any]:
+        """Yield blocks of 0.5 s; the first one takes a minute of compilation, each other one 0.25 s."""
+        for number in range(count):
+            self.now += 60.0 if number == 0 else 0.25
+            yield SimpleNamespace(end_ns=(number + 1) * 500_000_000)
+
+
+def run(blocks: Iterator[Any]) -> simulate.Progress:
+    return simulate._run("made up", blocks, 2.0, lambda block: None, quiet=True)
+
+
+def test_the_real_time_factor_leaves_out_the_compilation(monkeypatch: pytest.MonkeyPatch) -> None:
+    progress = run(Clock(monkeypatch).blocks(4))
+    assert progress == (2.0, pytest.approx(2.0))
+    assert str(progress) == "2.00 s simulated, 2.00 x real time"
+
+
+def test_a_run_of_a_single_block_has_no_real_time_factor(monkeypatch: pytest.MonkeyPatch) -> None:
+    progress = run(Clock(monkeypatch).blocks(1))
+    assert progress == (0.5, None)
+    assert str(progress) == "0.50 s simulated"
+
+
+def test_the_result_as_json(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    bag = tmp_path / "bag"
+    assert dcrb("simulate", "healthy", "-o", str(bag), "--duration", "0.1", "--json", "--quiet") == 0
+    out, err = capsys.readouterr()
+    found, outcome = json.loads(out), Recording(bag).outcome
+    assert err == ""
+    assert outcome is not None
+    assert found["recording"] == str(bag)
+    assert found["simulated"] == pytest.approx(0.1)
+    assert found["real_time_factor"] > 0.0
+    assert (found["samples"], found["sha256"]) == (5120, outcome["sha256"])
+    assert dcrb("simulate", "--from", str(bag), "--json", "--quiet") == 0
+    again = json.loads(capsys.readouterr().out)
+    assert again["recording"] is None
+    assert (again["samples"], again["sha256"]) == (5120, outcome["sha256"])
+
+
+def test_a_quiet_run_prints_the_result_only(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    bag = tmp_path / "bag"
+    assert dcrb("simulate", "healthy", "-o", str(bag), "--duration", "0.01", "--quiet") == 0
+    assert capsys.readouterr() == (f"{bag}: 0.01 s simulated\n", "")
+
+
+def test_the_recording_is_opened_with_the_view(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    bag = tmp_path / "bag"
+    assert dcrb("simulate", "healthy", "-o", str(bag), "--duration", "0.01") == 0
+    assert capsys.readouterr().out.splitlines()[-1] == f"open it with: dcrb view {bag}"

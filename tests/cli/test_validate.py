@@ -1,0 +1,44 @@
+"""`dcrb validate`: the table, JSON and the exit status, of made-up comparisons."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from own_process import dcrb
+
+from dcrb_ros.validation import validate
+from dcrb_ros.validation.comparison import Comparison
+
+HOLDS = Comparison("spin [rad/s]", "pocket", "-", "1.0", "1.0 +- 1 %", True)
+SHORT = Comparison("force [N]", "both", "2 (Fig. 8)", "3", "2", False)
+
+
+@pytest.fixture(params=[[HOLDS], [HOLDS, SHORT]], ids=["all hold", "one falls short"])
+def comparisons(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> list[Comparison]:
+    found: list[Comparison] = request.param
+    monkeypatch.setattr(validate, "run_all", lambda processes, on_done: (on_done(1, 1, "run [s]"), {}))
+    monkeypatch.setattr(validate, "all_comparisons", lambda runs, agreements: found)
+    monkeypatch.setattr(validate, "write_report", lambda folder, comparisons, runs: folder / "report.md")
+    return found
+
+
+def test_the_comparisons_as_json(comparisons: list[Comparison], tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    good = all(comparison.holds for comparison in comparisons)
+    assert dcrb("validate", "-o", str(tmp_path), "--json", "--quiet") == (0 if good else 1)
+    out, err = capsys.readouterr()
+    found = json.loads(out)
+    assert err == ""
+    assert found["holds"] == good
+    assert [row["quantity"] for row in found["comparisons"]] == [comparison.quantity for comparison in comparisons]
+    assert found["comparisons"][0]["verdict"] == "holds"
+
+
+def test_the_table_has_units(comparisons: list[Comparison], tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    good = all(comparison.holds for comparison in comparisons)
+    assert dcrb("validate", "-o", str(tmp_path)) == (0 if good else 1)
+    out, err = capsys.readouterr()
+    assert "spin [rad/s]" in out
+    assert "run [s]" in err
+    assert f"Report: {tmp_path / 'report.md'}" in out

@@ -1,0 +1,43 @@
+"""The viewer as a process: its failures are one sentence with the remedy."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import pytest
+
+from dcrb_ros.viewer import window
+
+NO_SCREEN = "import sys; print('a note'); sys.exit('Error: winit EventLoopError: cannot open display')"
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="other systems always have a display")
+def test_a_missing_display_is_refused_with_the_remedy(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    for name in window.DISPLAYS:
+        monkeypatch.delenv(name, raising=False)
+    with pytest.raises(window.ViewerFailure, match=r"there is no display: use the browser \(--web\), or .*--save FILE\.rrd"):
+        window.open_window(tmp_path / "none.rrd")
+
+
+def test_an_error_of_the_viewer_is_quoted_with_the_remedy(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("DISPLAY", ":77")
+    monkeypatch.setattr(window, "_command", lambda: [sys.executable, "-c", NO_SCREEN])
+    with pytest.raises(window.ViewerFailure, match=r"the viewer failed \(winit EventLoopError: cannot open display\): use the browser"):
+        window.open_window(tmp_path / "none.rrd")
+    assert capfd.readouterr() == ("", "")
+
+
+def test_a_closed_window_is_no_failure(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("DISPLAY", ":77")
+    monkeypatch.setattr(window, "_command", lambda: [sys.executable, "-c", ""])
+    assert window.open_window(tmp_path / "none.rrd") == 0
+
+
+def test_the_viewer_logs_errors_only_and_no_escape_codes(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delenv("RUST_LOG", raising=False)
+    assert {"RUST_LOG": "error", "NO_COLOR": "1"}.items() <= window._environment().items()
+    monkeypatch.setenv("RUST_LOG", "debug")
+    assert window._environment()["RUST_LOG"] == "debug"
