@@ -28,18 +28,23 @@ setup(
     maintainer=maintainer.text if maintainer is not None else None,
     maintainer_email=maintainer.get("email") if maintainer is not None else None,
     license=manifest.findtext("license"),
-    python_requires=">=3.10,<3.14",
+    # Every dependency has wheels for Python 3.10 to 3.14, those of ROS 2 Jazzy (ros-rclpy 7.1.6) included, as of November 2026: numba
+    # 0.68.1, numpy 2.4 and 2.5, scipy 1.18.1, rerun-sdk 0.41.0 (abi3) and mcap 1.6.0. The checks run on 3.10 to 3.13.
+    python_requires=">=3.10,<3.15",
     packages=find_packages(include=[NAME, f"{NAME}.*"]),
     package_data={NAME: ["py.typed"], f"{NAME}.validation": ["assumptions.md"]},
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{NAME}"]),
-        (f"share/{NAME}", ["package.xml"]),
+        (f"share/{NAME}", ["package.xml", "QUALITY_DECLARATION.md"]),
+        # Where `ros2 run` looks. Their names are too general for PATH.
+        (f"lib/{NAME}", files("executables", "*")),
         (f"share/{NAME}/config", files("config", "*.yaml")),
         (f"share/{NAME}/config/scenarios", files("config/scenarios", "*.yaml")),
         (f"share/{NAME}/config/exams", files("config/exams", "*.yaml")),
         (f"share/{NAME}/config/sweeps", files("config/sweeps", "*.yaml")),
         (f"share/{NAME}/launch", files("launch", "*.py")),
         (f"share/{NAME}/examples", files("examples", "*.py")),
+        (f"share/{NAME}/examples/ros", files("examples/ros", "*")),
         (f"share/{NAME}/foxglove", files("foxglove", "*.json")),
         *((f"share/{NAME}/bags/{bag.name}", files(f"bags/{bag.name}", "*")) for bag in sorted((HERE / "bags").iterdir()) if bag.is_dir()),
     ],
@@ -81,24 +86,30 @@ setup(
             "types-PyYAML>=6.0.12,<7",
             # The baseline of the tutorial on sweeps.
             "scikit-learn>=1.4,<2",
-            # The notebooks are executed.
-            "nbclient>=0.10,<1",
-            "ipykernel>=6.29,<8",
+            # The notebooks are read.
+            "nbformat>=5.10,<6",
         ],
         # A peer that benchmarks/peers.py measures beside ours; nothing else needs it.
         "bench": ["exudyn>=1.9,<2"],
         "mat73": ["h5py>=3.8,<4"],
+        # Dask is for the workers of a cluster; on one machine a sweep does without.
         "sweep": ["dask>=2024.2", "distributed>=2024.2", "fsspec>=2024.2", "pandas>=2.2,<4"],
-        "docs": ["mkdocs>=1.6,<2", "mkdocs-material>=9.5,<10", "mkdocs-jupyter>=0.25,<1", "mkdocstrings[python]>=1.0,<2"],
+        "docs": [
+            "mkdocs>=1.6,<2",
+            "mkdocs-material>=9.5,<10",
+            "mkdocs-jupyter>=0.25,<1",
+            "ipykernel>=6.29,<8",
+            "mkdocstrings[python]>=1.0,<2",
+        ],
         "colcon": ["colcon-common-extensions>=0.3,<1", "setuptools>=68,<80"],
     },
     entry_points={
         "console_scripts": [
-            "dcrb = dcrb_ros.cli.app:main",
-            "simulator = dcrb_ros.nodes.programs:simulator",
-            "replayer = dcrb_ros.nodes.programs:replayer",
-            "fault_detector = dcrb_ros.nodes.programs:fault_detector",
-            "viewer = dcrb_ros.nodes.programs:viewer",
+            "dcrb = dcrb_ros.cli.program:main",
+            "dcrb_simulator = dcrb_ros.nodes.programs:simulator",
+            "dcrb_replayer = dcrb_ros.nodes.programs:replayer",
+            "dcrb_fault_detector = dcrb_ros.nodes.programs:fault_detector",
+            "dcrb_viewer = dcrb_ros.nodes.programs:viewer",
         ],
     },
 )

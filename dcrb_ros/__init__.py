@@ -6,10 +6,10 @@ Every name of `__all__` is imported on first use, so that ``import dcrb_ros`` ta
 from __future__ import annotations
 
 from importlib import import_module
-from typing import TYPE_CHECKING, Any
 
 from dcrb_ros.runtime.version import __version__
 
+TYPE_CHECKING = False  # programs of this package import nothing before they handle signals
 if TYPE_CHECKING:
     from dcrb_ros.bearing.frequencies import characteristic_frequencies
     from dcrb_ros.bearing.history import StateHistory
@@ -98,7 +98,7 @@ _MODULES = {
 
 if not TYPE_CHECKING:  # a type checker would take every misspelt name for one that this function knows
 
-    def __getattr__(name: str) -> Any:
+    def __getattr__(name: str) -> object:
         """Import a public name on its first use (PEP 562)."""
         if name not in _MODULES:
             raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -9,6 +9,7 @@ from collections.abc import Iterator
 from typing import Any
 
 import typer
+from mkdocs.exceptions import PluginError
 
 from dcrb_ros.cli.app import app
 from dcrb_ros.diagnosis.parameters import DetectorParameters
@@ -22,6 +23,8 @@ COMMANDS = "<!-- commands -->"
 TOPICS = "<!-- topics -->"
 TABLE = re.compile("<table>.*?</table>", re.DOTALL)
 CODE = re.compile("<code>[^<]*</code>")
+FIGURE = "data:image/png;base64"
+WARNINGS = re.compile('<div[^>]*data-mime-type="application/vnd.jupyter.stderr"')
 
 
 def on_page_markdown(markdown: str, **_: Any) -> str:
@@ -44,6 +47,16 @@ def on_page_content(content: str, **_: Any) -> str:
         return re.sub(r"(?<=\w)([._/])(?=\w)", r"\1<wbr>", code[0])
 
     return TABLE.sub(lambda table: CODE.sub(broken, table[0]), content)
+
+
+def on_post_page(output: str, page: Any, **_: Any) -> str:
+    """Refuse a notebook that shows no figure or prints warnings; one that fails has already ended the build."""
+    if page.file.src_uri.endswith(".ipynb"):
+        if FIGURE not in output:
+            raise PluginError(f"{page.file.src_uri} shows no figure")
+        if WARNINGS.search(output):
+            raise PluginError(f"{page.file.src_uri} prints warnings: run it and mend them")
+    return output
 
 
 def command_reference() -> str:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from scipy.special import lambertw
 
@@ -22,7 +24,7 @@ def johnson(penetration: Floats, modulus: float, radius_difference: float) -> tu
     """
     closed = penetration > 0.0
     depth = penetration[closed]
-    w = lambertw(-np.e * depth / (4.0 * radius_difference), -1).real
+    w = lambertw(-math.e * depth / (4.0 * radius_difference), -1).real
     force, stiffness = np.zeros_like(penetration), np.zeros_like(penetration)
     force[closed] = -np.pi * modulus * depth / w
     stiffness[closed] = -np.pi * modulus / (w + 1.0)

@@ -26,7 +26,8 @@ _domains = itertools.count(1)
 def domain() -> int:
     """Return a ROS domain that no other test process uses."""
     worker = int(os.environ.get("PYTEST_XDIST_WORKER", "gw0").removeprefix("gw"))
-    return 1 + (os.getpid() * 7 + worker * 13 + next(_domains)) % 100
+    workers = int(os.environ.get("PYTEST_XDIST_WORKER_COUNT", "1"))
+    return 1 + worker + (os.getpid() * 7 + next(_domains)) % (100 // workers) * workers
 
 
 def environment(number: int, **changes: str) -> dict[str, str]:

@@ -8,8 +8,8 @@ from collections.abc import Callable
 PATIENCE = 20.0
 
 
-def wait_for(reached: Callable[[], bool]) -> None:
-    end = time.monotonic() + PATIENCE
+def wait_for(reached: Callable[[], bool], patience: float = PATIENCE) -> None:
+    end = time.monotonic() + patience
     while not reached():
         assert time.monotonic() < end
         time.sleep(0.001)

@@ -1,0 +1,163 @@
+"""Commands in processes of their own, each with its status, output, processor time and memory.
+
+A parent that has imported everything forks a child per command, so that a command costs what it does, not the start of an interpreter.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import importlib
+import json
+import os
+import resource
+import signal
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+MODULES = (
+    "cli.app",
+    "diagnosis.detection",
+    "exam.exam_file",
+    "exchange.importing",
+    "exchange.export",
+    "nodes.detector_input",
+    "plots.overview",
+    "recordings.recovery",
+    "recordings.replay",
+    "recordings.reproduction",
+    "runtime.literal_console",
+    "simulation.loop",
+    "sweep.loader",
+    "sweep.plan",
+    "viewer.document",
+    "viewer.live",
+    "viewer.show",
+)
+LIBRARIES = ("h5py", "pyarrow.parquet", "scipy.io", "rich.table", "matplotlib.pyplot")
+MOST_MEMORY = 4 << 30
+"""Address space of a command [bytes]: a command that asks for more fails instead of the machine."""
+PATIENCE = 60
+"""Wall time of a command [s]: one that waits for ever uses no processor time."""
+
+
+class Measured(NamedTuple):
+    """The outcome of a command."""
+
+    status: int
+    """Exit status; negative if a signal ended it."""
+    output: str
+    """Standard output and standard error output."""
+    seconds: float
+    """Processor time [s]."""
+    resident: float
+    """Largest resident memory [MB]."""
+
+
+class Commands:
+    """The parent, which runs one command after the other."""
+
+    def __init__(self, process: subprocess.Popen[str]) -> None:
+        self._process = process
+
+    def run(self, *arguments: str, seconds: float = 30.0) -> Measured:
+        """Run a command for at most some ``seconds`` of processor time; ``@sensor FILE`` is a live sensor description."""
+        assert self._process.stdin is not None
+        assert self._process.stdout is not None
+        self._process.stdin.write(json.dumps([arguments, seconds]) + "\n")
+        self._process.stdin.flush()
+        return Measured(*json.loads(self._process.stdout.readline()))
+
+
+@contextlib.contextmanager
+def commands() -> Iterator[Commands]:
+    """Yield a parent for commands."""
+    with subprocess.Popen([sys.executable, __file__], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as process:
+        yield Commands(process)
+        assert process.stdin is not None
+        process.stdin.close()
+
+
+def _serve() -> None:
+    for name in LIBRARIES:
+        with contextlib.suppress(ImportError):
+            importlib.import_module(name)
+    for name in MODULES:
+        importlib.import_module(f"dcrb_ros.{name}")
+    for line in sys.stdin:
+        arguments, seconds = json.loads(line)
+        print(json.dumps(_measured(arguments, seconds)), flush=True)
+
+
+def _measured(arguments: Sequence[str], seconds: float) -> Measured:
+    with tempfile.TemporaryFile() as output:
+        child = os.fork()
+        if not child:
+            os._exit(_run(arguments, seconds, output.fileno()))
+        _, ended, usage = os.wait4(child, 0)
+        output.seek(0)
+        text = output.read(1_000_000).decode(errors="replace")
+    return Measured(os.waitstatus_to_exitcode(ended), text, usage.ru_utime + usage.ru_stime, usage.ru_maxrss / 1024)
+
+
+def _run(arguments: Sequence[str], seconds: float, output: int) -> int:
+    resource.setrlimit(resource.RLIMIT_CPU, (int(seconds) + 1, int(seconds) + 1))
+    resource.setrlimit(resource.RLIMIT_AS, (MOST_MEMORY, MOST_MEMORY))
+    signal.signal(signal.SIGALRM, signal.SIG_DFL)
+    signal.alarm(PATIENCE)
+    os.dup2(output, 1)
+    os.dup2(output, 2)
+    try:
+        _feed(Path(arguments[1])) if arguments[0] == "@sensor" else _command(arguments)
+    except SystemExit as end:
+        return int(end.code or 0)
+    except BaseException as error:
+        print(f"Traceback: {error!r}", file=sys.stderr)
+        return 99
+    finally:
+        sys.stdout.flush()
+        sys.stderr.flush()
+    return 0
+
+
+def _command(arguments: Sequence[str]) -> None:
+    from dcrb_ros.cli.app import main
+
+    sys.argv = ["dcrb", *arguments]
+    main()
+
+
+def _feed(file: Path) -> None:
+    """Pass a sensor description and two hops of a fast shaft to the detector as a node does, and to the live view."""
+    import numpy as np
+
+    from dcrb_ros.diagnosis.parameters import DetectorParameters
+    from dcrb_ros.messages.plain import encode_text
+    from dcrb_ros.messages.points import encode_vibration
+    from dcrb_ros.nodes.detector_input import DetectorInput
+    from dcrb_ros.schema.refusal import Refusal
+    from dcrb_ros.stream.block import Block
+    from dcrb_ros.viewer.live import bench_info
+
+    data = encode_text(file.read_text())
+    detector = DetectorInput(DetectorParameters())
+    answers = [detector.sensor(data)]
+    for number in range(60):
+        index = 1024 * number + np.arange(1024)
+        white = np.random.default_rng(number).normal(0.0, 10.0, (1024, 2))
+        # White noise is that of a dead sensor.
+        acceleration = np.stack([np.convolve(column, np.full(16, 0.25), "same") for column in white.T], axis=1).astype(np.float32)
+        block = Block(1024 * number, 51200, acceleration, np.mod(3.0 * index, 2.0 * np.pi).astype(np.float32), acceleration)
+        answers.append(detector.block(encode_vibration(block, acceleration)))
+    print(*(answer.warning for answer in answers if answer.warning), *(one.reason for answer in answers for one in answer.diagnoses))
+    try:
+        print(bench_info(data, "live"))
+    except Refusal as refusal:
+        print(refusal)
+
+
+if __name__ == "__main__":
+    _serve()
