@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -114,7 +115,8 @@ def test_rollers_in_contact_leave_the_other_row_and_all_others(row: int) -> None
 @pytest.mark.parametrize("row", [0, 1])
 def test_rollers_apart_exert_no_force_and_forget_their_bristle(row: int) -> None:
     payload, state, work = pressed(row, 1e-5, VELOCITY)
-    bristle = state.of_rollers(state.rollers[0].pair.traction.bristle)
+    rollers: Any = state.rollers[0]
+    bristle = state.of_rollers(rollers.pair.traction.bristle)
     assert bristle[row, BEHIND] != 0.0
     state.roller_position[row, AHEAD] += 1e-4 * np.array((0.8, 0.6))
     account = state.account.copy()
