@@ -56,6 +56,14 @@ def test_a_bounded_number_of_samples_is_kept_without_a_description(monkeypatch: 
     assert [detector.block(same) == Response() for _ in range(4)] == [True, True, True, False]
 
 
+def test_a_bounded_number_of_blocks_is_kept_without_a_description(monkeypatch: pytest.MonkeyPatch) -> None:
+    # The smallest block takes half a kilobyte.
+    monkeypatch.setattr(detector_input, "MAX_EARLY_BLOCKS", 3)
+    detector = DetectorInput(DetectorParameters())
+    same = waveform()[0]
+    assert [detector.block(same) == Response() for _ in range(4)] == [True, True, True, False]
+
+
 @pytest.mark.parametrize("late", [1, 51, 76])
 def test_a_description_may_arrive_after_the_first_blocks(late: int) -> None:
     messages = waveform(100)
