@@ -55,8 +55,9 @@ class DetectorInput:
         try:
             description, information = decode_sensor(data), ""
             if description != self._description:  # a change of the range alone does not restart the detector
-                rate, orders = self._description = description
+                rate, orders = description
                 self._detector = FaultDetector(orders, rate, self._parameters)
+                self._description = description
                 information = f"watching a bearing at {rate} Hz, BPFO {orders.bpfo:.3f}, BPFI {orders.bpfi:.3f} orders"
             if self._detector is not None:
                 self._detector.sensor_range = decode_range(data)
