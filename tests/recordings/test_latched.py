@@ -134,6 +134,27 @@ def test_several_benches_in_one_bag_are_refused_by_name(tmp_path: Path) -> None:
         Recording(bag)
 
 
+@pytest.mark.parametrize(
+    ("key", "value", "words"),
+    [("sampling_rate", 25600, "25600 Hz"), ("orders", {"FTF": 0.4, "BPFO": 5.0, "BPFI": 7.0, "BSF": 3.0}, "BPFO 5,")],
+)
+def test_a_second_bench_after_the_first_is_refused(key: str, value: object, words: str, tmp_path: Path) -> None:
+    # Its samples would be read with rate and orders of the first.
+    first, *others = messages_of(60)
+    second = replace(first, data=encode_text(json.dumps({**json.loads(first.data[8:-1]), key: value})))
+    recording = Recording(bag_of(tmp_path / "bag", [first, *others, second, *others]))
+    for topics in ((VIBRATION,), (SENSOR, VIBRATION), None):
+        with pytest.raises(Refusal, match=f"/bag contains two benches one after the other, .*{words}.*: record them separately"):
+            list(recording.messages(topics))
+
+
+def test_a_description_in_between_that_is_invalid_changes_nothing(tmp_path: Path) -> None:
+    first, *others = messages_of(60)
+    middle = [*others[:100], replace(first, data=encode_text("{}")), *others[100:]]
+    found = Recording(bag_of(tmp_path / "bag", [first, *middle])).messages((VIBRATION,))
+    assert [message.data for message in found] == [message.data for message in others if message.topic == VIBRATION]
+
+
 def test_a_run_without_a_configuration_is_not_reproduced(tmp_path: Path) -> None:
     recording = Recording(bag_of(tmp_path / "bag", messages_of(2)))
     assert (recording.described, recording.configured, recording.imported) == (True, False, False)
