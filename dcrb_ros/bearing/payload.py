@@ -19,7 +19,8 @@ from dcrb_ros.core.layout.state import State, empty_state
 from dcrb_ros.core.payload import EDGE, NOTCH, ROLLER_NOTCH, SINK, Notches, Payload
 from dcrb_ros.faults.geometry import BrokenBar, RacewayNotch, RollerNotch, SurfaceProfile
 from dcrb_ros.schema.arrays import Floats
-from dcrb_ros.settings.configuration import Configuration, material_of
+from dcrb_ros.settings.configuration import Configuration
+from dcrb_ros.settings.loaded_contacts import material_of
 from dcrb_ros.settings.parameters import Bearing
 from dcrb_ros.stream.states import BodyNames
 

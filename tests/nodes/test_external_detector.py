@@ -14,7 +14,7 @@ import yaml
 
 pytest.importorskip("rclpy", reason="the nodes need ROS 2; everything else is tested without")
 
-from own_process import dcrb
+from separate_process import dcrb
 
 from dcrb_ros.messages.statuses import Status, encode_diagnostics
 from dcrb_ros.nodes.external_detector import Diagnoses, ExternalDetector
