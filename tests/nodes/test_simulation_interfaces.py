@@ -383,5 +383,5 @@ def test_a_node_serves_others_during_steps_and_answers_before_it_quits(monkeypat
         client.until(answer.done, "the answer to the interrupted steps")
         assert "a pause, a reset or the end" in answer.result().message
         assert client.ask(Trigger, "set_simulation_state").success
-    server.join(PATIENCE)
+        server.join(PATIENCE)  # before the client is destroyed: no two threads destroy nodes at once
     assert not server.is_alive()
