@@ -92,6 +92,13 @@ def test_commands_answer_for_every_storage(bag: Path, own: Path, tmp_path: Path)
         assert np.array_equal(wave["index"], np.arange(BLOCKS * 1024))
 
 
+def test_the_contents_of_a_bag_without_a_waveform_are_printed(tmp_path: Path) -> None:
+    bag = bag_of(tmp_path / "bag", [message for message in messages_of(5) if message.topic != VIBRATION])
+    said = spoken("info", bag)
+    assert "no waveform" in said
+    assert "outer_ring/features" in said
+
+
 def test_a_recovered_bag_holds_every_message(bag: Path, tmp_path: Path) -> None:
     salvage = recover(bag, tmp_path / "new")
     recording = Recording(bag)

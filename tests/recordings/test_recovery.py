@@ -212,6 +212,12 @@ def test_imported_data_are_recovered_as_one_file(tmp_path: Path) -> None:
     assert compressions(tmp_path / "new") == {"zstd"}
 
 
+def test_a_recording_with_an_impossible_sampling_rate_is_recovered(tmp_path: Path) -> None:
+    messages = [message for block in blocks(3) for message in BlockEncoder(Configuration(), BODIES).encode(block)]
+    bag = message_bag(tmp_path / "bag", messages, sampling_rate=0)
+    assert recover(bag, tmp_path / "new").messages == len(messages)
+
+
 def test_a_hundred_sentences_about_corrupt_messages_are_kept(tmp_path: Path) -> None:
     corrupt = [Message(topic, 20_000_000 * k, b"corrupt") for k in range(60) for topic in (VIBRATION, GROUND_TRUTH)]
     source = message_bag(tmp_path / "bag", [*corrupt, Message(FEATURES, 7, b"kept")])
