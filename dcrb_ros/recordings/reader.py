@@ -29,6 +29,7 @@ from dcrb_ros.schema.printable import printable
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.parameters import Bearing
+from dcrb_ros.settings.sensor import as_recorded
 from dcrb_ros.simulation.ground_truth import GroundTruth, commands_in
 from dcrb_ros.stream.event_text import decode_command
 from dcrb_ros.stream.events import TimedCommand
@@ -280,7 +281,7 @@ class Recording:
         if self.imported or self.described:
             return None
         try:
-            return Configuration.model_validate(self.manifest["configuration"])
+            return Configuration.model_validate(as_recorded(self.manifest["configuration"]))
         except DAMAGE as error:
             first = str(error).splitlines()[0] if str(error) else type(error).__name__
             raise Refusal(

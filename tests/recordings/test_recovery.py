@@ -8,12 +8,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from command import dcrb
 from made_up_blocks import BODIES, blocks, recorded
 from mcap.reader import make_reader
 from mcap.records import Metadata
 from mcap.writer import Writer
 from rosbags.highlevel import AnyReader
+from same_process import dcrb
 
 from dcrb_ros.messages.encoder import BlockEncoder
 from dcrb_ros.messages.topics import FEATURES, GROUND_TRUTH, MANIFEST, NAMESPACE, VIBRATION, Message
