@@ -22,7 +22,8 @@ from dcrb_ros.core.payload import EDGE, NOTCH, ROLLER_NOTCH, SINK, Notches, Payl
 from dcrb_ros.faults.geometry import BrokenBar, RacewayNotch, RollerNotch, SurfaceProfile
 from dcrb_ros.measurement.random_streams import random_stream
 from dcrb_ros.schema.arrays import Floats
-from dcrb_ros.settings.configuration import Configuration, material_of
+from dcrb_ros.settings.configuration import Configuration
+from dcrb_ros.settings.loaded_contacts import material_of
 from dcrb_ros.settings.parameters import Bearing
 from dcrb_ros.stream.states import BodyNames
 
