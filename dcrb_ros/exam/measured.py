@@ -9,7 +9,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import Literal
 
 import numpy as np
 
@@ -35,7 +34,6 @@ TABLE = "recordings.csv"
 COLUMNS = ("name", "rig", "truth", "sampling_rate", "unit", "speed_rpm_documented", *CHARACTERISTIC_FREQUENCIES)
 """Columns that the table must have; `speed_rpm_from_lines` is optional."""
 SPEEDS = {"lines": "speed_rpm_from_lines", "documented": "speed_rpm_documented"}
-Speed = Literal["lines", "documented"]
 LONGEST = 60.0
 """Longest part of a recording that is judged [s]: the longest window of the detector."""
 SHORTEST = 0.5
@@ -79,7 +77,7 @@ class MeasuredRecording:
         return values * ACCELERATION_UNITS[self.unit]
 
 
-def read_measured(folder: Path, speed: Speed = "lines") -> list[MeasuredRecording]:
+def read_measured(folder: Path, speed: str = "lines") -> list[MeasuredRecording]:
     """Return the recordings of a folder with a table ``recordings.csv`` and files ``recordings/NAME.npz``.
 
     Raises:
@@ -146,10 +144,8 @@ def diagnose_as_a_whole(values: Floats, rate: int, frequency: float, orders: Ord
     return found
 
 
-def evaluate_measured(
-    folder: Path, parameters: DetectorParameters, speed: Speed, name: str, workers: int, on_done: OnDone
-) -> tuple[Report, dict[str, Diagnosis]]:
-    """Return the report of the recordings of a folder, and the diagnosis of each by name; balls count, but are not required."""
+def evaluate_measured(folder: Path, parameters: DetectorParameters, speed: str, name: str, workers: int, on_done: OnDone) -> Report:
+    """Return the report of the recordings of a folder; ball faults enter the statistics, but are not required."""
     recordings = read_measured(folder, speed)
     calls = {one.name: partial(named, one.name, partial(diagnose, one, parameters)) for one in recordings}
     diagnoses: dict[str, Diagnosis] = {}
@@ -161,7 +157,7 @@ def evaluate_measured(
         score_scenario(_expectation(one, diagnoses[one.name]), [decode_diagnosis(encode_diagnosis(diagnoses[one.name]))], criteria)
         for one in recordings
     )
-    return Report(f"measured, speed {speed}", name, criteria, files_hash(recordings), results), diagnoses
+    return Report(f"measured, speed {speed}", name, criteria, files_hash(recordings), results)
 
 
 def measured_criteria() -> Criteria:

@@ -13,7 +13,7 @@ from dcrb_ros.exam.statistics import Characteristic, Interval, characteristic, p
 from dcrb_ros.recordings.manifest import model_fingerprint, software
 from dcrb_ros.runtime.frames import pandas
 from dcrb_ros.runtime.version import __version__
-from dcrb_ros.schema.verdicts import FAULT_CLASSES, VERDICTS
+from dcrb_ros.schema.verdicts import FAULT_CLASSES, VERDICTS, is_alarm
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -62,6 +62,21 @@ class Detection:
     def probability(self) -> Interval:
         """Probability of detection with its confidence interval."""
         return share(self.found, self.scenarios)
+
+
+@dataclass(frozen=True)
+class Stratum:
+    """Correct answers on one rig for one verdict."""
+
+    rig: str
+    verdict: str
+    """Correct verdict."""
+    right: int
+    """Recordings with the correct answer [-]."""
+    alarms: int
+    """Recordings with any alarm [-]."""
+    recordings: int
+    """[-]"""
 
 
 @dataclass(frozen=True)
@@ -137,6 +152,16 @@ class Report:
             for same in [[result for result in group if result.expectation.width == width]]
         ]
 
+    def strata(self) -> list[Stratum]:
+        """Return the correct answers by rig and correct verdict; empty if the scenarios have no tag ``rig``."""
+        rigs = sorted({str(result.expectation.tags["rig"]) for result in self.results if "rig" in result.expectation.tags})
+        return [
+            Stratum(rig, verdict, sum(one.answer == verdict for one in same), sum(is_alarm(one.answer) for one in same), len(same))
+            for rig in rigs
+            for verdict, group in _grouped(self.results).items()
+            if (same := [result for result in group if result.expectation.tags.get("rig") == rig])
+        ]
+
     def characteristic(self) -> Characteristic | None:
         """Return the receiver operating characteristic for bearing faults; None if the detector publishes no score."""
         faulty = [result.score for result in self.faulty if result.score is not None and result.expectation.verdict != "sensor"]
@@ -191,6 +216,7 @@ class Report:
                 {"verdict": d.verdict, "width": d.width, "found": d.found, "asked": d.scenarios, "probability": d.probability._asdict()}
                 for d in self.detections()
             ],
+            "strata": [vars(stratum) for stratum in self.strata()],
             "roc": curve._asdict() if curve else None,
             "scenarios": [_described(result) for result in self.results],
         }

@@ -35,6 +35,7 @@ def tables(report: Report) -> RenderableType:
         _checks(report),
         *_delays(report),
         *_detections(report),
+        *_strata(report),
         _confusion(report),
         *_failures(report),
         *sentences(report),
@@ -85,6 +86,15 @@ def _detections(report: Report) -> Iterator[Table]:
         table = Table("fault", "width [mm]", "detected", "probability of detection", title=title)
         for row in rows:
             table.add_row(row.verdict, f"{row.width * 1e3:g}", f"{row.found} of {row.scenarios}", bounds(row.probability))
+        yield table
+
+
+def _strata(report: Report) -> Iterator[Table]:
+    rows = report.strata()
+    if rows:
+        table = Table("rig", "correct verdict", "correct", "any alarm", title="Recordings by rig")
+        for row in rows:
+            table.add_row(row.rig, row.verdict, f"{row.right} of {row.recordings}", f"{row.alarms} of {row.recordings}")
         yield table
 
 
