@@ -51,6 +51,11 @@ def score(
             autocompletion=completion.exams,
         ),
     ] = None,
+    measured: Annotated[
+        Path | None,
+        typer.Option(help="Folder of measured recordings with known truth: recordings.csv and recordings/NAME.npz.", file_okay=False),
+    ] = None,
+    speed: Annotated[str, typer.Option(help="Column of speeds that --measured uses: lines or documented.")] = "lines",
     exam: Annotated[str | None, typer.Option(help="The exam; the same as the argument.", autocompletion=completion.exams)] = None,
     node: Annotated[str | None, typer.Option(help="Command that starts your detector node; it is started anew for every scenario.")] = None,
     reference: Annotated[
@@ -79,6 +84,15 @@ def score(
     Example: dcrb score smoke --node "python3 examples/naive_detector.py"
     """
     given = [*(sources or ()), *([exam] if exam else [])]
+    if measured is not None:
+        _check_measured(given, node, speed, other=bool(only or show or recordings or reference))
+        count = worker_count(workers)
+        _check_files(junit, figure)
+        report = _evaluate_measured(measured, _candidate(None, detector, rate, patience), speed, count, quiet=quiet)
+        _output(report, as_json, junit, figure)
+        if not report.passed:
+            raise typer.Exit(1)
+        return
     _check(given, rate, patience, node, detector, reference)
     count = worker_count(workers)
     _check_files(junit, figure)
@@ -120,6 +134,23 @@ def _check(given: Sequence[str], rate: float, patience: float, node: str | None,
         raise Refusal("--node and --reference name two detectors: evaluate them one at a time")
     if node is not None and detector is not None:
         raise Refusal(f"--detector {detector} applies to the shipped detector only: give your node's parameters in its --node command")
+
+
+def _check_measured(given: Sequence[str], node: str | None, speed: str, *, other: bool) -> None:
+    from dcrb_ros.exam.measured import SPEEDS
+
+    if given or node is not None or other:
+        raise Refusal("--measured judges its recordings by the shipped detector: leave out exams, --node, --reference, --only and --list")
+    if speed not in SPEEDS:
+        raise Refusal(f"--speed {speed} is unknown: give {' or '.join(SPEEDS)}")
+
+
+def _evaluate_measured(folder: Path, candidate: Candidate, speed: str, workers: int, *, quiet: bool) -> Report:
+    """Return the report of measured recordings."""
+    from dcrb_ros.exam.measured import evaluate_measured, read_measured
+
+    with _progress("judged", len(read_measured(folder, speed)), quiet=quiet) as on_done:
+        return evaluate_measured(folder, candidate.parameters, speed, candidate.name, workers, on_done)
 
 
 def _candidate(node: str | None, detector: Path | None, rate: float, patience: float) -> Candidate:
