@@ -71,7 +71,9 @@ def exam_scores(contributions: Sequence[Contribution]) -> list[ExamScore]:
 def _exam_score(contributions: Sequence[Contribution], profile: Profile, whole: Samples, samples: Samples) -> ExamScore:
     detection, clean = _parts(contributions, profile, whole)
     score = 100.0 * detection[0] * clean[0] ** profile.alarms
-    low, high = interval(scores(contributions, profile, samples))
+    # One scenario alone says nothing about others of its kind.
+    known = all(len(members) > 1 for members in _grouped(contributions).values())
+    low, high = interval(scores(contributions, profile, samples)) if known else (0.0, 100.0)
     rounded = [round(float(value), DECIMALS) for value in (score, low, high, detection[0], clean[0])]
     return ExamScore(profile.name, Interval(*rounded[:3]), *rounded[3:])
 
