@@ -50,14 +50,15 @@ def _scores(axes: Axes, board: Board) -> None:
         axes.errorbar(
             [s.value for s in found], heights, xerr=error, fmt="o", ms=4, lw=1.2, capsize=2, color=COLOURS[profile.name], label=profile.name
         )
-    axes.set_yticks(range(len(board.places)), _names(board), fontsize=8, parse_math=False)
+    names = [f"{name}  {number}" for number, name in enumerate(_names(board), 1)]
+    axes.set_yticks(range(len(board.places)), names, fontsize=8, parse_math=False)
     axes.set(xlabel="exam score [-]", xlim=(-2.0, 102.0), ylim=(len(board.places) - 0.5, -0.5))
-    axes.legend(fontsize=8, loc="upper center", bbox_to_anchor=(0.5, -0.16), ncols=3, frameon=False)
+    axes.legend(fontsize=8, loc="lower right")
     axes.grid(alpha=0.25)
 
 
 def _pairs(axes: Axes, board: Board) -> None:
-    axes.set_title(f"Row better than column ({HEADLINE}), share of samples [%]", fontsize=10)
+    axes.set_title(f"Row better than column ({HEADLINE}) [% of samples]", fontsize=10)
     headline = next(profile for profile in PROFILES if profile.name == HEADLINE)
     contributions = [place.entry.contributions() for place in board.places]
     count = len(contributions)
@@ -73,4 +74,4 @@ def _pairs(axes: Axes, board: Board) -> None:
     axes.imshow(shares, cmap="Blues", vmin=0.0, vmax=110.0, aspect="auto")
     axes.set_xticks(range(count), [str(k) for k in range(1, count + 1)], fontsize=8)
     axes.set_yticks(range(count), [str(k) for k in range(1, count + 1)], fontsize=8)
-    axes.set(xlabel="place; bold: the 95 % interval of the difference excludes 0", ylabel="place")
+    axes.set(xlabel="place\nbold: the 95 % interval of the difference excludes 0", ylabel="place")
