@@ -21,6 +21,7 @@ import numpy.typing as npt
 from scipy.interpolate import CubicSpline
 from scipy.special import j1
 
+from dcrb_ros.bearing.individual import individual_of, surface_seed
 from dcrb_ros.core.contacts.surface import HEIGHT, PART_HEIGHT, PART_SLOPE, SHARE, SLOPE, Profile, Smooth, interpolated
 from dcrb_ros.core.payload import Payload
 from dcrb_ros.faults.geometry import Damage, RacewayNotch, RollerNotch, SurfaceHeights, SurfaceProfile
@@ -110,11 +111,6 @@ def reduced_radii(configuration: Configuration) -> tuple[float, float]:
     return 1.0 / (1.0 / b.roller_radius + 1.0 / b.inner_raceway_radius), 1.0 / (1.0 / b.roller_radius - 1.0 / b.outer_raceway_radius)
 
 
-def surface_seed(configuration: Configuration) -> int:
-    """Return the seed that makes the bearing an individual."""
-    return configuration.surfaces.seed or configuration.simulation.seed
-
-
 @lru_cache(maxsize=32)
 def raceway_waves(
     seed: int, name: str, radius: float, width: float, roundness: float, waviness: float, exponent: float
@@ -191,21 +187,20 @@ def build_surfaces(configuration: Configuration, damage: Sequence[Damage]) -> tu
     radii, raceways = reduced_radii(c), (b.inner_raceway_radius, b.outer_raceway_radius)
     widths = half_width(c, radii[0]), half_width(c, radii[1])
     table = np.zeros((2, b.rows, RACEWAY_NODES, COLUMNS))
-    clearance = random_stream(seed, "clearance").standard_normal() * s.clearance_spread
+    individual = individual_of(c)
+    waviness = s.waviness * individual.waviness
     for ring in (0, 1):
         for row in range(b.rows):
             name = f"{('inner', 'outer')[ring]} raceway of row {row + 1}"
-            height, slope = raceway_waves(seed, name, raceways[ring], widths[ring], s.roundness, s.waviness, s.waviness_slope)
+            height, slope = raceway_waves(seed, name, raceways[ring], widths[ring], s.roundness, waviness, s.waviness_slope)
             table[ring, row, :, HEIGHT], table[ring, row, :, SLOPE] = height, slope
-    table[1, :, :, HEIGHT] -= 0.5 * clearance
-    rows = random_stream(seed, "raceways of the rows").standard_normal(b.rows) * s.row_spread
-    table[1, :, :, HEIGHT] += rows[:, None]
+    table[1, :, :, HEIGHT] += (individual.row_radii - 0.5 * individual.clearance)[:, None]
+    add_run_out(table[0], individual.run_out)
     rollers = np.zeros((b.rows * b.rollers_per_row, ROLLER_NODES, 4))
-    diameters = random_stream(seed, "roller diameters").standard_normal(len(rollers)) * s.roller_spread
     for k in range(len(rollers)):
-        felt = roller_waves(seed, f"roller {k + 1}", b.roller_radius, widths, 0.5 * s.waviness, s.waviness_slope)
+        felt = roller_waves(seed, f"roller {k + 1}", b.roller_radius, widths, 0.5 * waviness, s.waviness_slope)
         rollers[k] = np.stack(felt, axis=-1)
-    rollers[:, :, 0::2] += 0.5 * diameters[:, None, None]
+    rollers[:, :, 0::2] += 0.5 * individual.roller_diameters[:, None, None]
     for item in damage:
         add_damage(c, item, table, rollers)
     table[..., :SHARE] = np.round(table[..., :SHARE] / HEIGHT_RESOLUTION) * HEIGHT_RESOLUTION
@@ -215,6 +210,17 @@ def build_surfaces(configuration: Configuration, damage: Sequence[Damage]) -> tu
     heights[..., :2], heights[..., 2] = table[..., [HEIGHT, SLOPE]], table[..., SHARE]
     parts = table[..., [PART_HEIGHT, PART_SLOPE]].astype(np.float32)
     return Profile(heights, parts, rollers.astype(np.float32)), max(highest, 0.0)
+
+
+def add_run_out(table: Floats, centres: Floats) -> None:
+    """Add circles about centres off the shaft's axis, shape (rows, 2) [m], to the tables of the inner raceways.
+
+    The raceway at azimuth theta lies towards (sin theta, -cos theta).
+    """
+    angle = 2.0 * math.pi / table.shape[1] * np.arange(table.shape[1])
+    for row, (x, y) in enumerate(centres):
+        table[row, :, HEIGHT] += x * np.sin(angle) - y * np.cos(angle)
+        table[row, :, SLOPE] += x * np.cos(angle) + y * np.sin(angle)
 
 
 def felt_heights(payload: Payload, from_ring: Floats, inner: bool) -> Floats:

@@ -25,7 +25,8 @@ from dcrb_ros.core.contacts.surface import Profile, Smooth, felt_at
 from dcrb_ros.faults.geometry import SurfaceProfile
 from dcrb_ros.settings.configuration import Configuration
 
-EVEN: dict[str, Any] = {"law": "profile", "waviness": 0, "roundness": 0, "roller_spread": 0, "clearance_spread": 0, "row_spread": 0}
+SPREADS = ("roller_spread", "clearance_spread", "row_spread", "run_out", "pocket_spread", "pocket_clearance_spread", "cage_unbalance")
+EVEN: dict[str, Any] = {"law": "profile", "waviness": 0, "waviness_spread": 0, "roundness": 0} | dict.fromkeys(SPREADS, 0)
 OUTER_RADIUS, INNER_RADIUS = 17.390e-3, 12.603e-3
 """Reduced radii of the default bearing [m]."""
 

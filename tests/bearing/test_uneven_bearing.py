@@ -11,7 +11,8 @@ import pytest
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.simulation.loop import Simulation
 
-EVEN: dict[str, Any] = {"law": "profile", "waviness": 0, "roundness": 0, "roller_spread": 0, "clearance_spread": 0, "row_spread": 0}
+SPREADS = ("roller_spread", "clearance_spread", "row_spread", "run_out", "pocket_spread", "pocket_clearance_spread", "cage_unbalance")
+EVEN: dict[str, Any] = {"law": "profile", "waviness": 0, "waviness_spread": 0, "roundness": 0} | dict.fromkeys(SPREADS, 0)
 BENCH: dict[str, Any] = {"lubrication": {"law": "film"}, "friction": {"convection": 0.7}, "contact": {"loss_time": 1e-5}}
 RATE = 51200
 

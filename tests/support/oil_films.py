@@ -7,7 +7,8 @@ from typing import Any
 from dcrb_ros.bearing.payload import cage_speed
 from dcrb_ros.core.laws.film import Film, Oil, build, film_at
 from dcrb_ros.core.laws.interface import Site, inner_site, outer_site
-from dcrb_ros.settings.configuration import Configuration, material_of
+from dcrb_ros.settings.configuration import Configuration
+from dcrb_ros.settings.loaded_contacts import material_of
 
 FLOODED = 1e-3
 """A layer so thick that the contacts are flooded [m]."""
