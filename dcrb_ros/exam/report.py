@@ -93,6 +93,8 @@ class Report:
     scenarios: str
     """SHA-256 of the scenarios; empty if they are recordings."""
     results: tuple[ScenarioResult, ...]
+    seal: str = ""
+    """Hash that was published before a sealed exam; empty if it was not sealed."""
 
     @property
     def passed(self) -> bool:
@@ -235,6 +237,7 @@ class Report:
             "detector": self.detector,
             "passed": self.passed,
             "scenarios_sha256": self.scenarios or None,
+            "sealed_sha256": self.seal or None,
             "dcrb_ros": __version__,
             "model": model_fingerprint(),
             "software": software(),
