@@ -19,6 +19,7 @@ from dcrb_ros.bearing.runtime_change import altered
 from dcrb_ros.exam.case import Case, Run, canonical, derived_tags
 from dcrb_ros.exam.criteria import Criteria, DelayLimits
 from dcrb_ros.exam.expectation import Expectation
+from dcrb_ros.exam.revolutions import speed_knots
 from dcrb_ros.faults.ground_truth import class_of
 from dcrb_ros.schema.fields import Group, choice, quantity
 from dcrb_ros.schema.refusal import Refusal, nearest
@@ -259,6 +260,7 @@ def _case(
         twin,
         required=entry.required and not narrow,
         bearing_onset=onset if both else None,
+        speeds=speed_knots(configuration, events),
     )
     return Case(expectation, Run(configuration, scenario, duration))
 
@@ -313,6 +315,7 @@ def _with_twins(cases: Sequence[Case]) -> Iterator[Case]:
         name = known.expectation.name if known else names.next(case)
         point = {"point": case.expectation.tags["point"]} if "point" in case.expectation.tags else {}
         tags = {**derived_tags(case.run.configuration, {}), **point}
-        twins[key] = Case(Expectation(name, "healthy", duration, 0.0, tags), Run(case.run.configuration, scenario, duration))
+        twin = Expectation(name, "healthy", duration, 0.0, tags, speeds=case.expectation.speeds)
+        twins[key] = Case(twin, Run(case.run.configuration, scenario, duration))
         yield replace(case, expectation=replace(case.expectation, twin=name))
     yield from twins.values()
