@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
 import rerun.blueprint as rrb
 
+from dcrb_ros.schema.arrays import Floats, Samples
 from dcrb_ros.viewer import bearing_picture, load_zone, order_map, palette, spectrum_picture
 from dcrb_ros.viewer.content import Content, Series
 from dcrb_ros.viewer.drawing import Drawing
@@ -19,6 +21,8 @@ LEVEL_TICK = 10.0
 """Spacing of the values at which the axis of levels may end [dB]."""
 MARGIN = 0.06
 """Time shown before and after the whole recording, over its duration [-]."""
+LABELLED = (1.0, 2.0, 3.0, 10.0)
+"""Ends of an axis relative to a power of ten at which it has at least three labels [-]; 10 is the next power."""
 PANELS = (rrb.BlueprintPanel(state="collapsed"), rrb.SelectionPanel(state="collapsed"))
 PANEL = rrb.archetypes.PlotBackground(color=palette.BACKGROUND, show_grid=True)
 
@@ -33,7 +37,8 @@ def compose(content: Content, drawing: Drawing | None, *, picture_only: bool = F
     ]
     time = rrb.TimePanel(state="collapsed", timeline=TIMELINE, playback_speed=0.1, play_state="playing")
     bars = [rrb.TopPanel(state="hidden")] if picture_only else []
-    views = arrangement(drawing, detected, around=(-CLOSE_UP, CLOSE_UP), whole=whole, map_first=speed_varies(content))
+    amplitude = waveform_axis(content.waveform.acceleration)
+    views = arrangement(drawing, detected, around=(-CLOSE_UP, CLOSE_UP), whole=whole, amplitude=amplitude, map_first=speed_varies(content))
     return rrb.Blueprint(views, *bars, *PANELS, time, auto_views=False)
 
 
@@ -48,6 +53,19 @@ def level_axis(found: Series) -> rrb.ScalarAxis:
     """Return the vertical axis of levels; it ends at labelled values [dB]."""
     low, high = (float(value) for value in (found.values.min(initial=0.0), found.values.max(initial=1.0)))
     return rrb.ScalarAxis(range=(LEVEL_TICK * math.floor(low / LEVEL_TICK), LEVEL_TICK * math.ceil(high / LEVEL_TICK)))
+
+
+def waveform_axis(acceleration: Floats | Samples) -> rrb.ScalarAxis | None:
+    """Return the vertical axis of the waveform, one for the whole recording; none for samples that are not finite.
+
+    Rerun labels the powers of ten only where it has room for few labels, so the axis ends at 1, 2 or 3 times one of them [m/s^2].
+    """
+    largest = float(np.abs(acceleration).max(initial=0.0))
+    if not 0.0 < largest < math.inf:
+        return None
+    unit = 10.0 ** math.floor(math.log10(largest))
+    end = unit * next((share for share in LABELLED if largest <= share * unit * (1.0 + 1e-9)), LABELLED[-1])
+    return rrb.ScalarAxis(range=(-end, end))
 
 
 def speed_varies(content: Content) -> bool:
@@ -69,15 +87,16 @@ def arrangement(
     *,
     around: tuple[float, float],
     whole: rrb.archetypes.TimeAxis | None = None,
+    amplitude: rrb.ScalarAxis | None = None,
     map_first: bool = False,
 ) -> rrb.Horizontal:
     """Return the views.
 
-    Close-ups show the time range ``around`` the cursor [s], other plots the ``whole`` time. ``map_first`` shows the order map before the
-    spectrum.
+    Close-ups show the time range ``around`` the cursor [s], other plots the ``whole`` time. ``amplitude`` is the vertical axis of
+    the waveform. ``map_first`` shows the order map before the spectrum.
     """
     axis = close_up(*around)
-    left: list[rrb.View | rrb.Container] = [waveform(axis, whole)]
+    left: list[rrb.View | rrb.Container] = [waveform(axis, whole, amplitude)]
     right: list[rrb.View | rrb.Container] = [rrb.Tabs(spectrum(), orders(), active_tab=int(map_first)), summary()]
     if drawing is not None:
         left.insert(0, rrb.Tabs(bearing(drawing), zone(drawing.bearing.rows), active_tab=0))
@@ -128,17 +147,20 @@ def zone(rows: int) -> rrb.Spatial2DView:
     return rrb.Spatial2DView(origin=load_zone.ROOT, name=name, background=palette.BACKGROUND, visual_bounds=bounds)
 
 
-def waveform(axis: rrb.archetypes.TimeAxis, whole_axis: rrb.archetypes.TimeAxis | None) -> rrb.Tabs:
+def waveform(axis: rrb.archetypes.TimeAxis, whole_axis: rrb.archetypes.TimeAxis | None, amplitude: rrb.ScalarAxis | None) -> rrb.Tabs:
     """Return the views of the waveform: around the cursor and, on a second tab, the whole recording."""
     around = rrb.TimeSeriesView(
         origin="waveform",
         name="Acceleration of the outer ring [m/s²]",
         axis_x=axis,
+        axis_y=amplitude,
         background=PANEL,
         plot_legend=rrb.PlotLegend(rrb.Corner2D.RightTop),
     )
     plain = rrb.PlotLegend(visible=False)
-    whole = rrb.TimeSeriesView(origin="waveform", name="Whole recording", axis_x=whole_axis, background=PANEL, plot_legend=plain)
+    whole = rrb.TimeSeriesView(
+        origin="waveform", name="Whole recording", axis_x=whole_axis, axis_y=amplitude, background=PANEL, plot_legend=plain
+    )
     return rrb.Tabs(around, whole, active_tab=0)
 
 

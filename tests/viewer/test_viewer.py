@@ -37,7 +37,7 @@ from dcrb_ros.settings.parameters import Bearing
 from dcrb_ros.simulation.loop import Simulation
 from dcrb_ros.stream.block import Truth
 from dcrb_ros.viewer import order_map, palette
-from dcrb_ros.viewer.blueprint import level_axis, speed_varies, whole_time
+from dcrb_ros.viewer.blueprint import level_axis, speed_varies, waveform_axis, whole_time
 from dcrb_ros.viewer.content import Content, DetectorOutput, Series, Waveform
 from dcrb_ros.viewer.document import write_document
 from dcrb_ros.viewer.drawing import Drawing, on_circle, quaternions, rounded_up
@@ -572,6 +572,22 @@ def test_the_axis_of_levels_ends_at_labelled_values() -> None:
         axis = level_axis(Series(times, ("BPFO",), np.array(values)[:, None]))
         assert axis.range is not None
         assert axis.range.as_arrow_array().to_pylist() == [list(ends)]
+
+
+@pytest.mark.parametrize(
+    ("peak", "end"), [(940.0, 1000.0), (1000.0, 1000.0), (1001.0, 2000.0), (2400.0, 3000.0), (3100.0, 10000.0), (0.19, 0.2), (5e-9, 1e-8)]
+)
+def test_the_axis_of_the_waveform_ends_where_at_least_three_values_are_labelled(peak: float, end: float) -> None:
+    axis = waveform_axis(np.array([[0.0, 0.3 * peak], [-peak, 0.0]]))
+    assert axis is not None
+    assert axis.range is not None
+    assert axis.range.as_arrow_array().to_pylist()[0] == pytest.approx([-end, end])
+
+
+@pytest.mark.parametrize("value", [0.0, np.nan, np.inf])
+def test_a_waveform_without_finite_peak_has_the_axis_of_the_viewer(value: float) -> None:
+    assert waveform_axis(np.full((3, 2), value)) is None
+    assert waveform_axis(np.zeros((0, 2))) is None
 
 
 def test_plots_of_the_whole_recording_have_a_margin_for_their_labels(content: Content) -> None:
