@@ -30,6 +30,7 @@ from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.parameters import Operating
 from dcrb_ros.simulation.block_queue import BlockQueue
 from dcrb_ros.simulation.scenario import ScheduledChange
+from dcrb_ros.simulation.shaft_speed import ShaftSpeed
 from dcrb_ros.simulation.transmission import Transmission
 from dcrb_ros.stream.block import Block, Truth
 from dcrb_ros.stream.events import BlockLost, Command, Event, LoadCommand, ParameterChange, Refused, ScenarioEvent, SpeedCommand, Start
@@ -111,6 +112,7 @@ class Simulation:
         self._state = initial_state(configuration, self._payload)
         self._work = workspace(self._payload)
         self._stored = stored_energy(self._payload, self._state)
+        self._shaft = ShaftSpeed(configuration)
         self._sensor = Sensor(configuration.measurement)
         self._transmission = Transmission(configuration)
         self._orders = characteristic_orders(configuration.bearing)
@@ -246,9 +248,10 @@ class Simulation:
         """Apply a command and return the event to report."""
         match command:
             case SpeedCommand(speed):
-                self._state.target[0] = speed
+                self._set_target(0, speed)
             case LoadCommand(x, y):
-                self._state.target[1:] = x, y
+                self._set_target(1, x)
+                self._set_target(2, y)
             case ParameterChange(changes):
                 return self._alter(changes, command)
         return command
@@ -270,19 +273,38 @@ class Simulation:
             return Refused(request, str(refusal))
         before, self.configuration = self.configuration, after
         if after.faults != before.faults:
+            ramp = self._payload.speed_ramp
             self._payload = refitted(after, self._payload, self._state)
+            if self._shaft.fluctuates:
+                self._payload = self._payload._replace(speed_ramp=ramp)
             self._work = workspace(self._payload)
         self._onsets = onsets(self._onsets, after, self._steps / after.step_rate)
         if after.operating != before.operating:
-            ramps = after.operating
-            self._payload = self._payload._replace(speed_ramp=ramps.speed_ramp, load_ramp=ramps.load_ramp)
+            ramp = self._payload.speed_ramp if self._shaft.fluctuates else after.operating.speed_ramp
+            self._payload = self._payload._replace(speed_ramp=ramp, load_ramp=after.operating.load_ramp)
         if after.measurement.parameters != before.measurement.parameters:
             self._sensor.change(after.measurement.parameters, -(-self._steps // after.steps_per_sample))
         targets = ("operating.speed", 0, after.operating.speed), ("operating.lateral_load", 1, after.operating.lateral_load)
         for key, axis, target in (*targets, ("operating.load", 2, -after.operating.load)):
             if key in changes:
-                self._state.target[axis] = target
+                self._set_target(axis, target)
         return request
+
+    def _set_target(self, axis: int, value: float) -> None:
+        """Set the commanded speed [rad/s], axis 0, or load in X and Y [N], axes 1 and 2."""
+        if axis == 0:
+            self._shaft.commanded = value
+        if axis > 0 or not self._shaft.fluctuates:  # it takes effect with the next value of a fluctuating speed
+            self._state.target[axis] = value
+
+    def _fluctuate(self) -> int:
+        """Prescribe the speed where a new value is due; return the step at which the next one is."""
+        if self._steps % self._shaft.interval == 0:
+            shaft, ramp = self._state.shaft, self.configuration.operating.speed_ramp
+            speed, ramp = self._shaft.next(self._steps, float(shaft[0]), float(shaft[1]), ramp)
+            self._state.target[0] = speed
+            self._payload = self._payload._replace(speed_ramp=ramp)
+        return self._steps - self._steps % self._shaft.interval + self._shaft.interval
 
     def _step_to(self, end: int) -> None:
         """Step the model to step ``end``, stopping at every time of a state, a truth or a scheduled change."""
@@ -293,7 +315,8 @@ class Simulation:
             state_due = end if self._waveform_only else _next_tick(self._steps, publishing.state_rate, rate)
             truth_due = _next_tick(self._steps, publishing.truth_rate, rate)
             change_due = self._scheduled[0].step if self._scheduled else end
-            count = min(end, state_due, truth_due, change_due) - self._steps
+            value_due = self._fluctuate() if self._shaft.fluctuates else end
+            count = min(end, state_due, truth_due, change_due, value_due) - self._steps
             acceleration, angles = np.empty((count, 2)), np.empty(count)
             advance(self._payload, self._state, self._work, acceleration, angles)
             self._steps += count

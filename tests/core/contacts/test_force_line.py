@@ -33,7 +33,7 @@ def raceway_line(
     if crosses(law, payload.outer, middle, closing, before, payload.step):
         return crossing_line(payload, memory, payload.outer, middle, closing, before, 0.0, last, mobility)
     force, stiffness = elastic(law, memory, middle, payload.outer)
-    return lasting_line(payload, memory, payload.outer, middle, force, stiffness, closing, before, 0.0, last, mobility)
+    return lasting_line(payload, memory, payload.outer, middle, force, stiffness, closing, before, 0.0)
 
 
 @loop
