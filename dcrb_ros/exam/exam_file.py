@@ -71,6 +71,7 @@ class ExamFile(Group):
     seeds: list[int] = Field(default_factory=lambda: [1])
     points: dict[str, dict[str, Any]] = Field(default_factory=dict)
     criteria: Criteria = Criteria()
+    seal: str = choice("", "Hash published before a sealed exam, written by dcrb exam open")
     scenarios: list[Entry]
 
 
@@ -82,6 +83,8 @@ class Exam:
     about: str
     criteria: Criteria
     cases: tuple[Case, ...]
+    seal: str = ""
+    """Hash that was published before the exam was held; empty if it was not sealed."""
 
 
 def shipped_exams() -> dict[str, Path]:
@@ -108,6 +111,11 @@ def exam_of(tree: Any, source: str) -> Exam:
     """Return the exam described by a tree read from YAML; see `read_exam`."""
     if not isinstance(tree, Mapping):
         raise Refusal(f"{source} is not an exam: it must have the keys 'exam', 'criteria' and a list 'scenarios'")
+    drawn = tree.get("scenarios")
+    if "template" in tree or (isinstance(drawn, list) and any(isinstance(entry, Mapping) and "draw" in entry for entry in drawn)):
+        raise Refusal(
+            f"{source} is a sealed exam or the template of one: seal it with dcrb exam seal, and score what dcrb exam open writes"
+        )
     try:
         file = ExamFile.model_validate(tree)
     except ValidationError as error:
@@ -122,7 +130,7 @@ def exam_of(tree: Any, source: str) -> Exam:
         if case.expectation.name in names:
             raise Refusal(f"{source}: two scenarios are called '{case.expectation.name}': give them different names")
         names.add(case.expectation.name)
-    return Exam(file.exam, file.about, file.criteria, tuple(_with_twins(cases)))
+    return Exam(file.exam, file.about, file.criteria, tuple(_with_twins(cases)), file.seal)
 
 
 def _sentence(error: ValidationError, tree: Mapping[str, Any]) -> str:
