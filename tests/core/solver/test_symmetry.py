@@ -20,7 +20,8 @@ from dcrb_ros.settings.configuration import Configuration
 pytestmark = pytest.mark.kernel
 Floats = npt.NDArray[np.float64]
 
-STEPS = 2
+STEPS = 1
+"""More are not symmetric: the films of the rows are evaluated in turn after the first step."""
 FREE: dict[str, Any] = {"joint": "pocket"}
 NOTCHES = {
     "outer_1": {"width": 2e-3, "azimuth": 0.005, "row": 1},
