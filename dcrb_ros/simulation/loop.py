@@ -27,8 +27,8 @@ from dcrb_ros.schema.numbers import finite_number
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.schema.simulated_time import nanoseconds
 from dcrb_ros.settings.configuration import Configuration
-from dcrb_ros.settings.parameters import Operating
 from dcrb_ros.simulation.block_queue import BlockQueue
+from dcrb_ros.simulation.commanded_value import commanded
 from dcrb_ros.simulation.scenario import ScheduledChange
 from dcrb_ros.simulation.shaft_speed import ShaftSpeed
 from dcrb_ros.simulation.transmission import Transmission
@@ -42,20 +42,6 @@ MAX_PENDING = 1000
 
 class ModelFailure(RuntimeError):
     """The model left its domain: a result is not a number, or the outer ring left its seat. The run cannot continue."""
-
-
-def _checked(name: str, key: str, value: float, unit: str) -> float:
-    """Return a commanded value that is within the range of a parameter of operation."""
-    low, high = (
-        next((m.ge for m in Operating.model_fields[key].metadata if hasattr(m, "ge")), -math.inf),
-        next((m.le for m in Operating.model_fields[key].metadata if hasattr(m, "le")), math.inf),
-    )
-    if not (math.isfinite(value) and low <= value <= high):
-        raise Refusal(
-            f"{name} = {value} {unit} is refused: it must be a number within {low:g} .. {high:g} {unit}; "
-            "the previous command remains in effect"
-        )
-    return float(value)
 
 
 class Simulation:
@@ -140,7 +126,7 @@ class Simulation:
         Refusal
             The speed is out of range, or too many commands are pending.
         """
-        value = _checked("command/speed", "speed", speed, "rad/s")
+        value = commanded("command/speed", "speed", speed, "rad/s")
         altered(self.configuration, {"operating.speed": value}, "command/speed")
         with self._lock:
             self._enqueue(SpeedCommand(value))
@@ -153,7 +139,7 @@ class Simulation:
         Refusal
             The force is out of range or too large for the bearing, or too many commands are pending.
         """
-        force = _checked("command/load force.x", "lateral_load", x, "N"), _checked("command/load force.y", "load", y, "N")
+        force = commanded("command/load force.x", "lateral_load", x, "N"), commanded("command/load force.y", "load", y, "N")
         altered(self.configuration, {"operating.lateral_load": force[0], "operating.load": -force[1]}, "command/load")
         with self._lock:
             self._enqueue(LoadCommand(*force))

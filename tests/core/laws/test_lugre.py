@@ -10,6 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from dcrb_ros.bearing.payload import build_payload
+from dcrb_ros.core.contacts.arrays import no_memory
 from dcrb_ros.core.laws.lugre import Bristle, LuGre, bristle_weights, build, convection_rate, lugre_line, lugre_update, stribeck_coefficient
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.loaded_contacts import material_of
@@ -31,6 +32,10 @@ def settled(slip: float, steps: int, law: LuGre = LAW) -> tuple[float, float]:
         coefficient = offset + slope * slip
         memory = lugre_update(law, memory, kept, slip, True, PAYLOAD.step)
     return memory.bristle, coefficient
+
+
+def test_a_contact_at_which_nothing_has_happened_has_no_bristle() -> None:
+    assert no_memory(LAW) == Bristle(0.0)
 
 
 @given(slips.filter(lambda s: abs(s) > 1e-3))

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import quad
 from scipy.optimize import brentq
 
-from dcrb_ros.core.laws.pereira import LARGEST_GAIN, impact_damping, mean_force, step_force
+from dcrb_ros.core.laws.pereira import LARGEST_GAIN, impact_damping, mean_force, pereira_coefficients, pereira_stiffness, step_force
+from dcrb_ros.reference.laws import pereira
 
 pytestmark = pytest.mark.kernel
 
@@ -29,6 +31,16 @@ def test_mean_force_is_that_of_the_potential(first: float, last: float) -> None:
     assert force * (high - low) == pytest.approx(law, rel=1e-5, abs=1e-12)
     assert force >= 0.0
     assert slope >= -1e-6 * COEFFICIENT ** (1.0 / EXPONENT)
+
+
+@given(clearance=st.floats(5e-6, 2e-3), depth=st.floats(1e-8, 1e-4))
+def test_coefficients_are_those_of_the_reference(clearance: float, depth: float) -> None:
+    # Eq. 22 of Fan et al. 2025, in mm, MPa and N; the reference implementation shares no code.
+    coefficient, exponent = pereira_coefficients(clearance, 0.048, 114e9)
+    force = float(pereira(np.array([depth]), clearance, 0.048, 114e9)[0])
+    assert coefficient * depth**exponent == pytest.approx(force, rel=1e-9)
+    slope = (coefficient * (1.001 * depth) ** exponent - coefficient * (0.999 * depth) ** exponent) / (0.002 * depth)
+    assert pereira_stiffness(force, coefficient, exponent) == pytest.approx(slope, rel=1e-5)
 
 
 def bounced(speed: float, phase: float, impact_loss: float) -> float:

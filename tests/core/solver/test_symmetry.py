@@ -20,7 +20,8 @@ from dcrb_ros.settings.configuration import Configuration
 pytestmark = pytest.mark.kernel
 Floats = npt.NDArray[np.float64]
 
-STEPS = 2
+STEPS = 1
+"""More are not symmetric: the films of the rows are evaluated in turn after the first step."""
 FREE: dict[str, Any] = {"joint": "pocket"}
 NOTCHES = {
     "outer_1": {"width": 2e-3, "azimuth": 0.005, "row": 1},
@@ -41,6 +42,8 @@ def moving(groups: dict[str, Any]) -> tuple[Payload, State]:
     """Return a loaded bearing without weight, in which nothing is at rest: what touches slips, closes and opens."""
     configuration = Configuration.model_validate({**groups, "operating": {"gravity": 0.0}})
     payload = build_payload(configuration)._replace(land_clearance=4e-6)
+    if groups.get("surfaces"):  # those of the rollers turn with them
+        payload = payload._replace(surfaces=payload.surfaces._replace(raceways=np.zeros_like(payload.surfaces.raceways)))
     state, rng = initial_state(configuration, payload), np.random.default_rng(1)
     state.position[:, :2] += rng.normal(scale=2e-6, size=state.position[:, :2].shape)
     state.position[CAGE:, :2] += ((3e-6, -4e-6), (-6e-6, 2e-6))
@@ -104,9 +107,12 @@ def turned(state: State, angle: float) -> State:
     return found
 
 
-@pytest.mark.parametrize("case", CASES)
+UNEVEN_ROLLERS = {"cage": FREE, "surfaces": {"law": "profile", "waviness": 1e-6}}
+
+
+@pytest.mark.parametrize("case", [*CASES, "uneven rollers"])
 def test_a_turned_bearing_moves_as_before_turned(case: str) -> None:
-    payload, state = moving(CASES[case])
+    payload, state = moving(CASES.get(case, UNEVEN_ROLLERS))
     angle = 2.1
     notches = payload.outer_notches.copy()
     notches.azimuth += angle
