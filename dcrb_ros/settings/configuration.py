@@ -221,12 +221,26 @@ def _guidance(c: Configuration) -> Iterator[str]:
     pressed = 2.0 * heaviest(c) / contact_stiffness(c, heaviest(c))
     off = pressed + (b.outer_raceway_radius - b.roller_radius - b.pitch_radius if pinned else 0.5 * b.radial_gap)
     play = cage.land_clearance if pinned else cage.land_clearance + cage.pocket_clearance
-    if play < off:
+    if off - pressed <= play < off and pressed > off - pressed:  # the clearances are sound, the load is not
+        left = play - (off - pressed)
+        yield (
+            f"operating.load = {load_and_weight(c):.4g} N with the weight presses the rings {pressed:.3g} m towards each other, and the "
+            f"clearance of the cage leaves {left:.3g} m: at most about {_heaviest_load(c, left):.3g} N"
+        )
+    elif play < off:
         name = "cage.land_clearance" if pinned else "cage.land_clearance + cage.pocket_clearance"
         yield (
             f"{name} = {play:.4g} m is below {off:.3g} m, the offset of the cage from the outer ring's centre in the loaded bearing: "
             "the cage would carry the load; make it larger or the radial gap smaller"
         )
+
+
+def _heaviest_load(c: Configuration, most: float) -> float:
+    """Return the load [N] that presses the rings ``most`` [m] towards each other, to a few per cent and rather too low."""
+    force = heaviest(c)
+    while 2.0 * force / contact_stiffness(c, force) > most:
+        force *= 0.98
+    return load_and_weight(c) * force / heaviest(c)
 
 
 def _housing(c: Configuration) -> Iterator[str]:
