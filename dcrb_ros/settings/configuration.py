@@ -224,8 +224,8 @@ def _guidance(c: Configuration) -> Iterator[str]:
     if off - pressed <= play < off and pressed > off - pressed:  # the clearances are sound, the load is not
         left = play - (off - pressed)
         yield (
-            f"operating.load = {load_and_weight(c):.4g} N with the weight presses the rings {pressed:.3g} m towards each other, and the clearance of "
-            f"the cage leaves {left:.3g} m: at most about {_heaviest_load(c, left):.3g} N"
+            f"operating.load = {load_and_weight(c):.4g} N with the weight presses the rings {pressed:.3g} m towards each other, and the "
+            f"clearance of the cage leaves {left:.3g} m: at most about {_heaviest_load(c, left):.3g} N"
         )
     elif play < off:
         name = "cage.land_clearance" if pinned else "cage.land_clearance + cage.pocket_clearance"
