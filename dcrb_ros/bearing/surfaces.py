@@ -17,12 +17,11 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 from scipy.interpolate import CubicSpline
 from scipy.special import j1
 
 from dcrb_ros.bearing.individual import individual_of, surface_seed
-from dcrb_ros.core.contacts.surface import HEIGHT, PART_HEIGHT, PART_SLOPE, SHARE, SLOPE, Profile, Smooth, interpolated
+from dcrb_ros.core.contacts.surface import HEIGHT, PART_HEIGHT, PART_SLOPE, SHARE, SLOPE, Profile, Smooth, interpolated, packed, unpacked
 from dcrb_ros.core.payload import Payload
 from dcrb_ros.faults.geometry import Damage, RacewayNotch, RollerNotch, SurfaceHeights, SurfaceProfile
 from dcrb_ros.measurement.random_streams import random_stream
@@ -206,10 +205,10 @@ def build_surfaces(configuration: Configuration, damage: Sequence[Damage]) -> tu
     table[..., :SHARE] = np.round(table[..., :SHARE] / HEIGHT_RESOLUTION) * HEIGHT_RESOLUTION
     rollers = np.round(rollers / HEIGHT_RESOLUTION) * HEIGHT_RESOLUTION
     highest = float(table[..., HEIGHT].max() + max(table[..., PART_HEIGHT].max(), 0.0) + rollers[:, :, 0::2].max())
-    heights = np.zeros((*table.shape[:-1], 4), np.float32)
-    heights[..., :2], heights[..., 2] = table[..., [HEIGHT, SLOPE]], table[..., SHARE]
-    parts = table[..., [PART_HEIGHT, PART_SLOPE]].astype(np.float32)
-    return Profile(heights, parts, rollers.astype(np.float32)), max(highest, 0.0)
+    own = np.stack([packed(rollers[..., 2 * ring], rollers[..., 2 * ring + 1]) for ring in (0, 1)])
+    parts = table[..., [PART_HEIGHT, PART_SLOPE, SHARE]].astype(np.float32)
+    surfaces = Profile(packed(table[..., HEIGHT], table[..., SLOPE], table[..., SHARE]), own, parts, bool((parts[..., 2] > 0.0).any()))
+    return surfaces, max(highest, 0.0)
 
 
 def add_run_out(table: Floats, centres: Floats) -> None:
@@ -233,26 +232,26 @@ def felt_heights(payload: Payload, from_ring: Floats, inner: bool) -> Floats:
     if isinstance(surfaces, Smooth):
         return np.zeros(payload.free.shape)
     azimuth = np.arctan2(from_ring[..., 0], -from_ring[..., 1])
-    ring, column = (0, 0) if inner else (1, 2)
+    ring = 0 if inner else 1
     found = np.zeros(azimuth.shape)
     for row, angles in enumerate(azimuth):
-        found[row] = between_nodes(surfaces.raceways[ring, row, :, :2], angles)
+        found[row] = between_nodes(*unpacked(surfaces.raceways[ring, row]), angles)
         nodes = np.floor(np.mod(angles / (2.0 * math.pi), 1.0) * RACEWAY_NODES).astype(np.int64) % RACEWAY_NODES
-        found[row] += surfaces.raceways[ring, row, nodes, 2] * between_nodes(surfaces.parts[ring, row], angles)
+        part = np.concatenate([surfaces.parts[ring, row], surfaces.parts[ring, row, :1]]).astype(np.float64)
+        found[row] += part[nodes, 2] * between_nodes(part[:, 0], part[:, 1], angles)
         for i, angle in enumerate(angles + math.pi if inner else angles):
-            roller = surfaces.rollers[row * azimuth.shape[1] + i, :, column : column + 2]
-            found[row, i] += between_nodes(roller, np.array([angle]))[0]
+            roller = surfaces.rollers[ring, row * azimuth.shape[1] + i]
+            found[row, i] += between_nodes(*unpacked(roller), np.array([angle]))[0]
     return found
 
 
-def between_nodes(table: npt.NDArray[np.float32], angles: Floats) -> Floats:
-    """Return heights [m] at angles [rad] of a table of heights and slopes over a turn, as the kernels do."""
-    nodes = len(table)
+def between_nodes(heights: Floats, slopes: Floats, angles: Floats) -> Floats:
+    """Return heights [m] at angles [rad] of heights [m] and slopes [m/rad] over a turn, its first node again at the end."""
+    nodes = len(heights) - 1
     place = np.mod(angles / (2.0 * math.pi), 1.0) * nodes
     i = np.minimum(np.floor(place), nodes - 1.0).astype(np.int64)
-    before, after = table[i].astype(np.float64), table[(i + 1) % nodes].astype(np.float64)
     curve = getattr(interpolated, "py_func", interpolated)
-    return np.asarray(curve(before[:, 0], after[:, 0], before[:, 1], after[:, 1], 2.0 * math.pi / nodes, place - i)[0])
+    return np.asarray(curve(heights[i], heights[i + 1], slopes[i], slopes[i + 1], 2.0 * math.pi / nodes, place - i)[0])
 
 
 def add_damage(configuration: Configuration, damage: Damage, table: Floats, rollers: Floats) -> None:

@@ -1,4 +1,9 @@
-"""The findings of all rules combined: one per component, without those that the lines of another component explain."""
+"""The findings of all rules combined: one per component, without those that the lines of another component explain.
+
+Families overlap: sidebands and harmonics of one fault lie on lines of another, and the search for a departure from the kinematic orders
+adds chances. The joint explanation is found in steps, as in matching pursuit (Mallat and Zhang 1993): the deepest family is accepted with
+all the lines that its fault makes, and another one is accepted only if it is left without those lines.
+"""
 
 from __future__ import annotations
 
@@ -6,18 +11,19 @@ from collections.abc import Sequence
 from typing import Any
 
 from dcrb_ros.diagnosis.evidence import Evidence
-from dcrb_ros.diagnosis.rule import LEAST_EXCESS, BearingRule, Finding, LineRule
+from dcrb_ros.diagnosis.rule import LEAST_EXCESS, BearingRule, Finding
 from dcrb_ros.schema.verdicts import COMPONENTS, Component
+
+LEAST_REMAINDER = 0.5
+"""Share of the modulation depth that an independent family keeps without the lines of another [-]: more of its lines are left than not."""
 
 
 class Combination:
-    """Line families overlap: sidebands and harmonics of one component lie on lines of another. The weaker explanation is discarded."""
+    """Combines the findings of rules."""
 
     def __init__(self, rules: Sequence[BearingRule[Any]], release_margin: float) -> None:
         """Lower findings that are explained by more than ``release_margin`` [dB] below their thresholds."""
         self._rules, self._margin = rules, release_margin
-        overlaps = [(rule, overlap) for rule in rules if isinstance(rule, LineRule) for overlap in rule.overlaps()]
-        self._overlaps = sorted(overlaps, key=lambda one: one[1].rank)
 
     def findings(self, evidence: Evidence) -> dict[Component, Finding]:
         """Return the strongest finding for each component, shape as in `COMPONENTS`."""
@@ -35,12 +41,25 @@ class Combination:
 
     def _explained(self, found: dict[Component, Finding], evidence: Evidence) -> set[Component]:
         """Return the suspected components whose lines those of another suspected component explain."""
-        suspected = {component for component, finding in found.items() if finding.excess >= 0.0}
+        suspected = sorted((one for one in found.values() if one.excess >= 0.0), key=lambda one: -one.lines.depth_per_line)
+        accepted: list[Finding] = []
         explained: set[Component] = set()
-        for rule, overlap in self._overlaps:
-            image = found[overlap.component]
-            if {rule.component, image.component} <= suspected - explained:
-                there = evidence.of_band(image.band)
-                if there is not None and there.family(rule.lines).depth >= overlap.ratio * image.lines.depth:
-                    explained.add(image.component)
+        for one in suspected:
+            if any(explains(other, one, evidence) for other in accepted):
+                explained.add(one.component)
+            else:
+                accepted.append(one)
         return explained
+
+
+def explains(cause: Finding, image: Finding, evidence: Evidence) -> bool:
+    """Return whether the lines of a deeper finding explain those of another."""
+    band = evidence.of_band(image.band)
+    if cause.rule is None or image.rule is None or cause.comb is None or image.comb is None or band is None:
+        return False
+    there = cause.rule.family(band, cause.comb)
+    if image.lines.depth_per_line < image.rule.p.shadow * there.depth_per_line:
+        return True
+    companions = cause.rule.companions(there if there.depth > 0.0 else cause.lines, evidence.orders)
+    remaining = band.remainder(image.comb, image.lines, companions).depth
+    return bool(remaining < max(image.rule.depth, LEAST_REMAINDER * image.lines.depth))

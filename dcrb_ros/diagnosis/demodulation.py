@@ -1,13 +1,13 @@
 """Amplitude demodulation: the squared envelope in each of several bands, and the spectral kurtosis by which a band is selected.
 
-The bands form the binary tree of the fast kurtogram (Antoni 2007, "Fast computation of the kurtogram for the detection of transient
-faults"): the band is halved, its halves are halved, and the band with the most impulsive envelope is selected. All bands are computed from
-one Fourier transform of a segment.
+The bands form the 1/3-binary tree of the fast kurtogram (Antoni 2007, "Fast computation of the kurtogram for the detection of transient
+faults"): the band is divided into halves, thirds and quarters. All bands are computed from one Fourier transform of a segment.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -16,6 +16,8 @@ from scipy import fft
 
 from dcrb_ros.schema.arrays import Floats
 
+PARTS = (1, 2, 3, 4)
+"""Numbers of parts into which a band is divided: the first levels of the 1/3-binary tree."""
 TAPER = 0.2
 """Share of a band's width taken by its two edges [-]: steep enough to separate the bands, smooth enough not to ring."""
 OVERSAMPLING = 2
@@ -34,13 +36,13 @@ class Band(NamedTuple):
         return f"{self.low / 1e3:.3g} to {self.high / 1e3:.3g} kHz"
 
 
-def band_tree(low: float, high: float, levels: int) -> tuple[Band, ...]:
-    """Return the band from ``low`` to ``high`` [Hz], its halves, their halves and so on for a number of ``levels``.
+def band_tree(low: float, high: float, parts: Sequence[int] = PARTS) -> tuple[Band, ...]:
+    """Return the band from ``low`` to ``high`` [Hz] divided into each number of ``parts``, from the widest to the narrowest.
 
-    The halves have equal widths on a logarithmic scale, since the bandwidth of an impact grows with its frequency.
+    The parts have equal widths on a logarithmic scale, since the bandwidth of a resonance grows with its frequency.
     """
     tree = []
-    for count in (2**level for level in range(levels + 1)):
+    for count in parts:
         edges = np.geomspace(low, high, count + 1)
         tree += [Band(float(edges[k]), float(edges[k + 1])) for k in range(count)]
     return tuple(tree)

@@ -137,12 +137,19 @@ def detect(
             "make the window longer"
         )
     detector = FaultDetector(source.orders, source.sampling_rate, chosen)
+    detector.know(_described(signal if bearing is None else bearing))
     found, samples = _diagnoses(detector, source.pieces())
     duration = samples / source.sampling_rate
     if all(diagnosis.verdict == "waiting" for diagnosis in found):
         why = found[-1].reason if found else f"it needs {detector.parameters.least_window:g} s"
         raise Refusal(f"the signal holds {duration:.2f} s of waveform, too little for a verdict: {why}")
     return DetectionResult(tuple(found), duration)
+
+
+def _described(source: object) -> object:
+    """Return the geometry in a run, a recording, a configuration or a bearing; anything else unchanged."""
+    source = getattr(source, "configuration", source)
+    return getattr(source, "bearing", source)
 
 
 def _diagnoses(detector: FaultDetector, pieces: Iterable[Piece]) -> tuple[list[Diagnosis], int]:

@@ -18,10 +18,12 @@ from dcrb_ros.diagnosis.combination import Combination
 from dcrb_ros.diagnosis.demodulation import Band, Demodulator, band_tree, kurtosis
 from dcrb_ros.diagnosis.evidence import BandEvidence, Evidence, LevelEvidence, LevelHistory, SampleEvidence
 from dcrb_ros.diagnosis.hysteresis import Hysteresis, confidence
+from dcrb_ros.diagnosis.known_bearings import baseline_of
 from dcrb_ros.diagnosis.order_spectrum import HARMONICS, SHAFT_SIDEBANDS, OrderSpectrum, order_spectra
 from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.diagnosis.registry import BEARING_RULES, LEVEL_RULES, SAMPLE_RULES
 from dcrb_ros.diagnosis.rule import Finding, LineRule
+from dcrb_ros.diagnosis.rules.outer_ring import OuterRing
 from dcrb_ros.diagnosis.rules.saturation import Saturation
 from dcrb_ros.diagnosis.segments import Segment, Segmenter
 from dcrb_ros.diagnosis.speed_estimation import estimated_frequency
@@ -36,8 +38,8 @@ __all__ = ["Diagnosis", "FaultDetector"]
 
 DEFAULTS = DetectorParameters()
 
-TREE_LEVELS = 2
-"""Levels of the tree below the detector's band: halves and quarters."""
+QUARTERS = 4
+"""Parts of the detector's band in which levels are compared."""
 MARGIN_PERIODS = 10.0
 """Periods of the lowest frequency on either side of a hop that its envelope depends on."""
 NYQUIST_SHARE = 0.45
@@ -82,7 +84,7 @@ class FaultDetector:
         self._window = Window(demodulator, rate, self._hop, self._margin, bins, hops, p.speed_exponent)
         self._needed = min(p.least_window, p.window) - 0.5 * p.hop
         # Levels are compared in the quarters of the band and in the band below it.
-        quarters = band_tree(p.band_low, p.band_high, TREE_LEVELS)[-(2**TREE_LEVELS) :]
+        quarters = band_tree(p.band_low, p.band_high, (QUARTERS,))
         self._level_bands = [k for k, band in enumerate(self._bands) if band in (*quarters, below)]
         third = quarters[-2]
         self._third = self._level_bands.index(self._bands.index(third)) if third in self._bands else None
@@ -102,6 +104,14 @@ class FaultDetector:
     def gaps(self) -> int:
         """Gaps in the signal so far."""
         return self._segmenter.counts.gaps
+
+    def know(self, bearing: object) -> None:
+        """Take the description of the bearing; if it is known to be loud when healthy, use its baseline unless the parameters have one."""
+        baseline = baseline_of(bearing)
+        if baseline is not None:
+            for rule in self._bearing_rules:
+                if isinstance(rule, OuterRing):
+                    rule.use(baseline)
 
     def update(self, index: int, acceleration: npt.NDArray[Any], shaft_angle: npt.NDArray[Any] | None = None) -> Diagnosis | None:
         """Take the block that begins with sample ``index``; return a diagnosis if the block completes a hop.
@@ -253,17 +263,18 @@ class FaultDetector:
     def _severity(self, evidence: Evidence, confirmed: list[Component]) -> float:
         """Return the size of the largest lines of confirmed faults in the whole band [m/s^2]."""
         rules = [rule for rule in self._bearing_rules if isinstance(rule, LineRule) and rule.component in confirmed]
-        return max((math.sqrt(evidence.bands[0].family(rule.lines).amplitude) for rule in rules), default=0.0)
+        whole = evidence.bands[0]
+        return max((math.sqrt(whole.family(comb).amplitude) for rule in rules for comb in rule.combs(self.orders)), default=0.0)
 
     def _reason(self, verdict: Verdict, found: dict[Component, Finding]) -> str:
         """Return the evidence for a verdict in words."""
         components = self._hysteresis.confirmed or (self._hysteresis.suspected if verdict == "waiting" else [])
         reasons = ", and ".join(found[component].reason for component in components)
         if verdict == "waiting":
-            return f"to be confirmed by the next hop: {reasons or 'no line exceeds that of a healthy bearing'}"
+            return f"to be confirmed by the next hop: {reasons or 'no lines are both significant and deep enough for a defect'}"
         if components:
             return reasons
-        return f"no line exceeds that of a healthy bearing; {found['outer_ring'].reason}, due to the varying compliance"
+        return f"no lines are both significant and deep enough for a defect; {found[max(found, key=lambda c: found[c].excess)].reason}"
 
     def _published(self, spectrum: OrderSpectrum, frequency: float) -> Spectrum:
         """Return the part of a spectrum that is published, as amplitudes at the present shaft frequency [Hz]."""
@@ -303,7 +314,7 @@ def _bands(rate: int, p: DetectorParameters) -> tuple[Band, Band, tuple[Band, ..
             f"band_low = {p.band_low:g} Hz leaves no band below {high:g} Hz, the smaller of band_high and {NYQUIST_SHARE:g} of the "
             f"sampling rate of {rate} Hz: it must be at most {high / 1.25:g} Hz; lower it or sample faster"
         )
-    whole, tree = Band(p.band_low, high), band_tree(p.band_low, p.band_high, TREE_LEVELS)
-    parts = tuple(band for band in tree[1:] if band.high <= high) if p.band == "kurtogram" else ()
+    whole, quarters = Band(p.band_low, high), band_tree(p.band_low, p.band_high, (QUARTERS,))
+    parts = band_tree(p.band_low, high)[1:] if p.band == "kurtogram" else ()
     below = Band(0.5 * p.band_low, p.band_low)
-    return whole, tree[-1], (whole, *parts, below)
+    return whole, quarters[-1], (whole, *parts, below)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
@@ -13,11 +13,14 @@ import numpy.typing as npt
 
 from dcrb_ros.bearing.kinematics import Orders
 from dcrb_ros.diagnosis.demodulation import Band
-from dcrb_ros.diagnosis.order_spectrum import LineFamily, OrderSpectrum, fitted_orders, line_family
+from dcrb_ros.diagnosis.line_search import Comb, LineFamily, LineSearch, covered
+from dcrb_ros.diagnosis.order_spectrum import OrderSpectrum
 from dcrb_ros.schema.arrays import Floats
 
 AVERAGED_HOPS = 4
 """Hops over which levels are averaged: their mean scatters by less than a decibel."""
+REFIT = 0.003
+"""Relative change of the order of a family when the lines of another one are left out [-]."""
 SAME_SPEED = 0.03
 """Relative change of the shaft frequency from which levels are not compared [-]."""
 
@@ -27,32 +30,24 @@ class BandEvidence:
 
     def __init__(self, band: Band, spectrum: OrderSpectrum, orders: Orders, slip: float) -> None:
         """Look for lines within ``slip`` (relative) of the kinematic ``orders``."""
-        self.band, self.spectrum, self.orders, self._slip = band, spectrum, orders, slip
-        self._families: dict[object, LineFamily] = {}
-
-    def fitted(self, *orders: float) -> list[float]:
-        """Return the orders at which lines near the given ones are found; see `fitted_orders`."""
-        return [float(order) for order in fitted_orders(self.spectrum, orders, self._slip)]
+        self.band, self.spectrum, self.orders, self.slip = band, spectrum, orders, slip
+        self._families: dict[Comb, LineFamily] = {}
 
     @cached_property
-    def outer_ring_orders(self) -> list[float]:
-        """The fitted orders of BPFO and of its second harmonic [-]."""
-        return self.fitted(self.orders.bpfo, 2.0 * self.orders.bpfo)
+    def search(self) -> LineSearch:
+        """The spectrum, prepared for the search."""
+        return LineSearch(self.spectrum)
 
-    @property
-    def cage_order(self) -> float:
-        """FTF with the slip of the fitted BPFO [-]."""
-        return self.orders.ftf * self.outer_ring_orders[0] / self.orders.bpfo
+    def family(self, comb: Comb) -> LineFamily:
+        """Return the strongest family of a comb in this band; it is searched once."""
+        if comb not in self._families:
+            self._families[comb] = self.search.best(comb, self.slip)
+        return self._families[comb]
 
-    def lines(self, order: float, lines: npt.ArrayLike) -> LineFamily:
-        """Return the family with a fundamental ``order`` and given ``lines`` [orders]."""
-        return line_family(self.spectrum, order, np.asarray(lines, np.float64).ravel())
-
-    def family(self, lines: Callable[[BandEvidence], LineFamily]) -> LineFamily:
-        """Return the family that the method ``lines`` of a rule finds in this band; it is computed once."""
-        if lines not in self._families:
-            self._families[lines] = lines(self)
-        return self._families[lines]
+    def remainder(self, comb: Comb, found: LineFamily, explained: npt.ArrayLike) -> LineFamily:
+        """Return what remains of a ``found`` family of a comb without the ``explained`` lines [orders]."""
+        without = covered(self.spectrum, explained)
+        return LineSearch(self.spectrum, without=without).best(comb._replace(order=found.order), REFIT)
 
 
 @dataclass(frozen=True)
@@ -69,6 +64,11 @@ class Evidence:
     """Mean over the window [Hz]."""
     interval: float
     """Time between two judgements [s]."""
+
+    @property
+    def orders(self) -> Orders:
+        """Characteristic orders of the bearing."""
+        return self.bands[0].orders
 
     def of_band(self, band: Band | None) -> BandEvidence | None:
         """Return the evidence of a band, or none."""

@@ -60,22 +60,6 @@ class OrderSpectrum(NamedTuple):
         return np.asarray(self.amplitude[near].max(axis=1), np.float64)
 
 
-class LineFamily(NamedTuple):
-    """A family of lines, represented by its median, which a single line of another origin cannot change."""
-
-    order: float
-    """Order of the fundamental [-]."""
-    amplitude: float
-    """Median amplitude of the lines [unit^2]."""
-    depth: float
-    """Modulation depth: amplitude over the mean squared envelope, 0 without modulation, approaching 2 for sharp impacts [-]."""
-    level: float
-    """Amplitude over the background [dB]."""
-
-
-NO_LINES = LineFamily(0.0, 0.0, 0.0, 0.0)
-
-
 def order_spectra(envelopes: npt.NDArray[np.floating], missing: npt.NDArray[np.bool_], bins_per_turn: float) -> list[OrderSpectrum]:
     """Return the spectrum of each row of squared envelopes, shape (bands, bins), with ``bins_per_turn``.
 
@@ -102,28 +86,3 @@ def decibels(ratio: float) -> float:
 def ratio(value: float, reference: float) -> float:
     """Return a ratio of squared amplitudes, at most 1e12; 0 if the reference is 0."""
     return min(value / reference, 1e12) if reference > 0.0 else 0.0
-
-
-def fitted_orders(spectrum: OrderSpectrum, orders: npt.ArrayLike, slip: float) -> Floats:
-    """Return for each of ``orders`` the order within ``slip`` (relative) whose first harmonics have the largest product.
-
-    Rollers slip a little, and rollers pinned at the pitch circle roll 0.2 % off the kinematic order. A product of the harmonics is less
-    sensitive to a single strong line of another origin than a sum.
-    """
-    candidates = np.multiply.outer(np.asarray(orders, np.float64), 1.0 + slip * SLIP_STEPS)
-    found = np.interp(np.multiply.outer(HARMONICS, candidates), spectrum.orders, spectrum.amplitude)
-    best = np.argmax(np.log(np.maximum(found, SMALLEST)).sum(axis=0), axis=1)
-    return np.asarray(candidates[np.arange(len(best)), best], np.float64)
-
-
-def line_family(spectrum: OrderSpectrum, order: float, lines: Floats) -> LineFamily:
-    """Return the family with a fundamental ``order`` and ``lines`` at given orders, shape (lines,)."""
-    amplitude = float(median(spectrum.lines(lines)))
-    background = spectrum.background(float(lines.max()))
-    level = decibels(ratio(amplitude, background)) if amplitude > 0.0 and background > 0.0 else 0.0
-    return LineFamily(order, amplitude, ratio(amplitude, spectrum.mean), level)
-
-
-def deeper(first: LineFamily, second: LineFamily) -> LineFamily:
-    """Return the family with the larger modulation depth, the first if they are equal."""
-    return second if second.depth > first.depth else first

@@ -11,7 +11,7 @@ from dcrb_ros.schema.fields import Group, choice, quantity
 
 @with_fields_of(rule.parameters for rule in RULES)
 class DetectorParameters(Group):
-    """Window, bands and thresholds of the fault detector; the defaults were tuned on the default simulated bearing."""
+    """Window, bands and thresholds of the fault detector; none of the thresholds for the bearing has a unit."""
 
     window: float = quantity(4.0, "s", "Length of the window from which a verdict is derived", 0.5, 60.0)
     least_window: float = quantity(2.0, "s", "Length of signal required for the first verdict", 0.5, 60.0)
@@ -28,7 +28,7 @@ class DetectorParameters(Group):
 
     band: Literal["kurtogram", "fixed"] = choice(
         "kurtogram",
-        "Bands for demodulation: kurtogram, the band, its halves and quarters, the best of them for each fault; fixed, the band only",
+        "Bands for demodulation: kurtogram, the band, its halves, thirds and quarters, the best for each fault; fixed, the band only",
     )
     band_low: float = quantity(
         2000.0, "Hz", "Lower edge of the band for demodulation", 100.0, 90e3, remedy="keep it above the housing mode of 500 Hz"
@@ -36,7 +36,7 @@ class DetectorParameters(Group):
     band_high: float = quantity(
         20000.0, "Hz", "Upper edge of the band for demodulation; at most 0.45 of the sampling rate is used", 200.0, 100e3
     )
-    slip: float = quantity(0.004, "-", "Largest relative deviation of lines from the kinematic orders that is searched", 0.0, 0.05)
+    slip: float = quantity(0.02, "-", "Largest relative deviation of lines from the kinematic orders that is searched", 0.0, 0.05)
     slowest: float = quantity(2.0, "Hz", "Lowest shaft frequency for estimation from the signal, without a shaft angle", 0.5, 500.0)
     fastest: float = quantity(
         70.0, "Hz", "Highest shaft frequency for estimation from the signal, without a shaft angle", 1.0, 500.0, remedy="70 Hz is 4200 rpm"

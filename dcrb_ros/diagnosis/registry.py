@@ -24,6 +24,7 @@ BEARING_RULES: tuple[type[BearingRule[Any]], ...] = _rules(
 SAMPLE_RULES: tuple[type[SampleRule[Any]], ...] = _rules(
     "not_finite:NotFinite",
     "constant:Constant",
+    "silence:Silence",
     "stuck:Stuck",
     "saturation:Saturation",
     "dead:Dead",
@@ -32,7 +33,6 @@ SAMPLE_RULES: tuple[type[SampleRule[Any]], ...] = _rules(
 """Rules for the samples of the sensor in the order in which they are asked; the first flaw counts."""
 
 LEVEL_RULES: tuple[type[LevelRule[Any]], ...] = _rules(
-    "silence:Silence",
     "gain_drift:GainDrift",
     "loose_mount:LooseMount",
 )

@@ -2,20 +2,31 @@
 
 from __future__ import annotations
 
+import math
 from abc import ABC, abstractmethod
-from collections.abc import Iterable, Sequence
-from typing import ClassVar, Generic, NamedTuple, TypeVar
+from collections.abc import Sequence
+from typing import Any, ClassVar, Generic, NamedTuple, TypeVar
 
+import numpy as np
+import numpy.typing as npt
+
+from dcrb_ros.bearing.kinematics import Orders
 from dcrb_ros.diagnosis.demodulation import Band
 from dcrb_ros.diagnosis.evidence import BandEvidence, Evidence, LevelEvidence, SampleEvidence
-from dcrb_ros.diagnosis.order_spectrum import NO_LINES, LineFamily, decibels, ratio
+from dcrb_ros.diagnosis.line_parameters import LineParameters
+from dcrb_ros.diagnosis.line_search import NO_LINES, Comb, LineFamily
+from dcrb_ros.diagnosis.order_spectrum import decibels, ratio
+from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.fields import Group
 from dcrb_ros.schema.verdicts import Component
 
 Parameters = TypeVar("Parameters", bound=Group)
+Lines = TypeVar("Lines", bound=LineParameters)
 
 LEAST_EXCESS = -60.0
 """Smallest excess of a finding [dB]."""
+HARMONICS_EXPLAINED = 6
+"""Harmonics of a fault whose sidebands may be images of another family: three harmonics of BPFI reach up to the sixth of BPFO."""
 
 
 class Finding(NamedTuple):
@@ -30,6 +41,10 @@ class Finding(NamedTuple):
     """Lines of the fault in the squared envelope spectrum, if the rule looks at lines."""
     band: Band | None = None
     """Band of that spectrum."""
+    comb: Comb | None = None
+    """Family that was searched."""
+    rule: LineRule[Any] | None = None
+    """Rule that found it, if it looks at lines."""
 
 
 class Rule(ABC, Generic[Parameters]):
@@ -61,47 +76,49 @@ class BearingRule(Rule[Parameters]):
         return ""
 
 
-class Overlap(NamedTuple):
-    """A component whose lines another family of lines can imitate."""
-
-    component: Component
-    """Component that seems to be damaged."""
-    rank: int
-    """Overlaps are resolved in the order of their ranks, since a finding that has been explained explains no other."""
-    ratio: float
-    """Modulation depth of the imitating lines relative to the imitated ones from which they explain them [-]."""
-
-
-class LineRule(BearingRule[Parameters]):
+class LineRule(BearingRule[Lines]):
     """Looks for a family of lines in the squared envelope spectra."""
 
     name: ClassVar[str]
     """Name of the lines in a reason."""
 
     @abstractmethod
-    def lines(self, band: BandEvidence) -> LineFamily:
-        """Return the family of lines in the spectrum of one band."""
+    def combs(self, orders: Orders) -> Sequence[Comb]:
+        """Return the families to search for a bearing of these orders; the strongest counts."""
 
+    @property
     @abstractmethod
+    def depth(self) -> float:
+        """Modulation depth that is required [-]."""
+
+    def companions(self, lines: LineFamily, orders: Orders) -> Floats:
+        """Return the lines that this fault also makes [orders]; families that consist of them alone are its images.
+
+        By default they are the harmonics with sidebands at one and two orders of the shaft.
+        """
+        return sidebands(lines.order, np.arange(-2.0, 3.0))
+
     def excess(self, lines: LineFamily, band: Band, evidence: Evidence) -> float:
-        """Return the evidence of lines in one band relative to the thresholds [dB]."""
+        """Return the evidence of lines in one band relative to the thresholds [dB]: the smaller excess of depth and significance."""
+        price = math.log10(max(1, len(self.bands(evidence)) * len(self.combs(evidence.orders))))
+        return modulation_excess(lines, self.depth, self.p.false_alarm, price)
+
+    def family(self, band: BandEvidence, comb: Comb) -> LineFamily:
+        """Return the lines of a comb in one band."""
+        return band.family(comb)
 
     def bands(self, evidence: Evidence) -> Sequence[BandEvidence]:
         """Return the bands to look at: by default those within the detector's band."""
         return [band for band in evidence.bands if band.band.low >= evidence.whole.low]
 
-    def overlaps(self) -> Iterable[Overlap]:
-        """Return the components whose lines this family can imitate."""
-        return ()
-
     def finding(self, evidence: Evidence) -> Finding | None:
         """Return the evidence of the band in which it is strongest."""
-        found = [(band, band.family(self.lines)) for band in self.bands(evidence)]
-        rated = [(max(LEAST_EXCESS, self.excess(lines, band.band, evidence)), lines, band.band) for band, lines in found]
+        found = [(band, comb, self.family(band, comb)) for band in self.bands(evidence) for comb in self.combs(evidence.orders)]
+        rated = [(max(LEAST_EXCESS, self.excess(lines, band.band, evidence)), lines, band.band, comb) for band, comb, lines in found]
         if not rated:
             return None
-        excess, lines, band = max(rated, key=lambda one: one[0])
-        return Finding(self.component, excess, self.reason(lines, band, evidence), lines, band)
+        excess, lines, band, comb = max(rated, key=lambda one: (one[0], one[1].depth))
+        return Finding(self.component, excess, self.reason(lines, band, evidence), lines, band, comb, self)
 
     def reason(self, lines: LineFamily, band: Band, evidence: Evidence) -> str:
         """Return the evidence in words."""
@@ -114,9 +131,21 @@ class LineRule(BearingRule[Parameters]):
         return f"{lines.level:.1f} dB over background from {band}"
 
 
-def modulation_excess(lines: LineFamily, least_depth: float, least_level: float) -> float:
-    """Return the smaller excess of modulation depth [-] and level over background [dB] over their thresholds [dB]."""
-    return min(decibels(ratio(lines.depth, least_depth)), lines.level - least_level)
+def sidebands(order: float, distances: npt.ArrayLike) -> Floats:
+    """Return the harmonics of an order, and 0, with sidebands at ``distances`` [orders], shape (lines,)."""
+    found = np.add.outer(np.arange(HARMONICS_EXPLAINED + 1) * order, np.asarray(distances, np.float64).ravel())
+    return np.asarray(np.abs(found).ravel(), np.float64)
+
+
+def modulation_excess(lines: LineFamily, least_depth: float, false_alarm: float, price: float) -> float:
+    """Return the excess of modulation depth [-] over its threshold, or the deficit of significance if that is smaller [dB].
+
+    Significance is required, but does not add to the evidence: it grows with the length of the signal. The probability of a false alarm is
+    multiplied by 10 to the ``price``, the number of families and bands among which the best was chosen.
+    """
+    significance = max(lines.significance - price, 0.0) / -math.log10(false_alarm)
+    depth = decibels(ratio(lines.depth, least_depth))
+    return depth if significance >= 1.0 else min(depth, decibels(significance))
 
 
 class SampleRule(Rule[Parameters]):

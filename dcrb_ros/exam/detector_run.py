@@ -45,6 +45,8 @@ def run_detector(factory: DetectorFactory, bag: Path) -> list[ReceivedDiagnosis]
     detector, diagnoses = factory(recording.orders, rate), []
     if not callable(getattr(detector, "update", None)):
         raise Refusal(f"the detector {detector!r} has no method update(index, acceleration, shaft_angle): give it one")
+    if isinstance(detector, FaultDetector):
+        detector.know(recording.bearing)
     for piece in recording.pieces():
         if hasattr(detector, "sensor_range"):
             detector.sensor_range = piece.sensor_range

@@ -71,13 +71,15 @@ def exam_scores(contributions: Sequence[Contribution]) -> list[ExamScore]:
 def _exam_score(contributions: Sequence[Contribution], profile: Profile, whole: Samples, samples: Samples) -> ExamScore:
     detection, clean = _parts(contributions, profile, whole)
     score = 100.0 * detection[0] * clean[0] ** profile.alarms
-    low, high = interval(scores(contributions, profile, samples))
+    # One scenario alone says nothing about others of its kind.
+    known = all(len(members) > 1 for members in _grouped(contributions).values())
+    low, high = interval(scores(contributions, profile, samples)) if known else (0.0, 100.0)
     rounded = [round(float(value), DECIMALS) for value in (score, low, high, detection[0], clean[0])]
     return ExamScore(profile.name, Interval(*rounded[:3]), *rounded[3:])
 
 
 def scores(contributions: Sequence[Contribution], profile: Profile, samples: Samples) -> Samples:
-    """Return the exam score of every sample; ``samples`` has shape (samples, scenarios) and counts the scenarios drawn."""
+    """Return the exam score of every sample; ``samples`` has shape (samples, scenarios) and weighs the scenarios."""
     detection, clean = _parts(contributions, profile, samples)
     found: Samples = 100.0 * detection * clean**profile.alarms
     return found
@@ -91,16 +93,18 @@ def interval(values: Samples) -> tuple[float, float]:
 
 
 def draws(contributions: Sequence[Contribution]) -> Samples:
-    """Return how often each scenario is drawn in each bootstrap sample, shape (`RESAMPLES`, scenarios).
+    """Return the weight of each scenario in each bootstrap sample, shape (`RESAMPLES`, scenarios).
 
     Scenarios are drawn with replacement within their family, so that every sample has faults of all families and healthy time.
     """
     counts = np.zeros((RESAMPLES, len(contributions)))
     for number, members in enumerate(_grouped(contributions).values()):
         random = np.random.default_rng([SEED, number, len(members)])
-        chosen = random.integers(0, len(members), (RESAMPLES, len(members)))
+        # One draw fewer than scenarios, each with more weight: otherwise the variance is (n - 1)/n of the true one (Rao and Wu 1988).
+        drawn = max(1, len(members) - 1)
+        chosen = random.integers(0, len(members), (RESAMPLES, drawn))
         for place, member in enumerate(members):
-            counts[:, member] = (chosen == place).sum(axis=1)
+            counts[:, member] = (chosen == place).sum(axis=1) * (len(members) / drawn)
     return counts
 
 

@@ -15,7 +15,7 @@ from dcrb_ros.exam.statistics import Characteristic, Interval, characteristic, p
 from dcrb_ros.recordings.manifest import model_fingerprint, software
 from dcrb_ros.runtime.frames import pandas
 from dcrb_ros.runtime.version import __version__
-from dcrb_ros.schema.verdicts import FAULT_CLASSES, VERDICTS
+from dcrb_ros.schema.verdicts import FAULT_CLASSES, VERDICTS, is_alarm
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -69,6 +69,21 @@ class Detection:
 
 
 @dataclass(frozen=True)
+class RigResult:
+    """Correct answers on one rig for one verdict."""
+
+    rig: str
+    verdict: str
+    """Correct verdict."""
+    right: int
+    """Recordings with the correct answer [-]."""
+    alarms: int
+    """Recordings with any alarm [-]."""
+    recordings: int
+    """[-]"""
+
+
+@dataclass(frozen=True)
 class Report:
     """The results of an exam and the statistics derived from them."""
 
@@ -78,6 +93,8 @@ class Report:
     scenarios: str
     """SHA-256 of the scenarios; empty if they are recordings."""
     results: tuple[ScenarioResult, ...]
+    seal: str = ""
+    """Hash that was published before a sealed exam; empty if it was not sealed."""
 
     @property
     def passed(self) -> bool:
@@ -171,6 +188,16 @@ class Report:
             for same in [[result for result in group if result.expectation.width == width]]
         ]
 
+    def rigs(self) -> list[RigResult]:
+        """Return the correct answers by rig and correct verdict; empty if the scenarios have no tag ``rig``."""
+        names = sorted({str(result.expectation.tags["rig"]) for result in self.results if "rig" in result.expectation.tags})
+        return [
+            RigResult(rig, verdict, sum(one.answer == verdict for one in same), sum(is_alarm(one.answer) for one in same), len(same))
+            for rig in names
+            for verdict, group in _grouped(self.results).items()
+            if (same := [result for result in group if result.expectation.tags.get("rig") == rig])
+        ]
+
     def characteristic(self) -> Characteristic | None:
         """Return the receiver operating characteristic for bearing faults; None if the detector publishes no score."""
         faulty = [result.score for result in self.faulty if result.score is not None and result.expectation.verdict != "sensor"]
@@ -210,6 +237,7 @@ class Report:
             "detector": self.detector,
             "passed": self.passed,
             "scenarios_sha256": self.scenarios or None,
+            "sealed_sha256": self.seal or None,
             "dcrb_ros": __version__,
             "model": model_fingerprint(),
             "software": software(),
@@ -238,6 +266,7 @@ class Report:
                 {"verdict": d.verdict, "width": d.width, "found": d.found, "asked": d.scenarios, "probability": d.probability._asdict()}
                 for d in self.detections()
             ],
+            "rigs": [vars(rig) for rig in self.rigs()],
             "roc": curve._asdict() if curve else None,
             "scenarios": [_described(result) for result in self.results],
         }

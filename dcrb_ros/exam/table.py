@@ -38,6 +38,7 @@ def tables(report: Report) -> RenderableType:
         *_delays(report),
         *_detections(report),
         *_strata(report),
+        *_rigs(report),
         *_areas(report),
         _confusion(report),
         *_failures(report),
@@ -130,6 +131,15 @@ def _detections(report: Report) -> Iterator[Table]:
         table = Table("fault", "width [mm]", "detected", "probability of detection", title=title)
         for row in rows:
             table.add_row(row.verdict, f"{row.width * 1e3:g}", f"{row.found} of {row.scenarios}", bounds(row.probability))
+        yield table
+
+
+def _rigs(report: Report) -> Iterator[Table]:
+    rows = report.rigs()
+    if rows:
+        table = Table("rig", "correct verdict", "correct", "any alarm", title="Recordings by rig")
+        for row in rows:
+            table.add_row(row.rig, row.verdict, f"{row.right} of {row.recordings}", f"{row.alarms} of {row.recordings}")
         yield table
 
 

@@ -13,10 +13,8 @@ from dcrb_ros.bearing.kinematics import HIGHEST_ORDER, LOWEST_ORDER, Orders, cha
 from dcrb_ros.schema.fields import Group
 from dcrb_ros.schema.numbers import HIGHEST_RATE
 from dcrb_ros.schema.refusal import Refusal, nearest
+from dcrb_ros.schema.units import ACCELERATION_UNITS
 from dcrb_ros.text.yaml import read_yaml
-
-UNITS = {"m/s^2": 1.0, "g": 9.80665, "mm/s^2": 1e-3}
-"""Units of acceleration in m/s^2."""
 
 
 def _whole(given: Any) -> Any:
@@ -127,8 +125,8 @@ class Description(Group):
             Refusal: no unit is given.
         """
         if self.unit is None:
-            raise Refusal(f"{source} has no unit: add unit, one of {', '.join(UNITS)}; it is never guessed")
-        return UNITS[self.unit]
+            raise Refusal(f"{source} has no unit: add unit, one of {', '.join(ACCELERATION_UNITS)}; it is never guessed")
+        return ACCELERATION_UNITS[self.unit]
 
 
 def read_description(path: Path) -> Description:

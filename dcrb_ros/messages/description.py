@@ -68,6 +68,11 @@ def decode_range(data: bytes) -> float:
     return found if math.isfinite(found) and found > 0.0 else 0.0
 
 
+def decode_bearing(data: bytes) -> Any:
+    """Return the geometry of the bearing from a description in any form, None if it is not given."""
+    return _entry(data, "bearing")
+
+
 def decode_frame(data: bytes) -> str:
     """Return the frame id from a description, that of the shipped configurations if it is not given."""
     found = _entry(data, "frame")

@@ -11,7 +11,7 @@ from dcrb_ros.bearing.kinematics import Orders
 from dcrb_ros.diagnosis.detector import Diagnosis, FaultDetector
 from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.messages.cdr import FRAME
-from dcrb_ros.messages.description import decode_frame, decode_range, decode_sensor
+from dcrb_ros.messages.description import decode_bearing, decode_frame, decode_range, decode_sensor
 from dcrb_ros.messages.points import Vibration, decode_vibration
 from dcrb_ros.messages.topics import SENSOR
 from dcrb_ros.schema.refusal import Refusal
@@ -57,6 +57,7 @@ class DetectorInput:
             if description != self._description:  # a change of the range alone does not restart the detector
                 rate, orders = description
                 self._detector = FaultDetector(orders, rate, self._parameters)
+                self._detector.know(decode_bearing(data))
                 self._description = description
                 information = f"watching a bearing at {rate} Hz, BPFO {orders.bpfo:.3f}, BPFI {orders.bpfi:.3f} orders"
             if self._detector is not None:

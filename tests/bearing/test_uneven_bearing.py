@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
+from dcrb_ros.core.contacts.surface import unpacked
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.simulation.loop import Simulation
 
@@ -60,7 +61,7 @@ def test_a_thicker_roller_carries_more() -> None:
     even, changes, thicknesses = bench()._state.inner_force, [], []
     for seed in range(1, 13):
         uneven = bench({"roller_spread": 4e-7, "seed": seed})
-        diameters = 2e6 * uneven._payload.surfaces.rollers[:, 0, 0].astype(np.float64).reshape(2, 16)  # [um]
+        diameters = 2e6 * unpacked(uneven._payload.surfaces.rollers[0, :, 0])[0].reshape(2, 16)  # [um]
         loaded = [(0, 0), (1, 0), (0, 1), (0, 15), (1, 1), (1, 15)]
         changes.append(float(uneven._state.inner_force[0, 0] - even[0, 0]))
         thicknesses.append(diameters[0, 0] - np.mean([diameters[at] for at in loaded]))

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 from made_up_blocks import recorded
-from separate_process import dcrb
+from same_process import dcrb
 
 from dcrb_ros.cli.output_file import replacing
 from dcrb_ros.schema.refusal import Refusal

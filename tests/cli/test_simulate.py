@@ -9,7 +9,7 @@ from types import SimpleNamespace
 from typing import Any
 
 import pytest
-from separate_process import dcrb
+from same_process import dcrb
 
 from dcrb_ros.cli import simulate
 from dcrb_ros.recordings.reader import Recording

@@ -1,8 +1,8 @@
-"""Findings combined: the strongest per component counts, and lines that those of another component explain are discarded."""
+"""Findings combined: the strongest per component counts, and families that consist of the lines of another are discarded."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Sequence
 
 import numpy as np
 import pytest
@@ -11,65 +11,81 @@ from dcrb_ros.bearing.kinematics import Orders
 from dcrb_ros.diagnosis.combination import Combination
 from dcrb_ros.diagnosis.demodulation import Band
 from dcrb_ros.diagnosis.evidence import BandEvidence, Evidence
-from dcrb_ros.diagnosis.order_spectrum import LineFamily, OrderSpectrum
-from dcrb_ros.diagnosis.rule import LEAST_EXCESS, LineRule, Overlap
-from dcrb_ros.schema.fields import Group
+from dcrb_ros.diagnosis.line_parameters import LineParameters
+from dcrb_ros.diagnosis.line_search import Comb
+from dcrb_ros.diagnosis.order_spectrum import OrderSpectrum
+from dcrb_ros.diagnosis.rule import LEAST_EXCESS, LineRule
 from dcrb_ros.schema.verdicts import Component
 
 BAND = Band(2000.0, 20000.0)
-SPECTRUM = OrderSpectrum(np.arange(0.0, 20.0, 0.01), np.ones(2000, np.float32), 1.0)
-EVIDENCE = Evidence([BandEvidence(BAND, SPECTRUM, Orders(0.42, 6.7, 9.3, 3.0), 0.004)], BAND, BAND, 20.0, 0.5)
+OUTER, INNER = 6.73, 9.27
 
 
-def rule(kind: Component, depth: float, excess: float, *overlaps: Overlap) -> LineRule[Group]:
-    """Return a rule with lines of a given depth [-] and excess [dB]."""
-
-    class Fixed(LineRule[Group]):
-        component, name = kind, kind
-
-        def lines(self, band: BandEvidence) -> LineFamily:
-            return LineFamily(1.0, 1.0, depth, 1.0)
-
-        def excess(self, lines: LineFamily, band: Band, evidence: Evidence) -> float:
-            return excess
-
-        def overlaps(self) -> Iterable[Overlap]:
-            return overlaps
-
-    return Fixed(Group())
+def evidence(**lines: float) -> Evidence:
+    """Return a spectrum of noise with three harmonics at the orders of a name, such as ``o`` for 6.73, of given amplitudes."""
+    spectrum = OrderSpectrum(np.arange(0.0, 60.0, 0.01), np.sqrt(np.random.default_rng(1).exponential(1e-4, 6000)).astype(np.float32), 1.0)
+    for name, amplitude in lines.items():
+        for harmonic in (1, 2, 3):
+            spectrum.amplitude[round(100.0 * harmonic * {"o": OUTER, "i": INNER, "s": OUTER + 2.54}[name])] = amplitude
+    return Evidence([BandEvidence(BAND, spectrum, Orders(0.42, OUTER, INNER, 3.05), 0.004)], BAND, BAND, 20.0, 0.5)
 
 
-def excess(*rules: LineRule[Group], margin: float = 1.0) -> dict[Component, float]:
+def rule(kind: Component, order: float, *companions: float) -> LineRule[LineParameters]:
+    """Return a rule for three harmonics of an order, whose fault also makes other lines [orders]."""
+
+    class Fixed(LineRule[LineParameters]):
+        component, name, depth = kind, kind, 0.17
+
+        def combs(self, orders: Orders) -> Sequence[Comb]:
+            return (Comb(order),)
+
+        def companions(self, lines: object, orders: Orders) -> np.ndarray:
+            return np.array(companions)
+
+    return Fixed(LineParameters())
+
+
+def excess(found: Evidence, *rules: LineRule[LineParameters], margin: float = 1.0) -> dict[Component, float]:
     """Return the excess of the combined finding of each component."""
-    return {component: finding.excess for component, finding in Combination(rules, margin).findings(EVIDENCE).items()}
+    return {component: finding.excess for component, finding in Combination(rules, margin).findings(found).items()}
 
 
 def test_a_component_without_a_rule_has_the_least_excess() -> None:
-    assert excess(rule("cage", 0.5, 3.0)) == {"outer_ring": LEAST_EXCESS, "inner_ring": LEAST_EXCESS, "roller": LEAST_EXCESS, "cage": 3.0}
+    found = excess(evidence(o=1.0), rule("cage", OUTER))
+    assert found.pop("cage") > 0.0
+    assert set(found.values()) == {LEAST_EXCESS}
 
 
 def test_the_stronger_of_two_rules_for_a_component_counts() -> None:
-    assert excess(rule("cage", 0.5, 3.0), rule("cage", 0.5, 7.0), rule("cage", 0.5, -2.0))["cage"] == 7.0
+    found = evidence(o=1.0, i=0.3)
+    strong, weak = rule("cage", OUTER), rule("cage", INNER)
+    assert excess(found, weak, strong)["cage"] == excess(found, strong)["cage"] > excess(found, weak)["cage"] > 0.0
 
 
-@pytest.mark.parametrize(("depth", "explained"), [(1.0, True), (0.99, False)])
-def test_lines_are_explained_by_sufficiently_deeper_ones(depth: float, explained: bool) -> None:
-    found = excess(rule("inner_ring", depth, 5.0, Overlap("roller", 1, 2.0)), rule("roller", 0.5, 4.0))
-    assert found["inner_ring"] == 5.0
-    assert found["roller"] == (-4.0 if explained else 4.0)
+@pytest.mark.parametrize(("depth", "kept"), [(0.4, False), (0.6, True)])
+def test_lines_less_than_half_as_deep_are_explained(depth: float, kept: bool) -> None:
+    found = excess(evidence(o=1.0, i=depth), rule("outer_ring", OUTER), rule("inner_ring", INNER))
+    assert found["outer_ring"] > 0.0
+    assert (found["inner_ring"] > 0.0) is kept
 
 
-def test_an_explained_finding_falls_below_its_threshold_by_more_than_the_margin() -> None:
-    found = excess(rule("inner_ring", 2.0, 5.0, Overlap("roller", 1, 1.0)), rule("roller", 0.5, 0.5), margin=3.0)
-    assert found["roller"] == -4.0
+def test_lines_that_the_other_fault_makes_are_explained_at_any_depth() -> None:
+    images = tuple(harmonic * INNER for harmonic in (1, 2, 3))
+    found = evidence(o=1.0, i=0.95)
+    assert excess(found, rule("outer_ring", OUTER), rule("inner_ring", INNER))["inner_ring"] > 0.0
+    assert excess(found, rule("outer_ring", OUTER, *images), rule("inner_ring", INNER), margin=3.0)["inner_ring"] <= -4.0
 
 
 def test_only_suspected_components_explain_others() -> None:
-    assert excess(rule("inner_ring", 2.0, -0.1, Overlap("roller", 1, 1.0)), rule("roller", 0.5, 4.0))["roller"] == 4.0
+    found = evidence(o=0.1, i=0.9)
+    assert excess(found, rule("outer_ring", OUTER, INNER, 2 * INNER, 3 * INNER), rule("inner_ring", INNER))["inner_ring"] > 0.0
 
 
 def test_an_explained_finding_explains_no_other() -> None:
-    inner = rule("inner_ring", 2.0, 5.0, Overlap("cage", 2, 1.0))
-    roller = rule("roller", 3.0, 5.0, Overlap("inner_ring", 1, 1.0))
-    found = excess(inner, roller, rule("cage", 0.5, 4.0))
-    assert (found["roller"], found["inner_ring"], found["cage"]) == (5.0, -5.0, 4.0)
+    third = 9.27
+    inner = rule("inner_ring", INNER, 3.07, 6.14, 9.21)
+    found = evidence(o=1.0, i=0.8)
+    for harmonic in (1, 2, 3):
+        found.bands[0].spectrum.amplitude[round(307.0 * harmonic)] = 0.6
+    combined = excess(found, rule("outer_ring", OUTER, third, 2 * third, 3 * third), inner, rule("cage", 3.07))
+    assert (combined["outer_ring"] > 0.0, combined["inner_ring"] > 0.0, combined["cage"] > 0.0) == (True, False, True)

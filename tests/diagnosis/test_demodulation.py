@@ -55,11 +55,14 @@ def test_kurtosis_of_noise_is_zero_and_of_impacts_large() -> None:
     assert kurtosis(np.stack([noise, burst, np.zeros(200000)])) == pytest.approx([0.0, 18.0, 0.0], abs=0.1)
 
 
-def test_bands_are_halved_on_a_logarithmic_scale() -> None:
-    assert [(round(band.low), round(band.high)) for band in band_tree(1000.0, 16000.0, 2)] == [
+def test_bands_are_divided_on_a_logarithmic_scale() -> None:
+    assert [(round(band.low), round(band.high)) for band in band_tree(1000.0, 16000.0)] == [
         (1000, 16000),
         (1000, 4000),
         (4000, 16000),
+        (1000, 2520),
+        (2520, 6350),
+        (6350, 16000),
         (1000, 2000),
         (2000, 4000),
         (4000, 8000),

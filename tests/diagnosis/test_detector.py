@@ -70,6 +70,7 @@ def test_the_verdict_does_not_depend_on_the_speed(name: str, frequency: float) -
 def test_shipped_recordings_are_diagnosed(name: str, verdict: str) -> None:
     recording = Recording(BAGS / name)
     detector = FaultDetector(recording.orders, recording.sampling_rate)
+    detector.know(recording.bearing)
     blocks = recording.vibrations()
     found = [detector.update(block.first_index(RATE), block.acceleration, block.shaft_angle) for block in blocks]
     assert {diagnosis.verdict for diagnosis in found if diagnosis is not None} == {"waiting", verdict}
@@ -84,14 +85,25 @@ def test_a_fault_that_begins_later_is_diagnosed_within_five_seconds() -> None:
     assert found.index("inner_ring") < 10
 
 
-def test_a_small_bpfo_line_is_healthy() -> None:
-    diagnosis = last(synthetic(outer=30.0))
-    assert diagnosis.levels["BPFO"] > 10.0
+def test_a_shallow_bpfo_line_is_healthy_however_significant() -> None:
+    diagnosis = last(synthetic(outer=1.0))
+    assert diagnosis.levels["BPFO"] > 5.0
     assert diagnosis.verdict == "healthy"
 
 
-def test_a_lower_limit_makes_the_same_line_a_defect() -> None:
-    assert last(synthetic(outer=30.0), outer_limit=2.0).verdict == "outer_ring"
+@pytest.mark.parametrize(("limit", "verdict"), [(1e3, "healthy"), (2.0, "outer_ring")])
+def test_with_a_baseline_the_size_of_the_lines_counts(limit: float, verdict: str) -> None:
+    diagnosis = last(synthetic(outer=600.0), outer_limit=limit)
+    assert diagnosis.verdict == verdict
+    assert "baseline" in "; ".join(diagnosis.remarks)
+
+
+@pytest.mark.parametrize("gain", [0.01, 0.1, 10.0, 100.0])
+@pytest.mark.parametrize("impacts", [{}, {"outer": 100.0}, {"inner": 200.0}, {"cage": 100.0}], ids=["healthy", "outer", "inner", "cage"])
+def test_no_gain_changes_the_verdict(impacts: dict[str, float], gain: float) -> None:
+    acceleration, angle = synthetic(seconds=2.6, **impacts)
+    one, other = last((acceleration, angle)), last(((gain * acceleration).astype(np.float32), angle))
+    assert (one.verdict, one.confidence) == (other.verdict, pytest.approx(other.confidence, abs=0.01))
 
 
 def test_learned_lines_are_healthy_until_they_grow() -> None:

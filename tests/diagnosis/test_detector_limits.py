@@ -25,27 +25,20 @@ def course(seconds: float = 1.5, *, frequency: float = 20.0, angle: Any = None, 
     return diagnoses(detector, (acceleration, turning if angle is None else angle))
 
 
-def test_the_bands_are_the_whole_its_halves_and_quarters_and_the_one_below() -> None:
+def test_the_bands_are_the_whole_its_halves_thirds_and_quarters_and_the_one_below() -> None:
     whole, high, bands = _bands(51200, DetectorParameters())
-    tree = band_tree(2000.0, 20000.0, 2)
+    tree = band_tree(2000.0, 20000.0)
     assert (whole, high, bands) == (Band(2000.0, 20000.0), tree[-1], (*tree, Band(1000.0, 2000.0)))
-    assert len(bands) == 8
+    assert len(bands) == 11
     assert _bands(51200, DetectorParameters(band="fixed"))[2] == (Band(2000.0, 20000.0), Band(1000.0, 2000.0))
 
 
-def test_bands_above_0_45_of_the_sampling_rate_are_left_out() -> None:
-    whole, high, bands = _bands(25600, DetectorParameters())
-    assert whole == Band(2000.0, 11520.0)
-    assert high == band_tree(2000.0, 20000.0, 2)[-1]
-    assert [(round(band.low), round(band.high)) for band in bands[1:]] == [
-        (2000, 6325),
-        (2000, 3557),
-        (3557, 6325),
-        (6325, 11247),
-        (1000, 2000),
-    ]
-    exact = DetectorParameters(band_high=11520.0)
-    assert len(_bands(25600, exact)[2]) == 8
+@pytest.mark.parametrize("rate", [12000, 25600])
+def test_the_tree_divides_what_lies_below_0_45_of_the_sampling_rate(rate: int) -> None:
+    whole, high, bands = _bands(rate, DetectorParameters())
+    assert whole == Band(2000.0, 0.45 * rate)
+    assert high == band_tree(2000.0, 20000.0, (4,))[-1]
+    assert bands == (*band_tree(2000.0, 0.45 * rate), Band(1000.0, 2000.0))
 
 
 @pytest.mark.parametrize(("low", "refused"), [(9216.0, False), (9217.0, True)])
@@ -123,10 +116,10 @@ def test_a_bearing_that_turns_too_slowly_for_the_window_is_not_judged_by_its_noi
 
 
 def test_severity_is_the_size_in_the_reason_and_the_spectrum() -> None:
-    last = course(band="fixed")[-1]
-    (size,) = re.findall(r"has ([\d.]+) m/s\^2 \(limit 38 m/s\^2", last.reason)
+    last = course(band="fixed", outer_limit=38.0)[-1]
+    (size,) = re.findall(r"has ([\d.]+) m/s\^2 \(baseline 38 m/s\^2", last.reason)
     assert last.severity == pytest.approx(float(size), rel=0.01)
-    assert course(seconds=0.75)[-1].severity in (0.0, pytest.approx(last.severity, rel=0.2))
+    assert course(seconds=0.75, band="fixed", outer_limit=38.0)[-1].severity in (0.0, pytest.approx(last.severity, rel=0.2))
     assert last.confidence == pytest.approx(1.0 - 0.5 * 10.0 ** (-last.scores["outer_ring"] / 10.0))
     assert last.shaft_frequency == pytest.approx(20.0, rel=1e-3)
     assert set(last.scores) == {"outer_ring", "inner_ring", "roller", "cage"}
@@ -134,12 +127,12 @@ def test_severity_is_the_size_in_the_reason_and_the_spectrum() -> None:
 
 @pytest.mark.parametrize("frequency", [20.0, 35.0])
 def test_the_published_spectrum_ends_at_the_highest_order_and_has_the_present_level(frequency: float) -> None:
-    """The highest order is 1.004 (3 max(2 BPFO, 2 BPFI, 2 BSF) + 2); the first point is the root of the mean squared envelope."""
+    """The highest order is 1.02 (3 max(2 BPFO, 2 BPFI, 2 BSF) + 2); the first point is the root of the mean squared envelope."""
     acceleration, angle = synthetic(seconds=1.5, frequency=frequency)
     acceleration += (30.0 * np.cos(TURN * 6000.0 * np.arange(len(angle)) / RATE))[:, None].astype(np.float32)
     last = diagnoses(FaultDetector(ORDERS, RATE, DetectorParameters(**SHORT, band="fixed")), (acceleration, angle))[-1]
     orders, amplitude = last.spectrum
-    highest = 1.004 * (3.0 * max(2.0 * ORDERS.bpfo, 2.0 * ORDERS.bpfi, 2.0 * ORDERS.bsf) + 2.0)
+    highest = 1.02 * (3.0 * max(2.0 * ORDERS.bpfo, 2.0 * ORDERS.bpfi, 2.0 * ORDERS.bsf) + 2.0)
     assert highest - 2.0 * orders[1] < orders[-1] <= highest
     assert amplitude[0] == pytest.approx(30.0 * math.sqrt(2.0), rel=0.03)  # two axes
 
@@ -178,7 +171,7 @@ def test_remarks_count_irregularities() -> None:
 def test_a_shaft_too_fast_for_the_orders_is_answered_with_the_number_of_bins(monkeypatch: pytest.MonkeyPatch) -> None:
     limit = "dcrb_ros.diagnosis.window.MOST_BINS"
     most = course()[-1]
-    bins = round(20.0 * 0.5 * math.ceil(3 * 1.004 * (3 * 2 * ORDERS.bpfi + 2)))  # turns of a window of 0.5 s, bins of a turn
+    bins = round(20.0 * 0.5 * math.ceil(3 * 1.02 * (3 * 2 * ORDERS.bpfi + 2)))  # turns of a window of 0.5 s, bins of a turn
     monkeypatch.setattr(limit, 1.01 * bins)
     assert course()[-1].reason == most.reason
     monkeypatch.setattr(limit, 0.99 * bins)

@@ -26,7 +26,7 @@ def diagnosis(amplitude, **parameters):
 
 print(json.dumps({{
     "rubbing": diagnosis(300.0),
-    "tolerated": diagnosis(300.0, rub_level=60.0),
+    "tolerated": diagnosis(300.0, rub_depth=2.0),
     "healthy": diagnosis(0.0),
 }}))
 """
@@ -40,7 +40,7 @@ def test_the_new_rule_reaches_a_verdict(tmp_path_factory: pytest.TempPathFactory
     found = json.loads(run(copied_package(tmp_path_factory.mktemp("package"), PAGE), DIAGNOSE))
     verdict, reason, score = found["rubbing"]
     assert verdict == "cage"
-    assert "a rubbing cage at 0.58" in reason
+    assert "a rubbing cage at 0.5" in reason
     assert score > 0.0
     assert found["healthy"][0] == "healthy"
     assert "rubbing" not in found["tolerated"][1]

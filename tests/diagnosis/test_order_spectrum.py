@@ -9,17 +9,8 @@ import numpy.typing as npt
 import pytest
 
 from dcrb_ros.diagnosis.demodulation import Band, Demodulator
-from dcrb_ros.diagnosis.order_spectrum import (
-    LineFamily,
-    OrderSpectrum,
-    decibels,
-    deeper,
-    fitted_orders,
-    line_family,
-    median,
-    order_spectra,
-    ratio,
-)
+from dcrb_ros.diagnosis.line_search import Comb, LineSearch
+from dcrb_ros.diagnosis.order_spectrum import OrderSpectrum, decibels, median, order_spectra, ratio
 from dcrb_ros.diagnosis.order_tracking import bin_edges, bin_means
 
 RATE = 51200
@@ -59,8 +50,8 @@ def test_spectrum_has_the_line_at_its_order_with_its_amplitude(order: float, fre
 def test_a_speed_ramp_does_not_smear_the_line() -> None:
     turns = 12.0 * TIME + 6.0 * TIME**2  # 12 to 36 Hz
     found = spectrum(modulated(6.71, turns), turns)
-    assert fitted_orders(found, [6.7], 0.004) == pytest.approx(6.71, abs=0.01)
-    line = line_family(found, 6.71, np.array([6.71]))
+    line = LineSearch(found).best(Comb(6.7, harmonics=(1,)), 0.004)
+    assert line.order == pytest.approx(6.71, abs=0.015)
     assert line.amplitude == pytest.approx(2.0 * 0.4 * 9.0, rel=0.06)
     assert line.depth == pytest.approx(2.0 * 0.4 / (1.0 + 0.5 * 0.4**2), rel=0.06)
     assert line.level > 30.0
@@ -75,21 +66,9 @@ def test_missing_bins_change_neither_mean_nor_amplitude() -> None:
     assert found.lines([6.7])[0] == pytest.approx(2.0, rel=0.05)
 
 
-def test_line_family_ignores_a_single_line_of_another_origin() -> None:
-    orders = np.arange(0.0, 32.0, 0.01)
-    amplitude = np.ones(len(orders), np.float32)
-    for k in (1, 2, 3):
-        amplitude[np.abs(orders - 6.71 * k) < 0.015] = 20.0
-    amplitude[np.abs(orders - 6.745) < 0.004] = 300.0  # foreign, within the search
-    found = OrderSpectrum(orders, amplitude, 10.0)
-    assert fitted_orders(found, [6.7234], 0.004) == pytest.approx(6.71, abs=0.01)
-    family = line_family(found, 6.71, np.array([6.71, 13.42, 20.13]))
-    assert (family.amplitude, family.depth, family.level) == (20.0, 2.0, pytest.approx(13.0, abs=0.02))
-
-
 def test_a_silent_signal_has_no_lines() -> None:
     (found,) = order_spectra(np.zeros((1, 4000)), np.zeros(4000, np.bool_), 100)
-    assert line_family(found, 6.7, np.array([6.7, 13.4]))[1:] == (0.0, 0.0, 0.0)
+    assert LineSearch(found).best(Comb(6.7), 0.01)[1:4] == (0.0, 0.0, 0.0)
 
 
 @pytest.mark.parametrize("kind", [np.float32, np.float64])
@@ -120,22 +99,6 @@ def test_the_background_is_the_median_from_0_3_orders_to_0_3_beyond_the_last_lin
     assert OrderSpectrum(orders[:20], orders[:20].astype(np.float32), 1.0).background(1.0) == 0.0
 
 
-def test_orders_are_fitted_within_the_slip_to_the_product_of_three_harmonics() -> None:
-    for order in (6.7 * 0.996, 6.7, 6.7 * 1.004):
-        found = flat()
-        for k in (1, 2, 3):
-            found.amplitude[round(100.0 * k * order) + np.arange(-1, 2)] = 20.0
-        assert fitted_orders(found, [6.7], 0.004)[0] == pytest.approx(order, abs=0.007)
-    candidates = {
-        round(float(fitted_orders(OrderSpectrum(SLIGHT, np.exp(-5e4 * (SLIGHT - at) ** 2), 1.0), [1.0], 0.01)[0]), 4)
-        for at in SLIGHT[990:1011]
-    }
-    assert (min(candidates), max(candidates), len(candidates)) == (0.99, 1.01, 21)
-
-
-SLIGHT = np.arange(0.0, 4.0, 0.001)
-
-
 @pytest.mark.parametrize(("value", "reference", "expected"), [(8.0, 2.0, 4.0), (1e20, 1e-3, 1e12), (1.0, 0.0, 0.0), (1.0, -1.0, 0.0)])
 def test_ratios_are_limited(value: float, reference: float, expected: float) -> None:
     assert ratio(value, reference) == expected
@@ -144,13 +107,6 @@ def test_ratios_are_limited(value: float, reference: float, expected: float) -> 
 @pytest.mark.parametrize(("value", "expected"), [(100.0, 20.0), (0.5, -3.0103), (0.0, -120.0), (1e13, 120.0), (1e12, 120.0)])
 def test_decibels_of_a_ratio_of_squared_amplitudes(value: float, expected: float) -> None:
     assert decibels(value) == pytest.approx(expected, abs=1e-4)
-
-
-def test_the_deeper_family_counts_and_the_first_of_two_alike() -> None:
-    first, second, third = (LineFamily(order, 1.0, depth, 1.0) for order, depth in ((1.0, 0.5), (2.0, 0.5), (3.0, 0.6)))
-    assert deeper(first, second) is first
-    assert deeper(first, third) is third
-    assert deeper(third, first) is third
 
 
 @pytest.mark.parametrize("bins", [1000, 1009, 4096])
@@ -171,11 +127,3 @@ def test_a_tone_has_its_amplitude_and_its_mean(bins: int) -> None:
 def test_without_any_known_bin_there_is_no_spectrum() -> None:
     (found,) = order_spectra(np.full((1, 100), 7.0), np.ones(100, np.bool_), 50.0)
     assert (found.mean, float(found.amplitude.max())) == (0.0, 0.0)
-
-
-@pytest.mark.parametrize(("line", "background"), [(0.0, 1.0), (5.0, 0.0)])
-def test_lines_without_amplitude_or_background_have_no_level(line: float, background: float) -> None:
-    orders = np.arange(0.0, 20.0, 0.01)
-    amplitude = np.full(len(orders), background, np.float32)
-    amplitude[np.abs(orders - 6.7) < 0.05] = line
-    assert line_family(OrderSpectrum(orders, amplitude, 10.0), 6.7, np.array([6.7])).level == 0.0

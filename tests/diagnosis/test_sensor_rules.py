@@ -66,7 +66,7 @@ def spiking(samples: Samples) -> Samples:
 @pytest.mark.parametrize(
     ("change", "word"),
     [
-        (dead, "is noise"),
+        (dead, "white noise"),
         (constant, "does not change"),
         (stuck, "is stuck"),
         (saturated, "is saturated"),

@@ -251,7 +251,10 @@ def test_the_bootstrap_draws_within_families_and_the_same_for_every_order() -> N
     assert counts.shape == (RESAMPLES, 30)
     for family in {one.family for one in many}:
         members = [k for k, one in enumerate(many) if one.family == family]
-        assert np.all(counts[:, members].sum(axis=1) == len(members))
+        assert counts[:, members].sum(axis=1) == pytest.approx(len(members))
+        # Independent scenarios: the mean of n has the variance s^2 / n with the unbiased s^2.
+        values = np.arange(float(len(members)))
+        assert np.var(counts[:, members] @ values / len(members)) == pytest.approx(np.var(values, ddof=1) / len(members), rel=0.1)
     assert np.array_equal(draws(many[::-1])[:, ::-1], counts)
 
 

@@ -13,8 +13,8 @@ import yaml
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from made_up_blocks import recorded
-from same_process import dcrb
 from scipy.io import savemat, wavfile
+from separate_process import dcrb
 
 from dcrb_ros.exchange.description import read_description
 from dcrb_ros.exchange.export import export

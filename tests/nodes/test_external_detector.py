@@ -15,7 +15,7 @@ import yaml
 
 pytest.importorskip("rclpy", reason="the nodes need ROS 2; everything else is tested without")
 
-from separate_process import dcrb
+from same_process import dcrb
 from waiting import runs, wait_for
 
 from dcrb_ros.messages.statuses import Status, encode_diagnostics

@@ -11,7 +11,7 @@ pytest.importorskip("rclpy", reason="the nodes need ROS 2; everything else is te
 
 from node_arguments import parameters
 from ros_bench import domain, environment, graph_client, node
-from same_process import dcrb
+from separate_process import dcrb
 
 from dcrb_ros.messages.topics import VIBRATION
 from dcrb_ros.recordings.reader import Recording

@@ -17,7 +17,7 @@ import zstandard
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from made_up_blocks import BODIES, recorded
-from same_process import dcrb
+from separate_process import dcrb
 
 from dcrb_ros.recordings.mcap_reader import MAGIC, McapRecords
 from dcrb_ros.recordings.reader import Recording, metadata_flaw

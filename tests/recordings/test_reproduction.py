@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 from made_up_blocks import BODIES, blocks, recorded
-from same_process import dcrb
+from separate_process import dcrb
 
 from dcrb_ros import __version__
 from dcrb_ros.recordings.manifest import model_fingerprint, software

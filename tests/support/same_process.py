@@ -1,11 +1,16 @@
-"""The command line in a process of its own."""
+"""The command line in this process."""
 
 from __future__ import annotations
 
-import subprocess
-import sys
+import pytest
+
+from dcrb_ros.cli.app import main
 
 
-def dcrb(*arguments: str, timeout: float = 200.0) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, "-c", "from dcrb_ros.cli.app import main; main()", *arguments]
-    return subprocess.run(command, capture_output=True, text=True, timeout=timeout, check=False)
+def dcrb(*arguments: str) -> int:
+    """Run the command line in this process and return its exit status."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("sys.argv", ["dcrb", *arguments])
+        with pytest.raises(SystemExit) as end:
+            main()
+    return int(end.value.code or 0)

@@ -2,50 +2,59 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
-from dcrb_ros.diagnosis.demodulation import Band
+from dcrb_ros.bearing.kinematics import Orders
 from dcrb_ros.diagnosis.evidence import BandEvidence, Evidence
-from dcrb_ros.diagnosis.order_spectrum import LineFamily
-from dcrb_ros.diagnosis.rule import LineRule, Overlap, modulation_excess
-from dcrb_ros.schema.fields import Group, quantity
+from dcrb_ros.diagnosis.line_parameters import LineParameters
+from dcrb_ros.diagnosis.line_search import Comb, LineFamily
+from dcrb_ros.diagnosis.rule import LineRule
+from dcrb_ros.diagnosis.rules.inner_ring import rollers
+from dcrb_ros.schema.arrays import Floats
+from dcrb_ros.schema.fields import quantity
 
-CAGE_HARMONICS = np.arange(1.0, 14.0)
-"""Harmonics of FTF: the 16th of the default bearing is BPFO, and its neighbours lie in the skirt of that line."""
+BELOW_BPFO = 3
+"""The highest harmonic of FTF is so many below BPFO, whose skirt hides the last two."""
+MOST_HARMONICS = 13
+"""Most harmonics of FTF that are searched: higher ones are too faint."""
+LINES_EXPLAINED = 60
+"""Harmonics of FTF that a cage fault may make: three harmonics of BPFI reach up to there with 16 rollers."""
 
 
-class CageParameters(Group):
-    """Thresholds of the lines at k FTF."""
+class CageParameters(LineParameters):
+    """Threshold of the lines at k FTF."""
 
-    cage_depth: float = quantity(0.08, "-", "Modulation depth required of the lines at k FTF; healthy bearings have up to 0.06", 0.0, 2.0)
-    cage_level: float = quantity(
-        6.0, "dB", "Level over background required of the lines at k FTF; healthy bearings have up to 3", 0.0, 60.0
-    )
-    comb_shadow: float = quantity(
-        0.7, "-", "Ratio of modulation depths from which lines at k FTF explain lines of another component in the same band", 0.1, 100.0
+    cage_depth: float = quantity(
+        0.17, "-", "Modulation depth required of the lines at k FTF; impacts with a tenth of the power in the band make 0.17", 0.0, 2.0
     )
 
 
 class Cage(LineRule[CageParameters]):
-    """Harmonics of FTF by their modulation depth, which no gain of the sensor changes."""
+    """Harmonics of FTF; the strongest line of a broken bar is often the second."""
 
     component, name, parameters = "cage", "FTF with its harmonics", CageParameters
+
+    def combs(self, orders: Orders) -> Sequence[Comb]:
+        """Return the harmonics of FTF."""
+        return (cage_comb(orders),)
+
+    @property
+    def depth(self) -> float:
+        """Modulation depth that is required [-]."""
+        return self.p.cage_depth
 
     def bands(self, evidence: Evidence) -> Sequence[BandEvidence]:
         """Return all bands: below the detector's band, the varying compliance carries the rhythm of the cage."""
         return evidence.bands
 
-    def lines(self, band: BandEvidence) -> LineFamily:
-        """Return the harmonics of FTF."""
-        return band.lines(band.cage_order, CAGE_HARMONICS * band.cage_order)
+    def companions(self, lines: LineFamily, orders: Orders) -> Floats:
+        """Return the harmonics of FTF, with BPFO among them."""
+        return lines.order * np.arange(1.0, LINES_EXPLAINED + 1.0)
 
-    def excess(self, lines: LineFamily, band: Band, evidence: Evidence) -> float:
-        """Return the smaller excess of depth and level [dB]."""
-        return modulation_excess(lines, self.p.cage_depth, self.p.cage_level)
 
-    def overlaps(self) -> Iterable[Overlap]:
-        """A harmonic of FTF lies near every line of the other components."""
-        ratio = self.p.comb_shadow
-        return Overlap("outer_ring", 1, ratio), Overlap("inner_ring", 1, ratio), Overlap("roller", 1, ratio)
+def cage_comb(orders: Orders) -> Comb:
+    """Return the harmonics of FTF below BPFO."""
+    last = min(MOST_HARMONICS, max(3, rollers(orders) - BELOW_BPFO))
+    return Comb(orders.ftf, harmonics=tuple(range(1, last + 1)), leading=2)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 
 import numpy as np
@@ -12,19 +13,23 @@ from dcrb_ros.diagnosis.rule import SampleRule
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.fields import Group, quantity
 
-LOW = (200.0, 2000.0)
-"""Band in which a turning bearing is always louder than the noise of a sensor: rollers pass the load line [Hz]."""
-HIGH_SHARES = (0.2, 0.45)
-"""Band to compare with, as shares of the sampling rate [-]."""
+LOWEST = 200.0
+"""Lowest frequency that counts [Hz]: below it the noise of amplifiers is pink, and the mains hum."""
+HIGHEST_SHARE = 0.4
+"""Highest frequency that counts, as a share of the sampling rate [-]: anti-alias filters act above it."""
+BLOCKS = 16
+"""Blocks of equal width in which the power density is compared."""
+FEWEST_LINES = 64
+"""Lines of the spectrum in a block: the level of noise then scatters by half a decibel."""
 
 
 class DeadParameters(Group):
     """Thresholds for noise."""
 
     dead_level: float = quantity(
-        6.0,
+        9.0,
         "dB",
-        "Power density at 200 to 2000 Hz relative to that near the Nyquist frequency, below which it is noise; bearings have 12",
+        "Largest difference between the power densities of 16 parts of the spectrum up to which it is noise, which has 2",
         0.0,
         60.0,
     )
@@ -32,24 +37,26 @@ class DeadParameters(Group):
 
 
 class Dead(SampleRule[DeadParameters]):
-    """A flat spectrum without impacts."""
+    """A white spectrum without impacts: no structure transmits vibration equally at all frequencies."""
 
     parameters = DeadParameters
 
     def flaw(self, evidence: SampleEvidence) -> str:
         for axis, column in evidence.axes:
-            level = self._level_of_noise(column, evidence.rate)
-            if level is not None and level < self.p.dead_level:
-                return f"the acceleration in {axis} is noise, only {level:.1f} dB stronger at 200 to 2000 Hz: the sensor is dead"
+            spread = self._spread_of_noise(column, evidence.rate)
+            if spread is not None and spread < self.p.dead_level:
+                return f"the acceleration in {axis} is white noise, whose power density varies by {spread:.1f} dB only: the sensor is dead"
         return ""
 
-    def _level_of_noise(self, column: Floats, rate: int) -> float | None:
-        """Return the power density of the low band over that of the high band [dB], or none if the samples have impacts."""
+    def _spread_of_noise(self, column: Floats, rate: int) -> float | None:
+        """Return the range of the power density over frequency [dB], or none if the samples have impacts or are too few."""
         centred = column - column.mean()
         squared = np.square(centred)
         if float(np.mean(np.square(squared))) / float(np.mean(squared)) ** 2 >= self.p.dead_kurtosis:
             return None
+        edges = np.linspace(LOWEST, HIGHEST_SHARE * rate, BLOCKS + 1) * len(column) / rate
+        if edges[1] - edges[0] < FEWEST_LINES:
+            return None
         power = np.abs(fft.rfft(centred)) ** 2
-        high_band = HIGH_SHARES[0] * rate, HIGH_SHARES[1] * rate
-        low, high = (power[slice(*(round(edge * len(column) / rate) for edge in band))] for band in (LOW, high_band))
-        return 10.0 * math.log10(max(float(low.mean()), 1e-30) / max(float(high.mean()), 1e-30))
+        levels = [float(power[round(low) : round(high)].mean()) for low, high in itertools.pairwise(edges)]
+        return 10.0 * math.log10(max(*levels, 1e-30) / max(min(levels), 1e-30))

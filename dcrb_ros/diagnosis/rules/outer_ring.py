@@ -1,8 +1,6 @@
-"""Outer-ring defect: BPFO lines that are larger than those of a healthy bearing.
+"""Outer-ring defect: BPFO lines, deeper than those of a healthy bearing, whose compliance varies as rollers pass the load line.
 
-A healthy roller bearing has sharp BPFO lines, too: its compliance varies as rollers pass the load line, and unloaded rollers strike as they
-enter the load zone. So the size of BPFO lines counts, in the whole band or in its upper quarter. Rows staggered by half a pitch strike in
-turn and leave only the even harmonics.
+If it is known how large the lines of the healthy bearing are, as the baseline of one bearing and one sensor, they must also be larger.
 """
 
 from __future__ import annotations
@@ -10,33 +8,45 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
+import numpy as np
+
+from dcrb_ros.bearing.kinematics import Orders
 from dcrb_ros.diagnosis.demodulation import Band
 from dcrb_ros.diagnosis.evidence import BandEvidence, Evidence
-from dcrb_ros.diagnosis.order_spectrum import HARMONICS, LineFamily, decibels, deeper, ratio
-from dcrb_ros.diagnosis.rule import Finding, LineRule
-from dcrb_ros.schema.fields import Group, quantity
+from dcrb_ros.diagnosis.known_bearings import Baseline
+from dcrb_ros.diagnosis.line_parameters import LineParameters
+from dcrb_ros.diagnosis.line_search import GUARD, Comb, LineFamily
+from dcrb_ros.diagnosis.order_spectrum import decibels, ratio
+from dcrb_ros.diagnosis.rule import Finding, LineRule, sidebands
+from dcrb_ros.diagnosis.rules.inner_ring import rollers
+from dcrb_ros.schema.arrays import Floats
+from dcrb_ros.schema.fields import quantity
+
+HIGHEST_CONTRAST = 60.0
+"""Contrast to which it is limited [dB]."""
 
 
-class OuterRingParameters(Group):
-    """Limits of BPFO lines, and how they are learned."""
+class OuterRingParameters(LineParameters):
+    """Threshold of BPFO lines, and the baseline of a healthy bearing."""
 
-    outer_limit: float = quantity(
-        38.0,
-        "m/s^2",
-        "BPFO lines in the whole band, scaled to 20 Hz, from which they indicate a defect; healthy bearings have up to 26",
-        0.0,
-        1e6,
-    )
-    outer_limit_high: float = quantity(
-        12.0,
-        "m/s^2",
-        "The same for the upper quarter of the band; healthy bearings have up to 5, with a resonant mount up to 10",
-        0.0,
-        1e6,
-    )
     outer_depth: float = quantity(
-        0.3, "-", "Modulation depth required of BPFO lines, relative to the mean squared envelope; noise has 0.05", 0.0, 2.0
+        0.17, "-", "Modulation depth required of BPFO lines; impacts with a tenth of the power in the band make 0.17", 0.0, 2.0
     )
+    cage_contrast: float = quantity(
+        1.5,
+        "dB",
+        "Amplitude of BPFO lines required over the neighbouring harmonics of FTF, to which they belong if the cage is the cause",
+        0.0,
+        20.0,
+    )
+    outer_limit: float = quantity(
+        0.0,
+        "m/s^2",
+        "Baseline: BPFO lines in the whole band, scaled to 20 Hz, up to which the bearing is known to be healthy; 0 without a baseline",
+        0.0,
+        1e6,
+    )
+    outer_limit_high: float = quantity(0.0, "m/s^2", "The same for the upper quarter of the band", 0.0, 1e6)
     learn: float = quantity(
         0.0,
         "s",
@@ -48,7 +58,7 @@ class OuterRingParameters(Group):
 
 
 class OuterRing(LineRule[OuterRingParameters]):
-    """BPFO and its harmonics, or those of twice BPFO, by their size at the reference speed."""
+    """BPFO and its harmonics; with a baseline, also by their size at the reference speed."""
 
     component, name, parameters = "outer_ring", "BPFO", OuterRingParameters
 
@@ -58,29 +68,65 @@ class OuterRing(LineRule[OuterRingParameters]):
         self._remaining = parameters.learn
         """Time for which the limits are still learned [s]."""
 
+    def use(self, baseline: Baseline) -> None:
+        """Use a baseline, unless the parameters give one or it is to be learned."""
+        if not (self.p.outer_limit or self.p.outer_limit_high or self.p.learn):
+            self._whole_limit, self._high_limit = baseline
+
+    def combs(self, orders: Orders) -> Sequence[Comb]:
+        """Return BPFO."""
+        # Rows staggered by half a pitch strike in turn and leave only the even harmonics; a baseline makes those safe to use.
+        return (Comb(orders.bpfo), Comb(2.0 * orders.bpfo)) if self._baseline else (Comb(orders.bpfo),)
+
+    @property
+    def depth(self) -> float:
+        """Modulation depth that is required [-]."""
+        return self.p.outer_depth
+
+    @property
+    def _baseline(self) -> bool:
+        """Whether it is known how large the lines of the healthy bearing are."""
+        return self._whole_limit > 0.0 or self._high_limit > 0.0
+
     def bands(self, evidence: Evidence) -> Sequence[BandEvidence]:
-        """Return the whole band and its upper quarter."""
+        """Return the bands within the detector's; with a baseline the whole band and its upper quarter."""
+        if not self._baseline:
+            return super().bands(evidence)
         return [band for band in evidence.bands if band.band in (evidence.whole, evidence.high)]
 
-    def lines(self, band: BandEvidence) -> LineFamily:
-        """Return the deeper of the families at BPFO and at twice BPFO."""
-        odd, even = (band.lines(order, HARMONICS * order) for order in band.outer_ring_orders)
-        return deeper(odd, even)
+    def companions(self, lines: LineFamily, orders: Orders) -> Floats:
+        """Return the harmonics of BPFO with sidebands at the shaft, whose unbalance turns, and at the cage with its unequal rollers."""
+        cage = lines.order / rollers(orders)
+        return sidebands(lines.order, np.add.outer(np.arange(-2.0, 3.0), cage * np.arange(-3.0, 4.0)))
 
     def excess(self, lines: LineFamily, band: Band, evidence: Evidence) -> float:
-        """Return the size over the limit of the band, if the lines are also deep enough [dB]."""
-        size = decibels(ratio(lines.amplitude, self._limit(band, evidence) ** 2))
-        return min(size, 2.0 * decibels(ratio(lines.depth, self.p.outer_depth)))
+        """Return the excess of depth and significance; with a baseline also that of the size over the limit of the band [dB]."""
+        found = min(super().excess(lines, band, evidence), self._contrast(lines, evidence.of_band(band)))
+        if not self._baseline:
+            return found
+        return min(found, decibels(ratio(lines.amplitude, self._limit(band, evidence) ** 2)))
+
+    def _contrast(self, lines: LineFamily, band: BandEvidence | None) -> float:
+        """Return the amplitude of BPFO lines over that of the neighbouring harmonics of FTF, less the contrast required [dB].
+
+        BPFO is itself a harmonic of FTF. What the cage carries, a broken bar or a damaged roller, makes it no larger than its neighbours.
+        """
+        cage = lines.order / rollers(band.orders) if band is not None else 0.0
+        if band is None or lines.depth <= 0.0 or cage < 2.0 * GUARD * band.search.step:
+            return HIGHEST_CONTRAST
+        beside = band.search.at(np.add.outer(np.asarray(lines.lines), [-cage, cage]))
+        power = ratio(float(band.search.at(lines.lines).mean()), float(beside.mean())) if beside.any() else math.inf
+        return min(decibels(math.sqrt(power)) - self.p.cage_contrast, HIGHEST_CONTRAST)
 
     def _limit(self, band: Band, evidence: Evidence) -> float:
         return self._whole_limit if band == evidence.whole else self._high_limit
 
     def reason(self, lines: LineFamily, band: Band, evidence: Evidence) -> str:
-        """Return size and limit in words."""
+        """Return depth, or size and limit, in words."""
         limit = self._limit(band, evidence)
-        if limit == 0.0:
+        if not self._baseline or limit == 0.0:
             return super().reason(lines, band, evidence)
-        size = f"has {lines.amplitude**0.5:.3g} m/s^2 (limit {limit:g} m/s^2, both at a shaft frequency of 20 Hz)"
+        size = f"has {lines.amplitude**0.5:.3g} m/s^2 (baseline {limit:g} m/s^2, both at a shaft frequency of 20 Hz)"
         return f"{self._place(lines)} {size}, {self._level(lines, band)}"
 
     def settled(self, finding: Finding, evidence: Evidence) -> Finding:
@@ -89,8 +135,8 @@ class OuterRing(LineRule[OuterRingParameters]):
             return finding
         self._remaining -= evidence.interval
         margin = 10.0 ** (self.p.learn_margin / 20.0)
-        for band in self.bands(evidence):
-            size = margin * math.sqrt(band.family(self.lines).amplitude)
+        for band in evidence.bands:
+            size = margin * math.sqrt(max(band.family(comb).amplitude for comb in self.combs(evidence.orders)))
             if band.band == evidence.whole:
                 self._whole_limit = max(self._whole_limit, size)
             if band.band == evidence.high:
@@ -99,5 +145,7 @@ class OuterRing(LineRule[OuterRingParameters]):
 
     @property
     def remark(self) -> str:
-        """How long the limits are still learned."""
+        """How long the limits are still learned, or that a baseline is used."""
+        if self._remaining <= 0.0 and self._baseline:
+            return "outer-ring lines are compared with a baseline of the healthy bearing"
         return f"learning for another {self._remaining:.1f} s: outer-ring defects are not reported yet" if self._remaining > 0.0 else ""

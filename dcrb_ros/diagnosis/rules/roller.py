@@ -1,44 +1,74 @@
-"""Roller defect: lines at twice BSF with sidebands at FTF, since the cage carries the roller through the load zone."""
+"""Roller defect: lines at twice BSF with sidebands at FTF, since the cage carries the roller through the load zone.
+
+A roller that slips outside the load zone strikes anew in every turn of the cage: then the lines are harmonics of FTF, which are large near
+the multiples of 2 BSF and small halfway between them.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import math
+from collections.abc import Sequence
 
 import numpy as np
 
-from dcrb_ros.diagnosis.demodulation import Band
-from dcrb_ros.diagnosis.evidence import BandEvidence, Evidence
-from dcrb_ros.diagnosis.order_spectrum import CAGE_SIDEBANDS, HARMONICS, LineFamily
-from dcrb_ros.diagnosis.rule import LineRule, Overlap, modulation_excess
-from dcrb_ros.diagnosis.rules.shadow import ShadowParameters
+from dcrb_ros.bearing.kinematics import Orders
+from dcrb_ros.diagnosis.evidence import BandEvidence
+from dcrb_ros.diagnosis.line_parameters import LineParameters
+from dcrb_ros.diagnosis.line_search import Comb, LineFamily
+from dcrb_ros.diagnosis.rule import LineRule, sidebands
+from dcrb_ros.diagnosis.rules.cage import cage_comb
+from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.fields import quantity
 
+CLUSTERED = 1.5
+"""Amplitude of the harmonics of FTF near multiples of 2 BSF over those halfway between [-]; two strikes alike have an infinite one."""
 
-class RollerParameters(ShadowParameters):
-    """Thresholds of 2 BSF lines."""
+
+class RollerParameters(LineParameters):
+    """Threshold of 2 BSF lines."""
 
     roller_depth: float = quantity(
-        0.2, "-", "Modulation depth required of 2 BSF lines with cage sidebands; healthy bearings have up to 0.07", 0.0, 2.0
-    )
-    roller_level: float = quantity(
-        7.0, "dB", "Level over background required of 2 BSF lines with cage sidebands; healthy bearings have up to 3", 0.0, 60.0
+        0.17,
+        "-",
+        "Modulation depth required of 2 BSF lines with cage sidebands; impacts with a tenth of the power in the band make 0.17",
+        0.0,
+        2.0,
     )
 
 
 class Roller(LineRule[RollerParameters]):
-    """Twice BSF and harmonics with sidebands at FTF, by their modulation depth, which no gain of the sensor changes."""
+    """Twice BSF and harmonics with sidebands at FTF."""
 
     component, name, parameters = "roller", "2 BSF with sidebands at FTF", RollerParameters
 
-    def lines(self, band: BandEvidence) -> LineFamily:
-        """Return the family at twice BSF."""
-        (order,) = band.fitted(2.0 * band.orders.bsf)
-        return band.lines(order, np.add.outer(HARMONICS * order, band.cage_order * CAGE_SIDEBANDS))
+    def combs(self, orders: Orders) -> Sequence[Comb]:
+        """Return twice BSF with its sidebands."""
+        return (Comb(2.0 * orders.bsf, sidebands=(-orders.ftf, 0.0, orders.ftf)),)
 
-    def excess(self, lines: LineFamily, band: Band, evidence: Evidence) -> float:
-        """Return the smaller excess of depth and level [dB]."""
-        return modulation_excess(lines, self.p.roller_depth, self.p.roller_level)
+    def family(self, band: BandEvidence, comb: Comb) -> LineFamily:
+        """Return the deeper of the family at 2 BSF and, if they cluster there, the harmonics of FTF."""
+        found, cage = super().family(band, comb), band.family(cage_comb(band.orders))
+        if cage.order <= 0.0:
+            return found
+        # The median of the clusters, since one of their lines may belong to another family, against the mean power between them.
+        clusters = math.sqrt(float(np.median(self._near(band, cage, comb.order * np.array([1.0, 2.0])))))
+        between = math.sqrt(float(self._near(band, cage, comb.order * np.array([0.5, 1.5])).mean()))
+        depth = clusters / band.spectrum.mean if band.spectrum.mean > 0.0 else 0.0
+        if clusters < CLUSTERED * between or depth <= found.depth:
+            return found
+        order = cage.order * round(comb.order / cage.order)
+        return cage._replace(order=order, amplitude=clusters, depth=depth, lines=(order,))
 
-    def overlaps(self) -> Iterable[Overlap]:
-        """Sidebands lie near BPFI and BPFO; a roller defect has the rhythm of the cage at any depth, since the cage carries the roller."""
-        return Overlap("inner_ring", 3, self.p.shadow), Overlap("outer_ring", 4, self.p.shadow), Overlap("cage", 5, 0.0)
+    def _near(self, band: BandEvidence, cage: LineFamily, places: Floats) -> Floats:
+        """Return the power of the harmonics of FTF next to some places [orders], shape (places, 3) [unit^4]."""
+        harmonics = np.rint(places / cage.order)[:, None] + np.arange(-1.0, 2.0)
+        return band.search.at(harmonics * cage.order)
+
+    @property
+    def depth(self) -> float:
+        """Modulation depth that is required [-]."""
+        return self.p.roller_depth
+
+    def companions(self, lines: LineFamily, orders: Orders) -> Floats:
+        """Return the harmonics of 2 BSF with sidebands at the cage, which carries the roller, and those of the cage itself."""
+        return sidebands(lines.order, np.add.outer(np.arange(-2.0, 3.0), orders.ftf * np.arange(-13.0, 14.0)))

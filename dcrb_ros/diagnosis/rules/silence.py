@@ -1,27 +1,34 @@
-"""A dead sensor: no power in any band."""
+"""A dead sensor: its signal drifts, but does not vibrate."""
 
 from __future__ import annotations
 
-from dcrb_ros.diagnosis.evidence import LevelEvidence
-from dcrb_ros.diagnosis.rule import LevelRule
+import math
+
+import numpy as np
+
+from dcrb_ros.diagnosis.evidence import SampleEvidence
+from dcrb_ros.diagnosis.rule import SampleRule
 from dcrb_ros.schema.fields import Group, quantity
 
 
 class SilenceParameters(Group):
-    """Least level of a turning bearing."""
+    """Slowest vibration."""
 
     silence: float = quantity(
-        1e-3, "m/s^2", "RMS at 20 Hz that at least one band of a working sensor has; the quietest healthy bearing has 0.2", 0.0, 10.0
+        5.0, "Hz", "RMS frequency of a signal below which it drifts but does not vibrate; a turning bearing has hundreds", 0.0, 1e4
     )
 
 
-class Silence(LevelRule[SilenceParameters]):
-    """The largest power of all bands."""
+class Silence(SampleRule[SilenceParameters]):
+    """The RMS frequency, from the power of the differences between samples over that of the samples, which no gain changes."""
 
     parameters = SilenceParameters
 
-    def flaw(self, evidence: LevelEvidence) -> str:
-        # The mean squared envelope is twice the power.
-        if not 0.0 < float(evidence.powers.max()) < 2.0 * self.p.silence**2:
-            return ""
-        return f"no band has more than {self.p.silence:g} m/s^2: the sensor is dead, or the signal is below its resolution"
+    def flaw(self, evidence: SampleEvidence) -> str:
+        for axis, column in evidence.axes:
+            centred = column - column.mean()
+            differences, power = float(np.mean(np.square(np.diff(centred)))), float(np.mean(np.square(centred)))
+            frequency = math.sqrt(differences / power) * evidence.rate / (2.0 * math.pi) if power > 0.0 else 0.0
+            if frequency < self.p.silence:
+                return f"the acceleration in {axis} drifts but does not vibrate: the sensor is dead"
+        return ""

@@ -125,18 +125,25 @@ def tones(densities: dict[tuple[float, float], float], seed: int = 1) -> Floats:
     return np.fft.irfft(spectrum) * RATE
 
 
-@pytest.mark.parametrize("level", [-3.0, 0.0, 5.9, 6.1, 15.0])
-def test_a_signal_is_noise_if_its_low_frequencies_are_not_six_decibels_stronger(level: float) -> None:
-    """The bands are 200 to 2000 Hz and 0.2 to 0.45 of the sampling rate; what lies beside them does not count."""
-    low, beside = 10.0 ** (level / 20.0), 0.7
-    bands = {(50.0, 200.0): beside, (200.0, 2000.0): low, (2000.0, 10240.0): beside, (10240.0, 23040.0): 1.0, (23040.0, 25600.0): beside}
-    column = 4.0 + tones(bands)
-    assert Dead(P)._level_of_noise(column, RATE) == pytest.approx(level, abs=1e-6)
-    flaw = Dead(P).flaw(samples(column, tones({(200.0, 2000.0): 1.0})))
-    assert bool(flaw) is (level < 6.0)
+@pytest.mark.parametrize("level", [-15.0, -9.1, -8.9, 0.0, 8.9, 9.1, 15.0])
+def test_a_signal_is_noise_if_no_part_of_its_spectrum_stands_out_by_nine_decibels(level: float) -> None:
+    """The parts are sixteenths of 200 Hz to 0.4 of the sampling rate; what lies beside them does not count."""
+    width = (0.4 * RATE - 200.0) / 16.0
+    low, high = 200.0 + 3.0 * width, 200.0 + 4.0 * width
+    bands = {
+        (50.0, 200.0): 9.0,
+        (200.0, low): 1.0,
+        (low, high): 10.0 ** (level / 20.0),
+        (high, 0.4 * RATE): 1.0,
+        (0.4 * RATE, 0.5 * RATE): 9.0,
+    }
+    column, alive = 4.0 + tones(bands), tones({(200.0, 2000.0): 1.0})
+    assert Dead(P)._spread_of_noise(column, RATE) == pytest.approx(abs(level), abs=0.1)
+    flaw = Dead(P).flaw(samples(column, alive))
+    assert bool(flaw) is (abs(level) < 9.0)
     if flaw:
-        assert flaw == f"the acceleration in X is noise, only {level:.1f} dB stronger at 200 to 2000 Hz: the sensor is dead"
-    assert bool(Dead(P).flaw(samples(tones({(200.0, 2000.0): 1.0}), column))) is (level < 6.0)
+        assert flaw.startswith("the acceleration in X is white noise, whose power density varies by ")
+    assert bool(Dead(P).flaw(samples(alive, column))) is (abs(level) < 9.0)
 
 
 @pytest.mark.parametrize(("kurtosis", "found"), [(3.9, True), (4.1, False)])
@@ -153,15 +160,15 @@ def test_a_signal_with_impacts_is_not_noise(kurtosis: float, found: bool) -> Non
 
     height = min(heights, key=lambda h: abs(measured(h) - kurtosis))
     changed = np.where(place, height * np.sign(column), column)
-    assert (Dead(P)._level_of_noise(changed, RATE) is not None) is found
-    assert (Dead(P)._level_of_noise(changed + 5.0, RATE) is not None) is found  # an offset is no impact
+    assert (Dead(P)._spread_of_noise(changed, RATE) is not None) is found
+    assert (Dead(P)._spread_of_noise(changed + 5.0, RATE) is not None) is found  # an offset is no impact
 
 
-@pytest.mark.parametrize(("power", "flawed"), [(2.0e-6, False), (1.99e-6, True), (0.0, False), (1e-12, True)])
-def test_a_working_sensor_has_a_millimetre_per_second_squared_in_some_band(power: float, flawed: bool) -> None:
-    """The mean squared envelope is twice the power: 2 (1e-3)^2."""
-    flaw = Silence(P).flaw(SimpleNamespace(powers=np.array([0.0, power, 0.0])))  # type: ignore[arg-type]
-    assert bool(flaw) is flawed
+@pytest.mark.parametrize("gain", [1e-6, 1.0, 1e6])
+@pytest.mark.parametrize(("frequency", "flawed"), [(4.9, True), (5.1, False), (300.0, False)])
+def test_a_signal_that_drifts_without_vibrating_is_dead_at_any_gain(frequency: float, flawed: bool, gain: float) -> None:
+    drift = gain * np.sin(2.0 * np.pi * frequency * np.arange(2 * RATE) / RATE)
+    assert bool(Silence(P).flaw(samples(drift, noise(2 * RATE)))) is flawed
 
 
 def levels(*change: float, level: tuple[float, ...] = (), third: int | None = 2) -> Any:

@@ -1,0 +1,56 @@
+"""The detector on signals that the simulation did not make: no false alarms, and impacts are named."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+from jittered_impacts import Machine
+
+from dcrb_ros.diagnosis.parameters import DetectorParameters
+from dcrb_ros.exam.measured import diagnose_as_a_whole
+
+
+def machine(seed: int, **more: Any) -> Machine:
+    """Return one of many machines: 7 to 14 balls, contact ratios of 0.15 to 0.27, 12 or 25.6 kHz, 15 to 44 Hz."""
+    return Machine(
+        seed, balls=7 + seed % 8, ratio=0.15 + 0.02 * (seed % 7), rate=(12000, 25600)[seed % 2], speed=15.0 + seed * 7 % 30, **more
+    )
+
+
+def verdict(one: Machine, signal: Any) -> str:
+    return diagnose_as_a_whole(signal, one.rate, one.speed, one.orders, DetectorParameters()).verdict
+
+
+@pytest.mark.parametrize(
+    "parts",
+    [{}, {"shaft": 0.4}, {"gear": 0.7, "shaft": 0.2}, {"compliance": 0.05}],
+    ids=["coloured noise", "shaft", "gear", "compliance"],
+)
+@pytest.mark.parametrize("seconds", [1.0, 3.0])
+def test_healthy_machines_raise_no_alarm(parts: dict[str, float], seconds: float) -> None:
+    """Each of 25 machines may raise one with a probability of 4e-4, one for each of four faults: together 1 %."""
+    verdicts = []
+    for seed in range(25):
+        one = machine(seed)
+        verdicts.append(verdict(one, one.healthy(seconds, **parts)))
+    assert set(verdicts) == {"healthy"}
+
+
+@pytest.mark.parametrize("departure", [-0.015, 0.0, 0.015])
+@pytest.mark.parametrize("fault", ["outer_ring", "inner_ring", "roller"])
+@pytest.mark.parametrize("seconds", [1.0, 3.0])
+def test_impacts_of_the_power_of_the_noise_are_named(fault: str, seconds: float, departure: float) -> None:
+    """Two resonances may fall below the band at 12 kHz, hence 6 of 7."""
+    machines = [machine(seed, departure=departure) for seed in range(7)]
+    verdicts = [verdict(one, one.healthy(seconds, shaft=0.2, gear=0.3) + one.impacts(seconds, fault)) for one in machines]
+    assert verdicts.count(fault) >= 6, verdicts
+    assert set(verdicts) <= {fault, "healthy"}, verdicts
+
+
+@pytest.mark.parametrize("gain", [0.01, 100.0])
+@pytest.mark.parametrize("fault", ["outer_ring", "inner_ring", "roller"])
+def test_no_gain_changes_the_verdict(fault: str, gain: float) -> None:
+    one = machine(3)
+    signal = one.healthy(2.0) + one.impacts(2.0, fault)
+    assert verdict(one, gain * signal) == verdict(one, signal) == fault

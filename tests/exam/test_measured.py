@@ -1,0 +1,124 @@
+"""Measured recordings as an exam: the table is checked, and the shipped detector's results are those in the documentation."""
+
+from __future__ import annotations
+
+import csv
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from jittered_impacts import Machine
+
+from dcrb_ros.cli.app import main
+from dcrb_ros.diagnosis.parameters import DetectorParameters
+from dcrb_ros.exam.measured import COLUMNS, diagnose, evaluate_measured, read_measured
+from dcrb_ros.schema.refusal import Refusal
+
+MEASURED = Path(__file__).parents[3] / "shared" / "measured"
+"""67 recordings of three rigs, which their licences keep out of the repository; see docs/explanation/detector.md."""
+measured = pytest.mark.skipif(not (MEASURED / "recordings.csv").is_file(), reason=f"the measured recordings are not in {MEASURED}")
+
+
+def folder(path: Path, **changes: str) -> Path:
+    """Write a table of a healthy bearing and an outer-ring fault at 12 kHz, in g."""
+    one = Machine(3)
+    signals = {"calm": one.healthy(2.0), "struck": one.healthy(2.0) + one.impacts(2.0, "outer_ring")}
+    (path / "recordings").mkdir()
+    rows = []
+    for name, truth in (("calm", "healthy"), ("struck", "outer_ring")):
+        np.savez(path / "recordings" / f"{name}.npz", a=signals[name].astype(np.float32))
+        speed = f"{60.0 * one.speed}"
+        row = {
+            "name": name,
+            "rig": "made_up",
+            "truth": truth,
+            "sampling_rate": "12000",
+            "unit": "g",
+            "speed_rpm_documented": speed,
+            "speed_rpm_from_lines": speed,
+        }
+        rows.append(row | {key: f"{value}" for key, value in one.orders.as_dict().items()} | changes)
+    with (path / "recordings.csv").open("w", newline="") as stream:
+        table = csv.DictWriter(stream, list(rows[0]))
+        table.writeheader()
+        table.writerows(rows)
+    return path
+
+
+def dcrb(*arguments: str, monkeypatch: pytest.MonkeyPatch) -> int:
+    monkeypatch.setattr("sys.argv", ["dcrb", *arguments])
+    with pytest.raises(SystemExit) as end:
+        main()
+    return int(str(end.value.code or 0))
+
+
+def test_a_folder_is_scored_by_rig(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    junit = tmp_path / "report.xml"
+    options = ("--json", "--workers", "1", "--junit", str(junit))
+    assert dcrb("score", "--measured", str(folder(tmp_path)), *options, monkeypatch=monkeypatch) == 0
+    about = json.loads(capsys.readouterr().out)
+    assert {one["name"]: one["answer"] for one in about["scenarios"]} == {"calm": "healthy", "struck": "outer_ring"}
+    assert about["rigs"] == [
+        {"rig": "made_up", "verdict": "healthy", "right": 1, "alarms": 0, "recordings": 1},
+        {"rig": "made_up", "verdict": "outer_ring", "right": 1, "alarms": 1, "recordings": 1},
+    ]
+    assert "struck" in junit.read_text()
+
+
+def test_a_wrong_answer_fails(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    assert dcrb("score", "--measured", str(folder(tmp_path, truth="inner_ring")), "--workers", "1", monkeypatch=monkeypatch) == 1
+    assert "diagnosed as" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("changes", "sentence"),
+    [
+        ({"truth": "outer"}, "line 2: truth = outer is not a verdict"),
+        ({"unit": "V"}, "line 2: unit = V is unknown: give one of m/s"),
+        ({"speed_rpm_from_lines": "-5"}, "line 2: speed_rpm_from_lines = -5 is not a speed"),
+        ({"BPFO": "x"}, "line 2: could not convert"),
+        ({"name": "calm"}, "lists calm twice"),
+        ({"name": "lost"}, "twice"),
+    ],
+)
+def test_an_invalid_table_is_refused(changes: dict[str, str], sentence: str, tmp_path: Path) -> None:
+    with pytest.raises(Refusal, match=sentence):
+        read_measured(folder(tmp_path, **changes))
+
+
+def test_a_folder_without_table_or_column_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(Refusal, match=r"recordings.csv cannot be read"):
+        read_measured(tmp_path)
+    (tmp_path / "recordings.csv").write_text(",".join(COLUMNS[1:]) + "\n" + "1," * 9 + "1\n")
+    with pytest.raises(Refusal, match="lacks the columns name"):
+        read_measured(tmp_path, "documented")
+
+
+def test_options_that_do_not_apply_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    for options in (("smoke", "--measured", "."), ("--measured", ".", "--speed", "guessed"), ("--measured", str(tmp_path))):
+        assert dcrb("score", *options, monkeypatch=monkeypatch) == 2
+        assert capsys.readouterr().err.count("\n") == 1
+
+
+@measured
+@pytest.mark.parametrize(("speed", "fewer"), [("lines", 0), ("documented", 2)])
+def test_the_measured_recordings_are_named(speed: str, fewer: int) -> None:
+    report = evaluate_measured(MEASURED, DetectorParameters(), speed, "shipped", 1, lambda _: None)
+    found: dict[str, list[Any]] = {}
+    for result in report.results:
+        found.setdefault(result.expectation.verdict, []).append(result)
+    assert len(report.results) == 67
+    assert [one.answer for one in found["healthy"]] == ["healthy"] * 5
+    assert sum(one.answer == "outer_ring" for one in found["outer_ring"]) >= 29 - fewer
+    assert sum(one.answer == "inner_ring" for one in found["inner_ring"]) >= 22 - fewer
+    assert sum(one.answer != "healthy" for one in found["roller"]) >= 4
+    assert not [one.expectation.name for one in report.results if one.answer == "sensor"]
+
+
+@measured
+@pytest.mark.parametrize("gain", [0.01, 100.0])
+def test_no_gain_changes_a_verdict_on_a_measured_recording(gain: float) -> None:
+    for one in read_measured(MEASURED)[::6]:
+        assert diagnose(one, DetectorParameters(), gain=gain).verdict == diagnose(one, DetectorParameters()).verdict, one.name
