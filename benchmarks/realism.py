@@ -1,0 +1,168 @@
+"""Statistics and pictures of simulated bearings beside measured ones, for docs/explanation/realism.md.
+
+``python benchmarks/realism.py MEASURED [--pictures DIRECTORY]``; MEASURED is a folder with ``recordings.csv``, which names rig, truth,
+sampling rate, unit, speed and orders of each recording, and ``recordings/NAME.npz`` with its samples as ``a``. Only statistics and pictures
+leave it.
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+from collections import defaultdict
+from pathlib import Path
+from typing import NamedTuple
+
+import matplotlib.pyplot as plt
+import numpy as np
+from scipy import signal
+
+from dcrb_ros.bearing.kinematics import Orders, characteristic_orders
+from dcrb_ros.bearing.payload import cage_speed
+from dcrb_ros.core.laws.film import lubricant_of
+from dcrb_ros.core.laws.viscosity import kinematic_viscosity
+from dcrb_ros.schema.arrays import Floats
+from dcrb_ros.settings.files import load_configuration
+from dcrb_ros.simulation.loop import Simulation
+from dcrb_ros.validation.friction_moment import friction_moment
+from dcrb_ros.validation.realism import Statistics, lines_of, squared_envelope, statistics
+
+GRAVITY = 9.80665
+BENCHES = {"healthy": "axle_box", "outer_ring": "axle_box_outer_spall"}
+SEEDS = range(1, 9)
+SETTLING, DURATION = 0.2, 3.0
+"""Simulated time before the statistics, and of them [s]."""
+SHOWN = ("cw48_N_0", "hitself_Normal_1200", "mfpt_O3", "hitself_OR5_1200")
+"""Measured recordings in the pictures: two of healthy bearings, two of outer-ring faults."""
+BORE, OUTSIDE = 0.130, 0.250
+"""Diameters of NJ(P)3226X1 [m]."""
+POINTS = (
+    *((speed, 100e3, 60.0) for speed in (31.416, 62.832, 125.664, 188.496)),
+    *((125.664, load, 60.0) for load in (5e3, 20e3, 50e3, 200e3)),
+    *((125.664, 100e3, temperature) for temperature in (40.0, 80.0)),
+)
+"""Speed [rad/s], load [N] and temperature [deg C]."""
+
+
+class Case(NamedTuple):
+    """A signal with what is needed to find its lines."""
+
+    name: str
+    values: Floats
+    rate: float
+    shaft: float
+    orders: Orders
+
+    @property
+    def statistics(self) -> Statistics:
+        return statistics(self.values, self.rate, self.shaft, self.orders)
+
+
+def simulated(bench: str, seed: int) -> Case:
+    """Return the acceleration in Y of an individual of a bench."""
+    configuration = load_configuration(bench, [f"surfaces.seed={seed}", f"simulation.seed={seed}"])
+    blocks = list(Simulation(configuration, waveform_only=True).blocks(SETTLING + DURATION))
+    values = np.concatenate([block.clean for block in blocks])[round(SETTLING * blocks[0].rate) :, 1].astype(np.float64)
+    shaft = configuration.operating.speed / (2.0 * np.pi)
+    return Case(f"{bench} {seed}", values, blocks[0].rate, shaft, characteristic_orders(configuration.bearing))
+
+
+def measured(folder: Path) -> dict[tuple[str, str], list[Case]]:
+    """Return the recordings of a folder by truth and rig."""
+    found: dict[tuple[str, str], list[Case]] = defaultdict(list)
+    for row in csv.DictReader((folder / "recordings.csv").open()):
+        unit = GRAVITY if row["unit"] == "g" else 1.0
+        with np.load(folder / "recordings" / f"{row['name']}.npz") as content:
+            values = content["a"].astype(np.float64) * unit
+        orders = Orders(**{name: float(row[name.upper()]) for name in ("ftf", "bpfo", "bpfi", "bsf")})
+        case = Case(row["name"], values - values.mean(), float(row["sampling_rate"]), float(row["speed_rpm_from_lines"]) / 60.0, orders)
+        found[row["truth"], row["rig"]].append(case)
+    return found
+
+
+def table(title: str, cases: dict[str, list[Case]]) -> None:
+    """Print median and range of each statistic of groups of signals."""
+    rows = {name: [case.statistics for case in group] for name, group in cases.items()}
+    print(f"\n| {title} | " + " | ".join(f"{name} ({len(group)})" for name, group in rows.items()) + " |")
+    print("|---" * (1 + len(rows)) + "|")
+    for field in (*(field for field in Statistics._fields if field != "harmonics"), "harmonic 1", "harmonic 8"):
+        cells = []
+        for group in rows.values():
+            number = field.split()[-1]
+            values = np.array([s.harmonics[int(number) // 8] if field.startswith("harmonic ") else getattr(s, field) for s in group])
+            cells.append(f"{np.median(values):.3g} ({values.min():.3g} to {values.max():.3g})")
+        print(f"| {field} | " + " | ".join(cells) + " |")
+
+
+def operating_points() -> None:
+    """Print cage slip and friction over speed, load and temperature, with the friction moment by SKF."""
+    print("\n| speed rpm | load kN | temperature deg C | cage slip of both rows % | power lost W | by SKF W | ratio |")
+    print("|---" * 7 + "|")
+    for speed, load, temperature in POINTS:
+        given = {"operating.speed": speed, "operating.load": load, "lubrication.temperature": temperature}
+        still = ["operating.speed_fluctuation=0", "operating.speed_ripple=0"]
+        configuration = load_configuration("axle_box", [*(f"{key}={value}" for key, value in given.items()), *still])
+        simulation = Simulation(configuration)
+        list(simulation.blocks(0.5))
+        before, angles = simulation.energy, simulation._state.cage_position[:, 2].copy()
+        list(simulation.blocks(2.0))
+        slip = 1.0 - (simulation._state.cage_position[:, 2] - angles) / 2.0 / cage_speed(configuration, speed)
+        power = (simulation.energy.drive - before.drive) / 2.0
+        viscosity = kinematic_viscosity(lubricant_of(dict(configuration.lubrication)), temperature)
+        skf = 2.0 * speed * friction_moment(BORE, OUTSIDE, 0.5 * load, speed, viscosity)
+        slips = ", ".join(f"{100.0 * one:.2f}" for one in slip)
+        print(f"| {speed * 30 / np.pi:.0f} | {load / 1e3:g} | {temperature:g} | {slips} | {power:.0f} | {skf:.0f} | {power / skf:.2f} |")
+
+
+def draw(path: Path, cases: list[Case]) -> None:
+    """Draw signals, their power spectra and their squared envelope spectra, a row for each case."""
+    figure, axes = plt.subplots(len(cases), 3, figsize=(13.0, 2.1 * len(cases)), layout="constrained")
+    for row, case in zip(axes, cases, strict=True):
+        rms = float(case.values.std())
+        count = round(0.1 * case.rate)
+        row[0].plot(np.arange(count) / case.rate * 1e3, case.values[:count] / rms, linewidth=0.5, color="#404040")
+        row[0].set_title(f"{case.name}, rms {rms:.2g} m/s²", fontsize="small", loc="left")
+        frequency, density = signal.welch(case.values / rms, case.rate, nperseg=4096)
+        row[1].semilogy(frequency / 1e3, density, linewidth=0.7, color="#0072B2")
+        row[1].set_xlim(0.0, 25.0)
+        row[1].set_ylim(1e-9, 1e-2)
+        squared, rate = squared_envelope(case.values, case.rate)
+        lines = lines_of(squared, rate)
+        order = lines.spacing * np.arange(len(lines.depth)) / case.shaft
+        shown = order < 3.5 * case.orders.bpfo
+        row[2].plot(order[shown] / case.orders.bpfo, lines.depth[shown], linewidth=0.7, color="#D55E00")
+        row[2].set_ylim(0.0, 1.8 if lines.depth[shown].max() > 0.35 else 0.4)
+        for ax in row:
+            ax.grid(alpha=0.25, linewidth=0.6)
+            ax.tick_params(labelsize="x-small")
+    names = (
+        "time [ms], acceleration over its rms [-]",
+        "frequency [kHz], power density over the power [1/Hz]",
+        "order over BPFO, depth [-]",
+    )
+    for ax, name in zip(axes[-1], names, strict=True):
+        ax.set_xlabel(name, fontsize="small")
+    figure.savefig(path, dpi=80)
+    plt.close(figure)
+
+
+def main() -> None:
+    """Print the tables, and draw the pictures."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("measured", type=Path)
+    parser.add_argument("--pictures", type=Path)
+    given = parser.parse_args()
+    ours = {truth: [simulated(bench, seed) for seed in SEEDS] for truth, bench in BENCHES.items()}
+    theirs = measured(given.measured)
+    for truth in BENCHES:
+        table(truth, {"simulated": ours[truth], **{rig: cases for (its, rig), cases in theirs.items() if its == truth}})
+    operating_points()
+    if given.pictures:
+        named = {case.name: case for cases in theirs.values() for case in cases}
+        shown = [named[name] for name in SHOWN]
+        draw(given.pictures / "realism-healthy.png", [ours["healthy"][0], ours["healthy"][1], *shown[:2]])
+        draw(given.pictures / "realism-outer.png", [ours["outer_ring"][0], ours["outer_ring"][1], *shown[2:]])
+
+
+if __name__ == "__main__":
+    main()
