@@ -44,6 +44,7 @@ setup(
         (f"share/{NAME}/config/sweeps", files("config/sweeps", "*.yaml")),
         (f"share/{NAME}/launch", files("launch", "*.py")),
         (f"share/{NAME}/examples", files("examples", "*.py")),
+        (f"share/{NAME}/examples/detectors", files("examples/detectors", "*.*")),
         (f"share/{NAME}/examples/ros", files("examples/ros", "*")),
         (f"share/{NAME}/foxglove", files("foxglove", "*.json")),
         *((f"share/{NAME}/bags/{bag.name}", files(f"bags/{bag.name}", "*")) for bag in sorted((HERE / "bags").iterdir()) if bag.is_dir()),

@@ -66,6 +66,10 @@ def report_lines(report: dict[str, Any], image: str, caption: str) -> Iterator[s
         ["criterion", "required", "result", "status"],
         [[c["name"], c["wanted"], c["got"], "passed" if c["holds"] else "**failed**"] for c in report["checks"]],
     )
+    marks = [
+        [profile, interval(one, 1), number(one["detection"], 3), number(one["clean"], 3)] for profile, one in report["exam_score"].items()
+    ]
+    yield from table(["profile", "exam score, 95 % confidence", "credit for faults", "factor for false alarms"], marks)
     if report["delay"]:
         yield f"![{caption}](../images/{image})"
     delays = [

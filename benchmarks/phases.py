@@ -16,6 +16,7 @@ from numba.extending import intrinsic
 
 from dcrb_ros.bearing.payload import build_payload, initial_state
 from dcrb_ros.core.contacts.conformal import linearize_cages, store_lands
+from dcrb_ros.core.contacts.films import write_films
 from dcrb_ros.core.contacts.notch import turn_notches
 from dcrb_ros.core.contacts.raceway import linearize_raceways, locate_raceways
 from dcrb_ros.core.jit import loop
@@ -58,6 +59,7 @@ def advance_by_phases(payload: Payload, state: State, work: Workspace, steps: in
         t0 = ticks()
         drift(payload, state, 0.5 * payload.step)
         predict_bodies(payload, state, work)
+        write_films(payload, state)
         clear(work.force_of_free)
         t1 = ticks()
         turn_notches(payload.inner_notches, state.shaft[0], work.inner_notch_direction)

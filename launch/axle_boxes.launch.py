@@ -14,11 +14,10 @@ from dcrb_ros.nodes.launching import (
     WAIT,
     Argument,
     common,
-    configuration_file,
     declarations,
-    detector_file,
+    detector_parameters,
     node,
-    parameters_of,
+    simulator_parameters,
     suspicions,
     values_of,
 )
@@ -41,19 +40,19 @@ PARAMETERS = {"time_scale": "time_scale", "wait": "publishing.wait"}
 def nodes(context: LaunchContext) -> list[Any]:
     """Return simulator and fault detector of every box."""
     given, found = values_of(context, ARGUMENTS), suspicions(context, ARGUMENTS)
-    detector = detector_file(given["detector"])
+    detector = detector_parameters(given["detector"])
     for box in range(1, BOXES + 1):
         namespace, argument = f"{given['namespace']}/box{box}", "fault" if box == FAULTY else "config"
         parameters = {
+            **simulator_parameters(argument, given, PARAMETERS),
             "simulation.seed": box,
-            "publishing.frame": f"{namespace}/outer_ring",
+            # A frame of tf2 does not begin with a slash.
+            "publishing.frame": f"{namespace}/outer_ring".lstrip("/"),
             # A graph has one /clock; the boxes start together and have the same time scale.
             "publishing.clock": box == 1 and bool(given["clock"]),
             "publishing.listeners": 1,
-            **parameters_of(given, PARAMETERS),
         }
-        file = configuration_file(argument, given, PARAMETERS)
-        found += [node("simulator", namespace, file=file, parameters=parameters), node("fault_detector", namespace, file=detector)]
+        found += [node("simulator", namespace, parameters), node("fault_detector", namespace, detector)]
     return found
 
 

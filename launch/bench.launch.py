@@ -11,11 +11,10 @@ from dcrb_ros.nodes.launching import (
     WAIT,
     Argument,
     common,
-    configuration_file,
     declarations,
-    detector_file,
+    detector_parameters,
     node,
-    parameters_of,
+    simulator_parameters,
     suspicions,
     values_of,
 )
@@ -48,13 +47,13 @@ def nodes(context: LaunchContext) -> list[Any]:
     if given["listeners"] is None:
         given["listeners"] = 2 if given["rerun"] else 1
     namespace, scenario = given["namespace"], given["scenario"]
-    file, parameters = configuration_file("config", given, PARAMETERS, scenario), parameters_of(given, PARAMETERS)
+    parameters = simulator_parameters("config", given, PARAMETERS, scenario)
     extra = ["--scenario", scenario] if scenario else []
     return [
         *suspicions(context, ARGUMENTS),
         *([node("viewer", namespace, required=False)] if given["rerun"] else []),
-        node("simulator", namespace, file=file, parameters=parameters, extra=extra),
-        node("fault_detector", namespace, file=detector_file(given["detector"])),
+        node("simulator", namespace, parameters, extra=extra),
+        node("fault_detector", namespace, detector_parameters(given["detector"])),
     ]
 
 

@@ -4,7 +4,18 @@ from __future__ import annotations
 
 from typing import Any
 
-from dcrb_ros.nodes.launching import LISTENERS, WAIT, Argument, common, declarations, detector_file, naming, node, suspicions, values_of
+from dcrb_ros.nodes.launching import (
+    LISTENERS,
+    WAIT,
+    Argument,
+    common,
+    declarations,
+    detector_parameters,
+    naming,
+    node,
+    suspicions,
+    values_of,
+)
 from dcrb_ros.recordings.replay import Replay, ReplayParameters
 from dcrb_ros.settings.files import validated
 from launch import LaunchContext, LaunchDescription
@@ -32,8 +43,8 @@ def nodes(context: LaunchContext) -> list[Any]:
         Replay(replayed)
     return [
         *suspicions(context, ARGUMENTS),
-        node("replayer", namespace, parameters=parameters),
-        node("fault_detector", namespace, file=detector_file(given["detector"])),
+        node("replayer", namespace, parameters),
+        node("fault_detector", namespace, detector_parameters(given["detector"])),
     ]
 
 

@@ -7,7 +7,8 @@ from collections.abc import Iterator
 
 from dcrb_ros.bearing.kinematics import characteristic_orders
 from dcrb_ros.faults.ground_truth import summary_of
-from dcrb_ros.settings.configuration import Configuration, heaviest
+from dcrb_ros.settings.configuration import Configuration
+from dcrb_ros.settings.loaded_contacts import heaviest
 from dcrb_ros.settings.parameters import Bearing, rpm
 
 STEEL = 7850.0

@@ -8,7 +8,9 @@ from collections.abc import Iterable
 import numpy as np
 import numpy.typing as npt
 
+from dcrb_ros.bearing.cage_rest import settled_cages
 from dcrb_ros.bearing.equilibrium import roller_forces, static_equilibrium
+from dcrb_ros.bearing.individual import individual_of
 from dcrb_ros.bearing.profiles import profile_records
 from dcrb_ros.bearing.surfaces import build_surfaces
 from dcrb_ros.core.contacts.surface import Profile
@@ -18,8 +20,10 @@ from dcrb_ros.core.laws.pereira import pereira_coefficients
 from dcrb_ros.core.layout.state import State, empty_state
 from dcrb_ros.core.payload import EDGE, NOTCH, ROLLER_NOTCH, SINK, Notches, Payload
 from dcrb_ros.faults.geometry import BrokenBar, RacewayNotch, RollerNotch, SurfaceProfile
+from dcrb_ros.measurement.random_streams import random_stream
 from dcrb_ros.schema.arrays import Floats
-from dcrb_ros.settings.configuration import Configuration, material_of
+from dcrb_ros.settings.configuration import Configuration
+from dcrb_ros.settings.loaded_contacts import material_of
 from dcrb_ros.settings.parameters import Bearing
 from dcrb_ros.stream.states import BodyNames
 
@@ -37,6 +41,19 @@ def pocket_azimuths(bearing: Bearing) -> Floats:
     pitch = 2.0 * math.pi / bearing.rollers_per_row
     stagger = bearing.row_phase * np.arange(bearing.rows)
     return pitch * (np.arange(bearing.rollers_per_row)[None, :] + stagger[:, None])
+
+
+def start_azimuths(configuration: Configuration, places: Floats) -> Floats:
+    """Return the azimuth of each pocket at cage angle zero, shape (rows, rollers) [rad], with deviations along the pitch circle [m].
+
+    With ``operating.cage_angles`` drawn every cage starts somewhere within a pitch.
+    """
+    b = configuration.bearing
+    azimuth = pocket_azimuths(b) + places / b.pitch_radius
+    if configuration.operating.cage_angles == "drawn":
+        pitches = random_stream(configuration.simulation.seed, "angles of the cages").random(b.rows)
+        azimuth += pitches[:, None] * (2.0 * math.pi / b.rollers_per_row)
+    return azimuth
 
 
 def _records(damage: Iterable[RacewayNotch | RollerNotch], fields: np.dtype[np.void]) -> Notches:
@@ -76,7 +93,8 @@ def land_radius(configuration: Configuration) -> float:
 def build_payload(configuration: Configuration) -> Payload:
     """Return the constants of the time loop."""
     c, b = configuration, configuration.bearing
-    azimuth, free, broken = pocket_azimuths(b), free_rollers(c), broken_bars(c)
+    free, broken, individual = free_rollers(c), broken_bars(c), individual_of(c)
+    azimuth, clearance = start_azimuths(c, individual.pocket_places), c.cage.pocket_clearance + individual.pocket_clearance
     damage = c.faults.damage(b, c.contact.edge_radius if c.contact.notch == "edge" else 0.0)
     surfaces, highest = build_surfaces(c, damage)
     damage = [] if isinstance(surfaces, Profile) else damage
@@ -89,8 +107,10 @@ def build_payload(configuration: Configuration) -> Payload:
     # With all rollers pinned the sum of the tangents is zero up to rounding, which must not influence the motion.
     moment = b.roller_mass * b.pitch_radius * np.where(free[..., None], 0.0, tangent).sum(axis=1)
     moment[~free.any(axis=1)] = 0.0
+    # A centre of mass towards (sin psi, -cos psi) has the tangent (cos psi, sin psi).
+    moment += b.cage_mass * np.stack([-individual.cage_unbalance[:, 1], individual.cage_unbalance[:, 0]], axis=-1)
     mass, inertia = b.cage_mass + pinned * b.roller_mass, b.cage_inertia + pinned * b.roller_mass * b.pitch_radius**2
-    bar = pereira_coefficients(c.cage.pocket_clearance, b.roller_length, b.effective_modulus)
+    bar = pereira_coefficients(clearance, b.roller_length, b.effective_modulus)
     land = pereira_coefficients(c.cage.land_clearance, b.roller_length, b.effective_modulus)
     material = material_of(b)
     oil, orbit = LUBRICATION_LAWS[c.lubrication.law].build(dict(c.lubrication), material), cage_speed(c, c.operating.speed)
@@ -123,8 +143,8 @@ def build_payload(configuration: Configuration) -> Payload:
         gravity=c.operating.gravity,
         housing_stiffness=c.housing.stiffness,
         housing_damping=c.housing.damping,
-        inner=inner_site(material, film_at(oil, 0, (c.operating.speed - orbit) * b.inner_raceway_radius)),
-        outer=outer_site(material, film_at(oil, 1, -orbit * b.outer_raceway_radius)),
+        inner=inner_site(material, film_at(oil, 0, (orbit - c.operating.speed) * b.inner_raceway_radius)),
+        outer=outer_site(material, film_at(oil, 1, orbit * b.outer_raceway_radius)),
         pair=pair_site(material, film_at(oil, 2, 0.0)),
         normal_law=NORMAL_LAWS[c.contact.law].build(dict(c.contact), material),
         traction_law=TRACTION_LAWS[c.friction.law].build(dict(c.friction), material),
@@ -141,7 +161,7 @@ def build_payload(configuration: Configuration) -> Payload:
         profile_depths=depths,
         profile_height=height + highest,
         surfaces=surfaces,
-        pocket_clearance=c.cage.pocket_clearance,
+        pocket_clearance=clearance,
         bar_coefficient=bar[0],
         bar_exponent=bar[1],
         land_clearance=c.cage.land_clearance,
@@ -167,13 +187,13 @@ def roller_spin(bearing: Bearing, shaft_speed: float) -> float:
 
 
 def initial_state(configuration: Configuration, payload: Payload) -> State:
-    """Return the initial state: static equilibrium, with pure rolling (warm) or with cage and rollers at rest (cold)."""
+    """Return the initial state: static equilibrium, with pure rolling (warm, settled) or with cage and rollers at rest (cold)."""
     bearing, operating = configuration.bearing, configuration.operating
     state = empty_state(payload)
     state.load[:] = operating.lateral_load, -operating.load
     state.target[:] = operating.speed, *state.load
     state.shaft[1] = operating.speed
-    orbit = cage_speed(configuration, operating.speed) if operating.start == "warm" else 0.0
+    orbit = cage_speed(configuration, operating.speed) if operating.start != "cold" else 0.0
     rest = static_equilibrium(payload, state.load, orbit)
     state.outer_position[:], state.inner_position[:], state.cage_position[:, :2] = rest.outer, rest.inner, rest.cages
     state.roller_position[:] = rest.rollers
@@ -181,7 +201,9 @@ def initial_state(configuration: Configuration, payload: Payload) -> State:
         (state.inner_force, state.outer_force), roller_forces(payload, rest.outer, rest.inner, rest.rollers), strict=True
     ):
         force[:] = np.linalg.norm(contacts, axis=-1)
-    if operating.start == "warm":
+    if operating.start == "settled":
+        state.cage_position[:, :2] = settled_cages(payload, rest)
+    if operating.start != "cold":
         state.cage_velocity[:, 2] = orbit
         arm = state.roller_position - state.cage_position[:, None, :2]
         state.roller_velocity[..., 0], state.roller_velocity[..., 1] = -orbit * arm[..., 1], orbit * arm[..., 0]

@@ -17,11 +17,11 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 from scipy.interpolate import CubicSpline
 from scipy.special import j1
 
-from dcrb_ros.core.contacts.surface import HEIGHT, PART_HEIGHT, PART_SLOPE, SHARE, SLOPE, Profile, Smooth, interpolated
+from dcrb_ros.bearing.individual import individual_of, surface_seed
+from dcrb_ros.core.contacts.surface import HEIGHT, PART_HEIGHT, PART_SLOPE, SHARE, SLOPE, Profile, Smooth, interpolated, packed, unpacked
 from dcrb_ros.core.payload import Payload
 from dcrb_ros.faults.geometry import Damage, RacewayNotch, RollerNotch, SurfaceHeights, SurfaceProfile
 from dcrb_ros.measurement.random_streams import random_stream
@@ -110,11 +110,6 @@ def reduced_radii(configuration: Configuration) -> tuple[float, float]:
     return 1.0 / (1.0 / b.roller_radius + 1.0 / b.inner_raceway_radius), 1.0 / (1.0 / b.roller_radius - 1.0 / b.outer_raceway_radius)
 
 
-def surface_seed(configuration: Configuration) -> int:
-    """Return the seed that makes the bearing an individual."""
-    return configuration.surfaces.seed or configuration.simulation.seed
-
-
 @lru_cache(maxsize=32)
 def raceway_waves(
     seed: int, name: str, radius: float, width: float, roundness: float, waviness: float, exponent: float
@@ -191,30 +186,40 @@ def build_surfaces(configuration: Configuration, damage: Sequence[Damage]) -> tu
     radii, raceways = reduced_radii(c), (b.inner_raceway_radius, b.outer_raceway_radius)
     widths = half_width(c, radii[0]), half_width(c, radii[1])
     table = np.zeros((2, b.rows, RACEWAY_NODES, COLUMNS))
-    clearance = random_stream(seed, "clearance").standard_normal() * s.clearance_spread
+    individual = individual_of(c)
+    waviness = s.waviness * individual.waviness
     for ring in (0, 1):
         for row in range(b.rows):
             name = f"{('inner', 'outer')[ring]} raceway of row {row + 1}"
-            height, slope = raceway_waves(seed, name, raceways[ring], widths[ring], s.roundness, s.waviness, s.waviness_slope)
+            height, slope = raceway_waves(seed, name, raceways[ring], widths[ring], s.roundness, waviness, s.waviness_slope)
             table[ring, row, :, HEIGHT], table[ring, row, :, SLOPE] = height, slope
-    table[1, :, :, HEIGHT] -= 0.5 * clearance
-    rows = random_stream(seed, "raceways of the rows").standard_normal(b.rows) * s.row_spread
-    table[1, :, :, HEIGHT] += rows[:, None]
+    table[1, :, :, HEIGHT] += (individual.row_radii - 0.5 * individual.clearance)[:, None]
+    add_run_out(table[0], individual.run_out)
     rollers = np.zeros((b.rows * b.rollers_per_row, ROLLER_NODES, 4))
-    diameters = random_stream(seed, "roller diameters").standard_normal(len(rollers)) * s.roller_spread
     for k in range(len(rollers)):
-        felt = roller_waves(seed, f"roller {k + 1}", b.roller_radius, widths, 0.5 * s.waviness, s.waviness_slope)
+        felt = roller_waves(seed, f"roller {k + 1}", b.roller_radius, widths, 0.5 * waviness, s.waviness_slope)
         rollers[k] = np.stack(felt, axis=-1)
-    rollers[:, :, 0::2] += 0.5 * diameters[:, None, None]
+    rollers[:, :, 0::2] += 0.5 * individual.roller_diameters[:, None, None]
     for item in damage:
         add_damage(c, item, table, rollers)
     table[..., :SHARE] = np.round(table[..., :SHARE] / HEIGHT_RESOLUTION) * HEIGHT_RESOLUTION
     rollers = np.round(rollers / HEIGHT_RESOLUTION) * HEIGHT_RESOLUTION
     highest = float(table[..., HEIGHT].max() + max(table[..., PART_HEIGHT].max(), 0.0) + rollers[:, :, 0::2].max())
-    heights = np.zeros((*table.shape[:-1], 4), np.float32)
-    heights[..., :2], heights[..., 2] = table[..., [HEIGHT, SLOPE]], table[..., SHARE]
-    parts = table[..., [PART_HEIGHT, PART_SLOPE]].astype(np.float32)
-    return Profile(heights, parts, rollers.astype(np.float32)), max(highest, 0.0)
+    own = np.stack([packed(rollers[..., 2 * ring], rollers[..., 2 * ring + 1]) for ring in (0, 1)])
+    parts = table[..., [PART_HEIGHT, PART_SLOPE, SHARE]].astype(np.float32)
+    surfaces = Profile(packed(table[..., HEIGHT], table[..., SLOPE], table[..., SHARE]), own, parts, bool((parts[..., 2] > 0.0).any()))
+    return surfaces, max(highest, 0.0)
+
+
+def add_run_out(table: Floats, centres: Floats) -> None:
+    """Add circles about centres off the shaft's axis, shape (rows, 2) [m], to the tables of the inner raceways.
+
+    The raceway at azimuth theta lies towards (sin theta, -cos theta).
+    """
+    angle = 2.0 * math.pi / table.shape[1] * np.arange(table.shape[1])
+    for row, (x, y) in enumerate(centres):
+        table[row, :, HEIGHT] += x * np.sin(angle) - y * np.cos(angle)
+        table[row, :, SLOPE] += x * np.cos(angle) + y * np.sin(angle)
 
 
 def felt_heights(payload: Payload, from_ring: Floats, inner: bool) -> Floats:
@@ -227,26 +232,26 @@ def felt_heights(payload: Payload, from_ring: Floats, inner: bool) -> Floats:
     if isinstance(surfaces, Smooth):
         return np.zeros(payload.free.shape)
     azimuth = np.arctan2(from_ring[..., 0], -from_ring[..., 1])
-    ring, column = (0, 0) if inner else (1, 2)
+    ring = 0 if inner else 1
     found = np.zeros(azimuth.shape)
     for row, angles in enumerate(azimuth):
-        found[row] = between_nodes(surfaces.raceways[ring, row, :, :2], angles)
+        found[row] = between_nodes(*unpacked(surfaces.raceways[ring, row]), angles)
         nodes = np.floor(np.mod(angles / (2.0 * math.pi), 1.0) * RACEWAY_NODES).astype(np.int64) % RACEWAY_NODES
-        found[row] += surfaces.raceways[ring, row, nodes, 2] * between_nodes(surfaces.parts[ring, row], angles)
+        part = np.concatenate([surfaces.parts[ring, row], surfaces.parts[ring, row, :1]]).astype(np.float64)
+        found[row] += part[nodes, 2] * between_nodes(part[:, 0], part[:, 1], angles)
         for i, angle in enumerate(angles + math.pi if inner else angles):
-            roller = surfaces.rollers[row * azimuth.shape[1] + i, :, column : column + 2]
-            found[row, i] += between_nodes(roller, np.array([angle]))[0]
+            roller = surfaces.rollers[ring, row * azimuth.shape[1] + i]
+            found[row, i] += between_nodes(*unpacked(roller), np.array([angle]))[0]
     return found
 
 
-def between_nodes(table: npt.NDArray[np.float32], angles: Floats) -> Floats:
-    """Return heights [m] at angles [rad] of a table of heights and slopes over a turn, as the kernels do."""
-    nodes = len(table)
+def between_nodes(heights: Floats, slopes: Floats, angles: Floats) -> Floats:
+    """Return heights [m] at angles [rad] of heights [m] and slopes [m/rad] over a turn, its first node again at the end."""
+    nodes = len(heights) - 1
     place = np.mod(angles / (2.0 * math.pi), 1.0) * nodes
     i = np.minimum(np.floor(place), nodes - 1.0).astype(np.int64)
-    before, after = table[i].astype(np.float64), table[(i + 1) % nodes].astype(np.float64)
     curve = getattr(interpolated, "py_func", interpolated)
-    return np.asarray(curve(before[:, 0], after[:, 0], before[:, 1], after[:, 1], 2.0 * math.pi / nodes, place - i)[0])
+    return np.asarray(curve(heights[i], heights[i + 1], slopes[i], slopes[i + 1], 2.0 * math.pi / nodes, place - i)[0])
 
 
 def add_damage(configuration: Configuration, damage: Damage, table: Floats, rollers: Floats) -> None:

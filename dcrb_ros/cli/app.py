@@ -3,15 +3,28 @@
 from __future__ import annotations
 
 import sys
+from typing import Any
 
 import typer
 
-from dcrb_ros.cli import bench, cache, config, detect, exchange, info, plot, recover, replay, score, simulate, sweep, validate, view
-from dcrb_ros.cli.literal_help import Commands
+from dcrb_ros.cli import bench, cache, config, detect, exam, exchange, info, plot, recover, replay, score, simulate, sweep, validate, view
+from dcrb_ros.cli.literal_help import Commands, LiteralGroup
 from dcrb_ros.runtime.exit_status import exit_status
 from dcrb_ros.runtime.version import __version__
 
-app = Commands(pretty_exceptions_enable=False)
+
+class Program(LiteralGroup):
+    """The commands of the program. Ctrl-C in one of them reaches `exit_status`; some releases of typer make it a plain status."""
+
+    def invoke(self, ctx: Any) -> Any:
+        """Run a command."""
+        try:
+            return super().invoke(ctx)
+        except KeyboardInterrupt:
+            raise typer.Abort from None
+
+
+app = Commands(cls=Program, pretty_exceptions_enable=False)
 app.command("simulate")(simulate.simulate)
 app.command("bench")(bench.bench)
 app.command("replay")(replay.replay)
@@ -26,6 +39,7 @@ app.command("import")(exchange.import_)
 app.command("sweep")(sweep.sweep)
 app.command("validate")(validate.validate)
 app.command("cache")(cache.cache)
+app.add_typer(exam.app, name="exam")
 app.add_typer(config.app, name="config")
 
 

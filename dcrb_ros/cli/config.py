@@ -13,6 +13,8 @@ if TYPE_CHECKING:
     from dcrb_ros.schema.parameter_field import ParameterField
 
 app = Commands(help="List, print and check configurations of the bench.")
+MOST_ERRORS = 20
+"""Errors that `dcrb config check` prints."""
 DETECTOR = "fault_detector"
 """The group that stands for the parameters of the fault detector."""
 
@@ -45,7 +47,7 @@ def show(config: Config, settings: Settings = None) -> None:
 
 @app.command()
 def check(config: Config, settings: Settings = None) -> None:
-    """Check a configuration: print what follows from it, or everything that is wrong and exit with status 2.
+    """Check a configuration: print what follows from it, or what is wrong, up to 20 errors, and exit with status 2.
 
     Masses and inertias of the default bearing in a bearing of other dimensions give warnings.
 
@@ -58,8 +60,10 @@ def check(config: Config, settings: Settings = None) -> None:
 
     parameters = layers(config, settings or ())
     wrong = problems(parameters, Configuration)
-    for sentence in wrong:
+    for sentence in wrong[:MOST_ERRORS]:
         print_error("dcrb", f"{config}: {sentence}")
+    if (others := len(wrong) - MOST_ERRORS) > 0:
+        print_error("dcrb", f"{config}: {others} more {'errors' if others > 1 else 'error'}; correct these first")
     if wrong:
         raise typer.Exit(2)
     configuration = validated(parameters, Configuration, config)

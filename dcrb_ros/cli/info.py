@@ -99,6 +99,10 @@ def _origin(recording: Recording) -> str:
 
 def _samples(recording: Recording) -> str:
     """Return number and time of the samples of a recording without an outcome, read block by block."""
+    from dcrb_ros.messages.topics import VIBRATION
+
+    if next(recording.messages((VIBRATION,)), None) is None:
+        return "no waveform"
     spans = [(piece.first_index, len(piece.shaft_angle)) for piece in recording.pieces()]
     first, last = min(first for first, _ in spans), max(first + count for first, count in spans)
     rate = recording.sampling_rate

@@ -45,8 +45,8 @@ class LiteralGroup(TyperGroup):
 class Commands(typer.Typer):
     """A group of commands; its help and that of its commands are printed literally."""
 
-    def __init__(self, **options: Any) -> None:
-        super().__init__(cls=LiteralGroup, no_args_is_help=True, **options)
+    def __init__(self, *, cls: type[LiteralGroup] = LiteralGroup, **options: Any) -> None:
+        super().__init__(cls=cls, no_args_is_help=True, **options)
 
     def command(self, name: str | None = None, **options: Any) -> Any:
         """Return the decorator that adds a command, see `typer.Typer.command`."""

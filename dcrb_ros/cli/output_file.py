@@ -6,7 +6,7 @@ import os
 import shutil
 import tempfile
 from collections.abc import Iterator, Sequence
-from contextlib import ExitStack, contextmanager
+from contextlib import contextmanager
 from pathlib import Path
 
 from dcrb_ros.schema.refusal import Refusal
@@ -36,10 +36,11 @@ def check_output(option: str, file: Path, suffixes: Sequence[str] = ()) -> None:
 def replacing(option: str, path: Path, *, force: bool, source: Path | None = None) -> Iterator[None]:
     """Refuse an existing file or recording; with ``force`` replace it by what is written in the context.
 
-    The old one is put aside meanwhile, and comes back if the work fails.
+    The old one is put aside meanwhile, and comes back if the work fails or writes nothing.
 
     Raises:
         Refusal: ``path`` exists and ``force`` is not given, or it contains ``source``, which is read, or a folder that is not a recording.
+        RuntimeError: the old one could not come back; the message says where it is.
     """
     if not os.path.lexists(checked_path(path)):
         yield
@@ -50,18 +51,39 @@ def replacing(option: str, path: Path, *, force: bool, source: Path | None = Non
         raise Refusal(f"{option} {path} exists: give another name, or --force to replace it")
     if path.is_dir():
         _check_recording(option, path)
-    with ExitStack() as stack:
+    old = _put_aside(option, path)
+    try:
+        yield
+    except BaseException:
+        _bring_back(old, path)
+        raise
+    if not os.path.lexists(path):
+        _bring_back(old, path)
+    shutil.rmtree(old.parent, ignore_errors=True)
+
+
+def _put_aside(option: str, path: Path) -> Path:
+    """Move a file or a folder into a new folder beside it, which is not removed by itself; return its new path."""
+    try:
+        aside = Path(tempfile.mkdtemp(dir=path.absolute().parent, prefix=".replaced-"))
         try:
-            aside = stack.enter_context(tempfile.TemporaryDirectory(dir=path.absolute().parent, prefix=".replaced-"))
-            old = path.rename(Path(aside, "old"))
-        except OSError as error:
-            raise Refusal(f"{option} {path} cannot be replaced: {error.strerror}; give another name") from None
-        try:
-            yield
+            return path.rename(aside / "old")
         except BaseException:
-            _remove(path)
-            old.rename(path)
+            aside.rmdir()
             raise
+    except OSError as error:
+        raise Refusal(f"{option} {path} cannot be replaced: {error.strerror}; give another name") from None
+
+
+def _bring_back(old: Path, path: Path) -> None:
+    """Move the old file or folder back to its place, and remove what a failed command has written there."""
+    try:
+        if os.path.lexists(path):
+            path.rename(old.with_name("failed"))
+        old.rename(path)
+    except OSError as error:
+        raise RuntimeError(f"the old {path} is kept as {old}: it cannot come back ({error.strerror}); move it yourself") from None
+    shutil.rmtree(old.parent, ignore_errors=True)
 
 
 def _check_recording(option: str, folder: Path) -> None:
@@ -69,11 +91,3 @@ def _check_recording(option: str, folder: Path) -> None:
     other = next((entry for entry in sorted(folder.iterdir()) if entry.name != "metadata.yaml" and entry.suffix != ".mcap"), None)
     if other is not None:
         raise Refusal(f"{option} {folder} contains {other.name}, which is not part of a recording: remove it or give another name")
-
-
-def _remove(path: Path) -> None:
-    """Remove what a failed command has written."""
-    if path.is_dir() and not path.is_symlink():
-        shutil.rmtree(path)
-    else:
-        path.unlink(missing_ok=True)

@@ -29,11 +29,13 @@ SHIPPED = "the shipped detector"
 
 
 class Candidate(NamedTuple):
-    """The detector under evaluation: a node, or the shipped detector."""
+    """The detector under evaluation: a node, a Python class, or the shipped detector."""
 
     name: str
     node: str | None
-    """Command that starts the node; None for the shipped detector."""
+    """Command that starts the node; None for a detector in this process."""
+    python: str | None
+    """Class of a detector written in Python; None for the shipped detector or a node."""
     parameters: DetectorParameters
     """Parameters of the shipped detector."""
     rate: float
@@ -58,6 +60,10 @@ def score(
     speed: Annotated[str, typer.Option(help="Column of speeds that --measured uses: lines or documented.")] = "lines",
     exam: Annotated[str | None, typer.Option(help="The exam; the same as the argument.", autocompletion=completion.exams)] = None,
     node: Annotated[str | None, typer.Option(help="Command that starts your detector node; it is started anew for every scenario.")] = None,
+    python: Annotated[
+        str | None,
+        typer.Option(help="Your detector as a Python class: MODULE:CLASS, FILE.py:CLASS or an entry point of dcrb_ros.detectors."),
+    ] = None,
     reference: Annotated[
         bool, typer.Option("--reference", help="Run the shipped detector on recordings, instead of scoring the diagnoses in them.")
     ] = False,
@@ -75,6 +81,8 @@ def score(
     quiet: Quiet = False,
     junit: Annotated[Path | None, typer.Option(help="Also write the report as JUnit XML to this file.")] = None,
     figure: Annotated[Path | None, typer.Option(help="Also draw the report to this file (.png, .svg or .pdf).")] = None,
+    entry: Annotated[Path | None, typer.Option(help="Also write the results as an entry of a leaderboard (.json).")] = None,
+    name: Annotated[str, typer.Option(help="Name of the detector in the report. Default: its command, its class or its parameters.")] = "",
     show: Annotated[bool, typer.Option("--list", help="List the scenarios and exit.")] = False,
 ) -> None:
     """Evaluate a fault detector: the shipped one, your own node, or the diagnoses in recordings.
@@ -85,18 +93,19 @@ def score(
     """
     given = [*(sources or ()), *([exam] if exam else [])]
     if measured is not None:
-        _check_measured(given, node, speed, other=bool(only or show or recordings or reference))
+        _check_measured(given, node, speed, other=bool(only or show or recordings or reference or python or entry))
         count = worker_count(workers)
-        _check_files(junit, figure)
-        report = _evaluate_measured(measured, _candidate(None, detector, rate, patience), speed, count, quiet=quiet)
-        _output(report, as_json, junit, figure)
+        _check_files(junit, figure, None)
+        report = _evaluate_measured(measured, _candidate(None, None, detector, rate, patience, name), speed, count, quiet=quiet)
+        _output(report, as_json, junit, figure, None)
         if not report.passed:
             raise typer.Exit(1)
         return
     _check(given, rate, patience, node, detector, reference)
+    _check_python(python, node, detector, reference)
     count = worker_count(workers)
-    _check_files(junit, figure)
-    candidate = _candidate(node, detector, rate, patience)
+    _check_files(junit, figure, entry)
+    candidate = _candidate(node, python, detector, rate, patience, name)
     bags = [source for source in given if _is_recording(Path(source))]
     if bags and len(bags) < len(given):
         exam_given = next(source for source in given if source not in bags)
@@ -104,7 +113,7 @@ def score(
     if bags and (only or show or recordings):
         raise Refusal(f"--only, --list and --recordings apply to an exam, but {bags[0]} is a recording: leave them out")
     if bags:
-        run_detector = reference or node is not None or detector is not None
+        run_detector = reference or any(one is not None for one in (node, python, detector))
         report = _evaluate_bags([Path(bag) for bag in bags], candidate, run_detector=run_detector, workers=count, quiet=quiet)
     else:
         from dcrb_ros.exam.exam_file import read_exam
@@ -116,7 +125,7 @@ def score(
             _list(chosen)
             return
         report = _evaluate_exam(chosen, candidate, recordings, count, quiet=quiet)
-    _output(report, as_json, junit, figure)
+    _output(report, as_json, junit, figure, entry)
     if not report.passed:
         raise typer.Exit(1)
 
@@ -140,7 +149,10 @@ def _check_measured(given: Sequence[str], node: str | None, speed: str, *, other
     from dcrb_ros.exam.measured import SPEEDS
 
     if given or node is not None or other:
-        raise Refusal("--measured judges its recordings by the shipped detector: leave out exams, --node, --reference, --only and --list")
+        raise Refusal(
+            "--measured judges its recordings by the shipped detector: leave out exams, --node, --python, "
+            "--reference, --recordings, --only, --list and --entry"
+        )
     if speed not in SPEEDS:
         raise Refusal(f"--speed {speed} is unknown: give {' or '.join(SPEEDS)}")
 
@@ -153,16 +165,28 @@ def _evaluate_measured(folder: Path, candidate: Candidate, speed: str, workers: 
         return evaluate_measured(folder, candidate.parameters, speed, candidate.name, workers, on_done)
 
 
-def _candidate(node: str | None, detector: Path | None, rate: float, patience: float) -> Candidate:
+def _check_python(python: str | None, node: str | None, detector: Path | None, reference: bool) -> None:
+    """Refuse a second detector beside a Python class, and a class that cannot be loaded."""
+    if python is None:
+        return
+    other = "--node" if node is not None else "--detector" if detector is not None else "--reference" if reference else ""
+    if other:
+        raise Refusal(f"--python and {other} name two detectors: evaluate them one at a time")
+    from dcrb_ros.exam.plugin import load_plugin
+
+    load_plugin(python)
+
+
+def _candidate(node: str | None, python: str | None, detector: Path | None, rate: float, patience: float, name: str) -> Candidate:
     from dcrb_ros.cli.detect import detector_parameters
 
     shipped = SHIPPED if detector is None else f"{SHIPPED} with {detector.name}"
-    return Candidate(shipped if node is None else node, node, detector_parameters(detector), rate, patience)
+    return Candidate(name or node or python or shipped, node, python, detector_parameters(detector), rate, patience)
 
 
-def _check_files(junit: Path | None, figure: Path | None) -> None:
+def _check_files(junit: Path | None, figure: Path | None, entry: Path | None) -> None:
     """Refuse output files that cannot be written before the evaluation starts."""
-    for option, file, suffixes in (("--junit", junit, ()), ("--figure", figure, PICTURES)):
+    for option, file, suffixes in (("--junit", junit, ()), ("--figure", figure, PICTURES), ("--entry", entry, (".json",))):
         if file is not None:
             check_output(option, file, suffixes)
 
@@ -206,7 +230,7 @@ def _list(exam: Exam) -> None:
 def _evaluate_exam(exam: Exam, candidate: Candidate, recordings: Path | None, workers: int, *, quiet: bool) -> Report:
     """Return the report of an exam."""
     from dcrb_ros.exam.case import scenarios_hash
-    from dcrb_ros.exam.evaluation import evaluate_shipped
+    from dcrb_ros.exam.evaluation import evaluate_plugin, evaluate_shipped
     from dcrb_ros.exam.recording_cache import checked_folder, default_folder
     from dcrb_ros.exam.report import Report
     from dcrb_ros.exam.scoring import score_scenario
@@ -217,13 +241,16 @@ def _evaluate_exam(exam: Exam, candidate: Candidate, recordings: Path | None, wo
     if candidate.node is None:
         with _progress("evaluated", len(exam.cases), quiet=quiet) as on_done:
             diagnoses: Mapping[str, Sequence[ReceivedDiagnosis]]
-            diagnoses = evaluate_shipped(exam.cases, folder, candidate.parameters, workers, on_done)
+            if candidate.python is None:
+                diagnoses = evaluate_shipped(exam.cases, folder, candidate.parameters, workers, on_done)
+            else:
+                diagnoses = evaluate_plugin(exam.cases, folder, candidate.python, workers, on_done)
     else:
         bags = _recorded(exam.cases, folder, workers, candidate.node, candidate.patience, quiet=quiet)
         diagnoses, failures = _evaluate_node(bags, candidate.node, candidate.rate, candidate.patience, quiet=quiet)
     expectations = [case.expectation for case in exam.cases]
     results = tuple(score_scenario(e, diagnoses[e.name], exam.criteria, failure=failures.get(e.name, "")) for e in expectations)
-    return Report(exam.name, candidate.name, exam.criteria, scenarios_hash(exam.cases), results)
+    return Report(exam.name, candidate.name, exam.criteria, scenarios_hash(exam.cases), results, exam.seal)
 
 
 def _recorded(cases: Sequence[Case], folder: Path, workers: int, node: str, patience: float, *, quiet: bool) -> dict[str, Path]:
@@ -261,7 +288,7 @@ def _evaluate_node(
 def _evaluate_bags(bags: Sequence[Path], candidate: Candidate, *, run_detector: bool, workers: int, quiet: bool) -> Report:
     """Return the report of recordings: of the candidate if ``run_detector``, otherwise of the diagnoses in the recordings."""
     from dcrb_ros.exam.criteria import Criteria
-    from dcrb_ros.exam.evaluation import evaluate_shipped_on, score_recordings
+    from dcrb_ros.exam.evaluation import evaluate_plugin_on, evaluate_shipped_on, score_recordings
     from dcrb_ros.exam.recorded_case import read_recorded_case
     from dcrb_ros.exam.report import Report
     from dcrb_ros.exam.scoring import score_scenario
@@ -277,7 +304,10 @@ def _evaluate_bags(bags: Sequence[Path], candidate: Candidate, *, run_detector: 
         return Report("recordings", "the recorded diagnoses", criteria, "", score_recordings(recordings, criteria))
     if candidate.node is None:
         with _progress("evaluated", len(recordings), quiet=quiet) as on_done:
-            diagnoses = evaluate_shipped_on(recordings, candidate.parameters, workers, on_done)
+            if candidate.python is None:
+                diagnoses = evaluate_shipped_on(recordings, candidate.parameters, workers, on_done)
+            else:
+                diagnoses = evaluate_plugin_on(recordings, candidate.python, workers, on_done)
     else:
         paths = dict(zip(names, bags, strict=True))
         diagnoses, failures = _evaluate_node(paths, candidate.node, candidate.rate, candidate.patience, quiet=quiet)
@@ -309,7 +339,7 @@ def _progress(activity: str, total: int, *, quiet: bool) -> Iterator[Callable[[s
         yield lambda name: bar.update(task, advance=1, last=name)
 
 
-def _output(report: Report, as_json: bool, junit: Path | None, figure: Path | None) -> None:
+def _output(report: Report, as_json: bool, junit: Path | None, figure: Path | None, entry: Path | None = None) -> None:
     """Print a report, then write its files; printing comes first so that no result is lost if a file cannot be written."""
     if as_json:
         print(json.dumps(report.described(), indent=2, allow_nan=False), flush=True)
@@ -323,6 +353,10 @@ def _output(report: Report, as_json: bool, junit: Path | None, figure: Path | No
         from dcrb_ros.exam.figure import write_figure
 
         write_figure(report, figure)
+    if entry is not None:
+        from dcrb_ros.exam.entry import entry_of, write_entry
+
+        write_entry(entry_of(report), entry)
 
 
 def _print(report: Report) -> None:

@@ -82,7 +82,7 @@ def simulate(
 
         simulation = _simulation(configuration, story, str(scenario))
         with Recorder(path, configuration, simulation.bodies, scenario=story) as recorder:
-            progress = _run(path.name, simulation.blocks(seconds), seconds, recorder.write, quiet=quiet)
+            progress = _run(path.name, simulation.blocks(seconds), seconds, recorder.write, quiet=quiet, partial=True)
     if as_json:
         outcome = recorder.outcome
         _print_json(path, progress, outcome.samples, outcome.sha256)
@@ -136,8 +136,10 @@ def _simulation(configuration: Configuration, story: Mapping[str, Any] | None, s
     return Simulation(configuration, scheduled_changes(story, configuration, source) if story else [])
 
 
-def _run(name: str, blocks: Iterable[Block], seconds: float, write: Callable[[Block], None] | None, *, quiet: bool) -> Progress:
-    """Write blocks and show the progress; Ctrl-C ends a recording early."""
+def _run(
+    name: str, blocks: Iterable[Block], seconds: float, write: Callable[[Block], None] | None, *, quiet: bool, partial: bool = False
+) -> Progress:
+    """Write blocks and show the progress; with ``partial``, Ctrl-C after the first block ends the recording early."""
     from rich.progress import TextColumn, TimeRemainingColumn
 
     from dcrb_ros.runtime.prefetch import WRITING_DEPTH, prefetch
@@ -160,7 +162,7 @@ def _run(name: str, blocks: Iterable[Block], seconds: float, write: Callable[[Bl
                     started, begin = time.perf_counter(), done
                 bar.update(task, completed=done)
     except KeyboardInterrupt:
-        if write is None:
+        if not (partial and done):
             raise
         typer.echo(f"stopped at {done:.2f} s; the recording ends there", err=True)
     return Progress(done, (done - begin) / (time.perf_counter() - started) if done > begin else None)

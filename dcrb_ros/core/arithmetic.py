@@ -38,6 +38,10 @@ if getattr(numba.config, "DISABLE_JIT"):  # noqa: B009 - numba's configuration i
         """Return the float of some bits."""
         return float(struct.unpack("<d", struct.pack("<q", bits))[0])
 
+    def single_of(bits: int) -> float:
+        """Return the number in single precision of the lower half of some bits."""
+        return float(struct.unpack("<f", struct.pack("<I", int(bits) & 0xFFFFFFFF))[0])
+
 else:
 
     @intrinsic
@@ -55,6 +59,16 @@ else:
 
         def codegen(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
             return builder.bitcast(arguments[0], ir.DoubleType())
+
+        return types.float64(types.int64), codegen
+
+    @intrinsic
+    def single_of(typingctx: Any, bits: Any) -> Any:
+        """Return the number in single precision of the lower half of some bits."""
+
+        def codegen(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+            half = builder.trunc(arguments[0], ir.IntType(32))
+            return builder.fpext(builder.bitcast(half, ir.FloatType()), ir.DoubleType())
 
         return types.float64(types.int64), codegen
 
@@ -78,7 +92,7 @@ def logarithm(x: float) -> float:
 
 @kernel
 def exponential(x: float) -> float:
-    """Return e to the power of a number that is not above zero; 0 below -700."""
+    """Return e to the power of a number that is not above 700; 0 below -700."""
     held = max(x, LEAST_EXPONENT)
     shifted = held * LOG2_E + INTEGERS
     whole = shifted - INTEGERS

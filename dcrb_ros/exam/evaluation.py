@@ -11,6 +11,7 @@ from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.exam.case import Case
 from dcrb_ros.exam.criteria import Criteria
 from dcrb_ros.exam.detector_run import run_shipped_detector, run_shipped_detector_on_case
+from dcrb_ros.exam.plugin import run_plugin, run_plugin_on_case
 from dcrb_ros.exam.recorded_case import RecordedCase
 from dcrb_ros.exam.recording_cache import cache_path, cached_recording
 from dcrb_ros.exam.scoring import ScenarioResult, score_scenario
@@ -47,6 +48,16 @@ def evaluate_shipped_on(
     """Return the shipped detector's diagnoses of every recording by name."""
     calls = {recorded.expectation.name: partial(run_shipped_detector, recorded.path, parameters) for recorded in recordings}
     return _run_all(calls, workers, on_done)
+
+
+def evaluate_plugin(cases: Sequence[Case], folder: Path, given: str, workers: int, on_done: OnDone) -> dict[str, list[ReceivedDiagnosis]]:
+    """Return the diagnoses of every case by name, by a Python class in the form of `load_plugin`."""
+    return _run_all({case.expectation.name: partial(run_plugin_on_case, case, folder, given) for case in cases}, workers, on_done)
+
+
+def evaluate_plugin_on(recordings: Sequence[RecordedCase], given: str, workers: int, on_done: OnDone) -> dict[str, list[ReceivedDiagnosis]]:
+    """Return the diagnoses of every recording by name, by a Python class in the form of `load_plugin`."""
+    return _run_all({one.expectation.name: partial(run_plugin, one.path, given) for one in recordings}, workers, on_done)
 
 
 def named(name: str, call: Callable[[], Value]) -> Value:

@@ -19,17 +19,19 @@ from dcrb_ros.bearing.runtime_change import altered
 from dcrb_ros.exam.case import Case, Run, canonical, derived_tags
 from dcrb_ros.exam.criteria import Criteria, DelayLimits
 from dcrb_ros.exam.expectation import Expectation
+from dcrb_ros.exam.revolutions import speed_knots
 from dcrb_ros.faults.ground_truth import class_of
 from dcrb_ros.schema.fields import Group, choice, quantity
 from dcrb_ros.schema.refusal import Refusal, nearest
 from dcrb_ros.schema.verdicts import FAULT_CLASSES, FaultClass
 from dcrb_ros.settings.configuration import Configuration
-from dcrb_ros.settings.files import find_configuration, flatten, read_parameters, shipped_folder, validated
+from dcrb_ros.settings.files import fields_by_key, find_configuration, flatten, read_parameters, shipped_folder, validated
 from dcrb_ros.settings.vehicle_speed import layered
 from dcrb_ros.simulation.scenario import ScheduledChange, read_scenario_file, scheduled_changes, starting_configuration
 from dcrb_ros.text.files import checked_path
 from dcrb_ros.text.yaml import read_yaml
 
+SEED = "simulation.seed"
 MOST_CASES = 2_000
 """Cases of an exam, without the twins; each is checked with its whole configuration, which takes a millisecond."""
 
@@ -69,6 +71,7 @@ class ExamFile(Group):
     seeds: list[int] = Field(default_factory=lambda: [1])
     points: dict[str, dict[str, Any]] = Field(default_factory=dict)
     criteria: Criteria = Criteria()
+    seal: str = choice("", "Hash published before a sealed exam, written by dcrb exam open")
     scenarios: list[Entry]
 
 
@@ -80,6 +83,8 @@ class Exam:
     about: str
     criteria: Criteria
     cases: tuple[Case, ...]
+    seal: str = ""
+    """Hash that was published before the exam was held; empty if it was not sealed."""
 
 
 def shipped_exams() -> dict[str, Path]:
@@ -106,6 +111,11 @@ def exam_of(tree: Any, source: str) -> Exam:
     """Return the exam described by a tree read from YAML; see `read_exam`."""
     if not isinstance(tree, Mapping):
         raise Refusal(f"{source} is not an exam: it must have the keys 'exam', 'criteria' and a list 'scenarios'")
+    drawn = tree.get("scenarios")
+    if "template" in tree or (isinstance(drawn, list) and any(isinstance(entry, Mapping) and "draw" in entry for entry in drawn)):
+        raise Refusal(
+            f"{source} is a sealed exam or the template of one: seal it with dcrb exam seal, and score what dcrb exam open writes"
+        )
     try:
         file = ExamFile.model_validate(tree)
     except ValidationError as error:
@@ -120,7 +130,7 @@ def exam_of(tree: Any, source: str) -> Exam:
         if case.expectation.name in names:
             raise Refusal(f"{source}: two scenarios are called '{case.expectation.name}': give them different names")
         names.add(case.expectation.name)
-    return Exam(file.exam, file.about, file.criteria, tuple(_with_twins(cases)))
+    return Exam(file.exam, file.about, file.criteria, tuple(_with_twins(cases)), file.seal)
 
 
 def _sentence(error: ValidationError, tree: Mapping[str, Any]) -> str:
@@ -180,15 +190,34 @@ def _cases(file: ExamFile, entry: Entry, source: str) -> Iterator[Case]:
     # The parameters of the file only, not the validated ones: a preset fills in the values that are not given.
     base = read_parameters(find_configuration(entry.base or file.base), "simulator")
     for point in names or [""]:
+        # Only the first seed is checked with the whole configuration, which does not depend on the seed.
+        known: dict[str, Case] = {}
         for seed in entry.seeds or file.seeds:
             for fixed, fault, words in _variations(entry, where):
-                overlay = layered({**flatten(file.points.get(point, {})), "simulation.seed": seed}, fixed)
-                parts = [entry.name, *([point] if len(names) > 1 else []), *words]
+                overlay = layered({**flatten(file.points.get(point, {})), SEED: seed}, fixed)
+                bare = "/".join([entry.name, *([point] if len(names) > 1 else []), *words])
                 many_seeds = len(entry.seeds or file.seeds) > 1
-                name = "/".join([*parts, *([f"seed{seed}"] if many_seeds else [])])
+                name = f"{bare}/seed{seed}" if many_seeds else bare
+                if bare in known and _is_seed(overlay[SEED]):
+                    yield _with_seed(known[bare], name, overlay[SEED])
+                    continue
                 tags: dict[str, str] = {**({"point": point} if point else {}), **entry.tags}
                 tagged = entry.model_copy(update={"tags": tags})
-                yield _case(file, tagged, f"{source}, scenario '{name}'", name, base, overlay, fault)
+                known[bare] = _case(file, tagged, f"{source}, scenario '{name}'", name, base, overlay, fault)
+                yield known[bare]
+
+
+def _is_seed(value: Any) -> bool:
+    """Return whether a configuration takes a value as its seed."""
+    field = fields_by_key()[SEED]
+    return type(value) is int and field.low is not None and field.high is not None and field.low <= value <= field.high
+
+
+def _with_seed(case: Case, name: str, seed: int) -> Case:
+    """Return a case with another name and a valid seed."""
+    simulation = case.run.configuration.simulation.model_copy(update={"seed": seed})
+    configuration = case.run.configuration.model_copy(update={"simulation": simulation})
+    return Case(replace(case.expectation, name=name), replace(case.run, configuration=configuration))
 
 
 def _variations(entry: Entry, where: str) -> Iterator[tuple[dict[str, Any], dict[str, Any], list[str]]]:
@@ -239,6 +268,7 @@ def _case(
         twin,
         required=entry.required and not narrow,
         bearing_onset=onset if both else None,
+        speeds=speed_knots(configuration, events),
     )
     return Case(expectation, Run(configuration, scenario, duration))
 
@@ -293,6 +323,7 @@ def _with_twins(cases: Sequence[Case]) -> Iterator[Case]:
         name = known.expectation.name if known else names.next(case)
         point = {"point": case.expectation.tags["point"]} if "point" in case.expectation.tags else {}
         tags = {**derived_tags(case.run.configuration, {}), **point}
-        twins[key] = Case(Expectation(name, "healthy", duration, 0.0, tags), Run(case.run.configuration, scenario, duration))
+        twin = Expectation(name, "healthy", duration, 0.0, tags, speeds=case.expectation.speeds)
+        twins[key] = Case(twin, Run(case.run.configuration, scenario, duration))
         yield replace(case, expectation=replace(case.expectation, twin=name))
     yield from twins.values()

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+from dcrb_ros.exam.revolutions import Knot, revolutions
+
 
 @dataclass(frozen=True)
 class Expectation:
@@ -29,6 +31,8 @@ class Expectation:
     """Start of the signal [s]; a recording may start in the middle of a run."""
     bearing_onset: float | None = None
     """Onset of a bearing fault hidden by a sensor fault [s]; None if the bearing is healthy."""
+    speeds: tuple[Knot, ...] = ()
+    """Times [s] and speeds [rad/s] between which the speed is linear; if empty, it is constant at the tag ``speed``."""
 
     @property
     def faulty(self) -> bool:
@@ -53,6 +57,17 @@ class Expectation:
         if self.verdict != "sensor":
             return self.clean_until
         return self.end if self.bearing_onset is None else self.bearing_onset
+
+    @property
+    def healthy_span(self) -> tuple[float, float]:
+        """Begin and end of the time during which a bearing alarm is false, without the part that the twin contains [s]."""
+        return self.onset if self.twin else self.begin, self.bearing_clean_until
+
+    def revolutions(self, begin: float, end: float) -> float:
+        """Return the shaft revolutions from ``begin`` to ``end`` [s], in either direction [-]."""
+        speed = self.tags.get("speed")
+        constant = ((0.0, speed),) if isinstance(speed, float) else ()
+        return revolutions(self.speeds or constant, begin, end)
 
     @property
     def width(self) -> float:

@@ -37,7 +37,9 @@ def write_figure(report: Report, file: Path) -> None:
     _delay(delay, report)
     _confusion(confusion, report)
     _roc(roc, report)
-    figure.suptitle(f"{report.exam}: {'passed' if report.passed else 'failed'}, {report.detector}", fontsize=12, parse_math=False)
+    title = f"{report.exam}: {'passed' if report.passed else 'failed'}, {report.detector}"
+    marks = ", ".join(f"{one.profile} {one.score.value:.1f}" for one in report.exam_scores())
+    figure.suptitle(f"{title}\nexam score of 100: {marks}" if marks else title, fontsize=12, parse_math=False)
     try:
         figure.savefig(file)
     except OSError as error:
@@ -83,6 +85,8 @@ def _delay(axes: Axes, report: Report) -> None:
         if math.isfinite(row.median):
             axes.hlines(row.median, place - 0.3, place + 0.3, color="black", lw=1.5)
         axes.hlines(row.limit, place - 0.4, place + 0.4, color="red", lw=1.0, ls="--")
+        if not delays:
+            axes.text(place, 0.5 * row.limit, "none detected\nin time", ha="center", va="center", fontsize=8, color="#666666")
     axes.plot([], [], color="black", lw=1.5, label="median")
     axes.plot([], [], color="red", lw=1.0, ls="--", label="limit")
     axes.set_xticks(range(len(rows)), [f"{row.verdict}\n{row.found} of {row.scenarios}" for row in rows], fontsize=8)
@@ -99,15 +103,25 @@ def _confusion(axes: Axes, report: Report) -> None:
     if not counts.size:
         _empty(axes, "no scenario")
         return
+    words = [
+        [f"{row[answer]}{_late(report, verdict) if answer == verdict else ''}" for answer in answers] for verdict, row in found.items()
+    ]
     shares = counts / np.maximum(counts.sum(axis=1, keepdims=True), 1.0)
     right = np.array([[answer == verdict for answer in answers] for verdict in found])
     axes.imshow(np.ma.masked_where(~right, shares), cmap="Blues", vmin=0.0, vmax=1.2, aspect="auto")
     axes.imshow(np.ma.masked_where(right, shares), cmap="Reds", vmin=0.0, vmax=1.2, aspect="auto")
     for i, j in np.ndindex(shares.shape):
         colour, weight = "white" if shares[i, j] > 0.6 else "black", "bold" if right[i, j] else "normal"
-        axes.text(j, i, f"{counts[i, j]:.0f}", ha="center", va="center", fontsize=9, color=colour, fontweight=weight)
+        axes.text(j, i, words[i][j], ha="center", va="center", fontsize=9, color=colour, fontweight=weight)
     axes.set_xticks(range(len(answers)), answers, rotation=35, ha="right", fontsize=8)
     axes.set_yticks(range(len(found)), list(found), fontsize=8)
+
+
+def _late(report: Report, verdict: str) -> str:
+    """Return how many correct answers of a fault were detections in time, if not all of them were."""
+    correct = [result for result in report.faulty if result.expectation.verdict == verdict == result.answer]
+    in_time = sum(result.found for result in correct)
+    return f"\n{in_time} in time" if in_time < len(correct) else ""
 
 
 def _roc(axes: Axes, report: Report) -> None:

@@ -67,4 +67,4 @@ def score(detector: DetectorFactory, exam: str | Path = "smoke", *, recordings: 
     name = getattr(detector, "__name__", type(detector).__name__)
     expectations = [case.expectation for case in chosen.cases]
     results = tuple(score_scenario(e, named(e.name, partial(run_detector, detector, bags[e.name])), chosen.criteria) for e in expectations)
-    return Report(chosen.name, name, chosen.criteria, scenarios_hash(chosen.cases), results)
+    return Report(chosen.name, name, chosen.criteria, scenarios_hash(chosen.cases), results, chosen.seal)

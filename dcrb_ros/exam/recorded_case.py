@@ -83,6 +83,7 @@ def _expectation(path: Path, name: str, truths: Sequence[Truth], diagnoses: Sequ
         tags,
         first_onset=min(onsets.values(), default=begin),
         begin=begin,
+        speeds=tuple((truth.time_ns * 1e-9, truth.speed) for truth in truths),
         bearing_onset=min((onset for fault, onset in onsets.items() if class_of([fault]) != "sensor"), default=None),
     )
 

@@ -7,7 +7,9 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from dcrb_ros.exam.breakdown import family_areas, overall_area, strata
 from dcrb_ros.exam.criteria import Criteria
+from dcrb_ros.exam.exam_score import Contribution, ExamScore, exam_scores
 from dcrb_ros.exam.scoring import NO_ANSWER, ScenarioResult
 from dcrb_ros.exam.statistics import Characteristic, Interval, characteristic, percentile, rate, share
 from dcrb_ros.recordings.manifest import model_fingerprint, software
@@ -44,6 +46,8 @@ class Delay:
     """Median delay [s]."""
     p95: float
     """95th percentile of the delay [s]."""
+    turns: float
+    """Median delay in shaft revolutions [-]."""
 
 
 @dataclass(frozen=True)
@@ -65,7 +69,7 @@ class Detection:
 
 
 @dataclass(frozen=True)
-class Stratum:
+class RigResult:
     """Correct answers on one rig for one verdict."""
 
     rig: str
@@ -89,6 +93,8 @@ class Report:
     scenarios: str
     """SHA-256 of the scenarios; empty if they are recordings."""
     results: tuple[ScenarioResult, ...]
+    seal: str = ""
+    """Hash that was published before a sealed exam; empty if it was not sealed."""
 
     @property
     def passed(self) -> bool:
@@ -114,6 +120,28 @@ class Report:
         """Return the false alarm rate with its confidence interval [1/h]."""
         return rate(self.alarms, self.hours)
 
+    def alarm_rate_per_turn(self) -> Interval:
+        """Return the number of false alarms per million shaft revolutions with its confidence interval [-]."""
+        return rate(self.alarms, self.healthy_revolutions / 1e6)
+
+    @property
+    def healthy_revolutions(self) -> float:
+        """Shaft revolutions in the healthy time [-]."""
+        return math.fsum(result.healthy_revolutions for result in self.results)
+
+    def contributions(self) -> list[Contribution]:
+        """Return what each scenario contributes to the exam score."""
+        return [Contribution(result.expectation.name, result.expectation.verdict, result.credit) for result in self.results]
+
+    def exam_scores(self) -> list[ExamScore]:
+        """Return the exam score for every profile; none without both a fault and healthy time."""
+        return exam_scores(self.contributions())
+
+    @property
+    def silent_share(self) -> float:
+        """Share of the time in which the detector gave no verdict [-]."""
+        return math.fsum(r.credit.silent for r in self.results) / math.fsum(r.expectation.duration for r in self.results)
+
     def checks(self) -> list[Check]:
         """Return the check of every criterion."""
         required = [result for result in self.faulty if result.expectation.required]
@@ -130,9 +158,17 @@ class Report:
     def delays(self) -> list[Delay]:
         """Return the detection delays of each fault in the exam."""
         return [
-            Delay(verdict, self.criteria.delay.of(verdict), len(found), len(group), percentile(found, 50.0), percentile(found, 95.0))
+            Delay(
+                verdict,
+                self.criteria.delay.of(verdict),
+                len(found),
+                len(group),
+                percentile([result.delay for result in found if result.delay is not None], 50.0),
+                percentile([result.delay for result in found if result.delay is not None], 95.0),
+                percentile([result.delay_revolutions for result in found if result.delay_revolutions is not None], 50.0),
+            )
             for verdict, group in _grouped(self.faulty).items()
-            for found in [[result.delay for result in group if result.delay is not None and result.found]]
+            for found in [[result for result in group if result.found]]
         ]
 
     def confusion(self) -> dict[str, dict[str, int]]:
@@ -152,12 +188,12 @@ class Report:
             for same in [[result for result in group if result.expectation.width == width]]
         ]
 
-    def strata(self) -> list[Stratum]:
+    def rigs(self) -> list[RigResult]:
         """Return the correct answers by rig and correct verdict; empty if the scenarios have no tag ``rig``."""
-        rigs = sorted({str(result.expectation.tags["rig"]) for result in self.results if "rig" in result.expectation.tags})
+        names = sorted({str(result.expectation.tags["rig"]) for result in self.results if "rig" in result.expectation.tags})
         return [
-            Stratum(rig, verdict, sum(one.answer == verdict for one in same), sum(is_alarm(one.answer) for one in same), len(same))
-            for rig in rigs
+            RigResult(rig, verdict, sum(one.answer == verdict for one in same), sum(is_alarm(one.answer) for one in same), len(same))
+            for rig in names
             for verdict, group in _grouped(self.results).items()
             if (same := [result for result in group if result.expectation.tags.get("rig") == rig])
         ]
@@ -195,28 +231,42 @@ class Report:
 
     def described(self) -> dict[str, Any]:
         """Return the report as a tree for JSON; a value that does not exist is null."""
-        curve, alarms = self.characteristic(), self.alarm_rate()
+        curve, alarms, areas = self.characteristic(), self.alarm_rate(), family_areas(self.results)
         tree = {
             "exam": self.exam,
             "detector": self.detector,
             "passed": self.passed,
             "scenarios_sha256": self.scenarios or None,
+            "sealed_sha256": self.seal or None,
             "dcrb_ros": __version__,
             "model": model_fingerprint(),
             "software": software(),
             "criteria": self.criteria.model_dump(),
             "checks": [vars(check) for check in self.checks()],
+            "exam_score": {
+                one.profile: {**one.score._asdict(), "detection": one.detection, "clean": one.clean} for one in self.exam_scores()
+            },
+            "silent_share": self.silent_share if self.results else None,
             "delay": {
-                d.verdict: {"limit": d.limit, "found": d.found, "asked": d.scenarios, "median": d.median, "p95": d.p95}
+                d.verdict: {"limit": d.limit, "found": d.found, "asked": d.scenarios, "median": d.median, "p95": d.p95, "turns": d.turns}
                 for d in self.delays()
             },
-            "false_alarms": {"count": self.alarms, "healthy_hours": self.hours, "per_hour": alarms._asdict()},
+            "false_alarms": {
+                "count": self.alarms,
+                "healthy_hours": self.hours,
+                "per_hour": alarms._asdict(),
+                "per_1000_hours": Interval(*(1e3 * value for value in alarms))._asdict(),
+                "healthy_turns": self.healthy_revolutions,
+                "per_million_turns": self.alarm_rate_per_turn()._asdict(),
+            },
+            "areas": {"overall": overall_area(areas), "families": [vars(area) for area in areas]},
+            "strata": [vars(stratum) for stratum in strata(self.results, self.criteria)],
             "confusion": self.confusion(),
             "detection": [
                 {"verdict": d.verdict, "width": d.width, "found": d.found, "asked": d.scenarios, "probability": d.probability._asdict()}
                 for d in self.detections()
             ],
-            "strata": [vars(stratum) for stratum in self.strata()],
+            "rigs": [vars(rig) for rig in self.rigs()],
             "roc": curve._asdict() if curve else None,
             "scenarios": [_described(result) for result in self.results],
         }
@@ -244,7 +294,12 @@ def _described(result: ScenarioResult) -> dict[str, Any]:
         "begin": expectation.begin,
         "duration": expectation.duration,
         "delay": result.delay,
+        "delay_turns": result.delay_revolutions,
         "alarm_delay": result.alarm_delay,
+        "credit": dict(result.credit.detection) or None,
+        "healthy_periods": result.credit.periods,
+        "spoiled_periods": result.credit.spoiled,
+        "silent": result.credit.silent,
         "false_alarms": [vars(alarm) for alarm in result.false_alarms],
         "score": result.score,
         "opinions": result.diagnoses,

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 
+from dcrb_ros.exam.credit import Credit, credit
 from dcrb_ros.exam.criteria import Criteria
 from dcrb_ros.exam.expectation import Expectation
 from dcrb_ros.messages.received_diagnosis import ReceivedDiagnosis
@@ -50,6 +51,12 @@ class ScenarioResult:
     """Why the scenario failed; empty if it passed."""
     broken: bool = False
     """Whether the detector failed, stopped publishing or never reached a verdict."""
+    credit: Credit = field(default_factory=Credit)
+    """Contribution to the exam score."""
+    delay_revolutions: float | None = None
+    """Detection delay in shaft revolutions [-]; None if `delay` is."""
+    healthy_revolutions: float = 0.0
+    """Shaft revolutions during `healthy_time` [-]."""
 
     @property
     def passed(self) -> bool:
@@ -94,6 +101,9 @@ def score_scenario(
         len(ordered),
         flaw,
         bool(broken) or answer in (NO_ANSWER, WAITING),
+        credit(expectation, ordered, criteria),
+        None if delay is None else expectation.revolutions(onset, onset + delay),
+        expectation.revolutions(*expectation.healthy_span),
     )
 
 
@@ -117,7 +127,8 @@ def _false_alarms(expectation: Expectation, diagnoses: Sequence[ReceivedDiagnosi
 
 def _healthy_time(expectation: Expectation) -> float:
     """Return the time during which a bearing alarm is false, without the part that the twin contains [s]."""
-    return expectation.bearing_clean_until - (expectation.onset if expectation.twin else expectation.begin)
+    begin, end = expectation.healthy_span
+    return end - begin
 
 
 def _delay(diagnoses: Sequence[ReceivedDiagnosis], wanted: frozenset[str], onset: float, limit: float) -> float | None:

@@ -37,6 +37,24 @@ def share(count: int, of: int) -> Interval:
     return Interval(count / of, float(found.low), float(found.high))
 
 
+def partial_area(faulty: Sequence[float], healthy: Sequence[float], share: float) -> float | None:
+    """Return the area under the receiver operating characteristic up to a false positive rate, divided by that rate [-].
+
+    pAUC = sum over i <= floor(p N-), j <= N+ of H(x+_j - x-_i) / (floor(p N-) N+), with the N- healthy scores x- in decreasing order
+    (Koizumi et al. 2020, DCASE task 2); ties count one half, as in `characteristic`. None if floor(p N-) or N+ is 0.
+    """
+    highest = sorted(healthy, reverse=True)[: int(share * len(healthy) + 1e-9)]
+    found = characteristic(faulty, highest)
+    return None if found is None else found.area
+
+
+def harmonic_mean(values: Sequence[float]) -> float:
+    """Return the harmonic mean of values that are not negative [-]; 0 if one of them is 0, NaN if there are none."""
+    if not values:
+        return float("nan")
+    return 0.0 if min(values) <= 0.0 else len(values) / sum(1.0 / value for value in values)
+
+
 def percentile(values: Sequence[float], percent: float) -> float:
     """Return a percentile of values; NaN if there are none."""
     return float(np.percentile(values, percent)) if values else float("nan")

@@ -10,6 +10,7 @@ from rich.console import RenderableType
 from rich.table import Table
 from rich.text import Text
 
+from dcrb_ros.exam.breakdown import PARTIAL, family_areas, overall_area, strata
 from dcrb_ros.exam.report import Report
 from dcrb_ros.exam.statistics import CONFIDENCE, Interval
 from dcrb_ros.recordings.manifest import model_fingerprint
@@ -33,9 +34,12 @@ def tables(report: Report) -> RenderableType:
     """Return all tables and sentences of a report."""
     shown: list[RenderableType] = [
         _checks(report),
+        *_scores(report),
         *_delays(report),
         *_detections(report),
         *_strata(report),
+        *_rigs(report),
+        *_areas(report),
         _confusion(report),
         *_failures(report),
         *sentences(report),
@@ -51,6 +55,13 @@ def sentences(report: Report) -> Iterator[str]:
         else f"false alarms: {report.alarms} in {report.hours * 60.0:.1f} min of healthy signal, {bounds(report.alarm_rate(), 1)} per hour "
         f"({CONFIDENCE:.0%} Poisson confidence interval)"
     )
+    if report.healthy_revolutions:
+        yield (
+            f"false alarms per 1000 bearing-hours: {bounds(Interval(*(1e3 * value for value in report.alarm_rate())), 0)}; per million "
+            f"revolutions, of which {report.healthy_revolutions:.0f} are healthy: {bounds(report.alarm_rate_per_turn(), 0)}"
+        )
+    if report.results:
+        yield f"time without a verdict: {report.silent_share:.1%}"
     curve = report.characteristic()
     yield (
         f"ROC: area {curve.area:.3f} over {len(curve.threshold)} thresholds"
@@ -70,12 +81,46 @@ def _checks(report: Report) -> Table:
     return table
 
 
+def _scores(report: Report) -> Iterator[RenderableType]:
+    rows = report.exam_scores()
+    if not rows:
+        yield "exam score: none, it takes both faults and healthy time"
+        return
+    title = f"Exam score, 0 to 100, {CONFIDENCE:.0%} confidence (bootstrap over scenarios)"
+    table = Table("profile", "exam score", "credit for faults", "factor for false alarms", title=title)
+    for row in rows:
+        table.add_row(row.profile, bounds(row.score, 1), number(row.detection, 3), number(row.clean, 3))
+    yield table
+
+
+def _strata(report: Report) -> Iterator[Table]:
+    rows = strata(report.results, report.criteria)
+    if len(rows) > 1:
+        table = Table("width of the defect", "detected", "credit", title="By difficulty")
+        for row in rows:
+            table.add_row(row.name, f"{row.found} of {row.scenarios}", number(row.credit))
+        yield table
+
+
+def _areas(report: Report) -> Iterator[Table]:
+    rows = family_areas(report.results)
+    if rows:
+        title = f"Published score, without a threshold (harmonic mean {number(overall_area(rows), 3)})"
+        table = Table("fault", "ROC area", f"ROC area up to {PARTIAL:g} false positives", title=title)
+        for row in rows:
+            table.add_row(row.verdict, number(row.area, 3), "-" if row.partial is None else number(row.partial, 3))
+        yield table
+
+
 def _delays(report: Report) -> Iterator[Table]:
     rows = report.delays()
     if rows:
-        table = Table("fault", "detected", "median delay [s]", "95th percentile [s]", "limit [s]", title="Detection delay")
+        table = Table(
+            "fault", "detected", "median delay [s]", "95th percentile [s]", "limit [s]", "median [revolutions]", title="Detection delay"
+        )
         for row in rows:
-            table.add_row(row.verdict, f"{row.found} of {row.scenarios}", number(row.median), number(row.p95), f"{row.limit:g}")
+            delays = number(row.median), number(row.p95), f"{row.limit:g}", number(row.turns, 1)
+            table.add_row(row.verdict, f"{row.found} of {row.scenarios}", *delays)
         yield table
 
 
@@ -89,8 +134,8 @@ def _detections(report: Report) -> Iterator[Table]:
         yield table
 
 
-def _strata(report: Report) -> Iterator[Table]:
-    rows = report.strata()
+def _rigs(report: Report) -> Iterator[Table]:
+    rows = report.rigs()
     if rows:
         table = Table("rig", "correct verdict", "correct", "any alarm", title="Recordings by rig")
         for row in rows:

@@ -25,6 +25,7 @@ PER_STEP = _stages(
 """Stages that run at every time step, before the anti-alias filter."""
 
 PER_SAMPLE = _stages(
+    "gravity:Gravity",
     "cross_axis:CrossAxis",
     "mains_hum:MainsHum",
     "bias:Bias",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Awaitable, Callable, Mapping, Sequence
 from typing import Any, TypeVar
 
 from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor, SetParametersResult
@@ -121,6 +121,12 @@ class BenchNode(Node):
             callback(bytes(data))
 
         return self.create_subscription(message_class(topic), topic.name, receive, qos(topic), raw=True)
+
+    def offer_action(self, kind: Any, name: str, execute: Callable[[Any], Awaitable[Any]], /, *, callback_group: Any = None) -> Any:
+        """Offer an action whose goals are all accepted, and may be cancelled; ``execute`` gets the handle of a goal."""
+        from rclpy.action.server import ActionServer, CancelResponse
+
+        return ActionServer(self, kind, name, execute, callback_group=callback_group, cancel_callback=lambda _: CancelResponse.ACCEPT)
 
     def start_with_subscribers(self, publisher: Publisher, listeners: int, timeout: float, start: Callable[[], None]) -> None:
         """Call ``start`` once ``listeners`` subscribers to the waveform have joined, or after ``timeout`` of wall time [s] without them."""

@@ -20,8 +20,8 @@ RATE_TOLERANCE = 0.01
 """Accepted relative difference between the spacing of the samples and the sampling rate."""
 EARLY_NS = 1_500_000_000
 """Signal kept until the description arrives [ns]: it is repeated every second, and the order of messages on two topics is undefined."""
-MAX_EARLY = 1 << 22
-"""Samples kept until then at most."""
+MAX_EARLY, MAX_EARLY_BLOCKS = 1 << 22, 1 << 14
+"""Samples and blocks kept until then at most."""
 
 
 @dataclass(frozen=True)
@@ -44,6 +44,7 @@ class DetectorInput:
         self._description: tuple[int, Orders] | None = None
         self._early: deque[Vibration] = deque()
         """Blocks that arrived before the description."""
+        self._early_samples = 0
         self.frame = FRAME
         """Frame id of the sensor, as its description has it."""
         self._refused = 0
@@ -54,14 +55,16 @@ class DetectorInput:
         try:
             description, information = decode_sensor(data), ""
             if description != self._description:  # a change of the range alone does not restart the detector
-                rate, orders = self._description = description
+                rate, orders = description
                 self._detector = FaultDetector(orders, rate, self._parameters)
                 self._detector.know(decode_bearing(data))
+                self._description = description
                 information = f"watching a bearing at {rate} Hz, BPFO {orders.bpfo:.3f}, BPFI {orders.bpfi:.3f} orders"
             if self._detector is not None:
                 self._detector.sensor_range = decode_range(data)
             self.frame = decode_frame(data)
-            responses = [self._update(self._early.popleft()) for _ in range(len(self._early))]
+            early, self._early, self._early_samples = self._early, deque(), 0
+            responses = [self._update(block) for block in early]
             warning = next((response.warning for response in responses if response.warning), "")
             return Response(tuple(diagnosis for response in responses for diagnosis in response.diagnoses), information, warning)
         except Refusal as refusal:
@@ -75,6 +78,7 @@ class DetectorInput:
             if self._detector is not None:
                 return self._update(block)
             self._early.append(block)
+            self._early_samples += len(block.shaft_angle)
             if self._drop_early():
                 raise Refusal(f"blocks arrive, but no description on {SENSOR.name} with the rate and the bearing: publish it, latched")
             return Response()
@@ -83,10 +87,11 @@ class DetectorInput:
 
     def _drop_early(self) -> bool:
         """Drop the oldest of the early blocks where there are too many; return whether there were."""
-        newest, count = self._early[-1].stamp_ns, sum(len(block.shaft_angle) for block in self._early)
-        excess = False
-        while len(self._early) > 1 and (newest - self._early[0].stamp_ns > EARLY_NS or count > MAX_EARLY):
-            count -= len(self._early.popleft().shaft_angle)
+        newest, excess = self._early[-1].stamp_ns, False
+        while len(self._early) > 1 and (
+            newest - self._early[0].stamp_ns > EARLY_NS or self._early_samples > MAX_EARLY or len(self._early) > MAX_EARLY_BLOCKS
+        ):
+            self._early_samples -= len(self._early.popleft().shaft_angle)
             excess = True
         return excess
 

@@ -23,6 +23,7 @@ from dcrb_ros.nodes.pacing import Pacer
 from dcrb_ros.nodes.publisher import Publisher, message_class, qos
 from dcrb_ros.nodes.ros import check_ros, limit_discovery
 from dcrb_ros.recordings.replay import Replay, ReplayParameters
+from dcrb_ros.runtime.children import group_guard
 from dcrb_ros.schema.refusal import Refusal
 
 LEAD = 0.5
@@ -234,9 +235,9 @@ def _node(domain: int) -> Iterator[tuple[Any, Any]]:
 
 @contextmanager
 def _process(command: Sequence[str], domain: int) -> Iterator[tuple[subprocess.Popen[bytes], IO[bytes]]]:
-    """Run the detector with its output in a file; the process and its children are ended in any case."""
+    """Run the detector with its output in a file; the process and its children are ended in any case, even if this process is killed."""
     environment = {**os.environ, "ROS_DOMAIN_ID": str(domain)}
-    with tempfile.TemporaryFile() as log:
+    with tempfile.TemporaryFile() as log, group_guard(EXIT_TIMEOUT) as guard:
         try:
             process = subprocess.Popen(
                 command, env=environment, stdin=subprocess.DEVNULL, stdout=log, stderr=subprocess.STDOUT, start_new_session=True
@@ -244,6 +245,7 @@ def _process(command: Sequence[str], domain: int) -> Iterator[tuple[subprocess.P
         except OSError as error:
             raise Refusal(f"--node: '{command[0]}' cannot be started: {error.strerror}; give the command as you would type it") from None
         try:
+            guard(process.pid)
             yield process, log
         finally:
             _end(process)

@@ -18,8 +18,10 @@ from launch_ros.parameter_descriptions import ParameterValue
 from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.schema.refusal import Refusal, nearest
 from dcrb_ros.settings.configuration import Configuration
-from dcrb_ros.settings.files import find_configuration, load_configuration, read_parameters, shipped_folder, validated
+from dcrb_ros.settings.files import find_configuration, flatten, load_configuration, read_parameters, shipped_folder, validated
+from dcrb_ros.settings.sections import parameters_of
 from dcrb_ros.simulation.scenario import read_scenario
+from dcrb_ros.text.yaml import read_yaml
 
 PACKAGE = "dcrb_ros"
 RANGE = "ROS_AUTOMATIC_DISCOVERY_RANGE"
@@ -126,8 +128,8 @@ def naming(argument: str, value: Any) -> Iterator[None]:
         raise Refusal(f"{argument}:={value}: {refusal}") from None
 
 
-def configuration_file(argument: str, given: Mapping[str, Any], keys: Mapping[str, str], scenario: str | None = None) -> str:
-    """Return the parameter file of a configuration, if it is valid with the values of other arguments and with a scenario.
+def simulator_parameters(argument: str, given: Mapping[str, Any], keys: Mapping[str, str], scenario: str | None = None) -> dict[str, Any]:
+    """Return the parameters of a configuration and of other arguments by their dotted keys, if they are valid, with a scenario as well.
 
     Args:
         argument: the name of the argument that gives the configuration, a path or a shipped name.
@@ -147,16 +149,25 @@ def configuration_file(argument: str, given: Mapping[str, Any], keys: Mapping[st
     if scenario is not None:
         with naming("scenario", scenario):
             read_scenario(Path(scenario), found)
-    return str(find_configuration(given[argument]))
+    return {**_parameters(find_configuration(given[argument]), "simulator"), **overrides(given, keys)}
 
 
-def parameters_of(given: Mapping[str, Any], keys: Mapping[str, str]) -> dict[str, Any]:
+def _parameters(path: Path, name: str) -> dict[str, Any]:
+    """Return the parameters of a valid file for a node of the bench by their dotted keys.
+
+    The path itself is no parameter file for every node: ROS reads no plain groups, and a section counts in its own namespace only.
+    """
+    sections = parameters_of(read_yaml(path), name, str(path), of_ros=True)
+    return {key: value for section in sections for key, value in flatten(section).items() if value != {}}
+
+
+def overrides(given: Mapping[str, Any], keys: Mapping[str, str]) -> dict[str, Any]:
     """Return the parameters that arguments set, without those of empty arguments."""
     return {key: given[name] for name, key in keys.items() if given[name] is not None}
 
 
-def detector_file(detector: str) -> str:
-    """Return the parameter file of the fault detector, given by its path or as ``detector`` for the shipped one.
+def detector_parameters(detector: str) -> dict[str, Any]:
+    """Return the parameters of the fault detector from a file given by its path, or as ``detector`` for the shipped one.
 
     Raises:
         Refusal: there is no such file, or it is invalid; the sentence names the argument.
@@ -170,19 +181,13 @@ def detector_file(detector: str) -> str:
         path = shipped[detector]
     with naming("detector", detector):
         validated(read_parameters(path, "fault_detector"), DetectorParameters, str(path))
-    return str(path)
+        return _parameters(path, "fault_detector")
 
 
 def node(
-    executable: str,
-    namespace: str,
-    *,
-    file: str | None = None,
-    parameters: Mapping[str, Any] | None = None,
-    extra: Sequence[str] = (),
-    required: bool = True,
+    executable: str, namespace: str, parameters: Mapping[str, Any] | None = None, *, extra: Sequence[str] = (), required: bool = True
 ) -> Any:
-    """Return a node of the package; the end of a ``required`` one ends the launch. ``parameters`` override those of a file."""
+    """Return a node of the package; the end of a ``required`` one ends the launch."""
     # Without its type, launch would take the text 2026 for a number.
     given = {key: ParameterValue(value, value_type=str) if isinstance(value, str) else value for key, value in (parameters or {}).items()}
     ending = {"on_exit": Shutdown(reason=f"{executable} in {namespace} has ended")} if required else {}
@@ -190,7 +195,7 @@ def node(
         package=PACKAGE,
         executable=executable,
         namespace=namespace,
-        parameters=[*([file] if file else []), *([given] if given else [])],
+        parameters=[given] if given else [],
         arguments=list(extra),
         output="screen",
         sigterm_timeout=EXIT_TIMEOUT,

@@ -17,12 +17,15 @@ from dcrb_ros.nodes.programs import main
 from dcrb_ros.nodes.publisher import Publisher
 from dcrb_ros.nodes.ros import run_node
 from dcrb_ros.recordings.replay import Replay, ReplayParameters
+from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.files import flatten, validated
 
 DELIVERY_TIMEOUT = 2.0
 """Wall time in which the last messages must be delivered [s]."""
 MAX_LAG = 0.1
 """Lag above which the status is a warning [s]."""
+RUN_TIME = ("rate",)
+"""Parameters that can be set while the node runs."""
 
 
 class ReplayerNode(BenchNode):
@@ -37,7 +40,7 @@ class ReplayerNode(BenchNode):
             Refusal: the parameters are invalid, or there is no such recording.
         """
         super().__init__("replayer")
-        self._settings = self.declare(ReplayParameters, run_time=("rate",), adjust=lambda given: parameters or given)
+        self._settings = self.declare(ReplayParameters, run_time=RUN_TIME, adjust=lambda given: parameters or given)
         self._replay = Replay(self._settings)
         clock = [CLOCK] if self._settings.clock else []
         self._publisher = Publisher(self, [*self._replay.topics, BENCH_DIAGNOSTICS, *clock])
@@ -73,7 +76,10 @@ class ReplayerNode(BenchNode):
         self._publisher.flush(DELIVERY_TIMEOUT)
 
     def on_parameters(self, changes: dict[str, Any]) -> None:
-        """Continue at another rate."""
+        """Continue at another rate; refuse a change of anything else."""
+        for key in changes:
+            if key in ReplayParameters.model_fields and key not in RUN_TIME:
+                raise Refusal(f"parameters: {key} is fixed while the replay runs: give it at the start")
         self._settings = validated({**flatten(self._settings.model_dump()), **changes}, ReplayParameters, "parameters")
         self._engine.gate.rescale(self._settings.rate)
 

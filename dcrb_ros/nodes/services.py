@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Awaitable, Callable
 from typing import Any, Protocol
 
 from std_srvs.srv import SetBool, Trigger
@@ -28,6 +28,9 @@ class Served(Protocol):
 
     def create_service(self, kind: Any, name: str, callback: Callable[[Any, Any], Any], /, *, callback_group: Any = None) -> Any:
         """Offer a service."""
+
+    def offer_action(self, kind: Any, name: str, execute: Callable[[Any], Awaitable[Any]], /, *, callback_group: Any = None) -> Any:
+        """Offer an action whose goals are all accepted, and may be cancelled."""
 
     def repeat(self, period: float, callback: Callable[[], None], /) -> Any:
         """Call ``callback`` every ``period`` of wall time [s]; return the timer."""

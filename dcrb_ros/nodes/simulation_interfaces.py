@@ -1,4 +1,4 @@
-"""The standard services for simulators, `simulation_interfaces` (REP-2018), where that package is installed.
+"""The standard services and the action for simulators, `simulation_interfaces` (REP-2018), where that package is installed.
 
 They control the gate of the engine, as pause, step and reset of `dcrb_ros.nodes.services` do. A step is a block.
 """
@@ -20,6 +20,7 @@ FEATURES = (
     "SIMULATION_STATE_PAUSE",
     "STEP_SIMULATION_SINGLE",
     "STEP_SIMULATION_MULTIPLE",
+    "STEP_SIMULATION_ACTION",
 )
 """Names of the supported features in SimulatorFeatures. Time and state are reset together only, so neither is listed by itself."""
 ABOUT = "A step is a block of publishing.block_size samples. Time scale, faults and recordings have parameters and services of their own."
@@ -45,7 +46,7 @@ class SimulationInterfaces:
         from rclpy.callback_groups import ReentrantCallbackGroup
 
         self._node, self._engine, self._services = node, node.engine, services
-        messages, kinds = (importlib.import_module(f"{PACKAGE}.{part}") for part in ("msg", "srv"))
+        messages, kinds, actions = (importlib.import_module(f"{PACKAGE}.{part}") for part in ("msg", "srv", "action"))
         self._state, self._features, self._code = messages.SimulationState, messages.SimulatorFeatures, messages.Result
         self._scope, self._transition = kinds.ResetSimulation.Request, kinds.SetSimulationState.Response
         self._stopped = False
@@ -60,6 +61,8 @@ class SimulationInterfaces:
             ("reset_simulation", kinds.ResetSimulation, self.reset),
         ):
             node.create_service(kind, name, self._callback(name, handle), callback_group=group)
+        self._steps = actions.SimulateSteps
+        node.offer_action(self._steps, "simulate_steps", self.simulate_steps, callback_group=group)
 
     def _callback(self, name: str, handle: Callable[[Any, Any], Awaitable[Outcome]]) -> Callable[[Any, Any], Awaitable[Any]]:
         """Return the callback of a service; ``handle`` returns the outcome, or raises `Declined`, which is counted."""
@@ -127,31 +130,68 @@ class SimulationInterfaces:
 
     async def step(self, request: Any, response: Any) -> Outcome:
         """Send the requested number of blocks while paused; answer when they have been sent."""
+        await self._send("step_simulation", request.steps, lambda sent: None)
+        return self._code.RESULT_OK, ""
+
+    async def simulate_steps(self, goal: Any) -> Any:
+        """Send the number of blocks of a goal while paused, with a feedback for each; return the result when they have been sent.
+
+        If the goal is cancelled, the remaining blocks are held.
+        """
+        result, told = self._steps.Result(), 0
+
+        def report(sent: int) -> None:
+            nonlocal told
+            while told < sent:
+                told += 1
+                goal.publish_feedback(self._steps.Feedback(completed_steps=told, remaining_steps=goal.request.steps - told))
+            if goal.is_cancel_requested and self._engine.gate.paused:
+                self._pause(True)
+
+        try:
+            with self._node.refusals.counted("simulate_steps"):
+                await self._send("simulate_steps", goal.request.steps, report)
+            result.result.result = self._code.RESULT_OK
+            goal.succeed()
+        except Declined as declined:
+            result.result.result, result.result.error_message = declined.code, str(declined)
+            goal.canceled() if goal.is_cancel_requested else goal.abort()
+        return result
+
+    async def _send(self, name: str, steps: int, report: Callable[[int], None]) -> None:
+        """Send a number of blocks while paused; ``report`` is called with the number of those sent whenever it is looked at.
+
+        Raises:
+            Declined: the simulation is not paused, or not all of the blocks were sent.
+        """
         gate = self._engine.gate
         if self.state != self._state.STATE_PAUSED:
             raise Declined(
                 self._code.RESULT_OPERATION_FAILED,
-                f"step_simulation: the simulation is in state {self.state}; pause it first (set_simulation_state, state 2)",
+                f"{name}: the simulation is in state {self.state}; pause it first (set_simulation_state, state 2)",
             )
         before = gate.stepped
-        gate.request_steps(request.steps)
-        await self._steps_done()
+        gate.request_steps(steps)
+        await self._steps_done(lambda: report(min(gate.stepped - before, steps)))
         sent = gate.stepped - before
-        if sent < request.steps:
+        if sent < steps:
             raise Declined(
                 self._code.RESULT_OPERATION_FAILED,
-                f"step_simulation: {sent} of {request.steps} blocks were sent; a pause, a reset or the end of the run stopped the others",
+                f"{name}: {sent} of {steps} blocks were sent; a pause, a reset or the end of the run stopped the others",
             )
-        return self._code.RESULT_OK, ""
 
-    async def _steps_done(self) -> None:
-        """Wait until no requested step remains."""
+    async def _steps_done(self, look: Callable[[], None]) -> None:
+        """Wait until no requested step remains; call ``look`` at every poll, the last time after the last step."""
         from rclpy.task import Future
 
         done = Future()
 
         def check() -> None:
-            if not done.done() and (self._engine.ended or not self._engine.gate.stepping):
+            if done.done():
+                return
+            over = self._engine.ended or not self._engine.gate.stepping
+            look()
+            if over:
                 done.set_result(None)
 
         timer = self._node.repeat(POLL_PERIOD, check)

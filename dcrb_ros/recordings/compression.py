@@ -17,9 +17,9 @@ OTHERS = {b"\x04\x22\x4d\x18": "lz4", b"\x1f\x8b": "gzip", b"BZh": "bzip2", b"\x
 MAX_WINDOW = 128 * 1024 * 1024
 """Largest window of a zstd frame [bytes]: that of its highest level."""
 MAX_RATIO = 1000
-"""Largest ratio of the sizes of a file after and before unpacking."""
+"""Largest ratio of the sizes of a file, or of its messages, after and before unpacking."""
 FREE_SIZE = 256 * 1024 * 1024
-"""Size to which a file of any ratio is unpacked [bytes]."""
+"""Size to which a file of any ratio, or its messages, are unpacked [bytes]."""
 PIECE = 64 * 1024
 """Bytes unpacked at a time; damage loses at most as many before it."""
 
@@ -45,6 +45,33 @@ def unpacked_message(data: bytes, limit: int) -> bytes:
         return bytes(zstandard.ZstdDecompressor(max_window_size=MAX_WINDOW).decompress(data, max_output_size=limit))
     except zstandard.ZstdError as error:
         raise ValueError(f"it is damaged or has more than {limit} bytes: {error}") from None
+
+
+class MessageUnpacker:
+    """Unpacks the messages of a file until they exceed its limit together."""
+
+    def __init__(self, path: Path) -> None:
+        self._limit, self._total = largest_unpacked(path), 0
+
+    @property
+    def excess(self) -> str:
+        """Why no further message is unpacked; the empty string as long as they are."""
+        return _excess("its messages unpack", self._limit) if self._total > self._limit else ""
+
+    def unpacked(self, data: bytes, limit: int) -> bytes:
+        """Return the message in a zstd frame, and count its size; see `unpacked_message`."""
+        message = unpacked_message(data, limit)
+        self._total += len(message)
+        return message
+
+
+def largest_unpacked(path: Path) -> int:
+    """Return the size to which a file, or its messages, are unpacked at most [bytes]."""
+    return max(FREE_SIZE, MAX_RATIO * path.stat().st_size)
+
+
+def _excess(what: str, limit: int) -> str:
+    return f"{what} to more than {limit} bytes, {MAX_RATIO} times its size; the rest is left out"
 
 
 def beginning(path: Path, count: int) -> bytes:
@@ -73,7 +100,7 @@ def unpack(path: Path, target: IO[bytes]) -> str:
         OSError: the target cannot be written.
         Refusal: the file cannot be read.
     """
-    limit, total = max(FREE_SIZE, MAX_RATIO * path.stat().st_size), 0
+    limit, total = largest_unpacked(path), 0
     try:
         stream = open_regular(path)
     except OSError as error:
@@ -89,7 +116,7 @@ def unpack(path: Path, target: IO[bytes]) -> str:
             if not piece:
                 return ""
             if total > limit:
-                return f"it unpacks to more than {limit} bytes, {MAX_RATIO} times its size; the rest is left out"
+                return _excess("it unpacks", limit)
             target.write(piece)
 
 

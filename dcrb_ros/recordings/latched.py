@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import struct
 from collections.abc import Iterable, Iterator, Sequence
+from contextlib import suppress
 from heapq import heappop, heappush
 from pathlib import Path
 from typing import Any
 
+from dcrb_ros.bearing.kinematics import Orders
 from dcrb_ros.messages.cdr import STAMP_END
 from dcrb_ros.messages.description import decode_sensor
 from dcrb_ros.messages.plain import decode_text
@@ -69,6 +71,27 @@ def described_manifest(path: Path, files: Sequence[StoredFile]) -> dict[str, Any
         "sensor": parsed_json(decode_text(data), str(topic)),
         "units": MEASURED_UNITS,
     }
+
+
+def of_one_bench(messages: Iterable[Message], path: Path, rate: int, orders: Orders) -> Iterator[Message]:
+    """Yield messages as long as the descriptions among them have the sampling rate [Hz] and the orders of the first.
+
+    Raises:
+        Refusal: another bench was started while the recording was made, so its samples have another meaning.
+    """
+    for message in messages:
+        if message.topic == SENSOR:
+            found = rate, orders
+            with suppress(Refusal):  # an invalid description describes nothing
+                found = decode_sensor(message.data)
+            if found != (rate, orders):
+                between = f"{_bench(rate, orders)}, and {_bench(*found)}"
+                raise Refusal(f"{path} contains two benches one after the other, {between}: record them separately")
+        yield message
+
+
+def _bench(rate: int, orders: Orders) -> str:
+    return f"{rate} Hz with " + ", ".join(f"{name} {order:g}" for name, order in orders.as_dict().items())
 
 
 def in_order(messages: Iterable[Message]) -> Iterator[Message]:

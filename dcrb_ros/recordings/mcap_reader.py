@@ -53,7 +53,9 @@ KINDS: dict[int, Any] = {
 class McapRecords:
     """The records of a file, including those in chunks; iterating collects in `damage` a sentence for everything that cannot be read."""
 
-    def __init__(self, path: Path, *, chunks: bool = True, topics: Container[str] | None = None, name: str = "") -> None:
+    def __init__(
+        self, path: Path, *, chunks: bool = True, topics: Container[str] | None = None, name: str = "", stored: int | None = None
+    ) -> None:
         """Read ``path``.
 
         Args:
@@ -61,8 +63,9 @@ class McapRecords:
             chunks: whether to read the chunks; without them only the records between them are read, which is fast.
             topics: the topics whose messages are read; by default all.
             name: name of the file in sentences about damage; by default that of ``path``.
+            stored: size of the file from which ``path`` was unpacked [bytes]; by default it was not.
         """
-        self.path, self._chunks, self._topics, self._name = path, chunks, topics, name or path.name
+        self.path, self._chunks, self._topics, self._name, self._stored = path, chunks, topics, name or path.name, stored
         self._summarized: dict[tuple[type[Any], int], Any] = {}
         """Schemas and channels in the summary by kind and number."""
         self._skipped: set[int] = set()
@@ -75,7 +78,9 @@ class McapRecords:
         self.damage, self._unpacked = [], 0
         with open_regular(self.path) as stream:
             size = os.fstat(stream.fileno()).st_size
-            self._most_unpacked = max(LEAST_UNPACKED, MAX_RATIO * size)
+            # In an unpacked file, chunks that are not compressed themselves have its size.
+            most = MAX_RATIO * size if self._stored is None else max(size, MAX_RATIO * self._stored)
+            self._most_unpacked = max(LEAST_UNPACKED, most)
             if stream.read(len(MAGIC)) != MAGIC:
                 self._report("it does not begin as an MCAP file")
                 return

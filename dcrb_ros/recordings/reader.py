@@ -20,7 +20,7 @@ from dcrb_ros.messages.statuses import decode_truth
 from dcrb_ros.messages.topics import DETECTED, GROUND_TRUTH, MANIFEST, NAMESPACE, SENSOR, SIMULATED, VIBRATION, Message, Topic
 from dcrb_ros.recordings import arrays
 from dcrb_ros.recordings.arrays import RecordedVerdict
-from dcrb_ros.recordings.latched import described_manifest, in_order
+from dcrb_ros.recordings.latched import described_manifest, in_order, of_one_bench
 from dcrb_ros.recordings.manifest import OUTCOME
 from dcrb_ros.recordings.storage import StoredMessage, plain_name, valid_files
 from dcrb_ros.runtime.version import __version__
@@ -29,6 +29,7 @@ from dcrb_ros.schema.printable import printable
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.parameters import Bearing
+from dcrb_ros.settings.sensor import as_recorded
 from dcrb_ros.simulation.ground_truth import GroundTruth, commands_in
 from dcrb_ros.stream.event_text import decode_command
 from dcrb_ros.stream.events import TimedCommand
@@ -171,12 +172,22 @@ class Recording:
         return commands_in(decode_truth(message.data) for message in self.messages((GROUND_TRUTH,)))
 
     def messages(self, topics: Iterable[Topic] | None = None, *, namespace: str | None = None) -> Iterator[Message]:
-        """Yield the messages on some topics, by default on all topics of the bench, in the order of the file."""
+        """Yield the messages on some topics, by default on all topics of the bench, in the order of the file.
+
+        Raises
+        ------
+        Refusal
+            The recording has no manifest, and describes a second bench after the first.
+        """
         prefix = self.namespace if namespace is None else namespace
-        wanted = {topic.resolved(prefix): topic for topic in (topics or (*SIMULATED, *DETECTED))}
+        asked = frozenset(topics or (*SIMULATED, *DETECTED))
+        wanted = {topic.resolved(prefix): topic for topic in (asked | {SENSOR} if self.described else asked)}
         found = (Message(wanted[one.channel.topic], one.message.log_time, one.message.data) for one in self._messages(wanted))
+        if not self.described:
+            return found
         # Without a manifest the log times are not those of the bench, nor is the order.
-        return in_order(found) if self.described else found
+        described = of_one_bench(in_order(found), self.path, self.sampling_rate, self.orders)
+        return (message for message in described if message.topic in asked)
 
     def vibrations(self) -> Iterator[Vibration]:
         """Yield the blocks of the waveform; see `ranged_vibrations`."""
@@ -270,7 +281,7 @@ class Recording:
         if self.imported or self.described:
             return None
         try:
-            return Configuration.model_validate(self.manifest["configuration"])
+            return Configuration.model_validate(as_recorded(self.manifest["configuration"]))
         except DAMAGE as error:
             first = str(error).splitlines()[0] if str(error) else type(error).__name__
             raise Refusal(

@@ -153,6 +153,8 @@ def recover(source: Path, target: Path) -> Recovered:
 def _recording(source: Path) -> Recording | None:
     """Return the source as a recording of the bench; none if it is another bag."""
     try:
-        return Recording(source)
+        found = Recording(source)
+        _ = found.sampling_rate  # without it no sample can be counted
     except Refusal:
         return None
+    return found

@@ -17,6 +17,8 @@ from dcrb_ros.recordings.mcap_reader import MAX_DAMAGE, MAX_RECORD
 MAGIC = b"SQLite format 3\x00"
 TABLES = ("topics", "messages")
 """Tables that every bag of rosbag2 has."""
+DEFINITIONS = "message_definitions"
+"""Table that newer bags have in addition."""
 
 
 class SqliteRecords:
@@ -25,8 +27,10 @@ class SqliteRecords:
     The file is opened for reading only. Log time and publish time of a message are both the time at which it was received.
     """
 
-    def __init__(self, path: Path, *, chunks: bool = True, topics: Container[str] | None = None, name: str = "") -> None:
-        """Read ``path``; the arguments are those of `McapRecords`, without ``chunks`` there is nothing to read."""
+    def __init__(
+        self, path: Path, *, chunks: bool = True, topics: Container[str] | None = None, name: str = "", stored: int | None = None
+    ) -> None:
+        """Read ``path``; the arguments are those of `McapRecords`. Without ``chunks`` there is nothing to read."""
         self.path, self._chunks, self._topics, self._name = path, chunks, topics, name or path.name
         self.damage: list[str] = []
 
@@ -41,16 +45,19 @@ class SqliteRecords:
             self._report(f"the database cannot be read further ({error})")
 
     def _records(self, connection: sqlite3.Connection) -> Iterator[Any]:
-        plain = {name for name, text in connection.execute("SELECT name, sql FROM sqlite_master WHERE type = 'table'") if _is_plain(text)}
+        tables = list(connection.execute("SELECT name, sql FROM sqlite_master WHERE type = 'table'"))
+        plain = {name for name, text in tables if name in (*TABLES, DEFINITIONS) and _is_plain(connection, name, text)}
         missing = [name for name in TABLES if name not in plain]
         if missing:
             self._report(f"it has no table '{missing[0]}'")
             return
-        definitions = dict(_rows(connection, "message_definitions", "topic_type", "encoded_message_definition"))
+        known = _rows(connection, DEFINITIONS, "topic_type", "encoded_message_definition") if DEFINITIONS in plain else ()
+        definitions = {kind: text for kind, text in known if isinstance(text, str)}
         wanted = []
         columns = ("id", "name", "type", "serialization_format", "offered_qos_profiles", "type_description_hash")
         for number, topic, kind, encoding, profiles, type_hash in _rows(connection, "topics", *columns):
-            if not (isinstance(number, int) and isinstance(topic, str) and isinstance(kind, str)):
+            texts = (topic, kind, encoding or "", profiles or "", type_hash or "")
+            if not (isinstance(number, int) and all(isinstance(text, str) for text in texts)):
                 self._report(f"the topic {topic!r} is damaged")
                 continue
             if self._topics is None or topic in self._topics:
@@ -67,7 +74,7 @@ class SqliteRecords:
             f"WHERE topic_id IN ({places}) ORDER BY id"
         )
         for number, topic, time_ns, data in connection.execute(query, (MAX_RECORD, *wanted)):
-            if isinstance(time_ns, int) and isinstance(data, bytes) and time_ns >= 0:
+            if isinstance(number, int) and isinstance(time_ns, int) and isinstance(data, bytes) and time_ns >= 0:
                 yield Message(topic, time_ns, data, time_ns, number & 0xFFFFFFFF)
             else:
                 self._report(f"message {number} is damaged, or has more than {MAX_RECORD} bytes")
@@ -93,9 +100,10 @@ def _connected(path: Path) -> sqlite3.Connection:
     return connection
 
 
-def _is_plain(definition: object) -> bool:
-    """Return whether a table is stored in the file, not computed."""
-    return isinstance(definition, str) and definition.upper().startswith("CREATE TABLE")
+def _is_plain(connection: sqlite3.Connection, name: str, definition: object) -> bool:
+    """Return whether a table is stored in the file; a virtual table or a generated column is computed, of any size."""
+    computed = any(row[-1] for row in connection.execute(f"PRAGMA table_xinfo({name})"))
+    return isinstance(definition, str) and definition.upper().startswith("CREATE TABLE") and not computed
 
 
 def _rows(connection: sqlite3.Connection, table: str, *columns: str) -> Iterator[Any]:

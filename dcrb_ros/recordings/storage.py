@@ -15,7 +15,7 @@ from typing import Any, Protocol
 from mcap.records import Channel, Message, Metadata, Schema
 
 from dcrb_ros.recordings import mcap_reader, sqlite_reader
-from dcrb_ros.recordings.compression import beginning, compression_of, unpack, unpacked_message
+from dcrb_ros.recordings.compression import MessageUnpacker, beginning, compression_of, unpack
 from dcrb_ros.recordings.mcap_reader import MAX_RECORD, McapRecords, has_summary
 from dcrb_ros.recordings.sqlite_reader import SqliteRecords
 from dcrb_ros.schema.refusal import Refusal
@@ -109,7 +109,7 @@ class StoredFile:
         channels: dict[int, Channel] = {}
         unknown: Counter[int] = Counter()
         flaws: list[str] = []
-        records = self._records(topics=topics)
+        records, unpacker = self._records(topics=topics), MessageUnpacker(self.path)
         for record in records:
             if isinstance(record, Schema):
                 schemas[record.id] = record
@@ -120,7 +120,7 @@ class StoredFile:
                 if channel is None:
                     unknown[record.channel_id] += 1
                     continue
-                message = self._unpacked(record, channel, flaws)
+                message = self._unpacked(record, channel, unpacker, flaws)
                 if message is not None:
                     yield StoredMessage(channel, schemas.get(channel.schema_id), message)
         name = self.path.name
@@ -133,7 +133,8 @@ class StoredFile:
         return next((storage for magic, storage in STORAGES.items() if self._head.startswith(magic)), None)
 
     def _records(self, **options: Any) -> Records:
-        found: Records = self._storage(self._readable, name=self.path.name, **options)
+        stored = self.path.stat().st_size if self._compression else None
+        found: Records = self._storage(self._readable, name=self.path.name, stored=stored, **options)
         return found
 
     @cached_property
@@ -150,7 +151,7 @@ class StoredFile:
             raise Refusal(f"{self.path} cannot be unpacked to {folder}: {error.strerror}; make room there or set TMPDIR") from None
         return Path(copy.name)
 
-    def _unpacked(self, message: Message, channel: Channel, flaws: list[str]) -> Message | None:
+    def _unpacked(self, message: Message, channel: Channel, unpacker: MessageUnpacker, flaws: list[str]) -> Message | None:
         """Return a message as it was sent; none if it cannot be unpacked, which is added to ``flaws``."""
         packed = compression_of(message.data)
         if not packed:
@@ -158,9 +159,11 @@ class StoredFile:
         self._packed_messages = True
         if packed != "zstd":
             sentence = f"messages are compressed by {packed}, which cannot be read; zstd can"
+        elif unpacker.excess:
+            sentence = unpacker.excess
         else:
             try:
-                return replace(message, data=unpacked_message(message.data, MAX_RECORD))
+                return replace(message, data=unpacker.unpacked(message.data, MAX_RECORD))
             except ValueError as error:
                 sentence = f"a message on {channel.topic} is damaged ({error})"
         if len(flaws) < mcap_reader.MAX_DAMAGE and f"{self.path.name}: {sentence}" not in flaws:

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import os
 import signal
-from collections.abc import Iterator
+import subprocess
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 from dcrb_ros.runtime.signals import TERMINATION
 from dcrb_ros.runtime.threads import NamedThread
 
 STANDARD_INPUT = 0
+GUARD = 'read -r group || exit; read -r _; kill -s INT -- "-$group"; sleep "$0"; kill -s KILL -- "-$group"'
+"""Shell script that ends the process group on its standard input once this is closed: like Ctrl-C, and after $0 seconds without mercy."""
 
 
 @contextmanager
@@ -38,3 +41,27 @@ def _end_after_input() -> None:
     while os.read(STANDARD_INPUT, 4096):
         pass
     os.kill(os.getpid(), signal.SIGTERM)
+
+
+@contextmanager
+def group_guard(patience: float) -> Iterator[Callable[[int], None]]:
+    """Yield a function to call with the number of a process group, which ends if this process ends before the context does.
+
+    Any program can be in the group; it needs no `end_with_parent`. A shell outside of the group, started before it, waits for the end of
+    this process, even by SIGKILL. It gives the group a ``patience`` [s] after SIGINT.
+    """
+    with signals_blocked():
+        guard = subprocess.Popen(
+            ["/bin/sh", "-c", GUARD, str(patience)], stdin=subprocess.PIPE, stderr=subprocess.DEVNULL, start_new_session=True
+        )
+    assert guard.stdin is not None
+    words = guard.stdin.fileno()
+
+    def guarded(group: int) -> None:
+        os.write(words, b"%d\n" % group)
+
+    try:
+        yield guarded
+    finally:
+        guard.kill()  # before its standard input is closed
+        guard.communicate()

@@ -27,7 +27,7 @@ from dcrb_ros.text.files import checked_path
 from dcrb_ros.text.yaml import parsed, read_yaml
 
 MOST_UNKNOWN = 20
-"""Unknown parameters that are named, with those that may be meant, which takes a millisecond each."""
+"""Unknown parameters for which those that may be meant are searched, which takes a millisecond each."""
 LEAST = sys.float_info.min
 """Smallest magnitude of a number other than zero: quotients of smaller numbers overflow."""
 
@@ -103,10 +103,9 @@ def _checked(flat: Mapping[str, Any], model: type[Model]) -> tuple[Model | None,
     known, fields = _without_empty_groups(flat, model), fields_by_key(model)
     unknown = [key for key in known if key not in fields]
     wrong = [unknown_parameter(key, model) for key in unknown[:MOST_UNKNOWN]]
-    if len(unknown) > MOST_UNKNOWN:
-        wrong.append(f"{len(unknown) - MOST_UNKNOWN} more parameters are unknown, the last '{unknown[-1]}'")
+    wrong += [f"unknown parameter '{key}'" for key in unknown[MOST_UNKNOWN:]]
     for key, value in known.items():
-        if isinstance(value, float) and 0.0 < abs(value) < LEAST:
+        if key in fields and isinstance(value, float) and 0.0 < abs(value) < LEAST:
             wrong.append(f"{key} = {value!r} is too close to zero: give 0.0, or a magnitude of at least {LEAST:g}")
     try:
         return model.model_validate(nest({key: value for key, value in known.items() if key in fields})), wrong

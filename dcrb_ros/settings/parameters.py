@@ -103,10 +103,26 @@ class Surfaces(Group):
     seed: int = quantity(0, "-", "Seed that makes the bearing an individual; 0 for simulation.seed", 0, 2**31 - 1)
     waviness: float = length(1e-7, "Waviness of the raceways of 15 to 150 lobes, root mean square; half of it on rollers", 0.0, 1e-5)
     waviness_slope: float = quantity(1.5, "-", "Exponent with which the amplitudes of waviness fall over the number of lobes", 0.5, 4.0)
+    waviness_spread: float = quantity(
+        0.4, "-", "Standard deviation of the logarithm of the waviness between bearings, which is within twice that", 0.0, 1.0
+    )
     roundness: float = length(1e-6, "Out-of-roundness of the raceways of 2 to 14 lobes, root mean square", 0.0, 1e-4)
     roller_spread: float = length(4e-7, "Standard deviation of the diameters of the rollers", 0.0, 1e-5)
-    clearance_spread: float = length(1e-5, "Standard deviation of the diametral clearance between bearings", 0.0, 1e-4)
+    clearance_spread: float = length(
+        1e-5, "Standard deviation of the diametral clearance between bearings, which is within twice that", 0.0, 1e-4
+    )
     row_spread: float = length(1e-6, "Standard deviation of the outer raceway's radius between rows", 0.0, 1e-5)
+    run_out: float = length(
+        5e-6,
+        "Root mean square of the eccentricity of each inner raceway, which turns with the shaft and shifts load between rows",
+        0.0,
+        1e-4,
+    )
+    pocket_spread: float = length(1.5e-5, "Standard deviation of the places of the pockets along the pitch circle", 0.0, 1e-4)
+    pocket_clearance_spread: float = length(
+        1e-5, "Standard deviation of the clearance of pockets between bearings, which is within twice that", 0.0, 1e-4
+    )
+    cage_unbalance: float = length(5e-6, "Distance of each cage's centre of mass from its centre, at a random angle", 0.0, 1e-3)
 
 
 class Cage(Group):
@@ -152,9 +168,30 @@ class Operating(Group):
     wheel_diameter: float = quantity(0.92, "m", "Diameter of the wheels on the shaft", 0.05, 5.0, symbol="D", remedy=LENGTH_REMEDY)
     speed_ramp: float = quantity(50.0, "rad/s^2", "Rate at which the speed changes to a commanded one", 0.001, 1e5, run_time=True)
     load_ramp: float = quantity(2e5, "N/s", "Rate at which the load changes to a commanded one, per axis", 1.0, 1e9, run_time=True)
+    speed_fluctuation: float = quantity(
+        0.0,
+        "-",
+        "Slow random fluctuation of the speed, 0.1 to 5 Hz, root mean square over the speed; 0 for none",
+        0.0,
+        0.02,
+        remedy="give a share, not per cent",
+    )
+    speed_ripple: float = quantity(
+        0.0,
+        "-",
+        "Fluctuation of the speed with the orders 1 and 2 of the shaft, root mean square over the speed; 0 for none",
+        0.0,
+        0.02,
+        remedy="give a share, not per cent",
+    )
     gravity: float = quantity(9.81, "m/s^2", "Gravity, downwards", 0.0, 100.0, symbol="g")
-    start: Literal["warm", "cold"] = choice(
-        "warm", "Initial state: warm, static equilibrium and pure rolling; cold, cage and rollers at rest (Fig. 8 of the paper)"
+    start: Literal["warm", "settled", "cold"] = choice(
+        "warm",
+        "Initial state: warm, static equilibrium and pure rolling; settled, the same with the cages lying on rollers or land instead of "
+        "falling; cold, cage and rollers at rest (Fig. 8 of the paper)",
+    )
+    cage_angles: Literal["set", "drawn"] = choice(
+        "set", "Angles of the cages at the start: set, by bearing.row_phase, or drawn by simulation.seed, for rows drift apart"
     )
 
     @model_validator(mode="before")

@@ -25,13 +25,14 @@ SHAPE = "give groups such as 'operating: {speed: 100.0}', or a ROS parameter fil
 Tree = Mapping[Any, Any]
 
 
-def parameters_of(tree: Any, node: str, source: str) -> list[Tree]:
+def parameters_of(tree: Any, node: str, source: str, *, of_ros: bool = False) -> list[Tree]:
     """Return the trees of parameters that a file has for a node; a later one overrides those before it.
 
     Args:
         tree: the file as parsed from YAML.
         node: one of `NODES`.
         source: the file's name in error messages.
+        of_ros: whether to include the parameters that every node of ROS has.
 
     Raises:
         Refusal: the file has no parameters for the node, or something that no node of the bench reads.
@@ -53,7 +54,7 @@ def parameters_of(tree: Any, node: str, source: str) -> list[Tree]:
     if not found:
         named = ", ".join(f"'{name}'" for name, _ in sections)
         raise Refusal(f"{source} has no parameters for the node '{node}'; its sections are {named}: add '/**/{node}:', or use '/**:'")
-    return [{key: value for key, value in parameters.items() if key not in OF_ROS} for parameters in found]
+    return [{key: value for key, value in parameters.items() if of_ros or key not in OF_ROS} for parameters in found]
 
 
 def _has_sections(tree: Tree) -> bool:

@@ -34,6 +34,7 @@ PRESETS: Mapping[str, Mapping[str, Any]] = {
         "mount_frequency": 21000.0,
         "mount_damping": 0.05,
         "bandwidth": 11000.0,
+        "static_gravity": GRAVITY,
         "cross_axis": 0.01,
         "bias": 1.0,
         "bias_drift": 0.01,
@@ -53,6 +54,17 @@ def preset_values(preset: str) -> dict[str, Any]:
     keys = sorted({key for values in PRESETS.values() for key in values})
     own = PRESETS[preset]
     return {f"sensor.{key}": own.get(key, SensorParameters.model_fields[key].default) for key in keys}
+
+
+def as_recorded(configuration: Any) -> Any:
+    """Return the configuration of a recording without what its preset has come to set since it was written.
+
+    A manifest names every parameter of its time, so that a missing one had no effect.
+    """
+    sensor = configuration.get("sensor") if isinstance(configuration, Mapping) else None
+    if not isinstance(sensor, Mapping) or "static_gravity" in sensor:
+        return configuration
+    return {**configuration, "sensor": {**sensor, "static_gravity": 0.0}}
 
 
 @with_fields_of(parameters_of("structure"))

@@ -7,11 +7,10 @@ import dataclasses
 import math
 import threading
 from collections import deque
-from collections.abc import Callable, Iterable, Iterator, Mapping
-from typing import Any, TypeVar
+from collections.abc import Iterable, Iterator, Mapping
+from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from dcrb_ros.bearing.energy import account, stored_energy
 from dcrb_ros.bearing.kinematics import characteristic_orders
@@ -22,21 +21,21 @@ from dcrb_ros.core.compilation import compile_ahead
 from dcrb_ros.core.layout.state import copy_of
 from dcrb_ros.core.layout.workspace import workspace
 from dcrb_ros.core.solver.step import advance
-from dcrb_ros.measurement.decimation import Cascade
-from dcrb_ros.measurement.sensor import Measurement, Sensor
+from dcrb_ros.measurement.sensor import Sensor
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.numbers import finite_number
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.schema.simulated_time import nanoseconds
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.parameters import Operating
+from dcrb_ros.simulation.block_queue import BlockQueue
 from dcrb_ros.simulation.scenario import ScheduledChange
+from dcrb_ros.simulation.shaft_speed import ShaftSpeed
 from dcrb_ros.simulation.transmission import Transmission
 from dcrb_ros.stream.block import Block, Truth
 from dcrb_ros.stream.events import BlockLost, Command, Event, LoadCommand, ParameterChange, Refused, ScenarioEvent, SpeedCommand, Start
-from dcrb_ros.stream.states import Account, BodyNames, States
+from dcrb_ros.stream.states import Account, BodyNames
 
-Item = TypeVar("Item")
 MAX_PENDING = 1000
 """Commands that may wait for the next block."""
 
@@ -113,19 +112,14 @@ class Simulation:
         self._state = initial_state(configuration, self._payload)
         self._work = workspace(self._payload)
         self._stored = stored_energy(self._payload, self._state)
+        self._shaft = ShaftSpeed(configuration)
         self._sensor = Sensor(configuration.measurement)
         self._transmission = Transmission(configuration)
-        self._preview = Cascade(configuration.sensor.sampling_rate // configuration.publishing.preview_rate)
         self._orders = characteristic_orders(configuration.bearing)
         self._steps = 0
-        self._samples = 0
         self._pending: deque[Command] = deque()
         self._lock = threading.Lock()
-        self._measured: deque[Measurement] = deque()
-        self._states: deque[States] = deque()
-        self._truths: deque[Truth] = deque()
-        self._previews: deque[tuple[int, npt.NDArray[np.float64]]] = deque()
-        self._preview_count = 0
+        self._queue = BlockQueue(configuration.sensor.sampling_rate, configuration.publishing.preview_rate, preview=not waveform_only)
         self._note(Start())
 
     @property
@@ -227,40 +221,22 @@ class Simulation:
 
     def _blocks(self, duration: float | None) -> Iterator[Block]:
         rate, size = self.configuration.sensor.sampling_rate, self.configuration.publishing.block_size
-        last = None if duration is None else self._samples + round(duration * rate)
-        while last is None or self._samples < last:
-            yield self._block(size if last is None else min(size, last - self._samples))
+        last = None if duration is None else self._queue.samples + round(duration * rate)
+        while last is None or self._queue.samples < last:
+            yield self._block(size if last is None else min(size, last - self._queue.samples))
 
     def _block(self, size: int) -> Block:
-        if self._samples == 0:
+        first = self._queue.samples
+        if first == 0:
             compile_ahead(self._payload, self._state, self._work)
         self._apply_commands()
-        first, rate = self._samples, self.configuration.sensor.sampling_rate
         lost = self._transmission.next_is_lost()
         if lost:
             self._note(BlockLost(first, first + size - 1))
         self._step_to(self._sensor.steps(first + size))
-        measured = self._take(size)
-        self._samples += size
-        end_ns = nanoseconds(self._samples, rate)
-        self._feed_preview(measured.clean)
-        previews = _before(self._previews, end_ns, lambda item: item[0])
-        truths = tuple(_before(self._truths, end_ns, lambda truth: truth.time_ns))
-        return Block(
-            index=first,
-            rate=rate,
-            acceleration=measured.measured.astype(np.float32),
-            shaft_angle=_wrapped(measured.angle),
-            clean=measured.clean.astype(np.float32),
-            clipped=int(measured.clipped.sum()),
-            range=self.configuration.sensor.range,
-            lost=lost or self._transmission.between_bursts(first),
-            preview=np.array([sample for _, sample in previews], np.float32).reshape(-1, 2),
-            preview_ns=tuple(time for time, _ in previews),
-            states=tuple(_before(self._states, end_ns, lambda states: states.time_ns)),
-            truths=truths,
-            energy=self.energy if truths and not self._waveform_only else None,
-        )
+        unpublished = lost or self._transmission.between_bursts(first)
+        block = self._queue.cut(size, lost=unpublished, sensor_range=self.configuration.sensor.range)
+        return dataclasses.replace(block, energy=self.energy) if block.truths and not self._waveform_only else block
 
     def _apply_commands(self) -> None:
         with self._lock:
@@ -272,9 +248,10 @@ class Simulation:
         """Apply a command and return the event to report."""
         match command:
             case SpeedCommand(speed):
-                self._state.target[0] = speed
+                self._set_target(0, speed)
             case LoadCommand(x, y):
-                self._state.target[1:] = x, y
+                self._set_target(1, x)
+                self._set_target(2, y)
             case ParameterChange(changes):
                 return self._alter(changes, command)
         return command
@@ -296,19 +273,38 @@ class Simulation:
             return Refused(request, str(refusal))
         before, self.configuration = self.configuration, after
         if after.faults != before.faults:
+            ramp = self._payload.speed_ramp
             self._payload = refitted(after, self._payload, self._state)
+            if self._shaft.fluctuates:
+                self._payload = self._payload._replace(speed_ramp=ramp)
             self._work = workspace(self._payload)
         self._onsets = onsets(self._onsets, after, self._steps / after.step_rate)
         if after.operating != before.operating:
-            ramps = after.operating
-            self._payload = self._payload._replace(speed_ramp=ramps.speed_ramp, load_ramp=ramps.load_ramp)
+            ramp = self._payload.speed_ramp if self._shaft.fluctuates else after.operating.speed_ramp
+            self._payload = self._payload._replace(speed_ramp=ramp, load_ramp=after.operating.load_ramp)
         if after.measurement.parameters != before.measurement.parameters:
             self._sensor.change(after.measurement.parameters, -(-self._steps // after.steps_per_sample))
         targets = ("operating.speed", 0, after.operating.speed), ("operating.lateral_load", 1, after.operating.lateral_load)
         for key, axis, target in (*targets, ("operating.load", 2, -after.operating.load)):
             if key in changes:
-                self._state.target[axis] = target
+                self._set_target(axis, target)
         return request
+
+    def _set_target(self, axis: int, value: float) -> None:
+        """Set the commanded speed [rad/s], axis 0, or load in X and Y [N], axes 1 and 2."""
+        if axis == 0:
+            self._shaft.commanded = value
+        if axis > 0 or not self._shaft.fluctuates:  # it takes effect with the next value of a fluctuating speed
+            self._state.target[axis] = value
+
+    def _fluctuate(self) -> int:
+        """Prescribe the speed where a new value is due; return the step at which the next one is."""
+        if self._steps % self._shaft.interval == 0:
+            shaft, ramp = self._state.shaft, self.configuration.operating.speed_ramp
+            speed, ramp = self._shaft.next(self._steps, float(shaft[0]), float(shaft[1]), ramp)
+            self._state.target[0] = speed
+            self._payload = self._payload._replace(speed_ramp=ramp)
+        return self._steps - self._steps % self._shaft.interval + self._shaft.interval
 
     def _step_to(self, end: int) -> None:
         """Step the model to step ``end``, stopping at every time of a state, a truth or a scheduled change."""
@@ -319,19 +315,20 @@ class Simulation:
             state_due = end if self._waveform_only else _next_tick(self._steps, publishing.state_rate, rate)
             truth_due = _next_tick(self._steps, publishing.truth_rate, rate)
             change_due = self._scheduled[0].step if self._scheduled else end
-            count = min(end, state_due, truth_due, change_due) - self._steps
+            value_due = self._fluctuate() if self._shaft.fluctuates else end
+            count = min(end, state_due, truth_due, change_due, value_due) - self._steps
             acceleration, angles = np.empty((count, 2)), np.empty(count)
             advance(self._payload, self._state, self._work, acceleration, angles)
             self._steps += count
             self._check_domain(acceleration)
             motion.append((acceleration, angles))
             if self._steps == state_due and not self._waveform_only:
-                self._states.append(observe(self._payload, self._state, self.time_ns))
+                self._queue.add_states(observe(self._payload, self._state, self.time_ns))
             if self._steps == truth_due:
                 self._note(None)
         if motion:
             accelerations, shaft = zip(*motion, strict=True)
-            self._measured.append(self._sensor.measure(np.concatenate(accelerations), np.concatenate(shaft)))
+            self._queue.add_samples(self._sensor.measure(np.concatenate(accelerations), np.concatenate(shaft)))
 
     def _check_domain(self, acceleration: Floats) -> None:
         off_seat = max(map(abs, self._state.outer_position.tolist()))
@@ -341,45 +338,16 @@ class Simulation:
                 "a shorter simulation.step or a smaller load keeps it in its domain"
             )
 
-    def _take(self, size: int) -> Measurement:
-        """Remove the next ``size`` samples from the measured ones and return them."""
-        joined = [np.concatenate([getattr(part, field.name) for part in self._measured]) for field in dataclasses.fields(Measurement)]
-        self._measured = deque([Measurement(*(samples[size:] for samples in joined))])
-        return Measurement(*(samples[:size] for samples in joined))
-
-    def _feed_preview(self, clean: npt.NDArray[np.float64]) -> None:
-        if self._waveform_only:
-            return
-        for sample in self._preview.process(clean):
-            time_ns = nanoseconds(self._preview_count, self.configuration.publishing.preview_rate)
-            self._previews.append((time_ns, sample))
-            self._preview_count += 1
-
     def _note(self, event: Event | None) -> None:
         """Append the ground truth of this instant."""
         speed, load = float(self._state.shaft[1]), self._state.load
         faults = {name: {**fields, "onset": self._onsets[name]} for name, fields in self.configuration.described_faults().items()}
         frequencies = self._orders.frequencies(speed / (2.0 * math.pi))
         background = self.configuration.background.described()
-        self._truths.append(Truth(self.time_ns, speed, (float(load[0]), float(load[1])), frequencies, faults, event, background))
+        self._queue.add_truth(Truth(self.time_ns, speed, (float(load[0]), float(load[1])), frequencies, faults, event, background))
 
 
 def _next_tick(step: int, rate: int, step_rate: int) -> int:
     """Return the first step after ``step`` at which a clock of ``rate`` [Hz] ticks."""
     tick = step * rate // step_rate + 1
     return -(-tick * step_rate // rate)
-
-
-def _wrapped(angle: Floats) -> npt.NDArray[np.float32]:
-    """Return angles wrapped to [0, 2 pi) in single precision, where an angle below 2 pi may be rounded up to it."""
-    turned = np.mod(angle, 2.0 * math.pi).astype(np.float32)
-    turned[turned >= np.float32(2.0 * math.pi)] = 0.0
-    return turned
-
-
-def _before(items: deque[Item], end_ns: int, time_of: Callable[[Item], int]) -> list[Item]:
-    """Remove the items with a time before ``end_ns`` [ns] from the queue and return them."""
-    taken = []
-    while items and time_of(items[0]) < end_ns:
-        taken.append(items.popleft())
-    return taken

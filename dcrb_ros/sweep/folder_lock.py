@@ -57,7 +57,7 @@ def _held(path: Path) -> int:
         try:
             fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
             # The process that held it removes the file before it releases the lock, so this may be a file without a name.
-            if os.path.exists(path) and os.path.samestat(os.fstat(descriptor), os.stat(path)):
+            if _lies_at(path, descriptor):
                 os.ftruncate(descriptor, 0)
                 os.write(descriptor, f"{os.getpid()} on {platform.node()}".encode())
                 return descriptor
@@ -71,3 +71,11 @@ def _held(path: Path) -> int:
             os.close(descriptor)
             raise
         os.close(descriptor)
+
+
+def _lies_at(path: Path, descriptor: int) -> bool:
+    """Return whether an open file is the one that has a name now."""
+    try:
+        return os.path.samestat(os.fstat(descriptor), os.stat(path))
+    except FileNotFoundError:
+        return False

@@ -34,6 +34,8 @@ HEALTHY = "healthy"
 LONGEST_RUN = 600.0
 """Longest run whose waveform is kept in memory [s]: 370 MB at 51.2 kHz."""
 MOST_VALUES = 10_000
+MOST_RUNS = 1_000_000
+"""Runs of a sweep [-]; the plan of so many takes some 50 s and 0.3 GB."""
 SHORTEST_SETTLE = 0.005
 """Shortest time between a branch and the first recorded sample [s]; it exceeds the impulse response of the filters."""
 
@@ -209,6 +211,8 @@ def _consistent(sweep: Sweep, fields: Mapping[str, ParameterField], source: str)
     seeds = [file.seeds] if isinstance(file.seeds, int) else file.seeds
     if not seeds or min(seeds) < (1 if isinstance(file.seeds, int) else 0) or max(seeds) > 2**31 - 1:
         raise Refusal(f"{source}: seeds = {file.seeds!r} is invalid: give the number of seeds per condition, at least 1, or a list")
+    if sweep.count > MOST_RUNS:
+        raise Refusal(f"{source} defines {sweep.count} runs; a sweep has at most {MOST_RUNS}: give fewer points, values, seeds or cases")
     for name, axes in sweep.cases.items():
         for key in axes:
             if key != SCENARIO and key.split(".")[0] not in CASE_GROUPS:

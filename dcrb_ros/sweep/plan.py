@@ -12,6 +12,8 @@ from typing import Any
 
 from dcrb_ros.recordings.manifest import model_fingerprint
 from dcrb_ros.runtime.version import __version__
+from dcrb_ros.settings.configuration import Configuration
+from dcrb_ros.settings.files import flatten
 from dcrb_ros.sweep.design import GRID, Point, Value, points
 from dcrb_ros.sweep.sweep_file import NO_FAULTS, SCENARIO, Shares, Sweep
 
@@ -58,7 +60,7 @@ class Plan:
         self.sweep = sweep
         file, base = sweep.file, dict(sweep.base)
         self._common = digest([base, __version__, model_fingerprint(), file.duration, file.settle, file.branch_at])
-        self._bearing = digest({key: value for key, value in base.items() if not _not_a_condition(key)})
+        self._defaults = flatten(Configuration().model_dump())
         conditions = {self._condition(point) for point in self._points()}
         self._splits = splits(conditions, sweep.file.split)
         self.conditions = len(conditions)
@@ -122,7 +124,9 @@ class Plan:
         return {key: value for key, value in changes.items() if self.sweep.base.get(key) != value}
 
     def _condition(self, point: Point) -> str:
-        return digest([self._bearing, self._difference({key: value for key, value in point.items() if not _not_a_condition(key)})])
+        """Return the hash of what differs from the defaults, so that a parameter added later does not change splits and seeds."""
+        values = {**self.sweep.base, **point}
+        return digest({key: value for key, value in values.items() if not _not_a_condition(key) and value != self._defaults.get(key)})
 
     def _seeds(self, condition: str) -> list[int]:
         """Return the seeds of a condition: as given, or derived from the condition so that no two conditions share their noise."""

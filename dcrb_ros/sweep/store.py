@@ -14,16 +14,16 @@ from typing import Any, TypedDict
 
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.sweep.folder_lock import LOCK
-from dcrb_ros.text.files import checked_path, read_bytes
+from dcrb_ros.text.files import Unreadable, checked_path, read_bytes
 
 LARGEST_FILE = 16 * 1024 * 1024
 """Largest label or description that is read [bytes]."""
 PART = ".part-"
 """Prefix of the names of unfinished files."""
-
-
 CHUNK = 1 << 20
 """Bytes that are hashed at once [-]."""
+READ_AGAIN = "make it readable and run the same command again to continue"
+"""Remedy for a file that cannot be read."""
 
 
 class StoreFailed(RuntimeError):
@@ -131,7 +131,8 @@ class Store:
         """Return the contents of a file; None if it does not exist.
 
         Raises:
-            StoreFailed: it cannot be read.
+            Refusal: it is not a regular file, or it is too large.
+            StoreFailed: it cannot be read now.
         """
         try:
             if self.folder is not None:
@@ -140,19 +141,25 @@ class Store:
         except FileNotFoundError:
             return None
         except OSError as error:
-            raise StoreFailed(f"{self.path(name)} cannot be read: {error.strerror or error}") from None
-        except Refusal as refusal:
-            raise StoreFailed(str(refusal)) from None
+            raise self._unreadable(name, error) from None
+        except Unreadable as unreadable:
+            raise StoreFailed(f"{unreadable}; {READ_AGAIN}") from None
         if len(data) > LARGEST_FILE:
             raise Refusal(f"{self.path(name)} has more than {LARGEST_FILE} bytes")
         return data
 
     def size(self, name: str) -> int | None:
-        """Return the size of a file [byte]; None if it does not exist."""
+        """Return the size of a file [byte]; None if it does not exist.
+
+        Raises:
+            StoreFailed: the store does not tell.
+        """
         try:
             found = self._filesystem[0].info(self.path(name))
-        except OSError:
+        except (FileNotFoundError, NotADirectoryError):
             return None
+        except OSError as error:
+            raise self._unreadable(name, error) from None
         return int(found["size"]) if found["type"] == "file" else None
 
     def sha256(self, name: str) -> str | None:
@@ -164,7 +171,7 @@ class Store:
         try:
             return None if self.folder is None else record_of(self.folder / name)["sha256"]
         except OSError as error:
-            raise StoreFailed(f"{self.path(name)} cannot be read: {error.strerror or error}") from None
+            raise self._unreadable(name, error) from None
 
     def remove(self, name: str) -> None:
         """Remove a file if it exists, or a folder of that name.
@@ -200,6 +207,9 @@ class Store:
         if self.folder is not None and self.folder.is_dir():
             for part in self.folder.rglob(f"{PART}*"):
                 shutil.rmtree(part, ignore_errors=True) if part.is_dir() else part.unlink(missing_ok=True)
+
+    def _unreadable(self, name: str, error: OSError) -> StoreFailed:
+        return StoreFailed(f"{self.path(name)} cannot be read: {error.strerror or error}; {READ_AGAIN}")
 
     def _failed(self, error: OSError) -> StoreFailed:
         reason = error.strerror or str(error)

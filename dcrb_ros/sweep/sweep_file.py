@@ -57,7 +57,7 @@ class SweepFile(Group):
     fixed: dict[str, Any] = Field(default_factory=dict, alias="set")
     """Parameters common to all runs."""
     design: Literal["grid", "random", "latin_hypercube"] = "grid"
-    points: int = Field(0, ge=0, le=10_000_000)
+    points: int = Field(0, ge=0)
     """Points of a random or Latin-hypercube design [-]."""
     seed: int = Field(1, ge=0, le=2**31 - 1)
     """Seed of the design."""

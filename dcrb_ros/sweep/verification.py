@@ -10,7 +10,8 @@ from pydantic import BaseModel, Field, TypeAdapter, ValidationError
 
 from dcrb_ros.runtime.processes import cores
 from dcrb_ros.runtime.threads import show_name
-from dcrb_ros.sweep.store import Store, StoreFailed
+from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.sweep.store import Store
 from dcrb_ros.text.json import parsed_json
 
 LABELS, ERRORS = "labels", "errors"
@@ -70,7 +71,10 @@ def read_label(store: Store, run: str, folder: str = LABELS) -> dict[str, Any] |
         StoreFailed: it cannot be read.
     """
     name = label_name(run, folder)
-    data = store.read(name)
+    try:
+        data = store.read(name)
+    except Refusal as refusal:
+        raise DamagedLabel(str(refusal)) from None
     if data is None:
         return None
     try:
@@ -88,16 +92,20 @@ def read_label(store: Store, run: str, folder: str = LABELS) -> dict[str, Any] |
 
 
 def flaw(store: Store, run: str) -> str | None:
-    """Return why a labelled run does not count, with the name of the file; None if its label and its files are whole."""
+    """Return why a labelled run does not count, with the name of the file; None if its label and its files are whole.
+
+    Raises:
+        StoreFailed: the store cannot be read, which says nothing about the run.
+    """
     try:
         label = read_label(store, run) or {}
         return next((found for name, stated in label.get("files", {}).items() if (found := _file_flaw(store, name, stated))), None)
-    except (DamagedLabel, StoreFailed) as error:
+    except DamagedLabel as error:
         return str(error)
 
 
 def flaws(store: Store, runs: list[str]) -> dict[str, str]:
-    """Return the labelled runs that do not count, each with the reason."""
+    """Return the labelled runs that do not count, each with the reason; see `flaw`."""
     with ThreadPoolExecutor(cores(), "verify", show_name) as threads:
         found = threads.map(lambda run: flaw(store, run), runs)
         return {run: reason for run, reason in zip(runs, found, strict=True) if reason is not None}

@@ -21,6 +21,10 @@ KINDS = {
 """Kinds of entries of a folder that are not regular files."""
 
 
+class Unreadable(Refusal):
+    """The operating system does not read a file, now or for this user; its content may be sound."""
+
+
 def checked_path(path: str | Path) -> Path:
     """Return a path that the file system can represent, whether something exists there or not.
 
@@ -50,7 +54,8 @@ def open_regular(path: Path) -> BinaryIO:
     """Return a regular file opened for reading; a pipe or a device, which may never end, is not read.
 
     Raises:
-        Refusal: the path is not a regular file, or it cannot be read.
+        Refusal: the path is not a regular file.
+        Unreadable: it cannot be read.
     """
     try:
         # Without this flag, opening a pipe would wait for a writer.
@@ -58,7 +63,7 @@ def open_regular(path: Path) -> BinaryIO:
     except ValueError as error:
         raise Refusal(f"{path} is not a path ({error}): give the name of a file") from None
     except OSError as error:
-        raise Refusal(f"{path} cannot be read: {error.strerror}") from None
+        raise Unreadable(f"{path} cannot be read: {error.strerror}") from None
     kind = stat.S_IFMT(os.fstat(descriptor).st_mode)
     if kind != stat.S_IFREG:
         os.close(descriptor)
@@ -79,7 +84,8 @@ def read_bytes(path: Path, largest: int) -> bytes:
     """Return the content of a file of at most ``largest`` bytes.
 
     Raises:
-        Refusal: the path is not a regular file, or it cannot be read or is too large.
+        Refusal: the path is not a regular file, or it is too large.
+        Unreadable: it cannot be read.
     """
     with open_regular(path) as stream:
         size = os.fstat(stream.fileno()).st_size
@@ -87,7 +93,7 @@ def read_bytes(path: Path, largest: int) -> bytes:
             # A file that is being written, or one of the kernel, has more bytes than its size says.
             data = b"" if size > largest else stream.read(largest + 1)
         except OSError as error:
-            raise Refusal(f"{path} cannot be read: {error.strerror}") from None
+            raise Unreadable(f"{path} cannot be read: {error.strerror}") from None
     if max(size, len(data)) > largest:
         raise Refusal(f"{path} has {max(size, len(data))} bytes; at most {largest} are read")
     return data

@@ -104,13 +104,12 @@ def _inner_bursts(run: Run, outer: Run) -> Comparison:
 
 def _cage_comb(run: Run, healthy: Run) -> Comparison:
     broken, whole, teeth = spectrum(run), spectrum(healthy), range(1, 14)
-    gains = [
-        decibels(broken.line(k * run.cage_frequency, 0.4).amplitude / whole.line(k * run.cage_frequency, 0.4).amplitude) for k in teeth
-    ]
-    clear = sum(gain > 10.0 for gain in gains)
+    lines = [(broken.line(k * run.cage_frequency, 0.4), whole.line(k * run.cage_frequency, 0.4)) for k in teeth]
+    # The healthy bearing with pinned rollers has next to no lines: a line must stand out of its own floor, too.
+    clear = sum(min(decibels(ours.amplitude / theirs.amplitude), ours.level) > 10.0 for ours, theirs in lines)
     strongest = broken.largest(2.0, 130.0)
     return Comparison(
-        "Cage fracture: lines k f_C, k = 1..13, more than 10 dB above the healthy run",
+        "Cage fracture: lines k f_C, k = 1..13, more than 10 dB above the healthy run and above their floor",
         run.spec.joint,
         "7.9 Hz, theory 8.4 Hz (Fig. 11a)",
         f"{clear} of 13; strongest at {strongest:.2f} Hz = {strongest / run.cage_frequency:.2f} f_C",

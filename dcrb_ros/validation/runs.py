@@ -135,6 +135,10 @@ class Run:
     """Friction force at the inner raceway [N]."""
     torque: Singles
     """Friction torque of both raceways [N m]."""
+    bar_force: Singles
+    """Normal force between a roller and its bar, positive at the bar ahead [N]."""
+    cage_offset: Floats
+    """Distance of the cages' centres from the outer ring's, shape (times, rows) [m]."""
     cage_speed: Floats
     """Rotation speed of the cages, shape (times, rows) [rad/s]."""
     inner_ring_force: Floats
@@ -218,6 +222,8 @@ def simulate(spec: RunSpec) -> Run:
         slip=series("slip")[:, :count],
         friction=series("friction")[:, :count],
         torque=series("torque")[:, :count],
+        bar_force=series("bar_force")[:, :count],
+        cage_offset=np.array([np.hypot(*state.cage_offset.T) for state in states]),
         cage_speed=speed[:, count : count + rows],
         inner_ring_force=np.array([state.inner_ring_force[1] for state in states]),
         energy=simulation.energy,

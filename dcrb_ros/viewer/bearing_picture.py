@@ -14,7 +14,7 @@ from dcrb_ros.stream.block import Truth
 from dcrb_ros.viewer import columns, palette
 from dcrb_ros.viewer.content import Content, Motion, Times
 from dcrb_ros.viewer.drawing import Drawing, arc, circle, on_circle, quaternions, rounded_up
-from dcrb_ros.viewer.fault_words import RacewayMark, RowFaults, faults_of_row
+from dcrb_ros.viewer.row_faults import RacewayMark, RowFaults, faults_of_row
 from dcrb_ros.viewer.timeline import TIMELINE, time_column
 
 ROOT = "bearing"

@@ -16,7 +16,7 @@ from dcrb_ros.viewer import bearing_picture, load_zone, order_map, series, spect
 from dcrb_ros.viewer.blueprint import compose_live
 from dcrb_ros.viewer.content import BenchInfo, Content, DetectorOutput, Motion, Waveform
 from dcrb_ros.viewer.drawing import Drawing, rounded_up
-from dcrb_ros.viewer.fault_words import RowFaults
+from dcrb_ros.viewer.row_faults import RowFaults
 from dcrb_ros.viewer.spectrum import Spectra, envelope_spectra
 
 RECENT = 1000

@@ -9,7 +9,7 @@ import matplotlib as mpl
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
-from command import dcrb
+from separate_process import dcrb
 
 from dcrb_ros import (
     Recording,

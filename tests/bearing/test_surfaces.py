@@ -21,11 +21,13 @@ from dcrb_ros.bearing.surfaces import (
     raceway_waves,
     reduced_radii,
 )
-from dcrb_ros.core.contacts.surface import Profile, Smooth, felt_at
+from dcrb_ros.core.contacts.surface import Profile, Smooth, curve, marked, packed, place_of, unpacked
+from dcrb_ros.core.layout.records import Integers
 from dcrb_ros.faults.geometry import SurfaceProfile
 from dcrb_ros.settings.configuration import Configuration
 
-EVEN: dict[str, Any] = {"law": "profile", "waviness": 0, "roundness": 0, "roller_spread": 0, "clearance_spread": 0, "row_spread": 0}
+SPREADS = ("roller_spread", "clearance_spread", "row_spread", "run_out", "pocket_spread", "pocket_clearance_spread", "cage_unbalance")
+EVEN: dict[str, Any] = {"law": "profile", "waviness": 0, "waviness_spread": 0, "roundness": 0} | dict.fromkeys(SPREADS, 0)
 OUTER_RADIUS, INNER_RADIUS = 17.390e-3, 12.603e-3
 """Reduced radii of the default bearing [m]."""
 
@@ -35,6 +37,14 @@ def surfaces(*damage: SurfaceProfile, faults: dict[str, Any] | None = None, **ch
     found, _ = build_surfaces(made, [*made.faults.damage(made.bearing), *damage])
     assert isinstance(found, Profile)
     return found
+
+
+def felt(table: Integers, angle: float) -> tuple[float, float]:
+    """Return height [m] and slope [m/rad] at an angle [rad] of a table of nodes."""
+    nodes = len(table) - 1
+    node, way = place_of(angle, nodes)
+    height, slope = curve(int(table[node]), int(table[node + 1]), 2.0 * math.pi / nodes, way)
+    return float(height), float(slope)
 
 
 def test_the_reduced_radii_are_those_of_the_default_bearing() -> None:
@@ -101,24 +111,45 @@ def test_between_nodes_a_height_is_continuous_with_its_slope() -> None:
     table = surfaces(waviness=1e-7).raceways[1, 0]
     spacing = 2.0 * math.pi / RACEWAY_NODES
     for node in (0, 1, 7000, RACEWAY_NODES - 1):
-        before, after = (felt_at(table, node * spacing + side * 1e-9 * spacing, 0) for side in (-1.0, 1.0))
+        before, after = (felt(table, node * spacing + side * 1e-9 * spacing) for side in (-1.0, 1.0))
         assert before == pytest.approx(after, abs=1e-12)
     angles = np.linspace(-7.0, 7.0, 301)
-    rise = [(felt_at(table, angle + 1e-6, 0)[0] - felt_at(table, angle - 1e-6, 0)[0]) / 2e-6 for angle in angles]
-    assert rise == pytest.approx([felt_at(table, angle, 0)[1] for angle in angles], abs=1e-6)
+    rise = [(felt(table, angle + 1e-6)[0] - felt(table, angle - 1e-6)[0]) / 2e-6 for angle in angles]
+    assert rise == pytest.approx([felt(table, angle)[1] for angle in angles], abs=1e-6)
+
+
+@given(st.lists(st.floats(-3e-4, 3e-5), min_size=4, max_size=4), st.lists(st.floats(-1.0, 1.0), min_size=4, max_size=4))
+def test_packed_nodes_are_heights_and_slopes_in_single_precision(heights: list[float], slopes: list[float]) -> None:
+    found = unpacked(packed(np.array(heights), np.array(slopes)))
+    assert np.array_equal(found[0], np.array([*heights, heights[0]], np.float32))
+    assert found[1] == pytest.approx([*slopes, slopes[0]], rel=3e-7, abs=1e-44)  # the last bit is a mark
+
+
+def test_nodes_are_marked_from_the_one_before_a_defect_to_its_last_one() -> None:
+    shares = np.array([0.0, 0.0, 0.3, 0.3, 0.0, 0.0])
+    nodes = packed(np.zeros(6), np.full(6, 0.1), shares)
+    assert [marked(int(node)) for node in nodes] == [0.0, 1.0, 1.0, 1.0, 0.0, 0.0, 0.0]
+
+
+@given(st.floats(-1e6, 1e6))
+def test_an_angle_lies_between_its_nodes_after_any_number_of_turns(angle: float) -> None:
+    node, way = place_of(angle, 1024)
+    assert 0 <= node < 1024
+    assert 0.0 <= way <= 1.0  # 1 by rounding, just below a node
+    assert math.remainder((node + way) * 2.0 * math.pi / 1024 - angle, 2.0 * math.pi) == pytest.approx(0.0, abs=1e-8)
 
 
 def test_the_same_seed_makes_the_same_bearing_and_one_item_changes_no_other() -> None:
     full = {"waviness": 1e-7, "roundness": 1e-6, "roller_spread": 4e-7}
     one, again, other = surfaces(**full, seed=7), surfaces(**full, seed=7), surfaces(**full, seed=8)
-    for name in Profile._fields[:1] + Profile._fields[2:]:
+    for name in ("raceways", "rollers"):
         assert np.array_equal(getattr(one, name), getattr(again, name))
         assert not np.array_equal(getattr(one, name), getattr(other, name))
     thicker = surfaces(**full | {"roller_spread": 8e-7}, seed=7)
     assert np.array_equal(thicker.raceways, one.raceways)
-    difference = (thicker.rollers - one.rollers)[:, 0, 0]
-    assert 2.0 * difference.std() == pytest.approx(4e-7, rel=0.4)
-    assert (thicker.rollers - one.rollers)[:, :, 0] == pytest.approx(np.tile(difference[:, None], 1024), abs=1e-12)
+    difference = unpacked(thicker.rollers[0])[0] - unpacked(one.rollers[0])[0]
+    assert 2.0 * difference[:, 0].std() == pytest.approx(4e-7, rel=0.4)
+    assert difference == pytest.approx(np.tile(difference[:, :1], 1025), abs=1e-12)
 
 
 @pytest.mark.parametrize(
@@ -135,15 +166,17 @@ def test_the_same_seed_makes_the_same_bearing_and_one_item_changes_no_other() ->
 )
 def test_each_kind_of_damage_is_felt(kind: str, width: float, depth: float, lowest: float, highest: float, share: float) -> None:
     found = surfaces(faults={"outer_1": {"kind": kind, "width": width, "depth": depth}})
-    felt = 1e6 * (found.raceways[1, 0, :, 0] + found.parts[1, 0, :, 0])
-    assert (felt.min(), felt.max()) == pytest.approx((lowest, highest), abs=0.1)
-    assert found.raceways[1, 0, :, 2].max() == pytest.approx(share, rel=1e-6)
+    total = 1e6 * (unpacked(found.raceways[1, 0])[0][:-1] + found.parts[1, 0, :, 0])
+    assert (total.min(), total.max()) == pytest.approx((lowest, highest), abs=0.1)
+    assert found.parts[1, 0, :, 2].max() == pytest.approx(share, rel=1e-6)
+    assert found.partial == (share > 0.0)
     assert np.array_equal(found.raceways[1, 0], found.raceways[1, 1])
     assert not found.raceways[0].any()
 
 
 def test_brinelling_lies_under_every_roller_of_the_load_zone() -> None:
-    found = surfaces(faults={"outer_1": {"kind": "brinelling", "width": 1e-3, "depth": 5e-6}}).raceways[1, 0, :, 0]
+    found = surfaces(faults={"outer_1": {"kind": "brinelling", "width": 1e-3, "depth": 5e-6}}).raceways[1, 0]
+    found = unpacked(found)[0][:-1]
     pitch = RACEWAY_NODES // 16
     assert [found[k * pitch] < -1e-7 for k in range(-4, 5)] == [False, *[True] * 7, False]
     assert found[pitch] == pytest.approx(found[-pitch], rel=1e-3)
@@ -152,10 +185,10 @@ def test_brinelling_lies_under_every_roller_of_the_load_zone() -> None:
 
 def test_a_roller_defect_meets_both_raceways_with_its_own_depth() -> None:
     found = surfaces(faults={"roller_1": {"width": 2e-3, "row": 2, "roller": 3, "azimuth": 0.5}}).rollers
-    damaged = found[16 + 2]
-    assert (damaged[:, 0].min(), damaged[:, 2].min()) == pytest.approx((-31.7e-6, -22.4e-6), rel=0.02)
-    assert np.argmin(damaged[:, 0]) == pytest.approx(0.5 / (2.0 * math.pi) * len(damaged), abs=1)
-    assert not np.delete(found, 18, axis=0).any()
+    damaged = unpacked(found[:, 16 + 2])[0]
+    assert damaged.min(axis=1) == pytest.approx((-31.7e-6, -22.4e-6), rel=0.02)
+    assert np.argmin(damaged[0]) == pytest.approx(0.5 / (2.0 * math.pi) * 1024, abs=1)
+    assert not np.delete(found, 18, axis=1).any()
 
 
 @pytest.mark.parametrize(("body", "row", "roller"), [("outer_ring", 1, -1), ("inner_ring", -1, -1), ("roller", 0, 4)])
@@ -164,9 +197,9 @@ def test_a_profile_of_a_fault_is_felt_as_it_is(body: Any, row: int, roller: int,
     angles = np.arange(64) * (spacing or 2.0 * math.pi / 64)
     depths = 1e-6 * (1.0 - np.cos(2.0 * math.pi * np.arange(64) / 64))
     found = surfaces(SurfaceProfile(body, depths.tolist(), 0.3, spacing, row, roller))
-    tables = found.rollers[4] if body == "roller" else found.raceways[("inner_ring", "outer_ring").index(body), max(row, 0)]
+    tables = found.rollers[0, 4] if body == "roller" else found.raceways[("inner_ring", "outer_ring").index(body), max(row, 0)]
     places = 0.3 + angles - (0.5 * spacing * 63)
-    assert [felt_at(tables, place, 0)[0] for place in places] == pytest.approx(-depths, abs=2e-9)
+    assert [felt(tables, place)[0] for place in places] == pytest.approx(-depths, abs=2e-9)
 
 
 def test_smooth_surfaces_have_no_heights_and_refuse_damage_that_has() -> None:

@@ -8,10 +8,12 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
+from dcrb_ros.core.contacts.surface import unpacked
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.simulation.loop import Simulation
 
-EVEN: dict[str, Any] = {"law": "profile", "waviness": 0, "roundness": 0, "roller_spread": 0, "clearance_spread": 0, "row_spread": 0}
+SPREADS = ("roller_spread", "clearance_spread", "row_spread", "run_out", "pocket_spread", "pocket_clearance_spread", "cage_unbalance")
+EVEN: dict[str, Any] = {"law": "profile", "waviness": 0, "waviness_spread": 0, "roundness": 0} | dict.fromkeys(SPREADS, 0)
 BENCH: dict[str, Any] = {"lubrication": {"law": "film"}, "friction": {"convection": 0.7}, "contact": {"loss_time": 1e-5}}
 RATE = 51200
 
@@ -59,7 +61,7 @@ def test_a_thicker_roller_carries_more() -> None:
     even, changes, thicknesses = bench()._state.inner_force, [], []
     for seed in range(1, 13):
         uneven = bench({"roller_spread": 4e-7, "seed": seed})
-        diameters = 2e6 * uneven._payload.surfaces.rollers[:, 0, 0].astype(np.float64).reshape(2, 16)  # [um]
+        diameters = 2e6 * unpacked(uneven._payload.surfaces.rollers[0, :, 0])[0].reshape(2, 16)  # [um]
         loaded = [(0, 0), (1, 0), (0, 1), (0, 15), (1, 1), (1, 15)]
         changes.append(float(uneven._state.inner_force[0, 0] - even[0, 0]))
         thicknesses.append(diameters[0, 0] - np.mean([diameters[at] for at in loaded]))

@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 import yaml
-from command import dcrb
+from separate_process import dcrb
 
 from dcrb_ros.cli.app import main
 from dcrb_ros.diagnosis.parameters import DetectorParameters

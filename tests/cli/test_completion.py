@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from own_process import dcrb
+from same_process import dcrb
 
 
 def completed(line: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> list[str]:

@@ -94,6 +94,19 @@ def test_a_check_lists_everything_that_is_wrong(config: Command, settings: tuple
         assert line.startswith(f"dcrb: healthy: {key}")
 
 
+@pytest.mark.parametrize(
+    ("values", "rest"), [("1.0", "1 more error;"), ("1.0e-310", "1 more error;"), ("1.0, e{}: 1.0", "22 more errors;")]
+)
+def test_a_check_counts_the_errors_that_it_does_not_list(config: Command, tmp_path: Path, values: str, rest: str) -> None:
+    file = tmp_path / "many.yaml"
+    file.write_text("{" + ", ".join(f"k{number}: {values.format(number)}" for number in range(21)) + "}")
+    done = config("check", str(file))
+    assert (done.status, done.out) == (2, "")
+    *listed, last = done.err.splitlines()
+    assert len(listed) == 20
+    assert f"{rest} correct these first" in last
+
+
 def test_a_refusal_elsewhere_counts_what_else_is_wrong() -> None:
     with pytest.raises(ValueError, match=r"is outside 0\.09386 .* \(and 2 more\)$"):
         load_configuration("healthy", ["bearing.pitch_radius=0.11", "simulation.step=7e-6", "friction.static_coefficient=0.01"])

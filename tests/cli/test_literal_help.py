@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 import typer
-from own_process import dcrb
+from same_process import dcrb
 
 from dcrb_ros.cli.app import app
 from dcrb_ros.cli.literal_help import Commands

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 from made_up_blocks import recorded
-from own_process import dcrb
+from same_process import dcrb
 
 from dcrb_ros.cli.output_file import replacing
 from dcrb_ros.schema.refusal import Refusal
@@ -114,3 +114,41 @@ def test_every_command_replaces_with_force(name: str, bag: Path, tmp_path: Path)
     (tmp_path / name).write_text("old")
     assert dcrb(*outputs(tmp_path, bag)[name], "--force") == 0
     assert (tmp_path / name).is_dir() or (tmp_path / name).read_bytes() != b"old"
+
+
+def test_work_that_writes_nothing_brings_back_the_old_one(bag: Path, tmp_path: Path) -> None:
+    before = entries(bag)
+    with replacing("-o", bag, force=True):
+        pass  # such as a bench that is stopped before its simulator starts
+    assert entries(bag) == before
+    assert entries(tmp_path) == {"bag"}
+
+
+def test_the_old_one_is_never_deleted_unless_it_is_replaced(bag: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    before = entries(bag)
+    rename = Path.rename
+
+    def interrupted(source: Path, target: Path) -> Path:
+        if target == bag:
+            raise KeyboardInterrupt
+        return rename(source, target)
+
+    monkeypatch.setattr(Path, "rename", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        half_done(bag, RuntimeError)
+    (kept,) = tmp_path.glob(".replaced-*/old")
+    assert entries(kept) == before
+
+
+def test_an_old_one_that_cannot_come_back_is_named(bag: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    rename = Path.rename
+
+    def refused(source: Path, target: Path) -> Path:
+        if target == bag:
+            raise PermissionError(13, "Permission denied")
+        return rename(source, target)
+
+    monkeypatch.setattr(Path, "rename", refused)
+    with pytest.raises(RuntimeError, match=r"the old .*/bag is kept as .*/\.replaced-.*/old: .*Permission denied") as failure:
+        half_done(bag, RuntimeError)
+    assert Path(str(failure.value).split(" is kept as ")[1].split(":")[0]).is_dir()

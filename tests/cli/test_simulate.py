@@ -9,11 +9,12 @@ from types import SimpleNamespace
 from typing import Any
 
 import pytest
-from own_process import dcrb
+from same_process import dcrb
 
 from dcrb_ros.cli import simulate
 from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.runtime import prefetch
+from dcrb_ros.runtime.signals import STOPPED
 
 
 class Clock:
@@ -45,6 +46,48 @@ def test_a_run_of_a_single_block_has_no_real_time_factor(monkeypatch: pytest.Mon
     progress = run(Clock(monkeypatch).blocks(1))
     assert progress == (0.5, None)
     assert str(progress) == "0.50 s simulated"
+
+
+def interrupted_after(count: int) -> Iterator[Any]:
+    """Yield blocks of 0.5 s until Ctrl-C."""
+    yield from (SimpleNamespace(end_ns=(number + 1) * 500_000_000) for number in range(count))
+    raise KeyboardInterrupt
+
+
+def run_until_interrupted(count: int, *, partial: bool) -> simulate.Progress:
+    return simulate._run("made up", interrupted_after(count), 2.0, lambda block: None, quiet=True, partial=partial)
+
+
+def test_ctrl_c_ends_a_recording_early(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    monkeypatch.setattr(prefetch, "prefetch", lambda blocks, depth: blocks)
+    assert run_until_interrupted(2, partial=True).simulated == 1.0
+    assert "stopped at 1.00 s; the recording ends there" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(("count", "partial"), [(0, True), (2, False)])
+def test_ctrl_c_before_the_first_block_or_in_a_reproduction_ends_the_command(
+    count: int, partial: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    # What has no samples, or only a part of those to compare, is no result.
+    monkeypatch.setattr(prefetch, "prefetch", lambda blocks, depth: blocks)
+    with pytest.raises(KeyboardInterrupt):
+        run_until_interrupted(count, partial=partial)
+
+
+def test_a_reproduction_that_is_stopped_says_nothing_about_the_samples(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    bag, copy = tmp_path / "bag", tmp_path / "copy"
+    assert dcrb("simulate", "healthy", "-o", str(bag), "--duration", "0.1", "--quiet") == 0
+
+    def stopped(blocks: Iterator[Any], depth: int) -> Iterator[Any]:
+        yield next(iter(blocks))
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(prefetch, "prefetch", stopped)
+    assert dcrb("simulate", "--from", str(bag), "-o", str(copy), "--quiet") == STOPPED
+    assert capsys.readouterr().err == "dcrb: stopped\n"
+    assert Recording(copy).complete
 
 
 def test_the_result_as_json(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from own_process import dcrb
+from same_process import dcrb
 
 from dcrb_ros.exam import evaluation
 

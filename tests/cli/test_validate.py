@@ -6,7 +6,7 @@ import json
 from pathlib import Path
 
 import pytest
-from own_process import dcrb
+from same_process import dcrb
 
 from dcrb_ros.validation import validate
 from dcrb_ros.validation.comparison import Comparison

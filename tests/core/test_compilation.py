@@ -13,6 +13,7 @@ from pathlib import Path
 import numba
 import pytest
 
+from dcrb_ros import core
 from dcrb_ros.bearing.payload import build_payload, initial_state
 from dcrb_ros.core import CACHE, compilation
 from dcrb_ros.core.jit import loop
@@ -91,6 +92,27 @@ def test_an_upgrade_runs_no_old_kernels_from_a_folder_of_the_users(tmp_path: Pat
     after = cache_of(package, chosen)
     assert {folder.parent for folder in after} == {chosen}
     assert not set(after) & set(before)
+
+
+@pytest.mark.skipif(os.name != "posix", reason="who may write is told by the mode")
+@pytest.mark.parametrize("mode", [0o777, 0o720, 0o702])
+def test_kernels_are_not_taken_from_a_folder_that_others_can_write(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, mode: int) -> None:
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
+    own = core._own_temporary_folder()
+    assert core._own_temporary_folder() == own  # it is taken again
+    own.chmod(mode)
+    with pytest.raises(PermissionError):
+        core._own_temporary_folder()
+
+
+def test_kernels_are_not_taken_from_a_file_or_a_link_to_another_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
+    own = core._own_temporary_folder()
+    own.rmdir()
+    (tmp_path / "elsewhere").mkdir(mode=0o700)
+    own.symlink_to(tmp_path / "elsewhere")
+    with pytest.raises(PermissionError):
+        core._own_temporary_folder()
 
 
 @pytest.mark.skipif(bool(numba.config.DISABLE_JIT), reason="nothing is compiled")

@@ -17,7 +17,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from junitparser import JUnitXml
 from made_up_blocks import BODIES
-from own_process import dcrb
+from same_process import dcrb
 
 from dcrb_ros.cli.score import _output, _progress
 from dcrb_ros.diagnosis.detector import Diagnosis

@@ -11,6 +11,7 @@ from dcrb_ros.exam.case import Case, derived_tags
 from dcrb_ros.exam.exam_file import MOST_CASES, Exam, exam_of, read_exam
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
+from dcrb_ros.settings.files import validated
 
 SPALL = {"name": "outer", "verdict": "outer_ring", "fault": {"faults.outer_1.width": 0.002}}
 WELL = {"name": "well", "verdict": "healthy"}
@@ -44,6 +45,29 @@ def test_a_list_of_many_seeds_is_counted_before_any_case_is_made(monkeypatch: py
     monkeypatch.setattr("dcrb_ros.exam.exam_file._cases", lambda *_: pytest.fail("a case was made"))
     entry = {**WELL, "set": {"operating.speed": [100.0, 110.0], "operating.load": [1e5, 9e4, 8e4]}}
     assert "defines 59988 scenarios: an exam must have 1 to 2000" in refused(entry, seeds=list(range(9998)))
+
+
+def test_the_seeds_of_a_list_give_the_cases_that_each_of_them_gives() -> None:
+    entry = {**SPALL, "set": {"operating.speed": [100.0, 110.0]}}
+    together = exam(entry, WELL, seeds=[1, 7, 2**31 - 1]).cases
+    for seed in (1, 7, 2**31 - 1):
+        alone = [case.run for case in exam(entry, WELL, seeds=[seed]).cases]
+        assert [case.run for case in together if case.run.configuration.simulation.seed == seed] == alone
+
+
+@pytest.mark.parametrize("seed", [-1, 2**40])
+def test_every_seed_of_a_list_is_checked(seed: int) -> None:
+    assert f"simulation.seed = {seed} is outside 0 .. " in refused(WELL, seeds=[1, seed])
+    assert "simulation.seed = 'x' is not" in refused({**WELL, "set": {"simulation.seed": [1, "x"]}})
+
+
+def test_the_configuration_is_checked_once_for_all_seeds(monkeypatch: pytest.MonkeyPatch) -> None:
+    checked: list[str] = []
+    monkeypatch.setattr(
+        "dcrb_ros.exam.exam_file.validated", lambda flat, model, where: checked.append(where) or validated(flat, model, where)
+    )
+    exam(SPALL, seeds=list(range(50)))
+    assert checked == ["tiny, scenario 'outer/seed0'"]
 
 
 def test_twins_of_many_seeds_have_names_of_their_own() -> None:

@@ -60,7 +60,7 @@ def test_a_folder_is_scored_by_rig(tmp_path: Path, monkeypatch: pytest.MonkeyPat
     assert dcrb("score", "--measured", str(folder(tmp_path)), *options, monkeypatch=monkeypatch) == 0
     about = json.loads(capsys.readouterr().out)
     assert {one["name"]: one["answer"] for one in about["scenarios"]} == {"calm": "healthy", "struck": "outer_ring"}
-    assert about["strata"] == [
+    assert about["rigs"] == [
         {"rig": "made_up", "verdict": "healthy", "right": 1, "alarms": 0, "recordings": 1},
         {"rig": "made_up", "verdict": "outer_ring", "right": 1, "alarms": 1, "recordings": 1},
     ]

@@ -133,8 +133,9 @@ def test_numbers_and_intervals_as_text() -> None:
 
 
 def test_the_sentences_of_a_report_have_its_numbers() -> None:
-    alarms, roc, scenarios, software = sentences(MIXED)
+    alarms, silent, roc, scenarios, software = sentences(MIXED)
     assert alarms.startswith("false alarms: 2 in 60.0 min of healthy signal, 2.0 (0.2 .. 7.2) per hour (95% Poisson")
+    assert silent == "time without a verdict: 0.0%"
     assert roc == "ROC: area 0.833 over 5 thresholds"
     assert scenarios == f"scenarios: sha256 {'0' * 64}"
     assert software.startswith("dcrb_ros ")
@@ -160,7 +161,7 @@ def cells(text: str, word: str) -> list[list[str]]:
 def test_the_tables_have_delays_widths_and_counts() -> None:
     text = printed(MIXED)
     assert "made up: FAILED, nobody" in text
-    assert ["outer_ring", "2 of 3", "1.50", "1.95", "5"] in cells(text, "outer_ring")
+    assert ["outer_ring", "2 of 3", "1.50", "1.95", "5", "-"] in cells(text, "outer_ring")
     assert ["outer_ring", "2", "2 of 2", "1.00 (0.16 .. 1.00)"] in cells(text, "outer_ring")
     assert ["outer_ring", "1", "2", ".", "."] in cells(text, "outer_ring")  # answers: healthy, outer_ring, cage, sensor
     assert "2 of 6 scenarios failed" in text

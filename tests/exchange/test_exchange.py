@@ -10,11 +10,11 @@ from typing import Any
 import numpy as np
 import pytest
 import yaml
-from command import dcrb
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from made_up_blocks import recorded
 from scipy.io import savemat, wavfile
+from separate_process import dcrb
 
 from dcrb_ros.exchange.description import read_description
 from dcrb_ros.exchange.export import export

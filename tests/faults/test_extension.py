@@ -24,7 +24,7 @@ from dcrb_ros.messages.statuses import decode_truth, encode_truth
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.simulation.loop import Simulation
 from dcrb_ros.sweep.label import fault_label
-from dcrb_ros.viewer.fault_words import faults_of_row
+from dcrb_ros.viewer.row_faults import faults_of_row
 
 def bench(**faults):
     return Simulation(Configuration.model_validate({"faults": faults}))

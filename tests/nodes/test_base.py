@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -10,10 +11,13 @@ import pytest
 pytest.importorskip("rclpy", reason="the nodes need ROS 2; everything else is tested without")
 
 import rclpy
+from made_up_blocks import recorded
 from rclpy.parameter import Parameter
 
 from dcrb_ros.nodes.base import BenchNode
+from dcrb_ros.nodes.replayer import ReplayerNode
 from dcrb_ros.nodes.simulator import RUN_TIME
+from dcrb_ros.recordings.replay import ReplayParameters
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import flatten
@@ -35,18 +39,23 @@ class Asked(BenchNode):
 
 
 @pytest.fixture
-def node(monkeypatch: pytest.MonkeyPatch) -> Iterator[Asked]:
+def ros(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "OFF")
     rclpy.init(args=[])
     try:
-        asked = Asked()
-        yield asked
-        asked.destroy_node()
+        yield
     finally:
         rclpy.try_shutdown()
 
 
-def answer(node: Asked, **values: Any) -> tuple[bool, str]:
+@pytest.fixture
+def node(ros: None) -> Iterator[Asked]:
+    asked = Asked()
+    yield asked
+    asked.destroy_node()
+
+
+def answer(node: BenchNode, **values: Any) -> tuple[bool, str]:
     """Return the answer to a request."""
     result = node.set_parameters_atomically([Parameter(key.replace("__", "."), value=value) for key, value in values.items()])
     return result.successful, result.reason
@@ -72,3 +81,13 @@ def test_a_fixed_parameter_refuses_another_value_and_takes_the_request_with_it(n
     assert answer(node, faults__outer_1__width=0.002, bearing__rows=2) == (True, "")
     assert node.get_parameter("faults.outer_1.width").value == 0.002
     assert node.changes[-1] == {"faults.outer_1.width": 0.002}
+
+
+def test_a_replay_that_refuses_a_fixed_parameter_keeps_its_rate(ros: None, tmp_path: Path) -> None:
+    replayer = ReplayerNode(ReplayParameters(bag=str(recorded(tmp_path / "bag", 3)), rate=1.0))
+    assert answer(replayer, rate=5.0, loop=True) == (False, "parameters: loop is fixed while the replay runs: give it at the start")
+    assert (replayer.get_parameter("rate").value, replayer._engine.gate.pacer.scale) == (1.0, 1.0)
+    assert answer(replayer, rate=-1.0)[0] is False
+    assert answer(replayer, rate=5.0, loop=False) == (True, "")
+    assert (replayer.get_parameter("rate").value, replayer._engine.gate.pacer.scale) == (5.0, 5.0)
+    replayer.destroy_node()

@@ -56,6 +56,14 @@ def test_a_bounded_number_of_samples_is_kept_without_a_description(monkeypatch: 
     assert [detector.block(same) == Response() for _ in range(4)] == [True, True, True, False]
 
 
+def test_a_bounded_number_of_blocks_is_kept_without_a_description(monkeypatch: pytest.MonkeyPatch) -> None:
+    # The smallest block takes half a kilobyte.
+    monkeypatch.setattr(detector_input, "MAX_EARLY_BLOCKS", 3)
+    detector = DetectorInput(DetectorParameters())
+    same = waveform()[0]
+    assert [detector.block(same) == Response() for _ in range(4)] == [True, True, True, False]
+
+
 @pytest.mark.parametrize("late", [1, 51, 76])
 def test_a_description_may_arrive_after_the_first_blocks(late: int) -> None:
     messages = waveform(100)
@@ -132,3 +140,12 @@ def test_a_recording_played_from_any_offset_is_diagnosed(offset: float) -> None:
     expected = [diagnosis for message in sent if message.topic == VIBRATION for diagnosis in in_time.block(message.data).diagnoses]
     assert [(d.index, d.verdict, d.reason) for d in found] == [(d.index, d.verdict, d.reason) for d in expected]
     assert found[-1].verdict != "waiting"
+
+
+def test_a_description_that_no_detector_accepts_is_refused_every_time() -> None:
+    detector = DetectorInput(DetectorParameters())
+    slow = described(sampling_rate=100)  # the band of the detector begins above half of it
+    first = reason(detector.sensor(slow))
+    assert "band_low" in first
+    assert reason(detector.sensor(slow)).startswith(first.rpartition(" (")[0])
+    assert detector.sensor(described()).information

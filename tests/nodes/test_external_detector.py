@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import shlex
+import subprocess
 import sys
 import time
 from pathlib import Path
@@ -14,7 +15,8 @@ import yaml
 
 pytest.importorskip("rclpy", reason="the nodes need ROS 2; everything else is tested without")
 
-from own_process import dcrb
+from same_process import dcrb
+from waiting import runs, wait_for
 
 from dcrb_ros.messages.statuses import Status, encode_diagnostics
 from dcrb_ros.nodes.external_detector import Diagnoses, ExternalDetector
@@ -114,6 +116,20 @@ def test_the_failure_of_a_detector_is_explained(command: str, sentence: str, cap
     said = capsys.readouterr().err
     assert sentence in said
     assert "failed on the first scenario (healthy)" in said
+
+
+@pytest.mark.parametrize("start", ["exec sleep 300", "trap '' INT; sleep 300; sleep 300"], ids=["ends on SIGINT", "ignores SIGINT"])
+def test_no_detector_outlives_a_killed_exam(start: str, tmp_path: Path) -> None:
+    pid = tmp_path / "pid"
+    node = shlex.join(["sh", "-c", f"echo $$ > {shlex.quote(str(pid))}.new; mv {pid}.new {pid}; {start}"])
+    command = [sys.executable, "-m", "dcrb_ros.cli.program", "score", str(ROOT / "bags/healthy"), "--node", node, "--patience", "300"]
+    with subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as exam:
+        wait_for(pid.exists, 60.0)
+        detector = int(pid.read_text())
+        assert runs(detector)
+        exam.kill()
+        exam.wait(60.0)
+    wait_for(lambda: not runs(detector))
 
 
 def test_a_detector_that_cannot_be_started_is_refused(capsys: pytest.CaptureFixture[str]) -> None:

@@ -18,7 +18,7 @@ from dcrb_ros.messages.topics.transforms import encode_transforms
 from dcrb_ros.recordings.replay import ReplayParameters
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
-from dcrb_ros.settings.files import flatten, read_parameters, validated
+from dcrb_ros.settings.files import validated
 
 ROOT = Path(__file__).parents[2]
 
@@ -125,21 +125,15 @@ def started(name: str, monkeypatch: pytest.MonkeyPatch, **given: str) -> list[No
     return [entity for entity in entities(name, monkeypatch, **given) if isinstance(entity, Node)]
 
 
-def given_to(node: Node, kind: str) -> dict[str, Any]:
-    """Return the parameters of a node with dotted keys, of its files and its overrides, as ``kind`` of node reads them."""
-    flat: dict[str, Any] = {}
-    for given in node.parameters:
-        if isinstance(given, dict):
-            flat |= {key: value.value if isinstance(value, Typed) else value for key, value in flatten(given).items()}
-        else:
-            flat |= read_parameters(Path(given), kind)
-    return flat
+def given_to(node: Node) -> dict[str, Any]:
+    """Return the parameters of a node with dotted keys."""
+    return {key: value.value if isinstance(value, Typed) else value for given in node.parameters for key, value in given.items()}
 
 
 def configuration(node: Node) -> Any:
     """Return the parameters as the node would read them."""
     model = {"simulator": Configuration, "replayer": ReplayParameters, "fault_detector": DetectorParameters}[node.executable]
-    return validated(given_to(node, node.executable), model, node.executable)
+    return validated(given_to(node), model, node.executable)
 
 
 def test_bench_starts_both_nodes(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -161,6 +155,38 @@ def test_arguments_left_empty_do_not_override_the_configuration(monkeypatch: pyt
     found = configuration(simulator)
     assert (found.time_scale, found.recording.path, found.publishing.clock) == (0.5, "/tmp/mine", True)
     assert configuration(detector) == DetectorParameters(learn=10.0)
+
+
+@pytest.mark.parametrize("form", ["plain", "/dcrb/simulator", "simulator", "/**"])
+def test_a_valid_configuration_reaches_the_node_in_any_form_and_namespace(
+    form: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    # ROS itself reads no plain groups, and a section of another namespace not at all.
+    mine, own = tmp_path / "mine.yaml", {"operating": {"speed": 100.0}, "faults": {"outer_1": {"width": 0.002}}, "bearing": {}}
+    mine.write_text(yaml.safe_dump(own if form == "plain" else {form: {"ros__parameters": own}}))
+    for file in ("bench", "axle_boxes"):
+        simulator = next(node for node in started(file, monkeypatch, config=str(mine)) if node.executable == "simulator")
+        found = configuration(simulator)
+        assert (found.operating.speed, found.faults.outer_1.width) == (100.0, 0.002)
+
+
+def test_a_detector_file_reaches_the_node_in_any_namespace(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    mine = tmp_path / "mine.yaml"
+    mine.write_text(yaml.safe_dump({"/dcrb/fault_detector": {"ros__parameters": {"learn": 10.0}}}))
+    detectors = [node for node in started("axle_boxes", monkeypatch, detector=str(mine)) if node.executable == "fault_detector"]
+    assert [configuration(node) for node in detectors] == [DetectorParameters(learn=10.0)] * 4
+
+
+def test_parameters_of_every_node_are_kept(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    mine = tmp_path / "mine.yaml"
+    mine.write_text(yaml.safe_dump({"/**": {"ros__parameters": {"use_sim_time": True, "operating": {"speed": 100.0}}}}))
+    simulator, _ = started("bench", monkeypatch, config=str(mine))
+    assert given_to(simulator)["use_sim_time"] is True
+
+
+def test_frames_do_not_begin_with_a_slash(monkeypatch: pytest.MonkeyPatch) -> None:
+    boxes = [node for node in started("axle_boxes", monkeypatch, namespace="/wagon") if node.executable == "simulator"]
+    assert [configuration(box).publishing.frame for box in boxes] == [f"wagon/box{box}/outer_ring" for box in (1, 2, 3, 4)]
 
 
 def test_the_viewer_is_started_on_request(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -246,7 +272,7 @@ def test_the_simulator_waits_for_the_listeners_that_are_asked_for(monkeypatch: p
 
 def test_texts_remain_texts(monkeypatch: pytest.MonkeyPatch) -> None:
     simulator, _ = started("bench", monkeypatch, record="2026")
-    assert simulator.parameters[1]["recording.path"] == Typed("2026", str)
+    assert simulator.parameters[0]["recording.path"] == Typed("2026", str)
 
 
 def test_the_end_of_a_node_ends_the_launch_but_that_of_the_viewer_does_not(monkeypatch: pytest.MonkeyPatch) -> None:

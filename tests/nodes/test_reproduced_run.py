@@ -9,9 +9,9 @@ import pytest
 
 pytest.importorskip("rclpy", reason="the nodes need ROS 2; everything else is tested without")
 
-from command import dcrb
 from node_arguments import parameters
 from ros_bench import domain, environment, graph_client, node
+from separate_process import dcrb
 
 from dcrb_ros.messages.topics import VIBRATION
 from dcrb_ros.recordings.reader import Recording

@@ -1,4 +1,4 @@
-"""The services of `simulation_interfaces`, with substitutes for its definitions: that package is not on PyPI."""
+"""The services and the action of `simulation_interfaces`, with substitutes for its definitions: that package is not on PyPI."""
 
 from __future__ import annotations
 
@@ -46,6 +46,26 @@ def answer_of(proceed: Callable[[], Any]) -> Any:
     return answers[-1]
 
 
+class Goal:
+    """The handle of a goal, as rclpy's action server gives it to the callback."""
+
+    def __init__(self, steps: int) -> None:
+        self.request = definitions.SimulateSteps.Goal(steps)
+        self.is_cancel_requested = False
+        self.feedback: list[definitions.SimulateSteps.Feedback] = []
+        self.outcome = ""
+        self.publish_feedback = self.feedback.append
+
+    def succeed(self) -> None:
+        self.outcome += "succeeded"
+
+    def abort(self) -> None:
+        self.outcome += "aborted"
+
+    def canceled(self) -> None:
+        self.outcome += "canceled"
+
+
 class Bench:
     """The part of a simulator that the services see, with an engine in a thread."""
 
@@ -67,6 +87,9 @@ class Bench:
     def create_service(self, kind: Any, name: str, callback: Callable[[Any, Any], Any], /, *, callback_group: Any = None) -> None:
         self.offered[name] = kind, callback
 
+    def offer_action(self, kind: Any, name: str, execute: Callable[[Any], Any], /, *, callback_group: Any = None) -> None:
+        self.offered[name] = kind, execute
+
     def get_namespace(self) -> str:
         return "/dcrb"
 
@@ -83,7 +106,11 @@ class Bench:
     def begin(self, name: str, request: Any = None) -> Callable[[], Any]:
         """Call a service; return a function that returns its answer, or None as long as there is none."""
         kind, callback = self.offered[name]
-        answer = callback(kind.Request() if request is None else request, kind.Response())
+        if isinstance(request, Goal):
+            return self._proceeding(callback(request))
+        return self._proceeding(callback(kind.Request() if request is None else request, kind.Response()))
+
+    def _proceeding(self, answer: Any) -> Callable[[], Any]:
         if not inspect.iscoroutine(answer):
             return lambda: answer
 
@@ -136,6 +163,7 @@ def test_the_listed_features_are_those_that_are_offered(bench: Bench) -> None:
         "SIMULATION_STATE_PAUSE",
         "STEP_SIMULATION_SINGLE",
         "STEP_SIMULATION_MULTIPLE",
+        "STEP_SIMULATION_ACTION",
     ]
     assert set(bench.offered) - bench.own == {
         "get_simulator_features",
@@ -143,6 +171,7 @@ def test_the_listed_features_are_those_that_are_offered(bench: Bench) -> None:
         "set_simulation_state",
         "step_simulation",
         "reset_simulation",
+        "simulate_steps",
     }
     assert found.spawn_formats == []
     assert "block" in found.custom_info
@@ -224,6 +253,40 @@ def test_an_interrupted_request_says_how_many_blocks_were_sent(bench: Bench, int
     answer, sent = answer_of(proceed).result, bench.engine.gate.stepped - before
     assert answer.result == FAILED
     assert answer.error_message.startswith(f"step_simulation: {sent} of {ENDLESS} blocks were sent; a pause, a reset or the end")
+
+
+@pytest.mark.parametrize("steps", [0, 1, 7])
+def test_the_action_reports_every_block(bench: Bench, steps: int) -> None:
+    bench.set(PAUSED)
+    before, goal = bench.progress.bundles, Goal(steps)
+    assert bench.ask("simulate_steps", goal).result == Result(OK, "")
+    assert (bench.progress.bundles - before, bench.state, bench.periodic, goal.outcome) == (steps, PAUSED, [], "succeeded")
+    assert [(f.completed_steps, f.remaining_steps) for f in goal.feedback] == [(k + 1, steps - k - 1) for k in range(steps)]
+
+
+def test_the_action_is_aborted_unless_paused(bench: Bench) -> None:
+    goal = Goal(3)
+    answer = bench.ask("simulate_steps", goal).result
+    assert (answer.result, goal.outcome, goal.feedback) == (FAILED, "aborted", [])
+    assert answer.error_message == "simulate_steps: the simulation is in state 1; pause it first (set_simulation_state, state 2)"
+    assert bench.refusals.count("simulate_steps") == 1
+
+
+@pytest.mark.parametrize("outcome", ["canceled", "aborted"])
+def test_a_cancelled_or_interrupted_action_holds_the_other_blocks(bench: Bench, outcome: str) -> None:
+    bench.set(PAUSED)
+    goal = Goal(ENDLESS)
+    proceed = bench.begin("simulate_steps", goal)
+    wait_for(lambda: proceed() is None and len(goal.feedback) > 2)
+    if outcome == "canceled":
+        goal.is_cancel_requested = True
+    else:
+        bench.set(PAUSED)
+        bench.engine.gate.pause(True)
+    answer = answer_of(proceed).result
+    assert (answer.result, goal.outcome, bench.state) == (FAILED, outcome, PAUSED)
+    assert answer.error_message.startswith(f"simulate_steps: {bench.engine.gate.stepped} of {ENDLESS} blocks were sent")
+    assert goal.feedback[-1].completed_steps == bench.engine.gate.stepped
 
 
 def test_the_end_of_the_run_ends_a_request_for_steps(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -320,5 +383,5 @@ def test_a_node_serves_others_during_steps_and_answers_before_it_quits(monkeypat
         client.until(answer.done, "the answer to the interrupted steps")
         assert "a pause, a reset or the end" in answer.result().message
         assert client.ask(Trigger, "set_simulation_state").success
-    server.join(PATIENCE)
+        server.join(PATIENCE)  # before the client is destroyed: no two threads destroy nodes at once
     assert not server.is_alive()

@@ -14,10 +14,10 @@ import lz4.frame
 import numpy as np
 import pytest
 import zstandard
-from command import dcrb
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from made_up_blocks import BODIES, recorded
+from separate_process import dcrb
 
 from dcrb_ros.recordings.mcap_reader import MAGIC, McapRecords
 from dcrb_ros.recordings.reader import Recording, metadata_flaw

@@ -92,6 +92,13 @@ def test_commands_answer_for_every_storage(bag: Path, own: Path, tmp_path: Path)
         assert np.array_equal(wave["index"], np.arange(BLOCKS * 1024))
 
 
+def test_the_contents_of_a_bag_without_a_waveform_are_printed(tmp_path: Path) -> None:
+    bag = bag_of(tmp_path / "bag", [message for message in messages_of(5) if message.topic != VIBRATION])
+    said = spoken("info", bag)
+    assert "no waveform" in said
+    assert "outer_ring/features" in said
+
+
 def test_a_recovered_bag_holds_every_message(bag: Path, tmp_path: Path) -> None:
     salvage = recover(bag, tmp_path / "new")
     recording = Recording(bag)
@@ -132,6 +139,27 @@ def test_several_benches_in_one_bag_are_refused_by_name(tmp_path: Path) -> None:
         Refusal, match=r"contains several benches, /dcrb/outer_ring/sensor, /other/outer_ring/sensor: record the topics of one"
     ):
         Recording(bag)
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "words"),
+    [("sampling_rate", 25600, "25600 Hz"), ("orders", {"FTF": 0.4, "BPFO": 5.0, "BPFI": 7.0, "BSF": 3.0}, "BPFO 5,")],
+)
+def test_a_second_bench_after_the_first_is_refused(key: str, value: object, words: str, tmp_path: Path) -> None:
+    # Its samples would be read with rate and orders of the first.
+    first, *others = messages_of(60)
+    second = replace(first, data=encode_text(json.dumps({**json.loads(first.data[8:-1]), key: value})))
+    recording = Recording(bag_of(tmp_path / "bag", [first, *others, second, *others]))
+    for topics in ((VIBRATION,), (SENSOR, VIBRATION), None):
+        with pytest.raises(Refusal, match=f"/bag contains two benches one after the other, .*{words}.*: record them separately"):
+            list(recording.messages(topics))
+
+
+def test_a_description_in_between_that_is_invalid_changes_nothing(tmp_path: Path) -> None:
+    first, *others = messages_of(60)
+    middle = [*others[:100], replace(first, data=encode_text("{}")), *others[100:]]
+    found = Recording(bag_of(tmp_path / "bag", [first, *middle])).messages((VIBRATION,))
+    assert [message.data for message in found] == [message.data for message in others if message.topic == VIBRATION]
 
 
 def test_a_run_without_a_configuration_is_not_reproduced(tmp_path: Path) -> None:

@@ -8,12 +8,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from command import dcrb
 from made_up_blocks import BODIES, blocks, recorded
 from mcap.reader import make_reader
 from mcap.records import Metadata
 from mcap.writer import Writer
 from rosbags.highlevel import AnyReader
+from separate_process import dcrb
 
 from dcrb_ros.messages.encoder import BlockEncoder
 from dcrb_ros.messages.topics import FEATURES, GROUND_TRUTH, MANIFEST, NAMESPACE, VIBRATION, Message
@@ -210,6 +210,12 @@ def test_imported_data_are_recovered_as_one_file(tmp_path: Path) -> None:
     assert recording.imported
     assert (recording.outcome or {})["samples"] == 3 * 1024
     assert compressions(tmp_path / "new") == {"zstd"}
+
+
+def test_a_recording_with_an_impossible_sampling_rate_is_recovered(tmp_path: Path) -> None:
+    messages = [message for block in blocks(3) for message in BlockEncoder(Configuration(), BODIES).encode(block)]
+    bag = message_bag(tmp_path / "bag", messages, sampling_rate=0)
+    assert recover(bag, tmp_path / "new").messages == len(messages)
 
 
 def test_a_hundred_sentences_about_corrupt_messages_are_kept(tmp_path: Path) -> None:

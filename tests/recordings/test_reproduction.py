@@ -11,8 +11,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from command import dcrb
 from made_up_blocks import BODIES, blocks, recorded
+from separate_process import dcrb
 
 from dcrb_ros import __version__
 from dcrb_ros.recordings.manifest import model_fingerprint, software

@@ -131,3 +131,47 @@ def test_the_intact_part_of_a_file_that_is_cut_off_is_read(share: float, file: P
     assert data_of(found) == expected[: len(data_of(found))]
     assert len(data_of(found)) < len(expected)
     assert damage[0].startswith("cut.db3: the database cannot be read further (")
+
+
+@pytest.mark.parametrize(
+    ("topic", "named"),
+    [
+        ("(3, '/number', 'std_msgs/msg/Float64', 5, '[]', '')", "the topic '/number' is damaged"),
+        ("(3, '/number', 'std_msgs/msg/Float64', 'cdr', 5, '')", "the topic '/number' is damaged"),
+        ("(3, '/number', 'std_msgs/msg/Float64', 'cdr', '[]', x'00ff')", "the topic '/number' is damaged"),
+        ("('a', '/number', 'std_msgs/msg/Float64', 'cdr', '[]', '')", "the topic '/number' is damaged"),
+    ],
+)
+def test_a_topic_with_entries_of_other_types_is_reported(topic: str, named: str, tmp_path: Path) -> None:
+    topics = "CREATE TABLE topics(id, name, type, serialization_format, offered_qos_profiles, type_description_hash)"
+    path = database(
+        tmp_path / "x.db3", topics, MESSAGES, f"INSERT INTO topics VALUES {topic}", "INSERT INTO messages VALUES (1, 3, 5, x'00')"
+    )
+    found, damage = read(path)
+    assert not any(isinstance(record, Channel) for record in found)
+    assert damage == [f"x.db3: {named}"]
+
+
+def test_a_message_whose_number_is_a_text_is_reported(tmp_path: Path) -> None:
+    messages = "CREATE TABLE messages(id TEXT, topic_id, timestamp, data)"
+    path = database(tmp_path / "x.db3", TOPICS, messages, ONE_TOPIC, "INSERT INTO messages VALUES ('a', 3, 5, x'00')")
+    found, damage = read(path)
+    assert data_of(found) == []
+    assert damage[0].startswith("x.db3: message a is damaged")
+
+
+def test_a_definition_that_is_not_text_is_replaced_by_the_known_one(tmp_path: Path) -> None:
+    definitions = "CREATE TABLE message_definitions(topic_type, encoded_message_definition)"
+    wrong = "INSERT INTO message_definitions VALUES ('std_msgs/msg/Float64', 5)"
+    path = database(tmp_path / "x.db3", TOPICS, MESSAGES, definitions, wrong, ONE_TOPIC)
+    schemas = [record for record in read(path)[0] if isinstance(record, Schema)]
+    assert b"float64 data" in schemas[0].data
+
+
+def test_a_table_with_computed_columns_is_not_read(tmp_path: Path) -> None:
+    # A file of some kilobytes would have messages of any size.
+    messages = "CREATE TABLE messages(id INTEGER PRIMARY KEY, topic_id, timestamp, data GENERATED ALWAYS AS (zeroblob(1000000)) VIRTUAL)"
+    row = "INSERT INTO messages(id, topic_id, timestamp) VALUES (1, 3, 5)"
+    found, damage = read(database(tmp_path / "x.db3", TOPICS, messages, ONE_TOPIC, row))
+    assert found == []
+    assert damage == ["x.db3: it has no table 'messages'"]

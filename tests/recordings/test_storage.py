@@ -9,6 +9,7 @@ import tempfile
 from pathlib import Path
 
 import lz4.frame
+import numpy as np
 import pytest
 import zstandard
 from made_up_blocks import recorded
@@ -16,7 +17,7 @@ from mcap.writer import Writer
 from ros2_bag_record import bag_of, messages_of
 
 from dcrb_ros.messages.topics import VIBRATION
-from dcrb_ros.recordings import compression
+from dcrb_ros.recordings import compression, mcap_reader
 from dcrb_ros.recordings.mcap_reader import MAGIC
 from dcrb_ros.recordings.reader import Recording, metadata_flaw
 from dcrb_ros.recordings.storage import StoredFile, valid_files
@@ -138,6 +139,43 @@ def test_a_file_is_unpacked_to_a_bounded_size(plain: Path, tmp_path: Path, monke
     packed.write_bytes(zstandard.compress(MAGIC + bytes(100_000)))
     _, damage = read(packed)
     assert damage[0] == "bag.mcap.zstd: it unpacks to more than 1000 bytes, 2 times its size; the rest is left out"
+
+
+def test_messages_are_unpacked_to_a_bounded_size_together(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(compression, "FREE_SIZE", 5_000)
+    monkeypatch.setattr(compression, "MAX_RATIO", 1)
+    path = tmp_path / "x.mcap"
+    with path.open("wb") as stream:
+        writer = Writer(stream)
+        writer.start(profile="ros2")
+        channel = writer.register_channel("/number", "cdr", writer.register_schema("std_msgs/msg/Float64", "ros2msg", b"float64 data"))
+        for number in range(100):
+            writer.add_message(channel, number, zstandard.compress(bytes(1000)), number)
+        writer.add_message(channel, 100, b"plain", 100)
+        writer.finish()
+    found, damage = read(path)
+    assert len(found) == 7  # up to the message that exceeds the limit, and the one that is not compressed
+    assert damage == ["x.mcap: its messages unpack to more than 5000 bytes, 1 times its size; the rest is left out"]
+
+
+def test_the_chunks_of_a_compressed_file_are_limited_by_its_own_size(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(mcap_reader, "LEAST_UNPACKED", 100_000)
+    path, noise = tmp_path / "x.mcap", np.random.default_rng(1).bytes(2000)
+    with path.open("wb") as stream:
+        writer = Writer(stream, chunk_size=90_000)
+        writer.start(profile="ros2")
+        channel = writer.register_channel("/number", "cdr", writer.register_schema("std_msgs/msg/Float64", "ros2msg", b"float64 data"))
+        for number in range(200):
+            writer.add_message(channel, number, noise + bytes(90_000), number)
+        writer.finish()
+    packed = path.with_name("x.mcap.zstd")
+    packed.write_bytes(zstandard.compress(path.read_bytes()))
+    most = mcap_reader.MAX_RATIO * packed.stat().st_size
+    assert most < 200 * 92_000 < mcap_reader.MAX_RATIO * path.stat().st_size
+    found, damage = read(packed)
+    assert sum(map(len, found)) <= most
+    assert f"of this file at most {most} are unpacked" in damage[0]
+    assert len(read(path)[0]) == 200
 
 
 def test_a_full_temporary_folder_is_refused(plain: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from waiting import wait_for
+from waiting import runs, wait_for
 
 pytestmark = pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="the states of processes are read from /proc")
 
@@ -39,14 +39,6 @@ if __name__ == "__main__":
     print(next(jobs)[1], flush=True)
     threading.Event().wait(60.0)
 """
-
-
-def runs(process: int) -> bool:
-    """Return whether a process exists and is not a zombie."""
-    try:
-        return Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
-    except OSError:
-        return False
 
 
 def test_a_child_ends_like_after_sigterm_when_its_standard_input_is_closed() -> None:

@@ -55,6 +55,7 @@ BAG = (
 """Every command that reads a recording."""
 SCENARIO = (("simulate", "healthy", "--scenario", INPUT, "-o", NEW),)
 EXAM = (("score", INPUT, "--list"),)
+SWEEP = (("sweep", INPUT, "--dry-run"),)
 LIVE = (("@sensor", INPUT),)
 
 
@@ -103,6 +104,11 @@ def exam(**changes: Any) -> Callable[[Path], object]:
     """Return a factory of an exam."""
     entry = {"name": "a", "verdict": "outer_ring", "fault": {"faults.outer_1.width": 0.002}, **changes.pop("entry", {})}
     return text(json.dumps({"exam": "x", "scenarios": [entry], **changes}))
+
+
+def sweep(**changes: Any) -> Callable[[Path], object]:
+    """Return a factory of a sweep."""
+    return text(json.dumps({"duration": 1.0, **changes}))
 
 
 def description(**changes: Any) -> Callable[[Path], object]:
@@ -248,6 +254,19 @@ CASES: dict[str, Case] = {
         EXAM,
         "defines 729000000 scenarios",
     ),
+    **{
+        f"a sweep of {name}": Case(made, SWEEP, words)
+        for name, made, words in (
+            ("10000000 points", sweep(design="random", points=10_000_000), "defines 10000000 runs; a sweep has at most 1000000"),
+            ("points without end", sweep(design="latin_hypercube", points=10**200), "a sweep has at most 1000000"),
+            ("seeds", sweep(seeds=2**31 - 1), "defines 2147483647 runs"),
+            (
+                "a product of ranges",
+                sweep(vary={key: {"low": 1.0, "high": 2.0, "count": 10_000} for key in ("operating.speed", "operating.lateral_load")}),
+                "defines 100000000 runs",
+            ),
+        )
+    },
     "10000 entries": Case(
         scenario(*({"at": float(k), "set": {"operating.speed": 100.0}} for k in range(10_000))), SCENARIO, "10000 entries"
     ),

@@ -6,11 +6,13 @@ A parent that has imported everything forks a child per command, so that a comma
 from __future__ import annotations
 
 import contextlib
+import gc
 import importlib
 import json
 import os
 import resource
 import signal
+import statistics
 import subprocess
 import sys
 import tempfile
@@ -71,6 +73,10 @@ class Commands:
         self._process.stdin.flush()
         return Measured(*json.loads(self._process.stdout.readline()))
 
+    def reference(self) -> float:
+        """Return the processor time that the machine needs at present for a fixed task, the median of five [s]."""
+        return statistics.median(self.run("@reference").seconds for _ in range(5))
+
 
 @contextlib.contextmanager
 def commands() -> Iterator[Commands]:
@@ -87,6 +93,7 @@ def _serve() -> None:
             importlib.import_module(name)
     for name in MODULES:
         importlib.import_module(f"dcrb_ros.{name}")
+    gc.freeze()  # Otherwise a collection in a child copies the memory of its parent page by page.
     for line in sys.stdin:
         arguments, seconds = json.loads(line)
         print(json.dumps(_measured(arguments, seconds)), flush=True)
@@ -111,7 +118,13 @@ def _run(arguments: Sequence[str], seconds: float, output: int) -> int:
     os.dup2(output, 1)
     os.dup2(output, 2)
     try:
-        _feed(Path(arguments[1])) if arguments[0] == "@sensor" else _command(arguments)
+        match arguments:
+            case ["@sensor", file]:
+                _feed(Path(file))
+            case ["@reference"]:
+                _reference()
+            case _:
+                _command(arguments)
     except SystemExit as end:
         return int(end.code or 0)
     except BaseException as error:
@@ -128,6 +141,13 @@ def _command(arguments: Sequence[str]) -> None:
 
     sys.argv = ["dcrb", *arguments]
     main()
+
+
+def _reference() -> None:
+    """Read 800 keys with the YAML reader in Python, a task that allocates as the commands do and shares nothing with them."""
+    import yaml
+
+    yaml.load("".join(f"key{number}: {number}\n" for number in range(800)), Loader=yaml.SafeLoader)
 
 
 def _feed(file: Path) -> None:

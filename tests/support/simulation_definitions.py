@@ -114,12 +114,26 @@ class ResetSimulation:
         scope: int = 0
 
 
+class SimulateSteps:
+    @dataclass
+    class Goal:
+        steps: int = 0
+
+    Result = OnlyResult
+
+    @dataclass
+    class Feedback:
+        completed_steps: int = 0
+        remaining_steps: int = 0
+
+
 def install(patch: pytest.MonkeyPatch) -> None:
-    """Let `simulation_interfaces.msg` and `simulation_interfaces.srv` be imported."""
+    """Let the messages, services and actions of `simulation_interfaces` be imported."""
     contents = {
         "simulation_interfaces": (),
         "simulation_interfaces.msg": (Result, SimulationState, SimulatorFeatures),
         "simulation_interfaces.srv": (GetSimulatorFeatures, GetSimulationState, SetSimulationState, StepSimulation, ResetSimulation),
+        "simulation_interfaces.action": (SimulateSteps,),
     }
     for name, kinds in contents.items():
         module = ModuleType(name)

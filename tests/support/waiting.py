@@ -1,9 +1,10 @@
-"""Waiting for a condition."""
+"""Waiting for a condition, such as the end of a process."""
 
 from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from pathlib import Path
 
 PATIENCE = 20.0
 
@@ -13,3 +14,11 @@ def wait_for(reached: Callable[[], bool], patience: float = PATIENCE) -> None:
     while not reached():
         assert time.monotonic() < end
         time.sleep(0.001)
+
+
+def runs(process: int) -> bool:
+    """Return whether a process exists and is not a zombie."""
+    try:
+        return Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
+    except OSError:
+        return False

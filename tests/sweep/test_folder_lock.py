@@ -84,6 +84,22 @@ def test_the_lock_is_not_taken_on_a_removed_file(tmp_path: Path, monkeypatch: py
         assert (tmp_path / LOCK).exists()
 
 
+def test_a_file_that_is_removed_during_the_check_is_made_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    real, asked = os.stat, []
+
+    def removed(path: Path, **of: object) -> os.stat_result:
+        if Path(path).name == LOCK:
+            asked.append(path)
+            if len(asked) == 1:
+                Path(path).unlink()
+        return real(path, **of)  # type: ignore[arg-type]
+
+    monkeypatch.setattr("dcrb_ros.sweep.folder_lock.os.stat", removed)
+    monkeypatch.setattr("dcrb_ros.sweep.folder_lock.os.path.exists", lambda path: True)  # it was there a moment ago
+    with locked(tmp_path):
+        assert (tmp_path / LOCK).exists()
+
+
 def test_an_error_releases_the_lock(tmp_path: Path) -> None:
     with pytest.raises(ZeroDivisionError), locked(tmp_path / "new"):
         raise ZeroDivisionError

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import errno
 import json
+import os
 import sys
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pandas as pd
 import pytest
@@ -13,6 +16,7 @@ import pytest
 from dcrb_ros.cli.app import app
 from dcrb_ros.cli.sweep import _report_flaws
 from dcrb_ros.runtime.exit_status import exit_status
+from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.sweep.data_set import open_data_set
 from dcrb_ros.sweep.execution import common_settings, run_task
 from dcrb_ros.sweep.loader import sweep_of
@@ -87,6 +91,35 @@ def test_a_damaged_run_is_named_and_simulated_again(kind: str, tmp_path: Path) -
         (task,) = plan.tasks(data_set.done, 1.0)
         assert run_task(common_settings(plan.sweep, store), task) == [(runs[0], "done")]
     assert ((tmp_path / f"runs/{runs[0]}.npz").read_bytes(), (tmp_path / f"labels/{runs[0]}.json").read_bytes()) == whole
+    with open_data_set(plan, store) as data_set:
+        assert (data_set.done, data_set.flaws) == ({runs[0]}, {})
+
+
+@pytest.mark.parametrize("place", ["labels/{}.json", "runs/{}.npz"])
+def test_a_store_that_cannot_be_read_now_costs_no_run(place: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    # A network drive that is away for a moment is no damage.
+    plan, store, runs = simulated(tmp_path, vary={}, split={"train": 1.0, "validation": 0.0, "test": 0.0})
+    file = str(tmp_path / place.format(runs[0]))
+    real_open, real_path_open = os.open, Path.open
+
+    def away(path: Any, *of: Any, **given: Any) -> int:
+        if str(path) == file:
+            raise OSError(errno.EIO, "Input/output error")
+        return real_open(path, *of, **given)
+
+    def path_away(path: Path, *of: Any, **given: Any) -> Any:
+        if str(path) == file:
+            raise OSError(errno.EIO, "Input/output error")
+        return real_path_open(path, *of, **given)
+
+    with monkeypatch.context() as patch:
+        patch.setattr("os.open", away)
+        patch.setattr(Path, "open", path_away)
+        with (
+            pytest.raises(Refusal, match=f"{file} cannot be read: Input/output error; make it readable and run the same command again"),
+            open_data_set(plan, store),
+        ):
+            pytest.fail("the data set was opened")
     with open_data_set(plan, store) as data_set:
         assert (data_set.done, data_set.flaws) == ({runs[0]}, {})
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import math
 from pathlib import Path
 from typing import Any
@@ -50,6 +51,25 @@ def test_numbers_as_python_prints_them_are_read(number: float, whole: int) -> No
     assert parsed(f"[{whole}]") == [whole]
     if math.isfinite(number):
         assert parsed(f"[{number!r}]") == [number]
+
+
+@pytest.mark.parametrize("text", ["".join(f"k{number}: 1\n" for number in range(40_000)), "[1, 2"])
+def test_the_collector_is_paused_while_a_text_is_read(text: str) -> None:
+    collections: list[str] = []
+
+    def count(phase: str, info: dict[str, int]) -> None:
+        if info["generation"]:
+            collections.append(phase)
+
+    gc.callbacks.append(count)
+    try:
+        parsed(text)
+    except yaml.YAMLError:
+        pass
+    finally:
+        gc.callbacks.remove(count)
+    assert gc.isenabled()
+    assert len(collections) <= 4  # One while the events are counted, one afterwards.
 
 
 def nested(levels: int) -> str:

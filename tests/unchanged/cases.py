@@ -63,7 +63,10 @@ CASES: dict[str, tuple[str, tuple[str, ...]]] = {
     "fast_vehicle": ("healthy", ("operating.speed_kmh=200.0", "simulation.step=4.8828125e-6", "simulation.seed=7")),
     "land_and_pockets": ("healthy", ("cage.land_clearance=0.0001", "cage.pocket_clearance=0.0004", "operating.speed=300.0")),
     "iepe": ("outer_ring_defect", ("sensor.preset=iepe_100mv_g", "structure.modes=3", "simulation.seed=3")),
-    "mems": ("healthy", ("sensor.preset=mems", "sensor.sampling_rate=25600", "structure.modes=5", "structure.coupling=0.4")),
+    "mems": (
+        "healthy",
+        ("sensor.preset=mems", "sensor.static_gravity=0", "sensor.sampling_rate=25600", "structure.modes=5", "structure.coupling=0.4"),
+    ),
     "chain": (
         "inner_ring_defect",
         (

@@ -11,6 +11,7 @@ import pytest
 
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.validation.comparison import Comparison
+from dcrb_ros.validation.default_bench import default_bench_comparisons
 from dcrb_ros.validation.figures import passes
 from dcrb_ros.validation.healthy import healthy_comparisons
 from dcrb_ros.validation.measures import envelope_spectrum, kurtosis, load_zone, profile, settling_time
@@ -91,6 +92,28 @@ def test_a_comparison_outside_its_tolerance_falls_short() -> None:
     fast = replace(healthy, cage_speed=healthy.cage_speed * 1.01, spin=healthy.spin * 1.02)
     missed = {quantity for quantity, holds in verdicts(fast, cold).items() if not holds}
     assert missed == {"Cage speed, steady", "Roller spin in the load zone, relative to the cage and absolute"}
+
+
+@functools.cache
+def default_bench(*settings: str) -> dict[str, bool]:
+    """Return whether each row of the default bench holds over 1.5 s."""
+    run = simulate(RunSpec("healthy", "pocket", 1.7, settings))
+    return {comparison.quantity.split(",")[0]: comparison.holds for comparison in default_bench_comparisons(run)}
+
+
+@pytest.mark.parametrize(
+    ("settings", "missed"),
+    [
+        ((), set()),
+        (
+            ("cage.pocket_clearance=0.0005", "cage.restitution=0.5"),
+            {"Acceleration of the outer ring", "Share of time in which a roller presses a bar", "Force at the bars: RMS"},
+        ),
+        (("cage.friction_coefficient=0.1",), {"Acceleration of the outer ring", "Power lost in friction"}),
+    ],
+)
+def test_the_rows_of_the_default_bench_notice_another_cage(settings: tuple[str, ...], missed: set[str]) -> None:
+    assert {quantity for quantity, holds in default_bench(*settings).items() if not holds} == missed
 
 
 def test_report_contains_every_comparison() -> None:

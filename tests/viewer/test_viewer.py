@@ -41,9 +41,9 @@ from dcrb_ros.viewer.blueprint import level_axis, speed_varies, whole_time
 from dcrb_ros.viewer.content import Content, DetectorOutput, Series, Waveform
 from dcrb_ros.viewer.document import write_document
 from dcrb_ros.viewer.drawing import Drawing, on_circle, quaternions, rounded_up
-from dcrb_ros.viewer.fault_words import faults_of_row
 from dcrb_ros.viewer.live_run import completed
 from dcrb_ros.viewer.reader import read_content
+from dcrb_ros.viewer.row_faults import faults_of_row
 from dcrb_ros.viewer.show import screenshot_time, take_picture
 from dcrb_ros.viewer.spectrum import ORDER_STEP, diagnoses, envelope_spectra, over_background, pieces, verdicts_of
 from dcrb_ros.viewer.summary import markdown

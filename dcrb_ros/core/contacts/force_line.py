@@ -16,10 +16,12 @@ from dcrb_ros.core.jit import piece
 from dcrb_ros.core.laws.interface import (
     Site,
     film_damping,
+    film_floor,
     film_lift,
     film_lift_energy,
     film_offset,
     film_reach,
+    film_squeeze,
     normal_damping,
     normal_energy,
     normal_force,
@@ -32,6 +34,10 @@ DISPERSION = 1.0 / 12.0
 """Share h^2 k/12 of a stiffness k that is added to the mass: leapfrog then has the right frequency to fourth order."""
 MEAN_DISPERSION = 1.0 / 6.0
 """The mean force over a straight way corresponds to a mass of h^2 k/4; h^2 k/6 is taken off to leave h^2 k/12."""
+
+
+SHORT_WAY = 0.1
+"""Way over a step, relative to the gap, up to which the damping of a squeeze film at mid-step stands for its mean: within 0.2 %."""
 
 
 @piece
@@ -69,8 +75,8 @@ def elastic_and_energy(law: Any, memory: Any, penetration: float, site: Site) ->
 
 @piece
 def damping_of(payload: Payload, memory: Any, site: Site, begin: float, way: float, force: float, stiffness: float, share: float) -> float:
-    """Return the damping [N s/m] of a contact that is closed for a ``share`` of the step [-]; see `NormalLaw.damping`."""
-    own = normal_damping(payload.normal_law, memory, site, begin, way, force, stiffness) + film_damping(site.film, -begin, way)
+    """Return the damping [N s/m] of a contact that is closed for a ``share`` of the step [-], without its film; see `NormalLaw.damping`."""
+    own = normal_damping(payload.normal_law, memory, site, begin, way, force, stiffness)
     return stiffness * payload.loss_time + (payload.contact_damping * share if force > 0.0 else 0.0) + own
 
 
@@ -98,33 +104,33 @@ def lasting_line(
     closing: float,
     before: float,
     sink: float,
-    last: float = 0.0,
-    mobility: float = 0.0,
 ) -> tuple[float, float, float, float, float]:
     """Return the `force_line` of a contact of elastic ``force`` [N] and ``stiffness`` [N/m] at the ``penetration`` [m] in mid-step.
 
-    ``closing`` is the speed of penetration expected if the force ``last`` [N] of the last step went on, ``before`` that before the step
-    [m/s], ``mobility`` how the force changes it [m/(N s)].
+    ``closing`` is the speed of penetration expected if the force of the last step went on, ``before`` that before the step [m/s].
     """
     h = payload.step
     slope = 2.0 * DISPERSION * h * stiffness
     # The film's lift has stiffness, but no loss beside that of its squeezing.
     solid = stiffness - film_lift(site.film, -penetration)[1]
     begin = penetration - 0.5 * h * before
-    damping = damping_of(payload, memory, site, begin, h * closing, force, solid, 1.0)
-    if film_reach(site.film) > 0.0:
-        # Near the floor of a squeeze film the damping changes the way on which it depends: one step of Newton's method.
-        change = mobility * (last - force - slope * (closing - before) - damping * closing) / (1.0 + mobility * (slope + damping))
-        damping = damping_of(payload, memory, site, begin, h * (closing + change), force, solid, 1.0)
+    damping = damping_of(payload, memory, site, begin, h * closing, force, solid, 1.0) + film_squeeze(site.film, -penetration, closing)
     return force_line(force, force + slope * (closing - before), slope, damping, closing, sink)
 
 
 @piece
 def crosses(law: Any, site: Site, penetration: float, closing: float, before: float, step: float) -> bool:
-    """Return whether an elastic contact closes or opens within a step: see `crossing_line`."""
+    """Return whether an elastic contact closes or opens within a step, or its film is squeezed by much: see `crossing_line`."""
     gap = onset(law, site)
     begin = penetration - 0.5 * step * before
-    return (begin > -gap) != (begin + step * closing > -gap)
+    return (begin > -gap) != (begin + step * closing > -gap) or hurries(site, -penetration, step * closing)
+
+
+@piece
+def hurries(site: Site, gap: float, way: float) -> bool:
+    """Return whether a gap [m] in mid-step closes by a ``way`` [m] over which the damping of a film changes by much."""
+    floor = film_floor(site.film)
+    return film_reach(site.film) > max(gap - 0.5 * way, 0.0) and way > SHORT_WAY * max(gap, floor) and gap + 0.5 * way > floor
 
 
 @piece
@@ -162,5 +168,6 @@ def crossing_line(
         correction = 2.0 * MEAN_DISPERSION * h * secant
         mean, slope = max(over - correction * (closing - before), 0.0), h * (after - over) * by_way - correction
         damping = damping_of(payload, memory, site, begin, way, mean, secant, (deeper - deep) * by_way)
+        damping += film_damping(site.film, -begin, way)
         change = mobility * (last - mean - damping * closing) / (1.0 + mobility * (slope + damping))
     return force_line(mean, mean, slope, damping, closing, sink)

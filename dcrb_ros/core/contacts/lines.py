@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
+from dcrb_ros.core.contacts.films import contact_site
+from dcrb_ros.core.contacts.force_line import lasting_line
 from dcrb_ros.core.jit import piece
 from dcrb_ros.core.laws.interface import Site, film_resistance, load_memory, store_kept, store_resistance, traction_line
 from dcrb_ros.core.layout.rollers import BoundRollers, RacewayContact
@@ -49,6 +52,31 @@ def write_force_line(contact: RacewayContact, k: int, line: tuple[float, float, 
 
 
 @piece
+def replace_lines(
+    payload: Payload,
+    bound: BoundRollers,
+    contact: RacewayContact,
+    k: int,
+    memory: Any,
+    site: Site,
+    penetration: float,
+    force: float,
+    stiffness: float,
+    mean: tuple[float, float],
+    old: tuple[float, float],
+    ring_speed: float,
+    inner: bool,
+) -> None:
+    """Write normal force and friction of a lasting contact of an elastic ``force`` [N] and ``stiffness`` [N/m] along its own normal.
+
+    ``mean`` is the ring's predicted mean velocity, ``old`` that before the step.
+    """
+    closing, before, sink = closing_speeds(bound, contact, k, mean, old, 1.0 if inner else -1.0)
+    write_force_line(contact, k, lasting_line(payload, memory, site, penetration, force, stiffness, closing, before, sink))
+    linearize_friction(bound, contact, k, mean, ring_speed, ring_speed * payload.inner_raceway_radius, inner, site, payload)
+
+
+@piece
 def linearize_friction(
     bound: BoundRollers,
     contact: RacewayContact,
@@ -68,8 +96,9 @@ def linearize_friction(
     rx, ry = contact.radial_x[k], contact.radial_y[k]
     along = (bound.predicted_vy[k] - mean[1]) * rx - (bound.predicted_vx[k] - mean[0]) * ry
     slip, force = along - side * bound.predicted_rim[k] - surface, contact.expected_force[k]
+    here = contact_site(payload, site, contact.film, k)
     rolling = (along / contact.distance[k] - ring_speed) * site.raceway_radius
-    offset, slope, kept = traction_line(law, load_memory(law, contact.traction, k), slip, rolling, force, site, payload.step)
+    offset, slope, kept = traction_line(law, load_memory(law, contact.traction, k), slip, rolling, force, here, payload.step)
     contact.friction_offset[k], contact.friction_slope[k] = offset * force, slope * force
     store_kept(law, contact.kept, k, kept)
-    store_resistance(payload.lubrication, contact.film, k, film_resistance(site.film, force, rolling))
+    store_resistance(payload.lubrication, contact.film, k, film_resistance(here.film, here.memory, force))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dcrb_ros.core.contacts.films import raceway_site
 from dcrb_ros.core.contacts.force_line import crosses, crossing_line, elastic, lasting_line, reach
-from dcrb_ros.core.contacts.lines import closing_speeds, linearize_friction, locate, write_force_line
+from dcrb_ros.core.contacts.lines import closing_speeds, linearize_friction, locate, replace_lines, write_force_line
 from dcrb_ros.core.contacts.notch import edge_contact, notch_under, passed, roller_notch_under
 from dcrb_ros.core.contacts.profile import profiles_under
 from dcrb_ros.core.contacts.surface import add_parts, feel_bound
@@ -77,7 +77,7 @@ def raceway_notch_depth(
 @piece
 def apply_notches(payload: Payload, state: State, work: Workspace, contact: RacewayContact, mean: tuple[float, float], inner: bool) -> None:
     """Subtract the depth of notches from the penetrations of contacts that are closed or nearly so, and write how fast it grows."""
-    bound, acting = work.bound[0], reach(payload.normal_law, raceway_site(payload, work, inner))
+    bound, acting = work.bound[0], reach(payload.normal_law, raceway_site(payload, state, inner))
     for k in range(work.row_ends[work.row_ends.size - 1]):
         if contact.penetration[k] > -LARGEST_CLOSING * payload.step - acting - payload.profile_height:
             row = bound.row[k]
@@ -102,8 +102,8 @@ def linearize_edges(
     inner: bool,
 ) -> None:
     """Replace force, normal and friction of the smooth raceway where a roller is over a notch with edges."""
-    bound, side = work.bound[0], 1.0 if inner else -1.0
-    surface, site = ring_speed * payload.inner_raceway_radius, raceway_site(payload, work, inner)
+    bound, site = work.bound[0], raceway_site(payload, state, inner)
+    surface = ring_speed * payload.inner_raceway_radius
     ring, notches, direction = OUTER, payload.outer_notches, work.outer_notch_direction
     if inner:
         ring, notches, direction = INNER, payload.inner_notches, work.inner_notch_direction
@@ -130,9 +130,7 @@ def linearize_edges(
             )
             contact.normal_x[k], contact.normal_y[k] = nx, ny
             contact.surface_speed_normal[k] = surface * (rx * ny - ry * nx)
-            closing, before, sink = closing_speeds(bound, contact, k, mean, old, side)
-            write_force_line(contact, k, lasting_line(payload, memory, site, -gap, force, stiffness, closing, before, sink))
-            linearize_friction(bound, contact, k, mean, ring_speed, surface, inner, site, payload)
+            replace_lines(payload, bound, contact, k, memory, site, -gap, force, stiffness, mean, old, ring_speed, inner)
 
 
 @piece
@@ -156,6 +154,7 @@ def locate_raceways(payload: Payload, state: State, work: Workspace, count: int)
 @piece
 def linearize_smooth(
     payload: Payload,
+    state: State,
     work: Workspace,
     contact: RacewayContact,
     count: int,
@@ -165,7 +164,7 @@ def linearize_smooth(
     inner: bool,
 ) -> None:
     """Write the contacts with a smooth raceway as lines, and which of them close or open within the step."""
-    bound, side, site, law = work.bound[0], 1.0 if inner else -1.0, raceway_site(payload, work, inner), payload.normal_law
+    bound, side, site, law = work.bound[0], 1.0 if inner else -1.0, raceway_site(payload, state, inner), payload.normal_law
     surface = ring_speed * payload.inner_raceway_radius
     for k in range(count):
         closing, before, sink = closing_speeds(bound, contact, k, mean, old, side)
@@ -173,15 +172,14 @@ def linearize_smooth(
         memory = load_memory(law, contact.normal, k)
         force, stiffness = elastic(law, memory, penetration, site)
         contact.crossing[k] = 1.0 if crosses(law, site, penetration, closing, before, payload.step) else 0.0
-        last, mobility = contact.last_force[k], 0.5 * payload.step / payload.roller_mass * bound.free[k]
-        line = lasting_line(payload, memory, site, penetration, force, stiffness, closing, before, sink, last, mobility)
-        write_force_line(contact, k, line)
+        write_force_line(contact, k, lasting_line(payload, memory, site, penetration, force, stiffness, closing, before, sink))
         linearize_friction(bound, contact, k, mean, ring_speed, surface, inner, site, payload)
 
 
 @piece
 def linearize_crossing(
     payload: Payload,
+    state: State,
     work: Workspace,
     contact: RacewayContact,
     mean: tuple[float, float],
@@ -190,7 +188,7 @@ def linearize_crossing(
     inner: bool,
 ) -> None:
     """Write the lines of the contacts that close or open within the step."""
-    bound, side, site = work.bound[0], 1.0 if inner else -1.0, raceway_site(payload, work, inner)
+    bound, side, site = work.bound[0], 1.0 if inner else -1.0, raceway_site(payload, state, inner)
     surface, found = ring_speed * payload.inner_raceway_radius, 0
     for k in range(work.row_ends[work.row_ends.size - 1]):
         if contact.crossing[k] > 0.0:
@@ -223,8 +221,8 @@ def linearize_raceway(
     feel_bound(payload.surfaces, payload, state, work, contact, mean, inner)
     if payload.any_defect:
         apply_notches(payload, state, work, contact, mean, inner)
-    linearize_smooth(payload, work, contact, count, mean, old, ring_speed, inner)
-    linearize_crossing(payload, work, contact, mean, old, ring_speed, inner)
+    linearize_smooth(payload, state, work, contact, count, mean, old, ring_speed, inner)
+    linearize_crossing(payload, state, work, contact, mean, old, ring_speed, inner)
     if payload.any_defect and payload.notch_law != SINK:
         linearize_edges(payload, state, work, contact, mean, old, ring_speed, inner)
     add_parts(payload.surfaces, payload, state, work, contact, mean, old, ring_speed, inner)

@@ -18,13 +18,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from dcrb_ros.core.arithmetic import INTEGER_BITS, INTEGERS, angle_of, bits_of
+from dcrb_ros.core.arithmetic import INTEGERS, angle_of, bits_of, single_of
 from dcrb_ros.core.contacts.films import raceway_site
-from dcrb_ros.core.contacts.force_line import elastic, lasting_line
-from dcrb_ros.core.contacts.lines import closing_speeds, linearize_friction, write_force_line
+from dcrb_ros.core.contacts.force_line import elastic
+from dcrb_ros.core.contacts.lines import replace_lines
 from dcrb_ros.core.jit import kernel, piece
 from dcrb_ros.core.laws.interface import BY_CONSTANTS, Registered, by_law, load_memory
-from dcrb_ros.core.layout.records import SingleFloats
+from dcrb_ros.core.layout.records import Floats, Integers, SingleFloats
 from dcrb_ros.core.layout.rollers import Nodes, RacewayContact
 from dcrb_ros.core.layout.state import OUTER, State
 from dcrb_ros.core.layout.workspace import Workspace
@@ -36,8 +36,6 @@ HEIGHT, SLOPE, PART_HEIGHT, PART_SLOPE, SHARE = range(5)
 the share of that part [-]."""
 TURN = 2.0 * math.pi
 INNER_RING, OUTER_RING = 0, 1
-LEAST_SQUARE = 1e-24
-"""Least square of a distance from the ring's centre, for elements without a roller [m^2]."""
 
 
 class Smooth(NamedTuple):
@@ -45,25 +43,52 @@ class Smooth(NamedTuple):
 
 
 class Profile(NamedTuple):
-    """Heights of raceways and rollers, at equal angles over a turn; in single precision, a hundredth of a nanometre, for the cache."""
+    """Heights of raceways and rollers, at equal angles over a turn, the first node again at the end.
 
-    raceways: SingleFloats
-    """Height [m], its slope [m/rad], and the share of the length that a defect takes [-], of inner and outer raceway, row by row, shape
-    (2, rows, nodes, 4); the last column is unused."""
+    A node is height [m] and slope [m/rad], each in single precision, a hundredth of a nanometre, for the cache: both are one integer,
+    which the kernels copy at once. The last bit of a slope says whether a defect over a share of the length lies between the node and the
+    next one. `packed` makes them, `unpacked` takes them apart.
+    """
+
+    raceways: Integers
+    """Inner and outer raceway, row by row, shape (2, rows, nodes + 1)."""
+    rollers: Integers
+    """Each roller, as the inner raceway feels it and then as the outer one does, shape (2, rows * rollers, nodes + 1)."""
     parts: SingleFloats
-    """Height [m] and slope [m/rad] of defects over that share of the length, shape (2, rows, nodes, 2)."""
-    rollers: SingleFloats
-    """Height [m] and slope [m/rad] of each roller, as the inner raceway feels it and then as the outer one does, shape
-    (rows * rollers, nodes, 4)."""
+    """Height [m] and slope [m/rad] of defects over a share of the length, and that share [-], shape (2, rows, nodes, 3)."""
+    partial: bool
+    """Whether there is such a defect."""
+
+
+def packed(heights: Floats, slopes: Floats, shares: Floats | None = None) -> Integers:
+    """Return heights [m] and slopes [m/rad] at the nodes of a turn, the last axis, as the kernels take them.
+
+    ``shares`` are the shares of the length that a defect takes at the nodes [-].
+    """
+    low, high = (values.astype(np.float32).view(np.uint32).astype(np.uint64) for values in (heights, slopes))
+    marks = np.zeros(heights.shape, np.uint64)
+    if shares is not None:
+        marks[(shares > 0.0) | (np.roll(shares, -1, axis=-1) > 0.0)] = 1
+    nodes = (low | (high & ~np.uint64(1) | marks) << np.uint64(32)).view(np.int64)
+    return np.concatenate([nodes, nodes[..., :1]], axis=-1)
+
+
+def unpacked(nodes: Integers) -> tuple[Floats, Floats]:
+    """Return heights [m] and slopes [m/rad] at the nodes of a turn from what `packed` returns, the last node included."""
+    bits = nodes.view(np.uint64)
+    low, high = bits & np.uint64(0xFFFFFFFF), bits >> np.uint64(32)
+    return tuple(half.astype(np.uint32).view(np.float32).astype(np.float64) for half in (low, high))
 
 
 @kernel
 def place_of(angle: float, nodes: int) -> tuple[int, float]:
-    """Return the node before an angle [rad] on a table of a turn, and the way from there [nodes]; in arithmetic of vectors."""
-    turns = angle * (1.0 / TURN)
-    place = (turns - np.floor(turns)) * nodes
-    node = min(np.floor(place), nodes - 1.0)
-    return bits_of(node + INTEGERS) - INTEGER_BITS, place - node
+    """Return the node before an angle [rad] on a table of a turn, and the way from there [nodes]; in arithmetic of vectors.
+
+    The number of nodes is a power of two: the last bits of an integer that counts on over the turns are the node.
+    """
+    place = angle * (nodes * (1.0 / TURN))
+    before = np.floor(place)
+    return bits_of(before + INTEGERS) & (nodes - 1), place - before
 
 
 @kernel
@@ -75,15 +100,6 @@ def interpolated(before: float, after: float, rise: float, rise_after: float, sp
     value = before + u * (start + u * (square + u * cube))
     slope = (start + u * (2.0 * square + 3.0 * u * cube)) * (1.0 / spacing)
     return value, slope
-
-
-@kernel
-def felt_at(table: SingleFloats, angle: float, column: int) -> tuple[float, float]:
-    """Return height [m] and slope [m/rad] at an angle [rad] of a table over a turn, from two of its columns; for single contacts."""
-    nodes = table.shape[0]
-    i, u = place_of(angle, nodes)
-    j = i + 1 if i + 1 < nodes else 0
-    return interpolated(table[i, column], table[j, column], table[i, column + 1], table[j, column + 1], TURN / nodes, u)
 
 
 @kernel
@@ -100,7 +116,7 @@ def feel_free_profile(profile: Profile, payload: Payload, state: State, work: Wo
     rollers, step, count = state.rollers[0], work.rollers[0], filled(payload.free.size)
     nodes = work.outer[0]
     ring_x, ring_y = state.position[OUTER, 0], state.position[OUTER, 1]
-    raceway_nodes, roller_nodes = profile.raceways.shape[2], profile.rollers.shape[1]
+    raceway_nodes, roller_nodes = profile.raceways.shape[2] - 1, profile.rollers.shape[2] - 1
     for c in range(count):
         angle = angle_of(step.x[c] - ring_x, ring_y - step.y[c])
         nodes.node[c], nodes.way[c] = place_of(angle, raceway_nodes)
@@ -108,43 +124,52 @@ def feel_free_profile(profile: Profile, payload: Payload, state: State, work: Wo
     for row in range(payload.free.shape[0]):
         for i in range(payload.free.shape[1]):
             c = row * payload.free.shape[1] + i
-            if step.near_outer[c] > 0.0:
-                read_node(nodes, c, profile.raceways[OUTER_RING, row], profile.rollers[c], OUTER_RING)
-                if nodes.share[c] > 0.0:
-                    step.bound[c] = 1.0
+            read_node(nodes, c, profile.raceways[OUTER_RING, row], profile.rollers[OUTER_RING, c])
     mean_x, mean_y = work.mean_velocity[OUTER, 0], work.mean_velocity[OUTER, 1]
+    by_reach = 1.0 / (payload.outer_raceway_radius - payload.roller_radius)
     for c in range(count):
         dx, dy = step.x[c] - ring_x, step.y[c] - ring_y
-        by_square = 1.0 / max(dx * dx + dy * dy, LEAST_SQUARE)
+        # Of rollers near the raceway the distance is its reach within a hundredth: series replace a root and a quotient.
+        beyond = (dx * dx + dy * dy) * (by_reach * by_reach) - 1.0
+        by_square = by_reach * by_reach * (1.0 - beyond * (1.0 - beyond * (1.0 - beyond)))
+        by_distance = by_reach * (1.0 - beyond * (0.5 - beyond * (0.375 - beyond * 0.3125)))
         orbit = ((rollers.vy[c] - mean_y) * dx - (rollers.vx[c] - mean_x) * dy) * by_square
         (height, slope), (own, own_slope) = between(nodes, c, raceway_nodes, roller_nodes)
         near = step.near_outer[c] > 0.0
         step.height[c] = height + own if near else 0.0
-        step.tilt[c] = slope * math.sqrt(by_square) if near else 0.0
+        step.tilt[c] = slope * by_distance if near else 0.0
         step.sink_speed[c] = -own_slope * (orbit - rollers.spin[c]) if near else 0.0
-        step.share[c] = nodes.share[c] if near else 0.0
+        over_part = marked(nodes.before[c]) if near else 0.0
+        step.over_part[c], step.bound[c] = over_part, max(step.bound[c], over_part)
 
 
 @piece
-def read_node(nodes: Nodes, k: int, raceway: SingleFloats, roller: SingleFloats, ring: int) -> None:
+def read_node(nodes: Nodes, k: int, raceway: Integers, roller: Integers) -> None:
     """Copy the heights on both sides of a contact from the tables of a raceway and of a roller."""
-    i, n, column = nodes.node[k], nodes.roller_node[k], 2 * ring
-    j, m = i + 1 if i + 1 < raceway.shape[0] else 0, n + 1 if n + 1 < roller.shape[0] else 0
-    nodes.height_before[k], nodes.slope_before[k] = raceway[i, 0], raceway[i, 1]
-    nodes.height_after[k], nodes.slope_after[k] = raceway[j, 0], raceway[j, 1]
-    nodes.share[k] = max(raceway[i, 2], raceway[j, 2])
-    nodes.own_before[k], nodes.own_slope_before[k] = roller[n, column], roller[n, column + 1]
-    nodes.own_after[k], nodes.own_slope_after[k] = roller[m, column], roller[m, column + 1]
+    i, n = np.uint64(nodes.node[k]), np.uint64(nodes.roller_node[k])
+    before, after, own_before, own_after = raceway[i], raceway[i + np.uint64(1)], roller[n], roller[n + np.uint64(1)]
+    nodes.before[k], nodes.after[k], nodes.own_before[k], nodes.own_after[k] = before, after, own_before, own_after
 
 
 @kernel
 def between(nodes: Nodes, k: int, raceway_nodes: int, roller_nodes: int) -> tuple[tuple[float, float], tuple[float, float]]:
     """Return height [m] and slope [m/rad] of a raceway, and those of a roller, at a contact between two nodes."""
-    raceway = interpolated(
-        nodes.height_before[k], nodes.height_after[k], nodes.slope_before[k], nodes.slope_after[k], TURN / raceway_nodes, nodes.way[k]
+    return (
+        curve(nodes.before[k], nodes.after[k], TURN / raceway_nodes, nodes.way[k]),
+        curve(nodes.own_before[k], nodes.own_after[k], TURN / roller_nodes, nodes.roller_way[k]),
     )
-    before, after, rise, rise_after = nodes.own_before[k], nodes.own_after[k], nodes.own_slope_before[k], nodes.own_slope_after[k]
-    return raceway, interpolated(before, after, rise, rise_after, TURN / roller_nodes, nodes.roller_way[k])
+
+
+@kernel
+def marked(node: int) -> float:
+    """Return 1 where a defect over a share of the length lies between a node and the next one, otherwise 0."""
+    return 1.0 if (node >> 32) & 1 != 0 else 0.0
+
+
+@kernel
+def curve(before: int, after: int, spacing: float, u: float) -> tuple[float, float]:
+    """Return height [m] and slope [m/rad] between two nodes, ``u`` of the ``spacing`` [rad] past the first."""
+    return interpolated(single_of(before), single_of(after), single_of(before >> 32), single_of(after >> 32), spacing, u)
 
 
 @piece
@@ -155,16 +180,19 @@ def feel_bound_profile(
     if inner:
         feel_inner(profile, payload, state, work, contact, mean)
         return
-    bound, step = work.bound[0], work.rollers[0]
-    for k in range(work.row_ends[work.row_ends.size - 1]):
+    bound, step, found = work.bound[0], work.rollers[0], work.row_ends[work.row_ends.size - 1]
+    for k in range(found):
         c = bound.roller[k]
         contact.penetration[k] += step.height[c]
         contact.sink_speed[k] += step.sink_speed[c]
-        contact.share[k] = step.share[c]
-        write_tilt(contact, k, step.tilt[c], 0.0)
-        if step.share[c] > 0.0:
-            azimuth = angle_of(contact.radial_x[k], -contact.radial_y[k])
-            contact.part_height[k], contact.part_slope[k] = felt_at(profile.parts[OUTER_RING, bound.row[k]], azimuth, 0)
+        contact.tilt[k], contact.share[k] = step.tilt[c], step.over_part[c]
+    for k in range(filled(found)):
+        write_tilt(contact, k, contact.tilt[k], 0.0)
+    nodes = work.outer[0]
+    for k in range(found):
+        if contact.share[k] > 0.0:
+            c = bound.roller[k]
+            feel_part(profile.parts[OUTER_RING, bound.row[k]], contact, k, nodes.node[c], nodes.way[c])
 
 
 @piece
@@ -173,7 +201,13 @@ def feel_inner(
 ) -> None:
     """Add what bound rollers feel at the inner raceway to their penetrations, and tilt their normals; by vectors, as for the outer one."""
     bound, step, found = work.bound[0], work.inner[0], work.row_ends[work.row_ends.size - 1]
-    raceway_nodes, roller_nodes, turn, speed = profile.raceways.shape[2], profile.rollers.shape[1], state.shaft[0], state.shaft[1]
+    raceway_nodes, roller_nodes, turn, speed = (
+        profile.raceways.shape[2] - 1,
+        profile.rollers.shape[2] - 1,
+        state.shaft[0],
+        state.shaft[1],
+    )
+    by_radius = 1.0 / payload.roller_radius
     for k in range(found):
         step.roller_way[k] = state.rollers[0].angle[bound.roller[k]]
     for k in range(filled(found)):
@@ -182,21 +216,28 @@ def feel_inner(
         step.node[k], step.way[k] = place_of(azimuth - turn, raceway_nodes)
         step.roller_node[k], step.roller_way[k] = place_of(azimuth + 0.5 * TURN - rotation, roller_nodes)
     for k in range(found):
-        read_node(step, k, profile.raceways[INNER_RING, bound.row[k]], profile.rollers[bound.roller[k]], INNER_RING)
+        read_node(step, k, profile.raceways[INNER_RING, bound.row[k]], profile.rollers[INNER_RING, bound.roller[k]])
     for k in range(filled(found)):
         rx, ry, by_distance = contact.radial_x[k], contact.radial_y[k], 1.0 / contact.distance[k]
         orbit = ((bound.predicted_vy[k] - mean[1]) * rx - (bound.predicted_vx[k] - mean[0]) * ry) * by_distance
         (height, slope), (own, own_slope) = between(step, k, raceway_nodes, roller_nodes)
         contact.penetration[k] += height + own
-        contact.sink_speed[k] -= own_slope * (orbit - bound.predicted_rim[k] / payload.roller_radius)
-        contact.share[k] = step.share[k]
+        contact.sink_speed[k] -= own_slope * (orbit - bound.predicted_rim[k] * by_radius)
+        contact.share[k] = marked(step.before[k])
         write_tilt(contact, k, -slope * by_distance, speed)
     for k in range(found, filled(found)):
         contact.penetration[k] = -1.0
     for k in range(found):
         if contact.share[k] > 0.0:
-            azimuth = angle_of(contact.radial_x[k], -contact.radial_y[k])
-            contact.part_height[k], contact.part_slope[k] = felt_at(profile.parts[INNER_RING, bound.row[k]], azimuth - turn, 0)
+            feel_part(profile.parts[INNER_RING, bound.row[k]], contact, k, step.node[k], step.way[k])
+
+
+@piece
+def feel_part(parts: SingleFloats, contact: RacewayContact, k: int, node: int, way: float) -> None:
+    """Write what a bound roller feels of a defect over a share of the length between a node and the next one, and that share."""
+    i, j, spacing = node, node + 1 if node + 1 < parts.shape[0] else 0, TURN / parts.shape[0]
+    contact.share[k] = max(parts[i, 2], parts[j, 2])
+    contact.part_height[k], contact.part_slope[k] = interpolated(parts[i, 0], parts[j, 0], parts[i, 1], parts[j, 1], spacing, way)
 
 
 @piece
@@ -221,8 +262,9 @@ def linearize_parts(
     inner: bool,
 ) -> None:
     """Replace force, normal and friction where a defect takes a part of the roller's length: both parts together."""
-    bound, side, site, law = work.bound[0], 1.0 if inner else -1.0, raceway_site(payload, work, inner), payload.normal_law
-    surface = ring_speed * payload.inner_raceway_radius
+    if not profile.partial:
+        return
+    bound, side, site, law = work.bound[0], 1.0 if inner else -1.0, raceway_site(payload, state, inner), payload.normal_law
     for k in range(work.row_ends[work.row_ends.size - 1]):
         share = contact.share[k]
         if share > 0.0:
@@ -233,9 +275,7 @@ def linearize_parts(
             stiffness = (1.0 - share) * stiffness + share * part_stiffness
             weight = share * part / force if force > 0.0 else share
             write_tilt(contact, k, contact.tilt[k] - side * weight * contact.part_slope[k] / contact.distance[k], ring_speed)
-            closing, before, sink = closing_speeds(bound, contact, k, mean, old, side)
-            write_force_line(contact, k, lasting_line(payload, memory, site, penetration, force, stiffness, closing, before, sink))
-            linearize_friction(bound, contact, k, mean, ring_speed, surface, inner, site, payload)
+            replace_lines(payload, bound, contact, k, memory, site, penetration, force, stiffness, mean, old, ring_speed, inner)
 
 
 def _no_parts(

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 from dcrb_ros.core.jit import kernel
-from dcrb_ros.core.laws.interface import LubricationLaw, Material
+from dcrb_ros.core.laws.interface import LubricationLaw, Material, NoMemory
 from dcrb_ros.core.laws.lugre import LuGre, stribeck_coefficient
 
 
@@ -49,13 +49,25 @@ def dry_damping(film: NoFilm, gap: float, way: float) -> float:
 
 
 @kernel
-def dry_steady_friction(film: NoFilm, friction: LuGre, slip: float, force: float) -> tuple[float, float]:
+def dry_squeeze(film: NoFilm, gap: float, closing: float) -> float:
+    """Return no damping."""
+    return 0.0
+
+
+@kernel
+def dry_memory(film: NoFilm, force: float) -> NoMemory:
+    """Return no memory."""
+    return NoMemory()
+
+
+@kernel
+def dry_steady_friction(film: NoFilm, memory: NoMemory, friction: LuGre, slip: float) -> tuple[float, float]:
     """Return the slip's size [m/s] and the Stribeck curve there [-]."""
     return abs(slip), stribeck_coefficient(slip, friction.kinetic_coefficient, friction.static_coefficient, friction.stribeck_speed)
 
 
 @kernel
-def dry_resistance(film: NoFilm, force: float, rolling: float) -> float:
+def dry_resistance(film: NoFilm, memory: NoMemory, force: float) -> float:
     """Return no resistance."""
     return 0.0
 
@@ -77,6 +89,9 @@ LAW = LubricationLaw(
     film_lift=dry_lift,
     film_lift_energy=dry_lift_energy,
     film_damping=dry_damping,
+    film_floor=dry_length,
+    film_squeeze=dry_squeeze,
+    film_memory=dry_memory,
     steady_friction=dry_steady_friction,
     film_resistance=dry_resistance,
 )

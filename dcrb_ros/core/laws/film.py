@@ -24,7 +24,7 @@ from dcrb_ros.core.laws.fluid_traction import LEAST_SLIP, characteristic_slip, f
 from dcrb_ros.core.laws.interface import LubricationLaw, Material, Site, inner_site, outer_site
 from dcrb_ros.core.laws.lugre import LuGre
 from dcrb_ros.core.laws.rolling_resistance import directed, flooded_resistance, inlet_cooling, resistance_scale, starvation
-from dcrb_ros.core.laws.squeeze import squeeze_coefficient, squeeze_damping, squeeze_floor, wedge_energy, wedge_force
+from dcrb_ros.core.laws.squeeze import squeeze_coefficient, squeeze_damping, squeeze_floor, squeeze_near, wedge_energy, wedge_force
 from dcrb_ros.core.laws.viscosity import (
     ROELANDS_OFFSET,
     Lubricant,
@@ -145,11 +145,24 @@ class Film(NamedTuple):
     roughness: float
     boundary: float
     limiting: float
+    direction: float
+    """Sign of the speed of rolling, smoothed about standstill [-]."""
+
+
+class FilmMemory(NamedTuple):
+    """What a contact remembers of its film."""
+
+    characteristic_slip: float
+    """s_0 [m/s]."""
+    asperity_share: float
+    """phi_a [-]."""
+    resistance: float
+    """F_R, with the sign of the speed of rolling [N]."""
 
 
 @kernel
 def film_at(law: Oil, number: int, speed: float) -> Film:
-    """Return the film of a raceway's contacts at an entrainment speed [m/s], the mean speed of both surfaces."""
+    """Return the film of a raceway's contacts at the speed at which they roll over it [m/s], the mean speed of both surfaces past them."""
     oil, present = law.inner if number == 0 else law.outer, 0.0 if number == 2 else 1.0
     u = max(abs(speed), LEAST_SPEED)
     group = law.viscosity * u / (law.modulus * oil.radius)
@@ -178,6 +191,7 @@ def film_at(law: Oil, number: int, speed: float) -> Film:
         law.roughness,
         law.boundary,
         law.limiting,
+        directed(speed),
     )
 
 
@@ -224,27 +238,43 @@ def thickness_and_ratio(film: Film, force: float) -> tuple[float, float]:
 
 
 @kernel
-def film_steady(film: Film, friction: LuGre, slip: float, force: float) -> tuple[float, float]:
-    """Return slip [m/s] and coefficient g [-] of steady sliding, whose ratio is finite at rest, too; ``friction`` has no part in it."""
-    held = max(force, LEAST_FORCE)
-    thickness = thickness_under(film, held)
-    pressure = film.pressure * math.sqrt(held)
-    characteristic = characteristic_slip(pressure, thickness, film.limiting, film.viscosity, film.stiffening, film.exponent)
-    sliding = max(abs(slip), LEAST_SLIP)
-    share = asperity_share(thickness / film.roughness)
-    return sliding, share * film.boundary + (1.0 - share) * fluid_coefficient(sliding, characteristic, film.limiting)
+def film_floor(film: Film) -> float:
+    """Return the gap below which the damping grows no more [m]."""
+    return film.floor
 
 
 @kernel
-def film_resistance(film: Film, force: float, rolling: float) -> float:
-    """Return the resistance F_R of the contact to rolling [N], with the sign of the speed of rolling [m/s]."""
-    held = max(force, 0.0)
+def film_squeeze(film: Film, gap: float, closing: float) -> float:
+    """Return the damping [N s/m] at a gap [m] that closes at a speed [m/s]; a gap that opens has none."""
+    found = squeeze_near(gap, film.squeeze, film.floor, film.offset, film.layer)
+    return found if closing > 0.0 else 0.0
+
+
+@kernel
+def film_memory(film: Film, force: float) -> FilmMemory:
+    """Return what a contact under a normal force [N] remembers."""
     loaded = max(force, LEAST_FORCE)
+    thickness = thickness_under(film, loaded)
+    pressure = film.pressure * math.sqrt(loaded)
+    characteristic = characteristic_slip(pressure, thickness, film.limiting, film.viscosity, film.stiffening, film.exponent)
+    share = asperity_share(thickness / film.roughness)
     flooded = flooded_resistance(film.resistance, loaded * film.by_force)
-    meniscus = MENISCUS_LAYERS * film.layer / (film.least * power(loaded, -0.13))
-    share = asperity_share(thickness_under(film, loaded) / film.roughness)
-    dry = held * (film.micro_slip * share + film.hysteresis * math.sqrt(held))
-    return (flooded * starvation(meniscus) + dry if force > 0.0 else 0.0) * directed(rolling)
+    meniscus = MENISCUS_LAYERS * film.layer / film.least * power(loaded, 0.13)
+    dry = loaded * (film.micro_slip * share + film.hysteresis * math.sqrt(loaded))
+    return FilmMemory(characteristic, share, (flooded * starvation(meniscus) + dry) * film.direction)
+
+
+@kernel
+def film_steady(film: Film, memory: FilmMemory, friction: LuGre, slip: float) -> tuple[float, float]:
+    """Return slip [m/s] and coefficient g [-] of steady sliding, whose ratio is finite at rest, too; ``friction`` has no part in it."""
+    sliding, share = max(abs(slip), LEAST_SLIP), memory.asperity_share
+    return sliding, share * film.boundary + (1.0 - share) * fluid_coefficient(sliding, memory.characteristic_slip, film.limiting)
+
+
+@kernel
+def film_resistance(film: Film, memory: FilmMemory, force: float) -> float:
+    """Return the resistance F_R of the contact to rolling [N], with the sign of the speed of rolling; zero without a normal force [N]."""
+    return memory.resistance if force > 0.0 else 0.0
 
 
 def raceway_oil(values: Mapping[str, Any], material: Material, site: Site, viscosity: float) -> RacewayOil:
@@ -301,8 +331,12 @@ LAW = LubricationLaw(
     film_lift=film_lift,
     film_lift_energy=film_lift_energy,
     film_damping=film_damping,
+    film_floor=film_floor,
+    film_squeeze=film_squeeze,
     steady_friction=film_steady,
+    film_memory=film_memory,
     film_resistance=film_resistance,
+    memory=FilmMemory,
     resists=True,
     thickness=thickness_and_ratio,
 )

@@ -27,10 +27,8 @@ ASPERITY_FACTOR, ASPERITY_EXPONENT = 1.8, 1.2
 
 @kernel
 def power(base: float, exponent: float) -> float:
-    """Return a power of a base above zero whose logarithm times the exponent is above -700 [-]."""
-    product = exponent * logarithm(base)
-    found = exponential(-abs(product))
-    return found if product <= 0.0 else 1.0 / found
+    """Return a power of a base above zero whose logarithm times the exponent is within -700 and 700 [-]."""
+    return exponential(exponent * logarithm(base))
 
 
 @kernel
@@ -42,15 +40,13 @@ def inlet_heating(number: float) -> float:
 @kernel
 def central_per_load(speed: float, material: float, modulus: float, radius: float, length: float) -> float:
     """Return h_c F^0.10 [m N^0.10] for U = ``speed`` and G = ``material`` [-]; ``modulus`` is E' [Pa], lengths in [m]."""
-    found: float = 3.06 * radius * power(speed, 0.69) * material**0.56 * (modulus * radius * length) ** 0.10
-    return found
+    return 3.06 * radius * power(speed, 0.69) * power(material, 0.56) * power(modulus * radius * length, 0.10)
 
 
 @kernel
 def minimum_per_load(speed: float, material: float, modulus: float, radius: float, length: float) -> float:
     """Return h_m F^0.13 [m N^0.13]; see `central_per_load`."""
-    found: float = 2.65 * radius * power(speed, 0.70) * material**0.54 * (modulus * radius * length) ** 0.13
-    return found
+    return 2.65 * radius * power(speed, 0.70) * power(material, 0.54) * power(modulus * radius * length, 0.13)
 
 
 @kernel

@@ -28,7 +28,7 @@ def characteristic_slip(pressure: float, film: float, limiting: float, viscosity
     ``limiting`` is mu_L [-], ``viscosity`` eta [Pa s], ``offset`` ln eta + 9.67 and ``exponent`` Z of Roelands [-].
     """
     product = exponent * logarithm(1.0 + pressure * (1.0 / ROELANDS_PRESSURE))
-    stiffening = offset * (1.0 / exponential(-product) - 1.0)
+    stiffening = offset * (exponential(product) - 1.0)
     return limiting * pressure * film * exponential(-min(stiffening, MOST)) / viscosity
 
 

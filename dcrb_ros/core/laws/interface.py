@@ -19,6 +19,10 @@ from dcrb_ros.core.jit import INLINED
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 
+class NoMemory(NamedTuple):
+    """Memory of a law that has none."""
+
+
 class Site(NamedTuple):
     """Where a law acts: the geometry of the contact of a roller with a raceway, or with another roller."""
 
@@ -34,6 +38,8 @@ class Site(NamedTuple):
     """R [m]: 1/R is the sum of both curvatures."""
     film: Any
     """The film at the present speed, as the bearing's law of lubrication describes it."""
+    memory: Any
+    """What the film remembers of the contact; see `LubricationLaw.memory`."""
 
 
 class Material(NamedTuple):
@@ -57,20 +63,20 @@ def inner_site(material: Material, film: Any = None) -> Site:
     """Return the contact of a roller with the inner raceway."""
     roller, raceway = material.roller_radius, material.inner_raceway_radius
     radius = 1.0 / (1.0 / roller + 1.0 / raceway)
-    return Site(0, raceway, 4.0 * (raceway + roller), _width(material) / (1.0 / roller + 1.0 / raceway), radius, film)
+    return Site(0, raceway, 4.0 * (raceway + roller), _width(material) / (1.0 / roller + 1.0 / raceway), radius, film, NoMemory())
 
 
 def outer_site(material: Material, film: Any = None) -> Site:
     """Return the contact of a roller with the outer raceway."""
     roller, raceway = material.roller_radius, material.outer_raceway_radius
     radius = 1.0 / (1.0 / roller - 1.0 / raceway)
-    return Site(1, raceway, 4.0 * (raceway - roller), _width(material) / (1.0 / roller - 1.0 / raceway), radius, film)
+    return Site(1, raceway, 4.0 * (raceway - roller), _width(material) / (1.0 / roller - 1.0 / raceway), radius, film, NoMemory())
 
 
 def pair_site(material: Material, film: Any = None) -> Site:
     """Return the contact of two rollers."""
     roller = material.roller_radius
-    return Site(2, roller, 8.0 * roller, 0.5 * _width(material) * roller, 0.5 * roller, film)
+    return Site(2, roller, 8.0 * roller, 0.5 * _width(material) * roller, 0.5 * roller, film, NoMemory())
 
 
 def _width(material: Material) -> float:
@@ -90,10 +96,6 @@ class Parameter:
     symbol: str = ""
     remedy: str = ""
     """Advice that a refusal gives."""
-
-
-class NoMemory(NamedTuple):
-    """Memory of a law that has none."""
 
 
 class NothingKept(NamedTuple):
@@ -197,7 +199,7 @@ class LubricationLaw:
     build: Callable[[Mapping[str, Any], Material], Any]
     """Return the constants, from the values of the parameters and the material."""
     film_at: Callable[..., Any]
-    """Kernel (law, number, speed): the film of raceway ``number`` (see `Site`) at an entrainment speed [m/s]; of contacts of two rollers,
+    """Kernel (law, number, speed): the film of raceway ``number`` (see `Site`) at a speed of rolling [m/s]; of contacts of two rollers,
     2, one that does nothing."""
     film_reach: Callable[..., float]
     """Kernel (film): gap up to which the film acts [m]."""
@@ -209,13 +211,21 @@ class LubricationLaw:
     """Kernel (film, gap): integral of that force from the gap to infinity [J]."""
     film_damping: Callable[..., float]
     """Kernel (film, gap, way): mean damping [N s/m] over a step from a gap to one smaller by ``way`` [m]."""
+    film_floor: Callable[..., float]
+    """Kernel (film): gap below which the damping grows no more [m]."""
+    film_squeeze: Callable[..., float]
+    """Kernel (film, gap, closing): damping [N s/m] at a gap [m] that closes at a speed [m/s]; near `film_damping` over a short way."""
     steady_friction: Callable[..., tuple[float, float]]
-    """Kernel (film, friction, slip, force): speed [m/s] and coefficient [-] of steady sliding at a slip [m/s] under a normal force [N]. 
-    Their ratio is what counts; ``friction`` are the constants of LuGre's law."""
+    """Kernel (film, memory, friction, slip): speed [m/s] and coefficient [-] of steady sliding at a slip [m/s]. Their ratio is what counts;
+    ``friction`` are the constants of LuGre's law."""
+    film_memory: Callable[..., Any]
+    """Kernel (film, force): memory of a contact under a normal force [N]."""
     film_resistance: Callable[..., float]
-    """Kernel (film, force, rolling): resistance of the contact to rolling [N], with the sign of the speed of rolling [m/s]."""
+    """Kernel (film, memory, force): resistance of the contact to rolling [N], with the sign of its speed; zero without a force."""
+    memory: type = NoMemory
+    """NamedTuple of floats kept at each contact: what takes long to evaluate and changes little while a surface passes through it."""
     resists: bool = False
-    """Whether the law has a resistance to rolling, which is kept per contact over a step."""
+    """Whether the law has a resistance to rolling."""
     thickness: Callable[[Any, float], tuple[float, float]] | None = None
     """Function (film, force): film [m] under a normal force [N], and its ratio to the roughness [-]; None where there is no film."""
 
@@ -270,13 +280,25 @@ def fields_of(content: type) -> tuple[str, ...]:
     return names
 
 
-FILM_KERNELS = ("film_reach", "film_offset", "film_lift", "film_lift_energy", "film_damping", "steady_friction", "film_resistance")
+FILM_KERNELS = (
+    "film_reach",
+    "film_offset",
+    "film_lift",
+    "film_lift_energy",
+    "film_damping",
+    "film_floor",
+    "film_squeeze",
+    "steady_friction",
+    "film_memory",
+    "film_resistance",
+)
 
 
 def _register_lubrication(law: LubricationLaw) -> None:
     """Make the kernels find a law of lubrication by its constants, and its kernels by its films."""
     film = _row_accessors(law.film)
     functions = {"film_at": law.film_at, "load_film": film["load"], "store_film": film["store"]}
+    functions |= {f"{verb}_memory": function for verb, function in _accessors(law.memory).items()}
     loads, stores = ("table.resistance[k] * factor", "table.resistance[k] = value") if law.resists else ("0.0", "pass")
     functions["load_resistance"] = _function(f"def made(law, table, k, factor):\n    return {loads}")
     functions["store_resistance"] = _function(f"def made(law, table, k, value):\n    {stores}")
@@ -417,7 +439,7 @@ def store_kept(law: Any, table: Any, k: int, values: Any) -> None:
 
 @by_law
 def film_at(law: Any, number: int, speed: float) -> Any:
-    """Return the film of a raceway's contacts at an entrainment speed [m/s]."""
+    """Return the film of a raceway's contacts at a speed of rolling [m/s]."""
 
 
 @by_law
@@ -466,8 +488,23 @@ def film_damping(film: Any, gap: float, way: float) -> float:  # type: ignore[em
 
 
 @by_law
-def steady_friction(film: Any, friction: Any, slip: float, force: float) -> tuple[float, float]:  # type: ignore[empty-body]
-    """Return speed [m/s] and coefficient [-] of steady sliding at a slip [m/s] under a normal force [N]."""
+def film_floor(film: Any) -> float:  # type: ignore[empty-body]
+    """Return the gap below which the damping of a film grows no more [m]."""
+
+
+@by_law
+def film_squeeze(film: Any, gap: float, closing: float) -> float:  # type: ignore[empty-body]
+    """Return the damping [N s/m] of a film at a gap [m] that closes at a speed [m/s]."""
+
+
+@by_law
+def film_memory(film: Any, force: float) -> Any:
+    """Return what a film remembers of a contact under a normal force [N]."""
+
+
+@by_law
+def steady_friction(film: Any, memory: Any, friction: Any, slip: float) -> tuple[float, float]:  # type: ignore[empty-body]
+    """Return speed [m/s] and coefficient [-] of steady sliding at a slip [m/s]."""
 
 
 @by_law
@@ -476,5 +513,5 @@ def film_resists(film: Any) -> bool:  # type: ignore[empty-body]
 
 
 @by_law
-def film_resistance(film: Any, force: float, rolling: float) -> float:  # type: ignore[empty-body]
-    """Return the resistance to rolling [N] under a normal force [N], with the sign of the speed of rolling [m/s]."""
+def film_resistance(film: Any, memory: Any, force: float) -> float:  # type: ignore[empty-body]
+    """Return the resistance to rolling [N], with the sign of the speed of rolling; zero without a normal force [N]."""

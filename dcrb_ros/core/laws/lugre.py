@@ -100,7 +100,7 @@ def lugre_line(
     if rolling is None or site is None:
         g = stribeck_coefficient(slip, law.kinetic_coefficient, law.static_coefficient, law.stribeck_speed)
     else:
-        sliding, g = steady_friction(site.film, law, slip, force)
+        sliding, g = steady_friction(site.film, site.memory, law, slip)
         convection = convection_rate(rolling, max(force, LEAST_FORCE), site.width, law.convection)
     rate = law.bristle_stiffness * sliding / g + convection
     phi, psi = bristle_weights(rate * step)

@@ -33,7 +33,7 @@ def flooded_resistance(scale: float, ratio: float) -> float:
     """Return F_R [N] for M = ``ratio`` [-]."""
     join = JOIN * ratio
     square = join * join
-    return scale * math.sqrt(ratio) / power(1.0 + square * square * join, 0.1)
+    return scale * math.sqrt(ratio) * power(1.0 + square * square * join, -0.1)
 
 
 @kernel

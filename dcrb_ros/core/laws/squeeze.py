@@ -59,6 +59,13 @@ def squeeze_at(gap: float, coefficient: float, floor: float, layer: float) -> fl
 
 
 @kernel
+def squeeze_near(gap: float, coefficient: float, floor: float, film: float, layer: float) -> float:
+    """Return c(g) [N s/m] as `squeeze_at`, by the inverse of the gap that `wedge_force` uses, too; the ``film`` is below the floor [m]."""
+    by_q, by_root = min(1.0 / min(max(gap, film), layer), 1.0 / floor), 1.0 / math.sqrt(layer)
+    return coefficient * max(by_q * math.sqrt(by_q) - by_root * by_root * by_root, 0.0)
+
+
+@kernel
 def squeeze_damping(gap: float, way: float, coefficient: float, floor: float, layer: float) -> float:
     """Return the mean damping [N s/m] of a step that begins at a gap and ends ``way`` nearer [m].
 

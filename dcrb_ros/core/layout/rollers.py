@@ -18,8 +18,8 @@ class TractionKept:
     """What that law keeps for the end of the step; its arrays are the fields of `TractionLaw.kept`."""
 
 
-class FilmResistance:
-    """Resistance of the film to rolling; one array, ``resistance`` [N], where the law of lubrication has any."""
+class FilmMemory:
+    """What the film remembers of a contact; its arrays are the fields of `LubricationLaw.memory`."""
 
 
 class CageTractionMemory:
@@ -41,6 +41,7 @@ class RacewayState:
     """Friction force over the last step [N]."""
     slip: Lanes
     """Slip over the last step [m/s]."""
+    film: FilmMemory
 
 
 class BarState:
@@ -138,8 +139,8 @@ class RollerStep:
     """Height of the outer raceway and of the roller at their contact [m]."""
     tilt: Lanes
     """Slope of the outer raceway there [-]."""
-    share: Lanes
-    """Share of the length that a defect of the outer raceway takes there; 0 for none [-]."""
+    over_part: Lanes
+    """1 where a defect of the outer raceway takes a share of the length there."""
     force_on_outer_x: Lanes
     """Force on the outer ring from a free roller that is not bound [N]."""
     force_on_outer_y: Lanes
@@ -155,19 +156,13 @@ class Nodes:
     roller_node: Indices
     """The same of the roller's own heights."""
     roller_way: Lanes
-    height_before: Lanes
-    """Height of the raceway at that node [m], and at the next one."""
-    height_after: Lanes
-    slope_before: Lanes
-    """[m/rad]"""
-    slope_after: Lanes
-    own_before: Lanes
+    before: Indices
+    """Height [m] and slope [m/rad] of the raceway at that node, in single precision side by side."""
+    after: Indices
+    """The same at the next node."""
+    own_before: Indices
     """The same of the roller's own heights."""
-    own_after: Lanes
-    own_slope_before: Lanes
-    own_slope_after: Lanes
-    share: Lanes
-    """Share of the length that a defect takes; 0 for none [-]."""
+    own_after: Indices
 
 
 class RacewayContact:
@@ -227,7 +222,8 @@ class RacewayContact:
     """Friction force over the step, as found [N]."""
     slip: Lanes
     """Slip over the step, as found [m/s]."""
-    film: FilmResistance
+    film: FilmMemory
+    """Its resistance to rolling is that of this step, zero for an open contact."""
 
 
 class BarContact:
@@ -388,7 +384,7 @@ def by_law(normal: NormalLaw, traction: TractionLaw, cage_traction: TractionLaw,
         (NormalMemory, fields_of(normal.memory)),
         (TractionMemory, fields_of(traction.memory)),
         (TractionKept, fields_of(traction.kept)),
-        (FilmResistance, ("resistance",) if lubrication.resists else ()),
+        (FilmMemory, fields_of(lubrication.memory)),
         (CageTractionMemory, fields_of(cage_traction.memory)),
         (CageTractionKept, fields_of(cage_traction.kept)),
     )

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from dcrb_ros.core.layout.records import Floats, Lanes, OneRecord, copy_of_record, empty_record, view_of
+from dcrb_ros.core.layout.records import Floats, Integers, Lanes, OneRecord, copy_of_record, empty_record, view_of
 from dcrb_ros.core.layout.rollers import LandState, Rollers
 from dcrb_ros.core.payload import Payload, arrays_by_law
 
@@ -45,6 +45,10 @@ class State(NamedTuple):
     """Commanded speed [rad/s] and load in X and Y [N], shape (3,)."""
     account: Floats
     """Energy account since the start without what is kept per roller, shape (ACCOUNTS,) [J]."""
+    films: Floats
+    """The films of inner and outer raceway as they were evaluated last, shape (2, numbers of the film) [-]."""
+    tick: Integers
+    """Steps since the start, shape (1,) [-]."""
     rollers_per_row: int
 
     def of_rollers(self, values: Lanes) -> Floats:
@@ -131,6 +135,8 @@ def empty_state(payload: Payload) -> State:
         load=np.zeros(2),
         target=np.zeros(3),
         account=np.zeros(ACCOUNTS),
+        films=np.zeros((2, max(len(payload.inner.film), 1))),
+        tick=np.zeros(1, np.int64),
         rollers_per_row=rollers,
     )
 

@@ -38,8 +38,6 @@ class Workspace(NamedTuple):
     """The same from bound rollers and between cages and lands."""
     pair_force: Floats
     """Force, and torque over r_R, on free rollers from other rollers, shape (rows, rollers, 3) [N]."""
-    films: Floats
-    """The films of inner and outer raceway in this step, shape (2, numbers of the film) [-]."""
     inner_notch_direction: Floats
     """Directions of the inner ring's notches, shape (notches, 2) [-]."""
     outer_notch_direction: Floats
@@ -61,7 +59,6 @@ def workspace(payload: Payload) -> Workspace:
         force_of_free=np.zeros((2 + rows, 3)),
         force_of_bound=np.zeros((2 + rows, 3)),
         pair_force=np.zeros((rows, rollers, 3)),
-        films=np.zeros((2, max(len(payload.inner.film), 1))),
         inner_notch_direction=np.zeros((payload.inner_notches.row.size, 2)),
         outer_notch_direction=np.zeros((payload.outer_notches.row.size, 2)),
     )

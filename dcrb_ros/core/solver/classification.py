@@ -8,9 +8,9 @@ touch nothing.
 from __future__ import annotations
 
 from dcrb_ros.core.contacts.films import raceway_site
-from dcrb_ros.core.contacts.force_line import onset, reach
+from dcrb_ros.core.contacts.force_line import SHORT_WAY, onset, reach
 from dcrb_ros.core.jit import piece
-from dcrb_ros.core.laws.interface import load_memory, store_memory
+from dcrb_ros.core.laws.interface import film_floor, film_reach, load_memory, store_memory
 from dcrb_ros.core.layout.records import VECTOR
 from dcrb_ros.core.layout.state import CAGE, INNER, OUTER, State
 from dcrb_ros.core.layout.workspace import Workspace
@@ -49,10 +49,11 @@ def classify_rollers(payload: Payload, state: State, work: Workspace, pinned: bo
         state.velocity[OUTER, 0],
         state.velocity[OUTER, 1],
     )
-    law, inner, outer = payload.normal_law, raceway_site(payload, work, True), raceway_site(payload, work, False)
+    law, inner, outer = payload.normal_law, raceway_site(payload, state, True), raceway_site(payload, state, False)
     inner_reach = payload.inner_raceway_radius + payload.roller_radius + (reach(law, inner) + payload.profile_height)
     outer_reach = payload.outer_raceway_radius - payload.roller_radius - (reach(law, outer) + payload.profile_height)
     outer_onset = payload.outer_raceway_radius - payload.roller_radius - (onset(law, outer) + payload.profile_height)
+    oiled, nominal, floor = film_reach(outer.film) > 0.0, payload.outer_raceway_radius - payload.roller_radius, film_floor(outer.film)
     slow_way = h * NEGLIGIBLE_STRIKE * outer_reach
     inner_square, outer_square, onset_square = inner_reach * inner_reach, outer_reach * outer_reach, outer_onset * outer_onset
     first_at, second_at = (place[CAGE, 0], place[CAGE, 1]), (place[last, 0], place[last, 1])
@@ -84,6 +85,11 @@ def classify_rollers(payload: Payload, state: State, work: Workspace, pinned: bo
         near_outer = ox * ox + oy * oy - outer_square + outer_way
         outer_strike = STRIKE_WINDOW * (outer_way - slow_way) - abs(outer_deep)
         nearest = max(max(near_inner, near_bar), max(if_outer * near_outer, outer_strike))
+        if oiled:
+            # A gap that closes by much within the step: see `hurries`.
+            gap = max(0.5 * (nominal * nominal - ox * ox - oy * oy) - nominal * payload.profile_height, nominal * floor)
+            way = h * ((vx - outer_vx) * ox + (vy - outer_vy) * oy)
+            nearest = max(nearest, min(near_outer, way - SHORT_WAY * gap))
         step.x[c], step.y[c], step.tangent_x[c], step.tangent_y[c] = x, y, tx, ty
         step.near_outer[c], step.near_bar[c], step.bound[c] = near_outer, near_bar, 1.0 if nearest > 0.0 else 0.0
 
@@ -140,6 +146,8 @@ def gather_bound(payload: Payload, state: State, work: Workspace, found: int) ->
         store_memory(normal_law, bound.inner.normal, k, load_memory(normal_law, rollers.inner.normal, c))
         store_memory(normal_law, bound.outer.normal, k, load_memory(normal_law, rollers.outer.normal, c))
         store_memory(cage_law, bound.bar.traction, k, load_memory(cage_law, rollers.bar.traction, c))
+        store_memory(payload.lubrication, bound.inner.film, k, load_memory(payload.lubrication, rollers.inner.film, c))
+        store_memory(payload.lubrication, bound.outer.film, k, load_memory(payload.lubrication, rollers.outer.film, c))
         bound.inner.last_force[k], bound.outer.last_force[k] = rollers.inner.force[c], rollers.outer.force[c]
     return count
 

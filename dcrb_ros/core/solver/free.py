@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 
-from dcrb_ros.core.contacts.films import raceway_site
+from dcrb_ros.core.contacts.films import contact_site, raceway_site
 from dcrb_ros.core.contacts.force_line import elastic, lasting_line
 from dcrb_ros.core.contacts.raceway import notch_depth
 from dcrb_ros.core.contacts.surface import tilted, uneven
@@ -75,7 +75,7 @@ def write_notch_depth(payload: Payload, state: State, work: Workspace, c: int) -
 def advance_free(payload: Payload, state: State, work: Workspace) -> None:
     """Move all rollers over the step as if none were bound; the results of bound ones are replaced afterwards."""
     rollers, outer, found, h, radius = state.rollers[0], state.rollers[0].outer, work.rollers[0], payload.step, payload.roller_radius
-    site, normal_law, traction_law = raceway_site(payload, work, False), payload.normal_law, payload.traction_law
+    site, normal_law, traction_law = raceway_site(payload, state, False), payload.normal_law, payload.traction_law
     by_mass, by_inertia = 0.5 * h / payload.roller_mass, 0.5 * h * radius * radius / payload.roller_inertia
     by_radius, fall, reach = 1.0 / radius, by_mass * payload.roller_mass * payload.gravity, payload.outer_raceway_radius - radius
     push = 2.0 * site.reduced_radius * by_radius - 1.0
@@ -97,15 +97,16 @@ def advance_free(payload: Payload, state: State, work: Workspace) -> None:
         penetration = distance - reach - found.notch_depth[c] + height
         force, stiffness = elastic(normal_law, normal_memory, penetration, site)
         force_offset, force_slope, expected_force, damping, expected_closing = lasting_line(
-            payload, normal_memory, site, penetration, force, stiffness, vx * nx + vy * ny - sink, before, sink, outer.force[c], by_mass
+            payload, normal_memory, site, penetration, force, stiffness, vx * nx + vy * ny - sink, before, sink
         )
         predicted_slip = along + rim + 0.5 * radius * rollers.change_spin[c]
         rolling = (along / distance - 0.0) * site.raceway_radius
-        offset, slope, kept = traction_line(traction_law, traction_memory, predicted_slip, rolling, expected_force, site, h)
+        here = contact_site(payload, site, outer.film, c)
+        offset, slope, kept = traction_line(traction_law, traction_memory, predicted_slip, rolling, expected_force, here, h)
         friction_offset, friction_slope = offset * expected_force, slope * expected_force
 
         alone_x, alone_y = own_x - mean_x, own_y - fall - mean_y
-        resistance = film_resistance(site.film, expected_force, rolling)
+        resistance = film_resistance(here.film, here.memory, expected_force)
         if film_resists(site.film):
             alone_x, alone_y = alone_x + by_mass * push * resistance * ny, alone_y - by_mass * push * resistance * nx
             rim += by_inertia * resistance

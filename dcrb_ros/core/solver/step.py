@@ -134,7 +134,7 @@ def advance(payload: Payload, state: State, work: Workspace, acceleration: Float
         drift(payload, state, 0.5 * h)
         turn_notches(payload.inner_notches, state.shaft[0], work.inner_notch_direction)
         predict_bodies(payload, state, work)
-        write_films(payload, state, work)
+        write_films(payload, state)
         clear(work.force_of_free)
         count = find_bound(payload, state, work)
         advance_unbound(payload, state, work)

@@ -12,7 +12,7 @@ from scipy.integrate import solve_ivp
 from dcrb_ros.bearing.payload import build_payload
 from dcrb_ros.core.contacts.force_line import crosses, crossing_line, elastic, lasting_line
 from dcrb_ros.core.jit import loop, piece
-from dcrb_ros.core.laws.interface import NoMemory
+from dcrb_ros.core.laws.interface import NoMemory, film_offset
 from dcrb_ros.core.laws.johnson import johnson_force
 from dcrb_ros.core.laws.power import power_force
 from dcrb_ros.core.laws.squeeze import squeeze_impulse
@@ -33,7 +33,7 @@ def raceway_line(
     if crosses(law, payload.outer, middle, closing, before, payload.step):
         return crossing_line(payload, memory, payload.outer, middle, closing, before, 0.0, last, mobility)
     force, stiffness = elastic(law, memory, middle, payload.outer)
-    return lasting_line(payload, memory, payload.outer, middle, force, stiffness, closing, before, 0.0, last, mobility)
+    return lasting_line(payload, memory, payload.outer, middle, force, stiffness, closing, before, 0.0)
 
 
 @loop
@@ -152,6 +152,27 @@ def test_open_contact_is_without_force(gap: float, speed: float) -> None:
 
 
 OIL = {"law": "film", "lubricant": "vg100", "temperature": 70.0, "layer": 20e-6}
+
+
+@loop
+def changes_side(payload: Payload, begin: float, end: float) -> bool:
+    """Return whether a contact closes or opens within a step from one penetration to another [m]."""
+    speed = (end - begin) / payload.step
+    return crosses(payload.normal_law, payload.outer, 0.5 * (begin + end), speed, speed, payload.step)
+
+
+@pytest.mark.parametrize("lubrication", [{}, OIL], ids=["dry", "oil"])
+def test_a_contact_crosses_where_it_meets_its_film(lubrication: dict[str, object]) -> None:
+    payload = build_payload(Configuration.model_validate({"lubrication": lubrication}))
+    film = film_offset(payload.outer.film)
+    assert (film > 1e-7) == bool(lubrication)
+    apart, touching, deep = -film - 1e-6, -film + 1e-8, film + 1e-6
+    assert changes_side(payload, apart, touching)
+    assert changes_side(payload, touching, apart)
+    assert changes_side(payload, apart, deep)
+    assert not changes_side(payload, touching, deep)
+    assert not changes_side(payload, deep, touching)
+    assert not changes_side(payload, apart, apart - 1e-6)
 
 
 @pytest.mark.parametrize("steps_per_sample", [2, 98])

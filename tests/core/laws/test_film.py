@@ -7,22 +7,20 @@ import math
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from oil_films import FLOODED, MATERIAL, inner_film, oil, outer_film, site_of, speeds
+from oil_films import FLOODED, MATERIAL, inner_film, oil, outer_film, resistance, site_of, steady
 
 from dcrb_ros.bearing.payload import build_payload
 from dcrb_ros.core.contacts.force_line import elastic, elastic_and_energy, onset, reach
 from dcrb_ros.core.jit import loop
 from dcrb_ros.core.laws.dry import NoFilm
-from dcrb_ros.core.laws.film import LAYERS, LUBRICANTS, film_at, film_lift, film_reach, film_resistance, film_steady, thickness_under
+from dcrb_ros.core.laws.film import LAYERS, LUBRICANTS, film_at, film_lift, film_reach, thickness_under
 from dcrb_ros.core.laws.interface import NoMemory, Site, outer_site
 from dcrb_ros.core.laws.johnson import Johnson
-from dcrb_ros.core.laws.lugre import LuGre
 from dcrb_ros.settings.configuration import Configuration
 
 pytestmark = pytest.mark.kernel
 
 LAW = build_payload(Configuration()).normal_law
-FRICTION = LuGre(0.05, 0.06, 0.01, 1e5, 0.0133, 0.0, 0.7)
 shafts = st.floats(-300.0, 300.0)
 layers = st.sampled_from([1e-9, 1e-6, 5e-6, 20e-6, 50e-6, FLOODED])
 temperatures = st.floats(-20.0, 150.0)
@@ -51,10 +49,10 @@ def test_a_film_is_finite_at_every_speed_oil_and_layer(
     shaft: float, layer: float, temperature: float, lubricant: str, force: float, slip: float
 ) -> None:
     film = inner_film(shaft, lubricant=lubricant, temperature=temperature, layer=layer)
-    speed, coefficient = film_steady(film, FRICTION, slip, force)
+    speed, coefficient = steady(film, slip, force)
     assert all(math.isfinite(value) for value in film)
     assert 0.0 < speed / coefficient < 1e6
-    assert math.isfinite(film_resistance(film, force, speeds(shaft)[0]))
+    assert math.isfinite(resistance(film, force))
     for gap in (-1e-5, 0.0, film.offset, 0.5 * layer, layer, 1.0):
         assert all(math.isfinite(value) and value >= 0.0 for value in film_lift(film, gap))
 

@@ -11,7 +11,8 @@ from hypothesis import strategies as st
 
 from dcrb_ros.bearing.payload import build_payload
 from dcrb_ros.core.laws.lugre import Bristle, LuGre, bristle_weights, build, convection_rate, lugre_line, lugre_update, stribeck_coefficient
-from dcrb_ros.settings.configuration import Configuration, material_of
+from dcrb_ros.settings.configuration import Configuration
+from dcrb_ros.settings.loaded_contacts import material_of
 
 pytestmark = pytest.mark.kernel
 

@@ -1,4 +1,4 @@
-"""The faults of the ground truth, as the viewer draws and names them."""
+"""The faults of one row in the ground truth: where the viewer draws them, and in which words."""
 
 from __future__ import annotations
 

@@ -1,0 +1,79 @@
+"""Variance of usual features between bearings, against that between runs of one bearing with other seeds.
+
+``python benchmarks/individuals.py [BEARINGS]`` simulates two runs of each bearing of the bench `axle_box`, which differ in the seed of the
+run: the angles of the cages at the start and the fluctuation of the speed.
+"""
+
+from __future__ import annotations
+
+import sys
+
+import numpy as np
+from scipy import fft
+
+from dcrb_ros.bearing.kinematics import characteristic_orders
+from dcrb_ros.schema.arrays import Floats
+from dcrb_ros.settings.files import load_configuration
+from dcrb_ros.simulation.loop import Simulation
+from dcrb_ros.validation.realism import lines_of, squared_envelope
+
+BEARINGS, RUNS = 200, 2
+SETTLING, DURATION = 0.1, 0.5
+"""Simulated time before the features, and of the features [s]."""
+BANDS = ((0, 500), (500, 1000), (1000, 2000), (2000, 4000), (4000, 8000), (8000, 16000))
+"""[Hz]"""
+NAMES = (
+    *(f"{name} {axis}" for axis in "XY" for name in ("rms", "kurtosis", "crest factor", "envelope rms")),
+    *(f"level {low} to {high} Hz, Y" for low, high in BANDS),
+    *("level 0 to 500 Hz, X", "level 2000 to 4000 Hz, X", "1x line, X", "1x line, Y", "BPFO of the envelope, Y", "FTF of the envelope, Y"),
+)
+
+
+def level(power: Floats, frequency: Floats, low: float, high: float) -> float:
+    """Return the level of a band [dB]."""
+    return float(10.0 * np.log10(power[(frequency >= low) & (frequency < high)].sum()))
+
+
+def features(bearing: int, seed: int) -> list[float]:
+    """Return the features `NAMES` of a run of a bearing."""
+    given = (f"surfaces.seed={bearing}", f"simulation.seed={seed}", "operating.cage_angles=drawn", "sensor.noise_density=0")
+    configuration = load_configuration("axle_box", given)
+    blocks = list(Simulation(configuration, waveform_only=True).blocks(SETTLING + DURATION))
+    rate, orders = blocks[0].rate, characteristic_orders(configuration.bearing)
+    signal = np.concatenate([block.clean for block in blocks])[round(SETTLING * rate) :].astype(np.float64)
+    signal -= signal.mean(axis=0)
+    frequency = fft.rfftfreq(len(signal), 1.0 / rate)
+    power = np.abs(fft.rfft(signal * np.hanning(len(signal))[:, None], axis=0)) ** 2
+    found: list[float] = []
+    for axis in (0, 1):
+        squared, _ = squared_envelope(signal[:, axis], rate)
+        rms = float(signal[:, axis].std())
+        found += [
+            rms,
+            float((signal[:, axis] ** 4).mean()) / rms**4,
+            float(np.abs(signal[:, axis]).max()) / rms,
+            float(squared.mean() ** 0.5),
+        ]
+    found += [level(power[:, 1], frequency, low, high) for low, high in BANDS]
+    found += [level(power[:, 0], frequency, low, high) for low, high in (BANDS[0], BANDS[3])]
+    shaft = configuration.operating.speed / (2.0 * np.pi)
+    found += [level(power[:, axis], frequency, 0.8 * shaft, 1.2 * shaft) for axis in (0, 1)]
+    squared, envelope_rate = squared_envelope(signal[:, 1], rate)
+    lines = lines_of(squared, envelope_rate)
+    return [*found, float(lines.at(orders.bpfo * shaft)), float(lines.at(orders.ftf * shaft))]
+
+
+def main() -> None:
+    """Print each feature's standard deviation between bearings and within one."""
+    count = int(sys.argv[1]) if len(sys.argv) > 1 else BEARINGS
+    values = np.array([[features(bearing, seed) for seed in range(1, RUNS + 1)] for bearing in range(1, count + 1)])
+    within = values.var(axis=1, ddof=1).mean(axis=0)
+    between = np.maximum(values.mean(axis=1).var(axis=0, ddof=1) - within / RUNS, 0.0)
+    print(f"{count} bearings, {RUNS} runs of {DURATION} s each")
+    for name, one, other in zip(NAMES, between, within, strict=True):
+        print(f"{name:32s} between {one**0.5:10.4g}   within {other**0.5:10.4g}   ratio of variances {one / other:8.2f}")
+    print(f"{(between > within).sum()} of {len(NAMES)} features vary more between bearings than between runs of one")
+
+
+if __name__ == "__main__":
+    main()

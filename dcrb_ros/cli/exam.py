@@ -1,0 +1,143 @@
+"""`dcrb exam`: seal, open and verify exams; make the leaderboard."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from dcrb_ros.cli.literal_help import Commands
+from dcrb_ros.cli.options import Force
+from dcrb_ros.cli.output_file import replacing
+from dcrb_ros.schema.refusal import Refusal
+
+app = Commands(help="Seal, open and verify exams drawn from a secret seed; make a leaderboard.")
+Sealed = Annotated[Path, typer.Argument(help="The sealed exam, which has been published.")]
+Secret = Annotated[Path, typer.Argument(help="The file with the secret seed.")]
+
+
+@app.command()
+def seal(
+    template: Annotated[Path, typer.Argument(help="An exam file whose scenarios have 'draw' and 'count'.")],
+    output: Annotated[
+        Path | None, typer.Option("--output", "-o", help="File to publish. Default: the template's name and .sealed.yaml.")
+    ] = None,
+    secret: Annotated[Path | None, typer.Option(help="File for the secret seed. Default: the template's name and .secret.")] = None,
+    force: Force = False,
+) -> None:
+    """Draw an exam from a new secret seed, and write the file to publish before the exam and the secret to keep until after it.
+
+    Example: dcrb exam seal my_template.yaml
+    """
+    import os
+
+    import yaml
+
+    from dcrb_ros.exam.sealing import new_secret
+    from dcrb_ros.exam.sealing import seal as sealed_exam
+    from dcrb_ros.text.files import checked_path
+    from dcrb_ros.text.yaml import read_yaml
+
+    published, kept = output or template.with_suffix(".sealed.yaml"), secret or template.with_suffix(".secret")
+    if published.resolve() in (kept.resolve(), template.resolve()) or kept.resolve() == template.resolve():
+        raise Refusal(f"{template}, {published} and {kept} must be three files: give --output and --secret other names")
+    seed = new_secret()
+    sealed = sealed_exam(read_yaml(checked_path(template)), seed, str(template))
+    with replacing("--output", published, force=force), replacing("--secret", kept, force=force):
+        _write(published, yaml.safe_dump(sealed.model_dump(), sort_keys=False))
+        descriptor = os.open(kept, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o600)
+        with os.fdopen(descriptor, "w", encoding="utf-8") as file:
+            file.write(f"{seed}\n")
+    print(f"publish {published}, whose hash is {sealed.sealed}")
+    print(f"keep {kept} secret until the exam is over")
+
+
+@app.command("open")
+def open_(
+    sealed: Sealed,
+    secret: Secret,
+    output: Annotated[
+        Path | None, typer.Option("--output", "-o", help="Exam file. Default: the sealed file's name and .opened.yaml.")
+    ] = None,
+    force: Force = False,
+) -> None:
+    """Check that the secret seed is the one with which an exam was sealed, and write the exam for dcrb score.
+
+    Example: dcrb exam open my_template.sealed.yaml my_template.secret
+    """
+    import yaml
+
+    from dcrb_ros.exam.sealing import open_exam, read_sealed, read_secret
+
+    file = output or sealed.with_name(f"{sealed.name.removesuffix('.yaml').removesuffix('.sealed')}.opened.yaml")
+    opened = open_exam(read_sealed(sealed), read_secret(secret), str(sealed))
+    with replacing("--output", file, force=force):
+        _write(file, yaml.safe_dump(dict(opened.tree), sort_keys=False))
+    print(f"{file}: {len(opened.exam.cases)} scenarios; score it with dcrb score {file}")
+
+
+@app.command()
+def verify(
+    sealed: Sealed,
+    secret: Secret,
+    entries: Annotated[list[Path] | None, typer.Argument(help="Entries of dcrb score --entry that were made with this exam.")] = None,
+) -> None:
+    """Verify a sealed exam with its secret seed, and entries that were made with it; exit status 1 if something does not agree.
+
+    Example: dcrb exam verify my_template.sealed.yaml my_template.secret results/*.json
+    """
+    from dcrb_ros.exam.case import scenarios_hash
+    from dcrb_ros.exam.entry import read_entry
+    from dcrb_ros.exam.sealing import commitment, open_exam, read_sealed, read_secret
+    from dcrb_ros.runtime.version import __version__
+
+    exam, seed = read_sealed(sealed), read_secret(secret)
+    if commitment(exam.template, seed) != exam.sealed:
+        print(f"{sealed}: DOES NOT AGREE, it was not sealed with this secret or has been changed since")
+        raise typer.Exit(1)
+    print(f"{sealed}: agrees with the secret")
+    found = scenarios_hash(open_exam(exam, seed, str(sealed)).exam.cases)
+    agree = found == exam.scenarios_sha256
+    reason = "" if agree else f", the scenarios of dcrb_ros {__version__} are not those of dcrb_ros {exam.dcrb_ros}, which sealed it"
+    print(f"scenarios: {'agree' if agree else 'DO NOT AGREE'}{reason}")
+    for path in entries or ():
+        entry = read_entry(path)
+        same = entry.sealed_sha256 == exam.sealed and entry.scenarios_sha256 == exam.scenarios_sha256
+        agree = agree and same
+        print(f"{path}: {'agrees' if same else 'DOES NOT AGREE, it was made with other scenarios'}")
+    if not agree:
+        raise typer.Exit(1)
+
+
+@app.command()
+def table(
+    entries: Annotated[Path, typer.Argument(help="Folder with entries of dcrb score --entry.")],
+    output: Annotated[Path | None, typer.Option("--output", "-o", help="Folder to write to. Default: the folder of the entries.")] = None,
+) -> None:
+    """Write the leaderboard of a folder of entries: leaderboard.md, leaderboard.html and a figure for each exam.
+
+    Example: dcrb exam table entries
+    """
+    from dcrb_ros.exam.leaderboard import markdown, page, read_boards
+    from dcrb_ros.exam.leaderboard_figure import write_board_figure
+
+    found, folder = read_boards(entries), output or entries
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise Refusal(f"{folder} cannot be written: {error.strerror}; give another folder to --output") from None
+    figures = [f"leaderboard-{number}.png" for number in range(1, len(found) + 1)]
+    for board, figure in zip(found, figures, strict=True):
+        write_board_figure(board, folder / figure)
+    _write(folder / "leaderboard.md", markdown(found, figures))
+    _write(folder / "leaderboard.html", page(found, figures))
+    for name in ("leaderboard.md", "leaderboard.html", *figures):
+        print(folder / name)
+
+
+def _write(file: Path, text: str) -> None:
+    try:
+        file.write_text(text, encoding="utf-8")
+    except OSError as error:
+        raise Refusal(f"{file} cannot be written: {error.strerror}; give another name") from None

@@ -1,0 +1,136 @@
+"""The exam score, 0 to 100: credit for faults, times a factor for false alarms and silence; with its bootstrap interval."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+from scipy.stats import chi2
+
+from dcrb_ros.exam.credit import Credit
+from dcrb_ros.exam.profile import PROFILES, Profile
+from dcrb_ros.exam.statistics import CONFIDENCE, Interval
+
+RESAMPLES = 2000
+"""Bootstrap samples of the scenarios [-]."""
+SEED = 22
+"""Seed of the bootstrap; the same scenarios are drawn for every detector, so that detectors are compared in pairs."""
+DECIMALS = 6
+"""Decimals to which scores are given, so that they agree on all machines."""
+Samples = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Contribution:
+    """A scenario in the exam score."""
+
+    name: str
+    family: str
+    """Correct verdict."""
+    credit: Credit
+
+
+@dataclass(frozen=True)
+class ExamScore:
+    """The exam score for one profile."""
+
+    profile: str
+    score: Interval
+    """0 .. 100 [-]."""
+    detection: float
+    """Credit for the faults, mean over the families, 0 .. 1 [-]."""
+    clean: float
+    """Factor for false alarms and silence before the exponent of the profile, 0 .. 1 [-]."""
+
+
+def upper_bound(count: Samples | float) -> Any:
+    """Return the upper limit of the expectation of a Poisson number, one-sided at 95 % confidence (Garwood 1936) [-]."""
+    return 0.5 * chi2.ppf(CONFIDENCE, 2.0 * np.asarray(count) + 2.0)
+
+
+def clean_factor(spoiled: Samples | float, periods: Samples | float) -> Any:
+    """Return F = 1 - ln(u(k) / u(0)) / ln(u(K) / u(0)) for k spoiled of K healthy periods, u being `upper_bound` [-].
+
+    Both u(k) and u(0) divided by the healthy time are rates: what the exam shows, and the lowest that it could show.
+    """
+    least = upper_bound(0.0)
+    return 1.0 - np.log(upper_bound(spoiled) / least) / np.log(upper_bound(periods) / least)
+
+
+def exam_scores(contributions: Sequence[Contribution]) -> list[ExamScore]:
+    """Return the exam score for every profile; none without both a fault and healthy time."""
+    if not _families(contributions) or not sum(one.credit.periods for one in contributions):
+        return []
+    whole, samples = np.ones((1, len(contributions))), draws(contributions)
+    return [_exam_score(contributions, profile, whole, samples) for profile in PROFILES]
+
+
+def _exam_score(contributions: Sequence[Contribution], profile: Profile, whole: Samples, samples: Samples) -> ExamScore:
+    detection, clean = _parts(contributions, profile, whole)
+    score = 100.0 * detection[0] * clean[0] ** profile.alarms
+    # One scenario alone says nothing about others of its kind.
+    known = all(len(members) > 1 for members in _grouped(contributions).values())
+    low, high = interval(scores(contributions, profile, samples)) if known else (0.0, 100.0)
+    rounded = [round(float(value), DECIMALS) for value in (score, low, high, detection[0], clean[0])]
+    return ExamScore(profile.name, Interval(*rounded[:3]), *rounded[3:])
+
+
+def scores(contributions: Sequence[Contribution], profile: Profile, samples: Samples) -> Samples:
+    """Return the exam score of every sample; ``samples`` has shape (samples, scenarios) and weighs the scenarios."""
+    detection, clean = _parts(contributions, profile, samples)
+    found: Samples = 100.0 * detection * clean**profile.alarms
+    return found
+
+
+def interval(values: Samples) -> tuple[float, float]:
+    """Return the percentile interval of bootstrap values at `CONFIDENCE`."""
+    tail = 50.0 * (1.0 - CONFIDENCE)
+    low, high = np.percentile(values, [tail, 100.0 - tail])
+    return float(low), float(high)
+
+
+def draws(contributions: Sequence[Contribution]) -> Samples:
+    """Return the weight of each scenario in each bootstrap sample, shape (`RESAMPLES`, scenarios).
+
+    Scenarios are drawn with replacement within their family, so that every sample has faults of all families and healthy time.
+    """
+    counts = np.zeros((RESAMPLES, len(contributions)))
+    for number, members in enumerate(_grouped(contributions).values()):
+        random = np.random.default_rng([SEED, number, len(members)])
+        # One draw fewer than scenarios, each with more weight: otherwise the variance is (n - 1)/n of the true one (Rao and Wu 1988).
+        drawn = max(1, len(members) - 1)
+        chosen = random.integers(0, len(members), (RESAMPLES, drawn))
+        for place, member in enumerate(members):
+            counts[:, member] = (chosen == place).sum(axis=1) * (len(members) / drawn)
+    return counts
+
+
+def _parts(contributions: Sequence[Contribution], profile: Profile, samples: Samples) -> tuple[Samples, Samples]:
+    """Return the credit for the faults and the factor for false alarms and silence of every sample."""
+    families = _families(contributions)
+    own = [samples[:, members] @ _column(contributions, members, profile) / samples[:, members].sum(axis=1) for members in families]
+    periods = samples @ np.array([float(one.credit.periods) for one in contributions])
+    spoiled = samples @ np.array([float(one.credit.spoiled) for one in contributions])
+    clean = np.where(periods > 0.0, clean_factor(spoiled, np.maximum(periods, 1.0)), 1.0)
+    return np.mean(own, axis=0), np.clip(clean, 0.0, 1.0)
+
+
+def _column(contributions: Sequence[Contribution], members: Sequence[int], profile: Profile) -> Samples:
+    return np.array([contributions[member].credit.detection[profile.name] for member in members])
+
+
+def _families(contributions: Sequence[Contribution]) -> list[list[int]]:
+    """Return the positions of the scenarios of every family with a fault."""
+    return [members for family, members in _grouped(contributions).items() if family != "healthy"]
+
+
+def _grouped(contributions: Sequence[Contribution]) -> Mapping[str, list[int]]:
+    """Return the positions of the scenarios by family, families and names in alphabetical order."""
+    order = sorted(range(len(contributions)), key=lambda place: (contributions[place].family, contributions[place].name))
+    groups: dict[str, list[int]] = {}
+    for place in order:
+        groups.setdefault(contributions[place].family, []).append(place)
+    return groups

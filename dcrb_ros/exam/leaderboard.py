@@ -1,0 +1,170 @@
+"""The leaderboard: entries sorted by exam score, as Markdown and HTML."""
+
+from __future__ import annotations
+
+import html
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from dcrb_ros.exam.comparison import Comparison, compare
+from dcrb_ros.exam.entry import Entry, read_entry
+from dcrb_ros.exam.exam_score import ExamScore
+from dcrb_ros.exam.profile import HEADLINE, PROFILES
+from dcrb_ros.exam.statistics import CONFIDENCE
+from dcrb_ros.schema.printable import printable
+from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.text.files import checked_path
+
+HEADS = ("", "detector", *(profile.name for profile in PROFILES), "ROC areas", "detected", "spoiled periods", "better than the next")
+"""Heads of the columns."""
+
+
+@dataclass(frozen=True)
+class Place:
+    """An entry in its place."""
+
+    entry: Entry
+    scores: tuple[ExamScore, ...]
+    next: Comparison | None
+    """Comparison with the next entry; None for the last."""
+
+    @property
+    def score(self) -> ExamScore:
+        """The exam score by which entries are sorted."""
+        return next(one for one in self.scores if one.profile == HEADLINE)
+
+
+@dataclass(frozen=True)
+class Board:
+    """The entries of one exam, the best one first."""
+
+    exam: str
+    scenarios_sha256: str
+    places: tuple[Place, ...]
+
+
+def read_boards(folder: Path) -> list[Board]:
+    """Return the leaderboards of a folder of entries, one for each set of scenarios.
+
+    Raises:
+        Refusal: there is no such folder, it has no entry, or one of them is invalid.
+    """
+    if not checked_path(folder).is_dir():
+        raise Refusal(f"there is no folder {folder}: give a folder with entries of dcrb score --entry")
+    files = sorted(folder.glob("*.json"))
+    if not files:
+        raise Refusal(f"{folder} has no .json file: make entries with dcrb score EXAM --entry {folder}/NAME.json")
+    return boards([read_entry(file) for file in files])
+
+
+def boards(entries: Sequence[Entry]) -> list[Board]:
+    """Return the leaderboards of entries, one for each set of scenarios; entries without an exam score are refused.
+
+    Raises:
+        Refusal: an entry has no exam score, or two entries of one exam have the same name.
+    """
+    groups: dict[tuple[str, str], list[Entry]] = {}
+    for entry in entries:
+        if not entry.exam_score:
+            raise Refusal(f"the entry '{entry.detector}' of the exam {entry.exam} has no exam score: it takes faults and healthy time")
+        groups.setdefault((entry.exam, entry.scenarios_sha256), []).append(entry)
+    return [Board(exam, digest, tuple(_places(group))) for (exam, digest), group in sorted(groups.items())]
+
+
+def _places(entries: Sequence[Entry]) -> Iterator[Place]:
+    names = [entry.detector for entry in entries]
+    twice = next((name for name in names if names.count(name) > 1), None)
+    if twice is not None:
+        raise Refusal(f"two entries of the exam {entries[0].exam} are called '{twice}': give them different names with --name")
+    scored = {entry.detector: tuple(entry.scores()) for entry in entries}
+    headline = next(profile for profile in PROFILES if profile.name == HEADLINE)
+
+    def key(entry: Entry) -> tuple[float, str]:
+        return -next(one.score.value for one in scored[entry.detector] if one.profile == HEADLINE), entry.detector
+
+    ordered = sorted(entries, key=key)
+    for entry, below in zip(ordered, [*ordered[1:], None], strict=True):
+        comparison = compare(entry.contributions(), below.contributions(), headline) if below is not None else None
+        yield Place(entry, scored[entry.detector], comparison)
+
+
+def rows(board: Board) -> Iterator[tuple[str, ...]]:
+    """Yield the cells of each row; see `HEADS`."""
+    for number, place in enumerate(board.places, 1):
+        faulty = [scenario for scenario in place.entry.scenarios if scenario.family != "healthy"]
+        periods = sum(scenario.periods for scenario in place.entry.scenarios)
+        spoiled = sum(scenario.spoiled for scenario in place.entry.scenarios)
+        area = place.entry.area
+        yield (
+            str(number),
+            printable(place.entry.detector),
+            *(f"{one.score.value:.1f} ({one.score.low:.1f} to {one.score.high:.1f})" for one in place.scores),
+            "–" if area is None or math.isnan(area) else f"{area:.3f}",
+            f"{sum(scenario.found for scenario in faulty)} of {len(faulty)}",
+            f"{spoiled} of {periods}",
+            _better(place.next),
+        )
+
+
+def _better(comparison: Comparison | None) -> str:
+    if comparison is None:
+        return "–"
+    return f"{'yes' if comparison.told_apart else 'not shown'}, {comparison.confidence:.1%}"
+
+
+def about(board: Board) -> str:
+    """Return what a board shows, in one paragraph."""
+    versions = ", ".join(sorted({f"dcrb_ros {place.entry.dcrb_ros}, model {place.entry.model}" for place in board.places}))
+    seals = {place.entry.sealed_sha256 for place in board.places} - {""}
+    sealed = f"; sealed as {', '.join(sorted(seals))}" if seals else ""
+    return (
+        f"{len(board.places[0].entry.scenarios)} scenarios, sha256 {board.scenarios_sha256 or '(recordings)'}{sealed}; {versions}. "
+        f"Exam scores of 100 with {CONFIDENCE:.0%} bootstrap intervals; sorted by {HEADLINE}. The last column says whether the "
+        f"{CONFIDENCE:.0%} interval of the difference from the next detector on the same scenarios excludes 0, and in which share of the "
+        "bootstrap samples the detector is better."
+    )
+
+
+def markdown(boards: Sequence[Board], figures: Sequence[str]) -> str:
+    """Return leaderboards as Markdown; ``figures`` names the picture of each."""
+    lines: list[str] = []
+    for board, figure in zip(boards, figures, strict=True):
+        lines += [f"## {_plain(board.exam)}", "", about(board), "", f"![Exam scores of {_plain(board.exam)}]({figure})", ""]
+        lines += ["| " + " | ".join(HEADS) + " |", "|" + "---|" * len(HEADS)]
+        lines += ["| " + " | ".join(_plain(cell) for cell in row) + " |" for row in rows(board)]
+        lines.append("")
+    return "\n".join(lines)
+
+
+def _plain(text: str) -> str:
+    """Return a user's text without characters that Markdown or HTML read as markup."""
+    return html.escape(text, quote=False).translate({ord(character): f"\\{character}" for character in "|`*_[]\\"})
+
+
+def page(boards: Sequence[Board], figures: Sequence[str]) -> str:
+    """Return leaderboards as a page of HTML."""
+    parts = []
+    for board, figure in zip(boards, figures, strict=True):
+        head = "".join(f"<th>{html.escape(cell)}</th>" for cell in HEADS)
+        body = "\n".join("<tr>" + "".join(f"<td>{html.escape(cell)}</td>" for cell in row) + "</tr>" for row in rows(board))
+        name = html.escape(board.exam)
+        picture = f'<img src="{html.escape(figure)}" alt="Exam scores of {name}">'
+        parts.append(f"<h2>{name}</h2>\n<p>{html.escape(about(board))}</p>\n{picture}\n<table>\n<tr>{head}</tr>\n{body}\n</table>")
+    return f"{PAGE_HEAD}\n<body>\n<h1>Exam of fault detectors</h1>\n{chr(10).join(parts)}\n</body>\n</html>\n"
+
+
+PAGE_HEAD = """<!DOCTYPE html>
+<html lang="en">
+<head>
+<meta charset="utf-8">
+<title>Exam of fault detectors</title>
+<style>
+body { font-family: sans-serif; max-width: 75em; margin: 2em auto; padding: 0 1em; }
+img { max-width: 100%; }
+table { border-collapse: collapse; }
+th, td { border-bottom: 1px solid #ccc; padding: 0.3em 0.7em; text-align: left; }
+</style>
+</head>"""
+"""Head of the HTML page."""

@@ -1,0 +1,77 @@
+"""The leaderboard as a figure: exam scores with their intervals, and which detectors are told apart."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from dcrb_ros.exam.comparison import compare
+from dcrb_ros.exam.leaderboard import Board
+from dcrb_ros.exam.profile import HEADLINE, PROFILES
+from dcrb_ros.schema.refusal import Refusal
+
+COLOURS = {"safety": "#b23a48", "cost": "#2a9d5c", "research": "#1f6fb4"}
+LONGEST = 34
+"""Longest name shown [characters]."""
+
+
+def write_board_figure(board: Board, file: Path) -> None:
+    """Draw a leaderboard.
+
+    Raises:
+        Refusal: the file cannot be written.
+    """
+    count = len(board.places)
+    figure = Figure(figsize=(12, 2.2 + 0.42 * count), dpi=90, layout="constrained")
+    scores, pairs = figure.subplots(1, 2, width_ratios=(1.4, 1.0))
+    _scores(scores, board)
+    _pairs(pairs, board)
+    figure.suptitle(f"{board.exam}: exam score of 100", fontsize=12, parse_math=False)
+    try:
+        figure.savefig(file)
+    except OSError as error:
+        raise Refusal(f"{file} cannot be written: {error.strerror}; give another folder") from None
+
+
+def _names(board: Board) -> list[str]:
+    return [n if len(n) <= LONGEST else f"{n[: LONGEST - 1]}…" for n in (place.entry.detector for place in board.places)]
+
+
+def _scores(axes: Axes, board: Board) -> None:
+    axes.set_title("95 % confidence (bootstrap over scenarios)", fontsize=10)
+    for shift, profile in zip((-0.22, 0.0, 0.22), PROFILES, strict=True):
+        found = [next(one.score for one in place.scores if one.profile == profile.name) for place in board.places]
+        # A percentile interval need not contain its estimate.
+        error = [[max(0.0, s.value - s.low) for s in found], [max(0.0, s.high - s.value) for s in found]]
+        heights = np.arange(len(found)) + shift
+        axes.errorbar(
+            [s.value for s in found], heights, xerr=error, fmt="o", ms=4, lw=1.2, capsize=2, color=COLOURS[profile.name], label=profile.name
+        )
+    names = [f"{name}  {number}" for number, name in enumerate(_names(board), 1)]
+    axes.set_yticks(range(len(board.places)), names, fontsize=8, parse_math=False)
+    axes.set(xlabel="exam score [-]", xlim=(-2.0, 102.0), ylim=(len(board.places) - 0.5, -0.5))
+    axes.legend(fontsize=8, loc="lower right")
+    axes.grid(alpha=0.25)
+
+
+def _pairs(axes: Axes, board: Board) -> None:
+    axes.set_title(f"Row better than column ({HEADLINE}) [% of samples]", fontsize=10)
+    headline = next(profile for profile in PROFILES if profile.name == HEADLINE)
+    contributions = [place.entry.contributions() for place in board.places]
+    count = len(contributions)
+    shares = np.full((count, count), np.nan)
+    for i in range(count):
+        for j in range(count):
+            if i != j:
+                comparison = compare(contributions[i], contributions[j], headline)
+                shares[i, j] = 100.0 * comparison.confidence
+                weight = "bold" if comparison.told_apart else "normal"
+                colour = "white" if shares[i, j] > 75.0 else "black"
+                axes.text(j, i, f"{shares[i, j]:.0f}", ha="center", va="center", fontsize=8, color=colour, fontweight=weight)
+    axes.imshow(shares, cmap="Blues", vmin=0.0, vmax=110.0, aspect="auto")
+    axes.set_xticks(range(count), [str(k) for k in range(1, count + 1)], fontsize=8)
+    axes.set_yticks(range(count), [str(k) for k in range(1, count + 1)], fontsize=8)
+    axes.set(xlabel="place\nbold: the 95 % interval of the difference excludes 0", ylabel="place")

@@ -1,0 +1,79 @@
+"""Detectors written in Python, given by a module or a file and a class, or by the name of an entry point."""
+
+from __future__ import annotations
+
+import importlib
+import importlib.metadata
+import importlib.util
+import sys
+from pathlib import Path
+from typing import Any
+
+from dcrb_ros.exam.case import Case
+from dcrb_ros.exam.detector_run import DetectorFactory, run_detector
+from dcrb_ros.exam.recording_cache import cached_recording
+from dcrb_ros.messages.received_diagnosis import ReceivedDiagnosis
+from dcrb_ros.schema.refusal import Refusal, nearest
+
+GROUP = "dcrb_ros.detectors"
+"""Group of the entry points with which an installed package offers detectors."""
+
+
+def load_plugin(given: str) -> DetectorFactory:
+    """Return the detector class given as ``module:Class``, ``file.py:Class`` or the name of an entry point.
+
+    Raises:
+        Refusal: there is no such module, file, class or entry point, or it cannot be imported or called.
+    """
+    place, colon, name = given.rpartition(":")
+    if not colon:
+        offered = {point.name: point for point in importlib.metadata.entry_points(group=GROUP)}
+        if given not in offered:
+            known = f"; installed are {', '.join(offered)}{nearest(given, offered)}" if offered else ""
+            raise Refusal(f"--python {given} is not an installed detector: give MODULE:CLASS or FILE.py:CLASS{known}")
+        place, _, name = offered[given].value.partition(":")
+    module = _module(given, place)
+    found = getattr(module, name, None)
+    if not callable(found):
+        raise Refusal(
+            f"--python {given}: {place} has no class {name}{nearest(name, vars(module))}: give the name of a detector class in it"
+        )
+    made: DetectorFactory = found
+    return made
+
+
+def _module(given: str, place: str) -> Any:
+    try:
+        if not place.endswith(".py"):
+            return importlib.import_module(place)
+        path = Path(place).resolve()
+        if not path.is_file():
+            raise Refusal(f"--python {given}: there is no file {place}")
+        # Modules beside the file can be imported, as if it were run.
+        if str(path.parent) not in sys.path:
+            sys.path.insert(0, str(path.parent))
+        return importlib.import_module(path.stem) if path.stem.isidentifier() else _from_file(path)
+    except Refusal:
+        raise
+    except Exception as error:
+        raise Refusal(f"--python {given} cannot be imported: {type(error).__name__}: {error}") from None
+
+
+def _from_file(path: Path) -> Any:
+    """Return the module of a file whose name cannot be imported."""
+    description = importlib.util.spec_from_file_location(path.stem, path)
+    if description is None or description.loader is None:
+        raise ImportError(f"{path} is not a Python file")
+    module = importlib.util.module_from_spec(description)
+    description.loader.exec_module(module)
+    return module
+
+
+def run_plugin(bag: Path, given: str) -> list[ReceivedDiagnosis]:
+    """Return the diagnoses of a recording by a detector in the form of `load_plugin`, which a worker process can load."""
+    return run_detector(load_plugin(given), bag)
+
+
+def run_plugin_on_case(case: Case, folder: Path, given: str) -> list[ReceivedDiagnosis]:
+    """Return a detector's diagnoses of a case; simulate the case if ``folder`` has no recording of it."""
+    return run_plugin(cached_recording(case, folder), given)

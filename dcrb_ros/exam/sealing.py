@@ -1,0 +1,186 @@
+"""Sealed exams: scenarios drawn from a secret seed, whose hash is published before the exam and which is revealed after it.
+
+The template of a sealed exam is an exam file whose scenarios have ``draw`` and ``count``. The draws use SHA-256 and are rounded, so that
+they are the same on all machines.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import math
+import secrets
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from pydantic import Field, ValidationError
+
+from dcrb_ros.exam.case import canonical, scenarios_hash
+from dcrb_ros.exam.exam_file import MOST_CASES, Exam, exam_of
+from dcrb_ros.runtime.version import __version__
+from dcrb_ros.schema.fields import Group
+from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.text.files import checked_path, read_text
+from dcrb_ros.text.yaml import read_yaml
+
+DIGITS = 6
+"""Significant digits of a drawn number; powers differ between machines in the last ones of a float."""
+SEEDS = 2**31
+"""Seeds of the simulation that are drawn [-]."""
+SECRET_DIGITS = 64
+"""Length of a secret seed [hexadecimal digits]."""
+
+
+class SealedExam(Group):
+    """A sealed exam as published before it is held."""
+
+    sealed: str = Field(pattern="^[0-9a-f]{64}$")
+    """SHA-256 of template and secret seed."""
+    scenarios_sha256: str = Field(pattern="^[0-9a-f]{64}$")
+    """SHA-256 of the drawn scenarios, as in a report."""
+    dcrb_ros: str
+    """Version that drew them."""
+    template: dict[str, Any]
+
+
+@dataclass(frozen=True)
+class OpenedExam:
+    """A sealed exam whose secret has been revealed."""
+
+    exam: Exam
+    tree: Mapping[str, Any]
+    """The exam file."""
+
+
+def new_secret() -> str:
+    """Return a secret seed of 256 bits as hexadecimal digits."""
+    return secrets.token_hex(SECRET_DIGITS // 2)
+
+
+def seal(template: Any, secret: str, source: str) -> SealedExam:
+    """Return a sealed exam.
+
+    Raises:
+        Refusal: the template draws nothing, or an exam drawn from it is invalid.
+    """
+    drawn = drawn_exam(template, secret, source)
+    digest = commitment(template, secret)
+    opened = exam_of({**drawn, "seal": digest}, source)
+    return SealedExam(sealed=digest, scenarios_sha256=scenarios_hash(opened.cases), dcrb_ros=__version__, template=dict(template))
+
+
+def commitment(template: Any, secret: str) -> str:
+    """Return the SHA-256 of template and secret seed, which binds both and reveals neither scenarios nor seed."""
+    return hashlib.sha256(canonical({"secret": secret, "template": template}).encode()).hexdigest()
+
+
+def open_exam(sealed: SealedExam, secret: str, source: str) -> OpenedExam:
+    """Return the exam that was sealed.
+
+    Raises:
+        Refusal: the secret is not the one with which it was sealed.
+    """
+    if commitment(sealed.template, secret) != sealed.sealed:
+        raise Refusal(f"{source} was not sealed with this secret, or its template has been changed: its SHA-256 is {sealed.sealed}")
+    tree = {**drawn_exam(sealed.template, secret, source), "seal": sealed.sealed}
+    return OpenedExam(exam_of(tree, source), tree)
+
+
+def read_sealed(path: Path) -> SealedExam:
+    """Return the sealed exam in a file.
+
+    Raises:
+        Refusal: the file cannot be read, or is not a sealed exam.
+    """
+    tree = read_yaml(checked_path(path))
+    try:
+        return SealedExam.model_validate(tree)
+    except ValidationError as error:
+        problem = error.errors()[0]
+        where = ".".join(str(part) for part in problem["loc"]) or "the file"
+        raise Refusal(f"{path} is not a sealed exam ({where}: {problem['msg']}): give a file of dcrb exam seal") from None
+
+
+def read_secret(path: Path) -> str:
+    """Return the secret seed in a file.
+
+    Raises:
+        Refusal: the file cannot be read, or contains anything else.
+    """
+    text = read_text(checked_path(path), 1000).strip()
+    if len(text) != SECRET_DIGITS or set(text) - set("0123456789abcdef"):
+        raise Refusal(
+            f"{path} does not contain a secret seed of {SECRET_DIGITS} hexadecimal digits: give the file that dcrb exam seal wrote"
+        )
+    return text
+
+
+def drawn_exam(template: Any, secret: str, source: str) -> dict[str, Any]:
+    """Return the exam file drawn from a template.
+
+    Raises:
+        Refusal: no scenario has ``draw``, or one has an invalid range or count.
+    """
+    scenarios = template.get("scenarios") if isinstance(template, Mapping) else None
+    if not isinstance(scenarios, list) or not any(isinstance(entry, Mapping) and "draw" in entry for entry in scenarios):
+        raise Refusal(f"{source} draws nothing, so there is nothing to seal: give at least one scenario 'draw' with ranges of parameters")
+    counts = [_count(entry, f"{source}, scenario {k}") for k, entry in enumerate(scenarios, 1) if isinstance(entry, Mapping)]
+    if sum(counts) > MOST_CASES:
+        raise Refusal(f"{source} draws {sum(counts)} scenarios: an exam has at most {MOST_CASES}")
+    found = [one for k, entry in enumerate(scenarios, 1) for one in _drawn(entry, secret, f"{source}, scenario {k}")]
+    return {**template, "scenarios": found}
+
+
+def _count(entry: Mapping[str, Any], where: str) -> int:
+    count = entry.get("count", 1)
+    if isinstance(count, bool) or not isinstance(count, int) or not 1 <= count <= MOST_CASES:
+        raise Refusal(f"{where}: count = {count!r} is outside 1 .. {MOST_CASES}: give the number of scenarios to draw")
+    return count
+
+
+def _drawn(entry: Any, secret: str, where: str) -> list[Any]:
+    """Return the scenarios that an entry of a template stands for."""
+    if not isinstance(entry, Mapping) or "draw" not in entry:
+        if isinstance(entry, Mapping) and "count" in entry:
+            raise Refusal(f"{where}: it has 'count' but no 'draw': give the ranges to draw from, or leave out 'count'")
+        return [entry]
+    ranges = entry["draw"]
+    if not isinstance(ranges, Mapping) or not ranges or set(ranges) - {"set", "fault"}:
+        raise Refusal(f"{where}: 'draw' must have 'set' or 'fault', each with parameters and their ranges")
+    rest = {key: value for key, value in entry.items() if key not in ("draw", "count")}
+    found = []
+    for number in range(1, _count(entry, where) + 1):
+        name = f"{entry.get('name')}/{number}"
+        one: dict[str, Any] = {**rest, "name": name, "seeds": [int(_share(secret, name, "seed") * SEEDS)]}
+        for group, axes in ranges.items():
+            if not isinstance(axes, Mapping):
+                raise Refusal(f"{where}: draw.{group} must name parameters and their ranges, such as {{low: 0.0005, high: 0.003}}")
+            values = {key: _value(axis, _share(secret, name, group, key), f"{where}: {key}") for key, axis in axes.items()}
+            one[group] = {**(rest.get(group) or {}), **values}
+        found.append(one)
+    return found
+
+
+def _share(secret: str, *names: str) -> float:
+    """Return a number 0 <= u < 1 that follows from the secret seed and from what it is drawn for [-]."""
+    digest = hashlib.sha256(canonical([secret, *names]).encode()).hexdigest()
+    return int(digest[:13], 16) / 16**13
+
+
+def _value(axis: Any, share: float, where: str) -> Any:
+    """Return the value at a position in a range, or one of a list."""
+    if isinstance(axis, list) and axis:
+        return axis[int(share * len(axis))]
+    if not isinstance(axis, Mapping) or not {"low", "high"} <= set(axis) or set(axis) - {"low", "high", "scale"}:
+        raise Refusal(f"{where} = {axis!r} is not a range: give {{low: LOW, high: HIGH}}, with 'scale: log' if wanted, or a list of values")
+    low, high, scale = axis["low"], axis["high"], axis.get("scale", "linear")
+    log = scale == "log"
+    if scale not in ("linear", "log"):
+        raise Refusal(f"{where}: scale = {scale!r} is unknown: give linear or log")
+    if any(isinstance(end, bool) or not isinstance(end, (int, float)) for end in (low, high)) or not low <= high or (log and low <= 0):
+        raise Refusal(f"{where}: the range {low!r} .. {high!r} is invalid: give numbers in increasing order, above 0 with scale: log")
+    if isinstance(low, int) and isinstance(high, int) and not log:
+        return low + int(share * (high - low + 1))
+    exact = low * (high / low) ** share if log else low + share * (high - low)
+    return min(max(float(f"{exact:.{DIGITS}g}"), float(low)), float(high)) if math.isfinite(exact) else float(low)

@@ -1,0 +1,124 @@
+"""Steps that are too long for the modes of vibration or the damping of a bearing under its load."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+from dcrb_ros.core.laws.pereira import pereira_coefficients, pereira_stiffness
+from dcrb_ros.faults.geometry import BrokenBar
+from dcrb_ros.settings.loaded_contacts import contact_stiffness, heaviest, load_and_weight
+from dcrb_ros.settings.parameters import SHORTEST_STEP
+
+if TYPE_CHECKING:
+    from dcrb_ros.settings.configuration import Configuration
+
+LARGEST_PHASE = 1.8
+"""Largest phase of the stiffest mode in a step [rad]: leapfrog is unstable from 2 on, and impacts stiffen the contacts."""
+LARGEST_DAMPING = 0.8
+"""Largest share of a body's momentum that contacts take up in a step [-]: the iteration of the bodies' velocities diverges from 1.0 on."""
+LARGEST_ROLLER_DAMPING = 0.1
+"""The same for viscous friction on a free roller [-]: simulations diverged from 0.2 on."""
+LEAST_DRAG = 0.12
+"""Smallest share of a roller's normal force that presses it against a bar: friction of 0.06 at both raceways [-]."""
+
+
+def step_limits(c: Configuration) -> Iterator[str]:
+    """Yield a sentence for each reason why the step is too long."""
+    yield from _stability(c)
+    yield from _damping(c)
+
+
+def _stability(c: Configuration) -> Iterator[str]:
+    """Compare the step with the period of the stiffest mode under the largest forces that the load causes."""
+    b, h = c.bearing, c.simulation.step
+    stiffness = contact_stiffness(c, heaviest(c))
+    together = 0.5 * stiffness * (1.0 + 0.25 * b.rollers_per_row) * b.rows
+    inner, outer = b.inner_ring_mass + c.housing.axle_mass, b.outer_ring_mass + c.housing.box_mass
+    modes = {
+        "the rings against each other": together * (1.0 / inner + 1.0 / outer),
+        "the outer ring in the housing": c.housing.stiffness / outer,
+    }
+    modes |= _modes_at_the_cage(c, stiffness)
+    # The correction h^2 k/12 of the mass slows a mode: sin^2(phase/2) (1 + phase^2/12).
+    name = max(modes, key=modes.__getitem__)
+    natural = math.sqrt(modes[name])
+    longest = LARGEST_PHASE / natural / math.sqrt(1.0 - LARGEST_PHASE**2 / 12.0)
+    if h > longest:
+        yield (
+            f"simulation.step = {h:g} s is too long for {name}, a mode at {natural / (2.0 * math.pi):.4g} Hz "
+            f"under {load_and_weight(c):.4g} N: {_shorter(c, min(longest, _longest_damped_step(c)))}"
+        )
+
+
+def _longest_damped_step(c: Configuration) -> float:
+    """Return the longest step [s] with which the contacts damp the rings."""
+    b = c.bearing
+    damping = c.contact.loss_time * contact_stiffness(c, heaviest(c)) + c.contact.damping
+    inner, outer = b.inner_ring_mass + c.housing.axle_mass, b.outer_ring_mass + c.housing.box_mass
+    rings = 0.5 * (1.0 + 0.25 * b.rollers_per_row) * b.rows * (1.0 / inner + 1.0 / outer)
+    return LARGEST_DAMPING / (damping * rings) if damping else math.inf
+
+
+def _damping(c: Configuration) -> Iterator[str]:
+    """Compare the damping of the contacts with the masses that it acts on in a step."""
+    b, h, longest = c.bearing, c.simulation.step, _longest_damped_step(c)
+    if h > longest:
+        stiffness, constant = contact_stiffness(c, heaviest(c)), c.contact.damping
+        lossy = c.contact.loss_time * stiffness
+        largest = (lossy + constant) * longest / h
+        words = f"contact.loss_time = {c.contact.loss_time:g} s", f"{max(0.0, largest - constant) / stiffness:.3g} s"
+        if constant > lossy:
+            words = f"contact.damping = {constant:g} N s/m", f"{max(0.0, largest - lossy):.3g} N s/m"
+        yield (
+            f"{words[0]} damps the rings too much for simulation.step = {h:g} s: at most {words[1]}, or a step of {_shorter(c, longest)}"
+        )
+    # The normal forces of all rollers add up to 4/pi of the load.
+    viscous = h * c.friction.viscous
+    excess = viscous * (1.0 / b.inner_ring_mass + 1.0 / b.outer_ring_mass) * 4.0 / math.pi * load_and_weight(c) / LARGEST_DAMPING
+    if c.cage.joint == "pocket":
+        excess = max(excess, viscous * heaviest(c) / b.roller_mass / LARGEST_ROLLER_DAMPING)
+    if excess > 1.0:
+        yield (
+            f"friction.viscous = {c.friction.viscous:g} s/m damps slip too much for simulation.step = {h:g} s: at most "
+            f"{c.friction.viscous / excess:.3g} s/m, or a step of at most {h / excess:.3g} s"
+        )
+
+
+def _largest_friction(c: Configuration) -> float:
+    """Return the largest friction coefficient between rollers and raceways [-]."""
+    dry = c.lubrication.law == "dry"
+    return float(c.friction.static_coefficient) if dry else max(c.lubrication.boundary_friction, c.lubrication.limiting_friction)
+
+
+def _modes_at_the_cage(c: Configuration, stiffness: float) -> dict[str, float]:
+    """Return the squared angular frequencies [1/s^2] of cages, free rollers and bars; ``stiffness`` [N/m] is that of a raceway."""
+    b = c.bearing
+    any_broken = any(isinstance(damage, BrokenBar) for damage in c.faults.damage(b))
+    if c.cage.joint == "revolute" and not any_broken:
+        return {"a cage with its rollers": 2.0 * stiffness / (b.cage_mass + b.rollers_per_row * b.roller_mass)}
+    drag = max(LEAST_DRAG, 2.0 * _largest_friction(c)) * heaviest(c)
+    bar = pereira_stiffness(drag, *pereira_coefficients(c.cage.pocket_clearance, b.roller_length, b.effective_modulus))
+    # Half a row presses against the cage at once: with more, simulations of light cages and small clearances diverged.
+    pressing = 0.5 * b.rollers_per_row
+    modes = {
+        "a roller between the raceways": 2.0 * stiffness / b.roller_mass,
+        "rollers against the bars of a cage": bar * (1.0 / b.roller_mass + pressing / b.cage_mass),
+    }
+    if any_broken:
+        modes["two rollers beside a broken bar"] = (2.0 * stiffness + bar) / b.roller_mass
+    return modes
+
+
+def _shorter(c: Configuration, longest: float) -> str:
+    """Return the advice to take a step of at most ``longest`` [s]."""
+    fitting = _fitting_step(c, longest)
+    if fitting < SHORTEST_STEP:
+        return f"even a step of {SHORTEST_STEP:g} s is too long; check masses in kg, stiffnesses and loads"
+    return f"at most {longest:.3g} s, such as {fitting!r}"
+
+
+def _fitting_step(c: Configuration, longest: float) -> float:
+    """Return the longest step up to ``longest`` [s] of which a sampling interval is a whole number."""
+    return 1.0 / (c.sensor.sampling_rate * max(2, math.ceil(1.0 / (longest * c.sensor.sampling_rate))))

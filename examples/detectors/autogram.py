@@ -1,0 +1,37 @@
+"""The autogram: demodulation of the band whose squared envelope has the most impulsive autocorrelation (Moshrefzadeh and Fasana 2018)."""
+
+import numpy as np
+from trending import Trending, bands, lines
+
+
+def autocorrelation(envelope, first):
+    """Return the unbiased autocorrelation of a squared envelope at lags from ``first`` [samples] to half its length."""
+    centred, count = envelope - envelope.mean(), len(envelope)
+    power = np.abs(np.fft.fft(centred, 2 * count)) ** 2
+    lags = np.arange(first, count // 2)
+    return np.fft.ifft(power).real[lags] / (count - lags)
+
+
+def kurtosis_of(correlation):
+    """Return sum (R - min R)^4 / (sum (R - min R)^2)^2, times the number of lags (Moshrefzadeh and Fasana 2018, Eq. 8) [-]."""
+    above = (correlation - correlation.min()) ** 2
+    return len(above) * np.sum(above**2) / np.sum(above) ** 2
+
+
+def most_periodic(acceleration, strikes):
+    """Return edges and squared envelope of the best band; ``strikes`` is the number of impacts of the fastest defect in the signal [-].
+
+    A band is wide enough to separate these impacts. Lags below three quarters of their period are left out: there, an impact
+    correlates with itself.
+    """
+    usable = [band for band in bands(acceleration) if len(band[2]) >= 4.0 * strikes]
+    return max(usable, key=lambda band: kurtosis_of(autocorrelation(band[2], int(0.75 * len(band[2]) / strikes))))
+
+
+class Autogram(Trending):
+    """Report the part whose lines have grown most, in the band that is most impulsive and periodic: single impacts do not attract it."""
+
+    def features(self, acceleration, angle):
+        """Return the lines of every part relative to the spectrum around them."""
+        strikes = max(self.orders.values()) * abs(angle[-1] - angle[0]) / (2.0 * np.pi)
+        return lines(most_periodic(acceleration, strikes)[2], angle, self.orders, relative=True)

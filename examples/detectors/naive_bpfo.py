@@ -1,0 +1,22 @@
+"""A line at BPFO in the spectrum of the rectified acceleration.
+
+A healthy bearing has one, too: its compliance varies as rollers pass the load.
+"""
+
+import numpy as np
+from trending import Trending, lines
+
+
+class NaiveBpfo(Trending):
+    """Report an outer ring defect if the line at BPFO stands 12 dB above the spectrum around it; there is no healthy level."""
+
+    factor = 4.0
+    learning = 0
+
+    def __init__(self, orders, rate):
+        super().__init__(orders, rate)
+        self.verdict, self.healthy = "healthy", [{"outer_ring": 1.0}]
+
+    def features(self, acceleration, angle):
+        """Return the mean ratio of three harmonics of BPFO to the spectrum around them."""
+        return {"outer_ring": lines(np.abs(acceleration), angle, self.orders, relative=True)["outer_ring"] / 3.0}

@@ -1,0 +1,21 @@
+"""Level and peakedness: an alarm if the rms or the kurtosis of the acceleration has grown. Neither names a part of the bearing."""
+
+import numpy as np
+from trending import Trending
+
+
+class RmsKurtosis(Trending):
+    """Report the most frequent fault, an outer ring defect, if the rms has doubled or the kurtosis has.
+
+    rms = sqrt(mean a^2), kurtosis = mean a^4 / (mean a^2)^2, which is 3 for noise (Dyer and Stewart 1978).
+    """
+
+    factor = 2.0
+
+    def features(self, acceleration, angle):
+        """Return the larger growth of both as one feature: the level of each is learnt apart."""
+        power = np.mean(acceleration**2)
+        found = {"rms": np.sqrt(power), "kurtosis": np.mean(acceleration**4) / power**2}
+        if len(self.healthy) < self.learning:
+            self.levels = {name: max(value, getattr(self, "levels", {}).get(name, 0.0)) for name, value in found.items()}
+        return {"outer_ring": max(found[name] / self.levels[name] for name in found)}

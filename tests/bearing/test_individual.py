@@ -1,0 +1,109 @@
+"""The deviations that a seed draws of a bearing, and what they do to the kernels' constants."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+
+from dcrb_ros.bearing.individual import Individual, individual_of
+from dcrb_ros.bearing.payload import build_payload, pocket_azimuths
+from dcrb_ros.bearing.surfaces import add_run_out
+from dcrb_ros.core.contacts.surface import SLOPE
+from dcrb_ros.settings.configuration import Configuration
+
+SEEDS = range(1, 201)
+
+
+def configured(**groups: Any) -> Configuration:
+    return Configuration.model_validate({**groups, "surfaces": {"law": "profile"} | groups.get("surfaces", {})})
+
+
+def drawn(seed: int, **surfaces: Any) -> Individual:
+    return individual_of(configured(surfaces={"seed": seed, **surfaces}))
+
+
+def test_the_same_id_draws_the_same_bearing_whatever_the_seed_of_the_run() -> None:
+    one = individual_of(configured(surfaces={"seed": 7}, simulation={"seed": 1}))
+    again = individual_of(configured(surfaces={"seed": 7}, simulation={"seed": 2}))
+    for name, mine, other in zip(Individual._fields, one, again, strict=True):
+        assert np.array_equal(mine, other), name
+    assert all(not np.array_equal(mine, other) for mine, other in zip(one, drawn(8), strict=True))
+
+
+def test_smooth_surfaces_belong_to_the_nominal_bearing() -> None:
+    nominal = individual_of(Configuration())
+    assert nominal.waviness == 1.0
+    assert not any(np.any(part) for part in nominal[1:])
+    payload = build_payload(Configuration())
+    assert payload.pocket_clearance == Configuration().cage.pocket_clearance
+    assert not payload.train_moment.any()
+
+
+@pytest.mark.parametrize("name", ["clearance", "pocket_clearance"])
+def test_clearances_lie_within_their_tolerance(name: str) -> None:
+    found = np.array([getattr(drawn(seed), name) for seed in SEEDS])
+    assert np.abs(found).max() <= 2e-5
+    assert found.std() == pytest.approx(0.88e-5, rel=0.15)  # a normal distribution of 1e-5 cut at two standard deviations
+
+
+def test_bearings_are_as_good_or_poor_as_their_waviness() -> None:
+    found = np.array([drawn(seed).waviness for seed in SEEDS])
+    assert 0.449 < found.min() < 0.6  # exp(-0.8)
+    assert 1.7 < found.max() < 2.226
+    assert np.log(found).std() == pytest.approx(0.35, rel=0.15)
+
+
+def test_spreads_are_root_mean_squares_over_the_bearings() -> None:
+    individuals = [drawn(seed) for seed in SEEDS]
+    centres = np.stack([individual.run_out for individual in individuals])
+    assert math.sqrt((centres**2).sum(axis=-1).mean()) == pytest.approx(5e-6, rel=0.1)
+    assert np.std([individual.pocket_places for individual in individuals]) == pytest.approx(1.5e-5, rel=0.05)
+    lever = np.hypot(*np.moveaxis(np.stack([individual.cage_unbalance for individual in individuals]), -1, 0))
+    assert lever == pytest.approx(5e-6)
+    assert abs(np.corrcoef(centres[:, 0, 0], centres[:, 1, 0])[0, 1]) < 0.2
+
+
+def test_a_tight_pocket_keeps_half_of_its_clearance() -> None:
+    tight = configured(cage={"pocket_clearance": 1e-5}, surfaces={"pocket_clearance_spread": 1e-4})
+    assert min(build_payload(tight).pocket_clearance, 5e-6) == 5e-6
+
+
+def test_run_out_is_a_circle_about_another_centre() -> None:
+    """Seen from the shaft, a circle about (x, y) is higher by x sin(theta) - y cos(theta) at the azimuth theta from -Y."""
+    table = np.zeros((1, 4096, 5))
+    add_run_out(table, np.array([[3e-6, 4e-6]]))
+    angle = 2.0 * math.pi / 4096 * np.arange(4096)
+    towards = np.stack([np.sin(angle), -np.cos(angle)], axis=-1)
+    radius = 0.08
+    distance = np.linalg.norm(radius * towards + [3e-6, 4e-6], axis=-1) - radius
+    assert table[0, :, 0] == pytest.approx(distance, abs=1e-9)
+    assert np.gradient(table[0, :, 0], angle[1])[1:-1] == pytest.approx(table[0, 1:-1, SLOPE], abs=1e-10)
+
+
+def test_a_cage_hangs_with_its_heavy_side_down() -> None:
+    """The moment along the tangents makes the torque of the weight -g s_y: zero with the centre of mass below or above the centre."""
+    payload = build_payload(configured(surfaces={"cage_unbalance": 1e-5, "seed": 3}))
+    centre = drawn(3, cage_unbalance=1e-5).cage_unbalance
+    mass = Configuration().bearing.cage_mass
+    assert payload.train_moment[:, 1] == pytest.approx(mass * centre[:, 0])  # a weight at +X turns the cage clockwise
+    assert payload.train_moment[:, 0] == pytest.approx(-mass * centre[:, 1])
+
+
+def test_drawn_cage_angles_belong_to_the_run() -> None:
+    def azimuths(seed: int, **surfaces: Any) -> np.ndarray:
+        made = configured(
+            simulation={"seed": seed}, operating={"cage_angles": "drawn"}, surfaces={"seed": 1, "pocket_spread": 0, **surfaces}
+        )
+        tangent = build_payload(made).pocket_tangent
+        return np.asarray(np.arctan2(tangent[..., 1], tangent[..., 0]))
+
+    one, other = azimuths(1), azimuths(2)
+    pitch = 2.0 * math.pi / 16
+    offset = np.mod(one - pocket_azimuths(Configuration().bearing), 2.0 * math.pi)
+    assert offset == pytest.approx(np.broadcast_to(offset[:, :1], offset.shape))
+    assert ((offset >= 0.0) & (offset < pitch)).all()
+    assert offset[0, 0] != offset[1, 0]
+    assert not np.allclose(one, other)

@@ -1,0 +1,127 @@
+"""Contacts of two rollers across a broken bar."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+
+from dcrb_ros.bearing.payload import build_payload
+from dcrb_ros.core.contacts.roller_pair import add_pair_contacts
+from dcrb_ros.core.jit import loop
+from dcrb_ros.core.laws.lugre import stribeck_coefficient
+from dcrb_ros.core.laws.squeeze import squeeze_impulse
+from dcrb_ros.core.layout.state import FRICTION, LOSS, State, empty_state
+from dcrb_ros.core.layout.workspace import Workspace, workspace
+from dcrb_ros.core.payload import Payload
+from dcrb_ros.settings.configuration import Configuration
+
+pytestmark = pytest.mark.kernel
+
+BEHIND, AHEAD = 4, 5
+"""Rollers on either side of the broken bar 5, counted from zero."""
+Floats = npt.NDArray[np.float64]
+
+
+@loop
+def touch(payload: Payload, state: State, work: Workspace) -> None:
+    """Write the forces that rollers exert on each other across broken bars."""
+    add_pair_contacts(payload, state, work.pair_force)
+
+
+def pressed(row: int, depth: float, velocity: Floats, steps: int = 1, **groups: dict[str, object]) -> tuple[Payload, State, Workspace]:
+    """Return a bearing after ``steps`` of no motion in which two rollers of a row are pressed together by ``depth`` [m].
+
+    ``velocity`` is the predicted mean velocity of both [m/s, m/s, rad/s], shape (2, 3): half of it before the step, and as much
+    as the whole was gained in the last one.
+    """
+    payload = build_payload(Configuration.model_validate({"faults": {"broken_bars": "row1/bar5, row2/bar5"}, **groups}))
+    state, work = empty_state(payload), workspace(payload)
+    state.roller_position[:, AHEAD] = (1.0, 1.0)  # far apart in the other row
+    state.roller_position[row, BEHIND] = (0.03, -0.02)
+    state.roller_position[row, AHEAD] = np.array((0.03, -0.02)) + (2.0 * payload.roller_radius - depth) * np.array((0.8, 0.6))
+    state.roller_velocity[row, [BEHIND, AHEAD]] = 0.5 * velocity
+    state.roller_change[row, [BEHIND, AHEAD]] = velocity
+    work.pair_force[:] = 7.0  # from the last step
+    for _ in range(steps):
+        touch(payload, state, work)
+    return payload, state, work
+
+
+VELOCITY = np.array([(0.3, -0.1, -4.0), (-0.1, 0.2, 9.0)])
+
+
+@pytest.mark.parametrize("row", [0, 1])
+@pytest.mark.parametrize("velocity", [VELOCITY, -0.1 * VELOCITY], ids=["closing", "opening"])
+def test_rollers_push_each_other_apart_and_pay_for_slip_and_loss(row: int, velocity: Floats) -> None:
+    payload, state, work = pressed(row, 1e-5, velocity)
+    behind, ahead = work.pair_force[row, BEHIND], work.pair_force[row, AHEAD]
+    assert behind[:2] == pytest.approx(-ahead[:2])
+    assert behind[2] == ahead[2]  # both spins are opposed
+    normal = state.of_rollers(state.rollers[0].pair.force)[row, BEHIND]
+    assert ahead[:2] @ (0.8, 0.6) == pytest.approx(normal)
+    rate = (velocity[0, :2] - velocity[1, :2]) @ (0.8, 0.6)
+    lever = np.array((1.0, 1.0, payload.roller_radius))
+    power = float((work.pair_force[row, [BEHIND, AHEAD]] * velocity * lever).sum())
+    assert power == pytest.approx(-normal * rate - state.account[FRICTION] / payload.step)
+    assert state.account[FRICTION] > 0.0
+    still = pressed(row, 1e-5, np.zeros((2, 3)))[1]
+    elastic = still.of_rollers(still.rollers[0].pair.force)[row, BEHIND]
+    assert elastic > 100.0
+    assert state.account[LOSS] == pytest.approx((normal - elastic) * rate * payload.step)
+    assert state.account[LOSS] > 0.0
+
+
+def test_the_constant_damping_acts_on_the_whole_step() -> None:
+    payload, state, _ = pressed(0, 1e-5, VELOCITY, contact={"loss_time": 0.0, "damping": 2e3})
+    rate = (VELOCITY[0, :2] - VELOCITY[1, :2]) @ (0.8, 0.6)
+    assert state.account[LOSS] == pytest.approx(2e3 * rate**2 * payload.step)
+
+
+def test_a_layer_between_rollers_takes_its_impulse_over_the_way_of_the_step() -> None:
+    depth, rate = 1e-6, 0.8
+    oil = {"law": "film", "lubricant": "vg100", "temperature": 70.0, "layer": 20e-6}
+    velocity = np.array([(rate * 0.8, rate * 0.6, 0.0), (0.0, 0.0, 0.0)])
+    payload, state, _ = pressed(0, depth, velocity, contact={"loss_time": 0.0}, lubrication=oil)
+    film = payload.pair.film
+    half = 0.5 * payload.step * rate
+    assert half - depth > film.floor
+    far, near = (squeeze_impulse(gap, film.squeeze, film.floor, film.layer) for gap in (-depth + half, -depth - half))
+    assert state.account[LOSS] == pytest.approx((near - far) * rate)  # the momentum taken, times the speed
+
+
+@pytest.mark.parametrize("spin", [20.0, -3.0])
+def test_steady_slip_of_rollers_has_the_stribeck_coefficient(spin: float) -> None:
+    velocity = np.array([(0.0, 0.0, spin), (0.0, 0.0, 0.0)])
+    payload, state, work = pressed(1, 1e-5, velocity, steps=500)
+    slip, law, normal = payload.roller_radius * spin, payload.traction_law, state.of_rollers(state.rollers[0].pair.force)[1, BEHIND]
+    steady = stribeck_coefficient(slip, law.kinetic_coefficient, law.static_coefficient, law.stribeck_speed)
+    assert work.pair_force[1, BEHIND, 2] == pytest.approx(-math.copysign(steady, spin) * normal, rel=1e-6)
+
+
+@pytest.mark.parametrize("row", [0, 1])
+def test_rollers_in_contact_leave_the_other_row_and_all_others(row: int) -> None:
+    _, state, work = pressed(row, 1e-5, VELOCITY)
+    other, untouched = 1 - row, [i for i in range(16) if i not in (BEHIND, AHEAD)]
+    assert np.all(work.pair_force[other, [BEHIND, AHEAD]] == 0.0)
+    assert np.all(work.pair_force[:, untouched] == 7.0)
+    force = state.of_rollers(state.rollers[0].pair.force)
+    assert np.flatnonzero(force).tolist() == [row * 16 + BEHIND]
+
+
+@pytest.mark.parametrize("row", [0, 1])
+def test_rollers_apart_exert_no_force_and_forget_their_bristle(row: int) -> None:
+    payload, state, work = pressed(row, 1e-5, VELOCITY)
+    rollers: Any = state.rollers[0]
+    bristle = state.of_rollers(rollers.pair.traction.bristle)
+    assert bristle[row, BEHIND] != 0.0
+    state.roller_position[row, AHEAD] += 1e-4 * np.array((0.8, 0.6))
+    account = state.account.copy()
+    touch(payload, state, work)
+    assert np.all(work.pair_force[:, [BEHIND, AHEAD]] == 0.0)
+    assert not state.rollers[0].pair.force.any()
+    assert not bristle.any()
+    assert np.array_equal(state.account, account)

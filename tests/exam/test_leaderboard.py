@@ -1,0 +1,169 @@
+"""Entries, comparisons of detectors and the leaderboard."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from separate_process import dcrb
+
+from dcrb_ros.exam.comparison import compare
+from dcrb_ros.exam.criteria import Criteria
+from dcrb_ros.exam.entry import Entry, entry_of, read_entry, write_entry
+from dcrb_ros.exam.expectation import Expectation
+from dcrb_ros.exam.leaderboard import boards, markdown, page, rows
+from dcrb_ros.exam.profile import PROFILES
+from dcrb_ros.exam.report import Report
+from dcrb_ros.exam.scoring import score_scenario
+from dcrb_ros.messages.received_diagnosis import ReceivedDiagnosis
+from dcrb_ros.schema.refusal import Refusal
+
+RESEARCH = PROFILES[2]
+COUNT = 24
+EXPECTATIONS = [
+    *(Expectation(f"outer/{k}", "outer_ring", 10.0, 4.0, {"speed": 125.0, "width": 0.002}, twin="twin/0") for k in range(COUNT)),
+    *(Expectation(f"twin/{k}", "healthy", 10.0, tags={"speed": 125.0}) for k in range(COUNT)),
+]
+
+
+def detector(seed: int, skill: float, *, name: str = "") -> Entry:
+    """Return the entry of a detector that finds a share of the faults, ``skill``, and is silent otherwise."""
+    random = np.random.default_rng(seed)
+    results = []
+    for expectation in EXPECTATIONS:
+        found = expectation.faulty and random.random() < skill
+        given = [
+            ReceivedDiagnosis(t, "outer_ring" if found and t > 4.0 else "healthy", float(found and t > 4.0))
+            for t in np.arange(0.0, 10.5, 0.5)
+        ]
+        results.append(score_scenario(expectation, given, Criteria()))
+    return entry_of(Report("made up", f"detector {seed}", Criteria(), "0" * 64, tuple(results)), name)
+
+
+def test_an_entry_survives_its_file(tmp_path: Path) -> None:
+    entry = detector(1, 0.5)
+    write_entry(entry, tmp_path / "e.json")
+    assert read_entry(tmp_path / "e.json") == entry
+    assert 0.0 < entry.exam_score["research"] < 100.0
+    assert (entry.detector, len(entry.scenarios), entry.false_alarms) == ("detector 1", 2 * COUNT, 0)
+
+
+def edited(tree: dict[str, Any], path: tuple[Any, ...], value: Any) -> dict[str, Any]:
+    copy = json.loads(json.dumps(tree))
+    at = copy
+    for key in path[:-1]:
+        at = at[key]
+    at[path[-1]] = value
+    return copy
+
+
+@pytest.mark.parametrize(
+    ("path", "value", "sentence"),
+    [
+        (("exam_score", "research"), 99.0, "do not follow from its scenarios"),
+        (("exam_score",), {}, "do not follow from its scenarios"),
+        (("scenarios", 0, "credit", "research"), 1.5, "impossible credit in the scenario 'outer/0'"),
+        (("scenarios", 0, "credit"), {}, "impossible credit"),
+        (("scenarios", 0, "name"), "outer/1", "has the scenario 'outer/1' twice"),
+        (("scenarios", 30, "spoiled"), 9, "impossible credit in the scenario 'twin/6'"),
+        (("scenarios",), [], r"is not an entry \(scenarios"),
+        (("format",), "2", r"is not an entry \(format"),
+        (("surprise",), 1, r"is not an entry \(surprise"),
+    ],
+)
+def test_an_edited_entry_is_refused(path: tuple[Any, ...], value: Any, sentence: str, tmp_path: Path) -> None:
+    (tmp_path / "e.json").write_text(json.dumps(edited(detector(1, 0.5).model_dump(), path, value)), encoding="utf-8")
+    with pytest.raises(Refusal, match=sentence):
+        read_entry(tmp_path / "e.json")
+
+
+def test_a_detector_is_not_told_apart_from_itself() -> None:
+    own = detector(1, 0.5).contributions()
+    found = compare(own, own, RESEARCH)
+    assert (found.difference.value, found.difference.low, found.difference.high, found.confidence) == (0.0, 0.0, 0.0, 0.5)
+    assert not found.told_apart
+
+
+def test_a_comparison_is_antisymmetric() -> None:
+    first, second = detector(1, 0.5).contributions(), detector(2, 0.6).contributions()
+    there, back = compare(first, second, RESEARCH), compare(second, first, RESEARCH)
+    assert there.confidence == pytest.approx(1.0 - back.confidence)
+    assert there.difference.value == -back.difference.value
+    assert (there.difference.low, there.difference.high) == pytest.approx((-back.difference.high, -back.difference.low))
+
+
+def test_detectors_of_different_skill_are_told_apart() -> None:
+    found = compare(detector(1, 0.9).contributions(), detector(2, 0.4).contributions(), RESEARCH)
+    assert found.told_apart
+    assert found.confidence > 0.99
+
+
+def test_detectors_of_equal_skill_are_told_apart_as_rarely_as_the_confidence_says() -> None:
+    """At 95 % confidence, one pair in twenty is told apart wrongly; percentile intervals of 24 scenarios are a little too narrow."""
+    pairs = 60
+    wrong = sum(
+        compare(detector(k, 0.5).contributions(), detector(k + 1000, 0.5).contributions(), RESEARCH).told_apart for k in range(pairs)
+    )
+    assert wrong <= 9  # a binomial number with p = 0.07 exceeds 9 of 60 with a probability below 1 %
+
+
+def test_the_paired_comparison_sees_a_small_difference_on_the_same_scenarios() -> None:
+    """One detector finds everything that the other finds, and three more: unpaired intervals overlap widely."""
+    weaker = detector(3, 0.5)
+    missed = [s.name for s in weaker.scenarios if s.family != "healthy" and not s.found][:6]
+    full = next(s.credit for s in weaker.scenarios if s.found)
+    better = [s.model_copy(update={"credit": full}) if s.name in missed else s for s in weaker.scenarios]
+    stronger = weaker.model_copy(update={"scenarios": better})
+    found = compare(stronger.contributions(), weaker.contributions(), RESEARCH)
+    assert found.told_apart
+    assert stronger.scores()[2].score.low < weaker.scores()[2].score.high
+
+
+def test_detectors_on_different_scenarios_are_not_compared() -> None:
+    own = detector(1, 0.5).contributions()
+    with pytest.raises(Refusal, match="different scenarios"):
+        compare(own, own[1:], RESEARCH)
+
+
+def test_the_leaderboard_is_sorted_by_the_score() -> None:
+    (board,) = boards([detector(1, 0.3), detector(2, 0.9), detector(3, 0.6)])
+    assert [place.entry.detector for place in board.places] == ["detector 2", "detector 3", "detector 1"]
+    found = list(rows(board))
+    assert [row[0] for row in found] == ["1", "2", "3"]
+    assert found[0][-1].startswith("yes, ")
+    assert found[-1][-1] == "–"
+
+
+def test_exams_with_different_scenarios_have_boards_of_their_own() -> None:
+    other = detector(2, 0.5).model_copy(update={"scenarios_sha256": "1" * 64})
+    assert [len(board.places) for board in boards([detector(1, 0.5), other])] == [1, 1]
+
+
+def test_entries_of_the_same_name_are_refused() -> None:
+    with pytest.raises(Refusal, match="two entries of the exam made up are called 'mine'"):
+        boards([detector(1, 0.5, name="mine"), detector(2, 0.5, name="mine")])
+
+
+def test_names_are_text_in_markdown_and_html() -> None:
+    found = boards([detector(1, 0.5, name="<b>a|b</b> [x](y) `z`")])
+    text, html = markdown(found, ["f.png"]), page(found, ["f.png"])
+    assert "<b>" not in text
+    assert "<b>" not in html
+    row = next(line for line in text.splitlines() if line.startswith("| 1 |"))
+    assert row.replace("\\|", "").count("|") == len(next(iter(rows(found[0])))) + 1
+    assert "\\[x\\](y)" in text
+
+
+def test_the_command_writes_the_leaderboard(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    for number, skill in ((1, 0.3), (2, 0.9)):
+        write_entry(detector(number, skill), tmp_path / f"{number}.json")
+    assert dcrb("exam", "table", str(tmp_path), "--output", str(tmp_path / "out")) == 0
+    written = {file.name: file.stat().st_size for file in (tmp_path / "out").iterdir()}
+    assert set(written) == {"leaderboard.md", "leaderboard.html", "leaderboard-1.png"}
+    assert all(size > 500 for size in written.values())
+    assert dcrb("exam", "table", str(tmp_path / "gone")) == 2
+    assert dcrb("exam", "table", str(tmp_path / "out")) == 2
+    assert "has no .json file" in capsys.readouterr().err

@@ -1,0 +1,81 @@
+"""Detectors given as a Python class."""
+
+from __future__ import annotations
+
+from importlib.metadata import EntryPoint
+from pathlib import Path
+
+import pytest
+from made_up_blocks import recorded
+from separate_process import dcrb
+
+from dcrb_ros import FaultDetector
+from dcrb_ros.exam import plugin
+from dcrb_ros.exam.entry import read_entry
+from dcrb_ros.exam.plugin import load_plugin, run_plugin
+from dcrb_ros.messages.received_diagnosis import ReceivedDiagnosis
+from dcrb_ros.schema.refusal import Refusal
+
+SOURCE = """
+class Steady:
+    def __init__(self, orders, rate):
+        assert rate == 51200
+
+    def update(self, index, acceleration, shaft_angle):
+        return "roller"
+"""
+
+
+@pytest.mark.parametrize("name", ["steady_detector.py", "with-dash.py"])
+def test_a_class_in_a_file_runs_on_a_recording(name: str, tmp_path: Path) -> None:
+    (tmp_path / name).write_text(SOURCE, encoding="utf-8")
+    found = run_plugin(recorded(tmp_path / "bag", 2), f"{tmp_path / name}:Steady")
+    assert found == [ReceivedDiagnosis(1023 / 51200, "roller"), ReceivedDiagnosis(2047 / 51200, "roller")]
+
+
+def test_a_class_in_a_module_and_an_entry_point_are_found(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert load_plugin("dcrb_ros:FaultDetector") is FaultDetector
+    offered = [EntryPoint("shipped", "dcrb_ros:FaultDetector", plugin.GROUP)]
+    monkeypatch.setattr(plugin.importlib.metadata, "entry_points", lambda group: offered if group == plugin.GROUP else [])
+    assert load_plugin("shipped") is FaultDetector
+    with pytest.raises(Refusal, match=r"shiped is not an installed detector: .*did you mean 'shipped'"):
+        load_plugin("shiped")
+
+
+@pytest.mark.parametrize(
+    ("given", "sentence"),
+    [
+        ("nothing", "is not an installed detector: give MODULE:CLASS"),
+        ("gone.py:Detector", "there is no file gone.py"),
+        ("no_such_module:Detector", "cannot be imported: ModuleNotFoundError"),
+        ("dcrb_ros:FaultDetectr", "has no class FaultDetectr"),
+        ("dcrb_ros.exam.plugin:GROUP", "has no class GROUP"),
+        (":Detector", "cannot be imported"),
+    ],
+)
+def test_what_is_no_detector_is_refused(given: str, sentence: str) -> None:
+    with pytest.raises(Refusal, match=sentence):
+        load_plugin(given)
+
+
+def test_a_class_is_evaluated_on_the_command_line(tmp_path: Path) -> None:
+    (tmp_path / "steady.py").write_text(SOURCE, encoding="utf-8")
+    given, file = f"{tmp_path / 'steady.py'}:Steady", tmp_path / "entry.json"
+    options = ["--python", given, "--name", "steady", "--entry", str(file), "--workers", "1", "--quiet"]
+    assert dcrb("score", str(recorded(tmp_path / "bag", 60)), *options) == 1
+    entry = read_entry(file)
+    assert (entry.detector, entry.exam, entry.passed, entry.exam_score) == ("steady", "recordings", False, {})
+    assert [(one.answer, one.spoiled, one.periods) for one in entry.scenarios] == [("roller", 1, 1)]
+
+
+@pytest.mark.parametrize(
+    ("options", "sentence"),
+    [
+        (["--node", "true"], "--python and --node name two detectors"),
+        (["--reference"], "--python and --reference name two detectors"),
+        (["--entry", "entry.txt"], "must end in one of .json"),
+    ],
+)
+def test_two_detectors_or_a_wrong_file_are_refused(options: list[str], sentence: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert dcrb("score", "smoke", "--python", "dcrb_ros:FaultDetector", *options) == 2
+    assert sentence in capsys.readouterr().err
