@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -30,10 +31,12 @@ def detect(bag: Bag, as_json: JsonOutput = False, detector: DetectorFile = None)
     Example: dcrb detect bags/outer_ring_defect
     """
     from dcrb_ros.diagnosis.detection import detect as detect_in
+    from dcrb_ros.diagnosis.detection import watch
     from dcrb_ros.recordings.reader import Recording
 
     recording = Recording(bag)
-    found = detect_in(recording, parameters=detector_parameters(detector))
+    # A program gets an answer in any case; a person gets the reason why there is none.
+    found = (watch if as_json else detect_in)(recording, parameters=detector_parameters(detector))
     last = found.last
     if as_json:
         about = {
@@ -43,6 +46,7 @@ def detect(bag: Bag, as_json: JsonOutput = False, detector: DetectorFile = None)
             "time": last.time,
             "first_time": found.since,
             "levels": last.levels,
+            "lines": {component: asdict(lines) for component, lines in last.lines.items()},
             "shaft_frequency": last.shaft_frequency,
             "scores": last.scores,
             "severity": last.severity,

@@ -21,10 +21,15 @@ from dcrb_ros.stream.diagnosis import Diagnosis
 if TYPE_CHECKING:
     import pandas as pd
 
+SHORT = 1.0
+"""Length of signal from which there is a verdict, if necessary without the usual confirmation [s]."""
+SHORT_WINDOW, FEWEST_TURNS = 0.5, 4.0
+"""Length of signal [s] and revolutions that such a verdict needs at least."""
+
 
 @dataclass(frozen=True, repr=False)
 class DetectionResult:
-    """Diagnoses of a signal by the fault detector, one per hop; at least one of them has a verdict."""
+    """Diagnoses of a signal by the fault detector, one per hop."""
 
     history: tuple[Diagnosis, ...]
     """The diagnoses in the order of time."""
@@ -36,8 +41,8 @@ class DetectionResult:
 
     @property
     def last(self) -> Diagnosis:
-        """The last diagnosis with a verdict."""
-        return next(diagnosis for diagnosis in reversed(self.history) if diagnosis.verdict != "waiting")
+        """The last diagnosis with a verdict, or the last one if none has a verdict."""
+        return next((diagnosis for diagnosis in reversed(self.history) if diagnosis.verdict != "waiting"), self.history[-1])
 
     @property
     def verdict(self) -> Verdict:
@@ -124,6 +129,21 @@ def detect(
     >>> for piece in run.pieces():
     ...     diagnosis = detector.update(piece.first_index, piece.acceleration, piece.shaft_angle)
     """
+    found = watch(signal, sampling_rate, shaft_angle=shaft_angle, bearing=bearing, parameters=parameters)
+    if found.verdict == "waiting":
+        raise Refusal(f"the signal holds {found.duration:.2f} s of waveform, too little for a verdict: {found.reason}")
+    return found
+
+
+def watch(
+    signal: Signal | npt.ArrayLike,
+    sampling_rate: float | None = None,
+    *,
+    shaft_angle: npt.ArrayLike | None = None,
+    bearing: BearingLike | None = None,
+    parameters: DetectorParameters | None = None,
+) -> DetectionResult:
+    """Return the diagnoses of a signal as `detect` does, also if all of them are ``waiting``."""
     source = signal_of(signal, sampling_rate, shaft_angle=shaft_angle, bearing=bearing)
     if math.isnan(source.orders.bpfo):
         raise Refusal("the orders of the bearing are unknown: give its geometry or orders as bearing")
@@ -136,14 +156,24 @@ def detect(
             f"window = {chosen.window:g} s is below least_window = {chosen.least_window:g} s, so that no verdict follows: "
             "make the window longer"
         )
-    detector = FaultDetector(source.orders, source.sampling_rate, chosen)
-    detector.know(_described(signal if bearing is None else bearing))
-    found, samples = _diagnoses(detector, source.pieces())
+    described = _described(signal if bearing is None else bearing)
+    found, samples = _diagnoses(_detector(source, chosen, described), source.pieces())
     duration = samples / source.sampling_rate
-    if all(diagnosis.verdict == "waiting" for diagnosis in found):
-        why = found[-1].reason if found else f"it needs {detector.parameters.least_window:g} s"
-        raise Refusal(f"the signal holds {duration:.2f} s of waveform, too little for a verdict: {why}")
+    if duration >= SHORT and all(diagnosis.verdict == "waiting" for diagnosis in found):
+        # A verdict from little signal is better than none: it has a larger probability of being wrong, and says so by its confidence.
+        brief = chosen.model_copy(update={"least_window": SHORT_WINDOW, "confirm": 1, "least_turns": FEWEST_TURNS})
+        found, _ = _diagnoses(_detector(source, brief, described), source.pieces())
+    if not found:
+        reason = f"{duration:.2f} s have arrived, but a verdict needs {chosen.least_window:g} s"
+        found = [Diagnosis(max(0, samples - 1), duration, "waiting", reason)]
     return DetectionResult(tuple(found), duration)
+
+
+def _detector(source: Signal, parameters: DetectorParameters, described: object) -> FaultDetector:
+    """Return a detector for a signal whose bearing is described."""
+    detector = FaultDetector(source.orders, source.sampling_rate, parameters)
+    detector.know(described)
+    return detector
 
 
 def _described(source: object) -> object:

@@ -22,7 +22,7 @@ from dcrb_ros.diagnosis.known_bearings import baseline_of
 from dcrb_ros.diagnosis.order_spectrum import HARMONICS, SHAFT_SIDEBANDS, OrderSpectrum, order_spectra
 from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.diagnosis.registry import BEARING_RULES, LEVEL_RULES, SAMPLE_RULES
-from dcrb_ros.diagnosis.rule import Finding, LineRule
+from dcrb_ros.diagnosis.rule import Finding, LineRule, found_lines
 from dcrb_ros.diagnosis.rules.outer_ring import OuterRing
 from dcrb_ros.diagnosis.rules.saturation import Saturation
 from dcrb_ros.diagnosis.segments import Segment, Segmenter
@@ -254,6 +254,7 @@ class FaultDetector:
             spectrum=self._published(selected.spectrum, evidence.shaft_frequency),
             gaps=self.gaps,
             scores={str(component): value for component, value in excess.items()},
+            lines={str(component): lines for component, finding in found.items() if (lines := found_lines(finding)) is not None},
             severity=severity,
             trend=self._trend.slope(time, verdict, severity),
             clipped=self._saturation.clipped,

@@ -63,4 +63,10 @@ def confidence(verdict: Verdict, confirmed: list[Component], excess: Mapping[Com
     if verdict in ("waiting", "sensor"):
         return 0.0
     margin = min(excess[component] for component in confirmed) if confirmed else -max(excess.values())
-    return float(1.0 - 0.5 * 10.0 ** (-max(0.0, margin) / 10.0))
+    return probability(max(0.0, margin))
+
+
+def probability(excess: float) -> float:
+    """Return the probability of a fault from its evidence relative to the threshold [dB]: 0.5 at 0, 0.9 at 7 and 0.1 at -7."""
+    rare = 0.5 * 10.0 ** (-abs(excess) / 10.0)
+    return float(1.0 - rare if excess >= 0.0 else rare)

@@ -13,12 +13,14 @@ import numpy.typing as npt
 from dcrb_ros.bearing.kinematics import Orders
 from dcrb_ros.diagnosis.demodulation import Band
 from dcrb_ros.diagnosis.evidence import BandEvidence, Evidence, LevelEvidence, SampleEvidence
+from dcrb_ros.diagnosis.hysteresis import probability
 from dcrb_ros.diagnosis.line_parameters import LineParameters
 from dcrb_ros.diagnosis.line_search import NO_LINES, Comb, LineFamily
 from dcrb_ros.diagnosis.order_spectrum import decibels, ratio
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.fields import Group
 from dcrb_ros.schema.verdicts import Component
+from dcrb_ros.stream.diagnosis import FoundLines
 
 Parameters = TypeVar("Parameters", bound=Group)
 Lines = TypeVar("Lines", bound=LineParameters)
@@ -45,6 +47,16 @@ class Finding(NamedTuple):
     """Family that was searched."""
     rule: LineRule[Any] | None = None
     """Rule that found it, if it looks at lines."""
+
+
+def found_lines(finding: Finding) -> FoundLines | None:
+    """Return the lines of a finding for a diagnosis, or none if the rule does not look at lines."""
+    lines, band, comb = finding.lines, finding.band, finding.comb
+    if band is None or comb is None or lines.order <= 0.0:
+        return None
+    departure = lines.order / comb.order - 1.0
+    size, found = math.sqrt(lines.amplitude), probability(finding.excess)
+    return FoundLines(found, lines.order, departure, lines.lines, lines.depth, size, lines.significance, (band.low, band.high))
 
 
 class Rule(ABC, Generic[Parameters]):

@@ -21,6 +21,28 @@ def _no_spectrum() -> Spectrum:
 
 
 @dataclass(frozen=True)
+class FoundLines:
+    """The lines that are the evidence for a fault of one component."""
+
+    probability: float
+    """Of the fault: 0.5 at the threshold of the rule [-]."""
+    order: float
+    """Order of the fundamental [-]."""
+    departure: float
+    """Relative departure of that order from the kinematic one [-]."""
+    orders: tuple[float, ...]
+    """Orders of the harmonics [-]."""
+    depth: float
+    """Modulation depth: size relative to the mean squared envelope of the band [-]."""
+    size: float
+    """Square root of the amplitude in that band at 20 Hz of shaft frequency [m/s^2]."""
+    significance: float
+    """-log10 of the probability that noise has lines as strong within the range searched [-]."""
+    band: tuple[float, float]
+    """Edges of the band [Hz]."""
+
+
+@dataclass(frozen=True)
 class Diagnosis:
     """The result of the detector at the end of one hop."""
 
@@ -43,6 +65,8 @@ class Diagnosis:
     """Gaps in the signal so far."""
     scores: dict[str, float] = field(default_factory=dict)
     """Evidence for a fault of each component relative to its threshold [dB]."""
+    lines: dict[str, FoundLines] = field(default_factory=dict)
+    """Lines found for each component, in the band in which their evidence is strongest; empty without a judgement."""
     severity: float = 0.0
     """Square root of the amplitude of the fault's lines in the squared envelope spectrum, at 20 Hz of shaft frequency [m/s^2]."""
     trend: float = 0.0

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from dcrb_ros import DetectorParameters, FaultDetector, Recording, Refusal, Run, detect, simulate
+from dcrb_ros.diagnosis.detection import watch
 
 BAGS = Path(__file__).parents[2] / "bags"
 
@@ -59,9 +60,31 @@ def test_parameters_change_the_detector(run: Run) -> None:
     assert detect(run, parameters=deaf).verdict == "healthy"
 
 
+def test_a_second_is_enough_for_a_verdict(run: Run) -> None:
+    assert detect(run.between(stop=1.2)).verdict == "outer_ring"
+
+
+def test_watching_answers_without_a_verdict(run: Run) -> None:
+    for seconds in (0.2, 0.8):
+        found = watch(run.between(stop=seconds))
+        assert found.verdict == "waiting"
+        assert "verdict needs" in found.reason
+        assert found.duration == pytest.approx(seconds, abs=1e-3)
+
+
+def test_the_lines_of_every_component_are_given(run: Run) -> None:
+    lines = detect(run).last.lines
+    outer = lines["outer_ring"]
+    assert outer.order == pytest.approx(run.orders.bpfo, rel=0.005)
+    assert outer.departure == pytest.approx(outer.order / run.orders.bpfo - 1.0)
+    assert outer.orders == pytest.approx([outer.order, 2.0 * outer.order, 3.0 * outer.order])
+    assert outer.probability > 0.9 > lines["inner_ring"].probability
+    assert (outer.size**2 > 0.0, outer.depth > 1.0, outer.significance > 4.0) == (True, True, True)
+
+
 def test_refusals(run: Run) -> None:
-    with pytest.raises(Refusal, match=r"the signal holds 1.00 s of waveform, too little for a verdict"):
-        detect(run.between(stop=1.0))
+    with pytest.raises(Refusal, match=r"the signal holds 0.80 s of waveform, too little for a verdict"):
+        detect(run.between(stop=0.8))
     with pytest.raises(Refusal, match="the orders of the bearing are unknown"):
         detect(np.zeros(51200), 51200)
     with pytest.raises(Refusal, match=r"window = 1 s is below least_window = 2 s"):

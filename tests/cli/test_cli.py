@@ -53,6 +53,9 @@ def test_a_recording_that_is_too_short_for_a_verdict_is_refused(tmp_path: Path) 
     done = dcrb("detect", str(bag))
     assert done.returncode == 2
     assert "too little for a verdict" in done.stderr
+    answered = dcrb("detect", str(bag), "--json")
+    assert answered.returncode == 0
+    assert json.loads(answered.stdout)["verdict"] == "waiting"
 
 
 @pytest.mark.parametrize(

@@ -23,7 +23,7 @@ def test_the_diagnosis_has_units_and_names_every_fault(capsys: pytest.CaptureFix
     assert "level over background [dB]" in shown
     assert "over threshold [dB]" in shown
     assert "several faults: outer ring defect, inner ring defect" in " ".join(shown.split())
-    assert "m/s^2 (limit 38 m/s^2, both at a shaft frequency of 20 Hz)" in shown
+    assert "m/s^2 (baseline 38 m/s^2, both at a shaft frequency of 20 Hz)" in shown
     assert len([line for line in shown.splitlines() if line.startswith("compound, confidence")]) == 1
 
 
