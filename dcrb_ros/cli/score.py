@@ -229,7 +229,7 @@ def _list(exam: Exam) -> None:
 
 def _evaluate_exam(exam: Exam, candidate: Candidate, recordings: Path | None, workers: int, *, quiet: bool) -> Report:
     """Return the report of an exam."""
-    from dcrb_ros.exam.case import scenarios_hash
+    from dcrb_ros.exam.case import scenarios_hash, simulation_seeds
     from dcrb_ros.exam.evaluation import evaluate_plugin, evaluate_shipped
     from dcrb_ros.exam.recording_cache import checked_folder, default_folder
     from dcrb_ros.exam.report import Report
@@ -250,7 +250,8 @@ def _evaluate_exam(exam: Exam, candidate: Candidate, recordings: Path | None, wo
         diagnoses, failures = _evaluate_node(bags, candidate.node, candidate.rate, candidate.patience, quiet=quiet)
     expectations = [case.expectation for case in exam.cases]
     results = tuple(score_scenario(e, diagnoses[e.name], exam.criteria, failure=failures.get(e.name, "")) for e in expectations)
-    return Report(exam.name, candidate.name, exam.criteria, scenarios_hash(exam.cases), results, exam.seal)
+    digest, seeds = scenarios_hash(exam.cases), simulation_seeds(exam.cases)
+    return Report(exam.name, candidate.name, exam.criteria, digest, results, exam.seal, seeds)
 
 
 def _recorded(cases: Sequence[Case], folder: Path, workers: int, node: str, patience: float, *, quiet: bool) -> dict[str, Path]:

@@ -56,6 +56,11 @@ def scenarios_hash(cases: Iterable[Case]) -> str:
     return hashlib.sha256(canonical(sorted(scenarios)).encode()).hexdigest()
 
 
+def simulation_seeds(cases: Iterable[Case]) -> tuple[int, ...]:
+    """Return the different seeds of the simulations in increasing order."""
+    return tuple(sorted({case.run.configuration.simulation.seed for case in cases}))
+
+
 def derived_tags(configuration: Configuration, changes: Mapping[str, Any]) -> dict[str, str | float]:
     """Return the tags derived from a configuration and its changes: speed, load, joint and width of the largest defect."""
     operating = configuration.operating

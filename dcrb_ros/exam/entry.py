@@ -66,6 +66,8 @@ class Entry(Group):
     model: str
     """Fingerprint of the simulation's sources."""
     software: dict[str, str]
+    seeds: list[int] = Field(default_factory=list)
+    """Seeds of the simulations; none for recordings."""
     passed: bool
     exam_score: dict[str, float]
     """Exam score by profile, 0 .. 100 [-]."""
@@ -96,6 +98,7 @@ def entry_of(report: Report, name: str = "") -> Entry:
         dcrb_ros=__version__,
         model=model_fingerprint(),
         software={key: str(value) for key, value in software().items()},
+        seeds=list(report.seeds),
         passed=report.passed,
         exam_score={one.profile: one.score.value for one in report.exam_scores()},
         area=area if math.isfinite(area) else None,

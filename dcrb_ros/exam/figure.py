@@ -130,7 +130,8 @@ def _roc(axes: Axes, report: Report) -> None:
     if curve is None:
         _empty(axes, "no score or confidence for both\nfaulty and healthy scenarios")
         return
-    axes.plot(curve.false, curve.true, color="#1f6fb4", lw=1.5, drawstyle="steps-post", label=f"area {curve.area:.3f}")
+    # Straight lines between the thresholds: where faulty and healthy runs have the same score, the curve is a diagonal.
+    axes.plot(curve.false, curve.true, color="#1f6fb4", lw=1.5, label=f"area {curve.area:.3f}")
     axes.plot([0.0, 1.0], [0.0, 1.0], color="#8a8a8a", lw=0.8, ls=":")
     axes.set(xlabel="false positive rate [-]", ylabel="true positive rate, bearing faults [-]", xlim=(-0.02, 1.02), ylim=(-0.02, 1.02))
     axes.legend(fontsize=8, loc="lower right")

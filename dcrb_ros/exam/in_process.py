@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import partial
 from pathlib import Path
 
-from dcrb_ros.exam.case import scenarios_hash
+from dcrb_ros.exam.case import scenarios_hash, simulation_seeds
 from dcrb_ros.exam.detector_run import DetectorFactory, run_detector
 from dcrb_ros.exam.evaluation import named, record_all
 from dcrb_ros.exam.exam_file import read_exam
@@ -67,4 +67,4 @@ def score(detector: DetectorFactory, exam: str | Path = "smoke", *, recordings: 
     name = getattr(detector, "__name__", type(detector).__name__)
     expectations = [case.expectation for case in chosen.cases]
     results = tuple(score_scenario(e, named(e.name, partial(run_detector, detector, bags[e.name])), chosen.criteria) for e in expectations)
-    return Report(chosen.name, name, chosen.criteria, scenarios_hash(chosen.cases), results, chosen.seal)
+    return Report(chosen.name, name, chosen.criteria, scenarios_hash(chosen.cases), results, chosen.seal, simulation_seeds(chosen.cases))

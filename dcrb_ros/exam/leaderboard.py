@@ -129,7 +129,7 @@ def about(board: Board) -> str:
 
 def markdown(boards: Sequence[Board], figures: Sequence[str]) -> str:
     """Return leaderboards as Markdown; ``figures`` names the picture of each."""
-    lines: list[str] = []
+    lines = ["# Leaderboard", "", "Written by `dcrb exam table`.", ""]
     for board, figure in zip(boards, figures, strict=True):
         lines += [f"## {_plain(board.exam)}", "", about(board), "", f"![Exam scores of {_plain(board.exam)}]({figure})", ""]
         lines += ["| " + " | ".join(HEADS) + " |", "|" + "---|" * len(HEADS)]

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from dcrb_ros.exam.breakdown import family_areas, overall_area, strata
 from dcrb_ros.exam.criteria import Criteria
-from dcrb_ros.exam.exam_score import Contribution, ExamScore, exam_scores
+from dcrb_ros.exam.exam_score import SEED, Contribution, ExamScore, exam_scores
 from dcrb_ros.exam.scoring import NO_ANSWER, ScenarioResult
 from dcrb_ros.exam.statistics import Characteristic, Interval, characteristic, percentile, rate, share
 from dcrb_ros.recordings.manifest import model_fingerprint, software
@@ -95,6 +95,8 @@ class Report:
     results: tuple[ScenarioResult, ...]
     seal: str = ""
     """Hash that was published before a sealed exam; empty if it was not sealed."""
+    seeds: tuple[int, ...] = ()
+    """Seeds of the simulations; none for recordings."""
 
     @property
     def passed(self) -> bool:
@@ -238,6 +240,8 @@ class Report:
             "passed": self.passed,
             "scenarios_sha256": self.scenarios or None,
             "sealed_sha256": self.seal or None,
+            "seeds": list(self.seeds),
+            "bootstrap_seed": SEED,
             "dcrb_ros": __version__,
             "model": model_fingerprint(),
             "software": software(),

@@ -35,10 +35,11 @@ def main() -> None:
     for name, place in DETECTORS.items():
         began = time.monotonic()
         entry = given.output / f"{name.lower().replace(' ', '-').replace(',', '')}.json"
+        entry.unlink(missing_ok=True)
         python = ["--python", str(HERE / place)] if place else []
         command = [*DCRB, "score", given.exam, *python, "--name", name, "--entry", str(entry), *options]
         done = subprocess.run(command, stdout=subprocess.DEVNULL, check=False)
-        if done.returncode not in (0, 1):
+        if done.returncode not in (0, 1) or not entry.is_file():
             sys.exit(f"{name} ended with status {done.returncode}")
         print(f"{name}: {time.monotonic() - began:.0f} s", flush=True)
     subprocess.run([*DCRB, "exam", "table", str(given.output)], check=True)

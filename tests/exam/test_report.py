@@ -258,6 +258,13 @@ def test_the_figure_shows_the_confusion_matrix_with_counts() -> None:
     assert wrong.compressed() == pytest.approx([0.0, 0.5, 0.0, 1.0 / 3.0, 0.0, 0.0, 0.0, 0.0, 0.0])
 
 
+def test_the_figure_says_which_correct_answers_came_too_late() -> None:
+    late = report(*[result("cage", "cage", 1.0 if k < 3 else None, width=0.001) for k in range(8)], result("roller", "roller", None))
+    (roller, cage) = (text.get_text() for text in axes(figure._confusion, late).texts if text.get_text() != "0")
+    assert (cage, roller) == ("8\n3 in time", "1\n0 in time")
+    assert [text.get_text() for text in axes(figure._delay, late).texts] == ["none detected\nin time"]
+
+
 def test_the_figure_shows_the_characteristic() -> None:
     made = axes(figure._roc, MIXED)
     curve, chance = made.get_lines()

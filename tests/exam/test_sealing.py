@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from separate_process import dcrb
 
-from dcrb_ros.exam.case import scenarios_hash
+from dcrb_ros.exam.case import scenarios_hash, simulation_seeds
 from dcrb_ros.exam.exam_file import exam_of
 from dcrb_ros.exam.sealing import SealedExam, _value, commitment, drawn_exam, new_secret, open_exam, seal
 from dcrb_ros.schema.refusal import Refusal
@@ -43,6 +43,7 @@ TEMPLATE: dict[str, Any] = {
 def test_the_same_secret_draws_the_same_exam_and_another_secret_another_one() -> None:
     first, again, other = (exam_of(drawn_exam(TEMPLATE, secret, "t"), "t") for secret in (SECRET, SECRET, "f" * 64))
     assert scenarios_hash(first.cases) == scenarios_hash(again.cases) != scenarios_hash(other.cases)
+    assert len(simulation_seeds(first.cases)) == 5  # one for each of four draws, and 1
     assert [case.expectation.name for case in first.cases[:5]] == ["outer/1", "outer/2", "outer/3", "outer/4", "well"]
 
 
