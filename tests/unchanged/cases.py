@@ -1,8 +1,8 @@
 """Runs over all laws, faults, joints and sensors, and the fingerprints of what they produce.
 
-The fingerprints in ``fingerprints.json`` were taken from the code before its rebuild (commit 62b584c); those of the
-three runs with ``contact.notch: edge`` are later, for edges that both touch a roller share one contact since. ``python tests/unchanged/cases.py``
-prints the present ones; ``--write`` replaces the file, which is right only when the model was meant to change.
+The fingerprints in ``fingerprints.json`` were taken from the code before its rebuild (commit 62b584c); those of the three runs with
+``contact.notch: edge`` are later, since edges that touch one roller share its contact. ``python tests/unchanged/cases.py`` prints the
+present ones; ``--write`` replaces the file, which is right only when the model was meant to change.
 """
 
 from __future__ import annotations
