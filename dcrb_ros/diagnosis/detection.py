@@ -178,8 +178,9 @@ def _detector(source: Signal, parameters: DetectorParameters, described: object)
 
 def _described(source: object) -> object:
     """Return the geometry in a run, a recording, a configuration or a bearing; anything else unchanged."""
-    source = getattr(source, "configuration", source)
-    return getattr(source, "bearing", source)
+    if hasattr(source, "bearing"):
+        return source.bearing
+    return getattr(getattr(source, "configuration", None), "bearing", source)
 
 
 def _diagnoses(detector: FaultDetector, pieces: Iterable[Piece]) -> tuple[list[Diagnosis], int]:

@@ -10,6 +10,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BeforeValidator, Field, ValidationError
 
 from dcrb_ros.bearing.kinematics import HIGHEST_ORDER, LOWEST_ORDER, Orders, characteristic_orders
+from dcrb_ros.bearing.order_check import order_mistake
 from dcrb_ros.schema.fields import Group
 from dcrb_ros.schema.numbers import HIGHEST_RATE
 from dcrb_ros.schema.refusal import Refusal, nearest
@@ -92,10 +93,14 @@ class Description(Group):
         """Return the characteristic orders of the bearing [-].
 
         Raises:
-            Refusal: neither geometry nor orders are given.
+            Refusal: neither geometry nor orders are given, or the orders contradict each other.
         """
         if self.orders is not None:
-            return Orders.from_dict(self.orders.model_dump())
+            orders = Orders.from_dict(self.orders.model_dump())
+            mistake = order_mistake(orders)
+            if mistake:
+                raise Refusal(f"{source}: orders: {mistake}")
+            return orders
         if self.bearing is None:
             raise Refusal(f"{source} has neither bearing nor orders: give the geometry, or the orders FTF, BPFO, BPFI and BSF")
         b = self.bearing
@@ -107,16 +112,23 @@ class Description(Group):
             raise Refusal(f"{source}: bearing: {refusal}") from None
 
     def shaft_speed(self, source: Path) -> float:
-        """Return the speed of the shaft [rad/s].
+        """Return the speed of the shaft [rad/s], NaN if it is not given.
 
         Raises:
-            Refusal: neither or both of `speed` and `speed_rpm` are given.
+            Refusal: both `speed` and `speed_rpm` are given.
         """
-        if (self.speed is None) == (self.speed_rpm is None):
-            raise Refusal(f"{source} must give one of speed in rad/s, speed_rpm and the channel shaft_angle; a speed is never guessed")
+        if self.speed is None and self.speed_rpm is None:
+            return math.nan
+        if self.speed is not None and self.speed_rpm is not None:
+            raise Refusal(f"{source} gives speed in rad/s and speed_rpm: give one of them, or neither if the speed is unknown")
         if self.speed is not None:
             return self.speed
         return (self.speed_rpm or 0.0) * 0.10471975511965977  # pi / 30
+
+    @property
+    def speedless(self) -> bool:
+        """Whether no speed is given."""
+        return self.speed is None and self.speed_rpm is None
 
     def factor(self, source: Path) -> float:
         """Return the unit of the acceleration in m/s^2.

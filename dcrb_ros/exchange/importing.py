@@ -125,7 +125,7 @@ class WaveformImport:
             )
 
     def _angle(self, external: ExternalFile, index: npt.NDArray[np.int64]) -> npt.NDArray[np.float32]:
-        """Return the shaft angle from the file or computed from the speed, within [0, 2 pi), shape (samples,) [rad]."""
+        """Return the shaft angle from the file or from the speed, within [0, 2 pi), NaN if neither is given, shape (samples,) [rad]."""
         name = self.description.channels.shaft_angle
         turned = (
             self.description.shaft_speed(self._about) * index.astype(np.float64) / self.rate
@@ -160,7 +160,7 @@ class WaveformImport:
             "acceleration_unit": "m/s^2",
             "axes": {"ax": str(channels.ax), "ay": "a copy of ax" if channels.ay is None else str(channels.ay)},
             "shaft_angle_unit": "rad",
-            "shaft_angle": "measured" if channels.shaft_angle is not None else "from the stated speed",
+            "shaft_angle": "measured" if channels.shaft_angle is not None else "unknown" if d.speedless else "from the stated speed",
             "block_size": self.block_size,
             "frame": FRAME,
             "bearing": d.bearing.model_dump() if d.bearing else None,

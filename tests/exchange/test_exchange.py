@@ -129,6 +129,13 @@ def test_blocks_of_slow_data_are_limited_in_duration(tmp_path: Path) -> None:
     assert (recording.outcome["samples"], recording.outcome["end_index"]) == (3000, 3000)
 
 
+def test_without_a_speed_the_angle_is_unknown(noise: np.ndarray[Any, Any], tmp_path: Path) -> None:
+    np.savez(tmp_path / "x.npz", de=noise)
+    found = WaveformImport(tmp_path / "x.npz", described(tmp_path, speed_rpm=None))
+    assert np.isnan(found.angle).all()
+    assert found.sensor()["shaft_angle"] == "unknown"
+
+
 def test_a_single_axis_in_g_at_a_given_speed_is_imported(noise: np.ndarray[Any, Any], tmp_path: Path) -> None:
     """As in a CWRU file: a single variable; rate and speed are given by the description."""
     savemat(tmp_path / "97.mat", {"X097_DE_time": noise[:, None], "X097RPM": 1797.0})
@@ -205,8 +212,12 @@ def test_csv_dialects_are_read(text: str, tmp_path: Path) -> None:
         ({"sampling_rate": None}, "has no sampling_rate, and .* it is never guessed"),
         ({"unit": None}, "has no unit: add unit, one of"),
         ({"unit": "volt"}, "unit = 'volt' is refused"),
-        ({"speed_rpm": None}, "must give one of speed in rad/s, speed_rpm and the channel shaft_angle"),
-        ({"speed": 188.0}, "must give one of speed in rad/s, speed_rpm"),
+        ({"speed": 188.0}, "gives speed in rad/s and speed_rpm: give one of them, or neither"),
+        ({"orders": {**ORDERS, "BPFO": ORDERS["BPFI"], "BPFI": ORDERS["BPFO"]}}, "they may be swapped"),
+        ({"orders": {**ORDERS, "FTF": 11.9, "BPFO": 107.4, "BPFI": 162.2}}, "these may be frequencies in Hz"),
+        ({"orders": {**ORDERS, "FTF": 0.35}}, r"BPFO = 3.5848 is not 9 FTF = 3.15"),
+        ({"orders": {**ORDERS, "BPFI": 4.9}}, "is not the number of rolling elements"),
+        ({"orders": {**ORDERS, "BSF": 2.0 * ORDERS["BSF"]}}, "may be the ball defect frequency, so halve it"),
         ({"orders": None}, "has neither bearing nor orders"),
         ({"orders": {"FTF": 0.4}}, r"orders\.BPFO is refused: field required"),
         ({"sampling_rate": 12000.5}, "sampling_rate = 12000.5 is refused"),
