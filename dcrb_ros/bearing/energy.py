@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from dcrb_ros.bearing.equilibrium import energy_under, penetration_under
-from dcrb_ros.core.laws.interface import Site
+from dcrb_ros.core.laws.site import Site
 from dcrb_ros.core.layout.state import FRICTION, HOUSING, LOAD, LOSS, State
 from dcrb_ros.core.payload import Payload
 from dcrb_ros.schema.arrays import Floats

@@ -13,8 +13,9 @@ from dcrb_ros.bearing.profiles import profile_depths
 from dcrb_ros.bearing.surfaces import felt_heights
 from dcrb_ros.core.contacts import arrays
 from dcrb_ros.core.contacts.notch import inner_notch_depth, outer_notch_depth, roller_notch_depth
-from dcrb_ros.core.laws.interface import Site, film_reach, normal_energy, normal_penetration
+from dcrb_ros.core.laws.calls import film_reach, normal_energy, normal_penetration
 from dcrb_ros.core.laws.johnson import Johnson, johnson_stiffness
+from dcrb_ros.core.laws.site import Site
 from dcrb_ros.core.payload import SINK, Payload
 from dcrb_ros.schema.arrays import Floats
 

@@ -8,7 +8,8 @@ import numpy as np
 
 from dcrb_ros.core import observation as of
 from dcrb_ros.core.contacts.films import entrainment_speeds
-from dcrb_ros.core.laws.interface import film_at, law_of
+from dcrb_ros.core.laws.calls import film_at
+from dcrb_ros.core.laws.registry import law_of
 from dcrb_ros.core.layout.state import State
 from dcrb_ros.core.payload import Payload
 from dcrb_ros.schema.arrays import Floats

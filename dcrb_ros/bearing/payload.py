@@ -15,8 +15,9 @@ from dcrb_ros.bearing.profiles import profile_records
 from dcrb_ros.bearing.surfaces import build_surfaces
 from dcrb_ros.core.contacts.surface import Profile
 from dcrb_ros.core.laws import LUBRICATION_LAWS, NORMAL_LAWS, TRACTION_LAWS, lugre
-from dcrb_ros.core.laws.interface import film_at, inner_site, outer_site, pair_site
+from dcrb_ros.core.laws.calls import film_at
 from dcrb_ros.core.laws.pereira import pereira_coefficients
+from dcrb_ros.core.laws.site import inner_site, outer_site, pair_site
 from dcrb_ros.core.layout.state import State, empty_state
 from dcrb_ros.core.payload import EDGE, NOTCH, ROLLER_NOTCH, SINK, Notches, Payload
 from dcrb_ros.faults.geometry import BrokenBar, RacewayNotch, RollerNotch, SurfaceProfile

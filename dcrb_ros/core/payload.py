@@ -6,9 +6,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from dcrb_ros.core.laws.interface import Site, law_of
+from dcrb_ros.core.laws.registry import law_of
+from dcrb_ros.core.laws.site import Site
+from dcrb_ros.core.layout.contacts import by_law
 from dcrb_ros.core.layout.records import ByLaw, Flags, Floats, Integers
-from dcrb_ros.core.layout.rollers import by_law
 
 SINK, EDGE = 0, 1
 """Notch laws: the paper's depth, or edges with a contact normal of their own."""

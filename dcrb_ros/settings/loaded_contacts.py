@@ -6,7 +6,7 @@ import math
 from typing import TYPE_CHECKING
 
 from dcrb_ros.core.laws import NORMAL_LAWS
-from dcrb_ros.core.laws.interface import Material, inner_site
+from dcrb_ros.core.laws.site import Material, inner_site
 from dcrb_ros.settings.parameters import Bearing
 
 if TYPE_CHECKING:

@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
+from dcrb_ros.core.laws.calls import film_at, film_offset
 from dcrb_ros.core.laws.film import build, lubricant_of
-from dcrb_ros.core.laws.interface import Material, film_at, film_offset
+from dcrb_ros.core.laws.site import Material
 from dcrb_ros.core.laws.viscosity import LEAST_VISCOSITY, dynamic_viscosity, pressure_coefficient, roelands_exponent
 
 if TYPE_CHECKING:

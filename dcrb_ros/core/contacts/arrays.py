@@ -8,7 +8,9 @@ import numpy as np
 
 from dcrb_ros.core.contacts.force_line import elastic, elastic_and_energy
 from dcrb_ros.core.jit import loop
-from dcrb_ros.core.laws.interface import Site, fields_of, film_reach, law_of
+from dcrb_ros.core.laws.calls import film_reach
+from dcrb_ros.core.laws.registry import fields_of, law_of
+from dcrb_ros.core.laws.site import Site
 from dcrb_ros.core.layout.records import Floats
 
 

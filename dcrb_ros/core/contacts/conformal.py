@@ -9,18 +9,10 @@ from __future__ import annotations
 import math
 
 from dcrb_ros.core.jit import piece
-from dcrb_ros.core.laws.interface import (
-    clear_memory,
-    load_kept,
-    load_memory,
-    store_kept,
-    store_memory,
-    traction_line,
-    traction_update,
-)
+from dcrb_ros.core.laws.calls import clear_memory, load_kept, load_memory, store_kept, store_memory, traction_line, traction_update
 from dcrb_ros.core.laws.pereira import LEAST_IMPACT_SPEED, impact_damping, step_force
+from dcrb_ros.core.layout.contacts import BarContact, ConformalContacts
 from dcrb_ros.core.layout.records import Floats
-from dcrb_ros.core.layout.rollers import BarContact, ConformalContacts
 from dcrb_ros.core.layout.state import CAGE, FRICTION, LOSS, OUTER, State
 from dcrb_ros.core.layout.workspace import Workspace
 from dcrb_ros.core.payload import Payload

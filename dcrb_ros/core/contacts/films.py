@@ -13,7 +13,8 @@ from typing import Any
 import numpy as np
 
 from dcrb_ros.core.jit import piece
-from dcrb_ros.core.laws.interface import Site, film_at, film_memory, film_reach, load_film, load_memory, store_film, store_memory
+from dcrb_ros.core.laws.calls import film_at, film_memory, film_reach, load_film, load_memory, store_film, store_memory
+from dcrb_ros.core.laws.site import Site
 from dcrb_ros.core.layout.records import VECTOR
 from dcrb_ros.core.layout.state import CAGE, State
 from dcrb_ros.core.payload import Payload

@@ -13,8 +13,7 @@ from typing import Any
 
 from dcrb_ros.core.arithmetic import LEAST_PENETRATION
 from dcrb_ros.core.jit import piece
-from dcrb_ros.core.laws.interface import (
-    Site,
+from dcrb_ros.core.laws.calls import (
     film_damping,
     film_floor,
     film_lift,
@@ -28,6 +27,7 @@ from dcrb_ros.core.laws.interface import (
     normal_range,
 )
 from dcrb_ros.core.laws.loss import loss_coefficient
+from dcrb_ros.core.laws.site import Site
 from dcrb_ros.core.payload import Payload
 
 DISPERSION = 1.0 / 12.0

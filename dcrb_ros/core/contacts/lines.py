@@ -8,8 +8,10 @@ from typing import Any
 from dcrb_ros.core.contacts.films import contact_site
 from dcrb_ros.core.contacts.force_line import lasting_line
 from dcrb_ros.core.jit import piece
-from dcrb_ros.core.laws.interface import Site, film_resistance, load_memory, store_kept, store_resistance, traction_line
-from dcrb_ros.core.layout.rollers import BoundRollers, RacewayContact
+from dcrb_ros.core.laws.calls import film_resistance, load_memory, store_kept, store_resistance, traction_line
+from dcrb_ros.core.laws.site import Site
+from dcrb_ros.core.layout.contacts import RacewayContact
+from dcrb_ros.core.layout.rollers import BoundRollers
 from dcrb_ros.core.payload import Payload
 
 

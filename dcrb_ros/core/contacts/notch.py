@@ -12,7 +12,7 @@ import math
 from typing import Any
 
 from dcrb_ros.core.jit import kernel
-from dcrb_ros.core.laws.interface import normal_force
+from dcrb_ros.core.laws.calls import normal_force
 from dcrb_ros.core.layout.records import Floats
 from dcrb_ros.core.payload import Notches, Payload, RollerNotches
 

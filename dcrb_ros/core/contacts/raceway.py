@@ -9,9 +9,9 @@ from dcrb_ros.core.contacts.notch import edge_contact, notch_under, passed, roll
 from dcrb_ros.core.contacts.profile import profiles_under
 from dcrb_ros.core.contacts.surface import add_parts, feel_bound
 from dcrb_ros.core.jit import piece
-from dcrb_ros.core.laws.interface import load_memory, normal_range
+from dcrb_ros.core.laws.calls import load_memory, normal_range
+from dcrb_ros.core.layout.contacts import RacewayContact
 from dcrb_ros.core.layout.records import Floats
-from dcrb_ros.core.layout.rollers import RacewayContact
 from dcrb_ros.core.layout.state import INNER, OUTER, State
 from dcrb_ros.core.layout.workspace import Workspace
 from dcrb_ros.core.payload import SINK, Notches, Payload

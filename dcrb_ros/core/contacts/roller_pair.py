@@ -6,15 +6,7 @@ import math
 
 from dcrb_ros.core.contacts.force_line import damping_of
 from dcrb_ros.core.jit import piece
-from dcrb_ros.core.laws.interface import (
-    clear_memory,
-    load_memory,
-    normal_force,
-    normal_update,
-    store_memory,
-    traction_line,
-    traction_update,
-)
+from dcrb_ros.core.laws.calls import clear_memory, load_memory, normal_force, normal_update, store_memory, traction_line, traction_update
 from dcrb_ros.core.laws.loss import loss_coefficient
 from dcrb_ros.core.layout.records import Floats
 from dcrb_ros.core.layout.rollers import Rollers

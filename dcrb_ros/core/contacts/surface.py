@@ -23,9 +23,11 @@ from dcrb_ros.core.contacts.films import raceway_site
 from dcrb_ros.core.contacts.force_line import elastic
 from dcrb_ros.core.contacts.lines import replace_lines
 from dcrb_ros.core.jit import kernel, piece
-from dcrb_ros.core.laws.interface import BY_CONSTANTS, Registered, by_law, load_memory
+from dcrb_ros.core.laws.calls import load_memory
+from dcrb_ros.core.laws.registry import BY_CONSTANTS, Registered, by_law
+from dcrb_ros.core.layout.contacts import RacewayContact
 from dcrb_ros.core.layout.records import Floats, Integers, SingleFloats
-from dcrb_ros.core.layout.rollers import Nodes, RacewayContact
+from dcrb_ros.core.layout.rollers import Nodes
 from dcrb_ros.core.layout.state import OUTER, State
 from dcrb_ros.core.layout.workspace import Workspace
 from dcrb_ros.core.payload import Payload

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import importlib
 
-from dcrb_ros.core.laws.interface import LubricationLaw, NormalLaw, TractionLaw, register
+from dcrb_ros.core.laws.interface import LubricationLaw, NormalLaw, TractionLaw
+from dcrb_ros.core.laws.registry import register
 
 REGISTRY: tuple[str, ...] = (
     "johnson",

@@ -6,8 +6,9 @@ from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 from dcrb_ros.core.jit import kernel
-from dcrb_ros.core.laws.interface import LubricationLaw, Material, NoMemory
+from dcrb_ros.core.laws.interface import LubricationLaw
 from dcrb_ros.core.laws.lugre import LuGre, stribeck_coefficient
+from dcrb_ros.core.laws.site import Material, NoMemory
 
 
 class Dry(NamedTuple):

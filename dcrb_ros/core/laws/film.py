@@ -21,9 +21,10 @@ from dcrb_ros.core.laws.film_thickness import (
     starved,
 )
 from dcrb_ros.core.laws.fluid_traction import LEAST_SLIP, characteristic_slip, fluid_coefficient
-from dcrb_ros.core.laws.interface import LubricationLaw, Material, Site, inner_site, outer_site
+from dcrb_ros.core.laws.interface import LubricationLaw
 from dcrb_ros.core.laws.lugre import LuGre
 from dcrb_ros.core.laws.rolling_resistance import directed, flooded_resistance, inlet_cooling, resistance_scale, starvation
+from dcrb_ros.core.laws.site import Material, Site, inner_site, outer_site
 from dcrb_ros.core.laws.squeeze import squeeze_coefficient, squeeze_damping, squeeze_floor, squeeze_near, wedge_energy, wedge_force
 from dcrb_ros.core.laws.viscosity import (
     ROELANDS_OFFSET,

@@ -15,7 +15,8 @@ import numpy as np
 
 from dcrb_ros.core.arithmetic import logarithm
 from dcrb_ros.core.jit import kernel
-from dcrb_ros.core.laws.interface import Material, NoMemory, NormalLaw, Site
+from dcrb_ros.core.laws.interface import NormalLaw
+from dcrb_ros.core.laws.site import Material, NoMemory, Site
 
 
 class Johnson(NamedTuple):

@@ -16,7 +16,9 @@ from typing import NamedTuple
 
 from dcrb_ros.core.arithmetic import exponential
 from dcrb_ros.core.jit import kernel
-from dcrb_ros.core.laws.interface import Material, Parameter, Site, TractionLaw, steady_friction
+from dcrb_ros.core.laws.calls import steady_friction
+from dcrb_ros.core.laws.interface import Parameter, TractionLaw
+from dcrb_ros.core.laws.site import Material, Site
 
 LEAST_FORCE = 1e-9
 """Normal force that stands for that of an open contact where the half-width divides [N]."""

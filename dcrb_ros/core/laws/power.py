@@ -9,7 +9,8 @@ import numpy as np
 import numpy.typing as npt
 
 from dcrb_ros.core.jit import kernel
-from dcrb_ros.core.laws.interface import Material, NoMemory, NormalLaw, Parameter, Site
+from dcrb_ros.core.laws.interface import NormalLaw, Parameter
+from dcrb_ros.core.laws.site import Material, NoMemory, Site
 
 Floats = npt.NDArray[np.float64]
 

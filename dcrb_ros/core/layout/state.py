@@ -6,8 +6,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from dcrb_ros.core.layout.contacts import LandState
 from dcrb_ros.core.layout.records import Floats, Integers, Lanes, OneRecord, copy_of_record, empty_record, view_of
-from dcrb_ros.core.layout.rollers import LandState, Rollers
+from dcrb_ros.core.layout.rollers import Rollers
 from dcrb_ros.core.payload import Payload, arrays_by_law
 
 OUTER, INNER, CAGE = 0, 1, 2

@@ -6,8 +6,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from dcrb_ros.core.layout.contacts import ConformalContacts
 from dcrb_ros.core.layout.records import Floats, Integers, OneRecord, empty_record
-from dcrb_ros.core.layout.rollers import BoundRollers, ConformalContacts, Nodes, RollerStep
+from dcrb_ros.core.layout.rollers import BoundRollers, Nodes, RollerStep
 from dcrb_ros.core.payload import Payload, arrays_by_law
 
 

@@ -6,7 +6,8 @@
 from __future__ import annotations
 
 from dcrb_ros.core.jit import piece
-from dcrb_ros.core.laws.interface import Site, load_resistance
+from dcrb_ros.core.laws.calls import load_resistance
+from dcrb_ros.core.laws.site import Site
 from dcrb_ros.core.layout.state import CAGE, INNER, OUTER
 from dcrb_ros.core.layout.workspace import Workspace
 from dcrb_ros.core.payload import Payload

@@ -10,7 +10,7 @@ from __future__ import annotations
 from dcrb_ros.core.contacts.films import raceway_site
 from dcrb_ros.core.contacts.force_line import SHORT_WAY, onset, reach
 from dcrb_ros.core.jit import piece
-from dcrb_ros.core.laws.interface import film_floor, film_reach, load_memory, store_memory
+from dcrb_ros.core.laws.calls import film_floor, film_reach, load_memory, store_memory
 from dcrb_ros.core.layout.records import VECTOR
 from dcrb_ros.core.layout.state import CAGE, INNER, OUTER, State
 from dcrb_ros.core.layout.workspace import Workspace

@@ -13,7 +13,7 @@ from dcrb_ros.core.contacts.force_line import elastic, lasting_line
 from dcrb_ros.core.contacts.raceway import notch_depth
 from dcrb_ros.core.contacts.surface import tilted, uneven
 from dcrb_ros.core.jit import piece
-from dcrb_ros.core.laws.interface import (
+from dcrb_ros.core.laws.calls import (
     clear_memory,
     film_resistance,
     film_resists,

@@ -3,17 +3,10 @@
 from __future__ import annotations
 
 from dcrb_ros.core.jit import piece
-from dcrb_ros.core.laws.interface import (
-    film_resists,
-    load_kept,
-    load_memory,
-    load_resistance,
-    normal_update,
-    store_memory,
-    traction_update,
-)
+from dcrb_ros.core.laws.calls import film_resists, load_kept, load_memory, load_resistance, normal_update, store_memory, traction_update
+from dcrb_ros.core.layout.contacts import BarContact, RacewayContact
 from dcrb_ros.core.layout.records import Floats
-from dcrb_ros.core.layout.rollers import BarContact, BoundRollers, RacewayContact
+from dcrb_ros.core.layout.rollers import BoundRollers
 from dcrb_ros.core.layout.state import CAGE, INNER, OUTER, State
 from dcrb_ros.core.layout.workspace import Workspace
 from dcrb_ros.core.payload import Payload

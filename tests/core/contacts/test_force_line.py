@@ -12,9 +12,10 @@ from scipy.integrate import solve_ivp
 from dcrb_ros.bearing.payload import build_payload
 from dcrb_ros.core.contacts.force_line import crosses, crossing_line, elastic, lasting_line
 from dcrb_ros.core.jit import loop, piece
-from dcrb_ros.core.laws.interface import NoMemory, film_offset
+from dcrb_ros.core.laws.calls import film_offset
 from dcrb_ros.core.laws.johnson import johnson_force
 from dcrb_ros.core.laws.power import power_force
+from dcrb_ros.core.laws.site import NoMemory
 from dcrb_ros.core.laws.squeeze import squeeze_impulse
 from dcrb_ros.core.payload import Payload
 from dcrb_ros.settings.configuration import Configuration

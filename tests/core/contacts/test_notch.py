@@ -22,8 +22,8 @@ from dcrb_ros.core.contacts.notch import (
 )
 from dcrb_ros.core.contacts.raceway import linearize_raceways, locate_raceways
 from dcrb_ros.core.jit import kernel, loop
-from dcrb_ros.core.laws.interface import NoMemory
 from dcrb_ros.core.laws.johnson import johnson_force
+from dcrb_ros.core.laws.site import NoMemory
 from dcrb_ros.core.layout.state import State, empty_state
 from dcrb_ros.core.layout.workspace import Workspace, workspace
 from dcrb_ros.core.payload import ROLLER_NOTCH, Payload

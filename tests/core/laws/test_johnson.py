@@ -9,9 +9,9 @@ from hypothesis import strategies as st
 
 from dcrb_ros.bearing.equilibrium import normal_forces
 from dcrb_ros.bearing.payload import build_payload
-from dcrb_ros.core.laws.interface import NoMemory
 from dcrb_ros.core.laws.johnson import johnson_force, johnson_penetration
 from dcrb_ros.core.laws.loss import loss_coefficient
+from dcrb_ros.core.laws.site import NoMemory
 from dcrb_ros.settings.configuration import Configuration
 
 pytestmark = pytest.mark.kernel

@@ -8,8 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from dcrb_ros.bearing.payload import build_payload
-from dcrb_ros.core.laws.interface import NoMemory
 from dcrb_ros.core.laws.power import power_force, power_forces, power_penetration, power_stiffness
+from dcrb_ros.core.laws.site import NoMemory
 from dcrb_ros.settings.configuration import Configuration
 
 pytestmark = pytest.mark.kernel

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from dcrb_ros.bearing.payload import build_payload
+from dcrb_ros.core.layout.contacts import ConformalContacts
 from dcrb_ros.core.layout.records import CACHE_LINE, dtype_of, empty_record
-from dcrb_ros.core.layout.rollers import BoundRollers, ConformalContacts, Rollers, RollerStep
+from dcrb_ros.core.layout.rollers import BoundRollers, Rollers, RollerStep
 from dcrb_ros.core.layout.state import copy_of, empty_state
 from dcrb_ros.core.payload import arrays_by_law
 from dcrb_ros.settings.configuration import Configuration
