@@ -115,9 +115,7 @@ def _areas(report: Report) -> Iterator[Table]:
 def _delays(report: Report) -> Iterator[Table]:
     rows = report.delays()
     if rows:
-        table = Table(
-            "fault", "detected", "median delay [s]", "95th percentile [s]", "limit [s]", "median [revolutions]", title="Detection delay"
-        )
+        table = Table("fault", "detected", "median [s]", "95 % [s]", "limit [s]", "median [revolutions]", title="Detection delay")
         for row in rows:
             delays = number(row.median), number(row.p95), f"{row.limit:g}", number(row.turns, 1)
             table.add_row(row.verdict, f"{row.found} of {row.scenarios}", *delays)

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from separate_process import dcrb
+from same_process import dcrb
 
 from dcrb_ros.exam.comparison import compare
 from dcrb_ros.exam.criteria import Criteria

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 from made_up_blocks import recorded
-from separate_process import dcrb
+from same_process import dcrb
 
 from dcrb_ros import FaultDetector
 from dcrb_ros.exam import plugin

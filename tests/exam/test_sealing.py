@@ -10,7 +10,7 @@ import pytest
 import yaml
 from hypothesis import given
 from hypothesis import strategies as st
-from separate_process import dcrb
+from same_process import dcrb
 
 from dcrb_ros.exam.case import scenarios_hash, simulation_seeds
 from dcrb_ros.exam.exam_file import exam_of

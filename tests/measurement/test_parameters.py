@@ -30,6 +30,7 @@ PUBLISHED: dict[str, tuple[float, float, float]] = {
     "sensor.bias": (0.0, -10000.0, 10000.0),
     "sensor.bias_drift": (0.0, 0.0, 100.0),
     "sensor.ac_coupling": (0.0, 0.0, 100.0),
+    "sensor.static_gravity": (0.0, -100.0, 100.0),
     "sensor.noise_density": (0.002, 0.0, 10.0),
     "sensor.white_noise_ug": (0.0, 0.0, 1000000.0),
     "sensor.pink_noise_ug": (0.0, 0.0, 1000000.0),

@@ -64,4 +64,4 @@ def test_verdicts_on_the_shipped_recordings_are_unchanged(bag: Path) -> None:
 
 
 def test_marks_of_the_smoke_exam_are_unchanged() -> None:
-    assert cases.marks(spoken("score", "smoke", "--json")) == KNOWN["marks"]
+    assert cases.marks(spoken("score", "smoke", "--json")) == cases.marks(KNOWN["marks"])

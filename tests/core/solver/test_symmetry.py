@@ -65,8 +65,8 @@ def moved(payload: Payload, state: State) -> tuple[State, Floats]:
     advance(payload, after, workspace(payload), acceleration, np.empty(STEPS))
     contacts: Any = after.rollers[0]
     for contact in (contacts.inner, contacts.outer, contacts.bar, contacts.pair):
-        # Where loss cancels the force of a contact that opens, rounding decides whether it still counts as closed.
-        contact.traction.bristle[contact.force == 0.0] = 0.0
+        # Where loss cancels the force of a contact that opens or closes, rounding decides whether its bristle is kept.
+        contact.traction.bristle[contact.force <= 1e-4 * contact.force.max(initial=0.0)] = 0.0
     return after, acceleration
 
 
