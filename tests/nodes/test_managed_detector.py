@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import signal
+import time
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -60,13 +61,17 @@ class Manager:
         return result.successful, result.reason
 
     def diagnosed(self, count: int) -> list[float]:
-        """Send blocks until ``count`` more diagnoses have arrived; return their times [s]."""
-        before = len(self.client.received[DIAGNOSIS])
+        """Send blocks until ``count`` more diagnoses have arrived; return their times [s].
+
+        The blocks come in real time, so that the detector keeps up and none is lost.
+        """
+        before, sent, start = len(self.client.received[DIAGNOSIS]), self.sent, time.monotonic()
 
         def arrived() -> bool:
             if len(self.client.received[DIAGNOSIS]) >= before + count:
                 return True
-            self.send(1)
+            if (self.sent - sent) * BLOCK <= time.monotonic() - start:
+                self.send(1)
             return False
 
         self.client.until(arrived, "diagnoses")
