@@ -211,7 +211,7 @@ Columns = Mapping[str, Array]
 def _write_npz(path: Path, columns: Columns, extra: Columns, rate: int, about: Mapping[str, Any]) -> None:
     arrays: dict[str, Any] = {**columns, **extra, "sampling_rate": np.array(rate), "about": np.array(json.dumps(about))}
     with path.open("wb") as stream:
-        np.savez_compressed(stream, **arrays)
+        np.savez(stream, **arrays)
 
 
 def _write_csv(path: Path, columns: Columns, extra: Columns, rate: int, about: Mapping[str, Any]) -> None:
