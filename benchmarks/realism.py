@@ -19,7 +19,7 @@ from scipy import signal
 
 from dcrb_ros.bearing.kinematics import Orders, characteristic_orders
 from dcrb_ros.bearing.payload import cage_speed
-from dcrb_ros.core.laws.film import lubricant_of
+from dcrb_ros.core.laws.lubricants import lubricant_of
 from dcrb_ros.core.laws.viscosity import kinematic_viscosity
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.settings.files import load_configuration

@@ -6,7 +6,8 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from dcrb_ros.core.laws.calls import film_at, film_offset
-from dcrb_ros.core.laws.film import build, lubricant_of
+from dcrb_ros.core.laws.film import build
+from dcrb_ros.core.laws.lubricants import lubricant_of
 from dcrb_ros.core.laws.site import Material
 from dcrb_ros.core.laws.viscosity import LEAST_VISCOSITY, dynamic_viscosity, pressure_coefficient, roelands_exponent
 

@@ -89,8 +89,13 @@ class Lubrication(Group):
     roughness: float = length(2.8e-7, "Combined roughness of roller and raceway, root mean square", 1e-9, 1e-5, symbol="sigma")
     boundary_friction: float = quantity(0.12, "-", "Friction coefficient of asperities", 0.001, 1.0, symbol="mu_b")
     limiting_friction: float = quantity(0.06, "-", "Largest traction coefficient of the film", 0.001, 1.0, symbol="mu_L")
-    squeeze: bool = choice(True, "Whether the oil resists the approach of roller and raceway")
+    squeeze: bool = choice(True, "Whether the oil resists the approach of roller and raceway, roller and bar, cage and land")
     rolling_resistance: bool = choice(True, "Whether the oil resists rolling")
+    pocket_layer: float = length(1e-4, "Thickness of the oil layer between roller and bar; 0 for none", 0.0, 0.001)
+    land_fill: float = quantity(0.1, "-", "Share of the gap between cage and land that is filled with oil", 0.0, 1.0)
+    oil_share: float = quantity(
+        0.0, "-", "Share of oil in the space about the rollers; 0 for 0.005 with grease and 0.02 with oil", 0.0, 0.5
+    )
 
 
 class Surfaces(Group):

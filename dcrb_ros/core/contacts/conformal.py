@@ -8,8 +8,18 @@ from __future__ import annotations
 
 import math
 
+from dcrb_ros.core.contacts.cage_films import CONCENTRIC, add_bar_films, write_land_films
 from dcrb_ros.core.jit import piece
-from dcrb_ros.core.laws.calls import clear_memory, load_kept, load_memory, store_kept, store_memory, traction_line, traction_update
+from dcrb_ros.core.laws.calls import (
+    clear_memory,
+    load_kept,
+    load_memory,
+    oils_cages,
+    store_kept,
+    store_memory,
+    traction_line,
+    traction_update,
+)
 from dcrb_ros.core.laws.pereira import LEAST_IMPACT_SPEED, impact_damping, step_force
 from dcrb_ros.core.layout.contacts import BarContact, ConformalContacts
 from dcrb_ros.core.layout.records import Floats
@@ -17,9 +27,6 @@ from dcrb_ros.core.layout.state import CAGE, FRICTION, LOSS, OUTER, State
 from dcrb_ros.core.layout.workspace import Workspace
 from dcrb_ros.core.payload import Payload
 from dcrb_ros.core.solver.classification import bar_at, filled
-
-CONCENTRIC = 1e-15
-"""Least distance of two centres, so that there is a direction from one to the other [m]."""
 
 
 @piece
@@ -200,4 +207,8 @@ def linearize_cages(payload: Payload, state: State, work: Workspace, count: int)
     if found > 0:
         evaluate_conformal(payload, work.conformal[0], found)
         linearize_bars(payload, work.bound[0].bar, work.conformal[0], lands, found)
+    if oils_cages(payload.lubrication):
+        if payload.any_free:
+            add_bar_films(payload, state, work, count)
+        write_land_films(payload, state, work)
     return lands

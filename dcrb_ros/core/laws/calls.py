@@ -158,3 +158,33 @@ def film_resists(film: Any) -> bool:  # type: ignore[empty-body]
 @by_law
 def film_resistance(film: Any, memory: Any, force: float) -> float:  # type: ignore[empty-body]
     """Return the resistance to rolling [N], with the sign of the speed of rolling; zero without a normal force [N]."""
+
+
+@by_law
+def oils_cages(law: Any) -> bool:  # type: ignore[empty-body]
+    """Return whether oil acts on bars, lands and orbiting rollers: a constant for the compiler."""
+
+
+@by_law
+def bar_damping(law: Any, gap: float) -> float:  # type: ignore[empty-body]
+    """Return the damping [N s/m] of a roller that approaches a bar at a gap [m]."""
+
+
+@by_law
+def bar_shear(law: Any, gap: float) -> float:  # type: ignore[empty-body]
+    """Return the drag of a bar at a gap [m] over the speed of the roller's surface past it [N s/m]."""
+
+
+@by_law
+def land_damping(law: Any, offset: float, clearance: float, radius: float) -> float:  # type: ignore[empty-body]
+    """Return the damping [N s/m] of the radial motion of a cage that lies off its lands' centre by an offset [m]."""
+
+
+@by_law
+def land_torque(law: Any, clearance: float, radius: float) -> float:  # type: ignore[empty-body]
+    """Return the torque of the lands over the speed of the cage [N m s]."""
+
+
+@by_law
+def churning(law: Any) -> float:  # type: ignore[empty-body]
+    """Return the drag of an orbiting roller over its squared speed [N s^2/m^2]."""

@@ -11,6 +11,7 @@ from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 from dcrb_ros.core.jit import kernel
+from dcrb_ros.core.laws.cage_oil import CageOil, bar_damping, bar_shear, cage_oil, churning, land_damping, land_torque
 from dcrb_ros.core.laws.film_thickness import (
     LEAST_FORCE,
     asperity_share,
@@ -22,13 +23,13 @@ from dcrb_ros.core.laws.film_thickness import (
 )
 from dcrb_ros.core.laws.fluid_traction import LEAST_SLIP, characteristic_slip, fluid_coefficient
 from dcrb_ros.core.laws.interface import LubricationLaw
+from dcrb_ros.core.laws.lubricants import LAYERS, lubricant_of
 from dcrb_ros.core.laws.lugre import LuGre
 from dcrb_ros.core.laws.rolling_resistance import directed, flooded_resistance, inlet_cooling, resistance_scale, starvation
 from dcrb_ros.core.laws.site import Material, Site, inner_site, outer_site
 from dcrb_ros.core.laws.squeeze import squeeze_coefficient, squeeze_damping, squeeze_floor, squeeze_near, wedge_energy, wedge_force
 from dcrb_ros.core.laws.viscosity import (
     ROELANDS_OFFSET,
-    Lubricant,
     dynamic_viscosity,
     pressure_coefficient,
     roelands_exponent,
@@ -53,15 +54,6 @@ LEAST_SPEED = 1e-6
 """Least speed for which a film is evaluated [m/s]."""
 NO_LAYER = 1e-9
 """Layer between two rollers of a row, where no film is described [m]."""
-
-LUBRICANTS = {
-    "grease": Lubricant(100.0, 11.0, 890.0, 2.2e-8),
-    "vg100": Lubricant(100.0, 11.2, 885.0, 2.2e-8),
-    "vg220": Lubricant(220.0, 18.7, 890.0, 2.4e-8),
-}
-"""Lubricants by name: the base oil of a wheelset grease (a choice, no data sheet gives it), and typical mineral oils."""
-LAYERS = {"grease": 5e-6, "vg100": 50e-6, "vg220": 50e-6, "custom": 50e-6}
-"""Oil layer that both surfaces offer together [m]: what a grease leaves on the raceway, or an oil bath."""
 
 
 class RacewayOil(NamedTuple):
@@ -110,6 +102,7 @@ class Oil(NamedTuple):
     """Largest damping of a squeeze film [N s/m]: a blow meets film and elastic contact in series."""
     inner: RacewayOil
     outer: RacewayOil
+    cage: CageOil
 
 
 class Film(NamedTuple):
@@ -289,17 +282,11 @@ def raceway_oil(values: Mapping[str, Any], material: Material, site: Site, visco
     )
 
 
-def lubricant_of(values: Mapping[str, Any]) -> Lubricant:
-    """Return the lubricant that the parameters choose or describe."""
-    own = Lubricant(values["viscosity_40"], values["viscosity_100"], values["density"], values["pressure_coefficient"])
-    return LUBRICANTS.get(values["lubricant"], own)
-
-
 def build(values: Mapping[str, Any], material: Material) -> Oil:
     """Return the constants."""
     lubricant, temperature = lubricant_of(values), values["temperature"]
     viscosity, alpha = dynamic_viscosity(lubricant, temperature), pressure_coefficient(lubricant, temperature)
-    modulus = 2.0 * material.effective_modulus
+    modulus, impedance = 2.0 * material.effective_modulus, math.sqrt(material.roller_mass * IMPACT_STIFFNESS)
     return Oil(
         viscosity=viscosity,
         material=alpha * modulus,
@@ -314,9 +301,10 @@ def build(values: Mapping[str, Any], material: Material) -> Oil:
         resists=float(values["rolling_resistance"]),
         modulus=modulus,
         length=material.roller_length,
-        impedance=math.sqrt(material.roller_mass * IMPACT_STIFFNESS),
+        impedance=impedance,
         inner=raceway_oil(values, material, inner_site(material), viscosity),
         outer=raceway_oil(values, material, outer_site(material), viscosity),
+        cage=cage_oil(values, material, viscosity, impedance),
     )
 
 
@@ -340,4 +328,10 @@ LAW = LubricationLaw(
     memory=FilmMemory,
     resists=True,
     thickness=thickness_and_ratio,
+    bar_damping=bar_damping,
+    bar_shear=bar_shear,
+    land_damping=land_damping,
+    land_torque=land_torque,
+    churning=churning,
+    oils_cages=True,
 )

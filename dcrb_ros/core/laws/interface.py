@@ -112,6 +112,18 @@ class TractionLaw:
     parameters: tuple[Parameter, ...] = ()
 
 
+def _no_bar_film(law: Any, gap: float) -> float:
+    return 0.0
+
+
+def _no_land_film(law: Any, offset: float, clearance: float, radius: float) -> float:
+    return 0.0
+
+
+def _no_land_torque(law: Any, clearance: float, radius: float) -> float:
+    return 0.0
+
+
 @dataclass(frozen=True)
 class LubricationLaw:
     """What is between rollers and raceways: nothing, or an oil.
@@ -159,3 +171,15 @@ class LubricationLaw:
     """Whether the law has a resistance to rolling."""
     thickness: Callable[[Any, float], tuple[float, float]] | None = None
     """Function (film, force): film [m] under a normal force [N], and its ratio to the roughness [-]; None where there is no film."""
+    oils_cages: bool = False
+    """Whether the law acts on bars, lands and orbiting rollers."""
+    bar_damping: Callable[..., float] = _no_bar_film
+    """Kernel (law, gap): damping [N s/m] of a roller that approaches a bar at a gap [m]."""
+    bar_shear: Callable[..., float] = _no_bar_film
+    """Kernel (law, gap): drag of a bar over the speed of the roller's surface past it [N s/m]."""
+    land_damping: Callable[..., float] = _no_land_film
+    """Kernel (law, offset, clearance, radius): damping of a cage's radial motion in its lands [N s/m]; lengths in [m]."""
+    land_torque: Callable[..., float] = _no_land_torque
+    """Kernel (law, clearance, radius): torque of the lands over the speed of the cage [N m s]."""
+    churning: Callable[..., float] = _no_range
+    """Kernel (law): drag of an orbiting roller over its squared speed [N s^2/m^2]."""

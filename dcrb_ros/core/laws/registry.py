@@ -79,6 +79,9 @@ FILM_KERNELS = (
 )
 
 
+CAGE_KERNELS = ("bar_damping", "bar_shear", "land_damping", "land_torque", "churning")
+
+
 def _register_lubrication(law: LubricationLaw) -> None:
     """Make the kernels find a law of lubrication by its constants, and its kernels by its films."""
     film = _row_accessors(law.film)
@@ -87,6 +90,8 @@ def _register_lubrication(law: LubricationLaw) -> None:
     loads, stores = ("table.resistance[k] * factor", "table.resistance[k] = value") if law.resists else ("0.0", "pass")
     functions["load_resistance"] = _function(f"def made(law, table, k, factor):\n    return {loads}")
     functions["store_resistance"] = _function(f"def made(law, table, k, value):\n    {stores}")
+    functions |= {name: getattr(law, name) for name in CAGE_KERNELS}
+    functions["oils_cages"] = _function(f"def made(law):\n    return {law.oils_cages}")
     BY_CONSTANTS[law.constants] = Registered(law, functions)
     resists = _function(f"def made(film):\n    return {law.resists}")
     BY_CONSTANTS[law.film] = Registered(law, {name: getattr(law, name) for name in FILM_KERNELS} | {"film_resists": resists})

@@ -33,6 +33,8 @@ class Rollers:
     pocket_tangent_y: Lanes
     pocket_clearance: Lanes
     """Clearance to a bar, on either side [m]."""
+    spin_drag: Lanes
+    """Drag of the oil at both bars over the speed of the roller's surface past them [N s/m]."""
     free: Lanes
     """1 for a free roller, 0 for a pinned one."""
     second_row: Lanes
@@ -41,8 +43,10 @@ class Rollers:
     """Energy lost in friction with raceways and bars, and in rolling [J]."""
     rolling_loss: Lanes
     """The part of it lost in the resistance of films to rolling [J]."""
+    drag_loss: Lanes
+    """The part of it lost in the drag of oil at bars and about the rollers [J]."""
     contact_loss: Lanes
-    """Energy lost in normal contacts [J]."""
+    """Energy lost in normal contacts and the squeezing of films [J]."""
     notch_loss: Lanes
     """Energy taken by the notch law [J]."""
     drive_work: Lanes
@@ -79,6 +83,13 @@ class RollerStep:
     force_on_outer_x: Lanes
     """Force on the outer ring from a free roller that is not bound [N]."""
     force_on_outer_y: Lanes
+    bar_film: Lanes
+    """Damping of the film at the bar that a free roller approaches, positive at the bar ahead [N s/m]; only with oil."""
+    force_on_cage_x: Lanes
+    """Force of that film on the cage, from a free roller that is not bound [N]; only with oil."""
+    force_on_cage_y: Lanes
+    torque_on_cage: Lanes
+    """Torque of the oil on the cage [N m]; only with oil."""
 
 
 class Nodes:
@@ -121,6 +132,14 @@ class BoundRollers:
     tangent_y: Lanes
     near_bar: Lanes
     """Above zero where the contact with a bar is closed or may close within the step [m]."""
+    bar_film: Lanes
+    """As in `RollerStep`."""
+    spin_drag: Lanes
+    """As in `Rollers`."""
+    drag: Lanes
+    """Drag on the roller's surface [N]; only with oil."""
+    drag_power: Lanes
+    """Power lost in the drag of oil [W]; only with oil."""
     vx: Lanes
     """Velocity before the step [m/s]."""
     vy: Lanes

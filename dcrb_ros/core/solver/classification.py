@@ -10,7 +10,7 @@ from __future__ import annotations
 from dcrb_ros.core.contacts.films import raceway_site
 from dcrb_ros.core.contacts.force_line import SHORT_WAY, onset, reach
 from dcrb_ros.core.jit import piece
-from dcrb_ros.core.laws.calls import film_floor, film_reach, load_memory, store_memory
+from dcrb_ros.core.laws.calls import bar_damping, film_floor, film_reach, load_memory, oils_cages, store_memory
 from dcrb_ros.core.layout.records import VECTOR
 from dcrb_ros.core.layout.state import CAGE, INNER, OUTER, State
 from dcrb_ros.core.layout.workspace import Workspace
@@ -77,6 +77,10 @@ def classify_rollers(payload: Payload, state: State, work: Workspace, pinned: bo
             rate = (vx - old_x) * tx + (vy - old_y) * ty - old_turn * (ax * ty - ay * tx)
             near_bar = abs(ax * tx + ay * ty) + 0.5 * h * abs(rate) - rollers.pocket_clearance[c] if free else -1.0
             if_outer = 0.0 if free else 1.0
+            if oils_cages(payload.lubrication):
+                along = ax * tx + ay * ty
+                film = bar_damping(payload.lubrication, rollers.pocket_clearance[c] - (along if rate > 0.0 else -along))
+                step.bar_film[c] = (film if rate > 0.0 else -film) if free else 0.0
         ix, iy, ox, oy = x - inner_x, y - inner_y, x - outer_x, y - outer_y
         # What counts is whether a contact is closed at the beginning of the step, or will be at its end.
         inner_way = h * abs((vx - inner_vx) * ix + (vy - inner_vy) * iy)
@@ -148,6 +152,8 @@ def gather_bound(payload: Payload, state: State, work: Workspace, found: int) ->
         store_memory(cage_law, bound.bar.traction, k, load_memory(cage_law, rollers.bar.traction, c))
         store_memory(payload.lubrication, bound.inner.film, k, load_memory(payload.lubrication, rollers.inner.film, c))
         store_memory(payload.lubrication, bound.outer.film, k, load_memory(payload.lubrication, rollers.outer.film, c))
+        if oils_cages(payload.lubrication):
+            bound.bar_film[k], bound.spin_drag[k] = step.bar_film[c], rollers.spin_drag[c]
         bound.inner.last_force[k], bound.outer.last_force[k] = rollers.inner.force[c], rollers.outer.force[c]
     return count
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 
+from dcrb_ros.core.contacts.cage_films import drag_on_orbit
 from dcrb_ros.core.contacts.films import contact_site, raceway_site
 from dcrb_ros.core.contacts.force_line import elastic, lasting_line
 from dcrb_ros.core.contacts.raceway import notch_depth
@@ -19,12 +20,13 @@ from dcrb_ros.core.laws.calls import (
     film_resists,
     load_memory,
     normal_update,
+    oils_cages,
     scale_memory,
     store_memory,
     traction_line,
     traction_update,
 )
-from dcrb_ros.core.layout.state import OUTER, State
+from dcrb_ros.core.layout.state import CAGE, OUTER, State
 from dcrb_ros.core.layout.workspace import Workspace
 from dcrb_ros.core.payload import SINK, Payload
 from dcrb_ros.core.solver.classification import filled
@@ -82,6 +84,11 @@ def advance_free(payload: Payload, state: State, work: Workspace) -> None:
     ring_x, ring_y = state.position[OUTER, 0], state.position[OUTER, 1]
     mean_x, mean_y = work.mean_velocity[OUTER, 0], work.mean_velocity[OUTER, 1]
     old_x, old_y = state.velocity[OUTER, 0], state.velocity[OUTER, 1]
+    last = state.position.shape[0] - 1
+    first_at, second_at = (state.position[CAGE, 0], state.position[CAGE, 1]), (state.position[last, 0], state.position[last, 1])
+    first_cage = (work.mean_velocity[CAGE, 0] - mean_x, work.mean_velocity[CAGE, 1] - mean_y, work.mean_velocity[CAGE, 2])
+    second_cage = (work.mean_velocity[last, 0] - mean_x, work.mean_velocity[last, 1] - mean_y, work.mean_velocity[last, 2])
+    first_drag, second_drag = drag_on_orbit(payload, work, 0), drag_on_orbit(payload, work, last - CAGE)
     for c in range(filled(payload.free.size)):
         dx, dy = rollers.x[c] - ring_x, rollers.y[c] - ring_y
         distance = max(math.sqrt(dx * dx + dy * dy), LEAST_DISTANCE)
@@ -110,12 +117,42 @@ def advance_free(payload: Payload, state: State, work: Workspace) -> None:
         if film_resists(site.film):
             alone_x, alone_y = alone_x + by_mass * push * resistance * ny, alone_y - by_mass * push * resistance * nx
             rim += by_inertia * resistance
-        normal = (force_offset + force_slope * (alone_x * nx + alone_y * ny)) / (1.0 + by_mass * force_slope)
-        friction = (friction_offset + friction_slope * (alone_y * nx - alone_x * ny + rim)) / (
-            1.0 + (by_mass + by_inertia) * friction_slope
-        )
-        fx, fy = normal * nx - friction * ny, normal * ny + friction * nx
-        x, y, turned = alone_x - by_mass * fx, alone_y - by_mass * fy, rim - by_inertia * friction
+        if oils_cages(payload.lubrication):
+            second = rollers.second_row[c] > 0.0
+            turn, orbit = second_cage[2] if second else first_cage[2], second_drag if second else first_drag
+            past = radius * (spin + 0.5 * rollers.change_spin[c] - turn)
+            drag = rollers.spin_drag[c] * past
+            rim -= by_inertia * drag
+            alone_x, alone_y = alone_x - by_mass * orbit * ny, alone_y + by_mass * orbit * nx
+            # The film at a bar acts along the raceway, a linear force in the scalar equation there.
+            arm_x = rollers.x[c] - (second_at[0] if second else first_at[0])
+            arm_y = rollers.y[c] - (second_at[1] if second else first_at[1])
+            cage_x, cage_y = second_cage[0] if second else first_cage[0], second_cage[1] if second else first_cage[1]
+            bar = (cage_y + turn * arm_x) * nx - (cage_x - turn * arm_y) * ny
+            film = abs(found.bar_film[c])
+            free_along = alone_y * nx - alone_x * ny
+            mobile = by_mass / (1.0 + by_mass * film)
+            slowed = free_along - mobile * film * (free_along - bar)
+            normal = (force_offset + force_slope * (alone_x * nx + alone_y * ny)) / (1.0 + by_mass * force_slope)
+            friction = (friction_offset + friction_slope * (slowed + rim)) / (1.0 + (mobile + by_inertia) * friction_slope)
+            push_bar = film * (slowed - mobile * friction - bar)
+            fx, fy = normal * nx - (friction + push_bar) * ny, normal * ny + (friction + push_bar) * nx
+            x, y, turned = alone_x - by_mass * fx, alone_y - by_mass * fy, rim - by_inertia * friction
+            fx, fy = fx + push_bar * ny, fy - push_bar * nx
+            among = 1.0 - found.bound[c]
+            found.force_on_cage_x[c], found.force_on_cage_y[c] = -among * push_bar * ny, among * push_bar * nx
+            found.torque_on_cage[c] = among * (push_bar * (arm_x * nx + arm_y * ny) + radius * drag)
+            drag_loss = h * among * (drag * past - orbit * payload.pitch_radius * turn)
+            rollers.friction_loss[c] += drag_loss
+            rollers.drag_loss[c] += drag_loss
+            rollers.contact_loss[c] += h * among * push_bar * (y * nx - x * ny - bar)
+        else:
+            normal = (force_offset + force_slope * (alone_x * nx + alone_y * ny)) / (1.0 + by_mass * force_slope)
+            friction = (friction_offset + friction_slope * (alone_y * nx - alone_x * ny + rim)) / (
+                1.0 + (by_mass + by_inertia) * friction_slope
+            )
+            fx, fy = normal * nx - friction * ny, normal * ny + friction * nx
+            x, y, turned = alone_x - by_mass * fx, alone_y - by_mass * fy, rim - by_inertia * friction
         rim = radius * spin
         if film_resists(site.film):
             fx, fy = fx - push * resistance * ny, fy + push * resistance * nx
@@ -170,10 +207,22 @@ def clear_pinned(payload: Payload, state: State) -> None:
 
 @piece
 def sum_free_forces(payload: Payload, work: Workspace) -> None:
-    """Add the forces of free rollers that are not bound to those on the outer ring."""
+    """Add the forces of free rollers that are not bound to those on the outer ring, and on the cages where there is oil."""
     x, y = 0.0, 0.0
     for c in range(payload.free.size):
         x += work.rollers[0].force_on_outer_x[c]
         y += work.rollers[0].force_on_outer_y[c]
     work.force_of_free[OUTER, 0] += x
     work.force_of_free[OUTER, 1] += y
+    if oils_cages(payload.lubrication):
+        rollers, count = work.rollers[0], payload.free.shape[1]
+        for row in range(payload.free.shape[0]):
+            x, y, turn = 0.0, 0.0, 0.0
+            for i in range(count):
+                c = row * count + i
+                x += rollers.force_on_cage_x[c]
+                y += rollers.force_on_cage_y[c]
+                turn += rollers.torque_on_cage[c]
+            work.force_of_free[CAGE + row, 0] += x
+            work.force_of_free[CAGE + row, 1] += y
+            work.force_of_free[CAGE + row, 2] += turn

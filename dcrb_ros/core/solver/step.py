@@ -10,6 +10,7 @@ start from predicted velocities, and sweeps over the bound rollers correct these
 
 from __future__ import annotations
 
+from dcrb_ros.core.contacts.cage_films import add_land_films, drag_bound, store_land_films, write_spin_drag
 from dcrb_ros.core.contacts.conformal import add_land_forces, linearize_cages, store_lands
 from dcrb_ros.core.contacts.films import write_films
 from dcrb_ros.core.contacts.notch import turn_notches
@@ -17,6 +18,7 @@ from dcrb_ros.core.contacts.raceway import linearize_raceways, locate_raceways
 from dcrb_ros.core.contacts.roller_pair import add_pair_contacts
 from dcrb_ros.core.contacts.surface import feel_free
 from dcrb_ros.core.jit import kernel, loop, piece
+from dcrb_ros.core.laws.calls import oils_cages
 from dcrb_ros.core.layout.records import Floats
 from dcrb_ros.core.layout.state import OUTER, State
 from dcrb_ros.core.layout.workspace import Workspace
@@ -72,6 +74,8 @@ def find_bound(payload: Payload, state: State, work: Workspace) -> int:
         return 0
     count = gather_bound(payload, state, work, found)
     predict_bound(payload, state, work, count)
+    if oils_cages(payload.lubrication):
+        drag_bound(payload, work, count)
     if payload.any_broken:
         add_pair_contacts(payload, state, work.pair_force)
         apply_pair_forces(payload, work)
@@ -101,6 +105,8 @@ def solve(payload: Payload, state: State, work: Workspace, count: int, lands: in
         solve_bound(payload, work, count, surface)
         sum_bound_forces(payload, work)
         add_land_forces(payload, work, lands)
+        if oils_cages(payload.lubrication):
+            add_land_films(payload, work)
         moved, changed = move_rings(payload, state, work)
         for row in range(payload.free.shape[0]):
             moved = max(moved, move_cage(payload, state, work, row))
@@ -136,6 +142,8 @@ def advance(payload: Payload, state: State, work: Workspace, acceleration: Float
         turn_notches(payload.inner_notches, state.shaft[0], work.inner_notch_direction)
         predict_bodies(payload, state, work)
         write_films(payload, state)
+        if oils_cages(payload.lubrication):
+            write_spin_drag(payload, state, work)
         clear(work.force_of_free)
         count = find_bound(payload, state, work)
         advance_unbound(payload, state, work)
@@ -145,6 +153,8 @@ def advance(payload: Payload, state: State, work: Workspace, acceleration: Float
         solve(payload, state, work, count, lands)
         store_bound(payload, state, work, count)
         store_lands(payload, state, work, lands)
+        if oils_cages(payload.lubrication):
+            store_land_films(payload, state, work)
         finish_bodies(payload, state, work)
         for axis in range(2):
             acceleration[n, axis] = state.change[OUTER, axis] / h

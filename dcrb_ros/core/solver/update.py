@@ -3,7 +3,16 @@
 from __future__ import annotations
 
 from dcrb_ros.core.jit import piece
-from dcrb_ros.core.laws.calls import film_resists, load_kept, load_memory, load_resistance, normal_update, store_memory, traction_update
+from dcrb_ros.core.laws.calls import (
+    film_resists,
+    load_kept,
+    load_memory,
+    load_resistance,
+    normal_update,
+    oils_cages,
+    store_memory,
+    traction_update,
+)
 from dcrb_ros.core.layout.contacts import BarContact, RacewayContact
 from dcrb_ros.core.layout.records import Floats
 from dcrb_ros.core.layout.rollers import BoundRollers
@@ -68,14 +77,15 @@ def update_bars(payload: Payload, bound: BoundRollers, bar: BarContact, mean_vel
         own_x, own_y, turn = second_x if second else first_x, second_y if second else first_y, second_turn if second else first_turn
         vx = bound.mean_vx[k] - own_x + turn * bar.lever_y[k]
         vy = bound.mean_vy[k] - own_y - turn * bar.lever_x[k]
-        approach, slip = side * (vx * nx + vy * ny), vx * ny - vy * nx - side * bound.mean_rim[k]
+        along, slip = vx * nx + vy * ny, vx * ny - vy * nx - side * bound.mean_rim[k]
+        approach = side * along
         friction = bar.friction_offset[k] + bar.friction_slope[k] * slip
         force = max(bar.force_offset[k] + bar.force_slope[k] * approach, 0.0)
         bar.force[k] = force if side != 0.0 else 0.0
         memory, kept = load_memory(law, bar.traction, k), load_kept(law, bar.kept, k)
         store_memory(law, bar.traction, k, traction_update(law, memory, kept, slip, side != 0.0, payload.step))
         bound.friction_power[k] += friction * slip
-        bound.loss_power[k] += bar.damping[k] * approach * approach
+        bound.loss_power[k] += bar.damping[k] * along * along
 
 
 @piece
@@ -100,6 +110,9 @@ def store_bound(payload: Payload, state: State, work: Workspace, count: int) -> 
         rollers.friction_loss[c] += h * bound.friction_power[k]
         if film_resists(payload.inner.film):
             rollers.rolling_loss[c] += h * bound.rolling_power[k]
+        if oils_cages(payload.lubrication):
+            rollers.friction_loss[c] += h * bound.drag_power[k]
+            rollers.drag_loss[c] += h * bound.drag_power[k]
         rollers.contact_loss[c] += h * bound.loss_power[k]
         rollers.notch_loss[c] += h * bound.notch_power[k]
         rollers.drive_work[c] += h * bound.drive_power[k]

@@ -13,8 +13,9 @@ from dcrb_ros.bearing.payload import build_payload
 from dcrb_ros.core.contacts.force_line import elastic, elastic_and_energy, onset, reach
 from dcrb_ros.core.jit import loop
 from dcrb_ros.core.laws.dry import NoFilm
-from dcrb_ros.core.laws.film import LAYERS, LUBRICANTS, film_at, film_lift, film_reach, thickness_under
+from dcrb_ros.core.laws.film import film_at, film_lift, film_reach, thickness_under
 from dcrb_ros.core.laws.johnson import Johnson
+from dcrb_ros.core.laws.lubricants import LAYERS, LUBRICANTS
 from dcrb_ros.core.laws.site import NoMemory, Site, outer_site
 from dcrb_ros.settings.configuration import Configuration
 

@@ -11,8 +11,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from oil_films import inner_film, outer_film
 
-from dcrb_ros.core.laws.film import LAYERS, thickness_under
+from dcrb_ros.core.laws.film import thickness_under
 from dcrb_ros.core.laws.film_thickness import asperity_share, central_per_load, inlet_heating, minimum_per_load, power, starved
+from dcrb_ros.core.laws.lubricants import LAYERS
 
 pytestmark = pytest.mark.kernel
 

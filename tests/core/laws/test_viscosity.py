@@ -9,7 +9,7 @@ from documented_tables import half_unit, rows_of
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from dcrb_ros.core.laws.film import LUBRICANTS
+from dcrb_ros.core.laws.lubricants import LUBRICANTS
 from dcrb_ros.core.laws.viscosity import (
     Lubricant,
     dynamic_viscosity,
