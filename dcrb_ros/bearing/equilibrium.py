@@ -182,6 +182,8 @@ class _Problem:
 
     def __init__(self, payload: Payload, load: Floats, orbit: float) -> None:
         self.payload, self.load = payload, load
+        carried = np.array([0.0, payload.carried_weight]) - load
+        self.preload = carried if payload.suspended else np.zeros(2)
         self.free, self.radial = payload.free, radial_directions(payload)
         self.carrying = ~payload.free.all(axis=1)
         self.first_free = 4 + 2 * int(self.carrying.sum())
@@ -216,8 +218,9 @@ class _Problem:
         weights += (p.train_mass * rest.cages[:, 1])[self.carrying].sum()
         housing = 0.5 * p.housing_stiffness * rest.outer @ rest.outer
         energy = contacts + housing + p.gravity * weights - self.load @ rest.inner - self.outward @ x[self.first_free :]
+        energy -= self.preload @ rest.outer
         both = inner + outer
-        rings = np.array([-p.housing_stiffness * rest.outer - outer.sum(axis=(0, 1)), self.load - inner.sum(axis=(0, 1))])
+        rings = np.array([self.preload - p.housing_stiffness * rest.outer - outer.sum(axis=(0, 1)), self.load - inner.sum(axis=(0, 1))])
         rings += 0.5 * both[self.free].sum(axis=0)
         rings[:, 1] -= p.gravity * np.array([p.outer_ring_mass, p.inner_ring_mass])
         cages = np.where(self.free[..., None], 0.0, both).sum(axis=1)
@@ -277,7 +280,7 @@ class _Problem:
         size = float(np.linalg.norm(total))
         direction = total / size if size > 0.0 else np.array([0.0, -1.0])
         half_gap = 0.5 * (p.outer_raceway_radius - p.inner_raceway_radius) - p.roller_radius
-        outer = total / p.housing_stiffness
+        outer = (total + self.preload) / p.housing_stiffness
         inner = outer + (2.0 * half_gap + 2.0 * START_PENETRATION) * direction
         middle = 0.5 * (p.inner_raceway_radius + p.outer_raceway_radius) - p.pitch_radius
         cages = np.tile(outer + (half_gap + START_PENETRATION + middle) * direction, (int(self.carrying.sum()), 1))
@@ -301,10 +304,17 @@ def static_equilibrium(payload: Payload, load: Floats, orbit: float = 0.0) -> Re
         return height / (scale * MICROMETRE), -left / scale
 
     def residual(x: Floats) -> Floats:
-        return problem.balance(x * MICROMETRE)[1] / scale
+        left = problem.balance(x * MICROMETRE)[1]
+        if payload.suspended:  # the preload is whatever keeps the outer ring at its seat
+            left[:2] = -payload.housing_stiffness * MICROMETRE * x[:2]
+        return left / scale
 
     def slope(x: Floats) -> Floats:
-        return problem.slope(x * MICROMETRE) * (MICROMETRE / scale)
+        found = problem.slope(x * MICROMETRE)
+        if payload.suspended:
+            found[:2] = 0.0
+            found[:2, :2] -= payload.housing_stiffness * np.eye(2)
+        return found * (MICROMETRE / scale)
 
     # Minimising the energy closes contacts for which the forces give no direction, but does not resolve forces of a newton. Two searches by
     # least squares follow: the first still moves the rings by more than the penetration of the lightest rollers.

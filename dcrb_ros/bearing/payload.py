@@ -91,6 +91,16 @@ def land_radius(configuration: Configuration) -> float:
     return configuration.cage.land_radius or 0.5 * (b.pitch_radius + b.outer_raceway_radius)
 
 
+def mounting(configuration: Configuration) -> tuple[float, float, float]:
+    """Return stiffness [N/m] and damping [N s/m] of what holds the outer ring, and the weight of the bearing on it [N]."""
+    b, housing = configuration.bearing, configuration.housing
+    weight = b.outer_ring_mass + b.inner_ring_mass + b.rows * (b.cage_mass + b.rollers_per_row * b.roller_mass)
+    if housing.suspension_stiffness == 0.0:
+        return housing.stiffness, housing.damping, weight * configuration.operating.gravity
+    series = 1.0 / (1.0 / housing.stiffness + 1.0 / housing.suspension_stiffness)
+    return series, housing.suspension_damping, weight * configuration.operating.gravity
+
+
 def build_payload(configuration: Configuration) -> Payload:
     """Return the constants of the time loop."""
     c, b = configuration, configuration.bearing
@@ -116,6 +126,7 @@ def build_payload(configuration: Configuration) -> Payload:
     land = pereira_coefficients(c.cage.land_clearance, b.roller_length, b.effective_modulus)
     material = material_of(b)
     oil, orbit = LUBRICATION_LAWS[c.lubrication.law].build(dict(c.lubrication), material), cage_speed(c, c.operating.speed)
+    stiffness, damping, weight = mounting(c)
     cage_friction = {"kinetic_coefficient": c.cage.friction_coefficient, "static_coefficient": c.cage.friction_coefficient}
     return Payload(
         step=1.0 / c.step_rate,
@@ -143,8 +154,10 @@ def build_payload(configuration: Configuration) -> Payload:
         train_moment=moment,
         train_inverse=np.stack([1.0 / mass, 1.0 / (inertia - (moment**2).sum(axis=1) / mass)], axis=1),
         gravity=c.operating.gravity,
-        housing_stiffness=c.housing.stiffness,
-        housing_damping=c.housing.damping,
+        housing_stiffness=stiffness,
+        housing_damping=damping,
+        suspended=c.housing.suspension_stiffness > 0.0,
+        carried_weight=weight,
         inner=inner_site(material, film_at(oil, 0, (orbit - c.operating.speed) * b.inner_raceway_radius)),
         outer=outer_site(material, film_at(oil, 1, orbit * b.outer_raceway_radius)),
         pair=pair_site(material, film_at(oil, 2, 0.0)),

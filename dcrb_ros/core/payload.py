@@ -107,7 +107,13 @@ class Payload(NamedTuple):
     """One over each train's mass, and over its moment of inertia about its centre of mass, shape (rows, 2) [1/kg, 1/(kg m^2)]."""
     gravity: float
     housing_stiffness: float
+    """Of what holds the outer ring, in X and in Y [N/m]: the housing, in series with a primary suspension where there is one."""
     housing_damping: float
+    """[N s/m]"""
+    suspended: bool
+    """Whether a primary suspension carries load and weight: its preload keeps the outer ring at its seat."""
+    carried_weight: float
+    """Weight that the suspension carries, without box and axle [N]."""
     inner: Site
     """Contact of a roller with the inner raceway."""
     outer: Site

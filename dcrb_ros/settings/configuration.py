@@ -244,10 +244,18 @@ def _heaviest_load(c: Configuration, most: float) -> float:
 
 
 def _housing(c: Configuration) -> Iterator[str]:
-    """Compare the housing's deflection with the roller radius, beyond which the outer ring has left its seat."""
+    """Compare the housing's deflection with the roller radius, beyond which the outer ring has left its seat.
+
+    A primary suspension has the preload that keeps it there.
+    """
+    if c.housing.suspension_damping > 0.0 and c.housing.suspension_stiffness == 0.0:
+        yield (
+            f"housing.suspension_damping = {c.housing.suspension_damping:g} N s/m damps a primary suspension, and there is none: give "
+            "housing.suspension_stiffness in N/m, or remove it"
+        )
     force = load_and_weight(c) + c.bearing.outer_ring_mass * c.operating.gravity
     softest = 2.0 * force / c.bearing.roller_radius
-    if c.housing.stiffness < softest:
+    if c.housing.suspension_stiffness == 0.0 and c.housing.stiffness < softest:
         yield (
             f"housing.stiffness = {c.housing.stiffness:g} N/m gives way by {force / c.housing.stiffness:.3g} m under {force:.4g} N: "
             f"at least {softest:.3g} N/m keeps the outer ring within half a roller radius; give N/m, not N/um"

@@ -69,6 +69,16 @@ class Housing(Group):
     damping: float = quantity(1e5, "N s/m", "Damping of the housing in X and in Y", 0.0, 1e8, symbol="c_h")
     box_mass: float = quantity(0.0, "kg", "Mass of the axle box, which moves with the outer ring", 0.0, 1e4)
     axle_mass: float = quantity(0.0, "kg", "Mass of the axle and wheels, which moves with the inner ring", 0.0, 1e4)
+    suspension_stiffness: float = quantity(
+        0.0,
+        "N/m",
+        "Stiffness of a primary suspension between axle box and a frame that carries the load, in X and in Y; 0 for none",
+        0.0,
+        1e12,
+        symbol="k_p",
+        remedy="primary springs have 0.5e6 to 50e6 N/m",
+    )
+    suspension_damping: float = quantity(0.0, "N s/m", "Damping of the primary suspension in X and in Y", 0.0, 1e8, symbol="c_p")
 
 
 class Lubrication(Group):

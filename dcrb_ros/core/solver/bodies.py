@@ -49,6 +49,20 @@ def move_cage(payload: Payload, state: State, work: Workspace, row: int) -> floa
 
 
 @piece
+def add_preload(payload: Payload, state: State, work: Workspace) -> None:
+    """Add the force of a primary suspension on the outer ring at its seat: what carries load and weight."""
+    work.force_of_free[OUTER, 0] -= state.load[0]
+    work.force_of_free[OUTER, 1] += payload.carried_weight - state.load[1]
+
+
+@piece
+def book_preload(payload: Payload, state: State, work: Workspace) -> None:
+    """Book the work of that force."""
+    moved_x, moved_y = payload.step * work.mean_velocity[OUTER, 0], payload.step * work.mean_velocity[OUTER, 1]
+    state.account[LOAD] += (payload.carried_weight - state.load[1]) * moved_y - state.load[0] * moved_x
+
+
+@piece
 def move_rings(payload: Payload, state: State, work: Workspace) -> tuple[float, float]:
     """Solve for the mean velocities of the rings; return by how much that changes them, and they the velocities before the step [m/s]."""
     moved = changed = 0.0

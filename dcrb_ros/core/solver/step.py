@@ -23,7 +23,7 @@ from dcrb_ros.core.layout.records import Floats
 from dcrb_ros.core.layout.state import OUTER, State
 from dcrb_ros.core.layout.workspace import Workspace
 from dcrb_ros.core.payload import Payload
-from dcrb_ros.core.solver.bodies import drift, finish_bodies, move_cage, move_rings, predict_bodies
+from dcrb_ros.core.solver.bodies import add_preload, book_preload, drift, finish_bodies, move_cage, move_rings, predict_bodies
 from dcrb_ros.core.solver.bound import prepare_bound, solve_bound, sum_bound_forces
 from dcrb_ros.core.solver.classification import apply_pair_forces, bind_special, classify_rollers, gather_bound, list_bound, predict_bound
 from dcrb_ros.core.solver.free import advance_free, clear_contacts, clear_pinned, find_notches, sum_free_forces
@@ -145,6 +145,8 @@ def advance(payload: Payload, state: State, work: Workspace, acceleration: Float
         if oils_cages(payload.lubrication):
             write_spin_drag(payload, state, work)
         clear(work.force_of_free)
+        if payload.suspended:
+            add_preload(payload, state, work)
         count = find_bound(payload, state, work)
         advance_unbound(payload, state, work)
         locate_raceways(payload, state, work, count)
@@ -156,6 +158,8 @@ def advance(payload: Payload, state: State, work: Workspace, acceleration: Float
         if oils_cages(payload.lubrication):
             store_land_films(payload, state, work)
         finish_bodies(payload, state, work)
+        if payload.suspended:
+            book_preload(payload, state, work)
         for axis in range(2):
             acceleration[n, axis] = state.change[OUTER, axis] / h
         drift(payload, state, 0.5 * h)
