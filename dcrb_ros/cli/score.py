@@ -193,8 +193,12 @@ def _check_files(junit: Path | None, figure: Path | None, entry: Path | None) ->
 
 
 def _is_recording(path: Path) -> bool:
-    """Return whether a path is read as a recording; a path that does not exist is looked up among the exams."""
-    return path.is_dir() or path.suffix == ".mcap" or (path.is_file() and path.suffix not in (".yaml", ".yml"))
+    """Return whether a path is read as a recording; one that does not exist, or a folder of an exam's name without any, is an exam."""
+    if path.is_dir():
+        from dcrb_ros.exam.exam_file import shipped_exams
+
+        return str(path) not in shipped_exams() or any(path.glob("*.mcap"))
+    return path.suffix == ".mcap" or (path.is_file() and path.suffix not in (".yaml", ".yml"))
 
 
 def _select(exam: Exam, pattern: str) -> Exam:
