@@ -64,7 +64,8 @@ def find_bars(payload: Payload, state: State, work: Workspace, found: int) -> in
         ax, ay = bound.x[k] - state.position[CAGE + row, 0], bound.y[k] - state.position[CAGE + row, 1]
         along = ax * tx + ay * ty
         ahead = along > 0.0
-        if not bar_at(payload, row, c - row * payload.free.shape[1], ahead):
+        i = c - row * payload.free.shape[1]
+        if not bar_at(payload, row, i, ahead):
             continue
         side = 1.0 if ahead else -1.0
         rx, ry = ax + side * radius * tx, ay + side * radius * ty
@@ -76,12 +77,12 @@ def find_bars(payload: Payload, state: State, work: Workspace, found: int) -> in
         uy = bound.vy[k] - state.velocity[CAGE + row, 1] - old_turn * rx
         before = side * (ux * tx + uy * ty)
         contacts.owner[found] = k
-        contacts.penetration[found] = abs(along) - payload.pocket_clearance - 0.5 * h * before
+        contacts.penetration[found] = abs(along) - payload.pocket_clearance[row, i] - 0.5 * h * before
         contacts.closing_before[found], contacts.closing[found] = before, side * (vx * tx + vy * ty)
         contacts.slip[found] = vx * ty - vy * tx - side * bound.predicted_rim[k]
         contacts.force[found], contacts.impact_speed[found] = abs(state.rollers[0].bar.force[c]), state.rollers[0].bar.impact_speed[c]
         store_memory(law, contacts.traction, found, load_memory(law, bound.bar.traction, k))
-        contacts.coefficient[found], contacts.exponent[found] = payload.bar_coefficient, payload.bar_exponent
+        contacts.coefficient[found], contacts.exponent[found] = payload.bar_coefficient[row, i], payload.bar_exponent[row, i]
         contacts.mobility[found] = 0.5 * h / payload.roller_mass
         bound.bar.side[k], bound.bar.lever_x[k], bound.bar.lever_y[k] = side, rx, ry
         found += 1

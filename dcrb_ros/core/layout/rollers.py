@@ -31,6 +31,8 @@ class Rollers:
     pocket_tangent_x: Lanes
     """Pocket tangent at cage angle zero [-]."""
     pocket_tangent_y: Lanes
+    pocket_clearance: Lanes
+    """Clearance to a bar, on either side [m]."""
     free: Lanes
     """1 for a free roller, 0 for a pinned one."""
     second_row: Lanes
