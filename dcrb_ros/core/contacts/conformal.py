@@ -9,7 +9,16 @@ from __future__ import annotations
 import math
 
 from dcrb_ros.core.jit import piece
-from dcrb_ros.core.laws.calls import clear_memory, load_kept, load_memory, store_kept, store_memory, traction_line, traction_update
+from dcrb_ros.core.laws.calls import (
+    clear_memory,
+    film_resists,
+    load_kept,
+    load_memory,
+    store_kept,
+    store_memory,
+    traction_line,
+    traction_update,
+)
 from dcrb_ros.core.laws.pereira import LEAST_IMPACT_SPEED, impact_damping, step_force
 from dcrb_ros.core.layout.contacts import BarContact, ConformalContacts
 from dcrb_ros.core.layout.records import Floats
@@ -163,6 +172,9 @@ def store_lands(payload: Payload, state: State, work: Workspace, lands: int) -> 
         land.impact_speed[row] = contacts.impact_speed[c]
         state.account[FRICTION] += h * normal * (contacts.friction_offset[c] + contacts.friction_slope[c] * slip) * slip
         state.account[LOSS] += h * contacts.damping[c] * closing * closing
+        if film_resists(payload.inner.film):
+            sliding = normal * (contacts.friction_offset[c] + contacts.friction_slope[c] * slip) * slip
+            land.loss[row] += h * (sliding + contacts.damping[c] * closing * closing)
 
 
 @piece
