@@ -142,5 +142,8 @@ def store_land_films(payload: Payload, state: State, work: Workspace) -> None:
     """Book the losses in the oil of the lands."""
     for row in range(payload.free.shape[0]):
         turn = work.mean_velocity[CAGE + row, 2]
-        state.account[LOSS] += payload.step * work.land_film[row, FORCE] * moving_out(work, row)
-        state.account[FRICTION] += payload.step * work.land_film[row, TORQUE] * turn * turn
+        squeezed = payload.step * work.land_film[row, FORCE] * moving_out(work, row)
+        sheared = payload.step * work.land_film[row, TORQUE] * turn * turn
+        state.account[LOSS] += squeezed
+        state.account[FRICTION] += sheared
+        state.land[0].loss[row] += squeezed + sheared

@@ -12,6 +12,7 @@ from dcrb_ros.core.contacts.cage_films import CONCENTRIC, add_bar_films, write_l
 from dcrb_ros.core.jit import piece
 from dcrb_ros.core.laws.calls import (
     clear_memory,
+    film_resists,
     load_kept,
     load_memory,
     oils_cages,
@@ -170,6 +171,9 @@ def store_lands(payload: Payload, state: State, work: Workspace, lands: int) -> 
         land.impact_speed[row] = contacts.impact_speed[c]
         state.account[FRICTION] += h * normal * (contacts.friction_offset[c] + contacts.friction_slope[c] * slip) * slip
         state.account[LOSS] += h * contacts.damping[c] * closing * closing
+        if film_resists(payload.inner.film):
+            sliding = normal * (contacts.friction_offset[c] + contacts.friction_slope[c] * slip) * slip
+            land.loss[row] += h * (sliding + contacts.damping[c] * closing * closing)
 
 
 @piece

@@ -47,6 +47,10 @@ class Rollers:
     """The part of it lost in the drag of oil at bars and about the rollers [J]."""
     contact_loss: Lanes
     """Energy lost in normal contacts and the squeezing of films [J]."""
+    bar_friction_loss: Lanes
+    """The part of the friction lost at bars and in the drag of oil [J]; only with oil."""
+    bar_contact_loss: Lanes
+    """The part of the contacts' losses at bars and in their films [J]; only with oil."""
     notch_loss: Lanes
     """Energy taken by the notch law [J]."""
     drive_work: Lanes
@@ -194,6 +198,10 @@ class BoundRollers:
     """The part of it lost in the resistance of films to rolling [W]; written only where there is any."""
     loss_power: Lanes
     """Power lost in normal contacts [W]."""
+    bar_friction_power: Lanes
+    """Power lost in friction at the bar [W]; only with oil."""
+    bar_loss_power: Lanes
+    """Power lost in the contact with it [W]; only with oil."""
     notch_power: Lanes
     """Power taken by the notch law [W]."""
     drive_power: Lanes

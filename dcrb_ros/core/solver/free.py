@@ -145,7 +145,10 @@ def advance_free(payload: Payload, state: State, work: Workspace) -> None:
             drag_loss = h * among * (drag * past - orbit * payload.pitch_radius * turn)
             rollers.friction_loss[c] += drag_loss
             rollers.drag_loss[c] += drag_loss
-            rollers.contact_loss[c] += h * among * push_bar * (y * nx - x * ny - bar)
+            rollers.bar_friction_loss[c] += drag_loss
+            film_loss = h * among * push_bar * (y * nx - x * ny - bar)
+            rollers.contact_loss[c] += film_loss
+            rollers.bar_contact_loss[c] += film_loss
         else:
             normal = (force_offset + force_slope * (alone_x * nx + alone_y * ny)) / (1.0 + by_mass * force_slope)
             friction = (friction_offset + friction_slope * (alone_y * nx - alone_x * ny + rim)) / (
