@@ -24,11 +24,11 @@ BORE, OUTSIDE = 0.130, 0.250
 """Diameters of the default bearing, NJ(P)3226X1 [m]."""
 MODEL_TOLERANCE = 0.4
 """Accepted relative difference from a friction formula [-]."""
-POWERS = {"sliding": (6.5, 9.0), "rolling": (935.0, 970.0), "contacts": (0.3, 0.6), "pockets": (15.0, 26.0), "lands": (20.0, 27.0)}
+POWERS = {"sliding": (55.0, 80.0), "rolling": (935.0, 970.0), "contacts": (0.3, 0.6), "pockets": (270.0, 345.0), "lands": (30.0, 39.0)}
 """Accepted power of each source [W]; parts of a run scatter by a third as much."""
-PRESSING = 0.065, 0.085
+PRESSING = 0.22, 0.33
 """Accepted share of time in which a roller presses a bar [-]."""
-LEVELS = {"healthy": (1.7, 1.95), "spall": (12.2, 14.0)}
+LEVELS = {"healthy": (1.05, 1.25), "spall": (12.2, 14.0)}
 """Accepted root mean square of the vertical acceleration [m/s^2]."""
 
 

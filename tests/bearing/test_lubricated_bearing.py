@@ -163,7 +163,7 @@ def test_the_sources_are_all_that_friction_and_contacts_take() -> None:
     # The account goes on for the last millisecond after the last states.
     shares = taken.sum() / (booked.friction + booked.loss), lost(states[-1], "rolling") / booked.friction
     assert shares[0] == pytest.approx(1.0, abs=0.01)
-    assert 0.9 < shares[1] < 1.0
+    assert 0.65 < shares[1] < 0.85  # pockets and lands take most of the rest
     assert (taken >= 0.0).all()
     assert (taken[:, [0, 1, 3, 4]] > 0.0).all()
 
