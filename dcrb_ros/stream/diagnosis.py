@@ -73,6 +73,8 @@ class Diagnosis:
     """Growth of the severity since this verdict was first made [dB/min]."""
     clipped: int = 0
     """Samples at the ends of the sensor's range so far."""
+    baseline: str = ""
+    """Which baseline of a healthy bearing was used, in words; empty for none."""
     remarks: tuple[str, ...] = ()
     """Peculiarities of the signal that do not prevent a verdict."""
 
