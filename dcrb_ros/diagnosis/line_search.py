@@ -136,7 +136,7 @@ class LineSearch:
         if comb.order * comb.harmonics[0] * (1.0 + slip) >= limit:
             return NO_LINES
         trials = trials_of(comb, slip, self.step, len(self.spectrum.orders), limit)
-        harmonics, count, steps, tried, near = trials.harmonics, trials.count, trials.steps, trials.orders, trials.near
+        harmonics, count, steps, tried, near = trials.harmonics, trials.half, trials.steps, trials.orders, trials.near
         total = self._scores[near].sum(axis=(1, 2))
         groups = self._excess[near].sum(axis=2)  # power of a harmonic with its sidebands
         # A harmonic counts up to the leading one: a single line at a multiple belongs to another family.
@@ -166,7 +166,7 @@ class Trials(NamedTuple):
 
     harmonics: npt.NDArray[np.int64]
     """Harmonics within the spectrum, shape (harmonics,)."""
-    count: int
+    half: int
     """Orders tried on either side of the kinematic one [-]."""
     steps: npt.NDArray[np.int64]
     """Number of each order tried, 0 for the kinematic one, shape (orders,)."""
