@@ -24,7 +24,7 @@ from dcrb_ros.exam.measured import diagnose, diagnose_as_a_whole, read_measured
 from dcrb_ros.stream.diagnosis import Diagnosis
 
 SEED, SIGNALS = 7, 500
-EDGES = (0.5, 0.6, 0.7, 0.8, 0.85, 0.95, 0.99, 1.001)
+EDGES = (0.5, 0.6, 0.7, 0.8, 0.85, 0.95, 0.985, 1.0)
 FAULTS = ("outer_ring", "inner_ring", "roller")
 
 

@@ -11,6 +11,8 @@ ALARM_DECADE = 4.0
 """Evidence above the threshold that makes a wrong alarm ten times as rare [dB]: 3.8 fits 391 alarms, 2.2 to 3.9 those without one rig."""
 HEALTHY_DECADE = 10.0
 """Distance below the threshold that makes a missed fault ten times as rare [dB]."""
+MOST_PROBABILITY = 0.99
+"""Largest probability of a fault [-]: of 209 alarms with more evidence than that, two have a wrong name."""
 LEAST_PROBABILITY = 0.1
 """Least probability of a fault [-]: a tenth to a fifth of the verdicts healthy are wrong where half of the bearings have faint faults."""
 
@@ -77,9 +79,10 @@ def confidence(verdict: Verdict, confirmed: list[Component], excess: Mapping[Com
 def probability(excess: float) -> float:
     """Return the probability of a fault from its evidence relative to the threshold [dB].
 
-    It is 1 - 10^(-e/4) / 2 above the threshold, 0.9 at 2.8 dB, and 10^(e/10) / 2 below it, but at least 0.1: a fault whose impacts are too
-    faint for every band leaves no lines, however far the evidence is from the threshold. See `docs/explanation/detector.md`, Probability.
+    It is 1 - 10^(-e/4) / 2 above the threshold, 0.9 at 2.8 dB, up to 0.99; and 10^(e/10) / 2 below it, but at least 0.1: a fault whose
+    impacts are too faint for every band leaves no lines, however far the evidence is from the threshold. The page on the
+    detector has the figures.
     """
     if excess >= 0.0:
-        return float(1.0 - 0.5 * 10.0 ** (-excess / ALARM_DECADE))
+        return min(MOST_PROBABILITY, float(1.0 - 0.5 * 10.0 ** (-excess / ALARM_DECADE)))
     return max(LEAST_PROBABILITY, float(0.5 * 10.0 ** (excess / HEALTHY_DECADE)))

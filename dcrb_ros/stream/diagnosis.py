@@ -54,7 +54,7 @@ class Diagnosis:
     reason: str
     """The evidence in one sentence."""
     confidence: float = 0.0
-    """0.5 at a threshold, approaching 1 far from it; 0 without a verdict on the bearing."""
+    """Probability that the verdict is right: 0.5 at a threshold, up to 0.99 far from it; 0 without a verdict on the bearing."""
     levels: dict[str, float] = field(default_factory=_no_levels)
     """Level over background at BPFO, BPFI, BSF (twice its order) and FTF [dB]."""
     shaft_frequency: float = 0.0
