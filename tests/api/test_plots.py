@@ -9,6 +9,7 @@ import matplotlib as mpl
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
+from made_up_blocks import BODIES, blocks
 from separate_process import dcrb
 
 from dcrb_ros import (
@@ -23,6 +24,8 @@ from dcrb_ros import (
     plot_waveform,
     simulate,
 )
+from dcrb_ros.recordings.recorder import Recorder
+from dcrb_ros.settings.configuration import Configuration
 
 mpl.use("Agg")
 BAGS = Path(__file__).parents[2] / "bags"
@@ -173,6 +176,21 @@ def test_command_writes_a_picture(suffix: str, tmp_path: Path) -> None:
     assert done.returncode == 0, done.stderr
     assert done.stdout.strip() == f"{file}: 2.00 s of {BAGS / 'run_up'} from 0.50 s on"
     assert file.read_bytes()[:4] in (b"\x89PNG", b"<?xm", b"%PDF")
+
+
+def test_command_proposes_the_longest_stretch_without_lost_samples(tmp_path: Path) -> None:
+    with Recorder(tmp_path / "bag", Configuration(), BODIES) as recorder:
+        for number, block in enumerate(blocks(80)):
+            if number not in (20, 70):
+                recorder.write(block)
+    command = ["plot", str(tmp_path / "bag"), "-o", str(tmp_path / "picture.png")]
+    refused = dcrb(*command)
+    proposed = refused.stderr.split("such as ")[1].split()
+    assert refused.returncode == 2
+    assert proposed == ["--start", "0.420000", "--duration", "0.980000"]
+    done = dcrb(*command, *proposed)
+    assert done.returncode == 0, done.stderr
+    assert "0.98 s of" in done.stdout
 
 
 @pytest.mark.parametrize("choice", ["--order", "--frequency"])
