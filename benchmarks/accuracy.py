@@ -193,8 +193,8 @@ def coarsened(trace: Trace, ratio: int) -> Trace:
 
 
 def outer_defect(joint: str, *settings: str) -> Configuration:
-    """Return the shipped configuration with a defect of 2 mm across both rows of the outer raceway."""
-    return load_configuration("outer_ring_defect", [f"cage.joint={joint}", *settings])
+    """Return the bench `dry` with a defect of 2 mm across both rows of the outer raceway."""
+    return load_configuration("dry", ["faults.outer_1.width=0.002", f"cage.joint={joint}", *settings])
 
 
 def passing_period(configuration: Configuration) -> float:
