@@ -41,6 +41,7 @@ setup(
         (f"lib/{NAME}", files("executables", "*")),
         (f"share/{NAME}/config", files("config", "*.yaml")),
         (f"share/{NAME}/config/scenarios", files("config/scenarios", "*.yaml")),
+        (f"share/{NAME}/config/about", files("config/about", "*.yaml")),
         (f"share/{NAME}/config/exams", files("config/exams", "*.yaml")),
         (f"share/{NAME}/config/sweeps", files("config/sweeps", "*.yaml")),
         (f"share/{NAME}/launch", files("launch", "*.py")),

@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Any
 
 import rclpy
+from rclpy.utilities import try_shutdown
 
 from dcrb_ros.messages.statuses import decode_diagnostics
 from dcrb_ros.messages.topics import BENCH_DIAGNOSTICS, NAMESPACE, VIBRATION
@@ -60,12 +61,12 @@ def run(folder: Path, config: Path | None, seconds: float, *, with_viewer: bool)
     with ExitStack() as stack:
         viewer = None
         if with_viewer:
-            viewer = stack.enter_context(node_process("viewer", ["--save", str(folder / "live.rrd")], dict(os.environ)))
+            viewer = stack.enter_context(node_process("viewer", ["--save", str(folder / "live.rrd")]))
             patience = time.monotonic() + START
             while node.count_subscribers(VIBRATION.resolved(NAMESPACE)) < 1 and time.monotonic() < patience:
                 rclpy.spin_once(node, timeout_sec=0.1)
         started = busy(viewer) if viewer else 0.0
-        with node_process("simulator", arguments, dict(os.environ)) as simulator:
+        with node_process("simulator", arguments) as simulator:
             while simulator.poll() is None:
                 rclpy.spin_once(node, timeout_sec=0.1)
                 simulator_busy = max(simulator_busy, busy(simulator))
@@ -98,7 +99,7 @@ def main() -> None:
                 for with_viewer in (False, True):
                     print(run(Path(folder), options.config, options.duration, with_viewer=with_viewer), flush=True)
     finally:
-        rclpy.try_shutdown()
+        try_shutdown()
 
 
 if __name__ == "__main__":

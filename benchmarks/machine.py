@@ -49,6 +49,8 @@ def definitions(table: object, fields: str) -> list[str]:
     def offset(name: str) -> int:
         dtype, found = np.asarray(table).dtype, 0
         for part in name.split("."):
+            if dtype.fields is None:
+                raise KeyError(name)
             dtype, begin = dtype.fields[part][:2]
             found += begin // 8
         return found

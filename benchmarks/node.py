@@ -12,7 +12,6 @@ import statistics
 import struct
 import tempfile
 import time
-from collections import Counter
 from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -21,6 +20,7 @@ import numpy as np
 import rclpy
 from process import processor_times, resident
 from rclpy.executors import SingleThreadedExecutor
+from rclpy.utilities import try_shutdown
 from real_time import kernel
 
 from dcrb_ros.messages.statuses import decode_diagnostics
@@ -43,7 +43,7 @@ class Report(NamedTuple):
     """[s]."""
     simulated: float
     """[s]."""
-    processor: Counter[str]
+    processor: dict[str, float]
     """Processor time by thread [s]."""
     memory: float
     """Resident memory [MB]."""
@@ -70,9 +70,9 @@ class Interval(NamedTuple):
         return self.end.simulated - self.begin.simulated
 
     @property
-    def processor(self) -> Counter[str]:
+    def processor(self) -> dict[str, float]:
         """Processor time by thread [s]."""
-        return self.end.processor - self.begin.processor
+        return {name: used - self.begin.processor.get(name, 0.0) for name, used in self.end.processor.items()}
 
 
 class Subscriber:
@@ -110,7 +110,7 @@ def measured(seconds: float, topics: Iterable[Topic], *settings: str) -> Interva
     executor.add_node(node)
     arguments = [word for setting in settings for word in ("-p", setting)]
     try:
-        with node_process("simulator", ["--ros-args", "--log-level", "warn", *arguments], dict(os.environ)) as process:
+        with node_process("simulator", ["--ros-args", "--log-level", "warn", *arguments]) as process:
             subscriber, last = Subscriber(node, process.pid, topics), time.monotonic()
             reports = subscriber.reports
             while len(reports) <= SETTLING or reports[-1].wall - reports[SETTLING].wall < seconds:
@@ -147,7 +147,7 @@ def full_speed(seconds: float, folder: Path) -> None:
     for name, (topics, settings) in setups.items():
         wall, processor = kernel_factors(0.5, 5)
         found = measured(seconds, topics, "time_scale:=0.0", *settings)
-        own, own_processor = found.simulated / found.wall, found.simulated / found.processor.total()
+        own, own_processor = found.simulated / found.wall, found.simulated / sum(found.processor.values())
         print(
             f"| {name} | {own:.2f} | {100 * own / wall:.0f} % of {wall:.2f} | {own_processor:.2f} | "
             f"{100 * own_processor / processor:.0f} % of {processor:.2f} |",
@@ -158,13 +158,13 @@ def full_speed(seconds: float, folder: Path) -> None:
 def real_time(seconds: float, folder: Path) -> None:
     """Print the cost of the node at time scale 1.0 with a recording and a subscriber to every topic, measured for a wall time [s]."""
     found = measured(seconds, SIMULATED, "time_scale:=1.0", f"recording.path:={folder / 'real'}")
-    shares = Counter({name: 100.0 * used / found.wall for name, used in found.processor.items()})
+    shares = {name: 100.0 * used / found.wall for name, used in found.processor.items()}
     delays = np.array(found.delays)
     jitter = 1e3 * np.abs(delays - np.median(delays))
     p50, p99 = np.percentile(jitter, [50.0, 99.0])
     print(f"\n| time scale 1.0, recording, a subscriber to every topic, {found.wall:.0f} s | | required |\n|---|---|---|")
-    print(f"| processor | {shares.total():.1f} % of a core | at most 40 % |")
-    for name, share in shares.most_common():
+    print(f"| processor | {sum(shares.values()):.1f} % of a core | at most 40 % |")
+    for name, share in sorted(shares.items(), key=lambda item: -item[1]):
         if share >= 0.1:
             print(f"| ... thread `{name}` | {share:.1f} % | |")
     found_jitter = f"{p50:.2f}, {p99:.2f}, {jitter.max():.1f} ms"
@@ -191,7 +191,7 @@ def main() -> None:
             if options.duration > 0.0:
                 real_time(options.duration, Path(folder))
     finally:
-        rclpy.try_shutdown()
+        try_shutdown()
 
 
 if __name__ == "__main__":

@@ -10,7 +10,7 @@ from __future__ import annotations
 import argparse
 import time
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 import exudyn_bearing
 import numpy as np
@@ -73,7 +73,7 @@ def paper(duration: float) -> Peer:
     return Peer(name, seconds, duration, reference.state.velocity[OUTER_RING, :2].copy())
 
 
-def general(duration: float, method: str) -> Peer:
+def general(duration: float, method: Literal["RK45", "LSODA", "Radau"]) -> Peer:
     """Return the result of a solver of scipy for the paper's equations."""
     reference = ReferenceSolver(CONFIGURATION)
     shapes = [part.shape for part in reference.state]
@@ -90,7 +90,7 @@ def general(duration: float, method: str) -> Peer:
 
     absolute = TOLERANCE * 1e3 * joined(State(*(np.full(shape, scale) for shape, scale in zip(shapes, SCALES, strict=True))))
     begin = time.process_time()
-    found = solve_ivp(rate, (0.0, duration), joined(reference.state), method, rtol=TOLERANCE, atol=absolute)
+    found = solve_ivp(rate, (0.0, duration), joined(reference.state), method=method, rtol=TOLERANCE, atol=absolute)
     seconds = time.process_time() - begin
     name = f"scipy {method}, {found.nfev} evaluations"
     return Peer(name, seconds, duration, split(found.y[:, -1]).velocity[OUTER_RING, :2])

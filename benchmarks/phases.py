@@ -62,7 +62,7 @@ def advance_by_phases(payload: Payload, state: State, work: Workspace, steps: in
     write_pockets(payload, state)
     turn_notches(payload.outer_notches, 0.0, work.outer_notch_direction)
     for _ in range(steps):
-        t0 = ticks()
+        t0 = ticks()  # type: ignore[call-arg, var-annotated]
         drift(payload, state, 0.5 * payload.step)
         predict_bodies(payload, state, work)
         write_films(payload, state)

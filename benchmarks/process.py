@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections import Counter
+from collections import defaultdict
 from pathlib import Path
 
 TICK = os.sysconf("SC_CLK_TCK")
@@ -18,13 +18,13 @@ def resident(pid: int) -> float:
         return 0.0
 
 
-def processor_times(pid: int) -> Counter[str]:
+def processor_times(pid: int) -> dict[str, float]:
     """Return the processor time of a process's threads by name [s]; that of ended threads has the key ``ended``."""
-    found: Counter[str] = Counter()
+    found: defaultdict[str, float] = defaultdict(float)
     for task in Path(f"/proc/{pid}/task").iterdir():
         name, seconds = _processor_time(task / "stat")
         found[name] += seconds
-    found["ended"] = max(0.0, _processor_time(Path(f"/proc/{pid}/stat"))[1] - found.total())
+    found["ended"] = max(0.0, _processor_time(Path(f"/proc/{pid}/stat"))[1] - sum(found.values()))
     return found
 
 

@@ -28,6 +28,7 @@ from process import resident
 from rcl_interfaces.srv import SetParametersAtomically
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.parameter import Parameter
+from rclpy.utilities import try_shutdown
 from stalls import Stall, StallMonitor, monitor_stalls
 from std_msgs.msg import Float64
 from std_srvs.srv import SetBool
@@ -233,7 +234,7 @@ def main() -> int:
         with tempfile.TemporaryDirectory(prefix="soak-") as folder, monitor_stalls(Path(folder)) as machine:
             found = [run(name, scale, seconds, options.seed, options.late, machine) for name, scale, seconds in parts if seconds > 0.0]
     finally:
-        rclpy.try_shutdown()
+        try_shutdown()
     return 0 if all(found) else 1
 
 

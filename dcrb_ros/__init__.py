@@ -21,6 +21,8 @@ if TYPE_CHECKING:
     from dcrb_ros.diagnosis.parameters import DetectorParameters
     from dcrb_ros.exam.in_process import score
     from dcrb_ros.exam.report import Report
+    from dcrb_ros.features.extraction import FeatureExtractor, FeatureTable, extract_features
+    from dcrb_ros.features.spectral_coherence import SpectralCoherence, spectral_coherence
     from dcrb_ros.plots.envelope_spectrum import plot_envelope_spectrum
     from dcrb_ros.plots.load_zone import plot_load_zone
     from dcrb_ros.plots.waveform import plot_waveform
@@ -44,6 +46,8 @@ __all__ = [
     "Diagnosis",
     "EnvelopeSpectrum",
     "FaultDetector",
+    "FeatureExtractor",
+    "FeatureTable",
     "GroundTruth",
     "Orders",
     "Recording",
@@ -51,18 +55,21 @@ __all__ = [
     "Report",
     "Run",
     "Simulation",
+    "SpectralCoherence",
     "StateHistory",
     "Waveform",
     "__version__",
     "characteristic_frequencies",
     "detect",
     "envelope_spectrum",
+    "extract_features",
     "load_configuration",
     "plot_envelope_spectrum",
     "plot_load_zone",
     "plot_waveform",
     "score",
     "simulate",
+    "spectral_coherence",
 ]
 
 _MODULES = {
@@ -74,6 +81,8 @@ _MODULES = {
     "Diagnosis": "stream.diagnosis",
     "EnvelopeSpectrum": "diagnosis.envelope_spectrum",
     "FaultDetector": "diagnosis.detector",
+    "FeatureExtractor": "features.extraction",
+    "FeatureTable": "features.extraction",
     "GroundTruth": "simulation.ground_truth",
     "Orders": "bearing.kinematics",
     "Recording": "recordings.reader",
@@ -81,17 +90,20 @@ _MODULES = {
     "Report": "exam.report",
     "Run": "simulation.run",
     "Simulation": "simulation.loop",
+    "SpectralCoherence": "features.spectral_coherence",
     "StateHistory": "bearing.history",
     "Waveform": "bearing.waveform",
     "characteristic_frequencies": "bearing.frequencies",
     "detect": "diagnosis.detection",
     "envelope_spectrum": "diagnosis.envelope_spectrum",
+    "extract_features": "features.extraction",
     "load_configuration": "settings.files",
     "plot_envelope_spectrum": "plots.envelope_spectrum",
     "plot_load_zone": "plots.load_zone",
     "plot_waveform": "plots.waveform",
     "score": "exam.in_process",
     "simulate": "simulation.run",
+    "spectral_coherence": "features.spectral_coherence",
 }
 """The module of each public name, below this package."""
 

@@ -28,7 +28,7 @@ def settled_cages(payload: Payload, rest: Rest) -> Floats:
         rise = payload.pocket_tangent[row, :, 1]
         ahead, behind = ~payload.broken[row], ~np.roll(payload.broken[row], 1)
         blocked = (np.abs(rise) > LEAST_SLOPE) & np.where(rise > 0.0, ahead, behind)
-        free_fall = (payload.pocket_clearance - np.sign(rise) * offset)[blocked] / np.abs(rise[blocked])
+        free_fall = (payload.pocket_clearance[row] - np.sign(rise) * offset)[blocked] / np.abs(rise[blocked])
         x, y = rest.cages[row] - rest.outer
         on_land = y + math.sqrt(max(payload.land_clearance**2 - x * x, 0.0))
         fall = max(0.0, min(float(free_fall.min(initial=math.inf)), on_land))

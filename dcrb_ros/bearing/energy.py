@@ -31,7 +31,7 @@ def energy_of_bars(payload: Payload, state: State) -> float:
     along = arm[..., 0] * (cosine * px - sine * py) + arm[..., 1] * (sine * px + cosine * py)
     barred = payload.free & ~np.where(along > 0.0, payload.broken, np.roll(payload.broken, 1, axis=1))
     depth = np.where(barred, np.maximum(np.abs(along) - payload.pocket_clearance, 0.0), 0.0)
-    return float((payload.bar_coefficient * depth ** (payload.bar_exponent + 1.0)).sum()) / (payload.bar_exponent + 1.0)
+    return float((payload.bar_coefficient * depth ** (payload.bar_exponent + 1.0) / (payload.bar_exponent + 1.0)).sum())
 
 
 def energy_of_lands(payload: Payload, state: State) -> float:

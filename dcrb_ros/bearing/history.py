@@ -52,12 +52,24 @@ class StateHistory:
     """Central film of the most loaded contact at inner and outer raceway, shape (times, 2) [m]; like the following, None if dry."""
     film_ratio: Floats | None = None
     """Its ratio Lambda to the roughness, shape (times, 2) [-]."""
-    sliding_loss: Floats | None = None
-    """Energy lost since the start in sliding at raceways and bars, shape (times, rows) [J]."""
-    rolling_loss: Floats | None = None
-    """Energy lost since the start in the resistance of films to rolling, shape (times, rows) [J]."""
-    contact_loss: Floats | None = None
-    """Energy lost since the start in the damping of normal contacts, shape (times, rows) [J]."""
+    least_film: Floats | None = None
+    """Smallest central film of the loaded contacts of each row, at inner and outer raceway, shape (times, rows, 2) [m]; like the
+    following NaN where a row has no contact under more than 500 N."""
+    mean_film: Floats | None = None
+    """Mean of the same films, shape (times, rows, 2) [m]."""
+    least_film_ratio: Floats | None = None
+    """Ratio Lambda of the smallest film to the roughness, shape (times, rows, 2) [-]."""
+    loaded_traction: Floats | None = None
+    """Friction over normal force of each row's most loaded contact, at inner and outer raceway, shape (times, rows, 2) [-]."""
+    loaded_slip: Floats | None = None
+    """Slip of the same contacts, shape (times, rows, 2) [m/s]."""
+    friction_loss: Floats | None = None
+    """Energy lost since the start in sliding at raceways, rolling, the damping of contacts with raceways, pockets and lands (in this
+    order, `dcrb_ros.stream.states.FRICTION_SOURCES`), shape (times, rows, sources) [J]."""
+    friction_power: Floats | None = None
+    """Power lost by each of these sources, the mean since the time before, shape (times, rows, sources) [W]."""
+    friction_torque: Floats | None = None
+    """The power over the speed of the shaft, shape (times, rows, sources) [N m]; NaN at standstill."""
 
     @staticmethod
     def of(states: Sequence[States], names: Sequence[str]) -> StateHistory:

@@ -30,8 +30,8 @@ class Individual(NamedTuple):
     """Shape (rows * rollers,) [m]."""
     run_out: Floats
     """Centre of each inner raceway X, Y, turning with the shaft, shape (rows, 2) [m]."""
-    pocket_clearance: float
-    """Of the clearance between roller and bar [m]."""
+    pocket_clearance: Floats
+    """Of the clearance between each roller and its bars, shape (rows, rollers) [m]."""
     pocket_places: Floats
     """Of the pockets' places along the pitch circle, shape (rows, rollers) [m]."""
     cage_unbalance: Floats
@@ -55,18 +55,21 @@ def individual_of(configuration: Configuration) -> Individual:
     def normal(name: str, spread: float, *shape: int) -> Floats:
         return np.asarray(random_stream(seed, name).standard_normal(shape) * (profile * spread))
 
-    def bounded(name: str, spread: float) -> float:
-        return float(np.clip(normal(name, spread), -BOUND * spread, BOUND * spread))
+    def bounded(name: str, spread: float, *shape: int) -> Floats:
+        return np.asarray(np.clip(normal(name, spread, *shape), -BOUND * spread, BOUND * spread))
 
     angle = 2.0 * math.pi * random_stream(seed, "unbalance of the cages").random(b.rows)
-    pocket = bounded("pocket clearance", s.pocket_clearance_spread)
+    unbalance = profile * s.cage_unbalance * np.exp(bounded("size of the unbalance of the cages", s.cage_unbalance_spread, b.rows))
+    pockets = bounded("pocket clearance", s.pocket_clearance_spread) + bounded(
+        "clearance of single pockets", s.single_pocket_spread, b.rows, b.rollers_per_row
+    )
     return Individual(
-        waviness=math.exp(bounded("level of the waviness", s.waviness_spread)),
-        clearance=bounded("clearance", s.clearance_spread),
+        waviness=math.exp(float(bounded("level of the waviness", s.waviness_spread))),
+        clearance=float(bounded("clearance", s.clearance_spread)),
         row_radii=normal("raceways of the rows", s.row_spread, b.rows),
         roller_diameters=normal("roller diameters", s.roller_spread, count),
         run_out=normal("run-out of the inner raceways", s.run_out / math.sqrt(2.0), b.rows, 2),
-        pocket_clearance=max(pocket, (LEAST_CLEARANCE - 1.0) * configuration.cage.pocket_clearance),
+        pocket_clearance=np.maximum(pockets, (LEAST_CLEARANCE - 1.0) * configuration.cage.pocket_clearance),
         pocket_places=normal("places of the pockets", s.pocket_spread, b.rows, b.rollers_per_row),
-        cage_unbalance=profile * s.cage_unbalance * np.stack([np.cos(angle), np.sin(angle)], axis=-1),
+        cage_unbalance=unbalance[:, None] * np.stack([np.cos(angle), np.sin(angle)], axis=-1),
     )

@@ -75,16 +75,18 @@ class RollerSet(Protocol):
         """[m]"""
 
 
-def characteristic_orders(bearing: RollerSet) -> Orders:
-    """Return the orders for pure rolling, from r_R, r_M and the number n of rollers (Eqs. 43 to 45).
+def characteristic_orders(bearing: RollerSet, contact_angle: float = 0.0) -> Orders:
+    """Return the orders for pure rolling, from r_R, r_M, the number n of rollers and the contact angle a [rad] (Eqs. 43 to 45).
 
-    FTF = (1 - r_R/r_M)/2, BPFO = n FTF, BPFI = n (1 - FTF) and BSF = (1 - (r_R/r_M)^2)/(2 r_R/r_M).
+    FTF = (1 - c)/2, BPFO = n FTF, BPFI = n (1 - FTF) and BSF = (1 - c^2)/(2 r_R/r_M) with c = r_R/r_M cos a. The paper has a = 0; the
+    general case is that of Randall and Antoni 2011, eqs. 1 to 4.
     """
     ratio = bearing.roller_radius / bearing.pitch_radius
-    ftf = 0.5 * (1.0 - ratio)
+    contact = ratio * math.cos(contact_angle)
+    ftf = 0.5 * (1.0 - contact)
     return Orders(
         ftf=ftf,
         bpfo=bearing.rollers_per_row * ftf,
         bpfi=bearing.rollers_per_row * (1.0 - ftf),
-        bsf=0.5 * (1.0 - ratio**2) / ratio,
+        bsf=0.5 * (1.0 - contact**2) / ratio,
     )

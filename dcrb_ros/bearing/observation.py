@@ -6,14 +6,12 @@ import math
 
 import numpy as np
 
+from dcrb_ros.bearing.lubrication import observe_lubrication
 from dcrb_ros.core import observation as of
-from dcrb_ros.core.contacts.films import entrainment_speeds
-from dcrb_ros.core.laws.calls import film_at
-from dcrb_ros.core.laws.registry import law_of
 from dcrb_ros.core.layout.state import State
 from dcrb_ros.core.payload import Payload
 from dcrb_ros.schema.arrays import Floats
-from dcrb_ros.stream.states import LubricationState, States
+from dcrb_ros.stream.states import States
 
 
 def wrapped(angle: Floats) -> Floats:
@@ -27,27 +25,10 @@ def place_pinned_rollers(payload: Payload, state: State) -> None:
         of.place_pinned(state.rollers, payload.free, payload.pocket_tangent, state.position, state.velocity, payload.pitch_radius)
 
 
-def observe_lubrication(payload: Payload, state: State) -> LubricationState | None:
-    """Return films and losses of a lubricated bearing."""
-    law = law_of(payload.lubrication)
-    if law.thickness is None:
-        return None
-    found = []
-    for site, speed, forces in zip(
-        (payload.inner, payload.outer), entrainment_speeds(payload, state), (state.inner_force, state.outer_force), strict=True
-    ):
-        found.append(law.thickness(film_at(payload.lubrication, site.number, speed), float(forces.max())))
-    films, rollers = np.array(found), state.rollers[0]
-    friction, rolling, contact = (
-        state.of_rollers(values).sum(axis=1) for values in (rollers.friction_loss, rollers.rolling_loss, rollers.contact_loss)
-    )
-    return LubricationState(
-        film=films[:, 0], film_ratio=films[:, 1], sliding_loss=friction - rolling, rolling_loss=rolling, contact_loss=contact
-    )
-
-
-def observe(payload: Payload, state: State, time_ns: int) -> States:
-    """Return the states of all bodies at ``time_ns``."""
+def observe(payload: Payload, state: State, time_ns: int, before: States | None = None) -> States:
+    """Return the states of all bodies at ``time_ns``; ``before`` are the states since which powers are averaged."""
+    oil = before.lubrication if before is not None else None
+    since = (0.0, np.zeros(())) if before is None or oil is None else (1e-9 * before.time_ns, oil.friction_loss)
     place_pinned_rollers(payload, state)
     rows, count = len(payload.free), payload.free.size
     found = np.zeros((of.OBSERVED, count + rows + 1))
@@ -71,5 +52,5 @@ def observe(payload: Payload, state: State, time_ns: int) -> States:
         bar_force=found[of.BAR_FORCE],
         cage_offset=state.cage_position[:, :2] - state.outer_position,
         inner_ring_force=force,
-        lubrication=observe_lubrication(payload, state),
+        lubrication=observe_lubrication(payload, state, 1e-9 * time_ns, since),
     )

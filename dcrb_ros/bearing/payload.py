@@ -111,7 +111,8 @@ def build_payload(configuration: Configuration) -> Payload:
     # A centre of mass towards (sin psi, -cos psi) has the tangent (cos psi, sin psi).
     moment += b.cage_mass * np.stack([-individual.cage_unbalance[:, 1], individual.cage_unbalance[:, 0]], axis=-1)
     mass, inertia = b.cage_mass + pinned * b.roller_mass, b.cage_inertia + pinned * b.roller_mass * b.pitch_radius**2
-    bar = pereira_coefficients(clearance, b.roller_length, b.effective_modulus)
+    bars = np.array([pereira_coefficients(float(one), b.roller_length, b.effective_modulus) for one in clearance.ravel()])
+    coefficient, exponent = bars.T.reshape(2, *clearance.shape)
     land = pereira_coefficients(c.cage.land_clearance, b.roller_length, b.effective_modulus)
     material = material_of(b)
     oil, orbit = LUBRICATION_LAWS[c.lubrication.law].build(dict(c.lubrication), material), cage_speed(c, c.operating.speed)
@@ -163,8 +164,8 @@ def build_payload(configuration: Configuration) -> Payload:
         profile_height=height + highest,
         surfaces=surfaces,
         pocket_clearance=clearance,
-        bar_coefficient=bar[0],
-        bar_exponent=bar[1],
+        bar_coefficient=coefficient.copy(),
+        bar_exponent=exponent.copy(),
         land_clearance=c.cage.land_clearance,
         land_radius=land_radius(c),
         land_coefficient=land[0],

@@ -9,6 +9,7 @@ import typer
 
 from dcrb_ros.cli.options import Bag, Force
 from dcrb_ros.cli.output_file import replacing
+from dcrb_ros.schema.refusal import Refusal
 
 
 def export(
@@ -33,21 +34,41 @@ def export(
 
 
 def import_(
-    file: Annotated[Path, typer.Argument(help="File with the waveform: .csv, .wav, .mat, .npz or .parquet.")],
+    files: Annotated[
+        list[Path] | None,
+        typer.Argument(metavar="FILE...", help="Files with the waveform, in order of time: .csv, .wav, .mat, .npz or .parquet."),
+    ] = None,
     about: Annotated[
-        Path,
-        typer.Option("--about", help="YAML description of the file: channels, unit, sampling_rate, speed, and bearing or orders."),
-    ],
-    output: Annotated[Path, typer.Option("-o", "--output", help="New folder of the recording.")],
+        str,
+        typer.Option(help="YAML description of the files, or the name of a public data set: channels, unit, sampling_rate, bearing."),
+    ] = "",
+    output: Annotated[Path | None, typer.Option("-o", "--output", help="New folder of the recording.")] = None,
+    settings: Annotated[
+        list[str] | None,
+        typer.Option("--set", help="Change the description, KEY=VALUE, such as speed_rpm=1797; null removes a key; may be repeated."),
+    ] = None,
+    list_: Annotated[bool, typer.Option("--list", help="List the public data sets whose descriptions are shipped, and end.")] = False,
+    show: Annotated[str, typer.Option(help="Print the description of a public data set, to be copied and changed, and end.")] = "",
     force: Force = False,
 ) -> None:
     """Convert a waveform measured elsewhere to a recording that can be used like a simulated recording.
 
-    Example: dcrb import 97.mat --about 97.yaml -o cwru_97
+    Example: dcrb import 97.mat --about cwru-48k -o cwru_97
     """
     from dcrb_ros.exchange.importing import WaveformImport
+    from dcrb_ros.exchange.public_sets import find_description, listed
 
-    waveform = WaveformImport(file, about)
+    if list_ or show:
+        if (list_ and show) or files or about or output or settings:
+            raise Refusal("--list and --show print descriptions and import nothing: leave out everything else")
+        print("\n".join(listed()) if list_ else find_description(show).read_text(encoding="utf-8"), end="\n" if list_ else "")
+        return
+    if not files or not about or output is None:
+        missing = "FILE" if not files else "--about" if not about else "-o"
+        raise Refusal(f"{missing} is missing: dcrb import FILE --about ABOUT.yaml -o RECORDING, or dcrb import --list")
+    waveform = WaveformImport(files, find_description(about), settings or ())
     with replacing("-o", output, force=force):
         samples = waveform.write(output)
-    print(f"{output}: {samples} samples, {samples / waveform.rate:.3f} s at {waveform.rate} Hz")
+    print(f"{output}: {samples} samples, {samples / waveform.measured_rate:.3f} s at {waveform.measured_rate:g} Hz")
+    for remark in waveform.remarks():
+        print(remark)

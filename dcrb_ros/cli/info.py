@@ -62,7 +62,7 @@ def _lines(recording: Recording) -> list[str]:
 
     manifest, orders, outcome = recording.manifest, recording.orders, recording.outcome
     # An import by an older version calls its time simulated.
-    units = MEASURED_UNITS if recording.imported else manifest.get("units", {})
+    units = manifest.get("units", {}) | ({"time": MEASURED_UNITS["time"]} if recording.imported else {})
     lines = [
         _origin(recording),
         f"sampling rate: {recording.sampling_rate} Hz",

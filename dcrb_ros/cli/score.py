@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Annotated, NamedTuple
 import typer
 
 from dcrb_ros.cli import completion
+from dcrb_ros.cli.exam_list import print_scenarios
 from dcrb_ros.cli.first_start import announce_compilation
 from dcrb_ros.cli.options import DetectorFile, JsonOutput, Quiet, Workers, worker_count
 from dcrb_ros.cli.output_file import PICTURES, check_output
@@ -122,7 +123,7 @@ def score(
             raise Refusal(f"{len(given)} exams are given ({', '.join(given)}): give one at a time")
         chosen = _select(read_exam(given[0]), only)
         if show:
-            _list(chosen)
+            print_scenarios(chosen)
             return
         report = _evaluate_exam(chosen, candidate, recordings, count, quiet=quiet)
     _output(report, as_json, junit, figure, entry)
@@ -192,8 +193,12 @@ def _check_files(junit: Path | None, figure: Path | None, entry: Path | None) ->
 
 
 def _is_recording(path: Path) -> bool:
-    """Return whether a path is read as a recording; a path that does not exist is looked up among the exams."""
-    return path.is_dir() or path.suffix == ".mcap" or (path.is_file() and path.suffix not in (".yaml", ".yml"))
+    """Return whether a path is read as a recording; one that does not exist, or a folder of an exam's name without any, is an exam."""
+    if path.is_dir():
+        from dcrb_ros.exam.exam_file import shipped_exams
+
+        return str(path) not in shipped_exams() or any(path.glob("*.mcap"))
+    return path.suffix == ".mcap" or (path.is_file() and path.suffix not in (".yaml", ".yml"))
 
 
 def _select(exam: Exam, pattern: str) -> Exam:
@@ -208,23 +213,6 @@ def _select(exam: Exam, pattern: str) -> Exam:
     twins = {case.expectation.twin for case in exam.cases if case.expectation.name in chosen}
     kept = tuple(case for case in exam.cases if case.expectation.name in chosen | twins)
     return dataclasses.replace(exam, name=f"{exam.name} (only {pattern})", cases=kept)
-
-
-def _list(exam: Exam) -> None:
-    from rich.table import Table
-
-    from dcrb_ros.exam.case import scenarios_hash
-    from dcrb_ros.runtime.terminal import console
-
-    table = Table("scenario", "correct verdict", "onset [s]", "duration [s]", "twin", title=f"{exam.name}: {exam.about}")
-    for case in exam.cases:
-        expectation = case.expectation
-        name = expectation.name if expectation.required else f"{expectation.name} (not required)"
-        onset = f"{expectation.onset:g}" if expectation.faulty else "-"
-        table.add_row(name, expectation.verdict, onset, f"{expectation.duration:g}", expectation.twin or "-")
-    console().print(table)
-    seconds = sum(case.run.duration for case in exam.cases)
-    print(f"{len(exam.cases)} scenarios, {seconds:.0f} s simulated, sha256 {scenarios_hash(exam.cases)}")
 
 
 def _evaluate_exam(exam: Exam, candidate: Candidate, recordings: Path | None, workers: int, *, quiet: bool) -> Report:

@@ -26,7 +26,7 @@ def validate(
     quiet: Quiet = False,
     as_json: JsonOutput = False,
 ) -> None:
-    """Reproduce Fan et al. 2025: a table of numbers with tolerances, and Figs. 8 to 11, as a report.
+    """Reproduce Fan et al. 2025, and check oil film, surfaces and friction: tables of numbers with tolerances, Figs. 8 to 11, as a report.
 
     Exit status 0 if every number is within its tolerance, 1 if not.
 
@@ -42,7 +42,7 @@ def validate(
     try:
         with progress(quiet=quiet) as bar:
             task = bar.add_task("runs", total=None)
-            runs, agreements = run_all(
+            results = run_all(
                 processes,
                 lambda done, total, name: bar.update(task, completed=done, total=total, description=name),
             )
@@ -50,10 +50,10 @@ def validate(
         with contextlib.suppress(OSError):
             folder.rmdir()  # fails if it contains an earlier report, which is kept
         raise
-    comparisons = all_comparisons(runs, agreements)
+    comparisons = all_comparisons(results)
     # The results are printed first, so that they are not lost if the report cannot be written.
     _print(comparisons, as_json=as_json)
-    report = write_report(folder, comparisons, runs)
+    report = write_report(folder, comparisons, results.runs)
     if not as_json:
         print(f"{summary(comparisons)} Report: {report}")
     if not all(comparison.holds for comparison in comparisons):
@@ -64,13 +64,14 @@ def _print(comparisons: Sequence[Comparison], *, as_json: bool) -> None:
     from rich.table import Table
 
     from dcrb_ros.runtime.terminal import console
-    from dcrb_ros.validation.report import HEADINGS, cells
+    from dcrb_ros.validation.report import HEADINGS, cells, chapters
 
     if as_json:
         rows = [{**asdict(comparison), "verdict": comparison.verdict} for comparison in comparisons]
         print(json.dumps({"holds": all(comparison.holds for comparison in comparisons), "comparisons": rows}, indent=2))
         return
-    table = Table(*HEADINGS, show_lines=True)
-    for comparison in comparisons:
-        table.add_row(*cells(comparison), style="" if comparison.holds else "bold red")
-    console().print(table)
+    for title, part in chapters(comparisons).items():
+        table = Table(*HEADINGS, title=title, show_lines=True)
+        for comparison in part:
+            table.add_row(*cells(comparison), style="" if comparison.holds else "bold red")
+        console().print(table)

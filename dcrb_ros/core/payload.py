@@ -137,10 +137,12 @@ class Payload(NamedTuple):
     """Samples of all profiles, one after the other [m]."""
     profile_height: float
     """How far the highest of all surfaces rises above the nominal one [m]."""
-    pocket_clearance: float
-    bar_coefficient: float
-    """Coefficient of a bar's conformal contact, Eq. 22 [N/m^exponent]."""
-    bar_exponent: float
+    pocket_clearance: Floats
+    """Clearance between each roller and a bar, on either side, shape (rows, rollers) [m]."""
+    bar_coefficient: Floats
+    """Coefficient of the conformal contact with the bars of each pocket, Eq. 22, shape (rows, rollers) [N/m^exponent]."""
+    bar_exponent: Floats
+    """Its exponent, shape (rows, rollers) [-]."""
     land_clearance: float
     land_radius: float
     land_coefficient: float

@@ -3,19 +3,27 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+import re
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, Field, ValidationError
+import yaml
+from pydantic import BeforeValidator, Field, ValidationError, field_validator
 
-from dcrb_ros.bearing.kinematics import HIGHEST_ORDER, LOWEST_ORDER, Orders, characteristic_orders
-from dcrb_ros.bearing.order_check import order_mistake
+from dcrb_ros.bearing.kinematics import Orders
+from dcrb_ros.exchange.bearing import Geometry, GivenOrders, fault_orders
 from dcrb_ros.schema.fields import Group
 from dcrb_ros.schema.numbers import HIGHEST_RATE
 from dcrb_ros.schema.refusal import Refusal, nearest
 from dcrb_ros.schema.units import ACCELERATION_UNITS
-from dcrb_ros.text.yaml import read_yaml
+from dcrb_ros.text.yaml import parsed, read_yaml
+
+VOLTS = {"V": 1.0, "mV": 1e-3}
+"""Units of voltage [V]."""
+UNITS = (*ACCELERATION_UNITS, *VOLTS, "relative")
+SENSITIVITY = re.compile(r"([0-9.]+(?:[eE][-+]?[0-9]+)?) *(m?V)/(g|\(m/s\^2\)|m/s\^2)")
+"""A sensitivity with its unit."""
 
 
 def _whole(given: Any) -> Any:
@@ -39,110 +47,117 @@ Labels = Annotated[dict[str, Any], BeforeValidator(_plain)]
 
 
 class Channels(Group):
-    """The names of the channels: a column, a variable, or a column number from 1."""
+    """The names of the channels: a column, a variable, or a column number from 1; ``*`` stands for any characters of a name."""
 
     ax: str | int
     """Acceleration of the first axis."""
     ay: str | int | None = None
     """Acceleration of the second axis; if omitted, a copy of the first."""
     shaft_angle: str | int | None = None
-    """Angle of the shaft [rad]; if omitted, computed from the speed."""
+    """Angle of the shaft [rad], NaN where unknown."""
+    tacho: str | int | None = None
+    """Pulses of a tacho, ``pulses_per_turn`` of them per turn, in any unit."""
+    rpm: str | int | None = None
+    """Speed of the shaft [rpm]: a single value, or values over the same time as the acceleration."""
     index: str | int | None = None
     """Index of each sample; if omitted, the samples have no gaps."""
-
-
-class Geometry(Group):
-    """The geometry from which the fault orders are computed; for a bearing with a contact angle, give the orders instead."""
-
-    rollers_per_row: int = Field(ge=3, le=200)
-    roller_radius: float = Field(gt=0.0)
-    """[m]"""
-    pitch_radius: float = Field(gt=0.0)
-    """[m]"""
-
-
-class GivenOrders(Group):
-    """Characteristic frequencies as multiples of the shaft frequency [-]."""
-
-    FTF: float = Field(ge=LOWEST_ORDER, le=HIGHEST_ORDER)
-    BPFO: float = Field(ge=LOWEST_ORDER, le=HIGHEST_ORDER)
-    BPFI: float = Field(ge=LOWEST_ORDER, le=HIGHEST_ORDER)
-    BSF: float = Field(ge=LOWEST_ORDER, le=HIGHEST_ORDER)
 
 
 class Description(Group):
     """The description of an external waveform."""
 
     channels: Channels
-    sampling_rate: Whole | None = Field(None, ge=100, le=HIGHEST_RATE)
+    sampling_rate: float | None = Field(None, ge=100, le=HIGHEST_RATE)
     """[Hz]"""
-    unit: Literal["m/s^2", "g", "mm/s^2"] | None = None
+    unit: Literal["m/s^2", "g", "mm/s^2", "V", "mV", "relative"] | None = None
+    sensitivity: str | None = None
+    """Of a sensor whose output is in V or mV, such as ``100 mV/g``."""
     full_scale: float | None = Field(None, gt=0.0)
-    """Acceleration that corresponds to the largest number of a WAV file with integer samples [unit]."""
+    """Value of the largest number of a WAV file with integer samples [unit]."""
     speed: float | None = Field(None, ge=-1e5, le=1e5)
     """Speed of the shaft [rad/s]."""
     speed_rpm: float | None = Field(None, ge=-1e6, le=1e6)
+    pulses_per_turn: Whole | None = Field(None, ge=1, le=100_000)
+    """Of the tacho, 1 if omitted."""
+    tacho_levels: tuple[float, float] | None = Field(None, strict=False)
+    """Lower and upper level of the hysteresis of the tacho [unit of its channel]."""
+    gap: float | None = Field(None, ge=0.0, le=1e8)
+    """Time between the end of a file and the beginning of the next; 0 if they continue each other [s]."""
     bearing: Geometry | None = None
     orders: GivenOrders | None = None
     first_index: Whole = Field(0, ge=0)
     block_size: Whole = Field(1024, ge=16, le=65536)
     labels: Labels = Field(default_factory=dict)
     """Known ground truth in any form; it is stored but not used."""
+    source: Labels = Field(default_factory=dict)
+    """Where the data come from, in any form; it is stored but not used."""
+
+    @field_validator("tacho_levels")
+    @classmethod
+    def _rising(cls, levels: tuple[float, float] | None) -> tuple[float, float] | None:
+        if levels is not None and not levels[0] < levels[1]:
+            raise ValueError("the lower level comes first, and the two must differ")
+        return levels
 
     def fault_orders(self, source: Path) -> Orders:
         """Return the characteristic orders of the bearing [-].
 
         Raises:
-            Refusal: neither geometry nor orders are given, or the orders contradict each other.
+            Refusal: see `dcrb_ros.exchange.bearing.fault_orders`.
         """
-        if self.orders is not None:
-            orders = Orders.from_dict(self.orders.model_dump())
-            mistake = order_mistake(orders)
-            if mistake:
-                raise Refusal(f"{source}: orders: {mistake}")
-            return orders
-        if self.bearing is None:
-            raise Refusal(f"{source} has neither bearing nor orders: give the geometry, or the orders FTF, BPFO, BPFI and BSF")
-        b = self.bearing
-        if b.roller_radius >= b.pitch_radius:
-            raise Refusal(f"{source}: bearing.roller_radius = {b.roller_radius:g} m must be below pitch_radius = {b.pitch_radius:g} m")
-        try:
-            return characteristic_orders(b)
-        except Refusal as refusal:
-            raise Refusal(f"{source}: bearing: {refusal}") from None
+        return fault_orders(self.bearing, self.orders, source)
 
-    def shaft_speed(self, source: Path) -> float:
-        """Return the speed of the shaft [rad/s], NaN if it is not given.
+    def shaft_source(self, source: Path) -> str:
+        """Return from what the angle of the shaft follows: a channel, ``speed``, ``speed_rpm`` or nothing.
 
         Raises:
-            Refusal: both `speed` and `speed_rpm` are given.
+            Refusal: there are several, or a property of the tacho is given without it.
         """
-        if self.speed is None and self.speed_rpm is None:
-            return math.nan
-        if self.speed is not None and self.speed_rpm is not None:
-            raise Refusal(f"{source} gives speed in rad/s and speed_rpm: give one of them, or neither if the speed is unknown")
-        if self.speed is not None:
-            return self.speed
-        return (self.speed_rpm or 0.0) * 0.10471975511965977  # pi / 30
+        given = [name for name in ("shaft_angle", "tacho", "rpm") if getattr(self.channels, name) is not None]
+        given += [name for name in ("speed", "speed_rpm") if getattr(self, name) is not None]
+        if len(given) > 1:
+            raise Refusal(f"{source} gives {' and '.join(given)}: give one of them, or neither if the speed is unknown")
+        beside = next((name for name in ("pulses_per_turn", "tacho_levels") if getattr(self, name) is not None), "")
+        if beside and given != ["tacho"]:
+            raise Refusal(f"{source} gives {beside}, but no channel tacho: name the channel of the pulses, or leave it out")
+        return given[0] if given else ""
 
     @property
-    def speedless(self) -> bool:
-        """Whether no speed is given."""
-        return self.speed is None and self.speed_rpm is None
+    def shaft_speed(self) -> float:
+        """Stated speed of the shaft [rad/s], NaN if none is given."""
+        if self.speed is not None:
+            return self.speed
+        return math.nan if self.speed_rpm is None else self.speed_rpm * 0.10471975511965977  # pi / 30
 
     def factor(self, source: Path) -> float:
-        """Return the unit of the acceleration in m/s^2.
+        """Return the unit of the acceleration in m/s^2; 1 if it is only relative.
 
         Raises:
-            Refusal: no unit is given.
+            Refusal: no unit is given, or a unit of voltage without a sensitivity, or a sensitivity with another unit.
         """
         if self.unit is None:
-            raise Refusal(f"{source} has no unit: add unit, one of {', '.join(ACCELERATION_UNITS)}; it is never guessed")
-        return ACCELERATION_UNITS[self.unit]
+            raise Refusal(f"{source} has no unit: add unit, one of {', '.join(UNITS)}; it is never guessed")
+        if self.unit in VOLTS:
+            return VOLTS[self.unit] / self._volts(source)
+        if self.sensitivity is not None:
+            raise Refusal(f"{source} gives a sensitivity, but unit = {self.unit}: the unit of an output with a sensitivity is V or mV")
+        return ACCELERATION_UNITS.get(self.unit, 1.0)
+
+    def _volts(self, source: Path) -> float:
+        """Return the sensitivity [V/(m/s^2)]."""
+        parts = SENSITIVITY.fullmatch(self.sensitivity or "")
+        value = float(parts[1]) if parts else 0.0
+        if parts is None or not 0.0 < value < math.inf:
+            given = "no sensitivity" if self.sensitivity is None else f"sensitivity = {self.sensitivity!r}"
+            raise Refusal(
+                f"{source} has the unit {self.unit} and {given}: give one such as 100 mV/g or 0.01 V/(m/s^2), "
+                "or unit: relative if it is unknown"
+            )
+        return value * VOLTS[parts[2]] / ACCELERATION_UNITS[parts[3].strip("()")]
 
 
-def read_description(path: Path) -> Description:
-    """Return the description in a YAML file.
+def read_description(path: Path, settings: Sequence[str] = ()) -> Description:
+    """Return the description in a YAML file, changed by ``settings`` such as ``speed_rpm=1797`` or ``channels.rpm=null``.
 
     Raises:
         Refusal: it cannot be read, or a key is unknown, missing or out of range.
@@ -150,6 +165,8 @@ def read_description(path: Path) -> Description:
     tree = read_yaml(path)
     if not isinstance(tree, dict):
         raise Refusal(f"{path} is not a description: it must have the keys channels, unit, sampling_rate, speed and bearing or orders")
+    for setting in settings:
+        _change(tree, setting)
     for key in tree:
         if key not in Description.model_fields:
             raise Refusal(f"{path}: unknown key '{key}'{nearest(str(key), Description.model_fields)}")
@@ -163,3 +180,23 @@ def read_description(path: Path) -> Description:
         given = "" if first["type"] == "missing" else f" = {first['input']!r}"
         reason = first["msg"].removeprefix("Value error, ")
         raise Refusal(f"{path}: {key}{given} is refused: {reason[0].lower()}{reason[1:]}") from None
+
+
+def _change(tree: dict[str, Any], setting: str) -> None:
+    """Set ``KEY=VALUE`` in a description; null removes the key."""
+    name, equals, text = setting.partition("=")
+    *groups, key = name.strip().split(".")
+    if not equals or not key:
+        raise Refusal(f"--set {setting} is not KEY=VALUE: give a key of the description, such as speed_rpm=1797")
+    for group in groups:
+        tree = tree.setdefault(group, {})
+        if not isinstance(tree, dict):
+            raise Refusal(f"--set {setting}: {group} is not a group of keys: give the whole value")
+    try:
+        value = parsed(text)
+    except yaml.YAMLError:
+        raise Refusal(f"--set {setting}: the value is not valid YAML") from None
+    if value is None:
+        tree.pop(key, None)
+    else:
+        tree[key] = value

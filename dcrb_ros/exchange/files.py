@@ -81,7 +81,7 @@ def channel(external: ExternalFile, source: Path, name: str | int) -> Array:
     except (KeyError, IndexError, AttributeError, ValueError, TypeError):
         known = ", ".join(external.names[:20]) or "none"
         raise Refusal(f"{source} has no channel '{name}'{nearest(str(name), external.names)} (available: {known})") from None
-    values = found.squeeze()
+    values = np.atleast_1d(found.squeeze())
     if values.ndim != 1 or values.dtype.kind not in "iuf":
         raise Refusal(f"{source}: '{name}' has shape {found.shape} and type {found.dtype}: a channel must be one row of numbers")
     return values

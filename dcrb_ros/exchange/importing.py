@@ -6,7 +6,7 @@ import hashlib
 import itertools
 import json
 import shutil
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
@@ -16,7 +16,8 @@ import numpy.typing as npt
 
 from dcrb_ros.bearing.kinematics import Orders
 from dcrb_ros.exchange.description import Description, read_description
-from dcrb_ros.exchange.files import Array, ExternalFile, channel, read_external
+from dcrb_ros.exchange.joining import JoinedFiles
+from dcrb_ros.exchange.tacho import pulse_train, turns_at_speed, wrapped, wrapped_angle
 from dcrb_ros.messages.cdr import FRAME
 from dcrb_ros.messages.joints import encode_features
 from dcrb_ros.messages.plain import encode_text
@@ -27,94 +28,111 @@ from dcrb_ros.recordings.manifest import FORMAT, MEASURED_UNITS, Outcome, now
 from dcrb_ros.recordings.recorder import channel_of
 from dcrb_ros.recordings.rosbag2 import Bag, RecordingFailed
 from dcrb_ros.runtime.version import __version__
+from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.sensor_limits import LONGEST_BLOCK
 from dcrb_ros.stream.block import Block
 from dcrb_ros.text.files import open_regular
 
-FULL_TURN = 2.0 * np.pi
+MOST_ROUNDED = 1e-4
+"""Largest relative change of a sampling rate by rounding [-]: the clocks of data acquisition are as accurate, and lines are as wide."""
 LATEST_STAMP = 2**31
 """Time from which on a ROS time stamp overflows [s]."""
 
 
 class WaveformImport:
-    """A waveform read from a file and its description, with both checked for consistency.
+    """A waveform read from one or more files and their description, checked for consistency.
 
     Raises:
         Refusal: rate, unit, speed, channels or orders are missing or contradict each other.
     """
 
-    def __init__(self, file: Path, about: Path) -> None:
-        self._file, self._about = file, about
-        self.description: Description = read_description(about)
-        external = read_external(file)
-        self.rate = self._rate(external)
+    def __init__(self, files: Path | Sequence[Path], about: Path, settings: Sequence[str] = ()) -> None:
+        """Read ``files`` as the YAML file ``about`` describes them, changed by ``settings``; see `read_description`."""
+        self._about = about
+        self.description: Description = read_description(about, settings)
+        self._source = self.description.shaft_source(about)
+        self._files = JoinedFiles([files] if isinstance(files, Path) else files)
+        self.measured_rate = self._rate(self._files.rate)
+        """Sampling rate as it is given [Hz]."""
+        self.rate = self._whole_rate()
+        """Sampling rate of the recording, an integer [Hz]."""
         self.orders: Orders = self.description.fault_orders(about)
-        factor = self._factor(external)
-        channels = self.description.channels
-        ax = self._axis(external, channels.ax, factor)
-        ay = ax if channels.ay is None else self._axis(external, channels.ay, factor)
-        self.index = self._index(external, len(ax))
-        angle = self._angle(external, self.index)
-        lengths = {"ax": len(ax), "ay": len(ay), "shaft_angle": len(angle), "index": len(self.index)}
-        if len(set(lengths.values())) > 1 or not len(ax):
-            raise Refusal(f"{file}: the channels must have the same length and not be empty: {lengths}")
+        channels, factor = self.description.channels, self._factor()
+        parts = self._files.parts(channels.ax)
+        ax = self._axis(channels.ax, np.concatenate(parts), factor)
+        ay = ax if channels.ay is None else self._axis(channels.ay, np.concatenate(self._files.parts(channels.ay)), factor)
+        self.index = self._index([len(part) for part in parts])
+        self.irregular_pulses = 0
+        """Intervals of the tacho in which pulses were missing or too many [-]."""
+        self._check_lengths({"ax": len(ax), "ay": len(ay), "index": len(self.index)})
+        self.angle = self._angle()
+        self._check_lengths({"ax": len(ax), "shaft_angle": len(self.angle)})
         self.acceleration = np.column_stack([ax, ay])
-        self.angle = angle
 
-    def _rate(self, external: ExternalFile) -> int:
+    def _check_lengths(self, lengths: dict[str, int]) -> None:
+        if len(set(lengths.values())) > 1 or not lengths["ax"]:
+            raise Refusal(f"{self._files}: the channels must have the same length and not be empty: {lengths}")
+
+    def _rate(self, stated: float | None) -> float:
         given = self.description.sampling_rate
-        if given is None and external.rate is None:
-            raise Refusal(f"{self._about} has no sampling_rate, and {self._file} contains none: add it in Hz; it is never guessed")
-        if given is not None and external.rate is not None and given != external.rate:
-            raise Refusal(
-                f"{self._about} gives sampling_rate = {given} Hz, but {self._file} contains {external.rate} Hz: correct the former"
-            )
-        return int(given or external.rate or 0)
+        if given is None and stated is None:
+            raise Refusal(f"{self._about} has no sampling_rate, and {self._files} contains none: add it in Hz; it is never guessed")
+        if given is not None and stated is not None and given != stated:
+            raise Refusal(f"{self._about} gives sampling_rate = {given:g} Hz, but {self._files} contains {stated:g} Hz: correct the former")
+        return float(given or stated or 0.0)
 
-    def _factor(self, external: ExternalFile) -> float:
+    def _whole_rate(self) -> int:
+        """Return the integer next to the sampling rate, on which the index and the stamps of a recording are based [Hz]."""
+        if abs(round(self.measured_rate) / self.measured_rate - 1.0) > MOST_ROUNDED:
+            raise Refusal(
+                f"{self._about}: sampling_rate = {self.measured_rate:g} Hz is refused: a recording has an integer rate, and rounding would "
+                f"change this one by more than {MOST_ROUNDED:g} of it; resample the signal"
+            )
+        return round(self.measured_rate)
+
+    def _factor(self) -> float:
         """Return the factor from a number in the file to m/s^2."""
         factor = self.description.factor(self._about)
-        if external.full_scale is None:
+        if self._files.full_scale is None:
             return factor
         if self.description.full_scale is None:
             unit = self.description.unit
-            raise Refusal(f"{self._file} has integer samples: add full_scale to {self._about}, the acceleration at full scale in {unit}")
-        return factor * self.description.full_scale / external.full_scale
+            raise Refusal(f"{self._files} has integer samples: add full_scale to {self._about}, the value at full scale in {unit}")
+        return factor * self.description.full_scale / self._files.full_scale
 
-    def _finite(self, external: ExternalFile, name: str | int) -> Array:
-        values = channel(external, self._file, name)
-        bad = int(np.count_nonzero(~np.isfinite(values)))
-        if bad:
-            raise Refusal(f"{self._file}: {bad} of {len(values)} samples of '{name}' are not finite numbers: remove them first")
-        return values.astype(np.float64)
-
-    def _axis(self, external: ExternalFile, name: str | int, factor: float) -> npt.NDArray[np.float32]:
+    def _axis(self, name: str | int, numbers: Floats, factor: float) -> npt.NDArray[np.float32]:
         """Return the acceleration of a channel, shape (samples,) [m/s^2]."""
         with np.errstate(over="ignore"):
-            values = (self._finite(external, name) * factor).astype(np.float32)
+            values = (numbers * factor).astype(np.float32)
         bad = np.flatnonzero(~np.isfinite(values))
         if len(bad):
             raise Refusal(
-                f"{self._file}: sample {bad[0]} of '{name}' is {float(channel(external, self._file, name)[bad[0]]):g}, above "
+                f"{self._files}: sample {bad[0]} of '{name}' is {float(numbers[bad[0]]):g}, above "
                 f"{np.finfo(np.float32).max:.1g} m/s^2, the range of a message: remove it, or check the unit"
             )
         return values
 
-    def _index(self, external: ExternalFile, count: int) -> npt.NDArray[np.int64]:
-        name, first = self.description.channels.index, self.description.first_index
+    def _index(self, lengths: Sequence[int]) -> npt.NDArray[np.int64]:
+        d = self.description
+        name, first = d.channels.index, d.first_index
         if name is None:
-            self._check_stamp(first + count - 1, f"{self._about}: first_index = {first}")
-            return first + np.arange(count, dtype=np.int64)
-        found = self._finite(external, name)
+            # A long gap must not overflow the index before it is checked.
+            self._check_stamp(
+                first + sum(lengths) + (d.gap or 0.0) * self.rate * (len(lengths) - 1) - 1, f"{self._about}: first_index = {first}"
+            )
+            return self._files.index(lengths, first, d.gap, self.measured_rate, self._about)
+        if d.gap is not None:
+            raise Refusal(f"{self._about} gives gap and the channel index, which contains the gaps: leave out gap")
+        found = np.concatenate(self._files.parts(name))
         broken = found[found != np.rint(found)]
         if len(broken):
             raise Refusal(
-                f"{self._file}: '{name}' is not an index: {broken[0]:g} is not an integer; an index counts samples, gaps included"
+                f"{self._files}: '{name}' is not an index: {broken[0]:g} is not an integer; an index counts samples, gaps included"
             )
         if len(found) and (found[0] < 0 or np.any(np.diff(found) <= 0)):
-            raise Refusal(f"{self._file}: '{name}' is not an index: it must start at 0 or later and increase")
-        self._check_stamp(float(found[-1]) if len(found) else 0.0, f"{self._file}: '{name}'")
+            raise Refusal(f"{self._files}: '{name}' is not an index: it must start at 0 or later and increase")
+        self._check_stamp(float(found[-1]) if len(found) else 0.0, f"{self._files}: '{name}'")
         return found.astype(np.int64)
 
     def _check_stamp(self, last: float, source: str) -> None:
@@ -124,17 +142,34 @@ class WaveformImport:
                 f"{source} gives sample {last:.3g}, after {LATEST_STAMP} s at {self.rate} Hz, the range of time stamps: start at 0"
             )
 
-    def _angle(self, external: ExternalFile, index: npt.NDArray[np.int64]) -> npt.NDArray[np.float32]:
-        """Return the shaft angle from the file or from the speed, within [0, 2 pi), NaN if neither is given, shape (samples,) [rad]."""
-        name = self.description.channels.shaft_angle
-        turned = (
-            self.description.shaft_speed(self._about) * index.astype(np.float64) / self.rate
-            if name is None
-            else self._finite(external, name)
-        )
-        within = np.mod(turned, FULL_TURN).astype(np.float32)
-        within[within >= np.float32(FULL_TURN)] = 0.0
-        return within
+    def _angle(self) -> npt.NDArray[np.float32]:
+        """Return the angle of the shaft within [0, 2 pi), NaN where it is unknown, shape (samples,) [rad]."""
+        d, source = self.description, self._source
+        if source == "tacho" and d.channels.tacho is not None:
+            pulses = np.concatenate(self._files.parts(d.channels.tacho))
+            self._check_lengths({"ax": len(self.index), "tacho": len(pulses)})
+            name = f"{self._files}: '{d.channels.tacho}'"
+            train = pulse_train(pulses, self.index, d.pulses_per_turn or 1, d.tacho_levels, name)
+            self.irregular_pulses = train.irregular
+            return wrapped(train.at(self.index))
+        if source == "rpm" and d.channels.rpm is not None:
+            return wrapped(self._turns_at_speed(d.channels.rpm))
+        if source == "shaft_angle" and d.channels.shaft_angle is not None:
+            turned = np.concatenate(self._files.parts(d.channels.shaft_angle, nan=True))
+        else:
+            turned = d.shaft_speed * self.index.astype(np.float64) / self.measured_rate
+        return wrapped_angle(turned)
+
+    def _turns_at_speed(self, name: str | int) -> Floats:
+        """Return the turns of the shaft, file by file, whose channels of speed may have other lengths than the waveform [-]."""
+        parts = self._files.parts(name, nan=True)
+        begins = np.cumsum([0, *(len(part) for part in self._files.parts(self.description.channels.ax))])
+        turns = [
+            turns_at_speed(part, self.index[begin:end], self.measured_rate, f"{file}: '{name}'")
+            for part, begin, end, file in zip(parts, begins[:-1], begins[1:], self._files.files, strict=True)
+        ]
+        starts = np.concatenate([[0.0], np.cumsum([part[-1] for part in turns[:-1]])])
+        return np.concatenate([start + part for start, part in zip(starts, turns, strict=True)])
 
     @property
     def block_size(self) -> int:
@@ -157,32 +192,69 @@ class WaveformImport:
         return {
             "sampling_rate": self.rate,
             "sampling_rate_unit": "Hz",
-            "acceleration_unit": "m/s^2",
+            **({} if self.measured_rate == self.rate else {"measured_sampling_rate": self.measured_rate}),
+            "acceleration_unit": self._unit,
             "axes": {"ax": str(channels.ax), "ay": "a copy of ax" if channels.ay is None else str(channels.ay)},
             "shaft_angle_unit": "rad",
-            "shaft_angle": "measured" if channels.shaft_angle is not None else "unknown" if d.speedless else "from the stated speed",
+            "shaft_angle": self._angle_words(),
             "block_size": self.block_size,
             "frame": FRAME,
-            "bearing": d.bearing.model_dump() if d.bearing else None,
+            "bearing": d.bearing.model_dump(exclude_none=True) if d.bearing else None,
             "orders": self.orders.as_dict(),
             "first_sample_index": "round(stamp * sampling_rate); sample k is taken at k / sampling_rate",
         }
 
+    @property
+    def _unit(self) -> str:
+        return "relative" if self.description.unit == "relative" else "m/s^2"
+
+    def _angle_words(self) -> str:
+        """Return how the angle of the shaft was found."""
+        if not np.isfinite(self.angle).any():
+            return "unknown"
+        if self._source == "tacho":
+            irregular = f", irregular in {self.irregular_pulses} intervals" if self.irregular_pulses else ""
+            return f"from pulses of a tacho, {self.description.pulses_per_turn or 1} per turn{irregular}"
+        return {"shaft_angle": "measured", "rpm": "from the measured speed"}.get(self._source, "from the stated speed")
+
+    def remarks(self) -> list[str]:
+        """Return sentences about what the recording does not have exactly as it was measured."""
+        found = []
+        if self.measured_rate != self.rate:
+            found.append(f"the sampling rate of {self.measured_rate:g} Hz is recorded as {self.rate} Hz, since stamps count whole samples")
+        gaps = int(np.count_nonzero(np.diff(self.index) != 1))
+        if gaps:
+            found.append(f"the waveform has {gaps} gap{'s' * (gaps > 1)}")
+        if self.irregular_pulses:
+            found.append(
+                f"pulses of the tacho are missing or too many in {self.irregular_pulses} intervals, which were counted as whole pulses"
+            )
+        if self._unit == "relative":
+            found.append("the unit is unknown: what is given in m/s^2 is relative")
+        return found
+
+    def _digest(self) -> str:
+        """Return the SHA-256 of the files, one after the other."""
+        digest = hashlib.sha256()
+        for file in self._files.files:
+            with open_regular(file) as stream:
+                for part in iter(lambda stream=stream: stream.read(1 << 20), b""):  # type: ignore[misc]
+                    digest.update(part)
+        return digest.hexdigest()
+
     def manifest(self) -> dict[str, Any]:
         """Return the manifest of the recording: its origin, orders, sensor and units."""
-        digest = hashlib.sha256()
-        with open_regular(self._file) as stream:
-            for part in iter(lambda: stream.read(1 << 20), b""):
-                digest.update(part)
+        names = [file.name for file in self._files.files]
+        origin = {"file": names[0]} if len(names) == 1 else {"files": names}
         return {
             "format": FORMAT,
             "dcrb_ros": __version__,
-            "imported": {"file": self._file.name, "sha256": digest.hexdigest(), **self.description.model_dump(exclude_none=True)},
+            "imported": {**origin, "sha256": self._digest(), **self.description.model_dump(exclude_none=True)},
             "namespace": NAMESPACE,
             "sampling_rate": self.rate,
             "orders": self.sensor()["orders"],
             "sensor": self.sensor(),
-            "units": MEASURED_UNITS,
+            "units": MEASURED_UNITS | {"acceleration": self._unit},
             "recorded": now(),
         }
 

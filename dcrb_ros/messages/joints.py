@@ -83,5 +83,8 @@ def decode_alike(messages: Sequence[bytes]) -> Joints | None:
         end = begin - (8 if count else 4)
     names_end = rows.shape[1] - sum(8 * count for count in counts) - sum(8 if count else 4 for count in counts[1:])
     same = np.all(rows[:, 12:names_end] == rows[0, 12:names_end])
-    found = [np.array_equal(own[0], array) for own, array in zip(numbers, (first.position, first.velocity, first.effort), strict=True)]
+    found = [
+        np.array_equal(own[0], array, equal_nan=True)
+        for own, array in zip(numbers, (first.position, first.velocity, first.effort), strict=True)
+    ]
     return Joints(first.stamp_ns, first.names, *numbers) if same and all(found) else None

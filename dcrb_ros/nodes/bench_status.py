@@ -12,12 +12,24 @@ from dcrb_ros.nodes.recording_switch import RecordingSwitch
 from dcrb_ros.nodes.refusals import Refusals
 from dcrb_ros.nodes.ros import installed
 from dcrb_ros.nodes.simulation_interfaces import PACKAGE
+from dcrb_ros.stream.states import LubricationState
 
 COMMANDS = ("command/speed", "command/load")
 SERVICES = ("pause", "step", "reset", "record", "set_simulation_state", "step_simulation", "reset_simulation")
 """Services that may refuse a call."""
 MAX_LAG = 0.1
 """Lag above which the status is a warning [s]."""
+
+
+def _lubrication(state: LubricationState | None) -> dict[str, str]:
+    """Return the values of a lubricated bearing; none for a dry one."""
+    if state is None:
+        return {}
+    return {
+        "film [um]": f"{1e6 * state.film.min():.3f}",
+        "film_ratio": f"{state.film_ratio.min():.2f}",
+        "friction_power [W]": f"{state.friction_power.sum():.1f}",
+    }
 
 
 class BenchStatus:
@@ -51,6 +63,7 @@ class BenchStatus:
             "energy_residual [J]": f"{progress.energy_residual:.4g}",
             "model": model,
             "other_publishers": ", ".join(others),
+            **_lubrication(progress.lubrication),
         }
         message = (
             recording.state

@@ -11,6 +11,7 @@ from dcrb_ros.messages.bundle import Bundle
 from dcrb_ros.messages.topics import Message
 from dcrb_ros.nodes.gate import Gate
 from dcrb_ros.runtime.threads import NamedThread
+from dcrb_ros.stream.states import LubricationState
 
 CLOSE_TIMEOUT = 0.7
 """Wall time in which the present bundle must be finished when the node ends [s]; a compilation takes longer and is abandoned."""
@@ -46,6 +47,8 @@ class Progress:
         """Bundles since the start or the last reset."""
         self.energy_residual = 0.0
         """Residual of the energy balance in the last block that has one [J]."""
+        self.lubrication: LubricationState | None = None
+        """Films and friction in the last states; None for a dry bearing."""
 
     def start(self, messages: Sequence[Message]) -> None:
         """Return to zero."""
@@ -57,6 +60,8 @@ class Progress:
         self.bundles += 1
         if bundle.block is not None and bundle.block.energy is not None:
             self.energy_residual = bundle.block.energy.residual
+        if bundle.block is not None and bundle.block.states:
+            self.lubrication = bundle.block.states[-1].lubrication
 
 
 class Engine:

@@ -17,7 +17,8 @@ from dcrb_ros.messages.cdr import STAMP_END, stamps
 from dcrb_ros.messages.joints import Joints, decode_alike, decode_joints
 from dcrb_ros.messages.points import Vibration
 from dcrb_ros.messages.statuses import decode_diagnostics, decode_truth
-from dcrb_ros.messages.topics import DIAGNOSIS, GROUND_TRUTH, ROLLER_CONTACTS, ROLLER_STATES, Message, Topic
+from dcrb_ros.messages.topics import DIAGNOSIS, GROUND_TRUTH, LUBRICATION_STATE, ROLLER_CONTACTS, ROLLER_STATES, Message, Topic
+from dcrb_ros.messages.topics.lubrication_state import arrays_of
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.simulation.ground_truth import GroundTruth
@@ -101,6 +102,8 @@ def states_of(recording: Source) -> StateHistory:
     if states is None:
         raise Refusal(f"{recording!r} has no messages on {ROLLER_STATES.name}: record this topic too, or simulate it again")
     contact_times, contacts = _joints(recording, ROLLER_CONTACTS)
+    oil_times, oil = _joints(recording, LUBRICATION_STATE)
+    oiled = arrays_of(oil.names, oil.position) if oil is not None and np.array_equal(times, oil_times) else None
     whole = contacts is not None and np.array_equal(times, contact_times)
     return StateHistory(
         time=times,
@@ -111,6 +114,7 @@ def states_of(recording: Source) -> StateHistory:
         outer_force=contacts.position if contacts is not None and whole else None,
         slip=contacts.velocity if contacts is not None and whole else None,
         friction=contacts.effort if contacts is not None and whole else None,
+        **(oiled or {}),
     )
 
 

@@ -120,7 +120,10 @@ class Recorder:
         return self
 
     def __exit__(self, kind: type[BaseException] | None, value: BaseException | None, trace: TracebackType | None) -> None:
+        """Finish the recording; one that an error or a signal ends before its first sample is removed."""
         self.close()
+        if kind is not None and not self.outcome.samples:
+            shutil.rmtree(self.path, ignore_errors=True)
 
     @property
     def file(self) -> Path:

@@ -28,6 +28,8 @@ class ExternalForces(NamedTuple):
     """Normal forces at the inner raceway, shape (rows, rollers) [N]."""
     inner_ring_force: Floats
     """Force of the rollers on the inner ring in X and Y, shape (2,) [N]."""
+    relaxation: float
+    """Largest rate at which a bristle approaches its steady deflection [1/s]."""
 
 
 class Forces:
@@ -69,4 +71,5 @@ class Forces:
             kinds.append(self._bars.act(position, velocity, bristles[3], force))
         rates = np.concatenate([kind.bristle_rate.ravel() for kind in kinds])
         closed = np.concatenate([kind.closed.ravel() for kind in kinds]).astype(np.float64)
-        return ExternalForces(force, rates, closed, inner.normal, ring_force)
+        relaxation = max(float(kind.relaxation.max(initial=0.0)) for kind in kinds)
+        return ExternalForces(force, rates, closed, inner.normal, ring_force, relaxation)

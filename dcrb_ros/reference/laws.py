@@ -50,9 +50,15 @@ def lugre(bristle: Floats, slip: Floats, steady: Floats, friction: Friction) -> 
     mu = sigma_0 z + sigma_1 dz/dt + sigma_2 s with dz/dt = s - sigma_0 |s| z / g. ``bristle`` is z [m], ``slip`` is s [m/s],
     ``steady`` is g, the friction coefficient in steady sliding [-].
     """
-    rate = slip - friction.bristle_stiffness * np.abs(slip) * bristle / steady
+    rate = slip - relaxation_rate(slip, steady, friction) * bristle
     coefficient = friction.bristle_stiffness * bristle + friction.bristle_damping * rate + friction.viscous * slip
     return coefficient, rate
+
+
+def relaxation_rate(slip: Floats, steady: Floats, friction: Friction) -> Floats:
+    """Return the rate at which a bristle approaches its steady deflection [1/s], sigma_0 |s| / g, as in `lugre`."""
+    rate: Floats = friction.bristle_stiffness * np.abs(slip) / steady
+    return rate
 
 
 def pereira_exponent(clearance: float) -> float:

@@ -10,11 +10,14 @@ import numpy.typing as npt
 
 from dcrb_ros.faults.raceway_defect import InnerRacewayDefect, OuterRacewayDefect, RacewayDefect
 from dcrb_ros.reference.bodies import ANGLE, INNER_RING, OUTER_RING, Bodies
-from dcrb_ros.reference.laws import johnson, lugre, stribeck, with_loss
+from dcrb_ros.reference.laws import johnson, lugre, relaxation_rate, stribeck, with_loss
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.settings.configuration import Configuration
 
 BoolArray = npt.NDArray[np.bool_]
+
+NEAR = 2e-6
+"""Gap below which a contact may close within a step of 1 us: 2 m/s of approach [m]."""
 
 
 class ContactForces(NamedTuple):
@@ -28,6 +31,8 @@ class ContactForces(NamedTuple):
     """Rate of the bristle deflection [m/s], zero in an open contact."""
     closed: BoolArray
     """Whether the surfaces touch; the bristle of an open contact is reset."""
+    relaxation: Floats
+    """Rate at which the bristle approaches its steady deflection [1/s], zero in a contact wider open than `NEAR`."""
 
 
 class ContactKinematics(NamedTuple):
@@ -49,7 +54,8 @@ def with_friction(
     """Return the contact forces for normal forces [N]; ``steady`` is the friction coefficient in steady sliding, g [-]."""
     coefficient, rate = lugre(bristle, slip, steady, configuration.friction)
     closed = penetration > 0.0
-    return ContactForces(normal, coefficient * normal, np.where(closed, rate, 0.0), closed)
+    relaxation = np.where(penetration > -NEAR, relaxation_rate(slip, steady, configuration.friction), 0.0)
+    return ContactForces(normal, coefficient * normal, np.where(closed, rate, 0.0), closed, relaxation)
 
 
 def dot(a: Floats, b: Floats) -> Floats:

@@ -56,6 +56,8 @@ def _explained(error: Exception) -> str:
     """Return an error as a sentence; one of the operating system with the file that it concerns."""
     if isinstance(error, OSError) and error.filename is not None:
         return f"{os.fsdecode(error.filename)} cannot be used: {error.strerror}; make room for it, or give another path"
+    if isinstance(error, OSError) and error.strerror:
+        return error.strerror
     return str(error) or type(error).__name__
 
 

@@ -122,7 +122,13 @@ class Surfaces(Group):
     pocket_clearance_spread: float = length(
         1e-5, "Standard deviation of the clearance of pockets between bearings, which is within twice that", 0.0, 1e-4
     )
+    single_pocket_spread: float = length(
+        0.0, "Standard deviation of the clearance of single pockets within a bearing, which is within twice that", 0.0, 1e-4
+    )
     cage_unbalance: float = length(5e-6, "Distance of each cage's centre of mass from its centre, at a random angle", 0.0, 1e-3)
+    cage_unbalance_spread: float = quantity(
+        0.0, "-", "Standard deviation of the logarithm of that distance between cages, which is within twice that", 0.0, 1.0
+    )
 
 
 class Cage(Group):

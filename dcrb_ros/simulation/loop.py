@@ -34,7 +34,7 @@ from dcrb_ros.simulation.shaft_speed import ShaftSpeed
 from dcrb_ros.simulation.transmission import Transmission
 from dcrb_ros.stream.block import Block, Truth
 from dcrb_ros.stream.events import BlockLost, Command, Event, LoadCommand, ParameterChange, Refused, ScenarioEvent, SpeedCommand, Start
-from dcrb_ros.stream.states import Account, BodyNames
+from dcrb_ros.stream.states import Account, BodyNames, States
 
 MAX_PENDING = 1000
 """Commands that may wait for the next block."""
@@ -103,6 +103,7 @@ class Simulation:
         self._transmission = Transmission(configuration)
         self._orders = characteristic_orders(configuration.bearing)
         self._steps = 0
+        self._observed: States | None = None
         self._pending: deque[Command] = deque()
         self._lock = threading.Lock()
         self._queue = BlockQueue(configuration.sensor.sampling_rate, configuration.publishing.preview_rate, preview=not waveform_only)
@@ -309,7 +310,8 @@ class Simulation:
             self._check_domain(acceleration)
             motion.append((acceleration, angles))
             if self._steps == state_due and not self._waveform_only:
-                self._queue.add_states(observe(self._payload, self._state, self.time_ns))
+                self._observed = observe(self._payload, self._state, self.time_ns, self._observed)
+                self._queue.add_states(self._observed)
             if self._steps == truth_due:
                 self._note(None)
         if motion:

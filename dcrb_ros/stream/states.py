@@ -46,20 +46,39 @@ class Account:
         return self.drive + self.load - self.friction - self.loss - self.housing - self.notch - self.stored
 
 
+FRICTION_SOURCES = ("sliding", "rolling", "contacts", "pockets", "lands")
+"""Where a lubricated bearing loses power: sliding at raceways, resistance of films to rolling, damping of the contacts with raceways
+(squeezed films included), friction and damping at the bars of the pockets, and at the lands of the cages."""
+
+
 @dataclass(frozen=True)
 class LubricationState:
-    """The oil films at one instant, and the energy lost since the start by source; arrays of losses have the shape (rows,)."""
+    """The oil films at one instant, and the energy lost by each of `FRICTION_SOURCES`.
+
+    A contact counts as loaded under more than `dcrb_ros.bearing.lubrication.LOADED_FORCE`. Where a row has no loaded contact, its films,
+    traction and slip are NaN.
+    """
 
     film: Floats
     """Central film of the most loaded contact at inner and outer raceway, shape (2,) [m]."""
     film_ratio: Floats
     """Its ratio Lambda to the roughness, shape (2,) [-]."""
-    sliding_loss: Floats
-    """Energy lost in sliding at raceways and bars [J]."""
-    rolling_loss: Floats
-    """Energy lost in the resistance of films to rolling [J]."""
-    contact_loss: Floats
-    """Energy lost in the damping of normal contacts, the squeezing of films included [J]."""
+    least_film: Floats
+    """Smallest central film of the loaded contacts of each row, at inner and outer raceway, shape (rows, 2) [m]."""
+    mean_film: Floats
+    """Mean of the same films, shape (rows, 2) [m]."""
+    least_film_ratio: Floats
+    """Ratio Lambda of the smallest film to the roughness, shape (rows, 2) [-]."""
+    loaded_traction: Floats
+    """Friction over normal force of each row's most loaded contact, over the last step, shape (rows, 2) [-]."""
+    loaded_slip: Floats
+    """Slip of the same contacts, shape (rows, 2) [m/s]."""
+    friction_loss: Floats
+    """Energy lost since the start by each source, shape (rows, sources) [J]."""
+    friction_power: Floats
+    """Power lost by each source, the mean since the states before or the start, shape (rows, sources) [W]."""
+    friction_torque: Floats
+    """The power over the speed of the shaft, shape (rows, sources) [N m]; NaN at standstill."""
 
 
 @dataclass(frozen=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import itertools
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -102,7 +103,7 @@ def _compare(client: Client, scheduler: str) -> None:
     """Refuse missing workers, and workers that would compute other samples."""
     try:
         client.wait_for_workers(1, timeout=PATIENCE)
-    except TimeoutError:
+    except (TimeoutError, asyncio.TimeoutError):
         raise Refusal(f"the scheduler {scheduler} has no workers: start some with 'dask worker {scheduler} --nthreads 1'") from None
     try:
         found = set(client.run(software_versions).values())

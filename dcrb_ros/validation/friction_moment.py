@@ -1,4 +1,4 @@
-"""The friction moment of cylindrical roller bearings by the model of SKF, to compare the simulated one with.
+"""The friction moment of cylindrical roller bearings by the models of SKF and of Palmgren, to compare the simulated one with.
 
 SKF, *Rolling bearings*, section "Friction": M = phi_ish phi_rs G_rr (nu n)^0.6 + G_sl mu_sl, here of a radial load without seals and drag.
 """
@@ -18,6 +18,26 @@ GEOMETRY = 5.1
 SLIDING_FRICTION = 0.02
 """mu_sl of cylindrical roller bearings with a full film [-]."""
 BOUNDARY_FRICTION = 0.15
+
+
+PALMGREN_VISCOUS = {"grease": 0.8, "vg100": 3.0, "vg220": 3.0, "custom": 3.0}
+"""f_0 of Palmgren for cylindrical roller bearings with a cage: 0.6 to 1 for grease, 2.2 to 4 for an oil bath."""
+PALMGREN_LOAD = 0.0003
+"""f_1 of Palmgren for cylindrical roller bearings with a cage, 0.0002 to 0.0004."""
+LEAST_FLOW = 2000.0
+"""Product of viscosity [mm^2/s] and speed [1/min] below which Palmgren's viscous moment is constant."""
+
+
+def palmgren_moment(bore: float, outside: float, load: float, speed: float, viscosity: float, lubricant: str = "grease") -> float:
+    """Return the friction moment of a single-row bearing by Palmgren [N m]; see `friction_moment`.
+
+    M = 1e-7 f_0 (nu n)^(2/3) d_m^3 + f_1 P d_m in N mm, with nu in mm^2/s, n in 1/min and d_m in mm (Palmgren 1957; Harris, *Rolling
+    Bearing Analysis*, gives the ranges of f_0 and f_1, whose middles are taken).
+    """
+    mean, rpm = 1e3 * 0.5 * (bore + outside), abs(speed) * 30.0 / math.pi
+    viscous = 1e-7 * PALMGREN_VISCOUS[lubricant] * max(viscosity * rpm, LEAST_FLOW) ** (2.0 / 3.0) * mean**3
+    moment: float = 1e-3 * (viscous + PALMGREN_LOAD * load * mean)
+    return moment
 
 
 def friction_moment(bore: float, outside: float, load: float, speed: float, viscosity: float) -> float:

@@ -7,6 +7,7 @@ from importlib import resources
 
 from dcrb_ros.runtime.version import __version__
 from dcrb_ros.validation.comparison import Comparison
+from dcrb_ros.validation.oiled_runs import OiledSpec
 from dcrb_ros.validation.runs import RunSpec
 
 HEADINGS = ("quantity", "joint", "paper", "this model", "accepted", "result")
@@ -29,7 +30,25 @@ def summary(comparisons: Sequence[Comparison]) -> str:
     return f"All {len(comparisons)} comparisons hold." if not short else f"{short} of {len(comparisons)} comparisons fall short."
 
 
-def markdown(comparisons: Sequence[Comparison], specs: Sequence[RunSpec], figures: Sequence[str]) -> str:
+def chapters(comparisons: Sequence[Comparison]) -> dict[str, list[Comparison]]:
+    """Return the comparisons by chapter, in their order."""
+    found: dict[str, list[Comparison]] = {}
+    for comparison in comparisons:
+        found.setdefault(comparison.chapter, []).append(comparison)
+    return found
+
+
+def tables(comparisons: Sequence[Comparison]) -> list[str]:
+    """Return a heading and a table for each chapter."""
+    lines: list[str] = []
+    for title, part in chapters(comparisons).items():
+        lines += [f"### {title}", "", "| " + " | ".join(HEADINGS) + " |", "|" + "---|" * len(HEADINGS)]
+        lines += ["| " + " | ".join(cells(comparison)) + " |" for comparison in part]
+        lines.append("")
+    return lines
+
+
+def markdown(comparisons: Sequence[Comparison], specs: Sequence[RunSpec | OiledSpec], figures: Sequence[str]) -> str:
     """Return the report as Markdown; the figures are files in the same folder."""
     lines = [
         "# Validation of dcrb_ros against Fan et al. 2025",
@@ -41,10 +60,7 @@ def markdown(comparisons: Sequence[Comparison], specs: Sequence[RunSpec], figure
         "",
         "## Numbers",
         "",
-        "| " + " | ".join(HEADINGS) + " |",
-        "|" + "---|" * len(HEADINGS),
-        *("| " + " | ".join(cells(comparison)) + " |" for comparison in comparisons),
-        "",
+        *tables(comparisons),
         "## Figures",
         "",
     ]
@@ -53,5 +69,5 @@ def markdown(comparisons: Sequence[Comparison], specs: Sequence[RunSpec], figure
         lines += [f"![{CAPTIONS[number]}]({name})", "", f"*{CAPTIONS[number]} {name.split('_')[2].removesuffix('.png').capitalize()}.*", ""]
     lines += [resources.files("dcrb_ros.validation").joinpath("assumptions.md").read_text(encoding="utf-8")]
     lines += ["## Runs", "", "The commands that record the runs of the table:", ""]
-    lines += [f"* {spec.name}, {spec.joint}: `{spec.command}`" for spec in specs]
+    lines += [f"* {spec.label}: `{spec.command}`" for spec in specs]
     return "\n".join(lines) + "\n"

@@ -62,6 +62,11 @@ class RunSpec:
         return self.name, self.joint
 
     @property
+    def label(self) -> str:
+        """Name and joint, for the report."""
+        return f"{self.name}, {self.joint}"
+
+    @property
     def command(self) -> str:
         """The command line that records this run."""
         settings = "".join(f" --set {setting}" for setting in self._all_settings)

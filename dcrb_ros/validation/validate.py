@@ -7,7 +7,7 @@ import tempfile
 from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from dcrb_ros.runtime.processes import in_processes
 from dcrb_ros.schema.refusal import Refusal
@@ -17,9 +17,14 @@ from dcrb_ros.validation.faults import fault_comparisons
 from dcrb_ros.validation.figures import write_figures
 from dcrb_ros.validation.formulation import WINDOWS, Agreement, compare_solvers, formulation_comparisons
 from dcrb_ros.validation.healthy import healthy_comparisons
+from dcrb_ros.validation.oil_laws import oil_law_comparisons
+from dcrb_ros.validation.oiled_bench import oiled_bench_comparisons
+from dcrb_ros.validation.oiled_runs import OiledRun, OiledRuns, oiled_specs, simulate_oiled
+from dcrb_ros.validation.realism_rows import realism_comparisons
 from dcrb_ros.validation.report import markdown
 from dcrb_ros.validation.runs import Run, run_specs, simulate
 from dcrb_ros.validation.statics import freedom_comparisons, frequency_comparison, static_comparisons
+from dcrb_ros.validation.surface_rows import surface_comparisons
 
 REPORT = "report.md"
 
@@ -27,23 +32,41 @@ Progress = Callable[[int, int, str], None]
 """Called with the number of finished runs, the number of all runs, and the name of the last one."""
 
 
-def run_all(workers: int, progress: Progress) -> tuple[Runs, dict[str, Agreement]]:
-    """Return all runs, and the deviation between the solvers by window name; each is computed in a process of its own."""
+OILED = "lubricated"
+"""In place of the joint of a run of a lubricated bearing."""
+
+
+class Results(NamedTuple):
+    """Everything that the comparisons need."""
+
+    runs: Runs
+    agreements: dict[str, Agreement]
+    """Deviations between the solvers by window name."""
+    oiled: OiledRuns
+
+
+def run_all(workers: int, progress: Progress) -> Results:
+    """Return all runs, and the deviations between the solvers; each is computed in a process of its own."""
     calls: dict[tuple[str, str], Callable[[], Any]] = {(name, ""): partial(compare_solvers, name) for name in WINDOWS}
     calls |= {spec.key: partial(simulate, spec) for spec in run_specs()}
+    calls |= {(spec.name, OILED): partial(simulate_oiled, spec) for spec in oiled_specs()}
     runs: dict[tuple[str, str], Run] = {}
     agreements: dict[str, Agreement] = {}
+    oiled: dict[str, OiledRun] = {}
     for done, ((name, joint), result) in enumerate(in_processes(calls, workers), start=1):
-        if joint:
+        if joint == OILED:
+            oiled[name] = result
+        elif joint:
             runs[name, joint] = result
         else:
             agreements[name] = result
         progress(done, len(calls), f"{name} {joint}".strip())
-    return runs, agreements
+    return Results(runs, agreements, oiled)
 
 
-def all_comparisons(runs: Runs, agreements: dict[str, Agreement]) -> list[Comparison]:
+def all_comparisons(results: Results) -> list[Comparison]:
     """Return all comparisons in the order of the report."""
+    runs, agreements, oiled = results
     return [
         *static_comparisons(),
         frequency_comparison(),
@@ -52,6 +75,10 @@ def all_comparisons(runs: Runs, agreements: dict[str, Agreement]) -> list[Compar
         *healthy_comparisons(runs),
         *dry_bench_comparisons(runs["healthy", "pocket"]),
         *fault_comparisons(runs),
+        *oil_law_comparisons(),
+        *oiled_bench_comparisons(oiled),
+        *surface_comparisons(oiled),
+        *realism_comparisons(oiled),
     ]
 
 
@@ -82,7 +109,7 @@ def write_report(folder: Path, comparisons: Sequence[Comparison], runs: Runs) ->
         with tempfile.TemporaryDirectory(dir=folder, prefix=".unfinished-") as unfinished:
             temporary = Path(unfinished)
             names = write_figures(runs, temporary)
-            (temporary / REPORT).write_text(markdown(comparisons, run_specs(), names), encoding="utf-8")
+            (temporary / REPORT).write_text(markdown(comparisons, [*run_specs(), *oiled_specs()], names), encoding="utf-8")
             for name in (*names, REPORT):
                 os.replace(temporary / name, folder / name)
     except OSError as error:

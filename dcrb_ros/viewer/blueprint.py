@@ -38,7 +38,15 @@ def compose(content: Content, drawing: Drawing | None, *, picture_only: bool = F
     time = rrb.TimePanel(state="collapsed", timeline=TIMELINE, playback_speed=0.1, play_state="playing")
     bars = [rrb.TopPanel(state="hidden")] if picture_only else []
     amplitude = waveform_axis(content.waveform.acceleration)
-    views = arrangement(drawing, detected, around=(-CLOSE_UP, CLOSE_UP), whole=whole, amplitude=amplitude, map_first=speed_varies(content))
+    views = arrangement(
+        drawing,
+        detected,
+        around=(-CLOSE_UP, CLOSE_UP),
+        whole=whole,
+        amplitude=amplitude,
+        map_first=speed_varies(content),
+        lubricated=content.lubrication is not None,
+    )
     return rrb.Blueprint(views, *bars, *PANELS, time, auto_views=False)
 
 
@@ -74,11 +82,12 @@ def speed_varies(content: Content) -> bool:
     return bool(found) and max(found) > LEAST_CHANGE * min(found)
 
 
-def compose_live(drawing: Drawing | None) -> rrb.Blueprint:
+def compose_live(drawing: Drawing | None, *, lubricated: bool = False) -> rrb.Blueprint:
     """Return the arrangement for a running bench, in which the cursor follows the newest sample."""
     detected: list[rrb.View | rrb.Container] = [indicators(), features(), verdicts()]
     time = rrb.TimePanel(state="collapsed", timeline=TIMELINE, play_state="following")
-    return rrb.Blueprint(arrangement(drawing, detected, around=(-2.0 * CLOSE_UP, 0.0)), *PANELS, time, auto_views=False)
+    views = arrangement(drawing, detected, around=(-2.0 * CLOSE_UP, 0.0), lubricated=lubricated)
+    return rrb.Blueprint(views, *PANELS, time, auto_views=False)
 
 
 def arrangement(
@@ -89,18 +98,19 @@ def arrangement(
     whole: rrb.archetypes.TimeAxis | None = None,
     amplitude: rrb.ScalarAxis | None = None,
     map_first: bool = False,
+    lubricated: bool = False,
 ) -> rrb.Horizontal:
     """Return the views.
 
     Close-ups show the time range ``around`` the cursor [s], other plots the ``whole`` time. ``amplitude`` is the vertical axis of
-    the waveform. ``map_first`` shows the order map before the spectrum.
+    the waveform. ``map_first`` shows the order map before the spectrum, ``lubricated`` plots of films and friction.
     """
     axis = close_up(*around)
     left: list[rrb.View | rrb.Container] = [waveform(axis, whole, amplitude)]
     right: list[rrb.View | rrb.Container] = [rrb.Tabs(spectrum(), orders(), active_tab=int(map_first)), summary()]
     if drawing is not None:
         left.insert(0, rrb.Tabs(bearing(drawing), zone(drawing.bearing.rows), active_tab=0))
-        right.append(motion(axis, whole))
+        right.append(motion(axis, whole, lubricated=lubricated))
     if detected:
         left.append(rrb.Tabs(*detected))
     return rrb.Horizontal(
@@ -170,14 +180,17 @@ def close_up(before: float, after: float) -> rrb.archetypes.TimeAxis:
     return rrb.archetypes.TimeAxis(view_range=rrb.TimeRange(start=begin, end=end))
 
 
-def motion(axis: rrb.archetypes.TimeAxis, whole: rrb.archetypes.TimeAxis | None) -> rrb.Tabs:
+def motion(axis: rrb.archetypes.TimeAxis, whole: rrb.archetypes.TimeAxis | None, *, lubricated: bool) -> rrb.Tabs:
     """Return the plots of the states over time."""
     plain = rrb.PlotLegend(visible=False)
     forces = rrb.TimeSeriesView(origin="forces/row1", name="Roller forces, row 1 [kN]", axis_x=axis, background=PANEL, plot_legend=plain)
     spins = rrb.TimeSeriesView(origin="spins/row1", name="Spins [rad/s]", axis_x=axis, background=PANEL, plot_legend=plain)
     cages = rrb.TimeSeriesView(origin="cages", name="Cages [rad/s]", axis_x=whole, background=PANEL)
     operating = rrb.TimeSeriesView(origin="operating", name="Speed and load", axis_x=whole, background=PANEL)
-    return rrb.Tabs(forces, spins, cages, operating, active_tab=0)
+    films = rrb.TimeSeriesView(origin="films", name="Oil film [µm], Lambda", axis_x=whole, background=PANEL)
+    friction = rrb.TimeSeriesView(origin="friction", name="Friction [W]", axis_x=whole, background=PANEL)
+    oil = (films, friction) if lubricated else ()
+    return rrb.Tabs(forces, spins, cages, operating, *oil, active_tab=0)
 
 
 def indicators(whole: rrb.archetypes.TimeAxis | None = None, levels: rrb.ScalarAxis | None = None) -> rrb.TimeSeriesView:

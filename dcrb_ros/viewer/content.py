@@ -123,6 +123,8 @@ class Content:
     motion: Motion | None = None
     truths: tuple[Truth, ...] = ()
     features: Series | None = None
+    lubrication: Series | None = None
+    """Films, traction and friction, by the names of `dcrb_ros.messages.topics.lubrication_state`."""
     imported: bool = False
     """Whether the data were measured elsewhere and imported."""
 

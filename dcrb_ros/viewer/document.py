@@ -48,6 +48,8 @@ def log_content(content: Content, drawing: Drawing | None) -> None:
     series.log_waveform(content.waveform)
     series.log_truth(content)
     series.log_series("features", content.features)
+    if content.lubrication is not None:
+        series.log_lubrication(content.lubrication)
     if content.motion and drawing:
         bearing_picture.log_bearing(content, content.motion, drawing)
         load_zone.log_load_zone(content, content.motion, drawing.largest_force)

@@ -18,6 +18,7 @@ from dcrb_ros.messages.topics import (
     FAULT_INDICATORS,
     FEATURES,
     GROUND_TRUTH,
+    LUBRICATION_STATE,
     ROLLER_STATES,
     SENSOR,
     VIBRATION,
@@ -30,7 +31,7 @@ from dcrb_ros.viewer.content import BenchInfo, DetectorOutput
 from dcrb_ros.viewer.live_run import LiveRun, completed
 from dcrb_ros.viewer.reader import content_of, series_of, verdicts_in
 
-SHOWN = (VIBRATION, SENSOR, ROLLER_STATES, GROUND_TRUTH, FEATURES, FAULT_INDICATORS, DIAGNOSIS, ENVELOPE_SPECTRUM)
+SHOWN = (VIBRATION, SENSOR, ROLLER_STATES, GROUND_TRUTH, FEATURES, FAULT_INDICATORS, DIAGNOSIS, ENVELOPE_SPECTRUM, LUBRICATION_STATE)
 MOST_QUEUED = 2000
 """Messages of a topic kept until they are logged, at most [-]."""
 

@@ -73,6 +73,11 @@ class LiveRun:
         for path, found in (("features", content.features), ("indicators", content.detector_output.indicators)):
             if found is not None:
                 series.log_series(path, found, fixed=self._first(path))
+        if content.lubrication is not None:
+            first = self._first("lubrication")
+            if first:
+                self._stream.send_blueprint(compose_live(self._drawing, lubricated=True))
+            series.log_lubrication(content.lubrication, fixed=first)
         series.log_verdicts(content.detector_output.verdicts)
 
     def _log_motion(self, content: Content, motion: Motion) -> None:

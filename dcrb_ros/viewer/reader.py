@@ -13,7 +13,17 @@ from dcrb_ros.messages.cdr import stamps
 from dcrb_ros.messages.joints import decode_alike, decode_joints
 from dcrb_ros.messages.points import decode_waveform
 from dcrb_ros.messages.statuses import decode_diagnostics
-from dcrb_ros.messages.topics import DIAGNOSIS, FAULT_INDICATORS, FEATURES, GROUND_TRUTH, NAMESPACE, ROLLER_STATES, VIBRATION, Topic
+from dcrb_ros.messages.topics import (
+    DIAGNOSIS,
+    FAULT_INDICATORS,
+    FEATURES,
+    GROUND_TRUTH,
+    LUBRICATION_STATE,
+    NAMESPACE,
+    ROLLER_STATES,
+    VIBRATION,
+    Topic,
+)
 from dcrb_ros.messages.topics.diagnosis import decode_scores
 from dcrb_ros.recordings.arrays import truths_of
 from dcrb_ros.recordings.reader import Recording
@@ -23,7 +33,7 @@ from dcrb_ros.stream.states import BodyNames
 from dcrb_ros.viewer.content import BenchInfo, Content, DetectorOutput, Motion, Series, Verdict, Waveform
 from dcrb_ros.viewer.spectrum import diagnoses, indicators_of, verdicts_of
 
-SHOWN = (VIBRATION, ROLLER_STATES, GROUND_TRUTH, FEATURES, FAULT_INDICATORS, DIAGNOSIS)
+SHOWN = (VIBRATION, ROLLER_STATES, GROUND_TRUTH, FEATURES, FAULT_INDICATORS, DIAGNOSIS, LUBRICATION_STATE)
 
 
 def read_content(recording: Recording) -> Content:
@@ -63,6 +73,7 @@ def content_of(
         motion=motion_of(messages.get(ROLLER_STATES, ()), bench.bodies),
         truths=truths_of(messages.get(GROUND_TRUTH, ())),
         features=series_of(messages.get(FEATURES, ())),
+        lubrication=series_of(messages.get(LUBRICATION_STATE, ())),
     )
 
 

@@ -11,12 +11,14 @@ import numpy as np
 import rerun as rr
 from rerun.components import AggregationPolicy
 
+from dcrb_ros.messages.topics.lubrication_state import RACEWAYS, arrays_of
 from dcrb_ros.schema.arrays import Floats, Samples
+from dcrb_ros.stream.states import FRICTION_SOURCES
 from dcrb_ros.viewer import columns, palette
 from dcrb_ros.viewer.content import Content, Motion, Series, Times, Verdict, Waveform
 from dcrb_ros.viewer.timeline import TIMELINE
 
-KILO = 1e-3
+KILO, MICRO = 1e-3, 1e6
 
 
 def log_waveform(waveform: Waveform, *, fixed: bool = True) -> None:
@@ -74,6 +76,19 @@ def log_series(path: str, series: Series | None, *, fixed: bool = True) -> None:
     for place, name in enumerate(series.names):
         colour = palette.FAULT_LINES.get({"BSF": "2BSF"}.get(name, name), others[place])
         log_lines(f"{path}/{name}", series.time_ns, series.values[:, place : place + 1], [name], [colour], fixed=fixed)
+
+
+def log_lubrication(found: Series, *, fixed: bool = True) -> None:
+    """Log the smallest films of each row [um] with Lambda at the inner raceway, and the friction power of both rows by source [W]."""
+    arrays = arrays_of(found.names, found.values)
+    if arrays is None:
+        return
+    rows = arrays["least_film"].shape[1]
+    films = np.concatenate([arrays["least_film"][:, :, k] * MICRO for k in range(2)] + [arrays["least_film_ratio"][:, :, 0]], axis=1)
+    names = [f"row {row + 1}, {what}" for what in (*(f"{raceway} [um]" for raceway in RACEWAYS), "Lambda") for row in range(rows)]
+    log_lines("films", found.time_ns, films, names, palette.wheel(len(names)), fixed=fixed)
+    powers = arrays["friction_power"].sum(axis=1)
+    log_lines("friction", found.time_ns, powers, FRICTION_SOURCES, palette.wheel(len(FRICTION_SOURCES)), fixed=fixed)
 
 
 def log_verdicts(verdicts: Sequence[Verdict]) -> None:

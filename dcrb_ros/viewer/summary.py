@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 import rerun as rr
@@ -14,20 +14,29 @@ from dcrb_ros.viewer.content import Content
 from dcrb_ros.viewer.timeline import time_column
 
 MOST_PAGES = 400
-"""Largest number of summary pages of a recording [-]."""
+"""Largest number of summary pages of a recording, without those where a fault comes or goes [-]."""
 
 
 def log_summary(content: Content) -> None:
     """Log the summary page over time, with the ground truth at the cursor."""
-    every = math.ceil(len(content.truths) / MOST_PAGES) or 1
     times, pages = [content.start_ns], [markdown(content, content.truths[0] if content.truths else None)]
-    for truth in content.truths[::every]:
+    for truth in shown_truths(content.truths):
         page = markdown(content, truth)
         if page != pages[-1]:
             times.append(truth.time_ns)
             pages.append(page)
     documents = rr.TextDocument.columns(text=pages, media_type=["text/markdown"] * len(pages))
     rr.send_columns("summary", [time_column(np.array(times, np.int64))], documents)
+
+
+def shown_truths(truths: Sequence[Truth], most: int = MOST_PAGES) -> Iterator[Truth]:
+    """Yield at most ``most`` ground truths at equal distances, and those with which a fault comes or goes."""
+    every = math.ceil(len(truths) / most) or 1
+    faults: set[str] = set()
+    for k, truth in enumerate(truths):
+        if k % every == 0 or set(truth.faults) != faults:
+            yield truth
+        faults = set(truth.faults)
 
 
 def markdown(content: Content, truth: Truth | None) -> str:

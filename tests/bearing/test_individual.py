@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from dcrb_ros.bearing.individual import Individual, individual_of
-from dcrb_ros.bearing.payload import build_payload, pocket_azimuths
+from dcrb_ros.bearing.payload import build_payload, initial_state, pocket_azimuths
 from dcrb_ros.bearing.surfaces import add_run_out
 from dcrb_ros.core.contacts.surface import SLOPE
 from dcrb_ros.settings.configuration import Configuration
@@ -38,7 +38,7 @@ def test_smooth_surfaces_belong_to_the_nominal_bearing() -> None:
     assert nominal.waviness == 1.0
     assert not any(np.any(part) for part in nominal[1:])
     payload = build_payload(Configuration())
-    assert payload.pocket_clearance == Configuration().cage.pocket_clearance
+    assert (payload.pocket_clearance == Configuration().cage.pocket_clearance).all()
     assert not payload.train_moment.any()
 
 
@@ -68,7 +68,41 @@ def test_spreads_are_root_mean_squares_over_the_bearings() -> None:
 
 def test_a_tight_pocket_keeps_half_of_its_clearance() -> None:
     tight = configured(cage={"pocket_clearance": 1e-5}, surfaces={"pocket_clearance_spread": 1e-4})
-    assert min(build_payload(tight).pocket_clearance, 5e-6) == 5e-6
+    assert build_payload(tight).pocket_clearance.min() >= 5e-6
+
+
+def test_pockets_of_a_bearing_differ_where_their_tolerance_is_given() -> None:
+    alike, differing = (build_payload(configured(surfaces={"seed": 3, "single_pocket_spread": spread})) for spread in (0.0, 5e-6))
+    assert np.ptp(alike.pocket_clearance) == 0.0
+    away = np.concatenate([(drawn(seed, single_pocket_spread=5e-6).pocket_clearance - drawn(seed).pocket_clearance) for seed in SEEDS])
+    assert np.abs(away).max() <= 1.0001e-5
+    assert away.std() == pytest.approx(4.80e-6, rel=0.03)  # a normal distribution of 5e-6 held within two standard deviations
+    assert away.mean() == pytest.approx(0.0, abs=3e-7)
+    # A wider pocket closes round less of the roller: its contact is softer under any small penetration.
+    assert np.ptp(differing.pocket_clearance) > 0.0
+    force = differing.bar_coefficient * 1e-5**differing.bar_exponent
+    assert (np.diff(force.ravel()[np.argsort(differing.pocket_clearance.ravel())]) <= 0.0).all()
+
+
+def test_a_roller_uses_up_the_clearance_of_its_own_pocket() -> None:
+    """The lowest cage is held by the roller whose pocket is the tightest, not by the mean one."""
+    configuration = configured(operating={"start": "settled"}, surfaces={"seed": 2, "single_pocket_spread": 2e-5})
+    payload = build_payload(configuration)
+    state = initial_state(configuration, payload)
+    for row in range(2):
+        arm = state.roller_position[row] - state.cage_position[row, :2]
+        left = payload.pocket_clearance[row] - np.abs((arm * payload.pocket_tangent[row]).sum(axis=-1))
+        assert left.min() == pytest.approx(0.0, abs=1e-9) or np.hypot(
+            *(state.cage_position[row, :2] - state.outer_position)
+        ) == pytest.approx(payload.land_clearance)
+        assert left.min() > -1e-9
+
+
+def test_cages_are_as_well_balanced_as_their_spread_allows() -> None:
+    lever = np.stack([np.hypot(*drawn(seed, cage_unbalance_spread=0.4).cage_unbalance.T) for seed in SEEDS])
+    assert np.log(lever / 5e-6).std() == pytest.approx(0.384, rel=0.1)  # 0.4 held within two standard deviations
+    assert 5e-6 * math.exp(-0.8001) < lever.min() < lever.max() < 5e-6 * math.exp(0.8001)
+    assert (lever[:, 0] != lever[:, 1]).all()
 
 
 def test_run_out_is_a_circle_about_another_centre() -> None:

@@ -12,14 +12,14 @@ from dcrb_ros.validation import validate
 from dcrb_ros.validation.comparison import Comparison
 
 HOLDS = Comparison("spin [rad/s]", "pocket", "-", "1.0", "1.0 +- 1 %", True)
-SHORT = Comparison("force [N]", "both", "2 (Fig. 8)", "3", "2", False)
+SHORT = Comparison("force [N]", "both", "2 (Fig. 8)", "3", "2", False, "Oil")
 
 
 @pytest.fixture(params=[[HOLDS], [HOLDS, SHORT]], ids=["all hold", "one falls short"])
 def comparisons(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> list[Comparison]:
     found: list[Comparison] = request.param
-    monkeypatch.setattr(validate, "run_all", lambda processes, on_done: (on_done(1, 1, "run [s]"), {}))
-    monkeypatch.setattr(validate, "all_comparisons", lambda runs, agreements: found)
+    monkeypatch.setattr(validate, "run_all", lambda processes, on_done: (on_done(1, 1, "run [s]"), validate.Results({}, {}, {}))[1])
+    monkeypatch.setattr(validate, "all_comparisons", lambda results: found)
     monkeypatch.setattr(validate, "write_report", lambda folder, comparisons, runs: folder / "report.md")
     return found
 
@@ -33,6 +33,7 @@ def test_the_comparisons_as_json(comparisons: list[Comparison], tmp_path: Path, 
     assert found["holds"] == good
     assert [row["quantity"] for row in found["comparisons"]] == [comparison.quantity for comparison in comparisons]
     assert found["comparisons"][0]["verdict"] == "holds"
+    assert found["comparisons"][-1]["chapter"] == comparisons[-1].chapter
 
 
 def test_the_table_has_units(comparisons: list[Comparison], tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -41,4 +42,5 @@ def test_the_table_has_units(comparisons: list[Comparison], tmp_path: Path, caps
     out, err = capsys.readouterr()
     assert "spin [rad/s]" in out
     assert "run [s]" in err
+    assert all(comparison.chapter in out for comparison in comparisons)
     assert f"Report: {tmp_path / 'report.md'}" in out

@@ -19,7 +19,7 @@ from junitparser import JUnitXml
 from made_up_blocks import BODIES
 from same_process import dcrb
 
-from dcrb_ros.cli.score import _output, _progress
+from dcrb_ros.cli.score import _is_recording, _output, _progress
 from dcrb_ros.diagnosis.detector import Diagnosis
 from dcrb_ros.exam.case import Case, scenarios_hash
 from dcrb_ros.exam.criteria import Criteria
@@ -60,6 +60,15 @@ def diagnosed(*changes: tuple[float, str], until: float = 10.0, every: float = 0
 
 def scored(expectation: Expectation, diagnoses: list[ReceivedDiagnosis], **criteria: Any) -> ScenarioResult:
     return score_scenario(expectation, diagnoses, Criteria(**criteria))
+
+
+def test_a_folder_of_an_exams_name_hides_it_only_with_a_recording(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("smoke").mkdir()
+    Path("other").mkdir()
+    assert [_is_recording(Path(name)) for name in ("smoke", "other", "standard", "a.mcap")] == [False, True, False, True]
+    Path("smoke/smoke_0.mcap").touch()
+    assert _is_recording(Path("smoke"))
 
 
 def test_a_fault_detected_in_time_with_the_correct_verdict_passes() -> None:

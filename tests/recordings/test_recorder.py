@@ -7,6 +7,7 @@ import resource
 import signal
 import subprocess
 import sys
+from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
@@ -79,6 +80,15 @@ def test_the_sensor_description_is_on_the_disk_from_the_start(given: dict[str, i
     recorder = Recorder(tmp_path / "bag", Configuration(), BODIES, **given)  # type: ignore[arg-type]
     assert [(message.topic, message.time_ns) for message in Recording(tmp_path / "bag").messages()] == [(SENSOR, start_ns)]
     recorder.close()
+
+
+@pytest.mark.parametrize("count", [0, 1])
+def test_a_recording_that_is_stopped_before_its_first_sample_leaves_nothing(count: int, tmp_path: Path) -> None:
+    with suppress(KeyboardInterrupt), Recorder(tmp_path / "bag", Configuration(), BODIES) as recorder:
+        for block in blocks(count):
+            recorder.write(block)
+        raise KeyboardInterrupt
+    assert (tmp_path / "bag").exists() is (count > 0)
 
 
 def test_a_closed_recorder_ignores_blocks_and_its_outcome_stays(tmp_path: Path) -> None:

@@ -22,6 +22,14 @@ def test_an_error_of_the_operating_system_names_the_file(tmp_path: Path, capsys:
     assert error.count("\n") == 1
 
 
+def test_an_error_of_the_operating_system_without_a_file_has_no_number(capsys: pytest.CaptureFixture[str]) -> None:
+    def command() -> None:
+        raise OSError(28, os.strerror(28))
+
+    assert exit_status("dcrb", command) == 1
+    assert capsys.readouterr().err.startswith("dcrb: No space left on device")
+
+
 def test_an_error_is_printed_without_control_characters(capsys: pytest.CaptureFixture[str]) -> None:
     def command() -> None:
         raise RuntimeError("the name \x1b[2J\udc80 failed; its output:\n    a\x07")

@@ -73,6 +73,8 @@ class Case:
     """Exit statuses that are right."""
     quick: bool = True
     """Whether the case is part of `make test`; `make hostile` runs all."""
+    most_output: int = 100_000
+    """Largest answer [characters]."""
 
 
 def text(content: str | bytes) -> Callable[[Path], object]:
@@ -249,6 +251,7 @@ CASES: dict[str, Case] = {
     "a NUL in a path": Case(exam(base="a\0b"), EXAM, r"a\x00b is not a path"),
     "a name of 300 letters": Case(exam(base="x" * 300), EXAM, "cannot be used: File name too long"),
     "9998 seeds": Case(exam(seeds=list(range(9998))), EXAM, "defines 9998 scenarios"),
+    "2000 seeds": Case(exam(seeds=list(range(2000))), EXAM, "4000 scenarios", statuses=(0,), most_output=MEGABYTE),
     "a product of lists": Case(
         exam(entry={"set": {key: [1.0] * 900 for key in ("operating.speed", "operating.load", "operating.lateral_load")}}),
         EXAM,

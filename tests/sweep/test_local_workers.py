@@ -134,7 +134,8 @@ def test_workers_leave_signals_to_their_parent_and_end_with_it(tmp_path: Path) -
     wait_for(lambda: not Path(f"/proc/{worker}").exists() or "\nState:\tZ" in Path(f"/proc/{worker}/status").read_text())
 
 
-def test_the_memory_limit_is_a_size() -> None:
+def test_the_memory_limit_is_a_size(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("dcrb_ros.sweep.local_workers.resident_memory", lambda: 300_000_000)
     assert parsed_memory("2GB", 4) == 2_000_000_000
     assert parsed_memory("1.5 GiB", 4) == 3 * 2**29
     assert parsed_memory("auto", 4) == available_memory() // 4

@@ -46,7 +46,7 @@ from dcrb_ros.viewer.reader import read_content
 from dcrb_ros.viewer.row_faults import faults_of_row
 from dcrb_ros.viewer.show import screenshot_time, take_picture
 from dcrb_ros.viewer.spectrum import ORDER_STEP, diagnoses, envelope_spectra, over_background, pieces, verdicts_of
-from dcrb_ros.viewer.summary import markdown
+from dcrb_ros.viewer.summary import markdown, shown_truths
 from dcrb_ros.viewer.window import ViewerFailure
 
 DURATION = 2.5
@@ -242,6 +242,11 @@ def test_summary_contains_verdict_and_ground_truth(content: Content) -> None:
     assert "outer ring defect" in page
     assert "outer_1: 2 mm wide, both rows" in page
     assert f"{PAPER_SPEED * 30 / math.pi:.1f} rpm, 100 kN" in page
+
+
+def test_a_fault_that_comes_between_two_summary_pages_has_one_of_its_own() -> None:
+    truths = [Truth(k, 100.0, (0.0, 1e5), {}, {"outer_1": {}} if k in (7, 8) else {}) for k in range(100)]
+    assert [truth.time_ns for truth in shown_truths(truths, 10)] == [0, 7, 9, *range(10, 100, 10)]
 
 
 def test_a_recorded_verdict_takes_precedence_over_a_computed_one(run: Run, tmp_path: Path) -> None:

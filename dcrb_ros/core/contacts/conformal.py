@@ -9,7 +9,16 @@ from __future__ import annotations
 import math
 
 from dcrb_ros.core.jit import piece
-from dcrb_ros.core.laws.calls import clear_memory, load_kept, load_memory, store_kept, store_memory, traction_line, traction_update
+from dcrb_ros.core.laws.calls import (
+    clear_memory,
+    film_resists,
+    load_kept,
+    load_memory,
+    store_kept,
+    store_memory,
+    traction_line,
+    traction_update,
+)
 from dcrb_ros.core.laws.pereira import LEAST_IMPACT_SPEED, impact_damping, step_force
 from dcrb_ros.core.layout.contacts import BarContact, ConformalContacts
 from dcrb_ros.core.layout.records import Floats
@@ -64,7 +73,8 @@ def find_bars(payload: Payload, state: State, work: Workspace, found: int) -> in
         ax, ay = bound.x[k] - state.position[CAGE + row, 0], bound.y[k] - state.position[CAGE + row, 1]
         along = ax * tx + ay * ty
         ahead = along > 0.0
-        if not bar_at(payload, row, c - row * payload.free.shape[1], ahead):
+        i = c - row * payload.free.shape[1]
+        if not bar_at(payload, row, i, ahead):
             continue
         side = 1.0 if ahead else -1.0
         rx, ry = ax + side * radius * tx, ay + side * radius * ty
@@ -76,12 +86,12 @@ def find_bars(payload: Payload, state: State, work: Workspace, found: int) -> in
         uy = bound.vy[k] - state.velocity[CAGE + row, 1] - old_turn * rx
         before = side * (ux * tx + uy * ty)
         contacts.owner[found] = k
-        contacts.penetration[found] = abs(along) - payload.pocket_clearance - 0.5 * h * before
+        contacts.penetration[found] = abs(along) - payload.pocket_clearance[row, i] - 0.5 * h * before
         contacts.closing_before[found], contacts.closing[found] = before, side * (vx * tx + vy * ty)
         contacts.slip[found] = vx * ty - vy * tx - side * bound.predicted_rim[k]
         contacts.force[found], contacts.impact_speed[found] = abs(state.rollers[0].bar.force[c]), state.rollers[0].bar.impact_speed[c]
         store_memory(law, contacts.traction, found, load_memory(law, bound.bar.traction, k))
-        contacts.coefficient[found], contacts.exponent[found] = payload.bar_coefficient, payload.bar_exponent
+        contacts.coefficient[found], contacts.exponent[found] = payload.bar_coefficient[row, i], payload.bar_exponent[row, i]
         contacts.mobility[found] = 0.5 * h / payload.roller_mass
         bound.bar.side[k], bound.bar.lever_x[k], bound.bar.lever_y[k] = side, rx, ry
         found += 1
@@ -162,6 +172,9 @@ def store_lands(payload: Payload, state: State, work: Workspace, lands: int) -> 
         land.impact_speed[row] = contacts.impact_speed[c]
         state.account[FRICTION] += h * normal * (contacts.friction_offset[c] + contacts.friction_slope[c] * slip) * slip
         state.account[LOSS] += h * contacts.damping[c] * closing * closing
+        if film_resists(payload.inner.film):
+            sliding = normal * (contacts.friction_offset[c] + contacts.friction_slope[c] * slip) * slip
+            land.loss[row] += h * (sliding + contacts.damping[c] * closing * closing)
 
 
 @piece

@@ -72,6 +72,8 @@ class LandState:
     """Normal force over the last step [N]."""
     impact_speed: Lanes
     """Speed at which the contact closed [m/s]; 0 while it is open."""
+    loss: Lanes
+    """Energy lost in friction and contact [J]; only with oil."""
 
 
 class RacewayContact:

@@ -31,6 +31,8 @@ class Rollers:
     pocket_tangent_x: Lanes
     """Pocket tangent at cage angle zero [-]."""
     pocket_tangent_y: Lanes
+    pocket_clearance: Lanes
+    """Clearance to a bar, on either side [m]."""
     free: Lanes
     """1 for a free roller, 0 for a pinned one."""
     second_row: Lanes
@@ -41,6 +43,10 @@ class Rollers:
     """The part of it lost in the resistance of films to rolling [J]."""
     contact_loss: Lanes
     """Energy lost in normal contacts [J]."""
+    bar_friction_loss: Lanes
+    """The part of the friction lost at bars [J]; only with oil."""
+    bar_contact_loss: Lanes
+    """The part of the contacts' losses at bars [J]; only with oil."""
     notch_loss: Lanes
     """Energy taken by the notch law [J]."""
     drive_work: Lanes
@@ -173,6 +179,10 @@ class BoundRollers:
     """The part of it lost in the resistance of films to rolling [W]; written only where there is any."""
     loss_power: Lanes
     """Power lost in normal contacts [W]."""
+    bar_friction_power: Lanes
+    """Power lost in friction at the bar [W]; only with oil."""
+    bar_loss_power: Lanes
+    """Power lost in the contact with it [W]; only with oil."""
     notch_power: Lanes
     """Power taken by the notch law [W]."""
     drive_power: Lanes

@@ -36,7 +36,7 @@ def classify_rollers(payload: Payload, state: State, work: Workspace, pinned: bo
     """
     rollers, step, h, heading = state.rollers[0], work.rollers[0], payload.step, work.heading
     place, old, last = state.position, state.velocity, state.position.shape[0] - 1
-    pitch, clearance = payload.pitch_radius, payload.pocket_clearance
+    pitch = payload.pitch_radius
     inner_x, inner_y, outer_x, outer_y = (
         state.position[INNER, 0],
         state.position[INNER, 1],
@@ -75,7 +75,7 @@ def classify_rollers(payload: Payload, state: State, work: Workspace, pinned: bo
             ax, ay = x - cage_x, y - cage_y
             vx, vy = rollers.vx[c] if free else vx, rollers.vy[c] if free else vy
             rate = (vx - old_x) * tx + (vy - old_y) * ty - old_turn * (ax * ty - ay * tx)
-            near_bar = abs(ax * tx + ay * ty) + 0.5 * h * abs(rate) - clearance if free else -1.0
+            near_bar = abs(ax * tx + ay * ty) + 0.5 * h * abs(rate) - rollers.pocket_clearance[c] if free else -1.0
             if_outer = 0.0 if free else 1.0
         ix, iy, ox, oy = x - inner_x, y - inner_y, x - outer_x, y - outer_y
         # What counts is whether a contact is closed at the beginning of the step, or will be at its end.

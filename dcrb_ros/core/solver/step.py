@@ -52,6 +52,7 @@ def write_pockets(payload: Payload, state: State) -> None:
             rollers.free[c] = 1.0 if payload.free[row, i] else 0.0
             rollers.second_row[c] = 1.0 if row > 0 else 0.0
             rollers.pocket_tangent_x[c], rollers.pocket_tangent_y[c] = payload.pocket_tangent[row, i, 0], payload.pocket_tangent[row, i, 1]
+            rollers.pocket_clearance[c] = payload.pocket_clearance[row, i]
 
 
 @piece

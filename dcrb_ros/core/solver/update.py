@@ -76,6 +76,8 @@ def update_bars(payload: Payload, bound: BoundRollers, bar: BarContact, mean_vel
         store_memory(law, bar.traction, k, traction_update(law, memory, kept, slip, side != 0.0, payload.step))
         bound.friction_power[k] += friction * slip
         bound.loss_power[k] += bar.damping[k] * approach * approach
+        if film_resists(payload.inner.film):
+            bound.bar_friction_power[k], bound.bar_loss_power[k] = friction * slip, bar.damping[k] * approach * approach
 
 
 @piece
@@ -109,6 +111,9 @@ def store_bound(payload: Payload, state: State, work: Workspace, count: int) -> 
         if bound.free[k] > 0.0:
             rollers.bar.force[c] = bound.bar.side[k] * bound.bar.force[k]
             store_memory(cage_law, rollers.bar.traction, c, load_memory(cage_law, bound.bar.traction, k))
+            if film_resists(payload.inner.film):
+                rollers.bar_friction_loss[c] += h * bound.bar_friction_power[k]
+                rollers.bar_contact_loss[c] += h * bound.bar_loss_power[k]
             rollers.bar.impact_speed[c] = bound.bar.impact_speed[k]
             x, y = bound.mean_vx[k], bound.mean_vy[k]
             rollers.change_vx[c], rollers.change_vy[c] = 2.0 * (x - bound.vx[k]), 2.0 * (y - bound.vy[k])

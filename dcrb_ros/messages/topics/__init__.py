@@ -17,6 +17,7 @@ from dcrb_ros.messages.topics.envelope_spectrum import ENVELOPE_SPECTRUM
 from dcrb_ros.messages.topics.fault_indicators import FAULT_INDICATORS
 from dcrb_ros.messages.topics.features import FEATURES
 from dcrb_ros.messages.topics.ground_truth import GROUND_TRUTH
+from dcrb_ros.messages.topics.lubrication_state import LUBRICATION_STATE
 from dcrb_ros.messages.topics.roller_contacts import ROLLER_CONTACTS
 from dcrb_ros.messages.topics.roller_states import ROLLER_STATES
 from dcrb_ros.messages.topics.sensor import SENSOR
@@ -35,6 +36,7 @@ __all__ = [
     "FAULT_INDICATORS",
     "FEATURES",
     "GROUND_TRUTH",
+    "LUBRICATION_STATE",
     "MANIFEST",
     "NAMESPACE",
     "ROLLER_CONTACTS",
@@ -63,6 +65,7 @@ SIMULATED: tuple[SimulatedTopic, ...] = _topics(
     "acceleration:ACCELERATION",
     "roller_states:ROLLER_STATES",
     "roller_contacts:ROLLER_CONTACTS",
+    "lubrication_state:LUBRICATION_STATE",
     "ground_truth:GROUND_TRUTH",
 )
 """Topics that the simulator publishes and records; messages of one time are sent in this order."""

@@ -107,7 +107,7 @@ def turned(state: State, angle: float) -> State:
     return found
 
 
-UNEVEN_ROLLERS = {"cage": FREE, "surfaces": {"law": "profile", "waviness": 1e-6}}
+UNEVEN_ROLLERS = {"cage": FREE, "lubrication": {"law": "film"}, "surfaces": {"law": "profile", "waviness": 1e-6}}
 
 
 @pytest.mark.parametrize("case", [*CASES, "uneven rollers"])

@@ -1,0 +1,52 @@
+"""The scenarios of an exam as a list on the terminal."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING
+
+from dcrb_ros.runtime.terminal import console
+
+if TYPE_CHECKING:
+    from dcrb_ros.exam.exam_file import Exam
+
+HEADS = ("scenario", "correct verdict", "onset [s]", "duration [s]", "twin")
+LONGEST_TABLE = 300
+"""Scenarios up to which they are a table with lines; a longer list is plain columns, which take a tenth of the time."""
+
+
+def print_scenarios(exam: Exam) -> None:
+    """Print the scenarios of an exam with their correct verdicts, onsets and durations, and the hash of them all."""
+    from dcrb_ros.exam.case import scenarios_hash
+
+    rows = list(_cells(exam))
+    title = f"{exam.name}: {exam.about}"
+    if len(rows) <= LONGEST_TABLE:
+        _print_table(title, rows)
+    else:
+        _print_columns(title, rows)
+    seconds = sum(case.run.duration for case in exam.cases)
+    print(f"{len(exam.cases)} scenarios, {seconds:.0f} s simulated, sha256 {scenarios_hash(exam.cases)}")
+
+
+def _cells(exam: Exam) -> Iterable[tuple[str, ...]]:
+    for case in exam.cases:
+        expectation = case.expectation
+        name = expectation.name if expectation.required else f"{expectation.name} (not required)"
+        onset = f"{expectation.onset:g}" if expectation.faulty else "-"
+        yield name, expectation.verdict, onset, f"{expectation.duration:g}", expectation.twin or "-"
+
+
+def _print_table(title: str, rows: Iterable[tuple[str, ...]]) -> None:
+    from rich.table import Table
+
+    table = Table(*HEADS, title=title)
+    for row in rows:
+        table.add_row(*row)
+    console().print(table)
+
+
+def _print_columns(title: str, rows: Sequence[tuple[str, ...]]) -> None:
+    widths = [max(map(len, column)) for column in zip(HEADS, *rows, strict=True)]
+    lines = ("  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in (HEADS, *rows))
+    console().print("\n".join([title, *lines]), soft_wrap=True)

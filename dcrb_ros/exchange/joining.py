@@ -1,0 +1,88 @@
+"""Files of one measurement read as one: the same channels in each, one after the other."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+
+from dcrb_ros.exchange.files import Array, ExternalFile, channel, read_external
+from dcrb_ros.schema.arrays import Floats
+from dcrb_ros.schema.refusal import Refusal
+
+
+class JoinedFiles:
+    """The channels of one or more files.
+
+    Raises:
+        Refusal: a file cannot be read, or the files state different sampling rates or full scales.
+    """
+
+    def __init__(self, files: Sequence[Path]) -> None:
+        self.files = tuple(files)
+        self._externals = [read_external(file) for file in files]
+        self.rate = self._same("sampling rates", lambda external: external.rate)
+        self.full_scale = self._same("full scales", lambda external: external.full_scale)
+
+    def __str__(self) -> str:
+        return str(self.files[0]) if len(self.files) == 1 else f"{self.files[0]} and {len(self.files) - 1} more"
+
+    def _same(self, what: str, of: Callable[[ExternalFile], float | None]) -> float | None:
+        found = {of(external): file for file, external in zip(self.files, self._externals, strict=True)}
+        if len(found) > 1:
+            (first, one), (second, other) = list(found.items())[:2]
+            raise Refusal(f"{one} and {other} have different {what}, {first} and {second}: import them separately")
+        return next(iter(found))
+
+    def parts(self, name: str | int, *, nan: bool = False) -> list[Floats]:
+        """Return a channel of each file, shape (files,) of (samples,).
+
+        Raises:
+            Refusal: a file lacks it, or it has values that are infinite, or NaN unless ``nan`` are allowed.
+        """
+        return [
+            _numbers(channel(external, file, matching(external, file, name)), file, name, nan=nan)
+            for file, external in zip(self.files, self._externals, strict=True)
+        ]
+
+    def index(self, lengths: Sequence[int], first: int, gap: float | None, rate: float, about: Path) -> npt.NDArray[np.int64]:
+        """Return the index of each sample of files of ``lengths``, from ``first``, with a ``gap`` [s] between them, shape (samples,).
+
+        Raises:
+            Refusal: there are several files and no gap is given, or the other way around.
+        """
+        if gap is None and len(lengths) > 1:
+            raise Refusal(f"{about} has no gap between {len(lengths)} files: add gap [s], 0 if each continues the one before it")
+        if gap is not None and len(lengths) == 1:
+            raise Refusal(f"{about} gives gap = {gap:g} s, but there is one file: give the others, too, or leave it out")
+        between = round((gap or 0.0) * rate)
+        begins = first + np.concatenate([[0], np.cumsum(np.asarray(lengths[:-1], np.int64) + between)]).astype(np.int64)
+        return np.concatenate([begin + np.arange(length, dtype=np.int64) for begin, length in zip(begins, lengths, strict=True)])
+
+
+def matching(external: ExternalFile, file: Path, name: str | int) -> str | int:
+    """Return the name of a channel; a ``*`` in it stands for any characters of the name of a variable.
+
+    Raises:
+        Refusal: none or several of the variables have such a name.
+    """
+    if isinstance(name, int) or "*" not in name or name in external.names:
+        return name
+    head, dot, rest = name.partition(".")
+    pattern = re.compile(".*".join(re.escape(part) for part in head.split("*")))
+    found = [known for known in external.names if pattern.fullmatch(known)]
+    if len(found) != 1:
+        has = f"the channels {', '.join(found[:8])}" if found else "no channel"
+        known = ", ".join(external.names[:20]) or "none"
+        raise Refusal(f"{file} has {has} like '{name}', but one is needed (available: {known}): give its whole name")
+    return found[0] + dot + rest
+
+
+def _numbers(values: Array, file: Path, name: str | int, *, nan: bool) -> Floats:
+    bad = int(np.count_nonzero(np.isinf(values) if nan else ~np.isfinite(values)))
+    if bad:
+        raise Refusal(f"{file}: {bad} of {len(values)} samples of '{name}' are not finite numbers: remove them first")
+    return values.astype(np.float64)

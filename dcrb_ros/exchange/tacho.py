@@ -1,0 +1,140 @@
+"""The angle of the shaft from a tacho: pulses, a constant number per turn, or the speed over time."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from dcrb_ros.schema.arrays import Floats
+from dcrb_ros.schema.refusal import Refusal
+
+FULL_TURN = 2.0 * np.pi
+LEVELS = (1.0 / 3.0, 2.0 / 3.0)
+"""Lower and upper level of the hysteresis between the smallest and the largest sample [-]: noise of a third of the pulse counts no edge."""
+FEWEST_EDGES = 3
+"""Least number of edges from which a speed follows [-]: two intervals that can be compared."""
+MOST_IRREGULAR = 0.1
+"""Largest share of intervals with missing or additional pulses [-]; a wheel of 60 teeth without two of them has 0.02."""
+NEIGHBOURS = 5
+"""Intervals with whose median one is compared [-]: one missing or additional pulse does not change it."""
+
+
+@dataclass(frozen=True)
+class PulseTrain:
+    """The turns of the shaft at the rising edges of a tacho signal."""
+
+    edges: Floats
+    """Position of each edge, shape (edges,) [samples]."""
+    turns: Floats
+    """Turns since the first edge, shape (edges,) [-]."""
+    irregular: int
+    """Intervals in which pulses were missing or too many [-]."""
+
+    def at(self, index: npt.NDArray[np.int64]) -> Floats:
+        """Return the turns at each sample, shape (samples,) [-]; beyond the edges the speed of the nearest interval continues."""
+        places = np.asarray(index, np.float64)
+        found = np.interp(places, self.edges, self.turns)
+        for beyond, edge, beside in ((places < self.edges[0], 0, 1), (places > self.edges[-1], -1, -2)):
+            slope = (self.turns[edge] - self.turns[beside]) / (self.edges[edge] - self.edges[beside])
+            found[beyond] = self.turns[edge] + slope * (places[beyond] - self.edges[edge])
+        return np.asarray(found, np.float64)
+
+
+def pulse_train(pulses: Floats, index: npt.NDArray[np.int64], per_turn: int, levels: tuple[float, float] | None, source: str) -> PulseTrain:
+    """Return the turns at the rising edges of ``pulses``, shape (samples,), at the samples ``index``, with ``per_turn`` edges per turn.
+
+    An edge is where the signal rises through the mean of two ``levels``, interpolated between samples, after it was below the lower one
+    and before it exceeds the upper one. By default the levels lie at a third and two thirds of its range. An interval that is a multiple of
+    its neighbours has missing pulses, which are counted; one below half of them ends with an additional pulse, which is left out.
+
+    Raises:
+        Refusal: there are fewer than three edges, or a tenth of the intervals are irregular; ``source`` names the channel.
+    """
+    low, high = levels or _levels(pulses)
+    runs = np.flatnonzero(np.diff(index) != 1) + 1
+    parts = zip(np.split(pulses, runs), np.split(index, runs), strict=True)
+    edges = np.concatenate([begin[0] + place for part, begin in parts for place in [rising_edges(part, low, high)]])
+    if len(edges) < FEWEST_EDGES:
+        raise Refusal(
+            f"{source} has {len(edges)} rising edges through {low:g} and {high:g}, but a speed needs {FEWEST_EDGES}: "
+            "check the channel, or give tacho_levels"
+        )
+    intervals = np.diff(edges)
+    steps = np.rint(intervals / _median_of_neighbours(intervals))
+    irregular = int(np.count_nonzero(steps != 1.0))
+    if irregular > MOST_IRREGULAR * len(steps):
+        raise Refusal(
+            f"{source}: {irregular} of {len(steps)} intervals between pulses differ from their neighbours by half or more: "
+            "give tacho_levels beyond the noise, or a smoother signal"
+        )
+    kept = np.concatenate([[True], steps > 0.0])
+    turns = np.concatenate([[0.0], np.cumsum(steps)]) / per_turn
+    return PulseTrain(edges[kept], turns[kept], irregular)
+
+
+def rising_edges(pulses: Floats, low: float, high: float) -> Floats:
+    """Return where ``pulses`` rise through the mean of ``low`` and ``high`` after being below ``low``, shape (edges,) [samples].
+
+    Each edge is interpolated between the last sample below the mean and the next one.
+    """
+    state = np.where(pulses >= high, 1, np.where(pulses <= low, -1, 0))
+    decided = np.flatnonzero(state)
+    risen = decided[1:][(state[decided[1:]] > 0) & (state[decided[:-1]] < 0)]
+    fallen = decided[:-1][(state[decided[1:]] > 0) & (state[decided[:-1]] < 0)]
+    return np.array(list(_crossings(pulses, fallen, risen, 0.5 * (low + high))), np.float64)
+
+
+def _crossings(pulses: Floats, before: npt.NDArray[np.intp], after: npt.NDArray[np.intp], middle: float) -> Iterator[float]:
+    """Yield the last crossing of ``middle`` between each pair of samples ``before`` and ``after``."""
+    for first, last in zip(before.tolist(), after.tolist(), strict=True):
+        below = first + int(np.flatnonzero(pulses[first:last] < middle)[-1])
+        rise = float(pulses[below + 1] - pulses[below])
+        yield below + float(middle - pulses[below]) / rise
+
+
+def _levels(pulses: Floats) -> tuple[float, float]:
+    least, most = float(pulses.min()), float(pulses.max())
+    low, high = (least + share * (most - least) for share in LEVELS)
+    return low, high
+
+
+def _median_of_neighbours(intervals: Floats) -> Floats:
+    from scipy.ndimage import median_filter
+
+    return np.asarray(median_filter(intervals, min(NEIGHBOURS, len(intervals)), mode="nearest"), np.float64)
+
+
+def turns_at_speed(rpm: Floats, index: npt.NDArray[np.int64], rate: float, source: str) -> Floats:
+    """Return the turns of the shaft at the samples ``index``, shape (samples,) [-], from its speed over the same time [rpm].
+
+    A single speed is constant. Fewer speeds than samples are spread evenly over the time. Those that are NaN are interpolated.
+
+    Raises:
+        Refusal: no speed is finite, or one is infinite or there are more of them than samples; ``source`` names the channel.
+    """
+    known = np.isfinite(rpm)
+    if not known.any() or np.isinf(rpm).any() or len(rpm) > len(index):
+        raise Refusal(
+            f"{source} has {len(rpm)} speeds for {len(index)} samples, of which {int(known.sum())} are finite: "
+            "give speeds in rpm, NaN where unknown, at most one per sample"
+        )
+    # The first speed is that of the first sample, and the time between two speeds is the same for all of them.
+    places = index[0] + np.arange(len(rpm)) * ((index[-1] - index[0] + 1) / len(rpm)) if len(rpm) < len(index) else index
+    frequency = np.interp(index, np.asarray(places)[known], rpm[known]) / 60.0
+    steps = 0.5 * (frequency[1:] + frequency[:-1]) * np.diff(index) / rate
+    return np.concatenate([[0.0], np.cumsum(steps)])
+
+
+def wrapped(turns: Floats) -> npt.NDArray[np.float32]:
+    """Return turns as angles within [0, 2 pi), NaN where unknown, same shape [rad]."""
+    return wrapped_angle(np.mod(turns, 1.0) * FULL_TURN)
+
+
+def wrapped_angle(angle: Floats) -> npt.NDArray[np.float32]:
+    """Return angles within [0, 2 pi), NaN where unknown, same shape [rad]."""
+    within = np.mod(angle, FULL_TURN).astype(np.float32)
+    within[within >= np.float32(FULL_TURN)] = 0.0
+    return within

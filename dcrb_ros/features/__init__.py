@@ -1,0 +1,1 @@
+"""Features of vibration signals for classifiers: one module per family, all listed in `registry`."""

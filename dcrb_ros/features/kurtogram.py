@@ -1,0 +1,79 @@
+"""The fast kurtogram: the most impulsive band among those of a 1/3-binary tree, by the spectral kurtosis of its complex envelope.
+
+Antoni 2007, "Fast computation of the kurtogram for the detection of transient faults". Each level divides the frequencies up to half the
+sampling rate into 2, 3, 4, 6, 8, 12 ... bands of equal width. The complex envelope of a band is the inverse Fourier transform of its part
+of the spectrum, which gives one value for each line.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+from scipy import fft
+
+from dcrb_ros.diagnosis.demodulation import tukey
+from dcrb_ros.features.family import FeatureFamily, Windows
+from dcrb_ros.schema.arrays import Floats
+
+NAMES = ("kurtogram_kurtosis", "kurtogram_frequency", "kurtogram_bandwidth")
+DIVISIONS = (2, 3, 4, 6, 8, 12, 16, 24)
+"""Numbers of bands of the levels."""
+FEWEST = 256
+"""Least number of values of an envelope: that of noise then has a kurtosis of 0 +- 0.13."""
+TAPER = 0.25
+"""Share of a band's width taken by its two edges [-]; abrupt ones would ring and hide impacts."""
+
+
+class ImpulsiveBand(NamedTuple):
+    """The most impulsive band of each window, arrays of shape (windows,)."""
+
+    kurtosis: Floats
+    """Spectral kurtosis K = <|c|^4> / <|c|^2>^2 - 2 of the complex envelope c [-]: 0 for noise."""
+    low: Floats
+    """Lower edge [Hz]."""
+    high: Floats
+    """Upper edge [Hz]."""
+
+
+def impulsive_band(acceleration: npt.ArrayLike, rate: float) -> ImpulsiveBand:
+    """Return the band with the largest spectral kurtosis of each window of shape (windows, samples), sampled at ``rate`` [Hz]."""
+    signal = np.atleast_2d(np.asarray(acceleration, np.float64))
+    lines = fft.rfft(signal.astype(np.float32), axis=1)[:, 1:]
+    windows, count = lines.shape
+    best, low, high = np.full(windows, -np.inf), np.zeros(windows), np.zeros(windows)
+    for divisions in DIVISIONS:
+        width = count // divisions
+        if width < FEWEST:
+            break
+        parts = lines[:, : divisions * width].reshape(windows, divisions, width) * tukey(width, TAPER).astype(np.float32)
+        squared = _squared(fft.ifft(parts, axis=2, overwrite_x=True))
+        mean = np.maximum(squared.mean(axis=2), np.finfo(np.float64).tiny)
+        kurtosis = (squared**2).mean(axis=2) / mean**2 - 2.0
+        place = kurtosis.argmax(axis=1)
+        found = kurtosis[np.arange(windows), place]
+        better = found > best
+        step = 0.5 * rate * width / count
+        best, low = np.where(better, found, best), np.where(better, place * step, low)
+        high = np.where(better, (place + 1) * step, high)
+    return ImpulsiveBand(best, low, high)
+
+
+def _squared(envelope: npt.NDArray[np.complexfloating[Any, Any]]) -> Floats:
+    return np.asarray(np.square(envelope.real, dtype=np.float64) + np.square(envelope.imag, dtype=np.float64))
+
+
+def names(rate: int) -> tuple[str, ...]:
+    """Return the names of the features."""
+    return NAMES
+
+
+def compute(windows: Windows) -> Floats:
+    """Return the largest spectral kurtosis [-], and middle and width of its band [Hz], shape (windows, 3)."""
+    found = impulsive_band(windows.acceleration, windows.rate)
+    windows.shared["impulsive_band"] = found
+    return np.column_stack([found.kurtosis, 0.5 * (found.low + found.high), found.high - found.low])
+
+
+KURTOGRAM = FeatureFamily("kurtogram", names, compute)

@@ -1,0 +1,113 @@
+"""Comparisons of the lubricated bench: balances, films, friction by source, and the friction formulas of SKF and Palmgren.
+
+Ranges without a formula are this model's own, from the shipped configuration; the mutation table in `docs/explanation/validation.md` shows
+which changes of the bench they notice.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from dcrb_ros.core.laws.film import lubricant_of
+from dcrb_ros.core.laws.viscosity import kinematic_viscosity
+from dcrb_ros.stream.states import FRICTION_SOURCES
+from dcrb_ros.validation.comparison import Comparison, about, between
+from dcrb_ros.validation.friction_moment import friction_moment, palmgren_moment
+from dcrb_ros.validation.oil_laws import film_of
+from dcrb_ros.validation.oiled_runs import OiledRun, OiledRuns
+
+CHAPTER, FRICTION_CHAPTER = "Oil film: the bench", "Friction"
+BORE, OUTSIDE = 0.130, 0.250
+"""Diameters of the default bearing, NJ(P)3226X1 [m]."""
+MODEL_TOLERANCE = 0.4
+"""Accepted relative difference from a friction formula [-]."""
+POWERS = {"sliding": (6.5, 9.0), "rolling": (935.0, 970.0), "contacts": (0.3, 0.6), "pockets": (15.0, 26.0), "lands": (20.0, 27.0)}
+"""Accepted power of each source [W]; parts of a run scatter by a third as much."""
+PRESSING = 0.065, 0.085
+"""Accepted share of time in which a roller presses a bar [-]."""
+LEVELS = {"healthy": (1.7, 1.95), "spall": (12.2, 14.0)}
+"""Accepted root mean square of the vertical acceleration [m/s^2]."""
+
+
+def oiled_bench_comparisons(runs: OiledRuns) -> Iterator[Comparison]:
+    """Yield the comparisons of the runs of lubricated bearings."""
+    healthy, steady = runs["healthy"], runs["steady"]
+    yield from balance_comparisons(steady)
+    yield from film_comparisons(steady)
+    for n, source in enumerate(FRICTION_SOURCES):
+        yield between(CHAPTER, f"Power lost, {source}", float(healthy.power[n]), *POWERS[source], "W")
+    pressing = float((healthy.bar_force != 0.0).mean())
+    yield between(CHAPTER, "Share of time in which a roller presses a bar", pressing, *PRESSING)
+    for name, (low, high) in LEVELS.items():
+        yield between(CHAPTER, f"Acceleration of the outer ring, vertical: RMS, {name}", float(runs[name].rms[1]), low, high, "m/s^2")
+    yield from _slip(runs)
+    yield from _thin(runs["thin layer"], steady)
+    yield from friction_comparisons(steady)
+
+
+def balance_comparisons(steady: OiledRun) -> Iterator[Comparison]:
+    """Yield the comparisons of energies of a run at constant speed."""
+    share = abs(steady.change.residual) / steady.change.drive
+    yield between(CHAPTER, "Energy account at constant speed: residual over the work of the shaft", share, -math.inf, 1e-4)
+    balance = float(steady.power.sum()) / steady.drive_power
+    yield about(CHAPTER, "Power of all sources over that of the shaft at constant speed", balance, 1.0, 0.01)
+    yield between(
+        CHAPTER, "Least energy that a row loses by any source between two states, over the largest", steady.least_loss, -1e-9, 1.0
+    )
+
+
+def film_comparisons(run: OiledRun) -> Iterator[Comparison]:
+    """Compare the published films with the formula at the largest forces and the nominal speed of rolling."""
+    oil = run.configuration.lubrication
+    given = {"lubricant": oil.lubricant, "temperature": oil.temperature, "layer": oil.layer or 5e-6}
+    found = np.mean([state.least_film[0] for state in run.states], axis=0)
+    force = run.inner_force.max(axis=1).mean()
+    films = [film_of(inner, run.configuration.operating.speed, **given) for inner in (True, False)]
+    flooded = [film.thickness * force**-0.10 for film in films]
+    expected = [value / math.sqrt(1.0 + (value / film.layer) ** 2) for value, film in zip(flooded, films, strict=True)]
+    yield about(
+        CHAPTER, "Smallest film of row 1, inner and outer raceway, by the formula", 1e6 * found, 1e6 * np.array(expected), 0.02, "um"
+    )
+    ratios = np.mean([state.least_film_ratio[0] for state in run.states], axis=0)
+    yield about(CHAPTER, "Its Lambda", ratios, np.array(expected) / oil.roughness, 0.02)
+    power = np.array([float(np.abs(state.friction_power).sum()) for state in run.states])
+    torque = np.array([float(np.abs(state.friction_torque).sum()) for state in run.states])
+    yield about(CHAPTER, "Power over friction torque: the speed of the shaft", float((power / torque).mean()), 125.664, 1e-3, "rad/s")
+
+
+def _slip(runs: OiledRuns) -> Iterator[Comparison]:
+    loaded, light = runs["steady"], runs["light load"]
+    slips = [1.0 - float(run.cage_speed.mean()) / float(loaded.cage_speed.mean()) for run in (loaded, light)]
+    yield between(CHAPTER, "Cages under 5 kN turn slower than under 100 kN by", slips[1], 0.03, 0.12)
+    locked = max(float(np.nanmax(np.abs(state.loaded_slip))) for state in loaded.states)
+    yield between(CHAPTER, "Largest slip of the most loaded rollers", locked, 2e-4, 1e-3, "m/s")
+
+
+def _thin(thin: OiledRun, thick: OiledRun) -> Iterator[Comparison]:
+    """A layer of 1 um instead of 5 um starves the contacts: less resistance, thinner films."""
+    at = FRICTION_SOURCES.index("rolling")
+    yield between(CHAPTER, "Power of rolling with a layer of 1 um over that with 5 um", float(thin.power[at] / thick.power[at]), 0.2, 0.5)
+    films = [float(np.mean([state.least_film for state in run.states])) for run in (thin, thick)]
+    yield about(CHAPTER, "Films of them, mean of both raceways", 1e6 * np.array(films), (0.706, 1.009), 0.02, "um")
+
+
+def friction_comparisons(run: OiledRun) -> Iterator[Comparison]:
+    """Yield the comparisons of the friction with the formulas for two single-row bearings."""
+    operating, oil = run.configuration.operating, run.configuration.lubrication
+    viscosity = kinematic_viscosity(lubricant_of(dict(oil)), oil.temperature)
+    given = BORE, OUTSIDE, 0.5 * operating.load, operating.speed, viscosity
+    torque = run.drive_power / operating.speed
+    for name, moment in (("SKF", friction_moment(*given)), ("Palmgren", palmgren_moment(*given, oil.lubricant))):
+        yield about(FRICTION_CHAPTER, f"Friction torque of both rows by {name}, steady", torque, 2.0 * moment, MODEL_TOLERANCE, "N m")
+    hand = 1e-3 * (1e-7 * 0.8 * (39.5 * 1200.0) ** (2.0 / 3.0) * 190.0**3 + 0.0003 * 50e3 * 190.0)
+    yield about(
+        FRICTION_CHAPTER,
+        "Palmgren's moment of one row at 39.5 mm^2/s, 1200 rpm, 50 kN",
+        palmgren_moment(BORE, OUTSIDE, 50e3, 40.0 * math.pi, 39.5),
+        hand,
+        1e-6,
+        "N m",
+    )

@@ -1,0 +1,157 @@
+"""The simulations of lubricated bearings for the validation, and what is kept of each."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from dcrb_ros.schema.arrays import Floats
+from dcrb_ros.settings.configuration import Configuration
+from dcrb_ros.settings.files import load_configuration
+from dcrb_ros.simulation.loop import Simulation
+from dcrb_ros.stream.states import Account, LubricationState
+
+HEALTHY, SPALL = "healthy", "outer_ring_defect"
+"""Shipped configurations of a lubricated bearing, healthy and with a spall of 2 mm."""
+SETTLING = 0.2
+"""Simulated time before anything is kept [s]."""
+SPREADS = (
+    "roller_spread",
+    "clearance_spread",
+    "row_spread",
+    "run_out",
+    "pocket_spread",
+    "pocket_clearance_spread",
+    "cage_unbalance",
+    "waviness",
+    "waviness_spread",
+    "roundness",
+)
+STEADY = ("operating.speed_fluctuation=0", "operating.speed_ripple=0")
+"""A shaft at constant speed."""
+EVEN = (*(f"surfaces.{name}=0" for name in SPREADS), *STEADY)
+"""A bearing as drawn, on surfaces without waviness."""
+SPALLED = ("faults.outer_1.kind=spall", "faults.outer_1.width=0.002", "faults.outer_1.depth=6e-5", "faults.outer_1.row=0")
+FLUTED = ("faults.outer_1.kind=fluting", "faults.outer_1.width=0.04", "faults.outer_1.depth=4e-6", "faults.outer_1.period=0.002")
+SHARES = (0.15, 0.3, 1.0)
+"""Shares of the length that a spall takes in the runs that compare them [-]."""
+BEARINGS, SEEDS = (1, 2, 3, 4), (1, 2)
+"""Individuals, and seeds of their runs."""
+
+
+@dataclass(frozen=True)
+class OiledSpec:
+    """A run: a shipped configuration, changed parameters, and a duration after `SETTLING`."""
+
+    name: str
+    duration: float
+    """Simulated time that is kept [s]."""
+    settings: tuple[str, ...] = ()
+    bench: str = HEALTHY
+
+    @property
+    def label(self) -> str:
+        """Name of the run, for the report."""
+        return f"{self.name}, lubricated"
+
+    @property
+    def command(self) -> str:
+        """The command line that records this run."""
+        settings = "".join(f" --set {setting}" for setting in self.settings)
+        return f"dcrb simulate {self.bench} --duration {SETTLING + self.duration:g} --set sensor.noise_density=0{settings}"
+
+    def configuration(self, changes: tuple[str, ...] = ()) -> Configuration:
+        """Return the configuration, with further changes that count before the run's own."""
+        return load_configuration(self.bench, ("sensor.noise_density=0", *changes, *self.settings))
+
+
+@dataclass(frozen=True)
+class OiledRun:
+    """The results of a run after its first part."""
+
+    spec: OiledSpec
+    configuration: Configuration
+    duration: float
+    """[s]"""
+    acceleration: Floats
+    """Of the outer ring in X and Y without noise, shape (samples, 2) [m/s^2]."""
+    states: tuple[LubricationState, ...]
+    """Films and losses."""
+    change: Account
+    """Change of the energy account."""
+    least_loss: float
+    """Least change of the energy that any roller loses by any source between two states, over the largest [-]."""
+    bar_force: Floats
+    """Of rollers, shape (times, rollers) [N]."""
+    inner_force: Floats
+    """Of rollers, shape (times, rollers) [N]."""
+    cage_speed: Floats
+    """Shape (times, rows) [rad/s]."""
+
+    @property
+    def power(self) -> Floats:
+        """Mean power of both rows by source, shape (sources,) [W]."""
+        first, last = self.states[0].friction_loss, self.states[-1].friction_loss
+        times = len(self.states) - 1
+        return np.asarray((last - first).sum(axis=0) / (times / self.configuration.publishing.state_rate))
+
+    @property
+    def drive_power(self) -> float:
+        """Power of the shaft [W]."""
+        return self.change.drive / self.duration
+
+    @property
+    def rms(self) -> Floats:
+        """Root mean square in X and Y, shape (2,) [m/s^2]."""
+        return np.asarray(self.acceleration.std(axis=0))
+
+
+OiledRuns = Mapping[str, OiledRun]
+"""Runs by name."""
+
+
+def oiled_specs() -> list[OiledSpec]:
+    """Return the specifications of all runs of lubricated bearings."""
+    shares = [OiledSpec(f"spall over {share:g}", 0.5, (*EVEN, *SPALLED, f"faults.outer_1.share={share:g}")) for share in SHARES]
+    bearings = [
+        OiledSpec(f"bearing {bearing}, run {seed}", 0.5, (f"surfaces.seed={bearing}", f"simulation.seed={seed}"))
+        for bearing in BEARINGS
+        for seed in SEEDS
+    ]
+    return [
+        OiledSpec("healthy", 2.0),
+        OiledSpec("spall", 1.5, bench=SPALL),
+        OiledSpec("steady", 1.0, STEADY),
+        OiledSpec("light load", 0.8, (*STEADY, "operating.load=5000.0")),
+        OiledSpec("thin layer", 0.5, (*STEADY, "lubrication.layer=1e-6")),
+        OiledSpec("fluting", 0.8, (*EVEN, *FLUTED)),
+        *shares,
+        *bearings,
+    ]
+
+
+def simulate_oiled(spec: OiledSpec, changes: tuple[str, ...] = ()) -> OiledRun:
+    """Simulate a run, with further changes of its parameters, and return its results."""
+    configuration = spec.configuration(changes)
+    simulation = Simulation(configuration)
+    list(simulation.blocks(SETTLING))
+    before = simulation.energy
+    blocks = list(simulation.blocks(spec.duration))
+    after, states = simulation.energy, [states for block in blocks for states in block.states]
+    oils = tuple(one.lubrication for one in states if one.lubrication is not None)
+    losses = np.diff([oil.friction_loss for oil in oils], axis=0)
+    rollers = configuration.bearing.rows * configuration.bearing.rollers_per_row
+    return OiledRun(
+        spec=spec,
+        configuration=configuration,
+        duration=spec.duration,
+        acceleration=np.concatenate([block.clean for block in blocks]).astype(np.float64),
+        states=oils,
+        change=Account(**{name: getattr(after, name) - getattr(before, name) for name in Account.__dataclass_fields__}),
+        least_loss=float(losses.min() / losses.max()) if losses.size else 0.0,
+        bar_force=np.array([one.bar_force[:rollers] for one in states]),
+        inner_force=np.array([one.inner_force[:rollers] for one in states]),
+        cage_speed=np.array([one.speed[rollers : rollers + configuration.bearing.rows] for one in states]),
+    )

@@ -1,0 +1,135 @@
+"""Comparisons of surfaces with heights: what a contact feels of them, their energy, damage, and individuals."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from dcrb_ros.bearing.surfaces import averaged, envelope, felt_defect, notch_heights, reduced_radii
+from dcrb_ros.schema.arrays import Floats
+from dcrb_ros.settings.configuration import Configuration
+from dcrb_ros.settings.files import load_configuration
+from dcrb_ros.simulation.loop import Simulation
+from dcrb_ros.validation.comparison import Comparison, about, between
+from dcrb_ros.validation.oiled_runs import BEARINGS, EVEN, HEALTHY, SEEDS, SHARES, OiledRun, OiledRuns
+
+CHAPTER, INDIVIDUALS = "Surfaces with heights", "Individuals"
+RATE = 51200.0
+SEEDS_OF_ROLLERS = range(1, 7)
+CLIMB = 5.76
+"""Speed of the outer raceway's surface past a roller [m/s]."""
+
+
+def surface_comparisons(runs: OiledRuns) -> Iterator[Comparison]:
+    """Yield the comparisons of surfaces."""
+    yield from felt_comparisons()
+    yield from _share(runs)
+    yield _fluting(runs["fluting"])
+    yield from _individuals(runs)
+
+
+def felt_comparisons() -> Iterator[Comparison]:
+    """Yield the comparisons of what a contact feels of heights; they need no run."""
+    inner, outer = reduced_radii(Configuration())
+    heights, distance = notch_heights(2e-3, 3e-4, 2e-6)
+    depths = [-1e6 * float(envelope(np.pad(heights, 4000), distance, radius).min()) for radius in (outer, inner)]
+    # (b/2)^2/(2 R): Eqs. 8 and 14 of Fan et al. 2025 to second order
+    yield about(CHAPTER, "Depth of a notch of 2 mm for a rigid roller, outer and inner raceway", depths, (28.75, 39.67), 1e-3, "um")
+    felt = felt_defect(heights, distance, outer, 0.2845e-3)
+    yield about(
+        CHAPTER, "The same for a contact of a half-width of 0.2845 mm, outer raceway", -1e6 * float(felt.height.min()), 22.4, 5e-3, "um"
+    )
+    widths, length = np.array([0.2e-3, 0.5e-3]), 1e-3
+    yield about(
+        CHAPTER,
+        "Share of a wave of 1 mm that contacts of half-widths of 0.2 and 0.5 mm feel",
+        _wave(widths, length),
+        _by_hand(widths, length),
+        5e-3,
+    )
+    flat = envelope(np.full(100, -3e-6), 1e-5, outer)
+    yield between(CHAPTER, "Change of a flat surface by a rolling contact", float(np.abs(flat + 3e-6).max()), 0.0, 0.0, "m")
+
+
+def _wave(widths: Floats, length: float) -> Floats:
+    """Return what contacts of half-widths [m] leave of a cosine of a wavelength [m]."""
+    x = length / 64.0 * np.arange(-4096, 4097)
+    return np.array([averaged(np.cos(2.0 * math.pi * x / length), length / 64.0, width)[0][4096] for width in widths])
+
+
+def _by_hand(widths: Floats, length: float) -> Floats:
+    """Return the mean of a cosine over semi-ellipses, as a sum over 20000 points."""
+    u = (np.arange(20000) + 0.5) / 10000.0 - 1.0
+    weight = np.sqrt(1.0 - u * u)
+    return np.array([float((weight * np.cos(2.0 * math.pi * u * width / length)).sum() / weight.sum()) for width in widths])
+
+
+def _share(runs: OiledRuns) -> Iterator[Comparison]:
+    rms = [float(runs[f"spall over {share:g}"].rms[1]) for share in SHARES]
+    yield between(CHAPTER, "Vertical RMS of a spall over 0.3 of the length over that of 0.15", rms[1] / rms[0], 1.5, 3.0)
+    yield between(CHAPTER, "Vertical RMS of a spall over the whole length over that of 0.3", rms[2] / rms[1], 2.0, 6.0)
+    whole = runs["spall over 1"].change
+    # A blow that is under way at the end holds some tenths of a joule.
+    yield between(CHAPTER, "Energy account over a spall: residual over the losses of contacts", abs(whole.residual) / whole.loss, 0.0, 0.05)
+    yield between(CHAPTER, "Energy that nobody accounts for, as the notch law removes", abs(whole.notch), 0.0, 1e-3, "J")
+
+
+def _fluting(run: OiledRun) -> Comparison:
+    signal = run.acceleration[:, 1]
+    power = np.abs(np.fft.rfft(signal * np.hanning(len(signal)))) ** 2
+    frequency = np.fft.rfftfreq(len(signal), 1.0 / RATE)
+    inside = (frequency > 2000.0) & (frequency < 4000.0)
+    found = float((frequency * power)[inside].sum() / power[inside].sum())
+    return about(CHAPTER, "Tone of a fluting of 2 mm", found, CLIMB / 2e-3, 0.05, "Hz")
+
+
+def _individuals(runs: OiledRuns) -> Iterator[Comparison]:
+    levels = np.log10([[runs[f"bearing {bearing}, run {seed}"].rms for seed in SEEDS] for bearing in BEARINGS])
+    within = float(levels.var(axis=1, ddof=1).mean())
+    among = float(levels.mean(axis=1).var(axis=0, ddof=1).mean())
+    yield between(
+        INDIVIDUALS, "Variance of the level between bearings over that between runs of one", among / max(within, 1e-30), 3.0, math.inf
+    )
+    first = _beginning(HEALTHY, "surfaces.seed=5")
+    again, other = _beginning(HEALTHY, "surfaces.seed=5", "publishing.block_size=100"), _beginning(HEALTHY, "surfaces.seed=6")
+    count = min(len(first), len(again))
+    same, differs = np.array_equal(first[:count], again[:count]), not np.array_equal(first, other)
+    found = f"{'the same' if same else 'other'} samples, {'other' if differs else 'the same'} ones"
+    yield Comparison(
+        "The same number in blocks of another size, and another number",
+        "pocket",
+        "-",
+        found,
+        "the same samples, other ones",
+        same and differs,
+        INDIVIDUALS,
+    )
+    yield between(INDIVIDUALS, "Force of the loaded roller over its diameter", force_per_thickness(), 630.0, 1050.0, "N/um")
+
+
+def _beginning(bench: str, *settings: str) -> Floats:
+    """Return the first samples of a bench."""
+    blocks = Simulation(load_configuration(bench, settings), waveform_only=True).blocks(0.04)
+    return np.concatenate([block.clean for block in blocks]).astype(np.float64)
+
+
+def force_per_thickness() -> float:
+    """Return by how much a roller that is thicker than the loaded ones about it carries more at rest [N/um].
+
+    A roller under 30 kN between two raceways yields by 0.84 kN per micrometre of its diameter.
+    """
+    from dcrb_ros.bearing.individual import individual_of
+
+    settings = [setting for setting in EVEN if "roller_spread" not in setting]
+    even = Simulation(load_configuration(HEALTHY, EVEN))._state.inner_force
+    heaviest = np.unravel_index(int(even.argmax()), even.shape)
+    loaded = even > 0.2 * even.max()
+    changes, thicknesses = [], []
+    for seed in SEEDS_OF_ROLLERS:
+        configuration = load_configuration(HEALTHY, (*settings, "surfaces.roller_spread=4e-7", f"surfaces.seed={seed}"))
+        diameters = 1e6 * individual_of(configuration).roller_diameters.reshape(even.shape)
+        changes.append(float(Simulation(configuration)._state.inner_force[heaviest] - even[heaviest]))
+        thicknesses.append(float(diameters[heaviest] - diameters[loaded].mean()))
+    return float(np.dot(changes, thicknesses) / np.dot(thicknesses, thicknesses))
