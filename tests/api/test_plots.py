@@ -9,6 +9,7 @@ import matplotlib as mpl
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
+from dry_benches import dry_bench
 from made_up_blocks import BODIES, blocks
 from separate_process import dcrb
 
@@ -33,7 +34,7 @@ BAGS = Path(__file__).parents[2] / "bags"
 
 @pytest.fixture(scope="module")
 def run() -> Run:
-    return simulate("outer_ring_defect", 1.0)
+    return simulate(dry_bench("outer_ring_defect"), 1.0)
 
 
 @pytest.fixture(autouse=True)
@@ -98,7 +99,7 @@ def test_a_defect_is_marked_at_its_own_lines(run: Run) -> None:
 
 
 def test_a_sideband_of_another_fault_is_not_marked() -> None:
-    run = simulate("inner_ring_defect", 1.0)
+    run = simulate(dry_bench("inner_ring_defect"), 1.0)
     ax = plot_envelope_spectrum(run)
     marked = np.array([float(line.get_xdata()[0]) for line in ax.lines if len(line.get_xdata()) == 1])
     assert len(marked) >= 3
@@ -161,7 +162,7 @@ def test_load_zone_lies_below_the_shaft() -> None:
         (lambda run: plot_load_zone(run.waveform().waveform), "has no states: give a Run, a Recording or a StateHistory"),
         (lambda run: plot_envelope_spectrum(np.ones(51200), 51200, x="order"), "the speed is unknown"),
         (lambda run: plot_load_zone(run, ax=plt.figure().add_subplot()), "needs polar axes"),
-        (lambda run: plot_load_zone(simulate("healthy", 0.005)), "has no states"),
+        (lambda run: plot_load_zone(simulate("dry", 0.005)), "has no states"),
     ],
 )
 def test_refusals(call: Any, sentence: str, run: Run) -> None:
