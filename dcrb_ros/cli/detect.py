@@ -91,7 +91,7 @@ def detect(
         table.add_row(fault, line, f"{level:.1f}", f"{score:.1f}")
     shown = console()
     shown.print(table)
-    when = f"first at {found.since:.2f} s of {found.duration:.2f} s"
+    when = f"first at {found.since:.2f} s, in {found.duration:.2f} s of signal"
     for sentence in (f"{last.verdict}, confidence {last.confidence:.2f}, {when}: {last.reason}", *last.remarks):
         shown.print(sentence, soft_wrap=True)
     if not recording.complete:

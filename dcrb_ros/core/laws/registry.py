@@ -89,7 +89,8 @@ def _register_lubrication(law: LubricationLaw) -> None:
     functions["store_resistance"] = _function(f"def made(law, table, k, value):\n    {stores}")
     BY_CONSTANTS[law.constants] = Registered(law, functions)
     resists = _function(f"def made(film):\n    return {law.resists}")
-    BY_CONSTANTS[law.film] = Registered(law, {name: getattr(law, name) for name in FILM_KERNELS} | {"film_resists": resists})
+    kernels = {name: getattr(law, name) for name in FILM_KERNELS} | {"film_resists": resists}
+    BY_CONSTANTS[law.film] = Registered(law, kernels | ({"film_thickness": law.thickness} if law.thickness else {}))
 
 
 def register(law: NormalLaw | TractionLaw | LubricationLaw) -> None:
