@@ -21,17 +21,23 @@ DURATION = 3.0
 class Run:
     """A run to record."""
 
-    config: str
-    """Name of a shipped configuration."""
     settings: tuple[str, ...] = ()
+    """Parameters that differ from those of the shipped configuration."""
+    config: str = "dry"
+    """Name of a shipped configuration."""
     commands: tuple[TimedCommand, ...] = ()
 
 
-SHIPPED = ("healthy", "outer_ring_defect", "inner_ring_defect", "cage_fracture", "compound", "paper")
+OUTER = "faults.outer_1.width=0.002"
 RUNS = {
-    **{name: Run(name) for name in SHIPPED},
+    "healthy": Run(),
+    "outer_ring_defect": Run((OUTER,)),
+    "inner_ring_defect": Run(("faults.inner_1.width=0.002",)),
+    "cage_fracture": Run(("faults.broken_bars=row1/bar15, row2/bar15",)),
+    "compound": Run((OUTER, "faults.outer_1.row=1", "faults.inner_1.width=0.002", "faults.inner_1.row=2", "faults.broken_bars=row1/bar15")),
+    "paper": Run(config="paper"),
     # From 40 to 150 rad/s with the configured ramp of 50 rad/s^2.
-    "run_up": Run("outer_ring_defect", ("operating.speed=40.0",), (TimedCommand(500_000_000, SpeedCommand(150.0)),)),
+    "run_up": Run((OUTER, "operating.speed=40.0"), commands=(TimedCommand(500_000_000, SpeedCommand(150.0)),)),
 }
 
 

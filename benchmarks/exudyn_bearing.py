@@ -32,7 +32,7 @@ SETTINGS = [
     "contact.damping=2000.0",
     "friction.static_coefficient=0.05",
 ]
-CONFIGURATION = load_configuration("healthy", SETTINGS)
+CONFIGURATION = load_configuration("dry", SETTINGS)
 SHARE = 0.75
 """Load from the start on, as a share of the initial load [-]."""
 DURATION = 2e-3

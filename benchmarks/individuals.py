@@ -1,6 +1,6 @@
 """Variance of usual features between bearings, against that between runs of one bearing with other seeds.
 
-``python benchmarks/individuals.py [BEARINGS] [drawn|set]`` simulates two runs of each bearing of the bench `axle_box`, which differ in the
+``python benchmarks/individuals.py [BEARINGS] [drawn|set]`` simulates two runs of each bearing of the bench `healthy`, which differ in the
 seed of the run: the fluctuation of the speed, and with ``drawn`` the angles of the cages at the start.
 """
 
@@ -37,7 +37,7 @@ def level(power: Floats, frequency: Floats, low: float, high: float) -> float:
 def features(bearing: int, seed: int, angles: str) -> list[float]:
     """Return the features `NAMES` of a run of a bearing."""
     given = (f"surfaces.seed={bearing}", f"simulation.seed={seed}", f"operating.cage_angles={angles}", "sensor.noise_density=0")
-    configuration = load_configuration("axle_box", given)
+    configuration = load_configuration("healthy", given)
     blocks = list(Simulation(configuration, waveform_only=True).blocks(SETTLING + DURATION))
     rate, orders = blocks[0].rate, characteristic_orders(configuration.bearing)
     signal = np.concatenate([block.clean for block in blocks])[round(SETTLING * rate) :].astype(np.float64)

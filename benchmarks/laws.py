@@ -47,7 +47,7 @@ def stepping(bench: str, settings: tuple[str, ...], duration: float) -> tuple[Ca
 def main() -> None:
     """Print a table."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--bench", default="healthy")
+    parser.add_argument("--bench", default="dry")
     parser.add_argument("--runs", type=int, default=41)
     parser.add_argument("--duration", type=float, default=0.05, help="simulated time of a run [s]")
     parser.add_argument("--set", action="append", default=[], help="parameter=value for all of them")

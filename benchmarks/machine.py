@@ -97,8 +97,8 @@ def timed(run: Callable[[], None]) -> float:
 
 def main() -> None:
     """Print the comparison."""
-    payload = build_payload(load_configuration("healthy", []))
-    start, work = initial_state(load_configuration("healthy", []), payload), workspace(payload)
+    payload = build_payload(load_configuration("dry"))
+    start, work = initial_state(load_configuration("dry"), payload), workspace(payload)
     advance(payload, start, work, np.empty((2000, 2)), np.empty(2000))
     ours, theirs, known, count = (
         copy_of(start),

@@ -25,7 +25,7 @@ from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.settings.files import load_configuration
 from dcrb_ros.settings.parameters import SimulationParameters
 
-CONFIGURATION = load_configuration("outer_ring_defect", ["cage.joint=revolute"])
+CONFIGURATION = load_configuration("dry", ["faults.outer_1.width=0.002", "cage.joint=revolute"])
 STEP = SimulationParameters().step
 """The default step [s]."""
 FINE = 20

@@ -35,7 +35,13 @@ PHASES = ("geometry", "free rollers", "raceways", "bars and lands", "linear solv
 Normal force and friction at the raceways share a loop, so that memory is traversed once."""
 SETTLING, DURATION = 0.1, 0.5
 """Simulated time before the measurement, and of the measurement [s]."""
-BENCHES = ("healthy", "outer_ring_defect", "inner_ring_defect", "cage_fracture")
+BENCHES = {
+    "healthy": (),
+    "outer ring defect": ("faults.outer_1.width=0.002",),
+    "inner ring defect": ("faults.inner_1.width=0.002",),
+    "broken bars": ("faults.broken_bars=row1/bar15, row2/bar15",),
+}
+"""Settings of the bench `dry`."""
 JOINTS = ("revolute", "pocket")
 
 
@@ -109,8 +115,8 @@ def main() -> None:
     """Print a table."""
     print("| bench | joint | " + " | ".join(f"{name} [us]" for name in (*PHASES, "sum", "step")) + " |")
     print("|---|---|" + "---|" * (len(PHASES) + 2))
-    for name, joint in itertools.product(BENCHES, JOINTS):
-        phases, timed, plain = costs(load_configuration(name, [f"cage.joint={joint}"]))
+    for (name, settings), joint in itertools.product(BENCHES.items(), JOINTS):
+        phases, timed, plain = costs(load_configuration("dry", [f"cage.joint={joint}", *settings]))
         print(f"| {name} | {joint} | " + " | ".join(f"{cost:.2f}" for cost in (*phases, timed, plain)) + " |", flush=True)
 
 

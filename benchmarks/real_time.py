@@ -32,9 +32,11 @@ RECORDING_FACTOR = 5
 BENCHES = {
     "healthy": (),
     "outer_ring_defect": (),
-    "inner_ring_defect": (),
-    "cage_fracture": (),
-    "healthy, 48 rpm": ("operating.speed=5.0",),
+    "dry": (),
+    "dry, outer ring defect": ("faults.outer_1.width=0.002",),
+    "dry, inner ring defect": ("faults.inner_1.width=0.002",),
+    "dry, broken bars": ("faults.broken_bars=row1/bar15, row2/bar15",),
+    "dry, 48 rpm": ("operating.speed=5.0",),
 }
 """Settings by bench. On a slow shaft, idle rollers rest on their bars, so more rollers are bound."""
 JOINTS = ("revolute", "pocket")

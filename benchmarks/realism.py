@@ -28,7 +28,7 @@ from dcrb_ros.validation.friction_moment import friction_moment
 from dcrb_ros.validation.realism import Statistics, lines_of, squared_envelope, statistics
 
 GRAVITY = 9.80665
-BENCHES = {"healthy": "axle_box", "outer_ring": "axle_box_outer_spall"}
+BENCHES = {"healthy": "healthy", "outer_ring": "outer_ring_defect"}
 SEEDS = range(1, 9)
 SETTLING, DURATION = 0.2, 3.0
 """Simulated time before the statistics, and of them [s]."""
@@ -101,7 +101,7 @@ def operating_points() -> None:
     for speed, load, temperature in POINTS:
         given = {"operating.speed": speed, "operating.load": load, "lubrication.temperature": temperature}
         still = ["operating.speed_fluctuation=0", "operating.speed_ripple=0"]
-        configuration = load_configuration("axle_box", [*(f"{key}={value}" for key, value in given.items()), *still])
+        configuration = load_configuration("healthy", [*(f"{key}={value}" for key, value in given.items()), *still])
         simulation = Simulation(configuration)
         list(simulation.blocks(0.5))
         before, angles = simulation.energy, simulation._state.cage_position[:, 2].copy()

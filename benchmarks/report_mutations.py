@@ -13,7 +13,7 @@ from dataclasses import replace
 
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.validation.comparison import Comparison
-from dcrb_ros.validation.default_bench import default_bench_comparisons
+from dcrb_ros.validation.dry_bench import dry_bench_comparisons
 from dcrb_ros.validation.oiled_bench import oiled_bench_comparisons
 from dcrb_ros.validation.oiled_runs import oiled_specs, simulate_oiled
 from dcrb_ros.validation.realism_rows import realism_comparisons
@@ -51,7 +51,7 @@ def comparisons(settings: tuple[str, ...]) -> Iterator[Comparison]:
     yield from oiled_bench_comparisons(runs)
     yield from surface_comparisons(runs)
     yield from realism_comparisons(runs)
-    yield from (replace(row, chapter="The paper") for row in default_bench_comparisons(dry(settings)))
+    yield from (replace(row, chapter="The paper") for row in dry_bench_comparisons(dry(settings)))
 
 
 def dry(settings: tuple[str, ...]) -> Run:

@@ -43,7 +43,22 @@ def data_sheet(configuration: Configuration) -> dict[str, str]:
         "frequencies": ", ".join(f"{name} {order * abs(shaft):.2f}" for name, order in orders.items()) + " Hz",
         "time step": f"{1e6 * step:.4g} us, {configuration.steps_per_sample} for a sample at {rate / 1e3:g} kHz",
         "faults": summary_of(configuration.described_faults()),
+        "lubrication": _lubrication(configuration),
     }
+
+
+def _lubrication(c: Configuration) -> str:
+    """Return oil, surfaces, masses around the bearing and, where they are those of the paper, how to get the lubricated ones."""
+    film = c.lubrication.law != "dry"
+    oil = f"film of {c.lubrication.lubricant} at {c.lubrication.temperature:g} deg C" if film else "dry"
+    surfaces = "smooth surfaces" if c.surfaces.law == "smooth" else f"profiles of individual {c.surfaces.seed or c.simulation.seed}"
+    masses = f"axle box of {c.housing.box_mass:g} kg, axle of {c.housing.axle_mass:g} kg"
+    parts = [oil, surfaces, masses if c.housing.box_mass or c.housing.axle_mass else "no axle box, no axle"]
+    if math.isclose(c.bearing.radial_gap, Bearing().radial_gap, rel_tol=1e-6):
+        parts.append("the paper's clearance, beyond C5 of ISO 5753")
+    if film:
+        return ", ".join(parts)
+    return f"{', '.join(parts)}; for a bearing as in service, start from config/healthy.yaml, which `dcrb config show healthy` prints"
 
 
 def _rows(bearing: Bearing) -> str:

@@ -4,18 +4,17 @@ from __future__ import annotations
 
 import numpy as np
 
-from dcrb_ros.core.contacts.films import entrainment_speeds
-from dcrb_ros.core.laws.calls import film_at
+from dcrb_ros.core import observation as of
 from dcrb_ros.core.laws.registry import law_of
 from dcrb_ros.core.layout.state import State
 from dcrb_ros.core.payload import Payload
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.stream.states import LubricationState
 
-LOADED_FORCE = 500.0
-"""Normal force above which a contact counts as loaded [N]; the centrifugal force of the default roller is 146 N at 1800 rpm."""
 STANDSTILL = 1e-3
 """Speed of the shaft below which there is no friction torque [rad/s]."""
+LEAST_TIME = 1e-12
+"""Time between two observations that stands for none [s]."""
 
 
 def friction_losses(state: State) -> Floats:
@@ -23,27 +22,11 @@ def friction_losses(state: State) -> Floats:
 
     Contacts between rollers beside a broken bar are not part of it.
     """
-    rollers = state.rollers[0]
-    friction, rolling, contact, bar_friction, bar_contact = (
-        state.of_rollers(values).sum(axis=1)
-        for values in (
-            rollers.friction_loss,
-            rollers.rolling_loss,
-            rollers.contact_loss,
-            rollers.bar_friction_loss,
-            rollers.bar_contact_loss,
-        )
-    )
-    lands = state.land[0].loss[: len(friction)]
-    return np.stack([friction - rolling - bar_friction, rolling, contact - bar_contact, bar_friction + bar_contact, lands], axis=-1)
-
-
-def row_films(film: Floats, force: Floats) -> tuple[Floats, Floats]:
-    """Return the smallest and the mean film [m] of the loaded contacts of each row, shapes (rows,); of arrays (rows, rollers)."""
-    loaded = force > LOADED_FORCE
-    count, none = loaded.sum(axis=1), ~loaded.any(axis=1)
-    least = np.where(none, np.nan, np.where(loaded, film, np.inf).min(axis=1))
-    return least, np.where(none, np.nan, np.where(loaded, film, 0.0).sum(axis=1) / np.maximum(count, 1))
+    rows = len(state.cage_position)
+    found = np.zeros((rows, of.LOSSES))
+    of.observe_losses(state.rollers, state.rollers_per_row, found)
+    found[:, -1] = state.land[0].loss[:rows]
+    return found
 
 
 def observe_lubrication(payload: Payload, state: State, time: float, before: tuple[float, Floats]) -> LubricationState | None:
@@ -51,35 +34,23 @@ def observe_lubrication(payload: Payload, state: State, time: float, before: tup
 
     ``before`` are an earlier time [s] and the losses then, shape (rows, sources) [J].
     """
-    law = law_of(payload.lubrication)
-    if law.thickness is None:
+    if law_of(payload.lubrication).thickness is None:
         return None
-    rollers, rows = state.rollers[0], np.arange(len(payload.free))
-    speeds = entrainment_speeds(payload, state)
-    most, least, mean, ratio, traction, slip = (np.empty((len(rows), 2)) for _ in range(6))
-    heaviest, heaviest_ratio = np.empty(2), np.empty(2)
-    for k, (site, contact) in enumerate(((payload.inner, rollers.inner), (payload.outer, rollers.outer))):
-        force, friction, sliding = (state.of_rollers(values) for values in (contact.force, contact.friction, contact.slip))
-        film, ratios = law.thickness(film_at(payload.lubrication, site.number, speeds[k]), force)
-        place = force.argmax(axis=1)
-        most[:, k] = force[rows, place]
-        least[:, k], mean[:, k] = row_films(film, force)
-        ratio[:, k] = row_films(ratios, force)[0]
-        traction[:, k], slip[:, k] = friction[rows, place] / np.maximum(most[:, k], LOADED_FORCE), sliding[rows, place]
-        heaviest[k], heaviest_ratio[k] = film.flat[force.argmax()], ratios.flat[force.argmax()]
-    none = most <= LOADED_FORCE
-    traction[none] = slip[none] = np.nan
+    rows, each = payload.free.shape
+    found = np.empty((rows, 2, of.AT_CONTACTS))
+    of.observe_films(payload.lubrication, state.rollers, state.films, each, found)
+    there = np.where(found[..., of.LARGEST_FORCE] > of.LOADED_FORCE, 1.0, np.nan)
     losses = friction_losses(state)
-    power = (losses - before[1]) / max(time - before[0], 1e-12)
+    power = (losses - before[1]) / max(time - before[0], LEAST_TIME)
     speed = abs(float(state.shaft[1]))
     return LubricationState(
-        film=heaviest,
-        film_ratio=heaviest_ratio,
-        least_film=least,
-        mean_film=mean,
-        least_film_ratio=ratio,
-        loaded_traction=traction,
-        loaded_slip=slip,
+        film=found[..., of.LEAST_FILM].min(axis=0),
+        film_ratio=found[..., of.LEAST_RATIO].min(axis=0),
+        least_film=found[..., of.LEAST_FILM] * there,
+        mean_film=found[..., of.MEAN_FILM] * there,
+        least_film_ratio=found[..., of.LEAST_RATIO] * there,
+        loaded_traction=found[..., of.LOADED_TRACTION] * there,
+        loaded_slip=found[..., of.LOADED_SLIP] * there,
         friction_loss=losses,
         friction_power=power,
         friction_torque=power / speed if speed > STANDSTILL else np.full_like(power, np.nan),

@@ -5,11 +5,16 @@ from __future__ import annotations
 import json
 from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
 
-from dcrb_ros.cli.options import Bag, DetectorFile, JsonOutput
+import typer
+
+from dcrb_ros.cli.options import Bag, DetectorFile, Force, JsonOutput
+from dcrb_ros.cli.output_file import check_output, replacing
+from dcrb_ros.schema.refusal import Refusal
 
 if TYPE_CHECKING:
+    from dcrb_ros.diagnosis.healthy_baseline import HealthyBaseline
     from dcrb_ros.diagnosis.parameters import DetectorParameters
 
 
@@ -25,7 +30,17 @@ def detector_parameters(file: Path | None) -> DetectorParameters:
     return DetectorParameters() if file is None else validated(read_parameters(file, "fault_detector"), DetectorParameters, str(file))
 
 
-def detect(bag: Bag, as_json: JsonOutput = False, detector: DetectorFile = None) -> None:
+def detect(
+    bag: Bag,
+    as_json: JsonOutput = False,
+    detector: DetectorFile = None,
+    healthy: Annotated[
+        Path | None, typer.Option(help="Recording of the same bearing and sensor while healthy, from which a baseline is learned.")
+    ] = None,
+    baseline: Annotated[Path | None, typer.Option(help="Saved baseline of the healthy bearing.")] = None,
+    save_baseline: Annotated[Path | None, typer.Option(help="New YAML file for the baseline that --healthy gives.")] = None,
+    force: Force = False,
+) -> None:
     """Run the fault detector on a recording and print its verdict with the evidence.
 
     Example: dcrb detect bags/outer_ring_defect
@@ -34,9 +49,13 @@ def detect(bag: Bag, as_json: JsonOutput = False, detector: DetectorFile = None)
     from dcrb_ros.diagnosis.detection import watch
     from dcrb_ros.recordings.reader import Recording
 
+    parameters = detector_parameters(detector)
+    if baseline is not None:
+        parameters = parameters.model_copy(update={"baseline": str(baseline)})
+    known = _learned(healthy, baseline, save_baseline, parameters, force=force)
     recording = Recording(bag)
     # A program gets an answer in any case; a person gets the reason why there is none.
-    found = (watch if as_json else detect_in)(recording, parameters=detector_parameters(detector))
+    found = (watch if as_json else detect_in)(recording, parameters=parameters, baseline=known)
     last = found.last
     if as_json:
         about = {
@@ -53,6 +72,7 @@ def detect(bag: Bag, as_json: JsonOutput = False, detector: DetectorFile = None)
             "trend": last.trend,
             "gaps": last.gaps,
             "clipped": last.clipped,
+            "baseline": last.baseline or None,
             "remarks": last.remarks,
             "complete": recording.complete,
             "history": [{"time": d.time, "verdict": d.verdict, "confidence": d.confidence} for d in found.history],
@@ -71,8 +91,34 @@ def detect(bag: Bag, as_json: JsonOutput = False, detector: DetectorFile = None)
         table.add_row(fault, line, f"{level:.1f}", f"{score:.1f}")
     shown = console()
     shown.print(table)
-    when = f"first at {found.since:.2f} s of {found.duration:.2f} s"
+    when = f"first at {found.since:.2f} s, in {found.duration:.2f} s of signal"
     for sentence in (f"{last.verdict}, confidence {last.confidence:.2f}, {when}: {last.reason}", *last.remarks):
         shown.print(sentence, soft_wrap=True)
     if not recording.complete:
         shown.print("the recording is truncated; the verdict is based on its readable part")
+
+
+def _learned(
+    healthy: Path | None, baseline: Path | None, save: Path | None, parameters: DetectorParameters, *, force: bool
+) -> HealthyBaseline | None:
+    """Return the baseline that a healthy recording gives, and save it if asked; none without such a recording.
+
+    Raises:
+        Refusal: the options contradict each other, or the recording gives no baseline.
+    """
+    from dcrb_ros.diagnosis.detection import learn_baseline
+    from dcrb_ros.recordings.reader import Recording
+
+    if healthy is None:
+        if save is not None:
+            raise Refusal("--save-baseline needs --healthy, the recording from which the baseline is learned")
+        return None
+    if baseline is not None:
+        raise Refusal("--healthy and --baseline both give a baseline: leave out one of them")
+    if save is not None:
+        check_output("--save-baseline", save, (".yaml", ".yml"))
+    learned = learn_baseline(Recording(healthy), name=healthy.name, parameters=parameters)
+    if save is not None:
+        with replacing("--save-baseline", save, force=force):
+            learned.save(save)
+    return learned

@@ -1,4 +1,4 @@
-"""`dcrb exam`: seal, open and verify exams; make the leaderboard."""
+"""`dcrb exam`: seal, open and verify exams; make the leaderboard, and compare it with measured recordings."""
 
 from __future__ import annotations
 
@@ -134,6 +134,32 @@ def table(
     _write(folder / "leaderboard.html", page(found, figures))
     for name in ("leaderboard.md", "leaderboard.html", *figures):
         print(folder / name)
+
+
+@app.command()
+def agreement(
+    exam: Annotated[Path, typer.Argument(help="Folder with entries of dcrb score EXAM --entry.")],
+    measured: Annotated[Path, typer.Argument(help="Folder with entries of dcrb score --measured DIR --entry, with the same --name.")],
+) -> None:
+    """Print the rank correlation between the scores of detectors in an exam and on measured recordings.
+
+    Example: dcrb exam agreement entries measured_entries
+    """
+    from rich.table import Table
+
+    from dcrb_ros.exam.agreement import agreement as rank_agreement
+    from dcrb_ros.exam.leaderboard import read_entries
+    from dcrb_ros.exam.statistics import CONFIDENCE
+    from dcrb_ros.runtime.terminal import console
+    from dcrb_ros.schema.printable import printable
+
+    found = rank_agreement(read_entries(exam), read_entries(measured))
+    table = Table("detector", "exam score", "correct on measured recordings [%]")
+    for name, score, share in zip(found.detectors, found.exam, found.measured, strict=True):
+        table.add_row(printable(name), f"{score:.1f}", f"{100.0 * share:.0f}")
+    console().print(table)
+    for name, value in (("Kendall's tau-b", found.kendall), ("Spearman's rho", found.spearman)):
+        print(f"{name} {value.value:.2f} ({CONFIDENCE:.0%} bootstrap interval {value.low:.2f} to {value.high:.2f})")
 
 
 def _write(file: Path, text: str) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -13,8 +13,33 @@ from dcrb_ros.cli.output_file import PICTURES, check_output, replacing
 from dcrb_ros.schema.numbers import duration_within
 from dcrb_ros.schema.refusal import Refusal
 
+if TYPE_CHECKING:
+    from dcrb_ros.bearing.waveform import Waveform
+
 LONGEST = 60.0
 """Longest stretch that is plotted [s]."""
+
+
+def check_gaps(waveform: Waveform) -> None:
+    """Refuse a waveform that lacks samples, which has no spectrum.
+
+    Raises:
+        Refusal: samples are missing; the longest stretch without a gap is proposed.
+    """
+    from itertools import pairwise
+
+    import numpy as np
+
+    jumps = np.flatnonzero(np.diff(waveform.index) != 1) + 1
+    if not len(jumps):
+        return
+    borders = [0, *jumps.tolist(), len(waveform)]
+    first, after = max(pairwise(borders), key=lambda piece: piece[1] - piece[0])
+    rate = waveform.sampling_rate
+    raise Refusal(
+        f"samples are missing after {waveform.time[jumps[0] - 1]:.4f} s, so there is no spectrum: plot a stretch without gaps, such as "
+        f"--start {waveform.index[first] / rate:.6f} --duration {(after - first) / rate:.6f}"
+    )
 
 
 def plot(
@@ -39,6 +64,7 @@ def plot(
     recording = Recording(bag)
     begin = next(recording.pieces()).first_index / recording.sampling_rate if start is None else start
     waveform = recording.waveform(begin, begin + duration)
+    check_gaps(waveform)
     with replacing("-o", output, force=force, source=bag):
         over_orders = write_overview(waveform, output, title=recording.path.resolve().stem, order=order)
     if order and not over_orders:

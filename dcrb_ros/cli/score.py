@@ -94,11 +94,12 @@ def score(
     """
     given = [*(sources or ()), *([exam] if exam else [])]
     if measured is not None:
-        _check_measured(given, node, speed, other=bool(only or show or recordings or reference or python or entry))
+        _check_measured(given, node, speed, other=bool(only or show or recordings or reference))
+        _check_python(python, node, detector, reference)
         count = worker_count(workers)
-        _check_files(junit, figure, None)
-        report = _evaluate_measured(measured, _candidate(None, None, detector, rate, patience, name), speed, count, quiet=quiet)
-        _output(report, as_json, junit, figure, None)
+        _check_files(junit, figure, entry)
+        report = _evaluate_measured(measured, _candidate(None, python, detector, rate, patience, name), speed, count, quiet=quiet)
+        _output(report, as_json, junit, figure, entry)
         if not report.passed:
             raise typer.Exit(1)
         return
@@ -151,8 +152,8 @@ def _check_measured(given: Sequence[str], node: str | None, speed: str, *, other
 
     if given or node is not None or other:
         raise Refusal(
-            "--measured judges its recordings by the shipped detector: leave out exams, --node, --python, "
-            "--reference, --recordings, --only, --list and --entry"
+            "--measured judges its recordings by the shipped detector or by --python: leave out exams, --node, --reference, "
+            "--recordings, --only and --list"
         )
     if speed not in SPEEDS:
         raise Refusal(f"--speed {speed} is unknown: give {' or '.join(SPEEDS)}")
@@ -161,8 +162,11 @@ def _check_measured(given: Sequence[str], node: str | None, speed: str, *, other
 def _evaluate_measured(folder: Path, candidate: Candidate, speed: str, workers: int, *, quiet: bool) -> Report:
     """Return the report of measured recordings."""
     from dcrb_ros.exam.measured import evaluate_measured, read_measured
+    from dcrb_ros.exam.measured_stream import evaluate_measured_stream
 
     with _progress("judged", len(read_measured(folder, speed)), quiet=quiet) as on_done:
+        if candidate.python is not None:
+            return evaluate_measured_stream(folder, candidate.python, speed, candidate.name, workers, on_done)
         return evaluate_measured(folder, candidate.parameters, speed, candidate.name, workers, on_done)
 
 

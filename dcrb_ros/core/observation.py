@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 from dcrb_ros.core.jit import loop
+from dcrb_ros.core.laws.calls import film_thickness, load_film
 from dcrb_ros.core.layout.records import Flags, Floats, OneRecord
 from dcrb_ros.core.layout.rollers import Rollers
 from dcrb_ros.core.layout.state import CAGE, INNER, OUTER
@@ -59,3 +61,55 @@ def observe_rollers(
             found[FRICTION, c], found[TORQUE, c] = friction, roller_radius * (friction - rollers.outer.friction[c])
             found[BAR_FORCE, c] = rollers.bar.force[c]
     return force_x, force_y
+
+
+AT_CONTACTS = 6
+(LARGEST_FORCE, LEAST_FILM, LEAST_RATIO, MEAN_FILM, LOADED_TRACTION, LOADED_SLIP) = range(AT_CONTACTS)
+"""What is observed of the contacts of a row with a raceway; see `dcrb_ros.stream.states.LubricationState`."""
+LOADED_FORCE = 500.0
+"""Normal force above which a contact counts as loaded [N]; the centrifugal force of the default roller is 146 N at 1800 rpm."""
+
+
+@loop
+def observe_films(lubrication: Any, table: OneRecord[Rollers], films: Floats, each: int, found: Floats) -> None:
+    """Write what is observed of the films, shape (rows, 2, AT_CONTACTS).
+
+    ``each`` is the number of rollers in a row; ``films`` are those of inner and outer raceway as they were evaluated last. The smallest
+    film is that under the largest force.
+    """
+    rollers, rows = table[0], found.shape[0]
+    for ring in range(2):
+        film = load_film(lubrication, films, ring)
+        contacts = rollers.inner if ring == 0 else rollers.outer
+        for row in range(rows):
+            heaviest, loaded, total = row * each, 0.0, 0.0
+            for c in range(row * each, (row + 1) * each):
+                if contacts.force[c] > contacts.force[heaviest]:
+                    heaviest = c
+                if contacts.force[c] > LOADED_FORCE:
+                    loaded += 1.0
+                    total += film_thickness(film, contacts.force[c])[0]
+            least, ratio = film_thickness(film, contacts.force[heaviest])
+            found[row, ring, LARGEST_FORCE] = contacts.force[heaviest]
+            found[row, ring, LEAST_FILM], found[row, ring, LEAST_RATIO] = least, ratio
+            found[row, ring, MEAN_FILM] = total / max(loaded, 1.0)
+            found[row, ring, LOADED_TRACTION] = contacts.friction[heaviest] / max(contacts.force[heaviest], LOADED_FORCE)
+            found[row, ring, LOADED_SLIP] = contacts.slip[heaviest]
+
+
+LOSSES = 5
+"""Sources of losses, see `dcrb_ros.stream.states.FRICTION_SOURCES`."""
+
+
+@loop
+def observe_losses(table: OneRecord[Rollers], each: int, found: Floats) -> None:
+    """Write the energy that the ``each`` rollers of each row have lost by each source but lands, shape (rows, LOSSES) [J]."""
+    rollers = table[0]
+    for row in range(found.shape[0]):
+        sliding, rolling, contacts, pockets = 0.0, 0.0, 0.0, 0.0
+        for c in range(row * each, (row + 1) * each):
+            sliding += rollers.friction_loss[c] - rollers.rolling_loss[c] - rollers.bar_friction_loss[c]
+            rolling += rollers.rolling_loss[c]
+            contacts += rollers.contact_loss[c] - rollers.bar_contact_loss[c]
+            pockets += rollers.bar_friction_loss[c] + rollers.bar_contact_loss[c]
+        found[row, 0], found[row, 1], found[row, 2], found[row, 3] = sliding, rolling, contacts, pockets

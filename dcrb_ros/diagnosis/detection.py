@@ -11,7 +11,9 @@ import numpy.typing as npt
 
 from dcrb_ros.bearing.fault_lines import BearingLike
 from dcrb_ros.bearing.waveform import Piece, Signal, signal_of
+from dcrb_ros.diagnosis.baseline_learning import BaselineLearner
 from dcrb_ros.diagnosis.detector import FaultDetector
+from dcrb_ros.diagnosis.healthy_baseline import HealthyBaseline, axes, rules_hash
 from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.runtime.frames import pandas
 from dcrb_ros.schema.refusal import Refusal
@@ -92,6 +94,7 @@ def detect(
     shaft_angle: npt.ArrayLike | None = None,
     bearing: BearingLike | None = None,
     parameters: DetectorParameters | None = None,
+    baseline: HealthyBaseline | None = None,
 ) -> DetectionResult:
     """Run the fault detector over a run, a recording or plain arrays.
 
@@ -105,6 +108,8 @@ def detect(
         Rotation of the inner ring beside plain arrays, shape (samples,) [rad]. Without it the speed is estimated from the signal.
     parameters
         Window, bands and thresholds of the detector; the defaults otherwise.
+    baseline
+        Lines of the healthy bearing, as `learn_baseline` returns them; none are needed.
 
     Returns
     -------
@@ -129,7 +134,7 @@ def detect(
     >>> for piece in run.pieces():
     ...     diagnosis = detector.update(piece.first_index, piece.acceleration, piece.shaft_angle)
     """
-    found = watch(signal, sampling_rate, shaft_angle=shaft_angle, bearing=bearing, parameters=parameters)
+    found = watch(signal, sampling_rate, shaft_angle=shaft_angle, bearing=bearing, parameters=parameters, baseline=baseline)
     if found.verdict == "waiting":
         raise Refusal(f"the signal holds {found.duration:.2f} s of waveform, too little for a verdict: {found.reason}")
     return found
@@ -142,8 +147,87 @@ def watch(
     shaft_angle: npt.ArrayLike | None = None,
     bearing: BearingLike | None = None,
     parameters: DetectorParameters | None = None,
+    baseline: HealthyBaseline | None = None,
 ) -> DetectionResult:
     """Return the diagnoses of a signal as `detect` does, also if all of them are ``waiting``."""
+    source = _source(signal, sampling_rate, shaft_angle, bearing, parameters)
+    chosen = parameters or DetectorParameters()
+    described = _described(signal if bearing is None else bearing)
+    found, samples = _diagnoses(_detector(source, chosen, described, baseline), source.pieces())
+    duration = samples / source.sampling_rate
+    if duration >= SHORT and all(diagnosis.verdict == "waiting" for diagnosis in found):
+        # A verdict from little signal is better than none: it has a larger probability of being wrong, and says so by its confidence.
+        found, _ = _diagnoses(_detector(source, _brief(chosen), described, baseline), source.pieces())
+    if not found:
+        reason = f"{duration:.2f} s have arrived, but a verdict needs {chosen.least_window:g} s"
+        found = [Diagnosis(max(0, samples - 1), duration, "waiting", reason)]
+    return DetectionResult(tuple(found), duration)
+
+
+def learn_baseline(
+    signal: Signal | npt.ArrayLike,
+    sampling_rate: float | None = None,
+    *,
+    name: str = "the healthy signal",
+    shaft_angle: npt.ArrayLike | None = None,
+    bearing: BearingLike | None = None,
+    parameters: DetectorParameters | None = None,
+) -> HealthyBaseline:
+    """Return the lines of a bearing that is stated to be healthy, from a signal given as for `detect`.
+
+    Nothing is learned while the sensor is faulty, nor after an alarm that follows a healthy verdict.
+
+    Parameters
+    ----------
+    name
+        Name of the recording, by which a diagnosis says which baseline it used.
+
+    Returns
+    -------
+    HealthyBaseline
+        To be given to `detect`, or saved with its method ``save``.
+
+    Raises
+    ------
+    Refusal
+        The signal gives no verdict on the bearing, because it is too short or the sensor is faulty.
+    """
+    source = _source(signal, sampling_rate, shaft_angle, bearing, parameters)
+    chosen = (parameters or DetectorParameters()).model_copy(
+        update={"baseline": "", "outer_limit": 0.0, "outer_limit_high": 0.0, "learn": 0.0}
+    )
+    described, acceleration = _described(signal if bearing is None else bearing), [piece.acceleration for piece in source.pieces()]
+    duration = sum(map(len, acceleration)) / source.sampling_rate
+    learner = BaselineLearner(min(chosen.window, duration))
+    for tried in (chosen, _brief(chosen)):
+        detector = _detector(source, tried, described, None)
+        detector.learner = learner
+        found, _ = _diagnoses(detector, source.pieces())
+        if learner.judgements:
+            break
+    if not learner.judgements:
+        reason = found[-1].reason if found else f"{duration:.2f} s are too few"
+        raise Refusal(f"{name} gives no baseline: {reason}; give a longer recording of a healthy bearing with a sound sensor")
+    about = {
+        "source": name,
+        "rules": rules_hash(),
+        "sampling_rate": source.sampling_rate,
+        "axes": max(axes(part) for part in acceleration) or 1,
+        "orders": source.orders.as_dict(),
+        "bands": detector.bands,
+        "seconds": learner.seconds or duration,
+    }
+    return learner.baseline(about)
+
+
+def _source(
+    signal: Signal | npt.ArrayLike,
+    sampling_rate: float | None,
+    shaft_angle: npt.ArrayLike | None,
+    bearing: BearingLike | None,
+    parameters: DetectorParameters | None,
+) -> Signal:
+    """Return a signal that a detector with these parameters can judge."""
     source = signal_of(signal, sampling_rate, shaft_angle=shaft_angle, bearing=bearing)
     if math.isnan(source.orders.bpfo):
         raise Refusal("the orders of the bearing are unknown: give its geometry or orders as bearing")
@@ -156,22 +240,17 @@ def watch(
             f"window = {chosen.window:g} s is below least_window = {chosen.least_window:g} s, so that no verdict follows: "
             "make the window longer"
         )
-    described = _described(signal if bearing is None else bearing)
-    found, samples = _diagnoses(_detector(source, chosen, described), source.pieces())
-    duration = samples / source.sampling_rate
-    if duration >= SHORT and all(diagnosis.verdict == "waiting" for diagnosis in found):
-        # A verdict from little signal is better than none: it has a larger probability of being wrong, and says so by its confidence.
-        brief = chosen.model_copy(update={"least_window": SHORT_WINDOW, "confirm": 1, "least_turns": FEWEST_TURNS})
-        found, _ = _diagnoses(_detector(source, brief, described), source.pieces())
-    if not found:
-        reason = f"{duration:.2f} s have arrived, but a verdict needs {chosen.least_window:g} s"
-        found = [Diagnosis(max(0, samples - 1), duration, "waiting", reason)]
-    return DetectionResult(tuple(found), duration)
+    return source
 
 
-def _detector(source: Signal, parameters: DetectorParameters, described: object) -> FaultDetector:
+def _brief(parameters: DetectorParameters) -> DetectorParameters:
+    """Return parameters by which little signal gives a verdict."""
+    return parameters.model_copy(update={"least_window": SHORT_WINDOW, "confirm": 1, "least_turns": FEWEST_TURNS})
+
+
+def _detector(source: Signal, parameters: DetectorParameters, described: object, baseline: HealthyBaseline | None) -> FaultDetector:
     """Return a detector for a signal whose bearing is described."""
-    detector = FaultDetector(source.orders, source.sampling_rate, parameters)
+    detector = FaultDetector(source.orders, source.sampling_rate, parameters, baseline=baseline)
     detector.know(described)
     return detector
 

@@ -8,15 +8,19 @@ look for the lines of each fault. Their findings are combined to a verdict.
 from __future__ import annotations
 
 import math
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from dcrb_ros.bearing.kinematics import Orders
+from dcrb_ros.diagnosis.bands import QUARTERS, bands_of
+from dcrb_ros.diagnosis.baseline_learning import BaselineLearner
 from dcrb_ros.diagnosis.combination import Combination
-from dcrb_ros.diagnosis.demodulation import Band, Demodulator, band_tree, kurtosis
+from dcrb_ros.diagnosis.demodulation import Demodulator, band_tree, kurtosis
 from dcrb_ros.diagnosis.evidence import BandEvidence, Evidence, LevelEvidence, LevelHistory, SampleEvidence
+from dcrb_ros.diagnosis.healthy_baseline import HealthyBaseline, read_baseline
 from dcrb_ros.diagnosis.hysteresis import Hysteresis, confidence
 from dcrb_ros.diagnosis.known_bearings import baseline_of
 from dcrb_ros.diagnosis.order_spectrum import HARMONICS, SHAFT_SIDEBANDS, OrderSpectrum, order_spectra
@@ -25,7 +29,7 @@ from dcrb_ros.diagnosis.registry import BEARING_RULES, LEVEL_RULES, SAMPLE_RULES
 from dcrb_ros.diagnosis.rule import Finding, LineRule, found_lines
 from dcrb_ros.diagnosis.rules.outer_ring import OuterRing
 from dcrb_ros.diagnosis.rules.saturation import Saturation
-from dcrb_ros.diagnosis.segments import Segment, Segmenter
+from dcrb_ros.diagnosis.segments import AXES, Segment, Segmenter
 from dcrb_ros.diagnosis.speed_estimation import estimated_frequency
 from dcrb_ros.diagnosis.trend import Trend
 from dcrb_ros.diagnosis.window import MOST_BINS, REFERENCE_FREQUENCY, Hop, Window, margin_samples
@@ -38,12 +42,8 @@ __all__ = ["Diagnosis", "FaultDetector"]
 
 DEFAULTS = DetectorParameters()
 
-QUARTERS = 4
-"""Parts of the detector's band in which levels are compared."""
 MARGIN_PERIODS = 10.0
 """Periods of the lowest frequency on either side of a hop that its envelope depends on."""
-NYQUIST_SHARE = 0.45
-"""Highest usable frequency relative to the sampling rate [-]: anti-alias filters act above it."""
 BINS_PER_ORDER = 3
 """Bins per turn relative to the highest order [-]; 2 is the Nyquist rate."""
 
@@ -55,18 +55,27 @@ class FaultDetector:
     that `update` returns only the last one of a block that is longer than a hop.
     """
 
-    def __init__(self, orders: Orders, rate: int, parameters: DetectorParameters = DEFAULTS, *, sensor_range: float = 0.0) -> None:
+    def __init__(
+        self,
+        orders: Orders,
+        rate: int,
+        parameters: DetectorParameters = DEFAULTS,
+        *,
+        sensor_range: float = 0.0,
+        baseline: HealthyBaseline | None = None,
+    ) -> None:
         """Prepare for a bearing with characteristic ``orders``, sampled at ``rate`` [Hz].
 
-        ``sensor_range`` is the range of the sensor [m/s^2], 0 if it is not known; it may be changed later.
+        ``sensor_range`` is the range of the sensor [m/s^2], 0 if it is not known; it may be changed later. ``baseline`` has the lines of
+        the healthy bearing; without it, that of the file that the parameters name is used, if they name one.
 
         Raises:
-            Refusal: the parameters do not fit each other or the sampling rate.
+            Refusal: the parameters do not fit each other or the sampling rate, or the baseline is of another bearing.
         """
         p = parameters
         self.orders, self.parameters, self.sensor_range = orders, parameters, sensor_range
         self.rate = rate = sampling_rate(rate, "the signal")
-        self.band, self._high, self._bands = _bands(rate, p)
+        self.band, self._high, self._bands = bands_of(rate, p)
         below = self._bands[-1]
         self._hop = max(1, round(p.hop * rate))
         self._margin = margin_samples(rate, below.low, MARGIN_PERIODS)
@@ -91,6 +100,10 @@ class FaultDetector:
         self._sample_rules = [rule(p) for rule in SAMPLE_RULES]
         self._level_rules = [rule(p) for rule in LEVEL_RULES]
         self._bearing_rules = [rule(p) for rule in BEARING_RULES]
+        self.learner: BaselineLearner | None = None
+        """Takes the evidence of every judgement, if there is one."""
+        self._baseline = baseline if baseline is not None or not p.baseline else read_baseline(Path(p.baseline))
+        self._use_baseline()
         self._saturation = next(rule for rule in self._sample_rules if isinstance(rule, Saturation))
         self._combination = Combination(self._bearing_rules, p.release_margin)
         self._hysteresis = Hysteresis(p.confirm, p.release, p.release_margin)
@@ -113,15 +126,31 @@ class FaultDetector:
                 if isinstance(rule, OuterRing):
                     rule.use(baseline)
 
+    @property
+    def bands(self) -> tuple[float, float, float, str]:
+        """Parameters on which a baseline depends: edges of the band [Hz], exponent of the speed, division of the band."""
+        return self.parameters.band_low, self.parameters.band_high, self.parameters.speed_exponent, self.parameters.band
+
+    def _use_baseline(self) -> None:
+        """Give the baseline to the rules."""
+        if self._baseline is None:
+            return
+        self._baseline.check(self.orders, self.rate, self.bands)
+        for rule in self._bearing_rules:
+            if isinstance(rule, LineRule):
+                rule.take(self._baseline)
+
     def update(self, index: int, acceleration: npt.NDArray[Any], shaft_angle: npt.NDArray[Any] | None = None) -> Diagnosis | None:
         """Take the block that begins with sample ``index``; return a diagnosis if the block completes a hop.
 
         ``acceleration`` has shape (samples, 2) [m/s^2], ``shaft_angle`` (samples,) [rad]. Without a tachometer, omit the angle or pass NaN.
 
         Raises:
-            Refusal: arrays of another shape or type; the detector continues with the next block.
+            Refusal: arrays of another shape or type, or other axes than those of the baseline; the detector continues with the next block.
         """
         diagnosis = None
+        if self._baseline is not None and acceleration.ndim == 2 and acceleration.shape[1] == AXES:
+            self._baseline.check_axes(acceleration)
         for segment in self._segmenter.add(index, acceleration, shaft_angle):
             diagnosis = self._diagnosed(segment)
         return diagnosis
@@ -207,6 +236,7 @@ class FaultDetector:
             shaft_frequency=self._window.frequency if self._window.tracked else 0.0,
             gaps=self.gaps,
             clipped=self._saturation.clipped,
+            baseline=self._baseline_used(),
             remarks=self._remarks(),
         )
 
@@ -243,6 +273,8 @@ class FaultDetector:
         verdict = self._hysteresis.verdict(excess)
         confirmed, time = self._hysteresis.confirmed, last / self.rate
         severity = self._severity(evidence, confirmed)
+        if self.learner is not None:
+            self.learner.add(evidence, self._bearing_rules, verdict, time)
         return Diagnosis(
             last,
             time,
@@ -258,6 +290,7 @@ class FaultDetector:
             severity=severity,
             trend=self._trend.slope(time, verdict, severity),
             clipped=self._saturation.clipped,
+            baseline=self._baseline_used(),
             remarks=self._remarks(f"the squared envelope spectrum is that of the band from {selected.band}"),
         )
 
@@ -284,6 +317,12 @@ class FaultDetector:
         amplitude[0] = math.sqrt(spectrum.mean * scale)
         return spectrum.orders[kept], amplitude
 
+    def _baseline_used(self) -> str:
+        """Return which baseline is used, in words, or nothing."""
+        if self._baseline is not None:
+            return self._baseline.sentence(self._window.frequency if self._window.tracked else 0.0)
+        return "; ".join(rule.remark for rule in self._bearing_rules if rule.remark)
+
     def _remarks(self, *more: str) -> tuple[str, ...]:
         """Return the remarks of a diagnosis."""
         counts = self._segmenter.counts
@@ -297,25 +336,10 @@ class FaultDetector:
         remarks = [f"{number} {words}" for words, number in irregularities.items() if number]
         if not self._window.tracked:
             remarks.append("no shaft angle: the speed is estimated from the signal")
-        remarks += [rule.remark for rule in self._bearing_rules if rule.remark]
+        remarks += [used for used in [self._baseline_used()] if used]
         return (*remarks, *more)
 
 
 def _rescaled(spectrum: OrderSpectrum, ratio: float, scale: float) -> OrderSpectrum:
     """Return a spectrum over multiples of a clock's frequency as one over orders of the shaft, at the reference frequency."""
     return OrderSpectrum(spectrum.orders * ratio, spectrum.amplitude / np.float32(scale), spectrum.mean / scale)
-
-
-def _bands(rate: int, p: DetectorParameters) -> tuple[Band, Band, tuple[Band, ...]]:
-    """Return the whole band, its upper quarter, and all bands: the whole, its parts, and the band below it."""
-    highest = NYQUIST_SHARE * rate
-    high = min(p.band_high, highest)
-    if high < 1.25 * p.band_low:
-        raise Refusal(
-            f"band_low = {p.band_low:g} Hz leaves no band below {high:g} Hz, the smaller of band_high and {NYQUIST_SHARE:g} of the "
-            f"sampling rate of {rate} Hz: it must be at most {high / 1.25:g} Hz; lower it or sample faster"
-        )
-    whole, quarters = Band(p.band_low, high), band_tree(p.band_low, p.band_high, (QUARTERS,))
-    parts = band_tree(p.band_low, high)[1:] if p.band == "kurtogram" else ()
-    below = Band(0.5 * p.band_low, p.band_low)
-    return whole, quarters[-1], (whole, *parts, below)

@@ -19,6 +19,8 @@ from dcrb_ros.schema.arrays import Floats
 
 AVERAGED_HOPS = 4
 """Hops over which levels are averaged: their mean scatters by less than a decibel."""
+BESIDE = 4.0
+"""Orders of a spectrum beyond the highest line that are searched [-]: four neighbourhoods of the local mean."""
 REFIT = 0.003
 """Relative change of the order of a family when the lines of another one are left out [-]."""
 SAME_SPEED = 0.03
@@ -31,12 +33,15 @@ class BandEvidence:
     def __init__(self, band: Band, spectrum: OrderSpectrum, orders: Orders, slip: float) -> None:
         """Look for lines within ``slip`` (relative) of the kinematic ``orders``."""
         self.band, self.spectrum, self.orders, self.slip = band, spectrum, orders, slip
+        # The families end below six times BPFO, three times BPFI and 2 BSF with sidebands; the local mean needs what is beside them.
+        highest = (1.0 + slip) * max(6.0 * orders.bpfo, 3.0 * orders.bpfi + 2.0, 6.0 * orders.bsf + 1.0) + BESIDE
+        self._searched = spectrum.up_to(highest)
         self._families: dict[Comb, LineFamily] = {}
 
     @cached_property
     def search(self) -> LineSearch:
         """The spectrum, prepared for the search."""
-        return LineSearch(self.spectrum)
+        return LineSearch(self._searched)
 
     def family(self, comb: Comb) -> LineFamily:
         """Return the strongest family of a comb in this band; it is searched once."""
@@ -46,8 +51,8 @@ class BandEvidence:
 
     def remainder(self, comb: Comb, found: LineFamily, explained: npt.ArrayLike) -> LineFamily:
         """Return what remains of a ``found`` family of a comb without the ``explained`` lines [orders]."""
-        without = covered(self.spectrum, explained)
-        return LineSearch(self.spectrum, without=without).best(comb._replace(order=found.order), REFIT)
+        without = covered(self._searched, explained)
+        return LineSearch(self._searched, without=without).best(comb._replace(order=found.order), REFIT)
 
 
 @dataclass(frozen=True)

@@ -7,6 +7,15 @@ from dataclasses import dataclass
 
 from dcrb_ros.schema.verdicts import COMPONENTS, Component, Verdict
 
+ALARM_DECADE = 4.0
+"""Evidence above the threshold that makes a wrong alarm ten times as rare [dB]: 3.8 fits 391 alarms, 2.2 to 3.9 those without one rig."""
+HEALTHY_DECADE = 10.0
+"""Distance below the threshold that makes a missed fault ten times as rare [dB]."""
+MOST_PROBABILITY = 0.99
+"""Largest probability of a fault [-]: of 209 alarms with more evidence than that, two have a wrong name."""
+LEAST_PROBABILITY = 0.1
+"""Least probability of a fault [-]: a tenth to a fifth of the verdicts healthy are wrong where half of the bearings have faint faults."""
+
 
 @dataclass
 class Suspicion:
@@ -59,14 +68,21 @@ class Hysteresis:
 
 
 def confidence(verdict: Verdict, confirmed: list[Component], excess: Mapping[Component, float]) -> float:
-    """Return the confidence in a verdict: 0.5 at a threshold, approaching 1 far from it, 0 without a verdict on the bearing."""
+    """Return the confidence in a verdict: 0.5 at a threshold, 0 without a verdict on the bearing; see `probability`."""
     if verdict in ("waiting", "sensor"):
         return 0.0
-    margin = min(excess[component] for component in confirmed) if confirmed else -max(excess.values())
-    return probability(max(0.0, margin))
+    if confirmed:
+        return probability(max(0.0, min(excess[component] for component in confirmed)))
+    return 1.0 - probability(min(0.0, max(excess.values())))
 
 
 def probability(excess: float) -> float:
-    """Return the probability of a fault from its evidence relative to the threshold [dB]: 0.5 at 0, 0.9 at 7 and 0.1 at -7."""
-    rare = 0.5 * 10.0 ** (-abs(excess) / 10.0)
-    return float(1.0 - rare if excess >= 0.0 else rare)
+    """Return the probability of a fault from its evidence relative to the threshold [dB].
+
+    It is 1 - 10^(-e/4) / 2 above the threshold, 0.9 at 2.8 dB, up to 0.99; and 10^(e/10) / 2 below it, but at least 0.1: a fault whose
+    impacts are too faint for every band leaves no lines, however far the evidence is from the threshold. The page on the
+    detector has the figures.
+    """
+    if excess >= 0.0:
+        return min(MOST_PROBABILITY, float(1.0 - 0.5 * 10.0 ** (-excess / ALARM_DECADE)))
+    return max(LEAST_PROBABILITY, float(0.5 * 10.0 ** (excess / HEALTHY_DECADE)))

@@ -23,3 +23,4 @@ class LineParameters(Group):
         0.0,
         1.0,
     )
+    learn_margin: float = quantity(4.0, "dB", "Margin of learned limits over the largest lines of the healthy bearing", 0.0, 40.0)

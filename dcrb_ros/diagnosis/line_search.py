@@ -11,6 +11,7 @@ A family is a fundamental, its harmonics and their sidebands. Two quantities rat
 
 from __future__ import annotations
 
+import functools
 import math
 from functools import cached_property
 from typing import NamedTuple
@@ -134,14 +135,8 @@ class LineSearch:
         limit = self.spectrum.orders[-1] - 2.0 * self.step
         if comb.order * comb.harmonics[0] * (1.0 + slip) >= limit:
             return NO_LINES
-        harmonics = np.array(
-            [h for h in comb.harmonics if h * comb.order * (1.0 + slip) + max(comb.sidebands) < limit] or [comb.harmonics[0]]
-        )
-        count = max(1, math.ceil(slip * float(harmonics[-1]) * comb.order / (0.5 * self.step)))
-        steps = np.arange(-count - BEYOND, count + BEYOND + 1)
-        tried = comb.order * (1.0 + slip * steps / count)
-        places = tried[:, None, None] * harmonics[:, None] + np.asarray(comb.sidebands)
-        near = np.clip(np.rint(places / self.step).astype(np.int64), 1, len(self._scores) - 1)
+        trials = trials_of(comb, slip, self.step, len(self.spectrum.orders), limit)
+        harmonics, count, steps, tried, near = trials.harmonics, trials.half, trials.steps, trials.orders, trials.near
         total = self._scores[near].sum(axis=(1, 2))
         groups = self._excess[near].sum(axis=2)  # power of a harmonic with its sidebands
         # A harmonic counts up to the leading one: a single line at a multiple belongs to another family.
@@ -156,14 +151,46 @@ class LineSearch:
         differs = np.flatnonzero(power[first:] < PLATEAU * power[first])
         best = first + int(differs[0] - 1 if len(differs) else 0) // 2
         amplitude, mean = math.sqrt(power[best]), self.spectrum.mean
-        independent = max(1.0, 2.0 * slip * float(places[count + BEYOND].max()) / (2.0 * self.step))
+        independent = max(1.0, 2.0 * slip * trials.highest / (2.0 * self.step))
         significance = -(log10_gamma_tail(float(total[best]), near[best].size) + math.log10(independent))
         with np.errstate(divide="ignore", invalid="ignore"):
             ratio = self._excess[near[best]].mean() / max(float(self.local_mean[near[best]].mean()), np.finfo(np.float64).tiny)
         level = 10.0 * math.log10(min(max(ratio, 1e-12), 1e12)) if ratio > 0.0 else 0.0
         depth = min(amplitude / mean, 1e6) if mean > 0.0 else 0.0
-        lines = tuple(float(harmonic * tried[best]) for harmonic in harmonics)
+        lines = tuple((harmonics * tried[best]).tolist())
         return LineFamily(float(tried[best]), amplitude, depth, max(level, 0.0), significance, lines, len(comb.sidebands))
+
+
+class Trials(NamedTuple):
+    """The orders of the fundamental that a search tries, and where the lines would be."""
+
+    harmonics: npt.NDArray[np.int64]
+    """Harmonics within the spectrum, shape (harmonics,)."""
+    half: int
+    """Orders tried on either side of the kinematic one [-]."""
+    steps: npt.NDArray[np.int64]
+    """Number of each order tried, 0 for the kinematic one, shape (orders,)."""
+    orders: Floats
+    """Shape (orders,) [-]."""
+    near: npt.NDArray[np.int64]
+    """Index of the nearest value of the spectrum, shape (orders, harmonics, lines)."""
+    highest: float
+    """Highest line of the kinematic order [-]."""
+
+
+@functools.lru_cache(maxsize=64)
+def trials_of(comb: Comb, slip: float, step: float, values: int, limit: float) -> Trials:
+    """Return what a search for a comb tries within ``slip`` in a spectrum of ``values`` with a ``step`` up to a ``limit`` [orders].
+
+    All bands of a hop have the same spectrum, so that this is found once for all of them.
+    """
+    harmonics = np.array([h for h in comb.harmonics if h * comb.order * (1.0 + slip) + max(comb.sidebands) < limit] or [comb.harmonics[0]])
+    count = max(1, math.ceil(slip * float(harmonics[-1]) * comb.order / (0.5 * step)))
+    steps = np.arange(-count - BEYOND, count + BEYOND + 1)
+    tried = comb.order * (1.0 + slip * steps / count)
+    places = tried[:, None, None] * harmonics[:, None] + np.asarray(comb.sidebands)
+    near = np.clip(np.rint(places / step).astype(np.int64), 1, values - 1)
+    return Trials(harmonics, count, steps, tried, near, float(places[count + BEYOND].max()))
 
 
 def _largest_of_three(values: Floats) -> Floats:

@@ -48,6 +48,11 @@ class OrderSpectrum(NamedTuple):
     mean: float
     """Mean of the squared envelope, which is twice the power in the band [unit^2]."""
 
+    def up_to(self, highest: float) -> OrderSpectrum:
+        """Return the part of the spectrum up to the ``highest`` order; all of it if it ends before."""
+        count = max(2, int(np.searchsorted(self.orders, highest)))
+        return self._replace(orders=self.orders[:count], amplitude=self.amplitude[:count])
+
     def background(self, highest: float) -> float:
         """Return the median amplitude up to the ``highest`` order [unit^2]; the spectrum of impacts falls with the order."""
         first, last = np.searchsorted(self.orders, [LOWEST_ORDER, highest + BESIDE])

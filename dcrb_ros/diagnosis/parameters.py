@@ -54,6 +54,8 @@ class DetectorParameters(Group):
         1.0, "-", "Exponent of the speed dependence of the limits of the outer ring, relative to 20 Hz", 0.0, 4.0
     )
 
+    baseline: str = choice("", "File of a saved baseline of the healthy bearing, as dcrb detect --save-baseline writes it; empty for none")
+
     confirm: int = quantity(
         2, "hops", "Consecutive hops with evidence that confirm a fault, or without evidence that make the first verdict healthy", 1, 100
     )

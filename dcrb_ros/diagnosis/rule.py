@@ -13,6 +13,7 @@ import numpy.typing as npt
 from dcrb_ros.bearing.kinematics import Orders
 from dcrb_ros.diagnosis.demodulation import Band
 from dcrb_ros.diagnosis.evidence import BandEvidence, Evidence, LevelEvidence, SampleEvidence
+from dcrb_ros.diagnosis.healthy_baseline import LEAST_DEPTH, HealthyBaseline
 from dcrb_ros.diagnosis.hysteresis import probability
 from dcrb_ros.diagnosis.line_parameters import LineParameters
 from dcrb_ros.diagnosis.line_search import NO_LINES, Comb, LineFamily
@@ -93,6 +94,8 @@ class LineRule(BearingRule[Lines]):
 
     name: ClassVar[str]
     """Name of the lines in a reason."""
+    baseline: HealthyBaseline | None = None
+    """Lines of the healthy bearing, if they are known."""
 
     @abstractmethod
     def combs(self, orders: Orders) -> Sequence[Comb]:
@@ -102,6 +105,18 @@ class LineRule(BearingRule[Lines]):
     @abstractmethod
     def depth(self) -> float:
         """Modulation depth that is required [-]."""
+
+    def take(self, baseline: HealthyBaseline) -> None:
+        """Compare lines with those of the healthy bearing.
+
+        Raises:
+            Refusal: the parameters of the rule give a baseline, too.
+        """
+        self.baseline = baseline
+
+    def baseline_combs(self, orders: Orders) -> Sequence[Comb]:
+        """Return the families that a baseline must know: those to search with a baseline."""
+        return self.combs(orders)
 
     def companions(self, lines: LineFamily, orders: Orders) -> Floats:
         """Return the lines that this fault also makes [orders]; families that consist of them alone are its images.
@@ -113,7 +128,14 @@ class LineRule(BearingRule[Lines]):
     def excess(self, lines: LineFamily, band: Band, evidence: Evidence) -> float:
         """Return the evidence of lines in one band relative to the thresholds [dB]: the smaller excess of depth and significance."""
         price = math.log10(max(1, len(self.bands(evidence)) * len(self.combs(evidence.orders))))
-        return modulation_excess(lines, self.depth, self.p.false_alarm, price)
+        healthy = self.baseline.of(self.component, band) if self.baseline is not None else None
+        if healthy is None:
+            return modulation_excess(lines, self.depth, self.p.false_alarm, price)
+        margin = 10.0 ** (self.p.learn_margin / 20.0)
+        depth = min(self.depth, max(LEAST_DEPTH, margin * healthy.depth))
+        found = modulation_excess(lines, depth, self.p.false_alarm, price)
+        # In a band without healthy lines, any line is larger.
+        return min(found, decibels(ratio(lines.amplitude, (margin * healthy.size) ** 2))) if healthy.size > 0.0 else found
 
     def family(self, band: BandEvidence, comb: Comb) -> LineFamily:
         """Return the lines of a comb in one band."""

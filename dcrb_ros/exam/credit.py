@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -57,20 +58,36 @@ def credit(expectation: Expectation, diagnoses: Sequence[ReceivedDiagnosis], cri
     period = period_of(criteria)
     standing = _standing(expectation, diagnoses, period)
     periods, spoiled = _healthy_periods(expectation, standing, period)
-    detection = {profile.name: _detection(expectation, standing, profile, period) for profile in PROFILES} if expectation.faulty else {}
+    detection = (
+        {profile.name: _detection(expectation, standing, diagnoses, profile, period) for profile in PROFILES} if expectation.faulty else {}
+    )
     spoken = math.fsum(max(0.0, one.until - max(one.issued, expectation.begin)) for one in standing)
     return Credit(detection, periods, spoiled, max(0.0, expectation.duration - spoken))
 
 
-def _standing(expectation: Expectation, diagnoses: Sequence[ReceivedDiagnosis], period: float) -> list[_Standing]:
-    """Return the verdicts with the times during which they stand; "waiting" is no verdict."""
+def _standing(
+    expectation: Expectation, diagnoses: Sequence[ReceivedDiagnosis], period: float, counted: Sequence[str] = ()
+) -> list[_Standing]:
+    """Return the verdicts with the times during which they stand; "waiting" is no verdict.
+
+    A verdict ends at the stamp of the next one, though that may arrive later. Between verdicts that are both ``counted`` there is no such
+    gap, or a correct verdict that arrives late would be worth less than none.
+    """
     given = sorted((d for d in diagnoses if d.verdict != "waiting"), key=lambda diagnosis: diagnosis.time)
-    stamps = [*(d.time for d in given[1:]), math.inf]
-    ends = [min(stamp, d.time + period, expectation.end) for d, stamp in zip(given, stamps, strict=True)] if given else []
-    return [_Standing(d.verdict, d.time, d.issued_at, end) for d, end in zip(given, ends, strict=True)]
+    found = []
+    for number, one in enumerate(given):
+        until = min(one.time + period, expectation.end)
+        for later in itertools.islice(given, number + 1, None):
+            if later.time >= until:
+                break
+            until = min(until, later.issued_at if {one.verdict, later.verdict} <= set(counted) else later.time)
+        found.append(_Standing(one.verdict, one.time, one.issued_at, until))
+    return found
 
 
-def _detection(expectation: Expectation, standing: Sequence[_Standing], profile: Profile, period: float) -> float:
+def _detection(
+    expectation: Expectation, standing: Sequence[_Standing], diagnoses: Sequence[ReceivedDiagnosis], profile: Profile, period: float
+) -> float:
     """Return the credit for a fault: the weighted time during which an alarm, and the correct name, stands [-].
 
     A detection after n revolutions that stands to the end is worth h(n) = 2^(-(n - n0)/N) with the grace n0 and the half-life N.
@@ -79,8 +96,10 @@ def _detection(expectation: Expectation, standing: Sequence[_Standing], profile:
     if any(one.time < first <= one.time + period and one.until >= first and is_alarm(one.verdict) for one in standing):
         return 0.0
     alarms = BEARING_FAULTS if expectation.verdict in BEARING_FAULTS else (expectation.verdict,)
-    alarm = _weight(expectation, [one for one in standing if one.verdict in alarms], profile)
-    name = _weight(expectation, [one for one in standing if one.verdict == expectation.verdict], profile)
+    alarm, name = (
+        _weight(expectation, [one for one in _standing(expectation, diagnoses, period, counted) if one.verdict in counted], profile)
+        for counted in (alarms, (expectation.verdict,))
+    )
     return (1.0 - profile.naming) * alarm + profile.naming * name
 
 

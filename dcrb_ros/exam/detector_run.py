@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from functools import partial
 from pathlib import Path
 from typing import Any, Protocol
@@ -10,6 +10,7 @@ from typing import Any, Protocol
 import numpy.typing as npt
 
 from dcrb_ros.bearing.kinematics import Orders
+from dcrb_ros.bearing.waveform import Piece
 from dcrb_ros.diagnosis.detector import FaultDetector
 from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.exam.case import Case
@@ -41,13 +42,23 @@ def run_detector(factory: DetectorFactory, bag: Path) -> list[ReceivedDiagnosis]
         RuntimeError: the detector raised an exception.
     """
     recording = Recording(bag)
-    rate = recording.sampling_rate
-    detector, diagnoses = factory(recording.orders, rate), []
+    return run_on_pieces(factory, recording.pieces(), recording.orders, recording.sampling_rate, recording.bearing)
+
+
+def run_on_pieces(
+    factory: DetectorFactory, pieces: Iterable[Piece], orders: Orders, rate: int, bearing: object = None
+) -> list[ReceivedDiagnosis]:
+    """Return a detector's diagnoses of consecutive blocks at a sampling rate [Hz]; the shipped one may know the ``bearing``.
+
+    Raises:
+        Refusal, RuntimeError: as `run_detector`.
+    """
+    detector, diagnoses = factory(orders, rate), []
     if not callable(getattr(detector, "update", None)):
         raise Refusal(f"the detector {detector!r} has no method update(index, acceleration, shaft_angle): give it one")
     if isinstance(detector, FaultDetector):
-        detector.know(recording.bearing)
-    for piece in recording.pieces():
+        detector.know(bearing)
+    for piece in pieces:
         if hasattr(detector, "sensor_range"):
             detector.sensor_range = piece.sensor_range
         try:

@@ -103,8 +103,9 @@ def draws(contributions: Sequence[Contribution]) -> Samples:
         # One draw fewer than scenarios, each with more weight: otherwise the variance is (n - 1)/n of the true one (Rao and Wu 1988).
         drawn = max(1, len(members) - 1)
         chosen = random.integers(0, len(members), (RESAMPLES, drawn))
-        for place, member in enumerate(members):
-            counts[:, member] = (chosen == place).sum(axis=1) * (len(members) / drawn)
+        places = chosen + len(members) * np.arange(RESAMPLES)[:, None]
+        times = np.bincount(places.ravel(), minlength=RESAMPLES * len(members)).reshape(RESAMPLES, len(members))
+        counts[:, members] = times * (len(members) / drawn)
     return counts
 
 

@@ -51,12 +51,21 @@ def read_boards(folder: Path) -> list[Board]:
     Raises:
         Refusal: there is no such folder, it has no entry, or one of them is invalid.
     """
+    return boards(read_entries(folder))
+
+
+def read_entries(folder: Path) -> list[Entry]:
+    """Return the entries of a folder, in the order of their files.
+
+    Raises:
+        Refusal: there is no such folder, it has no entry, or one of them is invalid.
+    """
     if not checked_path(folder).is_dir():
         raise Refusal(f"there is no folder {folder}: give a folder with entries of dcrb score --entry")
     files = sorted(folder.glob("*.json"))
     if not files:
         raise Refusal(f"{folder} has no .json file: make entries with dcrb score EXAM --entry {folder}/NAME.json")
-    return boards([read_entry(file) for file in files])
+    return [read_entry(file) for file in files]
 
 
 def boards(entries: Sequence[Entry]) -> list[Board]:

@@ -154,7 +154,7 @@ def evaluate_measured(folder: Path, parameters: DetectorParameters, speed: str, 
         on_done(one)
     criteria = measured_criteria()
     results = tuple(
-        score_scenario(_expectation(one, diagnoses[one.name]), [decode_diagnosis(encode_diagnosis(diagnoses[one.name]))], criteria)
+        score_scenario(expectation(one, diagnoses[one.name].time), [decode_diagnosis(encode_diagnosis(diagnoses[one.name]))], criteria)
         for one in recordings
     )
     return Report(f"measured, speed {speed}", name, criteria, files_hash(recordings), results)
@@ -166,9 +166,10 @@ def measured_criteria() -> Criteria:
     return Criteria(delay=delays, found=FOUND, smallest_width=0.0, silence=UNLIMITED)
 
 
-def _expectation(one: MeasuredRecording, diagnosis: Diagnosis) -> Expectation:
+def expectation(one: MeasuredRecording, end: float, onset: float = 0.0) -> Expectation:
+    """Return what is expected of a recording that begins at ``onset`` and ends at ``end`` [s]; ball faults are not required."""
     # Envelope analysis cannot name most ball faults (Smith and Randall 2015), so they enter the statistics only.
-    return Expectation(one.name, one.truth, diagnosis.time, tags={"rig": one.rig}, required=one.truth != "roller")
+    return Expectation(one.name, one.truth, end, onset, tags={"rig": one.rig}, required=one.truth != "roller")
 
 
 def files_hash(recordings: Sequence[MeasuredRecording]) -> str:

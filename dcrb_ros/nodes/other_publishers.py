@@ -11,6 +11,9 @@ REMEDIES = {CLOCK: "let one of them publish it"}
 """What to do about two publishers of a topic that is not in the namespace of the bench."""
 NAMESPACES = "give each bench its own namespace (--ros-args -r __ns:=/NAME) or its own ROS_DOMAIN_ID"
 
+PLACEHOLDER, UNNAMED = "_NODE_NAME_UNKNOWN_", "a node without a known name"
+"""What the middleware reports as the name of a node whose publisher was discovered before the node itself, and what is reported instead."""
+
 
 class OtherPublishers:
     """Looks for other publishers on some topics of a node, and warns when their names change."""
@@ -18,12 +21,19 @@ class OtherPublishers:
     def __init__(self, node: Any, topics: Iterable[Topic], warn: Callable[[str], object]) -> None:
         self._node, self._topics, self._warn = node, tuple(topics), warn
         self._found: dict[Topic, list[str]] = {}
+        self._unnamed: set[Topic] = set()
+        """Topics on which the last `look` found a publisher without a name."""
 
     def look(self) -> None:
-        """Look for them, and warn."""
+        """Look for them, and warn. A publisher without a name is left to the next look, in which it mostly has one."""
         for topic in self._topics:
             name = topic.resolved(self._node.get_namespace())
             others = self._others(name)
+            if UNNAMED in others and topic not in self._unnamed:
+                self._unnamed.add(topic)
+                continue
+            if UNNAMED not in others:
+                self._unnamed.discard(topic)
             if others != self._found.get(topic, []) and others:
                 remedy = REMEDIES.get(topic, NAMESPACES)
                 self._warn(f"{', '.join(others)} also publishes on {name}, and subscribers receive a mixture: {remedy}")
@@ -36,7 +46,10 @@ class OtherPublishers:
 
     def _others(self, topic: str) -> list[str]:
         """Return the names of the publishers on a topic without one of this node's name; a node of the same name remains."""
-        found = [f"{about.node_namespace.rstrip('/')}/{about.node_name}" for about in self._node.get_publishers_info_by_topic(topic)]
+        found = [
+            UNNAMED if about.node_name == PLACEHOLDER else f"{about.node_namespace.rstrip('/')}/{about.node_name}"
+            for about in self._node.get_publishers_info_by_topic(topic)
+        ]
         own = self._node.get_fully_qualified_name()
         if own in found:
             found.remove(own)

@@ -188,11 +188,30 @@ def _reason(error: Exception) -> str:
     return str(error) or type(error).__name__
 
 
+class _Payload(ReadDataStream):
+    """The payload of a record. A field that claims more bytes than follow is damage; the parser of MCAP would shorten the field."""
+
+    def read(self, length: int) -> bytes:
+        """Return the next bytes.
+
+        Raises:
+            ValueError: fewer follow.
+        """
+        data = super().read(length)
+        if len(data) < length:
+            raise ValueError(f"a field claims {length} bytes, but only {len(data)} follow in the record")
+        return data
+
+
 def parsed(opcode: int, payload: bytes) -> Any:
-    """Return the record with a payload, without reading beyond it."""
+    """Return the record with a payload, without reading beyond it.
+
+    Raises:
+        ValueError: a field reaches beyond the payload.
+    """
     if opcode == Opcode.MESSAGE:
         return _message(memoryview(payload))
-    return KINDS[opcode].read(ReadDataStream(BytesIO(payload)))
+    return KINDS[opcode].read(_Payload(BytesIO(payload)))
 
 
 def _message(payload: memoryview) -> Message:

@@ -95,7 +95,7 @@ def simulate(
     >>> import dcrb_ros
     >>> run = dcrb_ros.simulate("outer_ring_defect", 0.5, settings={"operating.speed": 100.0}, seed=3)
     >>> run
-    <Run: 0.5 s at 51.2 kHz (25600 samples), shaft at 15.92 Hz, outer_1: 2 mm wide>
+    <Run: 0.5 s at 51.2 kHz (25600 samples), shaft at 15.93 Hz, outer_1: 2 mm wide>
     >>> run.acceleration.shape, run.states.azimuth.shape
     ((25600, 2), (49, 35))
     """

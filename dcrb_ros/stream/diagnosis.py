@@ -54,7 +54,7 @@ class Diagnosis:
     reason: str
     """The evidence in one sentence."""
     confidence: float = 0.0
-    """0.5 at a threshold, approaching 1 far from it; 0 without a verdict on the bearing."""
+    """Probability that the verdict is right: 0.5 at a threshold, up to 0.99 far from it; 0 without a verdict on the bearing."""
     levels: dict[str, float] = field(default_factory=_no_levels)
     """Level over background at BPFO, BPFI, BSF (twice its order) and FTF [dB]."""
     shaft_frequency: float = 0.0
@@ -73,6 +73,8 @@ class Diagnosis:
     """Growth of the severity since this verdict was first made [dB/min]."""
     clipped: int = 0
     """Samples at the ends of the sensor's range so far."""
+    baseline: str = ""
+    """Which baseline of a healthy bearing was used, in words; empty for none."""
     remarks: tuple[str, ...] = ()
     """Peculiarities of the signal that do not prevent a verdict."""
 

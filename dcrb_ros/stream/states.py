@@ -55,7 +55,7 @@ FRICTION_SOURCES = ("sliding", "rolling", "contacts", "pockets", "lands")
 class LubricationState:
     """The oil films at one instant, and the energy lost by each of `FRICTION_SOURCES`.
 
-    A contact counts as loaded under more than `dcrb_ros.bearing.lubrication.LOADED_FORCE`. Where a row has no loaded contact, its films,
+    A contact counts as loaded under more than `dcrb_ros.core.observation.LOADED_FORCE`. Where a row has no loaded contact, its films,
     traction and slip are NaN.
     """
 

@@ -98,7 +98,9 @@ def flaw(store: Store, run: str) -> str | None:
         StoreFailed: the store cannot be read, which says nothing about the run.
     """
     try:
-        label = read_label(store, run) or {}
+        label = read_label(store, run)
+        if label is None:  # it is listed, but was removed since, or is a link to nothing
+            return f"{store.path(label_name(run))} is missing"
         return next((found for name, stated in label.get("files", {}).items() if (found := _file_flaw(store, name, stated))), None)
     except DamagedLabel as error:
         return str(error)

@@ -62,10 +62,9 @@ def balance_comparisons(steady: OiledRun) -> Iterator[Comparison]:
 def film_comparisons(run: OiledRun) -> Iterator[Comparison]:
     """Compare the published films with the formula at the largest forces and the nominal speed of rolling."""
     oil = run.configuration.lubrication
-    given = {"lubricant": oil.lubricant, "temperature": oil.temperature, "layer": oil.layer or 5e-6}
     found = np.mean([state.least_film[0] for state in run.states], axis=0)
     force = run.inner_force.max(axis=1).mean()
-    films = [film_of(inner, run.configuration.operating.speed, **given) for inner in (True, False)]
+    films = [film_of(inner, run.configuration.operating.speed, **dict(oil)) for inner in (True, False)]
     flooded = [film.thickness * force**-0.10 for film in films]
     expected = [value / math.sqrt(1.0 + (value / film.layer) ** 2) for value, film in zip(flooded, films, strict=True)]
     yield about(

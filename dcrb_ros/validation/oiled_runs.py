@@ -13,7 +13,7 @@ from dcrb_ros.settings.files import load_configuration
 from dcrb_ros.simulation.loop import Simulation
 from dcrb_ros.stream.states import Account, LubricationState
 
-HEALTHY, SPALL = "axle_box", "axle_box_outer_spall"
+HEALTHY, SPALL = "healthy", "outer_ring_defect"
 """Shipped configurations of a lubricated bearing, healthy and with a spall of 2 mm."""
 SETTLING = 0.2
 """Simulated time before anything is kept [s]."""

@@ -55,8 +55,8 @@ def markdown(comparisons: Sequence[Comparison], specs: Sequence[RunSpec | OiledS
         "",
         f"Made by `dcrb validate` of dcrb_ros {__version__}. The paper: *Lubricants* 13(2), 80. {summary(comparisons)}",
         "",
-        "`revolute` is the paper's model, the shipped configuration `paper`. `pocket` is the default model, in which the rollers are free "
-        "between the cage bars: the shipped configuration `healthy`, here at the paper's speed of 124.8 rad/s.",
+        "`revolute` is the paper's model, the shipped configuration `paper`. In `pocket` the rollers are free "
+        "between the cage bars: the shipped configuration `dry`, here at the paper's speed of 124.8 rad/s.",
         "",
         "## Numbers",
         "",

@@ -18,7 +18,7 @@ Floats = npt.NDArray[np.float64]
 Singles = npt.NDArray[np.float32]
 
 JOINTS = ("revolute", "pocket")
-BENCH = {"revolute": "paper", "pocket": "healthy"}
+BENCH = {"revolute": "paper", "pocket": "dry"}
 """The shipped configuration for each joint."""
 
 PAPER_SPEED = 124.8

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 from dcrb_ros.runtime.processes import in_processes
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.validation.comparison import Comparison, Runs
-from dcrb_ros.validation.default_bench import default_bench_comparisons
+from dcrb_ros.validation.dry_bench import dry_bench_comparisons
 from dcrb_ros.validation.faults import fault_comparisons
 from dcrb_ros.validation.figures import write_figures
 from dcrb_ros.validation.formulation import WINDOWS, Agreement, compare_solvers, formulation_comparisons
@@ -73,7 +73,7 @@ def all_comparisons(results: Results) -> list[Comparison]:
         *freedom_comparisons(),
         *formulation_comparisons(agreements),
         *healthy_comparisons(runs),
-        *default_bench_comparisons(runs["healthy", "pocket"]),
+        *dry_bench_comparisons(runs["healthy", "pocket"]),
         *fault_comparisons(runs),
         *oil_law_comparisons(),
         *oiled_bench_comparisons(oiled),

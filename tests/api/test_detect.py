@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from dry_benches import dry_bench
 
 from dcrb_ros import DetectorParameters, FaultDetector, Recording, Refusal, Run, detect, simulate
 from dcrb_ros.diagnosis.detection import watch
@@ -15,7 +16,7 @@ BAGS = Path(__file__).parents[2] / "bags"
 
 @pytest.fixture(scope="module")
 def run() -> Run:
-    return simulate("outer_ring_defect", 3.0)
+    return simulate(dry_bench("outer_ring_defect"), 3.0)
 
 
 def test_run_recording_and_arrays_give_the_same_verdicts(run: Run) -> None:

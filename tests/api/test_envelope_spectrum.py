@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from dry_benches import dry_bench
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -65,7 +66,7 @@ def test_both_axes_add_up() -> None:
 
 
 def test_a_defect_raises_the_lines_of_its_order() -> None:
-    healthy, defective = (simulate(name, 1.0) for name in ("healthy", "outer_ring_defect"))
+    healthy, defective = (simulate(dry_bench(name), 1.0) for name in ("healthy", "outer_ring_defect"))
     lines = [envelope_spectrum(run).at(run.orders.bpfo * np.array([1.0, 2.0, 3.0])) for run in (healthy, defective)]
     assert (lines[1] > 100.0 * lines[0]).all()
 
@@ -128,7 +129,7 @@ def test_a_signal_of_a_few_samples_is_refused() -> None:
 
 
 def test_lost_samples_and_values_that_are_not_finite_are_refused() -> None:
-    run = simulate("healthy", 0.5, settings={"publishing.loss_probability": 0.3})
+    run = simulate("dry", 0.5, settings={"publishing.loss_probability": 0.3})
     with pytest.raises(Refusal, match="lacks samples after"):
         envelope_spectrum(run)
     noise = np.random.default_rng(1).standard_normal(RATE)
@@ -138,7 +139,7 @@ def test_lost_samples_and_values_that_are_not_finite_are_refused() -> None:
 
 
 def test_a_run_has_its_own_rate_and_bearing() -> None:
-    run = simulate("healthy", 0.3)
+    run = simulate("dry", 0.3)
     with pytest.raises(Refusal, match="bearing is given beside <Run"):
         envelope_spectrum(run, bearing=Bearing())
 

@@ -9,6 +9,8 @@ import matplotlib as mpl
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
+from dry_benches import dry_bench
+from made_up_blocks import BODIES, blocks
 from separate_process import dcrb
 
 from dcrb_ros import (
@@ -23,6 +25,8 @@ from dcrb_ros import (
     plot_waveform,
     simulate,
 )
+from dcrb_ros.recordings.recorder import Recorder
+from dcrb_ros.settings.configuration import Configuration
 
 mpl.use("Agg")
 BAGS = Path(__file__).parents[2] / "bags"
@@ -30,7 +34,7 @@ BAGS = Path(__file__).parents[2] / "bags"
 
 @pytest.fixture(scope="module")
 def run() -> Run:
-    return simulate("outer_ring_defect", 1.0)
+    return simulate(dry_bench("outer_ring_defect"), 1.0)
 
 
 @pytest.fixture(autouse=True)
@@ -95,7 +99,7 @@ def test_a_defect_is_marked_at_its_own_lines(run: Run) -> None:
 
 
 def test_a_sideband_of_another_fault_is_not_marked() -> None:
-    run = simulate("inner_ring_defect", 1.0)
+    run = simulate(dry_bench("inner_ring_defect"), 1.0)
     ax = plot_envelope_spectrum(run)
     marked = np.array([float(line.get_xdata()[0]) for line in ax.lines if len(line.get_xdata()) == 1])
     assert len(marked) >= 3
@@ -158,7 +162,7 @@ def test_load_zone_lies_below_the_shaft() -> None:
         (lambda run: plot_load_zone(run.waveform().waveform), "has no states: give a Run, a Recording or a StateHistory"),
         (lambda run: plot_envelope_spectrum(np.ones(51200), 51200, x="order"), "the speed is unknown"),
         (lambda run: plot_load_zone(run, ax=plt.figure().add_subplot()), "needs polar axes"),
-        (lambda run: plot_load_zone(simulate("healthy", 0.005)), "has no states"),
+        (lambda run: plot_load_zone(simulate("dry", 0.005)), "has no states"),
     ],
 )
 def test_refusals(call: Any, sentence: str, run: Run) -> None:
@@ -173,6 +177,21 @@ def test_command_writes_a_picture(suffix: str, tmp_path: Path) -> None:
     assert done.returncode == 0, done.stderr
     assert done.stdout.strip() == f"{file}: 2.00 s of {BAGS / 'run_up'} from 0.50 s on"
     assert file.read_bytes()[:4] in (b"\x89PNG", b"<?xm", b"%PDF")
+
+
+def test_command_proposes_the_longest_stretch_without_lost_samples(tmp_path: Path) -> None:
+    with Recorder(tmp_path / "bag", Configuration(), BODIES) as recorder:
+        for number, block in enumerate(blocks(80)):
+            if number not in (20, 70):
+                recorder.write(block)
+    command = ["plot", str(tmp_path / "bag"), "-o", str(tmp_path / "picture.png")]
+    refused = dcrb(*command)
+    proposed = refused.stderr.split("such as ")[1].split()
+    assert refused.returncode == 2
+    assert proposed == ["--start", "0.420000", "--duration", "0.980000"]
+    done = dcrb(*command, *proposed)
+    assert done.returncode == 0, done.stderr
+    assert "0.98 s of" in done.stdout
 
 
 @pytest.mark.parametrize("choice", ["--order", "--frequency"])

@@ -12,6 +12,7 @@ from dcrb_ros import FaultDetector, Refusal, score
 
 EXAM = {
     "exam": "tiny",
+    "base": "dry",
     "duration": 5.0,
     "onset": 2.0,
     "criteria": {"delay": {"outer_ring": 3.0}},

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from dry_benches import dry_bench
 
 import dcrb_ros
 from dcrb_ros import Configuration, Refusal, Run, Simulation, Waveform, load_configuration, simulate
@@ -14,11 +15,11 @@ from dcrb_ros import Configuration, Refusal, Run, Simulation, Waveform, load_con
 
 @pytest.fixture(scope="module")
 def run() -> Run:
-    return simulate("outer_ring_defect", 0.3)
+    return simulate(dry_bench("outer_ring_defect"), 0.3)
 
 
 def test_samples_are_those_of_the_blocks(run: Run) -> None:
-    blocks = list(Simulation(load_configuration("outer_ring_defect")).blocks(0.3))
+    blocks = list(Simulation(dry_bench("outer_ring_defect")).blocks(0.3))
     assert np.array_equal(run.acceleration, np.concatenate([block.acceleration for block in blocks]))
     assert np.array_equal(run.shaft_angle, np.concatenate([block.shaft_angle for block in blocks]))
     assert np.array_equal(run.clean, np.concatenate([block.clean for block in blocks]))
@@ -65,13 +66,13 @@ def test_representations_say_what_things_are(run: Run) -> None:
 def test_settings_come_in_several_forms(settings: Any) -> None:
     expected = Configuration.model_validate({"operating": {"speed": 100.0}, "faults": {"inner_1": {"width": 0.002}}})
     assert Configuration(operating={"speed": 100.0}, faults={"inner_1": {"width": 0.002}}) == expected
-    assert load_configuration("healthy", settings) == expected
-    assert load_configuration(load_configuration("healthy"), settings) == expected
-    assert simulate(expected, 0.02).configuration == simulate("healthy", 0.02, settings=settings).configuration
+    assert load_configuration("dry", settings) == expected
+    assert load_configuration(load_configuration("dry"), settings) == expected
+    assert simulate(expected, 0.02).configuration == simulate("dry", 0.02, settings=settings).configuration
 
 
 def test_seed_changes_the_noise_only_where_it_is_given() -> None:
-    first, again, other = simulate("healthy", 0.05, seed=7), simulate("healthy", 0.05, seed=7), simulate("healthy", 0.05, seed=8)
+    first, again, other = simulate("dry", 0.05, seed=7), simulate("dry", 0.05, seed=7), simulate("dry", 0.05, seed=8)
     assert np.array_equal(first.acceleration, again.acceleration)
     assert not np.array_equal(first.acceleration, other.acceleration)
     assert first.configuration.simulation.seed == 7
@@ -79,18 +80,18 @@ def test_seed_changes_the_noise_only_where_it_is_given() -> None:
 
 def test_a_scenario_takes_effect_and_tells_the_truth() -> None:
     story = {"start": {"operating.speed": 60.0}, "timeline": [{"at": 0.1, "set": {"faults.outer_1.width": 0.002}}]}
-    run = simulate("healthy", 0.2, scenario=story)
+    run = simulate("dry", 0.2, scenario=story)
     assert run.configuration.operating.speed == 60.0
     assert run.truth.truths[0].faults == {}
     assert run.truth.faults["outer_1"]["onset"] == pytest.approx(0.1)
 
 
 def test_shipped_scenario_by_name() -> None:
-    assert simulate("healthy", 0.05, scenario="run_up").configuration.operating.speed == pytest.approx(20.0 / 3.6 / 0.46)
+    assert simulate("dry", 0.05, scenario="run_up").configuration.operating.speed == pytest.approx(20.0 / 3.6 / 0.46)
 
 
 def test_lost_blocks_are_left_out_and_the_index_jumps() -> None:
-    run = simulate("healthy", 0.5, settings={"publishing.loss_probability": 0.3})
+    run = simulate("dry", 0.5, settings={"publishing.loss_probability": 0.3})
     gaps = np.diff(run.index) != 1
     assert gaps.any()
     assert len(run) < 0.5 * run.sampling_rate
@@ -132,8 +133,8 @@ def test_stretches_without_samples_are_refused(start: Any, stop: Any, sentence: 
 
 @pytest.mark.parametrize("duration", [np.float32(0.125), np.float64(0.125)])
 def test_a_duration_may_be_a_number_of_numpy(duration: Any) -> None:
-    assert len(simulate("healthy", duration)) == 6400
-    assert len(simulate("healthy", np.int64(1))) == 51200
+    assert len(simulate("dry", duration)) == 6400
+    assert len(simulate("dry", np.int64(1))) == 51200
 
 
 def test_frames_carry_time_and_columns(run: Run) -> None:
@@ -234,8 +235,8 @@ def test_characteristic_frequencies_of_a_catalogue_bearing() -> None:
         (lambda: dcrb_ros.envelope_spectrum("bags/healthy"), r"use dcrb_ros.Recording\('bags/healthy'\)"),
         (lambda: dcrb_ros.Recording(3), "3 is not the path of a recording"),  # type: ignore[arg-type]
         (lambda: load_configuration(5), "5 is not a configuration"),  # type: ignore[arg-type]
-        (lambda: load_configuration("healthy", 5), "settings = 5 is neither a mapping nor texts"),  # type: ignore[arg-type]
-        (lambda: load_configuration("healthy", ["operating.speed"]), "setting 'operating.speed': write KEY=VALUE"),
+        (lambda: load_configuration("dry", 5), "settings = 5 is neither a mapping nor texts"),  # type: ignore[arg-type]
+        (lambda: load_configuration("dry", ["operating.speed"]), "setting 'operating.speed': write KEY=VALUE"),
         (lambda: Simulation("healthy"), r"'healthy' is not a Configuration: give dcrb_ros.load_configuration"),  # type: ignore[arg-type]
         (lambda: Simulation(Configuration(), "run_up"), "scenario = 'run_up' is not a list of scheduled changes"),  # type: ignore[arg-type]
         (lambda: Simulation(Configuration()).blocks(-1.0), "duration = -1 s is negative"),
@@ -258,7 +259,7 @@ def test_invalid_input_is_rejected_in_one_sentence(call: Any, sentence: str) -> 
 
 
 def test_settings_may_be_one_text() -> None:
-    assert load_configuration("healthy", "operating.speed=100").operating.speed == 100.0
+    assert load_configuration("dry", "operating.speed=100").operating.speed == 100.0
 
 
 def test_names_in_the_ground_truth(run: Run) -> None:

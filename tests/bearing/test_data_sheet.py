@@ -30,6 +30,29 @@ def test_the_data_sheet_names_the_faults() -> None:
 
 
 @pytest.mark.parametrize(
+    ("settings", "words"),
+    [
+        ((), ["film of grease at 60 deg C", "profiles of individual 1", "axle box of 60 kg, axle of 600 kg"]),
+        (("lubrication.lubricant=vg100", "lubrication.temperature=40.0"), ["film of vg100 at 40 deg C"]),
+        (("surfaces.law=smooth", "housing.box_mass=0.0", "housing.axle_mass=0.0"), ["smooth surfaces, no axle box, no axle"]),
+    ],
+)
+def test_the_data_sheet_names_oil_surfaces_and_masses(settings: tuple[str, ...], words: list[str]) -> None:
+    found = data_sheet(load_configuration("healthy", settings))["lubrication"]
+    assert [part for part in words if part not in found] == []
+    assert "paper" not in found
+    assert "healthy.yaml" not in found
+
+
+def test_a_file_with_a_speed_alone_is_told_that_it_runs_dry(tmp_path: Path) -> None:
+    path = tmp_path / "bench.yaml"
+    path.write_text("operating: {speed: 100.0}")
+    found = data_sheet(load_configuration(path))["lubrication"]
+    assert found.startswith("dry, smooth surfaces, no axle box, no axle, the paper's clearance, beyond C5 of ISO 5753")
+    assert "config/healthy.yaml" in found
+
+
+@pytest.mark.parametrize(
     ("settings", "keys"),
     [
         ((), []),
@@ -44,12 +67,12 @@ def test_the_data_sheet_names_the_faults() -> None:
     ],
 )
 def test_masses_of_the_default_bearing_are_noticed_in_another_one(settings: tuple[str, ...], keys: list[str]) -> None:
-    found = list(kept_defaults(load_configuration("healthy", settings).bearing))
+    found = list(kept_defaults(load_configuration("dry", settings).bearing))
     assert [sentence.partition(" = ")[0] for sentence in found] == [f"bearing.{key}" for key in keys]
 
 
 def test_a_solid_roller_is_proposed() -> None:
-    found = list(kept_defaults(load_configuration("healthy", ["bearing.roller_length=0.03"]).bearing))
+    found = list(kept_defaults(load_configuration("dry", ["bearing.roller_length=0.03"]).bearing))
     assert "this one has roller_length = 0.03, not 0.048: a roller of solid steel has 0.166 kg" in found[0]  # 7850 pi 0.015^2 0.03
 
 

@@ -11,9 +11,10 @@ import pytest
 from oil_films import inner_film, outer_film, resistance
 
 from dcrb_ros.bearing.history import StateHistory
-from dcrb_ros.bearing.lubrication import LOADED_FORCE, friction_losses
+from dcrb_ros.bearing.lubrication import friction_losses
 from dcrb_ros.core.laws.film import thickness_under
 from dcrb_ros.core.laws.film_thickness import asperity_share
+from dcrb_ros.core.observation import LOADED_FORCE
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.simulation.loop import Simulation
 from dcrb_ros.stream.states import FRICTION_SOURCES, LubricationState, States

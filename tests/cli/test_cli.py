@@ -3,18 +3,22 @@
 from __future__ import annotations
 
 import json
+import re
 import subprocess
 import sys
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
 import pytest
 import yaml
+from made_up_blocks import BODIES, blocks
 from separate_process import dcrb
 
 from dcrb_ros.cli.app import main
 from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.recordings.reader import Recording
+from dcrb_ros.recordings.recorder import Recorder
 from dcrb_ros.settings.configuration import Configuration
 
 
@@ -56,6 +60,16 @@ def test_a_recording_that_is_too_short_for_a_verdict_is_refused(tmp_path: Path) 
     answered = dcrb("detect", str(bag), "--json")
     assert answered.returncode == 0
     assert json.loads(answered.stdout)["verdict"] == "waiting"
+
+
+def test_a_verdict_on_a_recording_that_begins_late_states_its_time_and_the_length_of_the_signal(tmp_path: Path) -> None:
+    with Recorder(tmp_path / "bag", Configuration(), BODIES) as recorder:
+        for block in islice(blocks(400), 250, None):
+            recorder.write(block)
+    said = dcrb("detect", str(tmp_path / "bag")).stdout
+    time, length = map(float, re.findall(r"first at ([\d.]+) s, in ([\d.]+) s of signal", said)[0])
+    assert length == 3.0
+    assert 5.0 < time <= 8.0
 
 
 @pytest.mark.parametrize(

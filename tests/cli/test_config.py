@@ -65,10 +65,10 @@ def test_what_is_shown_is_what_runs_with_units(config: Command, tmp_path: Path, 
 
 
 def test_a_check_prints_what_follows_and_warns_of_masses_of_another_bearing(config: Command) -> None:
-    done = config("check", "healthy", "--set", "bearing.rows=1")
+    done = config("check", "dry", "--set", "bearing.rows=1")
     assert done.status == 0
-    assert done.out.startswith("healthy is valid\n")
-    for words in ("1 row of 16 rollers", "560 um", "1200 rpm", "BPFO 6.7234", "about 31.3 kN on the most heavily loaded roller"):
+    assert done.out.startswith("dry is valid\n")
+    for words in ("1 row of 16 rollers", "560 um", "1200 rpm", "BPFO 6.7234", "about 31.3 kN on the most heavily loaded roller", "dry, "):
         assert words in done.out
     warned = [line.split(" = ")[0] for line in done.err.splitlines()]
     assert warned == ["dcrb: warning: bearing.inner_ring_mass", "dcrb: warning: bearing.outer_ring_mass"]
@@ -87,11 +87,11 @@ def test_a_check_prints_what_follows_and_warns_of_masses_of_another_bearing(conf
     ],
 )
 def test_a_check_lists_everything_that_is_wrong(config: Command, settings: tuple[str, ...], keys: list[str]) -> None:
-    done = config("check", "healthy", *(word for setting in settings for word in ("--set", setting)))
+    done = config("check", "dry", *(word for setting in settings for word in ("--set", setting)))
     assert (done.status, done.out) == (2, "")
     assert len(done.err.splitlines()) == len(keys)
     for line, key in zip(done.err.splitlines(), keys, strict=True):
-        assert line.startswith(f"dcrb: healthy: {key}")
+        assert line.startswith(f"dcrb: dry: {key}")
 
 
 @pytest.mark.parametrize(
@@ -109,7 +109,7 @@ def test_a_check_counts_the_errors_that_it_does_not_list(config: Command, tmp_pa
 
 def test_a_refusal_elsewhere_counts_what_else_is_wrong() -> None:
     with pytest.raises(ValueError, match=r"is outside 0\.09386 .* \(and 2 more\)$"):
-        load_configuration("healthy", ["bearing.pitch_radius=0.11", "simulation.step=7e-6", "friction.static_coefficient=0.01"])
+        load_configuration("dry", ["bearing.pitch_radius=0.11", "simulation.step=7e-6", "friction.static_coefficient=0.01"])
 
 
 @pytest.mark.parametrize(

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
-from dcrb_ros.diagnosis.hysteresis import Hysteresis, confidence
+from dcrb_ros.diagnosis.hysteresis import Hysteresis, confidence, probability
 from dcrb_ros.diagnosis.trend import Trend
 
 QUIET = {"outer_ring": -5.0, "inner_ring": -5.0, "roller": -5.0, "cage": -5.0}
@@ -26,9 +28,9 @@ def test_two_confirmed_faults_are_compound() -> None:
     assert hysteresis.confirmed == ["outer_ring", "cage"]
 
 
-def test_confidence_is_a_half_at_a_threshold_and_approaches_one() -> None:
+def test_confidence_is_a_half_at_a_threshold_and_rises_with_the_evidence() -> None:
     assert confidence("healthy", [], {**QUIET, "cage": 0.0}) == 0.5
-    assert confidence("roller", ["roller"], {**QUIET, "roller": 10.0}) == pytest.approx(0.95)
+    assert confidence("roller", ["roller"], {**QUIET, "roller": 4.0}) == pytest.approx(0.95)
     assert confidence("waiting", [], QUIET) == confidence("sensor", [], QUIET) == 0.0
 
 
@@ -56,7 +58,7 @@ def test_the_trend_needs_four_points_and_forgets_those_before_its_time() -> None
 
 
 def test_confidence_is_that_of_the_weakest_confirmed_fault_or_of_the_strongest_suspicion() -> None:
-    both = {**QUIET, "outer_ring": 20.0, "cage": 10.0}
+    both = {**QUIET, "outer_ring": 20.0, "cage": 4.0}
     assert confidence("compound", ["outer_ring", "cage"], both) == pytest.approx(0.95)
     assert confidence("healthy", [], {**QUIET, "cage": -3.0}) == pytest.approx(1.0 - 0.5 * 10.0**-0.3)
     assert confidence("cage", ["cage"], {**QUIET, "cage": -2.0}) == 0.5
@@ -75,3 +77,13 @@ def test_a_suspicion_interrupts_the_way_to_the_first_verdict_only() -> None:
     assert (hysteresis.suspected, hysteresis.confirmed) == (["cage"], [])
     hysteresis.reset()
     assert (hysteresis.suspected, hysteresis.verdict(QUIET)) == ([], "waiting")
+
+
+def test_a_healthy_verdict_is_never_certain() -> None:
+    """A fault that is too faint for every band leaves no evidence, so that no distance from the threshold excludes it."""
+    assert confidence("healthy", [], dict.fromkeys(QUIET, -60.0)) == 0.9
+
+
+@given(st.floats(-60.0, 60.0), st.floats(0.0, 20.0))
+def test_the_probability_rises_with_the_evidence(excess: float, more: float) -> None:
+    assert 0.1 <= probability(excess) <= probability(excess + more) <= 0.99

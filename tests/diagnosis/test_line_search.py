@@ -6,6 +6,9 @@ import numpy as np
 import pytest
 from scipy import stats
 
+from dcrb_ros.bearing.kinematics import Orders
+from dcrb_ros.diagnosis.demodulation import Band
+from dcrb_ros.diagnosis.evidence import BandEvidence
 from dcrb_ros.diagnosis.line_search import LARGEST_SCORE, Comb, LineSearch, covered, local_mean, log10_gamma_tail
 from dcrb_ros.diagnosis.order_spectrum import OrderSpectrum, order_spectra
 
@@ -116,3 +119,13 @@ def test_the_local_mean_follows_the_noise_and_ignores_lines() -> None:
 
 def test_a_family_above_the_spectrum_has_no_lines() -> None:
     assert LineSearch(spectrum(noise(8, 30))).best(Comb(100.0), 0.02).depth == 0.0
+
+
+def test_what_lies_above_the_families_changes_none() -> None:
+    """Only the part of a spectrum is searched in which families have lines."""
+    orders = Orders(0.4, 3.6, 5.4, 2.4)
+    whole = spectrum(noise(6, 60, colour=0.5))
+    band = BandEvidence(Band(2e3, 4e3), whole, orders, 0.02)
+    assert len(band.search.spectrum.orders) < 0.75 * len(whole.orders)
+    for comb in (Comb(3.6), Comb(7.2), Comb(5.4, sidebands=(-1.0, 0.0, 1.0)), Comb(4.8, sidebands=(-0.4, 0.0, 0.4)), Comb(0.4, (1, 2, 3))):
+        assert band.family(comb) == LineSearch(whole).best(comb, 0.02)

@@ -11,9 +11,13 @@ import numpy as np
 import pytest
 from jittered_impacts import Machine
 
+from dcrb_ros.bearing.kinematics import Orders
 from dcrb_ros.cli.app import main
 from dcrb_ros.diagnosis.parameters import DetectorParameters
-from dcrb_ros.exam.measured import COLUMNS, diagnose, evaluate_measured, read_measured
+from dcrb_ros.exam.agreement import macro_recall
+from dcrb_ros.exam.entry import read_entry
+from dcrb_ros.exam.measured import COLUMNS, MeasuredRecording, diagnose, evaluate_measured, read_measured
+from dcrb_ros.exam.measured_stream import evaluate_measured_stream, healthy_lead, stream
 from dcrb_ros.schema.refusal import Refusal
 
 MEASURED = Path(__file__).parents[3] / "shared" / "measured"
@@ -122,3 +126,55 @@ def test_the_measured_recordings_are_named(speed: str, fewer: int) -> None:
 def test_no_gain_changes_a_verdict_on_a_measured_recording(gain: float) -> None:
     for one in read_measured(MEASURED)[::6]:
         assert diagnose(one, DetectorParameters(), gain=gain).verdict == diagnose(one, DetectorParameters()).verdict, one.name
+
+
+def recording(name: str, truth: str, rate: int, speed: float, orders: Orders) -> MeasuredRecording:
+    return MeasuredRecording(name, "rig", truth, rate, "g", speed, orders, Path(f"{name}.npz"))
+
+
+def test_a_recording_follows_a_healthy_one_of_the_same_bearing() -> None:
+    ours, other = Orders(0.4, 3.6, 5.4, 2.4), Orders(0.38, 3.05, 4.95, 2.0)
+    faulty = recording("faulty", "outer_ring", 12000, 29.0, ours)
+    slow, near = recording("slow", "healthy", 48000, 10.0, ours), recording("near", "healthy", 48000, 30.0, ours)
+    useless = [recording("coarse", "healthy", 6000, 29.0, ours), recording("else", "healthy", 48000, 29.0, other)]
+    assert healthy_lead(faulty, [*useless, slow, near, faulty]) == near
+    assert healthy_lead(near, [*useless, slow, near]) == slow
+    assert healthy_lead(faulty, [*useless, faulty]) is None
+
+
+def test_detectors_in_python_hear_the_healthy_bearing_first(tmp_path: Path) -> None:
+    at = folder(tmp_path)
+    calm, struck = read_measured(at)
+    pieces, onset = stream(struck, calm)
+    assert onset == pytest.approx(2.0)
+    assert [piece.first_index for piece in pieces[:3]] == [0, 600, 1200]
+    samples = np.concatenate([piece.acceleration[:, 0] for piece in pieces])
+    assert samples == pytest.approx(np.concatenate([calm.samples(), struck.samples()]), rel=1e-6)
+    turns = np.unwrap(np.concatenate([piece.shaft_angle for piece in pieces]).astype(float))
+    assert np.diff(turns) == pytest.approx(np.full(len(samples) - 1, 2.0 * np.pi * calm.speed / 12000), rel=1e-2)
+    # It alarms where the level is larger than ever, which is where the impacts begin.
+    (tmp_path / "louder.py").write_text(
+        "import numpy as np\n"
+        "class Louder:\n"
+        "    def __init__(self, orders, rate):\n"
+        "        self.most = 0.0\n"
+        "    def update(self, index, acceleration, shaft_angle):\n"
+        "        level = float(np.abs(acceleration).max())\n"
+        "        loud, self.most = index > 12000 and level > 1.5 * self.most, max(level, self.most) if index < 24000 else self.most\n"
+        "        return 'outer_ring' if loud else 'healthy'\n"
+    )
+    report = evaluate_measured_stream(at, f"{tmp_path / 'louder.py'}:Louder", "lines", "louder", 1, lambda name: None)
+    answers = {result.expectation.name: (result.answer, result.expectation.onset) for result in report.results}
+    assert answers["calm"] == ("healthy", 0.0)
+    assert answers["struck"][1] == pytest.approx(2.0)
+    assert report.results[1].alarm_delay is not None
+
+
+def test_python_and_an_entry_go_with_measured_recordings(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "calm.py").write_text(
+        "class Calm:\n    def __init__(self, orders, rate): pass\n    def update(self, *block): return 'healthy'\n"
+    )
+    entry = tmp_path / "entry.json"
+    options = ("--python", f"{tmp_path / 'calm.py'}:Calm", "--entry", str(entry), "--workers", "1", "--quiet")
+    assert dcrb("score", "--measured", str(folder(tmp_path)), *options, monkeypatch=monkeypatch) == 1
+    assert macro_recall(read_entry(entry)) == pytest.approx(0.5)

@@ -98,7 +98,7 @@ def test_impossible_values_are_refused_in_a_sentence(environment: Mapping[str, s
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.files import load_configuration
 try:
-    load_configuration("healthy", {settings!r})
+    load_configuration("dry", {settings!r})
 except Refusal as refusal:
     print(refusal)
 """

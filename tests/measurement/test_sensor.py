@@ -28,7 +28,7 @@ STEPS = {12800: 1.0 / 102400, 25600: 1.0 / 102400, 51200: 1.0 / 102400, 102400: 
 
 @pytest.mark.parametrize("rate", STEPS)
 def test_no_alias_reaches_the_band_at_any_rate(rate: int) -> None:
-    c = load_configuration("healthy", [f"sensor.sampling_rate={rate}", f"simulation.step={STEPS[rate]!r}", "sensor.preset=ideal"])
+    c = load_configuration("dry", [f"sensor.sampling_rate={rate}", f"simulation.step={STEPS[rate]!r}", "sensor.preset=ideal"])
     passed = measured(c, tone(c, 0.39 * rate, 0.05)).measured[200:]
     assert passed.std() == pytest.approx(np.sqrt(0.5), rel=1e-3)
     for share in (0.601, 0.7, 0.85, 0.99):  # aliases to 0.399 .. 0.01 of the rate
@@ -128,9 +128,9 @@ def test_mount_and_bandwidth_have_their_gain() -> None:
 
 def test_a_preset_supplies_only_values_that_are_not_given() -> None:
     for name, typical in PRESETS.items():
-        sensor = load_configuration("healthy", [f"sensor.preset={name}"]).sensor.model_dump()
+        sensor = load_configuration("dry", [f"sensor.preset={name}"]).sensor.model_dump()
         assert {key: sensor[key] for key in typical} == dict(typical)
-    sensor = load_configuration("healthy", ["sensor.preset=mems", "sensor.adc_bits=12", "sensor.bandwidth=0.0"]).sensor
+    sensor = load_configuration("dry", ["sensor.preset=mems", "sensor.adc_bits=12", "sensor.bandwidth=0.0"]).sensor
     assert (sensor.adc_bits, sensor.bandwidth, sensor.cross_axis) == (12, 0.0, 0.01)
     known = {field.key.removeprefix("sensor.") for field in parameter_fields() if field.key.startswith("sensor.")}
     assert all(set(typical) <= known for typical in PRESETS.values())
@@ -168,11 +168,11 @@ def test_an_ideal_sensor_measures_the_acceleration_of_the_ring() -> None:
 )
 def test_impossible_parameters_are_refused(setting: str, sentence: str) -> None:
     with pytest.raises(Refusal, match=sentence):
-        load_configuration("healthy", [setting])
+        load_configuration("dry", [setting])
 
 
 def test_a_vehicle_speed_gives_the_shaft_speed(tmp_path: Path) -> None:
-    operating = load_configuration("healthy", ["operating.speed_kmh=-72.0", "operating.wheel_diameter=1.0"]).operating
+    operating = load_configuration("dry", ["operating.speed_kmh=-72.0", "operating.wheel_diameter=1.0"]).operating
     assert (operating.speed, operating.speed_kmh) == (-40.0, 0.0)
     path = tmp_path / "bench.yaml"
     path.write_text("/**: {ros__parameters: {operating: {speed_kmh: 90.0}}}", encoding="utf-8")

@@ -178,4 +178,4 @@ def test_what_is_dumped_can_be_loaded_again(tmp_path: Path) -> None:
     tree = {"/dcrb/simulator": {"ros__parameters": nest({one.name: one.value for one in dumped})}}
     (tmp_path / "dump.yaml").write_text(yaml.safe_dump(tree), encoding="utf-8")
     asked = ["faults.outer_1.width=0.001", "operating.speed_kmh=60", "sensor.preset=mems"]
-    assert load_configuration(tmp_path / "dump.yaml") == load_configuration("healthy", asked)
+    assert load_configuration(tmp_path / "dump.yaml") == load_configuration("dry", asked)

@@ -59,3 +59,27 @@ def test_a_second_clock_is_reported_with_its_own_remedy_and_forgotten_when_it_en
     others.look()
     assert others.names == []
     assert said == ["/player also publishes on /clock, and subscribers receive a mixture: let one of them publish it"]
+
+
+UNKNOWN = ("_NODE_NAMESPACE_UNKNOWN_", "_NODE_NAME_UNKNOWN_")
+"""What rmw_dds_common reports until it has discovered the node of a publisher."""
+
+
+def test_a_publisher_is_reported_by_its_name_if_it_is_known_at_the_next_look() -> None:
+    graph, said = Graph(), list[str]()
+    others = OtherPublishers(graph, (VIBRATION,), said.append)
+    for found in ([OWN, UNKNOWN], [OWN, ("/dcrb", "replayer")], [OWN], [OWN, UNKNOWN], [OWN]):
+        graph.publishers["/dcrb/outer_ring/vibration"] = found
+        others.look()
+    assert [sentence.split(" also ")[0] for sentence in said] == ["/dcrb/replayer"]
+    assert others.names == []
+
+
+def test_a_publisher_that_stays_without_a_name_is_reported_at_the_second_look() -> None:
+    graph, said = Graph(), list[str]()
+    others = OtherPublishers(graph, (VIBRATION,), said.append)
+    graph.publishers["/dcrb/outer_ring/vibration"] = [OWN, UNKNOWN]
+    for _ in range(4):
+        others.look()
+    assert [sentence.split(" also ")[0] for sentence in said] == ["a node without a known name"]
+    assert others.names == ["a node without a known name"]

@@ -160,6 +160,22 @@ def test_a_damaged_record_in_a_chunk_leaves_the_others_readable(opcode: int, pay
         assert [sentence.startswith(f"a record in the chunk at byte {len(MAGIC + HEADER)} is damaged (") for sentence in damage] == [True]
 
 
+@pytest.mark.parametrize(
+    ("opcode", "payload"),
+    [
+        (Opcode.SCHEMA, struct.pack("<H", 1) + text("std_msgs/msg/Float64") + text("ros2msg") + struct.pack("<I", 2**31) + b"float64 data"),
+        (Opcode.CHANNEL, struct.pack("<HHI", 2, 1, 2**31) + b"/topic"),
+        (Opcode.CHANNEL, struct.pack("<HH", 2, 1) + text("/topic") + struct.pack("<I", 2**31) + b"cdr"),
+    ],
+)
+def test_a_field_that_claims_more_than_its_record_has_is_damage(opcode: int, payload: bytes, tmp_path: Path) -> None:
+    """The parser of MCAP takes what there is, so the description of a type or a topic would be shortened without a word."""
+    found, damage = records_of(tmp_path, HEADER, chunk(record(opcode, payload) + message(b"one")), END)
+    assert data_of(found) == [b"one"]
+    assert not any(hasattr(one, "id") for one in found)
+    assert [sentence.split("(")[1].startswith("a field claims 2147483648 bytes, but only ") for sentence in damage] == [True]
+
+
 def test_a_hundred_sentences_about_damage_are_kept(tmp_path: Path) -> None:
     _, damage = records_of(tmp_path, HEADER, *[record(Opcode.METADATA, b"")] * 150, END)
     assert len(damage) == MAX_DAMAGE == 100

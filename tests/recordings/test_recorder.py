@@ -167,7 +167,7 @@ def test_only_chosen_topics_are_recorded_and_the_hash_covers_all_samples(tmp_pat
 )
 def test_invalid_settings_are_refused(setting: str, sentence: str) -> None:
     with pytest.raises(Refusal, match=sentence):
-        load_configuration("healthy", [setting])
+        load_configuration("dry", [setting])
 
 
 def test_an_unknown_topic_is_refused_before_the_folder_is_created(tmp_path: Path) -> None:

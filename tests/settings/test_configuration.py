@@ -25,14 +25,36 @@ from dcrb_ros.settings.files import (
 FIELDS = fields_by_key()
 
 
-def test_healthy_is_the_default() -> None:
-    assert load_configuration("healthy") == Configuration()
+def test_the_dry_bench_has_the_defaults() -> None:
+    assert load_configuration("dry") == Configuration()
+
+
+LUBRICATED = ("healthy", "outer_ring_defect", "inner_ring_defect", "roller_defect", "cage_fracture", "compound")
 
 
 def test_shipped_configurations_are_valid() -> None:
-    assert {"paper", "healthy", "outer_ring_defect", "inner_ring_defect"} <= set(shipped_configurations())
+    assert set(shipped_configurations()) == {"paper", "dry", *LUBRICATED}
     for name in shipped_configurations():
         load_configuration(name)
+
+
+@pytest.mark.parametrize("name", LUBRICATED)
+def test_the_lubricated_benches_differ_in_their_faults_alone(name: str) -> None:
+    healthy, bench = load_configuration("healthy"), load_configuration(name)
+    assert bench.model_copy(update={"faults": healthy.faults}) == healthy
+    assert bool(bench.described_faults()) == (name != "healthy")
+
+
+def test_the_lubricated_benches_have_the_clearance_oil_surfaces_and_masses_of_an_axle_box() -> None:
+    healthy = load_configuration("healthy")
+    assert 0.10e-3 <= 2.0 * healthy.bearing.radial_gap <= 0.19e-3  # ISO 5753, C3 and C4 for bores of 120 to 140 mm
+    assert (healthy.lubrication.law, healthy.lubrication.lubricant, healthy.surfaces.law) == ("film", "grease", "profile")
+    assert (healthy.housing.box_mass, healthy.housing.axle_mass, healthy.operating.start) == (60.0, 600.0, "settled")
+
+
+def test_the_bench_of_the_paper_keeps_its_table() -> None:
+    printed = {"bearing.roller_inertia": 6.15e-5, "contact.loss_time": 0.0, "cage.joint": "revolute", "operating.speed": 124.8}
+    assert load_configuration("paper") == load_configuration(Configuration(), printed)
 
 
 @given(st.floats(60.0, 190.0), st.floats(0.0, 0.003, allow_subnormal=False), st.integers(0, 2**31 - 1), st.sampled_from(["warm", "cold"]))
@@ -87,7 +109,7 @@ def test_yaml_round_trip(tmp_path_factory: pytest.TempPathFactory, speed: float,
 )
 def test_refusals_name_value_range_and_remedy(setting: str, sentence: str) -> None:
     with pytest.raises(Refusal, match=sentence):
-        load_configuration("healthy", [setting])
+        load_configuration("dry", [setting])
 
 
 NOTCH = ("faults.outer_1.width=0.002",)
@@ -144,7 +166,7 @@ ROLLER_NOTCHES = ("faults.roller_1.width=0.002", "faults.roller_2.width=0.002", 
 )
 def test_contradicting_parameters_are_refused(settings: tuple[str, ...], sentence: str) -> None:
     with pytest.raises(Refusal, match=sentence):
-        load_configuration("healthy", settings)
+        load_configuration("dry", settings)
 
 
 @pytest.mark.parametrize(
@@ -159,7 +181,7 @@ def test_contradicting_parameters_are_refused(settings: tuple[str, ...], sentenc
     ],
 )
 def test_parameters_that_just_fit_together_are_accepted(settings: tuple[str, ...]) -> None:
-    load_configuration("healthy", settings)
+    load_configuration("dry", settings)
 
 
 LIGHT_ROLLERS = ("bearing.roller_mass=0.02", "bearing.roller_inertia=2.25e-6")
@@ -190,22 +212,22 @@ def proposed_step(refused: pytest.ExceptionInfo[Refusal]) -> str:
 )
 def test_a_step_that_is_too_long_is_refused_with_the_mode_and_a_shorter_step(settings: tuple[str, ...], mode: str) -> None:
     with pytest.raises(Refusal, match=mode) as refused:
-        load_configuration("healthy", settings)
-    load_configuration("healthy", [*settings, f"simulation.step={proposed_step(refused)}"])
+        load_configuration("dry", settings)
+    load_configuration("dry", [*settings, f"simulation.step={proposed_step(refused)}"])
 
 
 @pytest.mark.parametrize("rate", [44100, 48000, 51200])
 def test_a_step_that_does_not_divide_the_sampling_interval_is_refused_with_one_that_does(rate: int) -> None:
     settings = (f"sensor.sampling_rate={rate}", "publishing.preview_rate=100", "simulation.step=1.1e-05")
     with pytest.raises(Refusal, match="must be a whole number, at least 2") as refused:
-        load_configuration("healthy", settings)
-    load_configuration("healthy", [*settings, f"simulation.step={proposed_step(refused)}"])
+        load_configuration("dry", settings)
+    load_configuration("dry", [*settings, f"simulation.step={proposed_step(refused)}"])
 
 
 def test_modes_too_fast_for_any_step_are_refused_with_what_to_check() -> None:
     with pytest.raises(Refusal, match=r"even a step of 1e-07 s is too long; check masses in kg"):
         load_configuration(
-            "healthy", ["bearing.cage_mass=0.0001", "bearing.cage_inertia=9e-7", "contact.law=power", "contact.power_coefficient=1e15"]
+            "dry", ["bearing.cage_mass=0.0001", "bearing.cage_inertia=9e-7", "contact.law=power", "contact.power_coefficient=1e15"]
         )
 
 
@@ -260,7 +282,7 @@ def test_the_section_of_the_node_overrides_the_common_one(tmp_path: Path) -> Non
 @pytest.mark.parametrize("value", ["2026-13-45", 400 * "9", 5000 * "9", 1000 * "[", '"\\UFFFFFFFF"'])
 def test_broken_settings_are_refused(value: str) -> None:
     with pytest.raises(Refusal, match="the value is not a plain number or text"):
-        load_configuration("healthy", [f"operating.speed={value}"])
+        load_configuration("dry", [f"operating.speed={value}"])
 
 
 def test_aliases_are_expanded(tmp_path: Path) -> None:
@@ -290,7 +312,7 @@ def test_a_text_is_set_plain_quoted_or_empty(text: str, value: str) -> None:
 
 
 def test_a_text_of_digits_stays_a_text() -> None:
-    assert load_configuration("healthy", ["recording.path=2026"]).recording.path == "2026"
+    assert load_configuration("dry", ["recording.path=2026"]).recording.path == "2026"
 
 
 FILM = ("lubrication.law=film",)
@@ -335,9 +357,9 @@ CUSTOM_OIL = (*FILM, "lubrication.lubricant=custom")
 )
 def test_oils_that_the_film_does_not_describe_are_refused(settings: tuple[str, ...], sentence: str) -> None:
     with pytest.raises(Refusal, match=sentence):
-        load_configuration("healthy", settings)
+        load_configuration("dry", settings)
     if settings[0] == FILM[0]:
-        load_configuration("healthy", ("lubrication.law=dry", *settings[1:]))
+        load_configuration("dry", ("lubrication.law=dry", *settings[1:]))
 
 
 @given(st.sampled_from(["grease", "vg100", "vg220"]), st.floats(-20.0, 200.0), st.floats(1e-9, 1e-4), st.floats(-300.0, 300.0))
@@ -349,12 +371,12 @@ def test_shipped_oils_are_accepted_where_they_flow(lubricant: str, temperature: 
 def test_box_and_axle_slow_the_rings() -> None:
     light = ("bearing.outer_ring_mass=0.2", "bearing.inner_ring_mass=0.2")
     with pytest.raises(Refusal, match="is too long for the rings against each other"):
-        load_configuration("healthy", light)
-    load_configuration("healthy", (*light, "housing.box_mass=60.0", "housing.axle_mass=600.0"))
+        load_configuration("dry", light)
+    load_configuration("dry", (*light, "housing.box_mass=60.0", "housing.axle_mass=600.0"))
 
 
 def test_the_friction_of_asperities_presses_rollers_against_the_bars() -> None:
     light = ("bearing.cage_mass=0.8",)
-    load_configuration("healthy", light)
+    load_configuration("dry", light)
     with pytest.raises(Refusal, match="is too long for rollers against the bars of a cage"):
-        load_configuration("healthy", (*light, *FILM, "lubrication.boundary_friction=1.0"))
+        load_configuration("dry", (*light, *FILM, "lubrication.boundary_friction=1.0"))

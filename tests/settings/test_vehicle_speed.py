@@ -28,7 +28,7 @@ def test_both_forms_in_one_layer_are_refused(tmp_path: Path) -> None:
     with pytest.raises(Refusal, match=BOTH):
         configured(tmp_path, "speed: 100.0, speed_kmh: 72.0")
     with pytest.raises(Refusal, match=BOTH):
-        load_configuration("healthy", ["operating.speed=100", "operating.speed_kmh=72"])
+        load_configuration("dry", ["operating.speed=100", "operating.speed_kmh=72"])
     with pytest.raises(Refusal, match=BOTH):
         load_configuration(Configuration(), ["operating.speed=100", "operating.speed_kmh=72"])
     with pytest.raises(Refusal, match=BOTH):

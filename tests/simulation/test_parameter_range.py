@@ -29,7 +29,7 @@ def run(configuration: Configuration, seconds: float) -> None:
 def test_the_model_stands_what_the_configuration_accepts(field: ParameterField) -> None:
     for end in (field.low, field.high):
         try:
-            configuration = load_configuration("healthy", {"operating.start": "cold", field.key: end, "publishing.block_size": 50})
+            configuration = load_configuration("dry", {"operating.start": "cold", field.key: end, "publishing.block_size": 50})
         except Refusal:
             continue
         run(configuration, 0.001)
@@ -39,7 +39,7 @@ def test_the_model_stands_what_the_configuration_accepts(field: ParameterField) 
 @pytest.mark.parametrize("joint", ["revolute", "pocket"])
 def test_the_model_runs_without_kinetic_friction(joint: str, static: float) -> None:
     friction = {"friction.kinetic_coefficient": 0.0, "friction.static_coefficient": static}
-    run(load_configuration("healthy", {"cage.joint": joint, "operating.start": "cold", **friction}), 0.01)
+    run(load_configuration("dry", {"cage.joint": joint, "operating.start": "cold", **friction}), 0.01)
 
 
 @pytest.mark.parametrize(
@@ -55,8 +55,8 @@ def test_the_model_runs_without_kinetic_friction(joint: str, static: float) -> N
 def test_a_value_that_the_model_does_not_stand_is_refused_with_one_that_it_does(key: str, value: float, joint: str) -> None:
     settings = {"cage.joint": joint, "bearing.inner_ring_mass": 2.0, "operating.load": 5e4}
     with pytest.raises(Refusal, match=re.escape(f"{key} = {value:g}")) as refused:
-        load_configuration("healthy", {**settings, key: value})
+        load_configuration("dry", {**settings, key: value})
     proposed = re.search(r"at (?:most|least) ([\d.e+-]+\d)", str(refused.value))
     assert proposed
     toward = 0.999 if value > float(proposed[1]) else 1.001  # the proposal is rounded
-    run(load_configuration("healthy", {**settings, key: toward * float(proposed[1])}), 0.01)
+    run(load_configuration("dry", {**settings, key: toward * float(proposed[1])}), 0.01)

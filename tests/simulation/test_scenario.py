@@ -12,6 +12,7 @@ import yaml
 
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
+from dcrb_ros.settings.files import load_configuration
 from dcrb_ros.simulation.loop import Simulation
 from dcrb_ros.simulation.scenario import first_step, read_scenario, read_scenario_file, scheduled_changes, starting_configuration
 from dcrb_ros.stream.block import Block, Truth
@@ -202,7 +203,7 @@ def test_every_step_of_a_gradual_change_that_a_live_change_makes_impossible_is_r
 
 
 def test_a_shipped_scenario_is_found_by_name() -> None:
-    events = read_scenario(Path("growing_spall"), Configuration())
+    events = read_scenario(Path("growing_spall"), load_configuration("healthy"))
     assert events[-1].event == ScenarioEvent({"faults.broken_bars": "row2/bar3"})
     with pytest.raises(Refusal, match=r"there is no scenario 'growing_spal': .* did you mean 'growing_spall'\?"):
         read_scenario(Path("growing_spal"), Configuration())
@@ -222,11 +223,11 @@ def test_simulate_applies_a_scenario(tmp_path: Path, monkeypatch: pytest.MonkeyP
 
     scenario = tmp_path / "scenario.yaml"
     scenario.write_text(SCENARIO)
-    assert dcrb("simulate", "healthy", "--scenario", str(scenario), "--duration", "0.2", "-o", str(tmp_path / "bag")) == 0
+    assert dcrb("simulate", "dry", "--scenario", str(scenario), "--duration", "0.2", "-o", str(tmp_path / "bag")) == 0
     last = [decode_truth(message.data) for message in Recording(tmp_path / "bag").messages((GROUND_TRUTH,))][-1]
     assert set(last.faults) == {"outer_1", "broken_bars.row2/bar3"}
     scenario.write_text("timeline: [{at: 1.0, set: {bearing.rows: 1}}]")
-    assert dcrb("simulate", "healthy", "--scenario", str(scenario), "-o", str(tmp_path / "none")) == 2
+    assert dcrb("simulate", "dry", "--scenario", str(scenario), "-o", str(tmp_path / "none")) == 2
     assert "bearing.rows is fixed while the bench runs" in capsys.readouterr().err
     assert not (tmp_path / "none").exists()
 
@@ -236,7 +237,7 @@ PROFILES = sorted((Path(__file__).parents[2] / "config" / "scenarios").glob("*.y
 
 @pytest.mark.parametrize("profile", PROFILES, ids=lambda path: path.stem)
 def test_shipped_scenarios_are_valid_for_the_default_bench(profile: Path) -> None:
-    assert read_scenario(Path(profile.stem), Configuration())
+    assert read_scenario(Path(profile.stem), load_configuration("healthy"))
 
 
 def truths_of(text: str, seconds: float, **operating: float) -> list[Truth]:

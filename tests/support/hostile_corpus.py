@@ -37,7 +37,7 @@ YAML = (
     *CONFIGURATION,
     ("detect", "GOOD", "--detector", INPUT),
     ("import", "WAVE", "--about", INPUT, "-o", NEW),
-    ("simulate", "healthy", "--scenario", INPUT, "-o", NEW),
+    ("simulate", "dry", "--scenario", INPUT, "-o", NEW),
     ("score", INPUT, "--list"),
     ("sweep", INPUT, "--dry-run"),
 )
@@ -53,7 +53,7 @@ BAG = (
     ("simulate", "--from", INPUT),
 )
 """Every command that reads a recording."""
-SCENARIO = (("simulate", "healthy", "--scenario", INPUT, "-o", NEW),)
+SCENARIO = (("simulate", "dry", "--scenario", INPUT, "-o", NEW),)
 EXAM = (("score", INPUT, "--list"),)
 SWEEP = (("sweep", INPUT, "--dry-run"),)
 LIVE = (("@sensor", INPUT),)

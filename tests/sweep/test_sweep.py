@@ -48,7 +48,7 @@ from dcrb_ros.sweep.store import Store, StoreFailed
 from dcrb_ros.sweep.sweep_file import Shares, Windows
 from dcrb_ros.sweep.windows import cut_windows, window_starts
 
-QUICK = {"set": {"cage.joint": "revolute"}, "duration": 0.02}
+QUICK = {"base": "dry", "set": {"cage.joint": "revolute"}, "duration": 0.02}
 CASES = {"healthy": {}, "outer": {"faults.outer_1.width": {"low": 0.001, "high": 0.003}}}
 VARIED = {
     **QUICK,
@@ -295,7 +295,7 @@ def test_windows_lie_within_the_run(length: int, overlap: float, samples: int) -
 
 def test_a_preset_sets_the_sensor_parameters() -> None:
     made = sweep_of({"duration": 0.1, "set": {"sensor.preset": "mems"}, "vary": {"operating.speed": [100.0]}}, "test")
-    assert made.base["sensor.range"] == load_configuration("healthy", ["sensor.preset=mems"]).sensor.range
+    assert made.base["sensor.range"] == load_configuration("dry", ["sensor.preset=mems"]).sensor.range
 
 
 def test_waveform_only_has_the_same_samples_and_truths() -> None:

@@ -70,6 +70,11 @@ DAMAGE: dict[str, tuple[str, Callable[[Path], object], str]] = {
         lambda path: (path.unlink(), path.mkdir()),
         "labels/{}.json is a folder: give a regular file",
     ),
+    "a link to nothing for a label": (
+        "labels/{}.json",
+        lambda path: (path.unlink(), path.symlink_to("nothing")),
+        "labels/{}.json is missing",
+    ),
     "a deleted waveform": ("runs/{}.npz", Path.unlink, "runs/{}.npz is missing"),
     "a truncated waveform": ("runs/{}.npz", truncate, "bytes instead of"),
     "a waveform with a flipped bit": ("runs/{}.npz", flip_a_bit, "runs/{}.npz has been changed: its SHA-256 is not the one in its label"),

@@ -2,7 +2,7 @@
 
 The fingerprints in ``fingerprints.json`` were taken from the code before its rebuild (commit 62b584c); those of the three runs with
 ``contact.notch: edge`` are later, since edges that touch one roller share its contact. ``python tests/unchanged/cases.py`` prints the
-present ones; ``--write`` replaces the file, which is right only when the model was meant to change.
+present ones; ``--write`` replaces the file, which is right only when the model was meant to change. It needs ``tests/support`` on the path.
 """
 
 from __future__ import annotations
@@ -14,6 +14,8 @@ import tempfile
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
+
+from dry_benches import FAULTS, dry_bench
 
 from dcrb_ros.bearing.payload import body_names
 from dcrb_ros.messages.encoder import BlockEncoder
@@ -109,7 +111,7 @@ CASES: dict[str, tuple[str, tuple[str, ...]]] = {
     "bursts_and_losses": ("healthy", ("publishing.loss_probability=0.4", "publishing.burst_length=0.03", "publishing.burst_period=0.05")),
     "odd_blocks": ("outer_ring_defect", ("publishing.block_size=700", "publishing.state_rate=333", "publishing.preview_rate=100")),
 }
-"""Configuration and settings of each run."""
+"""Configuration, `paper` or the name of a dry bench, and settings of each run."""
 
 SCENARIO = """
 timeline:
@@ -143,7 +145,8 @@ def fingerprint(blocks: Iterable[Block], encoder: BlockEncoder) -> dict[str, str
 def run(name: str) -> dict[str, str]:
     """Return the fingerprint of a case."""
     bench, settings = CASES[name]
-    configuration = load_configuration(bench, (*EVERY_TOPIC, *settings))
+    changed = (*EVERY_TOPIC, *settings)
+    configuration = dry_bench(bench, *changed) if bench in FAULTS else load_configuration(bench, changed)
     return fingerprint(Simulation(configuration).blocks(SHORT), BlockEncoder(configuration, body_names(configuration)))
 
 
@@ -151,7 +154,7 @@ def run_scenario(folder: Path) -> dict[str, str]:
     """Return the fingerprint of a run with a scenario and with commands between its blocks."""
     file = folder / "scenario.yaml"
     file.write_text(SCENARIO)
-    configuration = load_configuration("healthy", EVERY_TOPIC)
+    configuration = dry_bench("healthy", *EVERY_TOPIC)
     simulation = Simulation(configuration, read_scenario(file, configuration))
 
     def blocks() -> Iterable[Block]:

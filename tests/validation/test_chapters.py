@@ -116,7 +116,7 @@ def test_the_report_has_a_table_for_each_chapter() -> None:
     assert list(chapters(rows)) == ["The paper", "Oil"]
     text = markdown(rows, [OiledSpec("healthy", 1.0)], [])
     assert text.index("### The paper") < text.index("| spin |") < text.index("### Oil") < text.index("| film |")
-    assert "dcrb simulate axle_box --duration 1.2 --set sensor.noise_density=0" in text
+    assert "dcrb simulate healthy --duration 1.2 --set sensor.noise_density=0" in text
 
 
 def test_oiled_runs_are_distinct_and_valid() -> None:

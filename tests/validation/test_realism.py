@@ -73,7 +73,7 @@ def bench(name: str, *settings: str, noise: float = 0.0) -> Statistics:
 
 def test_a_healthy_bearing_is_as_quiet_as_measured_ones() -> None:
     """docs/explanation/realism.md: individuals have 1.1 to 2.0 m/s^2, depths of 0.05 to 0.18 and crests of 8.7 to 9.3 dB."""
-    found = bench("axle_box")
+    found = bench("healthy")
     assert 0.3 < found.rms < 3.0
     assert found.kurtosis < 6.0
     assert found.bpfo_depth < 0.3
@@ -83,7 +83,7 @@ def test_a_healthy_bearing_is_as_quiet_as_measured_ones() -> None:
 
 def test_a_spall_of_2_mm_has_the_statistics_of_measured_outer_ring_faults() -> None:
     """docs/explanation/realism.md; the limits are the ranges of 30 measured recordings, those of rms and peak are for an axle box."""
-    found = bench("axle_box_outer_spall")
+    found = bench("outer_ring_defect")
     assert 10.0 < found.rms < 60.0
     assert 50.0 < found.peak < 500.0
     # Without any noise but the bearing's own, depth and crest lie above the measured ranges of up to 1.7 and 30 dB.
@@ -94,20 +94,20 @@ def test_a_spall_of_2_mm_has_the_statistics_of_measured_outer_ring_faults() -> N
     assert 0.03 < found.sidebands < 1.03
     assert 1e-4 < found.wander < 3.5e-3
     assert 1.2 < found.harmonics[0] / found.harmonics[1] < 20.0
-    noisy = bench("axle_box_outer_spall", noise=0.1)
+    noisy = bench("outer_ring_defect", noise=0.1)
     assert 0.47 < noisy.bpfo_depth < 1.8
     assert 10.8 < noisy.crest < 30.1
 
 
 def test_run_out_makes_the_sidebands_and_fluctuation_the_wander() -> None:
-    still = bench("axle_box_outer_spall", "surfaces.run_out=0", "operating.speed_fluctuation=0", "operating.speed_ripple=0")
-    wide = bench("axle_box_outer_spall", "surfaces.run_out=1.5e-5")
-    assert still.wander < 0.5 * bench("axle_box_outer_spall").wander
+    still = bench("outer_ring_defect", "surfaces.run_out=0", "operating.speed_fluctuation=0", "operating.speed_ripple=0")
+    wide = bench("outer_ring_defect", "surfaces.run_out=1.5e-5")
+    assert still.wander < 0.5 * bench("outer_ring_defect").wander
     assert wide.sidebands > 2.0 * still.sidebands
 
 
 def test_friction_is_within_40_per_cent_of_the_formula_for_the_grease() -> None:
-    simulation = Simulation(load_configuration("axle_box"))
+    simulation = Simulation(load_configuration("healthy"))
     list(simulation.blocks(0.4))
     before = simulation.energy.drive
     list(simulation.blocks(0.5))
@@ -118,7 +118,7 @@ def test_friction_is_within_40_per_cent_of_the_formula_for_the_grease() -> None:
 
 def test_cages_slip_more_under_less_load() -> None:
     def speed(load: float) -> float:
-        simulation = Simulation(load_configuration("axle_box", [f"operating.load={load}", "operating.speed_fluctuation=0"]))
+        simulation = Simulation(load_configuration("healthy", [f"operating.load={load}", "operating.speed_fluctuation=0"]))
         list(simulation.blocks(0.5))
         start = simulation._state.cage_position[:, 2].copy()
         list(simulation.blocks(0.5))

@@ -11,7 +11,7 @@ import pytest
 
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.validation.comparison import Comparison
-from dcrb_ros.validation.default_bench import default_bench_comparisons
+from dcrb_ros.validation.dry_bench import dry_bench_comparisons
 from dcrb_ros.validation.figures import passes
 from dcrb_ros.validation.healthy import healthy_comparisons
 from dcrb_ros.validation.measures import envelope_spectrum, kurtosis, load_zone, profile, settling_time
@@ -95,10 +95,10 @@ def test_a_comparison_outside_its_tolerance_falls_short() -> None:
 
 
 @functools.cache
-def default_bench(*settings: str) -> dict[str, bool]:
-    """Return whether each row of the default bench holds over 1.5 s."""
+def dry_bench(*settings: str) -> dict[str, bool]:
+    """Return whether each row of the dry bench holds over 1.5 s."""
     run = simulate(RunSpec("healthy", "pocket", 1.7, settings))
-    return {comparison.quantity.split(",")[0]: comparison.holds for comparison in default_bench_comparisons(run)}
+    return {comparison.quantity.split(",")[0]: comparison.holds for comparison in dry_bench_comparisons(run)}
 
 
 @pytest.mark.parametrize(
@@ -112,8 +112,8 @@ def default_bench(*settings: str) -> dict[str, bool]:
         (("cage.friction_coefficient=0.1",), {"Acceleration of the outer ring", "Power lost in friction"}),
     ],
 )
-def test_the_rows_of_the_default_bench_notice_another_cage(settings: tuple[str, ...], missed: set[str]) -> None:
-    assert {quantity for quantity, holds in default_bench(*settings).items() if not holds} == missed
+def test_the_rows_of_the_dry_bench_notice_another_cage(settings: tuple[str, ...], missed: set[str]) -> None:
+    assert {quantity for quantity, holds in dry_bench(*settings).items() if not holds} == missed
 
 
 def test_report_contains_every_comparison() -> None:

@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 import pytest
+from dry_benches import dry_bench
 from mcap.writer import IndexType, Writer
 from ros2_bag_record import bag_of
 from runs import PAPER_SPEED, Run, simulated
@@ -32,7 +33,6 @@ from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.recordings.recorder import Recorder
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
-from dcrb_ros.settings.files import load_configuration
 from dcrb_ros.settings.parameters import Bearing
 from dcrb_ros.simulation.loop import Simulation
 from dcrb_ros.stream.block import Truth
@@ -293,7 +293,7 @@ def test_faults_are_assigned_to_their_rows() -> None:
 
 
 def test_summary_contains_every_fault(tmp_path: Path) -> None:
-    configuration = load_configuration("compound")
+    configuration = dry_bench("compound")
     path, simulation = tmp_path / "compound", Simulation(configuration)
     with Recorder(path, configuration, simulation.bodies) as recorder:
         for block in simulation.blocks(0.2):

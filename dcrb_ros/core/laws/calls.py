@@ -146,6 +146,11 @@ def film_memory(film: Any, force: float) -> Any:
 
 
 @by_law
+def film_thickness(film: Any, force: float) -> tuple[float, float]:  # type: ignore[empty-body]
+    """Return the central film [m] under a normal force [N], and its ratio to the roughness [-]; of laws that have a film."""
+
+
+@by_law
 def steady_friction(film: Any, memory: Any, friction: Any, slip: float) -> tuple[float, float]:  # type: ignore[empty-body]
     """Return speed [m/s] and coefficient [-] of steady sliding at a slip [m/s]."""
 

@@ -10,8 +10,6 @@ import math
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
-import numpy as np
-
 from dcrb_ros.core.jit import kernel
 from dcrb_ros.core.laws.cage_oil import CageOil, bar_damping, bar_shear, cage_oil, churning, land_damping, land_torque
 from dcrb_ros.core.laws.film_thickness import (
@@ -37,7 +35,6 @@ from dcrb_ros.core.laws.viscosity import (
     roelands_exponent,
     temperature_coefficient,
 )
-from dcrb_ros.core.layout.records import Floats
 
 OIL_CONDUCTIVITY = 0.14
 """k_f [W/(m K)]."""
@@ -228,10 +225,10 @@ def thickness_under(film: Film, force: float) -> float:
     return starved(film.thickness * power(max(force, LEAST_FORCE), -0.10), film.layer)
 
 
-def thickness_and_ratio(film: Film, force: Floats) -> tuple[Floats, Floats]:
-    """Return the central films [m] under forces [N], any shape, and their ratios Lambda to the roughness [-]; see `thickness_under`."""
-    flooded = film.thickness * np.maximum(force, LEAST_FORCE) ** -0.10
-    thickness = flooded / np.hypot(1.0, flooded / film.layer)
+@kernel
+def thickness_and_ratio(film: Film, force: float) -> tuple[float, float]:
+    """Return the central film [m] under a force [N], and its ratio Lambda to the roughness [-]."""
+    thickness = thickness_under(film, force)
     return thickness, thickness / film.roughness
 
 

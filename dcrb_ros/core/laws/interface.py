@@ -12,7 +12,6 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from dcrb_ros.core.laws.site import Material, NoMemory, Site
-from dcrb_ros.core.layout.records import Floats
 
 
 @dataclass(frozen=True)
@@ -170,8 +169,8 @@ class LubricationLaw:
     """NamedTuple of floats kept at each contact: what takes long to evaluate and changes little while a surface passes through it."""
     resists: bool = False
     """Whether the law has a resistance to rolling."""
-    thickness: Callable[[Any, Floats], tuple[Floats, Floats]] | None = None
-    """Function (film, force): films [m] under normal forces [N], and their ratios to the roughness [-]; None where there is no film."""
+    thickness: Callable[..., tuple[float, float]] | None = None
+    """Kernel (film, force): film [m] under a normal force [N], and its ratio to the roughness [-]; None where there is no film."""
     oils_cages: bool = False
     """Whether the law acts on bars, lands and orbiting rollers."""
     bar_damping: Callable[..., float] = _no_bar_film

@@ -94,7 +94,8 @@ def _register_lubrication(law: LubricationLaw) -> None:
     functions["oils_cages"] = _function(f"def made(law):\n    return {law.oils_cages}")
     BY_CONSTANTS[law.constants] = Registered(law, functions)
     resists = _function(f"def made(film):\n    return {law.resists}")
-    BY_CONSTANTS[law.film] = Registered(law, {name: getattr(law, name) for name in FILM_KERNELS} | {"film_resists": resists})
+    kernels = {name: getattr(law, name) for name in FILM_KERNELS} | {"film_resists": resists}
+    BY_CONSTANTS[law.film] = Registered(law, kernels | ({"film_thickness": law.thickness} if law.thickness else {}))
 
 
 def register(law: NormalLaw | TractionLaw | LubricationLaw) -> None:

@@ -13,6 +13,7 @@ import numpy as np
 from dcrb_ros.bearing.kinematics import Orders
 from dcrb_ros.diagnosis.demodulation import Band
 from dcrb_ros.diagnosis.evidence import BandEvidence, Evidence
+from dcrb_ros.diagnosis.healthy_baseline import HealthyBaseline
 from dcrb_ros.diagnosis.known_bearings import Baseline
 from dcrb_ros.diagnosis.line_parameters import LineParameters
 from dcrb_ros.diagnosis.line_search import GUARD, Comb, LineFamily
@@ -21,6 +22,7 @@ from dcrb_ros.diagnosis.rule import Finding, LineRule, sidebands
 from dcrb_ros.diagnosis.rules.inner_ring import rollers
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.fields import quantity
+from dcrb_ros.schema.refusal import Refusal
 
 HIGHEST_CONTRAST = 60.0
 """Contrast to which it is limited [dB]."""
@@ -54,7 +56,6 @@ class OuterRingParameters(LineParameters):
         0.0,
         1e5,
     )
-    learn_margin: float = quantity(4.0, "dB", "Margin of learned limits over the largest BPFO lines", 0.0, 40.0)
 
 
 class OuterRing(LineRule[OuterRingParameters]):
@@ -68,15 +69,30 @@ class OuterRing(LineRule[OuterRingParameters]):
         self._remaining = parameters.learn
         """Time for which the limits are still learned [s]."""
 
+    def take(self, baseline: HealthyBaseline) -> None:
+        """Compare lines with those of the healthy bearing.
+
+        Raises:
+            Refusal: the parameters give sizes of its lines, or say that they are to be learned.
+        """
+        given = next((name for name in ("outer_limit", "outer_limit_high", "learn") if getattr(self.p, name)), "")
+        if given:
+            raise Refusal(f"{given} = {getattr(self.p, given):g} and a baseline are given: leave out one of them")
+        super().take(baseline)
+
     def use(self, baseline: Baseline) -> None:
-        """Use a baseline, unless the parameters give one or it is to be learned."""
-        if not (self.p.outer_limit or self.p.outer_limit_high or self.p.learn):
+        """Use the sizes of a known bearing, unless a baseline or the parameters give others or they are to be learned."""
+        if self.baseline is None and not (self.p.outer_limit or self.p.outer_limit_high or self.p.learn):
             self._whole_limit, self._high_limit = baseline
 
     def combs(self, orders: Orders) -> Sequence[Comb]:
         """Return BPFO."""
         # Rows staggered by half a pitch strike in turn and leave only the even harmonics; a baseline makes those safe to use.
-        return (Comb(orders.bpfo), Comb(2.0 * orders.bpfo)) if self._baseline else (Comb(orders.bpfo),)
+        return self.baseline_combs(orders) if self._baseline or self.baseline is not None else (Comb(orders.bpfo),)
+
+    def baseline_combs(self, orders: Orders) -> Sequence[Comb]:
+        """Return BPFO and its double."""
+        return Comb(orders.bpfo), Comb(2.0 * orders.bpfo)
 
     @property
     def depth(self) -> float:

@@ -13,7 +13,7 @@ import numpy as np
 from dcrb_ros.simulation.loop import Simulation
 from dcrb_ros.settings.files import load_configuration
 
-simulation = Simulation(load_configuration("healthy", ["friction.law=dahl", "friction.dahl_coefficient=0.04", "contact.law=spring"]))
+simulation = Simulation(load_configuration("dry", ["friction.law=dahl", "friction.dahl_coefficient=0.04", "contact.law=spring"]))
 samples = np.concatenate([block.clean for block in simulation.blocks(0.02)])
 assert np.isfinite(samples).all()
 state = simulation._state
@@ -27,7 +27,7 @@ from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.files import load_configuration
 
 try:
-    load_configuration("healthy", ["friction.dahl_stiffness=0.1"])
+    load_configuration("dry", ["friction.dahl_stiffness=0.1"])
 except Refusal as refusal:
     print(refusal)
 """

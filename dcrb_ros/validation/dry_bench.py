@@ -1,6 +1,6 @@
-"""Rows that pin the amplitude and the cage of the default bench, which no figure of the paper shows.
+"""Rows that pin the amplitude and the cage of the bench `dry`, which no figure of the paper shows.
 
-Their values are this model's own, from `healthy` at the paper's speed; `assumptions.md` lists which changes of the bench they notice.
+Their values are this model's own, at the paper's speed; `assumptions.md` lists which changes of the bench they notice.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ FRICTION = 42.0, 44.6
 """Accepted power lost in friction [W]."""
 
 
-def default_bench_comparisons(run: Run) -> Iterator[Comparison]:
+def dry_bench_comparisons(run: Run) -> Iterator[Comparison]:
     """Yield the comparisons of the healthy bearing with free rollers."""
     bars = run.bar_force[run.settled]
     power = run.energy.friction / float(run.time[-1])

@@ -1,0 +1,164 @@
+"""A baseline: the lines of a healthy bearing in every band, learned from a recording, saved and loaded.
+
+A fault is judged by the depth of its lines, which needs no baseline. With one, lines must also be larger than those of the healthy
+bearing, which raises a limit where the healthy bearing modulates deeply; and they may be shallower than the usual limit, which lowers it
+where the healthy bearing is quiet.
+"""
+
+from __future__ import annotations
+
+import functools
+import hashlib
+import math
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+import yaml
+from pydantic import Field, ValidationError
+
+from dcrb_ros.bearing.kinematics import Orders
+from dcrb_ros.diagnosis.demodulation import Band
+from dcrb_ros.schema.fields import Group
+from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.schema.verdicts import Component
+from dcrb_ros.text.yaml import read_yaml
+
+LEAST_DEPTH = 0.05
+"""Modulation depth to which a baseline may lower a limit [-]: impacts with a thirtieth of the power in the band."""
+SAME_ORDER = 1e-4
+"""Relative difference of orders that are still those of one bearing [-]: four digits are usually given."""
+OTHER_SPEED = 1.3
+"""Ratio to the learned speeds from which the sizes of lines can no longer be compared well [-]."""
+SOURCES = (
+    *("demodulation", "order_tracking", "order_spectrum", "line_search", "window", "rule"),
+    *("rules/outer_ring", "rules/inner_ring", "rules/roller", "rules/cage"),
+)
+"""Modules on which the sizes of lines depend."""
+
+
+class HealthyLines(Group):
+    """The largest lines of one fault in one band of a healthy bearing."""
+
+    component: Component
+    band: tuple[float, float] = Field(strict=False)
+    """Edges of the band [Hz]."""
+    size: float = Field(ge=0.0)
+    """Square root of their amplitude at 20 Hz of shaft frequency [m/s^2]."""
+    depth: float = Field(ge=0.0)
+    """Modulation depth [-]."""
+
+
+class HealthyBaseline(Group):
+    """What was learned from a healthy bearing, and for which bearing, sensor and rules it holds."""
+
+    source: str
+    """Recording from which it was learned."""
+    rules: str
+    """Hash of the rules by which it was learned."""
+    sampling_rate: int = Field(ge=1)
+    """[Hz]"""
+    axes: int = Field(ge=1, le=2)
+    orders: dict[str, float]
+    """FTF, BPFO, BPFI and BSF [-]."""
+    bands: tuple[float, float, float, str] = Field(strict=False)
+    """``band_low`` and ``band_high`` [Hz], ``speed_exponent`` and ``band`` of the detector that learned it."""
+    seconds: float = Field(gt=0.0)
+    """Length of signal from which it was learned [s]."""
+    judgements: int = Field(ge=1)
+    """Windows from which it was learned [-]."""
+    speeds: tuple[float, float] = Field(strict=False)
+    """Lowest and highest shaft frequency among them [Hz]."""
+    remark: str = ""
+    """What a user should know about the recording; empty for nothing."""
+    lines: list[HealthyLines]
+
+    def of(self, component: Component, band: Band) -> HealthyLines | None:
+        """Return the healthy lines of a component in a band, none if they were not learned."""
+        return self._by_band.get((component, *_rounded(band)))
+
+    @functools.cached_property
+    def _by_band(self) -> Mapping[tuple[str, float, float], HealthyLines]:
+        return {(one.component, *_rounded(one.band)): one for one in self.lines}
+
+    def check(self, orders: Orders, rate: int, bands: tuple[float, float, float, str]) -> None:
+        """Refuse another bearing, sampling rate, bands or rules than those of the baseline.
+
+        Raises:
+            Refusal: they differ.
+        """
+        again = "learn the baseline again from a recording of the healthy bearing"
+        if rate != self.sampling_rate:
+            raise Refusal(f"the baseline of {self.source} has {self.sampling_rate} Hz, but the signal has {rate} Hz: {again}")
+        for name, order in orders.as_dict().items():
+            known = self.orders.get(name, math.nan)
+            if not math.isclose(order, known, rel_tol=SAME_ORDER):
+                raise Refusal(f"the baseline of {self.source} is of a bearing with {name} = {known:g}, not {order:g} orders: {again}")
+        if bands != self.bands:
+            raise Refusal(f"the baseline of {self.source} was learned with the bands {self.bands}, but the detector has {bands}: {again}")
+        if self.rules != rules_hash():
+            raise Refusal(f"the baseline of {self.source} was learned by other rules ({self.rules}, now {rules_hash()}): {again}")
+
+    def check_axes(self, acceleration: npt.NDArray[np.floating]) -> None:
+        """Refuse a block of shape (samples, 2) with another number of axes; one axis is given as two equal ones.
+
+        Raises:
+            Refusal: the number differs.
+        """
+        found = axes(acceleration)
+        if found not in (0, self.axes):
+            raise Refusal(
+                f"the baseline of {self.source} has {self.axes} of two axes, but the signal has {found}: learn it from the same sensor"
+            )
+
+    def sentence(self, frequency: float) -> str:
+        """Return what is used, for a diagnosis at a shaft ``frequency`` [Hz]."""
+        low, high = self.speeds
+        beyond = frequency > 0.0 and not low / OTHER_SPEED <= frequency <= high * OTHER_SPEED
+        other = f"; it was learned at {low:.1f} to {high:.1f} Hz, so that sizes are uncertain at this speed" if beyond else ""
+        note = f"; {self.remark}" if self.remark else ""
+        return f"lines are compared with a baseline of {self.seconds:.1f} s of {self.source}{other}{note}"
+
+    def save(self, path: Path) -> None:
+        """Write the baseline to a YAML file."""
+        path.write_text(yaml.safe_dump(self.model_dump(mode="json"), sort_keys=False), encoding="utf-8")
+
+
+def read_baseline(path: Path) -> HealthyBaseline:
+    """Return the baseline in a YAML file.
+
+    Raises:
+        Refusal: the file cannot be read, or is no baseline.
+    """
+    tree = read_yaml(path)
+    if not isinstance(tree, dict):
+        raise Refusal(f"{path} is not a baseline: save one with dcrb detect BAG --healthy BAG --save-baseline {path}")
+    try:
+        return HealthyBaseline.model_validate(tree)
+    except ValidationError as error:
+        first = error.errors()[0]
+        key = ".".join(map(str, first["loc"]))
+        raise Refusal(f"{path} is not a baseline: {key}: {first['msg'][0].lower()}{first['msg'][1:]}; learn it again") from None
+
+
+def axes(acceleration: npt.NDArray[np.floating]) -> int:
+    """Return the number of different axes among two, shape (samples, 2); 0 if a signal without vibration does not show it."""
+    one, other = acceleration[:, 0], acceleration[:, 1]
+    if not np.array_equal(one, other, equal_nan=True):
+        return 2
+    known = one[np.isfinite(one)]
+    return 1 if len(known) and np.ptp(known) > 0.0 else 0
+
+
+def _rounded(band: tuple[float, float] | Band) -> tuple[float, float]:
+    return round(band[0], 1), round(band[1], 1)
+
+
+@functools.cache
+def rules_hash() -> str:
+    """Return a short hash of the sources on which the sizes of lines depend."""
+    digest = hashlib.sha256()
+    for name in SOURCES:
+        digest.update((Path(__file__).parent / f"{name}.py").read_bytes())
+    return digest.hexdigest()[:12]

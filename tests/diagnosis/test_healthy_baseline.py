@@ -1,0 +1,189 @@
+"""Baselines: learned from a healthy recording, saved, loaded, refused for another bearing, and named by the diagnosis."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import yaml
+from jittered_impacts import Floats, Machine
+from synthetic_bearing import ORDERS, synthetic
+
+from dcrb_ros.cli.app import main
+from dcrb_ros.diagnosis.detection import DetectionResult, detect, learn_baseline
+from dcrb_ros.diagnosis.detector import FaultDetector
+from dcrb_ros.diagnosis.healthy_baseline import HealthyBaseline, read_baseline
+from dcrb_ros.diagnosis.parameters import DetectorParameters
+from dcrb_ros.exchange.importing import WaveformImport
+from dcrb_ros.schema.refusal import Refusal
+
+RATE, SECONDS = 12000, 8.0
+
+
+def angle(signal: Floats, speed: float = 25.0) -> Floats:
+    return np.mod(2.0 * np.pi * speed / RATE * np.arange(len(signal)), 2.0 * np.pi)
+
+
+def loud(seed: int, defect: float = 0.0) -> Floats:
+    """A healthy bearing with deep lines at BPFO, of one machine, and a defect of the outer ring."""
+    one = Machine(seed)
+    healthy = one.healthy(SECONDS, compliance=0.7)
+    return healthy + defect * one.impacts(SECONDS, "outer_ring")
+
+
+def judged(signal: Floats, known: HealthyBaseline | None = None, **parameters: Any) -> DetectionResult:
+    chosen = DetectorParameters(**parameters)
+    return detect(signal, RATE, shaft_angle=angle(signal), bearing=Machine(1).orders, parameters=chosen, baseline=known)
+
+
+def learned(signal: Floats, **parameters: Any) -> HealthyBaseline:
+    return learn_baseline(
+        signal, RATE, name="calm", shaft_angle=angle(signal), bearing=Machine(1).orders, parameters=DetectorParameters(**parameters)
+    )
+
+
+@pytest.fixture(scope="module")
+def baseline() -> HealthyBaseline:
+    return learned(loud(1))
+
+
+def test_a_baseline_raises_the_limit_of_a_bearing_with_deep_lines(baseline: HealthyBaseline) -> None:
+    assert judged(loud(2)).verdict == "outer_ring"
+    found = judged(loud(2), baseline)
+    assert found.verdict == "healthy", found.reason
+    assert judged(loud(2, defect=4.0), baseline).verdict == "outer_ring"
+
+
+def test_a_baseline_lowers_the_limit_of_a_quiet_bearing() -> None:
+    calm = Machine(4).healthy(SECONDS)
+    one = Machine(4)
+    signal = one.healthy(SECONDS) + 0.055 * one.impacts(SECONDS, "outer_ring")
+    assert judged(signal).verdict == "healthy"
+    found = judged(signal, learned(calm))
+    assert found.verdict == "outer_ring", found.reason
+    assert judged(calm, learned(calm)).verdict == "healthy"
+
+
+def test_the_gain_of_both_recordings_does_not_matter(baseline: HealthyBaseline) -> None:
+    small = learned(0.01 * loud(1))
+    for signal in (loud(2), loud(2, defect=4.0)):
+        assert judged(0.01 * signal, small).verdict == judged(signal, baseline).verdict
+
+
+def test_the_diagnosis_says_which_baseline_was_used(baseline: HealthyBaseline) -> None:
+    used = judged(loud(2), baseline).last
+    assert used.baseline.startswith("lines are compared with a baseline of 8.0 s of calm")
+    assert "itself is diagnosed as outer_ring, and taken as healthy" in used.baseline
+    assert used.baseline in used.remarks
+    assert judged(loud(2)).last.baseline == ""
+
+
+def test_another_speed_makes_sizes_uncertain(baseline: HealthyBaseline) -> None:
+    signal = loud(2)
+    found = detect(signal, RATE, shaft_angle=angle(signal, 40.0), bearing=Machine(1).orders, baseline=baseline)
+    assert "it was learned at 25.0 to 25.0 Hz, so that sizes are uncertain" in found.last.baseline
+
+
+def test_learning_stops_at_an_alarm() -> None:
+    one = Machine(5)
+    calm, struck = one.healthy(SECONDS), one.healthy(SECONDS) + 2.0 * one.impacts(SECONDS, "outer_ring")
+    found = learned(np.concatenate([calm, struck]))
+    assert 4.0 < found.seconds <= 8.0
+    assert found.remark == f"that recording raises an alarm at {found.seconds + 4.0:.1f} s, and what its window contains was not used"
+    whole = learned(calm)
+    assert max(one.size for one in found.lines) < 2.0 * max(one.size for one in whole.lines)
+
+
+def test_a_faulty_sensor_teaches_nothing() -> None:
+    signal = np.clip(5.0 * loud(1), -1.0, 1.0)
+    with pytest.raises(Refusal, match=r"calm gives no baseline: .*; give a longer recording"):
+        learned(signal)
+
+
+def test_a_second_is_enough_to_learn_from() -> None:
+    found = learned(loud(3)[: round(1.2 * RATE)])
+    assert (found.axes, found.seconds) == (1, 1.2)
+    assert judged(loud(2), found).verdict == "healthy"
+
+
+def test_a_saved_baseline_gives_the_same_diagnoses(baseline: HealthyBaseline, tmp_path: Path) -> None:
+    baseline.save(tmp_path / "mine.yaml")
+    assert read_baseline(tmp_path / "mine.yaml") == baseline
+    found, again = judged(loud(2), baseline), judged(loud(2), baseline=str(tmp_path / "mine.yaml"))
+    assert [one.scores for one in again.history] == [one.scores for one in found.history]
+
+
+@pytest.mark.parametrize(
+    ("changes", "sentence"),
+    [
+        ({"sampling_rate": 25600}, "has 25600 Hz, but the signal has 12000 Hz: learn the baseline again"),
+        ({"orders": {"FTF": 0.4, "BPFO": 3.6, "BPFI": 5.5, "BSF": 2.4}}, r"is of a bearing with BPFI = 5\.5, not 5\.4 orders"),
+        ({"bands": [1000.0, 20000.0, 1.0, "kurtogram"]}, "was learned with the bands"),
+        ({"rules": "0" * 12}, "was learned by other rules"),
+        ({"axes": 2}, "has 2 of two axes, but the signal has 1"),
+        ({"axes": 3}, "is not a baseline: axes: input should be less"),
+        ({"lines": 3}, "is not a baseline: lines"),
+        ({"more": 3}, "is not a baseline"),
+    ],
+)
+def test_a_baseline_of_something_else_is_refused(changes: dict[str, Any], sentence: str, baseline: HealthyBaseline, tmp_path: Path) -> None:
+    path = tmp_path / "mine.yaml"
+    path.write_text(yaml.safe_dump(baseline.model_dump(mode="json") | changes))
+    with pytest.raises(Refusal, match=sentence):
+        judged(loud(2)[: 3 * RATE], baseline=str(path))
+
+
+@pytest.mark.parametrize("given", ["outer_limit", "outer_limit_high", "learn"])
+def test_two_baselines_are_refused(given: str, baseline: HealthyBaseline) -> None:
+    with pytest.raises(Refusal, match=f"{given} = 1 and a baseline are given"):
+        FaultDetector(Machine(1).orders, RATE, DetectorParameters(**{given: 1.0}), baseline=baseline)
+
+
+def test_two_axes_of_the_simulated_bearing_are_compared() -> None:
+    (healthy, turned), (faulty, _) = synthetic(), synthetic(outer=600.0)
+    known = learn_baseline(healthy, 51200, shaft_angle=turned, bearing=ORDERS)
+    assert known.axes == 2
+    assert detect(faulty, 51200, shaft_angle=turned, bearing=ORDERS, baseline=known).verdict == "outer_ring"
+    with pytest.raises(Refusal, match="has 2 of two axes, but the signal has 1: learn it from the same sensor"):
+        detect(faulty[:, 0], 51200, shaft_angle=turned, bearing=ORDERS, baseline=known)
+
+
+def recorded(folder: Path, name: str, signal: Floats) -> Path:
+    np.savez(folder / f"{name}.npz", a=signal)
+    about = {"channels": {"ax": "a"}, "unit": "g", "sampling_rate": RATE, "speed_rpm": 1500.0, "orders": Machine(1).orders.as_dict()}
+    (folder / "about.yaml").write_text(yaml.safe_dump(about))
+    WaveformImport(folder / f"{name}.npz", folder / "about.yaml").write(folder / name)
+    return folder / name
+
+
+def dcrb(*arguments: str, monkeypatch: pytest.MonkeyPatch) -> int:
+    monkeypatch.setattr("sys.argv", ["dcrb", *arguments])
+    with pytest.raises(SystemExit) as end:
+        main()
+    return int(str(end.value.code or 0))
+
+
+def test_the_command_learns_saves_and_loads(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    calm, other = recorded(tmp_path, "calm", loud(1)), recorded(tmp_path, "other", loud(2))
+    saved = str(tmp_path / "mine.yaml")
+    answers = []
+    for options in ((), ("--healthy", str(calm), "--save-baseline", saved), ("--baseline", saved)):
+        assert dcrb("detect", str(other), "--json", *options, monkeypatch=monkeypatch) == 0
+        answers.append(json.loads(capsys.readouterr().out))
+    assert [one["verdict"] for one in answers] == ["outer_ring", "healthy", "healthy"]
+    assert answers[0]["baseline"] is None
+    assert "8.0 s of calm" in answers[1]["baseline"]
+    assert answers[2]["scores"] == answers[1]["scores"]
+    for options, sentence in (
+        (("--save-baseline", saved), "--save-baseline needs --healthy"),
+        (("--healthy", str(calm), "--baseline", saved), "both give a baseline"),
+        (("--healthy", str(calm), "--save-baseline", saved), "exists: give another name, or --force"),
+        (("--baseline", str(tmp_path / "none.yaml")), "none.yaml"),
+    ):
+        assert dcrb("detect", str(other), *options, monkeypatch=monkeypatch) == 2
+        error = capsys.readouterr().err
+        assert sentence in error
+        assert error.count("\n") == 1

@@ -1,0 +1,110 @@
+"""The rank correlation between an exam and measured recordings."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+from scipy.stats import kendalltau, spearmanr
+
+from dcrb_ros.exam.agreement import agreement, kendall_tau, macro_recall, spearman_rho
+from dcrb_ros.exam.entry import FORMAT, Entry, EntryScenario
+from dcrb_ros.exam.profile import PROFILES
+from dcrb_ros.schema.refusal import Refusal
+
+
+def entry(detector: str, skill: float, count: int = 20, seed: int | None = None) -> Entry:
+    """Return an entry with outer and inner ring faults of which the share ``skill`` is found, and healthy time without an alarm.
+
+    The first faults are found, or with a ``seed`` any of them.
+    """
+    order = np.arange(count) if seed is None else np.random.default_rng(seed).permutation(count)
+    scenarios = [
+        EntryScenario(
+            name=f"{family}-{k}",
+            family=family,  # type: ignore[arg-type]
+            stratum=None,
+            required=True,
+            answer=family if family == "healthy" or order[k] < skill * count else "healthy",
+            found=bool(order[k] < skill * count),
+            delay_turns=None,
+            evidence=None,
+            credit={} if family == "healthy" else {profile.name: float(order[k] < skill * count) for profile in PROFILES},
+            periods=100 if family == "healthy" else 0,
+            spoiled=0,
+            silent=0.0,
+        )
+        for family in ("healthy", "outer_ring", "inner_ring")
+        for k in range(count)
+    ]
+    common: dict[str, Any] = {"scenarios_sha256": "", "sealed_sha256": "", "dcrb_ros": "1", "model": "m", "software": {}, "area": None}
+    return Entry(
+        format=FORMAT,
+        detector=detector,
+        exam="made up",
+        passed=False,
+        exam_score={},
+        false_alarms=0,
+        healthy_hours=1.0,
+        scenarios=scenarios,
+        **common,
+    )
+
+
+def entries(*skills: float) -> list[Entry]:
+    return [entry(f"d{k}", skill) for k, skill in enumerate(skills)]
+
+
+def test_the_macro_recall_is_the_mean_over_the_verdicts() -> None:
+    assert macro_recall(entry("a", 0.25)) == pytest.approx((1.0 + 0.25 + 0.25) / 3.0)
+
+
+@pytest.mark.parametrize(
+    ("second", "tau", "rho"), [((0.1, 0.4, 0.7, 0.9), 1.0, 1.0), ((0.9, 0.7, 0.4, 0.1), -1.0, -1.0), ((0.4, 0.1, 0.7, 0.9), 4 / 6, 0.8)]
+)
+def test_the_correlation_is_that_of_the_ranks(second: tuple[float, ...], tau: float, rho: float) -> None:
+    found = agreement(entries(0.2, 0.5, 0.8, 1.0), entries(*second))
+    assert found.kendall.value == pytest.approx(tau)
+    assert found.spearman.value == pytest.approx(rho)
+    assert found.kendall.low <= tau + 1e-9
+    assert tau - 1e-9 <= found.kendall.high
+    assert found.detectors == ("d3", "d2", "d1", "d0")
+    assert list(found.exam) == sorted(found.exam, reverse=True)
+
+
+def width(count: int) -> float:
+    """Return the width of the interval of four detectors of different skill, each with ``count`` faults of a kind."""
+    both = [entry(f"d{k}", skill, count, seed=k) for k, skill in enumerate((0.4, 0.5, 0.6, 0.7))]
+    found = agreement(both, both).kendall
+    return found.high - found.low
+
+
+def test_few_scenarios_make_a_wide_interval() -> None:
+    assert width(400) < 0.2
+    assert width(10) > 0.5
+
+
+def test_detectors_that_all_score_alike_say_nothing() -> None:
+    assert agreement(entries(0.2, 0.5, 0.8), entries(0.5, 0.5, 0.5)).kendall.value == 0.0
+
+
+@given(arrays(np.int64, (2, 7), elements=st.integers(0, 4)))
+def test_the_correlations_are_those_of_scipy_with_ties(ranks: np.ndarray) -> None:
+    first, second = ranks.astype(float)[:, :, None]
+    for ours, theirs in ((kendall_tau, kendalltau), (spearman_rho, spearmanr)):
+        found = float(ours(first, second)[0])
+        if np.ptp(first) == 0.0 or np.ptp(second) == 0.0:
+            assert found == 0.0
+        else:
+            assert found == pytest.approx(theirs(first[:, 0], second[:, 0]).statistic, abs=1e-12)
+
+
+def test_too_few_detectors_and_two_of_one_name_are_refused() -> None:
+    with pytest.raises(Refusal, match=r"2 detectors are in both folders \(d0, d1\)"):
+        agreement(entries(0.1, 0.2), entries(0.1, 0.2, 0.3))
+    with pytest.raises(Refusal, match="two entries of the exam are called 'd0'"):
+        agreement([*entries(0.1, 0.2), entry("d0", 0.3)], entries(0.1, 0.2, 0.3))
