@@ -64,8 +64,8 @@ class StateHistory:
     loaded_slip: Floats | None = None
     """Slip of the same contacts, shape (times, rows, 2) [m/s]."""
     friction_loss: Floats | None = None
-    """Energy lost since the start in sliding at raceways, rolling, the damping of contacts with raceways, pockets and lands (in this
-    order, `dcrb_ros.stream.states.FRICTION_SOURCES`), shape (times, rows, sources) [J]."""
+    """Energy lost since the start in sliding at raceways, rolling, the damping of contacts with raceways, pockets, drag and lands (in
+    this order, `dcrb_ros.stream.states.FRICTION_SOURCES`), shape (times, rows, sources) [J]."""
     friction_power: Floats | None = None
     """Power lost by each of these sources, the mean since the time before, shape (times, rows, sources) [W]."""
     friction_torque: Floats | None = None

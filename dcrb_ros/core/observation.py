@@ -97,7 +97,7 @@ def observe_films(lubrication: Any, table: OneRecord[Rollers], films: Floats, ea
             found[row, ring, LOADED_SLIP] = contacts.slip[heaviest]
 
 
-LOSSES = 5
+LOSSES = 6
 """Sources of losses, see `dcrb_ros.stream.states.FRICTION_SOURCES`."""
 
 
@@ -106,10 +106,11 @@ def observe_losses(table: OneRecord[Rollers], each: int, found: Floats) -> None:
     """Write the energy that the ``each`` rollers of each row have lost by each source but lands, shape (rows, LOSSES) [J]."""
     rollers = table[0]
     for row in range(found.shape[0]):
-        sliding, rolling, contacts, pockets = 0.0, 0.0, 0.0, 0.0
+        sliding, rolling, contacts, pockets, drag = 0.0, 0.0, 0.0, 0.0, 0.0
         for c in range(row * each, (row + 1) * each):
             sliding += rollers.friction_loss[c] - rollers.rolling_loss[c] - rollers.bar_friction_loss[c]
             rolling += rollers.rolling_loss[c]
             contacts += rollers.contact_loss[c] - rollers.bar_contact_loss[c]
-            pockets += rollers.bar_friction_loss[c] + rollers.bar_contact_loss[c]
-        found[row, 0], found[row, 1], found[row, 2], found[row, 3] = sliding, rolling, contacts, pockets
+            pockets += rollers.bar_friction_loss[c] + rollers.bar_contact_loss[c] - rollers.drag_loss[c]
+            drag += rollers.drag_loss[c]
+        found[row, 0], found[row, 1], found[row, 2], found[row, 3], found[row, 4] = sliding, rolling, contacts, pockets, drag

@@ -46,9 +46,10 @@ class Account:
         return self.drive + self.load - self.friction - self.loss - self.housing - self.notch - self.stored
 
 
-FRICTION_SOURCES = ("sliding", "rolling", "contacts", "pockets", "lands")
+FRICTION_SOURCES = ("sliding", "rolling", "contacts", "pockets", "drag", "lands")
 """Where a lubricated bearing loses power: sliding at raceways, resistance of films to rolling, damping of the contacts with raceways
-(squeezed films included), friction and damping at the bars of the pockets, and at the lands of the cages."""
+(squeezed films included), friction and damping at the bars of the pockets, drag of oil on turning and orbiting rollers, and friction and
+damping at the lands of the cages."""
 
 
 @dataclass(frozen=True)
