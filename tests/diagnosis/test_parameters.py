@@ -54,6 +54,7 @@ PUBLISHED: dict[str, tuple[float, float]] = {
     "gain_spread": (0.01, 10.0),
     "loose_level": (-120.0, 0.0),
     "loose_drop": (1.0, 60.0),
+    "loose_fall": (0.0, 60.0),
     "firm_level": (-120.0, 60.0),
 }
 """Least and largest value by key: users' files depend on them."""

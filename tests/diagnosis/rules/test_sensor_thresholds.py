@@ -219,6 +219,23 @@ def test_a_loose_mount_has_lost_eight_decibels_and_is_below_its_level() -> None:
     assert LooseMount(P).flaw(SimpleNamespace(levels=None, third=2)) == ""  # type: ignore[arg-type]
 
 
+def test_a_defect_that_raises_the_band_below_loosens_no_mount() -> None:
+    """A spall of 3 mm on the greased bench: the band below rises by 21 dB, and the quarters by 2 to 11 dB."""
+    rule = LooseMount(P)
+    assert rule.flaw(levels(0.0, 0.0, 0.0, 0.0, 0.0, level=(1.4, -0.4, -3.7, -7.0, 5.8))) == ""
+    assert rule.flaw(levels(11.0, 10.0, 5.0, 2.0, 21.7, level=(12.5, 9.6, 1.3, -5.0, 27.5))) == ""
+    assert rule.flaw(levels(-6.0, -6.0, -6.8, -2.0, 21.7, level=(-4.6, -6.4, -10.5, -9.0, 27.5)))
+
+
+def test_a_quiet_bearing_shows_a_loose_mount_in_the_lower_quarters() -> None:
+    """The greased bench at 1200 rpm, whose third quarter falls to the noise of the sensor only."""
+    loose = levels(-12.7, -13.1, -7.8, -2.1, -3.5, level=(-11.3, -13.5, -11.6, -9.1, 2.4))
+    sentence = "the first two quarters of the band have lost 9.2 dB to the band below them: the mount of the sensor is loose"
+    assert LooseMount(P).flaw(loose) == sentence
+    assert LooseMount(P).flaw(levels(-12.7, -11.4, 0.0, 0.0, -3.5, level=(0.0, 0.0, -8.0, 0.0, 0.0))) == ""
+    assert LooseMount(P).flaw(levels(-2.9, -2.9, 0.0, 0.0, 9.0, level=(0.0, 0.0, -8.0, 0.0, 0.0))) == ""
+
+
 def test_levels_are_averaged_over_four_hops_and_compared_with_the_first_average() -> None:
     history, powers = LevelHistory(), np.array([1.0, 100.0])
     assert [history.add(powers, 20.0) for _ in range(3)] == [None] * 3
