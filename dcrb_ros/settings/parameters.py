@@ -84,7 +84,10 @@ class Housing(Group):
 class Lubrication(Group):
     """What is between rollers and raceways: a dry contact, for which only ``law`` counts, or an oil film at a constant temperature."""
 
-    law: Literal["dry", "film"] = choice("dry", "Lubrication: dry, no lubricant (the paper), or film, an oil film")
+    law: Literal["dry", "film", "film_with_cages"] = choice(
+        "dry",
+        "Lubrication: dry, no lubricant (the paper), film, an oil film, or film_with_cages, also oil in pockets, lands and around rollers",
+    )
     lubricant: Literal["grease", "vg100", "vg220", "custom"] = choice(
         "grease", "Lubricant: a wheelset grease by its base oil, an oil of ISO VG 100 or 220, or custom, by the values below"
     )

@@ -24,13 +24,11 @@ BORE, OUTSIDE = 0.130, 0.250
 """Diameters of the default bearing, NJ(P)3226X1 [m]."""
 MODEL_TOLERANCE = 0.4
 """Accepted relative difference from a friction formula [-]."""
-PALMGREN_TOLERANCE = 0.6
-"""Deviation allowed from the moment by Palmgren [-]: his factor f0 for grease ranges over a factor of two for one bearing."""
-POWERS = {"sliding": (55.0, 80.0), "rolling": (935.0, 970.0), "contacts": (0.3, 0.6), "pockets": (270.0, 345.0), "lands": (30.0, 39.0)}
+POWERS = {"sliding": (6.5, 9.0), "rolling": (935.0, 970.0), "contacts": (0.3, 0.6), "pockets": (15.0, 26.0), "lands": (20.0, 27.0)}
 """Accepted power of each source [W]; parts of a run scatter by a third as much."""
-PRESSING = 0.22, 0.33
+PRESSING = 0.065, 0.085
 """Accepted share of time in which a roller presses a bar [-]."""
-LEVELS = {"healthy": (1.05, 1.25), "spall": (12.2, 14.0)}
+LEVELS = {"healthy": (1.7, 1.95), "spall": (12.2, 14.0)}
 """Accepted root mean square of the vertical acceleration [m/s^2]."""
 
 
@@ -39,8 +37,8 @@ def oiled_bench_comparisons(runs: OiledRuns) -> Iterator[Comparison]:
     healthy, steady = runs["healthy"], runs["steady"]
     yield from balance_comparisons(steady)
     yield from film_comparisons(steady)
-    for n, source in enumerate(FRICTION_SOURCES):
-        yield between(CHAPTER, f"Power lost, {source}", float(healthy.power[n]), *POWERS[source], "W")
+    for source, limits in POWERS.items():
+        yield between(CHAPTER, f"Power lost, {source}", float(healthy.power[FRICTION_SOURCES.index(source)]), *limits, "W")
     pressing = float((healthy.bar_force != 0.0).mean())
     yield between(CHAPTER, "Share of time in which a roller presses a bar", pressing, *PRESSING)
     for name, (low, high) in LEVELS.items():
@@ -101,9 +99,8 @@ def friction_comparisons(run: OiledRun) -> Iterator[Comparison]:
     viscosity = kinematic_viscosity(lubricant_of(dict(oil)), oil.temperature)
     given = BORE, OUTSIDE, 0.5 * operating.load, operating.speed, viscosity
     torque = run.drive_power / operating.speed
-    formulas = (("SKF", friction_moment(*given), MODEL_TOLERANCE), ("Palmgren", palmgren_moment(*given, oil.lubricant), PALMGREN_TOLERANCE))
-    for name, moment, tolerance in formulas:
-        yield about(FRICTION_CHAPTER, f"Friction torque of both rows by {name}, steady", torque, 2.0 * moment, tolerance, "N m")
+    for name, moment in (("SKF", friction_moment(*given)), ("Palmgren", palmgren_moment(*given, oil.lubricant))):
+        yield about(FRICTION_CHAPTER, f"Friction torque of both rows by {name}, steady", torque, 2.0 * moment, MODEL_TOLERANCE, "N m")
     hand = 1e-3 * (1e-7 * 0.8 * (39.5 * 1200.0) ** (2.0 / 3.0) * 190.0**3 + 0.0003 * 50e3 * 190.0)
     yield about(
         FRICTION_CHAPTER,

@@ -13,6 +13,7 @@ REGISTRY: tuple[str, ...] = (
     "lugre",
     "dry",
     "film",
+    "film_with_cages",
 )
 """Files with a law that users may choose, each with a ``LAW``; the first of a kind is the default."""
 

@@ -11,7 +11,6 @@ from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 from dcrb_ros.core.jit import kernel
-from dcrb_ros.core.laws.cage_oil import CageOil, bar_damping, bar_shear, cage_oil, churning, land_damping, land_torque
 from dcrb_ros.core.laws.film_thickness import (
     LEAST_FORCE,
     asperity_share,
@@ -102,7 +101,6 @@ class Oil(NamedTuple):
     """Largest damping of a squeeze film [N s/m]: a blow meets film and elastic contact in series."""
     inner: RacewayOil
     outer: RacewayOil
-    cage: CageOil
 
 
 class Film(NamedTuple):
@@ -305,7 +303,6 @@ def build(values: Mapping[str, Any], material: Material) -> Oil:
         impedance=impedance,
         inner=raceway_oil(values, material, inner_site(material), viscosity),
         outer=raceway_oil(values, material, outer_site(material), viscosity),
-        cage=cage_oil(values, material, viscosity, impedance),
     )
 
 
@@ -329,10 +326,4 @@ LAW = LubricationLaw(
     memory=FilmMemory,
     resists=True,
     thickness=thickness_and_ratio,
-    bar_damping=bar_damping,
-    bar_shear=bar_shear,
-    land_damping=land_damping,
-    land_torque=land_torque,
-    churning=churning,
-    oils_cages=True,
 )

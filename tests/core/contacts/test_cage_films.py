@@ -18,7 +18,7 @@ from dcrb_ros.core.solver.step import advance
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.simulation.loop import Simulation
 
-OIL = {"law": "film", "lubricant": "vg100", "temperature": 70.0}
+OIL = {"law": "film_with_cages", "lubricant": "vg100", "temperature": 70.0}
 STILL = {"speed": 0.0, "gravity": 0.0, "load": 1000.0}
 HEAVY = {"cage_mass": 1000.0, "cage_inertia": 8.8}
 TOP = 8  # opposite of the load zone

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from dcrb_ros.core.laws.calls import bar_damping, bar_shear, churning, land_damping, land_torque, oils_cages
 from dcrb_ros.core.laws.dry import Dry
-from dcrb_ros.core.laws.film import Oil, build
+from dcrb_ros.core.laws.film_with_cages import FilmWithCages, build
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.loaded_contacts import material_of
 
@@ -20,8 +20,8 @@ VISCOSITY = 23.227e-3  # VG 100 at 70 deg C, Pa s
 LAND_RADIUS, LAND_CLEARANCE = 0.10157, 3e-4  # m
 
 
-def oil(**lubrication: object) -> Oil:
-    given = {"law": "film", "lubricant": "vg100", "temperature": 70.0, "land_fill": 1.0, **lubrication}
+def oil(**lubrication: object) -> FilmWithCages:
+    given = {"law": "film_with_cages", "lubricant": "vg100", "temperature": 70.0, "land_fill": 1.0, **lubrication}
     made = Configuration.model_validate({"lubrication": given})
     return build(dict(made.lubrication), material_of(made.bearing))
 
