@@ -164,7 +164,7 @@ def test_the_sources_are_all_that_friction_and_contacts_take() -> None:
     assert shares[0] == pytest.approx(1.0, abs=0.01)
     assert 0.9 < shares[1] < 1.0
     assert (taken >= 0.0).all()
-    assert (taken[:, [0, 1, 3, 4]] > 0.0).all()
+    assert (taken[:, [0, 1, 3, 5]] > 0.0).all()
 
 
 def test_power_is_what_the_shaft_puts_in() -> None:
@@ -223,7 +223,7 @@ def test_a_row_without_load_has_no_films() -> None:
 def test_the_history_has_films_and_losses_over_time() -> None:
     states = run(0.2)[1]
     history = StateHistory.of(states, bench().bodies.names)
-    shapes = {"film": (2,), "least_film": (2, 2), "loaded_slip": (2, 2), "friction_loss": (2, 5), "friction_torque": (2, 5)}
+    shapes = {"film": (2,), "least_film": (2, 2), "loaded_slip": (2, 2), "friction_loss": (2, 6), "friction_torque": (2, 6)}
     for name, shape in shapes.items():
         assert np.array_equal(getattr(history, name)[-1], getattr(lubrication(states[-1]), name), equal_nan=True)
         assert getattr(history, name).shape == (len(states), *shape)

@@ -41,7 +41,7 @@ def test_a_bar_resists_more_the_nearer_it_is_and_never_above_a_blow(gap: float, 
         near, far = resistance(found, gap), resistance(found, gap + 1e-6)
         assert 0.0 <= far <= near
         assert resistance(found, max(layer, 2e-6)) == pytest.approx(0.0, abs=1e-9)
-    assert bar_damping(found, gap) <= found.impedance * (1.0 + 1e-9)
+    assert bar_damping(found, gap) <= found.raceways.impedance * (1.0 + 1e-9)
 
 
 def test_shear_at_a_bar_is_couette_flow_in_its_gap() -> None:
