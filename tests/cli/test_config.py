@@ -114,7 +114,7 @@ def test_a_refusal_elsewhere_counts_what_else_is_wrong() -> None:
 
 @pytest.mark.parametrize(
     ("group", "rows"),
-    [("housing", 4), ("faults.outer_1", 10), ("operating.speed", 1), ("time_scale", 1), ("fault_detector", 40)],
+    [("housing", 6), ("faults.outer_1", 10), ("operating.speed", 1), ("time_scale", 1), ("fault_detector", 40)],
 )
 def test_the_parameters_of_a_group_are_a_table(config: Command, group: str, rows: int) -> None:
     lines = [line.split("│")[1].strip() for line in config("docs", group).out.splitlines() if line.startswith("│")]
