@@ -45,7 +45,7 @@ def agreement(exam: Sequence[Entry], measured: Sequence[Entry]) -> Agreement:
     The intervals come from a bootstrap over the scenarios of both.
 
     Raises:
-        Refusal: there are fewer than three detectors in both, or two entries of one detector.
+        Refusal: there are fewer than three detectors in both, two entries of one detector, or entries with different scenarios.
     """
     first, second = _by_name(exam, "the exam"), _by_name(measured, "the measured recordings")
     common = [name for name in first if name in second]
@@ -120,4 +120,7 @@ def _by_name(entries: Sequence[Entry], where: str) -> dict[str, Entry]:
         if entry.detector in found:
             raise Refusal(f"two entries of {where} are called '{entry.detector}': give them different names with --name")
         found[entry.detector] = entry
+    several = sorted({entry.scenarios_sha256[:16] for entry in entries})
+    if len(several) > 1:
+        raise Refusal(f"the entries of {where} have {len(several)} sets of scenarios ({', '.join(several)}): compare entries of one set")
     return found
