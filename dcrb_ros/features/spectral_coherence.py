@@ -25,6 +25,7 @@ from scipy import fft
 from dcrb_ros.diagnosis.line_search import local_mean
 from dcrb_ros.features.family import FAULTS, FeatureFamily, Windows, fault_orders
 from dcrb_ros.schema.arrays import Floats
+from dcrb_ros.schema.numbers import finite_number
 from dcrb_ros.schema.refusal import Refusal
 
 RESOLUTION = 800.0
@@ -65,7 +66,7 @@ class SpectralCoherence(NamedTuple):
 
 
 def spectral_coherence(
-    signal: npt.ArrayLike, sampling_rate: float, turns: npt.ArrayLike, highest_order: float, *, resolution: float = RESOLUTION
+    signal: npt.ArrayLike, sampling_rate: float, turns: npt.ArrayLike, highest_order: float, *, resolution: float | None = None
 ) -> SpectralCoherence:
     """Return the fast spectral coherence of a signal up to a cyclic order.
 
@@ -80,12 +81,13 @@ def spectral_coherence(
     highest_order
         Highest cyclic order [-].
     resolution
-        Resolution of the carrier frequency [Hz].
+        Resolution of the carrier frequency [Hz]; by default 800, or a sixteenth of a sampling rate below 12.8 kHz.
 
     Raises
     ------
     Refusal
-        Shapes that differ, turns that fall, a signal of fewer than 16 windows, or an order of a quarter of the sampling rate or more.
+        Shapes that differ, samples that are not finite, turns that fall, a signal of fewer than 16 windows, a resolution outside
+        0 .. a sixteenth of the sampling rate, or an order of a quarter of the sampling rate or more.
 
     Examples
     --------
@@ -100,12 +102,18 @@ def spectral_coherence(
     >>> bool(abs(np.abs(found.coherence[2:-2, line]).mean() - 0.61) < 0.05)
     True
     """
+    rate = finite_number("sampling_rate =", sampling_rate, "Hz")
+    width = min(RESOLUTION, rate / 16.0) if resolution is None else finite_number("resolution =", resolution, "Hz")
+    if not 0.0 < width <= rate / 16.0:
+        raise Refusal(f"resolution = {width:g} Hz is outside 0 .. {rate / 16.0:g} Hz, a sixteenth of the sampling rate")
     values, angle = np.asarray(signal, np.float64), np.asarray(turns, np.float64)
     if values.ndim != 1 or values.shape != angle.shape:
         raise Refusal(f"a signal of shape {values.shape} and turns of shape {angle.shape} do not fit: give (samples,) and (samples,)")
-    length = 2 * max(8, round(0.5 * sampling_rate / resolution))
+    length = 2 * max(8, round(0.5 * sampling_rate / width))
+    if not np.isfinite(values).all():
+        raise Refusal("the signal has values that are not finite: leave these samples out, and take the stretch before or after them")
     if len(values) < 16 * length:
-        raise Refusal(f"{len(values)} samples are too few for a resolution of {resolution:g} Hz: give at least {16 * length}")
+        raise Refusal(f"{len(values)} samples are too few for a resolution of {width:g} Hz: give at least {16 * length}")
     total = float(angle[-1] - angle[0])
     if not (total > 0.0 and (np.diff(angle) >= 0.0).all()):
         raise Refusal("the turns of the shaft must rise from the first sample to the last: leave out standstill and reversal")

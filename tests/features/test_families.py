@@ -105,6 +105,13 @@ def test_echoes_are_a_peak_of_the_cepstrum(fault: int) -> None:
     assert sorted(found.values())[-2] < 5.0
 
 
+def test_a_low_sampling_rate_has_a_coherence_too() -> None:
+    rate = 5120
+    signal = noise(samples=4 * rate)
+    found = named(SPECTRAL_COHERENCE, windows(signal, rate=rate))
+    assert all(np.isfinite(value) for value in found.values())
+
+
 def test_a_varying_speed_does_not_hide_a_fault() -> None:
     turns = SPEED * TIME + 0.4 * np.sin(2.0 * np.pi * 1.5 * TIME)
     signal = 0.1 * noise() + impacts(turns, ORDERS.bpfo)

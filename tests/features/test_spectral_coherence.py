@@ -84,6 +84,17 @@ def test_what_has_no_coherence_is_refused(samples: int, turns: np.ndarray, highe
         spectral_coherence(np.ones(samples), RATE, turns, highest)
 
 
+@pytest.mark.parametrize("resolution", [0.0, -1.0, 1601.0])
+def test_a_resolution_that_the_signal_cannot_have_is_refused(resolution: float) -> None:
+    with pytest.raises(Refusal, match=rf"resolution = {resolution:g} Hz is outside 0 \.\. 1600 Hz"):
+        spectral_coherence(np.ones(RATE), RATE, np.arange(RATE) / RATE, 10.0, resolution=resolution)
+
+
+def test_a_signal_that_is_not_finite_is_refused() -> None:
+    with pytest.raises(Refusal, match="not finite: leave these samples out"):
+        spectral_coherence(np.full(RATE, np.nan), RATE, np.arange(RATE) / RATE, 10.0)
+
+
 def test_a_band_without_a_carrier_is_refused() -> None:
     with pytest.raises(Refusal, match=r"no carrier lies within 20000 \.\. 30000 Hz"):
         modulated(60.0).enhanced_envelope_spectrum(20000.0, 30000.0)
