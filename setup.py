@@ -28,8 +28,8 @@ setup(
     maintainer=maintainer.text if maintainer is not None else None,
     maintainer_email=maintainer.get("email") if maintainer is not None else None,
     license=manifest.findtext("license"),
-    # The versions on which the checks have been run. As of November 2026 the dependencies have wheels for 3.14 as well, those of ROS 2 Jazzy
-    # (ros-rclpy 7.1.6) included, but no interpreter of 3.14 was available.
+    # The versions on which the checks have been run. As of November 2026 the dependencies have wheels for 3.14 as well, those of ROS 2
+    # Jazzy (ros-rclpy 7.1.6) included, but no interpreter of 3.14 was available.
     python_requires=">=3.10,<3.14",
     packages=find_packages(include=[NAME, f"{NAME}.*"]),
     package_data={NAME: ["py.typed"], f"{NAME}.validation": ["assumptions.md"]},
