@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from dcrb_ros.core.contacts.surface import unpacked
+from dcrb_ros.core.contacts.heights import unpacked
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.simulation.loop import Simulation
 
