@@ -28,7 +28,7 @@ from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import fields_by_key, find_configuration, flatten, read_parameters, shipped_folder, validated
 from dcrb_ros.settings.vehicle_speed import layered
 from dcrb_ros.simulation.scenario import ScheduledChange, read_scenario_file, scheduled_changes, starting_configuration
-from dcrb_ros.text.files import checked_path
+from dcrb_ros.text.files import checked_path, is_file
 from dcrb_ros.text.yaml import read_yaml
 
 SEED = "simulation.seed"
@@ -102,7 +102,7 @@ def read_exam(source: str | Path) -> Exam:
     """
     shipped = shipped_exams()
     path = checked_path(source)
-    if not path.is_file():
+    if not is_file(path):
         if str(source) not in shipped:
             raise Refusal(f"there is no exam '{source}': give a YAML file or one of {', '.join(shipped)}{nearest(str(source), shipped)}")
         path = shipped[str(source)]
