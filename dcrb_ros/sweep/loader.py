@@ -12,15 +12,8 @@ from pydantic_core import ErrorDetails
 
 from dcrb_ros.schema.parameter_field import ParameterField
 from dcrb_ros.schema.refusal import Refusal, nearest
-from dcrb_ros.settings.files import (
-    fields_by_key,
-    find_configuration,
-    flatten,
-    load_configuration,
-    overlaid,
-    shipped_folder,
-    unknown_parameter,
-)
+from dcrb_ros.settings.files import fields_by_key, flatten, load_configuration, overlaid, unknown_parameter
+from dcrb_ros.settings.shipped import find_configuration, shipped_folder
 from dcrb_ros.settings.vehicle_speed import SPEED, SPEED_KMH
 from dcrb_ros.simulation.scenario import read_scenario_file
 from dcrb_ros.sweep.design import GRID, Axes, Axis, Choice, Span, Value
