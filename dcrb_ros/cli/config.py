@@ -25,7 +25,7 @@ def list_() -> None:
 
     Example: dcrb config list
     """
-    from dcrb_ros.settings.files import shipped_configurations
+    from dcrb_ros.settings.shipped import shipped_configurations
 
     for name, path in shipped_configurations().items():
         remark = path.read_text(encoding="utf-8").splitlines()[0].lstrip("# ")

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from dcrb_ros.schema.refusal import Refusal, nearest
-from dcrb_ros.settings.files import shipped_folder
+from dcrb_ros.settings.shipped import shipped_folder
 from dcrb_ros.text.files import checked_path, is_file
 from dcrb_ros.text.yaml import read_yaml
 

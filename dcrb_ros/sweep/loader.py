@@ -12,18 +12,13 @@ from pydantic_core import ErrorDetails
 
 from dcrb_ros.schema.parameter_field import ParameterField
 from dcrb_ros.schema.refusal import Refusal, nearest
-from dcrb_ros.settings.files import (
-    fields_by_key,
-    find_configuration,
-    flatten,
-    load_configuration,
-    overlaid,
-    shipped_folder,
-    unknown_parameter,
-)
+from dcrb_ros.settings.files import fields_by_key, flatten, load_configuration, overlaid, unknown_parameter
+from dcrb_ros.settings.shipped import find_configuration, shipped_folder
 from dcrb_ros.settings.vehicle_speed import SPEED, SPEED_KMH
 from dcrb_ros.simulation.scenario import read_scenario_file
 from dcrb_ros.sweep.design import GRID, Axes, Axis, Choice, Span, Value
+from dcrb_ros.sweep.lives.loader import common_keys, life_sweep_of
+from dcrb_ros.sweep.lives.recipe import LIFE
 from dcrb_ros.sweep.sweep_file import NO_FAULTS, SCENARIO, Shares, Sweep, SweepFile, Windows
 from dcrb_ros.text.files import checked_path, is_file, read_text
 from dcrb_ros.text.yaml import read_yaml
@@ -69,6 +64,10 @@ GAP_PARAMETERS = ("publishing.loss_probability", "publishing.burst_period")
 
 def sweep_of(tree: Mapping[str, Any], source: str, folder: Path = Path(), text: str = "") -> Sweep:
     """Return the sweep described by a tree read from YAML; other files are also looked for relative to ``folder``."""
+    if tree.get("kind", "") == LIFE:
+        return life_sweep_of(tree, source, sweep_of(common_keys(tree, source), source, folder, text))
+    if "kind" in tree:
+        raise Refusal(f"{source}: kind = {tree['kind']!r} is not {LIFE}: give {LIFE}, or leave it out for a design of single runs")
     file = _file(tree, source)
     fields = fields_by_key()
     fixed = {key: _value(key, value, _known(key, fields, f"{source}: set"), f"{source}: set") for key, value in flatten(file.fixed).items()}

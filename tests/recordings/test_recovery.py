@@ -13,7 +13,7 @@ from mcap.reader import make_reader
 from mcap.records import Metadata
 from mcap.writer import Writer
 from rosbags.highlevel import AnyReader
-from separate_process import dcrb
+from separate_process import fresh_dcrb
 
 from dcrb_ros.messages.encoder import BlockEncoder
 from dcrb_ros.messages.topics import FEATURES, GROUND_TRUTH, MANIFEST, NAMESPACE, VIBRATION, Message
@@ -41,7 +41,7 @@ def test_a_cut_off_recording_becomes_complete(bag: Path, tmp_path: Path) -> None
     whole = (bag / "bag_0.mcap").read_bytes()
     cut = tmp_path / "cut.mcap"
     cut.write_bytes(whole[: int(0.6 * len(whole))])
-    done = dcrb("recover", str(cut), "-o", str(tmp_path / "new"))
+    done = fresh_dcrb("recover", str(cut), "-o", str(tmp_path / "new"))
     assert done.returncode == 0, done.stderr
     assert "reaches beyond the end of the file" in done.stderr
     assert "Traceback" not in done.stderr
@@ -127,7 +127,7 @@ def test_a_file_without_a_beginning_is_left_out_and_reported(headless: bytes, tm
     recording = Recording(split)
     assert waveform(split) == [1024 * k for k in range(50)]
     assert not recording.complete
-    told = dcrb("info", str(split))
+    told = fresh_dcrb("info", str(split))
     assert (told.returncode, "damaged: split_2.mcap: left out, not an MCAP file" in told.stdout) == (0, True), told.stdout + told.stderr
     salvage = recover(split, tmp_path / "new")
     assert len(salvage.damage) == 1
