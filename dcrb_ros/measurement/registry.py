@@ -16,8 +16,10 @@ def _stages(*names: str) -> tuple[type[Stage], ...]:
 
 
 PER_STEP = _stages(
+    "modulation:ShaftModulation",
     "background:Background",
     "structure:AxleBox",
+    "path:MeasuredPath",
     "mount:Mount",
     "bandwidth:Bandwidth",
     "rattle:Rattle",
