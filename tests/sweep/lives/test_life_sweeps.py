@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 from scipy.stats import kstest, weibull_min
 
 from dcrb_ros.schema.refusal import Refusal
-from dcrb_ros.settings.files import shipped_folder
+from dcrb_ros.settings.shipped import shipped_folder
 from dcrb_ros.sweep.data_set import open_data_set
 from dcrb_ros.sweep.execution import common_settings, run_task
 from dcrb_ros.sweep.lives.plan import LifePlan, plan_of
