@@ -26,7 +26,7 @@ LUBRICATED = ("healthy", "outer_ring_defect", "inner_ring_defect", "roller_defec
 
 
 def test_shipped_configurations_are_valid() -> None:
-    assert set(shipped_configurations()) == {"paper", "dry", *LUBRICATED}
+    assert set(shipped_configurations()) == {"paper", "dry", "ball_bearing_6205", *LUBRICATED}
     for name in shipped_configurations():
         load_configuration(name)
 
