@@ -7,7 +7,7 @@ import hashlib
 import itertools
 import json
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 from dcrb_ros.recordings.manifest import model_fingerprint
@@ -47,6 +47,8 @@ class Run:
     """Parameters that differ from the sweep's base in the healthy bearing from which the run branches, if it branches."""
     scenario: str
     seed: int
+    truth: Mapping[str, Value] = field(default_factory=dict)
+    """What is known beside the simulation, for the label, by the columns in `Plan.truth`."""
 
 
 Task = tuple[Run, ...]
@@ -55,6 +57,14 @@ Task = tuple[Run, ...]
 
 class Plan:
     """The runs of a sweep, in a fixed order and without duplicates."""
+
+    unit, remedy = "conditions", "vary speed or load"
+    """What is divided into splits, and how to get more of it."""
+    split_text = (
+        "A condition is a bearing at one speed and load. All its runs, with any seed, fault or sensor, are in one split. So are twins, the "
+        "runs\nof one condition and seed that differ in the fault only."
+    )
+    """How the data are divided, for the data card."""
 
     def __init__(self, sweep: Sweep) -> None:
         self.sweep = sweep
@@ -68,8 +78,20 @@ class Plan:
     @functools.cached_property
     def name(self) -> str:
         """Hash of the sweep, the version and the model; equal names give equal data sets."""
-        file = self.sweep.file.model_dump(mode="json", by_alias=True)
-        return digest([file, dict(self.sweep.base), dict(self.sweep.scenarios), __version__, model_fingerprint()])
+        return digest([self.sweep.inputs, dict(self.sweep.base), dict(self.sweep.scenarios), __version__, model_fingerprint()])
+
+    @property
+    def truth(self) -> Mapping[str, tuple[type, str]]:
+        """Type and meaning of the columns that the labels have beside those of every sweep."""
+        return {}
+
+    def design_text(self) -> str:
+        """Return the design for the data card; empty for the one that follows from the sweep file."""
+        return ""
+
+    def tables(self) -> Iterator[tuple[str, bytes]]:
+        """Yield name and contents of further tables of the data set."""
+        return iter(())
 
     def runs(self) -> Iterator[Run]:
         """Yield every run."""

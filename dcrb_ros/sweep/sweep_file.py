@@ -97,6 +97,11 @@ class Sweep:
     """Scenarios by the names used in the sweep."""
 
     @property
+    def inputs(self) -> dict[str, Any]:
+        """Everything that the runs are planned from, beside base and scenarios, as written to the description of the data set."""
+        return self.file.model_dump(mode="json", by_alias=True)
+
+    @property
     def seeds(self) -> int:
         """Number of seeds per condition [-]."""
         return self.file.seeds if isinstance(self.file.seeds, int) else len(self.file.seeds)
