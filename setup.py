@@ -89,6 +89,9 @@ setup(
             "types-PyYAML>=6.0.12,<7",
             # The baseline of the tutorial on sweeps.
             "scikit-learn>=1.4,<2",
+            # The recipe for MQTT: the client of the example, and a broker where mosquitto is not installed.
+            "paho-mqtt>=2,<3",
+            "amqtt>=0.12,<0.13",
             # The notebooks are read.
             "nbformat>=5.10,<6",
         ],

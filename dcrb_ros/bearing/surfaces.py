@@ -21,7 +21,7 @@ from scipy.interpolate import CubicSpline
 from scipy.special import j1
 
 from dcrb_ros.bearing.individual import individual_of, surface_seed
-from dcrb_ros.core.contacts.surface import HEIGHT, PART_HEIGHT, PART_SLOPE, SHARE, SLOPE, Profile, Smooth, interpolated, packed, unpacked
+from dcrb_ros.core.contacts.heights import HEIGHT, PART_HEIGHT, PART_SLOPE, SHARE, SLOPE, Profile, Smooth, interpolated, packed, unpacked
 from dcrb_ros.core.payload import Payload
 from dcrb_ros.faults.geometry import Damage, RacewayNotch, RollerNotch, SurfaceHeights, SurfaceProfile
 from dcrb_ros.measurement.random_streams import random_stream

@@ -17,6 +17,9 @@ compiler chooses one by the processor. That is the only difference between proce
 """
 INLINED: dict[str, Any] = {**COMPILED, "forceinline": True}
 OPTIONS: dict[str, Any] = {**COMPILED, "cache": True}
+# Numba takes these two, but does not list them among its keywords.
+WITHOUT_ENTRY: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+"""Of what only kernels call: without the way in from Python, which takes long to compile for many arguments."""
 
 
 def kernel(function: Function) -> Function:
@@ -25,10 +28,8 @@ def kernel(function: Function) -> Function:
 
 
 def piece(function: Function) -> Function:
-    """Compile a kernel that only other kernels call: the way in from Python, most of the work for so many arguments, is left out."""
-    # Numba takes these two, but does not list them among its keywords.
-    without: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
-    return cast(Function, _cached(njit(**OPTIONS, **without, forceinline=True)(function)))
+    """Compile a kernel that only other kernels call."""
+    return cast(Function, _cached(njit(**OPTIONS, **WITHOUT_ENTRY, forceinline=True)(function)))
 
 
 def loop(function: Function) -> Function:

@@ -17,6 +17,7 @@ def _stages(*names: str) -> tuple[type[Stage], ...]:
 
 PER_STEP = _stages(
     "background:Background",
+    "traction_drive:TractionDrive",
     "structure:AxleBox",
     "mount:Mount",
     "bandwidth:Bandwidth",
