@@ -13,7 +13,7 @@ from mcap.reader import make_reader
 from mcap.records import Metadata
 from mcap.writer import Writer
 from rosbags.highlevel import AnyReader
-from separate_process import dcrb, fresh_dcrb
+from separate_process import fresh_dcrb
 
 from dcrb_ros.messages.encoder import BlockEncoder
 from dcrb_ros.messages.topics import FEATURES, GROUND_TRUTH, MANIFEST, NAMESPACE, VIBRATION, Message
