@@ -234,9 +234,7 @@ def load_configuration(source: Configuration | str | Path, settings: Mapping[str
     return validated(flat, Configuration, str(source))
 
 
-def layers(
-    source: Configuration | str | Path, settings: Mapping[str, Any] | Sequence[str] | str = ()
-) -> tuple[dict[str, Any], list[str]]:
+def layers(source: Configuration | str | Path, settings: Mapping[str, Any] | Sequence[str] | str = ()) -> tuple[dict[str, Any], list[str]]:
     """Return the parameters of a configuration with settings on top by their dotted keys, unchecked; see `load_configuration`.
 
     The second value is a sentence for everything in the file that no node reads.
