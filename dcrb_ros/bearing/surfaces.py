@@ -21,12 +21,14 @@ from scipy.interpolate import CubicSpline
 from scipy.special import j1
 
 from dcrb_ros.bearing.individual import individual_of, surface_seed
-from dcrb_ros.core.contacts.surface import HEIGHT, PART_HEIGHT, PART_SLOPE, SHARE, SLOPE, Profile, Smooth, interpolated, packed, unpacked
+from dcrb_ros.core.contacts.heights import HEIGHT, PART_HEIGHT, PART_SLOPE, SHARE, SLOPE, Profile, Smooth, interpolated, packed, unpacked
+from dcrb_ros.core.laws import hertz
 from dcrb_ros.core.payload import Payload
 from dcrb_ros.faults.geometry import Damage, RacewayNotch, RollerNotch, SurfaceHeights, SurfaceProfile
 from dcrb_ros.measurement.random_streams import random_stream
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.settings.configuration import Configuration
+from dcrb_ros.settings.loaded_contacts import heaviest, material_of
 from dcrb_ros.settings.parameters import Bearing
 
 RACEWAY_NODES, ROLLER_NODES = 16384, 1024
@@ -103,6 +105,11 @@ def waves(random: np.random.Generator, orders: Floats, amplitudes: Floats, facto
 def half_width(configuration: Configuration, radius: float) -> float:
     """Return the half-width [m] of a contact of a reduced radius [m], over which it averages heights."""
     bearing = configuration.bearing
+    if configuration.contact.law == hertz.LAW.name:
+        inner, outer = hertz.curvatures(dict(configuration.contact), material_of(bearing))
+        # Of the two, the one whose curvature in the plane is that of the reduced radius.
+        curvature = inner if radius < bearing.roller_radius else outer
+        return hertz.semiaxes(curvature, heaviest(configuration), bearing.effective_modulus)[1]
     return math.sqrt(4.0 * radius * AVERAGING_FORCE / (math.pi * bearing.roller_length * bearing.effective_modulus))
 
 

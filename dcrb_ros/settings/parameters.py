@@ -29,6 +29,15 @@ class Bearing(Group):
     pitch_radius: float = length(0.094, "Pitch radius", 0.0025, 2.2, symbol="r_M")
     roller_radius: float = length(0.015, "Roller radius", 0.0005, 0.2, symbol="r_R")
     roller_length: float = length(0.048, "Effective roller length", 0.001, 0.5, symbol="L")
+    contact_angle: float = quantity(
+        0.0,
+        "rad",
+        "Contact angle of balls, with contact.law hertz; the radii are those in the plane of the model, a ball's times its cosine",
+        0.0,
+        1.0,
+        symbol="alpha",
+        remedy="give radians, 15 degrees are 0.2618",
+    )
     row_phase: float = quantity(
         0.0, "pitch", "Offset of the second row around the circumference, in roller pitches (0: rows in phase)", 0.0, 1.0
     )

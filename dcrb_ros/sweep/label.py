@@ -25,12 +25,15 @@ def base_label(run: Run, base: Mapping[str, Any]) -> dict[str, Any]:
         "place": run.place,
         "twin": run.twin,
         "condition": run.condition,
+        "bearing_id": run.bearing_id,
+        "machine": run.machine,
         "split": run.split,
         "case": run.case,
         "seed": run.seed,
         "scenario": run.scenario,
         "dcrb_ros": __version__,
         "model": model_fingerprint(),
+        **run.truth,
         "configuration": parameters,
     }
 

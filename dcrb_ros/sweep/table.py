@@ -6,12 +6,13 @@ import io
 import itertools
 import json
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
 from dcrb_ros.schema.verdicts import FAULT_CLASSES
 from dcrb_ros.settings.files import fields_by_key
+from dcrb_ros.sweep.identity import IDENTITIES
 from dcrb_ros.sweep.label import DONE
 from dcrb_ros.sweep.plan import Plan, Run
 from dcrb_ros.sweep.store import Store, StoreFailed
@@ -21,7 +22,8 @@ from dcrb_ros.sweep.verification import ERRORS, DamagedLabel, label_name, read_l
 LABELS = "labels.parquet"
 ROWS = 1000
 """Rows kept in memory at once [-]."""
-TEXTS = ("run", "twin", "condition", "split", "case", "status", "reason", "file", "fault", "scenario", "sha256", "dcrb_ros", "model")
+OUTCOME = ("case", "status", "reason", "file", "fault", "scenario", "sha256", "dcrb_ros", "model")
+TEXTS = ("run", "twin", "condition", *IDENTITIES, "split", *OUTCOME)
 WHOLE = ("place", "seed", "row", "broken_bars", "sampling_rate", "first_index", "samples", "clipped", "windows")
 DECIMAL = ("width", "depth", "azimuth", "onset", "speed", "load", "ftf", "bpfo", "bpfi", "bsf")
 JSONS = ("faults", "files", "configuration")
@@ -30,6 +32,8 @@ COLUMNS: Mapping[str, str] = {
     "place": "position of the run in the plan, from 0",
     "twin": "shared by the runs of one condition and seed, which differ in the fault only",
     "condition": "shared by the runs of one bearing at one speed and load; never in two splits",
+    "bearing_id": "shared by the runs of one individual bearing, at any speed and load; with split.apart never in two splits",
+    "machine": "shared by the runs of one machine: housing, path, background and sensor; with split.apart never in two splits",
     "split": "train, validation or test",
     "case": "name of the case in the sweep file",
     "fault": f"one of {', '.join(FAULT_CLASSES)}",
@@ -104,10 +108,10 @@ def write_table(plan: Plan, store: Store) -> Tally:
     from pyarrow import parquet
 
     columns, tally, stream = varied(plan.sweep), Tally(), io.BytesIO()
-    schema = _schema(columns)
+    schema = _schema(columns, plan.truth)
     with parquet.ParquetWriter(stream, schema, compression="zstd") as writer:
         labels = _labels(plan.runs(), store)
-        while rows := [_row(label, columns) for label in map(_counted(tally), itertools.islice(labels, ROWS))]:
+        while rows := [_row(label, columns, plan.truth) for label in map(_counted(tally), itertools.islice(labels, ROWS))]:
             writer.write_table(pyarrow.Table.from_pylist(rows, schema=schema))
     store.write(LABELS, stream.getvalue())
     return tally
@@ -121,7 +125,7 @@ def _counted(tally: Tally) -> Any:
     return count
 
 
-def _schema(columns: Mapping[str, type]) -> Any:
+def _schema(columns: Mapping[str, type], truth: Mapping[str, tuple[type, str]]) -> Any:
     import pyarrow
 
     kinds = {float: pyarrow.float64(), int: pyarrow.int64(), bool: pyarrow.bool_(), str: pyarrow.string()}
@@ -131,6 +135,7 @@ def _schema(columns: Mapping[str, type]) -> Any:
         | dict.fromkeys(DECIMAL, pyarrow.float64())
     )
     fields = [pyarrow.field(name, named[name], metadata={"meaning": meaning}) for name, meaning in COLUMNS.items()]
+    fields += [pyarrow.field(name, kinds[kind], metadata={"meaning": meaning}) for name, (kind, meaning) in truth.items()]
     return pyarrow.schema([*fields, *(pyarrow.field(key, kinds[kind]) for key, kind in columns.items())])
 
 
@@ -145,7 +150,7 @@ def _labels(runs: Iterator[Run], store: Store) -> Iterator[Mapping[str, Any]]:
         yield label
 
 
-def _row(label: Mapping[str, Any], columns: Mapping[str, type]) -> dict[str, Any]:
-    row = {name: label.get(name) for name in COLUMNS}
+def _row(label: Mapping[str, Any], columns: Mapping[str, type], truth: Iterable[str]) -> dict[str, Any]:
+    row = {name: label.get(name) for name in (*COLUMNS, *truth)}
     row |= {name: json.dumps(label[name]) for name in JSONS if name in label}
     return row | {key: label["configuration"][key] for key in columns}

@@ -22,7 +22,7 @@ from dcrb_ros.bearing.surfaces import (
     reduced_radii,
     short_waves,
 )
-from dcrb_ros.core.contacts.surface import Profile, Smooth, curve, marked, packed, place_of, unpacked
+from dcrb_ros.core.contacts.heights import Profile, Smooth, curve, marked, packed, place_of, unpacked
 from dcrb_ros.core.layout.records import Integers
 from dcrb_ros.faults.geometry import SurfaceProfile
 from dcrb_ros.settings.configuration import Configuration

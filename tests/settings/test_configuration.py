@@ -12,15 +12,8 @@ from hypothesis import strategies as st
 from dcrb_ros.schema.parameter_field import ParameterField
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
-from dcrb_ros.settings.files import (
-    fields_by_key,
-    flatten,
-    load_configuration,
-    parameter_table,
-    shipped_configurations,
-    to_yaml,
-    validated,
-)
+from dcrb_ros.settings.files import fields_by_key, flatten, load_configuration, parameter_table, to_yaml, validated
+from dcrb_ros.settings.shipped import shipped_configurations
 
 FIELDS = fields_by_key()
 
@@ -33,7 +26,7 @@ LUBRICATED = ("healthy", "outer_ring_defect", "inner_ring_defect", "roller_defec
 
 
 def test_shipped_configurations_are_valid() -> None:
-    assert set(shipped_configurations()) == {"paper", "dry", *LUBRICATED}
+    assert set(shipped_configurations()) == {"paper", "dry", "ball_bearing_6205", *LUBRICATED}
     for name in shipped_configurations():
         load_configuration(name)
 

@@ -128,10 +128,10 @@ class OuterRing(LineRule[OuterRingParameters]):
         BPFO is itself a harmonic of FTF. What the cage carries, a broken bar or a damaged roller, makes it no larger than its neighbours.
         """
         cage = lines.order / rollers(band.orders) if band is not None else 0.0
-        if band is None or lines.depth <= 0.0 or cage < 2.0 * GUARD * band.search.step:
+        if band is None or lines.depth <= 0.0 or cage < 2.0 * GUARD * band.step:
             return HIGHEST_CONTRAST
-        beside = band.search.at(np.add.outer(np.asarray(lines.lines), [-cage, cage]))
-        power = ratio(float(band.search.at(lines.lines).mean()), float(beside.mean())) if beside.any() else math.inf
+        beside = band.at(np.add.outer(np.asarray(lines.lines), [-cage, cage]))
+        power = ratio(float(band.at(lines.lines).mean()), float(beside.mean())) if beside.any() else math.inf
         return min(decibels(math.sqrt(power)) - self.p.cage_contrast, HIGHEST_CONTRAST)
 
     def _limit(self, band: Band, evidence: Evidence) -> float:

@@ -53,16 +53,15 @@ class Roller(LineRule[RollerParameters]):
         # The median of the clusters, since one of their lines may belong to another family, against the mean power between them.
         clusters = math.sqrt(float(np.median(self._near(band, cage, comb.order * np.array([1.0, 2.0])))))
         between = math.sqrt(float(self._near(band, cage, comb.order * np.array([0.5, 1.5])).mean()))
-        depth = clusters / band.spectrum.mean if band.spectrum.mean > 0.0 else 0.0
-        if clusters < CLUSTERED * between or depth <= found.depth:
+        if clusters < CLUSTERED * between or clusters <= found.depth:
             return found
         order = cage.order * round(comb.order / cage.order)
-        return cage._replace(order=order, amplitude=clusters, depth=depth, lines=(order,))
+        return cage._replace(order=order, amplitude=clusters * band.spectrum.mean, depth=clusters, lines=(order,))
 
     def _near(self, band: BandEvidence, cage: LineFamily, places: Floats) -> Floats:
-        """Return the power of the harmonics of FTF next to some places [orders], shape (places, 3) [unit^4]."""
+        """Return the squared depth of the harmonics of FTF next to some places [orders], shape (places, 3) [-]."""
         harmonics = np.rint(places / cage.order)[:, None] + np.arange(-1.0, 2.0)
-        return band.search.at(harmonics * cage.order)
+        return band.at(harmonics * cage.order)
 
     @property
     def depth(self) -> float:

@@ -10,7 +10,7 @@ import pytest
 
 from dcrb_ros.bearing.kinematics import Orders
 from dcrb_ros.diagnosis.demodulation import Band
-from dcrb_ros.diagnosis.evidence import BandEvidence, Evidence
+from dcrb_ros.diagnosis.evidence import BandEvidence, Evidence, SharedSearch
 from dcrb_ros.diagnosis.known_bearings import PAPER_BASELINE, PAPER_BEARING, baseline_of
 from dcrb_ros.diagnosis.line_search import Comb, LineFamily
 from dcrb_ros.diagnosis.order_spectrum import OrderSpectrum
@@ -35,7 +35,7 @@ def evidence(*bands: tuple[Band, dict[float, float]], mean: float = 1.0) -> Evid
             amplitude[round(100.0 * order)] = value
         return OrderSpectrum(np.arange(0.0, 70.0, 0.01), amplitude, mean)
 
-    return Evidence([BandEvidence(band, spectrum(lines), ORDERS, 0.004) for band, lines in bands], WHOLE, HIGH, 20.0, 0.5)
+    return Evidence([BandEvidence(band, SharedSearch([spectrum(lines)], ORDERS, 0.004)) for band, lines in bands], WHOLE, HIGH, 20.0, 0.5)
 
 
 def comb(order: float, amplitude: float, count: int = 3) -> dict[float, float]:
