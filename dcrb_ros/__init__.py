@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from dcrb_ros.bearing.history import StateHistory
     from dcrb_ros.bearing.kinematics import Orders
     from dcrb_ros.bearing.waveform import Waveform
+    from dcrb_ros.calibration.calibration import Calibration, calibrate
     from dcrb_ros.diagnosis.detection import DetectionResult, detect
     from dcrb_ros.diagnosis.detector import FaultDetector
     from dcrb_ros.diagnosis.envelope_spectrum import EnvelopeSpectrum, envelope_spectrum
@@ -43,6 +44,7 @@ if TYPE_CHECKING:
 __all__ = [
     "Bearing",
     "Block",
+    "Calibration",
     "Configuration",
     "DetectionResult",
     "DetectorParameters",
@@ -63,6 +65,7 @@ __all__ = [
     "StateHistory",
     "Waveform",
     "__version__",
+    "calibrate",
     "characteristic_frequencies",
     "detect",
     "dynamic_load_rating",
@@ -84,6 +87,7 @@ __all__ = [
 _MODULES = {
     "Bearing": "settings.parameters",
     "Block": "stream.block",
+    "Calibration": "calibration.calibration",
     "Configuration": "settings.configuration",
     "DetectionResult": "diagnosis.detection",
     "DetectorParameters": "diagnosis.parameters",
@@ -103,6 +107,7 @@ _MODULES = {
     "SpectralCoherence": "features.spectral_coherence",
     "StateHistory": "bearing.history",
     "Waveform": "bearing.waveform",
+    "calibrate": "calibration.calibration",
     "characteristic_frequencies": "bearing.frequencies",
     "detect": "diagnosis.detection",
     "dynamic_load_rating": "prognosis.rating_life",

@@ -31,6 +31,7 @@ from dcrb_ros.settings.parameters import (
 from dcrb_ros.settings.sensor import Background, SensorParameters, Structure
 from dcrb_ros.settings.sensor_limits import block_limits, burst_limits, measurement_limits
 from dcrb_ros.settings.step_limits import step_limits
+from dcrb_ros.settings.thermal import Thermal, thermal_limits
 
 BALLS = "hertz"
 """Law of the normal force between balls and their grooves."""
@@ -42,6 +43,7 @@ class Configuration(Group):
     bearing: Bearing = Bearing()
     housing: Housing = Housing()
     lubrication: Lubrication = Lubrication()
+    thermal: Thermal = Thermal()
     surfaces: Surfaces = Surfaces()
     contact: Contact = Contact()
     friction: Friction = Friction()
@@ -122,6 +124,7 @@ def inconsistencies(c: Configuration) -> Iterator[str]:
     if not (geometry or faults):
         yield from step_limits(c)
         yield from oil_limits(c, material_of(c.bearing))
+    yield from thermal_limits(c)
     yield from _splitting(c)
     if not rates:
         yield from measurement_limits(c.measurement)

@@ -33,7 +33,7 @@ RAMPS = {SPEED: "operating.speed_ramp", "operating.load": "operating.load_ramp",
 MOST_REHEARSED = 500
 """Intermediate values of a gradual change that are checked beforehand, at most [-]; a check takes half a millisecond."""
 KEYS = ("at", "over", "set")
-START_GROUPS = ("operating", "faults", "structure", "background", "sensor")
+START_GROUPS = ("operating", "thermal", "faults", "structure", "background", "sensor")
 """Groups of parameters that may stand under ``start``."""
 
 

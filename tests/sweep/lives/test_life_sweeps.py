@@ -144,7 +144,7 @@ def test_a_bearing_is_one_individual_in_one_split() -> None:
     for run in runs:
         splits[str(run.truth["bearing_id"])].add(run.split)
         individuals[str(run.truth["bearing_id"])].add(int(run.changes["surfaces.seed"]))
-    assert {len(found) for found in (*splits.values(), *individuals.values())} == {1}
+    assert {len(found) for found in splits.values()} == {len(found) for found in individuals.values()} == {1}
     assert len({next(iter(found)) for found in individuals.values()}) == 20
     counts = [sum(next(iter(found)) == split for found in splits.values()) for split in ("train", "validation", "test")]
     assert counts == [12, 4, 4]

@@ -1,0 +1,188 @@
+"""The path from ring to sensor, its gain, and the white noise: what the spectra of all recordings together identify."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+
+from dcrb_ros.calibration.estimate import QUANTILE, Estimate, PathLevel, by_factor
+from dcrb_ros.calibration.measured import Measured
+from dcrb_ros.calibration.path_fit import NEPER, Data, PathFit, fit_path
+from dcrb_ros.calibration.source import Source
+from dcrb_ros.calibration.spectra import binned, fluctuation, power_density
+from dcrb_ros.features.band_levels import EDGE, middles
+from dcrb_ros.measurement.stages.path import text_of
+from dcrb_ros.schema.arrays import Floats
+
+LOWEST = 100.0
+"""Frequency from which a path is identified [Hz]: below it, machines have other sources, and the path keeps its gain at rest."""
+HEARD = 0.5
+"""Share of the noise in a bin from which the noise counts as identified, and of the bearing from which the path does [-]."""
+FEWEST_BINS = 16
+"""Bins in which the noise must be heard [-]: a third of an octave."""
+COLUMNS = {"x": 0, "y": 1}
+
+
+@dataclass
+class Part:
+    """What a part of the calibration found."""
+
+    estimates: list[Estimate] = field(default_factory=list)
+    remarks: list[str] = field(default_factory=list)
+    """What could not be identified, and why."""
+    parameters: dict[str, Any] = field(default_factory=dict)
+    """Parameters of the configuration."""
+
+
+@dataclass
+class IdentifiedPath(Part):
+    """The path of each axis."""
+
+    fits: dict[str, PathFit] = field(default_factory=dict)
+    levels: list[PathLevel] = field(default_factory=list)
+    residuals: list[tuple[str, Floats, Floats]] = field(default_factory=list)
+    white: float = 0.0
+    """Density of the white noise [m/s^2/sqrt(Hz)]."""
+
+    def gain(self, axis: str) -> float:
+        """Return the gain at rest of the first recording [-]."""
+        return float(self.parameters[f"structure.gain_{axis}"])
+
+    def divide_gains(self, factor: float) -> None:
+        """Divide all gains and levels by a factor [-]: modulation by the shaft adds power, which is not the path's."""
+        shift = 20.0 * math.log10(factor)
+        self.levels = [replace(one, level=one.level - shift, low=one.low - shift, high=one.high - shift) for one in self.levels]
+        for k, one in enumerate(self.estimates):
+            if one.key.startswith("structure.gain_"):
+                self.estimates[k] = replace(one, value=one.value / factor, low=one.low / factor, high=one.high / factor)
+                self.parameters[one.key] = one.value / factor
+
+
+def identified_path(machines: Sequence[Measured], sources: Sequence[Source], step_rate: float) -> IdentifiedPath:
+    """Return the path of each axis and the noise of both."""
+    found = IdentifiedPath()
+    for row, axis in enumerate(machines[0].axes):
+        found.fits[axis] = fit_path(_data(machines, sources, row, axis, step_rate))
+    _add_noise(found)
+    for row, axis in enumerate(machines[0].axes):
+        _add_axis(found, axis, [_unsteadiness(m, s, row, axis) for m, s in zip(machines, sources, strict=True)])
+    if machines[0].axes == ("y",):
+        for name in ("gain", "path"):
+            found.parameters[f"structure.{name}_x"] = found.parameters[f"structure.{name}_y"]
+        gain = found.estimates[-1]
+        found.estimates.append(Estimate("structure.gain_x", gain.value, gain.low, gain.high, gain.unit, log=True))
+        found.remarks.append("the recording has one axis: it is taken as Y, the direction of the load, and X has the same path")
+    if machines[0].unit == "relative":
+        found.remarks.append("the unit of the recording is relative: the gain contains it, and levels mean nothing by themselves")
+    return found
+
+
+def _data(machines: Sequence[Measured], sources: Sequence[Source], row: int, axis: str, step_rate: float) -> Data:
+    rate = machines[0].rate
+    return Data.of(
+        [binned(power_density(machine.acceleration[row], rate), rate) for machine in machines],
+        [binned(power_density(source.acceleration[COLUMNS[axis]], rate), rate) for source in sources],
+        LOWEST,
+        step_rate,
+    )
+
+
+def _unsteadiness(machine: Measured, source: Source, row: int, axis: str) -> dict[float, float]:
+    """Return the variance of the log level in each third octave by what changes from second to second; at 0 Hz, that of all of them."""
+    rate, found = machine.rate, {}
+    signals = machine.acceleration[row], source.acceleration[COLUMNS[axis]]
+    for middle in middles(rate):
+        if middle > LOWEST / EDGE:
+            found[float(middle)] = sum(fluctuation(signal, rate, middle / EDGE, middle * EDGE) for signal in signals)
+    found[0.0] = sum(fluctuation(signal, rate, LOWEST, 0.4 * rate) for signal in signals)
+    return found
+
+
+def _add_noise(found: IdentifiedPath) -> None:
+    """Combine the white noise of the axes, which the bench has in common; fit the other axis anew with it."""
+    heard = {axis: int(np.count_nonzero(1.0 - fit.share().max(axis=0) > HEARD)) >= FEWEST_BINS for axis, fit in found.fits.items()}
+    known = [fit for axis, fit in found.fits.items() if heard[axis]]
+    if not known:
+        lowest = min(fit.white for fit in found.fits.values())
+        highest = min(float(np.exp(0.5 * (fit.data.measured).min())) for fit in found.fits.values())
+        found.white = lowest
+        found.parameters["sensor.noise_density"] = lowest
+        found.estimates.append(Estimate("sensor.noise_density", lowest, 0.0, max(lowest, highest), "m/s^2/sqrt(Hz)"))
+        found.remarks.append(
+            "the noise of the sensor is covered by the bearing in the whole band: only its upper bound is known, "
+            f"{highest:.3g} m/s^2/sqrt(Hz)"
+        )
+        return
+    variances = np.array([0.25 * float(fit.covariance[0, 0]) for fit in known])
+    logarithms = np.log([fit.white for fit in known])
+    white = float(np.exp(np.sum(logarithms / variances) / np.sum(1.0 / variances)))
+    deviation = math.hypot(math.sqrt(1.0 / np.sum(1.0 / variances)), 0.5 * float(np.ptp(logarithms)))
+    if float(np.ptp(logarithms)) > 0.2:
+        found.remarks.append(
+            f"the noise differs between the axes, {known[0].white:.3g} and {known[-1].white:.3g} m/s^2/sqrt(Hz): the bench has one, "
+            "their mean"
+        )
+    found.white = white
+    found.parameters |= {"sensor.noise_density": white, "sensor.white_noise_ug": 0.0}
+    found.estimates.append(by_factor("sensor.noise_density", white, deviation, "m/s^2/sqrt(Hz)"))
+    for axis, fit in found.fits.items():
+        if not heard[axis]:
+            found.fits[axis] = fit_path(fit.data, white=white)
+
+
+def _add_axis(found: IdentifiedPath, axis: str, unsteady: Sequence[dict[float, float]]) -> None:
+    """Add gain, sections and levels in third octaves of an axis."""
+    fit = found.fits[axis]
+    gain, deviation = float(fit.gains[0]), _gain_deviation(fit, unsteady)
+    found.parameters |= {f"structure.gain_{axis}": gain, f"structure.path_{axis}": text_of(fit.pairs)}
+    found.estimates.append(by_factor(f"structure.gain_{axis}", gain, deviation, "-"))
+    levels = _levels(fit, axis, unsteady)
+    found.levels += levels
+    found.residuals.append((axis, fit.data.frequency, fit.residual()[0]))
+    silent = [one.frequency for one in levels if not one.identified]
+    if silent:
+        found.remarks.append(
+            f"the path in {axis.upper()} is not identified in the third octaves at {_bands(silent)} Hz: noise covers the bearing there"
+        )
+
+
+def _bands(frequencies: Sequence[float]) -> str:
+    shown = [f"{frequency:.4g}" for frequency in frequencies]
+    return ", ".join(shown) if len(shown) < 5 else f"{shown[0]} .. {shown[-1]}"
+
+
+def _gain_deviation(fit: PathFit, unsteady: Sequence[dict[float, float]]) -> float:
+    """Return the standard deviation of the logarithm of the gain over the band in which the source is, by chance and by changes.
+
+    Gains of several recordings that differ by more add what they differ.
+    """
+    weight = np.exp(fit.data.source[0]) * np.gradient(fit.data.frequency) * np.exp(fit.log_path())
+    weight /= weight.sum()
+    gradient = weight @ fit.level_gradient(0)
+    variance = 0.25 * (float(gradient @ fit.covariance @ gradient) + unsteady[0][0.0])
+    if len(fit.gains) > 1:
+        variance += float(np.var(np.log(fit.gains), ddof=1))
+    return math.sqrt(variance)
+
+
+def _levels(fit: PathFit, axis: str, unsteady: Sequence[dict[float, float]]) -> list[PathLevel]:
+    """Return the gain of the path in third octaves with its intervals."""
+    data, found = fit.data, []
+    power = 2.0 * math.log(float(fit.gains[0])) + fit.log_path()
+    gradient, share = fit.level_gradient(0), fit.share().max(axis=0)
+    source = np.exp(data.source[0]) * np.gradient(data.frequency)
+    for middle in (band for band in unsteady[0] if band):
+        inside = (data.frequency >= middle / EDGE) & (data.frequency < middle * EDGE)
+        if np.count_nonzero(inside) < 3:
+            continue
+        weight = source[inside] * np.exp(power[inside] - power[inside].max())
+        level = math.log(float(weight.sum() / source[inside].sum())) + float(power[inside].max())
+        by = (weight / weight.sum()) @ gradient[inside]
+        deviation = math.sqrt(float(by @ fit.covariance @ by) + unsteady[0][middle])
+        decibels, half = 0.5 * NEPER * level, 0.5 * NEPER * QUANTILE * deviation
+        found.append(PathLevel(axis, middle, decibels, decibels - half, decibels + half, float(share[inside].mean())))
+    return found
