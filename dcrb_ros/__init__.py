@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from dcrb_ros.bearing.kinematics import Orders
     from dcrb_ros.bearing.waveform import Waveform
     from dcrb_ros.calibration.calibration import Calibration, calibrate
+    from dcrb_ros.calibration.comparison import Comparison, compare
     from dcrb_ros.diagnosis.detection import DetectionResult, detect
     from dcrb_ros.diagnosis.detector import FaultDetector
     from dcrb_ros.diagnosis.envelope_spectrum import EnvelopeSpectrum, envelope_spectrum
@@ -42,6 +43,7 @@ __all__ = [
     "Bearing",
     "Block",
     "Calibration",
+    "Comparison",
     "Configuration",
     "DetectionResult",
     "DetectorParameters",
@@ -63,6 +65,7 @@ __all__ = [
     "__version__",
     "calibrate",
     "characteristic_frequencies",
+    "compare",
     "detect",
     "envelope_spectrum",
     "extract_features",
@@ -79,6 +82,7 @@ _MODULES = {
     "Bearing": "settings.parameters",
     "Block": "stream.block",
     "Calibration": "calibration.calibration",
+    "Comparison": "calibration.comparison",
     "Configuration": "settings.configuration",
     "DetectionResult": "diagnosis.detection",
     "DetectorParameters": "diagnosis.parameters",
@@ -99,6 +103,7 @@ _MODULES = {
     "Waveform": "bearing.waveform",
     "calibrate": "calibration.calibration",
     "characteristic_frequencies": "bearing.frequencies",
+    "compare": "calibration.comparison",
     "detect": "diagnosis.detection",
     "envelope_spectrum": "diagnosis.envelope_spectrum",
     "extract_features": "features.extraction",
