@@ -10,6 +10,7 @@ import typer
 from dcrb_ros.cli import (
     bench,
     cache,
+    calibrate,
     config,
     detect,
     exam,
@@ -53,6 +54,8 @@ app.command("info")(info.info)
 app.command("recover")(recover.recover)
 app.command("export")(exchange.export)
 app.command("import")(exchange.import_)
+app.command("calibrate")(calibrate.calibrate)
+app.command("compare")(calibrate.compare)
 app.command("sweep")(sweep.sweep)
 app.command("shards")(shards.shards)
 app.command("validate")(validate.validate)
