@@ -133,6 +133,12 @@ class Surfaces(Group):
     waviness_spread: float = quantity(
         0.4, "-", "Standard deviation of the logarithm of the waviness between bearings, which is within twice that", 0.0, 1.0
     )
+    short_waves: float = length(
+        0.0,
+        "Level of waves shorter than 1/150 of a raceway, as a roller feels them along its length; rms, half of it from rollers",
+        0.0,
+        1e-6,
+    )
     roundness: float = length(1e-6, "Out-of-roundness of the raceways of 2 to 14 lobes, root mean square", 0.0, 1e-4)
     roller_spread: float = length(4e-7, "Standard deviation of the diameters of the rollers", 0.0, 1e-5)
     clearance_spread: float = length(
@@ -266,6 +272,7 @@ class Publishing(Group):
     clock: bool = choice(False, "Also publish /clock, the simulated time, at most 100 times per second of wall time")
     frame: str = choice("outer_ring", "Frame id of the sensor's messages; several bearings in one graph need different ones")
     clean: bool = choice(False, "Also publish outer_ring/vibration_clean, the waveform before noise, clipping and ADC")
+    features: bool = choice(False, "Also publish outer_ring/window_features: features of windows of a second, as dcrb_ros.extract_features")
     contacts: bool = choice(False, "Also publish roller_contacts: outer normal force, slip and friction of every roller")
 
 
