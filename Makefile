@@ -34,8 +34,8 @@ types: environment ## mypy --strict, on Python 3.11 and later
 	@if $(BIN)/python -c 'import sys; sys.exit(sys.version_info < (3, 11))'; then $(BIN)/mypy; \
 	else echo "Types are checked on Python 3.11 and later only."; fi
 
-compiled: environment ## The kernels, so that not every test process compiles them for itself
-	$(BIN)/python -c 'from dcrb_ros.settings.configuration import Configuration as C; from dcrb_ros.simulation.loop import Simulation as S; next(S(C()).blocks())'
+compiled: environment ## The kernels of the dry and the oiled benches, so that not every test process compiles them for itself
+	$(BIN)/python -c 'from dcrb_ros import Simulation as S, load_configuration as c; [next(S(c(name)).blocks()) for name in ("dry", "healthy")]'
 
 architecture: environment ## The import contracts of pyproject.toml
 	$(BIN)/lint-imports --no-logo

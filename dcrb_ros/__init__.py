@@ -28,6 +28,9 @@ if TYPE_CHECKING:
     from dcrb_ros.plots.envelope_spectrum import plot_envelope_spectrum
     from dcrb_ros.plots.load_zone import plot_load_zone
     from dcrb_ros.plots.waveform import plot_waveform
+    from dcrb_ros.prognosis.rating_life import dynamic_load_rating, rating_life
+    from dcrb_ros.prognosis.remaining_life import RemainingLife, estimate_remaining_life
+    from dcrb_ros.prognosis.scores import phm_2008_score, phm_2012_score
     from dcrb_ros.recordings.reader import Recording
     from dcrb_ros.schema.refusal import Refusal
     from dcrb_ros.settings.configuration import Configuration
@@ -56,6 +59,7 @@ __all__ = [
     "Orders",
     "Recording",
     "Refusal",
+    "RemainingLife",
     "Report",
     "Run",
     "Simulation",
@@ -67,12 +71,17 @@ __all__ = [
     "characteristic_frequencies",
     "compare",
     "detect",
+    "dynamic_load_rating",
     "envelope_spectrum",
+    "estimate_remaining_life",
     "extract_features",
     "load_configuration",
+    "phm_2008_score",
+    "phm_2012_score",
     "plot_envelope_spectrum",
     "plot_load_zone",
     "plot_waveform",
+    "rating_life",
     "score",
     "simulate",
     "spectral_coherence",
@@ -95,6 +104,7 @@ _MODULES = {
     "Orders": "bearing.kinematics",
     "Recording": "recordings.reader",
     "Refusal": "schema.refusal",
+    "RemainingLife": "prognosis.remaining_life",
     "Report": "exam.report",
     "Run": "simulation.run",
     "Simulation": "simulation.loop",
@@ -105,12 +115,17 @@ _MODULES = {
     "characteristic_frequencies": "bearing.frequencies",
     "compare": "calibration.comparison",
     "detect": "diagnosis.detection",
+    "dynamic_load_rating": "prognosis.rating_life",
     "envelope_spectrum": "diagnosis.envelope_spectrum",
+    "estimate_remaining_life": "prognosis.remaining_life",
     "extract_features": "features.extraction",
     "load_configuration": "settings.files",
+    "phm_2008_score": "prognosis.scores",
+    "phm_2012_score": "prognosis.scores",
     "plot_envelope_spectrum": "plots.envelope_spectrum",
     "plot_load_zone": "plots.load_zone",
     "plot_waveform": "plots.waveform",
+    "rating_life": "prognosis.rating_life",
     "score": "exam.in_process",
     "simulate": "simulation.run",
     "spectral_coherence": "features.spectral_coherence",

@@ -35,7 +35,12 @@ def main() -> None:
     options = parser.parse_args()
 
     broker = mqtt.Client(mqtt.CallbackAPIVersion.VERSION2)
-    broker.connect(options.broker, options.port)
+    # Without a limit, an absent broker would fill the memory; it reconnects by itself.
+    broker.max_queued_messages_set(1000)
+    try:
+        broker.connect(options.broker, options.port)
+    except (OSError, ValueError) as error:
+        parser.exit(1, f"mqtt_bridge: no connection to the broker {options.broker}:{options.port}: {error}\n")
     broker.loop_start()
     stopped = threading.Event()
     for number in (signal.SIGINT, signal.SIGTERM):

@@ -8,30 +8,18 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
-from dcrb_ros.nodes.launching import (
-    CONFIG,
-    TIME_SCALE,
-    WAIT,
-    Argument,
-    common,
-    declarations,
-    detector_parameters,
-    node,
-    simulator_parameters,
-    suspicions,
-    values_of,
-)
+from dcrb_ros.nodes import launching
 from launch import LaunchContext, LaunchDescription
 
 BOXES = 4
 FAULTY = 3
 ARGUMENTS = {
-    "config": replace(CONFIG, description="configuration of the healthy boxes: a YAML file or a shipped one"),
-    "fault": Argument("outer_ring_defect", f"configuration of box {FAULTY}"),
-    "time_scale": TIME_SCALE,
-    "clock": Argument("false", "whether box 1 publishes /clock: true or false", bool),
-    "wait": WAIT,
-    **common("wagon"),
+    "config": replace(launching.CONFIG, description="configuration of the healthy boxes: a YAML file or a shipped one"),
+    "fault": launching.Argument("outer_ring_defect", f"configuration of box {FAULTY}"),
+    "time_scale": launching.TIME_SCALE,
+    "clock": launching.Argument("false", "whether box 1 publishes /clock: true or false", bool),
+    "wait": launching.WAIT,
+    **launching.common("wagon"),
 }
 PARAMETERS = {"time_scale": "time_scale", "wait": "publishing.wait"}
 """Parameters of every simulator by the arguments that set them."""
@@ -39,12 +27,12 @@ PARAMETERS = {"time_scale": "time_scale", "wait": "publishing.wait"}
 
 def nodes(context: LaunchContext) -> list[Any]:
     """Return simulator and fault detector of every box."""
-    given, found = values_of(context, ARGUMENTS), suspicions(context, ARGUMENTS)
-    detector = detector_parameters(given["detector"])
+    given, found = launching.values_of(context, ARGUMENTS), launching.suspicions(context, ARGUMENTS)
+    detector = launching.detector_parameters(given["detector"])
     for box in range(1, BOXES + 1):
         namespace, argument = f"{given['namespace']}/box{box}", "fault" if box == FAULTY else "config"
         parameters = {
-            **simulator_parameters(argument, given, PARAMETERS),
+            **launching.simulator_parameters(argument, given, PARAMETERS),
             "simulation.seed": box,
             # A frame of tf2 does not begin with a slash.
             "publishing.frame": f"{namespace}/outer_ring".lstrip("/"),
@@ -52,10 +40,10 @@ def nodes(context: LaunchContext) -> list[Any]:
             "publishing.clock": box == 1 and bool(given["clock"]),
             "publishing.listeners": 1,
         }
-        found += [node("simulator", namespace, parameters), node("fault_detector", namespace, detector)]
+        found += [launching.node("simulator", namespace, parameters), launching.node("fault_detector", namespace, detector)]
     return found
 
 
 def generate_launch_description() -> LaunchDescription:
     """Describe the axle boxes of a wagon."""
-    return LaunchDescription(declarations(ARGUMENTS, nodes))
+    return LaunchDescription(launching.declarations(ARGUMENTS, nodes))

@@ -4,50 +4,39 @@ from __future__ import annotations
 
 from typing import Any
 
-from dcrb_ros.nodes.launching import (
-    LISTENERS,
-    WAIT,
-    Argument,
-    common,
-    declarations,
-    detector_parameters,
-    naming,
-    node,
-    suspicions,
-    values_of,
-)
+from dcrb_ros.nodes import launching
 from dcrb_ros.recordings.replay import Replay, ReplayParameters
 from dcrb_ros.settings.files import validated
 from launch import LaunchContext, LaunchDescription
 
 ARGUMENTS = {
-    "bag": Argument(None, "a recording: its folder or an .mcap file"),
-    "rate": Argument("1.0", "recorded over wall time, 0.0 as fast as possible", float),
-    "loop": Argument("false", "whether to start again at the end: true or false", bool),
-    "offset": Argument("0.0", "recorded time to skip at the beginning [s]", float),
-    "clock": Argument("false", "whether to publish /clock: true or false", bool),
-    "topics": Argument("", "topics to publish, such as 'outer_ring/vibration, diagnosis'; empty for those of the simulator"),
-    "listeners": Argument("1", LISTENERS, int),
-    "wait": WAIT,
-    **common("dcrb"),
+    "bag": launching.Argument(None, "a recording: its folder or an .mcap file"),
+    "rate": launching.Argument("1.0", "recorded over wall time, 0.0 as fast as possible", float),
+    "loop": launching.Argument("false", "whether to start again at the end: true or false", bool),
+    "offset": launching.Argument("0.0", "recorded time to skip at the beginning [s]", float),
+    "clock": launching.Argument("false", "whether to publish /clock: true or false", bool),
+    "topics": launching.Argument("", "topics to publish, such as 'outer_ring/vibration, diagnosis'; empty for those of the simulator"),
+    "listeners": launching.Argument("1", launching.LISTENERS, int),
+    "wait": launching.WAIT,
+    **launching.common("dcrb"),
 }
 
 
 def nodes(context: LaunchContext) -> list[Any]:
     """Return the replayer and the fault detector."""
-    given = values_of(context, ARGUMENTS)
+    given = launching.values_of(context, ARGUMENTS)
     namespace = given["namespace"]
     parameters = {name: given[name] for name in ReplayParameters.model_fields if given[name] is not None}
     replayed = validated(parameters, ReplayParameters, "replay")
-    with naming("bag", replayed.bag):
+    with launching.naming("bag", replayed.bag):
         Replay(replayed)
     return [
-        *suspicions(context, ARGUMENTS),
-        node("replayer", namespace, parameters),
-        node("fault_detector", namespace, detector_parameters(given["detector"])),
+        *launching.suspicions(context, ARGUMENTS),
+        launching.node("replayer", namespace, parameters),
+        launching.node("fault_detector", namespace, launching.detector_parameters(given["detector"])),
     ]
 
 
 def generate_launch_description() -> LaunchDescription:
     """Describe the replay."""
-    return LaunchDescription(declarations(ARGUMENTS, nodes))
+    return LaunchDescription(launching.declarations(ARGUMENTS, nodes))

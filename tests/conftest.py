@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import signal
 
 from hypothesis import settings
@@ -12,3 +13,9 @@ if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
 
 settings.register_profile("bench", deadline=None, max_examples=60)
 settings.load_profile("bench")
+
+
+def pytest_collection_finish() -> None:
+    """Keep the collector from searching all that has been imported again and again."""
+    gc.collect()
+    gc.freeze()

@@ -11,7 +11,7 @@ import numpy as np
 from dcrb_ros.runtime.frames import pandas
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.refusal import Refusal, nearest
-from dcrb_ros.stream.states import LubricationState, States
+from dcrb_ros.stream.states import LubricationState, States, ThermalState
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -70,11 +70,28 @@ class StateHistory:
     """Power lost by each of these sources, the mean since the time before, shape (times, rows, sources) [W]."""
     friction_torque: Floats | None = None
     """The power over the speed of the shaft, shape (times, rows, sources) [N m]; NaN at standstill."""
+    inner_ring_temperature: Floats | None = None
+    """Temperature of each row's inner ring, shape (times, rows) [deg C]; like the following, None without a thermal network."""
+    roller_temperature: Floats | None = None
+    """Temperature of each row's rollers, shape (times, rows) [deg C]."""
+    outer_ring_temperature: Floats | None = None
+    """Temperature of each row's outer ring, shape (times, rows) [deg C]."""
+    box_temperature: Floats | None = None
+    """Temperature of the axle box, shape (times,) [deg C]."""
+    ambient_temperature: Floats | None = None
+    """Temperature of the surroundings, shape (times,) [deg C]."""
+    heat: Floats | None = None
+    """Heat at inner raceway, outer raceway and the rest of each row (`dcrb_ros.stream.states.HEAT_SOURCES`), shape (times, rows, sources)
+    [W]."""
+    clearance_change: Floats | None = None
+    """By how much the radial gap is larger than configured, shape (times,) [m]."""
+    clamped: Floats | None = None
+    """Times so far at which a temperature was beyond the range of the oil's formulas, shape (times,) [-]."""
 
     @staticmethod
     def of(states: Sequence[States], names: Sequence[str]) -> StateHistory:
         """Return the history of some states, each an instant."""
-        wanted = [field.name for field in fields(States) if field.name not in ("time_ns", "lubrication")]
+        wanted = [field.name for field in fields(States) if field.name not in ("time_ns", "lubrication", "thermal")]
         arrays = {name: np.array([getattr(state, name) for state in states], np.float64) for name in wanted}
         if not states:
             bodies, rows = len(names), sum(name.startswith("cage") for name in names)
@@ -83,6 +100,9 @@ class StateHistory:
         oiled = [state.lubrication for state in states if state.lubrication is not None]
         if oiled:
             arrays |= {field.name: np.array([getattr(oil, field.name) for oil in oiled]) for field in fields(LubricationState)}
+        warm = [state.thermal for state in states if state.thermal is not None]
+        if warm:
+            arrays |= {field.name: np.array([getattr(one, field.name) for one in warm], np.float64) for field in fields(ThermalState)}
         return StateHistory(time=np.array([state.time_ns * 1e-9 for state in states]), names=tuple(names), **arrays)
 
     def __len__(self) -> int:

@@ -13,7 +13,7 @@ from dcrb_ros.bearing.equilibrium import roller_forces, static_equilibrium
 from dcrb_ros.bearing.individual import individual_of
 from dcrb_ros.bearing.profiles import profile_records
 from dcrb_ros.bearing.surfaces import build_surfaces
-from dcrb_ros.core.contacts.surface import Profile
+from dcrb_ros.core.contacts.heights import Profile
 from dcrb_ros.core.laws import LUBRICATION_LAWS, NORMAL_LAWS, TRACTION_LAWS, lugre
 from dcrb_ros.core.laws.calls import film_at
 from dcrb_ros.core.laws.pereira import pereira_coefficients

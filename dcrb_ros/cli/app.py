@@ -20,6 +20,7 @@ from dcrb_ros.cli import (
     recover,
     replay,
     score,
+    shards,
     simulate,
     sweep,
     validate,
@@ -56,6 +57,7 @@ app.command("import")(exchange.import_)
 app.command("calibrate")(calibrate.calibrate)
 app.command("compare")(calibrate.compare)
 app.command("sweep")(sweep.sweep)
+app.command("shards")(shards.shards)
 app.command("validate")(validate.validate)
 app.command("cache")(cache.cache)
 app.add_typer(exam.app, name="exam")

@@ -7,7 +7,7 @@ from collections.abc import Iterable
 
 def configurations(incomplete: str) -> list[str]:
     """Return the shipped configurations that begin with a text."""
-    from dcrb_ros.settings.files import shipped_configurations
+    from dcrb_ros.settings.shipped import shipped_configurations
 
     return _beginning(incomplete, shipped_configurations())
 
@@ -35,7 +35,7 @@ def settings(incomplete: str) -> list[str]:
 
 
 def _shipped(incomplete: str, folder: str) -> list[str]:
-    from dcrb_ros.settings.files import shipped_folder
+    from dcrb_ros.settings.shipped import shipped_folder
 
     return _beginning(incomplete, (path.stem for path in (shipped_folder() / folder).glob("*.yaml")))
 

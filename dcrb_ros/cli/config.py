@@ -25,7 +25,7 @@ def list_() -> None:
 
     Example: dcrb config list
     """
-    from dcrb_ros.settings.files import shipped_configurations
+    from dcrb_ros.settings.shipped import shipped_configurations
 
     for name, path in shipped_configurations().items():
         remark = path.read_text(encoding="utf-8").splitlines()[0].lstrip("# ")
@@ -58,8 +58,9 @@ def check(config: Config, settings: Settings = None) -> None:
     from dcrb_ros.settings.configuration import Configuration
     from dcrb_ros.settings.files import layers, problems, validated
 
-    parameters = layers(config, settings or ())
-    wrong = problems(parameters, Configuration)
+    parameters, misplaced = layers(config, settings or ())
+    # A file without parameters has defaults only, which are sound.
+    wrong = [*misplaced, *problems(parameters, Configuration)]
     for sentence in wrong[:MOST_ERRORS]:
         print_error("dcrb", f"{config}: {sentence}")
     if (others := len(wrong) - MOST_ERRORS) > 0:

@@ -21,9 +21,10 @@ def recover(
     Example: dcrb recover broken_recording -o repaired_recording
     """
     from dcrb_ros.recordings.recovery import recover as recovered
+    from dcrb_ros.recordings.recovery import time_text
 
     with replacing("-o", output, force=force, source=bag):
         salvage = recovered(bag, output)
     for damage in salvage.damage:
         typer.echo(f"dcrb: {damage}", err=True)
-    print(f"{output}: {salvage.messages} messages, the last at {salvage.last_ns * 1e-9:.3f} s")
+    print(f"{output}: {salvage.messages} messages, the last at {time_text(salvage.last_ns)}")

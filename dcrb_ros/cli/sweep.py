@@ -32,6 +32,10 @@ def sweep(
     output: Annotated[
         str | None, typer.Option("-o", "--output", help="Folder of the data set, or an fsspec address such as s3://bucket/folder.")
     ] = None,
+    machine: Annotated[
+        str | None,
+        typer.Option(help="Calibrated machine instead of the sweep's base: what dcrb calibrate wrote, with its intervals beside it."),
+    ] = None,
     scheduler: Annotated[
         str | None, typer.Option(help="Address of a Dask scheduler, such as tls://10.0.0.1:8786. Default: processes on this machine.")
     ] = None,
@@ -59,13 +63,13 @@ def sweep(
         raise Refusal("--scheduler has its own workers: leave out --workers and --memory")
     _require_fsspec()
     from dcrb_ros.runtime.processes import cores
+    from dcrb_ros.sweep.lives.plan import plan_of
     from dcrb_ros.sweep.loader import read_sweep
-    from dcrb_ros.sweep.plan import Plan
 
-    plan = Plan(read_sweep(sweep))
+    plan = plan_of(read_sweep(sweep, machine))
     if plan.conditions < 3 and not quiet:
         missing = "validation split" if plan.conditions == 2 else "validation or test split"
-        typer.echo(f"too few bearing conditions ({plan.conditions}) for a {missing}: vary speed or load to get more", err=True)
+        typer.echo(f"too few {plan.unit} ({plan.conditions}) for a {missing}: {plan.remedy} to get more", err=True)
     if dry_run:
         _estimate(plan, workers or cores(), as_json=as_json)
         return
@@ -201,7 +205,7 @@ def _estimate(plan: Plan, workers: int, *, as_json: bool) -> None:
         }
         print(json.dumps(about, indent=2))
         return
-    print(f"{cost.runs} runs of {cost.duration:g} s in {plan.conditions} conditions")
+    print(f"{cost.runs} runs of {cost.duration:g} s in {plan.conditions} {plan.unit}")
     print("| split | case | runs |\n|---|---|---|")
     for case in cases:
         print(f"| {case['split']} | {case['case']} | {case['runs']} |")

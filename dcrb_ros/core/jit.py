@@ -5,9 +5,15 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, TypeVar, cast
 
+import numpy as np
 from numba import njit
 
 Function = TypeVar("Function", bound=Callable[..., Any])
+
+NO: Any = np.bool_(False)
+YES: Any = np.bool_(True)
+ZERO: Any = np.int64(0)
+"""Arguments of kernels. For a literal, numba compiles the kernel and all that it calls once more than for a variable."""
 
 COMPILED: dict[str, Any] = {"error_model": "numpy", "_nrt": False, "fastmath": {"contract", "arcp", "nsz"}}
 """Without numba's runtime nothing can be allocated, and no array is counted in and out of a call: a factor of six here.
@@ -17,6 +23,9 @@ compiler chooses one by the processor. That is the only difference between proce
 """
 INLINED: dict[str, Any] = {**COMPILED, "forceinline": True}
 OPTIONS: dict[str, Any] = {**COMPILED, "cache": True}
+# Numba takes these two, but does not list them among its keywords.
+WITHOUT_ENTRY: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+"""Of what only kernels call: without the way in from Python, which takes long to compile for many arguments."""
 
 
 def kernel(function: Function) -> Function:
@@ -25,10 +34,8 @@ def kernel(function: Function) -> Function:
 
 
 def piece(function: Function) -> Function:
-    """Compile a kernel that only other kernels call: the way in from Python, most of the work for so many arguments, is left out."""
-    # Numba takes these two, but does not list them among its keywords.
-    without: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
-    return cast(Function, _cached(njit(**OPTIONS, **without, forceinline=True)(function)))
+    """Compile a kernel that only other kernels call."""
+    return cast(Function, _cached(njit(**OPTIONS, **WITHOUT_ENTRY, forceinline=True)(function)))
 
 
 def loop(function: Function) -> Function:

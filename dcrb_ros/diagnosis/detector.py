@@ -19,7 +19,7 @@ from dcrb_ros.diagnosis.bands import QUARTERS, bands_of
 from dcrb_ros.diagnosis.baseline_learning import BaselineLearner
 from dcrb_ros.diagnosis.combination import Combination
 from dcrb_ros.diagnosis.demodulation import Demodulator, band_tree, kurtosis
-from dcrb_ros.diagnosis.evidence import BandEvidence, Evidence, LevelEvidence, LevelHistory, SampleEvidence
+from dcrb_ros.diagnosis.evidence import BandEvidence, Evidence, LevelEvidence, LevelHistory, SampleEvidence, SharedSearch, highest_searched
 from dcrb_ros.diagnosis.healthy_baseline import HealthyBaseline, read_baseline
 from dcrb_ros.diagnosis.hysteresis import Hysteresis, confidence
 from dcrb_ros.diagnosis.known_bearings import baseline_of
@@ -106,7 +106,8 @@ class FaultDetector:
         self._use_baseline()
         self._saturation = next(rule for rule in self._sample_rules if isinstance(rule, Saturation))
         self._combination = Combination(self._bearing_rules, p.release_margin)
-        self._hysteresis = Hysteresis(p.confirm, p.release, p.release_margin)
+        # If a single judgement confirms a fault, as in a signal that is judged as a whole, weak evidence does so, too.
+        self._hysteresis = Hysteresis(p.confirm, p.release, p.release_margin, hops if p.confirm > 1 else 1)
         self._trend, self._levels = Trend(p.trend_time, p.hop), LevelHistory()
         self._flaw = ""
         """The last flaw of the sensor."""
@@ -244,7 +245,8 @@ class FaultDetector:
         """Return the diagnosis from the squared envelope spectra of the window."""
         p = self.parameters
         envelopes, missing = self._window.envelopes()
-        spectra = order_spectra(envelopes, missing, self._window.bins_per_turn)
+        highest = max(self._highest_order, highest_searched(self.orders, p.slip)) if self._window.tracked else math.inf
+        spectra = order_spectra(envelopes, missing, self._window.bins_per_turn, highest)
         frequency = self._window.frequency
         if not self._window.tracked:
             estimate = estimated_frequency((spectra[0], spectra[-1]), p.fastest, self.orders, p.slowest, p.fastest)
@@ -257,7 +259,8 @@ class FaultDetector:
                 )
             frequency = estimate.frequency
             spectra = [_rescaled(spectrum, p.fastest / frequency, self._scale(frequency)) for spectrum in spectra]
-        bands = [BandEvidence(band, spectrum, self.orders, p.slip) for band, spectrum in zip(self._bands, spectra, strict=True)]
+        search = SharedSearch(spectra, self.orders, p.slip)
+        bands = [BandEvidence(band, search, number) for number, band in enumerate(self._bands)]
         evidence = Evidence(bands, self.band, self._high, frequency, p.hop)
         selected = int(np.argmax(kurtosis(envelopes[:-1]))) if p.band == "kurtogram" else 0
         return self._concluded(last, evidence, bands[selected])

@@ -30,29 +30,66 @@ SAME_SPEED = 0.03
 class BandEvidence:
     """The squared envelope spectrum of one band and the families of lines in it."""
 
-    def __init__(self, band: Band, spectrum: OrderSpectrum, orders: Orders, slip: float) -> None:
-        """Look for lines within ``slip`` (relative) of the kinematic ``orders``."""
-        self.band, self.spectrum, self.orders, self.slip = band, spectrum, orders, slip
-        # The families end below six times BPFO, three times BPFI and 2 BSF with sidebands; the local mean needs what is beside them.
-        highest = (1.0 + slip) * max(6.0 * orders.bpfo, 3.0 * orders.bpfi + 2.0, 6.0 * orders.bsf + 1.0) + BESIDE
-        self._searched = spectrum.up_to(highest)
-        self._families: dict[Comb, LineFamily] = {}
+    def __init__(self, band: Band, search: SharedSearch, number: int = 0) -> None:
+        """Take the spectrum of that ``number`` among those that are searched together."""
+        self.band, self._search, self._number = band, search, number
 
-    @cached_property
-    def search(self) -> LineSearch:
-        """The spectrum, prepared for the search."""
-        return LineSearch(self._searched)
+    @property
+    def spectrum(self) -> OrderSpectrum:
+        """The whole spectrum."""
+        return self._search.spectra[self._number]
+
+    @property
+    def orders(self) -> Orders:
+        """Characteristic orders of the bearing."""
+        return self._search.orders
+
+    @property
+    def step(self) -> float:
+        """Distance of two values of the spectrum [orders]."""
+        return self._search.search.step
+
+    def at(self, lines: npt.ArrayLike) -> Floats:
+        """Return the squared modulation depth of ``lines`` [orders] without the noise, same shape; 0 above the range searched [-]."""
+        return self._search.search.at(lines, self._number)
 
     def family(self, comb: Comb) -> LineFamily:
-        """Return the strongest family of a comb in this band; it is searched once."""
-        if comb not in self._families:
-            self._families[comb] = self.search.best(comb, self.slip)
-        return self._families[comb]
+        """Return the strongest family of a comb in this band; it is searched once, in all bands."""
+        return self._search.families(comb)[self._number]
 
     def remainder(self, comb: Comb, found: LineFamily, explained: npt.ArrayLike) -> LineFamily:
         """Return what remains of a ``found`` family of a comb without the ``explained`` lines [orders]."""
-        without = covered(self._searched, explained)
-        return LineSearch(self._searched, without=without).best(comb._replace(order=found.order), REFIT)
+        searched = self._search.search.spectra[self._number]
+        return LineSearch(searched, without=covered(searched, explained)).best(comb._replace(order=found.order), REFIT)
+
+
+class SharedSearch:
+    """The families of lines in the spectra of several bands."""
+
+    def __init__(self, spectra: Sequence[OrderSpectrum], orders: Orders, slip: float) -> None:
+        """Look for lines within ``slip`` (relative) of the kinematic ``orders`` in ``spectra`` over the same orders."""
+        self.spectra, self.orders, self._slip = spectra, orders, slip
+        self._families: dict[Comb, list[LineFamily]] = {}
+
+    @cached_property
+    def search(self) -> LineSearch:
+        """The spectra, prepared for the search."""
+        highest = highest_searched(self.orders, self._slip)
+        return LineSearch(*(spectrum.up_to(highest) for spectrum in self.spectra))
+
+    def families(self, comb: Comb) -> list[LineFamily]:
+        """Return the strongest family of a comb in each spectrum."""
+        if comb not in self._families:
+            self._families[comb] = self.search.families(comb, self._slip)
+        return self._families[comb]
+
+
+def highest_searched(orders: Orders, slip: float) -> float:
+    """Return the highest order of a spectrum that the search needs [-].
+
+    The families end below six times BPFO, three times BPFI and 2 BSF with sidebands; the local mean needs what is beside them.
+    """
+    return (1.0 + slip) * max(6.0 * orders.bpfo, 3.0 * orders.bpfi + 2.0, 6.0 * orders.bsf + 1.0) + BESIDE
 
 
 @dataclass(frozen=True)

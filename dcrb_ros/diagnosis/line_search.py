@@ -14,7 +14,7 @@ from __future__ import annotations
 import functools
 import math
 from functools import cached_property
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -39,6 +39,10 @@ PLACES = 2.0
 """Independent values among the three neighbouring ones of which the largest counts, in a spectrum padded to twice its length."""
 NOISE_FLOOR = 3.0
 """Squared amplitude over the local mean up to which a value is noise: it exceeds 3 with a probability of 5 %."""
+LARGEST_DEPTH = 1e6
+"""Modulation depth to which a line is limited [-]."""
+TINY = 1e-30
+"""Mean squared envelope up to which there is no signal [unit^2], and smallest number of which a logarithm is taken."""
 GUARD = 4
 """Values on either side of a line that belong to it: half the main lobe of a Hann window, padded to twice its length."""
 
@@ -83,82 +87,135 @@ NO_LINES = LineFamily(0.0, 0.0, 0.0, 0.0)
 
 
 class LineSearch:
-    """One spectrum, prepared for the search."""
+    """Spectra over the same orders, prepared for the search: those of all bands are searched together.
 
-    def __init__(self, spectrum: OrderSpectrum, *, without: npt.NDArray[np.bool_] | None = None) -> None:
-        """Search ``spectrum``; the values marked in ``without``, shape (lines,), are no evidence."""
-        self.spectrum = spectrum
-        self.step = float(spectrum.orders[1])
+    Amplitudes are divided by the mean squared envelope, so that the search knows no unit and single precision suffices.
+    """
+
+    def __init__(self, *spectra: OrderSpectrum, without: npt.NDArray[np.bool_] | None = None) -> None:
+        """Search ``spectra``; the values marked in ``without``, shape (lines,), are no evidence."""
+        self.spectra = spectra
+        self.orders = spectra[0].orders
+        self.step = float(self.orders[1])
         """Distance of two values [orders]."""
         self._without = without
 
     @cached_property
-    def _power(self) -> Floats:
-        return np.square(self.spectrum.amplitude, dtype=np.float64)
+    def _depth(self) -> npt.NDArray[np.float32]:
+        """Amplitudes over the mean squared envelope, shape (spectra, lines) [-]."""
+        scaled = [one.amplitude * np.float32(1.0 / one.mean if one.mean > TINY else 0.0) for one in self.spectra]
+        return np.asarray(np.minimum(np.stack(scaled), np.float32(LARGEST_DEPTH)), np.float32)
 
     @cached_property
-    def local_mean(self) -> Floats:
-        """Local mean of the squared amplitude, from the median of the neighbours: exponential values have a median of ln 2 means."""
-        return local_mean(self._power, max(FEWEST_NEIGHBOURS, math.ceil(NEIGHBOURHOOD / self.step)))
+    def local_mean(self) -> npt.NDArray[np.float32]:
+        """Local mean of the squared depth, from the median of the neighbours: exponential values have a median of ln 2 means.
+
+        Shape (spectra, lines).
+        """
+        return local_mean(np.square(self._depth), max(FEWEST_NEIGHBOURS, math.ceil(NEIGHBOURHOOD / self.step)))
 
     @cached_property
-    def _excess(self) -> Floats:
-        """Squared amplitude of lines without the noise in it, largest of three neighbours."""
-        excess = np.maximum(self._power - NOISE_FLOOR * self.local_mean, 0.0)
-        excess[self._masked] = 0.0
-        return _largest_of_three(excess)
+    def _values(self) -> npt.NDArray[np.float32]:
+        """Scores of all spectra beside their squared depths without noise, shape (lines, 2 * spectra).
 
-    @cached_property
-    def _scores(self) -> Floats:
-        """-ln of the probability that noise alone is as strong in one of three neighbours, limited; exponential in noise."""
-        with np.errstate(divide="ignore", invalid="ignore"):
-            ratio = np.where(self.local_mean > 0.0, self._power / self.local_mean, 0.0)
-        ratio[self._masked] = 0.0
-        return np.clip(_largest_of_three(ratio) - math.log(PLACES), 0.0, LARGEST_SCORE)
+        The score is -ln of the probability that noise alone is as strong in one of three neighbours, limited; exponential in noise.
+        """
+        power, mean = np.square(self._depth), self.local_mean
+        kept = np.where(self._masked, np.float32(0.0), np.float32(1.0))
+        excess = (power - np.float32(NOISE_FLOOR) * mean) * kept
+        ratio = np.divide(power * kept, mean, out=np.zeros_like(power), where=mean > 0.0)
+        scores = _largest_of_three(ratio)
+        scores -= np.float32(math.log(PLACES))
+        count = len(self.spectra)
+        values = np.empty((len(self.orders), 2 * count), np.float32)
+        values[:, :count] = np.clip(scores, 0.0, LARGEST_SCORE, out=scores).T
+        values[:, count:] = np.maximum(_largest_of_three(excess), 0.0).T
+        return values
 
     @cached_property
     def _masked(self) -> npt.NDArray[np.bool_]:
-        orders = self.spectrum.orders
+        orders = self.orders
         masked = np.abs(orders - np.rint(orders)) <= GUARD * self.step
         # In a short window the guards would cover the whole spectrum; then the harmonics of the shaft cannot be told from their neighbours.
         masked = masked if 2 * GUARD * self.step < 0.25 else orders <= GUARD * self.step
         return masked if self._without is None else masked | self._without
 
-    def at(self, lines: npt.ArrayLike) -> Floats:
-        """Return the power of ``lines`` [orders] without the noise, same shape; 0 above the spectrum [unit^4]."""
+    def at(self, lines: npt.ArrayLike, number: int = 0) -> Floats:
+        """Return the squared depth of ``lines`` [orders] in one of the spectra without the noise, same shape; 0 above the spectrum [-]."""
         places = np.asarray(lines, np.float64)
-        near = np.clip(np.rint(places / self.step).astype(np.int64), 0, len(self._excess) - 1)
-        return np.asarray(np.where(places < self.spectrum.orders[-1], self._excess[near], 0.0), np.float64)
+        near = np.clip(np.rint(places / self.step).astype(np.int64), 0, len(self.orders) - 1)
+        return np.asarray(np.where(places < self.orders[-1], self._values[near, len(self.spectra) + number], 0.0), np.float64)
 
     def best(self, comb: Comb, slip: float) -> LineFamily:
-        """Return the strongest family within ``slip`` (relative) of the kinematic order; the significance has paid for that search."""
-        limit = self.spectrum.orders[-1] - 2.0 * self.step
+        """Return the strongest family of the first spectrum; see `families`."""
+        return self.families(comb, slip)[0]
+
+    def families(self, comb: Comb, slip: float) -> list[LineFamily]:
+        """Return the strongest family of each spectrum within ``slip`` (relative) of the kinematic order.
+
+        The significance has paid for that search.
+        """
+        count = len(self.spectra)
+        limit = self.orders[-1] - 2.0 * self.step
         if comb.order * comb.harmonics[0] * (1.0 + slip) >= limit:
-            return NO_LINES
-        trials = trials_of(comb, slip, self.step, len(self.spectrum.orders), limit)
-        harmonics, count, steps, tried, near = trials.harmonics, trials.half, trials.steps, trials.orders, trials.near
-        total = self._scores[near].sum(axis=(1, 2))
-        groups = self._excess[near].sum(axis=2)  # power of a harmonic with its sidebands
-        # A harmonic counts up to the leading one: a single line at a multiple belongs to another family.
-        limited = np.minimum(groups, groups[:, : comb.leading].max(axis=1, keepdims=True))
-        power = limited.mean(axis=1) if len(harmonics) < MANY else np.square(np.sqrt(limited).mean(axis=1))
-        # Near the end of the range, the slope of a line beyond it is no line.
-        inside = (np.abs(steps) <= count) & (power >= maximum_filter1d(power, 2 * BEYOND + 1))
-        inside = inside if inside.any() else np.abs(steps) <= count
-        strong = inside & (total >= 0.9 * total[inside].max())
-        first = int(np.argmax(np.where(strong, power, -1.0)))
-        # The largest of three neighbours makes a plateau, in whose middle the line is.
-        differs = np.flatnonzero(power[first:] < PLATEAU * power[first])
-        best = first + int(differs[0] - 1 if len(differs) else 0) // 2
-        amplitude, mean = math.sqrt(power[best]), self.spectrum.mean
+            return [NO_LINES] * count
+        trials = trials_of(comb, slip, self.step, len(self.orders), limit)
+        total, power = self._sums(trials, comb.leading)
+        best = _best_of(trials, total, power)
+        each = np.arange(count)
+        near = trials.near[best].reshape(count, -1)
         independent = max(1.0, 2.0 * slip * trials.highest / (2.0 * self.step))
-        significance = -(log10_gamma_tail(float(total[best]), near[best].size) + math.log10(independent))
-        with np.errstate(divide="ignore", invalid="ignore"):
-            ratio = self._excess[near[best]].mean() / max(float(self.local_mean[near[best]].mean()), np.finfo(np.float64).tiny)
-        level = 10.0 * math.log10(min(max(ratio, 1e-12), 1e12)) if ratio > 0.0 else 0.0
-        depth = min(amplitude / mean, 1e6) if mean > 0.0 else 0.0
-        lines = tuple((harmonics * tried[best]).tolist())
-        return LineFamily(float(tried[best]), amplitude, depth, max(level, 0.0), significance, lines, len(comb.sidebands))
+        significance = -(log10_gamma_tail(total[best, each].astype(np.float64), near.shape[1]) + math.log10(independent))
+        found = self._values[near, count + each[:, None]].mean(axis=1, dtype=np.float64)
+        around = self.local_mean[each[:, None], near].mean(axis=1, dtype=np.float64)
+        level = 10.0 * np.log10(np.clip(found / np.maximum(around, np.finfo(np.float64).tiny), 1.0, 1e12))
+        depth = np.sqrt(power[best, each].astype(np.float64))
+        orders = trials.orders[best]
+        return [
+            LineFamily(order, one * spectrum.mean, one, above, probability, tuple(lines), len(comb.sidebands))
+            for order, one, above, probability, lines, spectrum in zip(
+                orders.tolist(),
+                depth.tolist(),
+                level.tolist(),
+                significance.tolist(),
+                (orders[:, None] * trials.harmonics).tolist(),
+                self.spectra,
+                strict=True,
+            )
+        ]
+
+    def _sums(self, trials: Trials, leading: int) -> tuple[npt.NDArray[np.float32], npt.NDArray[np.float32]]:
+        """Return the scores of all lines and the power of a harmonic, both of shape (orders, spectra)."""
+        total = np.zeros((len(trials.orders), len(self.spectra)), np.float32)
+        groups = []
+        for harmonic in range(trials.near.shape[1]):
+            both = self._values.take(trials.near[:, harmonic, 0], axis=0)
+            for line in range(1, trials.near.shape[2]):
+                both += self._values.take(trials.near[:, harmonic, line], axis=0)
+            total += both[:, : len(self.spectra)]
+            groups.append(both[:, len(self.spectra) :])
+        # A harmonic counts up to the leading one: a single line at a multiple belongs to another family.
+        most = functools.reduce(np.maximum, groups[:leading])
+        limited = [np.minimum(group, most) for group in groups]
+        if len(groups) < MANY:
+            return total, sum(limited[1:], limited[0]) / np.float32(len(groups))
+        roots = [np.sqrt(group) for group in limited]
+        return total, np.square(sum(roots[1:], roots[0]) / np.float32(len(groups)))
+
+
+def _best_of(trials: Trials, total: npt.NDArray[np.float32], power: npt.NDArray[np.float32]) -> npt.NDArray[np.intp]:
+    """Return the index of the order to report for each spectrum, shape (spectra,), from sums of shape (orders, spectra)."""
+    within = (np.abs(trials.steps) <= trials.half)[:, None]
+    # Near the end of the range, the slope of a line beyond it is no line.
+    inside = within & (power >= maximum_filter1d(power, 2 * BEYOND + 1, axis=0))
+    inside = np.where(inside.any(axis=0), inside, within)
+    strong = inside & (total >= np.float32(0.9) * np.where(inside, total, np.float32(-1.0)).max(axis=0))
+    first = np.argmax(np.where(strong, power, np.float32(-1.0)), axis=0)
+    # The largest of three neighbours makes a plateau, in whose middle the line is.
+    top = power[first, np.arange(power.shape[1])]
+    after = (np.arange(len(power))[:, None] > first) & (power < np.float32(PLATEAU) * top)
+    steps = np.where(after.any(axis=0), np.argmax(after, axis=0) - first - 1, 0)
+    return np.asarray(first + steps // 2, np.intp)
 
 
 class Trials(NamedTuple):
@@ -193,39 +250,56 @@ def trials_of(comb: Comb, slip: float, step: float, values: int, limit: float) -
     return Trials(harmonics, count, steps, tried, near, float(places[count + BEYOND].max()))
 
 
-def _largest_of_three(values: Floats) -> Floats:
-    largest = values.copy()
-    np.maximum(largest[1:], values[:-1], out=largest[1:])
-    np.maximum(largest[:-1], values[1:], out=largest[:-1])
-    return np.asarray(largest, np.float64)
+def _largest_of_three(values: npt.NDArray[np.float32]) -> npt.NDArray[np.float32]:
+    """Return the largest of each value and its two neighbours in its row, shape (rows, values)."""
+    pairs = np.maximum(values[:, 1:], values[:, :-1])
+    ends = values[:, :1], values[:, -1:]
+    return np.asarray(np.maximum(np.concatenate([ends[0], pairs], axis=1), np.concatenate([pairs, ends[1]], axis=1)), np.float32)
 
 
-def local_mean(power: Floats, width: int) -> Floats:
-    """Return the mean of exponentially distributed ``power`` around each value, shape (values,), from medians over ``width`` values.
+def local_mean(power: npt.NDArray[Any], width: int) -> npt.NDArray[Any]:
+    """Return the mean of exponentially distributed ``power``, shape (..., values), around each value, same shape.
 
-    Up to half of the neighbours may be lines. Medians of half-overlapping blocks are interpolated.
+    It follows from medians over ``width`` values, up to half of which may be lines. Medians of half-overlapping blocks are interpolated.
     """
-    if len(power) <= width:
-        return np.full(len(power), float(np.median(power)) / math.log(2.0))
+    values = power.shape[-1]
+    if values <= width:
+        return np.asarray(np.broadcast_to(_medians(power)[..., None], power.shape) / power.dtype.type(math.log(2.0)))
     half = max(1, width // 2)
-    halves = len(power) // half
-    blocks = power[: halves * half].reshape(halves, half)
-    medians = np.median(np.concatenate([blocks[:-1], blocks[1:]], axis=1), axis=1)
-    centres = half * (np.arange(halves - 1) + 1.0)
-    return np.asarray(np.interp(np.arange(len(power)), centres, medians) / math.log(2.0), np.float64)
+    halves = values // half
+    blocks = power[..., : halves * half].reshape(*power.shape[:-1], halves, half)
+    means = _medians(np.concatenate([blocks[..., :-1, :], blocks[..., 1:, :]], axis=-1)) / power.dtype.type(math.log(2.0))
+    # From the middle of one block to that of the next, the mean rises linearly; beyond the first and the last it is constant.
+    rise = np.diff(means, axis=-1)[..., None] * (np.arange(half) / half).astype(power.dtype)
+    found = np.empty_like(power)
+    found[..., :half], found[..., (halves - 1) * half :] = means[..., :1], means[..., -1:]
+    found[..., half : (halves - 1) * half] = (means[..., :-1, None] + rise).reshape(*power.shape[:-1], -1)
+    return found
 
 
-def log10_gamma_tail(total: float, count: int) -> float:
-    """Return log10 of the probability that ``count`` exponential variables of mean 1 sum to more than ``total``.
+def _medians(values: npt.NDArray[Any]) -> npt.NDArray[Any]:
+    """Return the medians along the last axis of finite numbers, shape (...), without the check of `numpy.median` for NaN."""
+    middle = values.shape[-1] // 2
+    parts = np.partition(values, middle, axis=-1)
+    above = parts[..., middle]
+    return np.asarray(above if values.shape[-1] % 2 else (parts[..., :middle].max(axis=-1) + above) / 2)
+
+
+def log10_gamma_tail(total: npt.ArrayLike, count: int) -> Floats:
+    """Return log10 of the probability that ``count`` exponential variables of mean 1 sum to more than each ``total``, same shape.
 
     It is exp(-t) times the sum of t^k / k! for k < count (Erlang distribution).
     """
-    if total <= 0.0:
-        return 0.0
-    k = np.arange(count)
-    terms = k * math.log(total) - np.array([math.lgamma(j + 1.0) for j in range(count)])
-    top = float(terms.max())
-    return (top + math.log(float(np.exp(terms - top).sum())) - total) / math.log(10.0)
+    sums = np.asarray(total, np.float64)
+    terms = np.arange(count) * np.log(np.maximum(sums, TINY))[..., None] - _log_factorials(count)
+    top = terms.max(axis=-1)
+    tail = (top + np.log(np.exp(terms - top[..., None]).sum(axis=-1)) - sums) / math.log(10.0)
+    return np.asarray(np.where(sums > 0.0, tail, 0.0))
+
+
+@functools.cache
+def _log_factorials(count: int) -> Floats:
+    return np.array([math.lgamma(j + 1.0) for j in range(count)])
 
 
 def covered(spectrum: OrderSpectrum, lines: npt.ArrayLike) -> npt.NDArray[np.bool_]:

@@ -6,6 +6,8 @@ quantity to analyse; Randall and Antoni 2011, "Rolling element bearing diagnosti
 
 from __future__ import annotations
 
+import functools
+import math
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -65,8 +67,10 @@ class OrderSpectrum(NamedTuple):
         return np.asarray(self.amplitude[near].max(axis=1), np.float64)
 
 
-def order_spectra(envelopes: npt.NDArray[np.floating], missing: npt.NDArray[np.bool_], bins_per_turn: float) -> list[OrderSpectrum]:
-    """Return the spectrum of each row of squared envelopes, shape (bands, bins), with ``bins_per_turn``.
+def order_spectra(
+    envelopes: npt.NDArray[np.floating], missing: npt.NDArray[np.bool_], bins_per_turn: float, highest: float = math.inf
+) -> list[OrderSpectrum]:
+    """Return the spectrum of each row of squared envelopes, shape (bands, bins), with ``bins_per_turn``, up to the ``highest`` order.
 
     Bins that are ``missing``, shape (bins,), are replaced by the mean of their row. A Hann window suppresses leakage; zero-padding to
     twice the length reduces the scalloping loss to 0.4 dB.
@@ -74,13 +78,30 @@ def order_spectra(envelopes: npt.NDArray[np.floating], missing: npt.NDArray[np.b
     bins = envelopes.shape[1]
     known = envelopes[:, ~missing] if missing.any() else envelopes
     means = known.mean(axis=1, dtype=np.float64) if known.shape[1] else np.zeros(len(envelopes))
-    window = np.where(missing, 0.0, np.hanning(bins + 1)[:-1]).astype(np.float32)
-    values = (envelopes - means.astype(np.float32)[:, None]) * window
+    window = np.where(missing, np.float32(0.0), hann(bins))
     length = fft.next_fast_len(2 * bins, real=True)
-    amplitude = np.abs(fft.rfft(values, length, axis=1)) * np.float32(2.0 / (float(window.sum()) or 1.0))
-    orders = np.arange(amplitude.shape[1]) * (bins_per_turn / length)
-    amplitude /= np.sinc(orders / bins_per_turn).astype(np.float32)  # attenuation by averaging within a bin
+    padded = np.zeros((len(envelopes), length), np.float32)
+    np.subtract(envelopes, means.astype(np.float32)[:, None], out=padded[:, :bins])
+    padded[:, :bins] *= window
+    orders, attenuation = orders_of_bins(length, bins_per_turn, highest)
+    found = fft.rfft(padded, axis=1)[:, : len(orders)]
+    amplitude = np.abs(found)
+    amplitude *= np.float32(2.0 / (float(window.sum()) or 1.0)) / attenuation
     return [OrderSpectrum(orders, row, float(mean)) for row, mean in zip(amplitude, means, strict=True)]
+
+
+@functools.lru_cache(maxsize=4)
+def hann(bins: int) -> npt.NDArray[np.float32]:
+    """Return a periodic Hann window, shape (bins,) [-]."""
+    return np.asarray(np.hanning(bins + 1)[:-1], np.float32)
+
+
+@functools.lru_cache(maxsize=4)
+def orders_of_bins(length: int, bins_per_turn: float, highest: float) -> tuple[Floats, npt.NDArray[np.float32]]:
+    """Return the orders of a spectrum of ``length`` bins up to the ``highest`` and their attenuation by averaging in bins [-]."""
+    orders: Floats = np.arange(length // 2 + 1, dtype=np.float64) * (bins_per_turn / length)
+    orders = orders[: max(2, int(np.searchsorted(orders, highest, side="right")))]
+    return np.asarray(orders, np.float64), np.asarray(np.sinc(orders / bins_per_turn), np.float32)
 
 
 def decibels(ratio: float) -> float:

@@ -31,11 +31,15 @@ def bin_edges(first: float, last: float, bins_per_turn: int) -> Floats:
 
 
 def bin_means(positions: Floats, values: Floats, edges: Floats) -> Floats:
-    """Return the means of ``values``, sampled at ``positions``, between rising ``edges`` in the same unit, shape (edges - 1,).
+    """Return the means of ``values``, sampled at equally spaced ``positions``, between rising ``edges``, shape (edges - 1,).
 
     A sample at an edge contributes to both bins in proportion, so that the energy is preserved and aliasing is reduced.
     """
+    spacing = float(positions[1] - positions[0])
     integral = np.zeros(len(positions))
-    np.cumsum(np.diff(positions) * 0.5 * (values[1:] + values[:-1]), out=integral[1:])
-    energy = np.interp(edges, positions, integral)
+    np.cumsum(values[1:] + values[:-1], out=integral[1:])
+    integral *= 0.5 * spacing
+    places = np.clip((edges - positions[0]) / spacing, 0.0, len(positions) - 1.0)
+    before = np.minimum(places.astype(np.intp), len(positions) - 2)
+    energy = integral[before] + (places - before) * (integral[before + 1] - integral[before])
     return np.asarray(np.diff(energy) / np.maximum(np.diff(edges), np.finfo(np.float64).tiny), np.float64)

@@ -12,6 +12,8 @@ class DelayLimits(Group):
     inner_ring: float = quantity(5.0, "s", "Longest delay of the verdict inner_ring", 0.0, 1e6)
     roller: float = quantity(5.0, "s", "Longest delay of the verdict roller", 0.0, 1e6)
     cage: float = quantity(20.0, "s", "Longest delay of the verdict cage", 0.0, 1e6)
+    lubrication: float = quantity(20.0, "s", "Longest delay of the verdict lubrication", 0.0, 1e6)
+    overheating: float = quantity(20.0, "s", "Longest delay of the verdict overheating", 0.0, 1e6)
     compound: float = quantity(5.0, "s", "Longest delay of the verdict compound", 0.0, 1e6)
     sensor: float = quantity(5.0, "s", "Longest delay of the verdict sensor", 0.0, 1e6)
 

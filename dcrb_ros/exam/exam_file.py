@@ -25,10 +25,11 @@ from dcrb_ros.schema.fields import Group, choice, quantity
 from dcrb_ros.schema.refusal import Refusal, nearest
 from dcrb_ros.schema.verdicts import FAULT_CLASSES, FaultClass
 from dcrb_ros.settings.configuration import Configuration
-from dcrb_ros.settings.files import fields_by_key, find_configuration, flatten, read_parameters, shipped_folder, validated
+from dcrb_ros.settings.files import fields_by_key, flatten, read_parameters, validated
+from dcrb_ros.settings.shipped import find_configuration, shipped_folder
 from dcrb_ros.settings.vehicle_speed import layered
 from dcrb_ros.simulation.scenario import ScheduledChange, read_scenario_file, scheduled_changes, starting_configuration
-from dcrb_ros.text.files import checked_path
+from dcrb_ros.text.files import checked_path, is_file
 from dcrb_ros.text.yaml import read_yaml
 
 SEED = "simulation.seed"
@@ -56,6 +57,8 @@ class Entry(Group):
     timeline: list[dict[str, Any]] = Field(default_factory=list)
     """Entries of a scenario, in addition to the fault."""
     tags: dict[str, str] = Field(default_factory=dict)
+    graded_by: str = ""
+    """Parameter of ``set`` or ``fault`` over which the probability of detection is reported, instead of the width of the defect."""
     required: bool = True
     twin: bool = True
 
@@ -100,7 +103,7 @@ def read_exam(source: str | Path) -> Exam:
     """
     shipped = shipped_exams()
     path = checked_path(source)
-    if not path.is_file():
+    if not is_file(path):
         if str(source) not in shipped:
             raise Refusal(f"there is no exam '{source}': give a YAML file or one of {', '.join(shipped)}{nearest(str(source), shipped)}")
         path = shipped[str(source)]
@@ -255,7 +258,7 @@ def _case(
             f"{where}: it ends {duration - onset:g} s after the onset, but criteria.delay.{entry.verdict} allows {limit:g} s: "
             "increase the duration or reduce the limit"
         )
-    derived = derived_tags(configuration, fault)
+    derived = derived_tags(configuration, fault) | _grade(entry, {**overlay, **fault}, where)
     narrow = faulty and 0.0 < float(derived.get("width", 0.0)) < file.criteria.smallest_width
     twin = "?" if faulty and entry.twin and fault else ""
     both = entry.verdict == "sensor" and any(key.startswith("faults.") for key in fault)
@@ -271,6 +274,20 @@ def _case(
         speeds=speed_knots(configuration, events),
     )
     return Case(expectation, Run(configuration, scenario, duration))
+
+
+def _grade(entry: Entry, given: Mapping[str, Any], where: str) -> dict[str, str | float]:
+    """Return the tags of the parameter that grades an entry; none if it has no ``graded_by``."""
+    key = entry.graded_by
+    if not key:
+        return {}
+    known = [*flatten(entry.set), *flatten(entry.fault)]
+    if key not in known:
+        raise Refusal(f"{where}: graded_by = {key} is neither in 'set' nor in 'fault': give one of their keys{nearest(key, known)}")
+    value = given[key]
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        raise Refusal(f"{where}: graded_by = {key} has the value {value!r}: give a parameter with numbers")
+    return {"graded_by": key, "grade": float(value)}
 
 
 def _onset(configuration: Configuration, events: Sequence[ScheduledChange], verdict: str, where: str) -> float:

@@ -63,6 +63,12 @@ class Expectation:
         """Begin and end of the time during which a bearing alarm is false, without the part that the twin contains [s]."""
         return self.onset if self.twin else self.begin, self.bearing_clean_until
 
+    @property
+    def grade(self) -> tuple[str, float] | None:
+        """Parameter that grades the scenario, if it is not the width, and its value."""
+        parameter, value = self.tags.get("graded_by"), self.tags.get("grade")
+        return (parameter, value) if isinstance(parameter, str) and isinstance(value, float) else None
+
     def revolutions(self, begin: float, end: float) -> float:
         """Return the shaft revolutions from ``begin`` to ``end`` [s], in either direction [-]."""
         speed = self.tags.get("speed")

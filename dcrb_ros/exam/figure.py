@@ -59,6 +59,7 @@ def _detection(axes: Axes, report: Report) -> None:
         _empty(axes, "no defect with a width")
         return
     verdicts, widest = list(dict.fromkeys(row.verdict for row in rows)), max(row.width for row in rows) * 1e3
+    _graded(axes, report, widest)
     for place, verdict in enumerate(verdicts):
         own = [row for row in rows if row.verdict == verdict]
         shift = 0.012 * widest * (place - 0.5 * (len(verdicts) - 1))
@@ -70,6 +71,17 @@ def _detection(axes: Axes, report: Report) -> None:
     axes.set(xlabel="width [mm]", ylabel="detected in time, correct verdict [-]", ylim=(-0.03, 1.03), xlim=(0.0, 1.1 * widest))
     axes.legend(fontsize=7, loc="upper center", bbox_to_anchor=(0.5, -0.14), ncols=3, frameon=False)
     axes.grid(alpha=0.25)
+
+
+def _graded(axes: Axes, report: Report, widest: float) -> None:
+    """Draw the detections over other parameters than the width, each relative to its largest value, with dashed lines."""
+    rows = report.graded_detections()
+    for verdict, parameter in dict.fromkeys((row.verdict, row.parameter) for row in rows):
+        own = [row for row in rows if (row.verdict, row.parameter) == (verdict, parameter)]
+        largest = max(abs(row.value) for row in own) or 1.0
+        places = [row.value / largest * widest for row in own]
+        label = f"{verdict}, {parameter} to {largest:g}"
+        axes.plot(places, [row.probability.value for row in own], marker=".", ls="--", lw=1.0, color=COLOURS[verdict], label=label)
 
 
 def _delay(axes: Axes, report: Report) -> None:

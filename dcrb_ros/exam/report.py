@@ -69,6 +69,26 @@ class Detection:
 
 
 @dataclass(frozen=True)
+class GradedDetection:
+    """Detections of faults that are graded by another parameter than their width."""
+
+    verdict: str
+    parameter: str
+    """Key of the parameter that the scenario names in ``graded_by``."""
+    value: float
+    """Its value, in the unit of the parameter."""
+    found: int
+    """Scenarios in which the fault was detected [-]."""
+    scenarios: int
+    """Scenarios with this value [-]."""
+
+    @property
+    def probability(self) -> Interval:
+        """Probability of detection with its confidence interval."""
+        return share(self.found, self.scenarios)
+
+
+@dataclass(frozen=True)
 class RigResult:
     """Correct answers on one rig for one verdict."""
 
@@ -181,13 +201,22 @@ class Report:
         }
 
     def detections(self) -> list[Detection]:
-        """Return the probability of detection of each kind and width."""
-        sized = [result for result in self.faulty if result.expectation.width > 0.0]
+        """Return the probability of detection of each kind and width, of the scenarios that are not graded by another parameter."""
+        sized = [one for one in self.faulty if one.expectation.width > 0.0 and one.expectation.grade is None]
         return [
             Detection(verdict, width, sum(result.found for result in same), len(same))
             for verdict, group in _grouped(sized).items()
             for width in sorted({result.expectation.width for result in group})
             for same in [[result for result in group if result.expectation.width == width]]
+        ]
+
+    def graded_detections(self) -> list[GradedDetection]:
+        """Return the probability of detection over the parameter that a scenario names in ``graded_by``."""
+        grades = {(FAULT_CLASSES.index(one.expectation.verdict), one.expectation.grade) for one in self.faulty if one.expectation.grade}
+        return [
+            GradedDetection(FAULT_CLASSES[verdict], parameter, value, sum(one.found for one in same), len(same))
+            for verdict, (parameter, value) in sorted(grades)
+            if (same := [one for one in _grouped(self.faulty)[FAULT_CLASSES[verdict]] if one.expectation.grade == (parameter, value)])
         ]
 
     def rigs(self) -> list[RigResult]:
@@ -270,6 +299,7 @@ class Report:
                 {"verdict": d.verdict, "width": d.width, "found": d.found, "asked": d.scenarios, "probability": d.probability._asdict()}
                 for d in self.detections()
             ],
+            "graded_detection": [{**vars(d), "probability": d.probability._asdict()} for d in self.graded_detections()],
             "rigs": [vars(rig) for rig in self.rigs()],
             "roc": curve._asdict() if curve else None,
             "scenarios": [_described(result) for result in self.results],

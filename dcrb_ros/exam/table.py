@@ -15,6 +15,7 @@ from dcrb_ros.exam.report import Report
 from dcrb_ros.exam.statistics import CONFIDENCE, Interval
 from dcrb_ros.recordings.manifest import model_fingerprint
 from dcrb_ros.runtime.version import __version__
+from dcrb_ros.settings.files import fields_by_key
 
 MOST_FAILURES = 40
 """Failed scenarios listed at most [-]; JSON and JUnit contain all of them."""
@@ -37,6 +38,7 @@ def tables(report: Report) -> RenderableType:
         *_scores(report),
         *_delays(report),
         *_detections(report),
+        *_graded_detections(report),
         *_strata(report),
         *_rigs(report),
         *_areas(report),
@@ -130,6 +132,24 @@ def _detections(report: Report) -> Iterator[Table]:
         for row in rows:
             table.add_row(row.verdict, f"{row.width * 1e3:g}", f"{row.found} of {row.scenarios}", bounds(row.probability))
         yield table
+
+
+def _graded_detections(report: Report) -> Iterator[Table]:
+    rows = report.graded_detections()
+    if rows:
+        title = f"Detection by another parameter than the width, {CONFIDENCE:.0%} confidence (Clopper-Pearson)"
+        table = Table("fault", "parameter", "value", "detected", "probability of detection", title=title)
+        for row in rows:
+            table.add_row(
+                row.verdict, _with_unit(row.parameter), f"{row.value:g}", f"{row.found} of {row.scenarios}", bounds(row.probability)
+            )
+        yield table
+
+
+def _with_unit(key: str) -> str:
+    """Return a parameter with its unit."""
+    field = fields_by_key().get(key)
+    return f"{key} [{field.unit}]" if field and field.unit not in ("", "-") else key
 
 
 def _rigs(report: Report) -> Iterator[Table]:

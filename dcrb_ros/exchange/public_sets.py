@@ -6,8 +6,8 @@ from pathlib import Path
 from typing import Any
 
 from dcrb_ros.schema.refusal import Refusal, nearest
-from dcrb_ros.settings.files import shipped_folder
-from dcrb_ros.text.files import checked_path
+from dcrb_ros.settings.shipped import shipped_folder
+from dcrb_ros.text.files import checked_path, is_file
 from dcrb_ros.text.yaml import read_yaml
 
 
@@ -23,7 +23,7 @@ def find_description(source: str) -> Path:
         Refusal: it is neither.
     """
     path, shipped = checked_path(source), public_sets()
-    if source in shipped and not path.is_file():
+    if source in shipped and not is_file(path):
         return shipped[source]
     if path.suffix not in (".yaml", ".yml") and not path.exists():
         known = ", ".join(shipped)

@@ -13,6 +13,10 @@ KINDS = (
     "dcrb_ros.faults.raceway_defect:InnerRacewayDefect",
     "dcrb_ros.faults.roller_defect:RollerDefect",
     "dcrb_ros.faults.broken_bars:BrokenBars",
+    "dcrb_ros.faults.lubricant_loss:LubricantLoss",
+    "dcrb_ros.faults.overfilled_grease:OverfilledGrease",
+    "dcrb_ros.faults.seal_rub:SealRub",
+    "dcrb_ros.faults.lost_clearance:LostClearance",
 )
 """Every kind of fault as module and class, in the order of the parameters."""
 

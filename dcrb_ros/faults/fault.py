@@ -11,9 +11,10 @@ from abc import abstractmethod
 from collections.abc import Iterator, Mapping
 from typing import Any, ClassVar, NamedTuple, Protocol
 
+from dcrb_ros.faults.condition import Condition
 from dcrb_ros.faults.geometry import Damage
 from dcrb_ros.schema.fields import Group
-from dcrb_ros.schema.verdicts import Component
+from dcrb_ros.schema.verdicts import Component, Trouble
 
 
 class Dimensions(Protocol):
@@ -71,8 +72,8 @@ class Fault(Group):
 
     keys: ClassVar[tuple[str, ...]]
     """Keys below ``faults``; a bench carries as many faults of the kind as there are keys."""
-    component: ClassVar[Component]
-    """The component that the fault damages: the correct verdict of a detector."""
+    component: ClassVar[Component | Trouble]
+    """The component that the fault damages, or what is wrong without damage: the correct verdict of a detector."""
 
     @property
     @abstractmethod
@@ -93,6 +94,10 @@ class Fault(Group):
     def footprint(self, bearing: Dimensions) -> Footprint | None:
         """Return the surface that the fault occupies, or None if it may overlap others."""
         return None
+
+    def condition(self) -> Condition:
+        """Return what the fault changes of lubricant, seals and clearance."""
+        return Condition()
 
     def described(self, key: str) -> dict[str, dict[str, float]]:
         """Return the numbers that the ground truth states, by the name of the fault: its key, or its key, a dot and more."""

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 
 from pydantic import create_model
 
+from dcrb_ros.faults.condition import Condition, combined
 from dcrb_ros.faults.fault import Dimensions, Fault, Footprint
 from dcrb_ros.faults.geometry import Damage
 from dcrb_ros.schema.fields import Group
@@ -57,6 +58,16 @@ class FaultGroup(Group):
     def damage(self, bearing: Dimensions, edge_radius: float = 0.0) -> list[Damage]:
         """Return the geometry of all faults for the kernels; see `Fault.damage`."""
         return [damage for _, fault in self.present() for damage in fault.damage(bearing, edge_radius)]
+
+    @property
+    def condition(self) -> Condition:
+        """What the faults change of lubricant, seals and clearance."""
+        return combined(fault.condition() for _, fault in self.present())
+
+    @property
+    def damaging(self) -> list[tuple[str, Fault]]:
+        """Key and fault of every fault that damages surfaces or cages."""
+        return [(key, fault) for key, fault in self.present() if fault.condition().sound]
 
     def described(self) -> dict[str, dict[str, float]]:
         """Return the numbers of every fault that the bearing has by its name in the ground truth."""

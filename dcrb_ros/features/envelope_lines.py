@@ -59,9 +59,9 @@ def compute(windows: Windows) -> Floats:
             for comb in combs:
                 family = search.best(comb, SLIP)
                 row += [family.depth, max(family.significance, 0.0)]
-            shaft = float(spectrum.lines(np.array([1.0]))[0])
-            noise = float(search.local_mean[min(len(search.local_mean) - 1, round(1.0 / search.step))])
-            row += [shaft / max(spectrum.mean, LEAST), min(shaft**2 / max(noise, LEAST) / np.log(10.0), MOST)]
+            shaft = float(spectrum.lines(np.array([1.0]))[0]) / max(spectrum.mean, LEAST)
+            noise = float(search.local_mean[0, min(len(search.orders) - 1, round(1.0 / search.step))])
+            row += [shaft, min(shaft**2 / max(noise, LEAST) / np.log(10.0), MOST)]
         rows.append(row)
     return np.array(rows).reshape(windows.shape[0], -1)
 

@@ -12,6 +12,7 @@ from dcrb_ros.messages.cdr import CLOCK, FRAME, IMU, TEMPLATES, TEXT, decoded, e
 from dcrb_ros.messages.message_template import MessageTemplate, placeholder_bytes
 from dcrb_ros.schema.refusal import Refusal
 
+TEMPERATURE = "sensor_msgs/msg/Temperature"
 NO_ESTIMATE = -1.0
 """First element of a covariance whose quantity is not measured, see sensor_msgs/msg/Imu."""
 
@@ -54,6 +55,20 @@ def decode_float(data: bytes) -> float:
         Refusal: no such message.
     """
     return float(decoded(data, "std_msgs/msg/Float64").data)
+
+
+def encode_temperature(time_ns: int, temperature: float, deviation: float, frame: str = FRAME) -> bytes:
+    """Return a Temperature [deg C]; its variance is the square of a standard deviation [K], 0 for one that is not known."""
+    return encoded(TEMPERATURE, ros_type(TEMPERATURE)(header(time_ns, frame), temperature, deviation**2))
+
+
+def decode_temperature(data: bytes) -> float:
+    """Return the temperature of a Temperature [deg C].
+
+    Raises:
+        Refusal: no such message.
+    """
+    return float(decoded(data, TEMPERATURE).temperature)
 
 
 def decode_wrench(data: bytes) -> tuple[float, float]:

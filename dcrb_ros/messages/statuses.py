@@ -39,6 +39,8 @@ def encode_truth(truth: Truth, frame: str = FRAME) -> bytes:
     statuses = [Status("operating", OK, encode_event(truth.event), operating)]
     if truth.background:
         statuses.append(Status("background", OK, "no fault", {key: repr(value) for key, value in truth.background.items()}))
+    if truth.thermal:
+        statuses.append(Status("thermal", OK, "", {key: repr(value) for key, value in truth.thermal.items()}))
     for name, fields in truth.faults.items():
         statuses.append(Status(f"faults.{name}", ERROR, "present", {key: repr(value) for key, value in fields.items()}))
     return encode_diagnostics(truth.time_ns, statuses, frame)
@@ -57,7 +59,7 @@ def decode_truth(data: bytes) -> Truth:
     if not statuses or statuses[0].name != "operating":
         raise Refusal("a DiagnosticArray without the status 'operating' is not a ground truth of the bench")
     operating, faults = statuses[0], [status for status in statuses if status.name.startswith("faults.")]
-    background = next((status.values for status in statuses if status.name == "background"), {})
+    background, thermal = (next((status.values for status in statuses if status.name == name), {}) for name in ("background", "thermal"))
 
     def number(key: str) -> float:
         return float(operating.values.get(key, "nan"))
@@ -65,4 +67,13 @@ def decode_truth(data: bytes) -> Truth:
     frequencies = {name: number(f"{name} [Hz]") for name in CHARACTERISTIC_FREQUENCIES}
     found = {s.name.removeprefix("faults."): {key: float(value) for key, value in s.values.items()} for s in faults}
     load, levels = (number("load_x [N]"), number("load_y [N]")), {key: float(level) for key, level in background.items()}
-    return Truth(time_ns, number("speed [rad/s]"), load, frequencies, found, decode_event(operating.message), levels)
+    return Truth(
+        time_ns,
+        number("speed [rad/s]"),
+        load,
+        frequencies,
+        found,
+        decode_event(operating.message),
+        levels,
+        {k: float(v) for k, v in thermal.items()},
+    )

@@ -18,9 +18,11 @@ from launch_ros.parameter_descriptions import ParameterValue
 from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.schema.refusal import Refusal, nearest
 from dcrb_ros.settings.configuration import Configuration
-from dcrb_ros.settings.files import find_configuration, flatten, load_configuration, read_parameters, shipped_folder, validated
+from dcrb_ros.settings.files import flatten, load_configuration, read_parameters, validated
 from dcrb_ros.settings.sections import parameters_of
+from dcrb_ros.settings.shipped import find_configuration, shipped_folder
 from dcrb_ros.simulation.scenario import read_scenario
+from dcrb_ros.text.files import is_file
 from dcrb_ros.text.yaml import read_yaml
 
 PACKAGE = "dcrb_ros"
@@ -174,7 +176,9 @@ def detector_parameters(detector: str) -> dict[str, Any]:
     """
     shipped = {"detector": shipped_folder() / "detector.yaml"}
     path = Path(detector)
-    if not path.is_file():
+    with naming("detector", detector):
+        found = is_file(path)
+    if not found:
         if detector not in shipped:
             remedy = f"give a YAML file, or detector for the shipped parameters{nearest(detector, shipped)}"
             raise Refusal(f"detector:={detector}: there is no such file: {remedy}")

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from mcap.records import Message as McapMessage
 
 from dcrb_ros.messages.points import decode_vibration
@@ -29,6 +30,12 @@ RECOVERY = f"{MANIFEST}_recovery"
 """Name of the metadata record that lists what was lost."""
 MAX_DAMAGE = 100
 """Sentences about damaged messages that are kept."""
+
+
+LATEST = 2**63 - 1
+"""Last time of ROS [ns]."""
+LONGEST = 100_000_000 * SECOND
+"""Longest simulated time, three years; greater times are those of the wall clock [ns]."""
 
 
 @dataclass
@@ -99,7 +106,10 @@ class Recovery:
         self._damage += [sentence for sentence in sentences if sentence not in self._damage][: MAX_DAMAGE - len(self._damage)]
 
     def _valid(self, channel: mcap_writer.Channel, record: McapMessage) -> bool:
-        """Count a message; return false if it is a corrupt waveform or ground truth of the bench."""
+        """Count a message; return false if it is a corrupt waveform or ground truth of the bench, or if ROS cannot represent its time."""
+        if record.log_time > LATEST:
+            self._note([f"{channel.name} has a message at {record.log_time} ns, beyond {time_text(LATEST)}, which ROS cannot represent"])
+            return False
         for topic in (VIBRATION, GROUND_TRUTH):
             if self._recording is not None and self._outcome is not None and channel.name == topic.resolved(self._recording.namespace):
                 try:
@@ -107,7 +117,7 @@ class Recovery:
                     check(record.data)
                     self._outcome.add(Message(topic, record.log_time, record.data))
                 except Refusal as refusal:
-                    self._note([f"{topic.name} at {record.log_time * 1e-9:.3f} s: {refusal}"])
+                    self._note([f"{topic.name} at {time_text(record.log_time)}: {refusal}"])
                     return False
         self._recovered.messages += 1
         self._recovered.last_ns = max(self._recovered.last_ns, record.log_time)
@@ -148,6 +158,21 @@ def recover(source: Path, target: Path) -> Recovered:
     if checked_path(target).exists():
         raise Refusal(f"{target} exists: give another name or remove it, a recording is never overwritten")
     return Recovery(source).write(target)
+
+
+def time_text(time_ns: int) -> str:
+    """Return the time of a message [ns] for people: simulated time in seconds, wall-clock time as a date.
+
+    Examples
+    --------
+    >>> time_text(1_500_000_000)
+    '1.500 s'
+    >>> time_text(1_795_337_999_437_000_000)
+    '2026-11-22 08:59:59.437 UTC'
+    """
+    if time_ns < LONGEST:
+        return f"{time_ns * 1e-9:.3f} s"
+    return str(np.datetime64(time_ns // 1_000_000, "ms")).replace("T", " ") + " UTC"
 
 
 def _recording(source: Path) -> Recording | None:

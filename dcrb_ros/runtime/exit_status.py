@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 import os
 import sys
 from collections.abc import Callable
@@ -11,6 +10,7 @@ from typing import Any
 import typer
 
 from dcrb_ros.runtime.signals import STOPPED
+from dcrb_ros.runtime.standard_output import NAME, discard_standard_output, prepare_standard_output
 from dcrb_ros.schema.printable import printable_lines
 from dcrb_ros.schema.refusal import Refusal
 
@@ -25,11 +25,13 @@ def exit_status(program: str, command: Callable[[], Any]) -> int:
 
     Any error is printed as one sentence. With the environment variable DCRB_DEBUG=1 it is raised instead.
     """
-    _print_any_character()
+    prepare_standard_output()
     if os.environ.get("DCRB_DEBUG") == "1":
         return _status(command())
     try:
-        return _status(command())
+        status = _status(command())
+        sys.stdout.flush()
+        return status
     except Refusal as refusal:
         print_error(program, str(refusal))
         return 2
@@ -39,7 +41,7 @@ def exit_status(program: str, command: Callable[[], Any]) -> int:
         print_error(program, "stopped")
         return STOPPED
     except BrokenPipeError:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        discard_standard_output()
         return 0
     except Exception as error:
         # Typer's usage errors: their class depends on the release, their method does not.
@@ -48,6 +50,8 @@ def exit_status(program: str, command: Callable[[], Any]) -> int:
             print_error(program, f"{explain()} (try --help)")
             return 2
         where = "" if isinstance(error, RuntimeError) else " (DCRB_DEBUG=1 shows where)"
+        if isinstance(error, OSError) and error.filename == NAME:
+            discard_standard_output()
         print_error(program, f"{_explained(error)}{where}")
         return 1
 
@@ -59,13 +63,6 @@ def _explained(error: Exception) -> str:
     if isinstance(error, OSError) and error.strerror:
         return error.strerror
     return str(error) or type(error).__name__
-
-
-def _print_any_character() -> None:
-    """Let the output escape characters that its encoding does not have, such as those of ``LC_ALL=C``, instead of failing."""
-    for stream in (sys.stdout, sys.stderr):
-        if isinstance(stream, io.TextIOWrapper):
-            stream.reconfigure(errors="backslashreplace")
 
 
 def _status(returned: Any) -> int:

@@ -40,7 +40,7 @@ def nearest(word: str, known: Iterable[str], likeness: float = LEAST_LIKENESS) -
 def nearest_key(key: str, known: Iterable[str]) -> str:
     """Return ``"; did you mean 'group.x'?"`` for the dotted keys closest to ``key``, or an empty string.
 
-    A key is also found by its last parts: in full, without its group or with another one, or misspelt.
+    A key is also found by its last parts: in full, without its group or with another one, misspelt, or as one word of several.
     """
     if len(key) > MAX_COMPARED:
         return ""
@@ -50,6 +50,7 @@ def nearest_key(key: str, known: Iterable[str]) -> str:
         _ending_with(key, keys)
         or _close(key, keys, GOOD_LIKENESS)
         or next(filter(None, (_ending_with(part, keys) for part in _endings(key))), [])
+        or [known for known in keys if last in known.rpartition(".")[2].split("_")]
         or _close(key, keys, LEAST_LIKENESS)
         or next(filter(None, (_ending_with(part, keys) for part in _close(last, {k.rpartition(".")[2] for k in keys}, GOOD_LIKENESS))), [])
     )

@@ -7,13 +7,16 @@ from typing import Literal, get_args
 
 Component = Literal["outer_ring", "inner_ring", "roller", "cage"]
 """Component of the bearing that a fault damages."""
-FaultClass = Literal["healthy", Component, "compound", "sensor"]
+Trouble = Literal["lubrication", "overheating"]
+"""What is wrong with a bearing that is not damaged: its lubricant, or what heats it."""
+FaultClass = Literal["healthy", Component, Trouble, "compound", "sensor"]
 """State of a bearing and its sensor: the verdict that is correct for them."""
 Verdict = Literal[FaultClass, "waiting"]
 """Verdict of a detector; ``waiting`` until it has received enough signal."""
 
 COMPONENTS: tuple[Component, ...] = get_args(Component)
-BEARING_FAULTS: tuple[FaultClass, ...] = (*COMPONENTS, "compound")
+TROUBLES: tuple[Trouble, ...] = get_args(Trouble)
+BEARING_FAULTS: tuple[FaultClass, ...] = (*COMPONENTS, *TROUBLES, "compound")
 """Verdicts that name a fault of the bearing."""
 FAULT_CLASSES: tuple[FaultClass, ...] = get_args(FaultClass)
 VERDICTS: tuple[Verdict, ...] = get_args(Verdict)
@@ -27,6 +30,8 @@ TITLES: dict[str, str] = {
     "inner_ring": "inner ring defect",
     "roller": "roller defect",
     "cage": "cage fault",
+    "lubrication": "lubrication fault",
+    "overheating": "overheating",
     "compound": "several faults",
     "sensor": "sensor fault",
     "waiting": "waiting",

@@ -31,6 +31,10 @@ from dcrb_ros.settings.parameters import (
 from dcrb_ros.settings.sensor import Background, SensorParameters, Structure
 from dcrb_ros.settings.sensor_limits import block_limits, burst_limits, measurement_limits
 from dcrb_ros.settings.step_limits import step_limits
+from dcrb_ros.settings.thermal import Thermal, thermal_limits
+
+BALLS = "hertz"
+"""Law of the normal force between balls and their grooves."""
 
 
 class Configuration(Group):
@@ -39,6 +43,7 @@ class Configuration(Group):
     bearing: Bearing = Bearing()
     housing: Housing = Housing()
     lubrication: Lubrication = Lubrication()
+    thermal: Thermal = Thermal()
     surfaces: Surfaces = Surfaces()
     contact: Contact = Contact()
     friction: Friction = Friction()
@@ -119,12 +124,14 @@ def inconsistencies(c: Configuration) -> Iterator[str]:
     if not (geometry or faults):
         yield from step_limits(c)
         yield from oil_limits(c, material_of(c.bearing))
+    yield from thermal_limits(c)
     yield from _splitting(c)
     if not rates:
         yield from measurement_limits(c.measurement)
     yield from block_limits(c.publishing, c.sensor.sampling_rate)
     yield from burst_limits(c.publishing, c.sensor.sampling_rate)
     yield from _surfaces(c)
+    yield from _balls(c)
     if c.friction.static_coefficient < c.friction.kinetic_coefficient:
         yield (
             f"friction.static_coefficient = {c.friction.static_coefficient:g} is below friction.kinetic_coefficient = "
@@ -140,6 +147,20 @@ def _surfaces(c: Configuration) -> Iterator[str]:
         kind = getattr(fault, "kind", NOTCH)
         if kind != NOTCH:
             yield f"faults.{key}.kind = {kind} needs surfaces.law = profile, and it is {c.surfaces.law}: set both, or kind notch"
+
+
+def _balls(c: Configuration) -> Iterator[str]:
+    """Refuse what the planar model does not describe of a contact angle."""
+    angle = c.bearing.contact_angle
+    if angle and c.contact.law != BALLS:
+        yield f"bearing.contact_angle = {angle:g} rad belongs to balls, and contact.law = {c.contact.law}: give 0, or contact.law = {BALLS}"
+    if angle:
+        for key, fault in c.faults.present():
+            if fault.component == "roller":
+                yield (
+                    f"faults.{key} on a ball needs bearing.contact_angle = 0, not {angle:g} rad: with an angle the balls of the planar "
+                    "model spin faster than real ones; remove the fault, or give the bearing a contact angle of 0"
+                )
 
 
 def _geometry(c: Configuration) -> Iterator[str]:

@@ -20,10 +20,10 @@ from dcrb_ros.schema.fields import Group
 from dcrb_ros.schema.parameter_field import ParameterField, field_of, more, sentences
 from dcrb_ros.schema.refusal import GOOD_LIKENESS, Refusal, nearest, nearest_key
 from dcrb_ros.settings.configuration import Configuration
-from dcrb_ros.settings.sections import parameters_of
+from dcrb_ros.settings.sections import read_sections
 from dcrb_ros.settings.sensor import preset_values
-from dcrb_ros.settings.vehicle_speed import layered, with_one_speed
-from dcrb_ros.text.files import checked_path
+from dcrb_ros.settings.shipped import find_configuration
+from dcrb_ros.settings.vehicle_speed import in_other_unit, layered, with_one_speed
 from dcrb_ros.text.yaml import parsed, read_yaml
 
 MOST_UNKNOWN = 20
@@ -58,14 +58,30 @@ def flatten(tree: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
     Raises:
         Refusal: a key occurs twice, in its group and with a dotted name.
     """
-    flat: dict[str, Any] = {}
-    for name, value in tree.items():
-        key = f"{prefix}{name}"
-        inside = flatten(value, f"{key}.") if isinstance(value, Mapping) and value else {key: value}
-        for twice in flat.keys() & inside.keys():
-            raise Refusal(f"{twice} occurs twice, in its group and with a dotted name: remove one")
-        flat.update(inside)
+    flat, wrong = _flattened(tree, prefix)
+    if wrong:
+        raise Refusal(wrong[0])
     return flat
+
+
+def _flattened(tree: Mapping[str, Any], prefix: str = "") -> tuple[dict[str, Any], list[str]]:
+    """Return a nested mapping with dotted keys, and a sentence for each key that occurs twice."""
+    flat: dict[str, Any] = {}
+    wrong: list[str] = []
+
+    def fill(branch: Mapping[str, Any], prefix: str) -> None:
+        for name, value in branch.items():
+            key = f"{prefix}{name}"
+            # Most values are numbers, of which the abstract class needs a slow search.
+            if value.__class__ is not float and isinstance(value, Mapping) and value:
+                fill(value, f"{key}.")
+                continue
+            if key in flat:
+                wrong.append(f"{key} occurs twice, in its group and with a dotted name: remove one")
+            flat[key] = value
+
+    fill(tree, prefix)
+    return flat, wrong
 
 
 def nest(flat: Mapping[str, Any]) -> dict[str, Any]:
@@ -102,7 +118,7 @@ def _checked(flat: Mapping[str, Any], model: type[Model]) -> tuple[Model | None,
     """Return the model of parameters with dotted keys, none with invalid values, and a sentence for everything that is wrong."""
     known, fields = _without_empty_groups(flat, model), fields_by_key(model)
     unknown = [key for key in known if key not in fields]
-    wrong = [unknown_parameter(key, model) for key in unknown[:MOST_UNKNOWN]]
+    wrong = [unknown_parameter(key, model, known[key]) for key in unknown[:MOST_UNKNOWN]]
     wrong += [f"unknown parameter '{key}'" for key in unknown[MOST_UNKNOWN:]]
     for key, value in known.items():
         if key in fields and isinstance(value, float) and 0.0 < abs(value) < LEAST:
@@ -124,12 +140,14 @@ def _without_empty_groups(flat: Mapping[str, Any], model: type[Group]) -> dict[s
     return {key: value for key, value in flat.items() if not (value == {} and key in groups)}
 
 
-def unknown_parameter(key: str, model: type[Group] = Configuration) -> str:
+def unknown_parameter(key: str, model: type[Group] = Configuration, value: object = None) -> str:
     """Return a sentence about a key that is no parameter of a model: what it is instead, or what may be meant."""
     fields, groups = fields_by_key(model), _groups(model)
     if key in groups:
         example = next(known for known in fields if known.startswith(f"{key}."))
         return f"{key} is a group of parameters: give them below it, such as {example}, or leave it out"
+    if model is Configuration and (speed := in_other_unit(key, value)):
+        return f"unknown parameter '{key}'{speed}"
     alike = [group for group in groups if group.count(".") == key.count(".")]
     return f"unknown parameter '{key}'{nearest(key, alike, GOOD_LIKENESS) or nearest_key(key, fields)}"
 
@@ -140,13 +158,21 @@ def read_parameters(path: Path, node: str) -> dict[str, Any]:
     Raises:
         Refusal: the file cannot be read, is not YAML, has no parameters for the node, or has something that no node reads.
     """
-    flat: dict[str, Any] = {}
-    for parameters in parameters_of(read_yaml(path), node, str(path)):
-        try:
-            flat.update(flatten(parameters))
-        except Refusal as refusal:
-            raise Refusal(f"{path}: {refusal}") from None
+    flat, wrong = _read(path, node)
+    if wrong:
+        raise Refusal(f"{path}: {wrong[0]}{more(len(wrong))}")
     return flat
+
+
+def _read(path: Path, node: str) -> tuple[dict[str, Any], list[str]]:
+    """Return the parameters of a file, and a sentence for everything that no node reads and for each key that occurs twice."""
+    flat: dict[str, Any] = {}
+    trees, wrong = read_sections(read_yaml(path), node)
+    for tree in trees:
+        parameters, twice = _flattened(tree)
+        flat.update(parameters)
+        wrong += twice
+    return flat, wrong
 
 
 def _settings(settings: Sequence[str], fields: Mapping[str, ParameterField]) -> dict[str, Any]:
@@ -200,17 +226,21 @@ def load_configuration(source: Configuration | str | Path, settings: Mapping[str
     >>> load_configuration("healthy", {"faults": {"outer_1": {"width": 0.002}}, "operating.speed": 100.0})
     <Configuration: 100 rad/s (954.9 rpm), 100 kN, outer_1: 2 mm wide>
     """
-    flat = layers(source, settings)
+    flat, wrong = layers(source, settings)
     if isinstance(source, Configuration):
         return validated(flat, Configuration, "settings") if settings else source
+    if wrong:
+        raise Refusal(f"{source}: {wrong[0]}{more(len(wrong))}")
     return validated(flat, Configuration, str(source))
 
 
-def layers(source: Configuration | str | Path, settings: Mapping[str, Any] | Sequence[str] | str = ()) -> dict[str, Any]:
+def layers(source: Configuration | str | Path, settings: Mapping[str, Any] | Sequence[str] | str = ()) -> tuple[dict[str, Any], list[str]]:
     """Return the parameters of a configuration with settings on top by their dotted keys, unchecked; see `load_configuration`.
 
+    The second value is a sentence for everything in the file that no node reads.
+
     Raises:
-        Refusal: no such file, it has no parameters, or a setting cannot be read.
+        Refusal: no such file, or a setting cannot be read.
     """
     if not isinstance(source, (Configuration, str, Path)):
         raise Refusal(f"{source!r} is not a configuration: give a shipped name such as 'healthy', a YAML file or a Configuration")
@@ -221,38 +251,14 @@ def layers(source: Configuration | str | Path, settings: Mapping[str, Any] | Seq
     else:
         asked = _settings((settings,) if isinstance(settings, str) else settings, fields_by_key())
     if isinstance(source, Configuration):
-        return overlaid(flatten(source.model_dump()), asked)
-    return layered(read_parameters(find_configuration(source), "simulator"), asked)
+        return overlaid(flatten(source.model_dump()), asked), []
+    flat, wrong = _read(find_configuration(source), "simulator")
+    return layered(flat, asked), wrong
 
 
 def _plain(settings: Mapping[str, Any]) -> dict[str, Any]:
     """Return settings with the scalars of numpy as those of Python."""
     return {str(key): value.item() if isinstance(value, np.generic) else value for key, value in settings.items()}
-
-
-def find_configuration(source: str | Path) -> Path:
-    """Return the path of a configuration given as a file or by a shipped name."""
-    path = checked_path(source)
-    if path.is_file():
-        return path
-    shipped = shipped_configurations()
-    name = path.stem if path.suffix in (".yaml", ".yml") and path.parent.name in ("", "config") else str(source)
-    if name in shipped and not path.exists():
-        return shipped[name]
-    raise Refusal(f"there is no configuration '{source}': give a YAML file or one of {', '.join(shipped)}{nearest(str(source), shipped)}")
-
-
-def shipped_folder() -> Path:
-    """Return the folder of the shipped configurations: in the repository, or in the share folder of the installation."""
-    package = Path(__file__).resolve().parents[1]
-    candidates = [package.parent / "config", *(parent / "share" / "dcrb_ros" / "config" for parent in package.parents)]
-    candidates.append(Path(sys.prefix) / "share" / "dcrb_ros" / "config")
-    return next((folder for folder in candidates if (folder / "healthy.yaml").is_file()), candidates[0])
-
-
-def shipped_configurations() -> dict[str, Path]:
-    """Return the files of the shipped configurations by name."""
-    return {path.stem: path for path in sorted(shipped_folder().glob("*.yaml")) if path.stem != "detector"}
 
 
 def to_yaml(configuration: Group) -> str:

@@ -10,6 +10,7 @@ import re
 from collections.abc import Iterator, Mapping
 from typing import Any
 
+from dcrb_ros.schema.parameter_field import more
 from dcrb_ros.schema.refusal import Refusal, nearest
 
 KEY = "ros__parameters"
@@ -18,6 +19,8 @@ BENCH = "/dcrb"
 """Namespace of the bench."""
 NODES = ("simulator", "fault_detector", "replayer", "viewer")
 """Nodes of the bench."""
+ALL = "/**"
+"""Section for every node."""
 OF_ROS = ("use_sim_time", "start_type_description_service")
 """Parameters that every node of ROS has; `ros2 param dump` writes them too."""
 SHAPE = "give groups such as 'operating: {speed: 100.0}', or a ROS parameter file that begins with '/**:' and 'ros__parameters:'"
@@ -37,24 +40,35 @@ def parameters_of(tree: Any, node: str, source: str, *, of_ros: bool = False) ->
     Raises:
         Refusal: the file has no parameters for the node, or something that no node of the bench reads.
     """
+    found, wrong = read_sections(tree, node, of_ros=of_ros)
+    if wrong:
+        raise Refusal(f"{source}: {wrong[0]}{more(len(wrong))}")
+    return found
+
+
+def read_sections(tree: Any, node: str, *, of_ros: bool = False) -> tuple[list[Tree], list[str]]:
+    """Return the trees of parameters that a file has for a node, and a sentence for everything in it that no node reads.
+
+    With such sentences, the trees also contain what was probably meant for the node, for its values to be checked.
+    """
     if not isinstance(tree, Mapping) or not tree:
-        raise Refusal(f"{source} is not a file of parameters: {SHAPE}")
+        return [], [f"this is not a file of parameters: {SHAPE}"]
     if not _has_sections(tree):
-        _refuse_names_of_nodes(tree, source)
-        return [tree]
-    sections = list(_sections(tree, "", source))
-    for name, _ in sections:
+        return [tree], _names_of_nodes(tree)
+    wrong: list[str] = []
+    sections = list(_sections(tree, "", wrong))
+    for name in dict.fromkeys(name for name, _ in sections):
         if not any(_is_for(name, known) for known in NODES):
             last = name.rpartition("/")[2]
-            raise Refusal(
-                f"{source}: no node of the bench reads the section '{name}': use '/**', or a node in the namespace {BENCH} "
+            wrong.append(
+                f"no node of the bench reads the section '{name}': use '/**', or a node in the namespace {BENCH} "
                 f"({', '.join(NODES)}){nearest(last, NODES) if last not in NODES else ''}"
             )
-    found = [parameters for name, parameters in sections if _is_for(name, node)]
-    if not found:
+    found = [parameters for name, parameters in sections if _is_for(name, node) or _resembles(name, node)]
+    if not found and not wrong:
         named = ", ".join(f"'{name}'" for name, _ in sections)
-        raise Refusal(f"{source} has no parameters for the node '{node}'; its sections are {named}: add '/**/{node}:', or use '/**:'")
-    return [{key: value for key, value in parameters.items() if of_ros or key not in OF_ROS} for parameters in found]
+        wrong.append(f"it has no parameters for the node '{node}'; its sections are {named}: add '/**/{node}:', or use '/**:'")
+    return [{key: value for key, value in parameters.items() if of_ros or key not in OF_ROS} for parameters in found], wrong
 
 
 def _has_sections(tree: Tree) -> bool:
@@ -62,30 +76,49 @@ def _has_sections(tree: Tree) -> bool:
     return KEY in tree or any(isinstance(value, Mapping) and _has_sections(value) for value in tree.values())
 
 
-def _refuse_names_of_nodes(tree: Tree, source: str) -> None:
-    """Refuse a plain file that names a node."""
-    for name in tree:
-        if str(name).startswith("/") or name in NODES:
-            raise Refusal(f"{source}: '{name}' must contain '{KEY}:' and nothing else, or leave it out and give the groups alone")
+def _names_of_nodes(tree: Tree) -> list[str]:
+    """Return a sentence for each name of a node in a plain file."""
+    named = [name for name in tree if _names_node(name)]
+    return [f"'{name}' must contain '{KEY}:' and nothing else, or leave it out and give the groups alone" for name in named]
 
 
-def _sections(tree: Tree, namespace: str, source: str) -> Iterator[tuple[str, Tree]]:
-    """Yield name and parameters of each section in the order of the file."""
+def _names_node(key: Any) -> bool:
+    """Return whether a key is the name of a node."""
+    return str(key).startswith("/") or key in NODES
+
+
+def _sections(tree: Tree, namespace: str, wrong: list[str]) -> Iterator[tuple[str, Tree]]:
+    """Yield name and parameters of each section in the order of the file; add a sentence to ``wrong`` for what belongs to none."""
     if KEY in tree:
-        raise Refusal(f"{source}: '{KEY}:' must be below the name of a node, such as '/**:'")
+        wrong.append(f"'{KEY}:' must be below the name of a node, such as '/**:'")
+        if isinstance(tree[KEY], Mapping):
+            yield ALL, tree[KEY]
     for part, value in tree.items():
         name = f"{namespace}/{part}" if namespace else str(part)
-        if not isinstance(value, Mapping) or not _has_sections(value):
-            beside = next(_names(tree, namespace), "")
-            raise Refusal(f"{source}: '{name}' is beside the section '{beside}', so no node would read it: move it below '{KEY}:'")
-        if KEY not in value:
-            yield from _sections(value, name, source)
+        if part == KEY:
             continue
-        if set(value) != {KEY}:
-            raise Refusal(f"{source}: '{name}' must contain '{KEY}:' and nothing else")
-        if not isinstance(value[KEY], Mapping):
-            raise Refusal(f"{source}: '{name}' has no parameters below '{KEY}:'; add some, or remove the section")
-        yield name, value[KEY]
+        if not isinstance(value, Mapping) or not _has_sections(value):
+            beside = next(_names(tree, namespace), ALL)
+            wrong.append(f"'{name}' is beside the section '{beside}', so no node would read it: move it below '{KEY}:'")
+            if not namespace and not _names_node(part):
+                yield ALL, {part: value}
+        elif KEY not in value:
+            yield from _sections(value, name, wrong)
+        else:
+            yield from _section(name, value, wrong)
+
+
+def _section(name: str, section: Tree, wrong: list[str]) -> Iterator[tuple[str, Tree]]:
+    """Yield name and parameters of a section, and then what is beside them; see `_sections`."""
+    beside = {key: value for key, value in section.items() if key != KEY}
+    if beside:
+        wrong.append(f"'{name}' must contain '{KEY}:' and nothing else")
+    if isinstance(section[KEY], Mapping):
+        yield name, section[KEY]
+    else:
+        wrong.append(f"'{name}' has no parameters below '{KEY}:'; add some, or remove the section")
+    if beside:
+        yield name, beside
 
 
 def _names(tree: Tree, namespace: str) -> Iterator[str]:
@@ -94,6 +127,11 @@ def _names(tree: Tree, namespace: str) -> Iterator[str]:
         if isinstance(value, Mapping):
             name = f"{namespace}/{part}" if namespace else str(part)
             yield from [name] if KEY in value else _names(value, name)
+
+
+def _resembles(section: str, node: str) -> bool:
+    """Return whether a section for no node of the bench is probably meant for this one."""
+    return not any(_is_for(section, known) for known in NODES) and f"'{node}'" in nearest(section.rpartition("/")[2], NODES)
 
 
 def _is_for(section: str, node: str) -> bool:

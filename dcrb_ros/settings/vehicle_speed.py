@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import Any
 
@@ -13,6 +14,19 @@ from dcrb_ros.schema.refusal import Refusal
 SPEED, SPEED_KMH = "operating.speed", "operating.speed_kmh"
 FASTEST_KMH = 1000.0
 """Largest speed of a vehicle [km/h]."""
+
+
+OTHER_UNITS = {"rpm": math.pi / 30.0, "hz": 2.0 * math.pi}
+"""Units in which speeds are often given [rad/s]."""
+
+
+def in_other_unit(key: str, value: object) -> str:
+    """Return how to give a speed that an unknown key such as ``rpm`` or ``speed_hz`` names in another unit, or an empty string."""
+    unit = key.lower().rpartition(".")[2].removeprefix("speed_")
+    if unit not in OTHER_UNITS:
+        return ""
+    number = float(value) if isinstance(value, (int, float)) and not isinstance(value, bool) else 1.0
+    return f"; speeds are in rad/s: {number:g} {unit.replace('hz', 'Hz')} is {SPEED}={number * OTHER_UNITS[unit]:.6g}"
 
 
 def shaft_speed(kmh: float, wheel_diameter: float) -> float:

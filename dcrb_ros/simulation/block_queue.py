@@ -16,7 +16,7 @@ from dcrb_ros.measurement.sensor import Measurement
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.simulated_time import nanoseconds
 from dcrb_ros.stream.block import Block, Truth
-from dcrb_ros.stream.states import States
+from dcrb_ros.stream.states import States, TemperatureReading
 
 Item = TypeVar("Item")
 
@@ -33,6 +33,7 @@ class BlockQueue:
         self._measured: deque[Measurement] = deque()
         self._states: deque[States] = deque()
         self._truths: deque[Truth] = deque()
+        self._temperatures: deque[TemperatureReading] = deque()
         self._previews: deque[tuple[int, npt.NDArray[np.float64]]] = deque()
         self._preview_count = 0
 
@@ -47,6 +48,10 @@ class BlockQueue:
     def add_truth(self, truth: Truth) -> None:
         """Append the ground truth at one instant."""
         self._truths.append(truth)
+
+    def add_temperatures(self, reading: TemperatureReading) -> None:
+        """Append what the temperature sensors read at one instant."""
+        self._temperatures.append(reading)
 
     def cut(self, size: int, *, lost: bool, sensor_range: float) -> Block:
         """Remove the next ``size`` samples and everything of their time, and return them without energy.
@@ -71,6 +76,7 @@ class BlockQueue:
             preview_ns=tuple(time for time, _ in previews),
             states=tuple(_before(self._states, end_ns, lambda states: states.time_ns)),
             truths=tuple(_before(self._truths, end_ns, lambda truth: truth.time_ns)),
+            temperatures=tuple(_before(self._temperatures, end_ns, lambda reading: reading.time_ns)),
         )
 
     def _take(self, size: int) -> Measurement:

@@ -29,6 +29,7 @@ from dcrb_ros.schema.simulated_time import nanoseconds
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.simulation.block_queue import BlockQueue
 from dcrb_ros.simulation.commanded_value import commanded
+from dcrb_ros.simulation.heating import Burnt, Heating
 from dcrb_ros.simulation.scenario import ScheduledChange
 from dcrb_ros.simulation.shaft_speed import ShaftSpeed
 from dcrb_ros.simulation.transmission import Transmission
@@ -94,7 +95,8 @@ class Simulation:
         """Values in the pending changes."""
         self._onsets = onsets({}, configuration, 0.0)
         self.bodies: BodyNames = body_names(configuration)
-        self._payload = build_payload(configuration)
+        self._heating = Heating(configuration)
+        self._payload = self._heating.begin(configuration, build_payload(configuration))
         self._state = initial_state(configuration, self._payload)
         self._work = workspace(self._payload)
         self._stored = stored_energy(self._payload, self._state)
@@ -107,6 +109,7 @@ class Simulation:
         self._pending: deque[Command] = deque()
         self._lock = threading.Lock()
         self._queue = BlockQueue(configuration.sensor.sampling_rate, configuration.publishing.preview_rate, preview=not waveform_only)
+        self._read_temperatures()
         self._note(Start())
 
     @property
@@ -259,9 +262,9 @@ class Simulation:
         except Refusal as refusal:  # it conflicts with a change that came in between
             return Refused(request, str(refusal))
         before, self.configuration = self.configuration, after
-        if after.faults != before.faults:
+        if after.faults.damaging != before.faults.damaging:
             ramp = self._payload.speed_ramp
-            self._payload = refitted(after, self._payload, self._state)
+            self._payload = self._heating.refit(after, refitted(after, self._payload, self._state), self._state)
             if self._shaft.fluctuates:
                 self._payload = self._payload._replace(speed_ramp=ramp)
             self._work = workspace(self._payload)
@@ -303,20 +306,39 @@ class Simulation:
             truth_due = _next_tick(self._steps, publishing.truth_rate, rate)
             change_due = self._scheduled[0].step if self._scheduled else end
             value_due = self._fluctuate() if self._shaft.fluctuates else end
-            count = min(end, state_due, truth_due, change_due, value_due) - self._steps
+            heat_due = self._heating.next(self._steps) if self._heating.active(self.configuration) else -1
+            count = min(end, state_due, truth_due, change_due, value_due, heat_due if heat_due > 0 else end) - self._steps
             acceleration, angles = np.empty((count, 2)), np.empty(count)
             advance(self._payload, self._state, self._work, acceleration, angles)
             self._steps += count
             self._check_domain(acceleration)
             motion.append((acceleration, angles))
+            if self._steps == heat_due:
+                self._heat()
             if self._steps == state_due and not self._waveform_only:
-                self._observed = observe(self._payload, self._state, self.time_ns, self._observed)
+                observed = observe(self._payload, self._state, self.time_ns, self._observed)
+                self._observed = dataclasses.replace(observed, thermal=self._heating.present) if self._heating.network_on else observed
                 self._queue.add_states(self._observed)
             if self._steps == truth_due:
                 self._note(None)
         if motion:
             accelerations, shaft = zip(*motion, strict=True)
             self._queue.add_samples(self._sensor.measure(np.concatenate(accelerations), np.concatenate(shaft)))
+
+    def _heat(self) -> None:
+        """Step heat and lubricant, and fit the bearing to them."""
+        try:
+            self._payload, work = self._heating.update(self.configuration, self._payload, self._state, self._steps)
+        except Burnt as burnt:
+            raise ModelFailure(f"the model failed at {self.time_ns / 1e9:.6f} s: {burnt}") from None
+        self._stored += work
+        self._read_temperatures()
+
+    def _read_temperatures(self) -> None:
+        """Append a reading of the temperature sensors where one is due."""
+        reading = self._heating.reading(self.configuration, self._steps, self.time_ns)
+        if reading is not None:
+            self._queue.add_temperatures(reading)
 
     def _check_domain(self, acceleration: Floats) -> None:
         off_seat = max(map(abs, self._state.outer_position.tolist()))
@@ -332,7 +354,8 @@ class Simulation:
         faults = {name: {**fields, "onset": self._onsets[name]} for name, fields in self.configuration.described_faults().items()}
         frequencies = self._orders.frequencies(speed / (2.0 * math.pi))
         background = self.configuration.background.described()
-        self._queue.add_truth(Truth(self.time_ns, speed, (float(load[0]), float(load[1])), frequencies, faults, event, background))
+        thermal = self._heating.truth(self.configuration)
+        self._queue.add_truth(Truth(self.time_ns, speed, (float(load[0]), float(load[1])), frequencies, faults, event, background, thermal))
 
 
 def _next_tick(step: int, rate: int, step_rate: int) -> int:

@@ -12,10 +12,11 @@ from typing import Any
 from dcrb_ros.bearing.runtime_change import altered
 from dcrb_ros.schema.refusal import Refusal, nearest
 from dcrb_ros.settings.configuration import Configuration
-from dcrb_ros.settings.files import COMMANDED, flatten, overlaid, shipped_folder, validated
+from dcrb_ros.settings.files import COMMANDED, flatten, overlaid, validated
+from dcrb_ros.settings.shipped import shipped_folder
 from dcrb_ros.settings.vehicle_speed import SPEED, replaced
 from dcrb_ros.stream.events import ScenarioEvent
-from dcrb_ros.text.files import checked_path
+from dcrb_ros.text.files import checked_path, is_file
 from dcrb_ros.text.yaml import read_yaml
 
 TICK = 0.05
@@ -32,7 +33,7 @@ RAMPS = {SPEED: "operating.speed_ramp", "operating.load": "operating.load_ramp",
 MOST_REHEARSED = 500
 """Intermediate values of a gradual change that are checked beforehand, at most [-]; a check takes half a millisecond."""
 KEYS = ("at", "over", "set")
-START_GROUPS = ("operating", "faults", "structure", "background", "sensor")
+START_GROUPS = ("operating", "thermal", "faults", "structure", "background", "sensor")
 """Groups of parameters that may stand under ``start``."""
 
 
@@ -98,9 +99,10 @@ def read_scenario_file(path: Path) -> Any:
 def _find(path: Path) -> Path:
     """Return the file of a scenario given by its path or a shipped name."""
     shipped = {file.stem: file for file in sorted((shipped_folder() / "scenarios").glob("*.yaml"))}
-    if not checked_path(path).is_file() and str(path) not in shipped:
+    found = is_file(checked_path(path))
+    if not found and str(path) not in shipped:
         raise Refusal(f"there is no scenario '{path}': give a YAML file or one of {', '.join(shipped)}{nearest(str(path), shipped)}")
-    return path if path.is_file() else shipped[str(path)]
+    return path if found else shipped[str(path)]
 
 
 def starting_configuration(tree: Any, configuration: Configuration, source: str) -> Configuration:

@@ -11,7 +11,7 @@ import numpy as np
 from dcrb_ros.schema.arrays import Samples
 from dcrb_ros.schema.simulated_time import nanoseconds
 from dcrb_ros.stream.events import Event
-from dcrb_ros.stream.states import Account, States
+from dcrb_ros.stream.states import Account, States, TemperatureReading
 
 
 @dataclass(frozen=True)
@@ -32,6 +32,9 @@ class Truth:
     """The event at this instant; none for the repetition at ``publishing.truth_rate``."""
     background: Mapping[str, float] = field(default_factory=dict)
     """Levels of the excitation of the axle box by other sources than the bearing, by key; they are not faults."""
+    thermal: Mapping[str, float] = field(default_factory=dict)
+    """Temperatures and heat of bearing and axle box, the time lapse, and how much lubricant is lost, by name with the unit; empty where
+    the bearing has neither a thermal network nor faults that change it."""
 
 
 @dataclass(frozen=True)
@@ -60,6 +63,8 @@ class Block:
     """Whether the waveform is not published: lost in transmission, or between two bursts."""
     states: tuple[States, ...] = ()
     truths: tuple[Truth, ...] = ()
+    temperatures: tuple[TemperatureReading, ...] = ()
+    """What the temperature sensors read, once per simulated second."""
     energy: Account | None = None
     """The energy account at the end of the block; only for blocks with a truth, because it is expensive."""
 

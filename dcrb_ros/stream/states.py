@@ -82,6 +82,46 @@ class LubricationState:
     """The power over the speed of the shaft, shape (rows, sources) [N m]; NaN at standstill."""
 
 
+HEAT_SOURCES = ("inner_raceway", "outer_raceway", "rest")
+"""Where a row is heated: at its raceways, and by its cage, the oil about the rollers and the seals together."""
+
+
+@dataclass(frozen=True)
+class ThermalState:
+    """Temperatures and heat of bearing and axle box at one instant."""
+
+    inner_ring_temperature: Floats
+    """Of each row's inner ring with its journal, shape (rows,) [deg C]."""
+    roller_temperature: Floats
+    """Of each row's rollers with their cage, shape (rows,) [deg C]."""
+    outer_ring_temperature: Floats
+    """Of each row's outer ring, shape (rows,) [deg C]."""
+    box_temperature: float
+    """Of the axle box [deg C]."""
+    ambient_temperature: float
+    """Of the surroundings [deg C]."""
+    heat: Floats
+    """Heat of each row by `HEAT_SOURCES`, averaged over half a second, shape (rows, sources) [W]."""
+    clearance_change: float
+    """By how much the radial gap is larger than configured [m]."""
+    clamped: int
+    """Times so far at which a temperature was beyond the range of the oil's formulas, which then took the end of that range."""
+
+
+@dataclass(frozen=True)
+class TemperatureReading:
+    """What the temperature sensors read at one instant."""
+
+    time_ns: int
+    """Simulated time [ns]."""
+    outer_ring: float
+    """At the outer ring of the last row, without lag [deg C]."""
+    box: float
+    """In the housing of the axle box over the load zone, with the lag of ``thermal.sensor_lag`` [deg C]."""
+    ambient: float
+    """In the air [deg C]."""
+
+
 @dataclass(frozen=True)
 class States:
     """States of the bodies at one instant; each array has one entry per name in `BodyNames.names`."""
@@ -113,3 +153,5 @@ class States:
     """Total force of the rollers on the inner ring in X and Y [N]."""
     lubrication: LubricationState | None = None
     """Films and losses; None for a dry bearing, and for states read from a recording."""
+    thermal: ThermalState | None = None
+    """Temperatures and heat; None without a thermal network, and for states read from a recording."""

@@ -20,7 +20,8 @@ SHOWN_VALUES = 20
 
 def card(plan: Plan, tally: Tally) -> str:
     """Return the data card in Markdown."""
-    sections = (_summary(plan.sweep, tally), _counts(tally), _files(plan.sweep), _columns(), _design(plan.sweep), _reproduction(plan.sweep))
+    sweep, design = plan.sweep, plan.design_text() or _design(plan.sweep)
+    sections = (_summary(sweep, tally), _counts(plan, tally), _files(sweep), _columns(plan), design, _reproduction(sweep))
     return "\n\n".join(sections) + "\n"
 
 
@@ -49,9 +50,9 @@ def _rows(sweep: Sweep) -> str:
     return " or ".join({1: "single-row", 2: "double-row"}[count] for count in sorted(rows))
 
 
-def _counts(tally: Tally) -> str:
+def _counts(plan: Plan, tally: Tally) -> str:
     faults = sorted({fault for _, fault in tally.classes}, key=lambda fault: (fault != "healthy", fault))
-    lines = [f"| split | conditions | {' | '.join(faults)} | runs |", "|---" * (len(faults) + 3) + "|"]
+    lines = [f"| split | {plan.unit} | {' | '.join(faults)} | runs |", "|---" * (len(faults) + 3) + "|"]
     for split in SPLITS:
         counts = [tally.classes[split, fault] for fault in faults]
         cells = [split, len(tally.conditions.get(split, ())), *counts, sum(counts)]
@@ -61,8 +62,7 @@ def _counts(tally: Tally) -> str:
         [
             "## Runs by split and fault\n",
             *lines,
-            "\nA condition is a bearing at one speed and load. All its runs, with any seed, fault or sensor, are in one split. So are "
-            "twins, the runs\nof one condition and seed that differ in the fault only.",
+            f"\n{plan.split_text}",
             *([f"\nReasons of the runs that were refused or failed:\n\n{reasons}"] if reasons else []),
         ]
     )
@@ -95,8 +95,9 @@ def _files(sweep: Sweep) -> str:
     return "\n".join(lines)
 
 
-def _columns() -> str:
-    lines = "\n".join(f"| `{name}` | {meaning} |" for name, meaning in COLUMNS.items())
+def _columns(plan: Plan) -> str:
+    columns = {**COLUMNS, **{name: meaning for name, (_, meaning) in plan.truth.items()}}
+    lines = "\n".join(f"| `{name}` | {meaning} |" for name, meaning in columns.items())
     units = "; ".join(f"{name} in {unit}" for name, unit in UNITS.items())
     head = f"## Columns of labels.parquet\n\nUnits: {units}. Every varied parameter has a column with its own name."
     return f"{head}\n\n| column | meaning |\n|---|---|\n{lines}"

@@ -93,6 +93,8 @@ class DataSet:
     def finish(self) -> Tally:
         """Write the table and the card."""
         tally = write_table(self.plan, self.store)
+        for name, data in self.plan.tables():
+            self.store.write(name, data)
         self.store.write(CARD, card(self.plan, tally).encode())
         return tally
 
@@ -127,7 +129,7 @@ def _about(plan: Plan) -> dict[str, Any]:
     sweep = plan.sweep
     return {
         "name": plan.name,
-        "sweep": sweep.file.model_dump(mode="json", by_alias=True),
+        "sweep": sweep.inputs,
         "base": dict(sweep.base),
         "scenarios": dict(sweep.scenarios),
         "dcrb_ros": __version__,

@@ -31,6 +31,7 @@ def base_label(run: Run, base: Mapping[str, Any]) -> dict[str, Any]:
         "scenario": run.scenario,
         "dcrb_ros": __version__,
         "model": model_fingerprint(),
+        **run.truth,
         "configuration": parameters,
     }
 

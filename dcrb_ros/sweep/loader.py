@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, cast
 
@@ -12,20 +13,16 @@ from pydantic_core import ErrorDetails
 
 from dcrb_ros.schema.parameter_field import ParameterField
 from dcrb_ros.schema.refusal import Refusal, nearest
-from dcrb_ros.settings.files import (
-    fields_by_key,
-    find_configuration,
-    flatten,
-    load_configuration,
-    overlaid,
-    shipped_folder,
-    unknown_parameter,
-)
+from dcrb_ros.settings.files import fields_by_key, flatten, load_configuration, overlaid, unknown_parameter
+from dcrb_ros.settings.shipped import find_configuration, shipped_folder
 from dcrb_ros.settings.vehicle_speed import SPEED, SPEED_KMH
 from dcrb_ros.simulation.scenario import read_scenario_file
 from dcrb_ros.sweep.design import GRID, Axes, Axis, Choice, Span, Value
+from dcrb_ros.sweep.lives.loader import common_keys, life_sweep_of
+from dcrb_ros.sweep.lives.recipe import LIFE
+from dcrb_ros.sweep.machine import BASE, KEPT_BASE, MACHINE, around_machine, flatten_axes
 from dcrb_ros.sweep.sweep_file import NO_FAULTS, SCENARIO, Shares, Sweep, SweepFile, Windows
-from dcrb_ros.text.files import checked_path, read_text
+from dcrb_ros.text.files import checked_path, is_file, read_text
 from dcrb_ros.text.yaml import read_yaml
 
 CASE_GROUPS = ("faults", "background", "sensor")
@@ -40,8 +37,8 @@ SHORTEST_SETTLE = 0.005
 """Shortest time between a branch and the first recorded sample [s]; it exceeds the impulse response of the filters."""
 
 
-def read_sweep(source: str | Path) -> Sweep:
-    """Return the sweep given by a file or by a shipped name.
+def read_sweep(source: str | Path, machine: str | None = None) -> Sweep:
+    """Return the sweep given by a file or by a shipped name, around a calibrated ``machine`` instead of its base if one is given.
 
     Raises:
         Refusal: an unknown key, a value out of range, an empty design, or values that contradict each other.
@@ -50,16 +47,20 @@ def read_sweep(source: str | Path) -> Sweep:
     tree = read_yaml(path)
     if not isinstance(tree, Mapping):
         raise Refusal(f"{path} is not a sweep: it must have keys such as 'base', 'vary', 'cases' and 'duration'")
-    return sweep_of({str(key): value for key, value in tree.items()}, str(path), path.parent, read_text(path))
+    keys = {str(key): value for key, value in tree.items()}
+    if machine is not None:
+        keys = {key: value for key, value in keys.items() if key != BASE} | {MACHINE: str(Path(machine).absolute())}
+    return sweep_of(keys, str(path), path.parent, read_text(path))
 
 
 def find_sweep(source: str | Path) -> Path:
     """Return the path of the sweep given by a file or by a shipped name."""
     shipped = {path.stem: path for path in sorted((shipped_folder() / "sweeps").glob("*.yaml"))}
     path = checked_path(source)
-    if not path.is_file() and str(source) not in shipped:
+    found = is_file(path)
+    if not found and str(source) not in shipped:
         raise Refusal(f"there is no sweep '{source}': give a YAML file or one of {', '.join(shipped)}{nearest(str(source), shipped)}")
-    return path if path.is_file() else shipped[str(source)]
+    return path if found else shipped[str(source)]
 
 
 GAP_PARAMETERS = ("publishing.loss_probability", "publishing.burst_period")
@@ -68,6 +69,14 @@ GAP_PARAMETERS = ("publishing.loss_probability", "publishing.burst_period")
 
 def sweep_of(tree: Mapping[str, Any], source: str, folder: Path = Path(), text: str = "") -> Sweep:
     """Return the sweep described by a tree read from YAML; other files are also looked for relative to ``folder``."""
+    if tree.get("kind", "") == LIFE:
+        return life_sweep_of(tree, source, sweep_of(common_keys(tree, source), source, folder, text))
+    if MACHINE in tree:
+        around, resolved = around_machine(tree, source, folder)
+        found = sweep_of(around, source, folder, resolved)
+        return replace(found, file=found.file.model_copy(update={"base": KEPT_BASE}))
+    if "kind" in tree:
+        raise Refusal(f"{source}: kind = {tree['kind']!r} is not {LIFE}: give {LIFE}, or leave it out for a design of single runs")
     file = _file(tree, source)
     fields = fields_by_key()
     fixed = {key: _value(key, value, _known(key, fields, f"{source}: set"), f"{source}: set") for key, value in flatten(file.fixed).items()}
@@ -84,7 +93,7 @@ def sweep_of(tree: Mapping[str, Any], source: str, folder: Path = Path(), text: 
 
 
 def _file(tree: Mapping[str, Any], source: str) -> SweepFile:
-    known = [info.alias or name for name, info in SweepFile.model_fields.items()]
+    known = [*(info.alias or name for name, info in SweepFile.model_fields.items()), MACHINE]
     for key in tree:
         if key not in known:
             raise Refusal(f"{source}: unknown key '{key}'{nearest(key, known)}; a sweep has {', '.join(known)}")
@@ -131,7 +140,7 @@ _KINDS = {float: "a number", int: "a whole number", bool: "true or false", str: 
 
 def _axes(tree: Mapping[str, Any], design: str, fields: Mapping[str, ParameterField], source: str) -> Axes:
     axes: dict[str, Axis] = {}
-    for key, value in _flattened(tree).items():
+    for key, value in flatten_axes(tree).items():
         if key == SCENARIO:
             axes[key] = _choice(key, value, None, source)
         elif isinstance(value, Mapping):
@@ -139,17 +148,6 @@ def _axes(tree: Mapping[str, Any], design: str, fields: Mapping[str, ParameterFi
         else:
             axes[key] = _choice(key, value, _known(key, fields, source), source)
     return axes
-
-
-def _flattened(tree: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
-    """Return a tree with dotted keys; ranges are not flattened."""
-    flat: dict[str, Any] = {}
-    for name, value in tree.items():
-        if isinstance(value, Mapping) and not {"low", "high"} & set(value):
-            flat.update(_flattened(value, f"{prefix}{name}."))
-        else:
-            flat[f"{prefix}{name}"] = value
-    return flat
 
 
 def _choice(key: str, value: Any, field: ParameterField | None, source: str) -> Choice:
@@ -189,13 +187,13 @@ def _span(key: str, tree: Mapping[str, Any], field: ParameterField, design: str,
 def _beside(name: str, folder: Path) -> Path:
     """Return the path of a sweep's configuration: in the folder of the sweep file, or as for any other command."""
     beside = checked_path(folder / name)
-    return beside if beside.is_file() else find_configuration(name)
+    return beside if is_file(beside) else find_configuration(name)
 
 
 def _scenarios(all_axes: list[Axes], folder: Path) -> dict[str, Any]:
     """Return the scenarios named by axes, as read from YAML."""
     names = {str(name) for axes in all_axes if SCENARIO in axes for name in axes[SCENARIO].grid() if name}
-    return {name: read_scenario_file(folder / name if checked_path(folder / name).is_file() else Path(name)) for name in sorted(names)}
+    return {name: read_scenario_file(folder / name if is_file(checked_path(folder / name)) else Path(name)) for name in sorted(names)}
 
 
 def _consistent(sweep: Sweep, fields: Mapping[str, ParameterField], source: str) -> None:

@@ -6,7 +6,7 @@ import io
 import itertools
 import json
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -104,10 +104,10 @@ def write_table(plan: Plan, store: Store) -> Tally:
     from pyarrow import parquet
 
     columns, tally, stream = varied(plan.sweep), Tally(), io.BytesIO()
-    schema = _schema(columns)
+    schema = _schema(columns, plan.truth)
     with parquet.ParquetWriter(stream, schema, compression="zstd") as writer:
         labels = _labels(plan.runs(), store)
-        while rows := [_row(label, columns) for label in map(_counted(tally), itertools.islice(labels, ROWS))]:
+        while rows := [_row(label, columns, plan.truth) for label in map(_counted(tally), itertools.islice(labels, ROWS))]:
             writer.write_table(pyarrow.Table.from_pylist(rows, schema=schema))
     store.write(LABELS, stream.getvalue())
     return tally
@@ -121,7 +121,7 @@ def _counted(tally: Tally) -> Any:
     return count
 
 
-def _schema(columns: Mapping[str, type]) -> Any:
+def _schema(columns: Mapping[str, type], truth: Mapping[str, tuple[type, str]]) -> Any:
     import pyarrow
 
     kinds = {float: pyarrow.float64(), int: pyarrow.int64(), bool: pyarrow.bool_(), str: pyarrow.string()}
@@ -131,6 +131,7 @@ def _schema(columns: Mapping[str, type]) -> Any:
         | dict.fromkeys(DECIMAL, pyarrow.float64())
     )
     fields = [pyarrow.field(name, named[name], metadata={"meaning": meaning}) for name, meaning in COLUMNS.items()]
+    fields += [pyarrow.field(name, kinds[kind], metadata={"meaning": meaning}) for name, (kind, meaning) in truth.items()]
     return pyarrow.schema([*fields, *(pyarrow.field(key, kinds[kind]) for key, kind in columns.items())])
 
 
@@ -145,7 +146,7 @@ def _labels(runs: Iterator[Run], store: Store) -> Iterator[Mapping[str, Any]]:
         yield label
 
 
-def _row(label: Mapping[str, Any], columns: Mapping[str, type]) -> dict[str, Any]:
-    row = {name: label.get(name) for name in COLUMNS}
+def _row(label: Mapping[str, Any], columns: Mapping[str, type], truth: Iterable[str]) -> dict[str, Any]:
+    row = {name: label.get(name) for name in (*COLUMNS, *truth)}
     row |= {name: json.dumps(label[name]) for name in JSONS if name in label}
     return row | {key: label["configuration"][key] for key in columns}

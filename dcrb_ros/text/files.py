@@ -50,6 +50,17 @@ def special_kind(path: Path) -> str:
         return ""
 
 
+def is_file(path: Path) -> bool:
+    """Return whether a path is a file; a folder may have the name of something shipped, and nothing may exist there.
+
+    Raises:
+        Refusal: it is a named pipe, a device or a socket.
+    """
+    if (kind := special_kind(path)) and kind != KINDS[stat.S_IFDIR]:
+        raise Refusal(f"{path} is {kind}: give a regular file")
+    return path.is_file()
+
+
 def open_regular(path: Path) -> BinaryIO:
     """Return a regular file opened for reading; a pipe or a device, which may never end, is not read.
 

@@ -30,6 +30,9 @@ MOST_BITS = 1000
 MOST_DIGITS = 1000
 """Longest decimal number [characters]."""
 
+MERGE = "tag:yaml.org,2002:merge"
+"""Tag of the key that takes the values of another mapping in YAML 1.1."""
+
 _PARSER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 """The parser of libyaml, ten times as fast, where PyYAML has it."""
 
@@ -129,7 +132,15 @@ def _text(loader: _Loader, node: yaml.ScalarNode) -> float | str:
     return float(node.value.replace("_", "")) if plain else str(node.value)
 
 
+def _untyped(loader: _Loader, node: yaml.Node) -> NoReturn:
+    """Refuse a tag that has no type here, such as that of a merge key."""
+    if node.tag == MERGE:
+        _refuse("merge keys (<<) are not read: write out the values, or put a text in quotes", node)
+    _refuse(f"the tag '{node.tag}' is not read: give a plain number, text, list or mapping", node)
+
+
 _Loader.add_constructor("tag:yaml.org,2002:str", _text)
+_Loader.add_constructor(None, _untyped)
 
 
 def read_yaml(path: Path, largest: int = LARGEST_TEXT) -> Any:

@@ -19,6 +19,8 @@ DETECTORS = {
     "fast kurtogram": "kurtogram.py:Kurtogram",
     "autogram": "autogram.py:Autogram",
     "MOMEDA": "momeda.py:Momeda",
+    "CYCBD": "cycbd.py:Cycbd",
+    "classifier": "classifier.py:Classifier",
     "shipped detector": "",
 }
 """File and class of every detector by its name; none for the shipped one."""

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from dry_benches import dry_bench
 from made_up_blocks import BODIES, blocks
-from separate_process import dcrb
+from separate_process import dcrb, fresh_dcrb
 
 from dcrb_ros import (
     Recording,
@@ -189,7 +189,7 @@ def test_command_proposes_the_longest_stretch_without_lost_samples(tmp_path: Pat
     proposed = refused.stderr.split("such as ")[1].split()
     assert refused.returncode == 2
     assert proposed == ["--start", "0.420000", "--duration", "0.980000"]
-    done = dcrb(*command, *proposed)
+    done = fresh_dcrb(*command, *proposed)
     assert done.returncode == 0, done.stderr
     assert "0.98 s of" in done.stdout
 

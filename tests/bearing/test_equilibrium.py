@@ -7,6 +7,7 @@ import os
 import subprocess
 import sys
 
+import initial_states
 import numpy as np
 import pytest
 from dry_benches import dry_bench
@@ -208,29 +209,12 @@ def test_every_roller_of_a_slow_bearing_touches_a_raceway(load: float, speed: fl
     assert along == pytest.approx(held, abs=2.0 * LEAST_CONTACT_FORCE)
 
 
-STARTS = """
-import hashlib
-
-import numpy as np
-
-from dcrb_ros.settings.files import load_configuration
-from dcrb_ros.bearing.payload import build_payload, initial_state
-
-digest = hashlib.sha256()
-for name in ("healthy", "outer_ring_defect", "compound", "cage_fracture", "paper"):
-    for speed in (20.0, 40.0, 124.8):
-        configuration = load_configuration(name, (f"operating.speed={speed}",))
-        digest.update(b"".join(np.asarray(part).tobytes() for part in initial_state(configuration, build_payload(configuration))))
-print(digest.hexdigest())
-"""
-
-
 def test_every_processor_gives_the_same_initial_state() -> None:
     # The order of additions in OpenBLAS depends on the processor; a variable of the environment selects an older one.
-    starts = set()
-    for taken in ({}, {"OPENBLAS_CORETYPE": "Prescott"}, {"OPENBLAS_CORETYPE": "Haswell"}):
-        command = [sys.executable, "-c", STARTS]
-        starts.add(subprocess.run(command, env=os.environ | taken, capture_output=True, text=True, check=True, timeout=120.0).stdout)
+    starts = {initial_states.initial_states_hash()}
+    for kind in ("Prescott", "Haswell"):
+        command, environment = [sys.executable, initial_states.__file__], os.environ | {"OPENBLAS_CORETYPE": kind}
+        starts.add(subprocess.run(command, env=environment, capture_output=True, text=True, check=True, timeout=120.0).stdout)
     assert len(starts) == 1
 
 

@@ -11,7 +11,7 @@ import pytest
 from dcrb_ros.bearing.individual import Individual, individual_of
 from dcrb_ros.bearing.payload import build_payload, initial_state, pocket_azimuths
 from dcrb_ros.bearing.surfaces import add_run_out
-from dcrb_ros.core.contacts.surface import SLOPE
+from dcrb_ros.core.contacts.heights import SLOPE
 from dcrb_ros.settings.configuration import Configuration
 
 SEEDS = range(1, 201)

@@ -7,13 +7,12 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 import pytest
+from even_surfaces import EVEN
 
-from dcrb_ros.core.contacts.surface import unpacked
+from dcrb_ros.core.contacts.heights import unpacked
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.simulation.loop import Simulation
 
-SPREADS = ("roller_spread", "clearance_spread", "row_spread", "run_out", "pocket_spread", "pocket_clearance_spread", "cage_unbalance")
-EVEN: dict[str, Any] = {"law": "profile", "waviness": 0, "waviness_spread": 0, "roundness": 0} | dict.fromkeys(SPREADS, 0)
 BENCH: dict[str, Any] = {"lubrication": {"law": "film"}, "friction": {"convection": 0.7}, "contact": {"loss_time": 1e-5}}
 RATE = 51200
 

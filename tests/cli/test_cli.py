@@ -13,7 +13,7 @@ from typing import Any
 import pytest
 import yaml
 from made_up_blocks import BODIES, blocks
-from separate_process import dcrb
+from separate_process import dcrb, fresh_dcrb
 
 from dcrb_ros.cli.app import main
 from dcrb_ros.diagnosis.parameters import DetectorParameters
@@ -23,7 +23,7 @@ from dcrb_ros.settings.configuration import Configuration
 
 
 def test_help_lists_the_commands_without_importing_their_dependencies() -> None:
-    done = dcrb("--help")
+    done = fresh_dcrb("--help")
     assert done.returncode == 0
     for command in ("simulate", "bench", "detect", "score", "view", "info", "config"):
         assert command in done.stdout
@@ -33,17 +33,27 @@ def test_help_lists_the_commands_without_importing_their_dependencies() -> None:
     assert loaded.stdout.strip() == "[]"
 
 
+def test_lists_and_completion_of_what_is_shipped_import_neither_the_kernels_nor_the_parameters() -> None:
+    code = (
+        "import sys; from dcrb_ros.cli import completion, config; config.list_(); "
+        "print(completion.configurations('pa'), completion.exams('smo'), sorted({'numba', 'numpy', 'pydantic'} & set(sys.modules)))"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=True)
+    assert done.stdout.splitlines()[-1] == "['paper'] ['smoke'] []"
+    assert "outer_ring_defect" in done.stdout
+
+
 def test_a_simulated_recording_can_be_diagnosed_and_described(tmp_path: Path) -> None:
     bag = tmp_path / "bag"
-    done = dcrb("simulate", "inner_ring_defect", "-o", str(bag), "--duration", "3", "--set", "simulation.seed=7")
+    done = fresh_dcrb("simulate", "inner_ring_defect", "-o", str(bag), "--duration", "3", "--set", "simulation.seed=7")
     assert done.returncode == 0, done.stderr
     assert Recording(bag).configuration.simulation.seed == 7
-    found = dcrb("detect", str(bag), "--json")
+    found = fresh_dcrb("detect", str(bag), "--json")
     assert found.returncode == 0, found.stderr
     about = json.loads(found.stdout)
     assert about["verdict"] == "inner_ring"
     assert about["complete"] is True
-    info = dcrb("info", str(bag))
+    info = fresh_dcrb("info", str(bag))
     assert "/dcrb/outer_ring/vibration" in info.stdout
     assert "faults.inner_1.width" in info.stdout
     again = dcrb("simulate", "healthy", "-o", str(bag))

@@ -134,3 +134,44 @@ def test_an_unknown_group_is_refused_with_the_nearest(config: Command) -> None:
     assert (done.status, done.out) == (2, "")
     assert "give one of bearing, housing" in done.err
     assert done.err.endswith("; did you mean 'bearing'?\n")
+
+
+def test_all_errors_of_a_file_are_listed_whatever_else_is_misplaced(config: Command, tmp_path: Path) -> None:
+    mine = tmp_path / "mine.yaml"
+    mine.write_text(
+        "/dcrb/simulatr:\n"
+        "  ros__parameters: {operating: {speed: 1e9}, operating.speed: 3.0}\n"
+        "  x: 1\n"
+        "bearng: {rows: 1}\n"
+        "faults.outer_1.width: -1.0\n"
+    )
+    wrong = config("check", str(mine), "--set", "operating.load=1e99")
+    assert (wrong.status, wrong.out) == (2, "")
+    expected = (
+        "'/dcrb/simulatr' must contain 'ros__parameters:' and nothing else",
+        "'bearng' is beside the section '/dcrb/simulatr'",
+        "'faults.outer_1.width' is beside the section '/dcrb/simulatr'",
+        "no node of the bench reads the section '/dcrb/simulatr'",
+        "operating.speed occurs twice",
+        "unknown parameter 'x'",
+        "unknown parameter 'bearng.rows'; did you mean 'bearing.rows'?",
+        "operating.load = 1e+99",
+        "faults.outer_1.width = -1.0 m",
+    )
+    for sentence, line in zip(expected, wrong.err.splitlines(), strict=True):
+        assert line.startswith(f"dcrb: {mine}: {sentence}")
+
+
+@pytest.mark.parametrize(
+    ("setting", "words"),
+    [
+        ("rpm=900", "speeds are in rad/s: 900 rpm is operating.speed=94.2478"),  # 900 rpm * 2 pi / 60
+        ("operating.rpm=900", "speeds are in rad/s: 900 rpm is operating.speed=94.2478"),
+        ("speed_Hz=15.0", "speeds are in rad/s: 15 Hz is operating.speed=94.2478"),
+        ("rpm=fast", "speeds are in rad/s: 1 rpm is operating.speed=0.10472"),
+        ("kmh=100", "did you mean 'operating.speed_kmh'?"),
+    ],
+)
+def test_a_speed_in_another_unit_is_converted_in_the_suggestion(config: Command, setting: str, words: str) -> None:
+    wrong = config("check", "healthy", "--set", setting)
+    assert wrong.err == f"dcrb: healthy: unknown parameter '{setting.partition('=')[0]}'; {words}\n"

@@ -10,7 +10,7 @@ import pytest
 from dcrb_ros.bearing.kinematics import Orders
 from dcrb_ros.diagnosis.combination import Combination
 from dcrb_ros.diagnosis.demodulation import Band
-from dcrb_ros.diagnosis.evidence import BandEvidence, Evidence
+from dcrb_ros.diagnosis.evidence import BandEvidence, Evidence, SharedSearch
 from dcrb_ros.diagnosis.line_parameters import LineParameters
 from dcrb_ros.diagnosis.line_search import Comb
 from dcrb_ros.diagnosis.order_spectrum import OrderSpectrum
@@ -27,7 +27,7 @@ def evidence(**lines: float) -> Evidence:
     for name, amplitude in lines.items():
         for harmonic in (1, 2, 3):
             spectrum.amplitude[round(100.0 * harmonic * {"o": OUTER, "i": INNER, "s": OUTER + 2.54}[name])] = amplitude
-    return Evidence([BandEvidence(BAND, spectrum, Orders(0.42, OUTER, INNER, 3.05), 0.004)], BAND, BAND, 20.0, 0.5)
+    return Evidence([BandEvidence(BAND, SharedSearch([spectrum], Orders(0.42, OUTER, INNER, 3.05), 0.004))], BAND, BAND, 20.0, 0.5)
 
 
 def rule(kind: Component, order: float, *companions: float) -> LineRule[LineParameters]:

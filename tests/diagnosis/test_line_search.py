@@ -7,8 +7,7 @@ import pytest
 from scipy import stats
 
 from dcrb_ros.bearing.kinematics import Orders
-from dcrb_ros.diagnosis.demodulation import Band
-from dcrb_ros.diagnosis.evidence import BandEvidence
+from dcrb_ros.diagnosis.evidence import SharedSearch
 from dcrb_ros.diagnosis.line_search import LARGEST_SCORE, Comb, LineSearch, covered, local_mean, log10_gamma_tail
 from dcrb_ros.diagnosis.order_spectrum import OrderSpectrum, order_spectra
 
@@ -125,7 +124,27 @@ def test_what_lies_above_the_families_changes_none() -> None:
     """Only the part of a spectrum is searched in which families have lines."""
     orders = Orders(0.4, 3.6, 5.4, 2.4)
     whole = spectrum(noise(6, 60, colour=0.5))
-    band = BandEvidence(Band(2e3, 4e3), whole, orders, 0.02)
-    assert len(band.search.spectrum.orders) < 0.75 * len(whole.orders)
+    shared = SharedSearch([whole], orders, 0.02)
+    assert len(shared.search.orders) < 0.75 * len(whole.orders)
     for comb in (Comb(3.6), Comb(7.2), Comb(5.4, sidebands=(-1.0, 0.0, 1.0)), Comb(4.8, sidebands=(-0.4, 0.0, 0.4)), Comb(0.4, (1, 2, 3))):
-        assert band.family(comb) == LineSearch(whole).best(comb, 0.02)
+        assert shared.families(comb) == LineSearch(whole).families(comb, 0.02)
+
+
+def test_spectra_that_are_searched_together_have_the_families_of_each_alone() -> None:
+    place = np.arange(60 * BINS) / BINS
+    lines = 0.5 * np.cos(2.0 * np.pi * 3.62 * place) + 0.4 * np.cos(4.0 * np.pi * 3.62 * place)
+    spectra = [spectrum(gain * (noise(seed, 60, colour=0.3) + lines * (seed % 2))) for seed, gain in ((11, 1.0), (12, 1e-3), (13, 1e3))]
+    together = LineSearch(*spectra)
+    for comb in COMBS:
+        assert together.families(comb, 0.02) == [LineSearch(one).best(comb, 0.02) for one in spectra]
+    places = np.array([3.62, 7.24, 5.0, 1e3])
+    for number, one in enumerate(spectra):
+        assert together.at(places, number).tolist() == LineSearch(one).at(places).tolist()
+
+
+def test_a_spectrum_without_signal_has_no_lines() -> None:
+    silent = spectrum(np.zeros(30 * BINS))
+    loud = spectrum(noise(14, 30))
+    for found in (LineSearch(silent).best(COMBS[0], 0.02), LineSearch(loud, silent).families(COMBS[0], 0.02)[1]):
+        assert (found.amplitude, found.depth, found.level) == (0.0, 0.0, 0.0)
+        assert found.significance < 0.0

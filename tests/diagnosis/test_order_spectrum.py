@@ -127,3 +127,11 @@ def test_a_tone_has_its_amplitude_and_its_mean(bins: int) -> None:
 def test_without_any_known_bin_there_is_no_spectrum() -> None:
     (found,) = order_spectra(np.full((1, 100), 7.0), np.ones(100, np.bool_), 50.0)
     assert (found.mean, float(found.amplitude.max())) == (0.0, 0.0)
+
+
+def test_a_spectrum_ends_at_the_highest_order_asked_for() -> None:
+    values, known = np.random.default_rng(3).exponential(size=(2, 4000)).astype(np.float32), np.zeros(4000, np.bool_)
+    for whole, part in zip(order_spectra(values, known, 50.0), order_spectra(values, known, 50.0, 9.0), strict=True):
+        assert part.orders[-1] == pytest.approx(9.0, abs=part.orders[1])
+        np.testing.assert_array_equal(part.amplitude, whole.amplitude[: len(part.orders)])
+        assert part.mean == whole.mean

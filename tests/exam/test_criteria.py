@@ -12,6 +12,8 @@ PUBLISHED: dict[str, tuple[float, float, float]] = {
     "delay.inner_ring": (5.0, 0.0, 1000000.0),
     "delay.roller": (5.0, 0.0, 1000000.0),
     "delay.cage": (20.0, 0.0, 1000000.0),
+    "delay.lubrication": (20.0, 0.0, 1000000.0),
+    "delay.overheating": (20.0, 0.0, 1000000.0),
     "delay.compound": (5.0, 0.0, 1000000.0),
     "delay.sensor": (5.0, 0.0, 1000000.0),
     "found": (1.0, 0.0, 1.0),

@@ -19,7 +19,9 @@ from junitparser import JUnitXml
 from made_up_blocks import BODIES
 from same_process import dcrb
 
-from dcrb_ros.cli.score import _is_recording, _output, _progress
+from dcrb_ros.cli.evaluation import progress_of
+from dcrb_ros.cli.report_output import output_report
+from dcrb_ros.cli.score import _is_recording
 from dcrb_ros.diagnosis.detector import Diagnosis
 from dcrb_ros.exam.case import Case, scenarios_hash
 from dcrb_ros.exam.criteria import Criteria
@@ -565,7 +567,7 @@ def test_special_characters_in_names_and_messages_do_not_break_the_outputs(tmp_p
     name, words = "outer [my_detector-1] \x01", "it ended; its last words:\n    [/usr/lib/libfoo.so] $a^$ \x1b[31m"
     results = score_scenario(replace(SPALL, name=name), [], Criteria(), failure=words), *GOOD
     found = Report("an exam (only [ab]*) $x^$ \x01", "bash -c '[/x] $a^$'", Criteria(), "0" * 64, results)
-    _output(found, as_json=False, junit=tmp_path / "junit.xml", figure=None)
+    output_report(found, as_json=False, junit=tmp_path / "junit.xml", figure=None)
     printed = capsys.readouterr().out
     assert all(part in printed for part in ("[my_detector-1]", "[/usr/lib/libfoo.so]", "(only [ab]*)", "[/x]"))
     suites = {suite.name: suite for suite in JUnitXml.fromfile(str(tmp_path / "junit.xml"))}
@@ -575,7 +577,7 @@ def test_special_characters_in_names_and_messages_do_not_break_the_outputs(tmp_p
 
 
 def test_units_in_table_heads_are_printed(capsys: pytest.CaptureFixture[str]) -> None:
-    _output(report(*GOOD), as_json=False, junit=None, figure=None)
+    output_report(report(*GOOD), as_json=False, junit=None, figure=None)
     printed = capsys.readouterr().out
     assert all(head in printed for head in ("median [s]", "limit [s]", "width [mm]"))
 
@@ -583,7 +585,7 @@ def test_units_in_table_heads_are_printed(capsys: pytest.CaptureFixture[str]) ->
 def test_results_are_printed_before_files_are_written(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     for as_json in (True, False):
         with pytest.raises(Refusal, match="cannot be written"):
-            _output(report(*GOOD), as_json=as_json, junit=tmp_path / "gone/junit.xml", figure=None)
+            output_report(report(*GOOD), as_json=as_json, junit=tmp_path / "gone/junit.xml", figure=None)
         assert "made up" in capsys.readouterr().out
 
 
@@ -593,7 +595,7 @@ def test_names_in_brackets_are_printed_literally(tmp_path: Path, capsys: pytest.
     assert dcrb("score", str(file), "--list") == 0
     printed = capsys.readouterr().out
     assert all(part in printed for part in ("outer [a]", "[/x]"))
-    with _progress("evaluated", 1, quiet=False) as done:
+    with progress_of("evaluated", 1, quiet=False) as done:
         done("outer [/a]")
     assert "outer [/a]" in capsys.readouterr().err
 

@@ -114,6 +114,16 @@ def test_a_twin_is_as_long_as_the_longest_of_its_scenarios_and_keeps_their_timel
     assert exam(SPALL).cases[1].run.scenario is None
 
 
+def test_a_scenario_may_be_graded_by_another_parameter_than_the_width() -> None:
+    graded = {**SPALL, "set": {"background.track_level": [1.0, 30]}, "graded_by": "background.track_level"}
+    cases = exam({**graded, "twin": False}).cases
+    assert [case.expectation.grade for case in cases] == [("background.track_level", 1.0), ("background.track_level", 30.0)]
+    assert first(SPALL).expectation.grade is None
+    assert "graded_by = faults.outer_1.depth is neither in 'set' nor in 'fault'" in refused({**graded, "graded_by": "faults.outer_1.depth"})
+    text = {**SPALL, "fault": {"sensor.fault": "dead"}, "verdict": "sensor", "graded_by": "sensor.fault"}
+    assert "graded_by = sensor.fault has the value 'dead': give a parameter with numbers" in refused(text)
+
+
 def test_names_have_the_parts_that_vary() -> None:
     points = {"slow": {"operating.speed": 60.0}, "fast": {"operating.speed": 180.0}}
     names = [case.expectation.name for case in exam({**SPALL, "points": ["slow"]}, points=points).cases]

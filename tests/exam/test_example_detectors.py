@@ -76,7 +76,7 @@ def verdicts(name: str, signal: np.ndarray[Any, Any]) -> tuple[set[str], str]:
     return {verdict for time, verdict, _ in found if time <= ONSET} - {"waiting"}, found[-1][1]
 
 
-NAMING = ("squared_envelope:SquaredEnvelope", "kurtogram:Kurtogram", "autogram:Autogram", "momeda:Momeda")
+NAMING = ("squared_envelope:SquaredEnvelope", "kurtogram:Kurtogram", "autogram:Autogram", "momeda:Momeda", "cycbd:Cycbd")
 LEVELS = ("rms_kurtosis:RmsKurtosis", "iso_band:IsoBand", "naive_bpfo:NaiveBpfo")
 
 
@@ -95,6 +95,16 @@ def test_steady_noise_is_healthy(name: str) -> None:
 @pytest.mark.parametrize(("part", "order"), [("outer_ring", ORDERS.bpfo), ("inner_ring", ORDERS.bpfi), ("roller", 2.0 * ORDERS.bsf)])
 def test_a_defect_is_found_and_named(name: str, part: str, order: float) -> None:
     assert verdicts(name, noise() + impacts(order, 6.0, modulated=part == "inner_ring")) == ({"healthy"}, part)
+
+
+@pytest.mark.parametrize(("part", "order"), [("outer_ring", ORDERS.bpfo), ("inner_ring", ORDERS.bpfi)])
+def test_the_classifier_trained_on_simulations_names_defects_of_signals_made_without_them(part: str, order: float) -> None:
+    assert verdicts("classifier:Classifier", noise()) == ({"healthy"}, "healthy")
+    for gain in (0.01, 100.0):
+        assert verdicts("classifier:Classifier", gain * (noise() + impacts(order, 6.0, modulated=part == "inner_ring"))) == (
+            {"healthy"},
+            part,
+        )
 
 
 @pytest.mark.parametrize("name", NAMING)

@@ -38,10 +38,12 @@ def result(
     alarms: tuple[float, ...] = (),
     required: bool = True,
     healthy: float = 4.0,
+    grade: tuple[str, float] | None = None,
     **more: Any,
 ) -> ScenarioResult:
     """Return the result of a scenario of 10 s whose fault appears at 4 s."""
     tags: dict[str, str | float] = {} if width is None else {"width": width}
+    tags |= {} if grade is None else {"graded_by": grade[0], "grade": grade[1]}
     expectation = Expectation(f"{verdict}/{width}", verdict, 10.0, 4.0, tags, required=required)
     flaw = "" if answer == verdict else f"diagnosed as {answer}"
     raised = tuple(FalseAlarm(time, "cage") for time in alarms)
@@ -60,6 +62,24 @@ MIXED = report(
     result("healthy", "healthy", score=0.5, healthy=1796.0),
     result("healthy", "cage", score=1.5, alarms=(1.0, 6.0), healthy=1788.0),
 )
+
+
+def test_scenarios_graded_by_another_parameter_are_reported_over_it_and_not_over_their_width(tmp_path: Path) -> None:
+    key = "background.track_level"
+    graded = report(
+        result("cage", "cage", 1.0, grade=(key, 1.0)),
+        result("cage", "healthy", None, grade=(key, 10.0)),
+        result("compound", "compound", 1.0, width=0.002, grade=("faults.inner_1.width", 0.001)),
+        result("compound", "compound", 1.0, width=0.002, grade=("faults.inner_1.width", 0.001)),
+        result("inner_ring", "inner_ring", 1.0, width=0.002),
+    )
+    found = [(d.verdict, d.parameter, d.value, d.found, d.scenarios) for d in graded.graded_detections()]
+    assert found == [("cage", key, 1.0, 1, 1), ("cage", key, 10.0, 0, 1), ("compound", "faults.inner_1.width", 0.001, 2, 2)]
+    assert [d.verdict for d in graded.detections()] == ["inner_ring"]
+    assert [d["found"] for d in graded.described()["graded_detection"]] == [1, 0, 2]
+    assert "background.track_level [m/s^2]" in printed(graded)
+    write_figure(graded, tmp_path / "report.png")
+    assert (tmp_path / "report.png").stat().st_size > 10_000
 
 
 def test_the_statistics_of_a_report_follow_from_its_results() -> None:

@@ -23,6 +23,7 @@ from dcrb_ros.schema.verdicts import (
     COMPONENTS,
     FAULT_CLASSES,
     TITLES,
+    TROUBLES,
     VERDICTS,
     FaultClass,
     fault_class,
@@ -46,12 +47,16 @@ ALL = Configuration.model_validate(
 ).faults
 
 
+CONDITIONS = ("lubrication", "overfilled", "seal_rub", "clearance")
+"""Keys of the faults that damage nothing."""
+
+
 @pytest.mark.parametrize("kind", dict.fromkeys(Faults.kinds.values()))
 def test_the_default_of_a_kind_is_no_fault(kind: type[Fault]) -> None:
     _, default = kind.parameter()
     fault = kind.from_parameter(getattr(default, "default", default))
     assert not fault.present
-    assert kind.component in COMPONENTS
+    assert kind.component in (*COMPONENTS, *TROUBLES)
 
 
 @pytest.mark.parametrize("key", Faults.kinds)
@@ -62,7 +67,7 @@ def test_every_parameter_of_a_fault_changes_at_run_time(key: str) -> None:
 
 
 def test_the_keys_stand_in_the_order_of_the_kinds() -> None:
-    assert list(Faults.model_fields) == ["outer_1", "outer_2", "inner_1", "inner_2", "roller_1", "roller_2", "broken_bars"]
+    assert list(Faults.model_fields) == ["outer_1", "outer_2", "inner_1", "inner_2", "roller_1", "roller_2", "broken_bars", *CONDITIONS]
 
 
 def test_a_group_of_faults_can_be_pickled() -> None:

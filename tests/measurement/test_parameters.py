@@ -25,6 +25,12 @@ PUBLISHED: dict[str, tuple[float, float, float]] = {
     "background.track_high": (1500.0, 2.0, 40000.0),
     "background.impact_rate": (0.0, 0.0, 1000.0),
     "background.impact_level": (200.0, 0.0, 100000.0),
+    "background.gear_level": (0.0, 0.0, 1000.0),
+    "background.gear_teeth": (87, 5, 200),
+    "background.gear_modulation": (0.2, 0.0, 1.0),
+    "background.motor_level": (0.0, 0.0, 1000.0),
+    "background.motor_ratio": (4.14, 0.1, 20.0),
+    "background.motor_pole_pairs": (2, 1, 12),
     "background.hum_level": (0.0, 0.0, 1000.0),
     "background.hum_frequency": (50.0, 10.0, 500.0),
     "sensor.mount_frequency": (0.0, 0.0, 90000.0),
@@ -55,7 +61,7 @@ RUN_TIME = {
     *("sensor.range", "sensor.fault", "sensor.fault_severity", "sensor.fault_axis", "sensor.fault_time", "sensor.adc_bits"),
     *("sensor.noise_density", "sensor.white_noise_ug", "sensor.pink_noise_ug"),
     *("background.unbalance", "background.joint_level", "background.flat_level", "background.track_level", "background.hum_level"),
-    *("background.impact_rate", "background.impact_level"),
+    *("background.impact_rate", "background.impact_level", "background.gear_level", "background.motor_level"),
 }
 """Parameters that may change while the simulation runs."""
 

@@ -13,7 +13,7 @@ from mcap.reader import make_reader
 from mcap.records import Metadata
 from mcap.writer import Writer
 from rosbags.highlevel import AnyReader
-from separate_process import dcrb
+from separate_process import fresh_dcrb
 
 from dcrb_ros.messages.encoder import BlockEncoder
 from dcrb_ros.messages.topics import FEATURES, GROUND_TRUTH, MANIFEST, NAMESPACE, VIBRATION, Message
@@ -41,7 +41,7 @@ def test_a_cut_off_recording_becomes_complete(bag: Path, tmp_path: Path) -> None
     whole = (bag / "bag_0.mcap").read_bytes()
     cut = tmp_path / "cut.mcap"
     cut.write_bytes(whole[: int(0.6 * len(whole))])
-    done = dcrb("recover", str(cut), "-o", str(tmp_path / "new"))
+    done = fresh_dcrb("recover", str(cut), "-o", str(tmp_path / "new"))
     assert done.returncode == 0, done.stderr
     assert "reaches beyond the end of the file" in done.stderr
     assert "Traceback" not in done.stderr
@@ -127,7 +127,7 @@ def test_a_file_without_a_beginning_is_left_out_and_reported(headless: bytes, tm
     recording = Recording(split)
     assert waveform(split) == [1024 * k for k in range(50)]
     assert not recording.complete
-    told = dcrb("info", str(split))
+    told = fresh_dcrb("info", str(split))
     assert (told.returncode, "damaged: split_2.mcap: left out, not an MCAP file" in told.stdout) == (0, True), told.stdout + told.stderr
     salvage = recover(split, tmp_path / "new")
     assert len(salvage.damage) == 1
@@ -276,3 +276,21 @@ def test_messages_of_other_encodings_are_refused(encoding: str, definition: str,
         writer.finish()
     with pytest.raises(Refusal, match=words):
         recover(path, tmp_path / "new")
+
+
+def test_the_last_time_is_printed_for_people(bag: Path, tmp_path: Path) -> None:
+    # The same messages as rosbag2 records them: on the wall clock, and one of them at a time beyond that of ROS.
+    path = tmp_path / "wall.mcap"
+    with path.open("wb") as stream:
+        writer = Writer(stream)
+        writer.start(profile="ros2")
+        channel = writer.register_channel("/number", "cdr", writer.register_schema("std_msgs/msg/Float64", "ros2msg", b"float64 data"))
+        for time_ns in (1_795_337_999_437_000_000, 2**63):
+            writer.add_message(channel, time_ns, bytes(12), 0)
+        writer.finish()
+    done = fresh_dcrb("recover", str(path), "-o", str(tmp_path / "new"))
+    assert done.stdout == f"{tmp_path / 'new'}: 1 messages, the last at 2026-11-22 08:59:59.437 UTC\n"
+    words = "/number has a message at 9223372036854775808 ns, beyond 2262-04-11 23:47:16.854 UTC, which ROS cannot represent"
+    assert done.stderr == f"dcrb: {words}\n"
+    assert metadata_flaw(tmp_path / "new") == ""
+    assert fresh_dcrb("recover", str(bag), "-o", str(tmp_path / "again")).stdout.endswith(" the last at 2.980 s\n")

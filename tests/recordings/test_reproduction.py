@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 from made_up_blocks import BODIES, blocks, recorded
-from separate_process import dcrb
+from separate_process import dcrb, fresh_dcrb
 
 from dcrb_ros import __version__
 from dcrb_ros.recordings.manifest import model_fingerprint, software
@@ -67,7 +67,7 @@ def test_the_manifest_describes_the_run(bag: Path) -> None:
 
 
 def test_the_same_samples_are_reproduced(bag: Path, tmp_path: Path) -> None:
-    done = dcrb("simulate", "--from", str(bag), "-o", str(tmp_path / "again"))
+    done = fresh_dcrb("simulate", "--from", str(bag), "-o", str(tmp_path / "again"))
     assert done.returncode == 0, done.stderr
     assert "the same 20480 samples" in done.stdout
     old, new = Recording(bag), Recording(tmp_path / "again")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import os
+import subprocess
 import sys
 from pathlib import Path
 
@@ -44,3 +45,16 @@ def test_characters_that_the_output_does_not_have_are_escaped(monkeypatch: pytes
     assert exit_status("dcrb", lambda: print("m/s\u00b2 \ud800")) == 0
     output.flush()
     assert output.buffer.getvalue() == b"m/s\\xb2 \\ud800\n"  # type: ignore[attr-defined]
+
+
+@pytest.mark.parametrize("unbuffered", ["", "1"])
+@pytest.mark.parametrize("words", [["config", "list"], ["config", "docs", "bearing"], ["--help"]])
+def test_a_full_disk_behind_the_output_is_named(words: list[str], unbuffered: str) -> None:
+    command = [sys.executable, "-m", "dcrb_ros.cli.program", *words]
+    with open("/dev/full", "w") as full:
+        done = subprocess.run(
+            command, stdout=full, stderr=subprocess.PIPE, text=True, env={**os.environ, "PYTHONUNBUFFERED": unbuffered}, timeout=200.0
+        )
+    assert done.returncode == 1
+    assert done.stderr.startswith("dcrb: the standard output cannot be used: No space left on device")
+    assert done.stderr.count("\n") == 1

@@ -23,6 +23,8 @@ EVERYTHING: dict[str, Any] = {
         "flat_level": 30.0,
         "track_level": 4.0,
         "impact_rate": 500.0,
+        "gear_level": 3.0,
+        "motor_level": 2.0,
         "hum_level": 1.0,
     },
     "sensor": {"preset": "mems", "ac_coupling": 0.5, "clock_offset_ppm": 500.0, "clock_jitter": 1e-7, "fault": "spikes"},

@@ -18,7 +18,7 @@ import sys
 import tempfile
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import NamedTuple
+from typing import IO, NamedTuple
 
 MODULES = (
     "cli.app",
@@ -43,7 +43,7 @@ LIBRARIES = ("h5py", "pyarrow.parquet", "scipy.io", "rich.table", "matplotlib.py
 MOST_MEMORY = 4 << 30
 """Address space of a command [bytes]: a command that asks for more fails instead of the machine."""
 PATIENCE = 60
-"""Wall time of a command [s]: one that waits for ever uses no processor time."""
+"""Least limit of the wall time of a command [s]: one that waits for ever uses no processor time."""
 
 
 class Measured(NamedTuple):
@@ -51,27 +51,44 @@ class Measured(NamedTuple):
 
     status: int
     """Exit status; negative if a signal ended it."""
-    output: str
-    """Standard output and standard error output."""
+    stdout: str
+    stderr: str
     seconds: float
     """Processor time [s]."""
     resident: float
     """Largest resident memory [MB]."""
 
+    @property
+    def output(self) -> str:
+        """Standard output and standard error output."""
+        return self.stdout + self.stderr
+
 
 class Commands:
     """The parent, which runs one command after the other."""
 
-    def __init__(self, process: subprocess.Popen[str]) -> None:
-        self._process = process
+    def __init__(self) -> None:
+        """Start the parent; it ends with the process that started it."""
+        self._process = subprocess.Popen([sys.executable, __file__], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
 
     def run(self, *arguments: str, seconds: float = 30.0) -> Measured:
-        """Run a command for at most some ``seconds`` of processor time; ``@sensor FILE`` is a live sensor description."""
+        """Run a command in the present folder and environment for at most some ``seconds`` of processor time.
+
+        ``@sensor FILE`` is a live sensor description.
+        """
         assert self._process.stdin is not None
         assert self._process.stdout is not None
-        self._process.stdin.write(json.dumps([arguments, seconds]) + "\n")
+        self._process.stdin.write(json.dumps([arguments, seconds, str(Path.cwd()), dict(os.environ)]) + "\n")
         self._process.stdin.flush()
         return Measured(*json.loads(self._process.stdout.readline()))
+
+    def close(self) -> None:
+        """End the parent."""
+        assert self._process.stdin is not None
+        assert self._process.stdout is not None
+        self._process.stdin.close()
+        self._process.stdout.close()
+        self._process.wait()
 
     def reference(self) -> float:
         """Return the processor time that the machine needs at present for a fixed task, the median of five [s]."""
@@ -81,10 +98,11 @@ class Commands:
 @contextlib.contextmanager
 def commands() -> Iterator[Commands]:
     """Yield a parent for commands."""
-    with subprocess.Popen([sys.executable, __file__], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as process:
-        yield Commands(process)
-        assert process.stdin is not None
-        process.stdin.close()
+    parent = Commands()
+    try:
+        yield parent
+    finally:
+        parent.close()
 
 
 def _serve() -> None:
@@ -95,28 +113,35 @@ def _serve() -> None:
         importlib.import_module(f"dcrb_ros.{name}")
     gc.freeze()  # Otherwise a collection in a child copies the memory of its parent page by page.
     for line in sys.stdin:
-        arguments, seconds = json.loads(line)
-        print(json.dumps(_measured(arguments, seconds)), flush=True)
+        arguments, seconds, folder, environment = json.loads(line)
+        print(json.dumps(_measured(arguments, seconds, folder, environment)), flush=True)
 
 
-def _measured(arguments: Sequence[str], seconds: float) -> Measured:
-    with tempfile.TemporaryFile() as output:
+def _measured(arguments: Sequence[str], seconds: float, folder: str, environment: dict[str, str]) -> Measured:
+    with tempfile.TemporaryFile() as output, tempfile.TemporaryFile() as errors:
         child = os.fork()
         if not child:
-            os._exit(_run(arguments, seconds, output.fileno()))
+            os.chdir(folder)
+            os.environ.clear()
+            os.environ.update(environment)
+            os._exit(_run(arguments, seconds, output.fileno(), errors.fileno()))
         _, ended, usage = os.wait4(child, 0)
-        output.seek(0)
-        text = output.read(1_000_000).decode(errors="replace")
-    return Measured(os.waitstatus_to_exitcode(ended), text, usage.ru_utime + usage.ru_stime, usage.ru_maxrss / 1024)
+        stdout, stderr = (_text(file) for file in (output, errors))
+    return Measured(os.waitstatus_to_exitcode(ended), stdout, stderr, usage.ru_utime + usage.ru_stime, usage.ru_maxrss / 1024)
 
 
-def _run(arguments: Sequence[str], seconds: float, output: int) -> int:
+def _text(file: IO[bytes]) -> str:
+    file.seek(0)
+    return file.read(1_000_000).decode(errors="replace")
+
+
+def _run(arguments: Sequence[str], seconds: float, output: int, errors: int) -> int:
     resource.setrlimit(resource.RLIMIT_CPU, (int(seconds) + 1, int(seconds) + 1))
     resource.setrlimit(resource.RLIMIT_AS, (MOST_MEMORY, MOST_MEMORY))
     signal.signal(signal.SIGALRM, signal.SIG_DFL)
-    signal.alarm(PATIENCE)
+    signal.alarm(max(PATIENCE, int(seconds)))
     os.dup2(output, 1)
-    os.dup2(output, 2)
+    os.dup2(errors, 2)
     try:
         match arguments:
             case ["@sensor", file]:

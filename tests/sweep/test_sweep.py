@@ -484,7 +484,7 @@ def test_a_cluster_can_be_used(tmp_path: Path, client: Client, capsys: pytest.Ca
     assert dcrb(*arguments, address) == 0
     printed = capsys.readouterr()
     assert "1 done; 1 train" in printed.out
-    assert "too few bearing conditions (1) for a validation or test split" in printed.err
+    assert "too few conditions (1) for a validation or test split" in printed.err
     with Client(processes=False, n_workers=0, dashboard_address=None) as lonely:
         assert dcrb(*arguments, lonely.scheduler.address) == 2
     assert "has no workers: start some with 'dask worker" in capsys.readouterr().err
@@ -602,7 +602,7 @@ def test_invalid_usage_exits_with_status_2(tmp_path: Path, capsys: pytest.Captur
         assert dcrb(*arguments) == 2, arguments
         output = capsys.readouterr().err.strip().splitlines()
         assert sentence in output[-1]
-        assert len([line for line in output if "too few bearing conditions" not in line]) == 1
+        assert len([line for line in output if "too few conditions" not in line]) == 1
 
 
 def test_a_missing_dask_is_reported(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:

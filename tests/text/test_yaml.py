@@ -110,3 +110,20 @@ def test_a_file_is_refused_with_its_name_the_figure_and_the_limit(tmp_path: Path
         read_yaml(path, 100)
     with pytest.raises(Refusal, match=r"a\.yaml is not valid YAML in line 1: it has more than 12 values"):
         read_yaml(path, 125)
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("base: &b {speed: 1}\noperating:\n  <<: *b\n", "in line 3: merge keys (<<) are not read: write out the values"),
+        ("a: !speed 3", "in line 1: the tag '!speed' is not read: give a plain number, text, list or mapping"),
+        ("a: !!python/object/apply:os.system [ls]", "the tag 'tag:yaml.org,2002:python/object/apply:os.system' is not read"),
+        ("a: =", "the tag 'tag:yaml.org,2002:value' is not read"),
+    ],
+)
+def test_tags_and_merge_keys_are_refused_in_plain_words(text: str, words: str, tmp_path: Path) -> None:
+    path = tmp_path / "mine.yaml"
+    path.write_text(text)
+    with pytest.raises(Refusal, match="is not valid YAML") as refused:
+        read_yaml(path)
+    assert words in str(refused.value)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Any, NamedTuple
 
 from dcrb_ros.core.contacts.films import contact_site
 from dcrb_ros.core.contacts.force_line import lasting_line
@@ -13,6 +13,21 @@ from dcrb_ros.core.laws.site import Site
 from dcrb_ros.core.layout.contacts import RacewayContact
 from dcrb_ros.core.layout.rollers import BoundRollers
 from dcrb_ros.core.payload import Payload
+
+
+class RingMotion(NamedTuple):
+    """How a ring moves over a step, as its contacts see it."""
+
+    mean: tuple[float, float]
+    """Predicted mean velocity [m/s]."""
+    before: tuple[float, float]
+    """Velocity before the step [m/s]."""
+    speed: float
+    """Angular speed [rad/s]."""
+    surface: float
+    """Speed of its raceway's surface [m/s]."""
+    inner: bool
+    """Whether it is the inner ring."""
 
 
 @piece
@@ -32,16 +47,12 @@ def locate(bound: BoundRollers, contact: RacewayContact, k: int, ring_x: float, 
 
 
 @piece
-def closing_speeds(
-    bound: BoundRollers, contact: RacewayContact, k: int, mean: tuple[float, float], old: tuple[float, float], side: float
-) -> tuple[float, float, float]:
-    """Return the speeds of penetration expected and before the step, and that at which the floor of a notch falls away [m/s].
-
-    ``mean`` is the ring's predicted mean velocity, ``old`` that before the step.
-    """
+def closing_speeds(bound: BoundRollers, contact: RacewayContact, k: int, ring: RingMotion) -> tuple[float, float, float]:
+    """Return the speeds of penetration expected and before the step, and that at which the floor of a notch falls away [m/s]."""
+    side = 1.0 if ring.inner else -1.0
     nx, ny = contact.normal_x[k], contact.normal_y[k]
-    vx, vy = bound.predicted_vx[k] - mean[0], bound.predicted_vy[k] - mean[1]
-    ux, uy = bound.vx[k] - old[0], bound.vy[k] - old[1]
+    vx, vy = bound.predicted_vx[k] - ring.mean[0], bound.predicted_vy[k] - ring.mean[1]
+    ux, uy = bound.vx[k] - ring.before[0], bound.vy[k] - ring.before[1]
     surface_n, sink = contact.surface_speed_normal[k], contact.sink_speed[k]
     return -side * (vx * nx + vy * ny - surface_n) - sink, -side * (ux * nx + uy * ny - surface_n) - sink, sink
 
@@ -64,42 +75,23 @@ def replace_lines(
     penetration: float,
     force: float,
     stiffness: float,
-    mean: tuple[float, float],
-    old: tuple[float, float],
-    ring_speed: float,
-    inner: bool,
+    ring: RingMotion,
 ) -> None:
-    """Write normal force and friction of a lasting contact of an elastic ``force`` [N] and ``stiffness`` [N/m] along its own normal.
-
-    ``mean`` is the ring's predicted mean velocity, ``old`` that before the step.
-    """
-    closing, before, sink = closing_speeds(bound, contact, k, mean, old, 1.0 if inner else -1.0)
+    """Write normal force and friction of a lasting contact of an elastic ``force`` [N] and ``stiffness`` [N/m] along its own normal."""
+    closing, before, sink = closing_speeds(bound, contact, k, ring)
     write_force_line(contact, k, lasting_line(payload, memory, site, penetration, force, stiffness, closing, before, sink))
-    linearize_friction(bound, contact, k, mean, ring_speed, ring_speed * payload.inner_raceway_radius, inner, site, payload)
+    linearize_friction(bound, contact, k, ring, site, payload)
 
 
 @piece
-def linearize_friction(
-    bound: BoundRollers,
-    contact: RacewayContact,
-    k: int,
-    mean: tuple[float, float],
-    ring_speed: float,
-    surface: float,
-    inner: bool,
-    site: Site,
-    payload: Payload,
-) -> None:
-    """Write the friction of a contact with a ring as a line over the slip, and the resistance of its film.
-
-    ``mean`` is the ring's predicted mean velocity, ``surface`` the speed of its surface [m/s].
-    """
-    side, law = 1.0 if inner else -1.0, payload.traction_law
+def linearize_friction(bound: BoundRollers, contact: RacewayContact, k: int, ring: RingMotion, site: Site, payload: Payload) -> None:
+    """Write the friction of a contact with a ring as a line over the slip, and the resistance of its film."""
+    side, law = 1.0 if ring.inner else -1.0, payload.traction_law
     rx, ry = contact.radial_x[k], contact.radial_y[k]
-    along = (bound.predicted_vy[k] - mean[1]) * rx - (bound.predicted_vx[k] - mean[0]) * ry
-    slip, force = along - side * bound.predicted_rim[k] - surface, contact.expected_force[k]
+    along = (bound.predicted_vy[k] - ring.mean[1]) * rx - (bound.predicted_vx[k] - ring.mean[0]) * ry
+    slip, force = along - side * bound.predicted_rim[k] - ring.surface, contact.expected_force[k]
     here = contact_site(payload, site, contact.film, k)
-    rolling = (along / contact.distance[k] - ring_speed) * site.raceway_radius
+    rolling = (along / contact.distance[k] - ring.speed) * site.raceway_radius
     offset, slope, kept = traction_line(law, load_memory(law, contact.traction, k), slip, rolling, force, here, payload.step)
     contact.friction_offset[k], contact.friction_slope[k] = offset * force, slope * force
     store_kept(law, contact.kept, k, kept)

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from dcrb_ros.core.contacts.films import raceway_site
 from dcrb_ros.core.contacts.force_line import crosses, crossing_line, elastic, lasting_line, reach
-from dcrb_ros.core.contacts.lines import closing_speeds, linearize_friction, locate, replace_lines, write_force_line
+from dcrb_ros.core.contacts.lines import RingMotion, closing_speeds, linearize_friction, locate, replace_lines, write_force_line
 from dcrb_ros.core.contacts.notch import edge_contact, notch_under, passed, roller_notch_under
 from dcrb_ros.core.contacts.profile import profiles_under
 from dcrb_ros.core.contacts.surface import add_parts, feel_bound
-from dcrb_ros.core.jit import piece
+from dcrb_ros.core.jit import NO, YES, piece
 from dcrb_ros.core.laws.calls import load_memory, normal_range
 from dcrb_ros.core.layout.contacts import RacewayContact
 from dcrb_ros.core.layout.records import Floats
@@ -30,10 +30,10 @@ def notch_depth(
     """
     if inner:
         passing, side, raceway = orbit - state.shaft[1], -1.0, payload.inner_raceway_radius
-        depth, sink = raceway_notch_depth(payload, payload.inner_notches, work.inner_notch_direction, row, nx, ny, passing, True)
+        depth, sink = raceway_notch_depth(payload, payload.inner_notches, work.inner_notch_direction, row, nx, ny, passing, YES)
     else:
         side, raceway = 1.0, payload.outer_raceway_radius
-        depth, sink = raceway_notch_depth(payload, payload.outer_notches, work.outer_notch_direction, row, nx, ny, orbit, False)
+        depth, sink = raceway_notch_depth(payload, payload.outer_notches, work.outer_notch_direction, row, nx, ny, orbit, NO)
     if payload.roller_notches.row.size > 0:
         angle, way = state.rollers[0].angle[row * payload.free.shape[1] + i], payload.step * (orbit - spin)
         own, change = roller_notch_under(
@@ -69,23 +69,23 @@ def raceway_notch_depth(
         raceway,
         payload.roller_radius,
         inner,
-        False,
+        NO,
     )
     return depth, change / payload.step
 
 
 @piece
-def apply_notches(payload: Payload, state: State, work: Workspace, contact: RacewayContact, mean: tuple[float, float], inner: bool) -> None:
+def apply_notches(payload: Payload, state: State, work: Workspace, contact: RacewayContact, ring: RingMotion) -> None:
     """Subtract the depth of notches from the penetrations of contacts that are closed or nearly so, and write how fast it grows."""
-    bound, acting = work.bound[0], reach(payload.normal_law, raceway_site(payload, state, inner))
+    bound, acting = work.bound[0], reach(payload.normal_law, raceway_site(payload, state, ring.inner))
     for k in range(work.row_ends[work.row_ends.size - 1]):
         if contact.penetration[k] > -LARGEST_CLOSING * payload.step - acting - payload.profile_height:
             row = bound.row[k]
             nx, ny = contact.radial_x[k], contact.radial_y[k]
-            orbit = (bound.predicted_vy[k] - mean[1]) * nx - (bound.predicted_vx[k] - mean[0]) * ny
+            orbit = (bound.predicted_vy[k] - ring.mean[1]) * nx - (bound.predicted_vx[k] - ring.mean[0]) * ny
             orbit, spin = orbit / contact.distance[k], bound.predicted_rim[k] / payload.roller_radius
             i = bound.roller[k] - row * payload.free.shape[1]
-            depth, sink = notch_depth(payload, state, work, row, i, nx, ny, orbit, spin, inner)
+            depth, sink = notch_depth(payload, state, work, row, i, nx, ny, orbit, spin, ring.inner)
             contact.penetration[k] -= depth
             contact.sink_speed[k] = sink
 
@@ -96,17 +96,13 @@ def linearize_edges(
     state: State,
     work: Workspace,
     contact: RacewayContact,
-    mean: tuple[float, float],
-    old: tuple[float, float],
-    ring_speed: float,
-    inner: bool,
+    ring: RingMotion,
 ) -> None:
     """Replace force, normal and friction of the smooth raceway where a roller is over a notch with edges."""
-    bound, site = work.bound[0], raceway_site(payload, state, inner)
-    surface = ring_speed * payload.inner_raceway_radius
-    ring, notches, direction = OUTER, payload.outer_notches, work.outer_notch_direction
-    if inner:
-        ring, notches, direction = INNER, payload.inner_notches, work.inner_notch_direction
+    bound, site = work.bound[0], raceway_site(payload, state, ring.inner)
+    body, notches, direction = OUTER, payload.outer_notches, work.outer_notch_direction
+    if ring.inner:
+        body, notches, direction = INNER, payload.inner_notches, work.inner_notch_direction
     for k in range(work.row_ends[work.row_ends.size - 1]):
         gap = -contact.penetration[k]
         if gap >= LARGEST_CLOSING * payload.step + normal_range(payload.normal_law):
@@ -115,7 +111,7 @@ def linearize_edges(
         notch, _ = notch_under(notches, direction, bound.row[k], rx, ry)
         if notch >= 0:
             memory = load_memory(payload.normal_law, contact.normal, k)
-            dx, dy = bound.x[k] - state.position[ring, 0], bound.y[k] - state.position[ring, 1]
+            dx, dy = bound.x[k] - state.position[body, 0], bound.y[k] - state.position[body, 1]
             force, stiffness, nx, ny = edge_contact(
                 dx,
                 dy,
@@ -125,12 +121,12 @@ def linearize_edges(
                 notches.depth[notch],
                 gap,
                 memory,
-                inner,
+                ring.inner,
                 payload,
             )
             contact.normal_x[k], contact.normal_y[k] = nx, ny
-            contact.surface_speed_normal[k] = surface * (rx * ny - ry * nx)
-            replace_lines(payload, bound, contact, k, memory, site, -gap, force, stiffness, mean, old, ring_speed, inner)
+            contact.surface_speed_normal[k] = ring.surface * (rx * ny - ry * nx)
+            replace_lines(payload, bound, contact, k, memory, site, -gap, force, stiffness, ring)
 
 
 @piece
@@ -158,22 +154,18 @@ def linearize_smooth(
     work: Workspace,
     contact: RacewayContact,
     count: int,
-    mean: tuple[float, float],
-    old: tuple[float, float],
-    ring_speed: float,
-    inner: bool,
+    ring: RingMotion,
 ) -> None:
     """Write the contacts with a smooth raceway as lines, and which of them close or open within the step."""
-    bound, side, site, law = work.bound[0], 1.0 if inner else -1.0, raceway_site(payload, state, inner), payload.normal_law
-    surface = ring_speed * payload.inner_raceway_radius
+    bound, site, law = work.bound[0], raceway_site(payload, state, ring.inner), payload.normal_law
     for k in range(count):
-        closing, before, sink = closing_speeds(bound, contact, k, mean, old, side)
+        closing, before, sink = closing_speeds(bound, contact, k, ring)
         penetration = contact.penetration[k]
         memory = load_memory(law, contact.normal, k)
         force, stiffness = elastic(law, memory, penetration, site)
         contact.crossing[k] = 1.0 if crosses(law, site, penetration, closing, before, payload.step) else 0.0
         write_force_line(contact, k, lasting_line(payload, memory, site, penetration, force, stiffness, closing, before, sink))
-        linearize_friction(bound, contact, k, mean, ring_speed, surface, inner, site, payload)
+        linearize_friction(bound, contact, k, ring, site, payload)
 
 
 @piece
@@ -182,27 +174,23 @@ def linearize_crossing(
     state: State,
     work: Workspace,
     contact: RacewayContact,
-    mean: tuple[float, float],
-    old: tuple[float, float],
-    ring_speed: float,
-    inner: bool,
+    ring: RingMotion,
 ) -> None:
     """Write the lines of the contacts that close or open within the step."""
-    bound, side, site = work.bound[0], 1.0 if inner else -1.0, raceway_site(payload, state, inner)
-    surface, found = ring_speed * payload.inner_raceway_radius, 0
+    bound, site, found = work.bound[0], raceway_site(payload, state, ring.inner), 0
     for k in range(work.row_ends[work.row_ends.size - 1]):
         if contact.crossing[k] > 0.0:
             bound.crossings[found] = k
             found += 1
     for n in range(found):
         k = bound.crossings[n]
-        closing, before, sink = closing_speeds(bound, contact, k, mean, old, side)
+        closing, before, sink = closing_speeds(bound, contact, k, ring)
         # A pinned roller moves with its whole cage: its force changes next to nothing.
         mobility = 0.5 * payload.step / payload.roller_mass * bound.free[k]
         penetration, last = contact.penetration[k], contact.last_force[k]
         memory = load_memory(payload.normal_law, contact.normal, k)
         write_force_line(contact, k, crossing_line(payload, memory, site, penetration, closing, before, sink, last, mobility))
-        linearize_friction(bound, contact, k, mean, ring_speed, surface, inner, site, payload)
+        linearize_friction(bound, contact, k, ring, site, payload)
 
 
 @piece
@@ -212,27 +200,26 @@ def linearize_raceway(
     work: Workspace,
     count: int,
     contact: RacewayContact,
-    mean: tuple[float, float],
-    old: tuple[float, float],
-    ring_speed: float,
-    inner: bool,
+    ring: RingMotion,
 ) -> None:
     """Write the contacts of bound rollers with a raceway as lines over the mean velocities of the step, notches included."""
-    feel_bound(payload.surfaces, payload, state, work, contact, mean, inner)
+    feel_bound(payload.surfaces, payload, state, work, contact, ring)
     if payload.any_defect:
-        apply_notches(payload, state, work, contact, mean, inner)
-    linearize_smooth(payload, state, work, contact, count, mean, old, ring_speed, inner)
-    linearize_crossing(payload, state, work, contact, mean, old, ring_speed, inner)
+        apply_notches(payload, state, work, contact, ring)
+    linearize_smooth(payload, state, work, contact, count, ring)
+    linearize_crossing(payload, state, work, contact, ring)
     if payload.any_defect and payload.notch_law != SINK:
-        linearize_edges(payload, state, work, contact, mean, old, ring_speed, inner)
-    add_parts(payload.surfaces, payload, state, work, contact, mean, old, ring_speed, inner)
+        linearize_edges(payload, state, work, contact, ring)
+    add_parts(payload.surfaces, payload, state, work, contact, ring)
 
 
 @piece
 def linearize_raceways(payload: Payload, state: State, work: Workspace, count: int) -> None:
     """Write the contacts of ``count`` bound rollers with both raceways as lines over the mean velocities of the step."""
-    mean, old = work.mean_velocity, state.velocity
+    mean, before, speed = work.mean_velocity, state.velocity, state.shaft[1]
     outer_mean, inner_mean = (mean[OUTER, 0], mean[OUTER, 1]), (mean[INNER, 0], mean[INNER, 1])
-    outer_old, inner_old = (old[OUTER, 0], old[OUTER, 1]), (old[INNER, 0], old[INNER, 1])
-    linearize_raceway(payload, state, work, count, work.bound[0].outer, outer_mean, outer_old, 0.0, False)
-    linearize_raceway(payload, state, work, count, work.bound[0].inner, inner_mean, inner_old, state.shaft[1], True)
+    outer_before, inner_before = (before[OUTER, 0], before[OUTER, 1]), (before[INNER, 0], before[INNER, 1])
+    outer = RingMotion(outer_mean, outer_before, 0.0, 0.0, False)
+    inner = RingMotion(inner_mean, inner_before, speed, speed * payload.inner_raceway_radius, True)
+    linearize_raceway(payload, state, work, count, work.bound[0].outer, outer)
+    linearize_raceway(payload, state, work, count, work.bound[0].inner, inner)

@@ -29,6 +29,7 @@ from dcrb_ros.core.laws.site import Material, Site, inner_site, outer_site
 from dcrb_ros.core.laws.squeeze import squeeze_coefficient, squeeze_damping, squeeze_floor, squeeze_near, wedge_energy, wedge_force
 from dcrb_ros.core.laws.viscosity import (
     ROELANDS_OFFSET,
+    Lubricant,
     dynamic_viscosity,
     pressure_coefficient,
     roelands_exponent,
@@ -56,8 +57,18 @@ NO_LAYER = 1e-9
 
 
 class RacewayOil(NamedTuple):
-    """What does not depend on speed, of one raceway."""
+    """What does not depend on speed, of one raceway: geometry, and the oil at the temperature of its inlets."""
 
+    viscosity: float
+    """eta [Pa s]."""
+    material: float
+    """G = alpha E' [-]."""
+    offset: float
+    """ln eta + 9.67 [-]."""
+    exponent: float
+    """Z [-]."""
+    heating: float
+    """L_t/u^2 [s^2/m^2]."""
     radius: float
     """Reduced radius R [m]."""
     pressure: float
@@ -71,22 +82,14 @@ class RacewayOil(NamedTuple):
 class Oil(NamedTuple):
     """Constants."""
 
-    viscosity: float
-    """eta [Pa s]."""
-    material: float
-    """G = alpha E' [-]."""
-    offset: float
-    """ln eta + 9.67 [-]."""
-    exponent: float
-    """Z [-]."""
-    heating: float
-    """L_t/u^2 [s^2/m^2]."""
     layer: float
     """H [m]."""
     roughness: float
     """sigma [m]."""
     boundary: float
     """mu_b [-]."""
+    micro_slip: float
+    """epsilon, slip of asperities in rolling [-]."""
     limiting: float
     """mu_L [-]."""
     squeezes: float
@@ -157,17 +160,17 @@ def film_at(law: Oil, number: int, speed: float) -> Film:
     """Return the film of a raceway's contacts at the speed at which they roll over it [m/s], the mean speed of both surfaces past them."""
     oil, present = law.inner if number == 0 else law.outer, 0.0 if number == 2 else 1.0
     u = max(abs(speed), LEAST_SPEED)
-    group = law.viscosity * u / (law.modulus * oil.radius)
-    loading = law.heating * u * u
-    thickness = central_per_load(group, law.material, law.modulus, oil.radius, law.length) * inlet_heating(loading)
-    least = minimum_per_load(group, law.material, law.modulus, oil.radius, law.length) * inlet_heating(loading)
+    group = oil.viscosity * u / (law.modulus * oil.radius)
+    loading = oil.heating * u * u
+    thickness = central_per_load(group, oil.material, law.modulus, oil.radius, law.length) * inlet_heating(loading)
+    least = minimum_per_load(group, oil.material, law.modulus, oil.radius, law.length) * inlet_heating(loading)
     offset = starved(thickness * power(OFFSET_FORCE, -0.10), law.layer)
     floor = max(offset, squeeze_floor(oil.squeeze, law.impedance, law.layer))
     double = 2.0 * group
     return Film(
         offset * present,
         law.layer if present > 0.0 else NO_LAYER,
-        WEDGE * law.viscosity * u * oil.radius * law.length * present,
+        WEDGE * oil.viscosity * u * oil.radius * law.length * present,
         oil.squeeze * law.squeezes * present,
         floor,
         thickness,
@@ -175,11 +178,11 @@ def film_at(law: Oil, number: int, speed: float) -> Film:
         resistance_scale(double, law.modulus, oil.radius, law.length) * inlet_cooling(loading) * law.resists,
         1.0 / (law.modulus * oil.radius * law.length * math.sqrt(double)),
         oil.hysteresis * law.resists,
-        0.5 * MICRO_SLIP * law.boundary * law.resists,
+        0.5 * law.micro_slip * law.boundary * law.resists,
         oil.pressure,
-        law.viscosity,
-        law.offset,
-        law.exponent,
+        oil.viscosity,
+        oil.offset,
+        oil.exponent,
         law.roughness,
         law.boundary,
         law.limiting,
@@ -270,10 +273,16 @@ def film_resistance(film: Film, memory: FilmMemory, force: float) -> float:
     return memory.resistance if force > 0.0 else 0.0
 
 
-def raceway_oil(values: Mapping[str, Any], material: Material, site: Site, viscosity: float) -> RacewayOil:
-    """Return what does not depend on speed, of one raceway."""
+def raceway_oil(material: Material, site: Site, lubricant: Lubricant, temperature: float) -> RacewayOil:
+    """Return what does not depend on speed, of one raceway with oil of a temperature [deg C]."""
+    viscosity, alpha = dynamic_viscosity(lubricant, temperature), pressure_coefficient(lubricant, temperature)
     half_width = math.sqrt(site.width)
     return RacewayOil(
+        viscosity=viscosity,
+        material=alpha * 2.0 * material.effective_modulus,
+        offset=math.log(viscosity) + ROELANDS_OFFSET,
+        exponent=roelands_exponent(viscosity, alpha),
+        heating=temperature_coefficient(lubricant, temperature) * viscosity / OIL_CONDUCTIVITY,
         radius=site.reduced_radius,
         pressure=1.0 / (2.0 * half_width * material.roller_length),
         squeeze=squeeze_coefficient(viscosity, material.roller_length, site.reduced_radius),
@@ -282,27 +291,26 @@ def raceway_oil(values: Mapping[str, Any], material: Material, site: Site, visco
 
 
 def build(values: Mapping[str, Any], material: Material) -> Oil:
-    """Return the constants."""
-    lubricant, temperature = lubricant_of(values), values["temperature"]
-    viscosity, alpha = dynamic_viscosity(lubricant, temperature), pressure_coefficient(lubricant, temperature)
-    modulus, impedance = 2.0 * material.effective_modulus, math.sqrt(material.roller_mass * IMPACT_STIFFNESS)
+    """Return the constants, with oil of one temperature."""
+    return warmed(values, material, values["temperature"], values["temperature"])
+
+
+def warmed(values: Mapping[str, Any], material: Material, inner: float, outer: float) -> Oil:
+    """Return the constants with oil of different temperatures at the inlets of inner and outer raceway [deg C]."""
+    lubricant = lubricant_of(values)
     return Oil(
-        viscosity=viscosity,
-        material=alpha * modulus,
-        offset=math.log(viscosity) + ROELANDS_OFFSET,
-        exponent=roelands_exponent(viscosity, alpha),
-        heating=temperature_coefficient(lubricant, temperature) * viscosity / OIL_CONDUCTIVITY,
         layer=values["layer"] or LAYERS[values["lubricant"]],
         roughness=values["roughness"],
         boundary=values["boundary_friction"],
+        micro_slip=values.get("micro_slip", MICRO_SLIP),
         limiting=values["limiting_friction"],
         squeezes=float(values["squeeze"]),
         resists=float(values["rolling_resistance"]),
-        modulus=modulus,
+        modulus=2.0 * material.effective_modulus,
         length=material.roller_length,
-        impedance=impedance,
-        inner=raceway_oil(values, material, inner_site(material), viscosity),
-        outer=raceway_oil(values, material, outer_site(material), viscosity),
+        impedance=math.sqrt(material.roller_mass * IMPACT_STIFFNESS),
+        inner=raceway_oil(material, inner_site(material), lubricant, inner),
+        outer=raceway_oil(material, outer_site(material), lubricant, outer),
     )
 
 
@@ -312,6 +320,7 @@ LAW = LubricationLaw(
     constants=Oil,
     film=Film,
     build=build,
+    warmed=warmed,
     film_at=film_at,
     film_reach=film_reach,
     film_offset=film_offset,

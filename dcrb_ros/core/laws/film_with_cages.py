@@ -28,9 +28,15 @@ def film_at(law: FilmWithCages, number: int, speed: float) -> Film:
 
 
 def build(values: Mapping[str, Any], material: Material) -> FilmWithCages:
-    """Return the constants."""
-    raceways = film.build(values, material)
-    return FilmWithCages(raceways, cage_oil(values, material, raceways.viscosity, raceways.impedance))
+    """Return the constants, with oil of one temperature."""
+    return warmed(values, material, values["temperature"], values["temperature"])
+
+
+def warmed(values: Mapping[str, Any], material: Material, inner: float, outer: float) -> FilmWithCages:
+    """Return the constants with oil of different temperatures at inner and outer raceway [deg C]; about the cages that of the outer."""
+    raceways = film.warmed(values, material, inner, outer)
+    about_cages = {**values, "temperature": outer}
+    return FilmWithCages(raceways, cage_oil(about_cages, material, raceways.outer.viscosity, raceways.impedance))
 
 
 LAW = replace(
@@ -39,6 +45,7 @@ LAW = replace(
     summary="film_with_cages, also oil in pockets, in lands and around the rollers",
     constants=FilmWithCages,
     build=build,
+    warmed=warmed,
     film_at=film_at,
     bar_damping=bar_damping,
     bar_shear=bar_shear,

@@ -165,6 +165,9 @@ class LubricationLaw:
     """Kernel (film, force): memory of a contact under a normal force [N]."""
     film_resistance: Callable[..., float]
     """Kernel (film, memory, force): resistance of the contact to rolling [N], with the sign of its speed; zero without a force."""
+    warmed: Callable[[Mapping[str, Any], Material, float, float], Any] | None = None
+    """Return the constants with lubricant of different temperatures at the inlets of inner and outer raceway [deg C]; None where there
+    is no lubricant. ``values`` may have ``micro_slip``, the slip of asperities in rolling [-]."""
     memory: type = NoMemory
     """NamedTuple of floats kept at each contact: what takes long to evaluate and changes little while a surface passes through it."""
     resists: bool = False

@@ -9,7 +9,7 @@ from typing import Any, TypeVar, cast
 
 from numba.extending import overload
 
-from dcrb_ros.core.jit import INLINED
+from dcrb_ros.core.jit import INLINED, WITHOUT_ENTRY
 from dcrb_ros.core.laws.interface import LubricationLaw, NormalLaw, TractionLaw
 
 Function = TypeVar("Function", bound=Callable[..., Any])
@@ -137,7 +137,8 @@ def by_law(function: Function) -> Function:
     def typed(law: Any) -> Callable[..., Any]:
         return _function(f"def made({parameters}):\n    return kernel({parameters})", kernel=_inlined(found(law.instance_class)))
 
-    overload(call, jit_options=cast(Any, INLINED))(_function(f"def made({parameters}):\n    return typed({first})", typed=typed))
+    options = cast(Any, {**INLINED, **WITHOUT_ENTRY})
+    overload(call, jit_options=options)(_function(f"def made({parameters}):\n    return typed({first})", typed=typed))
     return call  # type: ignore[no-any-return]
 
 
@@ -152,5 +153,5 @@ def _inlined(function: Callable[..., Any]) -> Callable[..., Any]:
     if isinstance(function, Dispatcher):
         return function
     if function not in _INLINED:
-        _INLINED[function] = njit(**INLINED)(function)
+        _INLINED[function] = njit(**INLINED, **WITHOUT_ENTRY)(function)
     return _INLINED[function]

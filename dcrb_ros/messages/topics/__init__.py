@@ -21,14 +21,17 @@ from dcrb_ros.messages.topics.lubrication_state import LUBRICATION_STATE
 from dcrb_ros.messages.topics.roller_contacts import ROLLER_CONTACTS
 from dcrb_ros.messages.topics.roller_states import ROLLER_STATES
 from dcrb_ros.messages.topics.sensor import SENSOR
+from dcrb_ros.messages.topics.temperatures import AMBIENT_TEMPERATURE, BOX_TEMPERATURE, OUTER_RING_TEMPERATURE
 from dcrb_ros.messages.topics.transforms import TRANSFORMS
 from dcrb_ros.messages.topics.vibration import VIBRATION
 from dcrb_ros.messages.topics.vibration_clean import VIBRATION_CLEAN
 
 __all__ = [
     "ACCELERATION",
+    "AMBIENT_TEMPERATURE",
     "BENCH",
     "BENCH_DIAGNOSTICS",
+    "BOX_TEMPERATURE",
     "CLOCK",
     "DETECTED",
     "DIAGNOSIS",
@@ -39,6 +42,7 @@ __all__ = [
     "LUBRICATION_STATE",
     "MANIFEST",
     "NAMESPACE",
+    "OUTER_RING_TEMPERATURE",
     "ROLLER_CONTACTS",
     "ROLLER_STATES",
     "SENSOR",
@@ -67,6 +71,9 @@ SIMULATED: tuple[SimulatedTopic, ...] = _topics(
     "roller_states:ROLLER_STATES",
     "roller_contacts:ROLLER_CONTACTS",
     "lubrication_state:LUBRICATION_STATE",
+    "temperatures:OUTER_RING_TEMPERATURE",
+    "temperatures:BOX_TEMPERATURE",
+    "temperatures:AMBIENT_TEMPERATURE",
     "ground_truth:GROUND_TRUTH",
 )
 """Topics that the simulator publishes and records; messages of one time are sent in this order."""

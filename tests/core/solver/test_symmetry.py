@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 import pytest
+from even_surfaces import EVEN
 
 from dcrb_ros.bearing.observation import observe
 from dcrb_ros.bearing.payload import build_payload, initial_state
@@ -31,7 +32,12 @@ NOTCHES = {
 CASES: dict[str, dict[str, Any]] = {
     "pinned": {"cage": {"joint": "revolute"}},
     "free": {"cage": FREE},
-    "film": {"cage": FREE, "lubrication": {"law": "film", "lubricant": "vg100", "temperature": 70.0}, "friction": {"convection": 0.7}},
+    "film": {
+        "cage": FREE,
+        "lubrication": {"law": "film", "lubricant": "vg100", "temperature": 70.0},
+        "friction": {"convection": 0.7},
+        "surfaces": EVEN,
+    },
     "notch": {"cage": FREE, "faults": NOTCHES},
     "edge": {"cage": FREE, "faults": {**NOTCHES, "roller_1": {"width": 0.0}}, "contact": {"notch": "edge"}},
     "broken bars": {"cage": {"joint": "revolute"}, "faults": {"broken_bars": "row1/bar15, row1/bar16"}},

@@ -1,0 +1,79 @@
+"""The lubricant of a bearing as it is: at the temperatures of its contacts, and with what has been lost of it."""
+
+from __future__ import annotations
+
+import functools
+from typing import Any
+
+from dcrb_ros.core.laws import LUBRICATION_LAWS, lugre
+from dcrb_ros.core.laws.film import MICRO_SLIP
+from dcrb_ros.core.laws.lubricants import LAYERS, lubricant_of
+from dcrb_ros.core.laws.site import Material
+from dcrb_ros.core.laws.viscosity import COLDEST, HOTTEST, Lubricant, dynamic_viscosity
+from dcrb_ros.settings.configuration import Configuration
+from dcrb_ros.settings.oil_limits import MOST_VISCOSITY
+
+LAST_LAYER = 0.02e-6
+"""Layer of a bearing that has lost all lubricant [m] (a choice)."""
+DRY_FRICTION = 0.30
+"""Friction coefficient of steel without lubricant, at asperities, bars and lands [-] (a choice)."""
+SMEARING = 0.016
+"""Slip of asperities in rolling that smearing and skew add without lubricant [-] (a choice)."""
+
+
+@functools.lru_cache(maxsize=64)
+def coldest_flow(lubricant: Lubricant) -> float:
+    """Return the lowest temperature at which a lubricant flows into the contacts [deg C], within the range of the formulas."""
+    low, high = COLDEST, HOTTEST
+    if dynamic_viscosity(lubricant, low) <= MOST_VISCOSITY:
+        return low
+    for _ in range(50):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if dynamic_viscosity(lubricant, middle) > MOST_VISCOSITY else (low, middle)
+    return high
+
+
+def held(lubricant: Lubricant, temperature: float) -> float:
+    """Return a temperature within the range of the formulas for a lubricant [deg C]."""
+    return min(max(temperature, coldest_flow(lubricant)), HOTTEST)
+
+
+def remaining(configuration: Configuration, loss: float) -> dict[str, Any]:
+    """Return the parameters of lubrication after the share ``loss`` of the lubricant is lost; all of it leaves `LAST_LAYER`.
+
+    With the share x, the layer is H (1 - x) + H_last x, the friction of asperities mu_b + (0.30 - mu_b) x^2, and their slip in rolling
+    0.004 + 0.016 x^3.
+    """
+    values = dict(configuration.lubrication)
+    overfilled = configuration.faults.condition.oil_share
+    if overfilled > 0.0:
+        values["oil_share"] = overfilled
+    if loss == 0.0:
+        return values
+    layer, boundary = values["layer"] or LAYERS[values["lubricant"]], values["boundary_friction"]
+    return values | {
+        "layer": layer * (1.0 - loss) + min(LAST_LAYER, layer) * loss,
+        "pocket_layer": values["pocket_layer"] * (1.0 - loss),
+        "boundary_friction": boundary + max(DRY_FRICTION - boundary, 0.0) * loss**2,
+        "micro_slip": MICRO_SLIP + SMEARING * loss**3,
+    }
+
+
+def lubrication_at(configuration: Configuration, material: Material, loss: float, inner: float, outer: float) -> Any:
+    """Return the constants of lubrication after a loss [-], with lubricant of two temperatures at the raceways' inlets [deg C].
+
+    Temperatures beyond the range of the formulas count as its ends.
+    """
+    law, values = LUBRICATION_LAWS[configuration.lubrication.law], remaining(configuration, loss)
+    if law.warmed is None:
+        return law.build(values, material)
+    lubricant = lubricant_of(values)
+    return law.warmed(values, material, held(lubricant, inner), held(lubricant, outer))
+
+
+def cage_friction_of(configuration: Configuration, material: Material, loss: float) -> lugre.LuGre:
+    """Return the constants of friction at bars and lands after a loss [-]: mu + (0.30 - mu) x^2."""
+    mu = configuration.cage.friction_coefficient
+    if loss > 0.0:
+        mu += max(DRY_FRICTION - mu, 0.0) * loss**2
+    return lugre.build(dict(configuration.friction) | {"kinetic_coefficient": mu, "static_coefficient": mu}, material)

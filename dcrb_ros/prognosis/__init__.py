@@ -1,0 +1,1 @@
+"""Prognosis: the rating life of a bearing, the remaining life from a trend, and scores of such estimates."""

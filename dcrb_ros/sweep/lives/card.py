@@ -1,0 +1,58 @@
+"""The part of a data card that describes lives: duty, rating life, start and growth of the damage, and outcomes."""
+
+from __future__ import annotations
+
+from dcrb_ros.sweep.lives.sweep import LifeSweep
+from dcrb_ros.sweep.lives.table import LIVES
+
+
+def design_text(sweep: LifeSweep) -> str:
+    """Return the section of the data card about the lives."""
+    recipe, population, duty = sweep.recipe, sweep.population, sweep.population.duty
+    lives = list(population.lives())
+    failed, damaged = sum(not life.censored for life in lives), sum(life.start < life.end for life in lives)
+    growth = ", ".join(f"{name} {value:g}" for name, value in recipe.growth.model_dump().items() if isinstance(value, float))
+    damage, inspection, start = recipe.damage, recipe.inspection, recipe.start
+    overhaul = f"; service ends at {inspection.overhaul:g} h at the latest" if inspection.overhaul else ""
+    columns = "\n".join(f"| `{name}` | {meaning} |" for name, (_, meaning) in LIVES.items())
+    sections = "\n".join(
+        f"| {one.name} | {one.speed:.4g} | {one.load:g} | {one.steady:.4g} | {one.total:.4g} | {one.revolutions:.6g} |"
+        for one in duty.sections
+    )
+    return f"""## Lives
+
+{len(lives)} bearings, of which {failed} fail and {len(lives) - failed} are censored; {damaged} have damage before the end of their service.
+Everything is drawn with the seed {recipe.numbers.seed}. `lives.parquet` has one row per bearing:
+
+| column | meaning |
+|---|---|
+{columns}
+
+* Duty, repeated until the bearing fails: {duty.revolutions_per_hour:.4g} revolutions per operating hour under an equivalent load of
+  {duty.load:.4g} N.
+* Start of the damage: Weibull with the slope {start.slope:g} about the basic rating life of ISO 281, {population.rating:.4g} revolutions or
+  {population.rating_hours:.4g} h, which 90 % of the bearings reach{_only(sweep)}.
+* Growth: law `{recipe.growth.law}` ({growth}),
+  from {1e3 * damage.first_width:g} mm to {1e3 * damage.last_width:g} mm, at which the bearing has failed;
+  its median is {population.growth_hours:.4g} h under this duty. The law and its constants are assumptions, not measurements.
+* Place: {damage.outer:g} outer raceway, {damage.inner:g} inner raceway, {damage.roller:g} rollers;
+  its depth is {1e6 * damage.depth:g} um, and a spall is {damage.aspect:g} times as long along the rollers as wide.
+* Inspections every {inspection.every:g} h from the first hour on, and at failure{overhaul}.
+  Speed and load of each are those of a section of the duty{_sections(sweep)}.
+* Each bearing is an individual: its surfaces have a seed of their own (`surfaces.seed`).
+
+| section | speed [rad/s] | load [N] | at constant speed [h] | in total [h] | revolutions |
+|---|---|---|---|---|---|
+{sections}"""
+
+
+def _only(sweep: LifeSweep) -> str:
+    if not sweep.recipe.start.in_service:
+        return ""
+    return f"; only bearings whose damage starts before the overhaul are drawn, {100 * sweep.population.in_service:.3g} % of all"
+
+
+def _sections(sweep: LifeSweep) -> str:
+    if sweep.recipe.inspection.section:
+        return f", always {sweep.recipe.inspection.section}"
+    return ", drawn by the hours at constant speed"

@@ -1,0 +1,101 @@
+"""The plan of a sweep of lives: one run for each inspection of each bearing, with its truth."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+
+import numpy as np
+
+from dcrb_ros.measurement.random_streams import random_stream
+from dcrb_ros.sweep.design import Value
+from dcrb_ros.sweep.lives.card import design_text
+from dcrb_ros.sweep.lives.duty import Section
+from dcrb_ros.sweep.lives.life import Life
+from dcrb_ros.sweep.lives.sweep import LifeSweep
+from dcrb_ros.sweep.lives.table import TRUTH, lives_table
+from dcrb_ros.sweep.plan import SEED, Plan, Run, Task, digest, splits
+from dcrb_ros.sweep.sweep_file import Sweep
+
+
+def plan_of(sweep: Sweep) -> Plan:
+    """Return the plan of a sweep of any kind."""
+    return LifePlan(sweep) if isinstance(sweep, LifeSweep) else Plan(sweep)
+
+
+class LifePlan(Plan):
+    """The runs of a sweep of lives; a bearing is in one split with all its inspections."""
+
+    unit, remedy = "bearings", "increase lives"
+    split_text = "All inspections of a bearing are in one split."
+
+    def __init__(self, sweep: LifeSweep) -> None:
+        super().__init__(sweep)
+        self.lives = sweep
+        numbers = range(sweep.recipe.numbers.lives)
+        self._bearings = [digest([self._common, sweep.recipe.numbers.seed, number]) for number in numbers]
+        self._splits = splits(set(self._bearings), sweep.file.split)
+        self.conditions = len(self._bearings)
+        weights = np.cumsum([section.steady for section in sweep.sections])
+        self._shares = weights / weights[-1]
+
+    @property
+    def truth(self) -> Mapping[str, tuple[type, str]]:
+        """Columns of the labels beside those of every sweep."""
+        return TRUTH
+
+    def groups(self) -> Iterator[Task]:
+        """Yield the inspections one by one."""
+        place = 0
+        for life in self.lives.population.lives():
+            hours = list(life.inspections(self.lives.recipe.inspection.every))
+            for number, (hour, section) in enumerate(zip(hours, self._sections(life, len(hours)), strict=True)):
+                yield (self._inspection(place, life, number, hour, section),)
+                place += 1
+
+    def design_text(self) -> str:
+        """Return the section of the data card about the lives."""
+        return design_text(self.lives)
+
+    def tables(self) -> Iterator[tuple[str, bytes]]:
+        """Yield the table of the lives."""
+        yield "lives.parquet", lives_table(self.lives, lambda life: self._splits[self._bearings[life.number]])
+
+    def _inspection(self, place: int, life: Life, number: int, hour: float, section: Section) -> Run:
+        bearing, width = self._bearings[life.number], life.width(hour)
+        twin = digest([bearing, number])
+        seed = int(twin[:8], 16) >> 1
+        healthy: dict[str, Value] = {
+            "operating.speed": section.speed,
+            "operating.load": section.load,
+            "surfaces.seed": life.individual,
+            SEED: seed,
+        }
+        changes = {**healthy, **dict(self.lives.damage(life.component, life.place, life.individual, width))}
+        return Run(
+            place,
+            digest([self._common, self._difference(changes), None]),
+            life.component if width else "healthy",
+            twin,
+            bearing,
+            self._splits[bearing],
+            changes,
+            healthy,
+            "",
+            seed,
+            truth={
+                "bearing_id": life.bearing_id,
+                "inspection": number,
+                "hours": hour,
+                "section": section.name,
+                "damage": width,
+                "remaining_life": life.failure - hour,
+                "censored": life.censored,
+            },
+        )
+
+    def _sections(self, life: Life, count: int) -> list[Section]:
+        """Return the sections on which the inspections of a life are made, drawn by the hours at constant speed."""
+        seed = self.lives.recipe.numbers.seed
+        shares = random_stream(seed, f"life {life.number} sections").random(count)
+        places = np.minimum(np.searchsorted(self._shares, shares, side="right"), len(self._shares) - 1)
+        return [self.lives.sections[place] for place in places]

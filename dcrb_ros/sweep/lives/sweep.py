@@ -1,0 +1,56 @@
+"""A sweep of lives: the sweep of its inspections, and what its lives are drawn from."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from dcrb_ros.faults.raceway_defect import NOTCH
+from dcrb_ros.sweep.design import Value
+from dcrb_ros.sweep.lives.duty import Section
+from dcrb_ros.sweep.lives.life import COMPONENTS, Population
+from dcrb_ros.sweep.lives.recipe import LIFE, Recipe
+from dcrb_ros.sweep.sweep_file import Sweep
+
+SPALL = "spall"
+
+
+@dataclass(frozen=True)
+class LifeSweep(Sweep):
+    """A sweep of kind ``life``."""
+
+    recipe: Recipe
+    duty: tuple[dict[str, Any], ...]
+    """Stations or levels as written, for the record."""
+    sections: tuple[Section, ...]
+    """Sections on which inspections are made."""
+    population: Population
+
+    @property
+    def count(self) -> int:
+        """Number of runs: inspections of all lives [-]."""
+        every = self.recipe.inspection.every
+        return sum(1 for life in self.population.lives() for _ in life.inspections(every))
+
+    @property
+    def inputs(self) -> dict[str, Any]:
+        """Everything that the data set is made from, as written to its description."""
+        groups = {name: getattr(self.recipe, name).model_dump() for name in ("numbers", "inspection", "start", "damage", "growth")}
+        return {**super().inputs, "kind": LIFE, "duty": list(self.duty), **groups}
+
+    def damage(self, component: str, place: Mapping[str, Value], individual: int, width: float) -> Iterator[tuple[str, Value]]:
+        """Yield the parameters of the damage of a component: its place, the seed of its bearing, its width [m]; none without width."""
+        if not width:
+            return
+        key = f"faults.{COMPONENTS[component]}"
+        yield f"{key}.width", width
+        yield f"{key}.depth", self.recipe.damage.depth
+        for name, value in place.items():
+            yield f"{key}.{name}", value
+        if component != "roller":
+            kind = SPALL if self.base["surfaces.law"] == "profile" else NOTCH
+            yield f"{key}.kind", kind
+            if kind == SPALL:
+                yield f"{key}.seed", individual
+                yield f"{key}.share", min(self.recipe.damage.aspect * width / float(self.base["bearing.roller_length"]), 1.0)

@@ -1,0 +1,113 @@
+"""ISO 281: factors and lives against published values, and the distribution of lives against scipy."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.stats import kstest, weibull_min
+
+from dcrb_ros.prognosis.rating_life import (
+    ROLLER_SLOPE,
+    dynamic_load_rating,
+    equivalent_load,
+    life_survived_by,
+    load_rating_factor,
+    rating_life,
+    survivors,
+)
+from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.settings.parameters import Bearing
+
+# ISO 281:2007, Table 7: the factor f_c of radial roller bearings by the diameter of the rollers over that of the pitch circle.
+TABLE_7 = {
+    0.01: 52.1,
+    0.02: 60.8,
+    0.03: 66.5,
+    0.04: 70.7,
+    0.05: 74.1,
+    0.06: 76.9,
+    0.07: 79.2,
+    0.08: 81.2,
+    0.09: 82.8,
+    0.10: 84.2,
+    0.12: 86.4,
+    0.14: 87.7,
+    0.16: 88.5,
+    0.18: 88.8,
+    0.20: 88.7,
+    0.22: 88.2,
+    0.24: 87.5,
+    0.26: 86.4,
+    0.28: 85.2,
+    0.30: 83.8,
+}
+
+
+@pytest.mark.parametrize(("ratio", "factor"), TABLE_7.items())
+def test_the_factor_is_that_of_the_standard_to_its_last_digit(ratio: float, factor: float) -> None:
+    assert load_rating_factor(ratio) == pytest.approx(factor, abs=0.051)
+
+
+# NTN, Load rating and life, Table 3.1 (roller bearings): L10h = 500 f_h^(10/3) with f_h = f_n C / P, and f_n at these speeds [1/min].
+@pytest.mark.parametrize(("rpm", "factor", "rounding"), [(60_000, 0.106, 0.0005), (40_000, 0.12, 0.005)])
+def test_hours_follow_from_the_speed_factors_of_a_catalogue(rpm: float, factor: float, rounding: float) -> None:
+    rating, load = 1.38e6, 2e5
+    hours = rating_life(rating, load) / (60.0 * rpm)
+    assert (hours / 500.0) ** 0.3 * load / rating == pytest.approx(factor, abs=rounding)
+
+
+def test_two_rows_carry_less_than_twice_one_row() -> None:
+    ratio = dynamic_load_rating(Bearing()) / dynamic_load_rating(Bearing(rows=1))
+    assert ratio == pytest.approx(2.0 ** (7.0 / 9.0))  # ISO 281, 7.1.1: (i L)^(7/9)
+
+
+def test_ratings_are_in_newtons() -> None:
+    # C = 1.1 f_c (i L)^(7/9) Z^(3/4) D^(29/27) by hand for NJ(P)3226X1: 1.1 * 88.5 * 96^(7/9) * 16^(3/4) * 30^(29/27) = 1.05 MN.
+    assert dynamic_load_rating(Bearing()) == pytest.approx(1.1 * 88.5 * 96.0 ** (7 / 9) * 8.0 * 30.0 ** (29 / 27), rel=1e-3)
+
+
+@given(
+    st.lists(st.tuples(st.floats(1.0, 1e6), st.floats(0.0, 1e9)), min_size=1, max_size=8).filter(
+        lambda found: sum(t for _, t in found) > 0.0
+    )
+)
+def test_an_equivalent_load_has_the_damage_of_its_spectrum(levels: list[tuple[float, float]]) -> None:
+    loads, turns = zip(*levels, strict=True)
+    equivalent = equivalent_load(loads, turns)
+    damage = sum(count / rating_life(1e6, load) for load, count in levels)  # Palmgren and Miner
+    assert sum(turns) / rating_life(1e6, equivalent) == pytest.approx(damage)
+    assert min(loads) * (1 - 1e-9) <= equivalent <= max(loads) * (1 + 1e-9)
+
+
+def test_ninety_per_cent_reach_the_rating_life() -> None:
+    assert survivors(3e4, 3e4, 1.3) == pytest.approx(0.9)
+    assert life_survived_by(0.9, 3e4, 1.3) == pytest.approx(3e4)
+
+
+@given(st.floats(0.01, 0.99), st.floats(1.0, 1e9), st.floats(0.5, 5.0))
+def test_the_life_survived_by_a_share_is_survived_by_it(share: float, rating: float, slope: float) -> None:
+    assert survivors(life_survived_by(share, rating, slope), rating, slope) == pytest.approx(share)
+
+
+@pytest.mark.parametrize("slope", [ROLLER_SLOPE, 1.5, 3.0])
+def test_lives_have_the_distribution_of_weibull(slope: float) -> None:
+    rating, shares = 3e4, np.random.default_rng(1).random(5000)
+    lives = [life_survived_by(float(share), rating, slope) for share in shares]
+    characteristic = rating / np.log(1.0 / 0.9) ** (1.0 / slope)
+    assert kstest(lives, weibull_min(slope, scale=characteristic).cdf).pvalue > 0.01
+    assert life_survived_by(0.3, rating, slope) == pytest.approx(weibull_min.isf(0.3, slope, scale=characteristic))
+
+
+@pytest.mark.parametrize(("rating", "load"), [(0.0, 1.0), (1.0, 0.0), (float("nan"), 1.0), (1e6, -5.0)])
+def test_without_load_no_life_ends(rating: float, load: float) -> None:
+    with pytest.raises(Refusal, match="both must be above 0 N"):
+        rating_life(rating, load)
+
+
+def test_a_spectrum_without_revolutions_is_refused() -> None:
+    with pytest.raises(Refusal, match="no revolutions"):
+        equivalent_load([1.0, 2.0], [0.0, 0.0])
+    with pytest.raises(Refusal, match="2 loads and 1 revolutions"):
+        equivalent_load([1.0, 2.0], [1.0])

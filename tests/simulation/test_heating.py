@@ -1,0 +1,197 @@
+"""Temperatures, lubricant and clearance of a running bearing: on their grid of steps, in balance, and felt by the motion."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+
+import dcrb_ros
+from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.settings.files import load_configuration
+from dcrb_ros.simulation.heating import AVERAGED
+from dcrb_ros.simulation.loop import ModelFailure, Simulation
+from dcrb_ros.simulation.scenario import scheduled_changes
+
+WARM = {"thermal.law": "network"}
+
+
+def simulation(**values: Any) -> Simulation:
+    """Return the default bench with a thermal network and more."""
+    return Simulation(load_configuration("healthy", WARM | {key.replace("__", "."): value for key, value in values.items()}))
+
+
+def samples(running: Simulation, duration: float) -> bytes:
+    """Return the samples of a run as bytes."""
+    return b"".join(block.acceleration.tobytes() for block in running.blocks(duration))
+
+
+def advanced(running: Simulation, duration: float) -> Simulation:
+    """Return a simulation after some time [s]."""
+    for _ in running.blocks(duration):
+        pass
+    return running
+
+
+def test_the_size_of_blocks_changes_no_sample_and_no_temperature() -> None:
+    sizes = (256, 1000, 4096)
+    runs = [simulation(publishing__block_size=size, thermal__acceleration=300.0, faults__lubrication__loss=0.5) for size in sizes]
+    found = [samples(run, 0.3) for run in runs]
+    assert found[1:] == found[:-1]
+    assert runs[0]._heating.temperatures == runs[1]._heating.temperatures == runs[2]._heating.temperatures
+
+
+def test_a_fork_continues_with_the_same_temperatures() -> None:
+    run = advanced(simulation(thermal__acceleration=300.0), 0.1)
+    other = run.fork()
+    assert samples(run, 0.1) == samples(other, 0.1)
+    assert run._heating.temperatures == other._heating.temperatures
+    assert run._heating.temperatures is not other._heating.temperatures
+
+
+def test_heat_that_films_lose_is_stored_or_lost() -> None:
+    run = simulation(thermal__acceleration=50.0, thermal__start="cold")
+    heating = run._heating
+    begin, filtered = list(heating.temperatures), sum(map(sum, heating._heat))
+    put_in = lost = 0.0
+    for tick in range(1, 26):
+        advanced(run, 0.02)
+        duration = 50.0 * 0.02
+        put_in += duration * sum(map(sum, heating._heat))
+        lost += duration * sum(g * (t - 20.0) for g, t in zip(heating.flow.ambient, heating.temperatures, strict=True))
+        stored = math.fsum(c * (t - b) for c, t, b in zip(heating._network.capacity, heating.temperatures, begin, strict=True))
+        assert stored + lost == pytest.approx(put_in, rel=1e-9), tick
+    # What was put in is what the account of losses and the seals have, except for what the average still holds.
+    booked = float(heating._losses.sum()) + 0.5 * 2 * run.configuration.thermal.seal_torque * 125.664  # type: ignore[union-attr]
+    held = AVERAGED * (sum(map(sum, heating._heat)) - filtered)
+    assert put_in / 50.0 + held == pytest.approx(booked, rel=2e-3)  # the speed fluctuates by 0.1 %
+
+
+def test_a_warm_start_is_near_the_steady_state_of_the_running_bearing() -> None:
+    run = dcrb_ros.simulate("healthy", 1.0, settings=WARM)
+    warm, now = run.states.heat[0].sum(), run.states.heat[-1].sum()
+    assert now == pytest.approx(warm, rel=0.15)
+    assert abs(run.states.box_temperature[-1] - run.states.box_temperature[0]) < 0.1
+
+
+def test_a_cold_start_warms_up_and_loses_viscosity_and_clearance() -> None:
+    run = dcrb_ros.simulate("healthy", 1.5, settings=WARM | {"thermal.start": "cold", "thermal.acceleration": 1000.0})
+    states = run.states
+    assert states.box_temperature[0] == pytest.approx(20.0, abs=0.5)
+    assert states.inner_ring_temperature[-1].min() > 30.0
+    assert states.film[-1, 0] < 0.7 * states.film[10, 0]
+    assert states.clearance_change[-1] < -1e-6
+
+
+def test_lost_lubricant_thins_films_and_then_heats() -> None:
+    fine, starved, lost = (
+        dcrb_ros.simulate("healthy", 0.3, settings=WARM | {"faults.lubrication.loss": loss, "thermal.start": "cold"}).states
+        for loss in (0.0, 0.8, 1.0)
+    )
+    powers = [states.friction_power[-10:].sum(axis=(1, 2)).mean() for states in (fine, starved, lost)]
+    assert powers[1] < 0.8 * powers[0]  # a starved film resists rolling less
+    assert powers[2] > 3.0 * powers[0]  # until asperities carry
+    assert fine.film_ratio[-1, 0] > 3.0
+    assert lost.film_ratio[-1, 0] < 0.1
+
+
+def test_a_loss_grows_at_its_rate_and_the_truth_names_it() -> None:
+    run = simulation(faults__lubrication__loss=0.4, faults__lubrication__duration=1.0)
+    truths = [truth for block in run.blocks(0.6) for truth in block.truths]
+    assert truths[0].thermal["lubricant_loss"] == 0.0
+    at = {round(truth.time_ns * 1e-9, 1): truth.thermal["lubricant_loss"] for truth in truths}
+    assert at[0.2] == pytest.approx(0.2, abs=0.021)
+    assert at[0.5] == pytest.approx(0.4, abs=1e-12)
+    assert truths[-1].faults["lubrication"]["loss"] == 0.4
+
+
+@pytest.mark.parametrize("law", ["network", "none"])
+def test_a_scenario_and_a_change_at_run_time_take_the_lubricant(law: str) -> None:
+    c = load_configuration("healthy", {"thermal.law": law})
+    story = {"timeline": [{"at": 0.1, "over": 0.1, "set": {"faults.lubrication.loss": 1.0}}]}
+    told = Simulation(c, scheduled_changes(story, c, "story"))
+    states = [states for block in told.blocks(0.3) for states in block.states]
+    assert states[5].lubrication.film[0] > 5e-7 > 1e-7 > states[-1].lubrication.film[0]  # type: ignore[union-attr]
+    commanded = Simulation(c)
+    advanced(commanded, 0.1)
+    commanded.change({"faults.lubrication.loss": 1.0})
+    states = [states for block in commanded.blocks(0.1) for states in block.states]
+    assert states[-1].lubrication.film[0] < 1e-7  # type: ignore[union-attr]
+    assert {"lubrication"} == {name for block in commanded.blocks(0.2) for truth in block.truths for name in truth.faults}
+
+
+def test_lost_clearance_widens_the_load_zone_and_heats() -> None:
+    sound, tight = (
+        dcrb_ros.simulate("healthy", 0.2, settings=WARM | {"faults.clearance.lost": lost, "thermal.start": "cold"}).states
+        for lost in (0.0, 7.5e-5)
+    )
+    loaded = [(states.inner_force[-10:, :32] > 500.0).mean() for states in (sound, tight)]
+    assert loaded[1] > 2.0 * loaded[0]
+    assert tight.heat[-1].sum() > 1.2 * sound.heat[-1].sum()
+
+
+def test_clearance_that_is_lost_at_run_time_goes_in_small_steps() -> None:
+    run = simulation()
+    advanced(run, 0.1)
+    run.change({"faults.clearance.lost": 5e-6})
+    gaps = np.array([states.thermal.clearance_change for block in run.blocks(1.0) for states in block.states])  # type: ignore[union-attr]
+    assert gaps[-1] - gaps[0] == pytest.approx(-5e-6, abs=5e-7)
+    assert np.abs(np.diff(gaps)).max() <= 5 * 0.02e-6  # in 10 ms, five eighths of a tick at most
+    assert np.isfinite(gaps).all()
+
+
+def test_a_lighter_fault_is_refused_where_it_would_do_nothing() -> None:
+    for settings, word in (
+        ({"thermal.law": "network"}, "lubrication.law is dry"),
+        ({"faults.lubrication.loss": 0.5}, "needs a lubricant"),
+        ({"faults.seal_rub.torque": 1.0}, "thermal.law is none"),
+        ({"faults.overfilled.share": 0.1}, "thermal.law = network"),
+        ({"faults.clearance.lost": 5e-4}, "interference"),
+    ):
+        with pytest.raises(Refusal, match=word):
+            load_configuration("dry", settings)
+
+
+def test_the_housing_sensor_lags_behind_a_step_by_its_time_constant() -> None:
+    from dcrb_ros.bearing.heat_network import heat_network
+    from dcrb_ros.simulation.temperature_sensors import TemperatureSensors
+
+    c = load_configuration("healthy", WARM | {"thermal.sensor_noise": 0.0, "thermal.sensor_resolution": 0.0})
+    sensors = TemperatureSensors(c, heat_network(c.bearing, c.thermal), [20.0] * 7)
+    for _ in range(3000):  # 60 s in ticks
+        sensors.follow(c, [70.0] * 7, 0.02)
+    reading = sensors.reading(c, 0, 0)
+    assert reading is not None
+    assert reading.box == pytest.approx(20.0 + 50.0 * (1.0 - math.exp(-1.0)), rel=1e-9)
+    assert reading.outer_ring == 70.0
+
+
+def test_sensors_read_once_a_second_with_noise_and_resolution() -> None:
+    readings = [reading for block in simulation().blocks(2.05) for reading in block.temperatures]
+    assert [reading.time_ns for reading in readings] == [0, 1_000_000_000, 2_000_000_000]
+    for reading in readings:
+        assert reading.outer_ring % 0.5 == reading.box % 0.5 == reading.ambient % 0.5 == 0.0
+        assert abs(reading.ambient - 20.0) < 1.5
+
+
+def test_cold_oil_is_held_at_the_temperature_at_which_it_flows_and_counted() -> None:
+    c = load_configuration(
+        "healthy", WARM | {"thermal.start": "cold", "thermal.ambient": -40.0, "lubrication.lubricant": "vg220", "lubrication.layer": 2e-6}
+    )
+    run = advanced(Simulation(c), 0.1)
+    assert run._heating.truth(c)["clamped"] == 5.0
+    assert math.isfinite(run._heating.temperatures[0])
+
+
+def test_a_bearing_that_burns_off_ends_the_run_with_the_reason() -> None:
+    run = simulation(thermal__acceleration=3000.0, faults__lubrication__loss=1.0, faults__clearance__lost=9.5e-5)
+    with pytest.raises(ModelFailure, match="burnt off"):
+        advanced(run, 5.0)
+
+
+def test_the_account_of_energy_closes_while_radii_grow() -> None:
+    run = advanced(simulation(thermal__start="cold", thermal__acceleration=200.0), 0.5)
+    energy = run.energy
+    assert abs(energy.residual) < 2e-3 * energy.drive
