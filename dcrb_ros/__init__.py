@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from dcrb_ros.bearing.kinematics import Orders
     from dcrb_ros.bearing.waveform import Waveform
     from dcrb_ros.calibration.calibration import Calibration, calibrate
+    from dcrb_ros.calibration.comparison import Comparison, compare
     from dcrb_ros.diagnosis.detection import DetectionResult, detect
     from dcrb_ros.diagnosis.detector import FaultDetector
     from dcrb_ros.diagnosis.envelope_spectrum import EnvelopeSpectrum, envelope_spectrum
@@ -45,6 +46,7 @@ __all__ = [
     "Bearing",
     "Block",
     "Calibration",
+    "Comparison",
     "Configuration",
     "DetectionResult",
     "DetectorParameters",
@@ -67,6 +69,7 @@ __all__ = [
     "__version__",
     "calibrate",
     "characteristic_frequencies",
+    "compare",
     "detect",
     "dynamic_load_rating",
     "envelope_spectrum",
@@ -88,6 +91,7 @@ _MODULES = {
     "Bearing": "settings.parameters",
     "Block": "stream.block",
     "Calibration": "calibration.calibration",
+    "Comparison": "calibration.comparison",
     "Configuration": "settings.configuration",
     "DetectionResult": "diagnosis.detection",
     "DetectorParameters": "diagnosis.parameters",
@@ -109,6 +113,7 @@ _MODULES = {
     "Waveform": "bearing.waveform",
     "calibrate": "calibration.calibration",
     "characteristic_frequencies": "bearing.frequencies",
+    "compare": "calibration.comparison",
     "detect": "diagnosis.detection",
     "dynamic_load_rating": "prognosis.rating_life",
     "envelope_spectrum": "diagnosis.envelope_spectrum",

@@ -9,10 +9,10 @@ import numpy as np
 
 from dcrb_ros.calibration.estimate import QUANTILE, Estimate, by_difference
 from dcrb_ros.calibration.identified_path import COLUMNS, LOWEST, IdentifiedPath, Part
-from dcrb_ros.calibration.lines import mains_hum, order_line, shaft_modulation, speed_fluctuation
+from dcrb_ros.calibration.lines import mains_hum, order_line, shaft_modulation, speed_fluctuation, without_lines
 from dcrb_ros.calibration.measured import Measured
 from dcrb_ros.calibration.source import Source
-from dcrb_ros.calibration.spectra import binned, power_density
+from dcrb_ros.calibration.spectra import Spectrum, binned, power_density, third_octaves
 from dcrb_ros.measurement.parameters import MICRO_G
 from dcrb_ros.measurement.stages.background import REFERENCE_SPEED
 from dcrb_ros.schema.arrays import Floats
@@ -22,10 +22,16 @@ MOST_FLUCTUATION = 0.02
 """Largest fluctuation of the speed that the bench has [-]."""
 SLOWEST_RIPPLE = 6.0
 """Frequency of the shaft above which its ripple can be told from the random fluctuation up to 5 Hz [Hz]."""
+TONE = 4.0
+"""Level of a third octave over the model from which its lines hold most of the power [dB]."""
+STATED = 1e-6
+"""Fluctuation below which an angle follows from a stated speed [-]: single precision leaves 1e-9 of it, a machine 1e-5 at least."""
 PINK_SLOPE = (-1.5, -0.6)
 """Slopes of the logarithms of power and frequency that count as 1/f noise [-]."""
 PINK_SCATTER = 0.5
 """Largest scatter of the logarithm about that slope [-], 2 dB."""
+LOWEST_ENVELOPE = 400.0
+"""Lower end of the band whose envelope shows the modulation [Hz]: lines of the shaft, the mains and single rollers lie below."""
 LONGEST_ANGLE = 20.0
 """Time of the angle from which the fluctuation of the speed is estimated [s]."""
 
@@ -36,13 +42,12 @@ def speed_of(machines: Sequence[Measured]) -> Part:
     speeds = [machine.speed for machine in machines]
     found.estimates.append(Estimate("operating.speed", speeds[0], min(speeds), max(speeds), "rad/s"))
     tracked = [machine for machine in machines if machine.tracked]
-    if not tracked:
+    seen = speed_fluctuation(tracked[0].turns[: round(LONGEST_ANGLE * tracked[0].rate)], tracked[0].rate) if tracked else None
+    if seen is None or seen.random < STATED:
         found.parameters |= {"operating.speed_fluctuation": 0.0, "operating.speed_ripple": 0.0}
         found.remarks.append("the fluctuation of the speed is unknown: the speed is stated, and an angle of the shaft was not measured")
         return found
     machine = tracked[0]
-    part = machine.turns[: round(LONGEST_ANGLE * machine.rate)]
-    seen = speed_fluctuation(part, machine.rate)
     values = [("speed_fluctuation", seen.random, seen.random_error)]
     if abs(machine.speed) > 2.0 * math.pi * SLOWEST_RIPPLE:
         values.append(("speed_ripple", seen.ripple, seen.ripple_error))
@@ -114,7 +119,8 @@ def modulation_of(machines: Sequence[Measured], sources: Sequence[Source], path:
     depths, errors, benches = [], [], []
     for row, axis in enumerate(machine.axes):
         fit = path.fits[axis]
-        band = _heard_band(fit.data.frequency, fit.share()[0])
+        above = fit.data.frequency >= LOWEST_ENVELOPE
+        band = _heard_band(fit.data.frequency[above], fit.share()[0][above])
         if band is None:
             continue
         inside = (fit.data.frequency >= band[0]) & (fit.data.frequency <= band[1])
@@ -151,18 +157,39 @@ def _heard_band(frequency: Floats, share: Floats) -> tuple[float, float] | None:
     return widest if widest[1] >= 2.0 * widest[0] else None
 
 
-def background_of(machines: Sequence[Measured], sources: Sequence[Source], path: IdentifiedPath, bench: Configuration) -> Part:
+def tones_of(machines: Sequence[Measured], path: IdentifiedPath) -> Part:
+    """Return a remark on the third octaves whose power is in lines, for which the bench has no source."""
+    found, machine = Part(), machines[0]
+    for row, axis in enumerate(machine.axes):
+        spectrum, fit = power_density(machine.acceleration[row], machine.rate), path.fits[axis]
+        middle, level = third_octaves(spectrum, machine.rate)
+        density = np.exp(np.interp(np.log(spectrum.frequency[1:]), np.log(fit.data.frequency), fit.modelled()[0]))
+        modelled = third_octaves(Spectrum(spectrum.frequency, np.concatenate([density[:1], density]), 1.0), machine.rate)[1]
+        high = [frequency for frequency, over in zip(middle, level - modelled, strict=True) if over > TONE and frequency > LOWEST]
+        if high:
+            bands = ", ".join(f"{frequency:.4g}" for frequency in high)
+            found.remarks.append(
+                f"lines that the bench does not have hold most of the power in {axis.upper()} in the third octaves at {bands} Hz"
+            )
+    return found
+
+
+def background_of(machines: Sequence[Measured], path: IdentifiedPath, bench: Configuration, hum_frequency: float) -> Part:
     """Return what is below the band of the path beyond source and white noise: 1/f noise, or a background of the machine."""
     found, machine = Part(), machines[0]
     excesses, slopes = [], []
     for row, axis in enumerate(machine.axes):
-        spectrum = binned(power_density(machine.acceleration[row], machine.rate), machine.rate)
+        quiet = without_lines(machine.acceleration[row], machine.turns, machine.rate, hum_frequency)
+        spectrum = binned(power_density(quiet, machine.rate), machine.rate)
         low = spectrum.frequency < LOWEST
         frequency, power = spectrum.frequency[low], np.exp(spectrum.level[low])
-        bearing = binned(power_density(sources[0].acceleration[COLUMNS[axis]], machine.rate), machine.rate).level
-        excess = power - path.white**2 - path.gain(axis) ** 2 * np.exp(np.interp(frequency, spectrum.frequency, bearing))
+        fit = path.fits[axis]
+        bearing = np.interp(np.log(frequency), np.log(fit.data.frequency), fit.data.source[0] + fit.log_path())
+        # Lines of bearing and bench need not lie in the same bins.
+        bearing = np.log(np.convolve(np.exp(np.pad(bearing, 4, "edge")), np.ones(9) / 9.0, "valid"))
+        excess = power - path.white**2 - fit.gains[0] ** 2 * np.exp(bearing)
         heard = excess > 0.5 * power
-        if np.count_nonzero(heard) < 5:
+        if np.count_nonzero(heard) < 0.3 * len(heard):
             continue
         excesses.append((axis, frequency, np.maximum(excess, 0.0)))
         coefficients, residuals, *_ = np.polyfit(np.log(frequency[heard]), np.log(excess[heard]), 1, full=True)

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from dcrb_ros.bearing.waveform import Signal, Waveform
-from dcrb_ros.calibration.around_the_bearing import background_of, hum_of, modulation_of, speed_of, unbalance_of
+from dcrb_ros.calibration.around_the_bearing import background_of, hum_of, modulation_of, speed_of, tones_of, unbalance_of
 from dcrb_ros.calibration.estimate import LEVEL, Estimate, PathLevel
 from dcrb_ros.calibration.identified_path import identified_path
 from dcrb_ros.calibration.measured import Measured, check_one_machine, measured_of
@@ -44,6 +44,9 @@ class Calibration:
     """The bench, to be simulated like any other."""
     estimates: tuple[Estimate, ...]
     """The estimated parameters with their intervals."""
+    gains: Mapping[str, Estimate]
+    """By axis, the root of the power behind the path over that before it, from 200 Hz to the upper end of the band: what can be identified
+    of a gain, while ``structure.gain_y`` is the gain at rest, where the bearing is not heard."""
     path: tuple[PathLevel, ...]
     """Gain of the path in third octaves, which is what the sections in the configuration amount to."""
     unidentified: tuple[str, ...]
@@ -148,25 +151,26 @@ def calibrate(
     """
     duration_within("source_seconds =", source_seconds, LONGEST_SOURCE, "4 s give spectra within 0.5 dB")
     given = [recordings] if isinstance(recordings, Signal) else list(recordings)
-    called = [*names, *(_name(one, number) for number, one in enumerate(given, 1))][: len(given)] if not names else list(names)
+    called = list(names) or [_name(one, number) for number, one in enumerate(given, 1)]
     if len(called) != len(given):
         raise Refusal(f"{len(called)} names are given for {len(given)} recordings: give one for each, or none")
     machines = [measured_of(one, name, trust=trust) for one, name in zip(given, called, strict=True)]
     check_one_machine(machines)
-    changes = settings if isinstance(settings, Mapping) else dict(_setting(text) for text in settings)
-    benches = [bench_of(machine, base, changes) for machine in machines]
+    benches = [bench_of(machine, base, settings) for machine in machines]
     sources = _sources(machines, benches, source_seconds)
     path = identified_path(machines, sources, float(benches[0].step_rate))
     modulation = modulation_of(machines, sources, path)
     path.divide_gains(math.sqrt(1.0 + 0.5 * modulation.parameters.get("structure.modulation", 0.0) ** 2))
     found, unidentified, parameters = list[Estimate](), list[str](), dict[str, Any]()
+    hum = hum_of(machines)
     for part in (
         path,
         modulation,
         speed_of(machines),
-        hum_of(machines),
+        hum,
         unbalance_of(machines, sources, path),
-        background_of(machines, sources, path, benches[0]),
+        background_of(machines, path, benches[0], hum.parameters.get("background.hum_frequency", 0.0)),
+        tones_of(machines, path),
     ):
         found += part.estimates
         unidentified += part.remarks
@@ -176,6 +180,7 @@ def calibrate(
     return Calibration(
         configuration,
         tuple(kept),
+        path.gains,
         tuple(path.levels),
         (*unidentified, *NOT_SEEN),
         tuple(called),
@@ -217,12 +222,3 @@ def _fits(one: Estimate, configuration: Configuration) -> bool:
 def _name(signal: Signal, number: int) -> str:
     path = getattr(signal, "path", None)
     return str(path) if path is not None else f"recording {number}"
-
-
-def _setting(text: str) -> tuple[str, Any]:
-    from dcrb_ros.text.yaml import parsed
-
-    key, equals, value = text.partition("=")
-    if not equals:
-        raise Refusal(f"setting '{text}': write KEY=VALUE, such as operating.load=5000.0")
-    return key, parsed(value)

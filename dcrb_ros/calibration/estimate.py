@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 LEVEL = 0.9
 """Probability with which an interval is meant to contain the value [-]."""
@@ -29,6 +29,10 @@ class Estimate:
     def __post_init__(self) -> None:
         if not self.low <= self.value <= self.high:
             raise ValueError(f"{self.key} = {self.value:g} is outside its interval {self.low:g} .. {self.high:g}")
+
+    def divided(self, factor: float) -> Estimate:
+        """Return the estimate of the value over a factor [-]."""
+        return replace(self, value=self.value / factor, low=self.low / factor, high=self.high / factor)
 
     def __str__(self) -> str:
         return f"{self.key} = {self.value:.4g} ({self.low:.4g} to {self.high:.4g}) {self.unit}".removesuffix(" -")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -13,13 +13,13 @@ from dcrb_ros.calibration.estimate import QUANTILE, Estimate, PathLevel, by_fact
 from dcrb_ros.calibration.measured import Measured
 from dcrb_ros.calibration.path_fit import NEPER, Data, PathFit, fit_path
 from dcrb_ros.calibration.source import Source
-from dcrb_ros.calibration.spectra import binned, fluctuation, power_density
+from dcrb_ros.calibration.spectra import Spectrum, binned, fluctuation, power_density
 from dcrb_ros.features.band_levels import EDGE, middles
 from dcrb_ros.measurement.stages.path import text_of
 from dcrb_ros.schema.arrays import Floats
 
-LOWEST = 100.0
-"""Frequency from which a path is identified [Hz]: below it, machines have other sources, and the path keeps its gain at rest."""
+LOWEST = 200.0
+"""Frequency from which a path is identified [Hz]: below it, machines have other sources."""
 HEARD = 0.5
 """Share of the noise in a bin from which the noise counts as identified, and of the bearing from which the path does [-]."""
 FEWEST_BINS = 16
@@ -45,6 +45,8 @@ class IdentifiedPath(Part):
     fits: dict[str, PathFit] = field(default_factory=dict)
     levels: list[PathLevel] = field(default_factory=list)
     residuals: list[tuple[str, Floats, Floats]] = field(default_factory=list)
+    gains: dict[str, Estimate] = field(default_factory=dict)
+    """Gain of each axis over the band of the source, which is what can be identified of a gain."""
     white: float = 0.0
     """Density of the white noise [m/s^2/sqrt(Hz)]."""
 
@@ -56,9 +58,10 @@ class IdentifiedPath(Part):
         """Divide all gains and levels by a factor [-]: modulation by the shaft adds power, which is not the path's."""
         shift = 20.0 * math.log10(factor)
         self.levels = [replace(one, level=one.level - shift, low=one.low - shift, high=one.high - shift) for one in self.levels]
+        self.gains = {axis: one.divided(factor) for axis, one in self.gains.items()}
         for k, one in enumerate(self.estimates):
             if one.key.startswith("structure.gain_"):
-                self.estimates[k] = replace(one, value=one.value / factor, low=one.low / factor, high=one.high / factor)
+                self.estimates[k] = one.divided(factor)
                 self.parameters[one.key] = one.value / factor
 
 
@@ -69,7 +72,8 @@ def identified_path(machines: Sequence[Measured], sources: Sequence[Source], ste
         found.fits[axis] = fit_path(_data(machines, sources, row, axis, step_rate))
     _add_noise(found)
     for row, axis in enumerate(machines[0].axes):
-        _add_axis(found, axis, [_unsteadiness(m, s, row, axis) for m, s in zip(machines, sources, strict=True)])
+        own = power_density(sources[0].acceleration[COLUMNS[axis]], machines[0].rate)
+        _add_axis(found, axis, own, [_unsteadiness(m, s, row, axis) for m, s in zip(machines, sources, strict=True)])
     if machines[0].axes == ("y",):
         for name in ("gain", "path"):
             found.parameters[f"structure.{name}_x"] = found.parameters[f"structure.{name}_y"]
@@ -134,13 +138,19 @@ def _add_noise(found: IdentifiedPath) -> None:
             found.fits[axis] = fit_path(fit.data, white=white)
 
 
-def _add_axis(found: IdentifiedPath, axis: str, unsteady: Sequence[dict[float, float]]) -> None:
-    """Add gain, sections and levels in third octaves of an axis."""
+def _add_axis(found: IdentifiedPath, axis: str, source: Spectrum, unsteady: Sequence[dict[float, float]]) -> None:
+    """Add gain, sections and levels in third octaves of an axis; ``source`` is the spectrum of the first source."""
     fit = found.fits[axis]
-    gain, deviation = float(fit.gains[0]), _gain_deviation(fit, unsteady)
+    whole, variance = _level(fit, source, LOWEST, float(fit.data.frequency[-1]))
+    variance += unsteady[0][0.0]
+    if len(fit.gains) > 1:  # gains that differ between recordings are less certain by as much
+        variance += 4.0 * float(np.var(np.log(fit.gains), ddof=1))
+    deviation = 0.5 * math.sqrt(variance)
+    gain = float(fit.gains[0])
     found.parameters |= {f"structure.gain_{axis}": gain, f"structure.path_{axis}": text_of(fit.pairs)}
     found.estimates.append(by_factor(f"structure.gain_{axis}", gain, deviation, "-"))
-    levels = _levels(fit, axis, unsteady)
+    found.gains[axis] = by_factor(f"gain_{axis}", math.exp(0.5 * whole), deviation, "-")
+    levels = list(_levels(fit, axis, source, unsteady[0]))
     found.levels += levels
     found.residuals.append((axis, fit.data.frequency, fit.residual()[0]))
     silent = [one.frequency for one in levels if not one.identified]
@@ -155,34 +165,23 @@ def _bands(frequencies: Sequence[float]) -> str:
     return ", ".join(shown) if len(shown) < 5 else f"{shown[0]} .. {shown[-1]}"
 
 
-def _gain_deviation(fit: PathFit, unsteady: Sequence[dict[float, float]]) -> float:
-    """Return the standard deviation of the logarithm of the gain over the band in which the source is, by chance and by changes.
-
-    Gains of several recordings that differ by more add what they differ.
-    """
-    weight = np.exp(fit.data.source[0]) * np.gradient(fit.data.frequency) * np.exp(fit.log_path())
-    weight /= weight.sum()
-    gradient = weight @ fit.level_gradient(0)
-    variance = 0.25 * (float(gradient @ fit.covariance @ gradient) + unsteady[0][0.0])
-    if len(fit.gains) > 1:
-        variance += float(np.var(np.log(fit.gains), ddof=1))
-    return math.sqrt(variance)
+def _level(fit: PathFit, source: Spectrum, low: float, high: float) -> tuple[float, float]:
+    """Return the logarithm of the power gain over a band [Hz], weighted by the source, and its variance by chance."""
+    inside = (source.frequency >= low) & (source.frequency < high)
+    frequency, before = source.frequency[inside], source.density[inside]
+    power = 2.0 * math.log(float(fit.gains[0])) + fit.log_path(frequency)
+    behind = before * np.exp(power - power.max())
+    by = (behind / behind.sum()) @ fit.level_gradient(frequency)
+    return math.log(float(behind.sum() / before.sum())) + float(power.max()), float(by @ fit.covariance @ by)
 
 
-def _levels(fit: PathFit, axis: str, unsteady: Sequence[dict[float, float]]) -> list[PathLevel]:
-    """Return the gain of the path in third octaves with its intervals."""
-    data, found = fit.data, []
-    power = 2.0 * math.log(float(fit.gains[0])) + fit.log_path()
-    gradient, share = fit.level_gradient(0), fit.share().max(axis=0)
-    source = np.exp(data.source[0]) * np.gradient(data.frequency)
-    for middle in (band for band in unsteady[0] if band):
-        inside = (data.frequency >= middle / EDGE) & (data.frequency < middle * EDGE)
+def _levels(fit: PathFit, axis: str, source: Spectrum, unsteady: dict[float, float]) -> Iterator[PathLevel]:
+    """Yield the gain of the path in third octaves with its intervals."""
+    share = fit.share().max(axis=0)
+    for middle in (band for band in unsteady if band):
+        inside = (fit.data.frequency >= middle / EDGE) & (fit.data.frequency < middle * EDGE)
         if np.count_nonzero(inside) < 3:
             continue
-        weight = source[inside] * np.exp(power[inside] - power[inside].max())
-        level = math.log(float(weight.sum() / source[inside].sum())) + float(power[inside].max())
-        by = (weight / weight.sum()) @ gradient[inside]
-        deviation = math.sqrt(float(by @ fit.covariance @ by) + unsteady[0][middle])
-        decibels, half = 0.5 * NEPER * level, 0.5 * NEPER * QUANTILE * deviation
-        found.append(PathLevel(axis, middle, decibels, decibels - half, decibels + half, float(share[inside].mean())))
-    return found
+        level, variance = _level(fit, source, middle / EDGE, min(middle * EDGE, float(fit.data.frequency[-1])))
+        decibels, half = 0.5 * NEPER * level, 0.5 * NEPER * QUANTILE * math.sqrt(variance + unsteady[middle])
+        yield PathLevel(axis, middle, decibels, decibels - half, decibels + half, float(share[inside].mean()))

@@ -88,6 +88,18 @@ def order_line(signal: Floats, turns: Floats, order: float) -> tuple[complex, fl
     return amplitude(order), float(np.sqrt(np.mean([abs(amplitude(order + offset)) ** 2 for offset in offsets]) / 2.0))
 
 
+def without_lines(signal: Floats, turns: Floats, rate: int, hum_frequency: float) -> Floats:
+    """Return a signal without its first five harmonics of the shaft and three of the mains [Hz], 0 for none, fitted by least squares."""
+    angles: list[Floats] = [np.asarray(2.0 * math.pi * k * turns, np.float64) for k in range(1, 6)]
+    if hum_frequency:
+        time = np.arange(len(signal), dtype=np.float64) / rate
+        angles += [np.asarray(2.0 * math.pi * k * hum_frequency * time, np.float64) for k in (1, 2, 3)]
+    design = np.column_stack([part(angle) for angle in angles for part in (np.cos, np.sin)])
+    # The columns are nearly orthogonal over many turns: the normal equations are small and sound.
+    solution = np.linalg.solve(design.T @ design + 1e-9 * len(signal) * np.eye(design.shape[1]), design.T @ signal)
+    return np.asarray(signal - design @ solution, np.float64)
+
+
 @dataclass(frozen=True)
 class Fluctuation:
     """Fluctuation of a measured speed, root mean squares over the speed [-]."""

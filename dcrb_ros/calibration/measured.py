@@ -81,7 +81,7 @@ def measured_of(signal: Signal, name: str, *, trust: bool = False) -> Measured:
     if not isinstance(signal, Signal):
         raise Refusal(f"{name} is not a recording: give a Recording, a Run or a Waveform")
     whole = signal.waveform()
-    waveform = _longest_stretch(whole)
+    waveform = longest_stretch(whole)
     acceleration = waveform.acceleration.T.astype(np.float64)
     if not len(waveform) or not np.isfinite(acceleration).all():
         raise Refusal(f"{name} is empty or has samples that are not numbers: give a waveform")
@@ -141,7 +141,7 @@ def check_one_machine(recordings: Sequence[Measured]) -> None:
                 raise Refusal(f"{pair} are of different machines: {orders}; calibrate to each alone")
 
 
-def _longest_stretch(waveform: Waveform) -> Waveform:
+def longest_stretch(waveform: Waveform) -> Waveform:
     borders = [0, *(np.flatnonzero(np.diff(waveform.index) != 1) + 1).tolist(), len(waveform)]
     begin, end = max(pairwise(borders), key=lambda piece: piece[1] - piece[0])
     return waveform if (begin, end) == (0, len(waveform)) else waveform._cut(slice(begin, end))

@@ -17,7 +17,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -26,13 +26,17 @@ from dcrb_ros.calibration.spectra import Binned
 from dcrb_ros.measurement.stages.path import Pair
 from dcrb_ros.schema.arrays import Floats
 
-MOST_FACTORS = 24
+MOST_FACTORS = 16
 """Largest number of pairs of poles and zeros [-]."""
 MODEL_ERROR = 0.05
 """Standard deviation of the logarithm by which the model may be wrong in a bin [-], 0.2 dB."""
+FALLING_FROM = 28.0
+"""Frequency from which a path that falls towards low frequencies is seen [Hz]."""
+FALLING_ERROR = 0.7
+"""Standard deviation of the logarithm there [-], 3 dB: lines of bearing and machine lie side by side."""
 PRIOR = (0.4, 2.0)
 """Standard deviations of the logarithms of z/p and a/b before they are fitted [-]: a pair far apart must be worth it."""
-DAMPINGS = (0.006, 1.5)
+DAMPINGS = (0.008, 1.5)
 FACTOR = 4
 """Parameters of a factor: log p, log b, log z and log a."""
 ROBUST = 3.0
@@ -62,17 +66,19 @@ class Data:
 
     @staticmethod
     def of(measured: Sequence[Binned], source: Sequence[Binned], low: float, step_rate: float) -> Data:
-        """Return the data from a ``low`` frequency [Hz] on."""
-        kept = measured[0].frequency >= low
-        both = zip(measured, source, strict=True)
-        deviation = np.array([np.sqrt(one.variance + two.variance + MODEL_ERROR**2)[kept] for one, two in both])
-        return Data(
-            measured[0].frequency[kept],
-            np.array([one.level[kept] for one in measured]),
-            np.array([one.level[kept] for one in source]),
-            deviation,
-            step_rate,
-        )
+        """Return the data; below a ``low`` frequency [Hz] the path may fall but not rise, and counts little.
+
+        What a machine has more than its bearing there is its background.
+        """
+        frequency = measured[0].frequency
+        kept = frequency >= FALLING_FROM
+        below, beside = frequency < low, (frequency >= low) & (frequency < 2.0 * low)
+        levels, deviations = [], []
+        for one, two in zip(measured, source, strict=True):
+            most = two.level + float(np.median((one.level - two.level)[beside]))
+            levels.append(np.where(below, np.minimum(one.level, most), one.level)[kept])
+            deviations.append(np.sqrt(one.variance + two.variance + np.where(below, FALLING_ERROR, MODEL_ERROR) ** 2)[kept])
+        return Data(frequency[kept], np.array(levels), np.array([one.level[kept] for one in source]), np.array(deviations), step_rate)
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,23 +99,30 @@ class PathFit:
     """Root mean square of the residuals over their standard deviations [-]; 1 is what chance gives."""
     parameters: Floats
 
-    def log_path(self) -> Floats:
-        """Return the logarithm of |H|^2 in the bins, without the gain, shape (bins,)."""
-        return _log_factors(self.parameters[1 + len(self.gains) :], self.data)[0]
+    def log_path(self, frequency: Floats | None = None) -> Floats:
+        """Return the logarithm of |H|^2 without the gain, in the bins or at other frequencies [Hz], of their shape."""
+        return _log_factors(self.parameters[1 + len(self.gains) :], self._at(frequency))[0]
+
+    def _at(self, frequency: Floats | None) -> Data:
+        return self.data if frequency is None else replace(self.data, frequency=frequency)
 
     def share(self) -> Floats:
         """Return the share of the bearing in the modelled density, shape (recordings, bins) [-]; the rest is noise."""
         return _evaluated(self.parameters, self.data, self.pink)[1]
 
+    def modelled(self) -> Floats:
+        """Return the logarithm of the modelled density, shape (recordings, bins)."""
+        return _evaluated(self.parameters, self.data, self.pink)[0]
+
     def residual(self) -> Floats:
         """Return measured over modelled density, shape (recordings, bins) [dB]."""
-        return np.asarray(0.5 * NEPER * (self.data.measured - _evaluated(self.parameters, self.data, self.pink)[0]), np.float64)
+        return np.asarray(0.5 * NEPER * (self.data.measured - self.modelled()), np.float64)
 
-    def level_gradient(self, recording: int) -> Floats:
-        """Return the derivatives of log g^2 |H|^2 in the bins by the parameters, shape (bins, parameters)."""
-        gradient = np.zeros((len(self.data.frequency), len(self.parameters)))
-        gradient[:, 1 + recording] = 1.0
-        gradient[:, 1 + len(self.gains) :] = _log_factors(self.parameters[1 + len(self.gains) :], self.data)[1]
+    def level_gradient(self, frequency: Floats) -> Floats:
+        """Return the derivatives of log g^2 |H|^2 of the first recording at frequencies [Hz], shape (frequencies, parameters)."""
+        gradient = np.zeros((len(frequency), len(self.parameters)))
+        gradient[:, 1] = 1.0
+        gradient[:, 1 + len(self.gains) :] = _log_factors(self.parameters[1 + len(self.gains) :], self._at(frequency))[1]
         return gradient
 
 
@@ -192,7 +205,7 @@ def _refined(start: Floats, data: Data, pink: float, known: bool) -> Floats:
         loss="soft_l1",
         f_scale=ROBUST,
         x_scale="jac",
-        max_nfev=60,
+        max_nfev=40,
         ftol=1e-5,
         xtol=1e-6,
     )

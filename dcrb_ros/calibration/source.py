@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -40,7 +40,7 @@ class Source:
     """Turns of the shaft since the first sample, shape (samples,) [-]."""
 
 
-def bench_of(measured: Measured, base: Configuration | str | Path | None, settings: Mapping[str, Any]) -> Configuration:
+def bench_of(measured: Measured, base: Configuration | str | Path | None, settings: Mapping[str, Any] | Sequence[str]) -> Configuration:
     """Return the bench without path, background and errors of the sensor, at the speed and the sampling rate of a recording.
 
     Args:

@@ -135,7 +135,7 @@ class Surfaces(Group):
     )
     short_waves: float = length(
         0.0,
-        "Level of waves shorter than 1/150 of a raceway, as a roller feels them along its length, root mean square; half of it from rollers",
+        "Level of waves shorter than 1/150 of a raceway, as a roller feels them along its length; rms, half of it from rollers",
         0.0,
         1e-6,
     )
@@ -272,6 +272,7 @@ class Publishing(Group):
     clock: bool = choice(False, "Also publish /clock, the simulated time, at most 100 times per second of wall time")
     frame: str = choice("outer_ring", "Frame id of the sensor's messages; several bearings in one graph need different ones")
     clean: bool = choice(False, "Also publish outer_ring/vibration_clean, the waveform before noise, clipping and ADC")
+    features: bool = choice(False, "Also publish outer_ring/window_features: features of windows of a second, as dcrb_ros.extract_features")
     contacts: bool = choice(False, "Also publish roller_contacts: outer normal force, slip and friction of every roller")
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 BEARING_ID, MACHINE = "bearing_id", "machine"
@@ -11,14 +11,26 @@ IDENTITIES: Mapping[str, tuple[str, ...]] = {
     MACHINE: ("housing", "structure", "background", "sensor"),
 }
 """Groups of parameters that make the individual bearing, and those that make the machine around it with its sensor."""
+TRUTH: Mapping[str, tuple[type, str]] = {
+    BEARING_ID: (str, "shared by the runs of one individual bearing, at any speed and load; with split.apart never in two splits"),
+    MACHINE: (str, "shared by the runs of one machine: housing, path, background and sensor; with split.apart never in two splits"),
+}
+"""Columns of the labels: type and meaning."""
 
 
-def identities(values: Mapping[str, Any], defaults: Mapping[str, Any], digest: Callable[[Any], str]) -> dict[str, str]:
-    """Return the hashes of bearing and machine with some parameters, of what differs from the defaults."""
-    return {
-        name: digest({key: value for key, value in values.items() if key.split(".")[0] in groups and value != defaults.get(key)})
-        for name, groups in IDENTITIES.items()
-    }
+def identities(
+    values: Mapping[str, Any], defaults: Mapping[str, Any], base: Mapping[str, Mapping[str, Any]] | None = None
+) -> dict[str, dict[str, Any]]:
+    """Return what makes a bearing and a machine: their parameters that differ from the defaults, by the name of the identity.
+
+    ``values`` are parameters by dotted key, on top of those of ``base``, an earlier result.
+    """
+    found: dict[str, dict[str, Any]] = {}
+    for name, groups in IDENTITIES.items():
+        own = {key: value for key, value in values.items() if key.split(".")[0] in groups}
+        merged = {**(base or {}).get(name, {}), **own}
+        found[name] = {key: value for key, value in merged.items() if value != defaults.get(key)}
+    return found
 
 
 class Groups:

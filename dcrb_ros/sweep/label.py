@@ -25,8 +25,6 @@ def base_label(run: Run, base: Mapping[str, Any]) -> dict[str, Any]:
         "place": run.place,
         "twin": run.twin,
         "condition": run.condition,
-        "bearing_id": run.bearing_id,
-        "machine": run.machine,
         "split": run.split,
         "case": run.case,
         "seed": run.seed,

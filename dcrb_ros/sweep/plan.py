@@ -16,7 +16,7 @@ from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import flatten
 from dcrb_ros.sweep.design import GRID, Point, Value, points
-from dcrb_ros.sweep.identity import BEARING_ID, MACHINE, Groups, identities
+from dcrb_ros.sweep.identity import TRUTH, Groups, identities
 from dcrb_ros.sweep.sweep_file import NO_FAULTS, SCENARIO, Shares, Sweep
 
 SEED = "simulation.seed"
@@ -42,10 +42,6 @@ class Run:
     """Shared by the runs that differ in the fault only."""
     condition: str
     """Shared by the runs of one bearing at one speed and load, with any fault and seed."""
-    bearing_id: str
-    """Shared by the runs of one individual bearing, at any speed and load."""
-    machine: str
-    """Shared by the runs of one machine: housing, path, background and sensor."""
     split: str
     changes: Mapping[str, Value]
     """Parameters that differ from the sweep's base."""
@@ -77,10 +73,12 @@ class Plan:
         file, base = sweep.file, dict(sweep.base)
         self._common = digest([base, __version__, model_fingerprint(), file.duration, file.settle, file.branch_at])
         self._defaults = flatten(Configuration().model_dump())
+        self._own = identities(base, self._defaults)
         groups, conditions = Groups(), set[str]()
         for point in self._points():
-            condition, shared = self._condition(point), self._identities(point)
+            condition = self._condition(point)
             conditions.add(condition)
+            shared = self._identities(point) if file.split.apart else {}
             groups.add(condition, {name: shared[name] for name in file.split.apart})
         held = {condition: groups.group(condition) for condition in conditions}
         chosen = splits(set(held.values()), file.split)
@@ -96,7 +94,7 @@ class Plan:
     @property
     def truth(self) -> Mapping[str, tuple[type, str]]:
         """Type and meaning of the columns that the labels have beside those of every sweep."""
-        return {}
+        return TRUTH
 
     def design_text(self) -> str:
         """Return the design for the data card; empty for the one that follows from the sweep file."""
@@ -165,7 +163,7 @@ class Plan:
 
     def _identities(self, point: Point) -> dict[str, str]:
         """Return the hashes of bearing and machine; without a seed of the surfaces, all seeds of a condition count as one bearing."""
-        return identities({**self.sweep.base, **point}, self._defaults, digest)
+        return {name: digest(values) for name, values in identities(point, self._defaults, self._own).items()}
 
     def _seeds(self, condition: str) -> list[int]:
         """Return the seeds of a condition: as given, or derived from the condition so that no two conditions share their noise."""
@@ -174,7 +172,7 @@ class Plan:
 
     def _run(self, place: int, condition: str, seed: int, point: Point, case: str, values: Point) -> Run:
         parameters = {**point, **values}
-        scenario, shared = str(parameters.pop(SCENARIO, "")), self._identities(point)
+        scenario = str(parameters.pop(SCENARIO, ""))
         changes = {**parameters, SEED: seed}
         healthy = self._difference({**{key: value for key, value in point.items() if key != SCENARIO}, **NO_FAULTS, SEED: seed})
         return Run(
@@ -183,13 +181,12 @@ class Plan:
             case,
             digest([self._common, healthy, point.get(SCENARIO, "")]),
             condition,
-            shared[BEARING_ID],
-            shared[MACHINE],
             self._splits[condition],
             changes,
             healthy,
             scenario,
             seed,
+            self._identities(point),
         )
 
 

@@ -12,7 +12,6 @@ from typing import Any
 
 from dcrb_ros.schema.verdicts import FAULT_CLASSES
 from dcrb_ros.settings.files import fields_by_key
-from dcrb_ros.sweep.identity import IDENTITIES
 from dcrb_ros.sweep.label import DONE
 from dcrb_ros.sweep.plan import Plan, Run
 from dcrb_ros.sweep.store import Store, StoreFailed
@@ -22,8 +21,7 @@ from dcrb_ros.sweep.verification import ERRORS, DamagedLabel, label_name, read_l
 LABELS = "labels.parquet"
 ROWS = 1000
 """Rows kept in memory at once [-]."""
-OUTCOME = ("case", "status", "reason", "file", "fault", "scenario", "sha256", "dcrb_ros", "model")
-TEXTS = ("run", "twin", "condition", *IDENTITIES, "split", *OUTCOME)
+TEXTS = ("run", "twin", "condition", "split", "case", "status", "reason", "file", "fault", "scenario", "sha256", "dcrb_ros", "model")
 WHOLE = ("place", "seed", "row", "broken_bars", "sampling_rate", "first_index", "samples", "clipped", "windows")
 DECIMAL = ("width", "depth", "azimuth", "onset", "speed", "load", "ftf", "bpfo", "bpfi", "bsf")
 JSONS = ("faults", "files", "configuration")
@@ -32,8 +30,6 @@ COLUMNS: Mapping[str, str] = {
     "place": "position of the run in the plan, from 0",
     "twin": "shared by the runs of one condition and seed, which differ in the fault only",
     "condition": "shared by the runs of one bearing at one speed and load; never in two splits",
-    "bearing_id": "shared by the runs of one individual bearing, at any speed and load; with split.apart never in two splits",
-    "machine": "shared by the runs of one machine: housing, path, background and sensor; with split.apart never in two splits",
     "split": "train, validation or test",
     "case": "name of the case in the sweep file",
     "fault": f"one of {', '.join(FAULT_CLASSES)}",

@@ -9,6 +9,7 @@ from dcrb_ros.sweep.lives.life import Life
 from dcrb_ros.sweep.lives.sweep import LifeSweep
 
 TRUTH: Mapping[str, tuple[type, str]] = {
+    "bearing_id": (str, "name of the bearing"),
     "inspection": (int, "number of the inspection of the bearing, from 0"),
     "hours": (float, "operating hours of the bearing at the inspection [h]"),
     "section": (str, "section of the duty on which the inspection was made"),
