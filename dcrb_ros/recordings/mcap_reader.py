@@ -101,7 +101,7 @@ class McapRecords:
             if at + HEAD.size + length > size or not opcode:
                 missing = "the footer is missing" if at == size else f"the record at byte {at} reaches beyond the end of the file"
                 self._report(f"{missing} at {size}")
-                later = [start for start in starts if start > at]
+                later = [start for start in starts if at < start < size]
                 if not later:
                     return
                 at = later[0]

@@ -282,6 +282,23 @@ def test_an_impossible_place_of_the_summary_counts_as_none(begin: int, four: tup
     assert len(data_of(list(McapRecords(path)))) == 8
 
 
+@pytest.mark.parametrize("begin", [1 << 40, 1 << 62, (1 << 64) - 1], ids=["beyond the end", "no place", "no offset"])
+def test_a_chunk_that_the_summary_puts_beyond_the_end_is_not_searched_there(begin: int, four: tuple[Path, list[int]]) -> None:
+    path, _ = four
+    broken = bytearray(path.read_bytes())
+    (at,) = struct.unpack_from("<Q", broken, len(broken) - len(MAGIC) - 20)
+    while broken[at] != Opcode.FOOTER:
+        opcode, length = struct.unpack_from("<BQ", broken, at)
+        if opcode == Opcode.CHUNK_INDEX:
+            broken[at + 9 + 16 : at + 9 + 24] = struct.pack("<Q", begin)
+        at += 9 + length
+    broken[len(MAGIC) + 1 : len(MAGIC) + 9] = struct.pack("<Q", 1 << 40)  # the length of the first record
+    path.write_bytes(broken)
+    records = McapRecords(path)
+    assert data_of(list(records)) == []
+    assert any("reaches beyond the end of the file" in sentence for sentence in records.damage)
+
+
 @pytest.mark.parametrize("excess", [0, 1])
 def test_a_summary_up_to_the_limit_is_read(excess: int, four: tuple[Path, list[int]], monkeypatch: pytest.MonkeyPatch) -> None:
     path, _ = four
