@@ -97,7 +97,7 @@ def _rolling() -> Iterator[Comparison]:
         material_of(Configuration().bearing),
     )
     orbit = cage_speed(Configuration(), SPEED)
-    cooled = rolling_resistance.inlet_cooling(oil.heating * ((SPEED - orbit) * Configuration().bearing.inner_raceway_radius) ** 2)
+    cooled = rolling_resistance.inlet_cooling(oil.inner.heating * ((SPEED - orbit) * Configuration().bearing.inner_raceway_radius) ** 2)
     found = [rolling_resistance.flooded_resistance(inner.resistance, force * inner.by_force) / cooled for force in (65.0, 1e3, LOADED)]
     yield about(CHAPTER, "Resistance to rolling under 65 N, 1 and 30.25 kN, isothermal", found, (1.30, 5.00, 6.070), 5e-3, "N")
     shares = [rolling_resistance.starvation(ratio) for ratio in (1.0, 10.0, 100.0)]
