@@ -37,8 +37,8 @@ class HotBoxDetectorNode(BenchNode):
             Refusal: the parameters are invalid.
         """
         super().__init__("hot_box_detector")
-        self._parameters = self.declare(WaysideParameters)
-        self._wayside, self._before_ns = Wayside(self._parameters), 0
+        self._line = self.declare(WaysideParameters)
+        self._wayside, self._before_ns = Wayside(self._line), 0
         self._warned = False
         self.watch_publishers(*WAYSIDE)
         self._publisher = Publisher(self, WAYSIDE)
@@ -57,21 +57,22 @@ class HotBoxDetectorNode(BenchNode):
                 self.get_logger().warning(NOT_WARM)
             return
         if truth.time_ns < self._before_ns:  # the bench was reset
-            self._wayside = Wayside(self._parameters)
+            self._wayside = Wayside(self._line)
         self._before_ns = truth.time_ns
         passage = self._wayside.follow(truth.time_ns, truth.speed, boxes, truth.thermal.get("acceleration", 1.0))
         if passage is None:
             return
         frame = str(decoded(data, GROUND_TRUTH.type).header.frame_id)
         messages = (
-            Message(WAYSIDE_TEMPERATURE, passage.time_ns, encode_reading(passage, self._parameters.noise, frame)),
+            Message(WAYSIDE_TEMPERATURE, passage.time_ns, encode_reading(passage, self._line.noise, frame)),
             Message(WAYSIDE_ALARM, passage.time_ns, encode_alarm(passage, frame)),
         )
         self._publisher.write_messages(messages)
-        log = self.get_logger()
-        (log.warning if passage.alarm else log.info)(
-            f"{'hot box' if passage.alarm else 'passage'} at {passage.distance:.1f} km: {passage.reason}"
-        )
+        where = f"at {passage.distance:.1f} km: {passage.reason}"
+        if passage.alarm:  # rclpy ties the severity to the line of the call
+            self.get_logger().warning(f"hot box {where}")
+        else:
+            self.get_logger().info(f"passage {where}")
 
 
 def run(arguments: list[str]) -> int:

@@ -26,6 +26,7 @@ from dcrb_ros.validation.report import markdown
 from dcrb_ros.validation.runs import Run, run_specs, simulate
 from dcrb_ros.validation.statics import freedom_comparisons, frequency_comparison, static_comparisons
 from dcrb_ros.validation.surface_rows import surface_comparisons
+from dcrb_ros.validation.thermal_rows import thermal_comparisons
 
 REPORT = "report.md"
 
@@ -79,6 +80,7 @@ def all_comparisons(results: Results) -> list[Comparison]:
         *ball_comparisons(),
         *oil_law_comparisons(),
         *oiled_bench_comparisons(oiled),
+        *thermal_comparisons(),
         *surface_comparisons(oiled),
         *realism_comparisons(oiled),
     ]

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from dcrb_ros.core.laws import film, film_thickness, fluid_traction, rolling_resistance, squeeze, viscosity
-from dcrb_ros.validation import friction_moment, oil_laws, oiled_bench, surface_rows
+from dcrb_ros.validation import friction_moment, oil_laws, oiled_bench, surface_rows, thermal_rows
 from dcrb_ros.validation.comparison import Comparison, about, between
 from dcrb_ros.validation.oiled_runs import OiledRun, OiledSpec, oiled_specs, simulate_oiled
 from dcrb_ros.validation.report import chapters, markdown
@@ -32,6 +32,12 @@ def static_rows() -> list[Comparison]:
 
 def test_the_laws_have_the_values_worked_out_by_hand() -> None:
     assert short(static_rows()) == set()
+
+
+def test_heat_has_the_values_worked_out_by_hand(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert short(thermal_rows.thermal_comparisons()) == set()
+    monkeypatch.setattr(thermal_rows, "RACEWAYS", [(20.0, 20.0)] * 2)
+    assert short(thermal_rows.thermal_comparisons()) == {"Resistance from the axle box to the air"}
 
 
 @pytest.mark.parametrize(
