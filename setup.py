@@ -114,6 +114,7 @@ setup(
             "dcrb_simulator = dcrb_ros.nodes.programs:simulator",
             "dcrb_replayer = dcrb_ros.nodes.programs:replayer",
             "dcrb_fault_detector = dcrb_ros.nodes.programs:fault_detector",
+            "dcrb_hot_box_detector = dcrb_ros.nodes.programs:hot_box_detector",
             "dcrb_viewer = dcrb_ros.nodes.programs:viewer",
         ],
     },

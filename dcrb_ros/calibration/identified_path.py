@@ -112,7 +112,7 @@ def _add_noise(found: IdentifiedPath) -> None:
     known = [fit for axis, fit in found.fits.items() if heard[axis]]
     if not known:
         lowest = min(fit.white for fit in found.fits.values())
-        highest = min(float(np.exp(0.5 * (fit.data.measured).min())) for fit in found.fits.values())
+        highest = math.exp(0.5 * min(fit.data.lowest for fit in found.fits.values()))
         found.white = lowest
         found.parameters["sensor.noise_density"] = lowest
         found.estimates.append(Estimate("sensor.noise_density", lowest, 0.0, max(lowest, highest), "m/s^2/sqrt(Hz)"))

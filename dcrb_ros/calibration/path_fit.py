@@ -63,6 +63,8 @@ class Data:
     """Standard deviation of their difference, shape (recordings, bins)."""
     step_rate: float
     """Rate at which the sections of the path run [Hz]."""
+    lowest: float = 0.0
+    """Logarithm of the lowest measured density in a third of an octave, which white noise does not exceed."""
 
     @staticmethod
     def of(measured: Sequence[Binned], source: Sequence[Binned], low: float, step_rate: float) -> Data:
@@ -73,12 +75,14 @@ class Data:
         frequency = measured[0].frequency
         kept = frequency >= FALLING_FROM
         below, beside = frequency < low, (frequency >= low) & (frequency < 2.0 * low)
-        levels, deviations = [], []
+        levels, deviations, lowest = [], [], math.inf
         for one, two in zip(measured, source, strict=True):
             most = two.level + float(np.median((one.level - two.level)[beside]))
+            lowest = min(lowest, float(_smoothed(one.level[~below], 15).min()))
             levels.append(np.where(below, np.minimum(one.level, most), one.level)[kept])
             deviations.append(np.sqrt(one.variance + two.variance + np.where(below, FALLING_ERROR, MODEL_ERROR) ** 2)[kept])
-        return Data(frequency[kept], np.array(levels), np.array([one.level[kept] for one in source]), np.array(deviations), step_rate)
+        sourced = np.array([one.level[kept] for one in source])
+        return Data(frequency[kept], np.array(levels), sourced, np.array(deviations), step_rate, lowest)
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,7 +139,7 @@ def fit_path(data: Data, *, white: float | None = None, pink: float = 0.0) -> Pa
         pink: density of the 1/f noise at 1 Hz [m/s^2/sqrt(Hz)].
     """
     difference = data.measured - data.source
-    floor = float(np.min([_smoothed(row, 15).min() for row in data.measured])) if white is None else 2.0 * math.log(max(white, 1e-12))
+    floor = data.lowest if white is None else 2.0 * math.log(max(white, 1e-12))
     start = np.array([floor - 0.3 * (white is None), *np.median(difference, axis=1)])
     known = white is not None
     best = _refined(start, data, pink, known)

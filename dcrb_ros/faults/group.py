@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 
@@ -59,7 +60,7 @@ class FaultGroup(Group):
         """Return the geometry of all faults for the kernels; see `Fault.damage`."""
         return [damage for _, fault in self.present() for damage in fault.damage(bearing, edge_radius)]
 
-    @property
+    @functools.cached_property
     def condition(self) -> Condition:
         """What the faults change of lubricant, seals and clearance."""
         return combined(fault.condition() for _, fault in self.present())

@@ -14,7 +14,7 @@ TYPE_CHECKING = False
 if TYPE_CHECKING:
     from typing import Any, NoReturn
 
-NAMES = ("simulator", "replayer", "fault_detector", "viewer")
+NAMES = ("simulator", "replayer", "fault_detector", "hot_box_detector", "viewer")
 WITH_PARENT = "--with-parent"
 """Option of `python -m dcrb_ros.nodes` that ends the node with its parent process."""
 
@@ -61,6 +61,11 @@ def replayer() -> None:
 def fault_detector() -> None:
     """Run the fault detector."""
     main("fault_detector", sys.argv[1:])
+
+
+def hot_box_detector() -> None:
+    """Run the wayside hot-box detector."""
+    main("hot_box_detector", sys.argv[1:])
 
 
 def viewer() -> None:

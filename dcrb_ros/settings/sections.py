@@ -17,7 +17,7 @@ KEY = "ros__parameters"
 """The key below the name of a node in a ROS parameter file."""
 BENCH = "/dcrb"
 """Namespace of the bench."""
-NODES = ("simulator", "fault_detector", "replayer", "viewer")
+NODES = ("simulator", "fault_detector", "hot_box_detector", "replayer", "viewer")
 """Nodes of the bench."""
 ALL = "/**"
 """Section for every node."""

@@ -18,15 +18,18 @@ from dcrb_ros.core.payload import Payload
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.loaded_contacts import material_of
+from dcrb_ros.simulation.opposite_box import OppositeBox
 from dcrb_ros.simulation.temperature_sensors import TemperatureSensors
 from dcrb_ros.stream.states import HEAT_SOURCES, TemperatureReading, ThermalState
 
-TICK = 0.02
-"""Simulated time between two steps of the network [s]."""
+TICK, SHORT_TICK = 0.1, 0.02
+"""Simulated time between two steps of the network [s], in real time and with a time lapse."""
+LAPSE = 10.0
+"""Time lapse from which a tick is short [-]."""
 AVERAGED = 0.5
 """Simulated time constant over which heat and conductances are averaged [s]: they fluctuate as rollers pass the load zone."""
-PARTS = 8
-"""Parts of a tick in which radii may change."""
+PART = 0.0025
+"""Least simulated time between two changes of the radii [s]."""
 LARGEST_GROWTH = 0.02e-6
 """Largest change of a radius at once [m], some 16 N at a contact."""
 HOTTEST = 600.0
@@ -47,9 +50,9 @@ class Heating:
         c = configuration
         self.network_on = c.thermal.law == "network"
         """Whether there are temperatures."""
-        self.interval = max(1, round(TICK * c.step_rate))
+        self.interval = max(1, round((TICK if c.thermal.acceleration < LAPSE else SHORT_TICK) * c.step_rate))
         """Time steps in a tick."""
-        self._part = max(1, self.interval // PARTS)
+        self._part = max(1, round(PART * c.step_rate))
         self._steady = QuasiSteady(c)
         self._material = material_of(c.bearing)
         self._network = self._steady.network
@@ -67,6 +70,7 @@ class Heating:
         self._ambient = c.thermal.ambient
         if self.network_on:
             self._start(c)
+        self._opposite = OppositeBox(c) if self.network_on else None
         self._sensors = TemperatureSensors(c, self._network, self.temperatures) if self.network_on else None
 
     @staticmethod
@@ -166,6 +170,8 @@ class Heating:
             }
             found |= {"ambient [deg C]": configuration.thermal.ambient, "acceleration": configuration.thermal.acceleration}
             found["clamped"] = float(self.clamped)
+            assert self._opposite is not None
+            found |= {"opposite_box [deg C]": self._opposite.box, "opposite_outer_ring [deg C]": self._opposite.outer_ring}
         if self.active(configuration):
             found |= {"lubricant_loss": self.loss, "clearance_change [m]": self._growth.clearance}
         return found
@@ -198,6 +204,8 @@ class Heating:
         self.temperatures = self._network.after(self.temperatures, self.flow, heat, c.thermal.ambient, duration)
         if self._sensors is not None:
             self._sensors.follow(c, self.temperatures, duration)
+        if self._opposite is not None:
+            self._opposite.follow(c, speed, self._tick)
         self._count_clamped(c)
         hottest = max(self.temperatures)
         if not hottest <= HOTTEST:

@@ -11,6 +11,7 @@ from dcrb_ros.schema.arrays import Floats, Samples
 from dcrb_ros.viewer import bearing_picture, load_zone, order_map, palette, spectrum_picture
 from dcrb_ros.viewer.content import Content, Series
 from dcrb_ros.viewer.drawing import Drawing
+from dcrb_ros.viewer.series import is_warm
 from dcrb_ros.viewer.timeline import TIMELINE
 
 CLOSE_UP = 0.15
@@ -46,6 +47,7 @@ def compose(content: Content, drawing: Drawing | None, *, picture_only: bool = F
         amplitude=amplitude,
         map_first=speed_varies(content),
         lubricated=content.lubrication is not None,
+        warm=is_warm(content.truths),
     )
     return rrb.Blueprint(views, *bars, *PANELS, time, auto_views=False)
 
@@ -82,11 +84,11 @@ def speed_varies(content: Content) -> bool:
     return bool(found) and max(found) > LEAST_CHANGE * min(found)
 
 
-def compose_live(drawing: Drawing | None, *, lubricated: bool = False) -> rrb.Blueprint:
+def compose_live(drawing: Drawing | None, *, lubricated: bool = False, warm: bool = False) -> rrb.Blueprint:
     """Return the arrangement for a running bench, in which the cursor follows the newest sample."""
     detected: list[rrb.View | rrb.Container] = [indicators(), features(), verdicts()]
     time = rrb.TimePanel(state="collapsed", timeline=TIMELINE, play_state="following")
-    views = arrangement(drawing, detected, around=(-2.0 * CLOSE_UP, 0.0), lubricated=lubricated)
+    views = arrangement(drawing, detected, around=(-2.0 * CLOSE_UP, 0.0), lubricated=lubricated, warm=warm)
     return rrb.Blueprint(views, *PANELS, time, auto_views=False)
 
 
@@ -99,18 +101,20 @@ def arrangement(
     amplitude: rrb.ScalarAxis | None = None,
     map_first: bool = False,
     lubricated: bool = False,
+    warm: bool = False,
 ) -> rrb.Horizontal:
     """Return the views.
 
     Close-ups show the time range ``around`` the cursor [s], other plots the ``whole`` time. ``amplitude`` is the vertical axis of
-    the waveform. ``map_first`` shows the order map before the spectrum, ``lubricated`` plots of films and friction.
+    the waveform. ``map_first`` shows the order map before the spectrum, ``lubricated`` plots of films and friction,
+    ``warm`` one of temperatures.
     """
     axis = close_up(*around)
     left: list[rrb.View | rrb.Container] = [waveform(axis, whole, amplitude)]
     right: list[rrb.View | rrb.Container] = [rrb.Tabs(spectrum(), orders(), active_tab=int(map_first)), summary()]
     if drawing is not None:
         left.insert(0, rrb.Tabs(bearing(drawing), zone(drawing.bearing.rows), active_tab=0))
-        right.append(motion(axis, whole, lubricated=lubricated))
+        right.append(motion(axis, whole, lubricated=lubricated, warm=warm))
     if detected:
         left.append(rrb.Tabs(*detected))
     return rrb.Horizontal(
@@ -180,7 +184,7 @@ def close_up(before: float, after: float) -> rrb.archetypes.TimeAxis:
     return rrb.archetypes.TimeAxis(view_range=rrb.TimeRange(start=begin, end=end))
 
 
-def motion(axis: rrb.archetypes.TimeAxis, whole: rrb.archetypes.TimeAxis | None, *, lubricated: bool) -> rrb.Tabs:
+def motion(axis: rrb.archetypes.TimeAxis, whole: rrb.archetypes.TimeAxis | None, *, lubricated: bool, warm: bool = False) -> rrb.Tabs:
     """Return the plots of the states over time."""
     plain = rrb.PlotLegend(visible=False)
     forces = rrb.TimeSeriesView(origin="forces/row1", name="Roller forces, row 1 [kN]", axis_x=axis, background=PANEL, plot_legend=plain)
@@ -189,8 +193,9 @@ def motion(axis: rrb.archetypes.TimeAxis, whole: rrb.archetypes.TimeAxis | None,
     operating = rrb.TimeSeriesView(origin="operating", name="Speed and load", axis_x=whole, background=PANEL)
     films = rrb.TimeSeriesView(origin="films", name="Oil film [µm], Lambda", axis_x=whole, background=PANEL)
     friction = rrb.TimeSeriesView(origin="friction", name="Friction [W]", axis_x=whole, background=PANEL)
-    oil = (films, friction) if lubricated else ()
-    return rrb.Tabs(forces, spins, cages, operating, *oil, active_tab=0)
+    temperatures = rrb.TimeSeriesView(origin="temperatures", name="Temperatures [°C]", axis_x=whole, background=PANEL)
+    oil, heat = (films, friction) if lubricated else (), (temperatures,) if warm else ()
+    return rrb.Tabs(forces, spins, cages, operating, *oil, *heat, active_tab=0)
 
 
 def indicators(whole: rrb.archetypes.TimeAxis | None = None, levels: rrb.ScalarAxis | None = None) -> rrb.TimeSeriesView:

@@ -76,7 +76,7 @@ class LiveRun:
         if content.lubrication is not None:
             first = self._first("lubrication")
             if first:
-                self._stream.send_blueprint(compose_live(self._drawing, lubricated=True))
+                self._stream.send_blueprint(compose_live(self._drawing, lubricated=True, warm=series.is_warm(content.truths)))
             series.log_lubrication(content.lubrication, fixed=first)
         series.log_verdicts(content.detector_output.verdicts)
 

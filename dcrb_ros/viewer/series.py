@@ -13,12 +13,15 @@ from rerun.components import AggregationPolicy
 
 from dcrb_ros.messages.topics.lubrication_state import RACEWAYS, arrays_of
 from dcrb_ros.schema.arrays import Floats, Samples
+from dcrb_ros.stream.block import Truth
 from dcrb_ros.stream.states import FRICTION_SOURCES
 from dcrb_ros.viewer import columns, palette
 from dcrb_ros.viewer.content import Content, Motion, Series, Times, Verdict, Waveform
 from dcrb_ros.viewer.timeline import TIMELINE
 
 KILO, MICRO = 1e-3, 1e6
+DEGREES = " [deg C]"
+"""End of the names of temperatures in the ground truth."""
 
 
 def log_waveform(waveform: Waveform, *, fixed: bool = True) -> None:
@@ -66,6 +69,23 @@ def log_truth(content: Content, *, fixed: bool = True) -> None:
         times = np.array([truth.time_ns for truth in content.truths])
         values = np.array([[truth.speed, np.hypot(*truth.load) * KILO] for truth in content.truths])
         log_lines("operating", times, values, ["speed [rad/s]", "load [kN]"], [palette.BRIGHT, palette.LOAD], fixed=fixed)
+        log_temperatures(content.truths, fixed=fixed)
+
+
+def log_temperatures(truths: Sequence[Truth], *, fixed: bool = True) -> None:
+    """Log the temperatures of the ground truth [deg C], where it has any."""
+    warm = [truth for truth in truths if truth.thermal]
+    if not is_warm(truths):
+        return
+    names = [name for name in warm[0].thermal if name.endswith(DEGREES)]
+    values = np.array([[truth.thermal.get(name, np.nan) for name in names] for truth in warm])
+    times, labels = np.array([truth.time_ns for truth in warm]), [name.removesuffix(DEGREES).replace("_", " ") for name in names]
+    log_lines("temperatures", times, values, labels, palette.wheel(len(names)), fixed=fixed)
+
+
+def is_warm(truths: Sequence[Truth]) -> bool:
+    """Return whether the ground truth has temperatures."""
+    return any(name.endswith(DEGREES) for truth in truths for name in truth.thermal)
 
 
 def log_series(path: str, series: Series | None, *, fixed: bool = True) -> None:

@@ -112,12 +112,12 @@ def test_a_scenario_and_a_change_at_run_time_take_the_lubricant(law: str) -> Non
     c = load_configuration("healthy", {"thermal.law": law})
     story = {"timeline": [{"at": 0.1, "over": 0.1, "set": {"faults.lubrication.loss": 1.0}}]}
     told = Simulation(c, scheduled_changes(story, c, "story"))
-    states = [states for block in told.blocks(0.3) for states in block.states]
+    states = [states for block in told.blocks(0.42) for states in block.states]
     assert states[5].lubrication.film[0] > 5e-7 > 1e-7 > states[-1].lubrication.film[0]  # type: ignore[union-attr]
     commanded = Simulation(c)
     advanced(commanded, 0.1)
     commanded.change({"faults.lubrication.loss": 1.0})
-    states = [states for block in commanded.blocks(0.1) for states in block.states]
+    states = [states for block in commanded.blocks(0.21) for states in block.states]
     assert states[-1].lubrication.film[0] < 1e-7  # type: ignore[union-attr]
     assert {"lubrication"} == {name for block in commanded.blocks(0.2) for truth in block.truths for name in truth.faults}
 
@@ -138,7 +138,7 @@ def test_clearance_that_is_lost_at_run_time_goes_in_small_steps() -> None:
     run.change({"faults.clearance.lost": 5e-6})
     gaps = np.array([states.thermal.clearance_change for block in run.blocks(1.0) for states in block.states])  # type: ignore[union-attr]
     assert gaps[-1] - gaps[0] == pytest.approx(-5e-6, abs=5e-7)
-    assert np.abs(np.diff(gaps)).max() <= 5 * 0.02e-6  # in 10 ms, five eighths of a tick at most
+    assert np.abs(np.diff(gaps)).max() <= 5 * 0.02e-6  # five changes in 10 ms at most
     assert np.isfinite(gaps).all()
 
 
@@ -181,7 +181,7 @@ def test_cold_oil_is_held_at_the_temperature_at_which_it_flows_and_counted() -> 
         "healthy", WARM | {"thermal.start": "cold", "thermal.ambient": -40.0, "lubrication.lubricant": "vg220", "lubrication.layer": 2e-6}
     )
     run = advanced(Simulation(c), 0.1)
-    assert run._heating.truth(c)["clamped"] == 5.0
+    assert run._heating.truth(c)["clamped"] == 1.0
     assert math.isfinite(run._heating.temperatures[0])
 
 

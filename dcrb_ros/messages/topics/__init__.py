@@ -25,6 +25,7 @@ from dcrb_ros.messages.topics.temperatures import AMBIENT_TEMPERATURE, BOX_TEMPE
 from dcrb_ros.messages.topics.transforms import TRANSFORMS
 from dcrb_ros.messages.topics.vibration import VIBRATION
 from dcrb_ros.messages.topics.vibration_clean import VIBRATION_CLEAN
+from dcrb_ros.messages.topics.wayside import WAYSIDE_ALARM, WAYSIDE_TEMPERATURE
 
 __all__ = [
     "ACCELERATION",
@@ -50,6 +51,9 @@ __all__ = [
     "TRANSFORMS",
     "VIBRATION",
     "VIBRATION_CLEAN",
+    "WAYSIDE",
+    "WAYSIDE_ALARM",
+    "WAYSIDE_TEMPERATURE",
     "Message",
     "Topic",
     "topic_table",
@@ -85,6 +89,12 @@ DETECTED: tuple[DetectedTopic, ...] = _topics(
 )
 """Topics that the fault detector publishes, in the order of its messages."""
 
+WAYSIDE: tuple[Topic, ...] = _topics(
+    "wayside:WAYSIDE_TEMPERATURE",
+    "wayside:WAYSIDE_ALARM",
+)
+"""Topics that the wayside hot-box detector publishes."""
+
 BENCH: tuple[Topic, ...] = _topics(
     "bench_diagnostics:BENCH_DIAGNOSTICS",
     "clock:CLOCK",
@@ -96,7 +106,7 @@ BENCH: tuple[Topic, ...] = _topics(
 def topic_table() -> str:
     """Return the topics as a Markdown table."""
     lines = ["| topic | type | content |", "|---|---|---|"]
-    for topic in (*SIMULATED, *DETECTED, *BENCH):
+    for topic in (*SIMULATED, *DETECTED, *WAYSIDE, *BENCH):
         kind = f"`{topic.type.replace('/msg/', '/')}`" + (", latched" if topic.latched else "")
         lines.append(f"| `{topic.name}` | {kind} | {topic.content} |")
     return "\n".join(lines)

@@ -1,0 +1,108 @@
+"""A wayside hot-box detector: it looks at passing axle boxes, once every some kilometres, and judges by two fixed rules.
+
+It sees the box with a part of the bearing behind it, reads T_BOX + 0.15 (T_OR - T_BOX) with an error of emissivity over the ambient
+temperature, and noise. It alarms where a box is 94.4 K (170 F) above ambient, or 52.8 K (95 F) above the other box of the axle: the
+conventional North American settings (University of Texas Rio Grande Valley, scholarworks.utrgv.edu/me_fac/185).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from dcrb_ros.measurement.random_streams import random_stream
+from dcrb_ros.schema.fields import Group, quantity
+
+RING_SHARE = 0.15
+"""Share of the outer ring's excess over the box that the detector sees [-] (a choice)."""
+KILOMETRE = 1e3
+"""[m]"""
+
+
+class WaysideParameters(Group):
+    """A line of wayside detectors and their rules."""
+
+    spacing: float = quantity(30.0, "km", "Distance between two detectors; lines have one every 20 to 40 km", 0.01, 1000.0)
+    first: float = quantity(0.0, "km", "Distance to the first detector; 0 for the spacing", 0.0, 1000.0)
+    noise: float = quantity(3.0, "K", "Standard deviation of a reading", 0.0, 100.0)
+    emissivity_error: float = quantity(
+        0.0, "-", "Relative error of a reading above ambient; below zero where the box radiates less than assumed", -0.9, 1.0
+    )
+    above_ambient: float = quantity(94.4, "K", "Excess over ambient that is a hot box", 1.0, 500.0)
+    above_opposite: float = quantity(52.8, "K", "Excess over the other box of the axle that is a hot box", 1.0, 500.0)
+    wheel_diameter: float = quantity(0.92, "m", "Diameter of the wheels on the shaft", 0.05, 5.0, symbol="D")
+    seed: int = quantity(1, "-", "Seed of the noise", 0, 2**31 - 1)
+
+
+@dataclass(frozen=True)
+class AxleBoxes:
+    """What a detector looks at: a box with its bearing, and the healthy one across the axle [deg C]."""
+
+    box: float
+    outer_ring: float
+    opposite_box: float
+    opposite_outer_ring: float
+    ambient: float
+
+
+@dataclass(frozen=True)
+class Passage:
+    """A reading of a detector."""
+
+    time_ns: int
+    """Simulated time [ns]."""
+    distance: float
+    """Since the start [km]."""
+    reading: float
+    """[deg C]"""
+    opposite: float
+    """Of the other box of the axle [deg C]."""
+    ambient: float
+    """[deg C]"""
+    over_ambient: bool
+    """Whether the box is hot by the first rule."""
+    over_opposite: bool
+    """Whether it is hot by the second one."""
+
+    @property
+    def alarm(self) -> bool:
+        """Whether the box is hot."""
+        return self.over_ambient or self.over_opposite
+
+    @property
+    def reason(self) -> str:
+        """The reading in words."""
+        above, across = self.reading - self.ambient, self.reading - self.opposite
+        return f"{self.reading:.0f} deg C, {above:.0f} K above ambient, {across:.0f} K above the other box"
+
+
+class Wayside:
+    """Follows a vehicle, and reads its axle box wherever it passes a detector."""
+
+    def __init__(self, parameters: WaysideParameters) -> None:
+        self._p = parameters
+        self._random = random_stream(parameters.seed, "wayside detector")
+        self._distance, self._passed = 0.0, 0
+        self._before_ns: int | None = None
+
+    def follow(self, time_ns: int, speed: float, boxes: AxleBoxes, acceleration: float = 1.0) -> Passage | None:
+        """Return the reading at a detector that was passed since the call before, None where there was none.
+
+        ``speed`` is that of the shaft [rad/s] since then. With a time lapse the vehicle covers more distance in the time of the heat, which
+        ``acceleration`` multiplies. A vehicle that passes several at once is read once, by the last.
+        """
+        p, passed_s = self._p, 0.0 if self._before_ns is None else 1e-9 * (time_ns - self._before_ns)
+        self._before_ns = time_ns
+        self._distance += 0.5 * p.wheel_diameter * abs(speed) * max(passed_s, 0.0) * acceleration / KILOMETRE
+        before_first = self._distance - (p.first or p.spacing)
+        passed = 0 if before_first < 0.0 else 1 + int(before_first / p.spacing)
+        if passed == self._passed:
+            return None
+        self._passed = passed
+        reading, opposite = self._read(boxes.box, boxes.outer_ring, boxes), self._read(boxes.opposite_box, boxes.opposite_outer_ring, boxes)
+        hot = reading - boxes.ambient > p.above_ambient, reading - opposite > p.above_opposite
+        return Passage(time_ns, self._distance, reading, opposite, boxes.ambient, *hot)
+
+    def _read(self, box: float, ring: float, boxes: AxleBoxes) -> float:
+        """Return the reading of a box [deg C]."""
+        seen = box + RING_SHARE * (ring - box)
+        return float(seen + self._p.emissivity_error * (seen - boxes.ambient) + self._p.noise * self._random.standard_normal())
