@@ -5,11 +5,11 @@ STAMPED := $(shell date +%Y%m%d-%H%M%S)
 # A sourced ROS, or a middleware that is not in .venv, would end every node at once.
 unexport RMW_IMPLEMENTATION PYTHONPATH PYTHONHOME AMENT_PREFIX_PATH
 
-.PHONY: help environment demo test lint types compiled architecture unit kernels nodes validate bench soak signals exam bags mutants hostile docs colcon clean
+.PHONY: help environment demo test lint types compiled architecture unit kernels nodes validate bench sim_to_real soak signals exam bags mutants hostile docs colcon clean
 .DEFAULT_GOAL := help
 
 help: ## Show this list
-	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "  make %-13s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
+	@awk -F ':.*## ' '/^[a-z_]+:.*## / { printf "  make %-13s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
 
 environment: ## Make .venv, or find it made (PYTHON=python3.12 chooses the interpreter)
 	@PYTHON='$(PYTHON)' .ci/environment
@@ -67,6 +67,10 @@ bench: environment ## Speed and accuracy, some minutes on a machine that does no
 	$(BIN)/python benchmarks/node.py
 	$(BIN)/python benchmarks/live_view.py
 	$(BIN)/python benchmarks/accuracy.py
+
+MEASURED ?= ../shared/measured
+sim_to_real: environment ## Train on simulated bearings, test on measured ones in MEASURED, half an hour (SIM_TO_REAL='--machines 64 --seconds 8')
+	$(BIN)/python benchmarks/sim_to_real.py $(MEASURED) $(SIM_TO_REAL)
 
 bags: environment ## Make the recordings of bags/ anew, where the model has changed
 	$(BIN)/python bags/make.py

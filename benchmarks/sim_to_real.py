@@ -1,0 +1,124 @@
+"""What simulation is worth on measured bearings: a classifier trained on simulated windows alone, tested on the faults of measured rigs.
+
+``python benchmarks/sim_to_real.py MEASURED -o FOLDER``; MEASURED is a folder with ``recordings.csv`` and ``recordings/NAME.npz``, as for
+``benchmarks/realism.py``. The sweeps and a table are written to FOLDER; a second call continues. ``--machines 64 --seconds 8`` is the full
+size, hours of processor time. docs/explanation/sim-to-real.md states the protocol and the result.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from sim_to_real_data import (
+    CLASSES,
+    RIGS,
+    Measured,
+    Rig,
+    Windows,
+    measured,
+    measured_windows,
+    settings_of,
+    simulated_windows,
+    sweep_tree,
+)
+from sim_to_real_figure import write_figure
+from sim_to_real_noise import noisy_windows
+from sim_to_real_scores import Score, forest_scores, rule_scores, scored
+
+from dcrb_ros.calibration.calibration import calibrate
+from dcrb_ros.settings.files import load_configuration, to_yaml
+
+BENCH = "ball_bearing_6205"
+SPEED = "operating.speed"
+"""Beginning of the keys that the calibration estimates from the angle of the shaft."""
+SHAPES = {"with band levels": True, "without": False}
+"""The two sets of features."""
+
+Row = tuple[str, str, str, Score]
+"""Rig, training, set of features and score."""
+
+
+def uncalibrated(rig: Rig, folder: Path, machines: int, seconds: float, workers: int) -> Windows:
+    """Return windows of the rig's bearing on the bench as shipped: rigid path, noise of a usual sensor."""
+    return simulated_windows(sweep_tree(rig, BENCH, settings_of(rig), {}, machines, seconds), folder / f"{rig.name}-uncalibrated", workers)
+
+
+def calibrated(rig: Rig, healthy: list[Measured], folder: Path, machines: int, seconds: float, workers: int) -> Windows:
+    """Return windows of the rig's bearing on a bench calibrated to healthy recordings, its machines drawn within the intervals."""
+    found = calibrate([one.waveform() for one in healthy], base=load_configuration(BENCH, settings_of(rig)), trust=True)
+    folder.mkdir(parents=True, exist_ok=True)
+    base = folder / f"{rig.name}.yaml"
+    base.write_text(to_yaml(found.configuration))
+    vary: dict[str, Any] = {
+        one.key: {"low": one.low, "high": one.high, "scale": "log" if one.log and one.low > 0.0 else "linear"}
+        for one in found.estimates
+        if one.low < one.high and not one.key.startswith(SPEED)  # the rigs have no tacho
+    }
+    vary["structure.seed"] = {"low": 1, "high": 2_000_000_000}
+    tree = sweep_tree(rig, str(base), {"structure.path_spread": found.path_spread}, vary, machines, seconds)
+    for line in (*map(str, found.estimates), *found.unidentified):
+        print(f"  {line}")
+    return simulated_windows(tree, folder / f"{rig.name}-calibrated", workers)
+
+
+def rows_of(rig: Rig, trainings: Mapping[str, Windows], test: Windows) -> list[Row]:
+    """Return the scores of a rig's recordings, by training and set of features."""
+    found: list[Row] = [(rig.name, "envelope rules, no training", "-", scored(rule_scores(test), test))]
+    for training, windows in trainings.items():
+        for shape, levels in SHAPES.items():
+            if levels and windows.names != test.names:  # another sampling rate has other bands
+                continue
+            found.append((rig.name, training, shape, scored(forest_scores(windows, test, levels), test)))
+    return found
+
+
+def markdown(rows: list[Row]) -> str:
+    """Return the scores as a table."""
+    lines = ["| rig | training | features | macro AUROC (90 % bounds) | " + " | ".join(CLASSES) + " |", "|---" * (4 + len(CLASSES)) + "|"]
+    for rig, training, shape, score in rows:
+        areas = " | ".join(f"{score.classes[name]:.2f}" if name in score.classes else "" for name in CLASSES)
+        lines.append(f"| {rig} | {training} | {shape} | {score.macro:.2f} ({score.low:.2f} to {score.high:.2f}) | {areas} |")
+    return "\n".join(lines) + "\n"
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Run the experiment and print its table."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("measured", type=Path)
+    parser.add_argument("-o", "--output", type=Path, default=Path("sim_to_real"))
+    parser.add_argument("--machines", type=int, default=16)
+    parser.add_argument("--seconds", type=float, default=2.0)
+    parser.add_argument("--workers", type=int, default=1)
+    parser.add_argument("--rigs", nargs="+", default=[rig.name for rig in RIGS], choices=[rig.name for rig in RIGS])
+    given = parser.parse_args(arguments)
+    if not (given.measured / "recordings.csv").is_file():
+        print(
+            f"{given.measured} has no recordings.csv, so nothing is compared: the recordings are not part of the repository, whose "
+            "licences differ; benchmarks/sim_to_real_data.py says what they are",
+            file=sys.stderr,
+        )
+        return 0
+    tests = {rig.name: measured_windows(measured(given.measured, rig)[1]) for rig in RIGS}
+    rows: list[Row] = []
+    for rig in (rig for rig in RIGS if rig.name in given.rigs):
+        size = given.output, given.machines, given.seconds, given.workers
+        trainings = {"simulated, uncalibrated": uncalibrated(rig, *size)}
+        healthy, _ = measured(given.measured, rig)
+        if healthy:
+            trainings["simulated, calibrated"] = calibrated(rig, healthy, *size)
+            folders = {"uncalibrated": "simulated, noise of the machine", "calibrated": "simulated, calibrated, noise of the machine"}
+            trainings |= {name: noisy_windows(given.output / f"{rig.name}-{folder}", healthy) for folder, name in folders.items()}
+        trainings |= {f"measured on {name}": windows for name, windows in tests.items() if name != rig.name}
+        rows += rows_of(rig, trainings, tests[rig.name])
+    (given.output / "table.md").write_text(markdown(rows))
+    write_figure(rows, given.output / "scores.png")
+    print(markdown(rows))
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,222 @@
+"""The rigs of the experiment: measured windows, and sweeps that simulate their bearings."""
+
+from __future__ import annotations
+
+import csv
+import json
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import pandas as pd
+from scipy import signal
+
+from dcrb_ros.bearing.kinematics import Orders
+from dcrb_ros.bearing.waveform import Waveform
+from dcrb_ros.features.extraction import FeatureTable, extract_features
+from dcrb_ros.schema.arrays import Floats
+from dcrb_ros.sweep.data_set import open_data_set
+from dcrb_ros.sweep.loader import sweep_of
+from dcrb_ros.sweep.local_workers import local_workers
+from dcrb_ros.sweep.plan import Plan
+from dcrb_ros.sweep.store import Store
+
+GRAVITY = 9.80665
+WINDOW = 1.0
+"""Length of a window [s]; measured windows do not overlap."""
+CLASSES = ("healthy", "outer_ring", "inner_ring", "roller")
+STEP = 4.9e-6
+"""Longest time step of the ball bearings [s]."""
+BALL_6205 = {"rollers_per_row": 9, "roller_radius": 0.00397, "pitch_radius": 0.01952, "gap": 6e-6}
+NICE = {"rollers_per_row": 8, "roller_radius": 0.0029845, "pitch_radius": 0.0158115, "gap": 6e-6}
+
+
+class Rig(NamedTuple):
+    """A measured rig, and what is known of its bearing and its operation."""
+
+    name: str
+    recordings: str
+    """Rig of its faulty recordings in ``recordings.csv``."""
+    healthy: tuple[str, ...]
+    """Its healthy recordings; the first half calibrates, the second half is tested."""
+    rate: int
+    """[Hz]"""
+    bearing: Mapping[str, float]
+    speed: tuple[float, float]
+    """Range of the speed [rad/s]."""
+    load: tuple[float, float]
+    """Range of the load [N]: of CWRU and HIT a guess, of MFPT as stated by the publisher."""
+
+
+RPM = math.pi / 30.0
+RIGS = (
+    Rig("cwru", "cwru12", ("cw48_N_0",), 12000, BALL_6205, (1740.0 * RPM, 1800.0 * RPM), (100.0, 600.0)),
+    Rig(
+        "hit",
+        "hitself",
+        ("hitself_Normal_600", "hitself_Normal_900", "hitself_Normal_1200"),
+        51200,
+        BALL_6205,
+        (590.0 * RPM, 1210.0 * RPM),
+        (100.0, 1000.0),
+    ),
+    Rig("mfpt", "mfpt", (), 48828, NICE, (1480.0 * RPM, 1510.0 * RPM), (110.0, 1340.0)),
+)
+
+
+@dataclass(frozen=True, eq=False)
+class Windows:
+    """Features of windows with their classes."""
+
+    names: tuple[str, ...]
+    values: Floats
+    """Shape (windows, features)."""
+    truth: list[str] = field(default_factory=list)
+    recording: list[str] = field(default_factory=list)
+
+    @staticmethod
+    def of(parts: list[tuple[FeatureTable, str, str]]) -> Windows:
+        """Return the windows of tables with their class and recording; windows without features are left out."""
+        values, truth, recording = [], [], []
+        for table, fault, name in parts:
+            sound = table.values[np.isfinite(table.values).all(axis=1)]
+            values.append(sound)
+            truth += [fault] * len(sound)
+            recording += [name] * len(sound)
+        return Windows(parts[0][0].names, np.concatenate(values), truth, recording)
+
+
+def features(values: Floats, rate: int, angle: Floats, orders: Orders) -> FeatureTable:
+    """Return the features of the windows of one axis."""
+    return extract_features(values, rate, shaft_angle=angle, bearing=orders, window=WINDOW, hop=WINDOW, axes=["y"])
+
+
+class Measured(NamedTuple):
+    """A measured recording."""
+
+    name: str
+    truth: str
+    values: Floats
+    """[m/s^2], where the unit is trusted."""
+    rate: int
+    angle: Floats
+    """From the constant speed that the lines of the shaft show [rad]."""
+    orders: Orders
+
+    def part(self, begin: float, end: float) -> Measured:
+        """Return the recording between two shares of its length."""
+        first, last = (round(share * len(self.values)) for share in (begin, end))
+        return self._replace(values=self.values[first:last], angle=self.angle[first:last] - self.angle[first])
+
+    def waveform(self) -> Waveform:
+        """Return it as a waveform, for the calibration."""
+        return Waveform.from_arrays(self.values, self.rate, bearing=self.orders, shaft_angle=self.angle)
+
+
+def measured(folder: Path, rig: Rig) -> tuple[list[Measured], list[Measured]]:
+    """Return the halves of the healthy recordings of a rig that calibrate, and all that is tested."""
+    calibrating, tested = [], []
+    for row in csv.DictReader((folder / "recordings.csv").open()):
+        if row["name"] in rig.healthy:
+            one = recording(folder, row, rig.rate)
+            calibrating.append(one.part(0.0, 0.5))
+            tested.append(one.part(0.5, 1.0))
+        elif row["rig"] == rig.recordings and row["truth"] != "healthy":
+            tested.append(recording(folder, row, rig.rate))
+    return calibrating, tested
+
+
+def recording(folder: Path, row: Mapping[str, str], rate: int) -> Measured:
+    """Return a recording at a sampling rate [Hz]; one of a higher rate is decimated."""
+    with np.load(folder / "recordings" / f"{row['name']}.npz") as content:
+        values = content["a"].astype(np.float64) * (GRAVITY if row["unit"] == "g" else 1.0)
+    factor = int(row["sampling_rate"]) // rate
+    values = signal.resample_poly(values, 1, factor) if factor > 1 else values
+    values = values - values.mean()
+    angle = 2.0 * np.pi * float(row["speed_rpm_from_lines"]) / 60.0 * np.arange(len(values)) / rate
+    orders = Orders(**{name: float(row[name.upper()]) for name in ("ftf", "bpfo", "bpfi", "bsf")})
+    return Measured(row["name"], row["truth"], values, rate, angle, orders)
+
+
+def measured_windows(recordings: list[Measured]) -> Windows:
+    """Return the windows of some recordings."""
+    return Windows.of([(features(one.values, one.rate, one.angle, one.orders), one.truth, one.name) for one in recordings])
+
+
+def settings_of(rig: Rig) -> dict[str, Any]:
+    """Return the parameters of a rig's bearing."""
+    radius, pitch, gap = (float(rig.bearing[name]) for name in ("roller_radius", "pitch_radius", "gap"))
+    preview = next(rate for rate in range(200, 9, -1) if rig.rate % rate == 0)
+    return {
+        "bearing.rollers_per_row": int(rig.bearing["rollers_per_row"]),
+        "bearing.roller_radius": radius,
+        "bearing.pitch_radius": pitch,
+        "bearing.inner_raceway_radius": pitch - radius - 0.5 * gap,
+        "bearing.outer_raceway_radius": pitch + radius + 0.5 * gap,
+        "operating.speed": sum(rig.speed) / 2.0,
+        "sensor.sampling_rate": rig.rate,
+        "sensor.range": 1e4,
+        "simulation.step": 1.0 / (rig.rate * math.ceil(1.0 / (STEP * rig.rate))),
+        "publishing.preview_rate": preview,
+    }
+
+
+def sweep_tree(rig: Rig, base: str, fixed: Mapping[str, Any], vary: Mapping[str, Any], machines: int, seconds: float) -> dict[str, Any]:
+    """Return a sweep over machines of a rig, each healthy and with a defect of each component."""
+    raceway = {"width": {"low": 1.5e-4, "high": 1.5e-3, "scale": "log"}, "depth": {"low": 1e-5, "high": 1e-4, "scale": "log"}}
+    spall = raceway | {"kind": "spall", "share": {"low": 0.3, "high": 1.0}, "azimuth": {"low": -1.0, "high": 1.0}}
+    ball = {"width": {"low": 1.5e-4, "high": 8e-4, "scale": "log"}, "depth": {"low": 1e-5, "high": 1e-4, "scale": "log"}}
+    drawn = {
+        "operating.speed": dict(zip(("low", "high"), rig.speed, strict=True)),
+        "operating.load": {**dict(zip(("low", "high"), rig.load, strict=True)), "scale": "log"},
+        "operating.speed_fluctuation": {"low": 3e-4, "high": 3e-3, "scale": "log"},
+        "surfaces.seed": {"low": 1, "high": 2_000_000_000},
+        "surfaces.waviness": {"low": 1e-8, "high": 1e-7, "scale": "log"},
+        "surfaces.run_out": {"low": 5e-7, "high": 5e-6, "scale": "log"},
+    }
+    return {
+        "base": base,
+        "set": dict(fixed),
+        "design": "latin_hypercube",
+        "points": machines,
+        "vary": drawn | dict(vary),
+        "cases": {
+            "healthy": {},
+            "outer": {f"faults.outer_1.{key}": value for key, value in spall.items()},
+            "inner": {f"faults.inner_1.{key}": value for key, value in spall.items()},
+            "ball": {f"faults.roller_1.{key}": value for key, value in ball.items()},
+        },
+        "branch_at": 0.3,
+        "settle": 0.15,
+        "duration": seconds,
+        "split": {"train": 1.0, "validation": 0.0, "test": 0.0},
+    }
+
+
+def simulated_windows(tree: Mapping[str, Any], folder: Path, workers: int) -> Windows:
+    """Return the windows of a sweep, which is simulated or continued in a folder."""
+    plan = Plan(sweep_of(tree, "sim_to_real"))
+    with open_data_set(plan, Store(str(folder))) as data_set, local_workers(workers, "auto") as here:
+        tally = data_set.make(here, lambda outcomes: print(dict(outcomes), end=" ", flush=True))
+    print(dict(tally.statuses), dict(tally.reasons))
+    return Windows.of(list(_tables(folder)))
+
+
+def _tables(folder: Path) -> Iterator[tuple[FeatureTable, str, str]]:
+    table = pd.read_parquet(folder / "labels.parquet")
+    for _, row in table[table["status"] == "done"].iterrows():
+        with np.load(folder / row["file"]) as content:
+            values, angle, rate = content["ay"].astype(np.float64), content["shaft_angle"], int(content["sampling_rate"])
+        shaft = abs(row["speed"]) / (2.0 * np.pi)
+        orders = Orders(*(float(row[name]) / shaft for name in ("ftf", "bpfo", "bpfi", "bsf")))
+        yield features(values - values.mean(), rate, np.unwrap(angle), orders), str(row["fault"]), str(row["condition"])
+
+
+def saved(windows: Windows, path: Path) -> Windows:
+    """Write windows to a file and return them."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    np.savez(path, values=windows.values, about=json.dumps([windows.names, windows.truth, windows.recording]))
+    return windows
