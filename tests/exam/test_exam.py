@@ -320,7 +320,7 @@ def test_shipped_exams_are_valid(name: str) -> None:
 
 
 def test_shipped_exams_are_found() -> None:
-    assert set(shipped_exams()) == {"smoke", "standard", "blind", "full", "hours"}
+    assert set(shipped_exams()) == {"smoke", "standard", "blind", "full", "graded", "hours"}
 
 
 def test_the_exam_hours_has_four_healthy_hours_of_varied_operation() -> None:
@@ -619,8 +619,8 @@ def test_the_command_evaluates_an_exam(tmp_path: Path, capsys: pytest.CaptureFix
 @pytest.mark.parametrize(
     ("arguments", "sentence"),
     [
-        ([], "there is nothing to score: give an exam (blind, full, hours, smoke, standard or a YAML file), or recordings"),
-        (["smok"], "there is no exam 'smok': give a YAML file or one of blind, full, hours, smoke, standard; did you mean 'smoke'?"),
+        ([], "there is nothing to score: give an exam (blind, full, graded, hours, smoke, standard or a YAML file), or recordings"),
+        (["smok"], "there is no exam 'smok': give a YAML file or one of blind, full, graded, hours, smoke, standard; did you mean 'smoke'?"),
         (["smoke", "standard"], "2 exams are given (smoke, standard): give one at a time"),
         (["smoke", "bags/healthy"], "smoke is not a recording but bags/healthy is"),
         (["bags/healthy", "bags/healthy"], "is given twice"),
