@@ -1,4 +1,4 @@
-"""Estimate the remaining life of the test bearings of a data set of lives: python examples/remaining_life.py DIR."""
+"""Estimate the remaining life of bearings of a data set of lives: python examples/remaining_life.py DIR."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ HEALTHY = 5
 RISE = 1.15
 """Severity over its healthy median from which a trend begins, at two inspections in a row."""
 GROWTH: Literal["hyperbolic"] = "hyperbolic"
-"""Form of the trend: on training and validation bearings 1/severity falls more evenly than its logarithm rises."""
+"""Form of the trend: 1/severity falls more evenly than its logarithm rises."""
 WINDOW = 8
 """Inspections to which a trend is fitted at most."""
 
@@ -75,8 +75,8 @@ def plot_severity(table: pd.DataFrame, at_failure: float, file: str) -> None:
 
 
 def plot_estimates(found: pd.DataFrame, file: str) -> None:
-    """Plot true and estimated remaining life of each bearing."""
-    names = list(found["bearing"].unique())
+    """Plot true and estimated remaining life of each bearing with three estimates or more."""
+    names = [name for name, rows in found.groupby("bearing") if len(rows) >= 3]
     figure, axes = plt.subplots(1, len(names), figsize=(4.0 * len(names), 3.8), layout="constrained", squeeze=False, sharey=True)
     top = 1.6 * float(found["true"].max())
     for one, name in zip(axes[0], names, strict=True):
@@ -93,13 +93,13 @@ def plot_estimates(found: pd.DataFrame, file: str) -> None:
 
 
 def main(folder: Path) -> None:
-    """Learn the limit from the training bearings, and estimate the lives of the test bearings."""
+    """Learn the limit from the training bearings, and estimate the lives of all others."""
     table = inspections(folder)
-    train, test = table[table["split"] == "train"], table[table["split"] == "test"]
+    train, others = table[table["split"] == "train"], table[table["split"] != "train"]
     at_failure, deviation = limit(train)
     failures = int((train["remaining_life"] == 0.0).sum())
     print(f"limit {at_failure:.1f} m/s^2 from {failures} failures of training bearings")
-    found = pd.concat([estimates(rows, at_failure, deviation) for _, rows in test.groupby("bearing_id")], ignore_index=True)
+    found = pd.concat([estimates(rows, at_failure, deviation) for _, rows in others.groupby("bearing_id")], ignore_index=True)
     for name, rows in found.groupby("bearing"):
         inside = ((rows["low"] <= rows["true"]) & (rows["true"] <= rows["high"])).mean()
         score = dcrb_ros.phm_2012_score(rows["true"], rows["median"])

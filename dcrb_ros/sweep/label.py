@@ -12,6 +12,7 @@ from dcrb_ros.runtime.version import __version__
 from dcrb_ros.settings.files import overlaid
 from dcrb_ros.stream.block import Truth
 from dcrb_ros.sweep.plan import Run
+from dcrb_ros.sweep.temperatures import temperatures
 
 DONE, REFUSED, FAILED, ERROR = "done", "refused", "failed", "error"
 """Outcomes of a run. A refused or failed run is not repeated, since it would fail again; a run that ended in an error is."""
@@ -52,5 +53,6 @@ def fault_label(truths: list[Truth]) -> dict[str, Any]:
         "onset": min((fault["onset"] for fault in last.faults.values()), default=None),
         "speed": last.speed,
         "load": math.hypot(*last.load),
+        **temperatures(last.thermal),
         **{name.lower(): frequency for name, frequency in last.frequencies.items()},
     }

@@ -16,6 +16,7 @@ from dcrb_ros.sweep.label import DONE
 from dcrb_ros.sweep.plan import Plan, Run
 from dcrb_ros.sweep.store import Store, StoreFailed
 from dcrb_ros.sweep.sweep_file import SCENARIO, Sweep
+from dcrb_ros.sweep.temperatures import TEMPERATURES
 from dcrb_ros.sweep.verification import ERRORS, DamagedLabel, label_name, read_label
 
 LABELS = "labels.parquet"
@@ -23,7 +24,7 @@ ROWS = 1000
 """Rows kept in memory at once [-]."""
 TEXTS = ("run", "twin", "condition", "split", "case", "status", "reason", "file", "fault", "scenario", "sha256", "dcrb_ros", "model")
 WHOLE = ("place", "seed", "row", "broken_bars", "sampling_rate", "first_index", "samples", "clipped", "windows")
-DECIMAL = ("width", "depth", "azimuth", "onset", "speed", "load", "ftf", "bpfo", "bpfi", "bsf")
+DECIMAL = ("width", "depth", "azimuth", "onset", "speed", "load", *TEMPERATURES, "ftf", "bpfo", "bpfi", "bsf")
 JSONS = ("faults", "files", "configuration")
 COLUMNS: Mapping[str, str] = {
     "run": "name of the run, a hash of everything that its samples depend on",
@@ -41,6 +42,7 @@ COLUMNS: Mapping[str, str] = {
     "onset": "onset of the first fault [s]; sample k of the file is taken at (first_index + k) / sampling_rate",
     "speed": "speed of the inner ring at the end of the run [rad/s]",
     "load": "magnitude of the load on the inner ring at the end of the run [N]",
+    **TEMPERATURES,
     "ftf": "fundamental train frequency: rotation of the cage, at that speed [Hz]",
     "bpfo": "ball pass frequency of the outer ring: rollers passing a point of the outer raceway [Hz]",
     "bpfi": "ball pass frequency of the inner ring: rollers passing a point of the inner raceway [Hz]",

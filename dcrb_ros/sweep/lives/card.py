@@ -39,11 +39,22 @@ Everything is drawn with the seed {recipe.numbers.seed}. `lives.parquet` has one
   its depth is {1e6 * damage.depth:g} um, and a spall is {damage.aspect:g} times as long along the rollers as wide.
 * Inspections every {inspection.every:g} h from the first hour on, and at failure{overhaul}.
   Speed and load of each are those of a section of the duty{_sections(sweep)}.
-* Each bearing is an individual: its surfaces have a seed of their own (`surfaces.seed`).
+{_climate(sweep)}* Each bearing is an individual: its surfaces have a seed of their own (`surfaces.seed`).
 
 | section | speed [rad/s] | load [N] | at constant speed [h] | in total [h] | revolutions |
 |---|---|---|---|---|---|
 {sections}"""
+
+
+def _climate(sweep: LifeSweep) -> str:
+    climate = sweep.recipe.climate
+    if climate is None:
+        return ""
+    return (
+        f"* Temperature of the surroundings (`ambient_temperature`): {climate.mean:g} deg C, {climate.season:g} K up and down over a year "
+        f"of {climate.hours_per_year:g} operating hours,\n  and a deviation of {climate.day:g} K between inspections. Every inspection "
+        "begins with the temperatures of steady running.\n"
+    )
 
 
 def _only(sweep: LifeSweep) -> str:

@@ -15,13 +15,14 @@ from dcrb_ros.sweep.design import Value
 from dcrb_ros.sweep.lives.duty import Duty, duty_of_line, duty_of_spectrum
 from dcrb_ros.sweep.lives.growth import GROWTH_LAWS, Growth
 from dcrb_ros.sweep.lives.life import COMPONENTS, Bearings, Population
-from dcrb_ros.sweep.lives.recipe import Braking, Damage, Inspection, Level, Numbers, Recipe, Start, Station
+from dcrb_ros.sweep.lives.recipe import Braking, Climate, Damage, Inspection, Level, Numbers, Recipe, Start, Station
 from dcrb_ros.sweep.lives.sweep import LifeSweep
 from dcrb_ros.sweep.sweep_file import Sweep
 
 COMMON = ("base", "set", "duration", "settle", "output", "windows", "split", "licence")
 """Keys that mean the same in every sweep."""
-OWN = ("kind", "lives", "seed", "line", "spectrum", "inspection", "start", "damage", "growth")
+OWN = ("kind", "lives", "seed", "line", "spectrum", "inspection", "start", "damage", "growth", "climate")
+NETWORK = "thermal.law"
 LONGEST_LIFE = 1e8
 """Longest median of a life [h]: beyond 11 000 years no life ends."""
 
@@ -41,7 +42,7 @@ def life_sweep_of(tree: Mapping[str, Any], source: str, common: Sweep) -> LifeSw
     start, damage = _group(tree.get("start", {}), Start, source, "start"), _group(tree.get("damage", {}), Damage, source, "damage")
     if common.file.split.apart:
         raise Refusal(f"{source}: split.apart is for single runs, lives keep every bearing in one split anyway: remove it")
-    recipe = Recipe(numbers, inspection, start, damage, _growth(tree.get("growth", {}), source))
+    recipe = Recipe(numbers, inspection, start, damage, _growth(tree.get("growth", {}), source), _climate(tree, common, source))
     configuration = validated(common.base, Configuration, source)
     duty, written = _duty(tree, configuration.operating.wheel_diameter, source)
     population = _population(recipe, duty, configuration.bearing, source)
@@ -78,6 +79,16 @@ def _growth(tree: Any, source: str) -> Growth:
     if law not in GROWTH_LAWS:
         raise Refusal(f"{source}: growth.law = {law!r} is not one of {', '.join(GROWTH_LAWS)}{nearest(str(law), GROWTH_LAWS)}")
     return _group(tree, GROWTH_LAWS[law], source, "growth")
+
+
+def _climate(tree: Mapping[str, Any], common: Sweep, source: str) -> Climate | None:
+    if "climate" not in tree:
+        return None
+    if common.base[NETWORK] != "network":
+        raise Refusal(
+            f"{source}: climate needs temperatures, and {NETWORK} is {common.base[NETWORK]}: set it to network, or leave climate out"
+        )
+    return _group(tree["climate"], Climate, source, "climate")
 
 
 def _duty(tree: Mapping[str, Any], wheel_diameter: float, source: str) -> tuple[Duty, tuple[dict[str, Any], ...]]:

@@ -16,6 +16,10 @@ from dcrb_ros.sweep.lives.table import TRUTH, lives_table
 from dcrb_ros.sweep.plan import SEED, Plan, Run, Task, digest, splits
 from dcrb_ros.sweep.sweep_file import Sweep
 
+AMBIENT = "thermal.ambient"
+COLDEST_AND_HOTTEST = (-40.0, 60.0)
+"""Range of that parameter [deg C]; what is drawn beyond it takes its end."""
+
 
 def plan_of(sweep: Sweep) -> Plan:
     """Return the plan of a sweep of any kind."""
@@ -31,8 +35,8 @@ class LifePlan(Plan):
     def __init__(self, sweep: LifeSweep) -> None:
         super().__init__(sweep)
         self.lives = sweep
-        numbers = range(sweep.recipe.numbers.lives)
-        self._bearings = [digest([self._common, sweep.recipe.numbers.seed, number]) for number in numbers]
+        # Neither the version nor the model is part of these hashes, so that splits and noise stay what they are.
+        self._bearings = [digest([sweep.recipe.numbers.seed, number]) for number in range(sweep.recipe.numbers.lives)]
         self._splits = splits(set(self._bearings), sweep.file.split)
         self.conditions = len(self._bearings)
         weights = np.cumsum([section.steady for section in sweep.sections])
@@ -48,8 +52,9 @@ class LifePlan(Plan):
         place = 0
         for life in self.lives.population.lives():
             hours = list(life.inspections(self.lives.recipe.inspection.every))
-            for number, (hour, section) in enumerate(zip(hours, self._sections(life, len(hours)), strict=True)):
-                yield (self._inspection(place, life, number, hour, section),)
+            conditions = zip(hours, self._sections(life, len(hours)), self._ambient(life, hours), strict=True)
+            for number, (hour, section, ambient) in enumerate(conditions):
+                yield (self._inspection(place, life, number, hour, section, ambient),)
                 place += 1
 
     def design_text(self) -> str:
@@ -60,7 +65,7 @@ class LifePlan(Plan):
         """Yield the table of the lives."""
         yield "lives.parquet", lives_table(self.lives, lambda life: self._splits[self._bearings[life.number]])
 
-    def _inspection(self, place: int, life: Life, number: int, hour: float, section: Section) -> Run:
+    def _inspection(self, place: int, life: Life, number: int, hour: float, section: Section, ambient: Mapping[str, Value]) -> Run:
         bearing, width = self._bearings[life.number], life.width(hour)
         twin = digest([bearing, number])
         seed = int(twin[:8], 16) >> 1
@@ -69,6 +74,7 @@ class LifePlan(Plan):
             "operating.load": section.load,
             "surfaces.seed": life.individual,
             SEED: seed,
+            **ambient,
         }
         changes = {**healthy, **dict(self.lives.damage(life.component, life.place, life.individual, width))}
         return Run(
@@ -99,3 +105,14 @@ class LifePlan(Plan):
         shares = random_stream(seed, f"life {life.number} sections").random(count)
         places = np.minimum(np.searchsorted(self._shares, shares, side="right"), len(self._shares) - 1)
         return [self.lives.sections[place] for place in places]
+
+    def _ambient(self, life: Life, hours: list[float]) -> Iterator[Mapping[str, Value]]:
+        """Yield the temperature of the surroundings at the inspections of a life as a parameter; none without a climate."""
+        climate = self.lives.recipe.climate
+        if climate is None:
+            yield from ({} for _ in hours)
+            return
+        random = random_stream(self.lives.recipe.numbers.seed, f"life {life.number} climate")
+        turns = float(random.random()) + np.array(hours) / climate.hours_per_year
+        drawn = climate.mean + climate.season * np.sin(2.0 * np.pi * turns) + climate.day * random.standard_normal(len(hours))
+        yield from ({AMBIENT: value} for value in np.clip(drawn, *COLDEST_AND_HOTTEST).tolist())

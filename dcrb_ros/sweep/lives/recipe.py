@@ -73,6 +73,15 @@ class Damage(Group):
     azimuth_deviation: float = quantity(0.35, "rad", "Standard deviation of the azimuth of outer damage from the load line", 0.0, 1.0)
 
 
+class Climate(Group):
+    """Temperature of the surroundings at the inspections; it needs a thermal network."""
+
+    mean: float = quantity(10.0, "deg C", "Mean over a year", -40.0, 60.0)
+    season: float = quantity(0.0, "K", "Amplitude of the course over a year, whose beginning is drawn for each bearing", 0.0, 50.0)
+    day: float = quantity(0.0, "K", "Standard deviation between inspections", 0.0, 30.0)
+    hours_per_year: float = quantity(5000.0, "h", "Operating hours in a year", 1.0, 8784.0)
+
+
 class Numbers(Group):
     """How many bearings there are, and the seed of all draws."""
 
@@ -89,3 +98,5 @@ class Recipe:
     start: Start
     damage: Damage
     growth: Growth
+    climate: Climate | None = None
+    """None for ``thermal.ambient`` at every inspection."""

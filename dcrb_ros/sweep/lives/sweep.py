@@ -37,7 +37,8 @@ class LifeSweep(Sweep):
     def inputs(self) -> dict[str, Any]:
         """Everything that the data set is made from, as written to its description."""
         groups = {name: getattr(self.recipe, name).model_dump() for name in ("numbers", "inspection", "start", "damage", "growth")}
-        return {**super().inputs, "kind": LIFE, "duty": list(self.duty), **groups}
+        climate = {"climate": self.recipe.climate.model_dump()} if self.recipe.climate is not None else {}
+        return {**super().inputs, "kind": LIFE, "duty": list(self.duty), **groups, **climate}
 
     def damage(self, component: str, place: Mapping[str, Value], individual: int, width: float) -> Iterator[tuple[str, Value]]:
         """Yield the parameters of the damage of a component: its place, the seed of its bearing, its width [m]; none without width."""

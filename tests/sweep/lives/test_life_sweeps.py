@@ -17,6 +17,7 @@ from scipy.stats import kstest, weibull_min
 
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.shipped import shipped_folder
+from dcrb_ros.sweep.cluster import ClusterWorkers
 from dcrb_ros.sweep.data_set import open_data_set
 from dcrb_ros.sweep.execution import common_settings, run_task
 from dcrb_ros.sweep.lives.plan import LifePlan, plan_of
@@ -150,12 +151,39 @@ def test_a_bearing_is_one_individual_in_one_split() -> None:
     assert counts == [12, 4, 4]
 
 
+def test_splits_and_noise_do_not_depend_on_the_model(monkeypatch: pytest.MonkeyPatch) -> None:
+    before = [(run.name, run.split, run.seed) for run in plan_of(sweep()).runs()]
+    monkeypatch.setattr("dcrb_ros.sweep.plan.model_fingerprint", lambda: "another model")
+    after = [(run.name, run.split, run.seed) for run in plan_of(sweep()).runs()]
+    assert [found[1:] for found in before] == [found[1:] for found in after]
+    assert not {found[0] for found in before} & {found[0] for found in after}
+
+
 def test_inspections_are_made_on_sections_by_their_hours() -> None:
     sections = [run.truth["section"] for run in plan_of(sweep(lives=200)).runs()]
     assert set(sections) == {"fast", "slow"}
     assert sections.count("fast") / len(sections) == pytest.approx(0.6 / 0.9, abs=0.06)
     fixed = plan_of(sweep(inspection={"every": 5000.0, "overhaul": 20000.0, "section": "slow"}))
     assert {run.truth["section"] for run in fixed.runs()} == {"slow"}
+
+
+OILED = {"thermal.law": "network", "lubrication.law": "film", "cage.joint": "revolute"}
+
+
+def test_the_surroundings_follow_the_year() -> None:
+    climate = {"mean": 5.0, "season": 15.0, "hours_per_year": 4000.0}
+    population = {"lives": 6, "inspection": {"every": 1000.0, "overhaul": 20000.0}, "start": {}}
+    runs = list(plan_of(sweep(set=OILED, climate=climate, **population)).runs())
+    by_bearing: dict[str, list[float]] = defaultdict(list)
+    for run in runs:
+        by_bearing[str(run.truth["bearing_id"])].append(float(run.changes["thermal.ambient"]))
+    for found in by_bearing.values():
+        # Inspections a quarter of a year apart: T(t) + T(t + half a year) = 2 mean, and the squares of quarters add up to the amplitude's.
+        year = np.array(found[:20]) - 5.0
+        assert np.allclose(year[:-2], -year[2:])
+        assert np.allclose(year[:-1] ** 2 + year[1:] ** 2, 15.0**2)
+    assert len({round(found[0], 6) for found in by_bearing.values()}) == 6
+    assert all("thermal.ambient" not in run.changes for run in plan_of(sweep(set=OILED)).runs())
 
 
 def test_a_spall_spreads_along_the_rollers() -> None:
@@ -193,6 +221,17 @@ def test_a_data_set_of_lives_has_its_truth_and_is_the_same_in_parts(tmp_path: Pa
     (folder / missing["file"]).unlink()
     made(folder)
     assert contents(folder) == whole
+
+
+def test_two_workers_of_a_cluster_make_the_same_bits(tmp_path: Path) -> None:
+    distributed = pytest.importorskip("distributed")
+    alone = contents(made(tmp_path / "alone", lives=2))
+    with (
+        distributed.Client(processes=False, n_workers=2, threads_per_worker=1, dashboard_address=None) as client,
+        open_data_set(plan_of(sweep(lives=2)), Store(str(tmp_path / "cluster"))) as data_set,
+    ):
+        data_set.make(ClusterWorkers(client), lambda _: None)
+    assert contents(tmp_path / "cluster") == alone
 
 
 def test_another_growth_is_another_data_set(tmp_path: Path) -> None:
@@ -236,6 +275,8 @@ def test_shipped_sweeps_can_be_planned(path: Path) -> None:
         ({"inspection": {"every": 100.0}}, "start.in_service draws damage before an overhaul, and there is none"),
         ({"inspection": {"every": 0.0}}, "every = 0.0 h is outside 0.001 .. 1e.06 h"),
         ({"inspection": 5}, "inspection is not a group"),
+        ({"climate": {"mean": 5.0}}, "climate needs temperatures, and thermal.law is none"),
+        ({"set": OILED, "climate": {"season": -1.0}}, "season = -1.0 K is outside 0 .. 50 K"),
         ({"lives": 0}, "lives = 0 is outside 1 .. 1000000"),
         ({"start": {"slope": 0.0}}, "slope = 0.0 is outside 0.3 .. 20"),
         ({"duration": 4000.0, "output": "bag"}, "an inspection of 4000 s is longer than every stretch"),
