@@ -28,10 +28,9 @@ setup(
     maintainer=maintainer.text if maintainer is not None else None,
     maintainer_email=maintainer.get("email") if maintainer is not None else None,
     license=manifest.findtext("license"),
-    # As of November 2026 the dependencies have wheels for Python 3.10 to 3.14, those of ROS 2 Jazzy (ros-rclpy 7.1.6) included: numba
-    # 0.68.1, numpy 2.4 and 2.5, scipy 1.18.1, rerun-sdk 0.41.0 (abi3) and mcap 1.6.0. The exception is empy, which ROS 2 needs: pip builds
-    # it from its source, in pure Python. The checks run on 3.10 to 3.13.
-    python_requires=">=3.10,<3.15",
+    # The versions on which the checks have been run. As of November 2026 the dependencies have wheels for 3.14 as well, those of ROS 2
+    # Jazzy (ros-rclpy 7.1.6) included, but no interpreter of 3.14 was available.
+    python_requires=">=3.10,<3.14",
     packages=find_packages(include=[NAME, f"{NAME}.*"]),
     package_data={NAME: ["py.typed"], f"{NAME}.validation": ["assumptions.md"]},
     data_files=[

@@ -30,6 +30,10 @@ from dcrb_ros.validation.realism import Statistics, lines_of, squared_envelope, 
 GRAVITY = 9.80665
 BENCHES = {"healthy": "healthy", "outer_ring": "outer_ring_defect"}
 SEEDS = range(1, 9)
+MODES = 6
+"""Modes of each axle box: the accelerometers of the rigs are on housings that have some."""
+SPEEDS = {"600 rpm": 62.832, "1800 rpm": 188.496}
+"""Further speeds of healthy bearings [rad/s]."""
 SETTLING, DURATION = 0.2, 3.0
 """Simulated time before the statistics, and of them [s]."""
 SHOWN = ("cw48_N_0", "hitself_Normal_1200", "mfpt_O3", "hitself_OR5_1200")
@@ -58,13 +62,18 @@ class Case(NamedTuple):
         return statistics(self.values, self.rate, self.shaft, self.orders)
 
 
-def simulated(bench: str, seed: int) -> Case:
-    """Return the acceleration in Y of an individual of a bench."""
-    configuration = load_configuration(bench, [f"surfaces.seed={seed}", f"simulation.seed={seed}"])
+def simulated(bench: str, seed: int, *settings: str) -> tuple[Case, Case]:
+    """Return the acceleration in Y of an individual of a bench, behind the modes of its axle box and at the outer ring itself."""
+    given = (f"surfaces.seed={seed}", f"simulation.seed={seed}", f"structure.modes={MODES}", f"structure.seed={seed}", *settings)
+    configuration = load_configuration(bench, given)
     blocks = list(Simulation(configuration, waveform_only=True).blocks(SETTLING + DURATION))
-    values = np.concatenate([block.clean for block in blocks])[round(SETTLING * blocks[0].rate) :, 1].astype(np.float64)
-    shaft = configuration.operating.speed / (2.0 * np.pi)
-    return Case(f"{bench} {seed}", values, blocks[0].rate, shaft, characteristic_orders(configuration.bearing))
+    start, shaft = round(SETTLING * blocks[0].rate), configuration.operating.speed / (2.0 * np.pi)
+    orders = characteristic_orders(configuration.bearing)
+    box, ring = (
+        Case(f"{bench} {seed}", np.concatenate(parts)[start:, 1].astype(np.float64), blocks[0].rate, shaft, orders)
+        for parts in ([block.acceleration for block in blocks], [block.clean for block in blocks])
+    )
+    return box, ring
 
 
 def measured(folder: Path) -> dict[tuple[str, str], list[Case]]:
@@ -152,10 +161,15 @@ def main() -> None:
     parser.add_argument("measured", type=Path)
     parser.add_argument("--pictures", type=Path)
     given = parser.parse_args()
-    ours = {truth: [simulated(bench, seed) for seed in SEEDS] for truth, bench in BENCHES.items()}
+    ours, rings = {}, {}
+    for truth, bench in BENCHES.items():
+        ours[truth], rings[truth] = map(list, zip(*(simulated(bench, seed) for seed in SEEDS), strict=True))
     theirs = measured(given.measured)
     for truth in BENCHES:
-        table(truth, {"simulated": ours[truth], **{rig: cases for (its, rig), cases in theirs.items() if its == truth}})
+        both = {"simulated": ours[truth], "simulated, rigid box": rings[truth]}
+        table(truth, both | {rig: cases for (its, rig), cases in theirs.items() if its == truth})
+    at_speeds = {name: [simulated("healthy", seed, f"operating.speed={speed}")[1] for seed in SEEDS] for name, speed in SPEEDS.items()}
+    table("healthy, rigid box", {"1200 rpm": rings["healthy"], **at_speeds})
     operating_points()
     if given.pictures:
         named = {case.name: case for cases in theirs.values() for case in cases}

@@ -15,6 +15,8 @@ if TYPE_CHECKING:
     from dcrb_ros.bearing.history import StateHistory
     from dcrb_ros.bearing.kinematics import Orders
     from dcrb_ros.bearing.waveform import Waveform
+    from dcrb_ros.calibration.calibration import Calibration, calibrate
+    from dcrb_ros.calibration.comparison import Comparison, compare
     from dcrb_ros.diagnosis.detection import DetectionResult, detect
     from dcrb_ros.diagnosis.detector import FaultDetector
     from dcrb_ros.diagnosis.envelope_spectrum import EnvelopeSpectrum, envelope_spectrum
@@ -43,6 +45,8 @@ if TYPE_CHECKING:
 __all__ = [
     "Bearing",
     "Block",
+    "Calibration",
+    "Comparison",
     "Configuration",
     "DetectionResult",
     "DetectorParameters",
@@ -63,7 +67,9 @@ __all__ = [
     "StateHistory",
     "Waveform",
     "__version__",
+    "calibrate",
     "characteristic_frequencies",
+    "compare",
     "detect",
     "dynamic_load_rating",
     "envelope_spectrum",
@@ -84,6 +90,8 @@ __all__ = [
 _MODULES = {
     "Bearing": "settings.parameters",
     "Block": "stream.block",
+    "Calibration": "calibration.calibration",
+    "Comparison": "calibration.comparison",
     "Configuration": "settings.configuration",
     "DetectionResult": "diagnosis.detection",
     "DetectorParameters": "diagnosis.parameters",
@@ -103,7 +111,9 @@ _MODULES = {
     "SpectralCoherence": "features.spectral_coherence",
     "StateHistory": "bearing.history",
     "Waveform": "bearing.waveform",
+    "calibrate": "calibration.calibration",
     "characteristic_frequencies": "bearing.frequencies",
+    "compare": "calibration.comparison",
     "detect": "diagnosis.detection",
     "dynamic_load_rating": "prognosis.rating_life",
     "envelope_spectrum": "diagnosis.envelope_spectrum",

@@ -68,21 +68,25 @@ class RollerSet(Protocol):
 
     @property
     def roller_radius(self) -> float:
-        """[m]"""
+        """In the plane of rotation, of a ball r cos a [m]."""
+
+    @property
+    def contact_angle(self) -> float:
+        """[rad]"""
 
     @property
     def pitch_radius(self) -> float:
         """[m]"""
 
 
-def characteristic_orders(bearing: RollerSet, contact_angle: float = 0.0) -> Orders:
-    """Return the orders for pure rolling, from r_R, r_M, the number n of rollers and the contact angle a [rad] (Eqs. 43 to 45).
+def characteristic_orders(bearing: RollerSet) -> Orders:
+    """Return the orders for pure rolling, from r_R, r_M, the number n of rollers and the contact angle a (Eqs. 43 to 45).
 
     FTF = (1 - c)/2, BPFO = n FTF, BPFI = n (1 - FTF) and BSF = (1 - c^2)/(2 r_R/r_M) with c = r_R/r_M cos a. The paper has a = 0; the
     general case is that of Randall and Antoni 2011, eqs. 1 to 4.
     """
-    ratio = bearing.roller_radius / bearing.pitch_radius
-    contact = ratio * math.cos(contact_angle)
+    contact = bearing.roller_radius / bearing.pitch_radius
+    ratio = contact / math.cos(bearing.contact_angle)
     ftf = 0.5 * (1.0 - contact)
     return Orders(
         ftf=ftf,

@@ -22,11 +22,13 @@ from scipy.special import j1
 
 from dcrb_ros.bearing.individual import individual_of, surface_seed
 from dcrb_ros.core.contacts.heights import HEIGHT, PART_HEIGHT, PART_SLOPE, SHARE, SLOPE, Profile, Smooth, interpolated, packed, unpacked
+from dcrb_ros.core.laws import hertz
 from dcrb_ros.core.payload import Payload
 from dcrb_ros.faults.geometry import Damage, RacewayNotch, RollerNotch, SurfaceHeights, SurfaceProfile
 from dcrb_ros.measurement.random_streams import random_stream
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.settings.configuration import Configuration
+from dcrb_ros.settings.loaded_contacts import heaviest, material_of
 from dcrb_ros.settings.parameters import Bearing
 
 RACEWAY_NODES, ROLLER_NODES = 16384, 1024
@@ -41,6 +43,8 @@ HIGHEST_ORDER = 2000
 ROLLER_ORDERS = (2, 60)
 HIGHEST_ROLLER_ORDER = 280
 """As many lobes per length as `HIGHEST_ORDER` on a raceway."""
+SHORT_ORDERS, SHORT_ROLLER_ORDERS = (WAVINESS_ORDERS[1], HIGHEST_ORDER), (20, HIGHEST_ROLLER_ORDER)
+"""The order below them and the last order of ``surfaces.short_waves``: waves of the same lengths on raceways and rollers."""
 FINE = 4
 """Samples per node for damage, which has edges."""
 LEAST_HEIGHT = 1e-12
@@ -101,6 +105,11 @@ def waves(random: np.random.Generator, orders: Floats, amplitudes: Floats, facto
 def half_width(configuration: Configuration, radius: float) -> float:
     """Return the half-width [m] of a contact of a reduced radius [m], over which it averages heights."""
     bearing = configuration.bearing
+    if configuration.contact.law == hertz.LAW.name:
+        inner, outer = hertz.curvatures(dict(configuration.contact), material_of(bearing))
+        # Of the two, the one whose curvature in the plane is that of the reduced radius.
+        curvature = inner if radius < bearing.roller_radius else outer
+        return hertz.semiaxes(curvature, heaviest(configuration), bearing.effective_modulus)[1]
     return math.sqrt(4.0 * radius * AVERAGING_FORCE / (math.pi * bearing.roller_length * bearing.effective_modulus))
 
 
@@ -134,6 +143,25 @@ def roller_waves(seed: int, name: str, radius: float, widths: tuple[float, float
         for part in waves(random_stream(seed, name), orders, amplitudes, contact_weight(orders / radius * width), ROLLER_NODES)
     ]
     return tuple(felt)
+
+
+@lru_cache(maxsize=256)
+def short_waves(
+    seed: int, name: str, radius: float, widths: tuple[float, ...], rms: float, orders: tuple[int, int], nodes: int
+) -> tuple[Floats, ...]:
+    """Return heights [m] and slopes [m/rad] that remain of roughness averaged along a roller, as contacts of half-widths [m] feel it.
+
+    Before a contact averages them over its width they are alike over all orders between the first and the last; afterwards they have the
+    root mean square ``rms`` [m] at the last of the contacts.
+    """
+    between = np.arange(orders[0] + 1, orders[1] + 1, dtype=np.float64)
+    felt = contact_weight(between / radius * widths[-1])
+    amplitudes = np.full(len(between), rms * math.sqrt(2.0 / float((felt**2).sum())))
+    return tuple(
+        part
+        for width in widths
+        for part in waves(random_stream(seed, name), between, amplitudes, contact_weight(between / radius * width), nodes)
+    )
 
 
 class FeltDefect(NamedTuple):
@@ -192,13 +220,19 @@ def build_surfaces(configuration: Configuration, damage: Sequence[Damage]) -> tu
         for row in range(b.rows):
             name = f"{('inner', 'outer')[ring]} raceway of row {row + 1}"
             height, slope = raceway_waves(seed, name, raceways[ring], widths[ring], s.roundness, waviness, s.waviness_slope)
-            table[ring, row, :, HEIGHT], table[ring, row, :, SLOPE] = height, slope
+            short = short_waves(
+                seed, f"short waves of {name}", raceways[ring], widths[ring : ring + 1], s.short_waves, SHORT_ORDERS, RACEWAY_NODES
+            )
+            table[ring, row, :, HEIGHT], table[ring, row, :, SLOPE] = height + short[0], slope + short[1]
     table[1, :, :, HEIGHT] += (individual.row_radii - 0.5 * individual.clearance)[:, None]
     add_run_out(table[0], individual.run_out)
     rollers = np.zeros((b.rows * b.rollers_per_row, ROLLER_NODES, 4))
     for k in range(len(rollers)):
         felt = roller_waves(seed, f"roller {k + 1}", b.roller_radius, widths, 0.5 * waviness, s.waviness_slope)
-        rollers[k] = np.stack(felt, axis=-1)
+        short = short_waves(
+            seed, f"short waves of roller {k + 1}", b.roller_radius, widths, 0.5 * s.short_waves, SHORT_ROLLER_ORDERS, ROLLER_NODES
+        )
+        rollers[k] = np.stack(felt, axis=-1) + np.stack(short, axis=-1)
     rollers[:, :, 0::2] += 0.5 * individual.roller_diameters[:, None, None]
     for item in damage:
         add_damage(c, item, table, rollers)

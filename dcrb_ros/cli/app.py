@@ -7,7 +7,25 @@ from typing import Any
 
 import typer
 
-from dcrb_ros.cli import bench, cache, config, detect, exam, exchange, info, plot, recover, replay, score, simulate, sweep, validate, view
+from dcrb_ros.cli import (
+    bench,
+    cache,
+    calibrate,
+    config,
+    detect,
+    exam,
+    exchange,
+    info,
+    plot,
+    recover,
+    replay,
+    score,
+    shards,
+    simulate,
+    sweep,
+    validate,
+    view,
+)
 from dcrb_ros.cli.literal_help import Commands, LiteralGroup
 from dcrb_ros.runtime.exit_status import exit_status
 from dcrb_ros.runtime.version import __version__
@@ -36,7 +54,10 @@ app.command("info")(info.info)
 app.command("recover")(recover.recover)
 app.command("export")(exchange.export)
 app.command("import")(exchange.import_)
+app.command("calibrate")(calibrate.calibrate)
+app.command("compare")(calibrate.compare)
 app.command("sweep")(sweep.sweep)
+app.command("shards")(shards.shards)
 app.command("validate")(validate.validate)
 app.command("cache")(cache.cache)
 app.add_typer(exam.app, name="exam")

@@ -32,6 +32,10 @@ def sweep(
     output: Annotated[
         str | None, typer.Option("-o", "--output", help="Folder of the data set, or an fsspec address such as s3://bucket/folder.")
     ] = None,
+    machine: Annotated[
+        str | None,
+        typer.Option(help="Calibrated machine instead of the sweep's base: what dcrb calibrate wrote, with its intervals beside it."),
+    ] = None,
     scheduler: Annotated[
         str | None, typer.Option(help="Address of a Dask scheduler, such as tls://10.0.0.1:8786. Default: processes on this machine.")
     ] = None,
@@ -62,7 +66,7 @@ def sweep(
     from dcrb_ros.sweep.lives.plan import plan_of
     from dcrb_ros.sweep.loader import read_sweep
 
-    plan = plan_of(read_sweep(sweep))
+    plan = plan_of(read_sweep(sweep, machine))
     if plan.conditions < 3 and not quiet:
         missing = "validation split" if plan.conditions == 2 else "validation or test split"
         typer.echo(f"too few {plan.unit} ({plan.conditions}) for a {missing}: {plan.remedy} to get more", err=True)

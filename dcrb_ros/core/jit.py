@@ -5,9 +5,15 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, TypeVar, cast
 
+import numpy as np
 from numba import njit
 
 Function = TypeVar("Function", bound=Callable[..., Any])
+
+NO: Any = np.bool_(False)
+YES: Any = np.bool_(True)
+ZERO: Any = np.int64(0)
+"""Arguments of kernels. For a literal, numba compiles the kernel and all that it calls once more than for a variable."""
 
 COMPILED: dict[str, Any] = {"error_model": "numpy", "_nrt": False, "fastmath": {"contract", "arcp", "nsz"}}
 """Without numba's runtime nothing can be allocated, and no array is counted in and out of a call: a factor of six here.

@@ -24,9 +24,12 @@ class BaselineLearner:
     stops there. One that raises an alarm from the first verdict on is stated to be healthy, and learned with a remark.
     """
 
-    def __init__(self, window: float) -> None:
-        """Learn from judgements of windows of that length [s]; those that overlap with the one of an alarm are not used."""
-        self._window = window
+    def __init__(self, window: float, start: float = 0.0) -> None:
+        """Learn from judgements of windows of that length [s] of a signal from ``start`` [s] on.
+
+        Those that overlap with the one of an alarm are not used.
+        """
+        self._window, self._start = window, start
         self._largest: dict[Key, Largest] = {}
         self._pending: deque[tuple[float, float, dict[Key, Largest]]] = deque()
         """Time, shaft frequency and lines of the judgements of the latest windows."""
@@ -43,7 +46,7 @@ class BaselineLearner:
     @property
     def seconds(self) -> float:
         """Length of signal that was used before an alarm [s], 0 without an alarm."""
-        return max(0.0, self._stopped - self._window)
+        return max(0.0, self._stopped - self._window - self._start)
 
     def add(self, evidence: Evidence, rules: Iterable[BearingRule[Any]], verdict: Verdict, time: float) -> None:
         """Take the evidence of a judgement at a ``time`` [s] and its verdict."""

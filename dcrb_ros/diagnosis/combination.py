@@ -60,6 +60,8 @@ def explains(cause: Finding, image: Finding, evidence: Evidence) -> bool:
     there = cause.rule.family(band, cause.comb)
     if image.lines.depth_per_line < image.rule.p.shadow * there.depth_per_line:
         return True
-    companions = cause.rule.companions(there if there.depth > 0.0 else cause.lines, evidence.orders)
+    # Where the cause is faint, its order is that of noise: its lines are those of the band in which it was found.
+    faint = there.depth < image.rule.p.shadow * cause.lines.depth
+    companions = cause.rule.companions(cause.lines if faint else there, evidence.orders)
     remaining = band.remainder(image.comb, image.lines, companions).depth
     return bool(remaining < max(image.rule.depth, LEAST_REMAINDER * image.lines.depth))

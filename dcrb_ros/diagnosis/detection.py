@@ -196,13 +196,14 @@ def learn_baseline(
     chosen = (parameters or DetectorParameters()).model_copy(
         update={"baseline": "", "outer_limit": 0.0, "outer_limit_high": 0.0, "learn": 0.0}
     )
-    described, acceleration = _described(signal if bearing is None else bearing), [piece.acceleration for piece in source.pieces()]
-    duration = sum(map(len, acceleration)) / source.sampling_rate
-    learner = BaselineLearner(min(chosen.window, duration))
+    described, pieces = _described(signal if bearing is None else bearing), list(source.pieces())
+    duration = sum(len(piece.acceleration) for piece in pieces) / source.sampling_rate
+    start = pieces[0].first_index / source.sampling_rate if pieces else 0.0
+    learner = BaselineLearner(min(chosen.window, duration), start)
     for tried in (chosen, _brief(chosen)):
         detector = _detector(source, tried, described, None)
         detector.learner = learner
-        found, _ = _diagnoses(detector, source.pieces())
+        found, _ = _diagnoses(detector, pieces)
         if learner.judgements:
             break
     if not learner.judgements:
@@ -212,7 +213,7 @@ def learn_baseline(
         "source": name,
         "rules": rules_hash(),
         "sampling_rate": source.sampling_rate,
-        "axes": max(axes(part) for part in acceleration) or 1,
+        "axes": max(axes(piece.acceleration) for piece in pieces) or 1,
         "orders": source.orders.as_dict(),
         "bands": detector.bands,
         "seconds": learner.seconds or duration,

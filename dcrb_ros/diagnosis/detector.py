@@ -106,7 +106,8 @@ class FaultDetector:
         self._use_baseline()
         self._saturation = next(rule for rule in self._sample_rules if isinstance(rule, Saturation))
         self._combination = Combination(self._bearing_rules, p.release_margin)
-        self._hysteresis = Hysteresis(p.confirm, p.release, p.release_margin)
+        # If a single judgement confirms a fault, as in a signal that is judged as a whole, weak evidence does so, too.
+        self._hysteresis = Hysteresis(p.confirm, p.release, p.release_margin, hops if p.confirm > 1 else 1)
         self._trend, self._levels = Trend(p.trend_time, p.hop), LevelHistory()
         self._flaw = ""
         """The last flaw of the sensor."""

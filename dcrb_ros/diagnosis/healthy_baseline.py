@@ -32,7 +32,7 @@ SAME_ORDER = 1e-4
 OTHER_SPEED = 1.3
 """Ratio to the learned speeds from which the sizes of lines can no longer be compared well [-]."""
 SOURCES = (
-    *("demodulation", "order_tracking", "order_spectrum", "line_search", "window", "rule"),
+    *("bands", "segments", "demodulation", "order_tracking", "window", "order_spectrum", "line_search", "evidence", "rule"),
     *("rules/outer_ring", "rules/inner_ring", "rules/roller", "rules/cage"),
 )
 """Modules on which the sizes of lines depend."""

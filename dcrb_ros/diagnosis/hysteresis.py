@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -16,6 +17,9 @@ MOST_PROBABILITY = 0.99
 LEAST_PROBABILITY = 0.1
 """Least probability of a fault [-]: a tenth to a fifth of the verdicts healthy are wrong where half of the bearings have faint faults."""
 
+STRONG = 2.8
+"""Evidence above the threshold of which nine of ten alarms are right [dB]; see `probability`."""
+
 
 @dataclass
 class Suspicion:
@@ -23,30 +27,42 @@ class Suspicion:
 
     seen: int = 0
     """Consecutive judgements with evidence above the threshold."""
+    evidence: float = 0.0
+    """Sum of the evidence above the threshold since the fault was first suspected [dB]."""
     gone: int = 0
     """Consecutive judgements with evidence clearly below the threshold."""
     confirmed: bool = False
 
 
 class Hysteresis:
-    """A fault is confirmed by several consecutive judgements and cleared by more of them."""
+    """A fault is confirmed by several consecutive judgements and cleared by more of them.
 
-    def __init__(self, confirm: int, release: int, release_margin: float) -> None:
-        """Confirm after ``confirm`` judgements; clear after ``release`` of them, ``release_margin`` [dB] below the threshold."""
-        self._confirm, self._release, self._margin = confirm, release, release_margin
+    Consecutive windows share most of their samples, so that weak evidence must last. At the threshold, where an alarm is as often wrong as
+    right, it must last until the window has been renewed; from strong evidence on, whose alarms are right nine times out of ten, it need
+    not; and in proportion between them. Two faults are both present only if they are suspected in the same judgement: where one
+    explains the lines of the other and the next judgement has it the other way around, the one with more evidence counts.
+    """
+
+    def __init__(self, confirm: int, release: int, release_margin: float, persist: int = 1) -> None:
+        """Confirm after ``confirm`` judgements, or up to ``persist`` with weak evidence.
+
+        Clear after ``release`` judgements, ``release_margin`` [dB] below the threshold.
+        """
+        self._confirm, self._release, self._margin, self._persist = confirm, release, release_margin, max(confirm, persist)
         self.reset()
 
     def reset(self) -> None:
         """Forget all judgements."""
         self._suspicions: dict[Component, Suspicion] = {component: Suspicion() for component in COMPONENTS}
+        self._pairs: dict[tuple[Component, Component], Suspicion] = {pair: Suspicion() for pair in itertools.combinations(COMPONENTS, 2)}
         self._clear = 0
 
     def verdict(self, excess: Mapping[Component, float]) -> Verdict:
         """Take the evidence for each component relative to its threshold [dB]; return the verdict."""
         for component, suspicion in self._suspicions.items():
-            suspicion.seen = suspicion.seen + 1 if excess[component] >= 0.0 else 0
-            suspicion.gone = suspicion.gone + 1 if excess[component] < -self._margin else 0
-            suspicion.confirmed = (suspicion.confirmed or suspicion.seen >= self._confirm) and suspicion.gone < self._release
+            self._update(suspicion, excess[component])
+        for (one, other), suspicion in self._pairs.items():
+            self._update(suspicion, min(excess[one], excess[other]))
         confirmed = self.confirmed
         if len(confirmed) > 1:
             return "compound"
@@ -56,10 +72,38 @@ class Hysteresis:
         self._clear = 0 if suspected and self._clear < self._confirm else self._clear + 1
         return "healthy" if self._clear >= self._confirm else "waiting"
 
+    def _update(self, suspicion: Suspicion, excess: float) -> None:
+        """Count a judgement with that evidence [dB]."""
+        if excess >= 0.0:
+            suspicion.seen += 1
+            suspicion.evidence += excess
+        else:
+            suspicion.seen = 0
+        suspicion.gone = suspicion.gone + 1 if excess < -self._margin else 0
+        suspicion.confirmed = (suspicion.confirmed or self._lasts(suspicion)) and suspicion.gone < self._release
+        if not suspicion.seen and not suspicion.confirmed:
+            suspicion.evidence = 0.0
+
+    def _lasts(self, suspicion: Suspicion) -> bool:
+        """Return whether there is evidence for long enough."""
+        if not suspicion.seen:
+            return False
+        weakness = max(0.0, 1.0 - suspicion.evidence / suspicion.seen / STRONG)
+        return suspicion.seen >= self._confirm + weakness * (self._persist - self._confirm)
+
     @property
     def confirmed(self) -> list[Component]:
-        """Components with a confirmed fault."""
-        return [component for component, suspicion in self._suspicions.items() if suspicion.confirmed]
+        """Components with a confirmed fault, which were suspected together if there are several."""
+        alone = [component for component, suspicion in self._suspicions.items() if suspicion.confirmed]
+        if len(alone) < 2:
+            return alone
+        strongest = max(alone, key=lambda component: self._suspicions[component].evidence)
+        return [one for one in alone if one == strongest or self._pairs[self._pair(one, strongest)].confirmed]
+
+    @staticmethod
+    def _pair(one: Component, other: Component) -> tuple[Component, Component]:
+        first, second = sorted((one, other), key=COMPONENTS.index)
+        return first, second
 
     @property
     def suspected(self) -> list[Component]:

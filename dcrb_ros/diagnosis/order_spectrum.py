@@ -85,7 +85,7 @@ def order_spectra(
     padded[:, :bins] *= window
     orders, attenuation = orders_of_bins(length, bins_per_turn, highest)
     found = fft.rfft(padded, axis=1)[:, : len(orders)]
-    amplitude = np.sqrt(np.square(found.real) + np.square(found.imag))
+    amplitude = np.abs(found)
     amplitude *= np.float32(2.0 / (float(window.sum()) or 1.0)) / attenuation
     return [OrderSpectrum(orders, row, float(mean)) for row, mean in zip(amplitude, means, strict=True)]
 

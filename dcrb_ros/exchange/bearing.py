@@ -52,7 +52,7 @@ class Geometry(Group):
             most = math.floor(math.pi / math.asin(size / pitch))
             raise Refusal(f"{source}: {number:g} elements of {2e3 * size:g} mm do not fit on {2e3 * pitch:g} mm: at most {most} do")
         try:
-            return characteristic_orders(_Rollers(int(number), size, pitch), math.radians(self.contact_angle_deg))
+            return characteristic_orders(_Rollers(int(number), size, pitch, math.radians(self.contact_angle_deg)))
         except Refusal as refusal:
             raise Refusal(f"{source}: {refusal}") from None
 
@@ -60,8 +60,9 @@ class Geometry(Group):
 class _Rollers:
     """Number and radii, as `characteristic_orders` takes them."""
 
-    def __init__(self, rollers_per_row: int, roller_radius: float, pitch_radius: float) -> None:
-        self.rollers_per_row, self.roller_radius, self.pitch_radius = rollers_per_row, roller_radius, pitch_radius
+    def __init__(self, rollers_per_row: int, radius: float, pitch_radius: float, contact_angle: float) -> None:
+        self.rollers_per_row, self.roller_radius = rollers_per_row, radius * math.cos(contact_angle)
+        self.pitch_radius, self.contact_angle = pitch_radius, contact_angle
 
 
 def _half(diameter: float | None) -> float | None:

@@ -22,7 +22,7 @@ from dcrb_ros.text.yaml import parsed, read_yaml
 VOLTS = {"V": 1.0, "mV": 1e-3}
 """Units of voltage [V]."""
 UNITS = (*ACCELERATION_UNITS, *VOLTS, "relative")
-SENSITIVITY = re.compile(r"([0-9.]+(?:[eE][-+]?[0-9]+)?) *(m?V)/(g|\(m/s\^2\)|m/s\^2)")
+SENSITIVITY = re.compile(r"((?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?) *(m?V)/(g|\(m/s\^2\)|m/s\^2)")
 """A sensitivity with its unit."""
 
 

@@ -17,7 +17,7 @@ import numpy.typing as npt
 from dcrb_ros.bearing.kinematics import Orders
 from dcrb_ros.exchange.description import Description, read_description
 from dcrb_ros.exchange.joining import JoinedFiles
-from dcrb_ros.exchange.tacho import pulse_train, turns_at_speed, wrapped, wrapped_angle
+from dcrb_ros.exchange.tacho import joined_turns, pulse_train, turns_at_speed, wrapped, wrapped_angle
 from dcrb_ros.messages.cdr import FRAME
 from dcrb_ros.messages.joints import encode_features
 from dcrb_ros.messages.plain import encode_text
@@ -163,13 +163,13 @@ class WaveformImport:
     def _turns_at_speed(self, name: str | int) -> Floats:
         """Return the turns of the shaft, file by file, whose channels of speed may have other lengths than the waveform [-]."""
         parts = self._files.parts(name, nan=True)
-        begins = np.cumsum([0, *(len(part) for part in self._files.parts(self.description.channels.ax))])
+        borders = np.cumsum([len(part) for part in self._files.parts(self.description.channels.ax)])[:-1]
+        indices = np.split(self.index, borders)
         turns = [
-            turns_at_speed(part, self.index[begin:end], self.measured_rate, f"{file}: '{name}'")
-            for part, begin, end, file in zip(parts, begins[:-1], begins[1:], self._files.files, strict=True)
+            turns_at_speed(part, index, self.measured_rate, f"{file}: '{name}'")
+            for part, index, file in zip(parts, indices, self._files.files, strict=True)
         ]
-        starts = np.concatenate([[0.0], np.cumsum([part[-1] for part in turns[:-1]])])
-        return np.concatenate([start + part for start, part in zip(starts, turns, strict=True)])
+        return joined_turns(turns, indices)
 
     @property
     def block_size(self) -> int:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 import numpy.typing as npt
@@ -126,6 +127,20 @@ def turns_at_speed(rpm: Floats, index: npt.NDArray[np.int64], rate: float, sourc
     frequency = np.interp(index, np.asarray(places)[known], rpm[known]) / 60.0
     steps = 0.5 * (frequency[1:] + frequency[:-1]) * np.diff(index) / rate
     return np.concatenate([[0.0], np.cumsum(steps)])
+
+
+def joined_turns(parts: Sequence[Floats], indices: Sequence[npt.NDArray[np.int64]]) -> Floats:
+    """Return the turns of the shaft over consecutive files from those within each file at its samples ``indices``, shape (samples,) [-].
+
+    Between two files the shaft turns at the mean of the speeds at the end of one and at the beginning of the other.
+    """
+    begin, found = 0.0, [parts[0]]
+    for (before, after), (at, then) in zip(pairwise(parts), pairwise(indices), strict=True):
+        speeds = [np.diff(turns) / np.diff(index) for turns, index in ((before[-2:], at[-2:]), (after[:2], then[:2]))]
+        speed = float(np.mean(np.concatenate(speeds))) if sum(map(len, speeds)) else 0.0
+        begin += float(before[-1]) + speed * float(then[0] - at[-1])
+        found.append(begin + after)
+    return np.concatenate(found)
 
 
 def wrapped(turns: Floats) -> npt.NDArray[np.float32]:

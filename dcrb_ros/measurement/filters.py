@@ -57,6 +57,20 @@ def transmissibility(frequency: float, damping: float, rate: float) -> Floats:
 
 
 @cached_on_disk
+def pole_zero_pair(pole: tuple[float, float], zero: tuple[float, float], rate: float) -> Floats:
+    """Return the section (s^2/z^2 + 2 a s/z + 1) / (s^2/p^2 + 2 b s/p + 1) of a pair of poles and one of zeros, shape (1, 6).
+
+    Each pair has a frequency [Hz] and a damping ratio [-]. The gain is 1 at rest and (p/z)^2 far above both.
+    """
+    top, bottom = (
+        [math.tan(math.pi * frequency / rate) ** -2, 2.0 * damping / math.tan(math.pi * frequency / rate), 1.0]
+        for frequency, damping in (zero, pole)
+    )
+    section: Floats = np.concatenate(scipy.signal.bilinear(top, bottom, fs=0.5))[None, :]
+    return section
+
+
+@cached_on_disk
 def _second_order(frequency: float, damping: float, rate: float, numerator: list[float]) -> Floats:
     """Return the section of a prototype with natural frequency 1, moved to ``frequency`` at a rate [Hz], shape (1, 6)."""
     tangent = math.tan(math.pi * frequency / rate)

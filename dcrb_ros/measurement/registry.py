@@ -16,9 +16,11 @@ def _stages(*names: str) -> tuple[type[Stage], ...]:
 
 
 PER_STEP = _stages(
+    "modulation:ShaftModulation",
     "background:Background",
     "traction_drive:TractionDrive",
     "structure:AxleBox",
+    "path:MeasuredPath",
     "mount:Mount",
     "bandwidth:Bandwidth",
     "rattle:Rattle",

@@ -17,6 +17,7 @@ class BlockEncoder:
     def __init__(self, configuration: Configuration, bodies: BodyNames) -> None:
         self._source = Source(configuration, tuple(bodies.names))
         self._topics = [topic for topic in SIMULATED if topic.enabled(configuration)]
+        self._encoders = [topic.begin(self._source) if topic.begin else topic.encode for topic in self._topics]
 
     def start(self, time_ns: int = 0) -> list[Message]:
         """Return the messages that precede the first block, which begins at ``time_ns``."""
@@ -24,7 +25,8 @@ class BlockEncoder:
 
     def encode(self, block: Block) -> list[Message]:
         """Return the messages of a block, sorted by time."""
-        messages = [Message(topic, time_ns, data) for topic in self._topics for time_ns, data in topic.encode(block, self._source)]
+        each = zip(self._topics, self._encoders, strict=True)
+        messages = [Message(topic, time_ns, data) for topic, encode in each for time_ns, data in encode(block, self._source)]
         self._source = self._source.after(block)
         return sorted(messages, key=lambda message: message.time_ns)
 

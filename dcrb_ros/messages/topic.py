@@ -106,6 +106,8 @@ class SimulatedTopic(Topic):
 
     encode: Callable[[Block, Source], Encoded] = lambda block, source: ()
     """Returns the messages of a block."""
+    begin: Callable[[Source], Callable[[Block, Source], Encoded]] | None = None
+    """Returns what takes the place of ``encode`` in one run, for a topic whose messages depend on earlier blocks."""
     start: Callable[[Source], bytes] | None = None
     """Returns the message that precedes the first block."""
     enabled: Callable[[Configuration], bool] = always

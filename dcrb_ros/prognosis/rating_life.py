@@ -66,7 +66,7 @@ def dynamic_load_rating(bearing: RollerBearing) -> float:
     --------
     >>> import dcrb_ros
     >>> f"{dynamic_load_rating(dcrb_ros.Bearing()) / 1e3:.0f} kN"
-    '1046 kN'
+    '1047 kN'
     """
     diameter, length = 2e3 * bearing.roller_radius, 1e3 * bearing.roller_length
     factor = load_rating_factor(bearing.roller_radius / bearing.pitch_radius)

@@ -14,7 +14,8 @@ from dcrb_ros.schema.refusal import Refusal, nearest
 
 FEWEST_INSPECTIONS = 3
 """Fewest inspections to which a trend with an interval is fitted [-]."""
-GROWTHS = ("exponential", "linear")
+GROWTHS = ("exponential", "linear", "hyperbolic")
+Growth = Literal["exponential", "linear", "hyperbolic"]
 
 
 @dataclass(frozen=True)
@@ -36,15 +37,16 @@ def estimate_remaining_life(
     severity: npt.ArrayLike,
     limit: float,
     *,
-    growth: Literal["exponential", "linear"] = "exponential",
+    growth: Growth = "exponential",
     coverage: float = 0.9,
     limit_deviation: float = 0.0,
 ) -> RemainingLife:
     """Return the hours until the trend of a severity reaches its limit.
 
-    A straight line y = a + b t is fitted by least squares, to the logarithm of the severity with exponential growth. It reaches the limit
-    l at t = (l - a) / b. The interval is the set of times that a test with Student's t does not reject (Fieller 1954; Draper and Smith,
-    Applied Regression Analysis, inverse regression):
+    A straight line y = a + b t is fitted by least squares: to the severity s with linear growth, to ln s with exponential growth,
+    ds/dt = b s, and to -1/s with hyperbolic growth, ds/dt = b s^2, which is infinite after a finite time (Voight, A relation to describe
+    rate-dependent material failure, Science 243 (1989) 200-203). It reaches the limit l at t = (l - a) / b. The interval is the set of
+    times that a test with Student's t does not reject (Fieller 1954; Draper and Smith, Applied Regression Analysis, inverse regression):
 
         (l - a - b t)^2 <= q^2 [s^2 (1/n + (t - mean)^2 / S_tt) + d^2]
 
@@ -56,15 +58,15 @@ def estimate_remaining_life(
     hours
         Operating hours of the inspections since the trend began, shape (inspections,), at least three [h].
     severity
-        Severity at each, such as a root mean square or the level of a fault's lines, shape (inspections,); above 0 with exponential growth.
+        Severity at each, such as a root mean square or the level of a fault's lines, shape (inspections,); above 0 unless growth is linear.
     limit
         Severity at which the life ends, in the same unit.
     growth
-        ``exponential`` or ``linear``.
+        ``exponential``, ``linear`` or ``hyperbolic``.
     coverage
         Probability with which the interval shall contain the remaining life, between 0 and 1.
     limit_deviation
-        Standard deviation of the limit between bearings: in the unit of the severity, of its natural logarithm with exponential growth.
+        Standard deviation of the limit between bearings, of s, ln s or 1/s as they are fitted.
 
     Returns
     -------
@@ -74,7 +76,7 @@ def estimate_remaining_life(
     Raises
     ------
     Refusal
-        Fewer than three inspections, other values than finite ones, a severity or limit not above 0 with exponential growth.
+        Fewer than three inspections, other values than finite ones, a severity or limit not above 0 unless growth is linear.
 
     Examples
     --------
@@ -146,5 +148,5 @@ def _checked(
         return time, level, float(limit)
     if not ((level > 0.0).all() and limit > 0.0):
         least = min(float(level.min()), limit)
-        raise Refusal(f"a severity or limit of {least:g} is not above 0, as exponential growth needs it: give growth='linear', or a level")
-    return time, np.log(level), math.log(limit)
+        raise Refusal(f"a severity or limit of {least:g} is not above 0, as {growth} growth needs it: give growth='linear', or a level")
+    return (time, np.log(level), math.log(limit)) if growth == "exponential" else (time, -1.0 / level, -1.0 / limit)

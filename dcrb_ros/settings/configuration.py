@@ -33,6 +33,9 @@ from dcrb_ros.settings.sensor_limits import block_limits, burst_limits, measurem
 from dcrb_ros.settings.step_limits import step_limits
 from dcrb_ros.settings.thermal import Thermal, thermal_limits
 
+BALLS = "hertz"
+"""Law of the normal force between balls and their grooves."""
+
 
 class Configuration(Group):
     """All parameters of a simulation; they, the scenario and the simulated times of commands determine the samples."""
@@ -128,6 +131,7 @@ def inconsistencies(c: Configuration) -> Iterator[str]:
     yield from block_limits(c.publishing, c.sensor.sampling_rate)
     yield from burst_limits(c.publishing, c.sensor.sampling_rate)
     yield from _surfaces(c)
+    yield from _balls(c)
     if c.friction.static_coefficient < c.friction.kinetic_coefficient:
         yield (
             f"friction.static_coefficient = {c.friction.static_coefficient:g} is below friction.kinetic_coefficient = "
@@ -143,6 +147,20 @@ def _surfaces(c: Configuration) -> Iterator[str]:
         kind = getattr(fault, "kind", NOTCH)
         if kind != NOTCH:
             yield f"faults.{key}.kind = {kind} needs surfaces.law = profile, and it is {c.surfaces.law}: set both, or kind notch"
+
+
+def _balls(c: Configuration) -> Iterator[str]:
+    """Refuse what the planar model does not describe of a contact angle."""
+    angle = c.bearing.contact_angle
+    if angle and c.contact.law != BALLS:
+        yield f"bearing.contact_angle = {angle:g} rad belongs to balls, and contact.law = {c.contact.law}: give 0, or contact.law = {BALLS}"
+    if angle:
+        for key, fault in c.faults.present():
+            if fault.component == "roller":
+                yield (
+                    f"faults.{key} on a ball needs bearing.contact_angle = 0, not {angle:g} rad: with an angle the balls of the planar "
+                    "model spin faster than real ones; remove the fault, or give the bearing a contact angle of 0"
+                )
 
 
 def _geometry(c: Configuration) -> Iterator[str]:

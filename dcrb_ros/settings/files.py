@@ -68,12 +68,19 @@ def _flattened(tree: Mapping[str, Any], prefix: str = "") -> tuple[dict[str, Any
     """Return a nested mapping with dotted keys, and a sentence for each key that occurs twice."""
     flat: dict[str, Any] = {}
     wrong: list[str] = []
-    for name, value in tree.items():
-        key = f"{prefix}{name}"
-        inside, others = _flattened(value, f"{key}.") if isinstance(value, Mapping) and value else ({key: value}, [])
-        twice = sorted(flat.keys() & inside.keys())
-        wrong += [*others, *(f"{found} occurs twice, in its group and with a dotted name: remove one" for found in twice)]
-        flat.update(inside)
+
+    def fill(branch: Mapping[str, Any], prefix: str) -> None:
+        for name, value in branch.items():
+            key = f"{prefix}{name}"
+            # Most values are numbers, of which the abstract class needs a slow search.
+            if value.__class__ is not float and isinstance(value, Mapping) and value:
+                fill(value, f"{key}.")
+                continue
+            if key in flat:
+                wrong.append(f"{key} occurs twice, in its group and with a dotted name: remove one")
+            flat[key] = value
+
+    fill(tree, prefix)
     return flat, wrong
 
 
@@ -227,9 +234,7 @@ def load_configuration(source: Configuration | str | Path, settings: Mapping[str
     return validated(flat, Configuration, str(source))
 
 
-def layers(
-    source: Configuration | str | Path, settings: Mapping[str, Any] | Sequence[str] | str = ()
-) -> tuple[dict[str, Any], list[str]]:
+def layers(source: Configuration | str | Path, settings: Mapping[str, Any] | Sequence[str] | str = ()) -> tuple[dict[str, Any], list[str]]:
     """Return the parameters of a configuration with settings on top by their dotted keys, unchecked; see `load_configuration`.
 
     The second value is a sentence for everything in the file that no node reads.

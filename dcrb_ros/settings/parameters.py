@@ -29,6 +29,15 @@ class Bearing(Group):
     pitch_radius: float = length(0.094, "Pitch radius", 0.0025, 2.2, symbol="r_M")
     roller_radius: float = length(0.015, "Roller radius", 0.0005, 0.2, symbol="r_R")
     roller_length: float = length(0.048, "Effective roller length", 0.001, 0.5, symbol="L")
+    contact_angle: float = quantity(
+        0.0,
+        "rad",
+        "Contact angle of balls, with contact.law hertz; the radii are those in the plane of the model, a ball's times its cosine",
+        0.0,
+        1.0,
+        symbol="alpha",
+        remedy="give radians, 15 degrees are 0.2618",
+    )
     row_phase: float = quantity(
         0.0, "pitch", "Offset of the second row around the circumference, in roller pitches (0: rows in phase)", 0.0, 1.0
     )
@@ -123,6 +132,12 @@ class Surfaces(Group):
     waviness_slope: float = quantity(1.5, "-", "Exponent with which the amplitudes of waviness fall over the number of lobes", 0.5, 4.0)
     waviness_spread: float = quantity(
         0.4, "-", "Standard deviation of the logarithm of the waviness between bearings, which is within twice that", 0.0, 1.0
+    )
+    short_waves: float = length(
+        0.0,
+        "Level of waves shorter than 1/150 of a raceway, as a roller feels them along its length; rms, half of it from rollers",
+        0.0,
+        1e-6,
     )
     roundness: float = length(1e-6, "Out-of-roundness of the raceways of 2 to 14 lobes, root mean square", 0.0, 1e-4)
     roller_spread: float = length(4e-7, "Standard deviation of the diameters of the rollers", 0.0, 1e-5)
@@ -257,6 +272,7 @@ class Publishing(Group):
     clock: bool = choice(False, "Also publish /clock, the simulated time, at most 100 times per second of wall time")
     frame: str = choice("outer_ring", "Frame id of the sensor's messages; several bearings in one graph need different ones")
     clean: bool = choice(False, "Also publish outer_ring/vibration_clean, the waveform before noise, clipping and ADC")
+    features: bool = choice(False, "Also publish outer_ring/window_features: features of windows of a second, as dcrb_ros.extract_features")
     contacts: bool = choice(False, "Also publish roller_contacts: outer normal force, slip and friction of every roller")
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, cast
 
@@ -19,6 +20,7 @@ from dcrb_ros.simulation.scenario import read_scenario_file
 from dcrb_ros.sweep.design import GRID, Axes, Axis, Choice, Span, Value
 from dcrb_ros.sweep.lives.loader import common_keys, life_sweep_of
 from dcrb_ros.sweep.lives.recipe import LIFE
+from dcrb_ros.sweep.machine import BASE, KEPT_BASE, MACHINE, around_machine, flatten_axes
 from dcrb_ros.sweep.sweep_file import NO_FAULTS, SCENARIO, Shares, Sweep, SweepFile, Windows
 from dcrb_ros.text.files import checked_path, is_file, read_text
 from dcrb_ros.text.yaml import read_yaml
@@ -35,8 +37,8 @@ SHORTEST_SETTLE = 0.005
 """Shortest time between a branch and the first recorded sample [s]; it exceeds the impulse response of the filters."""
 
 
-def read_sweep(source: str | Path) -> Sweep:
-    """Return the sweep given by a file or by a shipped name.
+def read_sweep(source: str | Path, machine: str | None = None) -> Sweep:
+    """Return the sweep given by a file or by a shipped name, around a calibrated ``machine`` instead of its base if one is given.
 
     Raises:
         Refusal: an unknown key, a value out of range, an empty design, or values that contradict each other.
@@ -45,7 +47,10 @@ def read_sweep(source: str | Path) -> Sweep:
     tree = read_yaml(path)
     if not isinstance(tree, Mapping):
         raise Refusal(f"{path} is not a sweep: it must have keys such as 'base', 'vary', 'cases' and 'duration'")
-    return sweep_of({str(key): value for key, value in tree.items()}, str(path), path.parent, read_text(path))
+    keys = {str(key): value for key, value in tree.items()}
+    if machine is not None:
+        keys = {key: value for key, value in keys.items() if key != BASE} | {MACHINE: str(Path(machine).absolute())}
+    return sweep_of(keys, str(path), path.parent, read_text(path))
 
 
 def find_sweep(source: str | Path) -> Path:
@@ -66,6 +71,10 @@ def sweep_of(tree: Mapping[str, Any], source: str, folder: Path = Path(), text: 
     """Return the sweep described by a tree read from YAML; other files are also looked for relative to ``folder``."""
     if tree.get("kind", "") == LIFE:
         return life_sweep_of(tree, source, sweep_of(common_keys(tree, source), source, folder, text))
+    if MACHINE in tree:
+        around, resolved = around_machine(tree, source, folder)
+        found = sweep_of(around, source, folder, resolved)
+        return replace(found, file=found.file.model_copy(update={"base": KEPT_BASE}))
     if "kind" in tree:
         raise Refusal(f"{source}: kind = {tree['kind']!r} is not {LIFE}: give {LIFE}, or leave it out for a design of single runs")
     file = _file(tree, source)
@@ -84,7 +93,7 @@ def sweep_of(tree: Mapping[str, Any], source: str, folder: Path = Path(), text: 
 
 
 def _file(tree: Mapping[str, Any], source: str) -> SweepFile:
-    known = [info.alias or name for name, info in SweepFile.model_fields.items()]
+    known = [*(info.alias or name for name, info in SweepFile.model_fields.items()), MACHINE]
     for key in tree:
         if key not in known:
             raise Refusal(f"{source}: unknown key '{key}'{nearest(key, known)}; a sweep has {', '.join(known)}")
@@ -131,7 +140,7 @@ _KINDS = {float: "a number", int: "a whole number", bool: "true or false", str: 
 
 def _axes(tree: Mapping[str, Any], design: str, fields: Mapping[str, ParameterField], source: str) -> Axes:
     axes: dict[str, Axis] = {}
-    for key, value in _flattened(tree).items():
+    for key, value in flatten_axes(tree).items():
         if key == SCENARIO:
             axes[key] = _choice(key, value, None, source)
         elif isinstance(value, Mapping):
@@ -139,17 +148,6 @@ def _axes(tree: Mapping[str, Any], design: str, fields: Mapping[str, ParameterFi
         else:
             axes[key] = _choice(key, value, _known(key, fields, source), source)
     return axes
-
-
-def _flattened(tree: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
-    """Return a tree with dotted keys; ranges are not flattened."""
-    flat: dict[str, Any] = {}
-    for name, value in tree.items():
-        if isinstance(value, Mapping) and not {"low", "high"} & set(value):
-            flat.update(_flattened(value, f"{prefix}{name}."))
-        else:
-            flat[f"{prefix}{name}"] = value
-    return flat
 
 
 def _choice(key: str, value: Any, field: ParameterField | None, source: str) -> Choice:

@@ -12,9 +12,11 @@ from typing import Any
 
 from dcrb_ros.recordings.manifest import model_fingerprint
 from dcrb_ros.runtime.version import __version__
+from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import flatten
 from dcrb_ros.sweep.design import GRID, Point, Value, points
+from dcrb_ros.sweep.identity import TRUTH, Groups, identities
 from dcrb_ros.sweep.sweep_file import NO_FAULTS, SCENARIO, Shares, Sweep
 
 SEED = "simulation.seed"
@@ -71,8 +73,17 @@ class Plan:
         file, base = sweep.file, dict(sweep.base)
         self._common = digest([base, __version__, model_fingerprint(), file.duration, file.settle, file.branch_at])
         self._defaults = flatten(Configuration().model_dump())
-        conditions = {self._condition(point) for point in self._points()}
-        self._splits = splits(conditions, sweep.file.split)
+        self._own = identities(base, self._defaults)
+        groups, conditions = Groups(), set[str]()
+        for point in self._points():
+            condition = self._condition(point)
+            conditions.add(condition)
+            shared = self._identities(point) if file.split.apart else {}
+            groups.add(condition, {name: shared[name] for name in file.split.apart})
+        held = {condition: groups.group(condition) for condition in conditions}
+        chosen = splits(set(held.values()), file.split)
+        _check_groups(len(set(held.values())), len(conditions), file.split)
+        self._splits = {condition: chosen[group] for condition, group in held.items()}
         self.conditions = len(conditions)
 
     @functools.cached_property
@@ -83,7 +94,7 @@ class Plan:
     @property
     def truth(self) -> Mapping[str, tuple[type, str]]:
         """Type and meaning of the columns that the labels have beside those of every sweep."""
-        return {}
+        return TRUTH
 
     def design_text(self) -> str:
         """Return the design for the data card; empty for the one that follows from the sweep file."""
@@ -150,6 +161,10 @@ class Plan:
         values = {**self.sweep.base, **point}
         return digest({key: value for key, value in values.items() if not _not_a_condition(key) and value != self._defaults.get(key)})
 
+    def _identities(self, point: Point) -> dict[str, str]:
+        """Return the hashes of bearing and machine; without a seed of the surfaces, all seeds of a condition count as one bearing."""
+        return {name: digest(values) for name, values in identities(point, self._defaults, self._own).items()}
+
     def _seeds(self, condition: str) -> list[int]:
         """Return the seeds of a condition: as given, or derived from the condition so that no two conditions share their noise."""
         seeds = self.sweep.file.seeds
@@ -171,6 +186,7 @@ class Plan:
             healthy,
             scenario,
             seed,
+            self._identities(point),
         )
 
 
@@ -179,13 +195,24 @@ def _not_a_condition(key: str) -> bool:
     return key.split(".")[0] in NOT_CONDITIONS or key in (SEED, SCENARIO)
 
 
+def _check_groups(groups: int, conditions: int, shares: Shares) -> None:
+    """Refuse to hold bearings or machines apart where all conditions share one."""
+    asked = sum(share > 0.0 for share in (shares.train, shares.validation, shares.test))
+    if shares.apart and groups < min(asked, conditions):
+        raise Refusal(
+            f"split.apart = {', '.join(shares.apart)}: the {conditions} conditions make {groups} group(s) that share none of these, fewer "
+            f"than the {asked} splits: vary surfaces.seed for other bearings and structure.seed for other machines, or take more points"
+        )
+
+
 def splits(conditions: set[str], shares: Shares) -> dict[str, str]:
     """Return the split of each condition: the sorted hashes are divided in proportion to the shares.
 
     Sorting makes the result independent of the iteration order of the set. Every split with a share above zero gets at least
     one condition if there are enough; if not, validation is left empty first.
     """
-    order, named = sorted(conditions), [(name, share) for name, share in shares.model_dump().items() if share > 0.0]
+    order, given = sorted(conditions), {"train": shares.train, "validation": shares.validation, "test": shares.test}
+    named = [(name, share) for name, share in given.items() if share > 0.0]
     if len(order) < len(named):
         named = [(name, share) for name, share in named if name != "validation"]
     counts = [max(round(share * len(order)), 1) for _, share in named]

@@ -35,11 +35,13 @@ class Windows(Group):
 
 
 class Shares(Group):
-    """Shares of the bearing conditions in each split [-]."""
+    """Shares of the bearing conditions in each split [-], or of the groups of conditions that share a bearing or a machine."""
 
     train: float = Field(0.6, ge=0.0, le=1.0)
     validation: float = Field(0.2, ge=0.0, le=1.0)
     test: float = Field(0.2, ge=0.0, le=1.0)
+    apart: list[Literal["bearing_id", "machine"]] = Field(default_factory=list)
+    """What two splits must not share beside conditions."""
 
     @model_validator(mode="after")
     def _whole(self) -> Shares:

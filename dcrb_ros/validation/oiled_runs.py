@@ -27,6 +27,7 @@ SPREADS = (
     "cage_unbalance",
     "waviness",
     "waviness_spread",
+    "short_waves",
     "roundness",
 )
 STEADY = ("operating.speed_fluctuation=0", "operating.speed_ripple=0")
@@ -50,6 +51,8 @@ class OiledSpec:
     """Simulated time that is kept [s]."""
     settings: tuple[str, ...] = ()
     bench: str = HEALTHY
+    settling: float = SETTLING
+    """Simulated time before that [s]."""
 
     @property
     def label(self) -> str:
@@ -60,7 +63,7 @@ class OiledSpec:
     def command(self) -> str:
         """The command line that records this run."""
         settings = "".join(f" --set {setting}" for setting in self.settings)
-        return f"dcrb simulate {self.bench} --duration {SETTLING + self.duration:g} --set sensor.noise_density=0{settings}"
+        return f"dcrb simulate {self.bench} --duration {self.settling + self.duration:g} --set sensor.noise_density=0{settings}"
 
     def configuration(self, changes: tuple[str, ...] = ()) -> Configuration:
         """Return the configuration, with further changes that count before the run's own."""
@@ -77,6 +80,8 @@ class OiledRun:
     """[s]"""
     acceleration: Floats
     """Of the outer ring in X and Y without noise, shape (samples, 2) [m/s^2]."""
+    behind_box: Floats
+    """The same at the sensor, behind the modes of the axle box if the run has such."""
     states: tuple[LubricationState, ...]
     """Films and losses."""
     change: Account
@@ -122,10 +127,11 @@ def oiled_specs() -> list[OiledSpec]:
     ]
     return [
         OiledSpec("healthy", 2.0),
-        OiledSpec("spall", 1.5, bench=SPALL),
+        OiledSpec("spall", 1.5, ("structure.modes=6",), bench=SPALL),
         OiledSpec("steady", 1.0, STEADY),
         OiledSpec("light load", 0.8, (*STEADY, "operating.load=5000.0")),
         OiledSpec("thin layer", 0.5, (*STEADY, "lubrication.layer=1e-6")),
+        OiledSpec("cold start", 0.02, (*STEADY, "operating.start=cold", "publishing.state_rate=3000"), settling=0.0),
         OiledSpec("fluting", 0.8, (*EVEN, *FLUTED)),
         *shares,
         *bearings,
@@ -136,7 +142,8 @@ def simulate_oiled(spec: OiledSpec, changes: tuple[str, ...] = ()) -> OiledRun:
     """Simulate a run, with further changes of its parameters, and return its results."""
     configuration = spec.configuration(changes)
     simulation = Simulation(configuration)
-    list(simulation.blocks(SETTLING))
+    if spec.settling > 0.0:
+        list(simulation.blocks(spec.settling))
     before = simulation.energy
     blocks = list(simulation.blocks(spec.duration))
     after, states = simulation.energy, [states for block in blocks for states in block.states]
@@ -148,6 +155,7 @@ def simulate_oiled(spec: OiledSpec, changes: tuple[str, ...] = ()) -> OiledRun:
         configuration=configuration,
         duration=spec.duration,
         acceleration=np.concatenate([block.clean for block in blocks]).astype(np.float64),
+        behind_box=np.concatenate([block.acceleration for block in blocks]).astype(np.float64),
         states=oils,
         change=Account(**{name: getattr(after, name) - getattr(before, name) for name in Account.__dataclass_fields__}),
         least_loss=float(losses.min() / losses.max()) if losses.size else 0.0,

@@ -15,9 +15,9 @@ CHAPTER = "Realism"
 HEALTHY_AIMS: dict[str, tuple[float, float, str]] = {
     "rms": (0.3, 3.0, "m/s^2"),
     "kurtosis": (2.5, 6.0, ""),
-    "bpfo_depth": (0.0, 0.3, ""),
+    "bpfo_depth": (0.0, 0.18, ""),
     "cage_depth": (0.0, 0.12, ""),
-    "crest": (6.8, 20.0, "dB"),
+    "crest": (6.8, 9.6, "dB"),
 }
 SPALL_AIMS: dict[str, tuple[float, float, str]] = {
     "rms": (10.0, 60.0, "m/s^2"),
@@ -43,10 +43,10 @@ NAMES = {
 
 
 def statistics_of(run: OiledRun) -> Statistics:
-    """Return the statistics of the vertical acceleration of a run."""
+    """Return the statistics of the vertical acceleration at the sensor of a run."""
     configuration = run.configuration
     shaft = configuration.operating.speed / (2.0 * np.pi)
-    return statistics(run.acceleration[:, 1], configuration.sensor.sampling_rate, shaft, characteristic_orders(configuration.bearing))
+    return statistics(run.behind_box[:, 1], configuration.sensor.sampling_rate, shaft, characteristic_orders(configuration.bearing))
 
 
 def realism_comparisons(runs: OiledRuns) -> Iterator[Comparison]:

@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 
 from dcrb_ros.runtime.processes import in_processes
 from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.validation.balls import ball_comparisons
 from dcrb_ros.validation.comparison import Comparison, Runs
 from dcrb_ros.validation.dry_bench import dry_bench_comparisons
 from dcrb_ros.validation.faults import fault_comparisons
@@ -76,6 +77,7 @@ def all_comparisons(results: Results) -> list[Comparison]:
         *healthy_comparisons(runs),
         *dry_bench_comparisons(runs["healthy", "pocket"]),
         *fault_comparisons(runs),
+        *ball_comparisons(),
         *oil_law_comparisons(),
         *oiled_bench_comparisons(oiled),
         *thermal_comparisons(),

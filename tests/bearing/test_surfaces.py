@@ -20,6 +20,7 @@ from dcrb_ros.bearing.surfaces import (
     notch_heights,
     raceway_waves,
     reduced_radii,
+    short_waves,
 )
 from dcrb_ros.core.contacts.heights import Profile, Smooth, curve, marked, packed, place_of, unpacked
 from dcrb_ros.core.layout.records import Integers
@@ -105,6 +106,24 @@ def test_waviness_has_its_root_mean_square_and_falls_with_the_order() -> None:
     assert 10.0 * math.log10(low / high) == pytest.approx(30.0, abs=1.5)
     assert level[:15].max() < 1e-15
     assert np.gradient(heights, 2.0 * math.pi / RACEWAY_NODES)[1:-1] == pytest.approx(slopes[1:-1], abs=0.06 * np.abs(slopes).max())
+
+
+def test_short_waves_have_their_root_mean_square_at_the_contact_and_none_below_their_orders() -> None:
+    heights, slopes = short_waves(1, "short waves of outer raceway of row 1", 0.109, (2.8e-4,), 5e-9, (150, 2000), RACEWAY_NODES)
+    # 1850 amplitudes whose squares are exponential: 1 standard deviation is 2 %.
+    assert heights.std() == pytest.approx(5e-9, rel=0.06)
+    amplitudes = np.abs(np.fft.rfft(heights))
+    assert amplitudes[:151].max() < 1e-9 * amplitudes.max()
+    assert amplitudes[2001:].max() < 1e-9 * amplitudes.max()
+    assert slopes == pytest.approx(np.fft.irfft(1j * np.arange(RACEWAY_NODES // 2 + 1) * np.fft.rfft(heights), RACEWAY_NODES), abs=1e-12)
+
+
+def test_short_waves_leave_the_other_heights_as_they_are_and_are_half_as_high_on_rollers() -> None:
+    without, rough = surfaces(waviness=1e-7), surfaces(waviness=1e-7, short_waves=2e-8)
+    raceway = unpacked(rough.raceways[1, 0])[0] - unpacked(without.raceways[1, 0])[0]
+    rollers = unpacked(rough.rollers[1])[0] - unpacked(without.rollers[1])[0]
+    assert raceway.std() == pytest.approx(2e-8, rel=0.06)
+    assert rollers.std() == pytest.approx(1e-8, rel=0.06)
 
 
 def test_between_nodes_a_height_is_continuous_with_its_slope() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 from pathlib import Path
 from typing import Any
@@ -12,6 +13,7 @@ import yaml
 from jittered_impacts import Floats, Machine
 from synthetic_bearing import ORDERS, synthetic
 
+from dcrb_ros.bearing.waveform import signal_of
 from dcrb_ros.cli.app import main
 from dcrb_ros.diagnosis.detection import DetectionResult, detect, learn_baseline
 from dcrb_ros.diagnosis.detector import FaultDetector
@@ -95,6 +97,14 @@ def test_learning_stops_at_an_alarm() -> None:
     assert found.remark == f"that recording raises an alarm at {found.seconds + 4.0:.1f} s, and what its window contains was not used"
     whole = learned(calm)
     assert max(one.size for one in found.lines) < 2.0 * max(one.size for one in whole.lines)
+
+
+def test_the_length_that_was_learned_does_not_depend_on_when_the_recording_begins() -> None:
+    one = Machine(5)
+    signal = np.concatenate([one.healthy(SECONDS), one.healthy(SECONDS) + 2.0 * one.impacts(SECONDS, "outer_ring")])
+    waveform = signal_of(signal, RATE, shaft_angle=angle(signal), bearing=one.orders).waveform()
+    late = dataclasses.replace(waveform, index=waveform.index + 3600 * RATE)
+    assert learn_baseline(late).seconds == pytest.approx(learn_baseline(waveform).seconds, abs=1e-6)
 
 
 def test_a_faulty_sensor_teaches_nothing() -> None:

@@ -28,6 +28,26 @@ def test_two_confirmed_faults_are_compound() -> None:
     assert hysteresis.confirmed == ["outer_ring", "cage"]
 
 
+@pytest.mark.parametrize(("excess", "judgements"), [(0.0, 8), (0.7, 7), (1.4, 5), (2.1, 4), (2.8, 2), (9.0, 2)])
+def test_weak_evidence_must_last_until_the_window_is_renewed(excess: float, judgements: int) -> None:
+    """From 2 judgements at 2.8 dB, where nine of ten alarms are right, to the 8 of a window at the threshold."""
+    found = {**QUIET, "inner_ring": excess}
+    hysteresis = Hysteresis(confirm=2, release=4, release_margin=1.0, persist=8)
+    assert [hysteresis.verdict(found) for _ in range(9)] == ["waiting"] * (judgements - 1) + ["inner_ring"] * (10 - judgements)
+    interrupted = [QUIET, QUIET, *[found] * (judgements - 1), {**QUIET, "inner_ring": -0.1}, *[found] * (judgements - 1)]
+    hysteresis.reset()
+    assert {hysteresis.verdict(evidence) for evidence in interrupted} == {"waiting", "healthy"}
+
+
+def test_faults_that_explain_each_other_in_turn_are_one() -> None:
+    roller, cage = {**QUIET, "roller": 6.5}, {**QUIET, "cage": 6.0}
+    hysteresis = Hysteresis(confirm=2, release=4, release_margin=1.0)
+    course = [roller, roller, cage, cage, roller, cage, roller, roller]
+    assert [hysteresis.verdict(evidence) for evidence in course] == ["waiting", *["roller"] * 7]
+    both = {**roller, "cage": 6.0}
+    assert [hysteresis.verdict(both) for _ in range(2)] == ["roller", "compound"]
+
+
 def test_confidence_is_a_half_at_a_threshold_and_rises_with_the_evidence() -> None:
     assert confidence("healthy", [], {**QUIET, "cage": 0.0}) == 0.5
     assert confidence("roller", ["roller"], {**QUIET, "roller": 4.0}) == pytest.approx(0.95)

@@ -28,6 +28,7 @@ PUBLISHED: dict[str, tuple[float, float]] = {
     "shadow": (0.0, 1.0),
     "outer_depth": (0.0, 2.0),
     "cage_contrast": (0.0, 20.0),
+    "outer_double": (0.0, 20.0),
     "outer_limit": (0.0, 1000000.0),
     "outer_limit_high": (0.0, 1000000.0),
     "learn": (0.0, 100000.0),

@@ -218,6 +218,7 @@ def test_csv_dialects_are_read(text: str, tmp_path: Path) -> None:
         ({"pulses_per_turn": 2}, "gives pulses_per_turn, but no channel tacho"),
         ({"unit": "mV"}, "has the unit mV and no sensitivity: give one such as 100 mV/g"),
         ({"unit": "V", "sensitivity": "100 mV"}, "sensitivity = '100 mV': give one such as"),
+        ({"unit": "mV", "sensitivity": "1.0.2 mV/g"}, "sensitivity = '1.0.2 mV/g': give one such as"),
         ({"sensitivity": "100 mV/g"}, "gives a sensitivity, but unit = g"),
         ({"gap": 1.0}, "gives gap = 1 s, but there is one file"),
         ({"channels": {"ax": "x*"}}, r"has no channel like 'x\*', but one is needed \(available: de\)"),

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from dcrb_ros.exchange.tacho import pulse_train, turns_at_speed, wrapped
+from dcrb_ros.exchange.tacho import joined_turns, pulse_train, turns_at_speed, wrapped
 from dcrb_ros.schema.refusal import Refusal
 
 RATE = 10_000.0
@@ -113,3 +113,13 @@ def test_an_angle_stays_below_a_full_turn() -> None:
     angle = wrapped(np.array([0.0, 1.0 - 1e-12, 5.25, -0.25, np.nan]))
     assert ((angle[:4] >= 0.0) & (angle[:4] < np.float32(2.0 * np.pi))).all()
     assert np.isnan(angle[4])
+
+
+@pytest.mark.parametrize("gap", [0, 1, 700])
+def test_the_shaft_turns_on_between_files(gap: int) -> None:
+    index = np.arange(1000)
+    indices = [index, index + 1000 + gap, index + 2000 + 2 * gap]
+    parts = [turns_at_speed(np.full(1000, 600.0), one, 1000.0, "rpm") for one in indices]
+    assert joined_turns(parts, indices) == pytest.approx(np.concatenate(indices) / 100.0)
+    assert joined_turns(parts[:1], indices[:1]) == pytest.approx(index / 100.0)
+    assert joined_turns([np.zeros(1), np.zeros(1)], [np.array([0]), np.array([5])]).tolist() == [0.0, 0.0]

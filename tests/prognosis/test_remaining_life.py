@@ -34,7 +34,7 @@ def test_a_trend_without_deviations_gives_the_exact_remaining_life(rate: float, 
     st.integers(4, 30),
     st.floats(0.02, 0.5),
     st.sampled_from([0.5, 0.8, 0.9]),
-    st.sampled_from(["linear", "exponential"]),
+    st.sampled_from(["linear", "exponential", "hyperbolic"]),
 )
 @example(1, 4, 0.5, 0.9, "linear")
 def test_the_interval_contains_the_remaining_life_as_often_as_it_says(
@@ -44,7 +44,11 @@ def test_the_interval_contains_the_remaining_life_as_often_as_it_says(
     contained = 0
     for _ in range(TRENDS):
         level = hours + deviation * random.standard_normal(count)
-        severity, limit = (np.exp(level / count), math.exp(true / count)) if growth == "exponential" else (level, true)
+        severity, limit = {
+            "linear": (level, true),
+            "exponential": (np.exp(level / count), math.exp(true / count)),
+            "hyperbolic": (1.0 / (3.0 * count - level), 1.0 / (3.0 * count - true)),
+        }[growth]
         found = estimate_remaining_life(hours, severity, limit, growth=growth, coverage=coverage)
         contained += found.low <= true - hours[-1] <= found.high
     # The probability of being outside of these limits is 2e-9 for each example.
@@ -55,7 +59,7 @@ def test_the_interval_contains_the_remaining_life_as_often_as_it_says(
     st.lists(st.floats(0.1, 10.0), min_size=3, max_size=20),
     st.floats(0.1, 100.0),
     st.floats(0.0, 1.0),
-    st.sampled_from(["linear", "exponential"]),
+    st.sampled_from(["linear", "exponential", "hyperbolic"]),
 )
 def test_the_median_lies_in_its_interval_and_a_wider_coverage_in_a_wider_one(
     levels: list[float], limit: float, deviation: float, growth: Any
@@ -76,6 +80,11 @@ def test_a_higher_limit_is_reached_later(limit: float, more: float, seed: int) -
     sooner, later = (estimate_remaining_life(hours, severity, at) for at in (limit, limit * (1.0 + more)))
     assert sooner.median < later.median
     assert sooner.low < later.low
+
+
+def test_hyperbolic_growth_ends_where_its_rate_says() -> None:
+    hours = np.arange(6.0)
+    assert estimate_remaining_life(hours, 1.0 / (20.0 - hours), 1.0 / 5.0, growth="hyperbolic").median == pytest.approx(10.0)
 
 
 def test_a_level_or_falling_trend_may_last_for_ever() -> None:

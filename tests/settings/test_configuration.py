@@ -26,7 +26,7 @@ LUBRICATED = ("healthy", "outer_ring_defect", "inner_ring_defect", "roller_defec
 
 
 def test_shipped_configurations_are_valid() -> None:
-    assert set(shipped_configurations()) == {"paper", "dry", *LUBRICATED}
+    assert set(shipped_configurations()) == {"paper", "dry", "ball_bearing_6205", *LUBRICATED}
     for name in shipped_configurations():
         load_configuration(name)
 
@@ -41,7 +41,7 @@ def test_the_lubricated_benches_differ_in_their_faults_alone(name: str) -> None:
 def test_the_lubricated_benches_have_the_clearance_oil_surfaces_and_masses_of_an_axle_box() -> None:
     healthy = load_configuration("healthy")
     assert 0.10e-3 <= 2.0 * healthy.bearing.radial_gap <= 0.19e-3  # ISO 5753, C3 and C4 for bores of 120 to 140 mm
-    assert (healthy.lubrication.law, healthy.lubrication.lubricant, healthy.surfaces.law) == ("film", "grease", "profile")
+    assert (healthy.lubrication.law, healthy.lubrication.lubricant, healthy.surfaces.law) == ("film_with_cages", "grease", "profile")
     assert (healthy.housing.box_mass, healthy.housing.axle_mass, healthy.operating.start) == (60.0, 600.0, "settled")
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import atexit
 import functools
 import subprocess
 import sys
@@ -23,4 +24,6 @@ def fresh_dcrb(*arguments: str, timeout: float = 200.0) -> subprocess.CompletedP
 
 @functools.cache
 def _parent() -> Commands:
-    return Commands()
+    parent = Commands()
+    atexit.register(parent.close)
+    return parent

@@ -87,7 +87,7 @@ def test_friction_balances_and_a_wrong_one_falls_short() -> None:
     assert short(oiled_bench.friction_comparisons(run)) == set()
     doubled = replace(run, change=replace(run.change, drive=2.2 * run.change.drive))
     assert len(short(oiled_bench.balance_comparisons(doubled))) == 2
-    assert short(oiled_bench.friction_comparisons(doubled)) >= {"Friction torque of both rows by Palmgren, steady"}
+    assert short(oiled_bench.friction_comparisons(doubled)) >= {"The same by Palmgren, the ends of his factors and 40 % beyond"}
     dry = replace(run, change=replace(run.change, drive=0.1 * run.change.drive))
     assert len(short(oiled_bench.friction_comparisons(dry))) == 2
 
@@ -101,10 +101,17 @@ def test_films_are_those_of_the_formula_and_others_fall_short() -> None:
 
 def test_a_lossless_source_is_noticed() -> None:
     run = steady()
-    silent = tuple(replace(state, friction_loss=state.friction_loss * np.array([1.0, 1.0, 1.0, 0.0, 1.0, 1.0])) for state in run.states)
+    silent = tuple(replace(state, friction_loss=state.friction_loss * np.array([1.0, 1.0, 1.0, 1.0, 0.0, 1.0])) for state in run.states)
     assert "Power of all sources over that of the shaft at constant speed" in short(
         oiled_bench.balance_comparisons(replace(run, states=silent))
     )
+
+
+def test_a_cold_start_notices_another_limiting_friction() -> None:
+    (spec,) = (spec for spec in oiled_specs() if spec.name == "cold start")
+    for changes, missed in (((), set()), (("lubrication.limiting_friction=0.09",), {True})):
+        run = simulate_oiled(spec, changes)
+        assert {not row.holds for row in oiled_bench.cold_comparisons(run)} - {False} == missed
 
 
 def test_palmgren_is_the_sum_of_a_viscous_and_a_load_moment() -> None:
@@ -129,4 +136,4 @@ def test_oiled_runs_are_distinct_and_valid() -> None:
     specs = oiled_specs()
     assert len({spec.name for spec in specs}) == len(specs)
     for spec in specs:
-        assert spec.configuration().lubrication.law == "film"
+        assert spec.configuration().lubrication.law == "film_with_cages"

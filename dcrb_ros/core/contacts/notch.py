@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from dcrb_ros.core.jit import kernel
+from dcrb_ros.core.jit import YES, kernel
 from dcrb_ros.core.laws.calls import normal_force
 from dcrb_ros.core.layout.records import Floats
 from dcrb_ros.core.payload import Notches, Payload, RollerNotches
@@ -138,7 +138,7 @@ def roller_notch_under(
                 notches.inner_bottom[k] if inner else notches.outer_bottom[k],
                 notches.inner_kink[k] if inner else notches.outer_kink[k],
             )
-            return passed(offset, way, notches.half_angle[k], bottom, kink, notches.depth[k], raceway, roller, inner, True)
+            return passed(offset, way, notches.half_angle[k], bottom, kink, notches.depth[k], raceway, roller, inner, YES)
     return 0.0, 0.0
 
 

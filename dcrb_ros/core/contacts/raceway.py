@@ -8,7 +8,7 @@ from dcrb_ros.core.contacts.lines import RingMotion, closing_speeds, linearize_f
 from dcrb_ros.core.contacts.notch import edge_contact, notch_under, passed, roller_notch_under
 from dcrb_ros.core.contacts.profile import profiles_under
 from dcrb_ros.core.contacts.surface import add_parts, feel_bound
-from dcrb_ros.core.jit import piece
+from dcrb_ros.core.jit import NO, YES, piece
 from dcrb_ros.core.laws.calls import load_memory, normal_range
 from dcrb_ros.core.layout.contacts import RacewayContact
 from dcrb_ros.core.layout.records import Floats
@@ -30,10 +30,10 @@ def notch_depth(
     """
     if inner:
         passing, side, raceway = orbit - state.shaft[1], -1.0, payload.inner_raceway_radius
-        depth, sink = raceway_notch_depth(payload, payload.inner_notches, work.inner_notch_direction, row, nx, ny, passing, True)
+        depth, sink = raceway_notch_depth(payload, payload.inner_notches, work.inner_notch_direction, row, nx, ny, passing, YES)
     else:
         side, raceway = 1.0, payload.outer_raceway_radius
-        depth, sink = raceway_notch_depth(payload, payload.outer_notches, work.outer_notch_direction, row, nx, ny, orbit, False)
+        depth, sink = raceway_notch_depth(payload, payload.outer_notches, work.outer_notch_direction, row, nx, ny, orbit, NO)
     if payload.roller_notches.row.size > 0:
         angle, way = state.rollers[0].angle[row * payload.free.shape[1] + i], payload.step * (orbit - spin)
         own, change = roller_notch_under(
@@ -69,7 +69,7 @@ def raceway_notch_depth(
         raceway,
         payload.roller_radius,
         inner,
-        False,
+        NO,
     )
     return depth, change / payload.step
 

@@ -10,6 +10,7 @@ from dcrb_ros.core.laws.registry import register
 REGISTRY: tuple[str, ...] = (
     "johnson",
     "power",
+    "hertz",
     "lugre",
     "dry",
     "film",

@@ -44,6 +44,8 @@ class Material(NamedTuple):
     """r_I [m]."""
     outer_raceway_radius: float
     """r_O [m]."""
+    contact_angle: float
+    """alpha of balls [rad]."""
 
 
 def inner_site(material: Material, film: Any = None) -> Site:

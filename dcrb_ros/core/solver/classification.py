@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from dcrb_ros.core.contacts.films import raceway_site
 from dcrb_ros.core.contacts.force_line import SHORT_WAY, onset, reach
-from dcrb_ros.core.jit import piece
+from dcrb_ros.core.jit import NO, YES, piece
 from dcrb_ros.core.laws.calls import bar_damping, film_floor, film_reach, load_memory, oils_cages, store_memory
 from dcrb_ros.core.layout.records import VECTOR
 from dcrb_ros.core.layout.state import CAGE, INNER, OUTER, State
@@ -49,7 +49,7 @@ def classify_rollers(payload: Payload, state: State, work: Workspace, pinned: bo
         state.velocity[OUTER, 0],
         state.velocity[OUTER, 1],
     )
-    law, inner, outer = payload.normal_law, raceway_site(payload, state, True), raceway_site(payload, state, False)
+    law, inner, outer = payload.normal_law, raceway_site(payload, state, YES), raceway_site(payload, state, NO)
     inner_reach = payload.inner_raceway_radius + payload.roller_radius + (reach(law, inner) + payload.profile_height)
     outer_reach = payload.outer_raceway_radius - payload.roller_radius - (reach(law, outer) + payload.profile_height)
     outer_onset = payload.outer_raceway_radius - payload.roller_radius - (onset(law, outer) + payload.profile_height)

@@ -13,7 +13,7 @@ from dcrb_ros.core.contacts.films import contact_site, raceway_site
 from dcrb_ros.core.contacts.force_line import elastic, lasting_line
 from dcrb_ros.core.contacts.raceway import notch_depth
 from dcrb_ros.core.contacts.surface import tilted, uneven
-from dcrb_ros.core.jit import piece
+from dcrb_ros.core.jit import NO, piece
 from dcrb_ros.core.laws.calls import (
     clear_memory,
     film_resistance,
@@ -69,7 +69,7 @@ def write_notch_depth(payload: Payload, state: State, work: Workspace, c: int) -
     vx = rollers.vx[c] + 0.5 * rollers.change_vx[c] - work.mean_velocity[OUTER, 0]
     vy = rollers.vy[c] + 0.5 * rollers.change_vy[c] - work.mean_velocity[OUTER, 1]
     orbit, spin = (vy * nx - vx * ny) / distance, rollers.spin[c] + 0.5 * rollers.change_spin[c]
-    depth, sink = notch_depth(payload, state, work, row, c - row * payload.free.shape[1], nx, ny, orbit, spin, False)
+    depth, sink = notch_depth(payload, state, work, row, c - row * payload.free.shape[1], nx, ny, orbit, spin, NO)
     work.rollers[0].notch_depth[c], work.rollers[0].sink_speed[c] = depth, sink
 
 
@@ -77,7 +77,7 @@ def write_notch_depth(payload: Payload, state: State, work: Workspace, c: int) -
 def advance_free(payload: Payload, state: State, work: Workspace) -> None:
     """Move all rollers over the step as if none were bound; the results of bound ones are replaced afterwards."""
     rollers, outer, found, h, radius = state.rollers[0], state.rollers[0].outer, work.rollers[0], payload.step, payload.roller_radius
-    site, normal_law, traction_law = raceway_site(payload, state, False), payload.normal_law, payload.traction_law
+    site, normal_law, traction_law = raceway_site(payload, state, NO), payload.normal_law, payload.traction_law
     by_mass, by_inertia = 0.5 * h / payload.roller_mass, 0.5 * h * radius * radius / payload.roller_inertia
     by_radius, fall, reach = 1.0 / radius, by_mass * payload.roller_mass * payload.gravity, payload.outer_raceway_radius - radius
     push = 2.0 * site.reduced_radius * by_radius - 1.0

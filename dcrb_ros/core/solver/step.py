@@ -17,7 +17,7 @@ from dcrb_ros.core.contacts.notch import turn_notches
 from dcrb_ros.core.contacts.raceway import linearize_raceways, locate_raceways
 from dcrb_ros.core.contacts.roller_pair import add_pair_contacts
 from dcrb_ros.core.contacts.surface import feel_free
-from dcrb_ros.core.jit import kernel, loop, piece
+from dcrb_ros.core.jit import NO, YES, ZERO, kernel, loop, piece
 from dcrb_ros.core.laws.calls import oils_cages
 from dcrb_ros.core.layout.records import Floats
 from dcrb_ros.core.layout.state import OUTER, State
@@ -61,12 +61,12 @@ def write_pockets(payload: Payload, state: State) -> None:
 def find_bound(payload: Payload, state: State, work: Workspace) -> int:
     """Find the bound rollers and put them side by side; return how many elements they take."""
     if payload.any_free:
-        classify_rollers(payload, state, work, False)
+        classify_rollers(payload, state, work, NO)
     else:
-        classify_rollers(payload, state, work, True)
+        classify_rollers(payload, state, work, YES)
     feel_free(payload.surfaces, payload, state, work)
     bind_special(payload, work)
-    found = 0
+    found = ZERO
     for row in range(payload.free.shape[0]):
         found = list_bound(payload, work, row, found)
         work.row_ends[row] = found

@@ -41,6 +41,13 @@ class OuterRingParameters(LineParameters):
         0.0,
         20.0,
     )
+    outer_double: float = quantity(
+        1.5,
+        "dB",
+        "Largest amplitude of the line at 2 BPFO over that at BPFO; beyond it the rollers excite twice per pass, unlike at one defect",
+        0.0,
+        20.0,
+    )
     outer_limit: float = quantity(
         0.0,
         "m/s^2",
@@ -117,7 +124,10 @@ class OuterRing(LineRule[OuterRingParameters]):
 
     def excess(self, lines: LineFamily, band: Band, evidence: Evidence) -> float:
         """Return the excess of depth and significance; with a baseline also that of the size over the limit of the band [dB]."""
-        found = min(super().excess(lines, band, evidence), self._contrast(lines, evidence.of_band(band)))
+        there = evidence.of_band(band)
+        found = min(super().excess(lines, band, evidence), self._contrast(lines, there))
+        if self._rhythm(lines, there) < 0.0:
+            found = min(found, self._rhythm(lines, there))
         if not self._baseline:
             return found
         return min(found, decibels(ratio(lines.amplitude, self._limit(band, evidence) ** 2)))
@@ -133,6 +143,18 @@ class OuterRing(LineRule[OuterRingParameters]):
         beside = band.at(np.add.outer(np.asarray(lines.lines), [-cage, cage]))
         power = ratio(float(band.at(lines.lines).mean()), float(beside.mean())) if beside.any() else math.inf
         return min(decibels(math.sqrt(power)) - self.p.cage_contrast, HIGHEST_CONTRAST)
+
+    def _rhythm(self, lines: LineFamily, band: BandEvidence | None) -> float:
+        """Return by how much the line at 2 BPFO is below its limit [dB].
+
+        One impact per pass of a roller has harmonics that fall, or stay as large. A healthy roller that enters and leaves the load zone
+        excites twice per pass: strengths a and b half a pitch apart make lines of a - b at BPFO and a + b at its double. Where BPFO is
+        next to a harmonic of the shaft, its line is not seen as large as it is, and nothing follows from that.
+        """
+        if band is None or len(lines.lines) < 2 or abs(lines.order - round(lines.order)) <= 2.0 * GUARD * band.step:
+            return HIGHEST_CONTRAST
+        first, second = band.at(lines.lines[:2]).tolist()
+        return min(decibels(math.sqrt(ratio(first, second))) + self.p.outer_double, HIGHEST_CONTRAST) if second > 0.0 else HIGHEST_CONTRAST
 
     def _limit(self, band: Band, evidence: Evidence) -> float:
         return self._whole_limit if band == evidence.whole else self._high_limit

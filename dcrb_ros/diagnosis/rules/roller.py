@@ -6,7 +6,6 @@ the multiples of 2 BSF and small halfway between them.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -16,12 +15,9 @@ from dcrb_ros.diagnosis.evidence import BandEvidence
 from dcrb_ros.diagnosis.line_parameters import LineParameters
 from dcrb_ros.diagnosis.line_search import Comb, LineFamily
 from dcrb_ros.diagnosis.rule import LineRule, sidebands
-from dcrb_ros.diagnosis.rules.cage import cage_comb
+from dcrb_ros.diagnosis.rules.cage import CLUSTERED, cage_comb, clusters_at_spin
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.fields import quantity
-
-CLUSTERED = 1.5
-"""Amplitude of the harmonics of FTF near multiples of 2 BSF over those halfway between [-]; two strikes alike have an infinite one."""
 
 
 class RollerParameters(LineParameters):
@@ -50,18 +46,11 @@ class Roller(LineRule[RollerParameters]):
         found, cage = super().family(band, comb), band.family(cage_comb(band.orders))
         if cage.order <= 0.0:
             return found
-        # The median of the clusters, since one of their lines may belong to another family, against the mean power between them.
-        clusters = math.sqrt(float(np.median(self._near(band, cage, comb.order * np.array([1.0, 2.0])))))
-        between = math.sqrt(float(self._near(band, cage, comb.order * np.array([0.5, 1.5])).mean()))
+        clusters, between = clusters_at_spin(band, cage)
         if clusters < CLUSTERED * between or clusters <= found.depth:
             return found
         order = cage.order * round(comb.order / cage.order)
         return cage._replace(order=order, amplitude=clusters * band.spectrum.mean, depth=clusters, lines=(order,))
-
-    def _near(self, band: BandEvidence, cage: LineFamily, places: Floats) -> Floats:
-        """Return the squared depth of the harmonics of FTF next to some places [orders], shape (places, 3) [-]."""
-        harmonics = np.rint(places / cage.order)[:, None] + np.arange(-1.0, 2.0)
-        return band.at(harmonics * cage.order)
 
     @property
     def depth(self) -> float:
@@ -69,5 +58,10 @@ class Roller(LineRule[RollerParameters]):
         return self.p.roller_depth
 
     def companions(self, lines: LineFamily, orders: Orders) -> Floats:
-        """Return the harmonics of 2 BSF with sidebands at the cage, which carries the roller, and those of the cage itself."""
-        return sidebands(lines.order, np.add.outer(np.arange(-2.0, 3.0), orders.ftf * np.arange(-13.0, 14.0)))
+        """Return the harmonics of 2 BSF with sidebands at the cage, which carries the roller, and those of the cage itself.
+
+        Lines that cluster at 2 BSF are harmonics of the cage as it was found, which may slip.
+        """
+        clustered = lines.width == 1
+        cage = lines.order / max(1, round(lines.order / orders.ftf)) if clustered else orders.ftf
+        return sidebands(lines.order, np.add.outer(np.arange(-2.0, 3.0), cage * np.arange(-13.0, 14.0)))

@@ -33,7 +33,7 @@ class StructureParameters(Group):
     modes: int = quantity(
         0, "-", "Number of modes of the axle box drawn at random, 500 to 8000 Hz, damping 1 to 5 %; 0 for a rigid path", 0, MOST_MODES
     )
-    seed: int = quantity(1, "-", "Seed of the random modes, independent of simulation.seed", 0, 2**31 - 1)
+    seed: int = quantity(1, "-", "Seed of the random modes and of path_spread, independent of simulation.seed", 0, 2**31 - 1)
     frequencies: str = choice("", "Natural frequencies of the modes [Hz], such as '900, 2300, 5200', instead of random ones")
     dampings: str = choice("", "Damping ratios of these modes [-], such as '0.02, 0.03, 0.01'; empty for 0.02 each")
     coupling: float = quantity(

@@ -24,7 +24,7 @@ class DriveParameters(Group):
     gear_level: float = quantity(
         0.0, "m/s^2", "Amplitude of the gear mesh at 72 km/h, on both axes; proportional to the speed", 0.0, 1e3, run_time=True
     )
-    gear_teeth: int = quantity(87, "", "Teeth of the gear on the axle: order of the mesh", 5, 200)
+    gear_teeth: int = quantity(87, "-", "Teeth of the gear on the axle: order of the mesh", 5, 200)
     gear_modulation: float = quantity(0.2, "-", "Modulation of the mesh once per revolution of the axle, by run-out of the gear", 0.0, 1.0)
     motor_level: float = quantity(
         0.0,
@@ -35,7 +35,7 @@ class DriveParameters(Group):
         run_time=True,
     )
     motor_ratio: float = quantity(4.14, "-", "Revolutions of the motor per revolution of the axle", 0.1, 20.0)
-    motor_pole_pairs: int = quantity(2, "", "Pairs of poles of the motor", 1, 12)
+    motor_pole_pairs: int = quantity(2, "-", "Pairs of poles of the motor", 1, 12)
 
 
 class TractionDrive(Stage):

@@ -70,6 +70,7 @@ SIMULATED: tuple[SimulatedTopic, ...] = _topics(
     "vibration:VIBRATION",
     "vibration_clean:VIBRATION_CLEAN",
     "features:FEATURES",
+    "window_features:WINDOW_FEATURES",
     "acceleration:ACCELERATION",
     "roller_states:ROLLER_STATES",
     "roller_contacts:ROLLER_CONTACTS",

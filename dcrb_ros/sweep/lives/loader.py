@@ -39,6 +39,8 @@ def life_sweep_of(tree: Mapping[str, Any], source: str, common: Sweep) -> LifeSw
     numbers = _group({key: tree[key] for key in ("lives", "seed") if key in tree}, Numbers, source)
     inspection = _group(tree.get("inspection", {}), Inspection, source, "inspection")
     start, damage = _group(tree.get("start", {}), Start, source, "start"), _group(tree.get("damage", {}), Damage, source, "damage")
+    if common.file.split.apart:
+        raise Refusal(f"{source}: split.apart is for single runs, lives keep every bearing in one split anyway: remove it")
     recipe = Recipe(numbers, inspection, start, damage, _growth(tree.get("growth", {}), source))
     configuration = validated(common.base, Configuration, source)
     duty, written = _duty(tree, configuration.operating.wheel_diameter, source)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any
 
 from dcrb_ros.faults.raceway_defect import NOTCH
@@ -28,7 +27,7 @@ class LifeSweep(Sweep):
     """Sections on which inspections are made."""
     population: Population
 
-    @cached_property
+    @property
     def count(self) -> int:
         """Number of runs: inspections of all lives [-]."""
         every = self.recipe.inspection.every

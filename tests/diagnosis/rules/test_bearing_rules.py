@@ -118,6 +118,35 @@ def test_bpfo_must_stand_out_of_the_harmonics_of_the_cage(beside: float, suspect
     assert (finding.excess >= 0.0) is suspected
 
 
+@pytest.mark.parametrize(("double", "suspected"), [(0.0, True), (0.5, True), (0.69, True), (0.72, False), (1.5, False)])
+def test_rollers_that_excite_twice_per_pass_are_no_outer_ring_defect(double: float, suspected: bool) -> None:
+    """1.5 dB are a ratio of 1.41 of squared envelopes: 0.706 over 0.5."""
+    finding = OuterRing(P).finding(evidence((WHOLE, {6.72: 0.5, 2 * 6.72: double, 3 * 6.72: 0.5})))
+    assert finding is not None
+    assert (finding.excess >= 0.0) is suspected
+
+
+def test_a_line_hidden_by_the_shaft_tells_nothing_about_the_rhythm() -> None:
+    """BPFO within the resolution of the third harmonic of the shaft: its line is masked in part."""
+    near = Orders(ftf=0.425, bpfo=3.06, bpfi=3.94, bsf=3.25)
+    amplitude = np.full(7000, 0.01, np.float32)
+    for order, value in {3.06: 0.3, 6.12: 0.6, 9.18: 0.5}.items():
+        amplitude[round(100.0 * order)] = value
+    search = SharedSearch([OrderSpectrum(np.arange(0.0, 70.0, 0.01), amplitude, 1.0)], near, 0.004)
+    finding = OuterRing(P).finding(Evidence([BandEvidence(WHOLE, search)], WHOLE, HIGH, 20.0, 0.5))
+    assert finding is not None
+    assert finding.excess >= 0.0
+
+
+@pytest.mark.parametrize("clustered", [True, False])
+def test_harmonics_of_the_cage_that_cluster_at_2_bsf_are_no_fault_of_the_cage(clustered: bool) -> None:
+    lines = {0.42 * k: 0.8 if not clustered or abs((0.42 * k / 6.1 + 0.5) % 1.0 - 0.5) < 0.25 else 0.4 for k in range(1, 40)}
+    finding = Cage(P).finding(evidence((WHOLE, lines)))
+    assert finding is not None
+    assert finding.lines.depth > P.cage_depth
+    assert (finding.excess < 0.0) is clustered
+
+
 @pytest.mark.parametrize(("clustered", "found"), [(True, True), (False, False)])
 def test_harmonics_of_the_cage_that_cluster_at_2_bsf_are_a_roller(clustered: bool, found: bool) -> None:
     lines = {0.42 * k: 0.6 if not clustered or abs((0.42 * k / 6.1 + 0.5) % 1.0 - 0.5) < 0.25 else 0.1 for k in range(1, 40)}

@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 from scipy.stats import kstest, weibull_min
 
 from dcrb_ros.schema.refusal import Refusal
-from dcrb_ros.settings.files import shipped_folder
+from dcrb_ros.settings.shipped import shipped_folder
 from dcrb_ros.sweep.data_set import open_data_set
 from dcrb_ros.sweep.execution import common_settings, run_task
 from dcrb_ros.sweep.lives.plan import LifePlan, plan_of
@@ -144,7 +144,7 @@ def test_a_bearing_is_one_individual_in_one_split() -> None:
     for run in runs:
         splits[str(run.truth["bearing_id"])].add(run.split)
         individuals[str(run.truth["bearing_id"])].add(int(run.changes["surfaces.seed"]))
-    assert {len(found) for found in (*splits.values(), *individuals.values())} == {1}
+    assert {len(found) for found in splits.values()} == {len(found) for found in individuals.values()} == {1}
     assert len({next(iter(found)) for found in individuals.values()}) == 20
     counts = [sum(next(iter(found)) == split for found in splits.values()) for split in ("train", "validation", "test")]
     assert counts == [12, 4, 4]

@@ -1,0 +1,136 @@
+"""What each rule of the detector contributes: the results with one rule off at a time, as a table in Markdown.
+
+``python benchmarks/ablation.py MEASURED [RECORDINGS]`` judges the folder of measured recordings, 21 machines of the independent generator
+without and with a fault, and, if the folder of recordings of the exam ``standard`` is given, its healthy scenarios and its defects of 1 mm.
+"""
+
+from __future__ import annotations
+
+import argparse
+import functools
+import math
+import re
+import sys
+from collections import Counter
+from collections.abc import Iterator
+from contextlib import ExitStack
+from pathlib import Path
+from typing import Any
+from unittest.mock import patch
+
+import numpy as np
+
+sys.path.append(str(Path(__file__).parents[1] / "tests" / "support"))
+
+from jittered_impacts import Machine  # type: ignore[import-not-found]
+
+from dcrb_ros.diagnosis.hysteresis import Hysteresis
+from dcrb_ros.diagnosis.line_search import GUARD, LineSearch
+from dcrb_ros.diagnosis.order_spectrum import decibels, ratio
+from dcrb_ros.diagnosis.parameters import DetectorParameters
+from dcrb_ros.exam.detector_run import run_shipped_detector
+from dcrb_ros.exam.exam_file import read_exam
+from dcrb_ros.exam.measured import diagnose_as_a_whole, read_measured
+from dcrb_ros.exam.scoring import score_scenario
+
+DIAGNOSIS = "dcrb_ros.diagnosis"
+FAULTS = ("outer_ring", "inner_ring", "roller")
+HASH = re.compile("-[0-9a-f]{16}$")
+
+
+def without_significance(lines: Any, least_depth: float, false_alarm: float, price: float) -> float:
+    """Return the excess of depth alone [dB]."""
+    return decibels(ratio(lines.depth, least_depth))
+
+
+def unmasked(search: LineSearch) -> Any:
+    """Return the values that are no evidence if harmonics of the shaft are."""
+    return search.orders <= GUARD * search.step
+
+
+def at_once(confirm: int, release: int, release_margin: float, persist: int) -> Hysteresis:
+    """Return a hysteresis for which weak evidence need not last."""
+    return Hysteresis(confirm, release, release_margin)
+
+
+def rows() -> Iterator[tuple[str, dict[str, Any], list[Any]]]:
+    """Yield name, changed parameters and patches of each row."""
+    depths = ("outer_depth", "inner_depth", "roller_depth", "cage_depth")
+    shaft = functools.cached_property(unmasked)
+    shaft.__set_name__(LineSearch, "_masked")
+    yield "all rules", {}, []
+    yield "search of 0.4 % instead of 2 %", {"slip": 0.004}, []
+    yield "whole band only", {"band": "fixed"}, []
+    yield "depth of 0.34 instead of 0.17", dict.fromkeys(depths, 0.34), []
+    yield "depth of 0.05", dict.fromkeys(depths, 0.05), []
+    yield "no significance", {}, [patch(f"{DIAGNOSIS}.rule.modulation_excess", without_significance)]
+    yield "no joint explanation", {}, [patch(f"{DIAGNOSIS}.combination.explains", lambda *_: False)]
+    yield "explained only if left without lines", {"shadow": 0.0}, []
+    yield "harmonics of the shaft are evidence", {}, [patch.object(LineSearch, "_masked", shaft)]
+    yield "no contrast of BPFO to FTF", {"cage_contrast": 0.0}, []
+    yield "no limit of 2 BPFO", {"outer_double": 20.0}, []
+    yield "clusters at 2 BSF are evidence for the cage", {}, [patch(f"{DIAGNOSIS}.rules.cage.clusters_at_spin", lambda *_: (0.0, math.inf))]
+    yield "weak evidence need not last", {}, [patch(f"{DIAGNOSIS}.detector.Hysteresis", at_once)]
+
+
+def measured(folder: Path, parameters: DetectorParameters) -> str:
+    """Return false alarms, right names of both rings and alarms of ball faults."""
+    count: Counter[tuple[str, str]] = Counter()
+    for one in read_measured(folder):
+        verdict = diagnose_as_a_whole(one.samples(), one.rate, one.speed, one.orders, parameters).verdict
+        count[one.truth, "right"] += verdict == one.truth
+        count[one.truth, "alarm"] += verdict != "healthy"
+    return f"{count['healthy', 'alarm']} | {count['outer_ring', 'right']} | {count['inner_ring', 'right']} | {count['roller', 'alarm']}"
+
+
+def generated(parameters: DetectorParameters) -> str:
+    """Return false alarms and right names of 21 machines."""
+    alarms = right = 0
+    for seed in range(21):
+        rate, speed, departure = (12000, 25600)[seed % 2], 15.0 + (7 * seed) % 30, 0.008 * (seed % 5 - 2)
+        machine = Machine(seed, balls=7 + seed % 8, ratio=0.15 + 0.02 * (seed % 7), rate=rate, speed=speed, departure=departure)
+        fault = FAULTS[seed % 3]
+        calm = machine.healthy(2.0, shaft=0.4, gear=0.5)
+        signals = calm, calm + 0.5 * machine.impacts(2.0, fault)
+        found = [diagnose_as_a_whole(one, rate, speed, machine.orders, parameters).verdict for one in signals]
+        alarms, right = alarms + (found[0] != "healthy"), right + (found[1] == fault)
+    return f"{alarms} | {right}"
+
+
+def simulated(folder: Path, parameters: DetectorParameters) -> str:
+    """Return false alarms in healthy scenarios and right names of defects of 1 mm in the exam ``standard``."""
+    exam = read_exam("standard")
+    bags = {HASH.sub("", bag.name): bag for bag in folder.iterdir()}
+    alarms = right = 0
+    for case in exam.cases:
+        expected = case.expectation
+        bag = bags[re.sub(r"[^a-z0-9_.=]+", "-", expected.name.lower())]
+        if expected.verdict == "healthy" or expected.tags.get("width") == 0.001:
+            result = score_scenario(expected, run_shipped_detector(bag, parameters), exam.criteria)
+            alarms += len(result.false_alarms)
+            right += result.delay is not None
+    return f"{alarms} | {right}"
+
+
+def main() -> None:
+    """Print the table."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("measured", type=Path)
+    parser.add_argument("recordings", nargs="?", type=Path)
+    parser.add_argument("--only", default="", help="rows whose names contain this")
+    options = parser.parse_args()
+    np.seterr(all="ignore")
+    for name, changes, patches in rows():
+        if options.only not in name:
+            continue
+        parameters = DetectorParameters(**changes)
+        with ExitStack() as stack:
+            for one in patches:
+                stack.enter_context(one)
+            found = [measured(options.measured, parameters), generated(parameters)]
+            found += [simulated(options.recordings, parameters)] if options.recordings is not None else []
+        print(f"| {name} | {' | '.join(found)} |", flush=True)
+
+
+if __name__ == "__main__":
+    main()

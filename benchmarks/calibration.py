@@ -1,0 +1,116 @@
+"""Calibrate to benches whose path, gain, noise and modulation are known, and count how often the intervals contain the truth.
+
+    python benchmarks/calibration.py [PLANTS] [FIGURE]
+
+Each plant is simulated for 5 s with random modes of an axle box, gain, noise, modulation and hum, and calibrated to from its recording
+alone. The figure goes to docs/images/calibration-plants.png.
+"""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections import defaultdict
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure
+from scipy.signal import sosfreqz
+
+import dcrb_ros
+from dcrb_ros.calibration.spectra import power_density
+from dcrb_ros.features.band_levels import EDGE
+from dcrb_ros.measurement.stages.structure import StructureParameters, sections
+
+SECONDS = 5.0
+FIGURE = Path(__file__).resolve().parents[1] / "docs" / "images" / "calibration-plants.png"
+
+
+def drawn(number: int) -> dict[str, Any]:
+    """Return the parameters of a plant."""
+    random = np.random.default_rng(number)
+    return {
+        "structure.modes": int(random.integers(2, 9)),
+        "structure.seed": number,
+        "structure.gain_x": float(10.0 ** random.uniform(-1.0, 1.0)),
+        "structure.gain_y": float(10.0 ** random.uniform(-1.0, 1.0)),
+        "structure.modulation": float(random.uniform(0.0, 0.6)),
+        "sensor.noise_density": float(2e-3 * 10.0 ** random.uniform(-0.7, 0.7)),
+        "sensor.range": 1e5,
+        "background.hum_level": float(10.0 ** random.uniform(-2.0, -0.5)),
+        "simulation.seed": number,
+        "surfaces.seed": 1,
+    }
+
+
+def main() -> None:
+    """Run the plants and draw their figure."""
+    plants = int(sys.argv[1]) if len(sys.argv) > 1 else 24
+    inside: dict[str, list[bool]] = defaultdict(list)
+    errors: dict[str, list[float]] = defaultdict(list)
+    bands: list[tuple[float, float, float]] = []
+    seconds = []
+    for number in range(1, plants + 1):
+        settings = drawn(number)
+        run = dcrb_ros.simulate("healthy", SECONDS, settings=settings)
+        begin = time.process_time()
+        found = dcrb_ros.calibrate(run.between(0.5), trust=True)  # in much noise the detector takes the sensor for a dead one
+        seconds.append(time.process_time() - begin)
+        for one in found.estimates:
+            truth = settings.get(one.key)
+            if truth is not None and one.key not in ("structure.gain_x", "structure.gain_y"):
+                inside[one.key].append(one.low <= truth <= one.high)
+                errors[one.key].append(one.value / truth - 1.0)
+        for axis in "xy":
+            power, middles = path_of(run, settings, axis)
+            gain = found.gains[axis]
+            truth = float(np.sqrt(power[:, 1].sum() / power[:, 0].sum()))
+            inside[f"gain {axis}"].append(gain.low <= truth <= gain.high)
+            errors[f"gain {axis}"].append(gain.value / truth - 1.0)
+            for level in (one for one in found.path if one.axis == axis and one.identified):
+                band = (middles >= level.frequency / EDGE) & (middles < level.frequency * EDGE)
+                known = 10.0 * np.log10(power[band, 1].sum() / power[band, 0].sum())
+                bands.append((level.frequency, level.level - known, 0.5 * (level.high - level.low)))
+                inside["path in third octaves"].append(level.low <= known <= level.high)
+        print(number, f"{seconds[-1]:.1f} s", {key: round(values[-1], 3) for key, values in errors.items()}, flush=True)
+    for key, values in inside.items():
+        spread = f", error {100 * np.std(errors[key]):.2g} %, at most {100 * np.max(np.abs(errors[key])):.2g} %" if key in errors else ""
+        print(f"{key}: {np.mean(values):.0%} of {len(values)} within their intervals{spread}")
+    away = np.abs([band[1] for band in bands])
+    print(f"path: {np.sqrt(np.mean(away**2)):.2f} dB, 99 % within {np.percentile(away, 99):.2f} dB, at most {away.max():.2f} dB")
+    print(f"processor time of a calibration: {np.median(seconds):.1f} s, at most {max(seconds):.1f} s")
+    draw(inside, np.array(bands), Path(sys.argv[2]) if len(sys.argv) > 2 else FIGURE)
+
+
+def path_of(run: dcrb_ros.Run, settings: dict[str, Any], axis: str) -> tuple[np.ndarray[Any, Any], np.ndarray[Any, Any]]:
+    """Return the power of the ring before and behind the true path, shape (lines, 2), and the frequencies, from 200 Hz to 20 kHz."""
+    spectrum = power_density(run.clean[run.sampling_rate // 2 :, "xy".index(axis)].astype(float), run.sampling_rate)
+    used = (spectrum.frequency >= 200.0) & (spectrum.frequency <= 0.4 * run.sampling_rate)
+    frequency, rate = spectrum.frequency[used], float(run.configuration.step_rate)
+    response = np.abs(
+        sosfreqz(sections(run.configuration.measurement.parameters[StructureParameters], rate)["xy".index(axis)], frequency, fs=rate)[1]
+    )
+    before = spectrum.density[used]
+    return np.column_stack([before, before * (settings[f"structure.gain_{axis}"] * response) ** 2]), frequency
+
+
+def draw(inside: dict[str, list[bool]], bands: np.ndarray[Any, Any], file: Path) -> None:
+    """Draw errors of the path over frequency, and the rates at which intervals contain the truth."""
+    figure = Figure(figsize=(11.0, 4.2), dpi=100, layout="constrained")
+    left, right = figure.subplots(1, 2)
+    left.semilogx(bands[:, 0] * np.random.default_rng(1).uniform(0.95, 1.05, len(bands)), bands[:, 1], ".", color="#0072B2", markersize=3.0)
+    for level in (-2.0, 2.0):
+        left.axhline(level, color="#D55E00", linewidth=0.8)
+    left.set(
+        xlabel="Third octave in Hz", ylabel="Estimated over true path in dB", ylim=(-4.0, 4.0), title="Paths where the bearing is heard"
+    )
+    names = list(inside)
+    right.barh(names, [float(np.mean(inside[name])) for name in names], color="#0072B2")
+    right.axvline(0.9, color="#D55E00", linewidth=0.8)
+    right.set(xlabel="Share of intervals that contain the truth (stated: 0.9)", xlim=(0.0, 1.0))
+    figure.savefig(file)
+
+
+if __name__ == "__main__":
+    main()

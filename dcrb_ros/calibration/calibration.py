@@ -1,0 +1,224 @@
+"""Calibration: from healthy recordings of a machine to a bench that measures like it, with an interval for each value.
+
+What can be identified from acceleration at the sensor is the product of source and path. By convention the source is the simulated bench,
+so that the path holds every difference between its bearing and the machine's, too. `docs/explanation/calibration.md` has the formulas.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from dcrb_ros.bearing.waveform import Signal, Waveform
+from dcrb_ros.calibration.around_the_bearing import background_of, hum_of, modulation_of, speed_of, tones_of, unbalance_of
+from dcrb_ros.calibration.estimate import LEVEL, Estimate, PathLevel
+from dcrb_ros.calibration.identified_path import identified_path
+from dcrb_ros.calibration.measured import Measured, check_one_machine, measured_of
+from dcrb_ros.calibration.source import bench_of, simulated_source
+from dcrb_ros.schema.numbers import duration_within
+from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.settings.configuration import Configuration
+from dcrb_ros.settings.files import load_configuration
+
+LONGEST_SOURCE = 60.0
+"""Longest simulated source [s]."""
+RANGE_OVER_PEAK = 10.0
+"""Range of the simulated sensor over the measured peak where the range is unknown [-]."""
+NOT_SEEN = (
+    "the load, the lubrication and the surfaces cannot be seen in a healthy recording: they are those of the base",
+    "the phase of the path and a delay cannot be told from a minimum phase, which is assumed",
+    "the range and the converter of the sensor are unknown unless the signal is clipped: the range is ten times the peak",
+)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Calibration:
+    """A bench calibrated to a machine."""
+
+    configuration: Configuration
+    """The bench, to be simulated like any other."""
+    estimates: tuple[Estimate, ...]
+    """The estimated parameters with their intervals."""
+    gains: Mapping[str, Estimate]
+    """By axis, the root of the power behind the path over that before it, from 200 Hz to the upper end of the band: what can be identified
+    of a gain, while ``structure.gain_y`` is the gain at rest, where the bearing is not heard."""
+    path: tuple[PathLevel, ...]
+    """Gain of the path in third octaves, which is what the sections in the configuration amount to."""
+    unidentified: tuple[str, ...]
+    """What could not be identified, and why, in a sentence each."""
+    recordings: tuple[str, ...]
+    """Names of the recordings."""
+    measured: Waveform
+    """The first recording, with which a simulation of the configuration can be compared."""
+    residual: tuple[tuple[str, np.ndarray[Any, Any], np.ndarray[Any, Any]], ...]
+    """By axis: frequencies [Hz] and measured over modelled density in narrow bins [dB]."""
+    level: float = LEVEL
+    """Probability of the intervals [-]."""
+
+    def __repr__(self) -> str:
+        return f"<Calibration: {len(self.estimates)} values from {', '.join(self.recordings)}>"
+
+    @property
+    def intervals(self) -> dict[str, tuple[float, float]]:
+        """Return the interval of each estimated parameter by its key."""
+        return {one.key: (one.low, one.high) for one in self.estimates}
+
+    def __getitem__(self, key: str) -> Estimate:
+        """Return the estimate of a parameter.
+
+        Raises
+        ------
+        KeyError
+            It was not estimated.
+        """
+        return next((one for one in self.estimates if one.key == key), None) or _unknown(key)
+
+    def draw(self, seed: int) -> dict[str, float | int]:
+        """Return parameters of a machine drawn within the intervals, as changes of `configuration`; equal seeds give equal machines.
+
+        `load_configuration(calibration.configuration, calibration.draw(3))` is the third machine.
+        """
+        random = np.random.default_rng([seed, 21])
+        drawn: dict[str, float | int] = {}
+        for one in self.estimates:
+            share = float(random.random())
+            drawn[one.key] = (
+                one.low * (one.high / one.low) ** share if one.log and one.low > 0.0 else one.low + share * (one.high - one.low)
+            )
+        return drawn | {"structure.seed": int(random.integers(1, 2**31 - 1)), "structure.path_spread": self.path_spread}
+
+    @property
+    def path_spread(self) -> float:
+        """Standard deviation of the level of the path in its third octaves, for `structure.path_spread` [dB]."""
+        widths = [one.high - one.low for one in self.path if one.identified]
+        return round(float(np.median(widths)) / (2.0 * 1.645), 3) if widths else 0.0
+
+
+def _unknown(key: str) -> Estimate:
+    raise KeyError(key)
+
+
+def calibrate(
+    recordings: Signal | Sequence[Signal],
+    *,
+    base: Configuration | str | Path | None = None,
+    settings: Mapping[str, Any] | Sequence[str] = (),
+    source_seconds: float = 4.0,
+    trust: bool = False,
+    names: Sequence[str] = (),
+) -> Calibration:
+    """Return a bench that measures like a machine, from healthy recordings of it.
+
+    Parameters
+    ----------
+    recordings
+        A `Recording`, `Run` or `Waveform`, or several of one machine, with a speed or an angle of the shaft; accelerations in m/s^2 or in
+        relative units, at any rate that has a divisor between 10 and 1000 Hz.
+    base
+        The bench whose bearing is the source: a configuration or its name. By default the one that made the recording; for imported data
+        ``healthy`` with the number and size of rollers that give the recording's orders.
+    settings
+        Parameters to change in the base, such as ``{"operating.load": 5000.0}``.
+    source_seconds
+        Simulated time of the source at the speed of each recording [s].
+    trust
+        Take the recordings as healthy although the fault detector finds a fault.
+    names
+        Names of the recordings in messages; their paths by default.
+
+    Returns
+    -------
+    Calibration
+        The configuration, the estimates with their intervals, the path in third octaves and what could not be identified.
+
+    Raises
+    ------
+    Refusal
+        A recording that is empty, shorter than 2 s or 20 turns, clipped, without speed, at a varying speed, of an unknown bearing or
+        faulty; recordings of different machines or sampling rates; a base with another bearing.
+
+    Examples
+    --------
+    >>> import dcrb_ros
+    >>> machine = dcrb_ros.simulate("healthy", 3.0, settings={"structure.gain_y": 0.5, "structure.gain_x": 0.5})
+    >>> calibration = dcrb_ros.calibrate(machine)
+    >>> twin = dcrb_ros.simulate(calibration.configuration, 3.0)
+    """
+    duration_within("source_seconds =", source_seconds, LONGEST_SOURCE, "4 s give spectra within 0.5 dB")
+    given = [recordings] if isinstance(recordings, Signal) else list(recordings)
+    called = list(names) or [_name(one, number) for number, one in enumerate(given, 1)]
+    if len(called) != len(given):
+        raise Refusal(f"{len(called)} names are given for {len(given)} recordings: give one for each, or none")
+    machines = [measured_of(one, name, trust=trust) for one, name in zip(given, called, strict=True)]
+    check_one_machine(machines)
+    benches = [bench_of(machine, base, settings) for machine in machines]
+    sources = _sources(machines, benches, source_seconds)
+    path = identified_path(machines, sources, float(benches[0].step_rate))
+    modulation = modulation_of(machines, sources, path)
+    path.divide_gains(math.sqrt(1.0 + 0.5 * modulation.parameters.get("structure.modulation", 0.0) ** 2))
+    found, unidentified, parameters = list[Estimate](), list[str](), dict[str, Any]()
+    hum = hum_of(machines)
+    for part in (
+        path,
+        modulation,
+        speed_of(machines),
+        hum,
+        unbalance_of(machines, sources, path),
+        background_of(machines, path, benches[0], hum.parameters.get("background.hum_frequency", 0.0)),
+        tones_of(machines, path),
+    ):
+        found += part.estimates
+        unidentified += part.remarks
+        parameters |= part.parameters
+    configuration = load_configuration(benches[0], parameters | _range(machines))
+    kept = [one for one in found if _fits(one, configuration)]
+    return Calibration(
+        configuration,
+        tuple(kept),
+        path.gains,
+        tuple(path.levels),
+        (*unidentified, *NOT_SEEN),
+        tuple(called),
+        machines[0].waveform,
+        tuple(path.residuals),
+    )
+
+
+def _sources(machines: Sequence[Measured], benches: Sequence[Configuration], seconds: float) -> list[Any]:
+    """Return the source of each recording; recordings whose speeds differ by less than 1 % share one."""
+    made: list[tuple[float, Any]] = []
+    found = []
+    for machine, bench in zip(machines, benches, strict=True):
+        source = next((one for speed, one in made if abs(machine.speed / speed - 1.0) < 0.01), None)
+        if source is None:
+            source = simulated_source(bench, seconds)
+            made.append((machine.speed, source))
+        found.append(source)
+    return found
+
+
+def _range(machines: Sequence[Measured]) -> dict[str, float]:
+    """Return a range of the sensor that the machine does not reach."""
+    known = machines[0].waveform.sensor_range
+    peak = max(float(np.abs(machine.acceleration).max()) for machine in machines)
+    return {"sensor.range": known if known > peak else min(1e6, max(1.0, RANGE_OVER_PEAK * peak))}
+
+
+def _fits(one: Estimate, configuration: Configuration) -> bool:
+    """Return whether both ends of an interval are accepted by the bench."""
+    try:
+        for value in (one.low, one.high):
+            load_configuration(configuration, {one.key: value})
+    except Refusal:
+        return False
+    return True
+
+
+def _name(signal: Signal, number: int) -> str:
+    path = getattr(signal, "path", None)
+    return str(path) if path is not None else f"recording {number}"

@@ -1,0 +1,104 @@
+"""The files of a calibration: the configuration, and beside it the intervals of its values."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from dcrb_ros.calibration.calibration import Calibration
+from dcrb_ros.calibration.estimate import Estimate
+from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.settings.files import to_described_yaml
+from dcrb_ros.text.yaml import read_yaml
+
+SUFFIX = ".intervals.yaml"
+SIGNIFICANT = 6
+"""Digits of the numbers in the file of the intervals."""
+
+
+def intervals_beside(configuration: Path) -> Path:
+    """Return the file of the intervals of a calibrated configuration: ``my_machine.intervals.yaml`` beside ``my_machine.yaml``."""
+    return configuration.with_name(configuration.stem + SUFFIX)
+
+
+def write_calibration(calibration: Calibration, file: Path) -> Path:
+    """Write the configuration to ``file`` and the intervals beside it; return the latter's path.
+
+    Raises:
+        Refusal: a file cannot be written.
+    """
+    beside = intervals_beside(file)
+    named = ", ".join(Path(name).name for name in calibration.recordings)
+    head = f"# A bench calibrated to {named}; the intervals are in {beside.name}.\n"
+    about = yaml.safe_dump(_tree(calibration, file.name), sort_keys=False, width=120)
+    remarks = "".join(f"# Not identified: {sentence}.\n" for sentence in calibration.unidentified)
+    try:
+        file.write_text(head + to_described_yaml(calibration.configuration), encoding="utf-8")
+        beside.write_text(f"# Intervals of {file.name}: 'vary' can stand in a sweep file.\n{remarks}{about}", encoding="utf-8")
+    except OSError as error:
+        raise Refusal(f"{error.filename} cannot be written: {error.strerror}; give another file") from None
+    return beside
+
+
+def _tree(calibration: Calibration, name: str) -> dict[str, Any]:
+    path = [
+        {
+            "axis": one.axis,
+            "hz": _short(one.frequency),
+            "db": [_short(one.level), _short(one.low), _short(one.high)],
+            "share": _short(one.share),
+        }
+        for one in calibration.path
+    ]
+    return {
+        "configuration": name,
+        "recordings": [Path(one).name for one in calibration.recordings],
+        "level": calibration.level,
+        "vary": vary(calibration),
+        "estimates": {
+            one.key: {"value": _short(one.value), "low": _short(one.low), "high": _short(one.high), "unit": one.unit}
+            for one in calibration.estimates
+        },
+        "path": path,
+        "unidentified": list(calibration.unidentified),
+    }
+
+
+def vary(calibration: Calibration) -> dict[str, dict[str, float | int | str]]:
+    """Return the intervals as the section ``vary`` of a sweep, with a seed that draws deviations of the path.
+
+    The seed has an effect with ``structure.path_spread``, which has a range of its own from 0 on.
+    """
+    axes = {one.key: _axis(one) for one in calibration.estimates if one.high > one.low}
+    if calibration.path_spread > 0.0:
+        axes["structure.path_spread"] = {"low": 0.0, "high": calibration.path_spread}
+    return axes | {"structure.seed": {"low": 1, "high": 2**31 - 1}}
+
+
+def _axis(one: Estimate) -> dict[str, float | int | str]:
+    axis: dict[str, float | int | str] = {"low": _short(one.low), "high": _short(one.high)}
+    return axis | ({"scale": "log"} if one.log and one.low > 0.0 else {})
+
+
+def read_vary(file: Path) -> dict[str, dict[str, Any]]:
+    """Return the section ``vary`` of the intervals beside a calibrated configuration.
+
+    Args:
+        file: the configuration, or the file of its intervals.
+
+    Raises:
+        Refusal: there are none, or the file has another form.
+    """
+    beside = file if file.name.endswith(SUFFIX) else intervals_beside(file)
+    tree = read_yaml(beside)
+    found = tree.get("vary") if isinstance(tree, dict) else None
+    if not isinstance(found, dict) or not all(isinstance(axis, dict) and {"low", "high"} <= axis.keys() for axis in found.values()):
+        raise Refusal(f"{beside} is not a file of intervals: dcrb calibrate writes one beside its configuration")
+    return {str(key): dict(axis) for key, axis in found.items()}
+
+
+def _short(value: float) -> float:
+    return float(f"{value:.{SIGNIFICANT}g}") if math.isfinite(value) else value

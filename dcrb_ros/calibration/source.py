@@ -1,0 +1,127 @@
+"""The simulated bench as the source: what the outer ring does before any path, noise or background."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from dcrb_ros.bearing.kinematics import Orders, characteristic_orders
+from dcrb_ros.calibration.measured import SAME_ORDERS, Measured
+from dcrb_ros.diagnosis.order_tracking import unwrapped_turns
+from dcrb_ros.faults import Faults
+from dcrb_ros.schema.arrays import Floats
+from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.settings.configuration import Configuration
+from dcrb_ros.settings.files import flatten, load_configuration
+from dcrb_ros.settings.parameters import Publishing, Recording
+from dcrb_ros.settings.sensor import Background, SensorParameters, Structure
+from dcrb_ros.simulation.loop import Simulation
+
+SETTLING = 0.5
+"""Time before the first sample that is used [s]: idle rollers come to rest in it."""
+STEEL = 7850.0
+"""Density of rollers [kg/m^3]."""
+USUAL_PREVIEW = 200
+"""Rate of the preview where it divides the sampling rate [Hz]."""
+
+
+@dataclass(frozen=True, eq=False)
+class Source:
+    """Acceleration of the outer ring of the bench."""
+
+    acceleration: Floats
+    """In X and Y, without its mean, shape (2, samples) [m/s^2]."""
+    turns: Floats
+    """Turns of the shaft since the first sample, shape (samples,) [-]."""
+
+
+def bench_of(measured: Measured, base: Configuration | str | Path | None, settings: Mapping[str, Any] | Sequence[str]) -> Configuration:
+    """Return the bench without path, background and errors of the sensor, at the speed and the sampling rate of a recording.
+
+    Args:
+        measured: the recording.
+        base: the bench; by default the one that made the recording, or ``healthy`` with the number and the size of rollers that give the
+            recording's orders.
+        settings: parameters to change in it.
+
+    Raises:
+        Refusal: the base has a bearing with other orders, or it cannot run at this speed or rate.
+    """
+    own = base if base is not None else measured.configuration
+    bench = load_configuration(own if own is not None else "healthy", settings)
+    changes: dict[str, Any] = {}
+    for group, empty in (("faults", Faults()), ("structure", Structure()), ("background", Background()), ("publishing", Publishing())):
+        changes |= flatten({group: empty.model_dump()})
+    changes |= flatten({"recording": Recording().model_dump(), "sensor": SensorParameters().model_dump()})
+    changes |= rates(measured.rate, bench.simulation.step) | {"operating.speed": measured.speed}
+    mismatch = _mismatch(characteristic_orders(bench.bearing), measured.orders)
+    if mismatch and own is not None:
+        raise Refusal(f"{measured.name} has another bearing than its bench: {mismatch}; give a base with the machine's bearing")
+    if mismatch:
+        changes |= flatten({"bearing": rollers_of(measured.orders, bench, measured.name)})
+    try:
+        return load_configuration(bench, changes)
+    except Refusal as refusal:
+        raise Refusal(f"the bench cannot run like {measured.name}: {str(refusal).removeprefix('settings: ')}") from None
+
+
+def rates(rate: int, step: float) -> dict[str, Any]:
+    """Return sampling rate, a step of at most ``step`` [s] that divides a sampling interval, and a rate of the preview that divides it.
+
+    Raises:
+        Refusal: the rate has no divisor for the preview.
+    """
+    divisors = [d for d in range(10, 1001) if rate % d == 0]
+    if not divisors:
+        raise Refusal(f"a sampling rate of {rate} Hz has no divisor between 10 and 1000 Hz, as the preview needs: resample the recording")
+    preview = min(divisors, key=lambda d: abs(math.log(d / USUAL_PREVIEW)))
+    steps = max(2, math.ceil(1.0 / (step * rate) - 1e-9))
+    return {"sensor.sampling_rate": rate, "simulation.step": 1.0 / (rate * steps), "publishing.preview_rate": preview}
+
+
+def rollers_of(orders: Orders, bench: Configuration, name: str) -> dict[str, Any]:
+    """Return number and size of rollers that give characteristic orders on the pitch circle of a bench, with their raceways and masses.
+
+    BPFO + BPFI = n and BPFI - BPFO = n r/R for n rollers of radius r on a pitch circle of radius R without a contact angle (Randall and
+    Antoni 2011, eqs. 1 and 2). The scale of the bearing cannot be seen in orders.
+
+    Raises:
+        Refusal: there are no such rollers.
+    """
+    b, number = bench.bearing, round(orders.bpfo + orders.bpfi)
+    radius = b.pitch_radius * (orders.bpfi - orders.bpfo) / (orders.bpfi + orders.bpfo)
+    if not (6 <= number <= 60 and radius > 0.0):
+        raise Refusal(f"{name}: {number} rollers, as BPFO + BPFI requires, are outside 6 .. 60: give a base with the machine's bearing")
+    inner = b.inner_raceway_radius + b.roller_radius - b.pitch_radius
+    outer = b.outer_raceway_radius - b.roller_radius - b.pitch_radius
+    mass = STEEL * math.pi * radius**2 * b.roller_length
+    return {
+        "rollers_per_row": number,
+        "roller_radius": radius,
+        "inner_raceway_radius": b.pitch_radius - radius + inner,
+        "outer_raceway_radius": b.pitch_radius + radius + outer,
+        "roller_mass": mass,
+        "roller_inertia": 0.5 * mass * radius**2,
+    }
+
+
+def _mismatch(bench: Orders, machine: Orders) -> str:
+    for name in ("bpfo", "bpfi"):
+        one, two = getattr(bench, name), getattr(machine, name)
+        if abs(one / two - 1.0) > SAME_ORDERS:
+            return f"its {name.upper()} is {one:.4g} orders, that of the machine {two:.4g}"
+    return ""
+
+
+def simulated_source(bench: Configuration, seconds: float) -> Source:
+    """Return the acceleration of the outer ring after the anti-alias filter, from `SETTLING` on."""
+    blocks = list(Simulation(bench, waveform_only=True).blocks(SETTLING + seconds))
+    first = round(SETTLING * bench.sensor.sampling_rate)
+    clean = np.concatenate([block.clean for block in blocks])[first:].T.astype(np.float64)
+    angle = np.concatenate([block.shaft_angle for block in blocks])[first:]
+    return Source(clean - clean.mean(axis=1, keepdims=True), unwrapped_turns(angle))

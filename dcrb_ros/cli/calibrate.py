@@ -1,0 +1,129 @@
+"""`dcrb calibrate` and `dcrb compare`: a bench like a machine, and the distances of two recordings."""
+
+from __future__ import annotations
+
+import json
+from contextlib import ExitStack
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from dcrb_ros.cli import completion
+from dcrb_ros.cli.options import Bag, Force, JsonOutput, Quiet, Settings
+from dcrb_ros.cli.output_file import PICTURES, check_output, replacing
+from dcrb_ros.schema.refusal import Refusal
+
+if TYPE_CHECKING:
+    from dcrb_ros.calibration.calibration import Calibration
+
+TWIN_SECONDS = 4.0
+"""Simulated time of the calibrated bench that the figure compares with the recording [s]."""
+
+
+def calibrate(
+    recordings: Annotated[list[Path], typer.Argument(metavar="HEALTHY...", help="Recordings of the healthy machine: folders or files.")],
+    output: Annotated[Path, typer.Option("-o", "--output", help="New YAML file of the configuration; intervals and figure go beside it.")],
+    base: Annotated[
+        str | None,
+        typer.Option(
+            help="Bench with the machine's bearing: a YAML file or a shipped name. Default: the one that made the recording, or healthy "
+            "with rollers that give the recording's orders.",
+            autocompletion=completion.configurations,
+        ),
+    ] = None,
+    settings: Settings = None,
+    trust: Annotated[bool, typer.Option("--trust", help="Take the recordings as healthy although the detector finds a fault.")] = False,
+    as_json: JsonOutput = False,
+    quiet: Quiet = False,
+    force: Force = False,
+) -> None:
+    """Make a bench that measures like a machine from healthy recordings of it, with an interval for each value and a figure.
+
+    Example: dcrb calibrate bags/healthy -o my_machine.yaml
+    """
+    check_output("-o", output, (".yaml", ".yml"))
+    from dcrb_ros.calibration.calibration import calibrate as calibrated
+    from dcrb_ros.calibration.comparison import compare as compared
+    from dcrb_ros.calibration.files import intervals_beside, write_calibration
+    from dcrb_ros.plots.comparison import write_comparison
+    from dcrb_ros.recordings.reader import Recording
+    from dcrb_ros.simulation.run import simulate
+
+    if output.name != intervals_beside(output).name.replace(".intervals.yaml", output.suffix):
+        raise Refusal(f"-o {output} has no name before its suffix: give one such as my_machine.yaml")
+    figure = output.with_suffix(".png")
+    opened = [Recording(path) for path in recordings]
+    with ExitStack() as files:
+        for file in (output, intervals_beside(output), figure):
+            files.enter_context(replacing("-o", file, force=force))
+        found = calibrated(opened, base=base, settings=settings or (), trust=trust, names=[str(path) for path in recordings])
+        twin = simulate(found.configuration, 0.5 + TWIN_SECONDS).between(0.5)
+        comparison = compared(found.measured, twin, names=("measured", "simulated"))
+        beside = write_calibration(found, output)
+        write_comparison(comparison, figure, title=f"{output.stem}: {recordings[0]} and the calibrated bench", calibration=found)
+    if as_json:
+        print(json.dumps(_described(found) | {"comparison": comparison.as_dict()}, indent=2))
+        return
+    _print(found, quiet=quiet)
+    apart = ", ".join(f"{one.axis} {one.level_distance:.1f} dB" for one in comparison.axes)
+    print(f"{output}: third octaves of a simulation are {apart} from the recording; intervals in {beside}, figure in {figure}")
+
+
+def compare(
+    first: Bag,
+    second: Annotated[Path, typer.Argument(help="The recording that is compared with it.")],
+    output: Annotated[Path | None, typer.Option("-o", "--output", help="New figure: .png, .svg or .pdf.")] = None,
+    as_json: JsonOutput = False,
+    force: Force = False,
+) -> None:
+    """Compare two recordings: levels in third octaves, squared envelope spectra, kurtosis by band and features.
+
+    Example: dcrb compare bags/healthy bags/outer_ring_defect -o difference.png
+    """
+    if output is not None:
+        check_output("-o", output, PICTURES)
+    from dcrb_ros.calibration.comparison import compare as compared
+    from dcrb_ros.plots.comparison import write_comparison
+    from dcrb_ros.recordings.reader import Recording
+
+    comparison = compared(Recording(first), Recording(second), names=(str(first), str(second)))
+    if output is not None:
+        with replacing("-o", output, force=force):
+            write_comparison(comparison, output)
+    if as_json:
+        print(json.dumps(comparison.as_dict(), indent=2))
+        return
+    for one in comparison.axes:
+        envelope = "unknown" if not len(one.orders) else f"{one.envelope_distance:.2f}"
+        print(
+            f"{one.axis}: third octaves {one.level_distance:.1f} dB apart, {one.shape_distance:.1f} dB without the mean; envelope spectra "
+            f"{envelope}; kurtosis by octave {one.kurtosis_distance:.2f}"
+        )
+    for remark in comparison.remarks:
+        print(remark)
+    if output is not None:
+        print(f"figure in {output}")
+
+
+def _described(found: Calibration) -> dict[str, object]:
+    return {
+        "recordings": list(found.recordings),
+        "level": found.level,
+        "estimates": {one.key: {"value": one.value, "low": one.low, "high": one.high, "unit": one.unit} for one in found.estimates},
+        "path": [one.__dict__ for one in found.path],
+        "path_spread_db": found.path_spread,
+        "unidentified": list(found.unidentified),
+    }
+
+
+def _print(found: Calibration, *, quiet: bool) -> None:
+    """Print the estimates, and what could not be identified."""
+    if quiet:
+        return
+    print(f"estimates with intervals of {100.0 * found.level:g} %:")
+    for one in found.estimates:
+        print(f"  {one}")
+    print("not identified:")
+    for sentence in found.unidentified:
+        print(f"  {sentence}")

@@ -1,0 +1,33 @@
+"""`dcrb shards`: WebDataset shards of a data set, and any of them made again from the index."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from dcrb_ros.schema.refusal import Refusal
+
+
+def shards(
+    source: Annotated[Path, typer.Argument(help="Folder of a data set; with --remake the index.json of shards.")],
+    output: Annotated[Path, typer.Option("-o", "--output", help="New folder of the shards; with --remake the new shard.")],
+    runs: Annotated[int, typer.Option(min=1, max=1_000_000, help="Least number of runs in a shard.")] = 100,
+    remake: Annotated[
+        str | None, typer.Option(help="Simulate this shard again from the index alone, such as train-000003.tar, and compare its bytes.")
+    ] = None,
+) -> None:
+    """Pack a data set into WebDataset shards with an index from which every shard can be made again, bit for bit.
+
+    Example: dcrb shards my_data_set -o shards --runs 200
+    """
+    from dcrb_ros.sweep.shards import remake_shard, write_shards
+
+    if remake is None:
+        names = write_shards(source, output, runs)
+        print(f"{output}: {len(names)} shards and their index")
+        return
+    if output.exists():
+        raise Refusal(f"-o {output} exists: give a new file")
+    print(f"{output}: made again with the SHA-256 {remake_shard(source, remake, output)} of the index")

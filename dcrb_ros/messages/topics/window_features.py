@@ -1,0 +1,48 @@
+"""Features of windows of a second, as `dcrb_ros.extract_features` computes them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from dcrb_ros.bearing.kinematics import characteristic_orders
+from dcrb_ros.messages.cdr import JOINT_STATE
+from dcrb_ros.messages.joints import decode_joints, encode_joints
+from dcrb_ros.messages.topic import Encoded, SimulatedTopic, Source
+from dcrb_ros.schema.simulated_time import nanoseconds
+from dcrb_ros.settings.configuration import Configuration
+from dcrb_ros.stream.block import Block
+
+
+def _enabled(configuration: Configuration) -> bool:
+    return configuration.publishing.features
+
+
+def _begin(source: Source) -> Callable[[Block, Source], Encoded]:
+    """Return the encoder of a run, which keeps the samples of the present window."""
+    from dcrb_ros.features.extraction import FeatureExtractor  # scipy is for those who publish features
+
+    rate, empty = source.configuration.sensor.sampling_rate, np.zeros(0)
+    extractor = FeatureExtractor(characteristic_orders(source.configuration.bearing), rate)
+
+    def encode(block: Block, source: Source) -> Encoded:
+        if block.lost:
+            return
+        table = extractor.update(block.index, block.acceleration, block.shaft_angle)
+        for end, values in zip(table.time, table.values, strict=True):
+            end_ns = nanoseconds(round(end * rate), rate)
+            yield end_ns, encode_joints(end_ns, extractor.names, values, empty, empty, source.frame)
+
+    return encode
+
+
+WINDOW_FEATURES = SimulatedTopic(
+    "outer_ring/window_features",
+    JOINT_STATE,
+    "the features of `dcrb_ros.extract_features` in `position`, of a window of a second every half second, stamped with its end; NaN where "
+    "the shaft turns too little; off by default (`publishing.features`)",
+    decode=decode_joints,
+    begin=_begin,
+    enabled=_enabled,
+)

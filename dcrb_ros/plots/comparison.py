@@ -1,0 +1,109 @@
+"""Two recordings side by side: third octaves, squared envelope spectra, kurtosis by octave, and what is left between them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from dcrb_ros.plots.style import AXES_COLOURS, labelled, legend_above
+from dcrb_ros.schema.refusal import Refusal
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from dcrb_ros.calibration.calibration import Calibration
+    from dcrb_ros.calibration.comparison import AxisComparison, Comparison
+
+DASHED = (0.0, (4.0, 2.0))
+
+
+def write_comparison(comparison: Comparison, file: Path, *, title: str = "", calibration: Calibration | None = None) -> None:
+    """Write the figure of a comparison; with a calibration its last row is the residual of the fit in narrow bins.
+
+    Raises:
+        Refusal: the file cannot be written.
+    """
+    figure = Figure(figsize=(12.0, 9.0), dpi=110, layout="constrained")
+    (levels, envelope), (kurtosis, residual) = figure.subplots(2, 2)
+    _levels(levels, comparison)
+    _envelope(envelope, comparison.axes[-1], comparison.names)
+    _kurtosis(kurtosis, comparison)
+    if calibration is None:
+        _difference(residual, comparison.axes, comparison.names)
+    else:
+        _residual(residual, calibration)
+    figure.suptitle(title or f"{comparison.names[0]} and {comparison.names[1]}", fontsize="large", parse_math=False)
+    try:
+        figure.savefig(file)
+    except OSError as error:
+        raise Refusal(f"{file} cannot be written: {error.strerror}; give another file") from None
+
+
+def _levels(ax: Axes, comparison: Comparison) -> None:
+    for one in comparison.axes:
+        for name, values, style in zip(comparison.names, one.levels, ("solid", DASHED), strict=True):
+            ax.semilogx(one.frequency, values, color=AXES_COLOURS[one.axis], linestyle=style, label=f"{one.axis.upper()}, {name}")
+    legend_above(ax)
+    apart = ", ".join(f"{one.axis.upper()} {one.level_distance:.1f} dB" for one in comparison.axes)
+    labelled(ax, "Frequency in Hz", "Level in dB over 1 (m/s²)²", f"Third octaves, {apart} apart")
+
+
+def _envelope(ax: Axes, one: AxisComparison, names: tuple[str, str]) -> None:
+    if not len(one.orders):
+        ax.text(0.5, 0.5, "no speed, no orders", transform=ax.transAxes, ha="center")
+        labelled(ax, "Order", "Amplitude over mean", "Squared envelope spectrum")
+        return
+    for name, values, colour in zip(names, one.envelopes, (AXES_COLOURS["y"], "#D55E00"), strict=True):
+        ax.plot(one.orders, values, color=colour, linewidth=0.8, label=name, alpha=0.85)
+    legend_above(ax)
+    labelled(
+        ax,
+        "Order of the shaft",
+        "Amplitude over mean",
+        f"Squared envelope spectrum of {one.axis.upper()}, {one.envelope_distance:.2f} apart",
+    )
+
+
+def _kurtosis(ax: Axes, comparison: Comparison) -> None:
+    for one in comparison.axes:
+        for name, values, style in zip(comparison.names, one.kurtosis, ("solid", DASHED), strict=True):
+            ax.semilogx(
+                one.octaves,
+                values,
+                color=AXES_COLOURS[one.axis],
+                linestyle=style,
+                marker="o",
+                markersize=4.0,
+                label=f"{one.axis.upper()}, {name}",
+            )
+    ax.axhline(3.0, color="#808080", linewidth=0.8)
+    octaves = comparison.axes[0].octaves
+    ax.set_xticks(octaves, [f"{octave:g}" for octave in octaves])
+    ax.minorticks_off()
+    legend_above(ax)
+    labelled(ax, "Middle of the octave in Hz", "Kurtosis (noise has 3)", "Kurtosis by octave")
+
+
+def _difference(ax: Axes, axes: Sequence[AxisComparison], names: tuple[str, str]) -> None:
+    for one in axes:
+        ax.semilogx(one.frequency, one.difference, color=AXES_COLOURS[one.axis], marker="o", markersize=4.0, label=one.axis.upper())
+    ax.axhline(0.0, color="#808080", linewidth=0.8)
+    legend_above(ax)
+    labelled(ax, "Frequency in Hz", "Difference in dB", f"{names[1]} over {names[0]}")
+
+
+def _residual(ax: Axes, calibration: Calibration) -> None:
+    for axis, frequency, values in calibration.residual:
+        ax.semilogx(frequency, values, color=AXES_COLOURS[axis], linewidth=0.7, label=f"{axis.upper()}: measured over model")
+    for axis in sorted({one.axis for one in calibration.path}):
+        bands = [one for one in calibration.path if one.axis == axis and one.identified]
+        middles, half = np.array([one.frequency for one in bands]), np.array([0.5 * (one.high - one.low) for one in bands])
+        ax.fill_between(middles, -half, half, color=AXES_COLOURS[axis], alpha=0.2, label=f"{axis.upper()}: interval of the path")
+    ax.axhline(0.0, color="#808080", linewidth=0.8)
+    ax.set_ylim(-15.0, 15.0)
+    legend_above(ax)
+    labelled(ax, "Frequency in Hz", "Residual in dB", "Residual of the fit, and the interval of the path in third octaves")

@@ -1,0 +1,67 @@
+"""A sweep around a calibrated machine: its configuration as the base, its intervals as axes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.text.files import checked_path, is_file
+from dcrb_ros.text.yaml import read_yaml
+
+MACHINE, BASE, VARY = "machine", "base", "vary"
+KEPT_BASE = "base.yaml"
+"""Name of the base in the folder of a data set."""
+
+
+def around_machine(tree: Mapping[str, Any], source: str, folder: Path) -> tuple[dict[str, Any], str]:
+    """Return a sweep's tree with the base and the intervals of its ``machine``, and its text without that key.
+
+    Axes of the sweep itself replace intervals of the same parameters. The text takes the base from `KEPT_BASE` beside it, as a data set
+    keeps it.
+
+    Raises:
+        Refusal: a base is given as well, the machine does not exist, or it has no intervals beside it.
+    """
+    name = tree[MACHINE]
+    if BASE in tree:
+        raise Refusal(f"{source}: base = {tree[BASE]!r} and machine = {name!r} are both a configuration for all runs: give one of them")
+    if not isinstance(name, str) or not name:
+        raise Refusal(f"{source}: machine = {name!r} is not a file: give what dcrb calibrate wrote, such as my_machine.yaml")
+    beside, here = checked_path(folder / name), checked_path(name)
+    path = beside if is_file(beside) else here
+    if not is_file(path):
+        raise Refusal(f"{source}: there is no machine {name}: make it from healthy recordings, dcrb calibrate HEALTHY -o {Path(name).name}")
+    own = tree.get(VARY) or {}
+    vary = intervals_of(path) | (dict(flatten_axes(own)) if isinstance(own, Mapping) else {})
+    rest = {key: value for key, value in tree.items() if key != MACHINE}
+    text = f"# The intervals are those of {path.name}.\n" + yaml.safe_dump(rest | {BASE: KEPT_BASE, VARY: vary}, sort_keys=False)
+    return rest | {BASE: str(path), VARY: vary}, text
+
+
+def intervals_of(machine: Path) -> dict[str, Any]:
+    """Return the axes in the file of intervals beside a calibrated configuration, ``my_machine.intervals.yaml`` beside ``my_machine.yaml``.
+
+    Raises:
+        Refusal: there is none, or it has another form.
+    """
+    beside = machine.with_name(f"{machine.stem}.intervals.yaml")
+    tree = read_yaml(beside)
+    found = tree.get(VARY) if isinstance(tree, Mapping) else None
+    if not isinstance(found, Mapping):
+        raise Refusal(f"{beside} has no ranges below '{VARY}': dcrb calibrate writes the intervals of {machine.name} there")
+    return {str(key): axis for key, axis in found.items()}
+
+
+def flatten_axes(tree: Mapping[str, Any], prefix: str = "") -> Mapping[str, Any]:
+    """Return axes by their dotted keys; a range is not taken apart."""
+    flat: dict[str, Any] = {}
+    for name, value in tree.items():
+        if isinstance(value, Mapping) and not {"low", "high"} & set(value):
+            flat.update(flatten_axes(value, f"{prefix}{name}."))
+        else:
+            flat[f"{prefix}{name}"] = value
+    return flat

@@ -1,0 +1,159 @@
+"""WebDataset shards of a data set, and the index from which any of them is made again, bit for bit.
+
+A shard is a tar file with two members per run: ``RUN.npz`` or ``RUN.parquet``, the waveform, and ``RUN.json``, its label. Loaders of
+WebDataset group members by the name before the first dot. Members have no dates and no owners, so that equal runs give equal bytes.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import itertools
+import json
+import tarfile
+import tempfile
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from dcrb_ros.recordings.manifest import model_fingerprint, software
+from dcrb_ros.runtime.version import __version__
+from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.sweep.execution import common_settings, run_task
+from dcrb_ros.sweep.label import DONE
+from dcrb_ros.sweep.lives.plan import plan_of
+from dcrb_ros.sweep.loader import sweep_of
+from dcrb_ros.sweep.plan import Plan, Task
+from dcrb_ros.sweep.store import Store, file_record
+from dcrb_ros.sweep.verification import read_label
+from dcrb_ros.text.json import parsed_json
+from dcrb_ros.text.yaml import read_yaml
+
+INDEX = "index.json"
+RECIPE = ("sweep.yaml", "base.yaml")
+"""Files of a data set from which its plan is made again."""
+SPLITS = ("train", "validation", "test")
+
+
+class Shard(NamedTuple):
+    """Runs that are stored together."""
+
+    name: str
+    """Such as ``train-000003.tar``."""
+    tasks: tuple[Task, ...]
+    """Groups of runs that share a start; a group is in one shard."""
+
+
+def shards(plan: Plan, runs: int) -> Iterator[Shard]:
+    """Yield the shards of a plan: the groups of each split in the order of the plan, at least ``runs`` runs each but the last."""
+    for split in SPLITS:
+        number, kept = 0, list[Task]()
+        for task in itertools.chain(plan.groups(), [()]):
+            if task and task[0].split == split:
+                kept.append(task)
+            if kept and (not task or sum(map(len, kept)) >= runs):
+                yield Shard(f"{split}-{number:06d}.tar", tuple(kept))
+                number, kept = number + 1, []
+
+
+def write_shards(data_set: Path, folder: Path, runs: int) -> list[str]:
+    """Write the shards of a finished data set and their index to a new folder; return the names of the shards.
+
+    Raises:
+        Refusal: the data set is not whole, or has bags; or the folder is not empty.
+    """
+    plan, store = _plan(data_set), Store(str(data_set))
+    if folder.exists() and any(folder.iterdir()):
+        raise Refusal(f"{folder} contains files: give an empty or a new folder")
+    folder.mkdir(parents=True, exist_ok=True)
+    entries = {}
+    for shard in shards(plan, runs):
+        data = packed(store, shard)
+        (folder / shard.name).write_bytes(data)
+        entries[shard.name] = {**file_record(data), "runs": [run.name for task in shard.tasks for run in task]}
+    recipe = {name: (data_set / name).read_text(encoding="utf-8") for name in RECIPE}
+    about = {"dcrb_ros": __version__, "model": model_fingerprint(), "software": software(), "plan": plan.name, "runs_per_shard": runs}
+    (folder / INDEX).write_text(json.dumps({**about, "recipe": recipe, "shards": entries}, indent=1), encoding="utf-8")
+    return list(entries)
+
+
+def remake_shard(index: Path, name: str, target: Path) -> str:
+    """Simulate the runs of one shard of an index again and write it; return its SHA-256.
+
+    Raises:
+        Refusal: the index is damaged or of another version or model, it has no such shard, or the bytes differ from those in the index.
+    """
+    about = _read_index(index)
+    known = about["shards"]
+    if name not in known:
+        raise Refusal(f"{index} has no shard '{name}': it has {len(known)}, such as {next(iter(known), 'none')}")
+    with tempfile.TemporaryDirectory() as scratch:
+        here = Path(scratch)
+        for file, text in about["recipe"].items():
+            (here / Path(file).name).write_text(text, encoding="utf-8")
+        plan, store = _plan(here), Store(str(here / "runs_of_shard"))
+        if plan.name != about["plan"]:
+            raise Refusal(
+                f"{index} was made with dcrb_ros {about['dcrb_ros']} and model {about['model']}, but this is {__version__} with model "
+                f"{model_fingerprint()}: install that version"
+            )
+        shard = next(one for one in shards(plan, int(about["runs_per_shard"])) if one.name == name)
+        for task in shard.tasks:
+            run_task(common_settings(plan.sweep, store), task)
+        data = packed(store, shard)
+    found = hashlib.sha256(data).hexdigest()
+    if found != known[name]["sha256"]:
+        raise Refusal(
+            f"{name} has the SHA-256 {found[:12]}..., not {str(known[name]['sha256'])[:12]}... as in the index: the last bits depend on "
+            f"processor and libraries, which were {about['software']}"
+        )
+    target.write_bytes(data)
+    return found
+
+
+def packed(store: Store, shard: Shard) -> bytes:
+    """Return a shard as the bytes of a tar file; runs that were refused or failed are left out.
+
+    Raises:
+        Refusal: a run has no label or no waveform file.
+    """
+    stream = io.BytesIO()
+    with tarfile.open(fileobj=stream, mode="w", format=tarfile.USTAR_FORMAT) as tar:
+        for run in itertools.chain.from_iterable(shard.tasks):
+            label = read_label(store, run.name)
+            if label is None:
+                raise Refusal(f"{store.address} has no run {run.name}: finish it with dcrb sweep first")
+            if label["status"] != DONE:
+                continue
+            file = str(label["file"])
+            data = (Path(store.address) / file).read_bytes() if (Path(store.address) / file).is_file() else None
+            if data is None:
+                raise Refusal(f"{store.address}: {file} is no waveform file: shards need 'output: npz' or parquet")
+            _add(tar, f"{run.name}{Path(file).suffix}", data)
+            _add(tar, f"{run.name}.json", json.dumps(label, sort_keys=True).encode())
+    return stream.getvalue()
+
+
+def _add(tar: tarfile.TarFile, name: str, data: bytes) -> None:
+    member = tarfile.TarInfo(name)
+    member.size = len(data)
+    tar.addfile(member, io.BytesIO(data))
+
+
+def _plan(folder: Path) -> Plan:
+    """Return the plan of a data set from the sweep file and the base that it keeps."""
+    missing = next((name for name in RECIPE if not (folder / name).is_file()), None)
+    if missing:
+        raise Refusal(f"{folder} has no {missing}, so it is not a data set: give the folder of dcrb sweep")
+    file, base = RECIPE
+    tree = read_yaml(folder / file)
+    if not isinstance(tree, dict):
+        raise Refusal(f"{folder / file} is not a sweep: give the folder of dcrb sweep")
+    return plan_of(sweep_of({**tree, "base": base}, str(folder / file), folder))
+
+
+def _read_index(index: Path) -> Mapping[str, Any]:
+    found = parsed_json(index.read_bytes(), str(index)) if index.is_file() else None
+    if not isinstance(found, dict) or not {"recipe", "shards", "plan", "runs_per_shard"} <= found.keys():
+        raise Refusal(f"{index} is not an index of shards: dcrb shards writes one as {INDEX}")
+    return found

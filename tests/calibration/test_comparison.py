@@ -1,0 +1,64 @@
+"""Distances of two recordings."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from synthetic_bearing import ORDERS, synthetic
+
+from dcrb_ros import Refusal, Waveform, compare
+
+
+def signal(*, gain: float = 1.0, outer: float = 0.0, rate: int = 25600, seed: int = 1, speed: bool = True) -> Waveform:
+    """Return a synthetic recording of 4 s."""
+    acceleration, angle = synthetic(outer=outer, seconds=4.0, rate=rate, seed=seed)
+    return Waveform.from_arrays(gain * acceleration, rate, bearing=ORDERS, shaft_angle=angle if speed else None)
+
+
+def test_a_gain_is_a_difference_of_levels_and_of_nothing_else() -> None:
+    for one in compare(signal(), signal(gain=2.0)).axes:
+        assert one.difference == pytest.approx(20.0 * np.log10(2.0), abs=1e-3)
+        assert one.level_distance == pytest.approx(6.02, abs=0.01)
+        assert one.shape_distance == pytest.approx(0.0, abs=1e-3)
+        assert one.envelope_distance == pytest.approx(0.0, abs=1e-5)
+        assert one.kurtosis_distance == pytest.approx(0.0, abs=1e-6)
+
+
+def test_a_defect_is_far_in_envelope_and_kurtosis() -> None:
+    other, faulty = compare(signal(), signal(seed=2)).axes[1], compare(signal(), signal(outer=60.0)).axes[1]
+    assert faulty.envelope_distance > 1.5 * other.envelope_distance
+    assert faulty.kurtosis_distance > 5.0 * other.kurtosis_distance
+    found = compare(signal(), signal(outer=60.0)).features["y_wide_BPFO_depth"]
+    assert found[1] > 5.0 * found[0]
+
+
+def test_other_rates_are_compared_in_the_bands_of_both() -> None:
+    found = compare(signal(), signal(rate=12800))
+    assert found.axes[0].frequency[-1] < 6400.0
+    assert any("12800 and 25600 Hz" in remark for remark in found.remarks)
+
+
+def test_without_a_speed_levels_and_kurtosis_are_compared() -> None:
+    found = compare(signal(speed=False), signal())
+    assert np.isnan(found.axes[0].envelope_distance)
+    assert found.features == {}
+    assert found.as_dict()["axes"]["x"]["envelope_distance"] is None
+    assert any("no speed" in remark for remark in found.remarks)
+
+
+def test_one_axis_is_compared_with_y() -> None:
+    whole = signal()
+    single = Waveform.from_arrays(whole.acceleration[:, 1], 25600, bearing=ORDERS, shaft_angle=whole.shaft_angle)
+    found = compare(single, whole)
+    assert [one.axis for one in found.axes] == ["y"]
+    assert found.axes[0].level_distance == pytest.approx(0.0, abs=1e-9)
+
+
+def test_recordings_that_cannot_be_compared_are_refused() -> None:
+    noise = np.random.default_rng(1).standard_normal(5000)
+    with pytest.raises(Refusal, match=r"A is too short to be compared: 0.195 s"):
+        compare(Waveform.from_arrays(noise, 25600), signal())
+    with pytest.raises(Refusal, match="B is empty: an axis is constant"):
+        compare(signal(), Waveform.from_arrays(np.ones(25600), 25600))
+    with pytest.raises(Refusal, match="B is not a recording"):
+        compare(signal(), "recording")  # type: ignore[arg-type]

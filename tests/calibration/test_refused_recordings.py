@@ -1,0 +1,122 @@
+"""Recordings from which no machine can be calibrated are refused with a sentence that says why."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.signal import lfilter
+from synthetic_bearing import ORDERS, synthetic
+
+from dcrb_ros import Orders, Refusal, Waveform, calibrate
+from dcrb_ros.calibration.measured import check_one_machine, measured_of
+
+RATE = 25600
+
+
+def recorded(seconds: float = 3.0, rate: int = RATE, *, seed: int = 1, orders: Orders = ORDERS) -> Waveform:
+    """Return noise at 20 Hz of the shaft, coloured by a path: white noise would be that of a dead sensor."""
+    noise = lfilter([1.0], [1.0, -0.8], np.random.default_rng(seed).standard_normal((round(seconds * rate), 2)), axis=0)
+    return Waveform.from_arrays(noise, rate, bearing=orders, shaft_angle=2.0 * np.pi * 20.0 * np.arange(len(noise)) / rate)
+
+
+def test_a_sound_recording_is_accepted() -> None:
+    found = measured_of(recorded(), "sound")
+    assert (found.axes, found.rate, found.unit) == (("x", "y"), RATE, "m/s^2")
+    assert found.speed == pytest.approx(2.0 * np.pi * 20.0, rel=1e-6)
+
+
+@pytest.mark.parametrize(("seconds", "rate"), [(1.5, RATE), (0.01, RATE)])
+def test_a_short_recording(seconds: float, rate: int) -> None:
+    with pytest.raises(Refusal, match=r"short is too short: .* needs 2 s and 20 turns"):
+        measured_of(recorded(seconds, rate), "short")
+
+
+def test_a_recording_of_few_turns() -> None:
+    noise = np.random.default_rng(1).standard_normal((4 * RATE, 2))
+    slow = Waveform.from_arrays(noise, RATE, bearing=ORDERS, shaft_angle=2.0 * np.pi * np.arange(len(noise)) / RATE)
+    with pytest.raises(Refusal, match="4 turns of the shaft"):
+        measured_of(slow, "slow")
+
+
+def test_an_empty_recording() -> None:
+    with pytest.raises(Refusal, match="empty: every sample is 0"):
+        measured_of(Waveform.from_arrays(np.zeros((RATE * 3, 2)), RATE, bearing=ORDERS, shaft_angle=np.arange(RATE * 3) * 0.005), "zeros")
+    with pytest.raises(Refusal, match="no recording is given"):
+        check_one_machine([])
+
+
+def test_a_recording_with_samples_that_are_not_numbers() -> None:
+    noise = recorded().acceleration.copy()
+    noise[100, 0] = np.nan
+    broken = Waveform.from_arrays(noise, RATE, bearing=ORDERS, shaft_angle=recorded().shaft_angle)
+    with pytest.raises(Refusal, match="not numbers"):
+        measured_of(broken, "broken")
+
+
+def test_a_recording_without_speed() -> None:
+    with pytest.raises(Refusal, match="has no speed: import it with speed_rpm"):
+        measured_of(Waveform.from_arrays(recorded().acceleration, RATE, bearing=ORDERS), "blind")
+
+
+def test_a_recording_of_an_unknown_bearing() -> None:
+    with pytest.raises(Refusal, match="unknown bearing"):
+        measured_of(Waveform.from_arrays(recorded().acceleration, RATE, shaft_angle=recorded().shaft_angle), "nameless")
+
+
+def test_a_recording_at_a_varying_speed() -> None:
+    time = np.arange(4 * RATE) / RATE
+    noise = np.random.default_rng(1).standard_normal((len(time), 2))
+    rising = Waveform.from_arrays(noise, RATE, bearing=ORDERS, shaft_angle=2.0 * np.pi * (20.0 * time + 1.0 * time**2))
+    with pytest.raises(Refusal, match=r"speed between 1\d\d\d and 1\d\d\d rpm: a calibration needs a steady one"):
+        measured_of(rising, "rising")
+
+
+def test_a_clipped_recording() -> None:
+    impulsive = np.random.default_rng(1).standard_normal((3 * RATE, 2)) ** 3
+    clipped = Waveform.from_arrays(np.clip(impulsive, -6.0, 6.0), RATE, bearing=ORDERS, shaft_angle=recorded().shaft_angle)
+    with pytest.raises(Refusal, match=r"is clipped: \d+ samples are at -?6 m/s\^2; record with a larger range"):
+        measured_of(clipped, "clipped")
+
+
+def test_a_faulty_bearing_given_as_healthy_is_noticed_unless_it_is_trusted() -> None:
+    acceleration, angle = synthetic(outer=60.0, seconds=4.0)
+    faulty = Waveform.from_arrays(acceleration, 51200, bearing=ORDERS, shaft_angle=angle)
+    with pytest.raises(Refusal, match=r"does not seem healthy: the detector finds outer_ring .*--trust"):
+        calibrate(faulty)
+    assert measured_of(faulty, "faulty", trust=True).seconds == pytest.approx(4.0)
+
+
+def test_recordings_at_different_rates() -> None:
+    two = [measured_of(recorded(), "one"), measured_of(recorded(3.0, 12800), "two")]
+    with pytest.raises(Refusal, match="one and two have sampling rates of 25600 and 12800 Hz"):
+        check_one_machine(two)
+
+
+def test_recordings_of_different_machines() -> None:
+    other = Orders(ORDERS.ftf, ORDERS.bpfo * 1.1, ORDERS.bpfi, ORDERS.bsf)
+    two = [measured_of(recorded(), "one"), measured_of(recorded(orders=other), "two")]
+    with pytest.raises(Refusal, match="one and two are of different machines: BPFO is"):
+        check_one_machine(two)
+
+
+def test_recordings_with_different_axes() -> None:
+    single = Waveform.from_arrays(recorded().acceleration[:, 0], RATE, bearing=ORDERS, shaft_angle=recorded().shaft_angle)
+    two = [measured_of(recorded(), "one"), measured_of(single, "two")]
+    with pytest.raises(Refusal, match="have 2 and 1 axes"):
+        check_one_machine(two)
+
+
+def test_a_base_with_another_bearing() -> None:
+    other = Orders(ORDERS.ftf, ORDERS.bpfo * 1.1, ORDERS.bpfi * 1.1, ORDERS.bsf)
+    with pytest.raises(Refusal, match="has another bearing than its bench: its BPFO is"):
+        calibrate(recorded(orders=other), base="healthy", trust=True)
+
+
+def test_names_for_some_recordings_only() -> None:
+    with pytest.raises(Refusal, match="2 names are given for 1 recordings"):
+        calibrate(recorded(), names=["one", "two"])
+
+
+def test_something_that_is_no_recording() -> None:
+    with pytest.raises(Refusal, match="recording 1 is not a recording"):
+        calibrate([3.0])  # type: ignore[list-item]

@@ -1,0 +1,74 @@
+"""The example that estimates remaining lives."""
+
+from __future__ import annotations
+
+import importlib.util
+from pathlib import Path
+from types import ModuleType
+
+import numpy as np
+import pandas as pd
+import pytest
+
+pytest.importorskip("matplotlib")
+
+EXAMPLE = Path(__file__).parents[3] / "examples" / "remaining_life.py"
+
+
+@pytest.fixture(scope="module")
+def example() -> ModuleType:
+    description = importlib.util.spec_from_file_location("remaining_life_example", EXAMPLE)
+    assert description is not None
+    assert description.loader is not None
+    module = importlib.util.module_from_spec(description)
+    description.loader.exec_module(module)
+    return module
+
+
+def bearing(failure: float, seed: int, name: str) -> pd.DataFrame:
+    """Return a bearing whose severity is 1, and grows hyperbolically to 20 in its last 2000 hours."""
+    hours = np.append(np.arange(0.0, failure, 200.0), failure)
+    left = np.clip(failure - hours, 0.0, 2000.0) / 2000.0
+    level = 1.0 / (0.05 + 0.95 * left) * np.exp(0.01 * np.random.default_rng(seed).standard_normal(len(hours)))
+    return pd.DataFrame({"bearing_id": name, "hours": hours, "severity": level, "remaining_life": failure - hours})
+
+
+def test_no_estimate_uses_later_inspections(example: ModuleType) -> None:
+    whole = bearing(4300.0, 1, "a")
+    changed = whole.assign(severity=whole["severity"].where(whole["hours"] < 3500.0, 1.0))
+    found, same = (example.estimates(rows, 20.0, 0.0) for rows in (whole, changed))
+    early = found["hours"] < 3500.0
+    assert early.sum() >= 2
+    assert found[early].equals(same[same["hours"] < 3500.0])
+
+
+def test_a_trend_of_the_assumed_form_is_extrapolated_to_its_end(example: ModuleType) -> None:
+    found = example.estimates(bearing(4300.0, 2, "a"), 20.0, 0.0)
+    assert np.allclose(found["median"], found["true"], atol=100.0)
+
+
+def test_a_trend_begins_at_the_first_of_two_high_inspections(example: ModuleType) -> None:
+    assert example.begin(np.array([1.0, 1.0, 1.2, 1.0, 1.0, 1.0, 1.2, 1.3, 1.4])) == 6
+    assert example.begin(np.ones(9)) == 9
+
+
+def test_the_script_prints_the_scores_and_draws_its_figures(
+    example: ModuleType, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "set").mkdir()
+    tables = []
+    for number, split in enumerate(("train", "train", "test", "test")):
+        rows = bearing(4000.0 + 300.0 * number, number, f"bearing{number}")
+        rows["file"] = [f"{number}-{place}.npz" for place in range(len(rows))]
+        for file, severity in zip(rows["file"], rows["severity"], strict=True):
+            np.savez(tmp_path / "set" / file, ay=severity * np.array([-1.0, 1.0]))
+        tables.append(rows.assign(split=split, censored=False, damage=np.where(rows["remaining_life"] < 2000.0, 0.001, 0.0)))
+    pd.concat(tables).to_parquet(tmp_path / "set" / "labels.parquet")
+    monkeypatch.chdir(tmp_path)
+    example.main(tmp_path / "set")
+    printed = capsys.readouterr().out
+    assert "from 2 failures of training bearings" in printed
+    assert "bearing2: " in printed
+    assert "bearing3: " in printed
+    assert (tmp_path / "severity.png").stat().st_size > 1000
+    assert (tmp_path / "remaining-life.png").stat().st_size > 1000

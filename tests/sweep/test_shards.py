@@ -1,0 +1,119 @@
+"""Shards come out of their index bit for bit."""
+
+from __future__ import annotations
+
+import io
+import json
+import tarfile
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.sweep.data_set import open_data_set
+from dcrb_ros.sweep.execution import run_task
+from dcrb_ros.sweep.loader import sweep_of
+from dcrb_ros.sweep.plan import Plan
+from dcrb_ros.sweep.shards import INDEX, remake_shard, shards, write_shards
+from dcrb_ros.sweep.store import Store
+
+TREE: dict[str, Any] = {
+    "base": "dry",
+    "set": {"cage.joint": "revolute"},
+    "design": "random",
+    "points": 5,
+    "vary": {"operating.speed": {"low": 90.0, "high": 160.0}},
+    "cases": {"healthy": {}, "outer": {"faults.outer_1.width": {"low": 0.001, "high": 0.002}}},
+    "duration": 0.02,
+}
+
+
+class Here:
+    """A worker in this process."""
+
+    count = 1
+
+    def dispatched(self, common: Any, tasks: Any) -> Any:
+        for task in tasks:
+            yield task, run_task(common, task)
+
+
+@pytest.fixture(scope="module")
+def data_set(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return a small data set."""
+    folder = tmp_path_factory.mktemp("data") / "set"
+    import yaml
+
+    with open_data_set(Plan(sweep_of(TREE, "sweep.yaml", text=yaml.safe_dump(TREE))), Store(str(folder))) as made:
+        made.make(Here(), lambda _: None)  # type: ignore[arg-type]
+    return folder
+
+
+def test_every_run_is_in_one_shard_of_its_split(data_set: Path, tmp_path: Path) -> None:
+    write_shards(data_set, tmp_path / "shards", 3)
+    index = json.loads((tmp_path / "shards" / INDEX).read_text())
+    held = [run for shard in index["shards"].values() for run in shard["runs"]]
+    assert sorted(held) == sorted(path.stem for path in (data_set / "runs").iterdir())
+    for name, shard in index["shards"].items():
+        labels = [json.loads((data_set / "labels" / f"{run}.json").read_text()) for run in shard["runs"]]
+        assert {label["split"] for label in labels} == {name.rpartition("-")[0]}
+
+
+def test_a_member_is_the_waveform_and_its_label(data_set: Path, tmp_path: Path) -> None:
+    name = write_shards(data_set, tmp_path / "shards", 3)[0]
+    with tarfile.open(tmp_path / "shards" / name) as tar:
+        members = tar.getnames()
+        run = members[0].partition(".")[0]
+        assert members[:2] == [f"{run}.npz", f"{run}.json"]
+        stored, label = (tar.extractfile(member) for member in members[:2])
+        assert stored is not None
+        assert label is not None
+        with np.load(io.BytesIO(stored.read())) as content, np.load(data_set / "runs" / f"{run}.npz") as original:
+            assert np.array_equal(content["ay"], original["ay"])
+        assert json.loads(label.read())["run"] == run
+
+
+def test_a_shard_is_made_again_from_the_index_alone(data_set: Path, tmp_path: Path) -> None:
+    names = write_shards(data_set, tmp_path / "shards", 3)
+    index = tmp_path / "elsewhere" / INDEX
+    index.parent.mkdir()
+    index.write_bytes((tmp_path / "shards" / INDEX).read_bytes())
+    for name in names[:2]:
+        remake_shard(index, name, tmp_path / name)
+        assert (tmp_path / name).read_bytes() == (tmp_path / "shards" / name).read_bytes()
+
+
+def test_other_bytes_and_other_versions_are_refused(data_set: Path, tmp_path: Path) -> None:
+    name = write_shards(data_set, tmp_path / "shards", 3)[0]
+    index = tmp_path / "shards" / INDEX
+    about = json.loads(index.read_text())
+    with pytest.raises(Refusal, match=r"has no shard 'train-000099\.tar'"):
+        remake_shard(index, "train-000099.tar", tmp_path / "a.tar")
+    about["shards"][name]["sha256"] = "0" * 64
+    index.write_text(json.dumps(about))
+    with pytest.raises(Refusal, match="as in the index"):
+        remake_shard(index, name, tmp_path / "a.tar")
+    about["plan"] = "another"
+    index.write_text(json.dumps(about))
+    with pytest.raises(Refusal, match="install that version"):
+        remake_shard(index, name, tmp_path / "a.tar")
+    assert not (tmp_path / "a.tar").exists()
+
+
+def test_a_missing_run_and_a_full_folder_are_refused(data_set: Path, tmp_path: Path) -> None:
+    write_shards(data_set, tmp_path / "shards", 3)
+    with pytest.raises(Refusal, match="an empty or a new folder"):
+        write_shards(data_set, tmp_path / "shards", 3)
+    with pytest.raises(Refusal, match=r"has no sweep\.yaml"):
+        write_shards(tmp_path, tmp_path / "more", 3)
+
+
+def test_shards_have_at_least_their_runs(data_set: Path) -> None:
+    plan = Plan(sweep_of({**TREE, "points": 40}, "sweep.yaml"))
+    sizes = [(shard.name, sum(map(len, shard.tasks))) for shard in shards(plan, 7)]
+    for split in ("train", "validation", "test"):
+        own = [size for name, size in sizes if name.startswith(split)]
+        assert all(size == 8 for size in own[:-1])  # pairs of a healthy and a faulty run
+    assert sum(size for _, size in sizes) == 80
