@@ -32,7 +32,7 @@ def sensor_text(configuration: Configuration) -> str:
         "range": configuration.sensor.range,
         "block_size": configuration.publishing.block_size,
         "frame": configuration.publishing.frame,
-        "bearing": configuration.bearing.model_dump(),
+        "bearing": {key: value for key, value in configuration.bearing.model_dump().items() if key != "contact_angle" or value},
         "orders": orders.as_dict(),
         "first_sample_index": "round(stamp * sampling_rate); sample k is taken at k / sampling_rate of simulated time",
     }

@@ -64,7 +64,10 @@ MIXED = report(
 )
 
 
-def test_scenarios_graded_by_another_parameter_are_reported_over_it_and_not_over_their_width(tmp_path: Path) -> None:
+def test_scenarios_graded_by_another_parameter_are_reported_over_it_and_not_over_their_width(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COLUMNS", "200")
     key = "background.track_level"
     graded = report(
         result("cage", "cage", 1.0, grade=(key, 1.0)),

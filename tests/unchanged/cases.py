@@ -171,10 +171,14 @@ def run_scenario(folder: Path) -> dict[str, str]:
 
 
 def marks(report: Mapping[str, Any]) -> dict[str, Any]:
-    """Return what an exam's report decides: the answers and the confusion; delays and scores belong to the detector, which has changed."""
+    """Return what an exam's report decides: the answers and the confusion; delays and scores belong to the detector, which has changed.
+
+    Verdicts that nobody gave are left out of the confusion, so that a further verdict changes nothing.
+    """
     decided = ("name", "verdict", "answer", "passed")
     scenarios = [{key: scenario[key] for key in decided} for scenario in report["scenarios"]]
-    return {"passed": report["passed"], "confusion": report["confusion"], "scenarios": scenarios}
+    confusion = {right: {answer: count for answer, count in row.items() if count} for right, row in report["confusion"].items()}
+    return {"passed": report["passed"], "confusion": confusion, "scenarios": scenarios}
 
 
 def verdicts(report: Mapping[str, Any]) -> dict[str, Any]:

@@ -88,7 +88,7 @@ def test_the_material_adds_its_hysteresis() -> None:
 
 def test_the_page_shows_the_resistances() -> None:
     film, oil_of = inner_film(), oil()
-    cooling = inlet_cooling(oil_of.heating * speeds()[0] ** 2)
+    cooling = inlet_cooling(oil_of.inner.heating * speeds()[0] ** 2)
     for kilonewtons, *_, printed in rows_of(PAGE, "Traction"):
         force = float(kilonewtons) * 1e3
         assert flooded_resistance(film.resistance, force * film.by_force) / cooling == pytest.approx(float(printed), abs=half_unit(printed))
