@@ -324,7 +324,7 @@ CUSTOM_OIL = (*FILM, "lubrication.lubricant=custom")
             r"temperature = -40 deg C .* a viscosity of 545 Pa s, outside 0.001 \.\. 100 Pa s: raise",
         ),
         (
-            (*FILM, "lubrication.law=film_with_cages", "lubrication.temperature=-25.0"),
+            ("lubrication.law=film_with_cages", "lubrication.temperature=-25.0"),
             r"temperature = -25 deg C .* a viscosity of 37.6 Pa s, outside 0.001 \.\. 30 Pa s: raise",
         ),
         (
