@@ -11,7 +11,7 @@ from dcrb_ros.core.laws.lubricants import LAYERS, lubricant_of
 from dcrb_ros.core.laws.site import Material
 from dcrb_ros.core.laws.viscosity import COLDEST, HOTTEST, Lubricant, dynamic_viscosity
 from dcrb_ros.settings.configuration import Configuration
-from dcrb_ros.settings.oil_limits import MOST_VISCOSITY
+from dcrb_ros.settings.oil_limits import most_viscosity
 
 LAST_LAYER = 0.02e-6
 """Layer of a bearing that has lost all lubricant [m] (a choice)."""
@@ -22,20 +22,21 @@ SMEARING = 0.016
 
 
 @functools.lru_cache(maxsize=64)
-def coldest_flow(lubricant: Lubricant) -> float:
-    """Return the lowest temperature at which a lubricant flows into the contacts [deg C], within the range of the formulas."""
+def coldest_flow(lubricant: Lubricant, law: str) -> float:
+    """Return the lowest temperature at which a law of lubrication takes a lubricant [deg C], within the range of the formulas."""
     low, high = COLDEST, HOTTEST
-    if dynamic_viscosity(lubricant, low) <= MOST_VISCOSITY:
+    most = most_viscosity(law)
+    if dynamic_viscosity(lubricant, low) <= most:
         return low
     for _ in range(50):
         middle = 0.5 * (low + high)
-        low, high = (middle, high) if dynamic_viscosity(lubricant, middle) > MOST_VISCOSITY else (low, middle)
+        low, high = (middle, high) if dynamic_viscosity(lubricant, middle) > most else (low, middle)
     return high
 
 
-def held(lubricant: Lubricant, temperature: float) -> float:
-    """Return a temperature within the range of the formulas for a lubricant [deg C]."""
-    return min(max(temperature, coldest_flow(lubricant)), HOTTEST)
+def held(lubricant: Lubricant, law: str, temperature: float) -> float:
+    """Return a temperature within the range of the formulas for a lubricant and a law of lubrication [deg C]."""
+    return min(max(temperature, coldest_flow(lubricant, law)), HOTTEST)
 
 
 def remaining(configuration: Configuration, loss: float) -> dict[str, Any]:
@@ -67,8 +68,8 @@ def lubrication_at(configuration: Configuration, material: Material, loss: float
     law, values = LUBRICATION_LAWS[configuration.lubrication.law], remaining(configuration, loss)
     if law.warmed is None:
         return law.build(values, material)
-    lubricant = lubricant_of(values)
-    return law.warmed(values, material, held(lubricant, inner), held(lubricant, outer))
+    lubricant, name = lubricant_of(values), configuration.lubrication.law
+    return law.warmed(values, material, held(lubricant, name, inner), held(lubricant, name, outer))
 
 
 def cage_friction_of(configuration: Configuration, material: Material, loss: float) -> lugre.LuGre:

@@ -16,10 +16,18 @@ if TYPE_CHECKING:
 
 MOST_VISCOSITY = 100.0
 """Viscosity above which an oil does not flow into the contacts [Pa s]: a mineral oil is at its pour point."""
+STIFFEST = {"film_with_cages": 30.0}
+"""Lower limits of single laws [Pa s]: at 64 Pa s the squeeze film of the lands is so stiff that the fixed point of a time step diverges,
+at 38 it does not."""
 LEAST_EXPONENT, MOST_EXPONENT = 0.2, 1.1
 """Range of Roelands' exponent Z [-]; lubricants have 0.3 to 0.9."""
 CUSTOM = ("viscosity_40", "viscosity_100", "density", "pressure_coefficient")
 """Parameters of ``lubrication`` that describe a custom lubricant."""
+
+
+def most_viscosity(law: str) -> float:
+    """Return the largest viscosity that a law of lubrication takes [Pa s]."""
+    return STIFFEST.get(law, MOST_VISCOSITY)
 
 
 def oil_limits(c: Configuration, material: Material) -> Iterator[str]:
@@ -56,12 +64,13 @@ def _lubricant(c: Configuration) -> Iterator[str]:
 def _state_of_oil(c: Configuration) -> Iterator[str]:
     lubricant, temperature = lubricant_of(dict(c.lubrication)), c.lubrication.temperature
     viscosity = dynamic_viscosity(lubricant, temperature)
-    if not LEAST_VISCOSITY < viscosity <= MOST_VISCOSITY:
+    most = most_viscosity(c.lubrication.law)
+    if not LEAST_VISCOSITY < viscosity <= most:
         remedy = "raise the temperature, or take a thinner oil" if viscosity > 1.0 else "lower the temperature, or take a thicker oil"
         at_most = "at most " if viscosity <= LEAST_VISCOSITY else ""
         yield (
             f"lubrication.temperature = {temperature:g} deg C gives lubricant {c.lubrication.lubricant!r} a viscosity of {at_most}"
-            f"{viscosity:.3g} Pa s, outside {LEAST_VISCOSITY:g} .. {MOST_VISCOSITY:g} Pa s: {remedy}"
+            f"{viscosity:.3g} Pa s, outside {LEAST_VISCOSITY:g} .. {most:g} Pa s: {remedy}"
         )
         return
     exponent = roelands_exponent(viscosity, pressure_coefficient(lubricant, temperature))

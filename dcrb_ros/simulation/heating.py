@@ -273,11 +273,11 @@ class Heating:
             return oil_state(self.loss, c.lubrication.temperature, c.lubrication.temperature)
         rows = [self._steady.inlets(self.temperatures, row) for row in range(self._network.rows)]
         inner, outer = (sum(row[number] for row in rows) / len(rows) for number in (0, 1))
-        lubricant = lubricant_of(dict(c.lubrication))
-        return oil_state(self.loss, held(lubricant, inner), held(lubricant, outer))
+        lubricant, law = lubricant_of(dict(c.lubrication)), c.lubrication.law
+        return oil_state(self.loss, held(lubricant, law, inner), held(lubricant, law, outer))
 
     def _count_clamped(self, c: Configuration) -> None:
         """Count a tick at which the oil of a row is beyond the range of its formulas."""
         lubricant = lubricant_of(dict(c.lubrication))
         inlets = [one for row in range(self._network.rows) for one in self._steady.inlets(self.temperatures, row)]
-        self.clamped += any(held(lubricant, one) != one for one in inlets)
+        self.clamped += any(held(lubricant, c.lubrication.law, one) != one for one in inlets)

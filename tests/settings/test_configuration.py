@@ -324,6 +324,10 @@ CUSTOM_OIL = (*FILM, "lubrication.lubricant=custom")
             r"temperature = -40 deg C .* a viscosity of 545 Pa s, outside 0.001 \.\. 100 Pa s: raise",
         ),
         (
+            ("lubrication.law=film_with_cages", "lubrication.temperature=-25.0"),
+            r"temperature = -25 deg C .* a viscosity of 37.6 Pa s, outside 0.001 \.\. 30 Pa s: raise",
+        ),
+        (
             (*CUSTOM_OIL, "lubrication.viscosity_40=10.0", "lubrication.viscosity_100=2.5", "lubrication.temperature=250.0"),
             r"temperature = 250 deg C .* a viscosity of at most 0\.001 Pa s, .* lower the temperature",
         ),

@@ -177,14 +177,15 @@ def test_sensors_read_once_a_second_with_noise_and_resolution() -> None:
         assert abs(reading.ambient - 20.0) < 1.5
 
 
-def test_cold_oil_is_held_at_the_temperature_at_which_it_flows_and_counted() -> None:
+@pytest.mark.parametrize("law", ["film", "film_with_cages"])
+def test_cold_oil_is_held_at_the_temperature_at_which_it_flows_and_counted(law: str) -> None:
     c = load_configuration(
         "healthy",
         WARM
         | {
             "thermal.start": "cold",
             "thermal.ambient": -40.0,
-            "lubrication.law": "film",
+            "lubrication.law": law,
             "lubrication.lubricant": "vg220",
             "lubrication.layer": 2e-6,
         },
