@@ -12,7 +12,6 @@ from dcrb_ros.calibration.calibration import Calibration
 from dcrb_ros.calibration.estimate import Estimate
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.files import to_described_yaml
-from dcrb_ros.text.yaml import read_yaml
 
 SUFFIX = ".intervals.yaml"
 SIGNIFICANT = 6
@@ -81,23 +80,6 @@ def vary(calibration: Calibration) -> dict[str, dict[str, float | int | str]]:
 def _axis(one: Estimate) -> dict[str, float | int | str]:
     axis: dict[str, float | int | str] = {"low": _short(one.low), "high": _short(one.high)}
     return axis | ({"scale": "log"} if one.log and one.low > 0.0 else {})
-
-
-def read_vary(file: Path) -> dict[str, dict[str, Any]]:
-    """Return the section ``vary`` of the intervals beside a calibrated configuration.
-
-    Args:
-        file: the configuration, or the file of its intervals.
-
-    Raises:
-        Refusal: there are none, or the file has another form.
-    """
-    beside = file if file.name.endswith(SUFFIX) else intervals_beside(file)
-    tree = read_yaml(beside)
-    found = tree.get("vary") if isinstance(tree, dict) else None
-    if not isinstance(found, dict) or not all(isinstance(axis, dict) and {"low", "high"} <= axis.keys() for axis in found.values()):
-        raise Refusal(f"{beside} is not a file of intervals: dcrb calibrate writes one beside its configuration")
-    return {str(key): dict(axis) for key, axis in found.items()}
 
 
 def _short(value: float) -> float:

@@ -50,17 +50,13 @@ class Delay:
     """Median delay in shaft revolutions [-]."""
 
 
-@dataclass(frozen=True)
-class Detection:
-    """Detections of defects of one kind and width."""
+class Detected:
+    """How many of some scenarios with a fault were detected."""
 
-    verdict: str
-    width: float
-    """Width [m]."""
     found: int
-    """Scenarios in which the defect was detected [-]."""
+    """Scenarios in which the fault was detected [-]."""
     scenarios: int
-    """Scenarios with the defect [-]."""
+    """Scenarios with the fault [-]."""
 
     @property
     def probability(self) -> Interval:
@@ -69,7 +65,18 @@ class Detection:
 
 
 @dataclass(frozen=True)
-class GradedDetection:
+class Detection(Detected):
+    """Detections of defects of one kind and width."""
+
+    verdict: str
+    width: float
+    """Width [m]."""
+    found: int
+    scenarios: int
+
+
+@dataclass(frozen=True)
+class GradedDetection(Detected):
     """Detections of faults that are graded by another parameter than their width."""
 
     verdict: str
@@ -78,14 +85,7 @@ class GradedDetection:
     value: float
     """Its value, in the unit of the parameter."""
     found: int
-    """Scenarios in which the fault was detected [-]."""
     scenarios: int
-    """Scenarios with this value [-]."""
-
-    @property
-    def probability(self) -> Interval:
-        """Probability of detection with its confidence interval."""
-        return share(self.found, self.scenarios)
 
 
 @dataclass(frozen=True)

@@ -10,9 +10,9 @@ import pytest
 from typer.testing import CliRunner
 
 import dcrb_ros
-from dcrb_ros.calibration.files import intervals_beside, read_vary
 from dcrb_ros.cli.app import app
 from dcrb_ros.settings.files import load_configuration
+from dcrb_ros.sweep.machine import intervals_of
 
 
 @pytest.fixture(scope="module")
@@ -50,8 +50,7 @@ def test_the_configuration_is_valid_and_has_the_rate_and_the_path_of_the_machine
 
 
 def test_the_intervals_are_axes_of_a_sweep_that_the_configuration_accepts(machine: Path) -> None:
-    axes = read_vary(machine / "mine.yaml")
-    assert axes == read_vary(intervals_beside(machine / "mine.yaml"))
+    axes = intervals_of(machine / "mine.yaml")
     assert {"structure.gain_x", "structure.gain_y", "structure.seed"} <= axes.keys()
     for key, axis in axes.items():
         assert axis["low"] < axis["high"]
@@ -75,8 +74,8 @@ def test_an_existing_configuration_is_not_replaced(machine: Path) -> None:
 
 def test_a_file_without_intervals_is_refused(tmp_path: Path) -> None:
     (tmp_path / "other.intervals.yaml").write_text("vary: 3\n", encoding="utf-8")
-    with pytest.raises(dcrb_ros.Refusal, match="is not a file of intervals"):
-        read_vary(tmp_path / "other.yaml")
+    with pytest.raises(dcrb_ros.Refusal, match="has no ranges below 'vary'"):
+        intervals_of(tmp_path / "other.yaml")
 
 
 def test_compare_prints_distances_and_json(machine: Path, tmp_path: Path) -> None:
