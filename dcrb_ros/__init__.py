@@ -14,6 +14,8 @@ if TYPE_CHECKING:
     from dcrb_ros.bearing.frequencies import characteristic_frequencies
     from dcrb_ros.bearing.history import StateHistory
     from dcrb_ros.bearing.kinematics import Orders
+    from dcrb_ros.bearing.tacho import TachoPulses
+    from dcrb_ros.bearing.temperature_readings import TemperatureReadings
     from dcrb_ros.bearing.waveform import Waveform
     from dcrb_ros.calibration.calibration import Calibration, calibrate
     from dcrb_ros.calibration.comparison import Comparison, compare
@@ -65,6 +67,8 @@ __all__ = [
     "Simulation",
     "SpectralCoherence",
     "StateHistory",
+    "TachoPulses",
+    "TemperatureReadings",
     "Waveform",
     "__version__",
     "calibrate",
@@ -110,6 +114,8 @@ _MODULES = {
     "Simulation": "simulation.loop",
     "SpectralCoherence": "features.spectral_coherence",
     "StateHistory": "bearing.history",
+    "TachoPulses": "bearing.tacho",
+    "TemperatureReadings": "bearing.temperature_readings",
     "Waveform": "bearing.waveform",
     "calibrate": "calibration.calibration",
     "characteristic_frequencies": "bearing.frequencies",

@@ -30,6 +30,8 @@ def export(
         beside = exported(recording, output)
     for damage in recording.damage:
         typer.echo(f"dcrb: {damage}", err=True)
+    if output.suffix.lower() == ".wav" and (len(recording.temperatures()) or len(recording.tacho())):
+        typer.echo("a WAV file has neither temperatures nor pulses of a tacho: export npz, mat, csv or parquet to keep them", err=True)
     print(f"{output}, described by {beside}")
 
 

@@ -28,7 +28,8 @@ def info(
 
     Example: dcrb info bags/healthy
     """
-    from dcrb_ros.recordings.reader import Recording, metadata_flaw
+    from dcrb_ros.recordings.metadata import metadata_flaw
+    from dcrb_ros.recordings.reader import Recording
     from dcrb_ros.stream.event_text import encode_command
 
     recording = Recording(bag)
@@ -74,6 +75,7 @@ def _lines(recording: Recording) -> list[str]:
     elif recording.configured:
         faults = manifest.get("faults") or recording.configuration.faults.described()
         lines.append(f"seed {manifest.get('seed')}, faults at the start: {', '.join(faults) or 'none'}")
+    lines += _streams(recording)
     if manifest.get("scenario"):
         lines.append(f"scenario: {json.dumps(manifest['scenario'])}")
     if outcome is not None:
@@ -81,6 +83,17 @@ def _lines(recording: Recording) -> list[str]:
         lines.append(f"{outcome.get('samples')} samples, {seconds:.3f} s, sha256 {outcome.get('sha256')}, ended {outcome.get('ended')}")
     elif recording.described:
         lines.append(_samples(recording))
+    return lines
+
+
+def _streams(recording: Recording) -> list[str]:
+    """Return lines on the readings of temperature and the pulses of the tacho, where there are any."""
+    lines, readings, tacho = [], recording.temperatures(), recording.tacho()
+    if len(readings):
+        first, last = (readings.to_words(number) for number in (0, -1))
+        lines.append(f"{len(readings)} readings of temperature, at {readings.time[0]:.3f} s {first}, at {readings.time[-1]:.3f} s {last}")
+    if len(tacho):
+        lines.append(f"{len(tacho)} pulses of a tacho, {tacho.pulses_per_turn or 'an unknown number'} per turn")
     return lines
 
 

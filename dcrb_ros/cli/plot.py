@@ -50,7 +50,7 @@ def plot(
     order: Annotated[bool, typer.Option("--order/--frequency", help="Spectrum over orders of the shaft, or over frequency [Hz].")] = True,
     force: Force = False,
 ) -> None:
-    """Plot the waveform and the squared envelope spectrum of a recording with the fault lines.
+    """Plot the waveform and the squared envelope spectrum of a recording with the fault lines, and temperatures where it has readings.
 
     Example: dcrb plot bags/outer_ring_defect -o picture.png --duration 2
     """
@@ -65,8 +65,9 @@ def plot(
     begin = next(recording.pieces()).first_index / recording.sampling_rate if start is None else start
     waveform = recording.waveform(begin, begin + duration)
     check_gaps(waveform)
+    readings = recording.temperatures().between(begin, begin + duration)
     with replacing("-o", output, force=force, source=bag):
-        over_orders = write_overview(waveform, output, title=recording.path.resolve().stem, order=order)
+        over_orders = write_overview(waveform, output, title=recording.path.resolve().stem, order=order, readings=readings)
     if order and not over_orders:
         typer.echo("the spectrum is over frequency, because the shaft does not turn far enough in one direction for orders", err=True)
     print(f"{output}: {waveform.duration:.2f} s of {bag} from {waveform.time[0]:.2f} s on")

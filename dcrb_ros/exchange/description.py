@@ -61,6 +61,14 @@ class Channels(Group):
     """Speed of the shaft [rpm]: a single value, or values over the same time as the acceleration."""
     index: str | int | None = None
     """Index of each sample; if omitted, the samples have no gaps."""
+    outer_ring_temperature: str | int | None = None
+    """Readings of a sensor at the outer ring [deg C]: at their ``temperature_time``, one per sample, or fewer over the same time."""
+    box_temperature: str | int | None = None
+    """Readings of a sensor in the axle box [deg C]."""
+    ambient_temperature: str | int | None = None
+    """Readings of a sensor in the air [deg C]."""
+    temperature_time: str | int | None = None
+    """Times of the readings since sample 0 [s]."""
 
 
 class Description(Group):
@@ -81,6 +89,8 @@ class Description(Group):
     """Of the tacho, 1 if omitted."""
     tacho_levels: tuple[float, float] | None = Field(None, strict=False)
     """Lower and upper level of the hysteresis of the tacho [unit of its channel]."""
+    temperature_deviation: float = Field(0.0, ge=0.0, le=100.0)
+    """Standard deviation of a reading of temperature [K], 0 if unknown."""
     gap: float | None = Field(None, ge=0.0, le=1e8)
     """Time between the end of a file and the beginning of the next; 0 if they continue each other [s]."""
     bearing: Geometry | None = None
@@ -114,11 +124,12 @@ class Description(Group):
             Refusal: there are several, or a property of the tacho is given without it.
         """
         given = [name for name in ("shaft_angle", "tacho", "rpm") if getattr(self.channels, name) is not None]
+        given = given if given != ["shaft_angle", "tacho"] else ["shaft_angle"]  # the pulses are recorded beside the angle
         given += [name for name in ("speed", "speed_rpm") if getattr(self, name) is not None]
         if len(given) > 1:
             raise Refusal(f"{source} gives {' and '.join(given)}: give one of them, or neither if the speed is unknown")
         beside = next((name for name in ("pulses_per_turn", "tacho_levels") if getattr(self, name) is not None), "")
-        if beside and given != ["tacho"]:
+        if beside and self.channels.tacho is None:
             raise Refusal(f"{source} gives {beside}, but no channel tacho: name the channel of the pulses, or leave it out")
         return given[0] if given else ""
 

@@ -9,12 +9,24 @@ import numpy as np
 import yaml
 
 from dcrb_ros.exchange.files import WRITERS, Array
+from dcrb_ros.exchange.tacho import LEVELS, sampled_pulses
+from dcrb_ros.exchange.temperatures import CHANNELS, TIME, own_arrays
+from dcrb_ros.exchange.temperatures import columns as beside_samples
 from dcrb_ros.messages.points import decode_vibration
 from dcrb_ros.messages.topics import GROUND_TRUTH, VIBRATION
 from dcrb_ros.recordings.arrays import truths_of
 from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.text.files import checked_path
+
+WITH_FURTHER_ARRAYS = (".npz", ".mat")
+"""Formats with arrays of other lengths than the waveform."""
+IMPORTED = ("index", "ax", "ay", "shaft_angle", "tacho")
+"""Columns that an import reads; the time follows from index and sampling rate."""
+UNITS = {"deg C": "_temperature", "W": "_heat", "m": ""}
+"""Words in the names of arrays for the units of numbers in the ground truth."""
+RENAMED = {"acceleration": "time_lapse", "clamped": "clamped_temperatures"}
+"""Names of numbers in the ground truth that would mean something else beside a waveform."""
 
 
 def description_of(path: Path) -> Path:
@@ -36,9 +48,9 @@ def export(recording: Recording, path: Path) -> Path:
             raise Refusal(f"{file} exists: give another name or remove it; files are never overwritten")
     if not path.absolute().parent.is_dir():
         raise Refusal(f"{path} cannot be written: there is no folder {path.absolute().parent}; create it or give another path")
-    columns, extra, labels, block_size = _collect(recording)
+    columns, extra, labels, block_size = _collect(recording, whole=path.suffix.lower() in WITH_FURTHER_ARRAYS)
     about = {"manifest": recording.manifest, "outcome": recording.outcome, "labels": labels}
-    description = _description(recording, path, columns, labels, block_size)
+    description = _description(recording, path, {**columns, **extra}, labels, block_size)
     try:
         writer(path, columns, extra, recording.sampling_rate, about)
         beside.write_text(yaml.safe_dump(description, sort_keys=False), encoding="utf-8")
@@ -51,8 +63,11 @@ def export(recording: Recording, path: Path) -> Path:
     return beside
 
 
-def _collect(recording: Recording) -> tuple[dict[str, Array], dict[str, Array], dict[str, Any], int]:
-    """Return the sample columns, the ground truth over time, the labels and the block size."""
+def _collect(recording: Recording, *, whole: bool) -> tuple[dict[str, Array], dict[str, Array], dict[str, Any], int]:
+    """Return the sample columns, the ground truth over time, the labels and the block size.
+
+    Readings of temperature are arrays of their own if ``whole``, otherwise columns beside the samples.
+    """
     blocks, truth_messages = [], []
     for message in recording.messages((VIBRATION, GROUND_TRUTH)):
         if message.topic == VIBRATION:
@@ -71,29 +86,55 @@ def _collect(recording: Recording) -> tuple[dict[str, Array], dict[str, Array], 
         "ay": acceleration[:, 1],
         "shaft_angle": np.concatenate([block.shaft_angle for block in blocks]),
     }
-    extra: dict[str, Array] = {}
+    tacho, readings = recording.tacho(), recording.temperatures()
+    if len(tacho):
+        columns["tacho"] = sampled_pulses(tacho.time * rate, index)
+    columns |= {} if whole else beside_samples(readings, index, rate)
+    extra: dict[str, Array] = {**(own_arrays(readings) if whole else {})}
     labels: dict[str, Any] = dict(recording.manifest.get("imported", {}).get("labels", {}))
     if truths:
-        extra = {
+        extra |= {
             "truth_time": np.array([truth.time_ns * 1e-9 for truth in truths]),
             "truth_speed": np.array([truth.speed for truth in truths]),
             "truth_load": np.array([truth.load for truth in truths]),
         }
+        names = dict.fromkeys(name for truth in truths for name in truth.thermal)
+        extra |= {array_name(name): np.array([truth.thermal.get(name, np.nan) for truth in truths]) for name in names}
         last = truths[-1]
         labels = {"faults": {name: dict(fault) for name, fault in last.faults.items()}, "speed": last.speed, "load": list(last.load)}
+        labels |= {"thermal": dict(last.thermal)} if last.thermal else {}
     return columns, extra, labels, max(len(block.shaft_angle) for block in blocks)
+
+
+def array_name(name: str) -> str:
+    """Return the name of an array for a number of the ground truth: ``truth_box_temperature`` for ``box [deg C]``."""
+    name = RENAMED.get(name, name)
+    for unit, word in UNITS.items():
+        name = name.replace(f" [{unit}]", word)
+    return f"truth_{name.replace('/', '_')}"
 
 
 def _description(recording: Recording, path: Path, columns: dict[str, Array], labels: dict[str, Any], block_size: int) -> dict[str, Any]:
     wav = path.suffix.lower() == ".wav"
-    # The time follows from index and sampling rate, so an import does not read it.
-    channels: dict[str, Any] = {"ax": 1, "ay": 2, "shaft_angle": 3} if wav else {name: name for name in sorted(columns) if name != "time"}
+    known = (name for name in sorted(columns) if name in CHANNELS or name in (*IMPORTED, TIME))
+    channels: dict[str, Any] = {"ax": 1, "ay": 2, "shaft_angle": 3} if wav else {name: name for name in known}
+    tacho, warm = "tacho" in channels, any(name in channels for name in CHANNELS)
     return {
         "sampling_rate": recording.sampling_rate,
         "unit": "m/s^2",
         "channels": channels,
+        **({"pulses_per_turn": recording.pulses_per_turn or 1, "tacho_levels": list(LEVELS)} if tacho else {}),
+        **({"temperature_deviation": _deviation(recording)} if warm else {}),
         "orders": recording.orders.as_dict(),
         "first_index": int(columns["index"][0]),
         "block_size": max(16, block_size),
         "labels": labels,
     }
+
+
+def _deviation(recording: Recording) -> float:
+    """Return the standard deviation of a reading of temperature [K]; 0 if it is unknown."""
+    if recording.configured:
+        return recording.configuration.thermal.sensor_noise
+    found = recording.manifest.get("imported", {}).get("temperature_deviation", 0.0)
+    return float(found) if isinstance(found, (int, float)) else 0.0

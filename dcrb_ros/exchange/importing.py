@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import dataclasses
 import hashlib
 import itertools
 import json
 import shutil
+from collections import deque
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from pathlib import Path
@@ -17,13 +19,17 @@ import numpy.typing as npt
 from dcrb_ros.bearing.kinematics import Orders
 from dcrb_ros.exchange.description import Description, read_description
 from dcrb_ros.exchange.joining import JoinedFiles
-from dcrb_ros.exchange.tacho import joined_turns, pulse_train, turns_at_speed, wrapped, wrapped_angle
+from dcrb_ros.exchange.tacho import PulseTrain, counted_pulses, joined_turns, pulse_train, turns_at_speed, wrapped, wrapped_angle
+from dcrb_ros.exchange.temperatures import CHANNELS, checked_channels, readings_of
 from dcrb_ros.messages.cdr import FRAME
+from dcrb_ros.messages.description import PULSES_PER_TURN
 from dcrb_ros.messages.joints import encode_features
-from dcrb_ros.messages.plain import encode_text
+from dcrb_ros.messages.plain import encode_temperature, encode_text
 from dcrb_ros.messages.points import encode_vibration
-from dcrb_ros.messages.topics import FEATURES, MANIFEST, NAMESPACE, SENSOR, VIBRATION, Message
+from dcrb_ros.messages.pulses import encode_pulses
+from dcrb_ros.messages.topics import FEATURES, MANIFEST, NAMESPACE, SENSOR, TACHO, VIBRATION, Message, Topic
 from dcrb_ros.messages.topics.sensor import repeats_with
+from dcrb_ros.recordings.arrays import READINGS
 from dcrb_ros.recordings.manifest import FORMAT, MEASURED_UNITS, Outcome, now
 from dcrb_ros.recordings.recorder import channel_of
 from dcrb_ros.recordings.rosbag2 import Bag, RecordingFailed
@@ -63,10 +69,11 @@ class WaveformImport:
         ax = self._axis(channels.ax, np.concatenate(parts), factor)
         ay = ax if channels.ay is None else self._axis(channels.ay, np.concatenate(self._files.parts(channels.ay)), factor)
         self.index = self._index([len(part) for part in parts])
-        self.irregular_pulses = 0
-        """Intervals of the tacho in which pulses were missing or too many [-]."""
         self._check_lengths({"ax": len(ax), "ay": len(ay), "index": len(self.index)})
+        self._train = self._tacho()
         self.angle = self._angle()
+        self.readings = self._readings()
+        """Times [ns] and values [deg C] of the readings of temperature by channel."""
         self._check_lengths({"ax": len(ax), "shaft_angle": len(self.angle)})
         self.acceleration = np.column_stack([ax, ay])
 
@@ -145,13 +152,8 @@ class WaveformImport:
     def _angle(self) -> npt.NDArray[np.float32]:
         """Return the angle of the shaft within [0, 2 pi), NaN where it is unknown, shape (samples,) [rad]."""
         d, source = self.description, self._source
-        if source == "tacho" and d.channels.tacho is not None:
-            pulses = np.concatenate(self._files.parts(d.channels.tacho))
-            self._check_lengths({"ax": len(self.index), "tacho": len(pulses)})
-            name = f"{self._files}: '{d.channels.tacho}'"
-            train = pulse_train(pulses, self.index, d.pulses_per_turn or 1, d.tacho_levels, name)
-            self.irregular_pulses = train.irregular
-            return wrapped(train.at(self.index))
+        if source == "tacho" and self._train is not None:
+            return wrapped(self._train.at(self.index))
         if source == "rpm" and d.channels.rpm is not None:
             return wrapped(self._turns_at_speed(d.channels.rpm))
         if source == "shaft_angle" and d.channels.shaft_angle is not None:
@@ -160,11 +162,48 @@ class WaveformImport:
             turned = d.shaft_speed * self.index.astype(np.float64) / self.measured_rate
         return wrapped_angle(turned)
 
+    def _tacho(self) -> PulseTrain | None:
+        """Return the turns at the pulses of the tacho; None without one."""
+        d = self.description
+        if d.channels.tacho is None:
+            return None
+        pulses = np.concatenate(self._files.parts(d.channels.tacho))
+        self._check_lengths({"ax": len(self.index), "tacho": len(pulses)})
+        if self._source != "tacho":
+            return counted_pulses(pulses, self.index, self.pulses_per_turn, d.tacho_levels)
+        return pulse_train(pulses, self.index, self.pulses_per_turn, d.tacho_levels, f"{self._files}: '{d.channels.tacho}'")
+
+    @property
+    def pulses_per_turn(self) -> int:
+        """Pulses of the tacho per turn of the shaft; 0 without one."""
+        return 0 if self.description.channels.tacho is None else self.description.pulses_per_turn or 1
+
+    @property
+    def irregular_pulses(self) -> int:
+        """Intervals of the tacho in which pulses were missing or too many [-]."""
+        return 0 if self._train is None else self._train.irregular
+
+    def _readings(self) -> dict[str, tuple[npt.NDArray[np.int64], Floats]]:
+        channels = self.description.channels
+        found = checked_channels(channels.model_dump(), self._about)
+        times = None if channels.temperature_time is None else np.concatenate(self._files.parts(channels.temperature_time))
+        indices = self._by_file() if found else []
+        return {
+            channel: readings_of(
+                self._files.parts(getattr(channels, channel), nan=True), indices, times, self.measured_rate, f"{self._files}: '{channel}'"
+            )
+            for channel in found
+        }
+
+    def _by_file(self) -> list[npt.NDArray[np.int64]]:
+        """Return the index of the samples of each file."""
+        borders = np.cumsum([len(part) for part in self._files.parts(self.description.channels.ax)])[:-1]
+        return np.split(self.index, borders)
+
     def _turns_at_speed(self, name: str | int) -> Floats:
         """Return the turns of the shaft, file by file, whose channels of speed may have other lengths than the waveform [-]."""
         parts = self._files.parts(name, nan=True)
-        borders = np.cumsum([len(part) for part in self._files.parts(self.description.channels.ax)])[:-1]
-        indices = np.split(self.index, borders)
+        indices = self._by_file()
         turns = [
             turns_at_speed(part, index, self.measured_rate, f"{file}: '{name}'")
             for part, index, file in zip(parts, indices, self._files.files, strict=True)
@@ -184,7 +223,25 @@ class WaveformImport:
             for at in range(int(begin), int(end), size):
                 part = slice(at, min(at + size, int(end)))
                 acceleration = self.acceleration[part]
-                yield Block(int(self.index[at]), self.rate, acceleration, self.angle[part], acceleration)
+                block = Block(int(self.index[at]), self.rate, acceleration, self.angle[part], acceleration)
+                yield block if self._train is None else self._with_pulses(block, self._train)
+
+    def _with_pulses(self, block: Block, train: PulseTrain) -> Block:
+        """Return a block with the pulses of its time."""
+        time_ns = np.rint(train.edges * (1e9 / self.rate)).astype(np.int64)
+        first, last = np.searchsorted(time_ns, [block.stamp_ns, block.end_ns]).tolist()
+        number = np.rint(train.turns[first:last] * self.pulses_per_turn).astype(np.int64)
+        return dataclasses.replace(block, pulse_ns=time_ns[first:last], pulse_number=number)
+
+    def _temperatures(self) -> list[Message]:
+        """Return the messages with the readings of temperature in the order of time."""
+        deviation = self.description.temperature_deviation
+        found = [
+            Message(READINGS[CHANNELS[channel]], time_ns, encode_temperature(time_ns, value, deviation))
+            for channel, (times, values) in self.readings.items()
+            for time_ns, value in zip(times.tolist(), values.tolist(), strict=True)
+        ]
+        return sorted(found, key=lambda message: message.time_ns)
 
     def sensor(self) -> dict[str, Any]:
         """Return the description of the sensor that is published with the waveform."""
@@ -197,6 +254,7 @@ class WaveformImport:
             "axes": {"ax": str(channels.ax), "ay": "a copy of ax" if channels.ay is None else str(channels.ay)},
             "shaft_angle_unit": "rad",
             "shaft_angle": self._angle_words(),
+            **({PULSES_PER_TURN: self.pulses_per_turn} if self.pulses_per_turn else {}),
             "block_size": self.block_size,
             "frame": FRAME,
             "bearing": d.bearing.model_dump(exclude_none=True) if d.bearing else None,
@@ -263,17 +321,22 @@ class WaveformImport:
         outcome = Outcome(self.rate)
         about = {MANIFEST: {"manifest": json.dumps(self.manifest(), default=str)}}
         bag = Bag(path, opening=about, closing=outcome.records)
-        channels = {topic: channel_of(topic, NAMESPACE) for topic in (SENSOR, VIBRATION, FEATURES)}
+        topics: list[Topic] = [SENSOR, VIBRATION, FEATURES, TACHO, *READINGS.values()]
+        channels = {topic: channel_of(topic, NAMESPACE) for topic in topics}
         try:
-            description = encode_text(json.dumps(self.sensor(), sort_keys=True))
+            description, read = encode_text(json.dumps(self.sensor(), sort_keys=True)), deque(self._temperatures())
             bag.write([(channels[SENSOR], 0, description)])
             for block in self.blocks():
-                if repeats_with(block):
-                    bag.write([(channels[SENSOR], block.stamp_ns, description)])
-                waveform = Message(VIBRATION, block.stamp_ns, encode_vibration(block, block.acceleration))
-                outcome.add(waveform)
-                features = (channels[FEATURES], block.stamp_ns, encode_features(block))
-                bag.write([(channels[VIBRATION], block.stamp_ns, waveform.data), features])
+                found = [Message(SENSOR, block.stamp_ns, description)] if repeats_with(block) else []
+                found.append(Message(VIBRATION, block.stamp_ns, encode_vibration(block, block.acceleration)))
+                outcome.add(found[-1])
+                found += [Message(TACHO, block.stamp_ns, encode_pulses(block))] if self._train is not None else []
+                found.append(Message(FEATURES, block.stamp_ns, encode_features(block)))
+                while read and read[0].time_ns < block.end_ns:
+                    found.append(read.popleft())
+                found.sort(key=lambda message: message.time_ns)
+                bag.write([(channels[message.topic], message.time_ns, message.data) for message in found])
+            bag.write([(channels[message.topic], message.time_ns, message.data) for message in read])
             bag.close()
         except BaseException:
             with suppress(RecordingFailed):

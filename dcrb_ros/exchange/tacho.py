@@ -9,12 +9,14 @@ from itertools import pairwise
 import numpy as np
 import numpy.typing as npt
 
-from dcrb_ros.schema.arrays import Floats
+from dcrb_ros.schema.arrays import Floats, Samples
 from dcrb_ros.schema.refusal import Refusal
 
 FULL_TURN = 2.0 * np.pi
 LEVELS = (1.0 / 3.0, 2.0 / 3.0)
 """Lower and upper level of the hysteresis between the smallest and the largest sample [-]: noise of a third of the pulse counts no edge."""
+LONE_PULSE = 8.0
+"""Interval that is assumed after a pulse without a neighbour [samples]."""
 FEWEST_EDGES = 3
 """Least number of edges from which a speed follows [-]: two intervals that can be compared."""
 MOST_IRREGULAR = 0.1
@@ -55,9 +57,7 @@ def pulse_train(pulses: Floats, index: npt.NDArray[np.int64], per_turn: int, lev
         Refusal: there are fewer than three edges, or a tenth of the intervals are irregular; ``source`` names the channel.
     """
     low, high = levels or _levels(pulses)
-    runs = np.flatnonzero(np.diff(index) != 1) + 1
-    parts = zip(np.split(pulses, runs), np.split(index, runs), strict=True)
-    edges = np.concatenate([begin[0] + place for part, begin in parts for place in [rising_edges(part, low, high)]])
+    edges, _ = _edges(pulses, index, low, high)
     if len(edges) < FEWEST_EDGES:
         raise Refusal(
             f"{source} has {len(edges)} rising edges through {low:g} and {high:g}, but a speed needs {FEWEST_EDGES}: "
@@ -74,6 +74,42 @@ def pulse_train(pulses: Floats, index: npt.NDArray[np.int64], per_turn: int, lev
     kept = np.concatenate([[True], steps > 0.0])
     turns = np.concatenate([[0.0], np.cumsum(steps)]) / per_turn
     return PulseTrain(edges[kept], turns[kept], irregular)
+
+
+def counted_pulses(pulses: Floats, index: npt.NDArray[np.int64], per_turn: int, levels: tuple[float, float] | None) -> PulseTrain:
+    """Return the turns at all rising edges of ``pulses``, each of which is one pulse; across missing samples the median interval goes on.
+
+    It takes the pulses as they are, as those of an export, where `pulse_train` judges what a real wheel and its pickup do.
+    """
+    edges, borders = _edges(pulses, index, *(levels or _levels(pulses)))
+    steps, intervals = np.ones(max(0, len(edges) - 1)), np.diff(edges)
+    across = np.searchsorted(borders, edges[1:]) != np.searchsorted(borders, edges[:-1])
+    if across.any() and not across.all():
+        steps[across] = np.maximum(1.0, np.rint(intervals[across] / np.median(intervals[~across])))
+    return PulseTrain(edges, np.concatenate([np.zeros(min(1, len(edges))), np.cumsum(steps)]) / per_turn, 0)
+
+
+def sampled_pulses(edges: Floats, index: npt.NDArray[np.int64]) -> Samples:
+    """Return the signal of a tacho with rising ``edges`` [samples] at the samples ``index``, from 0 to 1, shape (samples,).
+
+    A pulse lasts half of the interval to the next edge. It rises and falls within two samples, or half as long as the pulse if that is
+    shorter, so that interpolation between samples restores the times of its edges.
+    """
+    if not len(edges):
+        return np.zeros(len(index), np.float32)
+    intervals = np.diff(edges) if len(edges) > 1 else np.array([LONE_PULSE])
+    before, after = np.insert(intervals, 0, intervals[0])[: len(edges)], np.append(intervals, intervals[-1])[: len(edges)]
+    half = np.minimum(1.0, 0.25 * np.minimum(before, after))
+    falls = edges + 0.5 * after
+    corners = np.column_stack([edges - half, edges + half, falls - half, falls + half]).ravel()
+    return np.asarray(np.interp(index, corners, np.tile([0.0, 1.0, 1.0, 0.0], len(edges))), np.float32)
+
+
+def _edges(pulses: Floats, index: npt.NDArray[np.int64], low: float, high: float) -> tuple[Floats, npt.NDArray[np.int64]]:
+    """Return the rising edges, none of them across missing samples, shape (edges,) [samples], and the samples after which some miss."""
+    runs = np.flatnonzero(np.diff(index) != 1) + 1
+    parts = zip(np.split(pulses, runs), np.split(index, runs), strict=True)
+    return np.concatenate([begin[0] + place for part, begin in parts for place in [rising_edges(part, low, high)]]), index[runs]
 
 
 def rising_edges(pulses: Floats, low: float, high: float) -> Floats:

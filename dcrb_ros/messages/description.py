@@ -17,6 +17,8 @@ from dcrb_ros.text.json import parsed_json
 SOURCE = "the sensor's description"
 LARGEST_DESCRIPTION = 100_000
 """Longest description that is read [characters]; that of the bench has some 1500."""
+PULSES_PER_TURN = "tacho_pulses_per_turn"
+"""Entry of a description with the pulses of the tacho per turn of the shaft; there is none without a tacho."""
 INDICATORS = ("BPFO", "BPFI", "BSF", "FTF")
 
 
@@ -36,7 +38,9 @@ def sensor_text(configuration: Configuration) -> str:
         "orders": orders.as_dict(),
         "first_sample_index": "round(stamp * sampling_rate); sample k is taken at k / sampling_rate of simulated time",
     }
-    publishing = configuration.publishing
+    publishing, pulses_per_turn = configuration.publishing, configuration.tacho.pulses_per_turn
+    if pulses_per_turn:
+        about[PULSES_PER_TURN] = pulses_per_turn
     if publishing.burst_period > 0.0:
         about |= {"burst_length": publishing.burst_length, "burst_period": publishing.burst_period, "burst_unit": "s"}
     return json.dumps(about, sort_keys=True)
@@ -66,6 +70,12 @@ def decode_range(data: bytes) -> float:
     except (ValueError, TypeError, OverflowError):
         return 0.0
     return found if math.isfinite(found) and found > 0.0 else 0.0
+
+
+def decode_pulses_per_turn(data: bytes) -> int:
+    """Return the pulses of the tacho per turn from a description; 0 if there are none."""
+    found = _entry(data, PULSES_PER_TURN)
+    return found if isinstance(found, int) and found > 0 else 0
 
 
 def decode_bearing(data: bytes) -> Any:

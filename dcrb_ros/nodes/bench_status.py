@@ -12,7 +12,7 @@ from dcrb_ros.nodes.recording_switch import RecordingSwitch
 from dcrb_ros.nodes.refusals import Refusals
 from dcrb_ros.nodes.ros import installed
 from dcrb_ros.nodes.simulation_interfaces import PACKAGE
-from dcrb_ros.stream.states import LubricationState
+from dcrb_ros.stream.states import LubricationState, ThermalState
 
 COMMANDS = ("command/speed", "command/load")
 SERVICES = ("pause", "step", "reset", "record", "set_simulation_state", "step_simulation", "reset_simulation")
@@ -29,6 +29,20 @@ def _lubrication(state: LubricationState | None) -> dict[str, str]:
         "film [um]": f"{1e6 * state.film.min():.3f}",
         "film_ratio": f"{state.film_ratio.min():.2f}",
         "friction_power [W]": f"{state.friction_power.sum():.1f}",
+    }
+
+
+def _temperatures(state: ThermalState | None) -> dict[str, str]:
+    """Return the temperatures of the warmest row, of box and surroundings, and the heat of all rows; none without a thermal network."""
+    if state is None:
+        return {}
+    return {
+        "inner_ring [deg C]": f"{state.inner_ring_temperature.max():.1f}",
+        "outer_ring [deg C]": f"{state.outer_ring_temperature.max():.1f}",
+        "box [deg C]": f"{state.box_temperature:.1f}",
+        "ambient [deg C]": f"{state.ambient_temperature:.1f}",
+        "heat [W]": f"{state.heat.sum():.1f}",
+        "clamped_temperatures": str(state.clamped),
     }
 
 
@@ -64,6 +78,7 @@ class BenchStatus:
             "model": model,
             "other_publishers": ", ".join(others),
             **_lubrication(progress.lubrication),
+            **_temperatures(progress.thermal),
         }
         message = (
             recording.state

@@ -11,7 +11,7 @@ from dcrb_ros.messages.bundle import Bundle
 from dcrb_ros.messages.topics import Message
 from dcrb_ros.nodes.gate import Gate
 from dcrb_ros.runtime.threads import NamedThread
-from dcrb_ros.stream.states import LubricationState
+from dcrb_ros.stream.states import LubricationState, ThermalState
 
 CLOSE_TIMEOUT = 0.7
 """Wall time in which the present bundle must be finished when the node ends [s]; a compilation takes longer and is abandoned."""
@@ -49,6 +49,8 @@ class Progress:
         """Residual of the energy balance in the last block that has one [J]."""
         self.lubrication: LubricationState | None = None
         """Films and friction in the last states; None for a dry bearing."""
+        self.thermal: ThermalState | None = None
+        """Temperatures in the last states; None without a thermal network."""
 
     def start(self, messages: Sequence[Message]) -> None:
         """Return to zero."""
@@ -61,7 +63,7 @@ class Progress:
         if bundle.block is not None and bundle.block.energy is not None:
             self.energy_residual = bundle.block.energy.residual
         if bundle.block is not None and bundle.block.states:
-            self.lubrication = bundle.block.states[-1].lubrication
+            self.lubrication, self.thermal = bundle.block.states[-1].lubrication, bundle.block.states[-1].thermal
 
 
 class Engine:

@@ -12,17 +12,35 @@ import numpy as np
 
 from dcrb_ros.bearing.history import StateHistory
 from dcrb_ros.bearing.kinematics import Orders
+from dcrb_ros.bearing.tacho import TachoPulses
+from dcrb_ros.bearing.temperature_readings import TemperatureReadings
 from dcrb_ros.bearing.waveform import Piece, Waveform, described_stretch, stretch
 from dcrb_ros.messages.cdr import STAMP_END, stamps
 from dcrb_ros.messages.joints import Joints, decode_alike, decode_joints
 from dcrb_ros.messages.points import Vibration
+from dcrb_ros.messages.pulses import decode_pulses
 from dcrb_ros.messages.statuses import decode_diagnostics, decode_truth
-from dcrb_ros.messages.topics import DIAGNOSIS, GROUND_TRUTH, LUBRICATION_STATE, ROLLER_CONTACTS, ROLLER_STATES, Message, Topic
+from dcrb_ros.messages.topics import (
+    AMBIENT_TEMPERATURE,
+    BOX_TEMPERATURE,
+    DIAGNOSIS,
+    GROUND_TRUTH,
+    LUBRICATION_STATE,
+    OUTER_RING_TEMPERATURE,
+    ROLLER_CONTACTS,
+    ROLLER_STATES,
+    TACHO,
+    Message,
+    Topic,
+)
 from dcrb_ros.messages.topics.lubrication_state import arrays_of
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.simulation.ground_truth import GroundTruth
 from dcrb_ros.stream.block import Truth
+
+READINGS = {"outer_ring": OUTER_RING_TEMPERATURE, "box": BOX_TEMPERATURE, "ambient": AMBIENT_TEMPERATURE}
+"""Topics of the temperature sensors by attribute of `TemperatureReadings`."""
 
 
 class Source(Protocol):
@@ -152,6 +170,26 @@ def truths_of(messages: Sequence[bytes]) -> tuple[Truth, ...]:
 def truth_of(recording: Source) -> GroundTruth:
     """Return the ground truth over time; see `Recording.truth`."""
     return GroundTruth(truths_of([message.data for message in recording.messages((GROUND_TRUTH,))]))
+
+
+def temperatures_of(recording: Source) -> TemperatureReadings:
+    """Return what the temperature sensors read; see `Recording.temperatures`."""
+    found: dict[Topic, dict[int, float]] = {topic: {} for topic in READINGS.values()}
+    for message in recording.messages(found):
+        found[message.topic][message.time_ns] = float(message.content)
+    times = sorted({time_ns for readings in found.values() for time_ns in readings})
+    places = {place: np.array([found[topic].get(time_ns, math.nan) for time_ns in times]) for place, topic in READINGS.items()}
+    return TemperatureReadings(time=np.array([time_ns * 1e-9 for time_ns in times], np.float64), **places)
+
+
+def tacho_of(recording: Source, pulses_per_turn: int) -> TachoPulses:
+    """Return the pulses of the tacho; see `Recording.tacho`."""
+    blocks = [decode_pulses(message.data) for message in recording.messages((TACHO,))]
+    none = np.zeros(0, np.int64)
+    time_ns, number = (np.concatenate([none, *(getattr(block, name) for block in blocks)]) for name in ("time_ns", "number"))
+    # A block that came twice or too late is kept once, in its place.
+    time_ns, order = np.unique(time_ns, return_index=True)
+    return TachoPulses(time=time_ns * 1e-9, number=number[order], pulses_per_turn=pulses_per_turn)
 
 
 def verdicts_of(recording: Source) -> list[RecordedVerdict]:

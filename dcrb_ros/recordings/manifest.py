@@ -37,7 +37,14 @@ HASH_BATCH = 1 << 20
 """Size of the messages that are decoded and hashed together [bytes]."""
 MAX_RECORD = 16 * 1024 * 1024
 """Largest record of the manifest [bytes], some 200000 commands; more commands are only counted there, and read from the ground truth."""
-UNITS = {"acceleration": "m/s^2", "angle": "rad", "speed": "rad/s", "force": "N", "time": "s, simulated, from zero"}
+UNITS = {
+    "acceleration": "m/s^2",
+    "angle": "rad",
+    "speed": "rad/s",
+    "force": "N",
+    "temperature": "deg C",
+    "time": "s, simulated, from zero",
+}
 MEASURED_UNITS = UNITS | {"time": "s, index of the sample over the sampling rate"}
 """Units of imported data and of recordings without a manifest, whose time need not be simulated."""
 MODEL = ("bearing", "core", "faults", "measurement", "schema", "settings", "simulation")

@@ -13,8 +13,10 @@ from mcap.records import Metadata
 
 from dcrb_ros.bearing.history import StateHistory
 from dcrb_ros.bearing.kinematics import Orders, characteristic_orders
+from dcrb_ros.bearing.tacho import TachoPulses
+from dcrb_ros.bearing.temperature_readings import TemperatureReadings
 from dcrb_ros.bearing.waveform import Piece, Waveform
-from dcrb_ros.messages.description import decode_range
+from dcrb_ros.messages.description import PULSES_PER_TURN, decode_range
 from dcrb_ros.messages.points import Vibration, decode_vibration
 from dcrb_ros.messages.statuses import decode_truth
 from dcrb_ros.messages.topics import DETECTED, GROUND_TRUTH, MANIFEST, NAMESPACE, SENSOR, SIMULATED, VIBRATION, Message, Topic
@@ -22,7 +24,7 @@ from dcrb_ros.recordings import arrays
 from dcrb_ros.recordings.arrays import RecordedVerdict
 from dcrb_ros.recordings.latched import described_manifest, in_order, of_one_bench
 from dcrb_ros.recordings.manifest import OUTCOME
-from dcrb_ros.recordings.storage import StoredMessage, plain_name, valid_files
+from dcrb_ros.recordings.storage import StoredMessage, valid_files
 from dcrb_ros.runtime.version import __version__
 from dcrb_ros.schema.numbers import sampling_rate
 from dcrb_ros.schema.printable import printable
@@ -34,14 +36,10 @@ from dcrb_ros.simulation.ground_truth import GroundTruth, commands_in
 from dcrb_ros.stream.event_text import decode_command
 from dcrb_ros.stream.events import TimedCommand
 from dcrb_ros.text.json import parsed_json
-from dcrb_ros.text.yaml import read_yaml
 
 if TYPE_CHECKING:
     import pandas as pd
 
-METADATA = "metadata.yaml"
-MAX_METADATA = 4_000_000
-"""Largest metadata.yaml that is read [bytes]; those of the bench have a few thousand."""
 TYPES: dict[str, type] = {
     **dict.fromkeys(("units", "software", "processor", "orders", "faults", "imported", "sensor", "configuration"), dict),
     **dict.fromkeys(("format", "first_index", "samples", "sampling_rate"), int),
@@ -245,6 +243,20 @@ class Recording:
         """Return the ground truth over time; of imported data it is empty."""
         return arrays.truth_of(self)
 
+    def temperatures(self) -> TemperatureReadings:
+        """Return what the temperature sensors read [deg C]; empty where none were recorded."""
+        return arrays.temperatures_of(self)
+
+    @property
+    def pulses_per_turn(self) -> int:
+        """Pulses of the tacho per turn of the shaft; 0 without a tacho."""
+        found = self.manifest.get("sensor", {}).get(PULSES_PER_TURN, 0)
+        return found if isinstance(found, int) and found > 0 else 0
+
+    def tacho(self) -> TachoPulses:
+        """Return the pulses of the tacho; empty where none were recorded."""
+        return arrays.tacho_of(self, self.pulses_per_turn)
+
     def verdicts(self) -> list[RecordedVerdict]:
         """Return what a detector published while the recording was made; empty where none ran."""
         return arrays.verdicts_of(self)
@@ -324,19 +336,3 @@ class Recording:
         shown = printable(sentence)
         if shown not in self.damage:
             self.damage.append(shown)
-
-
-def metadata_flaw(path: Path) -> str:
-    """Return what is wrong with metadata.yaml, which ROS needs and this reader does not; the empty string if nothing."""
-    if not path.is_dir():
-        return ""
-    try:
-        about = read_yaml(path / METADATA, MAX_METADATA)["rosbag2_bagfile_information"]
-        named = {plain_name(str(name)) for name in about["relative_file_paths"]}
-    except Refusal as refusal:
-        return str(refusal).replace(str(path / METADATA), METADATA)
-    except DAMAGE:
-        return f"{METADATA} is damaged: it must have rosbag2_bagfile_information with relative_file_paths"
-    there = [found.path.name for found in valid_files(path)[0]]
-    missing = [name for name in there if plain_name(name) not in named]
-    return f"{METADATA} does not name {', '.join(missing)}" if missing else ""

@@ -31,6 +31,7 @@ from dcrb_ros.settings.parameters import (
 from dcrb_ros.settings.sensor import Background, SensorParameters, Structure
 from dcrb_ros.settings.sensor_limits import block_limits, burst_limits, measurement_limits
 from dcrb_ros.settings.step_limits import step_limits
+from dcrb_ros.settings.tacho import Tacho, tacho_limits
 from dcrb_ros.settings.thermal import Thermal, thermal_limits
 
 BALLS = "hertz"
@@ -54,6 +55,7 @@ class Configuration(Group):
     structure: Structure = Structure()
     background: Background = Background()
     sensor: SensorParameters = SensorParameters()
+    tacho: Tacho = Tacho()
     publishing: Publishing = Publishing()
     recording: Recording = Recording()
     time_scale: float = quantity(
@@ -130,6 +132,7 @@ def inconsistencies(c: Configuration) -> Iterator[str]:
         yield from measurement_limits(c.measurement)
     yield from block_limits(c.publishing, c.sensor.sampling_rate)
     yield from burst_limits(c.publishing, c.sensor.sampling_rate)
+    yield from tacho_limits(c)
     yield from _surfaces(c)
     yield from _balls(c)
     if c.friction.static_coefficient < c.friction.kinetic_coefficient:

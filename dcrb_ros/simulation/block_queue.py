@@ -13,7 +13,7 @@ import numpy.typing as npt
 
 from dcrb_ros.measurement.decimation import Cascade
 from dcrb_ros.measurement.sensor import Measurement
-from dcrb_ros.schema.arrays import Floats
+from dcrb_ros.schema.arrays import Floats, Integers
 from dcrb_ros.schema.simulated_time import nanoseconds
 from dcrb_ros.stream.block import Block, Truth
 from dcrb_ros.stream.states import States, TemperatureReading
@@ -34,6 +34,8 @@ class BlockQueue:
         self._states: deque[States] = deque()
         self._truths: deque[Truth] = deque()
         self._temperatures: deque[TemperatureReading] = deque()
+        self._pulses = np.zeros(0, np.int64)
+        self._first_pulse = 0
         self._previews: deque[tuple[int, npt.NDArray[np.float64]]] = deque()
         self._preview_count = 0
 
@@ -53,6 +55,10 @@ class BlockQueue:
         """Append what the temperature sensors read at one instant."""
         self._temperatures.append(reading)
 
+    def add_pulses(self, time_ns: Integers) -> None:
+        """Append pulses of the tacho at some times [ns]."""
+        self._pulses = np.concatenate([self._pulses, time_ns])
+
     def cut(self, size: int, *, lost: bool, sensor_range: float) -> Block:
         """Remove the next ``size`` samples and everything of their time, and return them without energy.
 
@@ -63,6 +69,7 @@ class BlockQueue:
         end_ns = nanoseconds(self.samples, self._rate)
         self._feed_preview(measured.clean)
         previews = _before(self._previews, end_ns, lambda item: item[0])
+        first_pulse, pulses = self._take_pulses(end_ns)
         return Block(
             index=first,
             rate=self._rate,
@@ -77,7 +84,16 @@ class BlockQueue:
             states=tuple(_before(self._states, end_ns, lambda states: states.time_ns)),
             truths=tuple(_before(self._truths, end_ns, lambda truth: truth.time_ns)),
             temperatures=tuple(_before(self._temperatures, end_ns, lambda reading: reading.time_ns)),
+            pulse_ns=pulses,
+            pulse_number=first_pulse + np.arange(len(pulses), dtype=np.int64),
         )
+
+    def _take_pulses(self, end_ns: int) -> tuple[int, Integers]:
+        """Remove the pulses before ``end_ns`` [ns]; return the number of the first of them since the start, and their times."""
+        count, first = int(np.searchsorted(self._pulses, end_ns)), self._first_pulse
+        taken, self._pulses = self._pulses[:count], self._pulses[count:]
+        self._first_pulse += count
+        return first, taken
 
     def _take(self, size: int) -> Measurement:
         """Remove the next ``size`` samples and return them."""

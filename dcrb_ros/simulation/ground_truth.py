@@ -76,8 +76,24 @@ class GroundTruth:
             )
         return np.array([truth.frequencies[name] for truth in self.truths])
 
+    def thermal(self, name: str) -> Floats:
+        """Return a temperature, heat or loss by its name with the unit, such as ``box [deg C]``, shape (times,); NaN where there is none.
+
+        Raises
+        ------
+        Refusal
+            No instant has such a number.
+        """
+        known = list(dict.fromkeys(key for truth in self.truths for key in truth.thermal))
+        if name not in known:
+            has = f"it has {', '.join(known)}" if known else "it has no temperatures: simulate with thermal.law = network"
+            raise Refusal(f"the ground truth has no {name!r}{nearest(str(name), known)}: {has}")
+        return np.array([truth.thermal.get(name, np.nan) for truth in self.truths])
+
     def to_pandas(self) -> pd.DataFrame:
         """Return a DataFrame over time [s]: speed [rad/s], load [N], characteristic frequencies [Hz], names of the faults and the event.
+
+        Temperatures, heat and lost lubricant follow in columns whose names contain the unit, such as ``box [deg C]``, where there are any.
 
         Raises
         ------
@@ -92,6 +108,7 @@ class GroundTruth:
                 **truth.frequencies,
                 "faults": ", ".join(truth.faults),
                 "event": encode_event(truth.event),
+                **truth.thermal,
             }
             for truth in self.truths
         ]

@@ -32,6 +32,7 @@ from dcrb_ros.simulation.commanded_value import commanded
 from dcrb_ros.simulation.heating import Burnt, Heating
 from dcrb_ros.simulation.scenario import ScheduledChange
 from dcrb_ros.simulation.shaft_speed import ShaftSpeed
+from dcrb_ros.simulation.tacho import tacho_of
 from dcrb_ros.simulation.transmission import Transmission
 from dcrb_ros.stream.block import Block, Truth
 from dcrb_ros.stream.events import BlockLost, Command, Event, LoadCommand, ParameterChange, Refused, ScenarioEvent, SpeedCommand, Start
@@ -102,6 +103,7 @@ class Simulation:
         self._stored = stored_energy(self._payload, self._state)
         self._shaft = ShaftSpeed(configuration)
         self._sensor = Sensor(configuration.measurement)
+        self._tacho = tacho_of(configuration)
         self._transmission = Transmission(configuration)
         self._orders = characteristic_orders(configuration.bearing)
         self._steps = 0
@@ -323,7 +325,10 @@ class Simulation:
                 self._note(None)
         if motion:
             accelerations, shaft = zip(*motion, strict=True)
-            self._queue.add_samples(self._sensor.measure(np.concatenate(accelerations), np.concatenate(shaft)))
+            angle = np.concatenate(shaft)
+            self._queue.add_samples(self._sensor.measure(np.concatenate(accelerations), angle))
+            if self._tacho is not None:
+                self._queue.add_pulses(self._tacho.pulses(angle))
 
     def _heat(self) -> None:
         """Step heat and lubricant, and fit the bearing to them."""

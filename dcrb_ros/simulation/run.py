@@ -12,6 +12,8 @@ import numpy.typing as npt
 
 from dcrb_ros.bearing.history import StateHistory
 from dcrb_ros.bearing.kinematics import characteristic_orders
+from dcrb_ros.bearing.tacho import TachoPulses
+from dcrb_ros.bearing.temperature_readings import TemperatureReadings
 from dcrb_ros.bearing.waveform import Waveform
 from dcrb_ros.faults.ground_truth import summary_of
 from dcrb_ros.schema.arrays import Samples
@@ -39,7 +41,11 @@ class Run(Waveform):
     states: StateHistory
     """The bodies over time, at ``publishing.state_rate``."""
     truth: GroundTruth
-    """Speed, load and faults over time."""
+    """Speed, load and faults over time, and the temperatures of all bodies [deg C]."""
+    temperatures: TemperatureReadings
+    """What the temperature sensors read; empty unless ``thermal.law`` is network."""
+    tacho: TachoPulses
+    """The pulses of the tacho; empty unless ``tacho.pulses_per_turn`` is above 0."""
     configuration: Configuration
     """The configuration at the start of the run."""
 
@@ -123,8 +129,23 @@ def simulate(
         clean=np.concatenate([block.clean for block in kept]),
         states=StateHistory.of([states for block in blocks for states in block.states], names),
         truth=GroundTruth.of([truth for block in blocks for truth in block.truths]),
+        temperatures=temperatures_of(blocks),
+        tacho=tacho_of(kept, start.tacho.pulses_per_turn),
         configuration=start,
     )
+
+
+def temperatures_of(blocks: Sequence[Block]) -> TemperatureReadings:
+    """Return what the temperature sensors read during some blocks."""
+    readings = [reading for block in blocks for reading in block.temperatures]
+    places = {place: np.array([getattr(reading, place) for reading in readings], np.float64) for place in ("outer_ring", "box", "ambient")}
+    return TemperatureReadings(time=np.array([reading.time_ns * 1e-9 for reading in readings], np.float64), **places)
+
+
+def tacho_of(blocks: Sequence[Block], pulses_per_turn: int) -> TachoPulses:
+    """Return the pulses of the tacho during some blocks, at least one."""
+    time_ns, number = (np.concatenate([getattr(block, name) for block in blocks]) for name in ("pulse_ns", "pulse_number"))
+    return TachoPulses(time=time_ns * 1e-9, number=number, pulses_per_turn=pulses_per_turn)
 
 
 def waveform_of(blocks: Sequence[Block], configuration: Configuration) -> Waveform:

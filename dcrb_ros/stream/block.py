@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from dcrb_ros.schema.arrays import Samples
+from dcrb_ros.schema.arrays import Integers, Samples
 from dcrb_ros.schema.simulated_time import nanoseconds
 from dcrb_ros.stream.events import Event
 from dcrb_ros.stream.states import Account, States, TemperatureReading
@@ -65,6 +65,10 @@ class Block:
     truths: tuple[Truth, ...] = ()
     temperatures: tuple[TemperatureReading, ...] = ()
     """What the temperature sensors read, once per simulated second."""
+    pulse_ns: Integers = field(default_factory=lambda: np.zeros(0, np.int64))
+    """Time of each pulse of the tacho, shape (pulses,) [ns]."""
+    pulse_number: Integers = field(default_factory=lambda: np.zeros(0, np.int64))
+    """Number of each of these pulses since the start, shape (pulses,)."""
     energy: Account | None = None
     """The energy account at the end of the block; only for blocks with a truth, because it is expensive."""
 

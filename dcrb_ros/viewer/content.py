@@ -35,6 +35,8 @@ class BenchInfo:
     """Sampling rate [Hz]."""
     imported: bool = False
     """Whether the data were measured elsewhere and imported."""
+    pulses_per_turn: int = 0
+    """Pulses of the tacho per turn of the shaft; 0 without a tacho."""
 
     @property
     def bodies(self) -> BodyNames:
@@ -125,6 +127,8 @@ class Content:
     features: Series | None = None
     lubrication: Series | None = None
     """Films, traction and friction, by the names of `dcrb_ros.messages.topics.lubrication_state`."""
+    tacho: Series | None = None
+    """Speed of the shaft from pulse to pulse of the tacho [rad/s]."""
     imported: bool = False
     """Whether the data were measured elsewhere and imported."""
 

@@ -47,6 +47,8 @@ def log_content(content: Content, drawing: Drawing | None) -> None:
     """Log everything that does not depend on the detector to the current recording."""
     series.log_waveform(content.waveform)
     series.log_truth(content)
+    if content.tacho is not None:
+        series.log_tacho(content.tacho)
     series.log_series("features", content.features)
     if content.lubrication is not None:
         series.log_lubrication(content.lubrication)

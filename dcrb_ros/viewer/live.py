@@ -9,7 +9,7 @@ import rerun as rr
 
 from dcrb_ros.diagnosis.detector import Diagnosis
 from dcrb_ros.messages.cdr import STAMP_END, stamps
-from dcrb_ros.messages.description import LARGEST_DESCRIPTION, SOURCE, decode_sensor
+from dcrb_ros.messages.description import LARGEST_DESCRIPTION, SOURCE, decode_pulses_per_turn, decode_sensor
 from dcrb_ros.messages.plain import decode_text
 from dcrb_ros.messages.points import decode_spectrum
 from dcrb_ros.messages.topics import (
@@ -21,6 +21,7 @@ from dcrb_ros.messages.topics import (
     LUBRICATION_STATE,
     ROLLER_STATES,
     SENSOR,
+    TACHO,
     VIBRATION,
     Topic,
 )
@@ -31,7 +32,18 @@ from dcrb_ros.viewer.content import BenchInfo, DetectorOutput
 from dcrb_ros.viewer.live_run import LiveRun, completed
 from dcrb_ros.viewer.reader import content_of, series_of, verdicts_in
 
-SHOWN = (VIBRATION, SENSOR, ROLLER_STATES, GROUND_TRUTH, FEATURES, FAULT_INDICATORS, DIAGNOSIS, ENVELOPE_SPECTRUM, LUBRICATION_STATE)
+SHOWN = (
+    VIBRATION,
+    SENSOR,
+    ROLLER_STATES,
+    GROUND_TRUTH,
+    FEATURES,
+    FAULT_INDICATORS,
+    DIAGNOSIS,
+    ENVELOPE_SPECTRUM,
+    LUBRICATION_STATE,
+    TACHO,
+)
 MOST_QUEUED = 2000
 """Messages of a topic kept until they are logged, at most [-]."""
 
@@ -114,7 +126,7 @@ def bench_info(data: bytes, title: str) -> BenchInfo:
         bearing = Bearing.model_validate(described) if described else Bearing()
     except (ValueError, AttributeError) as error:
         raise Refusal(f"the bearing in the sensor's description is invalid ({type(error).__name__})") from None
-    return BenchInfo(title, bearing, orders, rate, imported=not described)
+    return BenchInfo(title, bearing, orders, rate, imported=not described, pulses_per_turn=decode_pulses_per_turn(data))
 
 
 def detector_output_in(received: Mapping[Topic, Sequence[bytes]]) -> DetectorOutput:

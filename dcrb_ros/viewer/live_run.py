@@ -70,6 +70,8 @@ class LiveRun:
             series.log_waveform(content.waveform, fixed=self._first("waveform"))
         if content.truths:
             series.log_truth(content, fixed=self._first("operating"))
+        if content.tacho is not None:
+            series.log_tacho(content.tacho, fixed=self._first("tacho"))
         for path, found in (("features", content.features), ("indicators", content.detector_output.indicators)):
             if found is not None:
                 series.log_series(path, found, fixed=self._first(path))

@@ -9,9 +9,11 @@ from concurrent.futures import Future, ThreadPoolExecutor
 import numpy as np
 
 from dcrb_ros.bearing.kinematics import Orders
+from dcrb_ros.bearing.tacho import TachoPulses
 from dcrb_ros.messages.cdr import stamps
 from dcrb_ros.messages.joints import decode_alike, decode_joints
 from dcrb_ros.messages.points import decode_waveform
+from dcrb_ros.messages.pulses import decode_pulses
 from dcrb_ros.messages.statuses import decode_diagnostics
 from dcrb_ros.messages.topics import (
     DIAGNOSIS,
@@ -21,6 +23,7 @@ from dcrb_ros.messages.topics import (
     LUBRICATION_STATE,
     NAMESPACE,
     ROLLER_STATES,
+    TACHO,
     VIBRATION,
     Topic,
 )
@@ -33,7 +36,7 @@ from dcrb_ros.stream.states import BodyNames
 from dcrb_ros.viewer.content import BenchInfo, Content, DetectorOutput, Motion, Series, Verdict, Waveform
 from dcrb_ros.viewer.spectrum import diagnoses, indicators_of, verdicts_of
 
-SHOWN = (VIBRATION, ROLLER_STATES, GROUND_TRUTH, FEATURES, FAULT_INDICATORS, DIAGNOSIS, LUBRICATION_STATE)
+SHOWN = (VIBRATION, ROLLER_STATES, GROUND_TRUTH, FEATURES, FAULT_INDICATORS, DIAGNOSIS, LUBRICATION_STATE, TACHO)
 
 
 def read_content(recording: Recording) -> Content:
@@ -49,7 +52,14 @@ def read_content(recording: Recording) -> Content:
         topic = VIBRATION.resolved(recording.namespace)
         raise Refusal(f"{recording.path} has no block on {topic}: give a recording that contains the waveform")
     bearing = recording.bearing
-    bench = BenchInfo(recording.path.stem, bearing or Bearing(), recording.orders, recording.sampling_rate, imported=bearing is None)
+    bench = BenchInfo(
+        recording.path.stem,
+        bearing or Bearing(),
+        recording.orders,
+        recording.sampling_rate,
+        imported=bearing is None,
+        pulses_per_turn=recording.pulses_per_turn,
+    )
     return content_of(messages, bench, lambda waveform: _in_background(lambda: detector_output_of(waveform, recording.orders, messages)))
 
 
@@ -74,6 +84,7 @@ def content_of(
         truths=truths_of(messages.get(GROUND_TRUTH, ())),
         features=series_of(messages.get(FEATURES, ())),
         lubrication=series_of(messages.get(LUBRICATION_STATE, ())),
+        tacho=tacho_of(messages.get(TACHO, ()), bench.pulses_per_turn),
     )
 
 
@@ -137,6 +148,16 @@ def series_of(messages: Sequence[bytes]) -> Series | None:
     return Series(
         np.array([joints.stamp_ns for joints in alike], np.int64), decoded[0].names, np.array([joints.position for joints in alike])
     )
+
+
+def tacho_of(messages: Sequence[bytes], pulses_per_turn: int) -> Series | None:
+    """Return the speed of the shaft from the pulses of its tacho [rad/s], each at the later of two pulses; ``None`` if it is unknown."""
+    blocks = [decode_pulses(data) for data in messages]
+    if not blocks or not pulses_per_turn:
+        return None
+    time_ns, number = (np.concatenate([getattr(block, name) for block in blocks]) for name in ("time_ns", "number"))
+    speed = TachoPulses(time=time_ns * 1e-9, number=number, pulses_per_turn=pulses_per_turn).speed
+    return Series(time_ns[1:], ("tacho [rad/s]",), speed[:, None]) if len(speed) else None
 
 
 def verdicts_in(messages: Sequence[bytes]) -> tuple[Verdict, ...]:

@@ -72,6 +72,11 @@ def log_truth(content: Content, *, fixed: bool = True) -> None:
         log_temperatures(content.truths, fixed=fixed)
 
 
+def log_tacho(found: Series, *, fixed: bool = True) -> None:
+    """Log the speed from the pulses of the tacho [rad/s], in the plot of speed and load."""
+    log_lines("operating/tacho", found.time_ns, found.values, found.names, [palette.WAVEFORM_X], fixed=fixed)
+
+
 def log_temperatures(truths: Sequence[Truth], *, fixed: bool = True) -> None:
     """Log the temperatures of the ground truth [deg C], where it has any."""
     warm = [truth for truth in truths if truth.thermal]

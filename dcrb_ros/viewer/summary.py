@@ -11,6 +11,7 @@ import rerun as rr
 from dcrb_ros.faults.ground_truth import words_of
 from dcrb_ros.stream.block import Truth
 from dcrb_ros.viewer.content import Content
+from dcrb_ros.viewer.series import DEGREES
 from dcrb_ros.viewer.timeline import time_column
 
 MOST_PAGES = 400
@@ -54,6 +55,8 @@ def _lines(content: Content, truth: Truth | None) -> Iterator[str]:
         yield f"| Ground truth | {', '.join(_faults(truth, bearing.rows)) or 'no fault'} |"
         yield f"| Speed, load | {truth.speed * 30 / math.pi:.1f} rpm, {math.hypot(*truth.load) / 1e3:.4g} kN |"
         yield f"| Fault frequencies | {', '.join(f'{name} {value:.2f}' for name, value in truth.frequencies.items())} Hz |"
+        if truth.thermal:
+            yield f"| Temperatures | {', '.join(_temperatures(truth))} °C |"
     if content.imported:
         yield f"| Imported data | BPFO {content.orders.bpfo:.4g}, BPFI {content.orders.bpfi:.4g} orders |"
     else:
@@ -61,6 +64,14 @@ def _lines(content: Content, truth: Truth | None) -> Iterator[str]:
         yield f"| Bearing | {bearing.rows} x {bearing.rollers_per_row} rollers of {diameter:g} mm on a pitch circle of {pitch:g} mm |"
     if verdict and verdict.evidence.get("reason"):
         yield f"\nReason: {verdict.evidence['reason']}."
+
+
+def _temperatures(truth: Truth) -> Iterator[str]:
+    """Yield the warmest of the rings of all rows and of their rollers, box and ambient."""
+    for part in ("inner_ring", "rollers", "outer_ring", "box", "ambient"):
+        found = [value for name, value in truth.thermal.items() if name.removesuffix(DEGREES).split("/")[-1] == part]
+        if found:
+            yield f"{part.replace('_', ' ')} {max(found):.1f}"
 
 
 def _faults(truth: Truth, rows: int) -> Iterator[str]:

@@ -7,7 +7,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from dcrb_ros.exchange.tacho import joined_turns, pulse_train, turns_at_speed, wrapped
+from dcrb_ros.exchange.tacho import LEVELS, counted_pulses, joined_turns, pulse_train, turns_at_speed, wrapped
+from dcrb_ros.exchange.tacho import sampled_pulses as written_pulses
 from dcrb_ros.schema.refusal import Refusal
 
 RATE = 10_000.0
@@ -123,3 +124,37 @@ def test_the_shaft_turns_on_between_files(gap: int) -> None:
     assert joined_turns(parts, indices) == pytest.approx(np.concatenate(indices) / 100.0)
     assert joined_turns(parts[:1], indices[:1]) == pytest.approx(index / 100.0)
     assert joined_turns([np.zeros(1), np.zeros(1)], [np.array([0]), np.array([5])]).tolist() == [0.0, 0.0]
+
+
+@given(st.lists(st.floats(4.0, 90.0), min_size=1, max_size=40), st.floats(1.0, 50.0), st.integers(0, 10**8))
+@settings(max_examples=60, deadline=None)
+def test_the_edges_of_a_sampled_tacho_are_found_again(intervals: list[float], first: float, begin: int) -> None:
+    edges = begin + first + np.concatenate([[0.0], np.cumsum(intervals)])
+    index = np.arange(begin, int(edges[-1]) + 100)
+    signal = written_pulses(edges, index)
+    assert signal.min() == 0.0
+    assert signal.max() <= 1.0
+    found = counted_pulses(signal.astype(np.float64), index, 7, LEVELS)
+    assert len(found.edges) == len(edges)
+    assert np.abs(found.edges - edges).max() < 1e-6
+    assert np.array_equal(np.rint(7.0 * found.turns), np.arange(len(edges)))
+
+
+def test_missing_samples_hide_pulses_which_are_counted() -> None:
+    edges = 20.0 * np.arange(1, 50) + 0.3
+    index = np.concatenate([np.arange(0, 305), np.arange(511, 1000)])
+    found = counted_pulses(written_pulses(edges, index).astype(np.float64), index, 1, LEVELS)
+    assert found.edges == pytest.approx(edges[(edges < 304.0) | (edges > 512.0)])
+    assert found.turns[-1] == 48.0
+
+
+def test_a_tacho_that_stands_still_counts_no_pulse() -> None:
+    index = np.arange(1000)
+    stopped = np.array([10.0, 20.0, 30.0, 900.0, 910.0])
+    found = counted_pulses(written_pulses(stopped, index).astype(np.float64), index, 1, LEVELS)
+    assert found.edges == pytest.approx(stopped)
+    assert found.turns.tolist() == [0.0, 1.0, 2.0, 3.0, 4.0]
+    assert written_pulses(np.zeros(0), index).tolist() == [0.0] * 1000
+    assert len(counted_pulses(np.zeros(1000), index, 1, LEVELS).edges) == 0
+    lone = counted_pulses(written_pulses(np.array([100.25]), index).astype(np.float64), index, 1, LEVELS)
+    assert lone.edges == pytest.approx([100.25])

@@ -162,7 +162,8 @@ def test_malformed_commands_are_refused(data: bytes) -> None:
 
 def test_every_header_and_status_names_the_hardware() -> None:
     frame, names = "box2/outer_ring", BodyNames(2, 16)
-    configuration = Configuration.model_validate({"publishing": {"frame": frame, "clean": True, "contacts": True, "features": True}})
+    publishing = {"frame": frame, "clean": True, "contacts": True, "features": True}
+    configuration = Configuration.model_validate({"publishing": publishing, "tacho": {"pulses_per_turn": 60}})
     encoder, blocks = BlockEncoder(configuration, names), simulated(1.1, fault="outer_1", state_rate=100).blocks
     diagnosis = Diagnosis(0, 1.0, "healthy", "test", spectrum=(np.arange(3.0), np.ones(3)))
     messages = [*(message for block in blocks for message in encoder.encode(block)), *diagnosis_messages(diagnosis, frame)]

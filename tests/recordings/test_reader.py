@@ -26,9 +26,10 @@ from dcrb_ros.exam.detector_run import run_shipped_detector
 from dcrb_ros.messages.encoder import BlockEncoder
 from dcrb_ros.messages.points import SAMPLE
 from dcrb_ros.messages.topics import ACCELERATION, FEATURES, GROUND_TRUTH, MANIFEST, NAMESPACE, ROLLER_STATES, SENSOR, VIBRATION
-from dcrb_ros.recordings import reader
+from dcrb_ros.recordings import metadata
 from dcrb_ros.recordings.manifest import OUTCOME, opening
-from dcrb_ros.recordings.reader import Recording, metadata_flaw
+from dcrb_ros.recordings.metadata import metadata_flaw
+from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.recordings.recorder import Recorder, RecordingFailed, channel_of
 from dcrb_ros.recordings.rosbag2 import Bag
 from dcrb_ros.schema.refusal import Refusal
@@ -387,7 +388,7 @@ def test_metadata_must_name_every_file(tmp_path: Path) -> None:
 def test_metadata_up_to_the_limit_are_read(excess: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     bag = recorded(tmp_path / "bag", 1)
     size = (bag / "metadata.yaml").stat().st_size
-    monkeypatch.setattr(reader, "MAX_METADATA", size - excess)
+    monkeypatch.setattr(metadata, "MAX_METADATA", size - excess)
     assert metadata_flaw(bag) == (f"metadata.yaml has {size} bytes; at most {size - 1} are read" if excess else "")
 
 

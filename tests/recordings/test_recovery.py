@@ -19,7 +19,8 @@ from dcrb_ros.messages.encoder import BlockEncoder
 from dcrb_ros.messages.topics import FEATURES, GROUND_TRUTH, MANIFEST, NAMESPACE, VIBRATION, Message
 from dcrb_ros.recordings.manifest import OUTCOME, opening
 from dcrb_ros.recordings.mcap_reader import McapRecords
-from dcrb_ros.recordings.reader import Recording, metadata_flaw
+from dcrb_ros.recordings.metadata import metadata_flaw
+from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.recordings.recorder import channel_of
 from dcrb_ros.recordings.recovery import RECOVERY, Recovered, recover
 from dcrb_ros.recordings.rosbag2 import Bag

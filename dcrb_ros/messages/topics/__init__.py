@@ -21,6 +21,7 @@ from dcrb_ros.messages.topics.lubrication_state import LUBRICATION_STATE
 from dcrb_ros.messages.topics.roller_contacts import ROLLER_CONTACTS
 from dcrb_ros.messages.topics.roller_states import ROLLER_STATES
 from dcrb_ros.messages.topics.sensor import SENSOR
+from dcrb_ros.messages.topics.tacho import TACHO
 from dcrb_ros.messages.topics.temperatures import AMBIENT_TEMPERATURE, BOX_TEMPERATURE, OUTER_RING_TEMPERATURE
 from dcrb_ros.messages.topics.transforms import TRANSFORMS
 from dcrb_ros.messages.topics.vibration import VIBRATION
@@ -48,6 +49,7 @@ __all__ = [
     "ROLLER_STATES",
     "SENSOR",
     "SIMULATED",
+    "TACHO",
     "TRANSFORMS",
     "VIBRATION",
     "VIBRATION_CLEAN",
@@ -69,6 +71,7 @@ SIMULATED: tuple[SimulatedTopic, ...] = _topics(
     "sensor:SENSOR",
     "vibration:VIBRATION",
     "vibration_clean:VIBRATION_CLEAN",
+    "tacho:TACHO",
     "features:FEATURES",
     "window_features:WINDOW_FEATURES",
     "acceleration:ACCELERATION",

@@ -1,0 +1,100 @@
+"""Readings of temperature sensors in files of other tools: beside the waveform with their own times, or in columns of its length."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+
+from dcrb_ros.bearing.temperature_readings import TemperatureReadings
+from dcrb_ros.messages.points import index_at
+from dcrb_ros.recordings.arrays import READINGS
+from dcrb_ros.schema.arrays import Floats, Integers
+from dcrb_ros.schema.refusal import Refusal
+
+CHANNELS: Mapping[str, str] = {f"{place}_temperature": place for place in READINGS}
+"""Channels of temperatures [deg C], and the places of the sensors."""
+TIME = "temperature_time"
+"""Channel with the times of the readings [s]."""
+LEAST_INTERVAL_NS = 100_000_000
+"""Time from a reading to the next that is kept [ns]: a channel may have one at every sample."""
+COLDEST = -273.15
+"""Absolute zero [deg C]."""
+
+
+def own_arrays(readings: TemperatureReadings) -> dict[str, Floats]:
+    """Return the readings as arrays of their own length, with their times."""
+    return {TIME: readings.time, **{channel: getattr(readings, place) for channel, place in CHANNELS.items()}} if len(readings) else {}
+
+
+def columns(readings: TemperatureReadings, index: Integers, rate: int) -> dict[str, Floats]:
+    """Return the readings as columns beside the samples ``index``: each at the sample of its time, NaN elsewhere.
+
+    A reading at the time of a missing sample is left out.
+    """
+    if not len(readings):
+        return {}
+    wanted = [index_at(round(time * 1e9), rate) for time in readings.time]
+    found, at, before = np.intersect1d(index, wanted, return_indices=True)
+    table = {channel: np.full(len(index), np.nan) for channel in CHANNELS}
+    for channel, place in CHANNELS.items():
+        table[channel][at] = getattr(readings, place)[before]
+    return table if len(found) else {}
+
+
+def readings_of(
+    parts: Sequence[Floats], indices: Sequence[npt.NDArray[np.int64]], times: Floats | None, rate: float, source: str
+) -> tuple[Integers, Floats]:
+    """Return times [ns] and values [deg C] of a channel of one or more files, without NaN, at most one in `LEAST_INTERVAL_NS`.
+
+    Args:
+        parts: the channel in each file, shape (files,) of (readings,).
+        indices: the samples of each file, shape (files,) of (samples,). Fewer readings than samples are spread evenly over the file.
+        times: times of the readings of all files [s], shape (readings,); None if they follow from the samples.
+        rate: sampling rate [Hz].
+        source: name of the channel in error messages.
+
+    Raises:
+        Refusal: there are more readings than samples or other numbers of readings than times, or one is below absolute zero.
+    """
+    values = np.concatenate(parts)
+    if times is None:
+        time_ns = np.concatenate([_spread(len(part), index, rate, source) for part, index in zip(parts, indices, strict=True)])
+    elif len(times) == len(values):
+        time_ns = np.rint(times * 1e9).astype(np.int64)
+    else:
+        raise Refusal(f"{source} has {len(values)} readings for {len(times)} times in {TIME}: give a time for each reading")
+    known = np.isfinite(values)
+    time_ns, values = time_ns[known], values[known]
+    if np.any(values < COLDEST):
+        raise Refusal(f"{source} has a temperature of {values.min():g} deg C, below absolute zero: give degrees Celsius, NaN where unknown")
+    if np.any(np.diff(time_ns) <= 0):
+        raise Refusal(f"{source}: the times in {TIME} must increase: sort the readings")
+    kept, last = [], -LEAST_INTERVAL_NS
+    for number, at in enumerate(time_ns.tolist()):
+        if at - last >= LEAST_INTERVAL_NS:
+            kept.append(number)
+            last = at
+    return time_ns[kept], values[kept]
+
+
+def _spread(count: int, index: npt.NDArray[np.int64], rate: float, source: str) -> Integers:
+    """Return the times [ns] of readings that are spread evenly over the samples of a file."""
+    if count > len(index):
+        raise Refusal(f"{source} has {count} readings for {len(index)} samples: give at most one per sample, or their times in {TIME}")
+    places = index if count == len(index) else index[0] + np.arange(count) * ((index[-1] - index[0] + 1) / count)
+    return np.floor(np.asarray(places, np.float64) * 1e9 / rate + 1e-3).astype(np.int64)
+
+
+def checked_channels(given: Mapping[str, object], source: Path) -> list[str]:
+    """Return the channels of temperatures that a description gives.
+
+    Raises:
+        Refusal: it gives the times of readings, but no readings.
+    """
+    found = [channel for channel in CHANNELS if given.get(channel) is not None]
+    if given.get(TIME) is not None and not found:
+        raise Refusal(f"{source} gives {TIME}, but no temperature: name a channel of {', '.join(CHANNELS)}, or leave it out")
+    return found

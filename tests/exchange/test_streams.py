@@ -1,0 +1,141 @@
+"""Temperatures and tacho pulses in files of other tools: everything an export writes comes back, and slow channels of others are read."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+import yaml
+from scipy.io import loadmat
+
+import dcrb_ros
+from dcrb_ros.exchange.export import array_name, export
+from dcrb_ros.exchange.importing import WaveformImport
+from dcrb_ros.messages.topics import AMBIENT_TEMPERATURE, BOX_TEMPERATURE, FEATURES, OUTER_RING_TEMPERATURE, TACHO, VIBRATION
+from dcrb_ros.recordings.reader import Recording
+from dcrb_ros.recordings.recorder import Recorder
+from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.simulation.loop import Simulation
+
+STREAMS = (VIBRATION, FEATURES, TACHO, OUTER_RING_TEMPERATURE, BOX_TEMPERATURE, AMBIENT_TEMPERATURE)
+WARM = {"thermal.law": "network", "tacho.pulses_per_turn": 100, "operating.speed_fluctuation": 0.01}
+RATE = 12000
+ORDERS = {"FTF": 0.39828, "BPFO": 3.5848, "BPFI": 5.4152, "BSF": 2.35695}  # SKF 6205-2RS JEM
+
+
+@pytest.fixture(scope="module")
+def bag(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return a recording of a warm bearing with a tacho, over two readings of temperature."""
+    path, simulation = tmp_path_factory.mktemp("warm") / "bag", Simulation(dcrb_ros.load_configuration("healthy", WARM))
+    with Recorder(path, simulation.configuration, simulation.bodies) as recorder:
+        for block in simulation.blocks(1.05):
+            recorder.write(block)
+    return path
+
+
+def sent(recording: Recording) -> list[tuple[str, int, bytes]]:
+    return [(message.topic.name, message.time_ns, message.data) for message in recording.messages(STREAMS)]
+
+
+@pytest.mark.parametrize("suffix", [".npz", ".csv", ".mat", ".parquet"])
+def test_all_streams_come_back_byte_for_byte(suffix: str, bag: Path, tmp_path: Path) -> None:
+    file, old = tmp_path / f"wave{suffix}", Recording(bag)
+    beside = export(old, file)
+    WaveformImport(file, beside).write(tmp_path / "new")
+    new = Recording(tmp_path / "new")
+    assert len(list(new.messages((TACHO,)))) == 53
+    assert sorted(sent(new)) == sorted(sent(old))
+    assert new.tacho().pulses_per_turn == 100
+    assert new.temperatures().to_pandas().equals(old.temperatures().to_pandas())
+    assert new.manifest["imported"]["labels"]["thermal"]["box [deg C]"] == old.truth().thermal("box [deg C]")[-1]
+    # A second generation keeps the noise of the sensors, which its bench no longer tells.
+    again = export(new, tmp_path / f"again{suffix}")
+    assert yaml.safe_load(again.read_text())["temperature_deviation"] == 0.2
+
+
+def test_the_angle_from_the_pulses_of_a_file_is_that_of_the_shaft(bag: Path, tmp_path: Path) -> None:
+    beside = export(Recording(bag), tmp_path / "wave.npz")
+    WaveformImport(tmp_path / "wave.npz", beside, ["channels.shaft_angle=null"]).write(tmp_path / "new")
+    old, new = Recording(bag).waveform(), Recording(tmp_path / "new").waveform()
+    assert Recording(tmp_path / "new").manifest["sensor"]["shaft_angle"] == "from pulses of a tacho, 100 per turn"
+    difference = new.turns - old.turns
+    # Where the signal begins is unknown to a tacho, and before the first and after the last pulse the speed is that of the nearest.
+    assert np.ptp(difference[100:-100]) * 360.0 < 0.01
+
+
+def test_arrays_of_the_truth_say_what_they_are(bag: Path, tmp_path: Path) -> None:
+    recording = Recording(bag)
+    export(recording, tmp_path / "wave.npz")
+    export(recording, tmp_path / "wave.mat")
+    arrays, truth = np.load(tmp_path / "wave.npz"), recording.truth()
+    assert arrays["truth_row2_outer_ring_temperature"].tolist() == truth.thermal("row2/outer_ring [deg C]").tolist()
+    assert arrays["truth_row1_rest_heat"].shape == arrays["truth_time"].shape == (len(truth),)
+    assert arrays["truth_clearance_change"].tolist() == truth.thermal("clearance_change [m]").tolist()
+    assert array_name("acceleration") == "truth_time_lapse"
+    assert loadmat(tmp_path / "wave.mat")["box_temperature"].ravel().tolist() == recording.temperatures().box.tolist()
+
+
+def test_a_table_has_a_reading_at_its_sample_and_nothing_elsewhere(bag: Path, tmp_path: Path) -> None:
+    export(Recording(bag), tmp_path / "wave.csv")
+    table = pd.read_csv(tmp_path / "wave.csv")
+    known = table[["outer_ring_temperature", "box_temperature", "ambient_temperature"]].dropna()
+    assert list(table["time"][known.index]) == [0.0, 1.0]
+    assert known["box_temperature"].tolist() == Recording(bag).temperatures().box.tolist()
+
+
+def test_a_bench_without_heat_and_tacho_is_exported_as_ever(tmp_path: Path) -> None:
+    beside = export(Recording(Path(__file__).parents[2] / "bags" / "healthy"), tmp_path / "wave.npz")
+    assert set(np.load(tmp_path / "wave.npz").files) == {
+        *("index", "time", "ax", "ay", "shaft_angle", "truth_time", "truth_speed", "truth_load", "sampling_rate", "about")
+    }
+    assert set(yaml.safe_load(beside.read_text())["channels"]) == {"index", "ax", "ay", "shaft_angle"}
+
+
+def imported(folder: Path, channels: dict[str, str], arrays: dict[str, Any], **more: Any) -> Recording:
+    """Import 3 s of noise with further channels."""
+    noise = np.random.default_rng(1).normal(0.0, 1.0, 3 * RATE)
+    np.savez(folder / "x.npz", a=noise, **arrays)
+    about = {"channels": {"ax": "a", **channels}, "sampling_rate": RATE, "unit": "m/s^2", "orders": ORDERS, **more}
+    (folder / "about.yaml").write_text(yaml.safe_dump(about))
+    WaveformImport(folder / "x.npz", folder / "about.yaml").write(folder / "bag")
+    return Recording(folder / "bag")
+
+
+def test_fewer_readings_than_samples_are_spread_over_the_file(tmp_path: Path) -> None:
+    found = imported(tmp_path, {"box_temperature": "t"}, {"t": np.array([40.0, np.nan, 41.0, 42.0, 43.0, 44.0])}).temperatures()
+    assert found.time.tolist() == [0.0, 1.0, 1.5, 2.0, 2.5]
+    assert found.box.tolist() == [40.0, 41.0, 42.0, 43.0, 44.0]
+    assert np.isnan(found.outer_ring).all()
+    assert np.isnan(found.ambient).all()
+
+
+def test_a_reading_at_every_sample_is_thinned(tmp_path: Path) -> None:
+    dense = np.linspace(20.0, 23.0, 3 * RATE)
+    found = imported(tmp_path, {"ambient_temperature": "t"}, {"t": dense}).temperatures()
+    assert found.time.tolist() == pytest.approx(np.arange(30) / 10.0)
+    assert found.ambient == pytest.approx(20.0 + found.time, abs=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("channels", "arrays", "sentence"),
+    [
+        ({"box_temperature": "t"}, {"t": np.full(3, 313.0) - 600.0}, "-287 deg C, below absolute zero: give degrees Celsius"),
+        ({"box_temperature": "t"}, {"t": np.full(4 * RATE, 20.0)}, "has 48000 readings for 36000 samples"),
+        ({"box_temperature": "t", "temperature_time": "u"}, {"t": np.ones(3), "u": np.ones(2)}, "has 3 readings for 2 times"),
+        ({"box_temperature": "t", "temperature_time": "u"}, {"t": np.ones(2), "u": np.array([2.0, 1.0])}, "must increase"),
+        ({"temperature_time": "u"}, {"u": np.ones(2)}, "gives temperature_time, but no temperature"),
+    ],
+)
+def test_readings_without_meaning_are_refused(channels: dict[str, str], arrays: dict[str, Any], sentence: str, tmp_path: Path) -> None:
+    with pytest.raises(Refusal, match=sentence):
+        imported(tmp_path, channels, arrays)
+
+
+def test_pulses_of_a_measured_tacho_are_recorded_as_well(tmp_path: Path) -> None:
+    turns = 30.0 * np.arange(3 * RATE) / RATE
+    recording = imported(tmp_path, {"tacho": "s"}, {"s": 5.0 * (np.mod(4.0 * turns + 0.3, 1.0) < 0.3)}, pulses_per_turn=4)
+    assert len(recording.tacho()) == 360
+    assert recording.tacho().speed == pytest.approx(60.0 * np.pi, rel=2e-3)
