@@ -68,6 +68,35 @@ def test_warm_oil_loses_less_and_the_steady_state_is_one(lubricant: str) -> None
     assert sum(map(sum, steady.power(running, warm))) < 0.7 * sum(map(sum, steady.power(running, [20.0] * 7)))
 
 
+def test_starved_raceways_heat_most_at_some_35_degrees() -> None:
+    steady = QuasiSteady(bench())
+    running = steady.running()
+    heat = {film: sum(row[0] + row[1] for row in steady.power(running, [film] * 7)) for film in (0.0, 20.0, 35.0, 50.0, 80.0)}
+    assert heat[0.0] < 0.6 * heat[35.0]  # the inlet starves faster than the oil becomes viscous
+    assert heat[20.0] < heat[35.0] > heat[50.0]
+    assert heat[80.0] < 0.7 * heat[35.0]
+
+
+@pytest.mark.parametrize(
+    ("law", "more", "rises"),
+    [
+        # Cold outside or not, the films of starved raceways are on either side of their greatest heat.
+        ("film", (-0.5, 0.0), (21.84, 22.07)),
+        # An estimate with the shear of oil at the lands of the cages has 23.3 K at 0 deg C and 21.9 K at 20 deg C at the outer ring.
+        ("film_with_cages", (0.8, 1.6), (23.3, 21.9)),
+    ],
+)
+def test_cold_outside_a_bearing_rises_more_only_by_the_oil_about_its_cages(
+    law: str, more: tuple[float, float], rises: tuple[float, float]
+) -> None:
+    found = []
+    for ambient in (0.0, 20.0):
+        steady = QuasiSteady(bench(lubrication__law=law, thermal__ambient=ambient))
+        found.append(steady.steady(steady.running())[OUTER] - ambient)
+    assert found == pytest.approx(rises, rel=0.05)
+    assert more[0] < found[0] - found[1] < more[1]
+
+
 def test_at_standstill_there_is_no_heat() -> None:
     steady = QuasiSteady(bench(operating__speed=0.0))
     running = steady.running()
