@@ -12,6 +12,8 @@ from dcrb_ros.stream.block import Truth
 from dcrb_ros.stream.event_text import decode_event, encode_event
 
 OK, WARN, ERROR = 0, 1, 2  # diagnostic_msgs/msg/DiagnosticStatus
+TIME_LAPSE = "heat is stored {:g} times as fast as in reality, and speed, load, ambient and faults keep their time"
+"""Message of the status `thermal` where temperatures have a time of their own."""
 
 
 @dataclass(frozen=True)
@@ -40,7 +42,9 @@ def encode_truth(truth: Truth, frame: str = FRAME) -> bytes:
     if truth.background:
         statuses.append(Status("background", OK, "no fault", {key: repr(value) for key, value in truth.background.items()}))
     if truth.thermal:
-        statuses.append(Status("thermal", OK, "", {key: repr(value) for key, value in truth.thermal.items()}))
+        lapse = truth.thermal.get("acceleration", 1.0)
+        said = TIME_LAPSE.format(lapse) if lapse > 1.0 else ""
+        statuses.append(Status("thermal", OK, said, {key: repr(value) for key, value in truth.thermal.items()}))
     for name, fields in truth.faults.items():
         statuses.append(Status(f"faults.{name}", ERROR, "present", {key: repr(value) for key, value in fields.items()}))
     return encode_diagnostics(truth.time_ns, statuses, frame)

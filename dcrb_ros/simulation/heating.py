@@ -271,13 +271,16 @@ class Heating:
         """Return the state of the oil, at temperatures within the range of its formulas."""
         if not self.network_on:
             return oil_state(self.loss, c.lubrication.temperature, c.lubrication.temperature)
-        rows = [self._steady.inlets(self.temperatures, row) for row in range(self._network.rows)]
-        inner, outer = (sum(row[number] for row in rows) / len(rows) for number in (0, 1))
         lubricant, law = lubricant_of(dict(c.lubrication)), c.lubrication.law
-        return oil_state(self.loss, held(lubricant, law, inner), held(lubricant, law, outer))
+        inner, outer = (held(lubricant, law, one) for one in self._inlets())
+        return oil_state(self.loss, inner, outer)
+
+    def _inlets(self) -> list[float]:
+        """Return the temperatures of the oil at the inlets of inner and outer raceways, means of the rows [deg C]."""
+        rows = [self._steady.inlets(self.temperatures, row) for row in range(self._network.rows)]
+        return [sum(row[number] for row in rows) / len(rows) for number in (0, 1)]
 
     def _count_clamped(self, c: Configuration) -> None:
-        """Count a tick at which the oil of a row is beyond the range of its formulas."""
+        """Count a tick at which the oil at a raceway is beyond the range of its formulas."""
         lubricant = lubricant_of(dict(c.lubrication))
-        inlets = [one for row in range(self._network.rows) for one in self._steady.inlets(self.temperatures, row)]
-        self.clamped += any(held(lubricant, c.lubrication.law, one) != one for one in inlets)
+        self.clamped += any(held(lubricant, c.lubrication.law, one) != one for one in self._inlets())

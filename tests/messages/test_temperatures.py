@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -9,9 +10,10 @@ from typer.testing import CliRunner
 
 import dcrb_ros
 from dcrb_ros.cli.app import app
-from dcrb_ros.messages.statuses import decode_truth, encode_truth
+from dcrb_ros.messages.statuses import decode_diagnostics, decode_truth, encode_truth
 from dcrb_ros.messages.topics import AMBIENT_TEMPERATURE, BOX_TEMPERATURE, OUTER_RING_TEMPERATURE
 from dcrb_ros.recordings.reader import Recording
+from dcrb_ros.stream.block import Truth
 
 TOPICS = (OUTER_RING_TEMPERATURE, BOX_TEMPERATURE, AMBIENT_TEMPERATURE)
 
@@ -38,3 +40,17 @@ def test_a_bench_without_a_network_publishes_no_temperature() -> None:
 def test_the_ground_truth_keeps_its_temperatures_through_a_message() -> None:
     truth = dcrb_ros.simulate("healthy", 0.05, settings={"thermal.law": "network"}).truth.truths[-1]
     assert decode_truth(encode_truth(truth)).thermal == truth.thermal
+    assert said_of_heat(truth) == ""
+    fast = replace(truth, thermal={**truth.thermal, "acceleration": 200.0})
+    assert decode_truth(encode_truth(fast)).thermal["acceleration"] == 200.0
+    assert said_of_heat(fast) == "heat is stored 200 times as fast as in reality, and speed, load, ambient and faults keep their time"
+
+
+def said_of_heat(truth: Truth) -> str:
+    """Return the message of the status of temperatures."""
+    return next(status.message for status in decode_diagnostics(encode_truth(truth))[1] if status.name == "thermal")
+
+
+def test_the_page_on_heat_says_what_a_time_lapse_does_to_a_changing_speed() -> None:
+    page = " ".join((Path(__file__).parents[2] / "docs" / "explanation" / "thermal.md").read_text(encoding="utf-8").split())
+    assert "multiplies the storage of heat alone. Speed, load and faults keep their time." in page

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import dcrb_ros
+from dcrb_ros.bearing.thermal_fit import oil_state
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.files import load_configuration
 from dcrb_ros.simulation.heating import AVERAGED
@@ -193,6 +194,34 @@ def test_cold_oil_is_held_at_the_temperature_at_which_it_flows_and_counted(law: 
     run = advanced(Simulation(c), 0.1)
     assert run._heating.truth(c)["clamped"] == 1.0
     assert math.isfinite(run._heating.temperatures[0])
+
+
+def test_hot_oil_is_held_at_the_end_of_its_formulas_and_each_time_is_counted() -> None:
+    run = simulation(thermal__start="cold")
+    heating = run._heating
+    advanced(run, 0.35)
+    assert heating.clamped == 0  # within the range nothing is counted
+    found = []
+    for warm in (300.0, 400.0):
+        heating.temperatures = [warm] * len(heating.temperatures)
+        advanced(run, 0.2)
+        found.append(heating._oil)
+    assert heating.clamped == 4  # of the ticks of 0.1 s, two at each temperature
+    assert found[0] == found[1] == oil_state(0.0, 250.0, 250.0)
+    heating.temperatures = [240.0] * len(heating.temperatures)
+    advanced(run, 0.1)
+    assert heating.clamped == 4
+    assert heating.truth(run.configuration)["clamped"] == 4.0
+
+
+def test_a_speed_that_changes_during_a_time_lapse_keeps_its_time_and_the_truth_has_both() -> None:
+    c = load_configuration("healthy", WARM | {"thermal.acceleration": 100.0, "operating.speed_ramp": 500.0})
+    story = {"timeline": [{"at": 0.05, "set": {"operating.speed": 75.664}}]}
+    truths = [truth for block in Simulation(c, scheduled_changes(story, c, "story")).blocks(0.32) for truth in block.truths]
+    assert {truth.thermal["acceleration"] for truth in truths} == {100.0}
+    speeds = {round(truth.time_ns * 1e-9, 1): truth.speed for truth in truths}
+    assert speeds[0.1] == pytest.approx(100.664, rel=0.01)  # 50 ms of a ramp of 500 rad/s^2, not of one a hundred times as fast
+    assert speeds[0.3] == pytest.approx(75.664, rel=0.01)
 
 
 def test_a_bearing_that_burns_off_ends_the_run_with_the_reason() -> None:
