@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import runpy
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -80,6 +82,15 @@ def test_the_status_of_the_node_has_the_present_temperatures(warm: tuple[Path, d
         *("inner_ring [deg C]", "outer_ring [deg C]", "box [deg C]", "ambient [deg C]", "heat [W]", "clamped_temperatures")
     }
     assert _temperatures(None) == {}
+
+
+def test_the_example_draws_a_recording(
+    warm: tuple[Path, dcrb_ros.Run, list[Block]], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(sys, "argv", ["burn_off.py", str(warm[0]), "-o", str(tmp_path / "picture.png")])
+    runpy.run_path(str(Path(__file__).parents[2] / "examples" / "burn_off.py"), run_name="__main__")
+    assert (tmp_path / "picture.png").stat().st_size > 10_000
+    assert f"at most {warm[1].states.inner_ring_temperature[:, 0].max():.0f} °C" in capsys.readouterr().out  # type: ignore[index]
 
 
 def test_info_and_plot_show_the_readings(warm: tuple[Path, dcrb_ros.Run, list[Block]], tmp_path: Path) -> None:
