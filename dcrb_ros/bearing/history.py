@@ -146,6 +146,9 @@ class StateHistory:
     def to_pandas(self) -> pd.DataFrame:
         """Return a DataFrame over time [s]; its columns have two levels, the quantity and the body.
 
+        With a thermal network there is the quantity ``temperature`` [deg C] of ``row1/inner_ring``, ``row1/rollers``, ``row1/outer_ring``
+        ..., ``box`` and ``ambient``.
+
         Raises
         ------
         Refusal
@@ -159,4 +162,16 @@ class StateHistory:
             for name, values in recorded.items()
             if values is not None and values.shape == shaped
         }
+        warm = self._temperatures()
+        frames |= {"temperature": pandas().DataFrame(warm, index=index)} if warm else {}
         return pandas().concat(frames, axis=1, names=["quantity", "body"])
+
+    def _temperatures(self) -> dict[str, Floats]:
+        """Return the temperatures over time by body [deg C]; none without a thermal network."""
+        if self.box_temperature is None or self.ambient_temperature is None:
+            return {}
+        parts = {"inner_ring": self.inner_ring_temperature, "rollers": self.roller_temperature, "outer_ring": self.outer_ring_temperature}
+        by_row = {
+            f"row{row + 1}/{part}": values[:, row] for row in range(self.rows) for part, values in parts.items() if values is not None
+        }
+        return by_row | {"box": self.box_temperature, "ambient": self.ambient_temperature}

@@ -61,10 +61,23 @@ def test_the_truth_has_all_temperatures_over_time(warm: tuple[Path, dcrb_ros.Run
             truth.thermal("box")
 
 
+def test_the_table_of_states_has_the_temperatures_by_body(warm: tuple[Path, dcrb_ros.Run, list[Block]]) -> None:
+    _, run, _ = warm
+    found = run.states.to_pandas()["temperature"]
+    assert [str(name) for name in found.columns] == [
+        *(f"row{row}/{part}" for row in (1, 2) for part in ("inner_ring", "rollers", "outer_ring")),
+        *("box", "ambient"),
+    ]
+    assert run.states.roller_temperature is not None
+    assert found["row2/rollers"].tolist() == run.states.roller_temperature[:, 1].tolist()
+    assert (found["box"] > found["ambient"]).all()
+
+
 def test_a_cold_bench_has_no_temperatures() -> None:
     run = dcrb_ros.simulate("dry", 0.05)
     assert len(run.temperatures) == 0
     assert repr(run.temperatures) == "<TemperatureReadings: none>"
+    assert "temperature" not in run.states.to_pandas()
     assert list(run.truth.to_pandas().columns) == ["speed", "load_x", "load_y", "FTF", "BPFO", "BPFI", "BSF", "faults", "event"]
     with pytest.raises(Refusal, match=r"it has no temperatures: simulate with thermal.law = network"):
         run.truth.thermal("box [deg C]")
