@@ -1,8 +1,8 @@
 """Variance of usual features between bearings, against that between runs of one bearing with other seeds.
 
-``python benchmarks/individuals.py [BEARINGS] [drawn|set] [DURATION]`` simulates two runs of each bearing of the bench `healthy`, which differ
-in the seed of the run: the fluctuation of the speed, and with ``drawn`` the angles of the cages at the start. DURATION is the simulated time
-of the features [s].
+``python benchmarks/individuals.py [BEARINGS] [drawn|set] [DURATION]`` simulates two runs of each bearing of the bench `healthy`, which
+differ in the seed of the run: the fluctuation of the speed, and with ``drawn`` the angles of the cages at the start. DURATION is the
+simulated time of the features [s].
 """
 
 from __future__ import annotations
