@@ -13,7 +13,7 @@ from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import load_configuration
 from dcrb_ros.simulation.loop import Simulation
 from dcrb_ros.validation.comparison import Comparison, about, between
-from dcrb_ros.validation.height_rows import CHAPTER, height_comparisons
+from dcrb_ros.validation.height_rows import CHAPTER
 from dcrb_ros.validation.oiled_runs import BEARINGS, EVEN, HEALTHY, SEEDS, SHARES, OiledRun, OiledRuns
 
 INDIVIDUALS = "Individuals"
@@ -30,7 +30,6 @@ CLIMB = 5.76
 def surface_comparisons(runs: OiledRuns) -> Iterator[Comparison]:
     """Yield the comparisons of surfaces."""
     yield from felt_comparisons()
-    yield from height_comparisons()
     yield from _share(runs)
     yield _shares_of_rollers(runs["healthy"])
     yield _fluting(runs["fluting"])
