@@ -1,7 +1,8 @@
 """Variance of usual features between bearings, against that between runs of one bearing with other seeds.
 
-``python benchmarks/individuals.py [BEARINGS] [drawn|set]`` simulates two runs of each bearing of the bench `healthy`, which differ in the
-seed of the run: the fluctuation of the speed, and with ``drawn`` the angles of the cages at the start.
+``python benchmarks/individuals.py [BEARINGS] [drawn|set] [DURATION]`` simulates two runs of each bearing of the bench `healthy`, which
+differ in the seed of the run: the fluctuation of the speed, and with ``drawn`` the angles of the cages at the start. DURATION is the
+simulated time of the features [s].
 """
 
 from __future__ import annotations
@@ -34,11 +35,11 @@ def level(power: Floats, frequency: Floats, low: float, high: float) -> float:
     return float(10.0 * np.log10(power[(frequency >= low) & (frequency < high)].sum()))
 
 
-def features(bearing: int, seed: int, angles: str) -> list[float]:
+def features(bearing: int, seed: int, angles: str, duration: float) -> list[float]:
     """Return the features `NAMES` of a run of a bearing."""
     given = (f"surfaces.seed={bearing}", f"simulation.seed={seed}", f"operating.cage_angles={angles}", "sensor.noise_density=0")
     configuration = load_configuration("healthy", given)
-    blocks = list(Simulation(configuration, waveform_only=True).blocks(SETTLING + DURATION))
+    blocks = list(Simulation(configuration, waveform_only=True).blocks(SETTLING + duration))
     rate, orders = blocks[0].rate, characteristic_orders(configuration.bearing)
     signal = np.concatenate([block.clean for block in blocks])[round(SETTLING * rate) :].astype(np.float64)
     signal -= signal.mean(axis=0)
@@ -67,10 +68,11 @@ def main() -> None:
     """Print each feature's standard deviation between bearings and within one."""
     count = int(sys.argv[1]) if len(sys.argv) > 1 else BEARINGS
     angles = sys.argv[2] if len(sys.argv) > 2 else "drawn"
-    values = np.array([[features(bearing, seed, angles) for seed in range(1, RUNS + 1)] for bearing in range(1, count + 1)])
+    duration = float(sys.argv[3]) if len(sys.argv) > 3 else DURATION
+    values = np.array([[features(bearing, seed, angles, duration) for seed in range(1, RUNS + 1)] for bearing in range(1, count + 1)])
     within = values.var(axis=1, ddof=1).mean(axis=0)
     between = np.maximum(values.mean(axis=1).var(axis=0, ddof=1) - within / RUNS, 0.0)
-    print(f"{count} bearings, {RUNS} runs of {DURATION} s each, angles of the cages {angles}")
+    print(f"{count} bearings, {RUNS} runs of {duration:g} s each, angles of the cages {angles}")
     for name, one, other in zip(NAMES, between, within, strict=True):
         print(f"{name:32s} between {one**0.5:10.4g}   within {other**0.5:10.4g}   ratio of variances {one / other:8.2f}")
     print(f"{(between > within).sum()} of {len(NAMES)} features vary more between bearings than between runs of one")

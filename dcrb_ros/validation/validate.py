@@ -18,6 +18,7 @@ from dcrb_ros.validation.faults import fault_comparisons
 from dcrb_ros.validation.figures import write_figures
 from dcrb_ros.validation.formulation import WINDOWS, Agreement, compare_solvers, formulation_comparisons
 from dcrb_ros.validation.healthy import healthy_comparisons
+from dcrb_ros.validation.height_rows import height_comparisons
 from dcrb_ros.validation.oil_laws import oil_law_comparisons
 from dcrb_ros.validation.oiled_bench import oiled_bench_comparisons
 from dcrb_ros.validation.oiled_runs import OiledRun, OiledRuns, oiled_specs, simulate_oiled
@@ -81,6 +82,7 @@ def all_comparisons(results: Results) -> list[Comparison]:
         *oil_law_comparisons(),
         *oiled_bench_comparisons(oiled),
         *thermal_comparisons(),
+        *height_comparisons(),
         *surface_comparisons(oiled),
         *realism_comparisons(oiled),
     ]

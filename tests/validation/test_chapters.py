@@ -11,8 +11,12 @@ from typing import Any
 import numpy as np
 import pytest
 
+from dcrb_ros.bearing import runtime_change, surfaces
 from dcrb_ros.core.laws import film, film_thickness, fluid_traction, rolling_resistance, squeeze, viscosity
-from dcrb_ros.validation import friction_moment, oil_laws, oiled_bench, surface_rows, thermal_rows
+from dcrb_ros.faults.shapes import brinelling
+from dcrb_ros.settings.files import load_configuration
+from dcrb_ros.simulation import loop
+from dcrb_ros.validation import friction_moment, height_rows, oil_laws, oiled_bench, surface_rows, thermal_rows
 from dcrb_ros.validation.comparison import Comparison, about, between
 from dcrb_ros.validation.oiled_runs import OiledRun, OiledSpec, oiled_specs, simulate_oiled
 from dcrb_ros.validation.report import chapters, markdown
@@ -27,7 +31,7 @@ def short(rows: Iterable[Comparison]) -> set[str]:
 
 def static_rows() -> list[Comparison]:
     """Return the rows that need no run."""
-    return [*oil_laws.oil_law_comparisons(), *surface_rows.felt_comparisons()]
+    return [*oil_laws.oil_law_comparisons(), *surface_rows.felt_comparisons(), *height_rows.table_comparisons()]
 
 
 def test_the_laws_have_the_values_worked_out_by_hand() -> None:
@@ -54,6 +58,7 @@ def test_heat_has_the_values_worked_out_by_hand(monkeypatch: pytest.MonkeyPatch)
         (squeeze, "squeeze_damping", "Speed that a layer of 20 um takes from a roller down to 1 um"),
         (squeeze, "wedge_force", "Lift of the wedge at the gaps at which an idle roller rests"),
         (surface_rows, "envelope", "Depth of a notch of 2 mm for a rigid roller, outer and inner raceway"),
+        (height_rows, "envelope", "Lowest path of a rigid roller over a wave of 1 mm and 10 um, outer raceway"),
         (surface_rows, "averaged", "Share of a wave of 1 mm that contacts of half-widths of 0.2 and 0.5 mm feel"),
     ],
 )
@@ -66,6 +71,32 @@ def test_two_per_cent_more_fall_short(module: ModuleType, name: str, missed: str
 
     monkeypatch.setattr(module, name, more)
     assert missed in short(static_rows())
+
+
+def test_a_table_whose_slopes_are_not_those_of_its_heights_falls_short(monkeypatch: pytest.MonkeyPatch) -> None:
+    heights, slopes = height_rows.spalled_table()
+    monkeypatch.setattr(height_rows, "spalled_table", lambda: (heights, 1.02 * slopes))
+    assert short(height_rows.table_comparisons()) == {"Slopes of that table over those of its heights"}
+    monkeypatch.setattr(height_rows, "spalled_table", lambda: (heights[:-1], slopes[:-1]))  # a node is missing where the turn closes
+    assert "Largest jump of its slope there" in short(height_rows.table_comparisons())
+
+
+def test_shares_growth_and_dents_are_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert short(height_rows.height_comparisons()) == set()
+    add, refit = surfaces.add_to_raceway, runtime_change.refitted
+    with monkeypatch.context() as patch:
+        patch.setattr(
+            surfaces, "add_to_raceway", lambda table, row, felt, azimuth, raceway, _: add(table, row, felt, azimuth, raceway, 1.0)
+        )
+        assert "Samples with a spall over 1e-6 of the length, over the effect of a whole one" in short(height_rows.share_comparisons())
+    with monkeypatch.context() as patch:  # the bearing's clearance changes by 2 um with the spall
+        larger = load_configuration("healthy").bearing.outer_raceway_radius + 1e-6
+        patch.setattr(loop, "refitted", lambda *given: refit(*given)._replace(outer_raceway_radius=larger))
+        assert not height_rows.STIFFNESS[0] <= height_rows.growth_force() <= height_rows.STIFFNESS[1]
+    with monkeypatch.context() as patch:
+        patch.setattr(brinelling, "LOAD_EXPONENT", 0.0)
+        forces, _ = height_rows.resting(height_rows.BRINELLED)
+        assert abs(forces / height_rows.resting(())[0] - 1.0).max() > 0.01  # more than the row accepts
 
 
 def test_ranges_and_tolerances_end_where_they_say() -> None:
