@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Callable, Iterable
 from functools import partial
 from pathlib import Path
@@ -13,6 +14,7 @@ from dcrb_ros.bearing.kinematics import Orders
 from dcrb_ros.bearing.waveform import Piece
 from dcrb_ros.diagnosis.detector import FaultDetector
 from dcrb_ros.diagnosis.parameters import DetectorParameters
+from dcrb_ros.diagnosis.thermal_detector import ThermalFaultDetector
 from dcrb_ros.exam.case import Case
 from dcrb_ros.exam.recording_cache import cached_recording
 from dcrb_ros.messages.received_diagnosis import ReceivedDiagnosis, decode_diagnosis
@@ -21,6 +23,7 @@ from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.schema.refusal import Refusal, nearest
 from dcrb_ros.schema.verdicts import VERDICTS
 from dcrb_ros.stream.diagnosis import Diagnosis
+from dcrb_ros.stream.states import TemperatureReading
 
 
 class Detector(Protocol):
@@ -42,18 +45,27 @@ def run_detector(factory: DetectorFactory, bag: Path) -> list[ReceivedDiagnosis]
         RuntimeError: the detector raised an exception.
     """
     recording = Recording(bag)
-    return run_on_pieces(factory, recording.pieces(), recording.orders, recording.sampling_rate, recording.bearing)
+    return run_on_pieces(
+        factory, recording.pieces(), recording.orders, recording.sampling_rate, recording.bearing, recording.temperatures()
+    )
 
 
 def run_on_pieces(
-    factory: DetectorFactory, pieces: Iterable[Piece], orders: Orders, rate: int, bearing: object = None
+    factory: DetectorFactory,
+    pieces: Iterable[Piece],
+    orders: Orders,
+    rate: int,
+    bearing: object = None,
+    temperatures: Iterable[TemperatureReading] = (),
 ) -> list[ReceivedDiagnosis]:
     """Return a detector's diagnoses of consecutive blocks at a sampling rate [Hz]; the shipped one may know the ``bearing``.
+
+    A detector with a method ``take_temperature`` gets the readings of outer ring and air, too.
 
     Raises:
         Refusal, RuntimeError: as `run_detector`.
     """
-    detector, diagnoses = factory(orders, rate), []
+    detector, diagnoses, waiting = factory(orders, rate), [], deque(temperatures)
     if not callable(getattr(detector, "update", None)):
         raise Refusal(f"the detector {detector!r} has no method update(index, acceleration, shaft_angle): give it one")
     if isinstance(detector, FaultDetector):
@@ -65,6 +77,10 @@ def run_on_pieces(
             output = detector.update(piece.first_index, piece.acceleration, piece.shaft_angle)
         except Exception as error:
             raise RuntimeError(f"update failed at sample {piece.first_index}: {type(error).__name__}: {error}") from error
+        while waiting and waiting[0].time_ns * rate <= (piece.first_index + len(piece.shaft_angle)) * 1_000_000_000:
+            reading = waiting.popleft()
+            if hasattr(detector, "take_temperature"):
+                detector.take_temperature(1e-9 * reading.time_ns, reading.outer_ring, reading.ambient)
         if output is not None:
             diagnoses.append(_received(output, (piece.first_index + len(piece.shaft_angle) - 1) / rate))
     return diagnoses
@@ -72,7 +88,7 @@ def run_on_pieces(
 
 def run_shipped_detector(bag: Path, parameters: DetectorParameters) -> list[ReceivedDiagnosis]:
     """Return the shipped detector's diagnoses of a recording."""
-    return run_detector(partial(FaultDetector, parameters=parameters), bag)
+    return run_detector(partial(ThermalFaultDetector, parameters=parameters), bag)
 
 
 def run_shipped_detector_on_case(case: Case, folder: Path, parameters: DetectorParameters) -> list[ReceivedDiagnosis]:

@@ -23,6 +23,7 @@ from dcrb_ros.recordings.arrays import RecordedVerdict
 from dcrb_ros.recordings.latched import described_manifest, in_order, of_one_bench
 from dcrb_ros.recordings.manifest import OUTCOME
 from dcrb_ros.recordings.storage import StoredMessage, plain_name, valid_files
+from dcrb_ros.recordings.temperatures import temperatures_of
 from dcrb_ros.runtime.version import __version__
 from dcrb_ros.schema.numbers import sampling_rate
 from dcrb_ros.schema.printable import printable
@@ -33,6 +34,7 @@ from dcrb_ros.settings.sensor import as_recorded
 from dcrb_ros.simulation.ground_truth import GroundTruth, commands_in
 from dcrb_ros.stream.event_text import decode_command
 from dcrb_ros.stream.events import TimedCommand
+from dcrb_ros.stream.states import TemperatureReading
 from dcrb_ros.text.json import parsed_json
 from dcrb_ros.text.yaml import read_yaml
 
@@ -210,6 +212,10 @@ class Recording:
             yield decode_vibration(message.data), sensor_range
         if not found:
             raise Refusal(f"{self.path} contains no messages on {VIBRATION.resolved(self.namespace)}: give a recording of the bench")
+
+    def temperatures(self) -> list[TemperatureReading]:
+        """Return what thermometers at outer ring, axle box and in the air read; empty without them."""
+        return temperatures_of(self)
 
     def pieces(self) -> Iterator[Piece]:
         """Yield the blocks of the waveform with their first samples, as `dcrb_ros.detect` takes them."""

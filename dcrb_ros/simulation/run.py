@@ -23,6 +23,7 @@ from dcrb_ros.simulation.ground_truth import GroundTruth
 from dcrb_ros.simulation.loop import Simulation
 from dcrb_ros.simulation.scenario import ScheduledChange, read_scenario_file, scheduled_changes, starting_configuration
 from dcrb_ros.stream.block import Block
+from dcrb_ros.stream.states import TemperatureReading
 
 LONGEST = 3600.0
 """Longest run that is returned as arrays [s]."""
@@ -42,6 +43,8 @@ class Run(Waveform):
     """Speed, load and faults over time."""
     configuration: Configuration
     """The configuration at the start of the run."""
+    temperatures: tuple[TemperatureReading, ...] = ()
+    """What the temperature sensors read, once per simulated second; empty without a thermal network."""
 
     def _described(self) -> str:
         return f"{super()._described()}, {summary_of(self.truth.faults)}"
@@ -124,6 +127,7 @@ def simulate(
         states=StateHistory.of([states for block in blocks for states in block.states], names),
         truth=GroundTruth.of([truth for block in blocks for truth in block.truths]),
         configuration=start,
+        temperatures=tuple(reading for block in blocks for reading in block.temperatures),
     )
 
 
