@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from dcrb_ros.diagnosis.detector import FaultDetector
     from dcrb_ros.diagnosis.envelope_spectrum import EnvelopeSpectrum, envelope_spectrum
     from dcrb_ros.diagnosis.parameters import DetectorParameters
+    from dcrb_ros.diagnosis.thermal_detector import ThermalFaultDetector
     from dcrb_ros.exam.in_process import score
     from dcrb_ros.exam.report import Report
     from dcrb_ros.features.extraction import FeatureExtractor, FeatureTable, extract_features
@@ -65,6 +66,7 @@ __all__ = [
     "Simulation",
     "SpectralCoherence",
     "StateHistory",
+    "ThermalFaultDetector",
     "Waveform",
     "__version__",
     "calibrate",
@@ -110,6 +112,7 @@ _MODULES = {
     "Simulation": "simulation.loop",
     "SpectralCoherence": "features.spectral_coherence",
     "StateHistory": "bearing.history",
+    "ThermalFaultDetector": "diagnosis.thermal_detector",
     "Waveform": "bearing.waveform",
     "calibrate": "calibration.calibration",
     "characteristic_frequencies": "bearing.frequencies",
