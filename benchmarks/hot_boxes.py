@@ -124,10 +124,11 @@ def main() -> None:
     with ProcessPoolExecutor(given.workers) as pool:
         fleets = list(pool.map(healthy_fleet, range(given.seed, given.seed + given.healthy)))
         kinds: list[Fault] = ["loss", "clearance"]
-        faulty = dict(zip(kinds, pool.map(partial(faulty_fleet, axles=given.faulty, seed=given.seed + 500), kinds), strict=True))
+        outcomes = pool.map(partial(faulty_fleet, axles=given.faulty, seed=given.seed + 500), kinds)
+        faulty: dict[Fault, list[Outcome]] = dict(zip(kinds, outcomes, strict=True))
     days, alarms = sum(one["axle_days"] for one in fleets), [alarm for one in fleets for alarm in one["alarms"]]
     often = rate(len(alarms), days / 1000.0)
-    about = {
+    about: dict[str, Any] = {
         "healthy": {
             "axle_days": days,
             "false_alarms": len(alarms),
@@ -136,8 +137,8 @@ def main() -> None:
             "wayside_alarms": sum(one["wayside"] for one in fleets),
             "largest_departures": [min(one["least"] for one in fleets), max(one["most"] for one in fleets)],
         },
-        **{fault: summary(outcomes) for fault, outcomes in faulty.items()},
     }
+    about |= {str(fault): summary(one) for fault, one in faulty.items()}
     print(json.dumps(about, indent=2))
     if given.figure is not None:
         picture(faulty, given.figure)
