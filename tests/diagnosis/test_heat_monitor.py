@@ -116,3 +116,11 @@ def test_after_a_pause_the_bearing_may_have_any_healthy_temperature() -> None:
     judge = learned(22.0)
     assert judge.update(DAY + 7200.0, FREQUENCY, AMBIENT + 2.0, AMBIENT) is None  # it stood, and has cooled down
     assert not any(names(read(judge, 3.0, 10, DAY + 7201.0, step=1.0)))
+
+
+def test_nothing_is_learned_before_the_beginning_has_died_away() -> None:
+    judge = monitor()
+    read(judge, 22.0, 30)  # 30 of the 35 minutes in which a fifth of the doubt about the beginning is left at 15 Hz
+    assert judge.learned == 0.0
+    read(judge, 22.0, 30, 30 * MINUTE)
+    assert judge.learned > 0.0
