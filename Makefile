@@ -5,7 +5,7 @@ STAMPED := $(shell date +%Y%m%d-%H%M%S)
 # A sourced ROS, or a middleware that is not in .venv, would end every node at once.
 unexport RMW_IMPLEMENTATION PYTHONPATH PYTHONHOME AMENT_PREFIX_PATH
 
-.PHONY: help environment demo test lint types compiled architecture unit kernels nodes validate bench sim_to_real soak signals exam bags mutants hostile docs colcon clean
+.PHONY: help environment demo test lint types compiled architecture unit kernels nodes validate bench sim_to_real soak signals exam bags mutants hostile hot_boxes docs colcon clean
 .DEFAULT_GOAL := help
 
 help: ## Show this list
@@ -83,6 +83,9 @@ signals: environment ## SIGINT, SIGTERM and kill -9 at 100 random instants, a qu
 
 exam: environment ## The exams of the shipped detector, and of the naive one: rewrites docs/explanation/exam-results.md (EXAM=hours for the healthy hours)
 	$(BIN)/python benchmarks/exam.py $(EXAM)
+
+hot_boxes: environment ## Lead times of the detector before wayside hot-box detectors, some ten minutes (HOT_BOXES='--healthy 4 --faulty 40')
+	$(BIN)/python benchmarks/hot_boxes.py --figure hot-boxes.png $(HOT_BOXES)
 
 mutants: environment ## Do the tests notice slips? A sample of mutants of each package, some hours (MUTANTS='core --sample 20')
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check 'cosmic-ray>=8.7,<9'

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from dcrb_ros.diagnosis.detector import FaultDetector
     from dcrb_ros.diagnosis.envelope_spectrum import EnvelopeSpectrum, envelope_spectrum
     from dcrb_ros.diagnosis.parameters import DetectorParameters
+    from dcrb_ros.diagnosis.thermal_detector import ThermalFaultDetector
     from dcrb_ros.exam.in_process import score
     from dcrb_ros.exam.report import Report
     from dcrb_ros.features.extraction import FeatureExtractor, FeatureTable, extract_features
@@ -69,6 +70,7 @@ __all__ = [
     "StateHistory",
     "TachoPulses",
     "TemperatureReadings",
+    "ThermalFaultDetector",
     "Waveform",
     "__version__",
     "calibrate",
@@ -116,6 +118,7 @@ _MODULES = {
     "StateHistory": "bearing.history",
     "TachoPulses": "bearing.tacho",
     "TemperatureReadings": "bearing.temperature_readings",
+    "ThermalFaultDetector": "diagnosis.thermal_detector",
     "Waveform": "bearing.waveform",
     "calibrate": "calibration.calibration",
     "characteristic_frequencies": "bearing.frequencies",

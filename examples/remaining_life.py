@@ -23,6 +23,10 @@ GROWTH: Literal["hyperbolic"] = "hyperbolic"
 """Form of the trend: 1/severity falls more evenly than its logarithm rises."""
 WINDOW = 8
 """Inspections to which a trend is fitted at most."""
+SHARES = np.linspace(0.0, 1.0, 21)
+"""Shares of the time from the begin of a trend to failure at which training bearings are compared."""
+LEAST_DEVIATION = 0.1
+"""Deviation of the logarithm of a severity beside that between training bearings."""
 
 
 def inspections(folder: Path) -> pd.DataFrame:
@@ -57,6 +61,56 @@ def estimates(bearing: pd.DataFrame, at_failure: float, deviation: float) -> pd.
             rows.append((hours[now], bearing["remaining_life"].iloc[now], found.median, found.low, found.high))
     found = pd.DataFrame(rows, columns=["hours", "true", "median", "low", "high"], dtype=np.float64)
     return found.assign(bearing=bearing["bearing_id"].iloc[0])
+
+
+def courses(train: pd.DataFrame) -> tuple[np.ndarray, np.ndarray]:
+    """Return the time from the trend's begin to failure of each training bearing that failed [h], and its course.
+
+    A course is the logarithm of the severity over its healthy median at `SHARES` of that time, shape (bearings, shares).
+    """
+    times, found = [], []
+    for _, rows in train.groupby("bearing_id"):
+        hours, severity = rows["hours"].to_numpy(), rows["severity"].to_numpy()
+        first = begin(severity)
+        if rows["remaining_life"].iloc[-1] == 0.0 and first < len(hours) - 1:
+            times.append(hours[-1] - hours[first])
+            level = np.log(severity[first:] / np.median(severity[:HEALTHY]))
+            found.append(np.interp(SHARES, (hours[first:] - hours[first]) / times[-1], level))
+    return np.array(times), np.array(found)
+
+
+def update(hours: np.ndarray, severity: np.ndarray, times: np.ndarray, known: np.ndarray) -> float:
+    """Return the median of the remaining life after a Bayesian update [h], on a grid.
+
+    The prior of the time from the trend's begin to failure is the lognormal one of the training bearings; each inspection since then has a
+    normal likelihood about their mean course at its share of that time.
+    """
+    first = begin(severity)
+    grid = np.exp(np.linspace(np.log(0.1 * times.min()), np.log(8.0 * times.max()), 400))
+    spread = np.log(times).std(ddof=1) * np.sqrt(1.0 + 1.0 / len(times))
+    likelihood = -0.5 * ((np.log(grid) - np.log(times).mean()) / spread) ** 2
+    mean, deviation = known.mean(axis=0), known.std(axis=0, ddof=1) + LEAST_DEVIATION
+    for time, level in zip(hours[first:] - hours[first], np.log(severity[first:] / np.median(severity[:HEALTHY])), strict=True):
+        share = np.minimum(time / grid, 1.0)
+        here = np.interp(share, SHARES, deviation)
+        likelihood += -0.5 * ((level - np.interp(share, SHARES, mean)) / here) ** 2 - np.log(here)
+    passed = hours[-1] - hours[first]
+    likelihood[grid <= passed] = -np.inf
+    if not np.isfinite(likelihood).any():
+        return 0.0
+    weight = np.cumsum(np.exp(likelihood - likelihood.max()))
+    return float(np.interp(0.5 * weight[-1], weight, grid) - passed)
+
+
+def updates(found: pd.DataFrame, others: pd.DataFrame, train: pd.DataFrame) -> list[float]:
+    """Return the Bayesian estimate at the inspections of other estimates; nothing later than each is used."""
+    times, known = courses(train)
+    rows = dict(list(others.groupby("bearing_id")))
+    estimated = []
+    for name, hour in zip(found["bearing"], found["hours"], strict=True):
+        seen = rows[name][rows[name]["hours"] <= hour]
+        estimated.append(update(seen["hours"].to_numpy(), seen["severity"].to_numpy(), times, known))
+    return estimated
 
 
 def plot_severity(table: pd.DataFrame, at_failure: float, file: str) -> None:
@@ -108,6 +162,8 @@ def main(folder: Path) -> None:
     by_chance = dcrb_ros.phm_2012_score(found["true"], np.full(len(found), constant))
     score = dcrb_ros.phm_2012_score(found["true"], found["median"])
     print(f"all: PHM 2012 score {score:.2f}, by always saying {constant:.0f} h {by_chance:.2f}")
+    if failures >= 3:
+        print(f"Bayesian update: PHM 2012 score {dcrb_ros.phm_2012_score(found['true'], updates(found, others, train)):.2f}")
     plot_severity(train, at_failure, "severity.png")
     plot_estimates(found, "remaining-life.png")
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from dcrb_ros.runtime.frames import pandas
 from dcrb_ros.schema.arrays import Floats
 
@@ -27,6 +29,11 @@ class TemperatureReadings:
     """In the housing of the axle box over the load zone, with the lag of ``thermal.sensor_lag``, shape (readings,) [deg C]."""
     ambient: Floats
     """In the air, shape (readings,) [deg C]."""
+
+    @classmethod
+    def none(cls) -> TemperatureReadings:
+        """Return no readings."""
+        return cls(**{field.name: np.zeros(0) for field in fields(cls)})
 
     def __len__(self) -> int:
         return len(self.time)

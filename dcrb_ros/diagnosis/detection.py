@@ -10,11 +10,12 @@ from typing import TYPE_CHECKING
 import numpy.typing as npt
 
 from dcrb_ros.bearing.fault_lines import BearingLike
+from dcrb_ros.bearing.temperature_readings import TemperatureReadings
 from dcrb_ros.bearing.waveform import Piece, Signal, signal_of
 from dcrb_ros.diagnosis.baseline_learning import BaselineLearner
-from dcrb_ros.diagnosis.detector import FaultDetector
 from dcrb_ros.diagnosis.healthy_baseline import HealthyBaseline, axes, rules_hash
 from dcrb_ros.diagnosis.parameters import DetectorParameters
+from dcrb_ros.diagnosis.thermal_detector import TemperatureFeed, ThermalFaultDetector
 from dcrb_ros.runtime.frames import pandas
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.schema.verdicts import Verdict
@@ -48,7 +49,7 @@ class DetectionResult:
 
     @property
     def verdict(self) -> Verdict:
-        """The last verdict: healthy, outer_ring, inner_ring, roller, cage, compound or sensor."""
+        """The last verdict: healthy, outer_ring, inner_ring, roller, cage, lubrication, overheating, compound or sensor."""
         return self.last.verdict
 
     @property
@@ -95,6 +96,7 @@ def detect(
     bearing: BearingLike | None = None,
     parameters: DetectorParameters | None = None,
     baseline: HealthyBaseline | None = None,
+    temperatures: TemperatureReadings | None = None,
 ) -> DetectionResult:
     """Run the fault detector over a run, a recording or plain arrays.
 
@@ -110,6 +112,8 @@ def detect(
         Window, bands and thresholds of the detector; the defaults otherwise.
     baseline
         Lines of the healthy bearing, as `learn_baseline` returns them; none are needed.
+    temperatures
+        Readings at the outer ring and in the air over the time of the signal; by default those of the run or recording, if it has any.
 
     Returns
     -------
@@ -134,7 +138,15 @@ def detect(
     >>> for piece in run.pieces():
     ...     diagnosis = detector.update(piece.first_index, piece.acceleration, piece.shaft_angle)
     """
-    found = watch(signal, sampling_rate, shaft_angle=shaft_angle, bearing=bearing, parameters=parameters, baseline=baseline)
+    found = watch(
+        signal,
+        sampling_rate,
+        shaft_angle=shaft_angle,
+        bearing=bearing,
+        parameters=parameters,
+        baseline=baseline,
+        temperatures=temperatures,
+    )
     if found.verdict == "waiting":
         raise Refusal(f"the signal holds {found.duration:.2f} s of waveform, too little for a verdict: {found.reason}")
     return found
@@ -148,16 +160,18 @@ def watch(
     bearing: BearingLike | None = None,
     parameters: DetectorParameters | None = None,
     baseline: HealthyBaseline | None = None,
+    temperatures: TemperatureReadings | None = None,
 ) -> DetectionResult:
     """Return the diagnoses of a signal as `detect` does, also if all of them are ``waiting``."""
     source = _source(signal, sampling_rate, shaft_angle, bearing, parameters)
     chosen = parameters or DetectorParameters()
     described = _described(signal if bearing is None else bearing)
-    found, samples = _diagnoses(_detector(source, chosen, described, baseline), source.pieces())
+    readings = _temperatures(signal) if temperatures is None else temperatures
+    found, samples = _diagnoses(_detector(source, chosen, described, baseline), source.pieces(), readings)
     duration = samples / source.sampling_rate
     if duration >= SHORT and all(diagnosis.verdict == "waiting" for diagnosis in found):
         # A verdict from little signal is better than none: it has a larger probability of being wrong, and says so by its confidence.
-        found, _ = _diagnoses(_detector(source, _brief(chosen), described, baseline), source.pieces())
+        found, _ = _diagnoses(_detector(source, _brief(chosen), described, baseline), source.pieces(), readings)
     if not found:
         reason = f"{duration:.2f} s have arrived, but a verdict needs {chosen.least_window:g} s"
         found = [Diagnosis(max(0, samples - 1), duration, "waiting", reason)]
@@ -249,9 +263,9 @@ def _brief(parameters: DetectorParameters) -> DetectorParameters:
     return parameters.model_copy(update={"least_window": SHORT_WINDOW, "confirm": 1, "least_turns": FEWEST_TURNS})
 
 
-def _detector(source: Signal, parameters: DetectorParameters, described: object, baseline: HealthyBaseline | None) -> FaultDetector:
+def _detector(source: Signal, parameters: DetectorParameters, described: object, baseline: HealthyBaseline | None) -> ThermalFaultDetector:
     """Return a detector for a signal whose bearing is described."""
-    detector = FaultDetector(source.orders, source.sampling_rate, parameters, baseline=baseline)
+    detector = ThermalFaultDetector(source.orders, source.sampling_rate, parameters, baseline=baseline)
     detector.know(described)
     return detector
 
@@ -263,13 +277,21 @@ def _described(source: object) -> object:
     return getattr(getattr(source, "configuration", None), "bearing", source)
 
 
-def _diagnoses(detector: FaultDetector, pieces: Iterable[Piece]) -> tuple[list[Diagnosis], int]:
+def _temperatures(signal: object) -> TemperatureReadings:
+    """Return the readings of temperature in a run or recording; none in anything else."""
+    readings = getattr(signal, "temperatures", None)
+    found: TemperatureReadings | None = readings() if callable(readings) else readings
+    return TemperatureReadings.none() if found is None else found
+
+
+def _diagnoses(detector: ThermalFaultDetector, pieces: Iterable[Piece], readings: TemperatureReadings) -> tuple[list[Diagnosis], int]:
     """Return the diagnoses of a signal, and its number of samples."""
-    found, samples = [], 0
+    found, samples, feed = [], 0, TemperatureFeed(readings)
     for piece in pieces:
         detector.sensor_range = piece.sensor_range
         diagnosis = detector.update(piece.first_index, piece.acceleration, piece.shaft_angle)
         samples += len(piece.shaft_angle)
+        feed.give(detector.take_temperature, (piece.first_index + len(piece.shaft_angle)) / detector.rate)
         if diagnosis is not None:
             found.append(diagnosis)
     return found, samples

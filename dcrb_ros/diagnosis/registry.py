@@ -5,7 +5,8 @@ from __future__ import annotations
 from pkgutil import resolve_name
 from typing import Any
 
-from dcrb_ros.diagnosis.rule import BearingRule, LevelRule, SampleRule
+from dcrb_ros.diagnosis.heat_rule import HeatRule
+from dcrb_ros.diagnosis.rule import BearingRule, LevelRule, Rule, SampleRule
 
 
 def _rules(*names: str) -> tuple[Any, ...]:
@@ -38,4 +39,13 @@ LEVEL_RULES: tuple[type[LevelRule[Any]], ...] = _rules(
 )
 """Rules for the levels of the sensor, asked after those for the samples; the first flaw counts."""
 
-RULES = (*BEARING_RULES, *SAMPLE_RULES, *LEVEL_RULES)
+HEAT_RULES: tuple[type[HeatRule[Any]], ...] = _rules(
+    "overheating:Overheating",
+    "lubrication:Lubrication",
+)
+"""Rules for the temperature; of two with equal evidence the last counts."""
+
+NOISE_RULES: tuple[type[Rule[Any]], ...] = _rules("starved_noise:StarvedNoise")
+"""Rules for the level of vibration that name no damage."""
+
+RULES = (*BEARING_RULES, *SAMPLE_RULES, *LEVEL_RULES, *HEAT_RULES, *NOISE_RULES)

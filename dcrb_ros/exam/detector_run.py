@@ -10,9 +10,11 @@ from typing import Any, Protocol
 import numpy.typing as npt
 
 from dcrb_ros.bearing.kinematics import Orders
+from dcrb_ros.bearing.temperature_readings import TemperatureReadings
 from dcrb_ros.bearing.waveform import Piece
 from dcrb_ros.diagnosis.detector import FaultDetector
 from dcrb_ros.diagnosis.parameters import DetectorParameters
+from dcrb_ros.diagnosis.thermal_detector import TemperatureFeed, ThermalFaultDetector
 from dcrb_ros.exam.case import Case
 from dcrb_ros.exam.recording_cache import cached_recording
 from dcrb_ros.messages.received_diagnosis import ReceivedDiagnosis, decode_diagnosis
@@ -42,18 +44,27 @@ def run_detector(factory: DetectorFactory, bag: Path) -> list[ReceivedDiagnosis]
         RuntimeError: the detector raised an exception.
     """
     recording = Recording(bag)
-    return run_on_pieces(factory, recording.pieces(), recording.orders, recording.sampling_rate, recording.bearing)
+    return run_on_pieces(
+        factory, recording.pieces(), recording.orders, recording.sampling_rate, recording.bearing, recording.temperatures()
+    )
 
 
 def run_on_pieces(
-    factory: DetectorFactory, pieces: Iterable[Piece], orders: Orders, rate: int, bearing: object = None
+    factory: DetectorFactory,
+    pieces: Iterable[Piece],
+    orders: Orders,
+    rate: int,
+    bearing: object = None,
+    temperatures: TemperatureReadings | None = None,
 ) -> list[ReceivedDiagnosis]:
     """Return a detector's diagnoses of consecutive blocks at a sampling rate [Hz]; the shipped one may know the ``bearing``.
+
+    A detector with a method ``take_temperature`` gets the readings of outer ring and air, too.
 
     Raises:
         Refusal, RuntimeError: as `run_detector`.
     """
-    detector, diagnoses = factory(orders, rate), []
+    detector, diagnoses, feed = factory(orders, rate), [], TemperatureFeed(temperatures or TemperatureReadings.none())
     if not callable(getattr(detector, "update", None)):
         raise Refusal(f"the detector {detector!r} has no method update(index, acceleration, shaft_angle): give it one")
     if isinstance(detector, FaultDetector):
@@ -65,6 +76,8 @@ def run_on_pieces(
             output = detector.update(piece.first_index, piece.acceleration, piece.shaft_angle)
         except Exception as error:
             raise RuntimeError(f"update failed at sample {piece.first_index}: {type(error).__name__}: {error}") from error
+        if hasattr(detector, "take_temperature"):
+            feed.give(detector.take_temperature, (piece.first_index + len(piece.shaft_angle)) / rate)
         if output is not None:
             diagnoses.append(_received(output, (piece.first_index + len(piece.shaft_angle) - 1) / rate))
     return diagnoses
@@ -72,7 +85,7 @@ def run_on_pieces(
 
 def run_shipped_detector(bag: Path, parameters: DetectorParameters) -> list[ReceivedDiagnosis]:
     """Return the shipped detector's diagnoses of a recording."""
-    return run_detector(partial(FaultDetector, parameters=parameters), bag)
+    return run_detector(partial(ThermalFaultDetector, parameters=parameters), bag)
 
 
 def run_shipped_detector_on_case(case: Case, folder: Path, parameters: DetectorParameters) -> list[ReceivedDiagnosis]:

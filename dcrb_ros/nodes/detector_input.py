@@ -8,13 +8,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from dcrb_ros.bearing.kinematics import Orders
-from dcrb_ros.diagnosis.detector import Diagnosis, FaultDetector
 from dcrb_ros.diagnosis.parameters import DetectorParameters
+from dcrb_ros.diagnosis.thermal_detector import ThermalFaultDetector
 from dcrb_ros.messages.cdr import FRAME
 from dcrb_ros.messages.description import decode_bearing, decode_frame, decode_range, decode_sensor
 from dcrb_ros.messages.points import Vibration, decode_vibration
-from dcrb_ros.messages.topics import SENSOR
+from dcrb_ros.messages.topics import AMBIENT_TEMPERATURE, OUTER_RING_TEMPERATURE, SENSOR
 from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.stream.diagnosis import Diagnosis
 
 RATE_TOLERANCE = 0.01
 """Accepted relative difference between the spacing of the samples and the sampling rate."""
@@ -22,6 +23,10 @@ EARLY_NS = 1_500_000_000
 """Signal kept until the description arrives [ns]: it is repeated every second, and the order of messages on two topics is undefined."""
 MAX_EARLY, MAX_EARLY_BLOCKS = 1 << 22, 1 << 14
 """Samples and blocks kept until then at most."""
+
+
+AMBIENT_AGE = 60.0
+"""Age of a reading of the air up to which it is compared with one of the bearing [s]."""
 
 
 @dataclass(frozen=True)
@@ -40,13 +45,15 @@ class DetectorInput:
 
     def __init__(self, parameters: DetectorParameters) -> None:
         self._parameters = parameters
-        self._detector: FaultDetector | None = None
+        self._detector: ThermalFaultDetector | None = None
         self._description: tuple[int, Orders] | None = None
         self._early: deque[Vibration] = deque()
         """Blocks that arrived before the description."""
         self._early_samples = 0
         self.frame = FRAME
         """Frame id of the sensor, as its description has it."""
+        self._ambient: tuple[float, float] | None = None
+        """Time [s] and temperature [deg C] of the latest reading of the air."""
         self._refused = 0
         self._time = 0.0
 
@@ -56,7 +63,7 @@ class DetectorInput:
             description, information = decode_sensor(data), ""
             if description != self._description:  # a change of the range alone does not restart the detector
                 rate, orders = description
-                self._detector = FaultDetector(orders, rate, self._parameters)
+                self._detector = ThermalFaultDetector(orders, rate, self._parameters)
                 self._detector.know(decode_bearing(data))
                 self._description = description
                 information = f"watching a bearing at {rate} Hz, BPFO {orders.bpfo:.3f}, BPFI {orders.bpfi:.3f} orders"
@@ -84,6 +91,24 @@ class DetectorInput:
             return Response()
         except Refusal as refusal:
             return self._refuse(refusal)
+
+    def ambient(self, data: bytes) -> Response:
+        """Take a reading of the air."""
+        try:
+            self._ambient = 1e-9 * AMBIENT_TEMPERATURE.stamp(data), AMBIENT_TEMPERATURE.decoded(data)
+        except Refusal as refusal:
+            return self._refuse(refusal)
+        return Response()
+
+    def temperature(self, data: bytes) -> Response:
+        """Take a reading of the outer ring; it is compared with the latest one of the air."""
+        try:
+            time, temperature = 1e-9 * OUTER_RING_TEMPERATURE.stamp(data), OUTER_RING_TEMPERATURE.decoded(data)
+        except Refusal as refusal:
+            return self._refuse(refusal)
+        if self._detector is not None and self._ambient is not None and abs(time - self._ambient[0]) <= AMBIENT_AGE:
+            self._detector.take_temperature(time, temperature, self._ambient[1])
+        return Response()
 
     def _drop_early(self) -> bool:
         """Drop the oldest of the early blocks where there are too many; return whether there were."""

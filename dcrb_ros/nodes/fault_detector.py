@@ -1,4 +1,4 @@
-"""The fault detector node: subscribes to the waveform, publishes diagnoses."""
+"""The fault detector node: subscribes to the waveform and the temperatures, publishes diagnoses."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any
 
 from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.messages.encoder import diagnosis_messages
-from dcrb_ros.messages.topics import DETECTED, DIAGNOSIS, SENSOR, VIBRATION
+from dcrb_ros.messages.topics import AMBIENT_TEMPERATURE, DETECTED, DIAGNOSIS, OUTER_RING_TEMPERATURE, SENSOR, VIBRATION
 from dcrb_ros.nodes.base import BenchNode
 from dcrb_ros.nodes.detector_input import DetectorInput, Response
 from dcrb_ros.nodes.programs import main
@@ -26,10 +26,12 @@ class DetectorTopics:
         self._subscriptions: list[Any] = []
 
     def subscribe(self) -> None:
-        """Receive sensor description and waveform."""
+        """Receive sensor description, waveform and temperatures."""
         self._subscriptions = [
             self._node.subscribe(SENSOR, lambda data: self._publish(self._input.sensor(data))),
             self._node.subscribe(VIBRATION, lambda data: self._publish(self._input.block(data))),
+            self._node.subscribe(AMBIENT_TEMPERATURE, lambda data: self._publish(self._input.ambient(data))),
+            self._node.subscribe(OUTER_RING_TEMPERATURE, lambda data: self._publish(self._input.temperature(data))),
         ]
 
     def unsubscribe(self) -> None:

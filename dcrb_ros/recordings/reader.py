@@ -245,6 +245,8 @@ class Recording:
 
     def temperatures(self) -> TemperatureReadings:
         """Return what the temperature sensors read [deg C]; empty where none were recorded."""
+        if self.configured and not self.described and self.configuration.thermal.law == "none":
+            return TemperatureReadings.none()  # without reading the file
         return arrays.temperatures_of(self)
 
     @property

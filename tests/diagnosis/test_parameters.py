@@ -57,6 +57,20 @@ PUBLISHED: dict[str, tuple[float, float]] = {
     "loose_drop": (1.0, 60.0),
     "loose_fall": (0.0, 60.0),
     "firm_level": (-120.0, 60.0),
+    "heat_rise": (1.0, 200.0),
+    "heat_rise_deviation": (0.1, 100.0),
+    "heat_learn": (0.0, 1e4),
+    "heat_error": (0.1, 50.0),
+    "heat_error_share": (0.0, 1.0),
+    "heat_confirm": (1, 10_000),
+    "heat_release": (1, 100_000),
+    "heat_time_lapse": (1.0, 3000.0),
+    "hotter": (1.0, 200.0),
+    "hotter_deviations": (1.0, 20.0),
+    "cooler": (1.0, 200.0),
+    "cooler_deviations": (1.0, 20.0),
+    "starved_noise": (0.0, 60.0),
+    "starved_learn": (0.5, 1e5),
 }
 """Least and largest value by key: users' files depend on them."""
 

@@ -11,12 +11,13 @@ from ros2_bag_record import messages_of
 
 from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.messages.description import sensor_text
-from dcrb_ros.messages.plain import encode_text
+from dcrb_ros.messages.plain import encode_temperature, encode_text
 from dcrb_ros.messages.points import SPECTRUM, UNTRACKED_SAMPLE, decode_vibration, encode_points, encode_vibration
 from dcrb_ros.messages.topics import SENSOR, VIBRATION
 from dcrb_ros.nodes import detector_input
 from dcrb_ros.nodes.detector_input import DetectorInput, Response
 from dcrb_ros.settings.configuration import Configuration
+from dcrb_ros.stream.diagnosis import Diagnosis
 
 RATE = 51200
 
@@ -149,3 +150,29 @@ def test_a_description_that_no_detector_accepts_is_refused_every_time() -> None:
     assert "band_low" in first
     assert reason(detector.sensor(slow)).startswith(first.rpartition(" (")[0])
     assert detector.sensor(described()).information
+
+
+def heated(rise: float, air_at: float = 0.0) -> list[Diagnosis]:
+    """Return the diagnoses of blocks with a reading of the outer ring after each, above air of 20 deg C that was read once."""
+    detector = described_input()
+    assert detector.ambient(encode_temperature(round(air_at * 1e9), 20.0, 0.2)) == Response()
+    found: list[Diagnosis] = []
+    for number, data in enumerate(waveform(120)):
+        found += detector.block(data).diagnoses
+        assert detector.temperature(encode_temperature(number * 20_000_000, 20.0 + rise, 0.2)) == Response()
+    return found
+
+
+def test_temperatures_reach_the_detector() -> None:
+    assert heated(30.0)[-1].remarks[-1].startswith("the bearing is 30.0 K above ambient")
+    assert heated(200.0)[-1].verdict == "overheating"
+
+
+def test_a_bearing_is_not_compared_with_air_of_another_time() -> None:
+    assert "overheating" not in heated(200.0, air_at=3600.0)[-1].scores
+
+
+def test_malformed_temperatures_are_answered() -> None:
+    detector = described_input()
+    assert "refused" in reason(detector.ambient(b"\xff" * 3))
+    assert "refused" in reason(detector.temperature(b"\xff" * 3))

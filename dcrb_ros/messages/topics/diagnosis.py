@@ -10,7 +10,7 @@ from dcrb_ros.messages.cdr import DIAGNOSTICS, FRAME
 from dcrb_ros.messages.description import INDICATORS
 from dcrb_ros.messages.statuses import ERROR, OK, WARN, Status, decode_diagnostics, encode_diagnostics
 from dcrb_ros.messages.topic import DetectedTopic
-from dcrb_ros.schema.verdicts import COMPONENTS
+from dcrb_ros.schema.verdicts import COMPONENTS, TROUBLES
 from dcrb_ros.stream.diagnosis import Diagnosis
 
 LEVELS = {"waiting": OK, "healthy": OK, "sensor": WARN}
@@ -37,9 +37,9 @@ def encode_diagnosis(diagnosis: Diagnosis, frame: str = FRAME) -> bytes:
 
 
 def decode_scores(values: Mapping[str, str]) -> dict[str, float]:
-    """Return the scores in the values of a diagnosis by component [dB]; anything that is not a finite number is left out."""
+    """Return the scores in the values of a diagnosis by component or trouble [dB]; anything that is not a finite number is left out."""
     scores: dict[str, float] = {}
-    for component in COMPONENTS:
+    for component in (*COMPONENTS, *TROUBLES):
         with suppress(ValueError):
             scores[component] = float(values.get(f"score {component} [dB]", ""))
     return {component: score for component, score in scores.items() if math.isfinite(score)}

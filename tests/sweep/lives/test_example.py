@@ -72,3 +72,15 @@ def test_the_script_prints_the_scores_and_draws_its_figures(
     assert "bearing3: " in printed
     assert (tmp_path / "severity.png").stat().st_size > 1000
     assert (tmp_path / "remaining-life.png").stat().st_size > 1000
+
+
+def test_an_update_knows_the_course_of_the_training_bearings(example: ModuleType) -> None:
+    """All bearings take 2000 h from their first rise, whatever their age: the estimates are those of the course."""
+    train = pd.concat([bearing(failure, seed, str(seed)) for seed, failure in enumerate((3900.0, 4300.0, 5100.0))])
+    times, known = example.courses(train)
+    assert known.shape == (3, 21)
+    new = bearing(4700.0, 9, "new")
+    for now in range(len(new) - 7, len(new) - 1):
+        seen = new.iloc[: now + 1]
+        estimated = example.update(seen["hours"].to_numpy(), seen["severity"].to_numpy(), times, known)
+        assert estimated == pytest.approx(new["remaining_life"].iloc[now], abs=200.0)

@@ -1,0 +1,102 @@
+"""The trend of the shipped detector's severity for defects that grow, and for defects that do not: direction and doubling time.
+
+    python benchmarks/growth.py --seeds 1
+
+A spall grows evenly from 1 to 4 mm within 14 s, at two speeds, on outer and inner ring; as many keep 2 mm. At the end the trend of the
+severity [dB/min] is compared with that of the width over the same judgements. A doubling time is 6.02 dB over the trend.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+from typing import Any
+
+import numpy as np
+
+import dcrb_ros
+
+FIRST, LAST, STEADY = 0.001, 0.004, 0.002
+"""Widths of a growing spall at its beginning and end, and of a steady one [m]."""
+ONSET, DURATION = 1.0, 15.0
+"""Beginning of the growth and end of the run [s]."""
+NOTICED = 3.0
+"""Trend of a steady defect, in standard errors, up to which it counts as steady [-]."""
+
+
+def scenario(ring: str, growing: bool) -> dict[str, Any]:
+    """Return the timeline of a spall."""
+    key = f"faults.{ring}_1"
+    first = {
+        f"{key}.row": 1,
+        f"{key}.width": FIRST if growing else STEADY,
+        f"{key}.kind": "spall",
+        f"{key}.depth": 6e-5,
+        f"{key}.share": 0.35,
+    }
+    more = [{"at": ONSET, "over": DURATION - ONSET, "set": {f"{key}.width": LAST}}] if growing else []
+    return {"start": first, "timeline": more}
+
+
+def width(time: np.ndarray) -> np.ndarray:
+    """Return the width of a growing spall at times [s], [m]."""
+    return FIRST + (LAST - FIRST) * np.clip((time - ONSET) / (DURATION - ONSET), 0.0, 1.0)
+
+
+def slope(time: np.ndarray, level: np.ndarray) -> tuple[float, float]:
+    """Return the slope of a line through levels [dB] and its standard error [dB/min], with half of the points independent."""
+    centred = time - time.mean()
+    spread = float(centred @ centred)
+    found = float(centred @ level) / spread
+    rest = level - level.mean() - found * centred
+    return 60.0 * found, 60.0 * math.sqrt(float(rest @ rest) / max(len(time) / 2.0 - 2.0, 1.0) / (0.5 * spread))
+
+
+def trial(ring: str, speed: float, growing: bool, seed: int) -> dict[str, Any]:
+    """Return the trends of one run."""
+    run = dcrb_ros.simulate("healthy", DURATION, settings={"operating.speed": speed}, scenario=scenario(ring, growing), seed=seed)
+    found = dcrb_ros.detect(run)
+    judged = [one for one in found.history if one.severity > 0.0 and one.verdict == found.verdict]
+    about: dict[str, Any] = {"ring": ring, "speed": speed, "growing": growing, "seed": seed, "verdict": found.verdict}
+    if len(judged) < 8:
+        return {**about, "trend": None}
+    time = np.array([one.time for one in judged])
+    own, error = slope(time, 20.0 * np.log10([one.severity for one in judged]))
+    # A judgement is of the four seconds before it.
+    true, _ = slope(time, 20.0 * np.log10(width(time - 2.0)))
+    return {**about, "trend": judged[-1].trend, "fitted": own, "error": error, "true": true if growing else 0.0}
+
+
+def main() -> None:
+    """Run all trials, print the figures as JSON."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--seeds", type=int, default=1, help="runs of each kind")
+    given = parser.parse_args()
+    found = [
+        trial(ring, speed, growing, seed)
+        for seed in range(1, given.seeds + 1)
+        for ring in ("outer", "inner")
+        for speed in (75.0, 125.664)
+        for growing in (True, False)
+    ]
+    known = [one for one in found if one["trend"] is not None]
+    grown, steady = ([one for one in known if one["growing"] is growing] for growing in (True, False))
+    print(
+        json.dumps(
+            {
+                "runs": found,
+                "growing": len(grown),
+                "direction_right": sum(one["trend"] > 0.0 for one in grown),
+                "doubling_time_over_true": [one["true"] / one["trend"] for one in grown if one["trend"] > 0.0],
+                "steady": len(steady),
+                "steady_taken_for_growing": sum(one["trend"] > NOTICED * one["error"] for one in steady),
+                "steady_trends": [one["trend"] for one in steady],
+            },
+            indent=2,
+        )
+    )
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,121 @@
+"""The temperature of a bearing over time, and what it says about lubricant and overheating."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import Any
+
+from dcrb_ros.diagnosis.heat_model import HeatModel
+from dcrb_ros.diagnosis.heat_rule import HeatEvidence, HeatFinding, HeatParameters, HeatRule
+from dcrb_ros.schema.verdicts import Trouble
+
+LEARNED_WITHIN = 3.0
+"""Deviations within which a reading is learned from [-]."""
+STARVED, REMEMBERED = 2.5, 12.0 * 3600.0
+"""Deviations below the expected rise that are a hint of starved films [-], and how long it is remembered [s]."""
+LONGEST_PAUSE = 600.0
+"""Time between two readings after which nothing is known about the time between them [s]."""
+LATEST_LATE = 5.0
+"""How late a reading may be [s]; an older one begins a new time."""
+COLDEST, HOTTEST = -60.0, 700.0
+"""Range of a reading that a thermometer at a bearing can have [deg C]."""
+HOUR = 3600.0
+"""[s]"""
+
+
+@dataclass
+class HeatJudgement:
+    """What a reading says."""
+
+    evidence: HeatEvidence
+    confirmed: dict[Trouble, HeatFinding] = field(default_factory=dict)
+    """Finding of the trouble that is confirmed; empty for none."""
+    scores: dict[Trouble, float] = field(default_factory=dict)
+    """Evidence of each rule relative to its threshold [dB]."""
+
+
+@dataclass
+class _Counts:
+    """Consecutive readings with and without evidence."""
+
+    seen: int = 0
+    gone: int = 0
+    confirmed: bool = False
+
+
+class HeatMonitor:
+    """Compares the readings of a bearing's temperature with the model of the healthy bearing."""
+
+    def __init__(self, parameters: HeatParameters, rules: list[HeatRule[Any]], release_margin: float = 1.0) -> None:
+        """Judge by ``rules``; evidence counts as gone from ``release_margin`` [dB] below a threshold."""
+        self.p, self._rules, self._margin = parameters, rules, release_margin
+        self.model = HeatModel(parameters.heat_rise, parameters.heat_rise_deviation, parameters.heat_error, parameters.heat_error_share)
+        self.learned = 0.0
+        """Time from which the model was learned [s]."""
+        self.rejected = 0
+        """Readings that were no temperatures of a bearing."""
+        self._before: float | None = None
+        self._cool: float | None = None
+        self._counts = {rule.trouble: _Counts() for rule in rules}
+        self._running = 0.0
+        """Time of readings since the start or the last pause [s]."""
+
+    def update(self, time: float, frequency: float, bearing: float, ambient: float, load: float = math.nan) -> HeatJudgement | None:
+        """Take a reading of the ``bearing`` and of the ``ambient`` air [deg C] at a ``time`` [s]; return what it says.
+
+        ``frequency`` is that of the shaft since the reading before [Hz], ``load`` that of the bearing [N], NaN where it is unknown. None
+        for the first reading, for one after a pause, and for one that is not after the reading before or is no temperature of a bearing.
+        """
+        if not (COLDEST <= bearing <= HOTTEST and COLDEST <= ambient <= HOTTEST and math.isfinite(frequency)):
+            self.rejected += 1
+            return None
+        rise, before = bearing - ambient, self._before
+        if before is not None and time <= before:
+            if time < before - LATEST_LATE:  # the clock was set back, as at the reset of a bench
+                self._restart(time)
+            return None
+        passed = 0.0 if before is None else (time - before) * self.p.heat_time_lapse
+        if before is None or time - before > LONGEST_PAUSE:
+            self._restart(time)
+            self.model.follow(frequency, load, 0.0, rise)
+            return None
+        self._before = time
+        self.model.follow(frequency, load, passed, rise)
+        self._running += passed
+        expected, deviation = self.model.expected, self.model.deviation
+        evidence = HeatEvidence(rise, expected, deviation, self._starved(rise - expected, deviation))
+        found = [rule.finding(evidence) for rule in self._rules]
+        self._learn(rise, passed, deviation)
+        return HeatJudgement(evidence, self._confirmed(found), {one.trouble: one.excess for one in found})
+
+    def _restart(self, time: float) -> None:
+        self._before, self._cool, self._running = time, None, 0.0
+        self.model.restart()
+        self._counts = {rule.trouble: _Counts() for rule in self._rules}
+
+    def _starved(self, residual: float, deviation: float) -> bool:
+        """Return whether the bearing is or was too cool within the time that is remembered."""
+        if residual < -STARVED * deviation:
+            self._cool = self._running
+        return self._cool is not None and self._running - self._cool <= REMEMBERED
+
+    def _learn(self, rise: float, passed: float, deviation: float) -> None:
+        """Learn from a reading, unless enough has been learned, the bearing departs from the model, or it is too early to say."""
+        wanted = self.learned < HOUR * self.p.heat_learn
+        if wanted and self.model.known and abs(rise - self.model.expected) < LEARNED_WITHIN * deviation:
+            self.model.learn(rise, passed)
+            self.learned += passed
+
+    def _confirmed(self, found: list[HeatFinding]) -> dict[Trouble, HeatFinding]:
+        """Count the findings; return the strongest of those that are confirmed, the last rule's where two are equal."""
+        for one in found:
+            counts = self._counts[one.trouble]
+            counts.seen = counts.seen + 1 if one.excess >= 0.0 else 0
+            counts.gone = counts.gone + 1 if one.excess < -self._margin else 0
+            counts.confirmed = (counts.confirmed or counts.seen >= self.p.heat_confirm) and counts.gone < self.p.heat_release
+        confirmed = [one for one in found if self._counts[one.trouble].confirmed]
+        if not confirmed:
+            return {}
+        strongest = max(reversed(confirmed), key=lambda one: one.excess)
+        return {strongest.trouble: strongest}

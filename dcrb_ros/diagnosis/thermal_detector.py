@@ -1,0 +1,142 @@
+"""The shipped fault detector with the temperature of the bearing beside its vibration.
+
+Without temperatures, and with the rule for the level of vibration off as by default, its diagnoses are those of `FaultDetector`.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections import deque
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from dcrb_ros.bearing.temperature_readings import TemperatureReadings
+from dcrb_ros.diagnosis.detector import FaultDetector
+from dcrb_ros.diagnosis.heat_monitor import HeatJudgement, HeatMonitor
+from dcrb_ros.diagnosis.heat_rule import HeatFinding
+from dcrb_ros.diagnosis.hysteresis import probability
+from dcrb_ros.diagnosis.registry import HEAT_RULES
+from dcrb_ros.diagnosis.rules.starved_noise import StarvedNoise
+from dcrb_ros.diagnosis.window import Hop
+from dcrb_ros.schema.verdicts import COMPONENTS, Trouble, Verdict, fault_class
+from dcrb_ros.stream.diagnosis import Diagnosis
+
+
+class ThermalFaultDetector(FaultDetector):
+    """A `FaultDetector` that also takes temperatures.
+
+    The verdicts ``lubrication`` and ``overheating`` follow from them. Beside a fault of the bearing they make ``compound``. They replace
+    the verdict ``sensor``: the thermometer is another sensor.
+    """
+
+    def __init__(self, *arguments: Any, **options: Any) -> None:
+        """Prepare as `FaultDetector`."""
+        super().__init__(*arguments, **options)
+        p: Any = self.parameters
+        self._monitor = HeatMonitor(p, [rule(p) for rule in HEAT_RULES], p.release_margin)
+        self._noise, self._loud, self._quiet = StarvedNoise(p), 0, 0
+        """Rule, and consecutive judgements with and without a rise of the level."""
+        self._noise_finding: HeatFinding | None = None
+        self._heat: HeatJudgement | None = None
+        self._frequency = math.nan
+        """Latest shaft frequency [Hz]."""
+
+    def take_temperature(self, time: float, bearing: float, ambient: float, load: float = math.nan) -> None:
+        """Take a reading at a ``time`` [s] of the ``bearing``, at its outer ring or axle box, and of the ``ambient`` air.
+
+        Temperatures are in deg C. ``load`` is that on the bearing [N], NaN where it is unknown. The next diagnosis takes the reading into
+        account. Readings need not be regular; after a pause of ten minutes nothing is known about what the bearing did meanwhile. Values
+        that no thermometer at a bearing reads are counted, and remarked in the diagnosis.
+        """
+        if not math.isnan(self._frequency):
+            self._heat = self._monitor.update(time, self._frequency, bearing, ambient, load) or self._heat
+
+    def update(self, index: int, acceleration: npt.NDArray[Any], shaft_angle: npt.NDArray[Any] | None = None) -> Diagnosis | None:
+        """Take a block; see `FaultDetector.update`."""
+        diagnosis = super().update(index, acceleration, shaft_angle)
+        self._frequency = self._latest_frequency(shaft_angle, diagnosis)
+        return None if diagnosis is None else self._with_noise(self._with_heat(diagnosis))
+
+    def _latest_frequency(self, angle: npt.NDArray[Any] | None, diagnosis: Diagnosis | None) -> float:
+        """Return the shaft frequency of a block [Hz]; that of the diagnosis without a shaft angle."""
+        if angle is not None and len(angle) > 1:
+            steps = np.diff(np.unwrap(np.asarray(angle, np.float64)))
+            if np.isfinite(steps).all():
+                return abs(float(steps.mean())) * self.rate / (2.0 * math.pi)
+        return diagnosis.shaft_frequency if diagnosis is not None and diagnosis.shaft_frequency > 0.0 else self._frequency
+
+    def _level_flaw(self, hop: Hop) -> str:
+        """Take the levels of a hop for the loss of lubricant, too."""
+        flaw = super()._level_flaw(hop)
+        if not flaw:
+            frequency = hop.turns * self.rate / self._hop if self._window.tracked else 0.0
+            # The last of these bands lies below the band of the detector.
+            self._noise_finding = self._noise.finding(hop.powers[self._level_bands][:-1], frequency, self._hop / self.rate)
+        return flaw
+
+    def _with_heat(self, diagnosis: Diagnosis) -> Diagnosis:
+        """Return a diagnosis with what the temperature says."""
+        rejected = self._monitor.rejected
+        remarks = (f"{rejected} readings were no temperatures of a bearing",) if rejected else ()
+        if self._heat is None:
+            return dataclasses.replace(diagnosis, remarks=(*diagnosis.remarks, *remarks)) if remarks else diagnosis
+        scores: Mapping[Trouble, float] = self._heat.scores
+        heated = dataclasses.replace(
+            diagnosis,
+            scores={**diagnosis.scores, **{str(name): score for name, score in scores.items()}},
+            remarks=(*diagnosis.remarks, *remarks, self._heat.evidence.sentence),
+        )
+        for finding in self._heat.confirmed.values():
+            heated = _with_trouble(heated, finding)
+        return heated
+
+    def _with_noise(self, diagnosis: Diagnosis) -> Diagnosis:
+        """Return a diagnosis with what the level of vibration says; it says nothing beside a fault that explains it."""
+        finding = self._noise_finding
+        if finding is None or diagnosis.verdict not in ("healthy", "waiting", "lubrication"):
+            self._loud = self._quiet = 0
+            return diagnosis
+        self._loud = self._loud + 1 if finding.excess >= 0.0 else (self._loud if self._loud >= self._needed_hops else 0)
+        self._quiet = self._quiet + 1 if finding.excess < -self.parameters.release_margin else 0
+        if self._quiet >= self.parameters.release:
+            self._loud = 0
+        scores = {**diagnosis.scores, "lubrication": max(finding.excess, diagnosis.scores.get("lubrication", finding.excess))}
+        diagnosis = dataclasses.replace(diagnosis, scores=scores)
+        return _with_trouble(diagnosis, finding) if self._loud >= self._needed_hops else diagnosis
+
+    @property
+    def _needed_hops(self) -> int:
+        """Judgements in a row for which the level must stay high: those of a window, so that lines have had time to appear."""
+        return max(self.parameters.confirm, round(self.parameters.window / self.parameters.hop))
+
+
+class TemperatureFeed:
+    """Gives recorded readings to a detector as its signal reaches their times."""
+
+    def __init__(self, readings: TemperatureReadings) -> None:
+        """Prepare the readings that know the air and the outer ring; the axle box where no reading has the outer ring."""
+        bearing = readings.outer_ring if np.isfinite(readings.outer_ring).any() else readings.box
+        known = np.isfinite(bearing) & np.isfinite(readings.ambient)
+        self._waiting = deque(zip(*(values[known].tolist() for values in (readings.time, bearing, readings.ambient)), strict=True))
+
+    def give(self, take: Callable[[float, float, float], None], end: float) -> None:
+        """Call ``take`` with time [s], bearing and ambient [deg C] of each reading up to the time ``end`` [s] that it has not had."""
+        while self._waiting and self._waiting[0][0] <= end + 1e-9:
+            take(*self._waiting.popleft())
+
+
+def _with_trouble(diagnosis: Diagnosis, finding: HeatFinding) -> Diagnosis:
+    """Return a diagnosis with a trouble beside what it says so far."""
+    damaged = diagnosis.verdict in (*COMPONENTS, "compound")
+    verdict: Verdict = finding.trouble if not damaged else fault_class([diagnosis.verdict, finding.trouble])  # type: ignore[list-item]
+    found = probability(max(finding.excess, 0.0))
+    return dataclasses.replace(
+        diagnosis,
+        verdict=verdict,
+        reason=f"{diagnosis.reason}, and {finding.reason}" if damaged else finding.reason,
+        confidence=min(diagnosis.confidence, found) if damaged else found,
+    )

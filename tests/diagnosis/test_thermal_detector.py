@@ -1,0 +1,130 @@
+"""The shipped detector with temperatures: the same as without them if there are none, two more verdicts if there are."""
+
+from __future__ import annotations
+
+import dataclasses
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pytest
+from synthetic_bearing import ORDERS, RATE, Signal, diagnoses, synthetic
+
+from dcrb_ros.diagnosis.detector import FaultDetector
+from dcrb_ros.diagnosis.parameters import DetectorParameters
+from dcrb_ros.diagnosis.thermal_detector import ThermalFaultDetector
+from dcrb_ros.messages.statuses import decode_diagnostics
+from dcrb_ros.messages.topics.diagnosis import decode_scores, encode_diagnosis
+from dcrb_ros.stream.diagnosis import Diagnosis
+
+HOT = 170.0
+"""[deg C]"""
+WARM = 45.0
+"""[deg C]"""
+
+
+def detector(**parameters: Any) -> ThermalFaultDetector:
+    return ThermalFaultDetector(ORDERS, RATE, DetectorParameters(**parameters))
+
+
+@cache
+def healthy() -> Signal:
+    return synthetic(seconds=3.0)
+
+
+@cache
+def damaged() -> Signal:
+    return synthetic(outer=300.0, seconds=4.0)
+
+
+def heated(data: Signal, temperature: float, **parameters: Any) -> list[Diagnosis]:
+    """Return the diagnoses of a signal with a reading every fifth of a second."""
+    one, (acceleration, angle) = detector(**parameters), data
+    found = []
+    for k in range(0, len(angle), RATE // 5):
+        found.append(one.update(k, acceleration[k : k + RATE // 5], angle[k : k + RATE // 5]))
+        one.take_temperature(k / RATE, temperature, 20.0)
+    return [diagnosis for diagnosis in found if diagnosis is not None]
+
+
+@pytest.mark.parametrize("signal", [healthy, damaged])
+def test_without_temperatures_the_diagnoses_are_the_same(signal: Any) -> None:
+    plain, thermal = diagnoses(FaultDetector(ORDERS, RATE), signal()), diagnoses(detector(), signal())
+    assert len(plain) == len(thermal) > 4
+    for one, other in zip(plain, thermal, strict=True):
+        for field in dataclasses.fields(Diagnosis):
+            if field.name != "spectrum":
+                assert getattr(one, field.name) == getattr(other, field.name)
+        assert np.array_equal(one.spectrum[1], other.spectrum[1])
+
+
+def test_a_warm_bearing_stays_healthy_and_the_rise_is_remarked() -> None:
+    last = heated(healthy(), WARM)[-1]
+    assert last.verdict == "healthy"
+    assert last.remarks[-1].startswith("the bearing is 25.0 K above ambient, ")
+    assert last.scores["overheating"] < 0.0
+
+
+def test_a_hot_bearing_overheats() -> None:
+    last = heated(healthy(), HOT)[-1]
+    assert last.verdict == "overheating"
+    assert "150.0 K above ambient" in last.reason
+    assert last.confidence > 0.9
+    assert last.scores["overheating"] > 0.0
+
+
+def test_a_hot_bearing_with_a_defect_has_several_faults() -> None:
+    last = heated(damaged(), HOT)[-1]
+    assert last.verdict == "compound"
+    assert "BPFO" in last.reason
+    assert "it overheats" in last.reason
+
+
+def test_a_faulty_accelerometer_does_not_hide_a_hot_bearing() -> None:
+    acceleration, angle = healthy()
+    dead = np.zeros_like(acceleration), angle
+    assert heated(dead, WARM)[-1].verdict == "sensor"
+    assert heated(dead, HOT)[-1].verdict == "overheating"
+
+
+def test_readings_that_are_no_temperatures_are_remarked() -> None:
+    last = heated(healthy(), float("nan"))[-1]
+    assert last.verdict == "healthy"
+    assert any("readings were no temperatures" in remark for remark in last.remarks)
+
+
+def test_the_scores_of_temperatures_are_published() -> None:
+    last = heated(healthy(), HOT)[-1]
+    _, (status,) = decode_diagnostics(encode_diagnosis(last))
+    assert decode_scores(status.values)["overheating"] == pytest.approx(last.scores["overheating"], abs=0.01)
+    assert status.level == 2
+
+
+def louder(factor: float) -> Signal:
+    """Return a signal whose noise is louder after 4 s, without lines."""
+    acceleration, angle = synthetic(seconds=11.0)
+    louder = acceleration.copy()
+    louder[4 * RATE :] *= factor
+    return louder, angle
+
+
+def test_a_loss_of_films_is_heard_if_asked_for() -> None:
+    signal = louder(2.0)
+    assert {one.verdict for one in diagnoses(detector(), signal)} == {"waiting", "healthy"}
+    found = diagnoses(detector(starved_noise=4.0), signal)
+    assert found[-1].verdict == "lubrication"
+    assert "risen by 6.1 dB" in found[-1].reason
+    first = next(one.time for one in found if one.verdict == "lubrication")
+    assert 4.0 + 4.0 <= first <= 4.0 + 6.5
+
+
+def test_less_noise_than_the_threshold_is_no_loss() -> None:
+    assert {one.verdict for one in diagnoses(detector(starved_noise=4.0), louder(1.5))} == {"waiting", "healthy"}
+
+
+def test_speeds_are_learned_one_by_one() -> None:
+    """The level grows with the speed of a healthy bearing; at another speed it is learned anew."""
+    slow, fast = synthetic(seconds=4.0), synthetic(seconds=6.0, frequency=30.0)
+    angle = np.concatenate([slow[1], np.mod(slow[1][-1] + fast[1], 2.0 * np.pi)]).astype(np.float32)
+    signal = np.concatenate([slow[0], 3.0 * fast[0]]), angle
+    assert "lubrication" not in {one.verdict for one in diagnoses(detector(starved_noise=4.0), signal)}
