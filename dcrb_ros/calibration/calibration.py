@@ -1,7 +1,8 @@
 """Calibration: from healthy recordings of a machine to a bench that measures like it, with an interval for each value.
 
 What can be identified from acceleration at the sensor is the product of source and path. By convention the source is the simulated bench,
-so that the path holds every difference between its bearing and the machine's, too. `docs/explanation/calibration.md` has the formulas.
+so that the path holds every difference between its bearing and the machine's, too. How much of the power is the bearing's follows from the
+lines in the squared envelope. `docs/explanation/calibration.md` has the formulas.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ import numpy as np
 
 from dcrb_ros.bearing.waveform import Signal, Waveform
 from dcrb_ros.calibration.around_the_bearing import background_of, hum_of, modulation_of, speed_of, tones_of, unbalance_of
+from dcrb_ros.calibration.bearing_share import bearing_share_of, divide_noise
 from dcrb_ros.calibration.estimate import LEVEL, Estimate, PathLevel
 from dcrb_ros.calibration.identified_path import identified_path
 from dcrb_ros.calibration.measured import Measured, check_one_machine, measured_of
@@ -160,11 +162,15 @@ def calibrate(
     sources = _sources(machines, benches, source_seconds)
     path = identified_path(machines, sources, float(benches[0].step_rate))
     modulation = modulation_of(machines, sources, path)
-    path.divide_gains(math.sqrt(1.0 + 0.5 * modulation.parameters.get("structure.modulation", 0.0) ** 2))
+    share = bearing_share_of(machines, benches, sources, path)
+    added = math.sqrt(1.0 + 0.5 * modulation.parameters.get("structure.modulation", 0.0) ** 2)
+    path.divide_gains(added)
+    divide_noise(share, added)
     found, unidentified, parameters = list[Estimate](), list[str](), dict[str, Any]()
     hum = hum_of(machines)
     for part in (
         path,
+        share,
         modulation,
         speed_of(machines),
         hum,
