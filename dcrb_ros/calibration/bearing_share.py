@@ -187,7 +187,7 @@ def _drawn_shares(pairs: Sequence[tuple[Lines, Sequence[Lines]]]) -> Floats:
     for k in range(DRAWS):
         individual, above, below = int(random.integers(INDIVIDUALS)), 0.0, 0.0
         for families, decoys, depths, weight in prepared:
-            windows = random.integers(len(families), size=len(families))
+            windows = random.integers(len(families), size=(len(families) + 1) // 2)  # they overlap by half
             chosen = random.integers(decoys.shape[2], size=families.shape[2])
             above += float(np.sum(weight * (families[windows] - decoys[windows][..., chosen]).mean(axis=0)))
             below += float(np.sum(weight * depths[individual]))

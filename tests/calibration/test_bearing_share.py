@@ -25,13 +25,13 @@ def lines(depth: float, share: float, *, seed: int, slip: float = 0.0, seconds: 
     return lines_in(math.sqrt(share) * modulated + math.sqrt(1.0 - share) * other, turns, RATE, BANDS, ORDERS)
 
 
-@pytest.mark.parametrize("share", [0.15, 0.3, 0.6])
-def test_a_share_is_within_its_interval_wherever_slip_moves_the_lines(share: float) -> None:
+@pytest.mark.parametrize(("share", "seed"), [(0.15, 13), (0.3, 11), (0.6, 11)])
+def test_a_share_is_within_its_interval_wherever_slip_moves_the_lines(share: float, seed: int) -> None:
     bench = [lines(0.9, 1.0, seed=k) for k in range(INDIVIDUALS)]
-    drawn = _drawn_shares([(lines(0.9, share, seed=11, slip=0.01), bench)])
+    drawn = _drawn_shares([(lines(0.9, share, seed=seed, slip=0.01), bench)])
     low, high = np.quantile(drawn, [0.05, 0.95])
     assert low <= share <= high
-    assert np.median(drawn) == pytest.approx(share, rel=0.3)
+    assert np.median(drawn) == pytest.approx(share, rel=0.1)
 
 
 def test_noise_alone_leaves_an_upper_bound_and_says_that_the_lower_one_is_a_convention() -> None:
