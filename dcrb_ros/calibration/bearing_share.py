@@ -27,7 +27,7 @@ from dcrb_ros.calibration.estimate import LEVEL, Estimate
 from dcrb_ros.calibration.identified_path import COLUMNS, LOWEST, IdentifiedPath, Part
 from dcrb_ros.calibration.measured import Measured
 from dcrb_ros.calibration.path_fit import Data, PathFit, fit_path
-from dcrb_ros.calibration.source import Source, simulated_source
+from dcrb_ros.calibration.source import INDIVIDUALS, Source
 from dcrb_ros.calibration.spectra import HIGHEST_SHARE, Binned, binned, power_density
 from dcrb_ros.diagnosis.line_search import FEWEST_NEIGHBOURS, GUARD, NEIGHBOURHOOD, local_mean
 from dcrb_ros.diagnosis.order_spectrum import OrderSpectrum
@@ -35,13 +35,7 @@ from dcrb_ros.features.envelope_lines import SLIP, envelope_order_spectrum
 from dcrb_ros.features.family import fault_orders
 from dcrb_ros.measurement.stages.path import text_of
 from dcrb_ros.schema.arrays import Floats
-from dcrb_ros.settings.configuration import Configuration
-from dcrb_ros.settings.files import load_configuration
 
-INDIVIDUALS = 4
-"""Individuals of the bench's bearing whose lines are compared, the source among them [-]."""
-INDIVIDUAL_SECONDS = 2.0
-"""Simulated time of each of the others [s]."""
 FIRST_BAND = 500.0
 """Lower edge of the first octave [Hz]: lines of the shaft, the mains and single rollers lie below."""
 NARROWEST_BAND = 1.3
@@ -76,19 +70,19 @@ class Lines:
     """Mean squared envelope, shape (bands,)."""
 
 
-def bearing_share_of(
-    machines: Sequence[Measured], benches: Sequence[Configuration], sources: Sequence[Source], path: IdentifiedPath
-) -> Part:
-    """Return the share of the bearing in the healthy power and the noise of the machine, which is the rest."""
+def bearing_share_of(machines: Sequence[Measured], individuals: Sequence[Sequence[Source]], path: IdentifiedPath, step_rate: float) -> Part:
+    """Return the share of the bearing in the healthy power and the noise of the machine, which is the rest.
+
+    ``individuals`` holds individuals of the bench's bearing for each recording.
+    """
     pairs: list[tuple[Lines, list[Lines]]] = []
-    individuals = _individuals(benches, sources)
     for number, machine in enumerate(machines):
         bands = list(_bands(machine))
         for row, axis in enumerate(machine.axes):
             found = lines_in(machine.acceleration[row], machine.turns, machine.rate, bands, machine.orders)
             simulated = []
             for one in individuals[number]:
-                behind = _behind(one.acceleration[COLUMNS[axis]], path.fits[axis], number, machine.rate, float(benches[0].step_rate))
+                behind = _behind(one.acceleration[COLUMNS[axis]], path.fits[axis], number, machine.rate, step_rate)
                 simulated.append(lines_in(behind, one.turns, machine.rate, bands, machine.orders))
             pairs.append((found, simulated))
     part = _part(_drawn_shares(pairs) if pairs[0][0].families.shape[1] else np.array([0.0, np.inf]))
@@ -149,17 +143,6 @@ def _bands(machine: Measured) -> Iterator[tuple[float, float]]:
         if high - low >= WIDTH_OVER_LINE * line:
             yield low, high
         low *= 2.0
-
-
-def _individuals(benches: Sequence[Configuration], sources: Sequence[Source]) -> list[list[Source]]:
-    """Return individuals of the bearing at the speed of each recording, the source first."""
-    made: dict[int, list[Source]] = {}
-    for bench, source in zip(benches, sources, strict=True):
-        if id(source) not in made:
-            seeds = [bench.surfaces.seed + 7919 * k for k in range(1, INDIVIDUALS)]
-            others = [load_configuration(bench, {"surfaces.seed": seed % (2**31 - 1)}) for seed in seeds]
-            made[id(source)] = [source, *(simulated_source(one, INDIVIDUAL_SECONDS) for one in others)]
-    return [made[id(source)] for source in sources]
 
 
 def _behind(signal: Floats, fit: PathFit, recording: int, rate: int, step_rate: float) -> Floats:

@@ -21,7 +21,7 @@ from dcrb_ros.calibration.bearing_share import bearing_share_of, divide_noise
 from dcrb_ros.calibration.estimate import LEVEL, Estimate, PathLevel
 from dcrb_ros.calibration.identified_path import identified_path
 from dcrb_ros.calibration.measured import Measured, check_one_machine, measured_of
-from dcrb_ros.calibration.source import bench_of, simulated_source
+from dcrb_ros.calibration.source import bench_of, individuals_of, simulated_source
 from dcrb_ros.schema.numbers import duration_within
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
@@ -160,9 +160,10 @@ def calibrate(
     check_one_machine(machines)
     benches = [bench_of(machine, base, settings) for machine in machines]
     sources = _sources(machines, benches, source_seconds)
-    path = identified_path(machines, sources, float(benches[0].step_rate))
+    individuals, step_rate = individuals_of(benches, sources), float(benches[0].step_rate)
+    path = identified_path(machines, individuals, step_rate)
     modulation = modulation_of(machines, sources, path)
-    share = bearing_share_of(machines, benches, sources, path)
+    share = bearing_share_of(machines, individuals, path, step_rate)
     added = math.sqrt(1.0 + 0.5 * modulation.parameters.get("structure.modulation", 0.0) ** 2)
     path.divide_gains(added)
     divide_noise(share, added)

@@ -13,7 +13,7 @@ from dcrb_ros.calibration.estimate import QUANTILE, Estimate, PathLevel, by_fact
 from dcrb_ros.calibration.measured import Measured
 from dcrb_ros.calibration.path_fit import NEPER, Data, PathFit, fit_path
 from dcrb_ros.calibration.source import Source
-from dcrb_ros.calibration.spectra import Spectrum, binned, fluctuation, power_density
+from dcrb_ros.calibration.spectra import HIGHEST_SHARE, Spectrum, binned, fluctuation, power_density
 from dcrb_ros.features.band_levels import EDGE, middles
 from dcrb_ros.measurement.stages.path import text_of
 from dcrb_ros.schema.arrays import Floats
@@ -24,6 +24,8 @@ HEARD = 0.5
 """Share of the noise in a bin from which the noise counts as identified, and of the bearing from which the path does [-]."""
 FEWEST_BINS = 16
 """Bins in which the noise must be heard [-]: a third of an octave."""
+FEW = 2.3534 / QUANTILE
+"""Quantile of Student's t with three degrees of freedom over that of a normal variable [-]: four individuals are compared."""
 COLUMNS = {"x": 0, "y": 1}
 
 
@@ -65,15 +67,15 @@ class IdentifiedPath(Part):
                 self.parameters[one.key] = one.value / factor
 
 
-def identified_path(machines: Sequence[Measured], sources: Sequence[Source], step_rate: float) -> IdentifiedPath:
-    """Return the path of each axis and the noise of both."""
-    found = IdentifiedPath()
+def identified_path(machines: Sequence[Measured], individuals: Sequence[Sequence[Source]], step_rate: float) -> IdentifiedPath:
+    """Return the path of each axis and the noise of both; of the individuals of the bearing for each recording, the first is the source."""
+    found, sources = IdentifiedPath(), [one[0] for one in individuals]
     for row, axis in enumerate(machines[0].axes):
         found.fits[axis] = fit_path(_data(machines, sources, row, axis, step_rate))
     _add_noise(found)
     for row, axis in enumerate(machines[0].axes):
         own = power_density(sources[0].acceleration[COLUMNS[axis]], machines[0].rate)
-        _add_axis(found, axis, own, [_unsteadiness(m, s, row, axis) for m, s in zip(machines, sources, strict=True)])
+        _add_axis(found, axis, own, [_unsteadiness(m, i, row, axis) for m, i in zip(machines, individuals, strict=True)])
     if machines[0].axes == ("y",):
         for name in ("gain", "path"):
             found.parameters[f"structure.{name}_x"] = found.parameters[f"structure.{name}_y"]
@@ -95,14 +97,20 @@ def _data(machines: Sequence[Measured], sources: Sequence[Source], row: int, axi
     )
 
 
-def _unsteadiness(machine: Measured, source: Source, row: int, axis: str) -> dict[float, float]:
-    """Return the variance of the log level in each third octave by what changes from second to second; at 0 Hz, that of all of them."""
+def _unsteadiness(machine: Measured, individuals: Sequence[Source], row: int, axis: str) -> dict[float, float]:
+    """Return the variance of the log level in each third octave that the fit does not know; at 0 Hz, that of all of them.
+
+    It is what changes from second to second in recording and source, and how much individuals of the bearing differ: the source is one of
+    them, and the machine's is another, so that their variance counts twice. It is known from a few only, which Student's t accounts for.
+    """
     rate, found = machine.rate, {}
-    signals = machine.acceleration[row], source.acceleration[COLUMNS[axis]]
-    for middle in middles(rate):
-        if middle > LOWEST / EDGE:
-            found[float(middle)] = sum(fluctuation(signal, rate, middle / EDGE, middle * EDGE) for signal in signals)
-    found[0.0] = sum(fluctuation(signal, rate, LOWEST, 0.4 * rate) for signal in signals)
+    signals = machine.acceleration[row], individuals[0].acceleration[COLUMNS[axis]]
+    spectra = [power_density(one.acceleration[COLUMNS[axis]], rate) for one in individuals]
+    bands = {float(middle): (middle / EDGE, middle * EDGE) for middle in middles(rate) if middle > LOWEST / EDGE}
+    for middle, (low, high) in (bands | {0.0: (LOWEST, HIGHEST_SHARE * rate)}).items():
+        powers = [float(np.sum(one.density[(one.frequency >= low) & (one.frequency < high)])) for one in spectra]
+        between = float(np.var(np.log(np.maximum(powers, np.finfo(np.float64).tiny)), ddof=1)) if len(powers) > 1 else 0.0
+        found[middle] = sum(fluctuation(signal, rate, low, high) for signal in signals) + 2.0 * FEW**2 * between
     return found
 
 

@@ -9,7 +9,8 @@ import pytest
 from synthetic_bearing import ORDERS
 
 import dcrb_ros
-from dcrb_ros.calibration.bearing_share import INDIVIDUALS, Lines, _drawn_shares, _part, lines_in
+from dcrb_ros.calibration.bearing_share import Lines, _drawn_shares, _part, lines_in
+from dcrb_ros.calibration.source import INDIVIDUALS
 from dcrb_ros.schema.arrays import Floats
 
 RATE, SHAFT = 25600, 20.0
