@@ -113,7 +113,7 @@ def main() -> None:
         seconds.append(time.process_time() - begin)
         counts.add(found, run, settings)
         counts.add_share(found, 1.0)
-        if found.configuration.structure.noise_y > 0.0:
+        if found["structure.bearing_share"].low < 1.0:
             mixed, share = mixed_plant(found, number)
             counts.add_share(dcrb_ros.calibrate(mixed, base="healthy", trust=True), share)
         print(number, f"{seconds[-1]:.1f} s", {key: round(values[-1], 3) for key, values in counts.errors.items()}, flush=True)
