@@ -96,9 +96,12 @@ class Calibration:
 
     @property
     def path_spread(self) -> float:
-        """Standard deviation of the level of the path in its third octaves, for `structure.path_spread` [dB]."""
-        widths = [one.high - one.low for one in self.path if one.identified]
-        return round(float(np.median(widths)) / (2.0 * 1.645), 3) if widths else 0.0
+        """Standard deviation of the level of the path in its third octaves, for `structure.path_spread` [dB].
+
+        It is that for one individual of the bearing: `surfaces.seed` draws others.
+        """
+        deviations = [one.chance for one in self.path if one.identified]
+        return round(float(np.median(deviations)), 3) if deviations else 0.0
 
 
 def _unknown(key: str) -> Estimate:

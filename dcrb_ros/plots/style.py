@@ -35,14 +35,20 @@ def new_axes(*, polar: bool = False, size: tuple[float, float] = (9.0, 3.2)) -> 
     return figure.add_subplot(projection="polar" if polar else None)
 
 
+MOST_CHARACTERS = 44
+"""Characters that fit beside each other in a legend of four columns [-]."""
+
+
 def legend_above(ax: Axes, handles: Sequence[Artist] | None = None) -> None:
     """Draw the legend above the axes, where it hides no curve; of the labelled curves, or of other handles."""
+    shown = list(handles or ax.get_legend_handles_labels()[0])
+    widest = max((len(str(one.get_label())) for one in shown), default=0)
     ax.legend(
-        handles=handles or ax.get_legend_handles_labels()[0],
+        handles=shown,
         loc="lower right",
         bbox_to_anchor=(1.0, 1.0),
         borderaxespad=0.2,
-        ncols=4,
+        ncols=4 if widest * len(shown) <= MOST_CHARACTERS else 2,
         columnspacing=1.4,
         handlelength=2.8,
         fontsize="small",
