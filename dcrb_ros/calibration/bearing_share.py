@@ -10,8 +10,8 @@ depths D = A / mean and m = M / mean over the mean squared envelope of the bench
     s^2 = sum_bk w_bk m_bk^2 / sum_bk w_bk D_bk^2,        w_bk = <D_bk^2> / (n_b^4 + d^4),
 
 where squares are above those of neighbouring orders, n^2 is what is found so at orders without lines, and <> is the mean over
-individuals of the bench's bearing, whose lines differ. The interval is that of a bootstrap over windows, over these orders and over the
-individuals.
+individuals of the bench's bearing, whose lines differ. The interval is that of a bootstrap over windows and these orders; the logarithm
+of the lower sum is that of another individual, drawn from Student's t about the mean of a few.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from dcrb_ros.calibration.estimate import LEVEL, Estimate
 from dcrb_ros.calibration.identified_path import COLUMNS, LOWEST, IdentifiedPath, Part
 from dcrb_ros.calibration.measured import Measured
 from dcrb_ros.calibration.path_fit import Data, PathFit, fit_path
-from dcrb_ros.calibration.source import INDIVIDUALS, Source
+from dcrb_ros.calibration.source import Source
 from dcrb_ros.calibration.spectra import HIGHEST_SHARE, Binned, binned, power_density
 from dcrb_ros.diagnosis.line_search import FEWEST_NEIGHBOURS, GUARD, NEIGHBOURHOOD, local_mean
 from dcrb_ros.diagnosis.order_spectrum import OrderSpectrum
@@ -166,15 +166,20 @@ def _drawn_shares(pairs: Sequence[tuple[Lines, Sequence[Lines]]]) -> Floats:
         depths = np.array([np.maximum(0.0, one.families.mean(axis=0) - one.decoys.mean(axis=(0, 2))[:, None]) for one in simulated]) / scale
         noise = np.mean((machine.decoys.mean(axis=0) / scale) ** 2, axis=1, keepdims=True)
         prepared.append((machine.families / scale, machine.decoys / scale, depths, depths.mean(axis=0) / (noise + SHALLOW**4)))
+    benches = [sum(float(np.sum(weight * depths[k])) for _, _, depths, weight in prepared) for k in range(len(pairs[0][1]))]
+    if min(benches) <= 0.0:
+        return np.full(DRAWS, math.inf)
+    logarithms, count = np.log(benches), len(benches)
+    spread = float(np.std(logarithms, ddof=1)) * math.sqrt(1.0 + 1.0 / count) if count > 1 else 0.0
     drawn = np.empty(DRAWS)
     for k in range(DRAWS):
-        individual, above, below = int(random.integers(INDIVIDUALS)), 0.0, 0.0
-        for families, decoys, depths, weight in prepared:
+        below = math.exp(float(logarithms.mean()) + spread * float(random.standard_t(max(1, count - 1))))
+        above = 0.0
+        for families, decoys, _, weight in prepared:
             windows = random.integers(len(families), size=(len(families) + 1) // 2)  # they overlap by half
             chosen = random.integers(decoys.shape[2], size=families.shape[2])
             above += float(np.sum(weight * (families[windows] - decoys[windows][..., chosen]).mean(axis=0)))
-            below += float(np.sum(weight * depths[individual]))
-        drawn[k] = math.sqrt(max(0.0, above / below)) if below > 0.0 else math.inf
+        drawn[k] = math.sqrt(max(0.0, above / below))
     return drawn
 
 
