@@ -187,15 +187,14 @@ def _part(drawn: Floats) -> Part:
     """Return the estimate from drawn shares, and what is not identified."""
     part = Part()
     low, middle, high = (float(np.quantile(drawn, at, method="nearest")) for at in (0.5 - 0.5 * LEVEL, 0.5, 0.5 + 0.5 * LEVEL))
+    value = min(1.0, middle if low > 0.0 else max(middle, min(high, 1.0) / math.sqrt(UNKNOWN)))
     if high >= 1.0:
-        value = 1.0
         if low <= 0.0:
             part.remarks.append(
-                "the bearing's share of the power is unknown, for neither bench nor machine has clear lines of it in the envelope: it is "
-                f"taken for 1, and drawn down to {1.0 / UNKNOWN:g}"
+                "the bearing's share of the power is unknown, for neither bench nor machine has clear lines of it in the envelope: "
+                f"{1.0 / UNKNOWN:g} to 1"
             )
     else:
-        value = middle if low > 0.0 else max(middle, high / math.sqrt(UNKNOWN))
         part.remarks.append(
             f"the bearing has at most {high:.2g} of the power if its lines in the envelope are as deep as the bench's: the rest is noise "
             "of the machine"

@@ -46,7 +46,8 @@ def test_noise_alone_leaves_an_upper_bound_and_says_that_the_lower_one_is_a_conv
 
 def test_all_of_the_power_is_the_bearings_where_its_lines_are_as_deep_as_the_benchs() -> None:
     part = _part(_drawn_shares([(lines(0.9, 1.0, seed=12), [lines(0.9, 1.0, seed=k) for k in range(INDIVIDUALS)])]))
-    assert part.estimates[0].value == 1.0
+    assert part.estimates[0].value > 0.95
+    assert part.estimates[0].high == 1.0
     assert part.remarks == []
 
 
