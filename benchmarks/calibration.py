@@ -2,8 +2,9 @@
 
     python benchmarks/calibration.py [PLANTS] [FIGURE]
 
-Each plant is simulated for 5 s with random modes of an axle box, gain, noise, modulation and hum, and calibrated to from its recording
-alone. The figure goes to docs/images/calibration-plants.png.
+Each plant is simulated for 5 s with another individual of the bearing, random modes of an axle box, gain, noise, modulation and hum, and
+calibrated to from its recording alone. The calibrated bench with a known share of the bearing and once more another individual is a second
+plant, for that share. The figure goes to docs/images/calibration-plants.png.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ from __future__ import annotations
 import sys
 import time
 from collections import defaultdict
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -40,47 +42,84 @@ def drawn(number: int) -> dict[str, Any]:
         "sensor.range": 1e5,
         "background.hum_level": float(10.0 ** random.uniform(-2.0, -0.5)),
         "simulation.seed": number,
-        "surfaces.seed": 1,
+        "surfaces.seed": 100 + number,
     }
+
+
+@dataclass
+class Counts:
+    """What the calibrations found, by quantity."""
+
+    inside: dict[str, list[bool]] = field(default_factory=lambda: defaultdict(list))
+    """Whether the intervals contain the truth."""
+    errors: dict[str, list[float]] = field(default_factory=lambda: defaultdict(list))
+    """Relative errors [-]."""
+    bands: list[tuple[float, float, float]] = field(default_factory=list)
+    """Middle of a third octave [Hz], estimated over true path and half of the interval [dB]."""
+
+    def add(self, found: dcrb_ros.Calibration, run: dcrb_ros.Run, settings: dict[str, Any]) -> None:
+        """Compare a calibration with the truth."""
+        for one in found.estimates:
+            truth = settings.get(one.key)
+            if truth is not None and one.key not in ("structure.gain_x", "structure.gain_y"):
+                self.inside[one.key].append(one.low <= truth <= one.high)
+                self.errors[one.key].append(one.value / truth - 1.0)
+        for axis in "xy":
+            power, middles = path_of(run, settings, axis)
+            gain = found.gains[axis]
+            truth = float(np.sqrt(power[:, 1].sum() / power[:, 0].sum()))
+            self.inside["gain"].append(gain.low <= truth <= gain.high)
+            self.errors["gain"].append(gain.value / truth - 1.0)
+            for level in (one for one in found.path if one.axis == axis and one.identified):
+                band = (middles >= level.frequency / EDGE) & (middles < level.frequency * EDGE)
+                known = 10.0 * np.log10(power[band, 1].sum() / power[band, 0].sum())
+                self.bands.append((level.frequency, level.level - known, 0.5 * (level.high - level.low)))
+                self.inside["path in third octaves"].append(level.low <= known <= level.high)
+
+    def add_share(self, found: dcrb_ros.Calibration, truth: float) -> None:
+        """Compare the share of the bearing with the truth."""
+        share = found["structure.bearing_share"]
+        self.inside["share of the bearing"].append(share.low <= truth <= share.high)
+        self.errors["share of the bearing"].append(share.value / truth - 1.0)
+
+    def report(self) -> None:
+        """Print rates and errors."""
+        for key, values in self.inside.items():
+            away = np.abs(self.errors[key]) if key in self.errors else None
+            spread = "" if away is None else f", error {100 * np.sqrt(np.mean(away**2)):.2g} %, at most {100 * away.max():.2g} %"
+            print(f"{key}: {np.mean(values):.0%} of {len(values)} within their intervals{spread}")
+        apart = np.abs([band[1] for band in self.bands])
+        print(f"path: {np.sqrt(np.mean(apart**2)):.2f} dB, 99 % within {np.percentile(apart, 99):.2f} dB, at most {apart.max():.2f} dB")
+        print(f"half of an interval of the path: {np.median([band[2] for band in self.bands]):.2f} dB")
+
+
+def mixed_plant(found: dcrb_ros.Calibration, number: int) -> tuple[dcrb_ros.Run, float]:
+    """Return a recording of a calibrated bench with another individual and a known share of the bearing."""
+    share = float(10.0 ** np.random.default_rng(1000 + number).uniform(-1.3, -0.1))
+    changes = {"structure.bearing_share": share, "surfaces.seed": 500 + number, "simulation.seed": 500 + number}
+    return dcrb_ros.simulate(found.configuration, SECONDS, settings=changes).between(0.5), share
 
 
 def main() -> None:
     """Run the plants and draw their figure."""
     plants = int(sys.argv[1]) if len(sys.argv) > 1 else 24
-    inside: dict[str, list[bool]] = defaultdict(list)
-    errors: dict[str, list[float]] = defaultdict(list)
-    bands: list[tuple[float, float, float]] = []
-    seconds = []
+    counts, seconds = Counts(), []
     for number in range(1, plants + 1):
         settings = drawn(number)
         run = dcrb_ros.simulate("healthy", SECONDS, settings=settings)
         begin = time.process_time()
-        found = dcrb_ros.calibrate(run.between(0.5), trust=True)  # in much noise the detector takes the sensor for a dead one
+        # In much noise the detector takes the sensor for a dead one.
+        found = dcrb_ros.calibrate(run.between(0.5), base="healthy", trust=True)
         seconds.append(time.process_time() - begin)
-        for one in found.estimates:
-            truth = settings.get(one.key)
-            if truth is not None and one.key not in ("structure.gain_x", "structure.gain_y"):
-                inside[one.key].append(one.low <= truth <= one.high)
-                errors[one.key].append(one.value / truth - 1.0)
-        for axis in "xy":
-            power, middles = path_of(run, settings, axis)
-            gain = found.gains[axis]
-            truth = float(np.sqrt(power[:, 1].sum() / power[:, 0].sum()))
-            inside[f"gain {axis}"].append(gain.low <= truth <= gain.high)
-            errors[f"gain {axis}"].append(gain.value / truth - 1.0)
-            for level in (one for one in found.path if one.axis == axis and one.identified):
-                band = (middles >= level.frequency / EDGE) & (middles < level.frequency * EDGE)
-                known = 10.0 * np.log10(power[band, 1].sum() / power[band, 0].sum())
-                bands.append((level.frequency, level.level - known, 0.5 * (level.high - level.low)))
-                inside["path in third octaves"].append(level.low <= known <= level.high)
-        print(number, f"{seconds[-1]:.1f} s", {key: round(values[-1], 3) for key, values in errors.items()}, flush=True)
-    for key, values in inside.items():
-        spread = f", error {100 * np.std(errors[key]):.2g} %, at most {100 * np.max(np.abs(errors[key])):.2g} %" if key in errors else ""
-        print(f"{key}: {np.mean(values):.0%} of {len(values)} within their intervals{spread}")
-    away = np.abs([band[1] for band in bands])
-    print(f"path: {np.sqrt(np.mean(away**2)):.2f} dB, 99 % within {np.percentile(away, 99):.2f} dB, at most {away.max():.2f} dB")
+        counts.add(found, run, settings)
+        counts.add_share(found, 1.0)
+        if found["structure.bearing_share"].low < 1.0:
+            mixed, share = mixed_plant(found, number)
+            counts.add_share(dcrb_ros.calibrate(mixed, base="healthy", trust=True), share)
+        print(number, f"{seconds[-1]:.1f} s", {key: round(values[-1], 3) for key, values in counts.errors.items()}, flush=True)
+    counts.report()
     print(f"processor time of a calibration: {np.median(seconds):.1f} s, at most {max(seconds):.1f} s")
-    draw(inside, np.array(bands), Path(sys.argv[2]) if len(sys.argv) > 2 else FIGURE)
+    draw(counts.inside, np.array(counts.bands), Path(sys.argv[2]) if len(sys.argv) > 2 else FIGURE)
 
 
 def path_of(run: dcrb_ros.Run, settings: dict[str, Any], axis: str) -> tuple[np.ndarray[Any, Any], np.ndarray[Any, Any]]:

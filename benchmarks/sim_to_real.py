@@ -110,8 +110,7 @@ def main(arguments: list[str] | None = None) -> int:
         healthy, _ = measured(given.measured, rig)
         if healthy:
             trainings["simulated, calibrated"] = calibrated(rig, healthy, *size)
-            folders = {"uncalibrated": "simulated, noise of the machine", "calibrated": "simulated, calibrated, noise of the machine"}
-            trainings |= {name: noisy_windows(given.output / f"{rig.name}-{folder}", healthy) for folder, name in folders.items()}
+            trainings["simulated, noise of the machine"] = noisy_windows(given.output / f"{rig.name}-uncalibrated", healthy)
         trainings |= {f"measured on {name}": windows for name, windows in tests.items() if name != rig.name}
         rows += rows_of(rig, trainings, tests[rig.name])
     (given.output / "table.md").write_text(markdown(rows))

@@ -13,8 +13,8 @@ def write_figure(rows: Sequence[tuple[str, str, str, Score]], path: Path) -> Non
     """Write macro AUROC with its bounds by rig and training; of the sets of features the one without band levels."""
     rows = [row for row in rows if row[2] != "with band levels"]
     rigs = list(dict.fromkeys(rig for rig, *_ in rows))
-    figure, axes = plt.subplots(1, len(rigs), figsize=(11.0, 3.2), sharex=True, layout="constrained")
-    for axis, rig in zip(axes, rigs, strict=True):
+    figure, axes = plt.subplots(1, len(rigs), figsize=(11.0, 3.2), sharex=True, squeeze=False, layout="constrained")
+    for axis, rig in zip(axes[0], rigs, strict=True):
         own = [(training, score) for name, training, _, score in rows if name == rig]
         for place, (training, score) in enumerate(reversed(own)):
             colour = "C0" if training.startswith("simulated") else "C1" if training.startswith("measured") else "0.3"

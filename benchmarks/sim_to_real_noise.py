@@ -1,6 +1,5 @@
-"""Simulated runs in the noise of the machine: the bearing's share of the healthy signal is unknown, so that it is drawn.
+"""Uncalibrated runs in the noise of the machine, with an arbitrary share of the bearing.
 
-A calibration takes all of a healthy signal that noise of the sensor does not explain for the bearing's. A machine has other sources.
 Each simulated machine gets Gaussian noise with the spectrum of the healthy recording, and its bearing a share of the power from 1 to 100 %.
 """
 

@@ -1,7 +1,8 @@
 """Calibration: from healthy recordings of a machine to a bench that measures like it, with an interval for each value.
 
 What can be identified from acceleration at the sensor is the product of source and path. By convention the source is the simulated bench,
-so that the path holds every difference between its bearing and the machine's, too. `docs/explanation/calibration.md` has the formulas.
+so that the path holds every difference between its bearing and the machine's, too. How much of the power is the bearing's follows from the
+lines in the squared envelope. `docs/explanation/calibration.md` has the formulas.
 """
 
 from __future__ import annotations
@@ -16,10 +17,11 @@ import numpy as np
 
 from dcrb_ros.bearing.waveform import Signal, Waveform
 from dcrb_ros.calibration.around_the_bearing import background_of, hum_of, modulation_of, speed_of, tones_of, unbalance_of
+from dcrb_ros.calibration.bearing_share import bearing_share_of, divide_noise
 from dcrb_ros.calibration.estimate import LEVEL, Estimate, PathLevel
 from dcrb_ros.calibration.identified_path import identified_path
 from dcrb_ros.calibration.measured import Measured, check_one_machine, measured_of
-from dcrb_ros.calibration.source import bench_of, simulated_source
+from dcrb_ros.calibration.source import bench_of, individuals_of, simulated_source
 from dcrb_ros.schema.numbers import duration_within
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
@@ -94,9 +96,12 @@ class Calibration:
 
     @property
     def path_spread(self) -> float:
-        """Standard deviation of the level of the path in its third octaves, for `structure.path_spread` [dB]."""
-        widths = [one.high - one.low for one in self.path if one.identified]
-        return round(float(np.median(widths)) / (2.0 * 1.645), 3) if widths else 0.0
+        """Standard deviation of the level of the path in its third octaves, for `structure.path_spread` [dB].
+
+        It is that for one individual of the bearing: `surfaces.seed` draws others.
+        """
+        deviations = [one.chance for one in self.path if one.identified]
+        return round(float(np.median(deviations)), 3) if deviations else 0.0
 
 
 def _unknown(key: str) -> Estimate:
@@ -158,13 +163,18 @@ def calibrate(
     check_one_machine(machines)
     benches = [bench_of(machine, base, settings) for machine in machines]
     sources = _sources(machines, benches, source_seconds)
-    path = identified_path(machines, sources, float(benches[0].step_rate))
+    individuals, step_rate = individuals_of(benches, sources), float(benches[0].step_rate)
+    path = identified_path(machines, individuals, step_rate)
     modulation = modulation_of(machines, sources, path)
-    path.divide_gains(math.sqrt(1.0 + 0.5 * modulation.parameters.get("structure.modulation", 0.0) ** 2))
+    share = bearing_share_of(machines, individuals, path, step_rate)
+    added = math.sqrt(1.0 + 0.5 * modulation.parameters.get("structure.modulation", 0.0) ** 2)
+    path.divide_gains(added)
+    divide_noise(share, added)
     found, unidentified, parameters = list[Estimate](), list[str](), dict[str, Any]()
     hum = hum_of(machines)
     for part in (
         path,
+        share,
         modulation,
         speed_of(machines),
         hum,

@@ -64,6 +64,8 @@ class PathLevel:
     """Upper end of the interval [dB]."""
     share: float
     """Share of the bearing in the measured power [-]; below a half the noise covers it, and the level is an extrapolation."""
+    chance: float = 0.0
+    """Standard deviation of the level for the individual of the bench's bearing [dB]; the interval contains other individuals, too."""
 
     @property
     def identified(self) -> bool:

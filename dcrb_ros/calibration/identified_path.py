@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -13,7 +13,7 @@ from dcrb_ros.calibration.estimate import QUANTILE, Estimate, PathLevel, by_fact
 from dcrb_ros.calibration.measured import Measured
 from dcrb_ros.calibration.path_fit import NEPER, Data, PathFit, fit_path
 from dcrb_ros.calibration.source import Source
-from dcrb_ros.calibration.spectra import Spectrum, binned, fluctuation, power_density
+from dcrb_ros.calibration.spectra import HIGHEST_SHARE, Spectrum, binned, fluctuation, power_density
 from dcrb_ros.features.band_levels import EDGE, middles
 from dcrb_ros.measurement.stages.path import text_of
 from dcrb_ros.schema.arrays import Floats
@@ -24,6 +24,8 @@ HEARD = 0.5
 """Share of the noise in a bin from which the noise counts as identified, and of the bearing from which the path does [-]."""
 FEWEST_BINS = 16
 """Bins in which the noise must be heard [-]: a third of an octave."""
+FEW = 2.3534 / QUANTILE
+"""Quantile of Student's t with three degrees of freedom over that of a normal variable [-]: four individuals are compared."""
 COLUMNS = {"x": 0, "y": 1}
 
 
@@ -65,15 +67,15 @@ class IdentifiedPath(Part):
                 self.parameters[one.key] = one.value / factor
 
 
-def identified_path(machines: Sequence[Measured], sources: Sequence[Source], step_rate: float) -> IdentifiedPath:
-    """Return the path of each axis and the noise of both."""
-    found = IdentifiedPath()
+def identified_path(machines: Sequence[Measured], individuals: Sequence[Sequence[Source]], step_rate: float) -> IdentifiedPath:
+    """Return the path of each axis and the noise of both; of the individuals of the bearing for each recording, the first is the source."""
+    found, sources = IdentifiedPath(), [one[0] for one in individuals]
     for row, axis in enumerate(machines[0].axes):
         found.fits[axis] = fit_path(_data(machines, sources, row, axis, step_rate))
     _add_noise(found)
     for row, axis in enumerate(machines[0].axes):
         own = power_density(sources[0].acceleration[COLUMNS[axis]], machines[0].rate)
-        _add_axis(found, axis, own, [_unsteadiness(m, s, row, axis) for m, s in zip(machines, sources, strict=True)])
+        _add_axis(found, axis, own, [_unsure(m, i, row, axis) for m, i in zip(machines, individuals, strict=True)])
     if machines[0].axes == ("y",):
         for name in ("gain", "path"):
             found.parameters[f"structure.{name}_x"] = found.parameters[f"structure.{name}_y"]
@@ -95,14 +97,29 @@ def _data(machines: Sequence[Measured], sources: Sequence[Source], row: int, axi
     )
 
 
-def _unsteadiness(machine: Measured, source: Source, row: int, axis: str) -> dict[float, float]:
-    """Return the variance of the log level in each third octave by what changes from second to second; at 0 Hz, that of all of them."""
+class Unsure(NamedTuple):
+    """Variances of the log level in a band beyond that of the fit."""
+
+    changes: float
+    """By what changes from second to second in recording and source."""
+    individuals: float
+    """By another individual of the bearing than the source's."""
+
+
+def _unsure(machine: Measured, individuals: Sequence[Source], row: int, axis: str) -> dict[float, Unsure]:
+    """Return the variances in each third octave by its middle [Hz]; at 0 Hz, those of all of them.
+
+    The source is one individual and the machine's bearing is another, so that the variance between individuals counts twice. It is that of
+    mean logarithms of the density, which the fit compares, and it is known from a few only, which Student's t accounts for.
+    """
     rate, found = machine.rate, {}
-    signals = machine.acceleration[row], source.acceleration[COLUMNS[axis]]
-    for middle in middles(rate):
-        if middle > LOWEST / EDGE:
-            found[float(middle)] = sum(fluctuation(signal, rate, middle / EDGE, middle * EDGE) for signal in signals)
-    found[0.0] = sum(fluctuation(signal, rate, LOWEST, 0.4 * rate) for signal in signals)
+    signals = machine.acceleration[row], individuals[0].acceleration[COLUMNS[axis]]
+    spectra = [binned(power_density(one.acceleration[COLUMNS[axis]], rate), rate) for one in individuals]
+    bands = {float(middle): (middle / EDGE, middle * EDGE) for middle in middles(rate) if middle > LOWEST / EDGE}
+    for middle, (low, high) in (bands | {0.0: (LOWEST, HIGHEST_SHARE * rate)}).items():
+        levels = [one.level[(one.frequency >= low) & (one.frequency < high)] for one in spectra]
+        between = float(np.var([level.mean() for level in levels], ddof=1)) if len(spectra) > 1 and len(levels[0]) else 0.0
+        found[middle] = Unsure(sum(fluctuation(signal, rate, low, high) for signal in signals), 2.0 * FEW**2 * between)
     return found
 
 
@@ -138,19 +155,19 @@ def _add_noise(found: IdentifiedPath) -> None:
             found.fits[axis] = fit_path(fit.data, white=white)
 
 
-def _add_axis(found: IdentifiedPath, axis: str, source: Spectrum, unsteady: Sequence[dict[float, float]]) -> None:
+def _add_axis(found: IdentifiedPath, axis: str, source: Spectrum, unsure: Sequence[dict[float, Unsure]]) -> None:
     """Add gain, sections and levels in third octaves of an axis; ``source`` is the spectrum of the first source."""
     fit = found.fits[axis]
     whole, variance = _level(fit, source, LOWEST, float(fit.data.frequency[-1]))
-    variance += unsteady[0][0.0]
+    variance += unsure[0][0.0].changes
     if len(fit.gains) > 1:  # gains that differ between recordings are less certain by as much
         variance += 4.0 * float(np.var(np.log(fit.gains), ddof=1))
-    deviation = 0.5 * math.sqrt(variance)
+    deviation, wider = 0.5 * math.sqrt(variance), 0.5 * math.sqrt(variance + unsure[0][0.0].individuals)
     gain = float(fit.gains[0])
     found.parameters |= {f"structure.gain_{axis}": gain, f"structure.path_{axis}": text_of(fit.pairs)}
     found.estimates.append(by_factor(f"structure.gain_{axis}", gain, deviation, "-"))
-    found.gains[axis] = by_factor(f"gain_{axis}", math.exp(0.5 * whole), deviation, "-")
-    levels = list(_levels(fit, axis, source, unsteady[0]))
+    found.gains[axis] = by_factor(f"gain_{axis}", math.exp(0.5 * whole), wider, "-")
+    levels = list(_levels(fit, axis, source, unsure[0]))
     found.levels += levels
     found.residuals.append((axis, fit.data.frequency, fit.residual()[0]))
     silent = [one.frequency for one in levels if not one.identified]
@@ -175,13 +192,15 @@ def _level(fit: PathFit, source: Spectrum, low: float, high: float) -> tuple[flo
     return math.log(float(behind.sum() / before.sum())) + float(power.max()), float(by @ fit.covariance @ by)
 
 
-def _levels(fit: PathFit, axis: str, source: Spectrum, unsteady: dict[float, float]) -> Iterator[PathLevel]:
+def _levels(fit: PathFit, axis: str, source: Spectrum, unsure: dict[float, Unsure]) -> Iterator[PathLevel]:
     """Yield the gain of the path in third octaves with its intervals."""
     share = fit.share().max(axis=0)
-    for middle in (band for band in unsteady if band):
+    for middle in (band for band in unsure if band):
         inside = (fit.data.frequency >= middle / EDGE) & (fit.data.frequency < middle * EDGE)
         if np.count_nonzero(inside) < 3:
             continue
         level, variance = _level(fit, source, middle / EDGE, min(middle * EDGE, float(fit.data.frequency[-1])))
-        decibels, half = 0.5 * NEPER * level, 0.5 * NEPER * QUANTILE * math.sqrt(variance + unsteady[middle])
-        yield PathLevel(axis, middle, decibels, decibels - half, decibels + half, float(share[inside].mean()))
+        chance = variance + unsure[middle].changes
+        decibels, half = 0.5 * NEPER * level, 0.5 * NEPER * QUANTILE * math.sqrt(chance + unsure[middle].individuals)
+        deviation = 0.5 * NEPER * math.sqrt(chance)
+        yield PathLevel(axis, middle, decibels, decibels - half, decibels + half, float(share[inside].mean()), deviation)

@@ -24,6 +24,10 @@ from dcrb_ros.simulation.loop import Simulation
 
 SETTLING = 0.5
 """Time before the first sample that is used [s]: idle rollers come to rest in it."""
+INDIVIDUALS = 4
+"""Individuals of the bench's bearing that are compared, the source among them [-]."""
+INDIVIDUAL_SECONDS = 2.0
+"""Simulated time of each of the others [s]."""
 STEEL = 7850.0
 """Density of rollers [kg/m^3]."""
 USUAL_PREVIEW = 200
@@ -125,3 +129,14 @@ def simulated_source(bench: Configuration, seconds: float) -> Source:
     clean = np.concatenate([block.clean for block in blocks])[first:].T.astype(np.float64)
     angle = np.concatenate([block.shaft_angle for block in blocks])[first:]
     return Source(clean - clean.mean(axis=1, keepdims=True), unwrapped_turns(angle))
+
+
+def individuals_of(benches: Sequence[Configuration], sources: Sequence[Source]) -> list[list[Source]]:
+    """Return individuals of the bearing at the speed of each recording, the source first: the surfaces of the machine's are unknown."""
+    made: dict[int, list[Source]] = {}
+    for bench, source in zip(benches, sources, strict=True):
+        if id(source) not in made:
+            seeds = [(bench.surfaces.seed + 7919 * k) % (2**31 - 1) for k in range(1, INDIVIDUALS)]
+            others = [load_configuration(bench, {"surfaces.seed": seed}) for seed in seeds]
+            made[id(source)] = [source, *(simulated_source(one, INDIVIDUAL_SECONDS) for one in others)]
+    return [made[id(source)] for source in sources]

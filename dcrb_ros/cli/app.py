@@ -11,6 +11,7 @@ from dcrb_ros.cli import (
     bench,
     cache,
     calibrate,
+    collect,
     config,
     detect,
     exam,
@@ -58,6 +59,7 @@ app.command("calibrate")(calibrate.calibrate)
 app.command("compare")(calibrate.compare)
 app.command("sweep")(sweep.sweep)
 app.command("shards")(shards.shards)
+app.command("collect")(collect.collect)
 app.command("validate")(validate.validate)
 app.command("cache")(cache.cache)
 app.add_typer(exam.app, name="exam")

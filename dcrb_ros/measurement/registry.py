@@ -21,6 +21,7 @@ PER_STEP = _stages(
     "traction_drive:TractionDrive",
     "structure:AxleBox",
     "path:MeasuredPath",
+    "machine_noise:MachineNoise",
     "mount:Mount",
     "bandwidth:Bandwidth",
     "rattle:Rattle",

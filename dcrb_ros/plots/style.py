@@ -35,14 +35,19 @@ def new_axes(*, polar: bool = False, size: tuple[float, float] = (9.0, 3.2)) -> 
     return figure.add_subplot(projection="polar" if polar else None)
 
 
+MOST_CHARACTERS = 44
+"""Characters that fit beside each other in a legend of four columns [-]."""
+
+
 def legend_above(ax: Axes, handles: Sequence[Artist] | None = None) -> None:
     """Draw the legend above the axes, where it hides no curve; of the labelled curves, or of other handles."""
+    shown = list(handles or ax.get_legend_handles_labels()[0])
     ax.legend(
-        handles=handles or ax.get_legend_handles_labels()[0],
+        handles=shown,
         loc="lower right",
         bbox_to_anchor=(1.0, 1.0),
         borderaxespad=0.2,
-        ncols=4,
+        ncols=_columns([str(one.get_label()) for one in shown]),
         columnspacing=1.4,
         handlelength=2.8,
         fontsize="small",
@@ -50,12 +55,26 @@ def legend_above(ax: Axes, handles: Sequence[Artist] | None = None) -> None:
     )
 
 
+def _columns(labels: Sequence[str]) -> int:
+    """Return the columns of a legend: four, or two where the labels would be wider than the axes."""
+    return 4 if max(map(len, labels), default=0) * len(labels) <= MOST_CHARACTERS else 2
+
+
+def _above(ax: Axes) -> float | None:
+    """Return the distance of the title from the axes [pt], above the rows of a legend."""
+    legend = ax.get_legend()
+    if legend is None:
+        return None
+    labels = [text.get_text() for text in legend.get_texts()]
+    return ABOVE_LEGEND * (-(-len(labels) // _columns(labels)))
+
+
 def labelled(ax: Axes, x: str, y: str, title: str = "") -> Axes:
     """Return the axes with labels and a faint grid."""
     ax.set_xlabel(x)
     ax.set_ylabel(y)
     if title:
-        ax.set_title(title, fontsize="medium", loc="left", pad=ABOVE_LEGEND if ax.get_legend() else None)
+        ax.set_title(title, fontsize="medium", loc="left", pad=_above(ax))
     ax.grid(alpha=0.25, linewidth=0.6)
     ax.spines[["top", "right"]].set_visible(False)
     return ax

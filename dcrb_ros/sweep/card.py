@@ -82,6 +82,7 @@ def _files(sweep: Sweep) -> str:
         "* `labels.parquet`: one row per run; read it with `pandas.read_parquet`",
         f"* {waveform}",
         "* `labels/RUN.json`: label of one run, with size and SHA-256 of its files",
+        "* `dataset.yaml`: classes, splits, files and columns, for programs",
         "* `sweep.yaml`: the sweep file; `base.yaml`: its base configuration with all parameters; `sweep.json`: both, and the scenarios",
     ]
     if windows is not None:

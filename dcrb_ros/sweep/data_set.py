@@ -19,6 +19,7 @@ from dcrb_ros.sweep.execution import common_settings, error_label, write_label
 from dcrb_ros.sweep.folder_lock import locked
 from dcrb_ros.sweep.label import ERROR
 from dcrb_ros.sweep.plan import Plan
+from dcrb_ros.sweep.schema import DESCRIPTION, description, head
 from dcrb_ros.sweep.store import Store, StoreFailed
 from dcrb_ros.sweep.table import Tally, write_table
 from dcrb_ros.sweep.verification import ERRORS, LABELS, flaws, label_name
@@ -91,11 +92,29 @@ class DataSet:
         return self.finish()
 
     def finish(self) -> Tally:
-        """Write the table and the card."""
+        """Write the table, the card and the description for loaders."""
         tally = write_table(self.plan, self.store)
         for name, data in self.plan.tables():
             self.store.write(name, data)
-        self.store.write(CARD, card(self.plan, tally).encode())
+        file, windows = self.plan.sweep.file, self.plan.sweep.file.windows
+        counts: dict[str, dict[str, int]] = {}
+        for (split, fault), count in sorted(tally.classes.items()):
+            counts.setdefault(split, {})[fault] = count
+        text = card(self.plan, tally)
+        title = text.partition("\n")[0].removeprefix("# ")
+        self.store.write(
+            CARD, (head(title, file.licence, list(counts), windows=windows is not None and windows.kind == "parquet") + text).encode()
+        )
+        described = description(
+            title,
+            file.licence,
+            counts,
+            measured=False,
+            waveform=file.output,
+            windows=None if windows is None else {"kind": windows.kind, "length": windows.length, "hop": windows.hop},
+            truth={name: meaning for name, (_, meaning) in self.plan.truth.items()},
+        )
+        self.store.write(DESCRIPTION, described.encode())
         return tally
 
     def _task_seconds(self, workers: int) -> float:

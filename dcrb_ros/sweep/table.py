@@ -115,6 +115,16 @@ def write_table(plan: Plan, store: Store) -> Tally:
     return tally
 
 
+def table_of(labels: Iterable[Mapping[str, Any]], truth: Mapping[str, tuple[type, str]]) -> bytes:
+    """Return labels as the bytes of a table with the columns of a sweep's; ``truth`` holds further columns with type and meaning."""
+    import pyarrow
+    from pyarrow import parquet
+
+    stream = io.BytesIO()
+    parquet.write_table(pyarrow.Table.from_pylist([_row(one, {}, truth) for one in labels], schema=_schema({}, truth)), stream)
+    return stream.getvalue()
+
+
 def _counted(tally: Tally) -> Any:
     def count(label: Mapping[str, Any]) -> Mapping[str, Any]:
         tally.add(label)

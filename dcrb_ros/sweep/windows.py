@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 from bisect import bisect_right
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -13,6 +14,21 @@ from dcrb_ros.faults.ground_truth import class_of
 from dcrb_ros.schema.arrays import Samples
 from dcrb_ros.stream.block import Truth
 from dcrb_ros.sweep.sweep_file import Windows
+
+COLUMNS: Mapping[str, str] = {
+    "run": "name of the run, as in the labels",
+    "case": "name of its case",
+    "split": "train, validation or test",
+    "start": "index of the first sample since the start of the simulation or the recording",
+    "time": "its time [s]",
+    "fault": "fault at the first sample",
+    "width": "width of the widest defect there [m], 0 without one, NaN if unknown",
+    "speed": "speed of the inner ring there [rad/s], NaN if unknown",
+    "load": "magnitude of the load there [N], NaN if unknown",
+    "mixed": "whether a fault changes within the window",
+    "ax": "acceleration in X, a list of samples [m/s^2]",
+    "ay": "acceleration in Y, a list of samples [m/s^2]",
+}
 
 
 def window_starts(samples: int, windows: Windows) -> npt.NDArray[np.int64]:

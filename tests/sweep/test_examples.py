@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import pytest
+from synthetic_bearing import ORDERS, synthetic
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "load_dataset.py"
 
@@ -59,3 +60,25 @@ def test_the_example_works_without_torch(tmp_path: Path, monkeypatch: pytest.Mon
     example = loaded("load_dataset_without_torch")
     assert not hasattr(example, "Windows")
     assert len(list(example.windows(made(tmp_path / "set", 2), "train"))) == 6
+
+
+def test_the_classifier_of_the_twins_tells_noise_from_a_defect(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip("sklearn")
+    monkeypatch.syspath_prepend(str(EXAMPLE.parent))
+    monkeypatch.setitem(globals(), "EXAMPLE", EXAMPLE.with_name("twin_classifier.py"))
+    example = loaded("twin_classifier")
+    folders = [tmp_path / "twins", tmp_path / "recordings"]
+    for seed, folder in enumerate(folders):
+        (folder / "runs").mkdir(parents=True)
+        rows = []
+        for run, (fault, force) in enumerate([("healthy", 0.0), ("outer_ring", 80.0)] * 2):
+            acceleration, angle = synthetic(outer=force, seconds=2.0, rate=12800, seed=10 * seed + run)
+            np.savez(folder / "runs" / f"{run}.npz", ax=acceleration[:, 0], ay=acceleration[:, 1], shaft_angle=np.mod(angle, 2.0 * np.pi))
+            lines = {name: getattr(ORDERS, name) * 20.0 for name in ("ftf", "bpfo", "bpfi", "bsf")}
+            about = {"status": "done", "fault": fault, "file": f"runs/{run}.npz", "sampling_rate": 12800, "speed": 40.0 * np.pi}
+            rows.append(about | lines)
+        pd.DataFrame(rows).to_parquet(folder / "labels.parquet")
+    features, truth = example.windows(folders[0])
+    assert len(features) == len(truth) == 12
+    assert not any("rms" in name or "peak" in name or "level" in name for name in features)
+    assert example.main(*folders) == 1.0

@@ -75,14 +75,7 @@ class MeasuredPath(Stage):
     def problems(cls, parameters: Parameters, step_rate: int) -> Iterator[str]:
         path = parameters[PathParameters]
         for key, text in (("structure.path_x", path.path_x), ("structure.path_y", path.path_y)):
-            try:
-                found = pairs(text, key)
-            except ValueError as error:
-                yield str(error)
-                continue
-            yield from _outside(key, found)
-            for frequency in (frequency for one in found for frequency in (one.pole, one.zero)):
-                yield from above_step_rate(f"{key}: a frequency", frequency, step_rate)
+            yield from problems_of(key, text, step_rate)
 
     @property
     def active(self) -> bool:
@@ -143,6 +136,18 @@ def pairs(text: str, key: str) -> list[Pair]:
 def text_of(found: Sequence[Pair]) -> str:
     """Return pairs as `pairs` reads them."""
     return "; ".join(" ".join(f"{number:.6g}" for number in one) for one in found)
+
+
+def problems_of(key: str, text: str, step_rate: int) -> Iterator[str]:
+    """Yield a sentence for each reason for which the pairs in a text cannot run at a step rate [Hz]."""
+    try:
+        found = pairs(text, key)
+    except ValueError as error:
+        yield str(error)
+        return
+    yield from _outside(key, found)
+    for frequency in (frequency for one in found for frequency in (one.pole, one.zero)):
+        yield from above_step_rate(f"{key}: a frequency", frequency, step_rate)
 
 
 def _outside(key: str, found: Sequence[Pair]) -> Iterator[str]:

@@ -1,0 +1,230 @@
+r"""The bearing's share of the healthy power, and the noise of the machine that is the rest.
+
+A spectrum cannot tell the bearing from other sources; the squared envelope can. Sources that know nothing of the bearing have no line at
+its orders, so that the amplitude of such a line in the squared envelope of a band belongs to the bearing alone (Antoni 2007, "Cyclic
+spectral analysis of rolling-element bearing signals", J. Sound Vib. 304(3-5), 497-529). Behind the identified path, which gives all of
+the power to the bearing, the bench's bearing has lines of the amplitude A; the machine has lines of the amplitude M. The share is M/A,
+under the assumption that the machine's bearing is modulated as deeply as the bench's. Over octaves b and families of lines k, with the
+depths D = A / mean and m = M / mean over the mean squared envelope of the bench,
+
+    s^2 = sum_bk w_bk m_bk^2 / sum_bk w_bk D_bk^2,        w_bk = <D_bk^2> / (n_b^4 + d^4),
+
+where squares are above those of neighbouring orders, n^2 is what is found so at orders without lines, and <> is the mean over
+individuals of the bench's bearing, whose lines differ. The interval is that of a bootstrap over windows and these orders; the logarithm
+of the lower sum is that of another individual, drawn from Student's t about the mean of a few.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from dcrb_ros.bearing.kinematics import Orders
+from dcrb_ros.calibration.estimate import LEVEL, Estimate
+from dcrb_ros.calibration.identified_path import COLUMNS, LOWEST, IdentifiedPath, Part
+from dcrb_ros.calibration.measured import Measured
+from dcrb_ros.calibration.path_fit import Data, PathFit, fit_path
+from dcrb_ros.calibration.source import Source
+from dcrb_ros.calibration.spectra import HIGHEST_SHARE, Binned, binned, power_density
+from dcrb_ros.diagnosis.line_search import FEWEST_NEIGHBOURS, GUARD, NEIGHBOURHOOD, local_mean
+from dcrb_ros.diagnosis.order_spectrum import OrderSpectrum
+from dcrb_ros.features.envelope_lines import SLIP, envelope_order_spectrum
+from dcrb_ros.features.family import fault_orders
+from dcrb_ros.measurement.stages.path import text_of
+from dcrb_ros.schema.arrays import Floats
+
+FIRST_BAND = 500.0
+"""Lower edge of the first octave [Hz]: lines of the shaft, the mains and single rollers lie below."""
+NARROWEST_BAND = 1.3
+"""Smallest ratio of the edges of the last band [-]."""
+WIDTH_OVER_LINE = 2.0
+"""Smallest width of a band over BPFI [-]: a narrower one has no line at it."""
+WINDOW, WINDOW_TURNS = 1.0, 10.0
+"""Length of a window, the longer one of both [s, turns]: lines of slipping rollers wander over longer ones."""
+HARMONICS = 3
+"""Harmonics of a family [-]."""
+DECOYS = (0.88, 0.92, 1.08, 1.12)
+"""Orders of the decoys over those of the families [-]."""
+APART = 0.045
+"""Smallest relative distance of a decoy from a harmonic of a family [-]: both searches reach 2 %."""
+SHALLOW = 0.05
+"""Depth below which the noise of a band makes no difference [-]."""
+DRAWS = 500
+"""Draws of the bootstrap [-]."""
+UNKNOWN = 10.0
+"""Upper over lower end of the interval where no line shows a lower one [-], a convention: 10 dB."""
+
+
+@dataclass(frozen=True, eq=False)
+class Lines:
+    """Squared amplitudes of lines in the squared envelope of each band."""
+
+    families: Floats
+    """Shape (windows, bands, families)."""
+    decoys: Floats
+    """At orders without lines, shape (windows, bands, decoys)."""
+    mean: Floats
+    """Mean squared envelope, shape (bands,)."""
+
+
+def bearing_share_of(machines: Sequence[Measured], individuals: Sequence[Sequence[Source]], path: IdentifiedPath, step_rate: float) -> Part:
+    """Return the share of the bearing in the healthy power and the noise of the machine, which is the rest.
+
+    ``individuals`` holds individuals of the bench's bearing for each recording.
+    """
+    pairs: list[tuple[Lines, list[Lines]]] = []
+    for number, machine in enumerate(machines):
+        bands = list(_bands(machine))
+        for row, axis in enumerate(machine.axes):
+            found = lines_in(machine.acceleration[row], machine.turns, machine.rate, bands, machine.orders)
+            simulated = []
+            for one in individuals[number]:
+                behind = _behind(one.acceleration[COLUMNS[axis]], path.fits[axis], number, machine.rate, step_rate)
+                simulated.append(lines_in(behind, one.turns, machine.rate, bands, machine.orders))
+            pairs.append((found, simulated))
+    part = _part(_drawn_shares(pairs) if pairs[0][0].families.shape[1] else np.array([0.0, np.inf]))
+    if part.estimates[0].low < 1.0:
+        _add_noise(part, machines, path)
+    return part
+
+
+def lines_in(signal: Floats, turns: Floats, rate: int, bands: Sequence[tuple[float, float]], orders: Orders) -> Lines:
+    """Return the lines of a signal in bands [Hz], window by window."""
+    fundamentals = [fault_orders(orders)[name] for name in ("BPFO", "BPFI", "2BSF")]
+    searched = [*fundamentals, *_decoys(fundamentals)]
+    forward = np.maximum.accumulate(turns if turns[-1] > 0.0 else -turns)
+    per_second = float(forward[-1]) * rate / len(forward)
+    length = min(len(signal), round(rate * max(WINDOW, WINDOW_TURNS / per_second)))
+    found, means = [], []
+    for begin in range(0, len(signal) - length + 1, max(1, length // 2)):
+        window = slice(begin, begin + length)
+        spectra = [envelope_order_spectrum(signal[window], forward[window] - forward[begin], rate, low, high) for low, high in bands]
+        found.append([_powers(spectrum, searched) for spectrum in spectra])
+        means.append([spectrum.mean for spectrum in spectra])
+    squares = np.array(found).reshape(len(found), len(bands), len(searched))
+    count = len(fundamentals)
+    return Lines(squares[..., :count], squares[..., count:], np.mean(means, axis=0))
+
+
+def _powers(spectrum: OrderSpectrum, fundamentals: Sequence[float]) -> list[float]:
+    """Return the power of three harmonics of each fundamental within 2 % above that of their neighbours, which is zero on average in noise.
+
+    A sum over all orders within 2 % takes a line wherever slip has moved it, without the bias of a search for the largest.
+    """
+    step = float(spectrum.orders[1])
+    power = np.square(np.asarray(spectrum.amplitude, np.float64))
+    excess = power - local_mean(power, max(FEWEST_NEIGHBOURS, math.ceil(NEIGHBOURHOOD / step)))
+    excess[np.abs(spectrum.orders - np.rint(spectrum.orders)) <= GUARD * step] = 0.0
+    total = np.concatenate([[0.0], np.cumsum(excess)])
+    ends = len(excess)
+    found = []
+    for order in fundamentals:
+        lines = order * np.arange(1.0, HARMONICS + 1.0)
+        first, last = (np.clip(np.rint(lines * (1.0 + side * SLIP) / step).astype(int) + side, 0, ends - 1) for side in (-1, 1))
+        found.append(float(np.sum(total[last + 1] - total[first])))
+    return found
+
+
+def _decoys(fundamentals: Sequence[float]) -> list[float]:
+    lines = np.outer(fundamentals, (1.0, 2.0, 3.0)).ravel()
+    tried = [order * factor for order in fundamentals for factor in DECOYS]
+    return [order for order in tried if np.min(np.abs(order / lines - 1.0)) > APART]
+
+
+def _bands(machine: Measured) -> Iterator[tuple[float, float]]:
+    """Yield the edges of the octaves in which lines up to BPFI can be seen [Hz]."""
+    top, line = HIGHEST_SHARE * machine.rate, machine.orders.bpfi * abs(machine.speed) / (2.0 * math.pi)
+    low = FIRST_BAND
+    while low * NARROWEST_BAND <= top:
+        high = min(2.0 * low, top)
+        if high - low >= WIDTH_OVER_LINE * line:
+            yield low, high
+        low *= 2.0
+
+
+def _behind(signal: Floats, fit: PathFit, recording: int, rate: int, step_rate: float) -> Floats:
+    """Return the acceleration of the ring behind the path of a recording."""
+    from scipy.signal import sosfreqz
+
+    from dcrb_ros.measurement.stages.path import cascade
+
+    spectrum = np.fft.rfft(signal)
+    if fit.pairs:
+        spectrum *= sosfreqz(cascade(fit.pairs, step_rate), np.fft.rfftfreq(len(signal), 1.0 / rate), fs=step_rate)[1]
+    return np.asarray(fit.gains[recording] * np.fft.irfft(spectrum, len(signal)), np.float64)
+
+
+def _drawn_shares(pairs: Sequence[tuple[Lines, Sequence[Lines]]]) -> Floats:
+    """Return shares drawn by the bootstrap, shape (draws,) [-]; infinite where the bench has no lines."""
+    random = np.random.default_rng(21)
+    prepared = []
+    for machine, simulated in pairs:
+        scale = np.maximum(np.mean([one.mean for one in simulated], axis=0), np.finfo(np.float64).tiny)[:, None] ** 2
+        depths = np.array([np.maximum(0.0, one.families.mean(axis=0) - one.decoys.mean(axis=(0, 2))[:, None]) for one in simulated]) / scale
+        noise = np.mean((machine.decoys.mean(axis=0) / scale) ** 2, axis=1, keepdims=True)
+        prepared.append((machine.families / scale, machine.decoys / scale, depths, depths.mean(axis=0) / (noise + SHALLOW**4)))
+    benches = [sum(float(np.sum(weight * depths[k])) for _, _, depths, weight in prepared) for k in range(len(pairs[0][1]))]
+    if min(benches) <= 0.0:
+        return np.full(DRAWS, math.inf)
+    logarithms, count = np.log(benches), len(benches)
+    spread = float(np.std(logarithms, ddof=1)) * math.sqrt(1.0 + 1.0 / count) if count > 1 else 0.0
+    drawn = np.empty(DRAWS)
+    for k in range(DRAWS):
+        below = math.exp(float(logarithms.mean()) + spread * float(random.standard_t(max(1, count - 1))))
+        above = 0.0
+        for families, decoys, _, weight in prepared:
+            windows = random.integers(len(families), size=(len(families) + 1) // 2)  # they overlap by half
+            chosen = random.integers(decoys.shape[2], size=families.shape[2])
+            above += float(np.sum(weight * (families[windows] - decoys[windows][..., chosen]).mean(axis=0)))
+        drawn[k] = math.sqrt(max(0.0, above / below))
+    return drawn
+
+
+def _part(drawn: Floats) -> Part:
+    """Return the estimate from drawn shares, and what is not identified."""
+    part = Part()
+    low, middle, high = (float(np.quantile(drawn, at, method="nearest")) for at in (0.5 - 0.5 * LEVEL, 0.5, 0.5 + 0.5 * LEVEL))
+    value = min(1.0, middle if low > 0.0 else max(middle, min(high, 1.0) / math.sqrt(UNKNOWN)))
+    if high >= 1.0:
+        if low <= 0.0:
+            part.remarks.append(
+                "the bearing's share of the power is unknown, for neither bench nor machine has clear lines of it in the envelope: "
+                f"{1.0 / UNKNOWN:g} to 1"
+            )
+    else:
+        part.remarks.append(
+            f"the bearing has at most {high:.2g} of the power if its lines in the envelope are as deep as the bench's: the rest is noise "
+            "of the machine"
+        )
+        if low <= 0.0:
+            part.remarks.append(
+                f"the lower end of that share is a convention, {UNKNOWN:g} times less: no line of the bearing stands out of the envelope"
+            )
+    high = min(high, 1.0)
+    low = min(low, high) if low > 0.0 else high / UNKNOWN
+    value = min(max(value, low), high)
+    part.parameters["structure.bearing_share"] = value
+    part.estimates.append(Estimate("structure.bearing_share", value, low, high, "-", log=True))
+    return part
+
+
+def _add_noise(part: Part, machines: Sequence[Measured], path: IdentifiedPath) -> None:
+    """Add the spectrum of the machine's noise: that of the healthy recording without the white noise."""
+    for row, axis in enumerate(machines[0].axes):
+        spectra = [binned(power_density(machine.acceleration[row], machine.rate), machine.rate) for machine in machines]
+        flat = [Binned(one.frequency, np.zeros_like(one.level), np.zeros_like(one.level)) for one in spectra]
+        fit = fit_path(Data.of(spectra, flat, LOWEST, path.fits[axis].data.step_rate), white=path.white)
+        part.parameters |= {f"structure.noise_{axis}": float(fit.gains[0]), f"structure.noise_path_{axis}": text_of(fit.pairs)}
+    if machines[0].axes == ("y",):
+        for name in ("noise", "noise_path"):
+            part.parameters[f"structure.{name}_x"] = part.parameters[f"structure.{name}_y"]
+
+
+def divide_noise(part: Part, factor: float) -> None:
+    """Divide the noise of the machine by a factor [-]: modulation by the shaft adds power."""
+    for key in ("structure.noise_x", "structure.noise_y"):
+        if key in part.parameters:
+            part.parameters[key] /= factor

@@ -1,0 +1,38 @@
+"""`dcrb collect`: a data set of measured recordings with the schema of a sweep's."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from dcrb_ros.schema.refusal import Refusal
+
+
+def collect(
+    table: Annotated[Path, typer.Argument(metavar="LIST.csv", help="CSV file with the columns file and fault, and others if known.")],
+    output: Annotated[Path, typer.Option("-o", "--output", help="New folder of the data set.")],
+    about: Annotated[str, typer.Option(help="Description of the files: a YAML file or the name of a public data set, as of import.")] = "",
+    window: Annotated[int, typer.Option(min=16, max=10_000_000, help="Samples in a window.")] = 4096,
+    overlap: Annotated[float, typer.Option(min=0.0, max=0.99, help="Overlap of windows as a share of their length.")] = 0.0,
+    rate: Annotated[int, typer.Option(min=0, help="Decimate all recordings to this sampling rate in Hz; 0 leaves them.")] = 0,
+    title: Annotated[str, typer.Option(help="Name of the data set.")] = "Measured vibration of bearings",
+    licence: Annotated[str, typer.Option(help="Licence under which the publisher gives the data.")] = "unknown",
+) -> None:
+    """Make a data set of measured recordings, such as a downloaded public collection, which loads like that of a sweep.
+
+    Example: dcrb collect files.csv --about cwru-12k -o measured
+    """
+    from dcrb_ros.exchange.run_list import listed_runs
+    from dcrb_ros.sweep.measured_set import MeasuredRun, write_measured_set
+    from dcrb_ros.sweep.store import Store
+    from dcrb_ros.sweep.sweep_file import Windows
+
+    if not table.is_file():
+        raise Refusal(f"there is no list {table}: give a CSV file with the columns file and fault")
+    runs = (MeasuredRun(one.name, one.waveform, source=one.source, **one.fields) for one in listed_runs(table, about, rate))
+    shape = Windows(length=window, overlap=overlap, kind="parquet")
+    counts = write_measured_set(runs, Store(str(output)), title=title, licence=licence, windows=shape)
+    found = ", ".join(f"{count} {fault} in {split}" for (split, fault), count in sorted(counts.items()))
+    print(f"{output}: {sum(counts.values())} recordings, {found}")

@@ -1,0 +1,115 @@
+"""The list of measured files that become a data set: a CSV table with a row for each recording."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from dcrb_ros.bearing.waveform import Waveform
+from dcrb_ros.exchange.importing import WaveformImport
+from dcrb_ros.exchange.public_sets import find_description
+from dcrb_ros.schema.refusal import Refusal, nearest
+
+NEEDED = ("file", "fault")
+TEXTS = ("name", "split", "bearing_id", "machine")
+NUMBERS = ("width", "depth", "load")
+IMPORT = ("about", "speed_rpm", "set")
+"""Columns that the import of a file takes: its description, its speed, and other settings, divided by semicolons."""
+COLUMNS = (*NEEDED, *TEXTS, *NUMBERS, *IMPORT)
+
+
+class ListedRun(NamedTuple):
+    """A row of the list with the recording that it names."""
+
+    name: str
+    waveform: Waveform
+    source: dict[str, Any]
+    """Origin of the recording, from its description."""
+    fields: dict[str, Any]
+    """The other columns: ``fault``, `TEXTS` and `NUMBERS` that are given."""
+
+
+def listed_runs(table: Path, about: str, rate: int = 0) -> Iterator[ListedRun]:
+    """Yield the recordings of a list, one after the other.
+
+    Args:
+        table: CSV file with the columns `COLUMNS`, of which ``file`` and ``fault`` are needed; files are relative to its folder.
+        about: description of the files whose row has none: a YAML file or the name of a public data set.
+        rate: sampling rate to which all are decimated [Hz]; 0 leaves them.
+
+    Raises:
+        Refusal: a column or a value is unknown, a file cannot be imported, or a rate is not a whole multiple of ``rate``.
+    """
+    for number, row in enumerate(_rows(table), 2):
+        line = f"{table}, line {number}"
+        if not row["file"] or not row["fault"]:
+            raise Refusal(f"{line}: file and fault are needed: give both")
+        chosen = row.get("about") or about
+        if not chosen:
+            raise Refusal(f"{line}: there is no description of {row['file']}: add the column about, or give --about")
+        file = table.parent / row["file"]
+        if not file.is_file():
+            raise Refusal(f"{line}: there is no file {file}")
+        settings = [part.strip() for part in (row.get("set") or "").split(";") if part.strip()]
+        settings += [f"speed_rpm={row['speed_rpm']}"] if row.get("speed_rpm") else []
+        read = WaveformImport([file], find_description(chosen), settings)
+        waveform = Waveform(
+            acceleration=read.acceleration, shaft_angle=read.angle, sampling_rate=read.rate, index=read.index, orders=read.orders
+        )
+        fields: dict[str, Any] = {"fault": row["fault"]} | {name: row[name] for name in TEXTS[1:] if row.get(name)}
+        fields |= {name: _number(row[name], f"{line}: {name}") for name in NUMBERS if row.get(name)}
+        source = dict(read.description.source or {})
+        yield ListedRun(row.get("name") or file.stem, decimated(waveform, rate, str(file)) if rate else waveform, source, fields)
+
+
+def _rows(table: Path) -> Iterator[dict[str, str]]:
+    try:
+        with table.open(encoding="utf-8-sig", newline="") as file:
+            reader = csv.DictReader(file)
+            columns = [str(name).strip() for name in reader.fieldnames or ()]
+            reader.fieldnames = columns
+            missing = next((name for name in NEEDED if name not in columns), None)
+            if missing:
+                raise Refusal(f"{table} has no column {missing}: a list needs file and fault, and may have {', '.join(COLUMNS[2:])}")
+            unknown = next((name for name in columns if name not in COLUMNS), None)
+            if unknown is not None:
+                raise Refusal(f"{table} has the unknown column '{unknown}'{nearest(unknown, COLUMNS)}: known are {', '.join(COLUMNS)}")
+            for row in reader:
+                yield {name: (row.get(name) or "").strip() for name in columns}
+    except (OSError, UnicodeDecodeError, csv.Error) as error:
+        raise Refusal(f"{table} cannot be read as CSV: {error}") from None
+
+
+def _number(text: str, name: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        raise Refusal(f"{name} = '{text}' is not a number") from None
+    if not 0.0 <= value < np.inf:
+        raise Refusal(f"{name} = {text} is not a positive number")
+    return value
+
+
+def decimated(waveform: Waveform, rate: int, name: str) -> Waveform:
+    """Return a waveform at a lower sampling rate [Hz], after an anti-alias filter without phase.
+
+    Raises:
+        Refusal: its own rate is not a whole multiple of it, or samples are missing.
+    """
+    factor, rest = divmod(waveform.sampling_rate, rate)
+    if rest or factor < 1:
+        raise Refusal(f"{name} is sampled at {waveform.sampling_rate} Hz, which is not a whole multiple of --rate {rate}")
+    if factor == 1:
+        return waveform
+    if len(waveform) and int(waveform.index[-1] - waveform.index[0]) != len(waveform) - 1:
+        raise Refusal(f"{name} has gaps and cannot be decimated to {rate} Hz: leave out --rate, or cut it")
+    from scipy.signal import resample_poly
+
+    acceleration = resample_poly(waveform.acceleration.astype(np.float64), 1, factor, axis=0).astype(np.float32)
+    index = waveform.index[0] // factor + np.arange(len(acceleration))
+    return replace(waveform, acceleration=acceleration, shaft_angle=waveform.shaft_angle[::factor], sampling_rate=rate, index=index)

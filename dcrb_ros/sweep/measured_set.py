@@ -1,0 +1,196 @@
+"""A data set of measured recordings with the schema of a sweep's: the same files, the same columns, the same windows."""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import math
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from dcrb_ros.bearing.waveform import Waveform
+from dcrb_ros.diagnosis.order_tracking import unwrapped_turns
+from dcrb_ros.messages.points import packed
+from dcrb_ros.runtime.version import __version__
+from dcrb_ros.schema.arrays import Samples
+from dcrb_ros.schema.refusal import Refusal, nearest
+from dcrb_ros.schema.verdicts import FAULT_CLASSES
+from dcrb_ros.sweep.identity import TRUTH
+from dcrb_ros.sweep.label import DONE
+from dcrb_ros.sweep.schema import DESCRIPTION, SPLITS, description, head
+from dcrb_ros.sweep.store import Store, file_record
+from dcrb_ros.sweep.sweep_file import Windows
+from dcrb_ros.sweep.table import LABELS, table_of
+from dcrb_ros.sweep.windows import cut_windows, window_starts, windows_file
+
+CARD = "README.md"
+
+
+@dataclass(frozen=True, eq=False)
+class MeasuredRun:
+    """A measured recording with what is known of it."""
+
+    name: str
+    waveform: Waveform
+    fault: str
+    """One of the fault classes, such as ``outer_ring``."""
+    split: str = "test"
+    width: float = math.nan
+    """Width of the defect [m]; NaN if unknown."""
+    depth: float = math.nan
+    """Its depth [m]; NaN if unknown."""
+    load: float = math.nan
+    """Load [N]; NaN if unknown."""
+    bearing_id: str = ""
+    machine: str = ""
+    source: Mapping[str, Any] = field(default_factory=dict)
+    """Origin of the recording: title, licence, publisher."""
+
+    def __post_init__(self) -> None:
+        if self.fault not in FAULT_CLASSES:
+            known = ", ".join(FAULT_CLASSES)
+            raise Refusal(f"{self.name}: fault = '{self.fault}' is unknown{nearest(self.fault, FAULT_CLASSES)}: give one of {known}")
+        if self.split not in SPLITS:
+            raise Refusal(f"{self.name}: split = '{self.split}' is unknown: give train, validation or test")
+
+
+def write_measured_set(
+    runs: Iterable[MeasuredRun], store: Store, *, title: str, licence: str, windows: Windows
+) -> Counter[tuple[str, str]]:
+    """Write a data set; return the number of its runs by split and fault.
+
+    Args:
+        runs: the recordings, read one after the other.
+        store: an empty folder or address.
+        title: name of the data set.
+        licence: licence under which its publisher gives the data.
+        windows: length and overlap of the windows; they are written as Parquet.
+
+    Raises:
+        Refusal: the store is not empty, there is no run, two have the same name, or a bearing is in two splits.
+    """
+    if any(True for _ in store.names("")):
+        raise Refusal(f"{store.address} contains files: give an empty or a new folder")
+    labels: list[dict[str, Any]] = []
+    sources: dict[str, Mapping[str, Any]] = {}
+    split_of: dict[str, str] = {}
+    for place, run in enumerate(runs):
+        bearing = run.bearing_id or run.name
+        if split_of.setdefault(bearing, run.split) != run.split:
+            raise Refusal(
+                f"{run.name}: the bearing {bearing} is in the splits {split_of[bearing]} and {run.split}: give one for all of its runs"
+            )
+        if any(run.name == one["run"] for one in labels):
+            raise Refusal(f"two runs are called {run.name}: give them names of their own in the column name")
+        sources |= {str(run.source.get("title")): dict(run.source)} if run.source else {}
+        labels.append(_written(run, bearing, place, store, windows))
+    if not labels:
+        raise Refusal("no recording is given: the list is empty")
+    counts = Counter((str(one["split"]), str(one["fault"])) for one in labels)
+    by_split: dict[str, dict[str, int]] = {}
+    for (split, fault), count in sorted(counts.items()):
+        by_split.setdefault(split, {})[fault] = count
+    store.write(LABELS, table_of(labels, TRUTH))
+    about = {"kind": "parquet", "length": windows.length, "hop": windows.hop}
+    meanings = {name: meaning for name, (_, meaning) in TRUTH.items()}
+    origin = {"source": {"sets": list(sources.values())}} if sources else {}
+    described = description(title, licence, by_split, measured=True, waveform="npz", windows=about, truth=meanings, **origin)
+    store.write(DESCRIPTION, described.encode())
+    store.write(
+        CARD, (head(title, licence, list(by_split), windows=True) + _card(title, licence, by_split, windows, list(sources))).encode()
+    )
+    return counts
+
+
+def _written(run: MeasuredRun, bearing: str, place: int, store: Store, windows: Windows) -> dict[str, Any]:
+    """Write the files of a run and return its label."""
+    waveform = run.waveform
+    angle: Samples = np.asarray(waveform.shaft_angle, np.float32)
+    acceleration: Samples = np.ascontiguousarray(waveform.acceleration, np.float32)
+    rate, first = waveform.sampling_rate, int(waveform.index[0])
+    turns = unwrapped_turns(angle) if np.isfinite(angle).all() and len(angle) > 1 else None
+    shaft = math.nan if turns is None else float(turns[-1] - turns[0]) * rate / (len(turns) - 1)
+    speed = 2.0 * math.pi * shaft
+    stream = io.BytesIO()
+    arrays: dict[str, Any] = {"ax": acceleration[:, 0], "ay": acceleration[:, 1], "shaft_angle": angle}
+    np.savez(stream, **arrays, sampling_rate=np.array(rate), first_index=np.array(first))
+    files = {f"runs/{run.name}.npz": stream.getvalue()}
+    starts = window_starts(len(waveform), windows)
+    starts = starts[waveform.index[starts + windows.length - 1] - waveform.index[starts] == windows.length - 1]  # without a gap
+    cut = cut_windows(acceleration, windows)[np.isin(window_starts(len(waveform), windows), starts)]
+    count, width = len(starts), 0.0 if run.fault == "healthy" else run.width
+    columns = {
+        "start": waveform.index[starts],
+        "time": waveform.index[starts] / rate,
+        "fault": np.full(count, run.fault),
+        "width": np.full(count, width),
+        "speed": np.full(count, speed),
+        "load": np.full(count, run.load),
+        "mixed": np.zeros(count, bool),
+    }
+    about = {"run": run.name, "case": run.fault, "split": run.split}
+    files[f"windows/{run.split}/{run.name}.parquet"] = windows_file(cut, columns, about, "parquet")
+    for name, data in files.items():
+        store.write(name, data)
+    orders = {name: abs(shaft) * getattr(waveform.orders, name) for name in ("ftf", "bpfo", "bpfi", "bsf")}
+    label: dict[str, Any] = {
+        **about,
+        "place": place,
+        "twin": bearing,
+        "condition": bearing,
+        "status": DONE,
+        "reason": "",
+        "scenario": "",
+        "fault": run.fault,
+        **{
+            name: _known(value)
+            for name, value in {"width": run.width, "depth": run.depth, "load": run.load, "speed": speed, **orders}.items()
+        },
+        "sampling_rate": rate,
+        "first_index": first,
+        "samples": len(waveform),
+        "windows": count,
+        "file": f"runs/{run.name}.npz",
+        "files": {name: file_record(data) for name, data in files.items()},
+        "sha256": _sha256(acceleration, angle),
+        "dcrb_ros": __version__,
+        "bearing_id": bearing,
+        "machine": run.machine,
+    }
+    return label
+
+
+def _known(value: float) -> float | None:
+    return value if math.isfinite(value) else None
+
+
+def _sha256(acceleration: Samples, angle: Samples) -> str:
+    return hashlib.sha256(packed(acceleration, angle)).hexdigest()
+
+
+def _card(title: str, licence: str, counts: Mapping[str, Mapping[str, int]], windows: Windows, sources: Sequence[str]) -> str:
+    """Return the data card in Markdown."""
+    faults = sorted({fault for found in counts.values() for fault in found}, key=lambda fault: (fault != "healthy", fault))
+    rows = [f"| {split} | {' | '.join(str(counts[split].get(fault, 0)) for fault in faults)} |" for split in SPLITS if split in counts]
+    origin = "\n".join(f"* {one}" for one in sources) or "* not stated"
+    return f"""# {title}
+
+Measured recordings with the schema of a data set of `dcrb sweep`, made by dcrb_ros {__version__}. Licence of the data: {licence}.
+
+| split | {" | ".join(faults)} |
+{"|---" * (len(faults) + 1)}|
+{chr(10).join(rows)}
+
+Sources:
+
+{origin}
+
+* `labels.parquet`: one row per recording; what is unknown is null
+* `runs/RUN.npz`: waveform of one recording, arrays `ax`, `ay` [m/s^2], `shaft_angle` [rad], `sampling_rate` and `first_index`
+* `windows/SPLIT/RUN.parquet`: windows of {windows.length} samples, one every {windows.hop} samples
+* `dataset.yaml`: classes, splits, files and columns, for programs
+"""

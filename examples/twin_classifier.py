@@ -1,0 +1,50 @@
+"""Train on simulated machines, test on recordings of a real one: python examples/twin_classifier.py TWINS RECORDINGS.
+
+Both are folders with a data set, of `dcrb sweep` or `dcrb collect`.
+"""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+from load_dataset import waveform
+from sklearn.ensemble import RandomForestClassifier
+from sklearn.metrics import roc_auc_score
+
+import dcrb_ros
+
+
+def windows(folder: Path) -> tuple[pd.DataFrame, pd.Series]:
+    """Return the features of windows of one second of Y, without those that depend on the gain, and their faults."""
+    table = pd.read_parquet(folder / "labels.parquet")
+    parts, faults = [], []
+    for _, row in table[table["status"] == "done"].iterrows():
+        acceleration, angle = waveform(folder, row["file"])
+        shaft = abs(row["speed"]) / (2.0 * np.pi)
+        orders = dcrb_ros.Orders(*(row[name] / shaft for name in ("ftf", "bpfo", "bpfi", "bsf")))
+        found = dcrb_ros.extract_features(
+            np.transpose(acceleration), row["sampling_rate"], shaft_angle=angle, bearing=orders, window=1.0, hop=0.5, axes=["y"]
+        ).to_pandas()
+        parts.append(found)
+        faults += [row["fault"]] * len(found)
+    features = pd.concat(parts)
+    used = [name for name in features if name not in ("y_rms", "y_peak") and not name.startswith("y_level_")]
+    return features[used], pd.Series(faults)
+
+
+def main(twins: Path, recordings: Path) -> float:
+    """Print how often each fault is called what, and return the mean area under the ROC curves of the faults [-]."""
+    (x, fault), (tested, truth) = windows(twins), windows(recordings)
+    forest = RandomForestClassifier(300, min_samples_leaf=2, class_weight="balanced", random_state=1).fit(x, fault)
+    print(pd.crosstab(truth, forest.predict(tested), rownames=["truth"], colnames=["said"]))
+    probability = pd.DataFrame(forest.predict_proba(tested), columns=forest.classes_)
+    area = float(np.mean([roc_auc_score(truth == name, probability[name]) for name in truth.unique()]))
+    print(f"macro AUROC: {area:.2f}, by chance 0.50")
+    return area
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]), Path(sys.argv[2]))

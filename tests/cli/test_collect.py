@@ -1,0 +1,152 @@
+"""`dcrb collect`: measured recordings with the schema of a sweep's data set."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+from pyarrow import parquet
+from typer.testing import CliRunner
+
+from dcrb_ros import Refusal
+from dcrb_ros.cli.app import app
+from dcrb_ros.sweep.data_set import open_data_set
+from dcrb_ros.sweep.execution import run_task
+from dcrb_ros.sweep.loader import sweep_of
+from dcrb_ros.sweep.plan import Plan
+from dcrb_ros.sweep.store import Store
+
+ABOUT = {"channels": {"ax": "a"}, "unit": "g", "sampling_rate": 12000, "orders": {"FTF": 0.398, "BPFO": 3.585, "BPFI": 5.415, "BSF": 2.357}}
+SWEEP = {
+    "base": "dry",
+    "set": {"cage.joint": "revolute", "sensor.sampling_rate": 51200},
+    "design": "random",
+    "points": 3,
+    "vary": {"operating.speed": {"low": 90.0, "high": 160.0}},
+    "duration": 0.02,
+    "windows": {"length": 256, "kind": "parquet"},
+}
+
+
+class Here:
+    """A worker in this process."""
+
+    count = 1
+
+    def dispatched(self, common: object, tasks: object) -> object:
+        for task in tasks:  # type: ignore[attr-defined]
+            yield task, run_task(common, task)  # type: ignore[arg-type]
+
+
+@pytest.fixture(scope="module")
+def files(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Two recordings of a public set, at 12 and 48 kHz, with their list."""
+    folder = tmp_path_factory.mktemp("files")
+    random = np.random.default_rng(1)
+    np.savez(folder / "105.npz", a=random.standard_normal(12000))
+    np.savez(folder / "97.npz", a=random.standard_normal(48000))
+    (folder / "about.yaml").write_text(yaml.safe_dump(ABOUT | {"source": {"title": "A public set", "licence": "none"}}), encoding="utf-8")
+    (folder / "files.csv").write_text(
+        "file,fault,speed_rpm,width,bearing_id,split,set\n"
+        "105.npz,inner_ring,1797,0.00018,b105,train,\n"
+        "97.npz,healthy,1796,,b97,,sampling_rate=48000\n",
+        encoding="utf-8",
+    )
+    return folder
+
+
+@pytest.fixture(scope="module")
+def measured(files: Path) -> Path:
+    """The data set of the list."""
+    command = ["collect", str(files / "files.csv"), "--about", str(files / "about.yaml"), "--rate", "12000", "--window", "2048"]
+    done = CliRunner().invoke(app, [*command, "-o", str(files / "set"), "--licence", "CC-BY-4.0"])
+    assert done.exit_code == 0, done.output
+    assert "2 recordings, 1 healthy in test, 1 inner_ring in train" in done.output
+    return files / "set"
+
+
+@pytest.fixture(scope="module")
+def simulated(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A data set of a sweep with windows in Parquet."""
+    folder = tmp_path_factory.mktemp("simulated") / "set"
+    with open_data_set(Plan(sweep_of(SWEEP, "sweep.yaml", text=yaml.safe_dump(SWEEP))), Store(str(folder))) as made:
+        made.make(Here(), lambda _: None)  # type: ignore[arg-type]
+    return folder
+
+
+def test_labels_hold_what_the_list_says_and_null_for_the_rest(measured: Path) -> None:
+    inner, healthy = parquet.read_table(measured / "labels.parquet").to_pylist()
+    assert (inner["fault"], inner["split"], inner["bearing_id"], inner["width"]) == ("inner_ring", "train", "b105", 0.00018)
+    assert inner["speed"] == pytest.approx(1797.0 * np.pi / 30.0, rel=1e-5)
+    assert inner["bpfi"] == pytest.approx(5.415 * 1797.0 / 60.0, rel=1e-5)
+    assert (healthy["split"], healthy["width"], healthy["load"], healthy["sampling_rate"]) == ("test", None, None, 12000)
+
+
+def test_a_decimated_recording_has_a_quarter_of_the_samples_and_the_speed(measured: Path) -> None:
+    with np.load(measured / "runs" / "97.npz") as content:
+        assert content["ax"].shape == (12000,)
+        assert content["ax"].std() == pytest.approx(9.80665 * np.sqrt(0.25), rel=0.05)  # of white noise a quarter of the band is left
+        turned = np.unwrap(content["shaft_angle"].astype(float))
+        assert turned[-1] - turned[0] == pytest.approx(1796.0 * 2.0 * np.pi / 60.0 * 11999 / 12000, rel=1e-4)
+
+
+def test_windows_are_those_of_the_waveform(measured: Path) -> None:
+    windows = parquet.read_table(measured / "windows" / "train" / "105.parquet")
+    assert windows["start"].to_pylist() == [0, 2048, 4096, 6144, 8192]
+    with np.load(measured / "runs" / "105.npz") as content:
+        assert np.array_equal(np.concatenate(windows["ay"].to_pylist()).astype(np.float32), content["ay"][:10240])
+
+
+def test_measured_and_simulated_sets_have_the_same_columns(measured: Path, simulated: Path) -> None:
+    one, two = (parquet.read_schema(folder / "labels.parquet") for folder in (measured, simulated))
+    assert set(two.names) - set(one.names) == {"operating.speed"}
+    assert all(one.field(name).type == two.field(name).type for name in one.names)
+    files = [next((folder / "windows").rglob("*.parquet")) for folder in (measured, simulated)]
+    first, second = (parquet.read_schema(file) for file in files)
+    assert first.names == second.names
+    assert all(first.field(name).type == second.field(name).type for name in first.names if name not in ("ax", "ay"))
+
+
+@pytest.mark.parametrize("kind", ["measured", "simulated"])
+def test_the_head_of_the_card_and_the_description_name_files_that_exist(kind: str, request: pytest.FixtureRequest) -> None:
+    folder: Path = request.getfixturevalue(kind)
+    head = yaml.safe_load((folder / "README.md").read_text(encoding="utf-8").split("---\n")[1])
+    assert head["license"] == "cc-by-4.0"
+    assert [one["config_name"] for one in head["configs"]] == ["windows", "labels"]
+    for file in (file for one in head["configs"] for file in one["data_files"]):
+        assert list(folder.glob(file["path"])), file
+    described = yaml.safe_load((folder / "dataset.yaml").read_text(encoding="utf-8"))
+    assert described["measured"] == (kind == "measured")
+    table = parquet.read_table(folder / "labels.parquet")
+    assert sum(one["runs"] for one in described["splits"].values()) == len(table)
+    assert set(described["labels"]["columns"]) <= set(table.schema.names)
+    window = next((folder / "windows").rglob("*.parquet"))
+    assert set(described["windows"]["columns"]) == set(parquet.read_schema(window).names)
+    assert set(described["classes"]) == set(table["fault"].to_pylist())
+
+
+@pytest.mark.parametrize(
+    ("text", "reason"),
+    [
+        ("file,faults\n105.npz,healthy\n", "has no column fault"),
+        ("file,fault,sped\n105.npz,healthy,3\n", "unknown column 'sped'"),
+        ("file,fault\n105.npz,inner\n", "fault = 'inner' is unknown"),
+        ("file,fault\n106.npz,healthy\n", "line 2: there is no file"),
+        ("file,fault,width\n105.npz,inner_ring,wide\n", "width = 'wide' is not a number"),
+        ("file,fault,split\n105.npz,healthy,tests\n", "split = 'tests' is unknown"),
+        ("file,fault\n105.npz,healthy\n105.npz,healthy\n", "two runs are called 105"),
+        (
+            "file,fault,name,bearing_id,split\n105.npz,healthy,a,b,test\n105.npz,healthy,b,b,train\n",
+            "the bearing b is in the splits test and",
+        ),
+        ("file,fault\n", "the list is empty"),
+    ],
+)
+def test_a_list_that_cannot_be_used_is_refused(files: Path, tmp_path: Path, text: str, reason: str) -> None:
+    table = files / f"{tmp_path.name}.csv"
+    table.write_text(text, encoding="utf-8")
+    done = CliRunner().invoke(app, ["collect", str(table), "--about", str(files / "about.yaml"), "-o", str(tmp_path / "set")])
+    assert isinstance(done.exception, Refusal)
+    assert reason in str(done.exception)
