@@ -217,7 +217,7 @@ def learn_baseline(
     for tried in (chosen, _brief(chosen)):
         detector = _detector(source, tried, described, None)
         detector.learner = learner
-        found, _ = _diagnoses(detector, pieces)
+        found, _ = _diagnoses(detector, pieces, TemperatureReadings.none())
         if learner.judgements:
             break
     if not learner.judgements:

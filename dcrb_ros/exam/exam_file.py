@@ -7,8 +7,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -16,10 +15,11 @@ from typing import Any
 from pydantic import Field, ValidationError
 
 from dcrb_ros.bearing.runtime_change import altered
-from dcrb_ros.exam.case import Case, Run, canonical, derived_tags
+from dcrb_ros.exam.case import Case, Run, derived_tags
 from dcrb_ros.exam.criteria import Criteria, DelayLimits
 from dcrb_ros.exam.expectation import Expectation
 from dcrb_ros.exam.revolutions import speed_knots
+from dcrb_ros.exam.twins import with_twins
 from dcrb_ros.faults.ground_truth import class_of
 from dcrb_ros.schema.fields import Group, choice, quantity
 from dcrb_ros.schema.refusal import Refusal, nearest
@@ -73,6 +73,7 @@ class ExamFile(Group):
     onset: float = quantity(4.0, "s", "Time at which the fault appears", 0.0, 1e5)
     seeds: list[int] = Field(default_factory=lambda: [1])
     points: dict[str, dict[str, Any]] = Field(default_factory=dict)
+    """Parameters by operating point; `base` among them is the configuration of this point."""
     criteria: Criteria = Criteria()
     seal: str = choice("", "Hash published before a sealed exam, written by dcrb exam open")
     scenarios: list[Entry]
@@ -133,7 +134,7 @@ def exam_of(tree: Any, source: str) -> Exam:
         if case.expectation.name in names:
             raise Refusal(f"{source}: two scenarios are called '{case.expectation.name}': give them different names")
         names.add(case.expectation.name)
-    return Exam(file.exam, file.about, file.criteria, tuple(_with_twins(cases)), file.seal)
+    return Exam(file.exam, file.about, file.criteria, tuple(with_twins(cases)), file.seal)
 
 
 def _sentence(error: ValidationError, tree: Mapping[str, Any]) -> str:
@@ -190,14 +191,14 @@ def _cases(file: ExamFile, entry: Entry, source: str) -> Iterator[Case]:
     unknown = [name for name in names if name not in file.points]
     if unknown:
         raise Refusal(f"{where}: there is no operating point '{unknown[0]}'{nearest(unknown[0], file.points)}")
-    # The parameters of the file only, not the validated ones: a preset fills in the values that are not given.
-    base = read_parameters(find_configuration(entry.base or file.base), "simulator")
     for point in names or [""]:
+        settings = dict(file.points.get(point, {}))
+        base = _base(settings.pop("base", None), file, entry, f"{where}, point '{point}'")
         # Only the first seed is checked with the whole configuration, which does not depend on the seed.
         known: dict[str, Case] = {}
         for seed in entry.seeds or file.seeds:
             for fixed, fault, words in _variations(entry, where):
-                overlay = layered({**flatten(file.points.get(point, {})), SEED: seed}, fixed)
+                overlay = layered({**flatten(settings), SEED: seed}, fixed)
                 bare = "/".join([entry.name, *([point] if len(names) > 1 else []), *words])
                 many_seeds = len(entry.seeds or file.seeds) > 1
                 name = f"{bare}/seed{seed}" if many_seeds else bare
@@ -208,6 +209,16 @@ def _cases(file: ExamFile, entry: Entry, source: str) -> Iterator[Case]:
                 tagged = entry.model_copy(update={"tags": tags})
                 known[bare] = _case(file, tagged, f"{source}, scenario '{name}'", name, base, overlay, fault)
                 yield known[bare]
+
+
+def _base(own: Any, file: ExamFile, entry: Entry, where: str) -> Mapping[str, Any]:
+    """Return the parameters with which the cases of an entry begin at a point whose own configuration is ``own``."""
+    if own is not None and not isinstance(own, str):
+        raise Refusal(f"{where}: base = {own!r} is not a configuration: give the name of a shipped one or a file")
+    if own is not None and entry.base is not None:
+        raise Refusal(f"{where}: base is '{own}' for the point and '{entry.base}' for the scenario: give one of them")
+    # The parameters of the file only, not the validated ones: a preset fills in the values that are not given.
+    return read_parameters(find_configuration(own or entry.base or file.base), "simulator")
 
 
 def _is_seed(value: Any) -> bool:
@@ -300,47 +311,3 @@ def _onset(configuration: Configuration, events: Sequence[ScheduledChange], verd
         if class_of(present.described_faults()) == verdict:
             return event.step / present.step_rate
     raise Refusal(f"{where}: nothing in it makes {verdict} correct: give 'fault', a timeline with a fault, or 'onset'")
-
-
-def _without_fault(case: Case) -> Mapping[str, Any] | None:
-    """Return the timeline of a case's twin."""
-    entries = list((case.run.scenario or {"timeline": []})["timeline"])[:-1]
-    return {"timeline": entries} if entries else None
-
-
-class _TwinNames:
-    """Unused names for twins, based on the operating point."""
-
-    def __init__(self, taken: Iterable[str]) -> None:
-        self._taken, self._counts = set(taken), Counter[str]()
-
-    def next(self, case: Case) -> str:
-        """Return a name for a case's twin: twin/POINT, twin/POINT-2 and so on."""
-        point = case.expectation.tags.get("point")
-        name = f"twin/{point}" if point else "twin"
-        while True:
-            self._counts[name] += 1
-            found = name if self._counts[name] == 1 else f"{name}-{self._counts[name]}"
-            if found not in self._taken:
-                return found
-
-
-def _with_twins(cases: Sequence[Case]) -> Iterator[Case]:
-    """Yield the cases, then their twins: the same runs without fault, one for each operating point and seed."""
-    twins: dict[str, Case] = {}
-    names = _TwinNames(case.expectation.name for case in cases)
-    for case in cases:
-        if not case.expectation.twin:
-            yield case
-            continue
-        scenario = _without_fault(case)
-        key = canonical([case.run.configuration.model_dump(), scenario])
-        known = twins.get(key)
-        duration = max(case.run.duration, known.run.duration if known else 0.0)
-        name = known.expectation.name if known else names.next(case)
-        point = {"point": case.expectation.tags["point"]} if "point" in case.expectation.tags else {}
-        tags = {**derived_tags(case.run.configuration, {}), **point}
-        twin = Expectation(name, "healthy", duration, 0.0, tags, speeds=case.expectation.speeds)
-        twins[key] = Case(twin, Run(case.run.configuration, scenario, duration))
-        yield replace(case, expectation=replace(case.expectation, twin=name))
-    yield from twins.values()

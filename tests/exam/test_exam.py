@@ -249,6 +249,16 @@ def test_lists_vary_and_twins_are_shared() -> None:
     assert {case.run.configuration.operating.speed for case in exam.cases} == {60.0, 180.0}
 
 
+def test_a_point_may_have_a_configuration_of_its_own() -> None:
+    points = {"rollers": {"operating.speed": 60.0}, "balls": {"base": "ball_bearing_6205", "operating.speed": 180.0}}
+    exam = tiny(points=points)
+    rows = {case.expectation.tags["point"]: case.run.configuration.bearing.rollers_per_row for case in exam.cases}
+    loads = {case.expectation.tags["point"]: case.run.configuration.operating.load for case in exam.cases}
+    assert rows == {"rollers": 16, "balls": 9}
+    assert loads == {"rollers": 100000.0, "balls": 200.0}
+    assert len(exam.cases) == 2 * 2 + 2, "each point has a healthy twin of its own"
+
+
 TIMED = {"name": "outer", "verdict": "outer_ring", "timeline": [{"at": 0.05, "set": {"faults.outer_1.width": 0.002}}]}
 
 
@@ -352,6 +362,12 @@ SPALLED = {"name": "outer", "verdict": "outer_ring", "fault": {"faults.outer_1.w
         ({"scenarios": [SPALLED, SPALLED]}, "two scenarios are called 'outer'"),
         ({"scenarios": [{**SPALLED, "duration": 0.15}]}, "it ends 0.05 s after the onset, but criteria.delay.outer_ring allows 0.1 s"),
         ({"scenarios": [{**SPALLED, "base": "heathy"}]}, "did you mean 'healthy'?"),
+        ({"points": {"slow": {"base": "heathy"}}}, "did you mean 'healthy'?"),
+        ({"points": {"slow": {"base": 1}}}, "point 'slow': base = 1 is not a configuration"),
+        (
+            {"points": {"slow": {"base": "paper"}}, "scenarios": [{**SPALLED, "base": "dry"}]},
+            "base is 'paper' for the point and 'dry' for the scenario: give one of them",
+        ),
         ({"scenarios": [{**SPALLED, "scenario": "growing_spal"}]}, "did you mean 'growing_spall'?"),
         ({"scenarios": []}, "defines 0 scenarios"),
         ({"scenarios": [{**SPALLED, "set": {"operating.speed": []}}]}, "operating.speed has an empty list"),
@@ -377,7 +393,7 @@ def locations(tree: Any, path: tuple[Any, ...] = ()) -> Iterator[tuple[Any, ...]
 
 WHOLE = {
     **TINY,
-    "points": {"slow": {"operating.speed": 60.0}},
+    "points": {"slow": {"operating.speed": 60.0, "base": "dry"}},
     "scenarios": [
         {
             **SPALLED,
