@@ -15,6 +15,11 @@ LEAST_FORCE = 1e-9
 """Normal force that stands for that of an open contact [N]."""
 
 
+def inner_product(a: Floats, b: Floats) -> float:
+    """Return the sum of products of two vectors; that of the linear algebra library has other bits on other processors."""
+    return float((a * b).sum())
+
+
 def energy_of_force(payload: Payload, force: Floats, site: Site) -> Floats:
     """Return the energy [J] of contacts under normal forces [N]; any shape."""
     closed = np.maximum(force, LEAST_FORCE)
@@ -43,7 +48,7 @@ def energy_of_lands(payload: Payload, state: State) -> float:
 
 def elastic_energy(payload: Payload, state: State) -> float:
     """Return the elastic energy of the housing and of all contacts [J]; of raceways and roller pairs at the forces of the last step."""
-    energy = 0.5 * payload.housing_stiffness * float(state.outer_position @ state.outer_position)
+    energy = 0.5 * payload.housing_stiffness * inner_product(state.outer_position, state.outer_position)
     pair_force = state.of_rollers(state.rollers[0].pair.force)
     for force, site in ((state.inner_force, payload.inner), (state.outer_force, payload.outer), (pair_force, payload.pair)):
         energy += float(energy_of_force(payload, force, site).sum())
@@ -54,7 +59,9 @@ def potential_of_weight(payload: Payload, state: State) -> float:
     """Return the potential energy of all weights [J]."""
     free = payload.free
     moment = payload.outer_ring_mass * state.outer_position[1] + payload.inner_ring_mass * state.inner_position[1]
-    moment += float(payload.train_mass @ state.cage_position[:, 1]) + payload.roller_mass * float(state.roller_position[free, 1].sum())
+    moment += inner_product(payload.train_mass, state.cage_position[:, 1]) + payload.roller_mass * float(
+        state.roller_position[free, 1].sum()
+    )
     cosine, sine = np.cos(state.cage_position[:, 2]), np.sin(state.cage_position[:, 2])
     # The centre of mass of the pinned rollers is a quarter turn behind the sum of their tangents.
     moment += float((-cosine * payload.train_moment[:, 0] + sine * payload.train_moment[:, 1]).sum())
@@ -63,13 +70,17 @@ def potential_of_weight(payload: Payload, state: State) -> float:
 
 def kinetic_energy(payload: Payload, state: State) -> float:
     """Return the kinetic energy of all bodies except that of the driven rotation of the inner ring [J]."""
-    rings = payload.outer_mass * state.outer_velocity @ state.outer_velocity
-    rings += payload.inner_mass * state.inner_velocity @ state.inner_velocity
+    rings = payload.outer_mass * inner_product(state.outer_velocity, state.outer_velocity)
+    rings += payload.inner_mass * inner_product(state.inner_velocity, state.inner_velocity)
     linear, turning = state.cage_velocity[:, :2], state.cage_velocity[:, 2]
     cosine, sine = np.cos(state.cage_position[:, 2]), np.sin(state.cage_position[:, 2])
     mx, my = payload.train_moment[:, 0], payload.train_moment[:, 1]
     swept = (cosine * mx - sine * my) * linear[:, 0] + (sine * mx + cosine * my) * linear[:, 1]
-    cages = payload.train_mass @ (linear**2).sum(axis=1) + payload.train_inertia @ turning**2 + 2.0 * (turning * swept).sum()
+    cages = (
+        inner_product(payload.train_mass, (linear**2).sum(axis=1))
+        + inner_product(payload.train_inertia, turning**2)
+        + 2.0 * (turning * swept).sum()
+    )
     rollers = payload.roller_inertia * (state.roller_velocity[..., 2] ** 2).sum()
     rollers += payload.roller_mass * (state.roller_velocity[payload.free, :2] ** 2).sum()
     return 0.5 * float(rings + cages + rollers)

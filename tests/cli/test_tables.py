@@ -22,7 +22,7 @@ def test_the_diagnosis_has_units_and_names_every_fault(capsys: pytest.CaptureFix
     shown = output(capsys, "detect", str(BAGS / "compound"))
     assert "level over background [dB]" in shown
     assert "over threshold [dB]" in shown
-    assert "several faults: outer ring defect, inner ring defect" in " ".join(shown.split())
+    assert "several faults: inner ring defect, outer ring defect" in " ".join(shown.split())
     assert "m/s^2 (baseline 38 m/s^2, both at a shaft frequency of 20 Hz)" in shown
     assert len([line for line in shown.splitlines() if line.startswith("compound, confidence")]) == 1
 

@@ -132,7 +132,10 @@ def test_mqtt_carries_every_diagnosis_and_feature_of_the_nodes(tmp_path: Path) -
         # Who comes later is told the last diagnosis, and nothing else.
         with listener(port) as late:
             client.until(lambda: late.values(DIAGNOSES), "the retained diagnosis")
-            assert late.received == {DIAGNOSES: [(received.values(DIAGNOSES)[-1], True)]}
+            assert set(late.received) == {DIAGNOSES}
+            # A broker may deliver a message of quality 1 more than once.
+            for message in late.received[DIAGNOSES]:
+                assert message == (received.values(DIAGNOSES)[-1], True)
         example.send_signal(signal.SIGINT)
         assert example.wait(PATIENCE) == 0
 

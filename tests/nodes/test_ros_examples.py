@@ -17,7 +17,18 @@ pytest.importorskip("rclpy", reason="the nodes need ROS 2; everything else is te
 from made_up_blocks import blocks
 
 from dcrb_ros.messages.joints import encode_features
-from dcrb_ros.messages.topics import BENCH, DETECTED, DIAGNOSIS, FEATURES, NAMESPACE, SENSOR, SIMULATED, VIBRATION
+from dcrb_ros.messages.topics import (
+    AMBIENT_TEMPERATURE,
+    BENCH,
+    DETECTED,
+    DIAGNOSIS,
+    FEATURES,
+    NAMESPACE,
+    OUTER_RING_TEMPERATURE,
+    SENSOR,
+    SIMULATED,
+    VIBRATION,
+)
 from dcrb_ros.messages.topics.diagnosis import encode_diagnosis
 from dcrb_ros.nodes.bench_status import COMMANDS, SERVICES
 from dcrb_ros.stream.diagnosis import Diagnosis
@@ -72,7 +83,7 @@ def allowed(node: str, kind: str, permission: str) -> set[str]:
 def test_the_policy_allows_the_nodes_their_topics_and_services() -> None:
     simulated, detected = ({topic.resolved(NAMESPACE) for topic in topics} for topics in (SIMULATED, DETECTED))
     commands, rosout = {f"{NAMESPACE}/{name}" for name in COMMANDS}, {"/rosout", "/parameter_events"}
-    received = {topic.resolved(NAMESPACE) for topic in (SENSOR, VIBRATION)}
+    received = {topic.resolved(NAMESPACE) for topic in (SENSOR, VIBRATION, OUTER_RING_TEMPERATURE, AMBIENT_TEMPERATURE)}
     recorded = {topic.resolved(NAMESPACE) for topic in DETECTED if topic.recorded}
     time = {"/clock", "/parameter_events"}
     assert allowed("simulator", "topic", "publish") == simulated | {topic.name for topic in BENCH} | rosout
