@@ -5,7 +5,7 @@ STAMPED := $(shell date +%Y%m%d-%H%M%S)
 # A sourced ROS, or a middleware that is not in .venv, would end every node at once.
 unexport RMW_IMPLEMENTATION PYTHONPATH PYTHONHOME AMENT_PREFIX_PATH
 
-.PHONY: help environment demo test lint types compiled architecture unit kernels nodes validate bench sim_to_real soak signals exam bags mutants hostile hot_boxes docs colcon clean
+.PHONY: help environment demo test test_slow lint types compiled architecture unit kernels nodes validate bench sim_to_real soak signals exam bags mutants hostile hot_boxes docs colcon clean
 .DEFAULT_GOAL := help
 
 help: ## Show this list
@@ -18,13 +18,21 @@ demo: environment ## Run the bench with an outer-ring defect for 10 s: verdict, 
 	$(BIN)/dcrb bench outer_ring_defect --duration 10 --record recordings/demo-$(STAMPED)
 
 # Two at a time: a node test waits for its nodes half of the time.
-test: environment ## Run every check
+test: environment ## Run the checks that a change needs, some eight minutes on two cores
 	@$(MAKE) --no-print-directory -j 2 types compiled lint architecture kernels docs
 	@$(MAKE) --no-print-directory unit
 	@$(MAKE) --no-print-directory nodes
+	@echo "All checks hold; make test_slow runs the others."
+
+test_slow: environment ## Run the other checks, which continuous integration runs as well
+	@$(MAKE) --no-print-directory unit SPEED=slow
+	@$(MAKE) --no-print-directory nodes SPEED=slow
 	@$(MAKE) --no-print-directory validate
 	@$(MAKE) --no-print-directory colcon
-	@echo "All checks hold."
+	@echo "All slow checks hold."
+
+# The tests marked as slow are those of test_slow.
+SPEED := not slow
 
 lint: environment ## ruff
 	$(BIN)/ruff check .
@@ -40,17 +48,18 @@ compiled: environment ## The kernels of the dry and the oiled benches, so that n
 architecture: environment ## The import contracts of pyproject.toml
 	$(BIN)/lint-imports --no-logo
 
-unit: environment ## The tests without ROS processes, file by file on two cores
-	$(BIN)/python -m pytest -m "not node" -n 2 --dist loadfile
+unit: environment ## The tests without ROS processes, file by file on two cores (SPEED=slow for the slow ones)
+	$(BIN)/python -m pytest -m "not node and $(SPEED)" -n 2 --dist loadfile
 
 kernels: environment ## The laws of the kernels once more, without the compiler
 	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest -m kernel
 
 # A failure is final. Once, rclpy's destroy_node crashed a test process while a client left the graph; 100 provoked closings did not repeat
 # it. So the tests whose process crashed (exit status 9, tests/support/crashed_workers.py) are run once more.
-nodes: environment compiled ## The tests that start ROS nodes
-	@status=0; PYTHONPATH=tests/support $(BIN)/python -m pytest -m node -n 2 --dist worksteal -p crashed_workers || status=$$?; \
-	if [ $$status -eq 9 ]; then $(BIN)/python -m pytest -m node --last-failed --last-failed-no-failures none; else exit $$status; fi
+nodes: environment compiled ## The tests that start ROS nodes (SPEED=slow for the slow ones)
+	@status=0; PYTHONPATH=tests/support $(BIN)/python -m pytest -m "node and $(SPEED)" -n 2 --dist worksteal -p crashed_workers || status=$$?; \
+	if [ $$status -eq 9 ]; then $(BIN)/python -m pytest -m "node and $(SPEED)" --last-failed --last-failed-no-failures none; \
+	else exit $$status; fi
 
 validate: environment ## The paper's numbers and figures: a table, and a report in validation/
 	$(BIN)/dcrb validate -o validation

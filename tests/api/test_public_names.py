@@ -16,6 +16,8 @@ import pytest
 
 import dcrb_ros
 
+pytestmark = pytest.mark.slow
+
 ROOT = Path(__file__).parents[2]
 DOCUMENTED = sorted({inspect.getmodule(getattr(dcrb_ros, name)).__name__ for name in dcrb_ros.__all__ if name != "__version__"})  # type: ignore[union-attr]
 

@@ -13,6 +13,8 @@ from dcrb_ros.validation.balls import ball_comparisons
 from dcrb_ros.validation.comparison import Comparison
 from dcrb_ros.validation.realism import squared_envelope
 
+pytestmark = pytest.mark.slow
+
 BENCH = "ball_bearing_6205"
 LINES = {
     "outer_1": lambda orders: orders.bpfo,

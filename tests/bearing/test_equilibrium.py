@@ -32,6 +32,8 @@ from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import load_configuration
 
+pytestmark = pytest.mark.slow
+
 DOWN = np.array([0.0, -100e3])
 JOINTS = ("revolute", "pocket")
 

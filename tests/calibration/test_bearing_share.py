@@ -13,6 +13,8 @@ from dcrb_ros.calibration.bearing_share import Lines, _drawn_shares, _part, line
 from dcrb_ros.calibration.source import INDIVIDUALS
 from dcrb_ros.schema.arrays import Floats
 
+pytestmark = pytest.mark.slow
+
 RATE, SHAFT = 25600, 20.0
 BANDS = [(1000.0, 2000.0), (2000.0, 4000.0), (4000.0, 8000.0)]
 

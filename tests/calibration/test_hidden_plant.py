@@ -14,6 +14,8 @@ from dcrb_ros.calibration.spectra import power_density
 from dcrb_ros.features.band_levels import EDGE
 from dcrb_ros.measurement.stages.structure import sections
 
+pytestmark = pytest.mark.slow
+
 
 def drawn(seed: int) -> dict[str, Any]:
     """Return the parameters of a plant."""

@@ -22,6 +22,8 @@ from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.exchange.importing import WaveformImport
 from dcrb_ros.schema.refusal import Refusal
 
+pytestmark = pytest.mark.slow
+
 RATE, SECONDS = 12000, 8.0
 
 

@@ -10,6 +10,8 @@ from jittered_impacts import Machine
 from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.exam.measured import diagnose_as_a_whole
 
+pytestmark = pytest.mark.slow
+
 
 def machine(seed: int, **more: Any) -> Machine:
     """Return one of many machines: 7 to 14 balls, contact ratios of 0.15 to 0.27, 12 or 25.6 kHz, 15 to 44 Hz."""

@@ -637,7 +637,7 @@ def test_the_command_evaluates_an_exam(tmp_path: Path, capsys: pytest.CaptureFix
     [
         (
             [],
-            "there is nothing to score: give an exam (blind, full, graded, hours, lubrication, smoke, standard or a YAML file), or recordings",
+            "give an exam (blind, full, graded, hours, lubrication, smoke, standard or a YAML file), or recordings",
         ),
         (["smok"], "give a YAML file or one of blind, full, graded, hours, lubrication, smoke, standard; did you mean 'smoke'?"),
         (["smoke", "standard"], "2 exams are given (smoke, standard): give one at a time"),

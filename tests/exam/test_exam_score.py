@@ -22,6 +22,8 @@ from dcrb_ros.exam.statistics import characteristic, harmonic_mean, partial_area
 from dcrb_ros.messages.received_diagnosis import ReceivedDiagnosis
 from dcrb_ros.schema.verdicts import FAULT_CLASSES, VERDICTS
 
+pytestmark = pytest.mark.slow
+
 SHAFT = 2.0 * math.pi * 20.0
 """20 revolutions a second [rad/s]."""
 TAGS: dict[str, str | float] = {"speed": SHAFT}

@@ -13,6 +13,8 @@ import pytest
 
 from dcrb_ros import Orders
 
+pytestmark = pytest.mark.slow
+
 FOLDER = Path(__file__).parents[2] / "examples" / "detectors"
 RATE, TURNS = 25600, 20.0
 """Sampling rate and shaft frequency [Hz]."""

@@ -21,6 +21,8 @@ from dcrb_ros.exam.scoring import score_scenario
 from dcrb_ros.messages.received_diagnosis import ReceivedDiagnosis
 from dcrb_ros.schema.refusal import Refusal
 
+pytestmark = pytest.mark.slow
+
 RESEARCH = PROFILES[2]
 COUNT = 24
 EXPECTATIONS = [

@@ -12,6 +12,8 @@ from typing import Any
 import pytest
 from how_to import ROOT, blocks, copied_package, run
 
+pytestmark = pytest.mark.slow
+
 PAGE = ROOT / "docs" / "how-to" / "add-a-fault.md"
 # The kernels come from the package itself, where they are compiled already.
 PRELUDE = f"import dcrb_ros; dcrb_ros.__path__.append({str(ROOT / 'dcrb_ros')!r})\n"

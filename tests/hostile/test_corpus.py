@@ -20,7 +20,7 @@ from scipy.io import wavfile
 
 from dcrb_ros.cli.config import MOST_ERRORS
 
-pytestmark = pytest.mark.skipif(os.name != "posix", reason="limits of processes")
+pytestmark = [pytest.mark.skipif(os.name != "posix", reason="limits of processes"), pytest.mark.slow]
 SECONDS_PER_MB = 2.0
 """Processor time for each megabyte of input, and for any smaller input, on a machine that does nothing else [s]."""
 REFERENCES_PER_MB = 50.0

@@ -21,7 +21,7 @@ from waiting import runs, wait_for
 from dcrb_ros.messages.statuses import Status, encode_diagnostics
 from dcrb_ros.nodes.external_detector import Diagnoses, ExternalDetector
 
-pytestmark = pytest.mark.node
+pytestmark = [pytest.mark.node, pytest.mark.slow]
 
 ROOT = Path(__file__).parents[2]
 SHORT = {

@@ -23,7 +23,7 @@ from dcrb_ros.settings.files import COMMANDED, load_configuration, nest, paramet
 from dcrb_ros.stream.block import Truth
 from dcrb_ros.stream.events import ParameterChange
 
-pytestmark = pytest.mark.node
+pytestmark = [pytest.mark.node, pytest.mark.slow]
 
 
 def truths(client: GraphClient) -> list[Truth]:

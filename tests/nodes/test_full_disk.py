@@ -16,7 +16,7 @@ from dcrb_ros.messages.statuses import ERROR, decode_diagnostics
 from dcrb_ros.messages.topics import BENCH_DIAGNOSTICS, VIBRATION
 from dcrb_ros.recordings.reader import Recording
 
-pytestmark = pytest.mark.node
+pytestmark = [pytest.mark.node, pytest.mark.slow]
 
 
 def test_a_full_disk_is_reported_and_publishing_continues(tmp_path: Path) -> None:

@@ -20,6 +20,8 @@ from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import validated
 
+pytestmark = pytest.mark.slow
+
 ROOT = Path(__file__).parents[2]
 
 

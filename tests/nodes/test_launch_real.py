@@ -43,7 +43,11 @@ def installed() -> bool:
         return False
 
 
-pytestmark = [pytest.mark.node, pytest.mark.skipif(not installed(), reason="launch finds executables of a colcon installation only")]
+pytestmark = [
+    pytest.mark.node,
+    pytest.mark.skipif(not installed(), reason="launch finds executables of a colcon installation only"),
+    pytest.mark.slow,
+]
 
 
 @contextmanager

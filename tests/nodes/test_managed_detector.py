@@ -22,7 +22,7 @@ from dcrb_ros.messages.topics import DIAGNOSIS, NAMESPACE, SENSOR, VIBRATION
 from dcrb_ros.nodes.publisher import Publisher
 from dcrb_ros.settings.configuration import Configuration
 
-pytestmark = pytest.mark.node
+pytestmark = [pytest.mark.node, pytest.mark.slow]
 
 UNCONFIGURED, INACTIVE, ACTIVE, FINALIZED = 1, 2, 3, 4  # lifecycle_msgs/msg/State
 CONFIGURE, CLEANUP, ACTIVATE, DEACTIVATE, ACTIVE_SHUTDOWN = 1, 2, 3, 4, 7  # lifecycle_msgs/msg/Transition

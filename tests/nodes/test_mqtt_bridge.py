@@ -30,7 +30,7 @@ from dcrb_ros.messages.topics import DIAGNOSIS, FEATURES, NAMESPACE
 EXAMPLE = Path(__file__).parents[2] / "examples" / "mqtt_bridge.py"
 DIAGNOSES, BLOCKS = f"dcrb/{DIAGNOSIS.name}", f"dcrb/{FEATURES.name}"
 
-pytestmark = pytest.mark.node
+pytestmark = [pytest.mark.node, pytest.mark.slow]
 brokered = pytest.mark.skipif(not INSTALLED, reason="no MQTT broker: neither mosquitto nor amqtt is installed")
 
 

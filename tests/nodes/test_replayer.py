@@ -23,7 +23,7 @@ from dcrb_ros.messages.topics import BENCH_DIAGNOSTICS, CLOCK, DIAGNOSIS, FEATUR
 from dcrb_ros.nodes.publisher import message_class, qos
 from dcrb_ros.recordings.reader import Recording
 
-pytestmark = pytest.mark.node
+pytestmark = [pytest.mark.node, pytest.mark.slow]
 
 BAGS = Path(__file__).parents[2] / "bags"
 

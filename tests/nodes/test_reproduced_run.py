@@ -17,7 +17,7 @@ from dcrb_ros.messages.topics import VIBRATION
 from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.stream.events import LoadCommand, SpeedCommand
 
-pytestmark = pytest.mark.node
+pytestmark = [pytest.mark.node, pytest.mark.slow]
 
 
 def test_a_run_with_commands_is_reproduced_without_ros(tmp_path: Path) -> None:

@@ -26,7 +26,7 @@ from dcrb_ros.messages.topics import BENCH_DIAGNOSTICS, VIBRATION
 from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.settings.files import parameter_fields
 
-pytestmark = pytest.mark.node
+pytestmark = [pytest.mark.node, pytest.mark.slow]
 ROOT = Path(__file__).parents[2]
 
 ODD = st.sampled_from([math.nan, math.inf, -math.inf, 5e-324, -0.0, 1e308, -1e308, 1e4, 0.0, 100.0, 0.002])

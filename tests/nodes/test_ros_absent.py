@@ -13,6 +13,8 @@ import pytest
 from dcrb_ros.nodes.ros import check_ros
 from dcrb_ros.schema.refusal import Refusal
 
+pytestmark = pytest.mark.slow
+
 
 def test_the_check_names_what_is_missing(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(importlib.util, "find_spec", lambda name: None)

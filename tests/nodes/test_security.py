@@ -12,6 +12,8 @@ from node_arguments import parameters
 
 from dcrb_ros.messages.topics import NAMESPACE
 
+pytestmark = pytest.mark.slow
+
 ROOT = Path(__file__).parents[2]
 POLICY = ROOT / "examples" / "ros" / "sros2_policy.xml"
 PAGE = (ROOT / "docs" / "how-to" / "secure-with-sros2.md").read_text(encoding="utf-8")

@@ -14,7 +14,7 @@ pytest.importorskip("rclpy", reason="the nodes need ROS 2; everything else is te
 
 from ros_bench import domain
 
-pytestmark = pytest.mark.node
+pytestmark = [pytest.mark.node, pytest.mark.slow]
 
 
 def loaded() -> ModuleType:

@@ -27,6 +27,8 @@ from dcrb_ros.nodes.services import Services
 from dcrb_ros.nodes.simulation_interfaces import SimulationInterfaces
 from dcrb_ros.settings.configuration import Configuration
 
+pytestmark = pytest.mark.slow
+
 STOPPED, PLAYING, PAUSED, QUITTING = range(4)
 OK, FAILED = Result.RESULT_OK, Result.RESULT_OPERATION_FAILED
 ALREADY, ERROR, INCORRECT = 101, 102, 103

@@ -17,7 +17,7 @@ from ros_bench import PATIENCE, domain, environment, node
 
 from dcrb_ros.recordings.reader import Recording
 
-pytestmark = pytest.mark.node
+pytestmark = [pytest.mark.node, pytest.mark.slow]
 
 BAG = Path(__file__).parents[2] / "bags" / "outer_ring_defect"
 

@@ -17,7 +17,7 @@ from dcrb_ros.messages.joints import decode_joints
 from dcrb_ros.messages.topics.window_features import WINDOW_FEATURES
 from dcrb_ros.recordings.reader import Recording
 
-pytestmark = pytest.mark.node
+pytestmark = [pytest.mark.node, pytest.mark.slow]
 
 
 def test_a_node_publishes_and_records_the_features_of_its_waveform(tmp_path: Path) -> None:

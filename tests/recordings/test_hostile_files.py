@@ -25,6 +25,8 @@ from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
 
+pytestmark = pytest.mark.slow
+
 HEADER = struct.pack("<BQII", 1, 8, 0, 0)
 BOMB = 1 << 31
 

@@ -27,6 +27,8 @@ from dcrb_ros.recordings.replay import Replay, ReplayParameters
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
 
+pytestmark = pytest.mark.slow
+
 REAL = Path(__file__).parents[3] / "shared" / "rosbag2"
 """Recordings that rosbag2 made beside a running bench with an outer-ring defect."""
 BLOCKS = 130

@@ -30,6 +30,8 @@ from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import load_configuration
 from dcrb_ros.stream.events import SpeedCommand
 
+pytestmark = pytest.mark.slow
+
 WAVEFORM = VIBRATION.resolved(NAMESPACE)
 
 

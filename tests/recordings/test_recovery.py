@@ -28,6 +28,8 @@ from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.stream.events import LoadCommand
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def bag(tmp_path_factory: pytest.TempPathFactory) -> Path:

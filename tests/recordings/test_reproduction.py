@@ -26,6 +26,8 @@ from dcrb_ros.simulation.scenario import scheduled_changes
 from dcrb_ros.stream.block import Block
 from dcrb_ros.stream.events import Command, CommandSchedule, LoadCommand, ParameterChange, SpeedCommand, TimedCommand, UnknownCommand
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def bag(tmp_path_factory: pytest.TempPathFactory) -> Path:

@@ -19,6 +19,8 @@ from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.parameters import Bearing
 from dcrb_ros.validation.formulation import STEP, agreement, deviation, production
 
+pytestmark = pytest.mark.slow
+
 Floats = npt.NDArray[np.float64]
 
 ONE_ROW, BOTH_ROWS = "row1/bar8", "row1/bar8, row2/bar8"

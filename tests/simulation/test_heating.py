@@ -16,6 +16,8 @@ from dcrb_ros.simulation.heating import AVERAGED
 from dcrb_ros.simulation.loop import ModelFailure, Simulation
 from dcrb_ros.simulation.scenario import scheduled_changes
 
+pytestmark = pytest.mark.slow
+
 WARM = {"thermal.law": "network"}
 
 

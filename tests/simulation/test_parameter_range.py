@@ -13,6 +13,8 @@ from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import load_configuration, parameter_fields
 from dcrb_ros.simulation.loop import Simulation
 
+pytestmark = pytest.mark.slow
+
 MODEL = ("bearing", "housing", "contact", "friction", "cage", "operating")
 """Groups that the model depends on; the measurement chain has its own tests."""
 NUMBERS = [field for field in parameter_fields() if field.key.partition(".")[0] in MODEL and field.kind in (int, float)]

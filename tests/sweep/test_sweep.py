@@ -48,6 +48,8 @@ from dcrb_ros.sweep.store import Store, StoreFailed
 from dcrb_ros.sweep.sweep_file import Shares, Windows
 from dcrb_ros.sweep.windows import cut_windows, window_starts
 
+pytestmark = pytest.mark.slow
+
 QUICK = {"base": "dry", "set": {"cage.joint": "revolute"}, "duration": 0.02}
 CASES = {"healthy": {}, "outer": {"faults.outer_1.width": {"low": 0.001, "high": 0.003}}}
 VARIED = {

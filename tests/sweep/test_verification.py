@@ -25,6 +25,8 @@ from dcrb_ros.sweep.store import Store, StoreFailed
 from dcrb_ros.sweep.table import write_table
 from dcrb_ros.sweep.verification import flaw
 
+pytestmark = pytest.mark.slow
+
 TREE = {"set": {"cage.joint": "revolute"}, "duration": 0.02, "vary": {"operating.speed": [100.0, 120.0]}, "windows": {"length": 256}}
 SWEEP = "set: {cage.joint: revolute}\nduration: 0.02\nvary: {operating.speed: [100.0, 120.0]}\nwindows: {length: 256}\n"
 

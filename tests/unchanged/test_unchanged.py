@@ -22,10 +22,13 @@ KNOWN: dict[str, Any] = json.loads(cases.FILE.read_text())
 BAGS = sorted(path.parent for path in (cases.ROOT / "bags").glob("*/metadata.yaml"))
 LIBRARIES = ("numpy", "numba", "scipy", "machine")
 
-pytestmark = pytest.mark.skipif(
-    any(software()[name] != KNOWN["software"][name] for name in LIBRARIES),
-    reason=f"the fingerprints were taken with {KNOWN['software']}; other versions may differ in the last bit",
-)
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(
+        any(software()[name] != KNOWN["software"][name] for name in LIBRARIES),
+        reason=f"the fingerprints were taken with {KNOWN['software']}; other versions may differ in the last bit",
+    ),
+]
 
 
 def spoken(*arguments: str) -> Any:

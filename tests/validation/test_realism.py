@@ -13,6 +13,8 @@ from dcrb_ros.simulation.loop import Simulation
 from dcrb_ros.validation.friction_moment import friction_moment
 from dcrb_ros.validation.realism import Statistics, statistics
 
+pytestmark = pytest.mark.slow
+
 RATE = 51200
 SHAFT = 20.0
 ORDERS = Orders(0.4, 6.0, 8.0, 2.5)

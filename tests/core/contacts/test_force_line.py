@@ -20,7 +20,7 @@ from dcrb_ros.core.laws.squeeze import squeeze_impulse
 from dcrb_ros.core.payload import Payload
 from dcrb_ros.settings.configuration import Configuration
 
-pytestmark = pytest.mark.kernel
+pytestmark = [pytest.mark.kernel, pytest.mark.slow]
 
 speeds, phases = st.floats(2e-3, 1.0), st.floats(0.0, 1.0)
 

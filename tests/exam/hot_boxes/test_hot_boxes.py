@@ -14,6 +14,8 @@ from dcrb_ros.exam.hot_boxes.fleet import STEP, Fleet, Growth, Temperatures
 from dcrb_ros.exam.hot_boxes.heat_table import HeatTable, heat_table
 from dcrb_ros.exam.hot_boxes.trial import Outcome, faulty_days, healthy_days
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def configuration() -> dcrb_ros.Configuration:
