@@ -48,9 +48,9 @@ def unmasked(search: LineSearch) -> Any:
     return search.orders <= GUARD * search.step
 
 
-def at_once(confirm: int, release: int, release_margin: float, persist: int) -> Hysteresis:
+def at_once(confirm: int, release: int, release_margin: float, persist: int, least: float) -> Hysteresis:
     """Return a hysteresis for which weak evidence need not last."""
-    return Hysteresis(confirm, release, release_margin)
+    return Hysteresis(confirm, release, release_margin, 1, least)
 
 
 def rows() -> Iterator[tuple[str, dict[str, Any], list[Any]]]:
@@ -69,7 +69,20 @@ def rows() -> Iterator[tuple[str, dict[str, Any], list[Any]]]:
     yield "harmonics of the shaft are evidence", {}, [patch.object(LineSearch, "_masked", shaft)]
     yield "no contrast of BPFO to FTF", {"cage_contrast": 0.0}, []
     yield "no limit of 2 BPFO", {"outer_double": 20.0}, []
-    yield "clusters at 2 BSF are evidence for the cage", {}, [patch(f"{DIAGNOSIS}.rules.cage.clusters_at_spin", lambda *_: (0.0, math.inf))]
+    without_clusters = [
+        patch(f"{DIAGNOSIS}.rules.cage.clusters_at_spin", lambda *_: (0.0, math.inf)),
+        patch(f"{DIAGNOSIS}.rules.cage.spin_of_clusters", lambda *_: (0.0, 1.0)),
+    ]
+    yield "clusters at 2 BSF are evidence for the cage", {}, without_clusters
+    yield "no whitening", {"whitening": 0.0}, []
+    yield "quiet bands are evidence", {}, [patch(f"{DIAGNOSIS}.evidence.QUIET", 1000.0)]
+    yield (
+        "no contrast of a ring to FTF",
+        {},
+        [patch(f"{DIAGNOSIS}.rules.{ring}.over_the_cage", lambda *_: 1.0) for ring in ("outer_ring", "inner_ring")],
+    )
+    yield "rollers spin as they should", {}, [patch(f"{DIAGNOSIS}.rules.roller.spin_of_clusters", lambda *_: (0.0, 1.0))]
+    yield "a watched bearing is named at the threshold", {"alarm_evidence": 0.0}, []
     yield "weak evidence need not last", {}, [patch(f"{DIAGNOSIS}.detector.Hysteresis", at_once)]
 
 

@@ -2,6 +2,10 @@
 
 The bands form the 1/3-binary tree of the fast kurtogram (Antoni 2007, "Fast computation of the kurtogram for the detection of transient
 faults"): the band is divided into halves, thirds and quarters. All bands are computed from one Fourier transform of a segment.
+
+The spectrum may be whitened before, as Borghesani, Pennacchi, Randall, Sawalhi and Ricci 2013, "Application of cepstrum pre-whitening for
+the diagnosis of bearing faults under variable speed conditions", Mech. Syst. Signal Process. 36, propose: then no mode of the structure
+makes a band narrower than it is.
 """
 
 from __future__ import annotations
@@ -13,6 +17,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 from scipy import fft
+from scipy.ndimage import uniform_filter1d
 
 from dcrb_ros.schema.arrays import Floats
 
@@ -22,6 +27,8 @@ TAPER = 0.2
 """Share of a band's width taken by its two edges [-]: steep enough to separate the bands, smooth enough not to ring."""
 OVERSAMPLING = 2
 """Samples of an envelope per width of its band: the squared envelope is twice as wide as the band."""
+LARGEST_GAIN = 1e-12
+"""Least local mean of the power relative to its largest up to which a spectrum is whitened [-]: single precision has no more."""
 
 
 class Band(NamedTuple):
@@ -66,8 +73,8 @@ def tukey(length: int, taper: float) -> Floats:
 class Demodulator:
     """Computes the squared envelopes of segments of equal length in several bands."""
 
-    def __init__(self, bands: tuple[Band, ...], rate: int, samples: int) -> None:
-        """Prepare for segments of ``samples`` at ``rate`` [Hz]."""
+    def __init__(self, bands: tuple[Band, ...], rate: int, samples: int, whitening: float = 0.0) -> None:
+        """Prepare for segments of ``samples`` at ``rate`` [Hz], whitened over a width of ``whitening`` [Hz], 0 for not at all."""
         self.bands, self.samples = bands, samples
         self._length = fft.next_fast_len(samples, real=True)
         self._bins = [range(round(band.low * self._length / rate), round(band.high * self._length / rate)) for band in bands]
@@ -75,22 +82,36 @@ class Demodulator:
         gains = [2.0 * count / self._length * tukey(len(bins), TAPER) for bins, count in zip(self._bins, counts, strict=True)]
         self._gains = [gain.astype(np.float32) for gain in gains]
         self._positions = [np.arange(count, dtype=np.float64) * (self._length / count) for count in counts]
+        self._width = max(3, round(whitening * self._length / rate)) if whitening > 0.0 else 0
 
     def squared_envelopes(self, segment: npt.NDArray[Any]) -> list[tuple[Floats, Floats]]:
         """Return for each band equally spaced positions [samples] and the squared envelope there, summed over the columns [unit^2].
 
-        ``segment`` has shape (samples, columns). The mean squared envelope is twice the power in the band. Single precision leaves
-        140 dB between the loudest and the faintest band.
+        ``segment`` has shape (samples, columns). The mean squared envelope is twice the power in the band, whether the spectrum is
+        whitened or not. Single precision leaves 140 dB between the loudest and the faintest band.
         """
         largest = float(max(segment.max(initial=0.0), -segment.min(initial=0.0))) or 1.0
         padded = np.zeros((segment.shape[1], self._length), np.float32)
         np.multiply(segment.T, 1.0 / largest, out=padded[:, : len(segment)], casting="same_kind")
         spectrum = fft.rfft(padded)
-        parts = zip(self._bins, self._gains, self._positions, strict=True)
-        return [
-            (positions, self._envelope(spectrum[:, bins.start : bins.stop], gain, len(positions)) * largest**2)
-            for bins, gain, positions in parts
-        ]
+        power = _summed_squares(spectrum) if self._width else None
+        white = self._whitening_gain(power) if power is not None else None
+        envelopes = []
+        for bins, gain, positions in zip(self._bins, self._gains, self._positions, strict=True):
+            part, scale = spectrum[:, bins.start : bins.stop], largest**2
+            if white is not None and power is not None:
+                weight, before = white[bins.start : bins.stop], power[bins.start : bins.stop]
+                passed = np.square(gain)
+                after = float(np.dot(passed * np.square(weight), before))
+                scale *= float(np.dot(passed, before)) / after if after > 0.0 else 1.0
+                gain = gain * weight
+            envelopes.append((positions, self._envelope(part, gain, len(positions)) * scale))
+        return envelopes
+
+    def _whitening_gain(self, power: npt.NDArray[np.float32]) -> npt.NDArray[np.float32]:
+        """Return the gain that makes the local mean of a power spectrum equal everywhere, shape (frequencies,)."""
+        local = uniform_filter1d(power.astype(np.float64), self._width, mode="nearest")
+        return np.asarray(1.0 / np.sqrt(np.maximum(local, max(LARGEST_GAIN * float(local.max()), np.finfo(np.float32).tiny))), np.float32)
 
     def _envelope(self, part: npt.NDArray[Any], gain: npt.NDArray[np.float32], count: int) -> Floats:
         """Return the squared magnitude of the analytic signals with that spectrum at ``count`` samples, summed over the columns."""
@@ -100,6 +121,13 @@ class Demodulator:
         squared = np.square(analytic.real)
         squared += np.square(analytic.imag)
         return np.asarray(squared.sum(axis=0, dtype=np.float64), np.float64)
+
+
+def _summed_squares(spectrum: npt.NDArray[Any]) -> npt.NDArray[np.float32]:
+    """Return the squared magnitudes summed over the rows of a spectrum, shape (frequencies,)."""
+    power = np.square(spectrum.real)
+    power += np.square(spectrum.imag)
+    return np.asarray(power.sum(axis=0), np.float32)
 
 
 def kurtosis(squared: npt.NDArray[Any]) -> Floats:

@@ -44,6 +44,8 @@ DEFAULTS = DetectorParameters()
 
 MARGIN_PERIODS = 10.0
 """Periods of the lowest frequency on either side of a hop that its envelope depends on."""
+LONG_ENOUGH = 2.5
+"""Length of a signal from which it is named at the threshold if it is judged once, as a whole [s]: lines of less scatter by a decibel."""
 BINS_PER_ORDER = 3
 """Bins per turn relative to the highest order [-]; 2 is the Nyquist rate."""
 
@@ -88,7 +90,7 @@ class FaultDetector:
             HARMONICS[-1] * max(2.0 * orders.bpfo, 2.0 * orders.bpfi, 2.0 * orders.bsf) + SHAFT_SIDEBANDS[-1]
         )
         self._segmenter = Segmenter(self._hop, self._margin, round(min(p.longest_gap, 0.5 * p.hop) * rate))
-        demodulator = Demodulator(self._bands, rate, self._hop + 2 * self._margin)
+        demodulator = Demodulator(self._bands, rate, self._hop + 2 * self._margin, p.whitening)
         bins, hops = math.ceil(BINS_PER_ORDER * self._highest_order), max(1, round(p.window / p.hop))
         self._window = Window(demodulator, rate, self._hop, self._margin, bins, hops, p.speed_exponent)
         self._needed = min(p.least_window, p.window) - 0.5 * p.hop
@@ -107,7 +109,8 @@ class FaultDetector:
         self._saturation = next(rule for rule in self._sample_rules if isinstance(rule, Saturation))
         self._combination = Combination(self._bearing_rules, p.release_margin)
         # If a single judgement confirms a fault, as in a signal that is judged as a whole, weak evidence does so, too.
-        self._hysteresis = Hysteresis(p.confirm, p.release, p.release_margin, hops if p.confirm > 1 else 1)
+        least = 0.0 if p.confirm == 1 and p.window >= LONG_ENOUGH else p.alarm_evidence
+        self._hysteresis = Hysteresis(p.confirm, p.release, p.release_margin, hops if p.confirm > 1 else 1, least)
         self._trend, self._levels = Trend(p.trend_time, p.hop), LevelHistory()
         self._flaw = ""
         """The last flaw of the sensor."""

@@ -23,6 +23,9 @@ BESIDE = 4.0
 """Orders of a spectrum beyond the highest line that are searched [-]: four neighbourhoods of the local mean."""
 REFIT = 0.003
 """Relative change of the order of a family when the lines of another one are left out [-]."""
+QUIET = 40.0
+"""Power of a band below that of the loudest one from which it is no evidence [dB]: accelerometers are linear within 1 %, so that a quieter
+band holds products of the loud ones."""
 SAME_SPEED = 0.03
 """Relative change of the shaft frequency from which levels are not compared [-]."""
 
@@ -111,6 +114,12 @@ class Evidence:
     def orders(self) -> Orders:
         """Characteristic orders of the bearing."""
         return self.bands[0].orders
+
+    @cached_property
+    def loud(self) -> Sequence[BandEvidence]:
+        """The bands that are not too quiet beside the loudest one to tell anything about the bearing."""
+        least = max(band.spectrum.mean for band in self.bands) * 10.0 ** (-QUIET / 10.0)
+        return [band for band in self.bands if band.spectrum.mean >= least]
 
     def of_band(self, band: Band | None) -> BandEvidence | None:
         """Return the evidence of a band, or none."""

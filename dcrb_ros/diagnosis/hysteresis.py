@@ -43,12 +43,13 @@ class Hysteresis:
     explains the lines of the other and the next judgement has it the other way around, the one with more evidence counts.
     """
 
-    def __init__(self, confirm: int, release: int, release_margin: float, persist: int = 1) -> None:
-        """Confirm after ``confirm`` judgements, or up to ``persist`` with weak evidence.
+    def __init__(self, confirm: int, release: int, release_margin: float, persist: int = 1, least: float = 0.0) -> None:
+        """Confirm after ``confirm`` judgements with ``least`` evidence [dB], or up to ``persist`` with weak evidence.
 
-        Clear after ``release`` judgements, ``release_margin`` [dB] below the threshold.
+        Clear after ``release`` judgements, ``release_margin`` [dB] below that.
         """
         self._confirm, self._release, self._margin, self._persist = confirm, release, release_margin, max(confirm, persist)
+        self._least = least
         self.reset()
 
     def reset(self) -> None:
@@ -74,12 +75,12 @@ class Hysteresis:
 
     def _update(self, suspicion: Suspicion, excess: float) -> None:
         """Count a judgement with that evidence [dB]."""
-        if excess >= 0.0:
+        if excess >= self._least:
             suspicion.seen += 1
             suspicion.evidence += excess
         else:
             suspicion.seen = 0
-        suspicion.gone = suspicion.gone + 1 if excess < -self._margin else 0
+        suspicion.gone = suspicion.gone + 1 if excess < self._least - self._margin else 0
         suspicion.confirmed = (suspicion.confirmed or self._lasts(suspicion)) and suspicion.gone < self._release
         if not suspicion.seen and not suspicion.confirmed:
             suspicion.evidence = 0.0

@@ -23,4 +23,12 @@ class LineParameters(Group):
         0.0,
         1.0,
     )
+    ring_contrast: float = quantity(
+        1.5,
+        "dB",
+        "Largest amplitude of the lines of a ring required over that of FTF and its double, where what travels with the cage has its "
+        "largest lines",
+        0.0,
+        20.0,
+    )
     learn_margin: float = quantity(4.0, "dB", "Margin of learned limits over the largest lines of the healthy bearing", 0.0, 40.0)

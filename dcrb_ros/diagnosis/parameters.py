@@ -36,6 +36,14 @@ class DetectorParameters(Group):
     band_high: float = quantity(
         20000.0, "Hz", "Upper edge of the band for demodulation; at most 0.45 of the sampling rate is used", 200.0, 100e3
     )
+    whitening: float = quantity(
+        500.0,
+        "Hz",
+        "Width over which the power of the signal is made equal before bands are demodulated: several fault lines, narrower than modes; "
+        "0 for not at all",
+        0.0,
+        1e5,
+    )
     slip: float = quantity(0.02, "-", "Largest relative deviation of lines from the kinematic orders that is searched", 0.0, 0.05)
     slowest: float = quantity(2.0, "Hz", "Lowest shaft frequency for estimation from the signal, without a shaft angle", 0.5, 500.0)
     fastest: float = quantity(
@@ -61,4 +69,12 @@ class DetectorParameters(Group):
     )
     release: int = quantity(4, "hops", "Consecutive hops without evidence that clear a fault", 1, 1000)
     release_margin: float = quantity(1.0, "dB", "How far below its threshold the evidence must be to clear a fault", 0.0, 20.0)
+    alarm_evidence: float = quantity(
+        1.2,
+        "dB",
+        "Evidence above its threshold that raises an alarm while a bearing is watched, from which three of four alarms are right; "
+        "a recording judged once, as a whole, is named from the threshold on",
+        0.0,
+        20.0,
+    )
     trend_time: float = quantity(60.0, "s", "Time over which the trend of the severity is fitted", 1.0, 1e6)

@@ -142,8 +142,8 @@ class LineRule(BearingRule[Lines]):
         return band.family(comb)
 
     def bands(self, evidence: Evidence) -> Sequence[BandEvidence]:
-        """Return the bands to look at: by default those within the detector's band."""
-        return [band for band in evidence.bands if band.band.low >= evidence.whole.low]
+        """Return the bands to look at: by default those within the detector's band that are loud enough."""
+        return [band for band in evidence.loud if band.band.low >= evidence.whole.low]
 
     def finding(self, evidence: Evidence) -> Finding | None:
         """Return the evidence of the band in which it is strongest."""

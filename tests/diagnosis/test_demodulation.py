@@ -7,7 +7,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 import pytest
-from scipy.signal import windows
+from scipy.signal import lfilter, windows
 
 from dcrb_ros.diagnosis.demodulation import TAPER, Band, Demodulator, band_tree, kurtosis, tukey
 
@@ -45,6 +45,42 @@ def test_mean_of_the_envelope_is_twice_the_power_in_the_band() -> None:
     _, squared = envelope(np.random.default_rng(1).normal(size=len(TIME)))
     # White noise of unit power has 2 (band) / rate of it in the band; the edges, a tenth each, count 3/8.
     assert float(squared.mean()) == pytest.approx(2.0 * 18000.0 * (0.8 + 0.2 * 0.375) / (RATE / 2), rel=0.02)
+
+
+def coloured(depth: float) -> Floats:
+    """Return noise modulated at 100 Hz beside a mode at 5 kHz that has most of the power and is not modulated."""
+    random = np.random.default_rng(4)
+    wide = random.normal(size=len(TIME)) * np.sqrt(1.0 + depth * np.cos(2.0 * math.pi * 100.0 * TIME))
+    poles = 0.98 * np.exp(2j * math.pi * 5000.0 / RATE)
+    return wide + 0.5 * lfilter([1.0], np.poly([poles, np.conj(poles)]).real, random.normal(size=len(TIME)))
+
+
+def modulation(signal: Floats, whitening: float) -> tuple[float, float]:
+    """Return the depth at 100 Hz, and the mean of the squared envelope."""
+    ((positions, squared),) = Demodulator((WHOLE,), RATE, len(signal), whitening).squared_envelopes(signal[:, None])
+    line = 2.0 * abs(np.mean(squared * np.exp(-2j * math.pi * 100.0 * positions / RATE)))
+    return float(line / squared.mean()), float(squared.mean())
+
+
+def test_whitening_shows_what_a_mode_hides_and_keeps_the_power() -> None:
+    (raw, power), (white, same) = (modulation(coloured(0.5), width) for width in (0.0, 500.0))
+    assert same == pytest.approx(power, rel=1e-4)
+    # The mode has nine tenths of the power; whitened over less than its width it has little more than its share of the band.
+    assert raw < 0.1
+    assert white > 0.3
+
+
+def test_whitening_needs_no_unit() -> None:
+    signal = coloured(0.5)[: RATE // 2]
+    ((_, one),), ((_, other),) = (
+        Demodulator((WHOLE,), RATE, len(signal), 500.0).squared_envelopes(gain * signal[:, None]) for gain in (1e-4, 1e4)
+    )
+    np.testing.assert_allclose(other, 1e16 * one, rtol=1e-4)
+
+
+def test_silence_is_not_whitened() -> None:
+    ((_, squared),) = Demodulator((WHOLE,), RATE, RATE, 500.0).squared_envelopes(np.zeros((RATE, 2)))
+    assert not squared.any()
 
 
 def test_kurtosis_of_noise_is_zero_and_of_impacts_large() -> None:

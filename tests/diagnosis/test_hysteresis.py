@@ -39,6 +39,18 @@ def test_weak_evidence_must_last_until_the_window_is_renewed(excess: float, judg
     assert {hysteresis.verdict(evidence) for evidence in interrupted} == {"waiting", "healthy"}
 
 
+@pytest.mark.parametrize(("excess", "verdict"), [(1.1, "healthy"), (1.3, "inner_ring")])
+def test_a_watched_bearing_is_not_named_on_evidence_of_which_many_alarms_are_wrong(excess: float, verdict: str) -> None:
+    """However long it lasts: waves of a healthy raceway last, too. It does not keep an alarm either."""
+    hysteresis = Hysteresis(confirm=2, release=4, release_margin=1.0, persist=8, least=1.2)
+    found = [hysteresis.verdict({**QUIET, "inner_ring": excess}) for _ in range(40)]
+    assert found[-1] == verdict
+    for _ in range(2):
+        hysteresis.verdict({**QUIET, "inner_ring": 6.0})
+    assert [hysteresis.verdict({**QUIET, "inner_ring": 0.1}) for _ in range(5)][1] == "inner_ring"
+    assert hysteresis.verdict({**QUIET, "inner_ring": 0.1}) == "healthy"
+
+
 def test_faults_that_explain_each_other_in_turn_are_one() -> None:
     roller, cage = {**QUIET, "roller": 6.5}, {**QUIET, "cage": 6.0}
     hysteresis = Hysteresis(confirm=2, release=4, release_margin=1.0)

@@ -13,7 +13,7 @@ from synthetic_bearing import ORDERS, RATE, diagnoses, synthetic
 
 from dcrb_ros.diagnosis.detector import Diagnosis, FaultDetector
 from dcrb_ros.diagnosis.parameters import DetectorParameters
-from dcrb_ros.diagnosis.rules.spikes import count_spikes
+from dcrb_ros.diagnosis.rules.spikes import count_jumps
 from dcrb_ros.diagnosis.rules.stuck import runs_of_one_value
 
 Samples = npt.NDArray[np.float32]
@@ -142,7 +142,7 @@ def test_a_spike_is_distinguished_from_an_impact_that_rings() -> None:
     spike, blow = quiet.copy(), quiet.copy()
     spike[2000:2400] += 500.0 * np.exp(-time / 1e-4)
     blow[2000:2400] += 500.0 * np.exp(-time / 5e-4) * np.sin(2.0 * math.pi * 7000.0 * time)
-    assert [count_spikes(column, 51, DetectorParameters()) for column in (quiet, spike, blow)] == [0, 1, 0]
+    assert [count_jumps(column, 51, DetectorParameters()).spikes for column in (quiet, spike, blow)] == [0, 1, 0]
 
 
 def test_a_coarse_adc_is_not_saturated() -> None:

@@ -8,22 +8,16 @@ from collections.abc import Sequence
 import numpy as np
 
 from dcrb_ros.bearing.kinematics import Orders
+from dcrb_ros.diagnosis.cage_lines import CLUSTERED, PERIODIC, cage_comb, clusters_at_spin, spin_of_clusters
 from dcrb_ros.diagnosis.demodulation import Band
 from dcrb_ros.diagnosis.evidence import BandEvidence, Evidence
 from dcrb_ros.diagnosis.line_parameters import LineParameters
 from dcrb_ros.diagnosis.line_search import Comb, LineFamily
 from dcrb_ros.diagnosis.order_spectrum import decibels, ratio
 from dcrb_ros.diagnosis.rule import LineRule
-from dcrb_ros.diagnosis.rules.inner_ring import rollers
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.fields import quantity
 
-BELOW_BPFO = 3
-"""The highest harmonic of FTF is so many below BPFO, whose skirt hides the last two."""
-MOST_HARMONICS = 13
-"""Most harmonics of FTF that are searched: higher ones are too faint."""
-CLUSTERED = 1.5
-"""Amplitude of the harmonics of FTF near multiples of 2 BSF over those halfway between [-]; two strikes alike have an infinite one."""
 LINES_EXPLAINED = 60
 """Harmonics of FTF that a cage fault may make: three harmonics of BPFI reach up to there with 16 rollers."""
 
@@ -51,8 +45,8 @@ class Cage(LineRule[CageParameters]):
         return self.p.cage_depth
 
     def bands(self, evidence: Evidence) -> Sequence[BandEvidence]:
-        """Return all bands: below the detector's band, the varying compliance carries the rhythm of the cage."""
-        return evidence.bands
+        """Return all bands that are loud enough: below the detector's band, the varying compliance carries the rhythm of the cage."""
+        return evidence.loud
 
     def excess(self, lines: LineFamily, band: Band, evidence: Evidence) -> float:
         """Return the excess of depth and significance; none if the lines cluster at 2 BSF, where a roller defect puts them [dB]."""
@@ -61,25 +55,10 @@ class Cage(LineRule[CageParameters]):
             return found
         clusters, between = clusters_at_spin(there, lines)
         contrast = decibels(ratio(clusters, CLUSTERED * between)) if between > 0.0 else -math.inf
+        if found >= 0.0 >= contrast:
+            contrast = decibels(max(spin_of_clusters(there, lines)[0], 0.0) / PERIODIC)
         return min(found, -contrast) if contrast > 0.0 else found
 
     def companions(self, lines: LineFamily, orders: Orders) -> Floats:
         """Return the harmonics of FTF, with BPFO among them."""
         return lines.order * np.arange(1.0, LINES_EXPLAINED + 1.0)
-
-
-def cage_comb(orders: Orders) -> Comb:
-    """Return the harmonics of FTF below BPFO."""
-    last = min(MOST_HARMONICS, max(3, rollers(orders) - BELOW_BPFO))
-    return Comb(orders.ftf, harmonics=tuple(range(1, last + 1)), leading=2)
-
-
-def clusters_at_spin(band: BandEvidence, cage: LineFamily) -> tuple[float, float]:
-    """Return the depth of the harmonics of FTF at 2 BSF and its double, and halfway between such multiples [-].
-
-    The first is a median, since one of the lines may belong to another family, the second the root of the mean power.
-    """
-    places = 2.0 * band.orders.bsf * np.array([[1.0, 2.0], [0.5, 1.5]])
-    harmonics = np.rint(places / cage.order)[..., None] + np.arange(-1.0, 2.0)
-    near, between = band.at(harmonics * cage.order)
-    return math.sqrt(float(np.median(near))), math.sqrt(float(between.mean()))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections import deque
 
 import numpy as np
 from scipy import fft
@@ -19,6 +20,8 @@ HIGHEST_SHARE = 0.4
 """Highest frequency that counts, as a share of the sampling rate [-]: anti-alias filters act above it."""
 BLOCKS = 16
 """Blocks of equal width in which the power density is compared."""
+REMEMBERED = 120
+"""Hops from whose powers the usual one is taken: a minute."""
 FEWEST_LINES = 64
 """Lines of the spectrum in a block: the level of noise then scatters by half a decibel."""
 
@@ -33,19 +36,45 @@ class DeadParameters(Group):
         0.0,
         60.0,
     )
+    dead_white: float = quantity(
+        2.0,
+        "dB",
+        "The same difference up to which it is noise whatever the level was before: nothing of the machine is left",
+        0.0,
+        60.0,
+    )
+    dead_fall: float = quantity(
+        10.0,
+        "dB",
+        "Decrease of the power from its median so far that a sensor shows which dies; one that has always been noisy is alive",
+        0.0,
+        120.0,
+    )
     dead_kurtosis: float = quantity(4.0, "-", "Kurtosis below which a flat spectrum is noise, which has 3; impacts have 6", 3.0, 100.0)
 
 
 class Dead(SampleRule[DeadParameters]):
-    """A white spectrum without impacts: no structure transmits vibration equally at all frequencies."""
+    """A white spectrum without impacts: no structure transmits vibration equally at all frequencies.
+
+    A sensor that is alive may be so noisy that a quiet bearing hardly shows. Its spectrum is whiter than any structure, but not as white as
+    noise alone, and it did not become so by losing the vibration it had.
+    """
 
     parameters = DeadParameters
 
+    def __init__(self, parameters: DeadParameters) -> None:
+        super().__init__(parameters)
+        self._powers: dict[str, deque[float]] = {}
+        """Power of the latest hops in which an axis was alive [(m/s^2)^2]."""
+
     def flaw(self, evidence: SampleEvidence) -> str:
         for axis, column in evidence.axes:
-            spread = self._spread_of_noise(column, evidence.rate)
-            if spread is not None and spread < self.p.dead_level:
+            spread, power = self._spread_of_noise(column, evidence.rate), float(np.var(column))
+            before = self._powers.setdefault(axis, deque(maxlen=REMEMBERED))
+            fallen = bool(before) and power < float(np.median(before)) * 10.0 ** (-self.p.dead_fall / 10.0)
+            if spread is not None and spread < (self.p.dead_level if fallen else self.p.dead_white):
                 return f"the acceleration in {axis} is white noise, whose power density varies by {spread:.1f} dB only: the sensor is dead"
+            before.append(power)
         return ""
 
     def _spread_of_noise(self, column: Floats, rate: int) -> float | None:

@@ -7,6 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from dcrb_ros.bearing.kinematics import Orders
+from dcrb_ros.diagnosis.cage_lines import over_the_cage, rollers
+from dcrb_ros.diagnosis.demodulation import Band
+from dcrb_ros.diagnosis.evidence import Evidence
 from dcrb_ros.diagnosis.line_parameters import LineParameters
 from dcrb_ros.diagnosis.line_search import Comb, LineFamily
 from dcrb_ros.diagnosis.rule import LineRule, sidebands
@@ -40,13 +43,14 @@ class InnerRing(LineRule[InnerRingParameters]):
         """Modulation depth that is required [-]."""
         return self.p.inner_depth
 
+    def excess(self, lines: LineFamily, band: Band, evidence: Evidence) -> float:
+        """Return the excess of depth and significance; none if the lines of the cage are larger [dB]."""
+        found = super().excess(lines, band, evidence)
+        contrast = over_the_cage(lines, evidence.of_band(band), self.p.ring_contrast) if found >= 0.0 else found
+        return contrast if contrast < 0.0 else found
+
     def companions(self, lines: LineFamily, orders: Orders) -> Floats:
         """Return the harmonics of BPFI with sidebands at the shaft, which turns the defect, and at the cage with its unequal rollers."""
         cage = 1.0 - lines.order / rollers(orders)
         turning = np.arange(-4.0, 5.0)
         return sidebands(lines.order, np.concatenate([turning, np.add.outer(turning[2:-2], (-cage, cage)).ravel()]))
-
-
-def rollers(orders: Orders) -> int:
-    """Return the number of rollers in a row, BPFO over FTF [-]."""
-    return max(1, round(orders.bpfo / orders.ftf))

@@ -11,6 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from dcrb_ros.bearing.kinematics import Orders
+from dcrb_ros.diagnosis.cage_lines import HIGHEST_CONTRAST, over_the_cage, rollers
 from dcrb_ros.diagnosis.demodulation import Band
 from dcrb_ros.diagnosis.evidence import BandEvidence, Evidence
 from dcrb_ros.diagnosis.healthy_baseline import HealthyBaseline
@@ -19,13 +20,9 @@ from dcrb_ros.diagnosis.line_parameters import LineParameters
 from dcrb_ros.diagnosis.line_search import GUARD, Comb, LineFamily
 from dcrb_ros.diagnosis.order_spectrum import decibels, ratio
 from dcrb_ros.diagnosis.rule import Finding, LineRule, sidebands
-from dcrb_ros.diagnosis.rules.inner_ring import rollers
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.fields import quantity
 from dcrb_ros.schema.refusal import Refusal
-
-HIGHEST_CONTRAST = 60.0
-"""Contrast to which it is limited [dB]."""
 
 
 class OuterRingParameters(LineParameters):
@@ -128,6 +125,9 @@ class OuterRing(LineRule[OuterRingParameters]):
         found = min(super().excess(lines, band, evidence), self._contrast(lines, there))
         if self._rhythm(lines, there) < 0.0:
             found = min(found, self._rhythm(lines, there))
+        if found >= 0.0:
+            contrast = over_the_cage(lines, there, self.p.ring_contrast)
+            found = contrast if contrast < 0.0 else found
         if not self._baseline:
             return found
         return min(found, decibels(ratio(lines.amplitude, self._limit(band, evidence) ** 2)))

@@ -11,11 +11,11 @@ from collections.abc import Sequence
 import numpy as np
 
 from dcrb_ros.bearing.kinematics import Orders
+from dcrb_ros.diagnosis.cage_lines import CLUSTERED, PERIODIC, cage_comb, clusters_at_spin, spin_of_clusters
 from dcrb_ros.diagnosis.evidence import BandEvidence
 from dcrb_ros.diagnosis.line_parameters import LineParameters
 from dcrb_ros.diagnosis.line_search import Comb, LineFamily
 from dcrb_ros.diagnosis.rule import LineRule, sidebands
-from dcrb_ros.diagnosis.rules.cage import CLUSTERED, cage_comb, clusters_at_spin
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.fields import quantity
 
@@ -47,9 +47,16 @@ class Roller(LineRule[RollerParameters]):
         if cage.order <= 0.0:
             return found
         clusters, between = clusters_at_spin(band, cage)
-        if clusters < CLUSTERED * between or clusters <= found.depth:
+        spin = comb.order
+        if clusters < CLUSTERED * between and cage.depth <= found.depth:
             return found
-        order = cage.order * round(comb.order / cage.order)
+        if clusters < CLUSTERED * between:
+            # The rollers may spin more slowly than they should.
+            periodicity, spin = spin_of_clusters(band, cage)
+            clusters = cage.depth if periodicity > PERIODIC else 0.0
+        if clusters <= found.depth:
+            return found
+        order = cage.order * round(spin / cage.order)
         return cage._replace(order=order, amplitude=clusters * band.spectrum.mean, depth=clusters, lines=(order,))
 
     @property

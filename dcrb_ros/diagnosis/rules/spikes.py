@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from dcrb_ros.diagnosis.evidence import SampleEvidence
@@ -37,32 +39,51 @@ class Spikes(SampleRule[SpikeParameters]):
 
     def __init__(self, parameters: SpikeParameters) -> None:
         super().__init__(parameters)
-        self._counts: list[int] = []
+        self._counts: list[Jumps] = []
 
     def flaw(self, evidence: SampleEvidence) -> str:
         after = max(4, round(self.p.spike_time * evidence.rate))
-        count = sum(count_spikes(column, after, self.p) for _, column in evidence.axes)
-        self._counts = [*self._counts, count][-evidence.hops :]
-        if sum(self._counts) < self.p.most_spikes or not count:
+        found = [count_jumps(column, after, self.p) for _, column in evidence.axes]
+        latest = Jumps(sum(one.spikes for one in found), sum(one.others for one in found))
+        self._counts = [*self._counts, latest][-evidence.hops :]
+        spikes, others = sum(one.spikes for one in self._counts), sum(one.others for one in self._counts)
+        # Among the impacts of a defect a few look like spikes by chance; a loose plug makes nothing else.
+        if spikes < self.p.most_spikes or others > spikes or not latest.spikes:
             return ""
-        return f"{sum(self._counts)} spikes without ringing in the window: a cable or its plug is loose"
+        return f"{spikes} spikes without ringing in the window: a cable or its plug is loose"
 
 
-def count_spikes(column: Floats, after: int, p: SpikeParameters) -> int:
-    """Return the number of samples that jump from quiet to their full height and do not swing back within ``after`` samples."""
+class Jumps(NamedTuple):
+    """Numbers of sudden changes."""
+
+    spikes: int
+    """Those that jump from quiet to their full height within one sample and do not swing back."""
+    others: int
+    """Others that are at least as high as the lowest spike."""
+
+
+def count_jumps(column: Floats, after: int, p: SpikeParameters) -> Jumps:
+    """Return the number of spikes, which do not swing back within ``after`` samples, and of other changes as sudden and as high."""
     centred = column - median(column)
     size, steps = np.abs(centred), np.abs(np.diff(centred))
     # If most samples are larger than this, so is their median, and no step is high enough: the median need not be computed.
     if 2 * np.count_nonzero(size > 1.001 * float(steps.max()) / p.spike_height) > len(column) + 1:
-        return 0
+        return Jumps(0, 0)
     least = p.spike_height * float(median(size))
     jumps = np.flatnonzero(steps > least) + 1
     jumps = jumps[(jumps >= BEFORE) & (jumps < len(column) - after)]
     if not len(jumps) or least == 0.0:
-        return 0
+        return Jumps(0, 0)
     top = centred[jumps]
     before = np.abs(centred[jumps[:, None] - np.arange(1, BEFORE + 1)]).max(axis=1)
     course = np.sign(top)[:, None] * centred[jumps[:, None] + np.arange(after)]
     height, highest, swing = np.abs(top), course.max(axis=1), -course.min(axis=1)
     sharp = (before < p.spike_quiet * height) & (height > p.spike_front * highest) & (swing < p.spike_swing * height)
-    return int(np.count_nonzero(sharp & (height > least)))
+    sharp &= height > least
+    if not sharp.any():
+        return Jumps(0, 0)
+    spikes = jumps[sharp]
+    as_high = jumps[height >= height[sharp].min()]
+    first = as_high[np.concatenate([[True], np.diff(as_high) > after])]
+    near = np.abs(first - spikes[np.clip(np.searchsorted(spikes, first), 0, len(spikes) - 1)]) <= after
+    return Jumps(int(np.count_nonzero(sharp)), int(np.count_nonzero(~near)))

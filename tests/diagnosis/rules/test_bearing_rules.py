@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from dcrb_ros.bearing.kinematics import Orders
+from dcrb_ros.diagnosis.cage_lines import PERIODIC, cage_comb, spin_of_clusters
 from dcrb_ros.diagnosis.demodulation import Band
 from dcrb_ros.diagnosis.evidence import BandEvidence, Evidence, SharedSearch
 from dcrb_ros.diagnosis.known_bearings import PAPER_BASELINE, PAPER_BEARING, baseline_of
@@ -116,6 +117,49 @@ def test_bpfo_must_stand_out_of_the_harmonics_of_the_cage(beside: float, suspect
     finding = OuterRing(P).finding(evidence((WHOLE, lines)))
     assert finding is not None
     assert (finding.excess >= 0.0) is suspected
+
+
+@pytest.mark.parametrize("rule", [OuterRing(P), InnerRing(P)], ids=["outer_ring", "inner_ring"])
+@pytest.mark.parametrize(("carrier", "suspected"), [(0.34, True), (0.37, False)])
+@pytest.mark.parametrize("harmonic", [1, 2])
+def test_what_the_cage_carries_is_no_ring(rule: LineRule[Any], carrier: float, suspected: bool, harmonic: int) -> None:
+    """1.5 dB are a ratio of 1.41 of squared envelopes: 0.5 over 0.354."""
+    (order,) = (one.order for one in rule.combs(ORDERS))
+    finding = rule.finding(evidence((WHOLE, comb(order, 0.5) | {harmonic * 0.42: carrier})))
+    assert finding is not None
+    assert (finding.excess >= 0.0) is suspected
+
+
+@pytest.mark.parametrize("spin", [0.92, 0.97])
+@pytest.mark.parametrize("strikes", [1, 2])
+def test_harmonics_of_the_cage_that_cluster_at_a_slower_spin_are_a_roller(spin: float, strikes: int) -> None:
+    """A roller that slips by 3 or 8 %; its two strikes per turn may differ, which adds clusters halfway between."""
+    period = 6.1 * spin / strikes
+    lines = {0.42 * k: 0.35 * (1.0 + 0.9 * math.cos(2.0 * math.pi * 0.42 * k / period)) for k in range(1, 50)}
+    band = evidence((WHOLE, lines))
+    roller, cage = Roller(P).finding(band), Cage(P).finding(band)
+    assert roller is not None
+    assert cage is not None
+    assert roller.excess > 0.0 > cage.excess
+    if strikes == 2:
+        assert roller.lines.order == pytest.approx(6.1 * spin, abs=0.25)
+
+
+def test_even_or_falling_harmonics_of_the_cage_do_not_cluster() -> None:
+    for fall in (1.0, 0.95, 0.8):
+        (there,) = evidence((WHOLE, {0.42 * k: 0.5 * fall**k for k in range(1, 50)})).bands
+        assert spin_of_clusters(there, there.family(cage_comb(ORDERS)))[0] < PERIODIC
+
+
+@pytest.mark.parametrize(("below", "loud"), [(39.0, True), (41.0, False)])
+def test_a_band_far_below_the_loudest_is_no_evidence(below: float, loud: bool) -> None:
+    strong, weak = (
+        evidence((BELOW, {}), mean=1e4),
+        evidence((MIDDLE, comb(6.72, 0.5 * 10.0 ** (4.0 - 0.1 * below))), mean=10.0 ** (4.0 - 0.1 * below)),
+    )
+    found = Evidence([*weak.bands, *strong.bands], WHOLE, HIGH, 20.0, 0.5)
+    assert [band.band for band in OuterRing(P).bands(found)] == [MIDDLE] * loud
+    assert [band.band for band in Cage(P).bands(found)] == [MIDDLE] * loud + [BELOW]
 
 
 @pytest.mark.parametrize(("double", "suspected"), [(0.0, True), (0.5, True), (0.69, True), (0.72, False), (1.5, False)])

@@ -19,7 +19,7 @@ from dcrb_ros.diagnosis.rules.loose_mount import LooseMount
 from dcrb_ros.diagnosis.rules.not_finite import NotFinite
 from dcrb_ros.diagnosis.rules.saturation import Saturation
 from dcrb_ros.diagnosis.rules.silence import Silence
-from dcrb_ros.diagnosis.rules.spikes import Spikes, count_spikes
+from dcrb_ros.diagnosis.rules.spikes import Spikes, count_jumps
 from dcrb_ros.diagnosis.rules.stuck import Stuck
 
 RATE = 51200
@@ -140,11 +140,36 @@ def test_a_signal_is_noise_if_no_part_of_its_spectrum_stands_out_by_nine_decibel
     }
     column, alive = 4.0 + tones(bands), tones({(200.0, 2000.0): 1.0})
     assert Dead(P)._spread_of_noise(column, RATE) == pytest.approx(abs(level), abs=0.1)
-    flaw = Dead(P).flaw(samples(column, alive))
+
+    def dying() -> Dead:
+        """Return a rule that has heard both axes loud."""
+        rule = Dead(P)
+        assert not rule.flaw(samples(100.0 * alive, 100.0 * alive))
+        return rule
+
+    flaw = dying().flaw(samples(column, 100.0 * alive))
     assert bool(flaw) is (abs(level) < 9.0)
     if flaw:
         assert flaw.startswith("the acceleration in X is white noise, whose power density varies by ")
-    assert bool(Dead(P).flaw(samples(alive, column))) is (abs(level) < 9.0)
+    assert bool(dying().flaw(samples(100.0 * alive, column))) is (abs(level) < 9.0)
+    assert bool(Dead(P).flaw(samples(alive, column))) is (abs(level) < 2.0)
+
+
+@pytest.mark.parametrize(("fall", "flawed"), [(9.5, False), (10.5, True)])
+def test_a_noisy_sensor_is_dead_only_if_it_was_not_always_noisy(fall: float, flawed: bool) -> None:
+    """A tone 12 dB over the density of white noise leaves a spread of more than 2 dB: this is no noise alone."""
+    time = np.arange(RATE // 2) / RATE
+    noisy = noise(len(time)) + 0.1 * np.sin(2.0 * np.pi * 3000.0 * time)
+    spread = Dead(P)._spread_of_noise(noisy, RATE)
+    assert spread is None or spread < 9.0
+    column = noisy + 0.3 * np.sin(2.0 * np.pi * 3000.0 * time)
+    found = Dead(P)._spread_of_noise(column, RATE)
+    assert found is not None
+    assert P.dead_white < found < P.dead_level
+    assert not Dead(P).flaw(samples(column, column))
+    rule, louder = Dead(P), np.sqrt(np.var(column) / np.var(time)) * 10.0 ** (0.05 * fall) * (time - time.mean())
+    assert not rule.flaw(samples(louder, louder))
+    assert bool(rule.flaw(samples(column, column))) is flawed
 
 
 @pytest.mark.parametrize(("kurtosis", "found"), [(3.9, True), (4.1, False)])
@@ -284,17 +309,17 @@ def spiked(*, before: float = 0.0, front: float = 1.0, swing: float = 0.0, heigh
     ],
 )
 def test_a_spike_is_quiet_before_steep_and_without_overshoot(changes: dict[str, Any], count: int) -> None:
-    assert count_spikes(spiked(**changes), 51, P) == count
-    assert count_spikes(-spiked(**changes), 51, P) == count
-    assert count_spikes(7.0 + spiked(**changes), 51, P) == count
+    assert count_jumps(spiked(**changes), 51, P).spikes == count
+    assert count_jumps(-spiked(**changes), 51, P).spikes == count
+    assert count_jumps(7.0 + spiked(**changes), 51, P).spikes == count
 
 
 def test_only_the_millisecond_after_a_spike_and_four_samples_before_it_count() -> None:
     late, early = spiked(), spiked()
     late[5000 + 51], early[5000 - 5] = -20.0, 14.0
-    assert count_spikes(late, 51, P) == 1
-    assert count_spikes(late, 52, P) == 0
-    assert count_spikes(early, 51, P) == 1
+    assert count_jumps(late, 51, P).spikes == 1
+    assert count_jumps(late, 52, P).spikes == 0
+    assert count_jumps(early, 51, P).spikes == 1
 
 
 @pytest.mark.parametrize("place", [3, 4, 9948, 9949])
@@ -302,13 +327,13 @@ def test_a_spike_needs_samples_on_either_side(place: int) -> None:
     column = noise()
     column[place : place + 2] = 200.0, 100.0
     column[max(0, place - 4) : place] = 0.0
-    assert count_spikes(column, 51, P) == (4 <= place < 9949)
+    assert count_jumps(column, 51, P).spikes == (4 <= place < 9949)
 
 
 def test_a_silent_signal_has_no_spikes() -> None:
     column = np.zeros(1000)
     column[500] = 1.0
-    assert count_spikes(column, 51, P) == 0
+    assert count_jumps(column, 51, P).spikes == 0
 
 
 def test_a_spike_is_found_where_many_samples_are_large() -> None:
@@ -318,7 +343,7 @@ def test_a_spike_is_found_where_many_samples_are_large() -> None:
     column[5000:5002] = 200.0, 100.0
     median = float(np.median(np.abs(column - np.median(column))))
     assert 25.0 * median < 200.0
-    assert count_spikes(column, 51, P) >= 1
+    assert count_jumps(column, 51, P).spikes >= 1
 
 
 def test_spikes_of_a_window_add_up() -> None:
@@ -328,6 +353,19 @@ def test_spikes_of_a_window_add_up() -> None:
     assert rule.flaw(samples(quiet, quiet, hops=3)) == ""  # none in this hop
     assert rule.flaw(samples(spiked(), quiet, hops=3)) == ""  # two in the window
     assert Spikes(P).flaw(samples(spiked(), spiked(), hops=3)) == ""
+
+
+@pytest.mark.parametrize(("impacts", "flawed"), [(3, True), (4, False)])
+def test_spikes_among_as_many_impacts_are_chance(impacts: int, flawed: bool) -> None:
+    """An impact rises over several samples; one that is lower than every spike does not count."""
+    column = spiked(at=1000)
+    for k in range(2, 4):
+        column[1000 * k - 5 : 1000 * k + 60] = spiked(at=1000)[995:1060]
+    for k in range(4, 4 + impacts):
+        column[1000 * k : 1000 * k + 4] = 100.0, 200.0, 300.0, -250.0
+    column[9000:9004] = 20.0, 40.0, 60.0, -50.0
+    assert count_jumps(column, 51, P) == (3, impacts)
+    assert bool(Spikes(P).flaw(samples(column, noise()))) is flawed
 
 
 @pytest.mark.parametrize(("sensor_range", "flawed"), [(10.0, False), (10.01, True)])

@@ -1,0 +1,83 @@
+"""Lines of what travels with the cage: harmonics of FTF, their clusters at the spin of a roller, and a ring's lines beside them."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from dcrb_ros.bearing.kinematics import Orders
+from dcrb_ros.diagnosis.evidence import BandEvidence
+from dcrb_ros.diagnosis.line_search import GUARD, Comb, LineFamily
+from dcrb_ros.diagnosis.order_spectrum import decibels, ratio
+
+BELOW_BPFO = 3
+"""The highest harmonic of FTF is so many below BPFO, whose skirt hides the last two."""
+MOST_HARMONICS = 13
+"""Most harmonics of FTF that are searched: higher ones are too faint."""
+CLUSTERED = 1.5
+"""Amplitude of the harmonics of FTF near multiples of 2 BSF over those halfway between [-]; infinite for two strikes alike."""
+PERIODIC = 0.25
+"""Periodicity of the harmonics of FTF over the spin of a roller from which they cluster there [-]: those at the multiples are then three
+times as large as those halfway between."""
+SPINS = np.linspace(0.9, 1.02, 25)
+"""Spin of a roller relative to the kinematic one that is tried [-]: unloaded rollers lose spin, which friction returns under load only."""
+FEWEST_TURNS, MOST_SPINS = 4, 3.25
+"""Lowest harmonic of FTF in which clusters are looked for, whose lower ones follow the load zone, and the highest over 2 BSF [-]."""
+HIGHEST_CONTRAST = 60.0
+"""Contrast to which it is limited [dB]."""
+
+
+def over_the_cage(lines: LineFamily, band: BandEvidence | None, contrast: float) -> float:
+    """Return the largest amplitude of a ring's lines over that of FTF and its double, less the ``contrast`` required [dB].
+
+    All rollers strike the defect of a ring, and the cage modulates that only as far as they are unequal. What travels with the cage, a
+    broken bar or a damaged roller that the load zone reaches once per turn, has its largest lines at FTF.
+    """
+    if band is None or not lines.lines or band.orders.ftf < 2.0 * GUARD * band.step:
+        return HIGHEST_CONTRAST
+    found = band.family(cage_comb(band.orders)).order
+    cage = float(band.at(np.outer([1.0, 2.0], [found, band.orders.ftf])).max())
+    return (
+        min(decibels(math.sqrt(ratio(float(band.at(lines.lines).max()), cage))) - contrast, HIGHEST_CONTRAST)
+        if cage > 0.0
+        else HIGHEST_CONTRAST
+    )
+
+
+def rollers(orders: Orders) -> int:
+    """Return the number of rollers in a row, BPFO over FTF [-]."""
+    return max(1, round(orders.bpfo / orders.ftf))
+
+
+def cage_comb(orders: Orders) -> Comb:
+    """Return the harmonics of FTF below BPFO."""
+    last = min(MOST_HARMONICS, max(3, rollers(orders) - BELOW_BPFO))
+    return Comb(orders.ftf, harmonics=tuple(range(1, last + 1)), leading=2)
+
+
+def spin_of_clusters(band: BandEvidence, cage: LineFamily) -> tuple[float, float]:
+    """Return how strongly the harmonics of FTF cluster at multiples of a roller's spin, and twice that spin [orders].
+
+    A defect strikes the two raceways in turn, unequally, and in every turn of the cage anew. The depths d_k of the harmonics k then vary
+    with a period of BSF / FTF or twice that: the first value is the largest of sum(d_k cos(2 pi k FTF / spin)) / sum(d_k), at most 1 [-].
+    """
+    harmonics = np.arange(FEWEST_TURNS, math.floor(MOST_SPINS * 2.0 * band.orders.bsf / cage.order) + 1)
+    depths = np.sqrt(band.at(harmonics * cage.order))
+    if not depths.any():
+        return 0.0, 2.0 * band.orders.bsf
+    spins = band.orders.bsf * np.concatenate([SPINS, 2.0 * SPINS])
+    found = np.cos(2.0 * math.pi * cage.order * harmonics / spins[:, None]) @ depths / depths.sum()
+    best = int(np.argmax(found))
+    return float(found[best]), 2.0 * band.orders.bsf * float(SPINS[best % len(SPINS)])
+
+
+def clusters_at_spin(band: BandEvidence, cage: LineFamily) -> tuple[float, float]:
+    """Return the depth of the harmonics of FTF at 2 BSF and its double, and halfway between such multiples [-].
+
+    The first is a median, since one of the lines may belong to another family, the second the root of the mean power.
+    """
+    places = 2.0 * band.orders.bsf * np.array([[1.0, 2.0], [0.5, 1.5]])
+    harmonics = np.rint(places / cage.order)[..., None] + np.arange(-1.0, 2.0)
+    near, between = band.at(harmonics * cage.order)
+    return math.sqrt(float(np.median(near))), math.sqrt(float(between.mean()))
