@@ -138,7 +138,7 @@ def _late(report: Report, verdict: str) -> str:
 
 def _roc(axes: Axes, report: Report) -> None:
     curve = report.characteristic()
-    axes.set_title("Receiver operating characteristic, one score per scenario", fontsize=10)
+    axes.set_title("ROC, one score per scenario", fontsize=10)
     if curve is None:
         _empty(axes, "no score or confidence for both\nfaulty and healthy scenarios")
         return
