@@ -67,7 +67,7 @@ def spin_of_clusters(band: BandEvidence, cage: LineFamily) -> tuple[float, float
     if not depths.any():
         return 0.0, 2.0 * band.orders.bsf
     spins = band.orders.bsf * np.concatenate([SPINS, 2.0 * SPINS])
-    found = np.cos(2.0 * math.pi * cage.order * harmonics / spins[:, None]) @ depths / depths.sum()
+    found = (np.cos(2.0 * math.pi * cage.order * harmonics / spins[:, None]) * depths).sum(axis=1) / depths.sum()
     best = int(np.argmax(found))
     return float(found[best]), 2.0 * band.orders.bsf * float(SPINS[best % len(SPINS)])
 

@@ -102,8 +102,10 @@ class Demodulator:
             if white is not None and power is not None:
                 weight, before = white[bins.start : bins.stop], power[bins.start : bins.stop]
                 passed = np.square(gain)
-                after = float(np.dot(passed * np.square(weight), before))
-                scale *= float(np.dot(passed, before)) / after if after > 0.0 else 1.0
+                # Not by the linear algebra library, whose sums have other bits on other processors.
+                passed *= before
+                after = float((passed * np.square(weight)).sum(dtype=np.float64))
+                scale *= float(passed.sum(dtype=np.float64)) / after if after > 0.0 else 1.0
                 gain = gain * weight
             envelopes.append((positions, self._envelope(part, gain, len(positions)) * scale))
         return envelopes
