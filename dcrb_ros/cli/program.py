@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from dcrb_ros.runtime.linear_algebra import one_thread_each
 from dcrb_ros.runtime.signals import STOPPED, end_at_once, interrupt, leave
 
 
 def main() -> None:
     """Run the command line, and exit."""
     end_at_once(STOPPED, "dcrb: stopped")
+    one_thread_each()
     from dcrb_ros.cli.app import run
 
     try:

@@ -11,6 +11,7 @@ from contextlib import contextmanager
 from multiprocessing.connection import Connection, wait
 from typing import cast
 
+from dcrb_ros.runtime.linear_algebra import ONE_THREAD
 from dcrb_ros.runtime.processes import available_memory, cores, resident_memory, worker_signals_blocked
 from dcrb_ros.runtime.threads import NamedThread
 from dcrb_ros.schema.refusal import Refusal
@@ -28,8 +29,6 @@ ENDING_TIME = 5.0
 """Longest wait for the exit status of a process that has closed its connection [s]."""
 OUT_OF_MEMORY, ORPHANED = 74, 75
 """Exit statuses of a worker that exceeded its memory limit, or whose parent process has ended."""
-ONE_THREAD = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "MKL_NUM_THREADS": "1"}
-"""Environment of the workers: one thread each, since there is one worker per core."""
 
 
 def parsed_memory(memory: str, count: int) -> int | None:
