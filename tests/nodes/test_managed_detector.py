@@ -44,7 +44,7 @@ class Manager:
     def state(self) -> int:
         from lifecycle_msgs.srv import GetState
 
-        return int(self.client.ask(GetState, "fault_detector/get_state").current_state.id)
+        return int(self.client.ask(GetState, "fault_detector/get_state", again=10.0).current_state.id)
 
     def request(self, transition: int) -> bool:
         from lifecycle_msgs.msg import Transition

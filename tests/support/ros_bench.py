@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 import os
 import subprocess
 import sys
@@ -91,14 +92,24 @@ class GraphClient:
                 raw=True,
             )
 
-    def ask(self, kind: Any, name: str, **fields: Any) -> Any:
-        """Call a service of the bench and return its answer."""
+    def ask(self, kind: Any, name: str, *, again: float = math.inf, **fields: Any) -> Any:
+        """Call a service of the bench and return its answer.
+
+        An answer is lost if the service has not discovered the client yet. A request that changes nothing may be repeated after every
+        ``again`` seconds without an answer.
+        """
         client = self.node.create_client(kind, name)
         self.until(client.service_is_ready, f"the service {name}")
-        future = client.call_async(kind.Request(**fields))
-        self.until(future.done, f"the answer of {name}")
+        begin, futures = time.monotonic(), []
+
+        def answered() -> bool:
+            if time.monotonic() >= begin + (again * len(futures) if futures else 0.0):
+                futures.append(client.call_async(kind.Request(**fields)))
+            return any(future.done() for future in futures)
+
+        self.until(answered, f"the answer of {name}")
         self.node.destroy_client(client)
-        return future.result()
+        return next(future.result() for future in futures if future.done())
 
     def set(self, **values: Any) -> tuple[bool, str]:
         """Set parameters of the simulator atomically; return whether they were accepted, and the reason."""
