@@ -201,8 +201,9 @@ class Report:
         }
 
     def detections(self) -> list[Detection]:
-        """Return the probability of detection of each kind and width, of the scenarios that are not graded by another parameter."""
-        sized = [one for one in self.faulty if one.expectation.width > 0.0 and one.expectation.grade is None]
+        """Return the probability of detection of each kind and width, of scenarios with neither another grade nor a tag ``difficulty``."""
+        plain = [one for one in self.faulty if not (one.expectation.grade or "difficulty" in one.expectation.tags)]
+        sized = [one for one in plain if one.expectation.width > 0.0]
         return [
             Detection(verdict, width, sum(result.found for result in same), len(same))
             for verdict, group in _grouped(sized).items()

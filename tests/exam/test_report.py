@@ -39,11 +39,13 @@ def result(
     required: bool = True,
     healthy: float = 4.0,
     grade: tuple[str, float] | None = None,
+    difficulty: str | None = None,
     **more: Any,
 ) -> ScenarioResult:
     """Return the result of a scenario of 10 s whose fault appears at 4 s."""
     tags: dict[str, str | float] = {} if width is None else {"width": width}
     tags |= {} if grade is None else {"graded_by": grade[0], "grade": grade[1]}
+    tags |= {} if difficulty is None else {"difficulty": difficulty}
     expectation = Expectation(f"{verdict}/{width}", verdict, 10.0, 4.0, tags, required=required)
     flaw = "" if answer == verdict else f"diagnosed as {answer}"
     raised = tuple(FalseAlarm(time, "cage") for time in alarms)
@@ -83,6 +85,14 @@ def test_scenarios_graded_by_another_parameter_are_reported_over_it_and_not_over
     assert "background.track_level [m/s^2]" in printed(graded)
     write_figure(graded, tmp_path / "report.png")
     assert (tmp_path / "report.png").stat().st_size > 10_000
+
+
+def test_strata_of_their_own_are_left_out_of_the_detections_over_the_width() -> None:
+    masked = report(
+        result("outer_ring", "outer_ring", 1.0, width=0.002),
+        result("outer_ring", "healthy", width=0.002, difficulty="masked by the background"),
+    )
+    assert [(d.width, d.found, d.scenarios) for d in masked.detections()] == [(0.002, 1, 1)]
 
 
 def test_the_statistics_of_a_report_follow_from_its_results() -> None:
