@@ -56,9 +56,9 @@ class BandEvidence:
         """Return the squared modulation depth of ``lines`` [orders] without the noise, same shape; 0 above the range searched [-]."""
         return self._search.search.at(lines, self._number)
 
-    def family(self, comb: Comb) -> LineFamily:
-        """Return the strongest family of a comb in this band; it is searched once, in all bands."""
-        return self._search.families(comb)[self._number]
+    def family(self, comb: Comb, slip: float | None = None) -> LineFamily:
+        """Return the strongest family of a comb in this band within a ``slip``, by default the usual one [-]; it is searched in all bands."""
+        return self._search.families(comb, slip)[self._number]
 
     def remainder(self, comb: Comb, found: LineFamily, explained: npt.ArrayLike) -> LineFamily:
         """Return what remains of a ``found`` family of a comb without the ``explained`` lines [orders]."""
@@ -72,7 +72,7 @@ class SharedSearch:
     def __init__(self, spectra: Sequence[OrderSpectrum], orders: Orders, slip: float) -> None:
         """Look for lines within ``slip`` (relative) of the kinematic ``orders`` in ``spectra`` over the same orders."""
         self.spectra, self.orders, self._slip = spectra, orders, slip
-        self._families: dict[Comb, list[LineFamily]] = {}
+        self._families: dict[tuple[Comb, float], list[LineFamily]] = {}
 
     @cached_property
     def search(self) -> LineSearch:
@@ -80,11 +80,12 @@ class SharedSearch:
         highest = highest_searched(self.orders, self._slip)
         return LineSearch(*(spectrum.up_to(highest) for spectrum in self.spectra))
 
-    def families(self, comb: Comb) -> list[LineFamily]:
-        """Return the strongest family of a comb in each spectrum."""
-        if comb not in self._families:
-            self._families[comb] = self.search.families(comb, self._slip)
-        return self._families[comb]
+    def families(self, comb: Comb, slip: float | None = None) -> list[LineFamily]:
+        """Return the strongest family of a comb in each spectrum within a ``slip`` [-], by default the usual one."""
+        key = comb, self._slip if slip is None else slip
+        if key not in self._families:
+            self._families[key] = self.search.families(*key)
+        return self._families[key]
 
 
 def highest_searched(orders: Orders, slip: float) -> float:
@@ -142,6 +143,8 @@ class SampleEvidence:
     """Range of the sensor [m/s^2], 0 if it is not known."""
     hops: int
     """Hops in a window."""
+    frequency: float = 0.0
+    """Shaft frequency [Hz], 0 if it is not known."""
 
     @cached_property
     def axes(self) -> list[tuple[str, Floats]]:
