@@ -29,7 +29,7 @@ from dcrb_ros.diagnosis.registry import BEARING_RULES, LEVEL_RULES, SAMPLE_RULES
 from dcrb_ros.diagnosis.rule import Finding, LineRule, found_lines
 from dcrb_ros.diagnosis.rules.outer_ring import OuterRing
 from dcrb_ros.diagnosis.rules.saturation import Saturation
-from dcrb_ros.diagnosis.segments import AXES, Segment, Segmenter
+from dcrb_ros.diagnosis.segments import Segment, Segmenter
 from dcrb_ros.diagnosis.speed_estimation import estimated_frequency
 from dcrb_ros.diagnosis.trend import Trend
 from dcrb_ros.diagnosis.window import MOST_BINS, REFERENCE_FREQUENCY, Hop, Window, margin_samples
@@ -144,13 +144,13 @@ class FaultDetector:
     def update(self, index: int, acceleration: npt.NDArray[Any], shaft_angle: npt.NDArray[Any] | None = None) -> Diagnosis | None:
         """Take the block that begins with sample ``index``; return a diagnosis if the block completes a hop.
 
-        ``acceleration`` has shape (samples, 2) [m/s^2], ``shaft_angle`` (samples,) [rad]. Without a tachometer, omit the angle or pass NaN.
+        ``acceleration`` has shape (samples, axes) [m/s^2], ``shaft_angle`` (samples,) [rad]; without a tachometer, omit it or pass NaN.
 
         Raises:
             Refusal: arrays of another shape or type, or other axes than those of the baseline; the detector continues with the next block.
         """
         diagnosis = None
-        if self._baseline is not None and acceleration.ndim == 2 and acceleration.shape[1] == AXES:
+        if self._baseline is not None and acceleration.ndim == 2:
             self._baseline.check_axes(acceleration)
         for segment in self._segmenter.add(index, acceleration, shaft_angle):
             diagnosis = self._diagnosed(segment)

@@ -57,7 +57,7 @@ class BandEvidence:
         return self._search.search.at(lines, self._number)
 
     def family(self, comb: Comb, slip: float | None = None) -> LineFamily:
-        """Return the strongest family of a comb in this band within a ``slip``, by default the usual one [-]; it is searched in all bands."""
+        """Return the strongest family of a comb in this band within a ``slip``, by default the usual one [-], searched in all bands."""
         return self._search.families(comb, slip)[self._number]
 
     def remainder(self, comb: Comb, found: LineFamily, explained: npt.ArrayLike) -> LineFamily:
@@ -132,7 +132,7 @@ class SampleEvidence:
     """The samples of a hop."""
 
     acceleration: Floats
-    """Samples that arrived and are finite, shape (samples, 2) [m/s^2]."""
+    """Samples that arrived and are finite, shape (samples, axes) [m/s^2]."""
     count: int
     """Samples of the hop, with the missing ones."""
     not_finite: int
@@ -149,7 +149,7 @@ class SampleEvidence:
     @cached_property
     def axes(self) -> list[tuple[str, Floats]]:
         """Name and samples of each axis."""
-        return list(zip("XY", np.ascontiguousarray(self.acceleration.T), strict=True))
+        return list(zip("XYZ", np.ascontiguousarray(self.acceleration.T), strict=False))
 
 
 class Levels(NamedTuple):
