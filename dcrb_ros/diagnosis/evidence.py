@@ -36,6 +36,8 @@ class BandEvidence:
     def __init__(self, band: Band, search: SharedSearch, number: int = 0) -> None:
         """Take the spectrum of that ``number`` among those that are searched together."""
         self.band, self._search, self._number = band, search, number
+        self.clusters: dict[LineFamily, tuple[float, float]] = {}
+        """What `clusters_at_spin` has found for lines of the cage."""
 
     @property
     def spectrum(self) -> OrderSpectrum:
