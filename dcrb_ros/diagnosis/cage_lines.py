@@ -77,7 +77,14 @@ def clusters_at_spin(band: BandEvidence, cage: LineFamily) -> tuple[float, float
 
     The first is a median, since one of the lines may belong to another family, the second the root of the mean power.
     """
+    if cage not in band.clusters:
+        band.clusters[cage] = _clusters_at_spin(band, cage)
+    return band.clusters[cage]
+
+
+def _clusters_at_spin(band: BandEvidence, cage: LineFamily) -> tuple[float, float]:
     places = 2.0 * band.orders.bsf * np.array([[1.0, 2.0], [0.5, 1.5]])
     harmonics = np.rint(places / cage.order)[..., None] + np.arange(-1.0, 2.0)
     near, between = band.at(harmonics * cage.order)
-    return math.sqrt(float(np.median(near))), math.sqrt(float(between.mean()))
+    middle = np.sort(near, axis=None)[near.size // 2 - 1 : near.size // 2 + 1]  # of six values
+    return math.sqrt(0.5 * float(middle.sum())), math.sqrt(float(between.mean()))

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
+import numpy as np
 import numpy.typing as npt
 
 from dcrb_ros.bearing.fault_lines import BearingLike
@@ -19,6 +20,7 @@ from dcrb_ros.diagnosis.thermal_detector import TemperatureFeed, ThermalFaultDet
 from dcrb_ros.runtime.frames import pandas
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.schema.verdicts import Verdict
+from dcrb_ros.stream.axes import AXES
 from dcrb_ros.stream.diagnosis import Diagnosis
 
 if TYPE_CHECKING:
@@ -103,7 +105,7 @@ def detect(
     Parameters
     ----------
     signal
-        A `Run`, `Recording` or `Waveform`, or accelerations of shape (samples, 2) or (samples,) [m/s^2].
+        A `Run`, `Recording` or `Waveform`, or accelerations of shape (samples, 2), (samples, 3) or (samples,) [m/s^2].
     sampling_rate, bearing
         Sampling rate [Hz] and geometry or orders of the bearing; needed with plain arrays, and with these only.
     shaft_angle
@@ -243,7 +245,7 @@ def _source(
     parameters: DetectorParameters | None,
 ) -> Signal:
     """Return a signal that a detector with these parameters can judge."""
-    source = signal_of(signal, sampling_rate, shaft_angle=shaft_angle, bearing=bearing)
+    source = _signal(signal, sampling_rate, shaft_angle, bearing)
     if math.isnan(source.orders.bpfo):
         raise Refusal("the orders of the bearing are unknown: give its geometry or orders as bearing")
     if not isinstance(parameters, (DetectorParameters, type(None))):
@@ -256,6 +258,14 @@ def _source(
             "make the window longer"
         )
     return source
+
+
+def _signal(signal: Signal | npt.ArrayLike, rate: float | None, shaft_angle: npt.ArrayLike | None, bearing: BearingLike | None) -> Signal:
+    """Return a run or a recording as it is, plain arrays of one to three axes as a `Waveform`."""
+    if not isinstance(signal, np.ndarray) or signal.ndim != 2 or signal.shape[1] != len(AXES) or not len(signal):
+        return signal_of(signal, rate, shaft_angle=shaft_angle, bearing=bearing)
+    first, last = (signal_of(pair, rate, shaft_angle=shaft_angle, bearing=bearing).waveform() for pair in (signal[:, :2], signal[:, 1:]))
+    return replace(first, acceleration=np.column_stack([first.acceleration, last.acceleration[:, 1]]))
 
 
 def _brief(parameters: DetectorParameters) -> DetectorParameters:

@@ -21,7 +21,7 @@ from dcrb_ros.diagnosis.combination import Combination
 from dcrb_ros.diagnosis.demodulation import Demodulator, band_tree, kurtosis
 from dcrb_ros.diagnosis.evidence import BandEvidence, Evidence, LevelEvidence, LevelHistory, SampleEvidence, SharedSearch, highest_searched
 from dcrb_ros.diagnosis.healthy_baseline import HealthyBaseline, read_baseline
-from dcrb_ros.diagnosis.hysteresis import Hysteresis, confidence
+from dcrb_ros.diagnosis.hysteresis import Hysteresis, confidence, least_evidence
 from dcrb_ros.diagnosis.known_bearings import baseline_of
 from dcrb_ros.diagnosis.order_spectrum import HARMONICS, SHAFT_SIDEBANDS, OrderSpectrum, order_spectra
 from dcrb_ros.diagnosis.parameters import DetectorParameters
@@ -29,7 +29,7 @@ from dcrb_ros.diagnosis.registry import BEARING_RULES, LEVEL_RULES, SAMPLE_RULES
 from dcrb_ros.diagnosis.rule import Finding, LineRule, found_lines
 from dcrb_ros.diagnosis.rules.outer_ring import OuterRing
 from dcrb_ros.diagnosis.rules.saturation import Saturation
-from dcrb_ros.diagnosis.segments import AXES, Segment, Segmenter
+from dcrb_ros.diagnosis.segments import Segment, Segmenter
 from dcrb_ros.diagnosis.speed_estimation import estimated_frequency
 from dcrb_ros.diagnosis.trend import Trend
 from dcrb_ros.diagnosis.window import MOST_BINS, REFERENCE_FREQUENCY, Hop, Window, margin_samples
@@ -44,8 +44,6 @@ DEFAULTS = DetectorParameters()
 
 MARGIN_PERIODS = 10.0
 """Periods of the lowest frequency on either side of a hop that its envelope depends on."""
-LONG_ENOUGH = 2.5
-"""Length of a signal from which it is named at the threshold if it is judged once, as a whole [s]: lines of less scatter by a decibel."""
 BINS_PER_ORDER = 3
 """Bins per turn relative to the highest order [-]; 2 is the Nyquist rate."""
 
@@ -108,8 +106,7 @@ class FaultDetector:
         self._use_baseline()
         self._saturation = next(rule for rule in self._sample_rules if isinstance(rule, Saturation))
         self._combination = Combination(self._bearing_rules, p.release_margin)
-        # If a single judgement confirms a fault, as in a signal that is judged as a whole, weak evidence does so, too.
-        least = 0.0 if p.confirm == 1 and p.window >= LONG_ENOUGH else p.alarm_evidence
+        least = least_evidence(p.confirm, p.window, p.alarm_evidence)
         self._hysteresis = Hysteresis(p.confirm, p.release, p.release_margin, hops if p.confirm > 1 else 1, least)
         self._trend, self._levels = Trend(p.trend_time, p.hop), LevelHistory()
         self._flaw = ""
@@ -147,13 +144,13 @@ class FaultDetector:
     def update(self, index: int, acceleration: npt.NDArray[Any], shaft_angle: npt.NDArray[Any] | None = None) -> Diagnosis | None:
         """Take the block that begins with sample ``index``; return a diagnosis if the block completes a hop.
 
-        ``acceleration`` has shape (samples, 2) [m/s^2], ``shaft_angle`` (samples,) [rad]. Without a tachometer, omit the angle or pass NaN.
+        ``acceleration`` has shape (samples, axes) [m/s^2], ``shaft_angle`` (samples,) [rad]; without a tachometer, omit it or pass NaN.
 
         Raises:
             Refusal: arrays of another shape or type, or other axes than those of the baseline; the detector continues with the next block.
         """
         diagnosis = None
-        if self._baseline is not None and acceleration.ndim == 2 and acceleration.shape[1] == AXES:
+        if self._baseline is not None and acceleration.ndim == 2:
             self._baseline.check_axes(acceleration)
         for segment in self._segmenter.add(index, acceleration, shaft_angle):
             diagnosis = self._diagnosed(segment)
@@ -166,8 +163,10 @@ class FaultDetector:
             self._hysteresis.reset()
             self._levels.restart()
             self._flawed_hops = 0
-        turning = self._turns_fast_enough(segment)
-        flaw = self._sample_flaw(segment, turning=turning)
+        turned, p = self._turned(segment), self.parameters
+        # Whether the bearing turns fast enough to be diagnosed; without a shaft angle it is assumed to.
+        turning = turned is None or turned >= p.least_turns * p.hop / p.window
+        flaw = self._sample_flaw(segment, turned, turning=turning)
         hop = self._window.add(segment, self.parameters.fastest, useless=bool(flaw))
         if hop and turning and not flaw:
             flaw = self._level_flaw(hop)
@@ -185,19 +184,19 @@ class FaultDetector:
         """Return the part of a segment's array without the margins."""
         return array[self._margin : self._margin + self._hop]
 
-    def _turns_fast_enough(self, segment: Segment) -> bool:
-        """Return whether the bearing turns fast enough to be diagnosed; without a shaft angle it is assumed to."""
+    def _turned(self, segment: Segment) -> float | None:
+        """Return the turns of the shaft within a hop [-], None without a shaft angle."""
         if segment.turns is None:
-            return True
-        turns, p = self._inside(segment.turns), self.parameters
-        return abs(float(turns[-1] - turns[0])) >= p.least_turns * p.hop / p.window
+            return None
+        turns = self._inside(segment.turns)
+        return abs(float(turns[-1] - turns[0]))
 
-    def _sample_flaw(self, segment: Segment, *, turning: bool) -> str:
+    def _sample_flaw(self, segment: Segment, turned: float | None, *, turning: bool) -> str:
         """Return the first flaw of the sensor that a rule finds in the samples, or nothing."""
         acceleration, missing = self._inside(segment.acceleration), self._inside(segment.missing)
         known = acceleration[~missing] if missing.any() else acceleration
-        hops = max(1, round(self.parameters.window / self.parameters.hop))
-        evidence = SampleEvidence(known, len(missing), segment.not_finite, self.rate, self.sensor_range, hops)
+        hops, frequency = max(1, round(self.parameters.window / self.parameters.hop)), (turned or 0.0) * self.rate / self._hop
+        evidence = SampleEvidence(known, len(missing), segment.not_finite, self.rate, self.sensor_range, hops, frequency)
         for rule in self._sample_rules:
             if len(known) >= rule.fewest_samples and (turning or rule.at_standstill):
                 flaw = rule.flaw(evidence)

@@ -102,14 +102,14 @@ def envelope_spectrum(
 ) -> EnvelopeSpectrum:
     """Return the squared envelope spectrum of a signal in one band.
 
-    The signal is band-passed and demodulated (analytic signal), the squared magnitudes of both axes are added, and their spectrum
+    The signal is band-passed and demodulated (analytic signal), the squared magnitudes of all axes are added, and their spectrum
     is taken with a Hann window. With order tracking the squared envelope is first resampled over the angle of the shaft, so that a
     changing speed does not smear the lines. Randall and Antoni 2011, "Rolling element bearing diagnostics - A tutorial".
 
     Parameters
     ----------
     signal
-        A `Run`, `Recording` or `Waveform` without lost samples, or accelerations of shape (samples, 2) or (samples,) [m/s^2].
+        A `Run`, `Recording` or `Waveform` without lost samples, or accelerations of shape (samples, axes) or (samples,) [m/s^2].
     sampling_rate
         Sampling rate of plain arrays [Hz].
     band
@@ -177,8 +177,8 @@ def _waveform(
     signal: Signal | npt.ArrayLike, sampling_rate: float | None, shaft_angle: npt.ArrayLike | None, bearing: BearingLike | None
 ) -> tuple[Waveform, int]:
     """Return the waveform of a signal, and how many of its columns count."""
-    axes = 1 if not isinstance(signal, Signal) and np.ndim(signal) == 1 else 2
     waveform = signal_of(signal, sampling_rate, shaft_angle=shaft_angle, bearing=bearing).waveform()
+    axes = 1 if not isinstance(signal, Signal) and np.ndim(signal) == 1 else waveform.acceleration.shape[1]
     if not np.isfinite(waveform.acceleration).all():
         raise Refusal("the acceleration has values that are not finite: leave these samples out, and take the stretch before or after them")
     gap = np.flatnonzero(np.diff(waveform.index) != 1)

@@ -36,6 +36,8 @@ class BandEvidence:
     def __init__(self, band: Band, search: SharedSearch, number: int = 0) -> None:
         """Take the spectrum of that ``number`` among those that are searched together."""
         self.band, self._search, self._number = band, search, number
+        self.clusters: dict[LineFamily, tuple[float, float]] = {}
+        """What `clusters_at_spin` has found for lines of the cage."""
 
     @property
     def spectrum(self) -> OrderSpectrum:
@@ -56,9 +58,9 @@ class BandEvidence:
         """Return the squared modulation depth of ``lines`` [orders] without the noise, same shape; 0 above the range searched [-]."""
         return self._search.search.at(lines, self._number)
 
-    def family(self, comb: Comb) -> LineFamily:
-        """Return the strongest family of a comb in this band; it is searched once, in all bands."""
-        return self._search.families(comb)[self._number]
+    def family(self, comb: Comb, slip: float | None = None) -> LineFamily:
+        """Return the strongest family of a comb in this band within a ``slip``, by default the usual one [-], searched in all bands."""
+        return self._search.families(comb, slip)[self._number]
 
     def remainder(self, comb: Comb, found: LineFamily, explained: npt.ArrayLike) -> LineFamily:
         """Return what remains of a ``found`` family of a comb without the ``explained`` lines [orders]."""
@@ -72,7 +74,7 @@ class SharedSearch:
     def __init__(self, spectra: Sequence[OrderSpectrum], orders: Orders, slip: float) -> None:
         """Look for lines within ``slip`` (relative) of the kinematic ``orders`` in ``spectra`` over the same orders."""
         self.spectra, self.orders, self._slip = spectra, orders, slip
-        self._families: dict[Comb, list[LineFamily]] = {}
+        self._families: dict[tuple[Comb, float], list[LineFamily]] = {}
 
     @cached_property
     def search(self) -> LineSearch:
@@ -80,11 +82,12 @@ class SharedSearch:
         highest = highest_searched(self.orders, self._slip)
         return LineSearch(*(spectrum.up_to(highest) for spectrum in self.spectra))
 
-    def families(self, comb: Comb) -> list[LineFamily]:
-        """Return the strongest family of a comb in each spectrum."""
-        if comb not in self._families:
-            self._families[comb] = self.search.families(comb, self._slip)
-        return self._families[comb]
+    def families(self, comb: Comb, slip: float | None = None) -> list[LineFamily]:
+        """Return the strongest family of a comb in each spectrum within a ``slip`` [-], by default the usual one."""
+        key = comb, self._slip if slip is None else slip
+        if key not in self._families:
+            self._families[key] = self.search.families(*key)
+        return self._families[key]
 
 
 def highest_searched(orders: Orders, slip: float) -> float:
@@ -131,7 +134,7 @@ class SampleEvidence:
     """The samples of a hop."""
 
     acceleration: Floats
-    """Samples that arrived and are finite, shape (samples, 2) [m/s^2]."""
+    """Samples that arrived and are finite, shape (samples, axes) [m/s^2]."""
     count: int
     """Samples of the hop, with the missing ones."""
     not_finite: int
@@ -142,11 +145,13 @@ class SampleEvidence:
     """Range of the sensor [m/s^2], 0 if it is not known."""
     hops: int
     """Hops in a window."""
+    frequency: float = 0.0
+    """Shaft frequency [Hz], 0 if it is not known."""
 
     @cached_property
     def axes(self) -> list[tuple[str, Floats]]:
         """Name and samples of each axis."""
-        return list(zip("XY", np.ascontiguousarray(self.acceleration.T), strict=True))
+        return list(zip("XYZ", np.ascontiguousarray(self.acceleration.T), strict=False))
 
 
 class Levels(NamedTuple):

@@ -23,6 +23,7 @@ from dcrb_ros.diagnosis.demodulation import Band
 from dcrb_ros.schema.fields import Group
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.schema.verdicts import Component
+from dcrb_ros.stream.axes import AXES
 from dcrb_ros.text.yaml import read_yaml
 
 LEAST_DEPTH = 0.05
@@ -59,7 +60,7 @@ class HealthyBaseline(Group):
     """Hash of the rules by which it was learned."""
     sampling_rate: int = Field(ge=1)
     """[Hz]"""
-    axes: int = Field(ge=1, le=2)
+    axes: int = Field(ge=1, le=len(AXES))
     orders: dict[str, float]
     """FTF, BPFO, BPFI and BSF [-]."""
     bands: tuple[float, float, float, str] = Field(strict=False)
@@ -101,16 +102,14 @@ class HealthyBaseline(Group):
             raise Refusal(f"the baseline of {self.source} was learned by other rules ({self.rules}, now {rules_hash()}): {again}")
 
     def check_axes(self, acceleration: npt.NDArray[np.floating]) -> None:
-        """Refuse a block of shape (samples, 2) with another number of axes; one axis is given as two equal ones.
+        """Refuse a block of shape (samples, axes) with another number of axes; one axis is given as two equal ones.
 
         Raises:
             Refusal: the number differs.
         """
         found = axes(acceleration)
         if found not in (0, self.axes):
-            raise Refusal(
-                f"the baseline of {self.source} has {self.axes} of two axes, but the signal has {found}: learn it from the same sensor"
-            )
+            raise Refusal(f"the baseline of {self.source} has axes: {self.axes}, but the signal has {found}: learn it from the same sensor")
 
     def sentence(self, frequency: float) -> str:
         """Return what is used, for a diagnosis at a shaft ``frequency`` [Hz]."""
@@ -143,10 +142,10 @@ def read_baseline(path: Path) -> HealthyBaseline:
 
 
 def axes(acceleration: npt.NDArray[np.floating]) -> int:
-    """Return the number of different axes among two, shape (samples, 2); 0 if a signal without vibration does not show it."""
-    one, other = acceleration[:, 0], acceleration[:, 1]
-    if not np.array_equal(one, other, equal_nan=True):
-        return 2
+    """Return the number of different axes, shape (samples, axes); 0 if a signal without vibration does not show it."""
+    one = acceleration[:, 0]
+    if acceleration.shape[1] > 2 or (acceleration.shape[1] == 2 and not np.array_equal(one, acceleration[:, 1], equal_nan=True)):
+        return int(acceleration.shape[1])
     known = one[np.isfinite(one)]
     return 1 if len(known) and np.ptp(known) > 0.0 else 0
 

@@ -19,6 +19,10 @@ LEAST_PROBABILITY = 0.1
 
 STRONG = 2.8
 """Evidence above the threshold of which nine of ten alarms are right [dB]; see `probability`."""
+LONG_ENOUGH = 2.5
+"""Length of a signal from which it is named at the threshold if it is judged once, as a whole [s]."""
+SCATTER = 1.2
+"""Evidence that a shorter signal needs [dB]: its lines scatter by a decibel."""
 
 
 @dataclass
@@ -110,6 +114,16 @@ class Hysteresis:
     def suspected(self) -> list[Component]:
         """Components with evidence that is not confirmed yet."""
         return [component for component, suspicion in self._suspicions.items() if suspicion.seen and not suspicion.confirmed]
+
+
+def least_evidence(confirm: int, window: float, alarm_evidence: float) -> float:
+    """Return the evidence above the threshold that counts [dB]: ``alarm_evidence`` while a bearing is watched.
+
+    If a single judgement of a ``window`` [s] confirms a fault, as in a signal that is judged as a whole, weak evidence does so, too.
+    """
+    if confirm > 1:
+        return alarm_evidence
+    return 0.0 if window >= LONG_ENOUGH else min(SCATTER, alarm_evidence)
 
 
 def confidence(verdict: Verdict, confirmed: list[Component], excess: Mapping[Component, float]) -> float:

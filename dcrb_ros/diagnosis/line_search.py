@@ -252,9 +252,10 @@ def trials_of(comb: Comb, slip: float, step: float, values: int, limit: float) -
 
 def _largest_of_three(values: npt.NDArray[np.float32]) -> npt.NDArray[np.float32]:
     """Return the largest of each value and its two neighbours in its row, shape (rows, values)."""
-    pairs = np.maximum(values[:, 1:], values[:, :-1])
-    ends = values[:, :1], values[:, -1:]
-    return np.asarray(np.maximum(np.concatenate([ends[0], pairs], axis=1), np.concatenate([pairs, ends[1]], axis=1)), np.float32)
+    found: npt.NDArray[np.float32] = values.copy()
+    np.maximum(found[:, 1:], values[:, :-1], out=found[:, 1:])
+    np.maximum(found[:, :-1], values[:, 1:], out=found[:, :-1])
+    return found
 
 
 def local_mean(power: npt.NDArray[Any], width: int) -> npt.NDArray[Any]:

@@ -70,9 +70,9 @@ class DetectorParameters(Group):
     release: int = quantity(4, "hops", "Consecutive hops without evidence that clear a fault", 1, 1000)
     release_margin: float = quantity(1.0, "dB", "How far below its threshold the evidence must be to clear a fault", 0.0, 20.0)
     alarm_evidence: float = quantity(
-        1.2,
+        2.8,
         "dB",
-        "Evidence above its threshold that raises an alarm while a bearing is watched, from which three of four alarms are right; "
+        "Evidence above its threshold that raises an alarm while a bearing is watched, from which nine of ten alarms are right; "
         "a recording judged once, as a whole, is named from the threshold on",
         0.0,
         20.0,

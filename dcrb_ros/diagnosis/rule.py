@@ -101,6 +101,10 @@ class LineRule(BearingRule[Lines]):
     def combs(self, orders: Orders) -> Sequence[Comb]:
         """Return the families to search for a bearing of these orders; the strongest counts."""
 
+    def families(self, orders: Orders) -> int:
+        """Return the number of families in a band among which the strongest counts."""
+        return len(self.combs(orders))
+
     @property
     @abstractmethod
     def depth(self) -> float:
@@ -127,7 +131,7 @@ class LineRule(BearingRule[Lines]):
 
     def excess(self, lines: LineFamily, band: Band, evidence: Evidence) -> float:
         """Return the evidence of lines in one band relative to the thresholds [dB]: the smaller excess of depth and significance."""
-        price = math.log10(max(1, len(self.bands(evidence)) * len(self.combs(evidence.orders))))
+        price = math.log10(max(1, len(self.bands(evidence)) * self.families(evidence.orders)))
         healthy = self.baseline.of(self.component, band) if self.baseline is not None else None
         if healthy is None:
             return modulation_excess(lines, self.depth, self.p.false_alarm, price)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, NamedTuple
@@ -12,8 +13,7 @@ import numpy.typing as npt
 from dcrb_ros.diagnosis.order_tracking import unwrapped_turns
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.refusal import Refusal
-
-AXES = 2
+from dcrb_ros.stream.axes import AXES
 
 
 class Segment(NamedTuple):
@@ -22,7 +22,7 @@ class Segment(NamedTuple):
     last: int
     """Index of its last sample."""
     acceleration: Floats
-    """Shape (samples, 2), zero where missing [m/s^2]."""
+    """Shape (samples, axes), zero where missing [m/s^2]."""
     turns: Floats | None
     """Signed turns of the shaft since the first sample; None without a shaft angle."""
     missing: npt.NDArray[np.bool_]
@@ -65,25 +65,32 @@ class Segmenter:
         self.counts = Counts()
         self._next: int | None = None
         self._late: int | None = None
-        self._restart()
+        self._axes = 0
+        """Axes of the signal [-], 0 before the first block."""
 
     def _restart(self) -> None:
         """Forget the samples; those before the next one count as missing."""
         self._pieces: list[Piece] = []
         self._held = 0
         self._first = True
-        self._append(_nothing(2 * self.margin), counted=False)
+        self._append(_nothing(2 * self.margin, self._axes), counted=False)
 
     def add(self, index: int, acceleration: npt.NDArray[Any], shaft_angle: npt.NDArray[Any] | None) -> Iterator[Segment]:
         """Take the block that begins with sample ``index``; yield the segments that it completes.
 
-        ``acceleration`` has shape (samples, 2) [m/s^2], ``shaft_angle`` (samples,) [rad] or None without a tachometer.
+        ``acceleration`` has shape (samples, axes) [m/s^2], ``shaft_angle`` (samples,) [rad] or None without a tachometer.
+
+        Raises:
+            Refusal: arrays of another shape or type, or another number of axes than in the first block.
         """
         samples = len(acceleration)
         angle = np.full(samples, np.nan, np.float32) if shaft_angle is None else np.asarray(shaft_angle)
-        _check(acceleration, angle)
+        _check(acceleration, angle, self._axes)
         if not samples:
             return
+        if not self._axes:
+            self._axes = acceleration.shape[1]
+            self._restart()
         skip = self._continued(index, samples)
         if skip < samples:
             self._append(Piece(acceleration[skip:], angle[skip:]), counted=True)
@@ -115,7 +122,7 @@ class Segmenter:
         if lost > self._longest_gap:
             self._restart()
             return
-        self._append(_nothing(lost), counted=False)
+        self._append(_nothing(lost, self._axes), counted=False)
 
     def _append(self, piece: Piece, *, counted: bool) -> None:
         acceleration = piece.acceleration.astype(np.float32)
@@ -141,13 +148,12 @@ class Segmenter:
 
 
 def _known(acceleration: npt.NDArray[Any]) -> npt.NDArray[np.bool_]:
-    """Return which samples are finite in both axes, shape (samples,); `numpy.all` along rows of two takes fifty times as long."""
-    finite = np.isfinite(acceleration)
-    return np.asarray(finite[:, 0] & finite[:, 1])
+    """Return which samples are finite in all axes, shape (samples,); `numpy.all` along rows of two takes fifty times as long."""
+    return np.asarray(functools.reduce(np.logical_and, np.isfinite(acceleration).T))
 
 
-def _nothing(samples: int) -> Piece:
-    return Piece(np.full((samples, AXES), np.nan, np.float32), np.full(samples, np.nan, np.float32))
+def _nothing(samples: int, axes: int) -> Piece:
+    return Piece(np.full((samples, axes), np.nan, np.float32), np.full(samples, np.nan, np.float32))
 
 
 def bridged_turns(angle: npt.NDArray[Any]) -> Floats | None:
@@ -175,12 +181,14 @@ def bridged_turns(angle: npt.NDArray[Any]) -> Floats | None:
     return np.asarray(found - found[0], np.float64)
 
 
-def _check(acceleration: npt.NDArray[Any], angle: npt.NDArray[Any]) -> None:
-    samples = len(acceleration)
-    if acceleration.shape != (samples, AXES) or angle.shape != (samples,):
+def _check(acceleration: npt.NDArray[Any], angle: npt.NDArray[Any], axes: int) -> None:
+    """Refuse arrays of another shape or type, or of another number of ``axes`` than known, 0 for any."""
+    samples, allowed = len(acceleration), (axes,) if axes else range(1, len(AXES) + 1)
+    if acceleration.ndim != 2 or acceleration.shape[1] not in allowed or angle.shape != (samples,):
         raise Refusal(
             f"a block with acceleration {acceleration.shape} and shaft_angle {angle.shape} is refused: "
-            "they must be (samples, 2) and (samples,); the detector continues with the next block"
+            f"they must be (samples, {axes or 2}) and (samples,){'' if axes else ', with one to three axes'}; "
+            "the detector continues with the next block"
         )
     if not (np.issubdtype(acceleration.dtype, np.number) and np.issubdtype(angle.dtype, np.number)):
         raise Refusal(

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import yaml
-from pydantic import BeforeValidator, Field, ValidationError, field_validator
+from pydantic import BeforeValidator, Field, ValidationError, field_validator, model_validator
 
 from dcrb_ros.bearing.kinematics import Orders
 from dcrb_ros.exchange.bearing import Geometry, GivenOrders, fault_orders
@@ -17,6 +17,7 @@ from dcrb_ros.schema.fields import Group
 from dcrb_ros.schema.numbers import HIGHEST_RATE
 from dcrb_ros.schema.refusal import Refusal, nearest
 from dcrb_ros.schema.units import ACCELERATION_UNITS
+from dcrb_ros.stream.axes import AXES
 from dcrb_ros.text.yaml import parsed, read_yaml
 
 VOLTS = {"V": 1.0, "mV": 1e-3}
@@ -53,6 +54,8 @@ class Channels(Group):
     """Acceleration of the first axis."""
     ay: str | int | None = None
     """Acceleration of the second axis; if omitted, a copy of the first."""
+    az: str | int | None = None
+    """Acceleration of the third axis; if omitted, there are two."""
     shaft_angle: str | int | None = None
     """Angle of the shaft [rad], NaN where unknown."""
     tacho: str | int | None = None
@@ -69,6 +72,17 @@ class Channels(Group):
     """Readings of a sensor in the air [deg C]."""
     temperature_time: str | int | None = None
     """Times of the readings since sample 0 [s]."""
+
+    @model_validator(mode="after")
+    def _in_turn(self) -> Channels:
+        if self.az is not None and self.ay is None:
+            raise ValueError("az is given without ay: name the second of two axes ay")
+        return self
+
+    @property
+    def axes(self) -> dict[str, str | int]:
+        """The channels of the axes that are given."""
+        return {name: channel for name in AXES if (channel := getattr(self, name)) is not None}
 
 
 class Description(Group):

@@ -17,11 +17,12 @@ from dcrb_ros.messages.topics import GROUND_TRUTH, VIBRATION
 from dcrb_ros.recordings.arrays import truths_of
 from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.stream.axes import AXES
 from dcrb_ros.text.files import checked_path
 
 WITH_FURTHER_ARRAYS = (".npz", ".mat")
 """Formats with arrays of other lengths than the waveform."""
-IMPORTED = ("index", "ax", "ay", "shaft_angle", "tacho")
+IMPORTED = ("index", *AXES, "shaft_angle", "tacho")
 """Columns that an import reads; the time follows from index and sampling rate."""
 UNITS = {"deg C": "_temperature", "W": "_heat", "m": ""}
 """Words in the names of arrays for the units of numbers in the ground truth."""
@@ -82,8 +83,7 @@ def _collect(recording: Recording, *, whole: bool) -> tuple[dict[str, Array], di
     columns: dict[str, Array] = {
         "index": index,
         "time": index / rate,
-        "ax": acceleration[:, 0],
-        "ay": acceleration[:, 1],
+        **dict(zip(AXES, acceleration.T, strict=False)),
         "shaft_angle": np.concatenate([block.shaft_angle for block in blocks]),
     }
     tacho, readings = recording.tacho(), recording.temperatures()
@@ -117,7 +117,7 @@ def array_name(name: str) -> str:
 def _description(recording: Recording, path: Path, columns: dict[str, Array], labels: dict[str, Any], block_size: int) -> dict[str, Any]:
     wav = path.suffix.lower() == ".wav"
     known = (name for name in sorted(columns) if name in CHANNELS or name in (*IMPORTED, TIME))
-    channels: dict[str, Any] = {"ax": 1, "ay": 2, "shaft_angle": 3} if wav else {name: name for name in known}
+    channels: dict[str, Any] = {name: number for number, name in enumerate(_in_wav(columns), 1)} if wav else {name: name for name in known}
     tacho, warm = "tacho" in channels, any(name in channels for name in CHANNELS)
     return {
         "sampling_rate": recording.sampling_rate,
@@ -130,6 +130,11 @@ def _description(recording: Recording, path: Path, columns: dict[str, Array], la
         "block_size": max(16, block_size),
         "labels": labels,
     }
+
+
+def _in_wav(columns: dict[str, Array]) -> list[str]:
+    """Return the channels of a WAV file."""
+    return [name for name in (*AXES, "shaft_angle") if name in columns]
 
 
 def _deviation(recording: Recording) -> float:

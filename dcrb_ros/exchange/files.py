@@ -16,6 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from dcrb_ros.schema.refusal import Refusal, nearest
+from dcrb_ros.stream.axes import AXES
 from dcrb_ros.text.files import check_regular, checked_path
 
 Array = npt.NDArray[Any]
@@ -235,7 +236,7 @@ def _write_wav(path: Path, columns: Columns, extra: Columns, rate: int, about: M
         raise Refusal(
             f"a WAV file cannot represent gaps, of which the recording has {int(np.sum(steps != 1))}: export it as npz, mat, csv or parquet"
         )
-    wavfile.write(path, rate, np.column_stack([columns[name] for name in ("ax", "ay", "shaft_angle")]))
+    wavfile.write(path, rate, np.column_stack([columns[name] for name in (*AXES, "shaft_angle") if name in columns]))
 
 
 def _write_parquet(path: Path, columns: Columns, extra: Columns, rate: int, about: Mapping[str, Any]) -> None:

@@ -65,17 +65,16 @@ class WaveformImport:
         """Sampling rate of the recording, an integer [Hz]."""
         self.orders: Orders = self.description.fault_orders(about)
         channels, factor = self.description.channels, self._factor()
-        parts = self._files.parts(channels.ax)
-        ax = self._axis(channels.ax, np.concatenate(parts), factor)
-        ay = ax if channels.ay is None else self._axis(channels.ay, np.concatenate(self._files.parts(channels.ay)), factor)
-        self.index = self._index([len(part) for part in parts])
-        self._check_lengths({"ax": len(ax), "ay": len(ay), "index": len(self.index)})
+        parts = {name: self._files.parts(channel) for name, channel in channels.axes.items()}
+        axes = {name: self._axis(channels.axes[name], np.concatenate(found), factor) for name, found in parts.items()}
+        self.index = self._index([len(part) for part in parts["ax"]])
+        self._check_lengths({**{name: len(values) for name, values in axes.items()}, "index": len(self.index)})
         self._train = self._tacho()
         self.angle = self._angle()
         self.readings = self._readings()
         """Times [ns] and values [deg C] of the readings of temperature by channel."""
-        self._check_lengths({"ax": len(ax), "shaft_angle": len(self.angle)})
-        self.acceleration = np.column_stack([ax, ay])
+        self._check_lengths({"ax": len(axes["ax"]), "shaft_angle": len(self.angle)})
+        self.acceleration = np.column_stack([axes["ax"], axes.get("ay", axes["ax"]), *([axes["az"]] if "az" in axes else [])])
 
     def _check_lengths(self, lengths: dict[str, int]) -> None:
         if len(set(lengths.values())) > 1 or not lengths["ax"]:
@@ -251,7 +250,7 @@ class WaveformImport:
             "sampling_rate_unit": "Hz",
             **({} if self.measured_rate == self.rate else {"measured_sampling_rate": self.measured_rate}),
             "acceleration_unit": self._unit,
-            "axes": {"ax": str(channels.ax), "ay": "a copy of ax" if channels.ay is None else str(channels.ay)},
+            "axes": {"ay": "a copy of ax", **{name: str(channel) for name, channel in channels.axes.items()}},
             "shaft_angle_unit": "rad",
             "shaft_angle": self._angle_words(),
             **({PULSES_PER_TURN: self.pulses_per_turn} if self.pulses_per_turn else {}),

@@ -16,10 +16,18 @@ from dcrb_ros.messages.cdr import FRAME, POINT_CLOUD, STAMP_END, TEMPLATES, deco
 from dcrb_ros.messages.message_template import MessageTemplate, placeholder_bytes
 from dcrb_ros.schema.arrays import Floats, Samples
 from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.stream.axes import AXES
 from dcrb_ros.stream.block import Block
 
-SAMPLE = np.dtype([("t", "<u4"), ("ax", "<f4"), ("ay", "<f4"), ("shaft_angle", "<f4")])
-UNTRACKED_SAMPLE = np.dtype([("t", "<u4"), ("ax", "<f4"), ("ay", "<f4")])
+
+def sample_type(axes: int, *, tracked: bool = True) -> np.dtype[Any]:
+    """Return the fields of a sample with two or three axes, with or without a shaft angle."""
+    angle = [("shaft_angle", "<f4")] if tracked else []
+    return np.dtype([("t", "<u4"), *((name, "<f4") for name in AXES[:axes]), *angle])
+
+
+SAMPLE, UNTRACKED_SAMPLE = sample_type(2), sample_type(2, tracked=False)
+LAYOUTS = (SAMPLE, UNTRACKED_SAMPLE, sample_type(3), sample_type(3, tracked=False))
 SPECTRUM = np.dtype([("frequency", "<f4"), ("order", "<f4"), ("amplitude", "<f4")])
 UINT32, FLOAT32 = 6, 7  # sensor_msgs/msg/PointField
 POINT_KINDS = {"<u4": UINT32, "<f4": FLOAT32}
@@ -41,7 +49,7 @@ class Vibration:
     offsets_ns: npt.NDArray[np.uint32]
     """Time of each sample after the stamp [ns]."""
     acceleration: Samples
-    """Shape (samples, 2) [m/s^2]."""
+    """Shape (samples, axes) [m/s^2]."""
     shaft_angle: Samples
     """Wrapped to [0, 2 pi) [rad]."""
 
@@ -55,7 +63,7 @@ class Vibration:
 
 
 def packed(acceleration: Samples, shaft_angle: Samples) -> bytes:
-    """Return ax, ay and shaft angle of every sample as little-endian float32; a recording states the hash of these bytes."""
+    """Return ax, ay, az if there is one, and shaft angle of every sample as little-endian float32; a recording states their hash."""
     return np.column_stack([acceleration, shaft_angle]).astype("<f4", copy=False).tobytes()
 
 
@@ -77,12 +85,14 @@ def _points_template(kind: np.dtype[Any], count: int, frame: str) -> MessageTemp
 
 
 def encode_vibration(block: Block, acceleration: Samples, frame: str = FRAME) -> bytes:
-    """Return the waveform of a block as a PointCloud2 with the fields of `SAMPLE`."""
-    points = np.empty(len(acceleration), SAMPLE)
+    """Return the waveform of a block of two or three axes as a PointCloud2 with the fields of `sample_type`."""
+    points = np.empty(len(acceleration), sample_type(acceleration.shape[1]))
     # The stamp is rounded down to nanoseconds; the times of the other samples include the remainder.
     lost = block.index * 1_000_000_000 % block.rate
     points["t"] = (lost + np.arange(len(acceleration), dtype=np.int64) * 1_000_000_000) // block.rate
-    points["ax"], points["ay"], points["shaft_angle"] = acceleration[:, 0], acceleration[:, 1], block.shaft_angle
+    for name, column in zip(AXES, acceleration.T, strict=False):
+        points[name] = column
+    points["shaft_angle"] = block.shaft_angle
     return encode_points(points, block.stamp_ns, frame)
 
 
@@ -90,15 +100,16 @@ def decode_vibration(data: bytes) -> Vibration:
     """Return the waveform of a PointCloud2; without the field ``shaft_angle`` the angles are NaN.
 
     Raises:
-        Refusal: the fields are not those of `SAMPLE`, or the length does not fit them.
+        Refusal: the fields are not those of `sample_type`, or the length does not fit them.
     """
     cloud = decoded(data, POINT_CLOUD)
     found = [(field.name, field.offset, field.datatype, field.count) for field in cloud.fields]
-    layout = next((kind for kind in (SAMPLE, UNTRACKED_SAMPLE) if found == _fields(kind) and cloud.point_step == kind.itemsize), None)
+    layout = next((kind for kind in LAYOUTS if found == _fields(kind) and cloud.point_step == kind.itemsize), None)
     if layout is None or cloud.is_bigendian or cloud.height != 1:
         raise Refusal(
             f"a PointCloud2 with the fields {[name for name, *_ in found]} is not a waveform: it must have t, ax, ay and shaft_angle, "
-            f"{SAMPLE.itemsize} bytes a sample, or {UNTRACKED_SAMPLE.itemsize} without shaft_angle, little endian, height 1"
+            f"{SAMPLE.itemsize} bytes a sample, or {UNTRACKED_SAMPLE.itemsize} without shaft_angle, with az after ay four more; little "
+            "endian, height 1"
         )
     if not 0 < cloud.width <= MOST_SAMPLES or len(cloud.data) != cloud.width * layout.itemsize:
         raise Refusal(
@@ -106,9 +117,15 @@ def decode_vibration(data: bytes) -> Vibration:
             f"and 1 to {MOST_SAMPLES} samples"
         )
     points = np.frombuffer(cloud.data.tobytes(), layout)
-    acceleration = np.stack([points["ax"], points["ay"]], axis=1)
-    angle = points["shaft_angle"].copy() if layout is SAMPLE else np.full(len(points), np.nan, np.float32)
+    acceleration = _axes(points)
+    tracked = "shaft_angle" in (layout.names or ())
+    angle = points["shaft_angle"].copy() if tracked else np.full(len(points), np.nan, np.float32)
     return Vibration(stamp_of(cloud.header), points["t"].copy(), acceleration, angle)
+
+
+def _axes(points: npt.NDArray[Any]) -> Samples:
+    """Return the accelerations of structured samples of any shape, shape (samples, axes) [m/s^2]."""
+    return np.stack([points[name].reshape(-1) for name in AXES if name in (points.dtype.names or ())], axis=1)
 
 
 def _fields(kind: np.dtype[Any]) -> list[tuple[str, int, int, int]]:
@@ -116,14 +133,16 @@ def _fields(kind: np.dtype[Any]) -> list[tuple[str, int, int, int]]:
 
 
 def decode_waveform(messages: Sequence[bytes]) -> tuple[npt.NDArray[np.int64], Samples, Samples]:
-    """Return the samples of consecutive blocks: time [ns], acceleration [m/s^2] of shape (samples, 2), shaft angle [rad].
+    """Return the samples of consecutive blocks: time [ns], acceleration [m/s^2] of shape (samples, axes), shaft angle [rad].
 
     Blocks of equal length have the same fields; decoding those once is many times as fast.
 
     Raises:
-        Refusal: as `decode_vibration`.
+        Refusal: as `decode_vibration`, or blocks differ in their axes.
     """
     times, accelerations, angles = zip(*(_stretch(list(run)) for _, run in groupby(messages, len)), strict=True)
+    if len({part.shape[1] for part in accelerations}) > 1:
+        raise Refusal("blocks of a waveform have two and three axes: publish the same fields in all of them")
     return np.concatenate(times), np.concatenate(accelerations), np.concatenate(angles)
 
 
@@ -132,8 +151,7 @@ def _stretch(messages: Sequence[bytes]) -> tuple[npt.NDArray[np.int64], Samples,
     points = _repeated(messages, decode_vibration(messages[0]))
     if points is not None:
         time_ns = (stamps(messages)[:, None] + points["t"]).reshape(-1)
-        acceleration = np.stack([points["ax"].reshape(-1), points["ay"].reshape(-1)], axis=1)
-        return time_ns, acceleration, points["shaft_angle"].reshape(-1)
+        return time_ns, _axes(points), points["shaft_angle"].reshape(-1)
     blocks = [decode_vibration(data) for data in messages]
     found = [(block.stamp_ns + block.offsets_ns.astype(np.int64), block.acceleration, block.shaft_angle) for block in blocks]
     times, accelerations, angles = zip(*found, strict=True)
@@ -142,15 +160,16 @@ def _stretch(messages: Sequence[bytes]) -> tuple[npt.NDArray[np.int64], Samples,
 
 def _repeated(messages: Sequence[bytes], first: Vibration) -> npt.NDArray[Any] | None:
     """Return the samples, shape (messages, samples), if the messages differ from the ``first`` in stamp and samples only."""
-    size = len(first.shaft_angle) * SAMPLE.itemsize
+    kind = sample_type(first.acceleration.shape[1])
+    size = len(first.shaft_angle) * kind.itemsize
     rows = np.frombuffer(b"".join(messages), np.uint8).reshape(len(messages), -1)
     # The samples begin at a multiple of four bytes; the byte is_dense and up to three bytes of padding follow them.
     begin = (rows.shape[1] - size - 1) // 4 * 4
     if begin < STAMP_END or not (rows[:, STAMP_END:begin] == rows[0, STAMP_END:begin]).all():
         return None
-    points = np.ascontiguousarray(rows[:, begin : begin + size]).view(SAMPLE)
-    as_read = [points["t"][0], points["ax"][0], points["ay"][0], points["shaft_angle"][0]]
-    alike = map(np.array_equal, as_read, [first.offsets_ns, *first.acceleration.T, first.shaft_angle])
+    points = np.ascontiguousarray(rows[:, begin : begin + size]).view(kind)
+    as_read = [points["t"][0], _axes(points[0]), points["shaft_angle"][0]]
+    alike = map(np.array_equal, as_read, [first.offsets_ns, first.acceleration, first.shaft_angle])
     return points if all(alike) else None
 
 

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import TypeVar
 
 from dcrb_ros.runtime.children import signals_blocked
+from dcrb_ros.runtime.memory import keep_freed_memory
 from dcrb_ros.runtime.signals import accept_termination
 from dcrb_ros.runtime.threads import NamedThread
 
@@ -74,9 +75,10 @@ def worker_signals_blocked() -> Iterator[None]:
 
 
 def _prepare_worker() -> None:
-    """Leave Ctrl-C to the parent, which ends its workers, and end with it if it is killed."""
+    """Leave Ctrl-C to the parent, which ends its workers, end with it if it is killed, and keep freed memory."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     accept_termination()
+    keep_freed_memory()
     NamedThread("parent", _end_with_parent).start()
 
 

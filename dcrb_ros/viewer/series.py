@@ -25,9 +25,9 @@ DEGREES = " [deg C]"
 
 
 def log_waveform(waveform: Waveform, *, fixed: bool = True) -> None:
-    """Log all samples of the waveform, both axes [m/s^2]."""
+    """Log all samples of the waveform, the first two axes [m/s^2]."""
     colours = [palette.WAVEFORM_X, palette.WAVEFORM]
-    log_lines("waveform", waveform.time_ns, waveform.acceleration, ["ax", "ay"], colours, width=1.0, fixed=fixed)
+    log_lines("waveform", waveform.time_ns, waveform.acceleration[:, :2], ["ax", "ay"], colours, width=1.0, fixed=fixed)
 
 
 def log_lines(

@@ -135,8 +135,8 @@ def test_a_saved_baseline_gives_the_same_diagnoses(baseline: HealthyBaseline, tm
         ({"orders": {"FTF": 0.4, "BPFO": 3.6, "BPFI": 5.5, "BSF": 2.4}}, r"is of a bearing with BPFI = 5\.5, not 5\.4 orders"),
         ({"bands": [1000.0, 20000.0, 1.0, "kurtogram"]}, "was learned with the bands"),
         ({"rules": "0" * 12}, "was learned by other rules"),
-        ({"axes": 2}, "has 2 of two axes, but the signal has 1"),
-        ({"axes": 3}, "is not a baseline: axes: input should be less"),
+        ({"axes": 2}, "has axes: 2, but the signal has 1"),
+        ({"axes": 4}, "is not a baseline: axes: input should be less"),
         ({"lines": 3}, "is not a baseline: lines"),
         ({"more": 3}, "is not a baseline"),
     ],
@@ -159,7 +159,7 @@ def test_two_axes_of_the_simulated_bearing_are_compared() -> None:
     known = learn_baseline(healthy, 51200, shaft_angle=turned, bearing=ORDERS)
     assert known.axes == 2
     assert detect(faulty, 51200, shaft_angle=turned, bearing=ORDERS, baseline=known).verdict == "outer_ring"
-    with pytest.raises(Refusal, match="has 2 of two axes, but the signal has 1: learn it from the same sensor"):
+    with pytest.raises(Refusal, match="has axes: 2, but the signal has 1: learn it from the same sensor"):
         detect(faulty[:, 0], 51200, shaft_angle=turned, bearing=ORDERS, baseline=known)
 
 

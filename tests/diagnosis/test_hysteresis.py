@@ -7,7 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dcrb_ros.diagnosis.hysteresis import Hysteresis, confidence, probability
+from dcrb_ros.diagnosis.hysteresis import Hysteresis, confidence, least_evidence, probability
+from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.diagnosis.trend import Trend
 
 QUIET = {"outer_ring": -5.0, "inner_ring": -5.0, "roller": -5.0, "cage": -5.0}
@@ -19,6 +20,17 @@ def test_a_fault_is_confirmed_kept_and_released() -> None:
     course = [QUIET, QUIET, loud, loud, border, QUIET, QUIET, border, QUIET, QUIET, QUIET]
     expected = ["waiting", "healthy", "healthy", "roller", *["roller"] * 6, "healthy"]
     assert [hysteresis.verdict(excess) for excess in course] == expected
+
+
+def test_a_watched_bearing_raises_an_alarm_from_strong_evidence_on() -> None:
+    """A recording judged as a whole is named at the threshold, and one below 2.5 s from 1.2 dB on."""
+    p = DetectorParameters()
+    assert probability(p.alarm_evidence) == pytest.approx(0.9, abs=0.005)
+    assert least_evidence(p.confirm, p.window, p.alarm_evidence) == p.alarm_evidence
+    assert [least_evidence(1, window, p.alarm_evidence) for window in (2.4, 2.5)] == [1.2, 0.0]
+    hysteresis = Hysteresis(p.confirm, p.release, p.release_margin, 8, p.alarm_evidence)
+    assert {hysteresis.verdict({**QUIET, "outer_ring": 2.7}) for _ in range(40)} == {"waiting", "healthy"}
+    assert [hysteresis.verdict({**QUIET, "outer_ring": 2.9}) for _ in range(2)] == ["healthy", "outer_ring"]
 
 
 def test_two_confirmed_faults_are_compound() -> None:

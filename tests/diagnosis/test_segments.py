@@ -43,6 +43,21 @@ def test_segments_do_not_depend_on_the_blocks(cuts: list[int]) -> None:
         np.testing.assert_array_equal(one.turns, other.turns)
 
 
+@pytest.mark.parametrize("axes", [1, 3])
+def test_the_first_block_tells_the_number_of_axes(axes: int) -> None:
+    segmenter, (first, angle) = Segmenter(HOP, MARGIN, GAP), signal(0, 2 * HOP)
+    samples = np.column_stack([first[:, 0] * (k + 1) for k in range(axes)])
+    samples[MARGIN + 7, axes - 1] = np.nan
+    found = [*segmenter.add(0, samples[:HOP], angle[:HOP]), *segmenter.add(HOP + 10, samples[HOP + 10 :], angle[HOP + 10 :])]
+    assert found[0].acceleration.shape == (HOP + 2 * MARGIN, axes)
+    assert found[0].acceleration[3 * MARGIN, axes - 1] == MARGIN * axes
+    assert (found[0].not_finite, found[0].missing[2 * MARGIN :].sum()) == (1, 1)
+    with pytest.raises(Refusal, match=rf"acceleration \(5, 2\) .* they must be \(samples, {axes}\)"):
+        list(segmenter.add(2 * HOP, np.zeros((5, 2)), np.zeros(5)))
+    with pytest.raises(Refusal, match="with one to three axes"):
+        list(Segmenter(HOP, MARGIN, GAP).add(0, np.zeros((5, 4)), np.zeros(5)))
+
+
 def test_segments_overlap_by_the_margins() -> None:
     _, (one, two) = segmented([(0, 2 * HOP)])
     np.testing.assert_array_equal(one.acceleration[HOP:], two.acceleration[: 2 * MARGIN])
@@ -127,7 +142,7 @@ def test_too_few_angles_give_no_turns() -> None:
     assert bridged_turns(angle) is None
 
 
-@pytest.mark.parametrize("shape", [(10, 3), (10,), (9, 2)])
+@pytest.mark.parametrize("shape", [(10, 4), (10,), (9, 2)])
 def test_a_block_of_the_wrong_shape_is_refused(shape: tuple[int, ...]) -> None:
     segmenter = Segmenter(HOP, MARGIN, GAP)
     with pytest.raises(Refusal, match=r"they must be \(samples, 2\)"):

@@ -13,6 +13,7 @@ from jittered_impacts import Floats, Machine
 from separate_process import dcrb
 
 from dcrb_ros.diagnosis.detection import detect
+from dcrb_ros.exchange.export import export
 from dcrb_ros.exchange.importing import WaveformImport
 from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.schema.refusal import Refusal
@@ -40,6 +41,26 @@ def about(folder: Path, **changes: Any) -> Path:
 def struck(seconds: float = 4.0) -> Floats:
     one = machine()
     return one.healthy(seconds) + one.impacts(seconds, "outer_ring")
+
+
+def test_a_defect_is_named_if_only_the_third_axis_shows_it(tmp_path: Path) -> None:
+    quiet, random = machine().healthy(4.0), np.random.default_rng(5)
+    axes = {"a": quiet, "b": quiet + 0.3 * random.normal(size=len(quiet)), "c": struck()}
+    np.savez(tmp_path / "x.npz", **axes)
+    chosen = {"channels": {"ax": "a", "ay": "b", "az": "c"}, "speed_rpm": 60.0 * SPEED}
+    recording = imported(tmp_path, WaveformImport(tmp_path / "x.npz", about(tmp_path, **chosen)))
+    assert np.array_equal(recording.waveform().acceleration, np.column_stack(list(axes.values())).astype(np.float32))
+    assert detect(recording).verdict == "outer_ring"
+    plain = detect(np.column_stack(list(axes.values())), 12000, bearing=machine().orders, shaft_angle=recording.waveform().shaft_angle)
+    assert plain.history[-1].scores == pytest.approx(detect(recording).history[-1].scores)
+    two = {**chosen, "channels": {"ax": "a", "ay": "b"}}
+    without = WaveformImport(tmp_path / "x.npz", about(tmp_path, **two)).acceleration
+    assert detect(without, 12000, bearing=machine().orders, shaft_angle=recording.waveform().shaft_angle).verdict == "healthy"
+    description = export(recording, tmp_path / "again.wav")
+    again = WaveformImport(tmp_path / "again.wav", description)
+    assert np.array_equal(again.acceleration, recording.waveform().acceleration)
+    with pytest.raises(Refusal, match="az is given without ay"):
+        WaveformImport(tmp_path / "x.npz", about(tmp_path, **{**chosen, "channels": {"ax": "a", "az": "c"}}))
 
 
 def imported(folder: Path, waveform: WaveformImport) -> Recording:

@@ -17,7 +17,7 @@ from dcrb_ros.messages.description import decode_frame, decode_sensor, sensor_te
 from dcrb_ros.messages.encoder import BlockEncoder, diagnosis_messages
 from dcrb_ros.messages.joints import decode_joints
 from dcrb_ros.messages.plain import decode_float, decode_text, decode_wrench, encode_text
-from dcrb_ros.messages.points import SAMPLE, decode_vibration, decode_waveform, encode_points, encode_vibration
+from dcrb_ros.messages.points import SAMPLE, decode_vibration, decode_waveform, encode_points, encode_vibration, sample_type
 from dcrb_ros.messages.statuses import decode_diagnostics, decode_truth
 from dcrb_ros.messages.topics import (
     AMBIENT_TEMPERATURE,
@@ -54,6 +54,27 @@ def test_waveform_round_trip(index: int, count: int, rate: int) -> None:
     assert found.first_index(rate) == index
     exact = [(index + k) * 10**9 // rate - found.stamp_ns for k in range(count)]
     assert found.offsets_ns.tolist() == exact
+
+
+@pytest.mark.parametrize("tracked", [True, False])
+def test_three_axes_round_trip(tracked: bool) -> None:
+    blocks, samples = [block_at(0, 512), block_at(512, 512)], np.random.default_rng(1).standard_normal((1024, 3)).astype(np.float32)
+    data = [encode_vibration(block, samples[part]) for block, part in zip(blocks, (slice(512), slice(512, None)), strict=True)]
+    if not tracked:
+        found = [decode_vibration(message) for message in data]
+        data = []
+        for block in found:
+            points = np.zeros(512, sample_type(3, tracked=False))
+            points["t"] = block.offsets_ns
+            for name, column in zip(("ax", "ay", "az"), block.acceleration.T, strict=True):
+                points[name] = column
+            data.append(encode_points(points, block.stamp_ns))
+    _, acceleration, angle = decode_waveform(data)
+    assert np.array_equal(acceleration, samples)
+    assert np.array_equal(angle, np.concatenate([block.shaft_angle for block in blocks])) is tracked
+    assert bool(np.isnan(angle).any()) is not tracked
+    with pytest.raises(Refusal, match="have two and three axes"):
+        decode_waveform([*data, encode_vibration(blocks[1], samples[:512, :2])])
 
 
 @pytest.mark.parametrize("frames", [("outer_ring",), ("outer_ring", "inner_ring"), ("box1", "box12")])

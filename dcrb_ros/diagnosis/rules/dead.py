@@ -9,7 +9,7 @@ from collections import deque
 import numpy as np
 from scipy import fft
 
-from dcrb_ros.diagnosis.evidence import SampleEvidence
+from dcrb_ros.diagnosis.evidence import SAME_SPEED, SampleEvidence
 from dcrb_ros.diagnosis.rule import SampleRule
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.fields import Group, quantity
@@ -22,6 +22,10 @@ BLOCKS = 16
 """Blocks of equal width in which the power density is compared."""
 REMEMBERED = 120
 """Hops from whose powers the usual one is taken: a minute."""
+FASTEST = 1000.0
+"""Highest frequency at which a machine is expected to modulate its noise [Hz]: rollers pass less often."""
+CHANCE = 1e-4
+"""Probability with which the power of stationary noise is taken to vary [-]."""
 FEWEST_LINES = 64
 """Lines of the spectrum in a block: the level of noise then scatters by half a decibel."""
 
@@ -57,35 +61,58 @@ class Dead(SampleRule[DeadParameters]):
     """A white spectrum without impacts: no structure transmits vibration equally at all frequencies.
 
     A sensor that is alive may be so noisy that a quiet bearing hardly shows. Its spectrum is whiter than any structure, but not as white as
-    noise alone, and it did not become so by losing the vibration it had.
+    noise alone, and it did not become so by losing the vibration it had at the same speed. If its spectrum is as white as noise alone, it
+    still is alive if its power follows the machine: the noise of an amplifier is stationary, what a machine makes is cyclostationary.
     """
 
     parameters = DeadParameters
 
     def __init__(self, parameters: DeadParameters) -> None:
         super().__init__(parameters)
-        self._powers: dict[str, deque[float]] = {}
-        """Power of the latest hops in which an axis was alive [(m/s^2)^2]."""
+        self._powers: dict[str, deque[tuple[float, float]]] = {}
+        """Shaft frequency [Hz] and power [(m/s^2)^2] of the latest hops in which an axis was alive."""
 
     def flaw(self, evidence: SampleEvidence) -> str:
         for axis, column in evidence.axes:
             spread, power = self._spread_of_noise(column, evidence.rate), float(np.var(column))
             before = self._powers.setdefault(axis, deque(maxlen=REMEMBERED))
-            fallen = bool(before) and power < float(np.median(before)) * 10.0 ** (-self.p.dead_fall / 10.0)
-            if spread is not None and spread < (self.p.dead_level if fallen else self.p.dead_white):
+            # A bearing falls silent with the shaft: only hops at the same speed tell that a sensor has.
+            usual = [power for speed, power in before if abs(speed - evidence.frequency) <= SAME_SPEED * speed]
+            fallen = bool(usual) and power < float(np.median(usual)) * 10.0 ** (-self.p.dead_fall / 10.0)
+            noise = spread is not None and spread < (self.p.dead_level if fallen else self.p.dead_white)
+            if noise and (fallen or not power_varies(column, evidence.rate)):
                 return f"the acceleration in {axis} is white noise, whose power density varies by {spread:.1f} dB only: the sensor is dead"
-            before.append(power)
+            before.append((evidence.frequency, power))
         return ""
 
     def _spread_of_noise(self, column: Floats, rate: int) -> float | None:
         """Return the range of the power density over frequency [dB], or none if the samples have impacts or are too few."""
         centred = column - column.mean()
         squared = np.square(centred)
-        if float(np.mean(np.square(squared))) / float(np.mean(squared)) ** 2 >= self.p.dead_kurtosis:
+        mean = float(np.mean(squared))
+        if float(np.mean(np.square(squared))) / mean**2 >= self.p.dead_kurtosis:
             return None
         edges = np.linspace(LOWEST, HIGHEST_SHARE * rate, BLOCKS + 1) * len(column) / rate
         if edges[1] - edges[0] < FEWEST_LINES:
             return None
-        power = np.abs(fft.rfft(centred)) ** 2
+        # Single precision has 140 dB, of which a tenth matters.
+        spectrum = fft.rfft((centred * (1.0 / math.sqrt(mean))).astype(np.float32))
+        power = np.square(spectrum.real) + np.square(spectrum.imag)
         levels = [float(power[round(low) : round(high)].mean()) for low, high in itertools.pairwise(edges)]
         return 10.0 * math.log10(max(*levels, 1e-30) / max(min(levels), 1e-30))
+
+
+def power_varies(column: Floats, rate: int) -> bool:
+    """Return whether the power of noise varies periodically, as that of a machine does.
+
+    In stationary noise, the squared amplitudes of the spectrum of x(t)^2 are exponentially distributed, so that the largest of n exceeds
+    their mean t times with a probability of n exp(-t).
+    """
+    spectrum = fft.rfft(column - column.mean())
+    inside = slice(round(LOWEST * len(column) / rate), round(HIGHEST_SHARE * rate * len(column) / rate))
+    kept = np.zeros_like(spectrum)
+    kept[inside] = spectrum[inside]
+    squared = np.square(fft.irfft(kept, len(column)))
+    lines = np.square(np.abs(fft.rfft(squared - squared.mean())[1 : max(3, round(FASTEST * len(column) / rate))]))
+    mean = float(np.median(lines)) / math.log(2.0)
+    return float(lines.max()) > mean * math.log(len(lines) / CHANCE)

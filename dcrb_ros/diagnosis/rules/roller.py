@@ -6,6 +6,7 @@ the multiples of 2 BSF and small halfway between them.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -14,10 +15,13 @@ from dcrb_ros.bearing.kinematics import Orders
 from dcrb_ros.diagnosis.cage_lines import CLUSTERED, PERIODIC, cage_comb, clusters_at_spin, spin_of_clusters
 from dcrb_ros.diagnosis.evidence import BandEvidence
 from dcrb_ros.diagnosis.line_parameters import LineParameters
-from dcrb_ros.diagnosis.line_search import Comb, LineFamily
+from dcrb_ros.diagnosis.line_search import GUARD, Comb, LineFamily
 from dcrb_ros.diagnosis.rule import LineRule, sidebands
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.fields import quantity
+
+SLOWER, SPIN_LOST = 0.94, 0.04
+"""Spins of a roller relative to the kinematic one at which 2 BSF is searched as well, and the range beside it [-]: 0.9 to 0.98."""
 
 
 class RollerParameters(LineParameters):
@@ -42,22 +46,39 @@ class Roller(LineRule[RollerParameters]):
         return (Comb(2.0 * orders.bsf, sidebands=(-orders.ftf, 0.0, orders.ftf)),)
 
     def family(self, band: BandEvidence, comb: Comb) -> LineFamily:
-        """Return the deeper of the family at 2 BSF and, if they cluster there, the harmonics of FTF."""
+        """Return the deepest of the family at 2 BSF, at a slower spin, and, if they cluster there, the harmonics of FTF."""
         found, cage = super().family(band, comb), band.family(cage_comb(band.orders))
         if cage.order <= 0.0:
             return found
         clusters, between = clusters_at_spin(band, cage)
         spin = comb.order
-        if clusters < CLUSTERED * between and cage.depth <= found.depth:
-            return found
-        if clusters < CLUSTERED * between:
-            # The rollers may spin more slowly than they should.
+        if clusters <= CLUSTERED * between:
+            found = self._slower(found, band, comb, cage)
+            if cage.depth <= found.depth:
+                return found
+            # Lines of a roller that spins more slowly may lie on harmonics of FTF.
             periodicity, spin = spin_of_clusters(band, cage)
             clusters = cage.depth if periodicity > PERIODIC else 0.0
         if clusters <= found.depth:
             return found
         order = cage.order * round(spin / cage.order)
         return cage._replace(order=order, amplitude=clusters * band.spectrum.mean, depth=clusters, lines=(order,))
+
+    def _slower(self, found: LineFamily, band: BandEvidence, comb: Comb, cage: LineFamily) -> LineFamily:
+        """Return the deeper of the ``found`` family and that of a roller that spins more slowly than it should.
+
+        Such a roller slips outside the load zone, which it reaches once per turn of the cage: FTF or its double is deeper than what was
+        found. Lines on harmonics of FTF would be those of the cage.
+        """
+        if math.sqrt(float(band.at(cage.order * np.array([1.0, 2.0])).max())) <= found.depth:
+            return found
+        slower = band.family(comb._replace(order=SLOWER * comb.order), SPIN_LOST / SLOWER)
+        beside = abs(math.remainder(slower.order, cage.order)) > GUARD * band.step
+        return slower if beside and slower.depth > found.depth else found
+
+    def families(self, orders: Orders) -> int:
+        """Return the number of families among which the strongest counts: 2 BSF and that of slower rollers."""
+        return 2 * len(self.combs(orders))
 
     @property
     def depth(self) -> float:

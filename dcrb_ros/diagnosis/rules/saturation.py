@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
+import numpy.typing as npt
 
 from dcrb_ros.diagnosis.evidence import SampleEvidence
 from dcrb_ros.diagnosis.rule import SampleRule
+from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.fields import Group, quantity
 
 FEWEST_VALUES = 16
@@ -41,7 +43,7 @@ class Saturation(SampleRule[SaturationParameters]):
         for axis, column in evidence.axes:
             ends = float(column.max()), float(column.min())
             flat = [column == end for end in ends]
-            clipped = sum(int(np.count_nonzero(at)) for at in flat if np.any(at[1:] & at[:-1]))
+            clipped = sum(int(np.count_nonzero(at)) for at in flat if np.any(at[1:] & at[:-1]) and piles_up(column, at))
             if not clipped or len(np.unique(column[: 16 * FEWEST_VALUES])) < FEWEST_VALUES:
                 continue
             self.clipped += clipped
@@ -52,3 +54,15 @@ class Saturation(SampleRule[SaturationParameters]):
                 level = f"{limit:.3g} m/s^2{known} for {share:.1%} of the time"
                 return f"the acceleration in {axis} is clipped at {level}: the sensor is saturated"
         return ""
+
+
+def piles_up(column: Floats, at: npt.NDArray[np.bool_]) -> bool:
+    """Return whether the largest or smallest value of a column, which it has ``at`` some samples, is more frequent than the next one.
+
+    Clipped peaks pile up at the limit. The steps of a coarse ADC become rarer towards the largest value.
+    """
+    rest = column[~at]
+    if not len(rest):
+        return True
+    following = rest.max() if column[at][0] > rest[0] else rest.min()
+    return int(np.count_nonzero(at)) > int(np.count_nonzero(rest == following))

@@ -83,7 +83,8 @@ def count_jumps(column: Floats, after: int, p: SpikeParameters) -> Jumps:
     if not sharp.any():
         return Jumps(0, 0)
     spikes = jumps[sharp]
-    as_high = jumps[height >= height[sharp].min()]
+    # An impact may rise over several samples, and is as high all the same.
+    as_high = np.flatnonzero(size >= height[sharp].min())
     first = as_high[np.concatenate([[True], np.diff(as_high) > after])]
     near = np.abs(first - spikes[np.clip(np.searchsorted(spikes, first), 0, len(spikes) - 1)]) <= after
     return Jumps(int(np.count_nonzero(sharp)), int(np.count_nonzero(~near)))

@@ -145,6 +145,16 @@ def test_harmonics_of_the_cage_that_cluster_at_a_slower_spin_are_a_roller(spin: 
         assert roller.lines.order == pytest.approx(6.1 * spin, abs=0.25)
 
 
+@pytest.mark.parametrize(("order", "found"), [(5.95, True), (5.53, True), (14.0 * 0.42, False)])
+def test_a_roller_that_lost_spin_has_its_lines_beside_the_harmonics_of_the_cage(order: float, found: bool) -> None:
+    """Lines with sidebands at FTF, 2.5 to 9 % below 2 BSF; on a harmonic of FTF, they may as well be those of a broken bar."""
+    lines = {0.42: 0.5, 0.84: 0.45} | {h * order + k * 0.42: 0.6 for h in (1, 2, 3) for k in (-1, 0, 1)}
+    finding = Roller(P).finding(evidence((WHOLE, lines)))
+    assert finding is not None
+    assert (finding.excess > 0.0 and finding.lines.order == pytest.approx(order, rel=1e-3)) is found
+    assert Roller(P).families(ORDERS) == 2 * len(Roller(P).combs(ORDERS))
+
+
 def test_even_or_falling_harmonics_of_the_cage_do_not_cluster() -> None:
     for fall in (1.0, 0.95, 0.8):
         (there,) = evidence((WHOLE, {0.42 * k: 0.5 * fall**k for k in range(1, 50)})).bands

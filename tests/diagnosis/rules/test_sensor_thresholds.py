@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
@@ -52,7 +53,8 @@ def test_a_hundredth_of_the_samples_may_be_not_finite(count: int, flaw: str) -> 
 
 def clipped(count: int, limit: float = 3.5) -> Floats:
     """Return noise within a limit, of which the last ``count`` samples are clipped at it."""
-    column = np.clip(noise(), -0.9 * limit, 0.9 * limit)
+    column = noise()
+    column *= 0.9 * limit / np.abs(column).max()
     column[-count:] = limit
     return column
 
@@ -93,6 +95,14 @@ def test_a_signal_of_few_values_is_not_clipped_but_coarse(values: int, flawed: b
     late = np.concatenate([np.zeros(256), column])  # only the first 256 samples are looked at
     late[:256] = np.tile(np.arange(15.0), 18)[:256]
     assert Saturation(P).flaw(samples(late)) == ""
+
+
+@pytest.mark.parametrize(("limit", "flawed"), [(9.0, False), (1.5, True)])
+def test_the_largest_step_of_a_coarse_adc_is_rarer_than_the_next_one(limit: float, flawed: bool) -> None:
+    """Noise in steps of a sixth of its deviation; clipped at 1.5 deviations, the largest value has a fifteenth of the samples."""
+    column = np.clip(np.round(6.0 * noise(20000)), -6.0 * limit, 6.0 * limit)
+    column[[100, 101]] = column.max()
+    assert bool(Saturation(P).flaw(samples(column, sensor_range=1000.0))) is flawed
 
 
 def stuck(share: float, run: int) -> Floats:
@@ -170,6 +180,28 @@ def test_a_noisy_sensor_is_dead_only_if_it_was_not_always_noisy(fall: float, fla
     rule, louder = Dead(P), np.sqrt(np.var(column) / np.var(time)) * 10.0 ** (0.05 * fall) * (time - time.mean())
     assert not rule.flaw(samples(louder, louder))
     assert bool(rule.flaw(samples(column, column))) is flawed
+
+
+@pytest.mark.parametrize(("frequency", "flawed"), [(30.0, True), (29.2, True), (28.0, False), (0.0, False)])
+def test_a_bearing_may_fall_silent_with_the_shaft(frequency: float, flawed: bool) -> None:
+    """Powers are compared within 3 % of the speed; the spectrum left is that of a noisy sensor, not white."""
+    time = np.arange(RATE // 2) / RATE
+    left = noise(len(time)) + 0.4 * np.sin(2.0 * np.pi * 3000.0 * time)
+    rule = Dead(P)
+    before, after = (replace(samples(gain * left, gain * left), frequency=speed) for gain, speed in ((10.0, 30.0), (1.0, frequency)))
+    assert not rule.flaw(before)
+    assert bool(rule.flaw(after)) is flawed
+
+
+@pytest.mark.parametrize("rhythm", [3.0, 30.0, 200.0])
+@pytest.mark.parametrize("rate", [12000, 51200])
+def test_white_noise_that_follows_the_machine_is_no_dead_sensor(rhythm: float, rate: int) -> None:
+    time = np.arange(rate // 2) / rate
+    for seed in range(20):
+        still = noise(len(time), seed)
+        assert Dead(P).flaw(samples(still, still, rate=rate))
+        alive = still * (1.0 + 0.3 * np.cos(2.0 * np.pi * rhythm * time))
+        assert not Dead(P).flaw(samples(alive, alive, rate=rate))
 
 
 @pytest.mark.parametrize(("kurtosis", "found"), [(3.9, True), (4.1, False)])
@@ -366,6 +398,15 @@ def test_spikes_among_as_many_impacts_are_chance(impacts: int, flawed: bool) -> 
     column[9000:9004] = 20.0, 40.0, 60.0, -50.0
     assert count_jumps(column, 51, P) == (3, impacts)
     assert bool(Spikes(P).flaw(samples(column, noise()))) is flawed
+
+
+def test_an_impact_that_rises_over_many_samples_is_as_high_as_a_spike() -> None:
+    column = spiked(at=1000)
+    for k in range(2, 4):
+        column[1000 * k - 5 : 1000 * k + 60] = spiked(at=1000)[995:1060]
+    for k in range(4, 8):
+        column[1000 * k : 1000 * k + 80] = 200.0 * np.sin(np.pi * np.arange(80) / 80.0)
+    assert count_jumps(column, 51, P) == (3, 4)
 
 
 @pytest.mark.parametrize(("sensor_range", "flawed"), [(10.0, False), (10.01, True)])
