@@ -28,7 +28,7 @@ BOUNDS = (5.0, 95.0)
 MATCH = (5.0, 95.0)
 """Percentiles of the simulated healthy windows between which the median of the measured healthy ones must lie."""
 TREES = 500
-PAIRS, PAIR_TREES = 40, 200
+PAIRS, PAIR_TREES = 30, 200
 """Draws of machines and recordings for the bounds of a difference, and trees of each forest."""
 
 

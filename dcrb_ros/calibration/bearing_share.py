@@ -5,7 +5,8 @@ so that the amplitude of such a line in the squared envelope of a band belongs t
 analysis of rolling-element bearing signals", J. Sound Vib. 304(3-5), 497-529). The identified path gives all of the power to the bearing.
 Behind it, the bench's bearing has lines of the amplitude A; the machine has lines of the amplitude M. The share of the power is M/A, on
 the assumption that the machine's bearing is modulated as deeply as the bench's. With octaves b, families of lines k and the depths
-D = A / a and m = M / a over the mean squared envelope a of the bench,
+D = A / a of an individual over its own mean squared envelope and m = M / a over that of the source, to which the path gives the power of
+the machine,
 
     s^2 = sum_bk w_bk m_bk^2 / sum_bk w_bk D_bk^2,        w_bk = <D_bk^2> / (n_b^4 + d^4),
 
@@ -160,21 +161,29 @@ def _behind(signal: Floats, fit: PathFit, recording: int, rate: int, step_rate: 
 
 
 def _drawn_shares(pairs: Sequence[tuple[Lines, Sequence[Lines]]]) -> Floats:
-    """Return shares drawn by the bootstrap, shape (draws,) [-]; 0 and infinity where an individual of the bench shows no lines."""
-    random, count = np.random.default_rng(21), len(pairs[0][1])
+    """Return shares drawn by the bootstrap, shape (draws,) [-]; 0 and infinity where an individual of the bench shows no lines.
+
+    Each pair has the lines of the machine on an axis and those of the individuals behind the path, the first of which is the source.
+    """
+    count = len(pairs[0][1])
     sums, machines, benches = np.zeros(count), list[_Weighted](), [list[_Weighted]() for _ in range(count)]
     for machine, simulated in pairs:
-        scale = np.maximum(np.mean([one.mean for one in simulated], axis=0), np.finfo(np.float64).tiny)[:, None] ** 2
-        depths = np.array([np.maximum(0.0, one.families.mean(axis=0) - one.decoys.mean(axis=(0, 2))[:, None]) for one in simulated]) / scale
-        noise = np.mean((machine.decoys.mean(axis=0) / scale) ** 2, axis=1, keepdims=True)
+        scales = np.maximum([one.mean for one in simulated], np.finfo(np.float64).tiny)[..., None] ** 2
+        depths = np.array([np.maximum(0.0, one.families.mean(axis=0) - one.decoys.mean(axis=(0, 2))[:, None]) for one in simulated]) / scales
+        noise = np.mean((machine.decoys.mean(axis=0) / scales[0]) ** 2, axis=1, keepdims=True)
         weight = depths.mean(axis=0) / (noise + SHALLOW**4)
         sums += np.sum(weight * depths, axis=(1, 2))
-        machines.append(_Weighted(machine.families, machine.decoys, weight / scale))
-        for lines, one in zip(benches, simulated, strict=True):
+        machines.append(_Weighted(machine.families, machine.decoys, weight / scales[0]))
+        for lines, one, scale in zip(benches, simulated, scales, strict=True):
             lines.append(_Weighted(one.families, one.decoys, weight / scale))
-    if not all(_shows_lines(lines, random) for lines in benches):
+    if not all(_shows_lines(lines) for lines in benches):
         return np.array([0.0, math.inf])
-    return np.array([math.sqrt(max(0.0, _drawn_sum(machines, random) / _one_more(sums, random))) for _ in range(DRAWS)])
+    random = np.random.default_rng(21)
+    drawn = np.empty(DRAWS)
+    for k in range(DRAWS):
+        below = _one_more(sums, random)
+        drawn[k] = math.sqrt(max(0.0, _drawn_sum(machines, random) / below))
+    return drawn
 
 
 class _Weighted(NamedTuple):
@@ -195,8 +204,9 @@ def _drawn_sum(lines: Sequence[_Weighted], random: np.random.Generator) -> float
     return total
 
 
-def _shows_lines(lines: Sequence[_Weighted], random: np.random.Generator) -> bool:
+def _shows_lines(lines: Sequence[_Weighted]) -> bool:
     """Return whether an individual of the bench has lines that stand out of its noise in 95 % of the draws."""
+    random = np.random.default_rng(22)
     return float(np.quantile([_drawn_sum(lines, random) for _ in range(DRAWS)], 0.5 - 0.5 * LEVEL)) > 0.0
 
 

@@ -71,6 +71,11 @@ def test_the_share_is_the_ratio_of_the_lines_above_those_at_orders_without_lines
     assert _drawn_shares([(exact(1.1, 0.1, mean=7.0), bench)]) == pytest.approx(0.5)
 
 
+def test_an_individual_of_another_power_than_the_source_has_lines_of_the_same_depth() -> None:
+    others = [exact(4.0 * power**2, mean=power) for power in (0.3, 2.0, 5.0)]
+    assert _drawn_shares([(exact(1.0, mean=7.0), [exact(4.0), *others])]) == pytest.approx(0.5)
+
+
 def test_bands_in_which_the_bench_has_shallow_lines_count_little() -> None:
     loud = np.array([1.0, 10.0])  # the bench's lines of the second band are shallow, and the machine has none there
     bench = [dataclasses.replace(exact(4.0), mean=loud)] * INDIVIDUALS
