@@ -169,7 +169,7 @@ def _drawn_shares(pairs: Sequence[tuple[Lines, Sequence[Lines]]]) -> Floats:
     sums, machines, benches = np.zeros(count), list[_Weighted](), [list[_Weighted]() for _ in range(count)]
     for machine, simulated in pairs:
         scales = np.maximum([one.mean for one in simulated], np.finfo(np.float64).tiny)[..., None] ** 2
-        depths = np.array([np.maximum(0.0, one.families.mean(axis=0) - one.decoys.mean(axis=(0, 2))[:, None]) for one in simulated]) / scales
+        depths = np.array([_above_decoys(one) for one in simulated]) / scales
         noise = np.mean((machine.decoys.mean(axis=0) / scales[0]) ** 2, axis=1, keepdims=True)
         weight = depths.mean(axis=0) / (noise + SHALLOW**4)
         sums += np.sum(weight * depths, axis=(1, 2))
@@ -184,6 +184,11 @@ def _drawn_shares(pairs: Sequence[tuple[Lines, Sequence[Lines]]]) -> Floats:
         below = _one_more(sums, random)
         drawn[k] = math.sqrt(max(0.0, _drawn_sum(machines, random) / below))
     return drawn
+
+
+def _above_decoys(lines: Lines) -> Floats:
+    """Return the mean squares of the families above those of the decoys, at least 0, shape (bands, families)."""
+    return np.maximum(0.0, lines.families.mean(axis=0) - lines.decoys.mean(axis=(0, 2))[:, None])
 
 
 class _Weighted(NamedTuple):
