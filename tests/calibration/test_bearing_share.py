@@ -11,7 +11,7 @@ from synthetic_bearing import ORDERS
 
 import dcrb_ros
 from dcrb_ros.bearing.kinematics import Orders
-from dcrb_ros.calibration.bearing_share import UNKNOWN, Lines, _decoys, _drawn_shares, _one_more, _part, lines_in
+from dcrb_ros.calibration.bearing_share import SHALLOW, UNKNOWN, Lines, _decoys, _drawn_shares, _one_more, _part, lines_in
 from dcrb_ros.calibration.source import INDIVIDUALS
 from dcrb_ros.schema.arrays import Floats
 
@@ -82,6 +82,26 @@ def test_bands_in_which_the_bench_has_shallow_lines_count_little() -> None:
     machine = exact(1.0)
     machine.families[:, 1] = 0.0
     assert _drawn_shares([(machine, bench)]) == pytest.approx(0.5, rel=1e-3)
+
+
+def test_noise_as_strong_as_the_constant_halves_the_weight_of_a_band() -> None:
+    bench = [exact(4.0), *[exact(4.0 * 0.3**2, mean=0.3)] * (INDIVIDUALS - 1)]
+    machine = exact(1.0)
+    machine.families[:, 1], machine.decoys[:, 1] = SHALLOW**2, SHALLOW**2
+    assert _drawn_shares([(machine, bench)]) == pytest.approx(math.sqrt(1.0 / 6.0))
+
+
+def test_noise_of_a_loud_band_does_not_cover_the_lines_of_another() -> None:
+    loud, random = exact(4.0), np.random.default_rng(4)
+    loud.families[:, 1] = 100.0 * random.standard_normal((20, 3))
+    loud.mean[1] = 5.0
+    assert len(_drawn_shares([(exact(1.0), [*[exact(4.0)] * (INDIVIDUALS - 1), loud])])) > 2
+
+
+def test_an_individual_whose_lines_come_and_go_like_noise_leaves_the_share_unknown() -> None:
+    doubtful = exact(0.0)
+    doubtful.families[::2], doubtful.families[1::2] = 3.0, -2.0
+    assert _drawn_shares([(exact(1.0), [*[exact(4.0)] * (INDIVIDUALS - 1), doubtful])]).tolist() == [0.0, math.inf]
 
 
 def test_a_family_below_its_neighbours_in_the_bench_is_not_a_line() -> None:
