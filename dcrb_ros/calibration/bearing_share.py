@@ -188,7 +188,8 @@ def _drawn_shares(pairs: Sequence[tuple[Lines, Sequence[Lines]]]) -> Floats:
 
 def _above_decoys(lines: Lines) -> Floats:
     """Return the mean squares of the families above those of the decoys, at least 0, shape (bands, families)."""
-    return np.maximum(0.0, lines.families.mean(axis=0) - lines.decoys.mean(axis=(0, 2))[:, None])
+    above = lines.families.mean(axis=0) - lines.decoys.mean(axis=(0, 2))[:, None]
+    return np.asarray(np.maximum(0.0, above), np.float64)
 
 
 class _Weighted(NamedTuple):
