@@ -54,6 +54,8 @@ class Counts:
     """Whether the intervals contain the truth."""
     errors: dict[str, list[float]] = field(default_factory=lambda: defaultdict(list))
     """Relative errors [-]."""
+    unknown: dict[str, list[bool]] = field(default_factory=lambda: defaultdict(list))
+    """Whether a calibration says that the share is unknown."""
     bands: list[tuple[float, float, float]] = field(default_factory=list)
     """Middle of a third octave [Hz], estimated over true path and half of the interval [dB]."""
 
@@ -78,9 +80,11 @@ class Counts:
 
     def add_share(self, found: dcrb_ros.Calibration, truth: float) -> None:
         """Compare the share of the bearing with the truth."""
-        share = found["structure.bearing_share"]
-        self.inside["share of the bearing"].append(share.low <= truth <= share.high)
-        self.errors["share of the bearing"].append(share.value / truth - 1.0)
+        share, key = found["structure.bearing_share"], "share of the bearing" + ("" if truth < 1.0 else ", no other noise")
+        self.inside[key].append(share.low <= truth <= share.high)
+        self.errors[key].append(share.value / truth - 1.0)
+        self.unknown[key].append(any("share of the power is unknown" in sentence for sentence in found.unidentified))
+        print(f"  share {truth:.3g}: {share}", flush=True)
 
     def report(self) -> None:
         """Print rates and errors."""
@@ -88,6 +92,8 @@ class Counts:
             away = np.abs(self.errors[key]) if key in self.errors else None
             spread = "" if away is None else f", error {100 * np.sqrt(np.mean(away**2)):.2g} %, at most {100 * away.max():.2g} %"
             print(f"{key}: {np.mean(values):.0%} of {len(values)} within their intervals{spread}")
+        for key, values in self.unknown.items():
+            print(f"{key}: said to be unknown in {sum(values)} of {len(values)}")
         apart = np.abs([band[1] for band in self.bands])
         print(f"path: {np.sqrt(np.mean(apart**2)):.2f} dB, 99 % within {np.percentile(apart, 99):.2f} dB, at most {apart.max():.2f} dB")
         print(f"half of an interval of the path: {np.median([band[2] for band in self.bands]):.2f} dB")

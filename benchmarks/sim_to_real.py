@@ -25,9 +25,10 @@ from sim_to_real_data import (
     simulated_windows,
     sweep_tree,
 )
-from sim_to_real_figure import write_figure
+from sim_to_real_figure import write_figure, write_gaps
+from sim_to_real_gap import Gap, gaps_of
 from sim_to_real_noise import noisy_windows
-from sim_to_real_scores import Score, forest_scores, rule_scores, scored
+from sim_to_real_scores import Gain, Score, chosen, forest_scores, gain, left_out_scores, rule_scores, scored
 
 from dcrb_ros.calibration.calibration import calibrate
 from dcrb_ros.settings.files import load_configuration, to_yaml
@@ -35,8 +36,11 @@ from dcrb_ros.settings.files import load_configuration, to_yaml
 BENCH = "ball_bearing_6205"
 SPEED = "operating.speed"
 """Beginning of the keys that the calibration estimates from the angle of the shaft."""
-SHAPES = {"with band levels": True, "without": False}
-"""The two sets of features."""
+SHAPES = {"with band levels": (True, False), "without": (False, False), "that match": (True, True)}
+"""Sets of features: with levels of bands, and only those that match the healthy machine."""
+UNCALIBRATED, CALIBRATED = "simulated, uncalibrated", "simulated, calibrated"
+OWN = "its own other bearings"
+"""The training that shows what these features allow at most."""
 
 Row = tuple[str, str, str, Score]
 """Rig, training, set of features and score."""
@@ -65,14 +69,29 @@ def calibrated(rig: Rig, healthy: list[Measured], folder: Path, machines: int, s
     return simulated_windows(tree, folder / f"{rig.name}-calibrated", workers)
 
 
-def rows_of(rig: Rig, trainings: Mapping[str, Windows], test: Windows) -> list[Row]:
+def rows_of(rig: Rig, trainings: Mapping[str, Windows], test: Windows, healthy: Windows | None) -> list[Row]:
     """Return the scores of a rig's recordings, by training and set of features."""
     found: list[Row] = [(rig.name, "envelope rules, no training", "-", scored(rule_scores(test), test))]
     for training, windows in trainings.items():
-        for shape, levels in SHAPES.items():
-            if levels and windows.names != test.names:  # another sampling rate has other bands
-                continue
-            found.append((rig.name, training, shape, scored(forest_scores(windows, test, levels), test)))
+        for shape, (levels, matching) in SHAPES.items():
+            if (levels and windows.names != test.names) or (matching and (healthy is None or "healthy" not in windows.truth)):
+                continue  # another sampling rate has other bands
+            given = chosen(windows, test, levels, healthy if matching else None)
+            found.append((rig.name, training, f"{shape} ({given.test.shape[1]})", scored(forest_scores(windows.truth, given), test)))
+    if healthy is not None:
+        for shape, (levels, matching) in SHAPES.items():
+            if not matching:
+                found.append((rig.name, OWN, shape, scored(left_out_scores(test, healthy, levels), test)))
+    return found
+
+
+def gains_of(rig: Rig, trainings: Mapping[str, Windows], test: Windows, healthy: Windows) -> list[tuple[str, str, Gain]]:
+    """Return how much better the calibrated training set is than the uncalibrated one, by set of features."""
+    found = []
+    for shape, (levels, matching) in SHAPES.items():
+        sets = trainings[CALIBRATED], trainings[UNCALIBRATED]
+        given = [chosen(one, test, levels, healthy if matching else None) for one in sets]
+        found.append((rig.name, shape, gain(*sets, (given[0], given[1]), test)))
     return found
 
 
@@ -82,6 +101,20 @@ def markdown(rows: list[Row]) -> str:
     for rig, training, shape, score in rows:
         areas = " | ".join(f"{score.classes[name]:.2f}" if name in score.classes else "" for name in CLASSES)
         lines.append(f"| {rig} | {training} | {shape} | {score.macro:.2f} ({score.low:.2f} to {score.high:.2f}) | {areas} |")
+    return "\n".join(lines) + "\n"
+
+
+def markdown_of_gains(gains: list[tuple[str, str, Gain]]) -> str:
+    """Return the differences as a table."""
+    lines = ["| rig | features | calibrated over uncalibrated (90 % bounds) |", "|---|---|---|"]
+    lines += [f"| {rig} | {shape} | {one.mean:+.3f} ({one.low:+.3f} to {one.high:+.3f}) |" for rig, shape, one in gains]
+    return "\n".join(lines) + "\n"
+
+
+def markdown_of_gaps(gaps: list[Gap]) -> str:
+    """Return the gaps as a table."""
+    lines = ["| rig | training | class | without band levels | band levels |", "|---|---|---|---|---|"]
+    lines += [f"| {one.rig} | {one.training} | {one.fault} | {one.shape:.2f} | {one.level:.2f} |" for one in gaps]
     return "\n".join(lines) + "\n"
 
 
@@ -104,18 +137,27 @@ def main(arguments: list[str] | None = None) -> int:
         return 0
     tests = {rig.name: measured_windows(measured(given.measured, rig)[1]) for rig in RIGS}
     rows: list[Row] = []
+    gains: list[tuple[str, str, Gain]] = []
+    gaps: list[Gap] = []
     for rig in (rig for rig in RIGS if rig.name in given.rigs):
         size = given.output, given.machines, given.seconds, given.workers
-        trainings = {"simulated, uncalibrated": uncalibrated(rig, *size)}
+        trainings = {UNCALIBRATED: uncalibrated(rig, *size)}
         healthy, _ = measured(given.measured, rig)
         if healthy:
-            trainings["simulated, calibrated"] = calibrated(rig, healthy, *size)
+            trainings[CALIBRATED] = calibrated(rig, healthy, *size)
             trainings["simulated, noise of the machine"] = noisy_windows(given.output / f"{rig.name}-uncalibrated", healthy)
         trainings |= {f"measured on {name}": windows for name, windows in tests.items() if name != rig.name}
-        rows += rows_of(rig, trainings, tests[rig.name])
-    (given.output / "table.md").write_text(markdown(rows))
+        known = measured_windows(healthy) if healthy else None
+        rows += rows_of(rig, trainings, tests[rig.name], known)
+        if known is not None:
+            gains += gains_of(rig, trainings, tests[rig.name], known)
+            simulated = {name: trainings[name] for name in (UNCALIBRATED, CALIBRATED)}
+            gaps += gaps_of(rig.name, simulated, tests[rig.name], known)
+    table = "\n".join((markdown(rows), markdown_of_gains(gains), markdown_of_gaps(gaps)))
+    (given.output / "table.md").write_text(table)
     write_figure(rows, given.output / "scores.png")
-    print(markdown(rows))
+    write_gaps(gaps, given.output / "gaps.png")
+    print(table)
     return 0
 
 

@@ -6,18 +6,19 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import matplotlib.pyplot as plt
+from sim_to_real_gap import Gap
 from sim_to_real_scores import Score
 
 
 def write_figure(rows: Sequence[tuple[str, str, str, Score]], path: Path) -> None:
     """Write macro AUROC with its bounds by rig and training; of the sets of features the one without band levels."""
-    rows = [row for row in rows if row[2] != "with band levels"]
+    rows = [row for row in rows if row[2].startswith(("-", "without"))]
     rigs = list(dict.fromkeys(rig for rig, *_ in rows))
     figure, axes = plt.subplots(1, len(rigs), figsize=(11.0, 3.2), sharex=True, squeeze=False, layout="constrained")
     for axis, rig in zip(axes[0], rigs, strict=True):
         own = [(training, score) for name, training, _, score in rows if name == rig]
         for place, (training, score) in enumerate(reversed(own)):
-            colour = "C0" if training.startswith("simulated") else "C1" if training.startswith("measured") else "0.3"
+            colour = "C0" if training.startswith("simulated") else "C1" if training.startswith(("measured", "its own")) else "0.3"
             axis.plot([score.low, score.high], [place, place], color=colour, lw=2)
             axis.plot(score.macro, place, "o", color=colour)
         axis.set_yticks(range(len(own)), [training for training, _ in reversed(own)], fontsize=8)
@@ -26,4 +27,24 @@ def write_figure(rows: Sequence[tuple[str, str, str, Score]], path: Path) -> Non
         axis.axvline(0.85, color="0.7", lw=0.8, ls="--")
         axis.set_xlabel("macro AUROC, 90 % bounds", fontsize=8)
         axis.grid(axis="x", alpha=0.3)
+    figure.savefig(path, dpi=110)
+
+
+def write_gaps(gaps: Sequence[Gap], path: Path) -> None:
+    """Write how far simulated windows are from measured ones, by rig, class and training, as bars."""
+    rigs = list(dict.fromkeys(one.rig for one in gaps))
+    trainings = list(dict.fromkeys(one.training for one in gaps))
+    figure, axes = plt.subplots(1, 2 * len(rigs), figsize=(11.0, 3.2), sharey=True, squeeze=False, layout="constrained")
+    for number, axis in enumerate(axes[0]):
+        rig, levels = rigs[number // 2], number % 2 == 0
+        for k, training in enumerate(trainings):
+            own = [one for one in gaps if (one.rig, one.training) == (rig, training)]
+            places = [place + 0.4 * k - 0.2 for place in range(len(own))]
+            axis.bar(places, [one.level if levels else one.shape for one in own], 0.38, color=("0.6", "C0")[k], label=training)
+            axis.set_xticks(range(len(own)), [one.fault.replace("_", " ") for one in own], fontsize=8)
+        axis.set_title(f"{rig}: {'band levels' if levels else 'all other features'}", fontsize=10)
+        axis.grid(axis="y", alpha=0.3)
+    axes[0][0].set_ylim(0.0, 1.0)
+    axes[0][0].set_ylabel("measured against simulated,\nmean of |2 AUROC - 1|", fontsize=8)
+    axes[0][-1].legend(fontsize=8)
     figure.savefig(path, dpi=110)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -17,9 +18,18 @@ LEVELS = re.compile(r"y_level_")
 ABSOLUTE = ("y_rms", "y_peak")
 """Features that depend on the gain; they are left out."""
 FAMILIES = {"outer_ring": "BPFO", "inner_ring": "BPFI", "roller": "2BSF"}
+LOAD = re.compile(r"(at\d+)?_\d+$")
+"""What follows the bearing in the name of a recording: place of the spall, load or speed."""
 BOOTSTRAPS = 500
 BOUNDS = (5.0, 95.0)
 """Percentiles of the bootstrap."""
+
+
+MATCH = (5.0, 95.0)
+"""Percentiles of the simulated healthy windows between which the median of the measured healthy ones must lie."""
+TREES = 500
+PAIRS, PAIR_TREES = 30, 200
+"""Draws of machines and recordings for the bounds of a difference, and trees of each forest."""
 
 
 class Score(NamedTuple):
@@ -43,14 +53,52 @@ def gain_free(windows: Windows, levels: bool) -> Floats:
     return found
 
 
-def forest_scores(train: Windows, test: Windows, levels: bool, seed: int = 1) -> Floats:
-    """Return the probability of each of `CLASSES` for each window; zero of a class that the training set does not have."""
-    forest = RandomForestClassifier(500, min_samples_leaf=2, class_weight="balanced", random_state=seed)
-    forest.fit(gain_free(train, levels), train.truth)
-    probability = forest.predict_proba(gain_free(test, levels))
+class Features(NamedTuple):
+    """Features of training and test windows, in the same columns."""
+
+    train: Floats
+    test: Floats
+
+
+def chosen(train: Windows, test: Windows, levels: bool, healthy: Windows | None = None) -> Features:
+    """Return the features that do not depend on the gain; with ``healthy`` only those that match.
+
+    A feature matches if the median of the measured healthy windows lies between the `MATCH` percentiles of those of the training set.
+    """
+    found = Features(gain_free(train, levels), gain_free(test, levels))
+    if healthy is None:
+        return found
+    low, high = np.percentile(found.train[np.array(train.truth) == "healthy"], MATCH, axis=0)
+    middle = np.median(gain_free(healthy, levels), axis=0)
+    kept = (low <= middle) & (middle <= high)
+    return Features(found.train[:, kept], found.test[:, kept])
+
+
+def forest_scores(truth: Sequence[str], given: Features, seed: int = 1, trees: int = TREES) -> Floats:
+    """Return the probability of each of `CLASSES` for each test window; zero of a class that the training set does not have."""
+    forest = RandomForestClassifier(trees, min_samples_leaf=2, class_weight="balanced", random_state=seed)
+    forest.fit(given.train, truth)
+    probability = forest.predict_proba(given.test)
     found = np.zeros((len(probability), len(CLASSES)))
     for k, name in enumerate(forest.classes_):
         found[:, CLASSES.index(name)] = probability[:, k]
+    return found
+
+
+def left_out_scores(test: Windows, healthy: Windows, levels: bool) -> Floats:
+    """Return the scores of a forest of the rig's own measured faults, each faulty bearing scored without its recordings.
+
+    Windows of the tested healthy recordings have the mean of the scores of all forests.
+    """
+    bearing = np.array([LOAD.sub("", name) for name in test.recording])
+    truth, values, known = np.array(test.truth), gain_free(test, levels), gain_free(healthy, levels)
+    sound, found = truth == "healthy", np.zeros((len(truth), len(CLASSES)))
+    bearings = list(dict.fromkeys(bearing[~sound]))
+    for one in bearings:
+        train = ~sound & (bearing != one)
+        scores = forest_scores([*truth[train], *healthy.truth], Features(np.concatenate([values[train], known]), values))
+        found[bearing == one] = scores[bearing == one]
+        found[sound] += scores[sound] / len(bearings)
     return found
 
 
@@ -72,21 +120,53 @@ def rule_scores(test: Windows) -> Floats:
 
 
 def scored(scores: Floats, test: Windows, seed: int = 1) -> Score:
-    """Return the macro AUROC over the classes that the test set has, with bounds.
-
-    The bootstrap draws recordings within each class, since the windows of one recording are alike.
-    """
-    truth, names = np.array(test.truth), np.array(test.recording)
-    present = [name for name in CLASSES if (truth == name).any()]
-    rows = {one: np.flatnonzero(names == one) for one in dict.fromkeys(test.recording)}
-    by_class = {fault: [one for one, at in rows.items() if truth[at[0]] == fault] for fault in present}
-    random, drawn = np.random.default_rng(seed), []
-    for _ in range(BOOTSTRAPS):
-        chosen = [one for fault in present for one in random.choice(by_class[fault], len(by_class[fault]))]
-        drawn.append(np.mean(list(_areas(scores, truth, np.concatenate([rows[one] for one in chosen]), present).values())))
+    """Return the macro AUROC over the classes that the test set has, with bounds of a bootstrap over its recordings."""
+    truth, random, present = np.array(test.truth), np.random.default_rng(seed), _present(test)
+    drawn = [np.mean(list(_areas(scores, truth, _drawn_recordings(test, random), present).values())) for _ in range(BOOTSTRAPS)]
     areas = _areas(scores, truth, np.arange(len(truth)), present)
     low, high = np.percentile(drawn, BOUNDS)
     return Score(float(np.mean(list(areas.values()))), float(low), float(high), areas)
+
+
+class Gain(NamedTuple):
+    """Difference of two macro AUROC."""
+
+    mean: float
+    low: float
+    high: float
+
+
+def gain(one: Windows, other: Windows, given: tuple[Features, Features], test: Windows, seed: int = 1) -> Gain:
+    """Return how much better a training set is than another, with bounds of a bootstrap over the machines of both and the recordings."""
+    random, truth, drawn = np.random.default_rng(seed), np.array(test.truth), []
+    for _ in range(PAIRS):
+        at = _drawn_recordings(test, random)
+        both = []
+        for windows, features in zip((one, other), given, strict=True):
+            machines = _rows(windows.recording)
+            rows = np.concatenate([machines[name] for name in random.choice(list(machines), len(machines))])
+            given_rows = Features(features.train[rows], features.test)
+            scores = forest_scores(np.array(windows.truth)[rows].tolist(), given_rows, int(random.integers(1 << 31)), PAIR_TREES)
+            both.append(np.mean(list(_areas(scores, truth, at, _present(test)).values())))
+        drawn.append(both[0] - both[1])
+    low, high = np.percentile(drawn, BOUNDS)
+    return Gain(float(np.mean(drawn)), float(low), float(high))
+
+
+def _rows(recordings: Sequence[str]) -> dict[str, npt.NDArray[np.int64]]:
+    names = np.array(recordings)
+    return {one: np.flatnonzero(names == one) for one in dict.fromkeys(recordings)}
+
+
+def _present(test: Windows) -> list[str]:
+    return [name for name in CLASSES if name in test.truth]
+
+
+def _drawn_recordings(test: Windows, random: np.random.Generator) -> npt.NDArray[np.int64]:
+    """Return the rows of recordings drawn within each class, since the windows of one recording are alike."""
+    rows = _rows(test.recording)
+    by_class = {fault: [one for one, at in rows.items() if test.truth[at[0]] == fault] for fault in _present(test)}
+    return np.concatenate([rows[one] for names in by_class.values() for one in random.choice(names, len(names))])
 
 
 def _areas(scores: Floats, truth: npt.NDArray[np.str_], at: npt.NDArray[np.int64], present: list[str]) -> dict[str, float]:

@@ -1,17 +1,19 @@
 r"""The bearing's share of the healthy power, and the noise of the machine that is the rest.
 
-A spectrum cannot tell the bearing from other sources; the squared envelope can. Sources that know nothing of the bearing have no line at
-its orders, so that the amplitude of such a line in the squared envelope of a band belongs to the bearing alone (Antoni 2007, "Cyclic
-spectral analysis of rolling-element bearing signals", J. Sound Vib. 304(3-5), 497-529). Behind the identified path, which gives all of
-the power to the bearing, the bench's bearing has lines of the amplitude A; the machine has lines of the amplitude M. The share is M/A,
-under the assumption that the machine's bearing is modulated as deeply as the bench's. Over octaves b and families of lines k, with the
-depths D = A / mean and m = M / mean over the mean squared envelope of the bench,
+A spectrum cannot tell the bearing from other sources; the squared envelope can. Other sources have no lines at the orders of the bearing,
+so that the amplitude of such a line in the squared envelope of a band belongs to the bearing alone (Antoni 2007, "Cyclic spectral
+analysis of rolling-element bearing signals", J. Sound Vib. 304(3-5), 497-529). The identified path gives all of the power to the bearing.
+Behind it, the bench's bearing has lines of the amplitude A; the machine has lines of the amplitude M. The share of the power is M/A, on
+the assumption that the machine's bearing is modulated as deeply as the bench's. With octaves b, families of lines k and the depths
+D = A / a of an individual over its own mean squared envelope and m = M / a over that of the source, to which the path gives the power of
+the machine,
 
     s^2 = sum_bk w_bk m_bk^2 / sum_bk w_bk D_bk^2,        w_bk = <D_bk^2> / (n_b^4 + d^4),
 
-where squares are above those of neighbouring orders, n^2 is what is found so at orders without lines, and <> is the mean over
-individuals of the bench's bearing, whose lines differ. The interval is that of a bootstrap over windows and these orders; the logarithm
-of the lower sum is that of another individual, drawn from Student's t about the mean of a few.
+where all squares are above those of neighbouring orders, n^2 is the square found in this way at orders without lines, d is a constant, and
+<> is the mean over individuals of the bench's bearing, whose lines differ. The interval is that of a bootstrap over windows and over the
+orders without lines. The machine's bearing is one more individual: the logarithm of its lower sum is drawn from Student's t about the mean
+of the few that are simulated. If the bench has no lines that stand out of its own noise, nothing is known of the share.
 """
 
 from __future__ import annotations
@@ -19,6 +21,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -85,7 +88,7 @@ def bearing_share_of(machines: Sequence[Measured], individuals: Sequence[Sequenc
                 behind = _behind(one.acceleration[COLUMNS[axis]], path.fits[axis], number, machine.rate, step_rate)
                 simulated.append(lines_in(behind, one.turns, machine.rate, bands, machine.orders))
             pairs.append((found, simulated))
-    part = _part(_drawn_shares(pairs) if pairs[0][0].families.shape[1] else np.array([0.0, np.inf]))
+    part = _part(_drawn_shares(pairs))
     if part.estimates[0].low < 1.0:
         _add_noise(part, machines, path)
     return part
@@ -158,56 +161,95 @@ def _behind(signal: Floats, fit: PathFit, recording: int, rate: int, step_rate: 
 
 
 def _drawn_shares(pairs: Sequence[tuple[Lines, Sequence[Lines]]]) -> Floats:
-    """Return shares drawn by the bootstrap, shape (draws,) [-]; infinite where the bench has no lines."""
-    random = np.random.default_rng(21)
-    prepared = []
+    """Return shares drawn by the bootstrap, shape (draws,) [-]; 0 and infinity where an individual of the bench shows no lines.
+
+    Each pair has the lines of the machine on an axis and those of the individuals behind the path, the first of which is the source.
+    """
+    count = len(pairs[0][1])
+    sums, machines, benches = np.zeros(count), list[_Weighted](), [list[_Weighted]() for _ in range(count)]
     for machine, simulated in pairs:
-        scale = np.maximum(np.mean([one.mean for one in simulated], axis=0), np.finfo(np.float64).tiny)[:, None] ** 2
-        depths = np.array([np.maximum(0.0, one.families.mean(axis=0) - one.decoys.mean(axis=(0, 2))[:, None]) for one in simulated]) / scale
-        noise = np.mean((machine.decoys.mean(axis=0) / scale) ** 2, axis=1, keepdims=True)
-        prepared.append((machine.families / scale, machine.decoys / scale, depths, depths.mean(axis=0) / (noise + SHALLOW**4)))
-    benches = [sum(float(np.sum(weight * depths[k])) for _, _, depths, weight in prepared) for k in range(len(pairs[0][1]))]
-    if min(benches) <= 0.0:
-        return np.full(DRAWS, math.inf)
-    logarithms, count = np.log(benches), len(benches)
-    spread = float(np.std(logarithms, ddof=1)) * math.sqrt(1.0 + 1.0 / count) if count > 1 else 0.0
+        scales = np.maximum([one.mean for one in simulated], np.finfo(np.float64).tiny)[..., None] ** 2
+        depths = np.array([_above_decoys(one) for one in simulated]) / scales
+        noise = np.mean((machine.decoys.mean(axis=0) / scales[0]) ** 2, axis=1, keepdims=True)
+        weight = depths.mean(axis=0) / (noise + SHALLOW**4)
+        sums += np.sum(weight * depths, axis=(1, 2))
+        machines.append(_Weighted(machine.families, machine.decoys, weight / scales[0]))
+        for lines, one, scale in zip(benches, simulated, scales, strict=True):
+            lines.append(_Weighted(one.families, one.decoys, weight / scale))
+    if not all(_shows_lines(lines) for lines in benches):
+        return np.array([0.0, math.inf])
+    random = np.random.default_rng(21)
     drawn = np.empty(DRAWS)
     for k in range(DRAWS):
-        below = math.exp(float(logarithms.mean()) + spread * float(random.standard_t(max(1, count - 1))))
-        above = 0.0
-        for families, decoys, _, weight in prepared:
-            windows = random.integers(len(families), size=(len(families) + 1) // 2)  # they overlap by half
-            chosen = random.integers(decoys.shape[2], size=families.shape[2])
-            above += float(np.sum(weight * (families[windows] - decoys[windows][..., chosen]).mean(axis=0)))
-        drawn[k] = math.sqrt(max(0.0, above / below))
+        below = _one_more(sums, random)
+        drawn[k] = math.sqrt(max(0.0, _drawn_sum(machines, random) / below))
     return drawn
+
+
+def _above_decoys(lines: Lines) -> Floats:
+    """Return the mean squares of the families above those of the decoys, at least 0, shape (bands, families)."""
+    above = lines.families.mean(axis=0) - lines.decoys.mean(axis=(0, 2))[:, None]
+    return np.asarray(np.maximum(0.0, above), np.float64)
+
+
+class _Weighted(NamedTuple):
+    """Lines of an axis and the weight of each."""
+
+    families: Floats
+    decoys: Floats
+    weight: Floats
+
+
+def _drawn_sum(lines: Sequence[_Weighted], random: np.random.Generator) -> float:
+    """Return the weighted sum over all axes of lines above orders without lines, windows and such orders drawn with replacement."""
+    total = 0.0
+    for families, decoys, weight in lines:
+        windows = random.integers(len(families), size=(len(families) + 1) // 2)  # they overlap by half
+        chosen = random.integers(decoys.shape[2], size=families.shape[2])
+        total += float(np.sum(weight * (families[windows] - decoys[windows][..., chosen]).mean(axis=0)))
+    return total
+
+
+def _shows_lines(lines: Sequence[_Weighted]) -> bool:
+    """Return whether an individual of the bench has lines that stand out of its noise in 95 % of the draws."""
+    random = np.random.default_rng(22)
+    return float(np.quantile([_drawn_sum(lines, random) for _ in range(DRAWS)], 0.5 - 0.5 * LEVEL)) > 0.0
+
+
+def _one_more(sums: Floats, random: np.random.Generator) -> float:
+    """Draw the sum of one more individual, whose logarithm is distributed like those of the others.
+
+    (x - mean) / (deviation sqrt(1 + 1/n)) follows Student's t with n - 1 degrees of freedom (Hahn and Meeker 1991, "Statistical
+    Intervals", ch. 4).
+    """
+    logarithms, count = np.log(sums), len(sums)
+    deviation = float(np.std(logarithms, ddof=1)) * math.sqrt(1.0 + 1.0 / count)
+    return math.exp(float(logarithms.mean()) + deviation * float(random.standard_t(count - 1)))
 
 
 def _part(drawn: Floats) -> Part:
     """Return the estimate from drawn shares, and what is not identified."""
     part = Part()
     low, middle, high = (float(np.quantile(drawn, at, method="nearest")) for at in (0.5 - 0.5 * LEVEL, 0.5, 0.5 + 0.5 * LEVEL))
-    value = min(1.0, middle if low > 0.0 else max(middle, min(high, 1.0) / math.sqrt(UNKNOWN)))
-    if high >= 1.0:
-        if low <= 0.0:
-            part.remarks.append(
-                "the bearing's share of the power is unknown, for neither bench nor machine has clear lines of it in the envelope: "
-                f"{1.0 / UNKNOWN:g} to 1"
-            )
-    else:
+    shown, top = low > 0.0, min(1.0, high)
+    if high < 1.0:
         part.remarks.append(
             f"the bearing has at most {high:.2g} of the power if its lines in the envelope are as deep as the bench's: the rest is noise "
             "of the machine"
         )
-        if low <= 0.0:
+        if not shown:
             part.remarks.append(
                 f"the lower end of that share is a convention, {UNKNOWN:g} times less: no line of the bearing stands out of the envelope"
             )
-    high = min(high, 1.0)
-    low = min(low, high) if low > 0.0 else high / UNKNOWN
-    value = min(max(value, low), high)
+    elif not shown:
+        part.remarks.append(
+            "the bearing's share of the power is unknown, for machine or bench has no clear lines of it in the envelope: "
+            f"{1.0 / UNKNOWN:g} to 1, a convention"
+        )
+    bottom = min(low, top) if shown else top / UNKNOWN
+    value = min(top, middle if shown else max(middle, top / math.sqrt(UNKNOWN)))
     part.parameters["structure.bearing_share"] = value
-    part.estimates.append(Estimate("structure.bearing_share", value, low, high, "-", log=True))
+    part.estimates.append(Estimate("structure.bearing_share", value, bottom, top, "-", log=True))
     return part
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 
 import numpy as np
@@ -9,7 +10,8 @@ import pytest
 from synthetic_bearing import ORDERS
 
 import dcrb_ros
-from dcrb_ros.calibration.bearing_share import Lines, _drawn_shares, _part, lines_in
+from dcrb_ros.bearing.kinematics import Orders
+from dcrb_ros.calibration.bearing_share import SHALLOW, UNKNOWN, Lines, _decoys, _drawn_shares, _one_more, _part, lines_in
 from dcrb_ros.calibration.source import INDIVIDUALS
 from dcrb_ros.schema.arrays import Floats
 
@@ -55,7 +57,114 @@ def test_all_of_the_power_is_the_bearings_where_its_lines_are_as_deep_as_the_ben
 
 def test_a_bench_without_lines_says_that_the_share_is_unknown() -> None:
     part = _part(_drawn_shares([(lines(0.9, 1.0, seed=12), [lines(0.0, 1.0, seed=k) for k in range(INDIVIDUALS)])]))
-    assert part.estimates[0].value == part.estimates[0].high == 1.0
+    assert (part.estimates[0].low, part.estimates[0].high) == (1.0 / UNKNOWN, 1.0)
+    assert any("unknown" in sentence for sentence in part.remarks)
+
+
+def exact(family: float, decoy: float = 0.0, *, mean: float = 1.0, windows: int = 20) -> Lines:
+    """Return lines of equal squares in all windows, two bands and all families."""
+    return Lines(np.full((windows, 2, 3), family), np.full((windows, 2, 8), decoy), np.full(2, mean))
+
+
+def test_the_share_is_the_ratio_of_the_lines_above_those_at_orders_without_lines() -> None:
+    bench = [exact(4.3, 0.3, mean=2.0)] * INDIVIDUALS
+    assert _drawn_shares([(exact(1.1, 0.1, mean=7.0), bench)]) == pytest.approx(0.5)
+
+
+def test_an_individual_of_another_power_than_the_source_has_lines_of_the_same_depth() -> None:
+    others = [exact(4.0 * power**2, mean=power) for power in (0.3, 2.0, 5.0)]
+    assert _drawn_shares([(exact(1.0, mean=7.0), [exact(4.0), *others])]) == pytest.approx(0.5)
+
+
+def test_bands_in_which_the_bench_has_shallow_lines_count_little() -> None:
+    loud = np.array([1.0, 10.0])  # the bench's lines of the second band are shallow, and the machine has none there
+    bench = [dataclasses.replace(exact(4.0), mean=loud)] * INDIVIDUALS
+    machine = exact(1.0)
+    machine.families[:, 1] = 0.0
+    assert _drawn_shares([(machine, bench)]) == pytest.approx(0.5, rel=1e-3)
+
+
+def test_noise_as_strong_as_the_constant_halves_the_weight_of_a_band() -> None:
+    bench = [exact(4.0), *[exact(4.0 * 0.3**2, mean=0.3)] * (INDIVIDUALS - 1)]
+    machine = exact(1.0)
+    machine.families[:, 1], machine.decoys[:, 1] = SHALLOW**2, SHALLOW**2
+    assert _drawn_shares([(machine, bench)]) == pytest.approx(math.sqrt(1.0 / 6.0))
+
+
+def test_noise_of_a_loud_band_does_not_cover_the_lines_of_another() -> None:
+    loud, random = exact(4.0), np.random.default_rng(4)
+    loud.families[:, 1] = 100.0 * random.standard_normal((20, 3))
+    loud.mean[1] = 5.0
+    assert len(_drawn_shares([(exact(1.0), [*[exact(4.0)] * (INDIVIDUALS - 1), loud])])) > 2
+
+
+def test_an_individual_whose_lines_come_and_go_like_noise_leaves_the_share_unknown() -> None:
+    doubtful = exact(0.0)
+    doubtful.families[::2], doubtful.families[1::2] = 3.0, -2.0
+    assert _drawn_shares([(exact(1.0), [*[exact(4.0)] * (INDIVIDUALS - 1), doubtful])]).tolist() == [0.0, math.inf]
+
+
+def test_a_family_below_its_neighbours_in_the_bench_is_not_a_line() -> None:
+    bench, machine = exact(4.0), exact(1.0)
+    bench.families[..., 2], machine.families[..., 2] = -9.0, 0.0
+    assert _drawn_shares([(machine, [bench] * INDIVIDUALS)]) == pytest.approx(0.5)
+
+
+def test_an_individual_without_lines_leaves_the_share_unknown() -> None:
+    bench = [*[exact(4.0)] * (INDIVIDUALS - 1), exact(0.0)]
+    assert _drawn_shares([(exact(1.0), bench)]).tolist() == [0.0, math.inf]
+
+
+def test_the_interval_contains_one_more_individual_in_nine_of_ten_cases() -> None:
+    random = np.random.default_rng(1)
+    sums = np.exp(random.normal(2.0, 0.5, (1500, INDIVIDUALS + 1)))
+    below = [np.mean([_one_more(row[:-1], random) < row[-1] for _ in range(40)]) for row in sums]
+    assert np.mean(np.abs(np.array(below) - 0.5) < 0.45) == pytest.approx(0.9, abs=0.02)
+
+
+def test_windows_that_overlap_by_half_count_half() -> None:
+    random, count = np.random.default_rng(2), 60
+    families = 1.0 + 0.1 * random.standard_normal((count, 1, 1)) * np.ones((1, 2, 3))
+    drawn = _drawn_shares([(dataclasses.replace(exact(1.0, windows=count), families=families), [exact(1.0)] * INDIVIDUALS)])
+    assert np.std(drawn**2) == pytest.approx(0.1 / math.sqrt(count / 2), rel=0.2)
+
+
+def test_windows_overlap_by_half() -> None:
+    assert len(lines(0.9, 1.0, seed=1, seconds=3.0).families) == 5
+
+
+def test_harmonics_of_the_shaft_are_no_lines_of_the_bearing() -> None:
+    random = np.random.default_rng(3)
+    turns: Floats = SHAFT * np.arange(6 * RATE) / RATE
+    signal = random.standard_normal(len(turns)) * np.sqrt(1.0 + 0.9 * np.cos(2.0 * math.pi * 7.0 * turns))
+    near = Orders(ORDERS.ftf, 6.95, ORDERS.bpfi, ORDERS.bsf)
+    found = lines_in(signal, turns, RATE, BANDS, near)
+    assert np.all(np.abs(found.families.mean(axis=0)[:, 0] / found.mean**2) < 0.05)
+
+
+@pytest.mark.parametrize("fundamentals", [(6.72, 9.28, 6.1), (3.5848, 5.4152, 4.7139)])
+def test_orders_without_lines_keep_away_from_all_harmonics(fundamentals: tuple[float, ...]) -> None:
+    found = np.array(_decoys(fundamentals))
+    harmonics = np.outer(fundamentals, (1.0, 2.0, 3.0)).ravel()
+    assert len(found) >= 4
+    assert np.abs(found[:, None] / harmonics - 1.0).min() > 0.045
+
+
+@pytest.mark.parametrize(
+    ("nothing", "low", "value", "high"),
+    [(0.0, 0.05, 0.5, 0.95), (0.2, 0.08, 0.8, 0.8), (0.6, 0.08, 0.8 / math.sqrt(10.0), 0.8), (0.6, 0.1, 1.0 / math.sqrt(10.0), 1.0)],
+)
+def test_the_interval_of_90_percent_ends_10_db_below_its_upper_end_where_no_line_stands_out(
+    nothing: float, low: float, value: float, high: float
+) -> None:
+    drawn = np.linspace(0.0, 1.0, 101) if nothing == 0.0 else np.where(np.arange(100) < 100 * nothing, 0.0, high if high < 1.0 else 3.0)
+    share = _part(drawn).estimates[0]
+    assert (share.low, share.value, share.high) == pytest.approx((low, value, high))
+
+
+def test_a_share_above_1_is_1() -> None:
+    share = _part(np.full(100, 2.0)).estimates[0]
+    assert share.low == share.value == share.high == 1.0
 
 
 def test_a_machine_with_noise_of_its_own_gets_its_share_and_its_spectrum_back() -> None:
