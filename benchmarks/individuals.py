@@ -1,8 +1,11 @@
 """Variance of usual features between bearings, against that between runs of one bearing with other seeds.
 
-``python benchmarks/individuals.py [BEARINGS] [drawn|set] [DURATION]`` simulates two runs of each bearing of the bench `healthy`, which
+``python benchmarks/individuals.py [BEARINGS] [drawn|set] [DURATION ...]`` simulates two runs of each bearing of the bench `healthy`, which
 differ in the seed of the run: the fluctuation of the speed, and with ``drawn`` the angles of the cages at the start. DURATION is the
-simulated time of the features [s].
+simulated time of the features [s]; several ones are windows of the same runs, which begin together. The last line shows how fast the cages
+of a bearing turn against each other: while that is less than a pitch of the rollers, a run has one stagger of its rows.
+``python benchmarks/individuals.py BEARINGS staggers [DURATION]`` stands for recordings of minutes: it averages features over 1, 2, 4 and 8
+runs with drawn angles.
 """
 
 from __future__ import annotations
@@ -14,6 +17,7 @@ from scipy import fft
 
 from dcrb_ros.bearing.kinematics import characteristic_orders
 from dcrb_ros.schema.arrays import Floats
+from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import load_configuration
 from dcrb_ros.simulation.loop import Simulation
 from dcrb_ros.validation.realism import lines_of, squared_envelope
@@ -21,6 +25,8 @@ from dcrb_ros.validation.realism import lines_of, squared_envelope
 BEARINGS, RUNS = 200, 2
 SETTLING, DURATION = 0.1, 0.5
 """Simulated time before the features, and of the features [s]."""
+STAGGERS = (1, 2, 4, 8)
+"""Runs with drawn angles over which features are averaged."""
 BANDS = ((0, 500), (500, 1000), (1000, 2000), (2000, 4000), (4000, 8000), (8000, 16000))
 """[Hz]"""
 NAMES = (
@@ -35,14 +41,29 @@ def level(power: Floats, frequency: Floats, low: float, high: float) -> float:
     return float(10.0 * np.log10(power[(frequency >= low) & (frequency < high)].sum()))
 
 
-def features(bearing: int, seed: int, angles: str, duration: float) -> list[float]:
-    """Return the features `NAMES` of a run of a bearing."""
+def run(bearing: int, seed: int, angles: str, durations: list[float]) -> tuple[list[list[float]], float]:
+    """Return the features `NAMES` of the windows of a run of a bearing, and by how much its cages turn against each other [pitches/s]."""
     given = (f"surfaces.seed={bearing}", f"simulation.seed={seed}", f"operating.cage_angles={angles}", "sensor.noise_density=0")
     configuration = load_configuration("healthy", given)
-    blocks = list(Simulation(configuration, waveform_only=True).blocks(SETTLING + duration))
-    rate, orders = blocks[0].rate, characteristic_orders(configuration.bearing)
-    signal = np.concatenate([block.clean for block in blocks])[round(SETTLING * rate) :].astype(np.float64)
-    signal -= signal.mean(axis=0)
+    simulation = Simulation(configuration, waveform_only=True)
+    list(simulation.blocks(SETTLING))
+    begin = stagger(simulation)
+    blocks = list(simulation.blocks(max(durations)))
+    drift = (stagger(simulation) - begin) / max(durations)
+    signal, rate = np.concatenate([block.clean for block in blocks]).astype(np.float64), blocks[0].rate
+    return [features(signal[: round(duration * rate)], rate, configuration) for duration in durations], drift
+
+
+def stagger(simulation: Simulation) -> float:
+    """Return the angle between the cages of both rows [pitches of the rollers]."""
+    first, second = simulation._state.cage_position[:, 2]
+    return float(second - first) * simulation.configuration.bearing.rollers_per_row / (2.0 * np.pi)
+
+
+def features(signal: Floats, rate: float, configuration: Configuration) -> list[float]:
+    """Return the features `NAMES` of an acceleration, shape (samples, 2) [m/s^2]."""
+    orders = characteristic_orders(configuration.bearing)
+    signal = signal - signal.mean(axis=0)
     frequency = fft.rfftfreq(len(signal), 1.0 / rate)
     power = np.abs(fft.rfft(signal * np.hanning(len(signal))[:, None], axis=0)) ** 2
     found: list[float] = []
@@ -64,18 +85,33 @@ def features(bearing: int, seed: int, angles: str, duration: float) -> list[floa
     return [*found, float(lines.at(orders.bpfo * shaft)), float(lines.at(orders.ftf * shaft))]
 
 
-def main() -> None:
-    """Print each feature's standard deviation between bearings and within one."""
-    count = int(sys.argv[1]) if len(sys.argv) > 1 else BEARINGS
-    angles = sys.argv[2] if len(sys.argv) > 2 else "drawn"
-    duration = float(sys.argv[3]) if len(sys.argv) > 3 else DURATION
-    values = np.array([[features(bearing, seed, angles, duration) for seed in range(1, RUNS + 1)] for bearing in range(1, count + 1)])
+def compare(values: Floats, angles: str, duration: float) -> None:
+    """Print the standard deviation of each feature between bearings and within one, of values of the shape (bearings, runs, features)."""
     within = values.var(axis=1, ddof=1).mean(axis=0)
     between = np.maximum(values.mean(axis=1).var(axis=0, ddof=1) - within / RUNS, 0.0)
-    print(f"{count} bearings, {RUNS} runs of {duration:g} s each, angles of the cages {angles}")
+    print(f"{len(values)} bearings, {RUNS} runs of {duration:g} s each, angles of the cages {angles}")
     for name, one, other in zip(NAMES, between, within, strict=True):
         print(f"{name:32s} between {one**0.5:10.4g}   within {other**0.5:10.4g}   ratio of variances {one / other:8.2f}")
     print(f"{(between > within).sum()} of {len(NAMES)} features vary more between bearings than between runs of one")
+
+
+def main() -> None:
+    """Print the comparison of each window, or of means over staggers."""
+    count = int(sys.argv[1]) if len(sys.argv) > 1 else BEARINGS
+    angles = sys.argv[2] if len(sys.argv) > 2 else "drawn"
+    durations = [float(text) for text in sys.argv[3:]] or [DURATION]
+    drawn, seeds = "drawn" if angles == "staggers" else angles, RUNS * STAGGERS[-1] if angles == "staggers" else RUNS
+    runs = [[run(bearing, seed, drawn, durations) for seed in range(1, seeds + 1)] for bearing in range(1, count + 1)]
+    if angles == "staggers":
+        values = np.array([[found[0] for found, _ in one] for one in runs])
+        for averaged in STAGGERS:
+            groups = values[:, : RUNS * averaged].reshape(count, RUNS, averaged, len(NAMES))
+            compare(groups.mean(axis=2), f"drawn, means over {averaged} staggers", durations[0])
+        return
+    for window, duration in enumerate(durations):
+        compare(np.array([[found[window] for found, _ in both] for both in runs]), angles, duration)
+    drifts = np.abs([drift for both in runs for _, drift in both])
+    print(f"cages against each other: {np.median(drifts):.3g} (at most {drifts.max():.3g}) pitches/s, mean over {max(durations):g} s")
 
 
 if __name__ == "__main__":

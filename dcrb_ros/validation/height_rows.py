@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from dcrb_ros.bearing.payload import build_payload
-from dcrb_ros.bearing.surfaces import between_nodes, envelope, reduced_radii
+from dcrb_ros.bearing.surfaces import RACEWAY_NODES, between_nodes, envelope, reduced_radii
 from dcrb_ros.core.contacts.heights import TURN, interpolated, unpacked
 from dcrb_ros.core.solver.step import advance
 from dcrb_ros.schema.arrays import Floats
@@ -34,6 +34,10 @@ GROWTH = 2e-5
 """By how much it grows [m]."""
 STIFFNESS = 0.82, 1.9
 """Of a roller between both raceways under 18 kN, and of its outer contact alone, before the roller gives way [kN/um]."""
+SHIFT = 1000
+"""By how many nodes a spall is shifted; at the azimuth zero it lies across the first node."""
+SINGLE = 2e-12
+"""Single precision of a height of 20 um [m]; the tables have it."""
 BRINELLED = ("faults.outer_1.kind=brinelling", "faults.outer_1.width=0.0012", "faults.outer_1.depth=1e-5")
 
 
@@ -71,6 +75,7 @@ def table_comparisons() -> Iterator[Comparison]:
     yield between(CHAPTER, "Largest jump of a height at the nodes of the spalled raceway", value, 0.0, 1e-15, "m")
     yield between(CHAPTER, "Largest jump of its slope there", slope, 0.0, 1e-9, "m/rad")
     yield about(CHAPTER, "Slopes of that table over those of its heights", slope_ratio(), 1.0, 0.01)
+    yield between(CHAPTER, "Change of a spall's heights as it is shifted away from the first node", shift_change(), 0.0, SINGLE, "m")
 
 
 def trough(radius: float) -> float:
@@ -83,9 +88,9 @@ def trough(radius: float) -> float:
     return -AMPLITUDE * math.cos(k * low) - low * low / (2.0 * radius)
 
 
-def spalled_table() -> tuple[Floats, Floats]:
+def spalled_table(*settings: str) -> tuple[Floats, Floats]:
     """Return heights [m] and slopes [m/rad] of the outer raceway with a spall over the whole length at its nodes, the first one again."""
-    given = load_configuration(SPALL, (*SPALLED, "faults.outer_1.share=1"))
+    given = load_configuration(SPALL, (*SPALLED, "faults.outer_1.share=1", *settings))
     heights, slopes = unpacked(build_payload(given).surfaces.raceways[1, 0])
     return heights, slopes
 
@@ -99,6 +104,13 @@ def jumps() -> tuple[float, float]:
     begins, ends = (np.array(curve(*given, u)) for u in (0.0, 1.0))
     value, slope = np.abs(np.roll(ends, 1, axis=1) - begins).max(axis=1)
     return float(value), float(slope)
+
+
+def shift_change() -> float:
+    """Return by how much the heights of a spalled raceway change as the spall is shifted, apart from the shift [m]."""
+    (heights, _), nodes = spalled_table(*EVEN, "faults.outer_1.azimuth=0"), RACEWAY_NODES
+    shifted, _ = spalled_table(*EVEN, f"faults.outer_1.azimuth={TURN * SHIFT / nodes!r}")
+    return float(np.abs(np.roll(heights[:-1], SHIFT) - shifted[:-1]).max())
 
 
 def slope_ratio() -> float:

@@ -34,6 +34,8 @@ STEADY = ("operating.speed_fluctuation=0", "operating.speed_ripple=0")
 """A shaft at constant speed."""
 EVEN = (*(f"surfaces.{name}=0" for name in SPREADS), *STEADY)
 """A bearing as drawn, on surfaces without waviness."""
+WAVES = (*(setting for setting in EVEN if not setting.startswith("surfaces.waviness=")), "housing.axle_mass=0")
+"""A bearing with the waviness of ground raceways alone, 0.1 um, whose inner ring carries no axle."""
 SPALLED = ("faults.outer_1.kind=spall", "faults.outer_1.width=0.002", "faults.outer_1.depth=6e-5", "faults.outer_1.row=0")
 FLUTED = ("faults.outer_1.kind=fluting", "faults.outer_1.width=0.04", "faults.outer_1.depth=4e-6", "faults.outer_1.period=0.002")
 SHARES = (0.15, 0.3, 1.0)
@@ -133,6 +135,8 @@ def oiled_specs() -> list[OiledSpec]:
         OiledSpec("thin layer", 0.5, (*STEADY, "lubrication.layer=1e-6")),
         OiledSpec("cold start", 0.02, (*STEADY, "operating.start=cold", "publishing.state_rate=3000"), settling=0.0),
         OiledSpec("fluting", 0.8, (*EVEN, *FLUTED)),
+        OiledSpec("waves", 0.5, (*WAVES, "housing.box_mass=0")),
+        OiledSpec("waves with box", 0.5, WAVES),
         *shares,
         *bearings,
     ]

@@ -22,6 +22,11 @@ NEAR_LOAD_LINE = 5
 """States of a roller with its largest forces that count; it passes the load line 17 times in a run."""
 SPREAD_OF_FORCES = 0.015, 0.03
 """Accepted relative spread of the rollers' largest forces [-]."""
+LEVEL_OF_WAVES = 1.0, 1.4
+"""Accepted RMS by waviness alone without an axle box [m/s^2]: six bearings have 1.15 to 1.25. An estimate with two rings of 13.5 kg on the
+loaded rollers is 1.8 within a factor of 2, most of it due to the exponent of the waviness."""
+SHARE_OF_BOX = 0.30, 0.40
+"""Accepted RMS with an axle box of 60 kg over that without: six bearings have 0.35 to 0.38. By the same estimate it is 0.54/1.8 = 0.30."""
 SEEDS_OF_ROLLERS = range(1, 7)
 CLIMB = 5.76
 """Speed of the outer raceway's surface past a roller [m/s]."""
@@ -33,6 +38,7 @@ def surface_comparisons(runs: OiledRuns) -> Iterator[Comparison]:
     yield from _share(runs)
     yield _shares_of_rollers(runs["healthy"])
     yield _fluting(runs["fluting"])
+    yield from wave_comparisons(runs["waves"], runs["waves with box"])
     yield from _individuals(runs)
 
 
@@ -96,6 +102,13 @@ def _fluting(run: OiledRun) -> Comparison:
     inside = (frequency > 2000.0) & (frequency < 4000.0)
     found = float((frequency * power)[inside].sum() / power[inside].sum())
     return about(CHAPTER, "Tone of a fluting of 2 mm", found, CLIMB / 2e-3, 0.05, "Hz")
+
+
+def wave_comparisons(alone: OiledRun, with_box: OiledRun) -> Iterator[Comparison]:
+    """Yield the comparisons of what waviness alone makes, at a ring without an axle box and with one."""
+    level, quieter = (float(np.sqrt((run.rms**2).mean())) for run in (alone, with_box))
+    yield between(CHAPTER, "RMS by waviness of 0.1 um alone, without axle box and axle, mean of both axes", level, *LEVEL_OF_WAVES, "m/s^2")
+    yield between(CHAPTER, "The same with an axle box of 60 kg, over that without", quieter / level, *SHARE_OF_BOX)
 
 
 def _individuals(runs: OiledRuns) -> Iterator[Comparison]:

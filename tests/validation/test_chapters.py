@@ -14,6 +14,7 @@ import pytest
 from dcrb_ros.bearing import runtime_change, surfaces
 from dcrb_ros.core.laws import film, film_thickness, fluid_traction, rolling_resistance, squeeze, viscosity
 from dcrb_ros.faults.shapes import brinelling
+from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.settings.files import load_configuration
 from dcrb_ros.simulation import loop
 from dcrb_ros.validation import friction_moment, height_rows, oil_laws, oiled_bench, surface_rows, thermal_rows
@@ -75,10 +76,27 @@ def test_two_per_cent_more_fall_short(module: ModuleType, name: str, missed: str
 
 def test_a_table_whose_slopes_are_not_those_of_its_heights_falls_short(monkeypatch: pytest.MonkeyPatch) -> None:
     heights, slopes = height_rows.spalled_table()
+    monkeypatch.setattr(height_rows, "shift_change", lambda: 0.0)
     monkeypatch.setattr(height_rows, "spalled_table", lambda: (heights, 1.02 * slopes))
     assert short(height_rows.table_comparisons()) == {"Slopes of that table over those of its heights"}
     monkeypatch.setattr(height_rows, "spalled_table", lambda: (heights[:-1], slopes[:-1]))  # a node is missing where the turn closes
     assert "Largest jump of its slope there" in short(height_rows.table_comparisons())
+
+
+@pytest.mark.parametrize("misplaced", ["rounded", "cut off at the first node"])
+def test_a_spall_that_does_not_move_with_its_azimuth_falls_short(misplaced: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    add = surfaces.add_window
+
+    def wrong(table: Floats, columns: tuple[int, int], felt: surfaces.FeltDefect, azimuth: float, radius: float) -> None:
+        if misplaced == "rounded":
+            add(table, columns, felt, round(azimuth, 3), radius)
+            return
+        part = np.zeros_like(table)
+        add(part, columns, felt, azimuth, radius)
+        table += part if azimuth > 0.0 else np.where(np.arange(len(part))[:, None] < len(part) // 2, part, 0.0)
+
+    monkeypatch.setattr(surfaces, "add_window", wrong)
+    assert height_rows.shift_change() > height_rows.SINGLE
 
 
 def test_shares_growth_and_dents_are_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -143,6 +161,19 @@ def test_a_cold_start_notices_another_limiting_friction() -> None:
     for changes, missed in (((), set()), (("lubrication.limiting_friction=0.09",), {True})):
         run = simulate_oiled(spec, changes)
         assert {not row.holds for row in oiled_bench.cold_comparisons(run)} - {False} == missed
+
+
+def waves(*changes: str) -> set[str]:
+    """Return the rows of waviness alone that fall short with changed parameters."""
+    runs = {spec.name: simulate_oiled(replace(spec, duration=0.3), changes) for spec in oiled_specs() if spec.name.startswith("waves")}
+    rows = surface_rows.wave_comparisons(runs["waves"], runs["waves with box"])
+    return {row.quantity.split(",")[0] for row in rows if not row.holds}
+
+
+def test_the_level_of_waviness_is_noticed_and_what_an_axle_box_takes_of_it() -> None:
+    assert waves() == set()
+    assert waves("surfaces.waviness=1.5e-7") == {"RMS by waviness of 0.1 um alone"}
+    assert waves("housing.box_mass=40") == waves("housing.box_mass=80") == {"The same with an axle box of 60 kg"}
 
 
 def test_palmgren_is_the_sum_of_a_viscous_and_a_load_moment() -> None:

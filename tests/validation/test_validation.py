@@ -12,6 +12,7 @@ import pytest
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.validation.comparison import Comparison
 from dcrb_ros.validation.dry_bench import dry_bench_comparisons
+from dcrb_ros.validation.faults import power_of_sink
 from dcrb_ros.validation.figures import passes
 from dcrb_ros.validation.healthy import healthy_comparisons
 from dcrb_ros.validation.measures import envelope_spectrum, kurtosis, load_zone, profile, settling_time
@@ -114,6 +115,15 @@ def dry_bench(*settings: str) -> dict[str, bool]:
 )
 def test_the_rows_of_the_dry_bench_notice_another_cage(settings: tuple[str, ...], missed: set[str]) -> None:
     assert {quantity for quantity, holds in dry_bench(*settings).items() if not holds} == missed
+
+
+def test_the_power_of_the_defects_law_notices_its_width() -> None:
+    def holds(width: str) -> bool:
+        return power_of_sink(simulate(RunSpec("outer ring defect", "revolute", 0.5, (f"faults.outer_1.width={width}",)))).holds
+
+    assert holds("0.002")
+    assert not holds("0.0018")
+    assert not holds("0.0022")
 
 
 def test_report_contains_every_comparison() -> None:
