@@ -76,4 +76,5 @@ def asymmetry(samples: Floats) -> Floats:
     beyond = np.array(SHARES)
     low, high = np.quantile(samples, beyond, axis=0), np.quantile(samples, 1.0 - beyond, axis=0)
     spread = high - low
-    return np.divide(high + low - 2.0 * np.median(samples, axis=0), spread, out=np.zeros_like(spread), where=spread > 0.0)
+    found = np.divide(high + low - 2.0 * np.median(samples, axis=0), spread, out=np.zeros_like(spread), where=spread > 0.0)
+    return np.asarray(found, np.float64)
