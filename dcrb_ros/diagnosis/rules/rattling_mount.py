@@ -27,7 +27,7 @@ class RattlingMountParameters(Group):
     rattle_change: float = quantity(
         0.05,
         "-",
-        "Common change of the asymmetry of small and large samples in both axes that is a loose mount; anything else causes up to 0.03",
+        "Common change of the asymmetry of small and large samples in all axes that is a loose mount; anything else causes up to 0.03",
         0.005,
         2.0,
     )
@@ -38,7 +38,7 @@ class RattlingMount(SampleRule[RattlingMountParameters]):
 
     A linear path transmits both directions alike. A contact that opens has two stiffnesses, as a crack that breathes has, so that a
     sample a becomes a + r |a|: the asymmetry of a symmetric signal is then r, whatever its level, for large samples as for small ones. The
-    impacts of a defect push in one direction, too, but large samples otherwise than small ones. A mount carries both axes, so that both
+    impacts of a defect push in one direction, too, but large samples otherwise than small ones. A mount carries all axes, so that all
     must change.
     """
 
@@ -51,16 +51,20 @@ class RattlingMount(SampleRule[RattlingMountParameters]):
         self._latest: deque[Floats] = deque(maxlen=LATEST)
 
     def flaw(self, evidence: SampleEvidence) -> str:
+        found = asymmetry(evidence.acceleration)
+        if self._latest and self._latest[0].shape != found.shape:  # an axis has been added or removed
+            self._earlier.clear()
+            self._latest.clear()
         if len(self._latest) == LATEST and self._change() < self.p.rattle_change:
             self._earlier.append(self._latest[0])
-        self._latest.append(asymmetry(evidence.acceleration))
+        self._latest.append(found)
         change = self._change()
         if change < self.p.rattle_change:
             return ""
-        return f"the asymmetry of large and small samples has changed by {change:.2f} in both axes: the mount of the sensor is loose"
+        return f"the asymmetry of large and small samples has changed by {change:.2f} in all axes: the mount of the sensor is loose"
 
     def _change(self) -> float:
-        """Return the least change of the asymmetry among small and large samples of both axes; 0 if those of an axis differ in sign [-]."""
+        """Return the least change of the asymmetry among small and large samples of all axes; 0 if those of an axis differ in sign [-]."""
         if len(self._latest) < LATEST or len(self._earlier) < FEWEST:
             return 0.0
         changes = np.median(self._latest, axis=0) - np.median(self._earlier, axis=0)
