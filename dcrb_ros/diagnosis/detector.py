@@ -108,7 +108,8 @@ class FaultDetector:
         self._combination = Combination(self._bearing_rules, p.release_margin)
         least = least_evidence(p.confirm, p.window, p.alarm_evidence)
         self._hysteresis = Hysteresis(p.confirm, p.release, p.release_margin, hops if p.confirm > 1 else 1, least)
-        self._trend, self._levels = Trend(p.trend_time, p.hop), LevelHistory()
+        self._trend = Trend(p.trend_time, p.hop)
+        self._levels = LevelHistory([self._bands[k].high - self._bands[k].low for k in self._level_bands])
         self._flaw = ""
         """The last flaw of the sensor."""
         self._flawed_hops = 0

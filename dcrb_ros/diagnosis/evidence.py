@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -26,6 +27,8 @@ REFIT = 0.003
 QUIET = 40.0
 """Power of a band below that of the loudest one from which it is no evidence [dB]: accelerometers are linear within 1 %, so that a quieter
 band holds products of the loud ones."""
+LEAST_SIGNAL = 0.03
+"""Power of a signal relative to the noise below which it is not told from none [-]: the scatter of the noise of a hop."""
 SAME_SPEED = 0.03
 """Relative change of the shaft frequency from which levels are not compared [-]."""
 
@@ -161,20 +164,33 @@ class Levels(NamedTuple):
     """Power, shape (bands,) [dB]."""
     change: Floats
     """Change since the first average at this speed, shape (bands,) [dB]."""
+    signal: Floats
+    """Change of the power without the noise of the sensor, NaN in bands in which there was more noise than signal, shape (bands,) [dB]."""
+    fall: float
+    """Fall of that power, mean over those bands, from the lowest of the first hops to the highest of the latest; NaN without bands [dB]."""
 
 
 class LevelHistory:
-    """Averages the power of bands over the latest hops at the same shaft frequency."""
+    """Averages the power of bands over the latest hops at the same shaft frequency.
 
-    def __init__(self) -> None:
+    A sensor has white noise, which adds N_k = n B_k to the power of a band of width B_k and stays when the signal falls. Its density n is
+    at most the lowest density of power seen in any band so far, and equal to it as soon as one band holds nothing else.
+    """
+
+    def __init__(self, widths: npt.ArrayLike) -> None:
+        """Take the ``widths`` of the bands, shape (bands,) [Hz]."""
+        self._widths = np.asarray(widths, np.float64)
+        self._density = math.inf
+        """Density of the noise [(m/s^2)^2/Hz]."""
         self._latest: deque[Floats] = deque(maxlen=AVERAGED_HOPS)
-        self._reference: Floats | None = None
+        self._first: Floats | None = None
+        """Powers of the first hops, shape (hops, bands) [(m/s^2)^2]."""
         self._frequency = 0.0
 
     def restart(self) -> None:
         """Forget all hops."""
         self._latest.clear()
-        self._reference = None
+        self._first = None
 
     def add(self, powers: Floats, frequency: float) -> Levels | None:
         """Take the powers of a hop [(m/s^2)^2] at a shaft frequency [Hz]; return the average once there are enough hops.
@@ -186,13 +202,29 @@ class LevelHistory:
         if abs(frequency - self._frequency) > SAME_SPEED * self._frequency:
             self.restart()
             self._frequency = frequency
-        self._latest.append(10.0 * np.log10(powers))
+        self._latest.append(powers)
+        self._density = min(self._density, float(np.min(powers / self._widths)))
         if len(self._latest) < AVERAGED_HOPS:
             return None
-        level = np.mean(self._latest, axis=0)
-        if self._reference is None:
-            self._reference = level
-        return Levels(level, level - self._reference)
+        latest = np.array(self._latest)
+        if self._first is None:
+            self._first = latest
+        first, level = _decibels(self._first).mean(axis=0), _decibels(latest).mean(axis=0)
+        return Levels(level, level - first, *self._without_noise(self._first, latest))
+
+    def _without_noise(self, first: Floats, latest: Floats) -> tuple[Floats, float]:
+        """Return `Levels.signal` and `Levels.fall` of hops of shape (hops, bands) [(m/s^2)^2]."""
+        noise = self._density * self._widths
+        heard = first.mean(axis=0) >= 2.0 * noise
+        before, now = (_decibels(np.maximum(powers - noise, LEAST_SIGNAL * noise)) for powers in (first, latest))
+        signal = np.where(heard, now.mean(axis=0) - before.mean(axis=0), np.nan)
+        if not heard.any():
+            return signal, math.nan
+        return signal, float(before[:, heard].mean(axis=1).min() - now[:, heard].mean(axis=1).max())
+
+
+def _decibels(powers: Floats) -> Floats:
+    return np.asarray(10.0 * np.log10(powers), np.float64)
 
 
 @dataclass(frozen=True)

@@ -30,6 +30,7 @@ SAMPLE_RULES: tuple[type[SampleRule[Any]], ...] = _rules(
     "saturation:Saturation",
     "dead:Dead",
     "spikes:Spikes",
+    "rattling_mount:RattlingMount",
 )
 """Rules for the samples of the sensor in the order in which they are asked; the first flaw counts."""
 

@@ -8,13 +8,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 from dcrb_ros.exam.criteria import Criteria
-from dcrb_ros.exam.expectation import Expectation
+from dcrb_ros.exam.expectation import FEWEST_REVOLUTIONS, Expectation
 from dcrb_ros.exam.profile import PROFILES, Profile
 from dcrb_ros.messages.received_diagnosis import ReceivedDiagnosis
 from dcrb_ros.schema.verdicts import BEARING_FAULTS, is_alarm
 
-GRACE = 10.0
-"""Revolutions after the onset that cost nothing [-]: a broken bar strikes once in 2.2 to 2.5 revolutions, so four times in them."""
+GRACE = FEWEST_REVOLUTIONS
+"""Revolutions after the onset that cost nothing [-]."""
 FINAL = 0.25
 """Share of the time after the onset, at its end, on which the rest of the credit depends [-]."""
 SHORTEST_PERIOD = 1.0
@@ -137,12 +137,14 @@ def _healthy_periods(expectation: Expectation, standing: Sequence[_Standing], pe
 
 
 def _spoiled(expectation: Expectation, standing: Sequence[_Standing], begin: float, end: float, period: float, *, first: bool) -> bool:
-    """Return whether a false alarm stands in a period, or no verdict is given in it and issued in time."""
+    """Return whether a false alarm stands in a period, or no verdict is given in it and issued in time although the shaft turns."""
     for one in standing:
         clean = expectation.bearing_clean_until if one.verdict in BEARING_FAULTS else expectation.clean_until
         false = is_alarm(one.verdict) and (one.time < clean or clean >= expectation.end)
         # A verdict is overruled by one with the same stamp, but an alarm was raised all the same.
         if false and one.time <= end and min(one.until, clean) > begin:
             return True
+    if not expectation.judgeable(begin, end):
+        return False
     in_time = (one for one in standing if one.issued <= one.time + period)
     return not any((begin <= one.time if first else begin < one.time) and one.time <= end for one in in_time)

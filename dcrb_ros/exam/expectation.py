@@ -7,6 +7,9 @@ from dataclasses import dataclass, field
 
 from dcrb_ros.exam.revolutions import Knot, revolutions
 
+FEWEST_REVOLUTIONS = 10.0
+"""Revolutions from which on a bearing can be judged [-]: a broken bar strikes once in 2.2 to 2.5 revolutions, so four times in them."""
+
 
 @dataclass(frozen=True)
 class Expectation:
@@ -74,6 +77,11 @@ class Expectation:
         speed = self.tags.get("speed")
         constant = ((0.0, speed),) if isinstance(speed, float) else ()
         return revolutions(self.speeds or constant, begin, end)
+
+    def judgeable(self, begin: float, end: float) -> bool:
+        """Return whether the shaft turns enough between two times [s] for a verdict; also if its speed is unknown."""
+        known = self.speeds or isinstance(self.tags.get("speed"), float)
+        return not known or self.revolutions(begin, end) >= FEWEST_REVOLUTIONS
 
     @property
     def width(self) -> float:

@@ -31,12 +31,16 @@ def write_figure(report: Report, file: Path) -> None:
     """
     if file.suffix not in SUFFIXES:
         raise Refusal(f"--figure {file} has an unknown file type: the name must end in one of {', '.join(SUFFIXES)}")
-    figure = Figure(figsize=(11, 8), dpi=90, layout="constrained")
-    (detection, delay), (confusion, roc) = figure.subplots(2, 2)
-    _detection(detection, report)
-    _delay(delay, report)
-    _confusion(confusion, report)
-    _roc(roc, report)
+    panels = {"detection": _detection, "delay": _delay, "confusion": _confusion, "roc": _roc}
+    if report.graded_detections():
+        figure = Figure(figsize=(15, 8), dpi=90, layout="constrained")
+        axes = figure.subplot_mosaic([["detection", "graded", "delay"], ["confusion", "confusion", "roc"]])
+        panels["graded"] = _graded
+    else:
+        figure = Figure(figsize=(11, 8), dpi=90, layout="constrained")
+        axes = figure.subplot_mosaic([["detection", "delay"], ["confusion", "roc"]])
+    for name, draw in panels.items():
+        draw(axes[name], report)
     title = f"{report.exam}: {'passed' if report.passed else 'failed'}, {report.detector}"
     marks = ", ".join(f"{one.profile} {one.score.value:.1f}" for one in report.exam_scores())
     figure.suptitle(f"{title}\nexam score of 100: {marks}" if marks else title, fontsize=12, parse_math=False)
@@ -59,7 +63,6 @@ def _detection(axes: Axes, report: Report) -> None:
         _empty(axes, "no defect with a width")
         return
     verdicts, widest = list(dict.fromkeys(row.verdict for row in rows)), max(row.width for row in rows) * 1e3
-    _graded(axes, report, widest)
     for place, verdict in enumerate(verdicts):
         own = [row for row in rows if row.verdict == verdict]
         shift = 0.012 * widest * (place - 0.5 * (len(verdicts) - 1))
@@ -73,15 +76,21 @@ def _detection(axes: Axes, report: Report) -> None:
     axes.grid(alpha=0.25)
 
 
-def _graded(axes: Axes, report: Report, widest: float) -> None:
-    """Draw the detections over other parameters than the width, each relative to its largest value, with dashed lines."""
-    rows = report.graded_detections()
+def _graded(axes: Axes, report: Report) -> None:
+    """Draw the detections over other parameters than the width, each relative to its largest value."""
+    axes.set_title("Probability of detection over other parameters", fontsize=10)
+    rows, lowest = report.graded_detections(), 1.0
     for verdict, parameter in dict.fromkeys((row.verdict, row.parameter) for row in rows):
         own = [row for row in rows if (row.verdict, row.parameter) == (verdict, parameter)]
         largest = max(abs(row.value) for row in own) or 1.0
-        places = [row.value / largest * widest for row in own]
-        label = f"{verdict}, {parameter} to {largest:g}"
-        axes.plot(places, [row.probability.value for row in own], marker=".", ls="--", lw=1.0, color=COLOURS[verdict], label=label)
+        places = [row.value / largest for row in own]
+        lowest = min([lowest, *(abs(place) for place in places if place)])
+        label = f"{verdict}, {parameter.rsplit('.')[-1]} to {largest:g}"
+        axes.plot(places, [row.probability.value for row in own], marker="o", ms=4, lw=1.2, color=COLOURS[verdict], label=label)
+    axes.set_xscale("symlog", linthresh=lowest)
+    axes.set(xlabel="value relative to the largest [-]", ylabel="detected in time, correct verdict [-]", ylim=(-0.03, 1.03))
+    axes.legend(fontsize=7, loc="upper center", bbox_to_anchor=(0.5, -0.14), ncols=2, frameon=False)
+    axes.grid(alpha=0.25)
 
 
 def _delay(axes: Axes, report: Report) -> None:

@@ -100,7 +100,7 @@ def score_scenario(
         max(scores, default=None),
         len(ordered),
         flaw,
-        bool(broken) or answer in (NO_ANSWER, WAITING),
+        bool(broken) or not _answered(expectation, answer),
         credit(expectation, ordered, criteria),
         None if delay is None else expectation.revolutions(onset, onset + delay),
         expectation.revolutions(*expectation.healthy_span),
@@ -164,11 +164,17 @@ def _silence(expectation: Expectation, diagnoses: Sequence[ReceivedDiagnosis], c
     return ""
 
 
+def _answered(expectation: Expectation, answer: str) -> bool:
+    """Return whether an answer is a verdict; of a healthy bearing that hardly turns, "waiting" is the right one."""
+    hopeless = not expectation.faulty and not expectation.judgeable(expectation.begin, expectation.end)
+    return answer != NO_ANSWER and (answer != WAITING or hopeless)
+
+
 def _flaw(expectation: Expectation, answer: str, delay: float | None, limit: float, alarms: Sequence[FalseAlarm]) -> str:
     if alarms:
         more = f" and {len(alarms) - 1} more" if len(alarms) > 1 else ""
         return f"false alarm at {alarms[0].time:.1f} s ({alarms[0].verdict}){more}"
-    if answer != expectation.verdict:
+    if answer != expectation.verdict and not (answer == WAITING and _answered(expectation, answer)):
         return f"diagnosed as {answer}"
     if expectation.faulty and delay is None:
         return f"not detected within {limit:g} s"

@@ -151,7 +151,8 @@ class ExternalDetector:
             elif not diagnoses.failure and not diagnoses.received:
                 diagnoses.failure = (
                     f"it published nothing on {DIAGNOSIS.resolved(NAMESPACE)}; publish a DiagnosticArray there at least once in "
-                    "a few seconds of signal, with the value 'verdict' and the stamp of the samples judged"
+                    "a few seconds of signal, with the value 'verdict' and the stamp of the samples judged; a container receives "
+                    "samples only with --network host --ipc host"
                 )
             if diagnoses.failure:
                 diagnoses.failure += _last_lines(log)

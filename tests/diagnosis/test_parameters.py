@@ -56,6 +56,7 @@ PUBLISHED: dict[str, tuple[float, float]] = {
     "spike_swing": (0.0, 1.0),
     "spike_time": (1e-05, 0.1),
     "most_spikes": (1, 100000),
+    "rattle_change": (0.005, 2.0),
     "gain_drop": (0.5, 60.0),
     "gain_spread": (0.01, 10.0),
     "loose_level": (-120.0, 0.0),

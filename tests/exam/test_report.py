@@ -85,6 +85,11 @@ def test_scenarios_graded_by_another_parameter_are_reported_over_it_and_not_over
     assert "background.track_level [m/s^2]" in printed(graded)
     write_figure(graded, tmp_path / "report.png")
     assert (tmp_path / "report.png").stat().st_size > 10_000
+    made = axes(figure._graded, graded)
+    cage, compound = made.get_lines()
+    assert (cage.get_label(), compound.get_label()) == ("cage, track_level to 10", "compound, width to 0.001")
+    assert np.asarray(cage.get_xdata()).tolist() == [0.1, 1.0]
+    assert np.asarray(cage.get_ydata()).tolist() == [1.0, 0.0]
 
 
 def test_strata_of_their_own_are_left_out_of_the_detections_over_the_width() -> None:

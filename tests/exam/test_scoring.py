@@ -120,3 +120,23 @@ def test_a_score_outweighs_a_confidence() -> None:
     del values["score"]
     assert decode_diagnosis(encode_diagnostics(0, [Status("mine", 0, "", values)])).score == 0.25
     assert decode_diagnosis(encode_diagnostics(0, [Status("mine", 0, "", {"verdict": "sensor", "confidence": "0.75"})])).score is None
+
+
+@pytest.mark.parametrize(("speed", "owed"), [(0.0, False), (6.2, False), (6.3, True), (None, True)])
+@pytest.mark.parametrize("verdict", ["waiting", "healthy", "sensor"])
+def test_no_verdict_is_owed_on_a_bearing_that_hardly_turns(speed: float | None, owed: bool, verdict: str) -> None:
+    """At 6.3 rad/s it makes 10.03 revolutions in 10 s; without a speed nothing is known about its turning."""
+    well = Expectation("well", "healthy", 10.0, tags={} if speed is None else {"speed": speed})
+    found = scored(well, *((0.5 * number, verdict) for number in range(1, 21)))
+    assert found.passed is (verdict == "healthy" or (verdict == "waiting" and not owed))
+    assert found.broken is (verdict == "waiting" and owed)
+    assert found.credit.periods == 2
+    # Neither half of 5 s has ten revolutions at any of these speeds.
+    assert found.credit.spoiled == (2 if verdict == "sensor" or (verdict == "waiting" and speed is None) else 0)
+
+
+def test_silence_at_standstill_is_no_answer() -> None:
+    still = Expectation("well", "healthy", 10.0, tags={"speed": 0.0})
+    assert scored(still).broken
+    assert not scored(still).passed
+    assert scored(Expectation("outer", "outer_ring", 10.0, 4.0, tags={"speed": 0.0}), (5.0, "waiting"), (9.0, "waiting")).broken

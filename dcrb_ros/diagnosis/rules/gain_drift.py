@@ -6,7 +6,11 @@ import numpy as np
 
 from dcrb_ros.diagnosis.evidence import LevelEvidence
 from dcrb_ros.diagnosis.rule import LevelRule
+from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.fields import Group, quantity
+
+FEWEST_BANDS = 2
+"""Bands with more signal than noise that show a common fall."""
 
 
 class GainDriftParameters(Group):
@@ -23,7 +27,12 @@ class GainDriftParameters(Group):
 
 
 class GainDrift(LevelRule[GainDriftParameters]):
-    """A fall of the mean level with little difference between the bands."""
+    """A fall of the mean level with little difference between the bands, from the first hops at a speed to the latest.
+
+    A gain g lowers the signal S_k of each band, but not the noise N_k of the sensor, so that its power becomes g^2 S_k + N_k. The fall must
+    be common to the powers of all bands, as without noise, or to S_k in the bands that heard more signal than noise at first. Random
+    impacts vary from one hop to the next; all of the latest S_k must therefore be lower than each of the first ones.
+    """
 
     parameters = GainDriftParameters
 
@@ -33,11 +42,20 @@ class GainDrift(LevelRule[GainDriftParameters]):
         """Whether the levels fell together and have stayed low."""
 
     def flaw(self, evidence: LevelEvidence) -> str:
-        if evidence.levels is None:
+        levels = evidence.levels
+        if levels is None:
             return ""
-        change = evidence.levels.change
-        fall = -float(change.mean())
-        together = len(change) > 1 and fall >= self.p.gain_drop and float(np.ptp(change)) <= self.p.gain_spread * fall
+        heard = levels.signal[np.isfinite(levels.signal)]
+        changes = [levels.change, *([heard] if len(heard) >= FEWEST_BANDS else [])]
+        together = [self._alike(levels.change), self._alike(heard) and levels.fall >= self.p.gain_drop]
         # Further down the noise of the sensor dominates in the weaker bands, and they no longer fall together.
-        self._low = together or (self._low and float(change.max()) <= -self.p.gain_drop)
+        self._low = any(together) or (self._low and any(float(change.max()) <= -self.p.gain_drop for change in changes))
+        fall = -float(changes[-1].mean())
         return f"all bands have decreased by {fall:.1f} dB at the same speed: the gain of the sensor drifts" if self._low else ""
+
+    def _alike(self, change: Floats) -> bool:
+        """Return whether several bands have fallen enough, and nearly by the same [dB]."""
+        if len(change) < FEWEST_BANDS:
+            return False
+        fall = -float(change.mean())
+        return fall >= self.p.gain_drop and float(np.ptp(change)) <= self.p.gain_spread * fall

@@ -18,6 +18,7 @@ from dcrb_ros.diagnosis.rules.dead import Dead
 from dcrb_ros.diagnosis.rules.gain_drift import GainDrift
 from dcrb_ros.diagnosis.rules.loose_mount import LooseMount
 from dcrb_ros.diagnosis.rules.not_finite import NotFinite
+from dcrb_ros.diagnosis.rules.rattling_mount import RattlingMount, asymmetry
 from dcrb_ros.diagnosis.rules.saturation import Saturation
 from dcrb_ros.diagnosis.rules.silence import Silence
 from dcrb_ros.diagnosis.rules.spikes import Spikes, count_jumps
@@ -229,7 +230,10 @@ def test_a_signal_that_drifts_without_vibrating_is_dead_at_any_gain(frequency: f
 
 
 def levels(*change: float, level: tuple[float, ...] = (), third: int | None = 2) -> Any:
-    return SimpleNamespace(levels=Levels(np.array(level or change), np.array(change)), third=third)
+    """Return levels without noise, whose change is certain."""
+    return SimpleNamespace(
+        levels=Levels(np.array(level or change), np.array(change), np.array(change), -float(np.mean(change))), third=third
+    )
 
 
 @pytest.mark.parametrize(
@@ -258,6 +262,97 @@ def test_a_drift_lasts_until_a_band_has_recovered() -> None:
     assert rule.flaw(SimpleNamespace(levels=None)) == ""  # type: ignore[arg-type]
     assert rule.flaw(levels(-2.9, -9.0)) == ""
     assert rule.flaw(levels(-3.0, -9.0)) == ""
+
+
+def drifted(gain: float, *, signal: tuple[float, ...] = (20.0, 10.0, 5.0, 0.1), scatter: float = 0.0) -> str:
+    """Return the flaw once a gain has fallen to a value; four bands of 1, 2, 3 and 4 Hz hear a signal beside noise of density 1."""
+    widths, rule = np.array([1.0, 2.0, 3.0, 4.0]), GainDrift(P)
+    history, flaw = LevelHistory(widths), ""
+    for number in range(12):
+        sound = np.array(signal) * (gain**2 if number >= 6 else 1.0) * 10.0 ** (0.1 * scatter * (-1.0) ** number)
+        flaw = rule.flaw(SimpleNamespace(levels=history.add(widths + sound, 20.0)))  # type: ignore[arg-type]
+    return flaw
+
+
+@pytest.mark.parametrize("gain", [0.69, 0.5, 0.2])
+def test_the_noise_of_the_sensor_does_not_hide_a_drift(gain: float) -> None:
+    """Of the power, bands 2 and 3 lose less than band 1, and band 4 nothing, but the signal in all of them falls alike."""
+    assert "the gain of the sensor drifts" in drifted(gain)
+    assert drifted(0.75) == ""  # 2.5 dB
+
+
+def test_a_common_fall_takes_two_bands_with_more_signal_than_noise() -> None:
+    assert drifted(0.2, signal=(20.0, 1.5, 0.5, 0.0)) == ""
+    assert drifted(0.2, signal=(20.0, 2.1, 0.5, 0.0))
+
+
+def test_a_drift_exceeds_the_scatter_of_the_hops() -> None:
+    """A fall by 4.4 dB is less than 3 dB beyond a scatter of 1 dB in either direction."""
+    assert drifted(0.6)
+    assert drifted(0.6, scatter=1.0) == ""
+    assert drifted(0.4, scatter=1.0)
+
+
+def test_levels_without_noise_of_which_nothing_is_heard_are_unknown() -> None:
+    history = LevelHistory([1.0, 1.0])
+    found = [history.add(np.array([1.0, 1.0]), 20.0) for _ in range(4)][-1]
+    assert found is not None
+    assert np.isnan(found.signal).all()
+    assert np.isnan(found.fall)
+    assert GainDrift(P).flaw(SimpleNamespace(levels=found)) == ""  # type: ignore[arg-type]
+
+
+def rattling(*shares: float, hops: int = 4) -> list[str]:
+    """Return the flaws of hops in which both axes transmit one direction better than the other by shares, after ``hops`` good ones."""
+    rule, random = RattlingMount(P), np.random.default_rng(11)
+    flaws = []
+    for share in (*[0.0] * hops, *shares):
+        x, y = random.normal(size=(2, 20000))
+        flaws.append(rule.flaw(samples(x + share * np.abs(x), y - share * np.abs(y))))
+    return flaws[hops:]
+
+
+def test_asymmetry_is_the_difference_of_the_two_directions() -> None:
+    x = np.random.default_rng(2).normal(size=200_000)
+    found = asymmetry(np.column_stack([x + 0.2 * np.abs(x), 1e-6 * (x - 0.3 * np.abs(x)) + 9.0, np.zeros(len(x))]))
+    assert found[:, 0] == pytest.approx(0.2, abs=0.01)
+    assert found[:, 1] == pytest.approx(-0.3, abs=0.01)
+    assert found[:, 2].tolist() == [0.0] * 4
+
+
+def test_a_mount_that_transmits_one_direction_better_is_loose() -> None:
+    found = rattling(0.2, 0.2, 0.2, 0.2, hops=6)
+    assert found[0] == ""  # the median of three hops
+    assert all("in all axes: the mount of the sensor is loose" in flaw for flaw in found[1:])
+    assert not any(rattling(0.02, 0.02, 0.02, hops=6))
+    assert not any(rattling(0.2, 0.2, 0.2, hops=0)), "loose from the start"
+
+
+def test_a_mount_stays_loose_and_may_be_fastened() -> None:
+    assert all(rattling(*[0.2] * 130, hops=6)[1:])
+    assert rattling(*[0.2] * 4, *[0.0] * 4, hops=6)[-2:] == ["", ""]
+
+
+def test_an_axis_that_is_added_begins_a_new_comparison() -> None:
+    rule, random = RattlingMount(P), np.random.default_rng(13)
+    for count in (2, 3):
+        for _ in range(8):
+            columns = random.normal(size=(5000, count))
+            columns += 0.2 * (count == 3) * np.abs(columns)
+            assert rule.flaw(SampleEvidence(columns, 5000, 0, RATE, 0.0, 8)) == ""
+
+
+@pytest.mark.parametrize("small", [0.0, -0.3])
+@pytest.mark.parametrize("axes", [1, 2])
+def test_what_changes_one_axis_or_large_samples_alone_is_no_mount(axes: int, small: float) -> None:
+    """In one axis all samples are transmitted better in one direction, in two axes large ones only, or small ones in the other."""
+    rule, random = RattlingMount(P), np.random.default_rng(12)
+    for number in range(14):
+        columns = random.normal(size=(2, 20000))
+        if number >= 8:
+            for column in columns[:axes]:
+                column += np.where(np.abs(column) > 1.2, 0.3, small if axes == 2 else 0.3) * np.abs(column)
+        assert rule.flaw(samples(*columns)) == ""
 
 
 def test_a_loose_mount_has_lost_eight_decibels_and_is_below_its_level() -> None:
@@ -294,7 +389,7 @@ def test_a_quiet_bearing_shows_a_loose_mount_in_the_lower_quarters() -> None:
 
 
 def test_levels_are_averaged_over_four_hops_and_compared_with_the_first_average() -> None:
-    history, powers = LevelHistory(), np.array([1.0, 100.0])
+    history, powers = LevelHistory([1.0, 1.0]), np.array([1.0, 100.0])
     assert [history.add(powers, 20.0) for _ in range(3)] == [None] * 3
     first = history.add(10.0 * powers, 20.0)
     assert first is not None

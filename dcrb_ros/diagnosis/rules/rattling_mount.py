@@ -1,0 +1,84 @@
+"""A loose mount: it transmits one direction better than the other."""
+
+from __future__ import annotations
+
+from collections import deque
+
+import numpy as np
+
+from dcrb_ros.diagnosis.evidence import SampleEvidence
+from dcrb_ros.diagnosis.rule import SampleRule
+from dcrb_ros.schema.arrays import Floats
+from dcrb_ros.schema.fields import Group, quantity
+
+SHARES = (0.02, 0.05, 0.1, 0.25)
+"""Shares of the samples beyond the quantiles that are compared: from rare, large samples to frequent, small ones."""
+LATEST = 3
+"""Hops of which the median counts."""
+FEWEST = 4
+"""Earlier hops without which nothing is compared."""
+REMEMBERED = 120
+"""Earlier hops from which the usual asymmetry is taken: a minute."""
+
+
+class RattlingMountParameters(Group):
+    """Threshold for the asymmetry of the samples."""
+
+    rattle_change: float = quantity(
+        0.05,
+        "-",
+        "Common change of the asymmetry of small and large samples in all axes that is a loose mount; anything else causes up to 0.03",
+        0.005,
+        2.0,
+    )
+
+
+class RattlingMount(SampleRule[RattlingMountParameters]):
+    """The asymmetry of the quantiles of each axis, compared with its median in the past minute.
+
+    A linear path transmits both directions alike. A contact that opens has two stiffnesses, as a crack that breathes has, so that a
+    sample a becomes a + r |a|: the asymmetry of a symmetric signal is then r, whatever its level, for large samples as for small ones. The
+    impacts of a defect push in one direction, too, but large samples otherwise than small ones. A mount carries all axes, so that all
+    must change.
+    """
+
+    parameters = RattlingMountParameters
+    fewest_samples = 2000
+
+    def __init__(self, parameters: RattlingMountParameters) -> None:
+        super().__init__(parameters)
+        self._earlier: deque[Floats] = deque(maxlen=REMEMBERED)
+        self._latest: deque[Floats] = deque(maxlen=LATEST)
+
+    def flaw(self, evidence: SampleEvidence) -> str:
+        found = asymmetry(evidence.acceleration)
+        if self._latest and self._latest[0].shape != found.shape:  # an axis has been added or removed
+            self._earlier.clear()
+            self._latest.clear()
+        if len(self._latest) == LATEST and self._change() < self.p.rattle_change:
+            self._earlier.append(self._latest[0])
+        self._latest.append(found)
+        change = self._change()
+        if change < self.p.rattle_change:
+            return ""
+        return f"the asymmetry of large and small samples has changed by {change:.2f} in all axes: the mount of the sensor is loose"
+
+    def _change(self) -> float:
+        """Return the least change of the asymmetry among small and large samples of all axes; 0 if those of an axis differ in sign [-]."""
+        if len(self._latest) < LATEST or len(self._earlier) < FEWEST:
+            return 0.0
+        changes = np.median(self._latest, axis=0) - np.median(self._earlier, axis=0)
+        alike = np.all((changes > 0.0).all(axis=0) | (changes < 0.0).all(axis=0))
+        return float(np.abs(changes).min()) if alike else 0.0
+
+
+def asymmetry(samples: Floats) -> Floats:
+    """Return (q_high + q_low - 2 median) / (q_high - q_low) of ``samples`` of shape (samples, axes), shape (shares, axes) [-].
+
+    It is Kelly's measure of skewness for a share of 0.1, and Bowley's for 0.25; 0 without a spread.
+    """
+    beyond = np.array(SHARES)
+    low, high = np.quantile(samples, beyond, axis=0), np.quantile(samples, 1.0 - beyond, axis=0)
+    spread = high - low
+    found = np.divide(high + low - 2.0 * np.median(samples, axis=0), spread, out=np.zeros_like(spread), where=spread > 0.0)
+    return np.asarray(found, np.float64)
