@@ -98,11 +98,11 @@ def test_a_signal_of_few_values_is_not_clipped_but_coarse(values: int, flawed: b
     assert Saturation(P).flaw(samples(late)) == ""
 
 
-@pytest.mark.parametrize(("limit", "flawed"), [(9.0, False), (1.5, True)])
-def test_the_largest_step_of_a_coarse_adc_is_rarer_than_the_next_one(limit: float, flawed: bool) -> None:
-    """Noise in steps of a sixth of its deviation; clipped at 1.5 deviations, the largest value has a fifteenth of the samples."""
-    column = np.clip(np.round(6.0 * noise(20000)), -6.0 * limit, 6.0 * limit)
-    column[[100, 101]] = column.max()
+@pytest.mark.parametrize(("limit", "flawed"), [(22, False), (18, True)])
+def test_the_largest_step_of_a_coarse_adc_is_rarer_than_the_next_one(limit: int, flawed: bool) -> None:
+    """The sum of two numbers up to 11: 22 has a share of 1/144, and 21 twice that; clipped at 18, that has 15/144, and 17 has 6/144."""
+    column = np.minimum(np.random.default_rng(1).integers(0, 12, (20000, 2)).sum(axis=1), limit) - 11.0
+    column[[100, 101]] = limit - 11.0
     assert bool(Saturation(P).flaw(samples(column, sensor_range=1000.0))) is flawed
 
 
