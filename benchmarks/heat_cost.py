@@ -1,8 +1,9 @@
 """Cost of the thermal network, the temperature topics and a tacho, as processor time against the same bench without them.
 
-Three tables. Pairs: two simulations in one process take turns, one with heat and tacho, the other without but with the oil and the clearance of
-the first one's start; simulation and encoding are timed. Parts: the functions that heat and tacho add are timed by themselves within a
-simulation. Nodes: the processor time of simulator nodes at time scale 1.0 with a subscriber to every topic, in turn with and without.
+Three tables. Pairs: two simulations in one process take turns, one with heat and tacho, the other without but with the oil and the
+clearance of the first one's start; simulation and encoding are timed. Parts: the functions that heat and tacho add are timed by themselves
+within a simulation. Nodes: the processor time of simulator nodes at time scale 1.0 with a subscriber to every topic, in turn with and
+without.
 """
 
 from __future__ import annotations
@@ -120,7 +121,8 @@ def parts(seconds: float) -> None:
     rows = [*used.items(), ("all", sum(used.values()))]
     for title, spent in rows:
         count = calls[title] or sum(calls.values())
-        print(f"| {title} | {count / seconds:.0f} | {1e6 * spent / count:.0f} | {100 * spent / total:.2f} % | {100 * spent / seconds:.2f} % |")
+        each = f"{count / seconds:.0f} | {1e6 * spent / count:.0f}"
+        print(f"| {title} | {each} | {100 * spent / total:.2f} % | {100 * spent / seconds:.2f} % |")
     print(flush=True)
 
 

@@ -239,7 +239,12 @@ def test_a_detector_reads_the_thermometers_of_a_bench_that_has_them_and_not_the_
         for block in simulation.blocks(1.2):
             recorder.write(block)
     # The topics of the exam, and those to which the detector itself subscribes.
-    topics = ["diagnosis", "outer_ring/sensor", "outer_ring/vibration", *(f"{place}/temperature" for place in ("outer_ring", "box", "ambient"))]
+    topics = [
+        "diagnosis",
+        "outer_ring/sensor",
+        "outer_ring/vibration",
+        *(f"{place}/temperature" for place in ("outer_ring", "box", "ambient")),
+    ]
     readings = Recording(tmp_path / "bag").temperatures()
     assert len(readings) == 2
     for bag, expected in (
