@@ -14,6 +14,8 @@ LEARNED_WITHIN = 3.0
 """Deviations within which a reading is learned from [-]."""
 STARVED, REMEMBERED = 2.5, 12.0 * 3600.0
 """Deviations below the expected rise that are a hint of starved films [-], and how long it is remembered [s]."""
+KNOWN_AFTER = 2.0 * 3600.0
+"""Time of readings that were learned from, after which the healthy rise of a bearing is known [s]."""
 LONGEST_PAUSE = 600.0
 """Time between two readings after which nothing is known about the time between them [s]."""
 LATEST_LATE = 5.0
@@ -84,7 +86,8 @@ class HeatMonitor:
         self.model.follow(frequency, load, passed, rise)
         self._running += passed
         expected, deviation = self.model.expected, self.model.deviation
-        evidence = HeatEvidence(rise, expected, deviation, self._starved(rise - expected, deviation))
+        usual = self.model.rise if self.learned >= min(KNOWN_AFTER, HOUR * self.p.heat_learn) else None
+        evidence = HeatEvidence(rise, expected, deviation, self._starved(rise - expected, deviation), usual)
         found = [rule.finding(evidence) for rule in self._rules]
         self._learn(rise, passed, deviation)
         return HeatJudgement(evidence, self._confirmed(found), {one.trouble: one.excess for one in found})

@@ -26,6 +26,12 @@ class HeatParameters(Group):
     heat_time_lapse: float = quantity(
         1.0, "-", "How much faster than in reality the bearing stores heat: thermal.acceleration of a bench, 1 for a real one", 1.0, 3000.0
     )
+    heat_most: float = quantity(
+        45.0, "K", "Largest rise of a healthy bearing at 15 Hz; one with a larger rise was hot from the beginning", 1.0, 400.0
+    )
+    heat_new_deviations: float = quantity(
+        3.0, "-", "Excess in standard deviations that is too hot before the healthy rise is known (after two hours of readings)", 1.0, 20.0
+    )
     hotter: float = quantity(12.0, "K", "Excess over the expected temperature that is too hot, at least", 1.0, 200.0)
     hotter_deviations: float = quantity(5.0, "-", "The same in standard deviations of a healthy bearing; the larger one counts", 1.0, 20.0)
 
@@ -44,6 +50,8 @@ class HeatEvidence(NamedTuple):
     """Standard deviation of a healthy bearing from the expected rise [K]."""
     starved: bool
     """Whether the bearing was cooler than expected, as the films of a bearing that loses its lubricant make it, within the last hours."""
+    usual: float | None
+    """Rise of this bearing at 15 Hz as it was learned [K]; None before it is known."""
 
     @property
     def residual(self) -> float:
@@ -77,8 +85,9 @@ class HeatRule(Rule[Parameters]):
 
 
 def hot_excess(evidence: HeatEvidence, p: HeatParameters) -> float:
-    """Return by how much the bearing is too hot [dB]."""
-    return heat_excess(evidence.residual, max(p.hotter, p.hotter_deviations * evidence.deviation))
+    """Return by how much the bearing is hotter than it usually is, or than healthy ones are as long as that is unknown [dB]."""
+    deviations = p.heat_new_deviations if evidence.usual is None else p.hotter_deviations
+    return heat_excess(evidence.residual, max(p.hotter, deviations * evidence.deviation))
 
 
 def heat_excess(departure: float, threshold: float) -> float:

@@ -13,15 +13,19 @@ from pathlib import Path
 import platformdirs
 
 from dcrb_ros.exam.case import Case, canonical
-from dcrb_ros.messages.topics import GROUND_TRUTH, VIBRATION
+from dcrb_ros.messages.topic import SimulatedTopic
+from dcrb_ros.messages.topics import GROUND_TRUTH, TEMPERATURES, VIBRATION
 from dcrb_ros.recordings.manifest import model_fingerprint, software
 from dcrb_ros.recordings.recorder import Recorder
 from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.simulation.loop import Simulation
 from dcrb_ros.simulation.scenario import scheduled_changes
 
 ABANDONED = 86400.0
 """Age at which an unfinished recording is deleted [s]."""
+RECORDED: tuple[SimulatedTopic, ...] = (VIBRATION, GROUND_TRUTH)
+"""Topics of every recording."""
 
 
 def default_folder() -> Path:
@@ -49,7 +53,9 @@ def checked_folder(folder: Path) -> Path:
 
 def cache_path(case: Case, folder: Path) -> Path:
     """Return the path of a case's recording; its name contains a hash of the run, the model and the software versions."""
-    everything = canonical([case.run.described(), model_fingerprint(), software()])
+    about = [case.run.described(), model_fingerprint(), software()]
+    topics = _recorded(case.run.configuration)
+    everything = canonical(about if topics == RECORDED else [*about, [topic.name for topic in topics]])
     words = re.sub(r"[^a-z0-9.=_-]+", "-", case.expectation.name.lower())[:60].strip("-.")
     return folder / f"{words}-{hashlib.sha256(everything.encode()).hexdigest()[:16]}"
 
@@ -75,11 +81,16 @@ def cached_recording(case: Case, folder: Path) -> Path:
     return path
 
 
+def _recorded(configuration: Configuration) -> tuple[SimulatedTopic, ...]:
+    """Return the topics that a detector reads, where the bench has them, and the truth; the others would take up space."""
+    return RECORDED + tuple(topic for topic in TEMPERATURES if topic.enabled(configuration))
+
+
 def _simulate(case: Case, path: Path) -> None:
     run, source = case.run, case.expectation.name
     simulation = Simulation(run.configuration, scheduled_changes(run.scenario, run.configuration, source) if run.scenario else ())
-    # A detector reads the waveform only; the other topics would take up space.
-    topics = run.configuration.recording.model_copy(update={"topics": f"{VIBRATION.name}, {GROUND_TRUTH.name}"})
+    names = ", ".join(topic.name for topic in _recorded(run.configuration))
+    topics = run.configuration.recording.model_copy(update={"topics": names})
     configuration = run.configuration.model_copy(update={"recording": topics})
     with Recorder(path, configuration, simulation.bodies, scenario=run.scenario) as recorder:
         for block in simulation.blocks(run.duration):

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dcrb_ros.messages.cdr import FRAME, POINT_CLOUD, decoded, encoded, header, ros_type, stamp_of
-from dcrb_ros.messages.points import MOST_SAMPLES, UINT32
+from dcrb_ros.messages.cdr import FRAME, POINT_CLOUD, decoded, stamp_of
+from dcrb_ros.messages.points import MOST_SAMPLES, UINT32, encode_points
 from dcrb_ros.schema.arrays import Integers
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.stream.block import Block
@@ -34,10 +34,7 @@ def encode_pulses(block: Block, frame: str = FRAME) -> bytes:
     """Return the pulses of a block as a PointCloud2 with the fields of `PULSE`, stamped with the first sample."""
     points = np.empty(len(block.pulse_ns), PULSE)
     points["t"], points["pulse"] = block.pulse_ns - block.stamp_ns, block.pulse_number % NUMBERS
-    fields = [ros_type("sensor_msgs/msg/PointField")(*field) for field in FIELDS]
-    size, raw = PULSE.itemsize, np.frombuffer(points.tobytes(), np.uint8)
-    cloud = ros_type(POINT_CLOUD)(header(block.stamp_ns, frame), 1, len(points), fields, False, size, size * len(points), raw, True)
-    return encoded(POINT_CLOUD, cloud)
+    return encode_points(points, block.stamp_ns, frame)
 
 
 def decode_pulses(data: bytes) -> PulseBlock:

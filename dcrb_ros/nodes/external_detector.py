@@ -18,10 +18,11 @@ from typing import IO, Any
 
 from dcrb_ros.messages.bundle import Bundle
 from dcrb_ros.messages.received_diagnosis import ReceivedDiagnosis, decode_diagnosis
-from dcrb_ros.messages.topics import DIAGNOSIS, NAMESPACE, SENSOR, VIBRATION
+from dcrb_ros.messages.topics import DIAGNOSIS, NAMESPACE, SENSOR, TEMPERATURES, VIBRATION, Topic
 from dcrb_ros.nodes.pacing import Pacer
 from dcrb_ros.nodes.publisher import Publisher, message_class, qos
 from dcrb_ros.nodes.ros import check_ros, limit_discovery
+from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.recordings.replay import Replay, ReplayParameters
 from dcrb_ros.runtime.children import group_guard
 from dcrb_ros.schema.refusal import Refusal
@@ -136,11 +137,12 @@ class ExternalDetector:
         Raises:
             Refusal: the program does not exist.
         """
-        replay = Replay(ReplayParameters(bag=str(bag), topics=VIBRATION.name))
-        diagnoses = Diagnoses()
+        recording, diagnoses = Recording(bag), Diagnoses()
+        given: tuple[Topic, ...] = (VIBRATION, *(TEMPERATURES if len(recording.temperatures()) else ()))
+        replay = Replay(ReplayParameters(bag=str(bag), topics=", ".join(topic.name for topic in given)))
         with _node(self._domain) as (node, spin), _process(self._command, self._domain) as (process, log):
-            # Only the output of a sensor is published, not the ground truth.
-            publisher = Publisher(node, [VIBRATION, SENSOR])
+            # Only the output of sensors is published, not the ground truth.
+            publisher = Publisher(node, [*given, SENSOR])
             node.create_subscription(
                 message_class(DIAGNOSIS), DIAGNOSIS.name, lambda data: diagnoses.receive(bytes(data)), qos(DIAGNOSIS), raw=True
             )

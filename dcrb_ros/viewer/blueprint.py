@@ -107,14 +107,16 @@ def arrangement(
 
     Close-ups show the time range ``around`` the cursor [s], other plots the ``whole`` time. ``amplitude`` is the vertical axis of
     the waveform. ``map_first`` shows the order map before the spectrum, ``lubricated`` plots of films and friction,
-    ``warm`` one of temperatures.
+    ``warm`` shows temperatures, noise and films instead of forces and the close-up of the waveform, which are tabs behind them.
     """
     axis = close_up(*around)
-    left: list[rrb.View | rrb.Container] = [waveform(axis, whole, amplitude)]
-    right: list[rrb.View | rrb.Container] = [rrb.Tabs(spectrum(), orders(), active_tab=int(map_first)), summary()]
+    left: list[rrb.View | rrb.Container] = [waveform(axis, whole, amplitude, noise_first=warm)]
+    spectra = [spectrum(), orders()]
+    right: list[rrb.View | rrb.Container] = [rrb.Tabs(*spectra, active_tab=int(map_first)), summary()]
     if drawing is not None:
         left.insert(0, rrb.Tabs(bearing(drawing), zone(drawing.bearing.rows), active_tab=0))
-        right.append(motion(axis, whole, lubricated=lubricated, warm=warm))
+        plots = motion(axis, whole, lubricated=lubricated and not warm)
+        right = heat(right[1], spectra, plots, whole, lubricated=lubricated) if warm else [*right, plots]
     if detected:
         left.append(rrb.Tabs(*detected))
     return rrb.Horizontal(
@@ -161,8 +163,39 @@ def zone(rows: int) -> rrb.Spatial2DView:
     return rrb.Spatial2DView(origin=load_zone.ROOT, name=name, background=palette.BACKGROUND, visual_bounds=bounds)
 
 
-def waveform(axis: rrb.archetypes.TimeAxis, whole_axis: rrb.archetypes.TimeAxis | None, amplitude: rrb.ScalarAxis | None) -> rrb.Tabs:
-    """Return the views of the waveform: around the cursor and, on a second tab, the whole recording."""
+def heat(
+    page: rrb.View | rrb.Container,
+    spectra: list[rrb.Spatial2DView],
+    plots: rrb.Tabs,
+    whole: rrb.archetypes.TimeAxis | None,
+    *,
+    lubricated: bool,
+) -> list[rrb.View | rrb.Container]:
+    """Return the views of a bench with temperatures: these, films and friction, and the others on tabs."""
+    legend = rrb.PlotLegend(rrb.Corner2D.LeftTop)
+    temperatures = rrb.TimeSeriesView(origin="temperatures", name="Temperatures [°C]", axis_x=whole, background=PANEL, plot_legend=legend)
+    oil = [rrb.Tabs(*films(whole), active_tab=0)] if lubricated else []
+    return [rrb.Tabs(temperatures, *plots.contents, active_tab=0), *oil, rrb.Tabs(page, *spectra, active_tab=0)]
+
+
+def films(whole: rrb.archetypes.TimeAxis | None) -> tuple[rrb.TimeSeriesView, rrb.TimeSeriesView]:
+    """Return the plots of oil films and of friction over time."""
+    legend = rrb.PlotLegend(rrb.Corner2D.RightTop)
+    thickness = rrb.TimeSeriesView(origin="films", name="Oil film [µm], Lambda", axis_x=whole, background=PANEL, plot_legend=legend)
+    return thickness, rrb.TimeSeriesView(origin="friction", name="Friction [W]", axis_x=whole, background=PANEL)
+
+
+def waveform(
+    axis: rrb.archetypes.TimeAxis,
+    whole_axis: rrb.archetypes.TimeAxis | None,
+    amplitude: rrb.ScalarAxis | None,
+    *,
+    noise_first: bool = False,
+) -> rrb.Tabs:
+    """Return the views of the waveform: around the cursor and, on further tabs, the whole recording and the noise of its blocks.
+
+    ``noise_first`` shows the noise first.
+    """
     around = rrb.TimeSeriesView(
         origin="waveform",
         name="Acceleration of the outer ring [m/s²]",
@@ -175,7 +208,15 @@ def waveform(axis: rrb.archetypes.TimeAxis, whole_axis: rrb.archetypes.TimeAxis 
     whole = rrb.TimeSeriesView(
         origin="waveform", name="Whole recording", axis_x=whole_axis, axis_y=amplitude, background=PANEL, plot_legend=plain
     )
-    return rrb.Tabs(around, whole, active_tab=0)
+    noise = rrb.TimeSeriesView(
+        origin="features",
+        contents=["/features/rms"],
+        name="Vibration: rms of each block in Y [m/s²]",
+        axis_x=whole_axis,
+        background=PANEL,
+        plot_legend=plain,
+    )
+    return rrb.Tabs(noise, around, whole, active_tab=0) if noise_first else rrb.Tabs(around, whole, noise, active_tab=0)
 
 
 def close_up(before: float, after: float) -> rrb.archetypes.TimeAxis:
@@ -184,18 +225,14 @@ def close_up(before: float, after: float) -> rrb.archetypes.TimeAxis:
     return rrb.archetypes.TimeAxis(view_range=rrb.TimeRange(start=begin, end=end))
 
 
-def motion(axis: rrb.archetypes.TimeAxis, whole: rrb.archetypes.TimeAxis | None, *, lubricated: bool, warm: bool = False) -> rrb.Tabs:
+def motion(axis: rrb.archetypes.TimeAxis, whole: rrb.archetypes.TimeAxis | None, *, lubricated: bool) -> rrb.Tabs:
     """Return the plots of the states over time."""
     plain = rrb.PlotLegend(visible=False)
     forces = rrb.TimeSeriesView(origin="forces/row1", name="Roller forces, row 1 [kN]", axis_x=axis, background=PANEL, plot_legend=plain)
     spins = rrb.TimeSeriesView(origin="spins/row1", name="Spins [rad/s]", axis_x=axis, background=PANEL, plot_legend=plain)
     cages = rrb.TimeSeriesView(origin="cages", name="Cages [rad/s]", axis_x=whole, background=PANEL)
     operating = rrb.TimeSeriesView(origin="operating", name="Speed and load", axis_x=whole, background=PANEL)
-    films = rrb.TimeSeriesView(origin="films", name="Oil film [µm], Lambda", axis_x=whole, background=PANEL)
-    friction = rrb.TimeSeriesView(origin="friction", name="Friction [W]", axis_x=whole, background=PANEL)
-    temperatures = rrb.TimeSeriesView(origin="temperatures", name="Temperatures [°C]", axis_x=whole, background=PANEL)
-    oil, heat = (films, friction) if lubricated else (), (temperatures,) if warm else ()
-    return rrb.Tabs(forces, spins, cages, operating, *oil, *heat, active_tab=0)
+    return rrb.Tabs(forces, spins, cages, operating, *(films(whole) if lubricated else ()), active_tab=0)
 
 
 def indicators(whole: rrb.archetypes.TimeAxis | None = None, levels: rrb.ScalarAxis | None = None) -> rrb.TimeSeriesView:

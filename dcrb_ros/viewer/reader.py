@@ -10,6 +10,7 @@ import numpy as np
 
 from dcrb_ros.bearing.kinematics import Orders
 from dcrb_ros.bearing.tacho import TachoPulses
+from dcrb_ros.bearing.temperature_readings import TemperatureReadings
 from dcrb_ros.messages.cdr import stamps
 from dcrb_ros.messages.joints import decode_alike, decode_joints
 from dcrb_ros.messages.points import decode_waveform
@@ -60,7 +61,10 @@ def read_content(recording: Recording) -> Content:
         imported=bearing is None,
         pulses_per_turn=recording.pulses_per_turn,
     )
-    return content_of(messages, bench, lambda waveform: _in_background(lambda: detector_output_of(waveform, recording.orders, messages)))
+    temperatures = recording.temperatures()
+    return content_of(
+        messages, bench, lambda waveform: _in_background(lambda: detector_output_of(waveform, recording.orders, messages, temperatures))
+    )
 
 
 def content_of(
@@ -95,9 +99,13 @@ def waveform_of(messages: Sequence[bytes], rate: int) -> Waveform:
     return Waveform(np.zeros(0, np.int64), np.zeros((0, 2), np.float32), np.zeros(0, np.float32), rate)
 
 
-def detector_output_of(waveform: Waveform, orders: Orders, messages: Mapping[Topic, Sequence[bytes]]) -> DetectorOutput:
-    """Return the shipped detector's output for a waveform; recorded indicators and verdicts take precedence over its own."""
-    found = diagnoses(waveform, orders)
+def detector_output_of(
+    waveform: Waveform, orders: Orders, messages: Mapping[Topic, Sequence[bytes]], temperatures: TemperatureReadings
+) -> DetectorOutput:
+    """Return the shipped detector's output for a waveform and temperatures; recorded indicators and verdicts take precedence."""
+    truths = truths_of(messages.get(GROUND_TRUTH, ())[-1:])
+    lapse = max((truth.thermal.get("acceleration", 1.0) for truth in truths), default=1.0)
+    found = diagnoses(waveform, orders, temperatures, lapse)
     return DetectorOutput(
         indicators=series_of(messages.get(FAULT_INDICATORS, ())) or indicators_of(found),
         verdicts=verdicts_in(messages.get(DIAGNOSIS, ())) or verdicts_of(found),

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from dcrb_ros.bearing.kinematics import Orders
+from dcrb_ros.bearing.temperature_readings import TemperatureReadings
 from dcrb_ros.messages.statuses import ERROR
 from dcrb_ros.messages.topics.diagnosis import LEVELS
 from dcrb_ros.schema.arrays import Floats
@@ -49,10 +50,15 @@ class Spectra:
         return float(self.orders[-1])
 
 
-def diagnoses(waveform: Waveform, orders: Orders) -> list[Diagnosis]:
-    """Return the diagnoses of the waveform by the shipped detector with default parameters; a short waveform is a single window."""
-    from dcrb_ros.diagnosis.detector import FaultDetector
+def diagnoses(
+    waveform: Waveform, orders: Orders, temperatures: TemperatureReadings | None = None, heat_time_lapse: float = 1.0
+) -> list[Diagnosis]:
+    """Return the diagnoses of the waveform, and of ``temperatures``, by the shipped detector; a short waveform is a single window.
+
+    Its parameters are the default ones, but for the ``heat_time_lapse`` of the bench [-].
+    """
     from dcrb_ros.diagnosis.parameters import DetectorParameters
+    from dcrb_ros.diagnosis.thermal_detector import TemperatureFeed, ThermalFaultDetector
 
     usual = DetectorParameters()
     seconds = len(waveform.time_ns) / waveform.rate
@@ -60,11 +66,13 @@ def diagnoses(waveform: Waveform, orders: Orders) -> list[Diagnosis]:
     if window < SHORTEST_WINDOW:
         return []
     hop = min(window, max(SHORTEST_HOP, seconds / SPECTRA_WANTED))
-    detector = FaultDetector(orders, waveform.rate, usual.model_copy(update={"window": window, "hop": hop}))
+    own = usual.model_copy(update={"window": window, "hop": hop, "heat_time_lapse": heat_time_lapse})
+    detector, feed = ThermalFaultDetector(orders, waveform.rate, own), TemperatureFeed(temperatures or TemperatureReadings.none())
     found = []
     for piece in pieces(waveform, round(hop * waveform.rate)):
         index = (int(waveform.time_ns[piece.start]) * waveform.rate + 500_000_000) // 1_000_000_000
         diagnosis = detector.update(index, waveform.acceleration[piece], waveform.shaft_angle[piece])
+        feed.give(detector.take_temperature, 1e-9 * float(waveform.time_ns[piece.stop - 1]))
         if diagnosis is not None:
             found.append(diagnosis)
     return found

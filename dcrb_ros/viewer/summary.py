@@ -56,9 +56,10 @@ def _lines(content: Content, truth: Truth | None) -> Iterator[str]:
         yield f"| Speed, load | {truth.speed * 30 / math.pi:.1f} rpm, {math.hypot(*truth.load) / 1e3:.4g} kN |"
         yield f"| Fault frequencies | {', '.join(f'{name} {value:.2f}' for name, value in truth.frequencies.items())} Hz |"
         if truth.thermal:
+            yield f"| Temperatures | {', '.join(_temperatures(truth))} °C |"
             lapse = truth.thermal.get("acceleration", 1.0)
-            stored = f", heat stored {lapse:g} times as fast" if lapse > 1.0 else ""
-            yield f"| Temperatures | {', '.join(_temperatures(truth))} °C{stored} |"
+            if lapse > 1.0:
+                yield f"| Time lapse | heat is stored {lapse:g} times as fast |"
     if content.imported:
         yield f"| Imported data | BPFO {content.orders.bpfo:.4g}, BPFI {content.orders.bpfi:.4g} orders |"
     else:

@@ -124,3 +124,22 @@ def test_nothing_is_learned_before_the_beginning_has_died_away() -> None:
     assert judge.learned == 0.0
     read(judge, 22.0, 30, 30 * MINUTE)
     assert judge.learned > 0.0
+
+
+@pytest.mark.parametrize(("rise", "verdict"), [(40.0, ""), (52.0, "overheating"), (65.0, "overheating"), (75.0, "overheating")])
+def test_a_bearing_that_is_hot_from_its_first_day_is_found(rise: float, verdict: str) -> None:
+    """Up to some 55 K at 15 Hz the rise is learned, and found to be that of no healthy bearing; beyond, it is not learned."""
+    found = read(monitor(), rise, 8 * 60)
+    assert names(found)[-1] == verdict
+    if rise == 52.0:
+        reason = found[-1].confirmed["overheating"].reason
+        assert "a healthy one has 45 K at most: it was hot from the beginning" in reason
+        assert not any(names(found)[: 2 * 60])  # before it is known
+
+
+def test_a_healthy_rise_that_is_given_is_known_without_learning() -> None:
+    judge = monitor(heat_learn=0.0, heat_rise_deviation=2.0)
+    before = read(judge, 45.0, 60)
+    assert before[-1].evidence.usual == 27.5
+    assert 3.0 < before[-1].evidence.residual / before[-1].evidence.deviation < 5.0
+    assert names(before)[-1] == ""

@@ -66,6 +66,8 @@ PUBLISHED: dict[str, tuple[float, float]] = {
     "heat_rise": (1.0, 200.0),
     "heat_rise_deviation": (0.1, 100.0),
     "heat_learn": (0.0, 1e4),
+    "heat_most": (1.0, 400.0),
+    "heat_new_deviations": (1.0, 20.0),
     "heat_error": (0.1, 50.0),
     "heat_error_share": (0.0, 1.0),
     "heat_confirm": (1, 10_000),

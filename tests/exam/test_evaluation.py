@@ -24,6 +24,7 @@ from dcrb_ros.exam.recording_cache import ABANDONED, cache_path, cached_recordin
 from dcrb_ros.messages.received_diagnosis import ReceivedDiagnosis
 from dcrb_ros.messages.statuses import Status, encode_diagnostics, encode_truth
 from dcrb_ros.messages.topics import DIAGNOSIS, GROUND_TRUTH, Message
+from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.recordings.recorder import Recorder
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
@@ -99,6 +100,18 @@ def test_a_recording_that_another_process_finished_first_is_used(tmp_path: Path,
     assert cached_recording(CASES[0], tmp_path) == path
     assert [file.name for file in tmp_path.iterdir()] == [path.name]
     assert [file.name for file in path.iterdir()] == ["theirs"]
+
+
+@pytest.mark.parametrize(("law", "temperatures"), [("none", []), ("network", [0.0])])
+def test_a_recording_has_temperatures_where_the_bench_has_them(law: str, temperatures: list[float], tmp_path: Path) -> None:
+    settings = {"lubrication.law": "film", "thermal.law": law, "cage.joint": "revolute"}
+    scenarios = [{"name": "warm", "verdict": "healthy", "set": settings, "duration": 0.1}]
+    case = exam_of({"exam": "t", "scenarios": scenarios}, "t").cases[0]
+    recording = Recording(cached_recording(case, tmp_path))
+    assert recording.temperatures().time.tolist() == temperatures
+    own = {"outer_ring/vibration", "outer_ring/sensor", "ground_truth"}
+    named = {message.topic.name for message in recording.messages()}
+    assert named - own == ({"outer_ring/temperature", "box/temperature", "ambient/temperature"} if temperatures else set())
 
 
 def test_a_recording_that_cannot_be_put_in_its_place_is_an_error(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

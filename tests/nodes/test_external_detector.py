@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import json
 import shlex
 import subprocess
@@ -20,6 +21,10 @@ from waiting import runs, wait_for
 
 from dcrb_ros.messages.statuses import Status, encode_diagnostics
 from dcrb_ros.nodes.external_detector import Diagnoses, ExternalDetector
+from dcrb_ros.recordings.reader import Recording
+from dcrb_ros.recordings.recorder import Recorder
+from dcrb_ros.settings.files import load_configuration
+from dcrb_ros.simulation.loop import Simulation
 
 pytestmark = [pytest.mark.node, pytest.mark.slow]
 
@@ -201,6 +206,56 @@ def test_diagnoses_published_in_hindsight_count_as_issued_late() -> None:
     early = [diagnosis for diagnosis in diagnoses.received if diagnosis.time < 1.0]
     assert len(early) == 2
     assert all(diagnosis.issued_at > 2.5 for diagnosis in early)
+
+
+THERMOMETERS = """
+import rclpy
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from sensor_msgs.msg import PointCloud2, Temperature
+rclpy.init()
+node = rclpy.create_node("candidate", namespace="dcrb")
+publisher = node.create_publisher(DiagnosticArray, "diagnosis", 10)
+read = {}
+def on_temperature(place):
+    node.create_subscription(Temperature, place + "/temperature", lambda message: read.setdefault(place, []).append(message), 10)
+def on_block(message):
+    topics = sorted(name for name, _ in node.get_topic_names_and_types() if name.startswith("/dcrb/"))
+    said = {"verdict": "overheating", "reason": repr([[one.temperature for one in read.get(place, [])] for place in PLACES] + [topics])}
+    array = DiagnosticArray(status=[DiagnosticStatus(values=[KeyValue(key=key, value=value) for key, value in said.items()])])
+    array.header.stamp = message.header.stamp
+    publisher.publish(array)
+PLACES = ("outer_ring", "box", "ambient")
+for place in PLACES:
+    on_temperature(place)
+node.create_subscription(PointCloud2, "outer_ring/vibration", on_block, 200)
+rclpy.spin(node)
+"""
+
+
+def test_a_detector_reads_the_thermometers_of_a_bench_that_has_them_and_not_the_truth(tmp_path: Path) -> None:
+    configuration = load_configuration("healthy", {"thermal.law": "network", "cage.joint": "revolute"})
+    simulation = Simulation(configuration)
+    with Recorder(tmp_path / "bag", configuration, simulation.bodies) as recorder:
+        for block in simulation.blocks(1.2):
+            recorder.write(block)
+    # The topics of the exam, and those to which the detector itself subscribes.
+    topics = [
+        "diagnosis",
+        "outer_ring/sensor",
+        "outer_ring/vibration",
+        *(f"{place}/temperature" for place in ("outer_ring", "box", "ambient")),
+    ]
+    readings = Recording(tmp_path / "bag").temperatures()
+    assert len(readings) == 2
+    for bag, expected in (
+        (tmp_path / "bag", [readings.outer_ring.tolist(), readings.box.tolist(), readings.ambient.tolist()]),
+        (ROOT / "bags/healthy", [[], [], []]),
+    ):
+        found = ExternalDetector(python("-c", THERMOMETERS), patience=60.0).diagnose(bag)
+        assert not found.failure
+        *read, seen = ast.literal_eval(found.received[-1].reason)
+        assert read == expected
+        assert sorted(seen) == sorted(f"/dcrb/{topic}" for topic in topics)
 
 
 def test_a_rate_is_kept(capsys: pytest.CaptureFixture[str]) -> None:

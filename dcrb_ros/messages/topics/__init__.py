@@ -50,6 +50,7 @@ __all__ = [
     "SENSOR",
     "SIMULATED",
     "TACHO",
+    "TEMPERATURES",
     "TRANSFORMS",
     "VIBRATION",
     "VIBRATION_CLEAN",
@@ -84,6 +85,13 @@ SIMULATED: tuple[SimulatedTopic, ...] = _topics(
     "ground_truth:GROUND_TRUTH",
 )
 """Topics that the simulator publishes and records; messages of one time are sent in this order."""
+
+TEMPERATURES: tuple[SimulatedTopic, ...] = _topics(
+    "temperatures:OUTER_RING_TEMPERATURE",
+    "temperatures:BOX_TEMPERATURE",
+    "temperatures:AMBIENT_TEMPERATURE",
+)
+"""Those of them with readings of thermometers."""
 
 DETECTED: tuple[DetectedTopic, ...] = _topics(
     "diagnosis:DIAGNOSIS",

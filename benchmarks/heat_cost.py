@@ -1,0 +1,166 @@
+"""Cost of the thermal network, the temperature topics and a tacho, as processor time against the same bench without them.
+
+Three tables. Pairs: two simulations in one process take turns, one with heat and tacho, the other without but with the oil and the
+clearance of the first one's start; simulation and encoding are timed. Parts: the functions that heat and tacho add are timed by themselves
+within a simulation. Nodes: the processor time of simulator nodes at time scale 1.0 with a subscriber to every topic, in turn with and
+without.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import signal
+import statistics
+import time
+from collections import Counter
+from collections.abc import Callable
+from typing import Any
+
+import rclpy
+from node import measured
+from rclpy.utilities import try_shutdown
+
+from dcrb_ros.measurement.toothed_wheel import ToothedWheel
+from dcrb_ros.messages.encoder import BlockEncoder
+from dcrb_ros.messages.topics import SIMULATED
+from dcrb_ros.nodes.ros import limit_discovery
+from dcrb_ros.settings.files import load_configuration
+from dcrb_ros.simulation.heating import Heating
+from dcrb_ros.simulation.loop import Simulation
+
+HEAT = ("thermal.law=network", "tacho.pulses_per_turn=60")
+"""What is switched on; a tacho of 60 pulses is a common toothed wheel of a wheel-slide protection."""
+PIECE = 0.2
+"""Simulated time between two turns [s]; the sensors of the temperatures are read in every fifth."""
+WARM_UP = 1.0
+"""Simulated time before a measurement [s]."""
+
+
+def turns(*, heated: bool) -> Callable[[], float]:
+    """Return a function that simulates and encodes a piece and returns its processor time [s].
+
+    The bench that is not ``heated`` begins with the same oil and clearance and keeps them.
+    """
+    configuration, plain = load_configuration("healthy", HEAT), load_configuration("healthy")
+    simulation = Simulation(configuration)
+    if not heated:
+        simulation._heating, simulation._tacho = Heating(plain), None
+    encoder = BlockEncoder(configuration if heated else plain, simulation.bodies)
+
+    def run() -> float:
+        begin = time.thread_time()
+        for block in simulation.blocks(PIECE):
+            encoder.encode(block)
+        return time.thread_time() - begin
+
+    for _ in range(round(WARM_UP / PIECE)):
+        run()
+    return run
+
+
+def pairs(count: int) -> None:
+    """Print the processor time of blocks with and without heat, in pairs of alternating order."""
+    both, ratios = (turns(heated=True), turns(heated=False)), list[float]()
+    times: tuple[list[float], list[float]] = ([], [])
+    for number in range(count):
+        first = number % 2
+        for which in (first, 1 - first):
+            times[which].append(both[which]())
+        ratios.append(times[0][-1] / times[1][-1])
+    per_block = [1e3 * statistics.median(one) * 20e-3 / PIECE for one in times]
+    low, middle, high = statistics.quantiles(ratios, n=4)
+    print(f"| {count} pairs of {PIECE:g} s | with | without | ratio: quartiles |\n|---|---|---|---|")
+    print(f"| processor time of 20 ms [ms] | {per_block[0]:.2f} | {per_block[1]:.2f} | {low:.3f}, {middle:.3f}, {high:.3f} |\n", flush=True)
+
+
+def parts(seconds: float) -> None:
+    """Print the processor time of what heat and tacho add, timed within a simulation of a duration [s]."""
+    used, calls = Counter[str](), Counter[str]()
+
+    def timed(owner: Any, name: str, title: str) -> None:
+        original = getattr(owner, name)
+        get = original.fget if isinstance(original, property) else original
+
+        def run(*arguments: Any) -> Any:
+            begin = time.thread_time()
+            try:
+                return get(*arguments)
+            finally:
+                used[title] += time.thread_time() - begin
+                calls[title] += 1
+
+        setattr(owner, name, property(run) if isinstance(original, property) else run)
+
+    for name, title in (("update", "network"), ("next", "network"), ("reading", "sensors"), ("present", "states"), ("truth", "truth")):
+        timed(Heating, name, title)
+    timed(ToothedWheel, "pulses", "tacho")
+    warm = load_configuration("healthy", HEAT)
+    simulation = Simulation(warm)
+    encoder = BlockEncoder(warm, simulation.bodies)
+    extra = [number for number, topic in enumerate(encoder._topics) if topic.name.endswith("temperature") or topic.name == "shaft/tacho"]
+    for number in extra:
+        encode = encoder._encoders[number]
+
+        def run(block: Any, source: Any, encode: Any = encode) -> Any:
+            begin = time.thread_time()
+            found = list(encode(block, source))
+            used["messages"] += time.thread_time() - begin
+            calls["messages"] += 1
+            return found
+
+        encoder._encoders[number] = run
+    for block in simulation.blocks(WARM_UP):
+        encoder.encode(block)
+    used.clear(), calls.clear()
+    begin = time.thread_time()
+    for block in simulation.blocks(seconds):
+        encoder.encode(block)
+    total = time.thread_time() - begin
+    print("| part | calls per second | us per call | of the block's processor time | of a core at real time |\n|---|---|---|---|---|")
+    rows = [*used.items(), ("all", sum(used.values()))]
+    for title, spent in rows:
+        count = calls[title] or sum(calls.values())
+        each = f"{count / seconds:.0f} | {1e6 * spent / count:.0f}"
+        print(f"| {title} | {each} | {100 * spent / total:.2f} % | {100 * spent / seconds:.2f} % |")
+    print(flush=True)
+
+
+def nodes(seconds: float, count: int) -> None:
+    """Print the processor time of nodes at time scale 1.0 with and without heat, each measured for a wall time [s]."""
+    shares: tuple[list[float], list[float]] = ([], [])
+    for number in range(count):
+        first = number % 2
+        for which in (first, 1 - first):
+            settings = [setting.replace("=", ":=") for setting in HEAT] if which == 0 else []
+            found = measured(seconds, SIMULATED, "time_scale:=1.0", *settings)
+            shares[which].append(100.0 * sum(found.processor.values()) / found.wall)
+    medians = [statistics.median(one) for one in shares]
+    ratio = statistics.median(one / other for one, other in zip(*shares, strict=True))
+    print(f"| {count} pairs of nodes, {seconds:g} s each | with | without | ratio |\n|---|---|---|---|")
+    print(f"| processor [% of a core] | {medians[0]:.1f} | {medians[1]:.1f} | {ratio:.3f} |", flush=True)
+
+
+def main() -> None:
+    """Print the tables."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--pairs", type=int, default=100)
+    parser.add_argument("--parts", type=float, default=20.0, help="simulated time in which the parts are timed [s]")
+    parser.add_argument("--nodes", type=int, default=3, help="pairs of nodes; 0 for none")
+    parser.add_argument("--duration", type=float, default=10.0, help="wall time of a node [s]")
+    options = parser.parse_args()
+    pairs(options.pairs)
+    parts(options.parts)
+    if options.nodes:
+        signal.signal(signal.SIGTERM, signal.default_int_handler)  # terminates the node's process too
+        limit_discovery()
+        os.environ.setdefault("ROS_DOMAIN_ID", str(1 + os.getpid() % 100))
+        rclpy.init(args=[])
+        try:
+            nodes(options.duration, options.nodes)
+        finally:
+            try_shutdown()
+
+
+if __name__ == "__main__":
+    main()
