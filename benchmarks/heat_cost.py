@@ -13,7 +13,7 @@ import os
 import signal
 import statistics
 import time
-from collections import Counter
+from collections import Counter, defaultdict
 from collections.abc import Callable
 from typing import Any
 
@@ -78,11 +78,11 @@ def pairs(count: int) -> None:
 
 def parts(seconds: float) -> None:
     """Print the processor time of what heat and tacho add, timed within a simulation of a duration [s]."""
-    used, calls = Counter[str](), Counter[str]()
+    used, calls = defaultdict[str, float](float), Counter[str]()
 
     def timed(owner: Any, name: str, title: str) -> None:
         original = getattr(owner, name)
-        get = original.fget if isinstance(original, property) else original
+        get: Any = original.fget if isinstance(original, property) else original
 
         def run(*arguments: Any) -> Any:
             begin = time.thread_time()
@@ -114,7 +114,8 @@ def parts(seconds: float) -> None:
         encoder._encoders[number] = run
     for block in simulation.blocks(WARM_UP):
         encoder.encode(block)
-    used.clear(), calls.clear()
+    used.clear()
+    calls.clear()
     begin = time.thread_time()
     for block in simulation.blocks(seconds):
         encoder.encode(block)
