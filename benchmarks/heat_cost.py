@@ -13,7 +13,7 @@ import os
 import signal
 import statistics
 import time
-from collections import Counter
+from collections import Counter, defaultdict
 from collections.abc import Callable
 from typing import Any
 
@@ -31,6 +31,8 @@ from dcrb_ros.simulation.loop import Simulation
 
 HEAT = ("thermal.law=network", "tacho.pulses_per_turn=60")
 """What is switched on; a tacho of 60 pulses is a common toothed wheel of a wheel-slide protection."""
+OILED = "lubrication.law=film"
+"""For nodes, whose bench is dry by default."""
 PIECE = 0.2
 """Simulated time between two turns [s]; the sensors of the temperatures are read in every fifth."""
 WARM_UP = 1.0
@@ -76,11 +78,11 @@ def pairs(count: int) -> None:
 
 def parts(seconds: float) -> None:
     """Print the processor time of what heat and tacho add, timed within a simulation of a duration [s]."""
-    used, calls = Counter[str](), Counter[str]()
+    used, calls = defaultdict[str, float](float), Counter[str]()
 
     def timed(owner: Any, name: str, title: str) -> None:
         original = getattr(owner, name)
-        get = original.fget if isinstance(original, property) else original
+        get: Any = original.fget if isinstance(original, property) else original
 
         def run(*arguments: Any) -> Any:
             begin = time.thread_time()
@@ -92,7 +94,7 @@ def parts(seconds: float) -> None:
 
         setattr(owner, name, property(run) if isinstance(original, property) else run)
 
-    for name, title in (("update", "network"), ("next", "network"), ("reading", "sensors"), ("present", "states"), ("truth", "truth")):
+    for name, title in (("update", "network"), ("reading", "sensors"), ("present", "states"), ("truth", "truth")):
         timed(Heating, name, title)
     timed(ToothedWheel, "pulses", "tacho")
     warm = load_configuration("healthy", HEAT)
@@ -112,7 +114,8 @@ def parts(seconds: float) -> None:
         encoder._encoders[number] = run
     for block in simulation.blocks(WARM_UP):
         encoder.encode(block)
-    used.clear(), calls.clear()
+    used.clear()
+    calls.clear()
     begin = time.thread_time()
     for block in simulation.blocks(seconds):
         encoder.encode(block)
@@ -132,7 +135,7 @@ def nodes(seconds: float, count: int) -> None:
     for number in range(count):
         first = number % 2
         for which in (first, 1 - first):
-            settings = [setting.replace("=", ":=") for setting in HEAT] if which == 0 else []
+            settings = [setting.replace("=", ":=") for setting in (OILED, *(HEAT if which == 0 else ()))]
             found = measured(seconds, SIMULATED, "time_scale:=1.0", *settings)
             shares[which].append(100.0 * sum(found.processor.values()) / found.wall)
     medians = [statistics.median(one) for one in shares]
