@@ -89,7 +89,7 @@ def _graded(axes: Axes, report: Report) -> None:
         axes.plot(places, [row.probability.value for row in own], marker="o", ms=4, lw=1.2, color=COLOURS[verdict], label=label)
     axes.set_xscale("symlog", linthresh=lowest)
     axes.set(xlabel="value relative to the largest [-]", ylabel="detected in time, correct verdict [-]", ylim=(-0.03, 1.03))
-    axes.legend(fontsize=7, loc="upper center", bbox_to_anchor=(0.5, -0.14), ncols=2, frameon=False)
+    axes.legend(fontsize=7, loc="upper center", bbox_to_anchor=(0.5, -0.17), ncols=2, frameon=False)
     axes.grid(alpha=0.25)
 
 
