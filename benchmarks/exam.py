@@ -117,7 +117,7 @@ def replace(name: str, lines: Iterator[str]) -> None:
 
 REPORTS = {
     "shipped": ("standard", [], "The shipped detector's report"),
-    "blind": ("blind", [], "The shipped detector's report on scenarios it was not tuned on"),
+    "blind": ("blind", [], "The shipped detector's report on other speeds, loads and faults"),
     "graded": ("graded", [], "The shipped detector's report on faults from undetectable to obvious"),
     "hours": ("hours", [], "The shipped detector's report on four healthy hours"),
     "naive": ("smoke", ["--node", "python examples/naive_detector.py"], "The naive detector's report"),
