@@ -93,6 +93,11 @@ class HeatModel:
         parameters = self._aa + 2.0 * heat * self._ab + heat**2 * self._bb
         return math.sqrt(self._variance + max(parameters, 0.0) + begin**2)
 
+    @property
+    def least_rise(self) -> float:
+        """Rise at the reference frequency that the bearing has at least, two standard deviations below the mean [K]."""
+        return self.rise - 2.0 * math.sqrt(max(self._bb, 0.0))
+
     def learn(self, rise: float, duration: float) -> None:
         """Take a rise [K] that was observed over a duration [s]."""
         heat = self._heat

@@ -86,7 +86,7 @@ class HeatMonitor:
         self.model.follow(frequency, load, passed, rise)
         self._running += passed
         expected, deviation = self.model.expected, self.model.deviation
-        usual = self.model.rise if self.learned >= min(KNOWN_AFTER, HOUR * self.p.heat_learn) else None
+        usual = self.model.least_rise if self.learned >= min(KNOWN_AFTER, HOUR * self.p.heat_learn) else None
         evidence = HeatEvidence(rise, expected, deviation, self._starved(rise - expected, deviation), usual)
         found = [rule.finding(evidence) for rule in self._rules]
         self._learn(rise, passed, deviation)

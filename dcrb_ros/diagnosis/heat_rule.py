@@ -51,7 +51,7 @@ class HeatEvidence(NamedTuple):
     starved: bool
     """Whether the bearing was cooler than expected, as the films of a bearing that loses its lubricant make it, within the last hours."""
     usual: float | None
-    """Rise of this bearing at 15 Hz as it was learned [K]; None before it is known."""
+    """Rise of this bearing at 15 Hz as it was learned, at least [K]; None before it is known."""
 
     @property
     def residual(self) -> float:

@@ -140,6 +140,6 @@ def test_a_bearing_that_is_hot_from_its_first_day_is_found(rise: float, verdict:
 def test_a_healthy_rise_that_is_given_is_known_without_learning() -> None:
     judge = monitor(heat_learn=0.0, heat_rise_deviation=2.0)
     before = read(judge, 45.0, 60)
-    assert before[-1].evidence.usual == 27.5
+    assert before[-1].evidence.usual == 27.5 - 2.0 * 2.0
     assert 3.0 < before[-1].evidence.residual / before[-1].evidence.deviation < 5.0
     assert names(before)[-1] == ""

@@ -52,8 +52,8 @@ def test_the_verdict_takes_temperatures_into_account_at_the_time_lapse_of_the_be
     orders = characteristic_orders(Bearing())
     assert "overheating" not in {one.verdict for one in diagnoses(waveform, orders)}
     assert diagnoses(waveform, orders, hot)[-1].verdict == "overheating"
-    # A rise of 52 K that lasts for hours was there from the beginning; after some seconds that is unknown.
-    warm = TemperatureReadings(time=read, outer_ring=np.full(SECONDS, 72.0), box=read, ambient=np.full(SECONDS, 20.0))
+    # A rise of 57 K that lasts for hours was there from the beginning; after some seconds that is unknown.
+    warm = TemperatureReadings(time=read, outer_ring=np.full(SECONDS, 77.0), box=read, ambient=np.full(SECONDS, 20.0))
     real, fast = (diagnoses(waveform, orders, warm, lapse)[-1].verdict for lapse in (1.0, 3000.0))
     assert real != "overheating"
     assert fast == "overheating"

@@ -14,6 +14,6 @@ class Overheating(HeatRule[HeatParameters]):
         hot = hot_excess(evidence, self.p)
         always = heat_excess(evidence.usual, self.p.heat_most) if evidence.usual is not None else hot
         if always > hot:
-            usual = f"it usually has {evidence.usual:.1f} K at 15 Hz, a healthy one has {self.p.heat_most:g} K at most"
+            usual = f"it usually has {evidence.usual:.1f} K at 15 Hz or more, a healthy one has {self.p.heat_most:g} K at most"
             return HeatFinding("overheating", always, f"{evidence.sentence}, but {usual}: it was hot from the beginning")
         return HeatFinding("overheating", hot, f"{evidence.sentence}: it overheats")
