@@ -20,6 +20,8 @@ from __future__ import annotations
 import functools
 from typing import Any, Protocol, TypeVar, cast, get_type_hints
 
+import llvmlite.binding
+import numba
 import numpy as np
 import numpy.typing as npt
 
@@ -38,7 +40,11 @@ LANES = 136
 CACHE_LINE = 64
 """[bytes]"""
 VECTOR = 4
-"""Least number of elements that the processor works on at once; loops run over a multiple of it."""
+"""Least number of elements that the processor works on at once."""
+WIDE_TARGETS = "znver4", "znver5"
+"""Targets for which LLVM uses the whole of a vector of 512 bits; for Intel's processors with AVX-512 it prefers 256."""
+WIDTH = 2 * VECTOR if (numba.config.CPU_NAME or llvmlite.binding.get_host_cpu_name()) in WIDE_TARGETS else VECTOR  # type: ignore[attr-defined]
+"""Elements that compiled loops work on at once. They run over a multiple of it: an element of a remainder takes as long as a vector."""
 
 Table = TypeVar("Table")
 Content = TypeVar("Content", covariant=True)

@@ -116,7 +116,7 @@ class Nodes:
 
 
 class BoundRollers:
-    """The bound rollers of a step, side by side, row by row; filled up with copies of the last one to a multiple of `VECTOR`."""
+    """The bound rollers of a step, side by side, row by row; filled up with copies of the last one to a multiple of `WIDTH`."""
 
     roller: Indices
     """Which roller this is, in the order of `Rollers`."""

@@ -11,7 +11,7 @@ from dcrb_ros.core.contacts.films import raceway_site
 from dcrb_ros.core.contacts.force_line import SHORT_WAY, onset, reach
 from dcrb_ros.core.jit import NO, YES, piece
 from dcrb_ros.core.laws.calls import bar_damping, film_floor, film_reach, load_memory, oils_cages, store_memory
-from dcrb_ros.core.layout.records import VECTOR
+from dcrb_ros.core.layout.records import WIDTH
 from dcrb_ros.core.layout.state import CAGE, INNER, OUTER, State
 from dcrb_ros.core.layout.workspace import Workspace
 from dcrb_ros.core.payload import EDGE, Payload
@@ -24,8 +24,8 @@ NEGLIGIBLE_STRIKE = 2e-3
 
 @piece
 def filled(count: int) -> int:
-    """Return how many elements a loop over ``count`` rollers works on: a multiple of `VECTOR`."""
-    return (count + VECTOR - 1) // VECTOR * VECTOR
+    """Return how many elements a loop over ``count`` rollers works on: a multiple of `WIDTH`."""
+    return (count + WIDTH - 1) // WIDTH * WIDTH
 
 
 @piece
@@ -131,7 +131,7 @@ def list_bound(payload: Payload, work: Workspace, row: int, found: int) -> int:
 
 @piece
 def gather_bound(payload: Payload, state: State, work: Workspace, found: int) -> int:
-    """Copy the bound rollers side by side, filled up to a multiple of `VECTOR`; return how many elements that makes."""
+    """Copy the bound rollers side by side, filled up to a multiple of `WIDTH`; return how many elements that makes."""
     rollers, step, bound = state.rollers[0], work.rollers[0], work.bound[0]
     normal_law, traction_law, cage_law = payload.normal_law, payload.traction_law, payload.cage_traction_law
     count = filled(found)

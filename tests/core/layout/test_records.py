@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import re
+
+import numba
 import numpy as np
+import numpy.typing as npt
 import pytest
 
 from dcrb_ros.bearing.payload import build_payload
+from dcrb_ros.core.jit import COMPILED
 from dcrb_ros.core.layout.contacts import ConformalContacts
-from dcrb_ros.core.layout.records import CACHE_LINE, dtype_of, empty_record
+from dcrb_ros.core.layout.records import CACHE_LINE, WIDTH, dtype_of, empty_record
 from dcrb_ros.core.layout.rollers import BoundRollers, Rollers, RollerStep
 from dcrb_ros.core.layout.state import copy_of, empty_state
 from dcrb_ros.core.payload import arrays_by_law
@@ -54,3 +59,15 @@ def test_copy_of_a_state_has_a_life_of_its_own() -> None:
     copy = copy_of(state)
     state.inner_force[0, 2] = state.load[1] = 0.0
     assert (copy.inner_force[0, 2], copy.load[1]) == (5.0, -7.0)
+
+
+@pytest.mark.skipif(numba.config.DISABLE_JIT, reason="needs the compiler")
+def test_the_width_is_that_of_the_compilers_vectors() -> None:
+    def square_roots(x: npt.NDArray[np.float64], y: npt.NDArray[np.float64]) -> None:
+        for k in range(x.shape[0]):
+            y[k] = np.sqrt(x[k])
+
+    compiled = numba.njit("(float64[::1], float64[::1])", **COMPILED)(square_roots)
+    (assembly,) = compiled.inspect_asm().values()
+    assert re.search("vsqrtpd.*zmm" if WIDTH == 8 else "v?sqrtpd.*[xy]mm", assembly)
+    assert WIDTH == 8 or not re.search("vsqrtpd.*zmm", assembly)
