@@ -18,6 +18,7 @@ from dcrb_ros.core.laws.squeeze import (
     squeeze_damping,
     squeeze_floor,
     squeeze_impulse,
+    squeeze_near,
     wedge_energy,
     wedge_force,
 )
@@ -130,3 +131,10 @@ def test_nothing_acts_beyond_the_layer() -> None:
     assert wedge_force(20e-6, LIFT, FILM, 20e-6) == pytest.approx((0.0, 0.0), abs=1e-20)
     assert wedge_energy(25e-6, LIFT, FILM, 20e-6) == pytest.approx(0.0, abs=1e-15)
     assert squeeze_impulse(25e-6, A, 1e-6, 20e-6) == pytest.approx(0.0, abs=1e-12)
+
+
+@given(layers, st.floats(1.0, 3.0))
+def test_there_is_no_force_beyond_the_layer_by_rounding(layer: float, beyond: float) -> None:
+    """A contact counts as closed under any force above zero."""
+    assert wedge_force(beyond * layer, LIFT, FILM, layer) == (0.0, 0.0)
+    assert squeeze_near(beyond * layer, A, FILM, FILM, layer) == 0.0
