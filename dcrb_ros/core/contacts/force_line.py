@@ -66,7 +66,8 @@ def elastic(law: Any, memory: Any, penetration: float, site: Site) -> tuple[floa
 def elastic_and_energy(law: Any, memory: Any, penetration: float, site: Site) -> tuple[float, float]:
     """Return force [N] and stored energy [J] at a penetration [m]; by a branch, for single contacts."""
     deep = penetration + film_offset(site.film)
-    lift, energy = film_lift(site.film, -penetration)[0], film_lift_energy(site.film, -penetration)
+    # The bounds keep both products from being fused into the sums: the compiler would choose one of two by the processor.
+    lift, energy = max(film_lift(site.film, -penetration)[0], 0.0), max(film_lift_energy(site.film, -penetration), 0.0)
     if deep > -normal_range(law):
         force, _ = normal_force(law, memory, deep, site)
         return force + lift, normal_energy(law, memory, deep, force) + energy

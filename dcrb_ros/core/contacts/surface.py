@@ -137,7 +137,8 @@ def feel_part(parts: SingleFloats, contact: RacewayContact, k: int, node: int, w
     """Write what a bound roller feels of a defect over a share of the length between a node and the next one, and that share."""
     i, j, spacing = node, node + 1 if node + 1 < parts.shape[0] else 0, TURN / parts.shape[0]
     contact.share[k] = max(parts[i, 2], parts[j, 2])
-    contact.part_height[k], contact.part_slope[k] = interpolated(parts[i, 0], parts[j, 0], parts[i, 1], parts[j, 1], spacing, way)
+    contact.part_height[k], slope = interpolated(parts[i, 0], parts[j, 0], parts[i, 1], parts[j, 1], spacing, way)
+    contact.part_tilt[k] = slope / contact.distance[k]
 
 
 @piece
@@ -168,10 +169,10 @@ def linearize_parts(
             memory, penetration = load_memory(law, contact.normal, k), contact.penetration[k]
             whole, stiffness = elastic(law, memory, penetration, site)
             part, part_stiffness = elastic(law, memory, penetration + contact.part_height[k], site)
-            force = (1.0 - share) * whole + share * part
-            stiffness = (1.0 - share) * stiffness + share * part_stiffness
+            force = whole + share * (part - whole)
+            stiffness += share * (part_stiffness - stiffness)
             weight = share * part / force if force > 0.0 else share
-            write_tilt(contact, k, contact.tilt[k] - side * weight * contact.part_slope[k] / contact.distance[k], ring.speed)
+            write_tilt(contact, k, contact.tilt[k] - side * weight * contact.part_tilt[k], ring.speed)
             replace_lines(payload, bound, contact, k, memory, site, penetration, force, stiffness, ring)
 
 

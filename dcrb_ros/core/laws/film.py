@@ -242,8 +242,7 @@ def film_floor(film: Film) -> float:
 @kernel
 def film_squeeze(film: Film, gap: float, closing: float) -> float:
     """Return the damping [N s/m] at a gap [m] that closes at a speed [m/s]; a gap that opens has none."""
-    found = squeeze_near(gap, film.squeeze, film.floor, film.offset, film.layer)
-    return found if closing > 0.0 else 0.0
+    return squeeze_near(gap, film.squeeze if closing > 0.0 else 0.0, film.floor, film.offset, film.layer)
 
 
 @kernel

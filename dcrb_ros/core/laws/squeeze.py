@@ -62,9 +62,8 @@ def squeeze_at(gap: float, coefficient: float, floor: float, layer: float) -> fl
 def squeeze_near(gap: float, coefficient: float, floor: float, film: float, layer: float) -> float:
     """Return c(g) [N s/m] as `squeeze_at`, by the inverse of the gap that `wedge_force` uses, too; the ``film`` is below the floor [m]."""
     by_q, by_root = min(1.0 / min(max(gap, film), layer), 1.0 / floor), 1.0 / math.sqrt(layer)
-    found = coefficient * max(by_q * math.sqrt(by_q) - by_root * by_root * by_root, 0.0)
     # Beyond the layer rounding would leave some 1e-15 of it: enough for a contact to count as closed.
-    return found if gap < layer else 0.0
+    return coefficient * (max(by_q * math.sqrt(by_q) - by_root * by_root * by_root, 0.0) if gap < layer else 0.0)
 
 
 @kernel
@@ -87,8 +86,8 @@ def squeeze_damping(gap: float, way: float, coefficient: float, floor: float, la
 def wedge_force(gap: float, lift: float, film: float, layer: float) -> tuple[float, float]:
     """Return the lift of the wedge [N] and its stiffness [N/m] at a gap [m]; ``lift`` is 4.9 eta u R L [N m]."""
     q = min(max(gap, film), layer)
-    share, by_q = 1.0 - q / layer, 1.0 / q
-    force = lift * by_q * share * share if gap < layer else 0.0
+    share, by_q = 1.0 - q / layer if gap < layer else 0.0, 1.0 / q
+    force = lift * by_q * share * share
     slope = force * by_q + 2.0 * lift * by_q * share / layer
     return force, slope if film < gap < layer else 0.0
 

@@ -100,8 +100,8 @@ class RacewayContact:
     """Slope of the raceway along which the normal is tilted [-]."""
     part_height: Lanes
     """Height over a part of the roller's length, beside that over the whole [m]."""
-    part_slope: Lanes
-    """[m/rad]"""
+    part_tilt: Lanes
+    """Slope of that height along the raceway [-]."""
     share: Lanes
     """Share of the length that it takes; 0 for none [-]."""
     crossing: Lanes
