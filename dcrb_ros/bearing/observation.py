@@ -11,7 +11,7 @@ from dcrb_ros.core import observation as of
 from dcrb_ros.core.layout.state import State
 from dcrb_ros.core.payload import Payload
 from dcrb_ros.schema.arrays import Floats
-from dcrb_ros.stream.states import States
+from dcrb_ros.stream.states import States, ThermalState
 
 
 def wrapped(angle: Floats) -> Floats:
@@ -25,8 +25,8 @@ def place_pinned_rollers(payload: Payload, state: State) -> None:
         of.place_pinned(state.rollers, payload.free, payload.pocket_tangent, state.position, state.velocity, payload.pitch_radius)
 
 
-def observe(payload: Payload, state: State, time_ns: int, before: States | None = None) -> States:
-    """Return the states of all bodies at ``time_ns``; ``before`` are the states since which powers are averaged."""
+def observe(payload: Payload, state: State, time_ns: int, before: States | None = None, thermal: ThermalState | None = None) -> States:
+    """Return the states of all bodies at ``time_ns``, with temperatures; ``before`` are the states since which powers are averaged."""
     oil = before.lubrication if before is not None else None
     since = (0.0, np.zeros(())) if before is None or oil is None else (1e-9 * before.time_ns, oil.friction_loss)
     place_pinned_rollers(payload, state)
@@ -53,4 +53,5 @@ def observe(payload: Payload, state: State, time_ns: int, before: States | None 
         cage_offset=state.cage_position[:, :2] - state.outer_position,
         inner_ring_force=force,
         lubrication=observe_lubrication(payload, state, 1e-9 * time_ns, since),
+        thermal=thermal,
     )

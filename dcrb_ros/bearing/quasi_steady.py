@@ -6,6 +6,7 @@ its film to rolling (`dcrb_ros.core.laws.rolling_resistance`). Sliding, some 3 %
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -65,11 +66,11 @@ def air_speed(configuration: Configuration, speed: float) -> float:
 
 def raceway_conductance(forces: Floats, site: Site, length: float, speed: float) -> float:
     """Return the conductance of a row's contacts with a raceway [W/K], for the forces on its rollers [N] and a speed of rolling [m/s]."""
-    loaded = forces[forces > LOADED_FORCE]
+    touching = [force for force in forces.tolist() if force > LEAST_FORCE]
     # The conductance of a contact goes with the fourth root of its force.
-    roots = float(sum(np.sqrt(np.sqrt(loaded)).tolist()))
-    idle = int(np.count_nonzero((forces > LEAST_FORCE) & (forces <= LOADED_FORCE)))
-    return contact_conductance(float(np.sqrt(site.width)), length, speed) * roots + idle * idle_conductance(length) + GREASE_EXCHANGE
+    loaded = [math.sqrt(math.sqrt(force)) for force in touching if force > LOADED_FORCE]
+    idle, roots = len(touching) - len(loaded), sum(loaded)
+    return contact_conductance(math.sqrt(site.width), length, speed) * roots + idle * idle_conductance(length) + GREASE_EXCHANGE
 
 
 @dataclass(frozen=True)

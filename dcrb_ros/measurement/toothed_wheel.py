@@ -34,11 +34,14 @@ class ToothedWheel:
         ``angle`` is that of the shaft at each of these steps, shape (steps,) [rad]. From step to step there is one pulse at most.
         """
         place = np.concatenate([self._before, angle * self._pitches])
-        begin, end = place[:-1], place[1:]
-        forwards = np.floor(end) > np.floor(begin)
-        backwards = np.ceil(end - TOOTH) < np.ceil(begin - TOOTH)
-        edge = np.where(forwards, np.floor(end), np.ceil(end - TOOTH) + TOOTH)
-        at = np.flatnonzero(forwards | backwards)
-        step = self._step - len(self._before) + at + (edge[at] - begin[at]) / (end[at] - begin[at])
+        begin, end, floor = place[:-1], place[1:], np.floor(place)
+        passed = floor[1:] > floor[:-1]
+        if not (end >= begin).all():  # the shaft turns backwards, if only for a moment
+            after = np.ceil(place - TOOTH)
+            passed |= after[1:] < after[:-1]
+        at = np.flatnonzero(passed)
+        before, now = begin[at], end[at]
+        edge = np.where(floor[at + 1] > floor[at], floor[at + 1], np.ceil(now - TOOTH) + TOOTH)
+        step = self._step - len(self._before) + at + (edge - before) / (now - before)
         self._before, self._step = place[-1:], self._step + len(angle)
         return np.asarray(np.rint(step * self._step_ns), np.int64)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 
@@ -68,6 +69,8 @@ class Heating:
         self._growth = Growth(0.0, 0.0, 0.0)
         self._aim = self._growth
         self._ambient = c.thermal.ambient
+        self._present: ThermalState | None = None
+        """The temperatures as states have them, until they change."""
         if self.network_on:
             self._start(c)
         self._opposite = OppositeBox(c) if self.network_on else None
@@ -123,7 +126,7 @@ class Heating:
         Raises:
             Burnt: a temperature is above `HOTTEST`.
         """
-        c = configuration
+        c, self._present = configuration, None
         if steps % self.interval == 0:
             self._lose(c)
             if self.network_on:
@@ -145,6 +148,11 @@ class Heating:
         """The temperatures; None without a network."""
         if not self.network_on:
             return None
+        if self._present is None:
+            self._present = self._state_now()
+        return self._present
+
+    def _state_now(self) -> ThermalState:
         t, n = self.temperatures, self._network
         rows = range(n.rows)
         return ThermalState(
@@ -245,11 +253,12 @@ class Heating:
     @staticmethod
     def _momentary(state: State, number: int, rolling: float) -> list[float]:
         """Return the power that each row loses at a raceway at this instant [W]; the account has rows, but no raceways."""
-        contacts = state.rollers[0].inner if number == 0 else state.rollers[0].outer
-        closed = contacts.force > 0.0
-        film = contacts.film
-        power = np.abs(contacts.friction * contacts.slip) + 2.0 * abs(rolling) * np.abs(film.resistance)  # type: ignore[attr-defined]
-        return [sum(row) for row in state.of_rollers(np.where(closed, power, 0.0)).tolist()]
+        # Plain arrays: records look up each field by its name in Python.
+        rollers: Any = state.rollers
+        contacts = rollers.view(np.ndarray)["inner" if number == 0 else "outer"]
+        force, friction, slip = (contacts[name][0] for name in ("force", "friction", "slip"))
+        power = np.abs(friction * slip) + 2.0 * abs(rolling) * np.abs(contacts["film"]["resistance"][0])
+        return [sum(row) for row in state.of_rollers(np.where(force > 0.0, power, 0.0)).tolist()]
 
     def _wanted(self, c: Configuration) -> Growth:
         """Return the radii that temperatures and faults ask for."""

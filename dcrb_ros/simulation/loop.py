@@ -318,8 +318,7 @@ class Simulation:
             if self._steps == heat_due:
                 self._heat()
             if self._steps == state_due and not self._waveform_only:
-                observed = observe(self._payload, self._state, self.time_ns, self._observed)
-                self._observed = dataclasses.replace(observed, thermal=self._heating.present) if self._heating.network_on else observed
+                self._observed = observe(self._payload, self._state, self.time_ns, self._observed, self._heating.present)
                 self._queue.add_states(self._observed)
             if self._steps == truth_due:
                 self._note(None)
