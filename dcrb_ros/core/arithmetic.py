@@ -1,6 +1,6 @@
 """Logarithm and exponential in plain arithmetic: the compiler works on several rollers at once, which no library call allows.
 
-Both are right to a few units in the last place, and nearly always the same on every processor with fused multiply-add.
+Both are right to a few units in the last place, and the same on every processor with fused multiply-add.
 """
 
 from __future__ import annotations

@@ -18,8 +18,9 @@ ZERO: Any = np.int64(0)
 COMPILED: dict[str, Any] = {"error_model": "numpy", "_nrt": False, "fastmath": {"contract", "arcp", "nsz"}}
 """Without numba's runtime nothing can be allocated, and no array is counted in and out of a call: a factor of six here.
 
-``contract`` joins a product and a sum where the processor has fused multiply-add, which rounds once instead of twice; of two products, the
-compiler chooses one by the processor. That is the only difference between processors. A recording names its processor in the manifest.
+``contract`` joins a product and a sum where the processor has fused multiply-add, which rounds once instead of twice. Where it could join
+either of two products, or one behind a condition, its choice may depend on the processor's vectors; kernels leave it none
+(`docs/explanation/numerics.md`). So only processors without fused multiply-add give other samples. A recording names its processor.
 """
 INLINED: dict[str, Any] = {**COMPILED, "forceinline": True}
 OPTIONS: dict[str, Any] = {**COMPILED, "cache": True}

@@ -1,6 +1,6 @@
 """Reproduction of a recorded run: the same configuration, seed and commands must produce the same samples.
 
-That holds with the same software on the same kind of processor, and nearly always on another that has fused multiply-add, too.
+That holds with the same software on processors with fused multiply-add, and on those without, but not from one to the other.
 """
 
 from __future__ import annotations

@@ -1,7 +1,8 @@
 """Runs over all laws, faults, joints and sensors, and the fingerprints of what they produce.
 
 The fingerprints in ``fingerprints.json`` were taken from the code before its rebuild (commit 62b584c); those of the three runs with
-``contact.notch: edge`` are later, since edges that touch one roller share its contact. ``python tests/unchanged/cases.py`` prints the
+``contact.notch: edge`` are later, since edges that touch one roller share its contact. Those of ``losses`` are that commit's on
+processors with AVX2; with AVX-512 they were others. ``python tests/unchanged/cases.py`` prints the
 present ones; ``--write`` replaces the file, which is right only when the model was meant to change. It needs ``tests/support`` on the path.
 """
 

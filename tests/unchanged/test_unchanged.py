@@ -13,7 +13,6 @@ from typer.testing import CliRunner
 
 from dcrb_ros.cli.app import app
 from dcrb_ros.recordings.manifest import software
-from dcrb_ros.recordings.processor import processor
 from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.recordings.reproduction import Reproduction
 from dcrb_ros.simulation.loop import Simulation
@@ -37,15 +36,8 @@ def spoken(*arguments: str) -> Any:
     return json.loads(result.stdout)
 
 
-DIFFERS = {"znver": ("losses",), "haswell": ("losses",)}
-"""Cases in which the compiler fuses other products into sums on these processors than on those of the fingerprints."""
-
-
 @pytest.mark.parametrize("name", cases.CASES)
 def test_samples_and_messages_are_unchanged(name: str) -> None:
-    target = str(processor()["target"])
-    if any(target.startswith(kind) and name in differing for kind, differing in DIFFERS.items()):
-        pytest.skip(f"the last bits differ on {target} from those of the fingerprints, by the choice of fused products")
     assert cases.run(name) == KNOWN["cases"][name]
 
 

@@ -78,7 +78,7 @@ def elastic_and_energy(law: Any, memory: Any, penetration: float, site: Site) ->
 def damping_of(payload: Payload, memory: Any, site: Site, begin: float, way: float, force: float, stiffness: float, share: float) -> float:
     """Return the damping [N s/m] of a contact that is closed for a ``share`` of the step [-], without its film; see `NormalLaw.damping`."""
     own = normal_damping(payload.normal_law, memory, site, begin, way, force, stiffness)
-    return stiffness * payload.loss_time + (payload.contact_damping * share if force > 0.0 else 0.0) + own
+    return stiffness * payload.loss_time + payload.contact_damping * (share if force > 0.0 else 0.0) + own
 
 
 @piece
