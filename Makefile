@@ -82,7 +82,7 @@ sim_to_real: environment ## Train on simulated bearings, test on measured ones i
 	$(BIN)/python benchmarks/sim_to_real.py $(MEASURED) $(SIM_TO_REAL)
 
 bags: environment ## Make the recordings of bags/ anew, where the model has changed
-	$(BIN)/python bags/make.py
+	$(BIN)/python benchmarks/bags.py
 
 soak: environment ## An hour flat out and ten minutes in real time, with random commands and faults (SOAK='--flat-out 60 ...')
 	$(BIN)/python benchmarks/soak.py $(SOAK)

@@ -22,7 +22,7 @@ from scipy.signal import sosfreqz
 
 import dcrb_ros
 from dcrb_ros.calibration.spectra import power_density
-from dcrb_ros.features.band_levels import EDGE
+from dcrb_ros.diagnosis.features.band_levels import EDGE
 from dcrb_ros.measurement.stages.structure import StructureParameters, sections
 
 SECONDS = 5.0

@@ -19,11 +19,11 @@ from scipy.integrate import solve_ivp
 from dcrb_ros.bearing.payload import build_payload, initial_state
 from dcrb_ros.core.layout.workspace import workspace
 from dcrb_ros.core.solver.step import advance
-from dcrb_ros.reference.bodies import OUTER_RING
-from dcrb_ros.reference.solver import ReferenceSolver, State
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.settings.files import load_configuration
 from dcrb_ros.settings.parameters import SimulationParameters
+from dcrb_ros.validation.reference.bodies import OUTER_RING
+from dcrb_ros.validation.reference.solver import ReferenceSolver, State
 
 CONFIGURATION = load_configuration("dry", ["faults.outer_1.width=0.002", "cage.joint=revolute"])
 STEP = SimulationParameters().step

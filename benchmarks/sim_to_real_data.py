@@ -16,7 +16,7 @@ from scipy import signal
 
 from dcrb_ros.bearing.kinematics import Orders
 from dcrb_ros.bearing.waveform import Waveform
-from dcrb_ros.features.extraction import FeatureTable, extract_features
+from dcrb_ros.diagnosis.features.extraction import FeatureTable, extract_features
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.sweep.data_set import open_data_set
 from dcrb_ros.sweep.loader import sweep_of

@@ -22,12 +22,12 @@ if TYPE_CHECKING:
     from dcrb_ros.diagnosis.detection import DetectionResult, detect
     from dcrb_ros.diagnosis.detector import FaultDetector
     from dcrb_ros.diagnosis.envelope_spectrum import EnvelopeSpectrum, envelope_spectrum
+    from dcrb_ros.diagnosis.features.extraction import FeatureExtractor, FeatureTable, extract_features
+    from dcrb_ros.diagnosis.features.spectral_coherence import SpectralCoherence, spectral_coherence
     from dcrb_ros.diagnosis.parameters import DetectorParameters
     from dcrb_ros.diagnosis.thermal_detector import ThermalFaultDetector
     from dcrb_ros.exam.in_process import score
     from dcrb_ros.exam.report import Report
-    from dcrb_ros.features.extraction import FeatureExtractor, FeatureTable, extract_features
-    from dcrb_ros.features.spectral_coherence import SpectralCoherence, spectral_coherence
     from dcrb_ros.plots.envelope_spectrum import plot_envelope_spectrum
     from dcrb_ros.plots.load_zone import plot_load_zone
     from dcrb_ros.plots.waveform import plot_waveform
@@ -104,8 +104,8 @@ _MODULES = {
     "Diagnosis": "stream.diagnosis",
     "EnvelopeSpectrum": "diagnosis.envelope_spectrum",
     "FaultDetector": "diagnosis.detector",
-    "FeatureExtractor": "features.extraction",
-    "FeatureTable": "features.extraction",
+    "FeatureExtractor": "diagnosis.features.extraction",
+    "FeatureTable": "diagnosis.features.extraction",
     "GroundTruth": "simulation.ground_truth",
     "Orders": "bearing.kinematics",
     "Recording": "recordings.reader",
@@ -114,7 +114,7 @@ _MODULES = {
     "Report": "exam.report",
     "Run": "simulation.run",
     "Simulation": "simulation.loop",
-    "SpectralCoherence": "features.spectral_coherence",
+    "SpectralCoherence": "diagnosis.features.spectral_coherence",
     "StateHistory": "bearing.history",
     "TachoPulses": "bearing.tacho",
     "TemperatureReadings": "bearing.temperature_readings",
@@ -127,7 +127,7 @@ _MODULES = {
     "dynamic_load_rating": "prognosis.rating_life",
     "envelope_spectrum": "diagnosis.envelope_spectrum",
     "estimate_remaining_life": "prognosis.remaining_life",
-    "extract_features": "features.extraction",
+    "extract_features": "diagnosis.features.extraction",
     "load_configuration": "settings.files",
     "phm_2008_score": "prognosis.scores",
     "phm_2012_score": "prognosis.scores",
@@ -137,7 +137,7 @@ _MODULES = {
     "rating_life": "prognosis.rating_life",
     "score": "exam.in_process",
     "simulate": "simulation.run",
-    "spectral_coherence": "features.spectral_coherence",
+    "spectral_coherence": "diagnosis.features.spectral_coherence",
 }
 """The module of each public name, below this package."""
 

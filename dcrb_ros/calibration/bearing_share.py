@@ -32,10 +32,10 @@ from dcrb_ros.calibration.measured import Measured
 from dcrb_ros.calibration.path_fit import Data, PathFit, fit_path
 from dcrb_ros.calibration.source import Source
 from dcrb_ros.calibration.spectra import HIGHEST_SHARE, Binned, binned, power_density
+from dcrb_ros.diagnosis.features.envelope_lines import SLIP, envelope_order_spectrum
+from dcrb_ros.diagnosis.features.family import fault_orders
 from dcrb_ros.diagnosis.line_search import FEWEST_NEIGHBOURS, GUARD, NEIGHBOURHOOD, local_mean
 from dcrb_ros.diagnosis.order_spectrum import OrderSpectrum
-from dcrb_ros.features.envelope_lines import SLIP, envelope_order_spectrum
-from dcrb_ros.features.family import fault_orders
 from dcrb_ros.measurement.stages.path import text_of
 from dcrb_ros.schema.arrays import Floats
 

@@ -12,9 +12,9 @@ import numpy as np
 from dcrb_ros.bearing.waveform import Signal, Waveform
 from dcrb_ros.calibration.measured import longest_stretch
 from dcrb_ros.calibration.spectra import power_density, third_octaves
+from dcrb_ros.diagnosis.features.envelope_lines import WIDE, envelope_order_spectrum
+from dcrb_ros.diagnosis.features.extraction import extract_features
 from dcrb_ros.diagnosis.order_tracking import unwrapped_turns
-from dcrb_ros.features.envelope_lines import WIDE, envelope_order_spectrum
-from dcrb_ros.features.extraction import extract_features
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.refusal import Refusal
 

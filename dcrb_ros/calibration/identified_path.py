@@ -14,7 +14,7 @@ from dcrb_ros.calibration.measured import Measured
 from dcrb_ros.calibration.path_fit import NEPER, Data, PathFit, fit_path
 from dcrb_ros.calibration.source import Source
 from dcrb_ros.calibration.spectra import HIGHEST_SHARE, Spectrum, binned, fluctuation, power_density
-from dcrb_ros.features.band_levels import EDGE, middles
+from dcrb_ros.diagnosis.features.band_levels import EDGE, middles
 from dcrb_ros.measurement.stages.path import text_of
 from dcrb_ros.schema.arrays import Floats
 

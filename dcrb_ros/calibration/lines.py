@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dcrb_ros.features.envelope_lines import envelope_order_spectrum
+from dcrb_ros.diagnosis.features.envelope_lines import envelope_order_spectrum
 from dcrb_ros.schema.arrays import Floats
 
 MAINS = (50.0, 60.0, 50.0 / 3.0)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dcrb_ros.features.band_levels import EDGE, FLOOR, middles
+from dcrb_ros.diagnosis.features.band_levels import EDGE, FLOOR, middles
 from dcrb_ros.schema.arrays import Floats
 
 RESOLUTION = 3.125

@@ -10,12 +10,12 @@ import numpy as np
 from dcrb_ros.bearing.payload import build_payload, initial_state, pocket_azimuths
 from dcrb_ros.core.layout.workspace import workspace
 from dcrb_ros.core.solver.step import advance
-from dcrb_ros.reference.bodies import ANGLE, pocket_directions
-from dcrb_ros.reference.solver import History, ReferenceSolver
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import load_configuration
 from dcrb_ros.validation.comparison import Comparison
+from dcrb_ros.validation.reference.bodies import ANGLE, pocket_directions
+from dcrb_ros.validation.reference.solver import History, ReferenceSolver
 from dcrb_ros.validation.runs import BENCH
 
 STEP = 1e-6

@@ -11,7 +11,7 @@ from scipy.signal import sosfreqz
 
 import dcrb_ros
 from dcrb_ros.calibration.spectra import power_density
-from dcrb_ros.features.band_levels import EDGE
+from dcrb_ros.diagnosis.features.band_levels import EDGE
 from dcrb_ros.measurement.stages.structure import sections
 
 pytestmark = pytest.mark.slow

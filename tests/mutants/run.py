@@ -69,7 +69,9 @@ def _files(folder: str, *names: str) -> tuple[str, ...]:
 TARGETS = {
     # Those of the default laws come first: they are compiled once, and each further combination of laws takes half a minute.
     "core": Target(
-        ("dcrb_ros/core",), ("tests/core/contacts", "tests/core/solver", "tests/reference", "tests/bearing", "tests/core"), kernels=True
+        ("dcrb_ros/core",),
+        ("tests/core/contacts", "tests/core/solver", "tests/validation/reference", "tests/bearing", "tests/core"),
+        kernels=True,
     ),
     "measurement": Target(("dcrb_ros/measurement",), ("tests/measurement",)),
     "diagnosis": Target(("dcrb_ros/diagnosis",), ("tests/diagnosis", "tests/api/test_detect.py", "tests/api/test_envelope_spectrum.py")),

@@ -21,7 +21,7 @@ def _enabled(configuration: Configuration) -> bool:
 
 def _begin(source: Source) -> Callable[[Block, Source], Encoded]:
     """Return the encoder of a run, which keeps the samples of the present window."""
-    from dcrb_ros.features.extraction import FeatureExtractor  # scipy is for those who publish features
+    from dcrb_ros.diagnosis.features.extraction import FeatureExtractor  # scipy is for those who publish features
 
     rate, empty = source.configuration.sensor.sampling_rate, np.zeros(0)
     extractor = FeatureExtractor(characteristic_orders(source.configuration.bearing), rate)

@@ -12,7 +12,7 @@ from scipy.integrate import quad
 from scipy.optimize import brentq
 
 from dcrb_ros.core.laws.pereira import LARGEST_GAIN, impact_damping, mean_force, pereira_coefficients, pereira_stiffness, step_force
-from dcrb_ros.reference.laws import pereira
+from dcrb_ros.validation.reference.laws import pereira
 
 pytestmark = pytest.mark.kernel
 

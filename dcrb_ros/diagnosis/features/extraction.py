@@ -13,9 +13,9 @@ import numpy.typing as npt
 from dcrb_ros.bearing.fault_lines import BearingLike
 from dcrb_ros.bearing.kinematics import Orders
 from dcrb_ros.bearing.waveform import Piece, Signal, signal_of
+from dcrb_ros.diagnosis.features.family import FeatureFamily, Windows
+from dcrb_ros.diagnosis.features.registry import FAMILIES
 from dcrb_ros.diagnosis.order_tracking import reverses, unwrapped_turns
-from dcrb_ros.features.family import FeatureFamily, Windows
-from dcrb_ros.features.registry import FAMILIES
 from dcrb_ros.runtime.frames import pandas
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.numbers import finite_number

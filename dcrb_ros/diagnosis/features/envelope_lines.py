@@ -9,11 +9,11 @@ from __future__ import annotations
 import numpy as np
 
 from dcrb_ros.diagnosis.demodulation import Band, Demodulator
+from dcrb_ros.diagnosis.features.family import FAULTS, FeatureFamily, Windows, fault_orders
+from dcrb_ros.diagnosis.features.kurtogram import ImpulsiveBand, impulsive_band
 from dcrb_ros.diagnosis.line_search import Comb, LineSearch
 from dcrb_ros.diagnosis.order_spectrum import OrderSpectrum, order_spectra
 from dcrb_ros.diagnosis.order_tracking import bin_edges, bin_means
-from dcrb_ros.features.family import FAULTS, FeatureFamily, Windows, fault_orders
-from dcrb_ros.features.kurtogram import ImpulsiveBand, impulsive_band
 from dcrb_ros.schema.arrays import Floats
 
 SLIP = 0.02

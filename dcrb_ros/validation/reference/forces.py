@@ -6,11 +6,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dcrb_ros.reference.bodies import ANGLE, HOUSING, INNER_RING, OUTER_RING, Bodies
-from dcrb_ros.reference.cage_fracture import IntactBars, RollerPairs
-from dcrb_ros.reference.raceways import raceways
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.settings.configuration import Configuration
+from dcrb_ros.validation.reference.bodies import ANGLE, HOUSING, INNER_RING, OUTER_RING, Bodies
+from dcrb_ros.validation.reference.cage_fracture import IntactBars, RollerPairs
+from dcrb_ros.validation.reference.raceways import raceways
 
 X_Y = slice(0, ANGLE)
 

@@ -10,11 +10,11 @@ from typing import NamedTuple
 import numpy as np
 
 from dcrb_ros.bearing.payload import pocket_azimuths
-from dcrb_ros.reference.bodies import ANGLE, CAGE, Bodies, Indices, pocket_directions
-from dcrb_ros.reference.laws import impact_loss, johnson, pereira, stribeck, with_loss
-from dcrb_ros.reference.raceways import ContactForces, ContactKinematics, dot, perpendicular, with_friction
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.settings.configuration import Configuration
+from dcrb_ros.validation.reference.bodies import ANGLE, CAGE, Bodies, Indices, pocket_directions
+from dcrb_ros.validation.reference.laws import impact_loss, johnson, pereira, stribeck, with_loss
+from dcrb_ros.validation.reference.raceways import ContactForces, ContactKinematics, dot, perpendicular, with_friction
 
 
 def add_at(force: Floats, bodies: Indices, push: Floats, torque: Floats) -> None:

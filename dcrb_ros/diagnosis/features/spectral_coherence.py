@@ -22,8 +22,8 @@ import numpy as np
 import numpy.typing as npt
 from scipy import fft
 
+from dcrb_ros.diagnosis.features.family import FAULTS, FeatureFamily, Windows, fault_orders
 from dcrb_ros.diagnosis.line_search import local_mean
-from dcrb_ros.features.family import FAULTS, FeatureFamily, Windows, fault_orders
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.numbers import finite_number
 from dcrb_ros.schema.refusal import Refusal

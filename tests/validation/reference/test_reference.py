@@ -9,15 +9,15 @@ import numpy.typing as npt
 import pytest
 
 from dcrb_ros.bearing.payload import degrees_of_freedom
-from dcrb_ros.reference.bodies import ANGLE, CAGE, INNER_RING, Bodies
-from dcrb_ros.reference.cage_fracture import IntactBars, RollerPairs
-from dcrb_ros.reference.laws import pereira, pereira_exponent
-from dcrb_ros.reference.raceways import Raceway, raceways
-from dcrb_ros.reference.solver import History, ReferenceSolver
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.parameters import Bearing
 from dcrb_ros.validation.formulation import STEP, agreement, deviation, production
+from dcrb_ros.validation.reference.bodies import ANGLE, CAGE, INNER_RING, Bodies
+from dcrb_ros.validation.reference.cage_fracture import IntactBars, RollerPairs
+from dcrb_ros.validation.reference.laws import pereira, pereira_exponent
+from dcrb_ros.validation.reference.raceways import Raceway, raceways
+from dcrb_ros.validation.reference.solver import History, ReferenceSolver
 
 pytestmark = pytest.mark.slow
 

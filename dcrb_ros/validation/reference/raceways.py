@@ -9,10 +9,10 @@ import numpy as np
 import numpy.typing as npt
 
 from dcrb_ros.faults.raceway_defect import InnerRacewayDefect, OuterRacewayDefect, RacewayDefect
-from dcrb_ros.reference.bodies import ANGLE, INNER_RING, OUTER_RING, Bodies
-from dcrb_ros.reference.laws import johnson, lugre, relaxation_rate, stribeck, with_loss
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.settings.configuration import Configuration
+from dcrb_ros.validation.reference.bodies import ANGLE, INNER_RING, OUTER_RING, Bodies
+from dcrb_ros.validation.reference.laws import johnson, lugre, relaxation_rate, stribeck, with_loss
 
 BoolArray = npt.NDArray[np.bool_]
 

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from dcrb_ros.reference.bodies import ANGLE, CAGE, HOUSING, INNER_RING, OUTER_RING, RING_CONSTRAINTS, Bodies, pocket_directions
 from dcrb_ros.schema.arrays import Floats
+from dcrb_ros.validation.reference.bodies import ANGLE, CAGE, HOUSING, INNER_RING, OUTER_RING, RING_CONSTRAINTS, Bodies, pocket_directions
 
 GROUND, STAND, DRIVE, PINS = slice(0, 3), 3, 4, RING_CONSTRAINTS
 

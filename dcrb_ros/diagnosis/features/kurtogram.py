@@ -14,7 +14,7 @@ import numpy.typing as npt
 from scipy import fft
 
 from dcrb_ros.diagnosis.demodulation import tukey
-from dcrb_ros.features.family import FeatureFamily, Windows
+from dcrb_ros.diagnosis.features.family import FeatureFamily, Windows
 from dcrb_ros.schema.arrays import Floats
 
 NAMES = ("kurtogram_kurtosis", "kurtogram_frequency", "kurtogram_bandwidth")

@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from dcrb_ros.features.spectral_coherence import SpectralCoherence, spectral_coherence
+from dcrb_ros.diagnosis.features.spectral_coherence import SpectralCoherence, spectral_coherence
 from dcrb_ros.schema.refusal import Refusal
 
 RATE = 25600

@@ -9,14 +9,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from dcrb_ros.bearing.kinematics import Orders
-from dcrb_ros.features.band_levels import BAND_LEVELS, middles
-from dcrb_ros.features.cepstrum import CEPSTRUM
-from dcrb_ros.features.envelope_lines import ENVELOPE_LINES
-from dcrb_ros.features.family import FAULTS, FeatureFamily, Windows
-from dcrb_ros.features.kurtogram import KURTOGRAM, impulsive_band
-from dcrb_ros.features.registry import FAMILIES
-from dcrb_ros.features.spectral_coherence import SPECTRAL_COHERENCE
-from dcrb_ros.features.statistics import STATISTICS
+from dcrb_ros.diagnosis.features.band_levels import BAND_LEVELS, middles
+from dcrb_ros.diagnosis.features.cepstrum import CEPSTRUM
+from dcrb_ros.diagnosis.features.envelope_lines import ENVELOPE_LINES
+from dcrb_ros.diagnosis.features.family import FAULTS, FeatureFamily, Windows
+from dcrb_ros.diagnosis.features.kurtogram import KURTOGRAM, impulsive_band
+from dcrb_ros.diagnosis.features.registry import FAMILIES
+from dcrb_ros.diagnosis.features.spectral_coherence import SPECTRAL_COHERENCE
+from dcrb_ros.diagnosis.features.statistics import STATISTICS
 
 RATE = 25600
 TIME = np.arange(2 * RATE) / RATE

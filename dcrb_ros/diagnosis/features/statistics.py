@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from dcrb_ros.features.family import FeatureFamily, Windows
+from dcrb_ros.diagnosis.features.family import FeatureFamily, Windows
 from dcrb_ros.schema.arrays import Floats
 
 NAMES = ("rms", "peak", "crest_factor", "kurtosis", "skewness")

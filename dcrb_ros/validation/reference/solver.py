@@ -14,13 +14,13 @@ from dcrb_ros.bearing.payload import build_payload, initial_state, pocket_azimut
 from dcrb_ros.faults.broken_bars import BrokenBars
 from dcrb_ros.faults.geometry import BrokenBar
 from dcrb_ros.faults.raceway_defect import RacewayDefect
-from dcrb_ros.reference.bodies import ANGLE, CAGE, INNER_RING, OUTER_RING, Bodies, pocket_directions
-from dcrb_ros.reference.cage_fracture import IntactBars
-from dcrb_ros.reference.constraints import Constraints
-from dcrb_ros.reference.forces import ExternalForces, Forces
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
+from dcrb_ros.validation.reference.bodies import ANGLE, CAGE, INNER_RING, OUTER_RING, Bodies, pocket_directions
+from dcrb_ros.validation.reference.cage_fracture import IntactBars
+from dcrb_ros.validation.reference.constraints import Constraints
+from dcrb_ros.validation.reference.forces import ExternalForces, Forces
 
 BAUMGARTE = 5e3
 """Feedback coefficients alpha and beta [1/s], which the paper does not give."""

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from dcrb_ros.features.family import FAULTS, FeatureFamily, Windows, fault_orders
+from dcrb_ros.diagnosis.features.family import FAULTS, FeatureFamily, Windows, fault_orders
 from dcrb_ros.schema.arrays import Floats
 
 SLIP = 0.02

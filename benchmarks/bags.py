@@ -1,4 +1,4 @@
-"""Regenerate the recordings in this folder, or some of them: python bags/make.py [NAME ...]."""
+"""Regenerate the recordings in bags/, or some of them: python benchmarks/bags.py [NAME ...]."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from dcrb_ros.settings.files import load_configuration
 from dcrb_ros.simulation.loop import Simulation
 from dcrb_ros.stream.events import CommandSchedule, SpeedCommand, TimedCommand
 
-HERE = Path(__file__).resolve().parent
+BAGS = Path(__file__).resolve().parents[1] / "bags"
 DURATION = 3.0
 """Simulated time of a recording [s]."""
 
@@ -46,17 +46,17 @@ def make(name: str) -> None:
     run = RUNS[name]
     configuration = load_configuration(run.config, run.settings)
     simulation, schedule = Simulation(configuration), CommandSchedule(run.commands)
-    folder = HERE / ".new"
+    folder = BAGS / ".new"
     shutil.rmtree(folder, ignore_errors=True)
     with Recorder(folder / name, configuration, simulation.bodies) as recorder:
         schedule.apply_due(simulation)
         for block in simulation.blocks(DURATION):
             recorder.write(block)
             schedule.apply_due(simulation)
-    shutil.rmtree(HERE / name, ignore_errors=True)
-    (folder / name).rename(HERE / name)
+    shutil.rmtree(BAGS / name, ignore_errors=True)
+    (folder / name).rename(BAGS / name)
     folder.rmdir()
-    size = sum(file.stat().st_size for file in (HERE / name).iterdir())
+    size = sum(file.stat().st_size for file in (BAGS / name).iterdir())
     print(f"{name}: {size / 1e6:.2f} MB, sha256 {recorder.outcome.sha256[:16]}", flush=True)
 
 
