@@ -2,8 +2,9 @@
 
 The fingerprints in ``fingerprints.json`` were taken from the code before its rebuild (commit 62b584c); those of the three runs with
 ``contact.notch: edge`` are later, since edges that touch one roller share its contact. Those of ``losses`` are that commit's on
-processors with AVX2; with AVX-512 they were others. ``python tests/unchanged/cases.py`` prints the
-present ones; ``--write`` replaces the file, which is right only when the model was meant to change. It needs ``tests/support`` on the path.
+processors with AVX2; with AVX-512 they were others. Those of ``OILED_CASES`` are of commit 4e5cb25. ``python tests/unchanged/cases.py``
+prints the present ones; ``--write`` replaces the file, which is right only when the model was meant to change. It needs ``tests/support``
+on the path.
 """
 
 from __future__ import annotations
@@ -114,6 +115,40 @@ CASES: dict[str, tuple[str, tuple[str, ...]]] = {
 }
 """Configuration, `paper` or the name of a dry bench, and settings of each run."""
 
+FILM = ("lubrication.law=film", "lubrication.lubricant=grease", "lubrication.temperature=60.0", "operating.start=settled")
+"""An oil film between smooth surfaces."""
+OILED_CASES: dict[str, tuple[str, tuple[str, ...]]] = {
+    "oiled_healthy": ("healthy", ()),
+    "oiled_outer_ring_defect": ("outer_ring_defect", ()),
+    "oiled_inner_ring_defect": ("inner_ring_defect", ()),
+    "oiled_roller_defect": ("roller_defect", ()),
+    "oiled_cage_fracture": ("cage_fracture", ()),
+    "oiled_compound": ("compound", ()),
+    "oiled_chain": ("outer_ring_defect", ("sensor.preset=iepe_100mv_g", "structure.modes=3", "background.track_level=4.0")),
+    "oiled_dent": ("healthy", ("faults.outer_1.kind=dent", "faults.outer_1.width=0.002", "faults.outer_1.depth=2e-5")),
+    "oiled_fluting": ("healthy", ("faults.inner_1.kind=fluting", "faults.inner_1.width=0.02")),
+    "film": ("dry", FILM),
+    "film_revolute": ("dry", (*FILM, "cage.joint=revolute")),
+    "film_notch": ("dry", (*FILM, "faults.outer_1.width=0.002")),
+    "smooth_film_with_cages": ("healthy", ("surfaces.law=smooth",)),
+    "profiled_dry": ("dry", ("surfaces.law=profile", "surfaces.seed=3")),
+    "profiled_dry_defect": ("dry", ("surfaces.law=profile", "faults.inner_1.kind=spall", "faults.inner_1.width=0.002")),
+    "thermal": ("healthy", ("thermal.law=network", "thermal.acceleration=200.0")),
+    "thermal_faults": (
+        "healthy",
+        (
+            "thermal.law=network",
+            "faults.lubrication.loss=0.8",
+            "faults.seal_rub.torque=2.0",
+            "faults.clearance.lost=5e-5",
+        ),
+    ),
+    "balls": ("ball_bearing_6205", ()),
+    "balls_outer": ("ball_bearing_6205", ("faults.outer_1.width=0.0005",)),
+    "balls_roller": ("ball_bearing_6205", ("faults.roller_1.width=0.0005", "simulation.seed=4")),
+}
+"""Shipped benches with oil, profiles, heat and balls, or the bench `dry` with one of them, and settings of each run."""
+
 SCENARIO = """
 timeline:
   - {at: 0.01, set: {operating.speed: 140.0}}
@@ -145,9 +180,10 @@ def fingerprint(blocks: Iterable[Block], encoder: BlockEncoder) -> dict[str, str
 
 def run(name: str) -> dict[str, str]:
     """Return the fingerprint of a case."""
-    bench, settings = CASES[name]
+    bench, settings = (CASES | OILED_CASES)[name]
     changed = (*EVERY_TOPIC, *settings)
-    configuration = dry_bench(bench, *changed) if bench in FAULTS else load_configuration(bench, changed)
+    dry = name in CASES and bench in FAULTS
+    configuration = dry_bench(bench, *changed) if dry else load_configuration(bench, changed)
     return fingerprint(Simulation(configuration).blocks(SHORT), BlockEncoder(configuration, body_names(configuration)))
 
 
@@ -191,7 +227,7 @@ def main() -> None:
     """Print the fingerprints, or write those of the runs."""
     found: dict[str, Any] = json.loads(FILE.read_text()) if FILE.exists() else {}
     with tempfile.TemporaryDirectory() as folder:
-        found["cases"] = {name: run(name) for name in CASES} | {"scenario": run_scenario(Path(folder))}
+        found["cases"] = {name: run(name) for name in (*CASES, *OILED_CASES)} | {"scenario": run_scenario(Path(folder))}
     if "--write" in sys.argv:
         FILE.write_text(json.dumps(found, indent=1) + "\n")
     else:

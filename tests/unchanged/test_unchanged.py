@@ -36,7 +36,7 @@ def spoken(*arguments: str) -> Any:
     return json.loads(result.stdout)
 
 
-@pytest.mark.parametrize("name", cases.CASES)
+@pytest.mark.parametrize("name", [*cases.CASES, *cases.OILED_CASES])
 def test_samples_and_messages_are_unchanged(name: str) -> None:
     assert cases.run(name) == KNOWN["cases"][name]
 
