@@ -6,6 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from dcrb_ros.core.jit import kernel
 from dcrb_ros.core.laws.registry import law_of
 from dcrb_ros.core.laws.site import Site
 from dcrb_ros.core.layout.contacts import by_law
@@ -163,3 +164,10 @@ def arrays_by_law(payload: Payload) -> ByLaw:
     """Return the arrays that the bearing's laws name in the tables of contacts."""
     laws = (payload.normal_law, payload.traction_law, payload.cage_traction_law, payload.lubrication)
     return by_law(*(law_of(constants) for constants in laws))
+
+
+@kernel
+def mobilities(payload: Payload) -> tuple[float, float]:
+    """Return how a force changes a roller's mean velocity over a step, h/(2 m), and at its surface its rim speed, h r_R^2/(2 J) [s/kg]."""
+    radius = payload.roller_radius
+    return 0.5 * payload.step / payload.roller_mass, 0.5 * payload.step * radius * radius / payload.roller_inertia

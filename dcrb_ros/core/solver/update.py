@@ -13,10 +13,11 @@ from dcrb_ros.core.laws.calls import (
     store_memory,
     traction_update,
 )
+from dcrb_ros.core.layout.cages import of_cages, of_row
 from dcrb_ros.core.layout.contacts import BarContact, RacewayContact
 from dcrb_ros.core.layout.records import Floats
 from dcrb_ros.core.layout.rollers import BoundRollers
-from dcrb_ros.core.layout.state import CAGE, INNER, OUTER, State
+from dcrb_ros.core.layout.state import INNER, OUTER, State
 from dcrb_ros.core.layout.workspace import Workspace
 from dcrb_ros.core.payload import Payload
 from dcrb_ros.core.solver.bound import push_share
@@ -48,8 +49,8 @@ def update_raceway(
         contact.force[k] = max(expected + contact.damping[k] * (closing - contact.expected_closing[k]), 0.0)
         memory = traction_update(traction_law, memory, load_kept(traction_law, contact.kept, k), slip, expected > 0.0, h)
         store_memory(traction_law, contact.traction, k, memory)
-        own = load_memory(normal_law, contact.normal, k)
-        store_memory(normal_law, contact.normal, k, normal_update(normal_law, own, contact.penetration[k], closing, h))
+        normal_memory = load_memory(normal_law, contact.normal, k)
+        store_memory(normal_law, contact.normal, k, normal_update(normal_law, normal_memory, contact.penetration[k], closing, h))
         friction_power, loss_power = friction * slip, contact.damping[k] * closing * closing
         notch_power, drive_power = normal * sink, side * normal * surface_n - friction * surface
         if film_resists(site.film):
@@ -68,15 +69,12 @@ def update_raceway(
 @piece
 def update_bars(payload: Payload, bound: BoundRollers, bar: BarContact, mean_velocity: Floats, count: int) -> None:
     """Write forces and bristles of the contacts with bars, and add their powers; ``mean_velocity`` is that of all bodies."""
-    last, law = mean_velocity.shape[0] - 1, payload.cage_traction_law
-    first_x, first_y, first_turn = mean_velocity[CAGE, 0], mean_velocity[CAGE, 1], mean_velocity[CAGE, 2]
-    second_x, second_y, second_turn = mean_velocity[last, 0], mean_velocity[last, 1], mean_velocity[last, 2]
+    law, cages = payload.cage_traction_law, of_cages(mean_velocity)
     for k in range(count):
         nx, ny, side = bound.tangent_x[k], bound.tangent_y[k], bar.side[k]
-        second = bound.second_row[k] > 0.0
-        own_x, own_y, turn = second_x if second else first_x, second_y if second else first_y, second_turn if second else first_turn
-        vx = bound.mean_vx[k] - own_x + turn * bar.lever_y[k]
-        vy = bound.mean_vy[k] - own_y - turn * bar.lever_x[k]
+        cage_vx, cage_vy, turn = of_row(cages, bound.second_row[k])
+        vx = bound.mean_vx[k] - cage_vx + turn * bar.lever_y[k]
+        vy = bound.mean_vy[k] - cage_vy - turn * bar.lever_x[k]
         along, slip = vx * nx + vy * ny, vx * ny - vy * nx - side * bound.mean_rim[k]
         approach = side * along
         friction = bar.friction_offset[k] + bar.friction_slope[k] * slip
