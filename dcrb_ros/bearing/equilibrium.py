@@ -9,7 +9,6 @@ import numpy as np
 from scipy.optimize import least_squares, minimize
 from scipy.special import lambertw
 
-from dcrb_ros.bearing.profiles import profile_depths
 from dcrb_ros.bearing.surfaces import felt_heights
 from dcrb_ros.core.contacts import arrays
 from dcrb_ros.core.contacts.notch import inner_notch_depth, outer_notch_depth, roller_notch_depth
@@ -112,9 +111,9 @@ def _edges(direction: Floats, middle: float, half_angle: float) -> Floats:
 def notch_depths(payload: Payload, from_ring: Floats, inner: bool) -> Floats:
     """Return the depth of the notches of raceway and rollers at the contacts, at shaft and spin angle zero, shape (rows, rollers) [m].
 
-    Profiles of the surfaces are included. Notches with the law `edge` are not: their edges have contact normals of their own.
+    Heights of the surfaces are included. Notches with the law `edge` are not: their edges have contact normals of their own.
     """
-    depths = profile_depths(payload, from_ring, inner) - felt_heights(payload, from_ring, inner)
+    depths = -felt_heights(payload, from_ring, inner)
     if payload.notch_law != SINK:
         return depths
     raceway = payload.inner_raceway_radius if inner else payload.outer_raceway_radius

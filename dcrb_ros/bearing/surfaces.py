@@ -17,19 +17,17 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 from scipy.special import j1
 
 from dcrb_ros.bearing.individual import individual_of, surface_seed
 from dcrb_ros.core.contacts.heights import HEIGHT, PART_HEIGHT, PART_SLOPE, SHARE, SLOPE, Profile, Smooth, interpolated, packed, unpacked
 from dcrb_ros.core.laws import hertz
 from dcrb_ros.core.payload import Payload
-from dcrb_ros.faults.geometry import Damage, RacewayNotch, RollerNotch, SurfaceHeights, SurfaceProfile
+from dcrb_ros.faults.geometry import Damage, RacewayNotch, RollerNotch, SurfaceHeights
 from dcrb_ros.measurement.random_streams import random_stream
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.loaded_contacts import heaviest, material_of
-from dcrb_ros.settings.parameters import Bearing
 
 RACEWAY_NODES, ROLLER_NODES = 16384, 1024
 COLUMNS = 5
@@ -311,8 +309,6 @@ def add_damage(configuration: Configuration, damage: Damage, table: Floats, roll
         ring = RINGS.index(damage.ring)
         felt = felt_defect(np.asarray(damage.heights), damage.spacing, radii[ring], half_width(c, radii[ring]))
         add_to_raceway(table[ring], damage.row, felt, damage.azimuth, raceways[ring], damage.share)
-    elif isinstance(damage, SurfaceProfile):
-        add_profile(damage, table, rollers, b)
 
 
 def add_to_raceway(table: Floats, row: int, felt: FeltDefect, azimuth: float, raceway: float, share: float) -> None:
@@ -323,30 +319,3 @@ def add_to_raceway(table: Floats, row: int, felt: FeltDefect, azimuth: float, ra
             table[at, np.abs(table[at, :, PART_HEIGHT]) > LEAST_HEIGHT, SHARE] = share
         else:
             add_window(table[at], (HEIGHT, SLOPE), felt, azimuth, raceway)
-
-
-def add_profile(profile: SurfaceProfile, table: Floats, rollers: Floats, bearing: Bearing) -> None:
-    """Add a profile, which is given as a contact feels it, to the tables of its surface."""
-    if profile.body == "roller":
-        chosen = rollers.reshape(bearing.rows, bearing.rollers_per_row, ROLLER_NODES, 4)
-        chosen = chosen if profile.row < 0 else chosen[profile.row : profile.row + 1]
-        chosen = chosen if profile.roller < 0 else chosen[:, profile.roller : profile.roller + 1]
-        tables: list[Floats] = [one for row in chosen for one in row]
-        columns: tuple[tuple[int, int], ...] = ((0, 1), (2, 3))
-    else:
-        rows = table[RINGS.index(profile.body)]
-        tables, columns = list(rows if profile.row < 0 else rows[profile.row : profile.row + 1]), ((HEIGHT, SLOPE),)
-    heights, nodes = -np.asarray(profile.depths), len(tables[0])
-    spacing = 2.0 * math.pi / nodes
-    if profile.spacing == 0.0:
-        samples = CubicSpline(np.linspace(0.0, 2.0 * math.pi, len(heights) + 1), np.append(heights, heights[0]), bc_type="periodic")
-        at = np.arange(nodes)
-    else:
-        half = 0.5 * profile.spacing * (len(heights) + 1)
-        samples = CubicSpline(np.linspace(-half, half, len(heights) + 2), np.pad(heights, 1), bc_type="clamped")
-        at = np.arange(math.ceil((profile.azimuth - half) / spacing), math.floor((profile.azimuth + half) / spacing) + 1)
-    places = at * spacing - profile.azimuth
-    for one in tables:
-        for height, slope in columns:
-            one[at % nodes, height] += samples(places)
-            one[at % nodes, slope] += samples(places, 1)

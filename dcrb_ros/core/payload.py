@@ -21,9 +21,6 @@ Notches = np.recarray[Any, np.dtype[np.record]]
 RollerNotches = np.recarray[Any, np.dtype[np.record]]
 """Defects of rollers, an entry of the fields `ROLLER_NOTCH` each."""
 
-Profiles = np.recarray[Any, np.dtype[np.record]]
-"""Profiles of surfaces, an entry of the fields `PROFILE` each."""
-
 NOTCH = np.dtype(
     [
         ("row", np.int64),  # of the defect, -1 for all rows
@@ -46,18 +43,6 @@ ROLLER_NOTCH = np.dtype(
         ("outer_kink", np.float64),
         ("depth", np.float64),  # h [m]
         ("azimuth", np.float64),  # of the middle on the roller at spin angle zero, from -Y [rad]
-    ]
-)
-PROFILE = np.dtype(
-    [
-        ("body", np.int64),  # 0 for the inner raceway, 1 for the outer one, 2 for a roller
-        ("row", np.int64),  # -1 for all rows
-        ("roller", np.int64),  # -1 for all rollers
-        ("azimuth", np.float64),  # of the middle, or of the first sample of a periodic one [rad]
-        ("spacing", np.float64),  # angle between samples [rad]
-        ("first", np.int64),  # its first sample among all
-        ("count", np.int64),  # of its samples
-        ("periodic", np.bool_),  # whether it goes round
     ]
 )
 
@@ -83,7 +68,7 @@ class Payload(NamedTuple):
     any_broken: bool
     any_free: bool
     any_defect: bool
-    """Whether there is a notch or a profile."""
+    """Whether there is a notch."""
     inner_raceway_radius: float
     outer_raceway_radius: float
     pitch_radius: float
@@ -139,9 +124,6 @@ class Payload(NamedTuple):
     inner_notches: Notches
     outer_notches: Notches
     roller_notches: RollerNotches
-    profiles: Profiles
-    profile_depths: Floats
-    """Samples of all profiles, one after the other [m]."""
     profile_height: float
     """How far the highest of all surfaces rises above the nominal one [m]."""
     pocket_clearance: Floats

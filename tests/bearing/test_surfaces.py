@@ -24,7 +24,6 @@ from dcrb_ros.bearing.surfaces import (
 )
 from dcrb_ros.core.contacts.heights import Profile, Smooth, curve, marked, packed, place_of, unpacked
 from dcrb_ros.core.layout.records import Integers
-from dcrb_ros.faults.geometry import SurfaceProfile
 from dcrb_ros.settings.configuration import Configuration
 
 SPREADS = ("roller_spread", "clearance_spread", "row_spread", "run_out", "pocket_spread", "pocket_clearance_spread", "cage_unbalance")
@@ -33,9 +32,9 @@ OUTER_RADIUS, INNER_RADIUS = 17.390e-3, 12.603e-3
 """Reduced radii of the default bearing [m]."""
 
 
-def surfaces(*damage: SurfaceProfile, faults: dict[str, Any] | None = None, **changes: Any) -> Profile:
+def surfaces(*, faults: dict[str, Any] | None = None, **changes: Any) -> Profile:
     made = Configuration.model_validate({"surfaces": EVEN | changes, "faults": faults or {}})
-    found, _ = build_surfaces(made, [*made.faults.damage(made.bearing), *damage])
+    found, _ = build_surfaces(made, made.faults.damage(made.bearing))
     assert isinstance(found, Profile)
     return found
 
@@ -208,17 +207,6 @@ def test_a_roller_defect_meets_both_raceways_with_its_own_depth() -> None:
     assert damaged.min(axis=1) == pytest.approx((-31.7e-6, -22.4e-6), rel=0.02)
     assert np.argmin(damaged[0]) == pytest.approx(0.5 / (2.0 * math.pi) * 1024, abs=1)
     assert not np.delete(found, 18, axis=1).any()
-
-
-@pytest.mark.parametrize(("body", "row", "roller"), [("outer_ring", 1, -1), ("inner_ring", -1, -1), ("roller", 0, 4)])
-@pytest.mark.parametrize("spacing", [0.0, 0.01])
-def test_a_profile_of_a_fault_is_felt_as_it_is(body: Any, row: int, roller: int, spacing: float) -> None:
-    angles = np.arange(64) * (spacing or 2.0 * math.pi / 64)
-    depths = 1e-6 * (1.0 - np.cos(2.0 * math.pi * np.arange(64) / 64))
-    found = surfaces(SurfaceProfile(body, depths.tolist(), 0.3, spacing, row, roller))
-    tables = found.rollers[0, 4] if body == "roller" else found.raceways[("inner_ring", "outer_ring").index(body), max(row, 0)]
-    places = 0.3 + angles - (0.5 * spacing * 63)
-    assert [felt(tables, place)[0] for place in places] == pytest.approx(-depths, abs=2e-9)
 
 
 def test_smooth_surfaces_have_no_heights_and_refuse_damage_that_has() -> None:

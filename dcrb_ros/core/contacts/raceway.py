@@ -6,7 +6,6 @@ from dcrb_ros.core.contacts.films import raceway_site
 from dcrb_ros.core.contacts.force_line import crosses, crossing_line, elastic, lasting_line, reach
 from dcrb_ros.core.contacts.lines import RingMotion, closing_speeds, linearize_friction, locate, replace_lines, write_force_line
 from dcrb_ros.core.contacts.notch import edge_contact, notch_under, passed, roller_notch_under
-from dcrb_ros.core.contacts.profile import profiles_under
 from dcrb_ros.core.contacts.surface import add_parts, feel_bound
 from dcrb_ros.core.jit import NO, YES, piece
 from dcrb_ros.core.laws.calls import load_memory, normal_range
@@ -24,7 +23,7 @@ LARGEST_CLOSING = 1.0
 def notch_depth(
     payload: Payload, state: State, work: Workspace, row: int, i: int, nx: float, ny: float, orbit: float, spin: float, inner: bool
 ) -> tuple[float, float]:
-    """Return the depth of notches and profiles under a contact, for the step [m], and how fast it grows [m/s].
+    """Return the depth of notches under a contact, for the step [m], and how fast it grows [m/s].
 
     (nx, ny) points from the ring to the roller, ``orbit`` is the roller's angular speed about the ring's centre, ``spin`` its own [rad/s].
     """
@@ -36,15 +35,10 @@ def notch_depth(
         depth, sink = raceway_notch_depth(payload, payload.outer_notches, work.outer_notch_direction, row, nx, ny, orbit, NO)
     if payload.roller_notches.row.size > 0:
         angle, way = state.rollers[0].angle[row * payload.free.shape[1] + i], payload.step * (orbit - spin)
-        own, change = roller_notch_under(
+        roller_depth, change = roller_notch_under(
             payload.roller_notches, row, i, side * nx, side * ny, angle, way, raceway, payload.roller_radius, inner
         )
-        depth, sink = depth + own, sink + change / payload.step
-    if payload.profiles.row.size > 0:
-        angle = state.rollers[0].angle[row * payload.free.shape[1] + i]
-        turn, turning = (state.shaft[0], state.shaft[1]) if inner else (0.0, 0.0)
-        own, change = profiles_under(payload, row, i, nx, ny, orbit, spin, turn, turning, angle, inner)
-        depth, sink = depth + own, sink + change / payload.step
+        depth, sink = depth + roller_depth, sink + change / payload.step
     return depth, sink
 
 

@@ -26,6 +26,7 @@ from dcrb_ros.core.layout.cages import Triple, of_row
 from dcrb_ros.core.layout.state import CAGE, OUTER, State
 from dcrb_ros.core.layout.workspace import Workspace
 from dcrb_ros.core.payload import SINK, Payload, mobilities
+from dcrb_ros.core.solver.bound import push_share
 from dcrb_ros.core.solver.classification import filled
 
 
@@ -84,9 +85,6 @@ def find_notches(payload: Payload, state: State, work: Workspace) -> None:
                 rollers.over_notch[c] = 1.0 if over else rollers.over_notch[c]
     for k in range(payload.roller_notches.row.size):
         rollers.over_notch[payload.roller_notches.row[k] * count + payload.roller_notches.roller[k]] = 1.0
-    if payload.profiles.row.size > 0:
-        for c in range(payload.free.size):
-            rollers.over_notch[c] = 1.0
     for c in range(payload.free.size):
         if rollers.over_notch[c] > 0.0 and rollers.near_outer[c] > 0.0:
             write_notch_depth(payload, state, work, c)
@@ -125,9 +123,9 @@ def solve_free(payload: Payload, around: Surroundings, line: ContactLine, oil: B
 
     The film at a bar acts along the raceway, a linear force in the scalar equation there.
     """
-    nx, ny, by_radius = line.nx, line.ny, 1.0 / payload.roller_radius
+    nx, ny, push = line.nx, line.ny, push_share(payload, around.site)
     by_mass, by_inertia = mobilities(payload)
-    fall, push = by_mass * payload.roller_mass * payload.gravity, 2.0 * around.site.reduced_radius * by_radius - 1.0
+    fall = by_mass * payload.roller_mass * payload.gravity
     vx, vy, rim = old[0] - around.mean[0], old[1] - fall - around.mean[1], payload.roller_radius * old[2]
     if film_resists(around.site.film):
         vx, vy = vx + by_mass * push * line.resistance * ny, vy - by_mass * push * line.resistance * nx
@@ -177,12 +175,12 @@ def store_free(
 ) -> None:
     """Write velocity, contact and losses of a free roller after the step, and its force on the outer ring, unless it is bound."""
     rollers, step, outer, h, site = state.rollers[0], work.rollers[0], state.rollers[0].outer, payload.step, around.site
-    by_radius, bound = 1.0 / payload.roller_radius, step.bound[c]
+    bound = step.bound[c]
     along = motion.vy * line.nx - motion.vx * line.ny
     slip, closing = along + motion.rim, motion.vx * line.nx + motion.vy * line.ny - line.sink
     step.force_on_outer_x[c], step.force_on_outer_y[c] = (1.0 - bound) * motion.force_x, (1.0 - bound) * motion.force_y
     change_vx, change_vy = 2.0 * (motion.vx + around.mean[0] - old[0]), 2.0 * (motion.vy + around.mean[1] - old[1])
-    change_spin = 2.0 * (motion.rim - payload.roller_radius * old[2]) * by_radius
+    change_spin = 2.0 * (motion.rim - payload.roller_radius * old[2]) * (1.0 / payload.roller_radius)
     rollers.change_vx[c], rollers.change_vy[c], rollers.change_spin[c] = change_vx, change_vy, change_spin
     rollers.vx[c], rollers.vy[c], rollers.spin[c] = old[0] + change_vx, old[1] + change_vy, old[2] + change_spin
     outer.force[c] = max(line.expected_force + line.damping * (closing - line.expected_closing), 0.0)
@@ -194,8 +192,7 @@ def store_free(
     time = h * (1.0 - bound)
     rollers.friction_loss[c] += time * motion.friction * slip
     if film_resists(site.film):
-        push = 2.0 * site.reduced_radius * by_radius - 1.0
-        rolling_loss = time * line.resistance * (push * along - motion.rim)
+        rolling_loss = time * line.resistance * (push_share(payload, site) * along - motion.rim)
         rollers.friction_loss[c] += rolling_loss
         rollers.rolling_loss[c] += rolling_loss
     rollers.contact_loss[c] += time * line.damping * closing * closing
