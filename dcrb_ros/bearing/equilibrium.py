@@ -9,7 +9,7 @@ import numpy as np
 from scipy.optimize import least_squares, minimize
 from scipy.special import lambertw
 
-from dcrb_ros.bearing.surfaces import felt_heights
+from dcrb_ros.bearing.surfaces import heights_at_contacts
 from dcrb_ros.core.contacts import arrays
 from dcrb_ros.core.contacts.notch import inner_notch_depth, outer_notch_depth, roller_notch_depth
 from dcrb_ros.core.laws.calls import film_reach, normal_energy, normal_penetration
@@ -113,7 +113,7 @@ def notch_depths(payload: Payload, from_ring: Floats, inner: bool) -> Floats:
 
     Heights of the surfaces are included. Notches with the law `edge` are not: their edges have contact normals of their own.
     """
-    depths = -felt_heights(payload, from_ring, inner)
+    depths = -heights_at_contacts(payload, from_ring, inner)
     if payload.notch_law != SINK:
         return depths
     raceway = payload.inner_raceway_radius if inner else payload.outer_raceway_radius

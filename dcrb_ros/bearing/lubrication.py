@@ -6,7 +6,7 @@ import numpy as np
 
 from dcrb_ros.core import observation as of
 from dcrb_ros.core.laws.registry import law_of
-from dcrb_ros.core.layout.state import State
+from dcrb_ros.core.layout.state import SHAFT_SPEED, State
 from dcrb_ros.core.payload import Payload
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.stream.states import LubricationState
@@ -42,7 +42,7 @@ def observe_lubrication(payload: Payload, state: State, time: float, before: tup
     there = np.where(found[..., of.LARGEST_FORCE] > of.LOADED_FORCE, 1.0, np.nan)
     losses = friction_losses(state)
     power = (losses - before[1]) / max(time - before[0], LEAST_TIME)
-    speed = abs(float(state.shaft[1]))
+    speed = abs(float(state.shaft[SHAFT_SPEED]))
     return LubricationState(
         film=found[..., of.LEAST_FILM].min(axis=0),
         film_ratio=found[..., of.LEAST_RATIO].min(axis=0),

@@ -8,7 +8,7 @@ import numpy as np
 
 from dcrb_ros.bearing.lubrication import observe_lubrication
 from dcrb_ros.core import observation as of
-from dcrb_ros.core.layout.state import State
+from dcrb_ros.core.layout.state import SHAFT_SPEED, State
 from dcrb_ros.core.payload import Payload
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.stream.states import States, ThermalState
@@ -32,7 +32,7 @@ def observe(payload: Payload, state: State, time_ns: int, before: States | None 
     place_pinned_rollers(payload, state)
     rows, count = len(payload.free), payload.free.size
     found = np.zeros((of.OBSERVED, count + rows + 1))
-    surface = float(state.shaft[1]) * payload.inner_raceway_radius
+    surface = float(state.shaft[SHAFT_SPEED]) * payload.inner_raceway_radius
     force = of.observe_rollers(state.rollers, payload.free, state.position, state.velocity, surface, payload.roller_radius, found)
     cages, ring, tangent = found[:, count:-1], found[:, -1], payload.pocket_tangent[:, 0]
     cages[of.AZIMUTH] = np.arctan2(tangent[:, 1], tangent[:, 0]) + state.cage_position[:, 2]

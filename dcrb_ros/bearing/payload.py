@@ -17,7 +17,7 @@ from dcrb_ros.core.laws import LUBRICATION_LAWS, NORMAL_LAWS, TRACTION_LAWS, lug
 from dcrb_ros.core.laws.calls import film_at
 from dcrb_ros.core.laws.pereira import pereira_coefficients
 from dcrb_ros.core.laws.site import inner_site, outer_site, pair_site
-from dcrb_ros.core.layout.state import State, empty_state
+from dcrb_ros.core.layout.state import SHAFT_SPEED, State, empty_state
 from dcrb_ros.core.payload import EDGE, NOTCH, ROLLER_NOTCH, SINK, Notches, Payload
 from dcrb_ros.faults.geometry import BrokenBar, RacewayNotch, RollerNotch
 from dcrb_ros.measurement.random_streams import random_stream
@@ -202,7 +202,7 @@ def initial_state(configuration: Configuration, payload: Payload) -> State:
     state = empty_state(payload)
     state.load[:] = operating.lateral_load, -operating.load
     state.target[:] = operating.speed, *state.load
-    state.shaft[1] = operating.speed
+    state.shaft[SHAFT_SPEED] = operating.speed
     orbit = cage_speed(configuration, operating.speed) if operating.start != "cold" else 0.0
     rest = static_equilibrium(payload, state.load, orbit)
     state.outer_position[:], state.inner_position[:], state.cage_position[:, :2] = rest.outer, rest.inner, rest.cages

@@ -17,7 +17,7 @@ from dcrb_ros.bearing.heat_network import GREASE_EXCHANGE, Conductances, Vector,
 from dcrb_ros.bearing.load_distribution import roller_forces
 from dcrb_ros.bearing.lubricant import lubrication_at
 from dcrb_ros.core.laws.cage_oil import DRAG_COEFFICIENT
-from dcrb_ros.core.laws.calls import churning, film_at, film_memory, film_thickness, land_torque, oils_cages
+from dcrb_ros.core.laws.calls import churning, film_at, film_memory, film_thickness, has_cage_oil, land_torque
 from dcrb_ros.core.laws.lubricants import lubricant_of
 from dcrb_ros.core.laws.registry import law_of
 from dcrb_ros.core.laws.site import Site, inner_site, outer_site
@@ -177,7 +177,7 @@ class QuasiSteady:
         """Return what a row loses about its cage and in its seals [W]."""
         c, b = self.configuration, self.configuration.bearing
         rest = seal_heat(c, running.speed) + lost_in_grease(c, running.orbit)
-        if law_of(oil).oils_cages and oils_cages(oil):
+        if law_of(oil).has_cage_oil and has_cage_oil(oil):
             orbit = abs(running.orbit)
             radius = c.cage.land_radius or 0.5 * (b.pitch_radius + b.outer_raceway_radius)
             rest += churning(oil) * (orbit * b.pitch_radius) ** 3 * b.rollers_per_row

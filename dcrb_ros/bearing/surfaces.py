@@ -1,4 +1,4 @@
-"""Heights of raceways and rollers, as the rollers feel them: waviness, individual dimensions, and damage.
+"""Heights of raceways and rollers along the path of a contact: waviness, individual dimensions, and damage.
 
 A surface has heights z over its circumference, above zero where there is more metal. A rigid roller of reduced radius R follows the upper
 envelope of z by a parabola (a morphological dilation)
@@ -46,7 +46,7 @@ SHORT_ORDERS, SHORT_ROLLER_ORDERS = (WAVINESS_ORDERS[1], HIGHEST_ORDER), (20, HI
 FINE = 4
 """Samples per node for damage, which has edges."""
 LEAST_HEIGHT = 1e-12
-"""Height below which a defect is not felt [m]."""
+"""Height below which a defect is left out [m]."""
 HEIGHT_RESOLUTION, SLOPE_RESOLUTION = 2.0**-50, 2.0**-44
 """Heights [m] and slopes [m/rad] are rounded to multiples of these: the last bits of a Fourier transform differ between processors."""
 
@@ -132,29 +132,28 @@ def raceway_waves(
 
 @lru_cache(maxsize=256)
 def roller_waves(seed: int, name: str, radius: float, widths: tuple[float, float], waviness: float, exponent: float) -> tuple[Floats, ...]:
-    """Return heights [m] and slopes [m/rad] of a roller as the inner raceway feels it, and then as the outer one does."""
+    """Return heights [m] and slopes [m/rad] of a roller averaged by the contact with the inner raceway, then by that with the outer one."""
     orders = np.arange(ROLLER_ORDERS[0], HIGHEST_ROLLER_ORDER + 1, dtype=np.float64)
     amplitudes = level_of_orders(orders, exponent, ROLLER_ORDERS, waviness)
-    felt = [
+    return tuple(
         part
         for width in widths
         for part in waves(random_stream(seed, name), orders, amplitudes, contact_weight(orders / radius * width), ROLLER_NODES)
-    ]
-    return tuple(felt)
+    )
 
 
 @lru_cache(maxsize=256)
 def short_waves(
     seed: int, name: str, radius: float, widths: tuple[float, ...], rms: float, orders: tuple[int, int], nodes: int
 ) -> tuple[Floats, ...]:
-    """Return heights [m] and slopes [m/rad] that remain of roughness averaged along a roller, as contacts of half-widths [m] feel it.
+    """Return heights [m] and slopes [m/rad] that remain of roughness averaged along a roller and over contacts of half-widths [m].
 
     Before a contact averages them over its width they are alike over all orders between the first and the last; afterwards they have the
     root mean square ``rms`` [m] at the last of the contacts.
     """
     between = np.arange(orders[0] + 1, orders[1] + 1, dtype=np.float64)
-    felt = contact_weight(between / radius * widths[-1])
-    amplitudes = np.full(len(between), rms * math.sqrt(2.0 / float((felt**2).sum())))
+    weights = contact_weight(between / radius * widths[-1])
+    amplitudes = np.full(len(between), rms * math.sqrt(2.0 / float((weights**2).sum())))
     return tuple(
         part
         for width in widths
@@ -162,8 +161,8 @@ def short_waves(
     )
 
 
-class FeltDefect(NamedTuple):
-    """What a contact feels of a defect, at equal distances about its middle."""
+class ContactPath(NamedTuple):
+    """Path of a contact over a defect, at equal distances about its middle."""
 
     height: Floats
     """[m]"""
@@ -173,11 +172,11 @@ class FeltDefect(NamedTuple):
     """[m]"""
 
 
-def felt_defect(heights: Floats, spacing: float, radius: float, width: float) -> FeltDefect:
-    """Return what a contact of a reduced radius and a half-width [m] feels of heights that end in zeros [m]."""
+def contact_path(heights: Floats, spacing: float, radius: float, width: float) -> ContactPath:
+    """Return the path of a contact of a reduced radius and a half-width [m] over heights that end in zeros [m]."""
     margin = math.ceil((math.sqrt(2.0 * radius * float(np.ptp(heights))) + 2.0 * width) / spacing)
-    path = envelope(np.pad(heights, margin), spacing, radius)
-    return FeltDefect(*averaged(path, spacing, width), spacing)
+    rigid = envelope(np.pad(heights, margin), spacing, radius)
+    return ContactPath(*averaged(rigid, spacing, width), spacing)
 
 
 def notch_heights(width: float, depth: float, spacing: float) -> tuple[Floats, float]:
@@ -191,13 +190,13 @@ def notch_heights(width: float, depth: float, spacing: float) -> tuple[Floats, f
     return heights, 0.5 * width / half
 
 
-def add_window(table: Floats, columns: tuple[int, int], felt: FeltDefect, azimuth: float, radius: float) -> None:
-    """Add a felt defect, whose middle is at an azimuth [rad] of a surface of a radius [m], to two columns of its table over a turn."""
-    spacing, half = 2.0 * math.pi / len(table), len(felt.height) // 2
-    places = azimuth + np.arange(-half, half + 1) * (felt.spacing / radius)
+def add_window(table: Floats, columns: tuple[int, int], path: ContactPath, azimuth: float, radius: float) -> None:
+    """Add the path over a defect at an azimuth [rad] of a surface of a radius [m] to two columns of its table over a turn."""
+    spacing, half = 2.0 * math.pi / len(table), len(path.height) // 2
+    places = azimuth + np.arange(-half, half + 1) * (path.spacing / radius)
     at = np.arange(math.ceil(places[0] / spacing), math.floor(places[-1] / spacing) + 1)
-    table[at % len(table), columns[0]] += np.interp(at * spacing, places, felt.height)
-    table[at % len(table), columns[1]] += np.interp(at * spacing, places, felt.slope) * radius
+    table[at % len(table), columns[0]] += np.interp(at * spacing, places, path.height)
+    table[at % len(table), columns[1]] += np.interp(at * spacing, places, path.slope) * radius
 
 
 def build_surfaces(configuration: Configuration, damage: Sequence[Damage]) -> tuple[Smooth | Profile, float]:
@@ -226,11 +225,11 @@ def build_surfaces(configuration: Configuration, damage: Sequence[Damage]) -> tu
     add_run_out(table[0], individual.run_out)
     rollers = np.zeros((b.rows * b.rollers_per_row, ROLLER_NODES, 4))
     for k in range(len(rollers)):
-        felt = roller_waves(seed, f"roller {k + 1}", b.roller_radius, widths, 0.5 * waviness, s.waviness_slope)
+        long = roller_waves(seed, f"roller {k + 1}", b.roller_radius, widths, 0.5 * waviness, s.waviness_slope)
         short = short_waves(
             seed, f"short waves of roller {k + 1}", b.roller_radius, widths, 0.5 * s.short_waves, SHORT_ROLLER_ORDERS, ROLLER_NODES
         )
-        rollers[k] = np.stack(felt, axis=-1) + np.stack(short, axis=-1)
+        rollers[k] = np.stack(long, axis=-1) + np.stack(short, axis=-1)
     rollers[:, :, 0::2] += 0.5 * individual.roller_diameters[:, None, None]
     for item in damage:
         add_damage(c, item, table, rollers)
@@ -254,7 +253,7 @@ def add_run_out(table: Floats, centres: Floats) -> None:
         table[row, :, SLOPE] += x * np.cos(angle) + y * np.sin(angle)
 
 
-def felt_heights(payload: Payload, from_ring: Floats, inner: bool) -> Floats:
+def heights_at_contacts(payload: Payload, from_ring: Floats, inner: bool) -> Floats:
     """Return the heights at the contacts, at shaft and spin angle zero, shape (rows, rollers) [m]; those over a part of the length count by
     their share.
 
@@ -295,27 +294,27 @@ def add_damage(configuration: Configuration, damage: Damage, table: Floats, roll
         for ring in (0, 1):
             width = half_width(c, radii[ring])
             heights, distance = notch_heights(2.0 * damage.half_angle * b.roller_radius, damage.depth, spacing)
-            felt = felt_defect(heights, distance, radii[ring], width)
+            path = contact_path(heights, distance, radii[ring], width)
             add_window(
-                rollers[damage.row * b.rollers_per_row + damage.roller], (2 * ring, 2 * ring + 1), felt, damage.azimuth, b.roller_radius
+                rollers[damage.row * b.rollers_per_row + damage.roller], (2 * ring, 2 * ring + 1), path, damage.azimuth, b.roller_radius
             )
     elif isinstance(damage, RacewayNotch):
         ring = RINGS.index(damage.ring)
         spacing = 2.0 * math.pi * raceways[ring] / (RACEWAY_NODES * FINE)
         heights, distance = notch_heights(2.0 * damage.half_angle * raceways[ring], damage.depth, spacing)
-        felt = felt_defect(heights, distance, radii[ring], half_width(c, radii[ring]))
-        add_to_raceway(table[ring], damage.row, felt, damage.azimuth, raceways[ring], 1.0)
+        path = contact_path(heights, distance, radii[ring], half_width(c, radii[ring]))
+        add_to_raceway(table[ring], damage.row, path, damage.azimuth, raceways[ring], 1.0)
     elif isinstance(damage, SurfaceHeights):
         ring = RINGS.index(damage.ring)
-        felt = felt_defect(np.asarray(damage.heights), damage.spacing, radii[ring], half_width(c, radii[ring]))
-        add_to_raceway(table[ring], damage.row, felt, damage.azimuth, raceways[ring], damage.share)
+        path = contact_path(np.asarray(damage.heights), damage.spacing, radii[ring], half_width(c, radii[ring]))
+        add_to_raceway(table[ring], damage.row, path, damage.azimuth, raceways[ring], damage.share)
 
 
-def add_to_raceway(table: Floats, row: int, felt: FeltDefect, azimuth: float, raceway: float, share: float) -> None:
-    """Add what a contact feels of a defect to the table of a raceway; ``row`` -1 stands for all rows."""
+def add_to_raceway(table: Floats, row: int, path: ContactPath, azimuth: float, raceway: float, share: float) -> None:
+    """Add the path of a contact over a defect to the table of a raceway; ``row`` -1 stands for all rows."""
     for at in range(len(table)) if row < 0 else (row,):
         if share < 1.0:
-            add_window(table[at], (PART_HEIGHT, PART_SLOPE), felt, azimuth, raceway)
+            add_window(table[at], (PART_HEIGHT, PART_SLOPE), path, azimuth, raceway)
             table[at, np.abs(table[at, :, PART_HEIGHT]) > LEAST_HEIGHT, SHARE] = share
         else:
-            add_window(table[at], (HEIGHT, SLOPE), felt, azimuth, raceway)
+            add_window(table[at], (HEIGHT, SLOPE), path, azimuth, raceway)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection
 
-from dcrb_ros.core.layout.state import ANGLE, SPEED, TARGET_SPEED, TARGET_X, TARGET_Y, State
+from dcrb_ros.core.layout.state import SHAFT_ANGLE, SHAFT_SPEED, TARGET_SPEED, TARGET_X, TARGET_Y, State
 from dcrb_ros.core.payload import Payload
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.parameters import Operating
@@ -46,7 +46,7 @@ class Drive:
         """Prescribe the speed if a new value is due at a step; return the payload with the ramp to it, and the step of the next value."""
         since = step % self._shaft.interval
         if since == 0:
-            angle, speed = float(state.shaft[ANGLE]), float(state.shaft[SPEED])
+            angle, speed = float(state.shaft[SHAFT_ANGLE]), float(state.shaft[SHAFT_SPEED])
             state.target[TARGET_SPEED], ramp = self._shaft.next(step, angle, speed, operating.speed_ramp)
             payload = payload._replace(speed_ramp=ramp)
         return payload, step - since + self._shaft.interval

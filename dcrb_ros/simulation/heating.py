@@ -14,7 +14,7 @@ from dcrb_ros.bearing.quasi_steady import QuasiSteady, air_speed, lost_in_grease
 from dcrb_ros.bearing.thermal_fit import Growth, OilState, expansion, oil_state, oiled, resized, rounded, work_of_growth
 from dcrb_ros.core.contacts.films import entrainment_speeds
 from dcrb_ros.core.laws.lubricants import lubricant_of
-from dcrb_ros.core.layout.state import CAGE, State
+from dcrb_ros.core.layout.state import CAGE, SHAFT_SPEED, State
 from dcrb_ros.core.payload import Payload
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.settings.configuration import Configuration
@@ -199,7 +199,7 @@ class Heating:
 
     def _warm(self, c: Configuration, payload: Payload, state: State) -> None:
         """Step the temperatures over a tick."""
-        speed = float(state.shaft[1])
+        speed = float(state.shaft[SHAFT_SPEED])
         share = self._tick / (AVERAGED + self._tick)
         sources, conductance = self._sources(c, payload, state)
         for row in range(self._network.rows):
@@ -230,7 +230,7 @@ class Heating:
         since = losses if self._losses is None else losses - self._losses
         self._losses = losses
         rolling = entrainment_speeds(payload, state)
-        speed, length = float(state.shaft[1]), c.bearing.roller_length
+        speed, length = float(state.shaft[SHAFT_SPEED]), c.bearing.roller_length
         heats, conductances = [], []
         powers = [self._momentary(state, number, rolling[number]) for number in (0, 1)]
         for row, (sliding, resistance, contacts, *about_cage) in enumerate((since / self._tick).tolist()):

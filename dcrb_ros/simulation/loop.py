@@ -18,7 +18,7 @@ from dcrb_ros.bearing.observation import observe
 from dcrb_ros.bearing.payload import body_names, build_payload, initial_state
 from dcrb_ros.bearing.runtime_change import altered, onsets, refitted
 from dcrb_ros.core.compilation import compile_ahead
-from dcrb_ros.core.layout.state import SPEED, copy_of
+from dcrb_ros.core.layout.state import SHAFT_SPEED, copy_of
 from dcrb_ros.core.layout.workspace import workspace
 from dcrb_ros.core.solver.step import advance
 from dcrb_ros.measurement.sensor import Sensor
@@ -331,7 +331,7 @@ class Simulation:
 
     def _note(self, event: Event | None) -> None:
         """Append the ground truth of this instant."""
-        speed, load = float(self._state.shaft[SPEED]), self._state.load
+        speed, load = float(self._state.shaft[SHAFT_SPEED]), self._state.load
         faults = {name: {**fields, "onset": self._onsets[name]} for name, fields in self.configuration.described_faults().items()}
         frequencies = self._orders.frequencies(speed / (2.0 * math.pi))
         background = self.configuration.background.described()

@@ -13,7 +13,7 @@ from dcrb_ros.core.payload import Payload, arrays_by_law
 
 OUTER, INNER, CAGE = 0, 1, 2
 """Bodies that rollers touch: the rings, then the cages row by row."""
-ANGLE, SPEED = range(2)
+SHAFT_ANGLE, SHAFT_SPEED = range(2)
 """Entries of `State.shaft`."""
 TARGET_SPEED, TARGET_X, TARGET_Y = range(3)
 """Entries of `State.target`."""

@@ -6,7 +6,7 @@ import math
 
 from dcrb_ros.core.contacts.force_line import DISPERSION
 from dcrb_ros.core.jit import piece
-from dcrb_ros.core.layout.state import CAGE, HOUSING, INNER, LOAD, OUTER, State
+from dcrb_ros.core.layout.state import CAGE, HOUSING, INNER, LOAD, OUTER, SHAFT_ANGLE, SHAFT_SPEED, State
 from dcrb_ros.core.layout.workspace import Workspace
 from dcrb_ros.core.payload import Payload
 
@@ -109,4 +109,4 @@ def drift(payload: Payload, state: State, time: float) -> None:
         for c in range(payload.free.size):
             rollers.x[c] += time * rollers.vx[c]
             rollers.y[c] += time * rollers.vy[c]
-    state.shaft[0] += time * state.shaft[1]
+    state.shaft[SHAFT_ANGLE] += time * state.shaft[SHAFT_SPEED]

@@ -10,7 +10,7 @@ from __future__ import annotations
 from dcrb_ros.core.contacts.films import raceway_site
 from dcrb_ros.core.contacts.force_line import SHORT_WAY, onset, reach
 from dcrb_ros.core.jit import NO, YES, piece
-from dcrb_ros.core.laws.calls import bar_damping, film_floor, film_reach, load_memory, oils_cages, store_memory
+from dcrb_ros.core.laws.calls import bar_damping, film_floor, film_reach, has_cage_oil, load_memory, store_memory
 from dcrb_ros.core.layout.cages import headings_of, of_cages, of_row
 from dcrb_ros.core.layout.records import WIDTH
 from dcrb_ros.core.layout.state import INNER, OUTER, State
@@ -72,7 +72,7 @@ def classify_rollers(payload: Payload, state: State, work: Workspace, pinned: bo
             rate = (vx - old_x) * tx + (vy - old_y) * ty - old_turn * (ax * ty - ay * tx)
             near_bar = abs(ax * tx + ay * ty) + 0.5 * h * abs(rate) - rollers.pocket_clearance[c] if free else -1.0
             if_outer = 0.0 if free else 1.0
-            if oils_cages(payload.lubrication):
+            if has_cage_oil(payload.lubrication):
                 along = ax * tx + ay * ty
                 film = bar_damping(payload.lubrication, rollers.pocket_clearance[c] - (along if rate > 0.0 else -along))
                 step.bar_film[c] = (film if rate > 0.0 else -film) if free else 0.0
@@ -85,7 +85,7 @@ def classify_rollers(payload: Payload, state: State, work: Workspace, pinned: bo
         outer_strike = STRIKE_WINDOW * (outer_way - slow_way) - abs(outer_deep)
         nearest = max(max(near_inner, near_bar), max(if_outer * near_outer, outer_strike))
         if oiled:
-            # A gap that closes by much within the step: see `hurries`.
+            # A gap that closes by much within the step: see `closes_quickly`.
             gap = max(0.5 * (nominal * nominal - ox * ox - oy * oy) - nominal * payload.profile_height, nominal * floor)
             way = h * ((vx - outer_vx) * ox + (vy - outer_vy) * oy)
             nearest = max(nearest, min(near_outer, way - SHORT_WAY * gap))
@@ -113,25 +113,25 @@ def bind_special(payload: Payload, work: Workspace) -> None:
 
 
 @piece
-def list_bound(payload: Payload, work: Workspace, row: int, found: int) -> int:
-    """List the bound rollers of a row, from element ``found`` on; return where they end."""
+def list_bound(payload: Payload, work: Workspace, row: int, end: int) -> int:
+    """List the bound rollers of a row, from element ``end`` on; return where they end."""
     rollers, bound, count = work.rollers[0], work.bound[0], payload.free.shape[1]
     first = row * count
     for i in range(count):
         if rollers.bound[first + i] > 0.0:
-            bound.roller[found], bound.row[found] = first + i, row
-            found += 1
-    return found
+            bound.roller[end], bound.row[end] = first + i, row
+            end += 1
+    return end
 
 
 @piece
-def gather_bound(payload: Payload, state: State, work: Workspace, found: int) -> int:
+def gather_bound(payload: Payload, state: State, work: Workspace, end: int) -> int:
     """Copy the bound rollers side by side, filled up to a multiple of `WIDTH`; return how many elements that makes."""
     rollers, step, bound = state.rollers[0], work.rollers[0], work.bound[0]
     normal_law, traction_law, cage_law = payload.normal_law, payload.traction_law, payload.cage_traction_law
-    count = filled(found)
-    for k in range(found, count):
-        bound.roller[k], bound.row[k] = bound.roller[found - 1], bound.row[found - 1]
+    count = filled(end)
+    for k in range(end, count):
+        bound.roller[k], bound.row[k] = bound.roller[end - 1], bound.row[end - 1]
     for k in range(count):
         c = bound.roller[k]
         bound.second_row[k], bound.free[k] = 1.0 if bound.row[k] > 0 else 0.0, rollers.free[c]
@@ -147,7 +147,7 @@ def gather_bound(payload: Payload, state: State, work: Workspace, found: int) ->
         store_memory(cage_law, bound.bar.traction, k, load_memory(cage_law, rollers.bar.traction, c))
         store_memory(payload.lubrication, bound.inner.film, k, load_memory(payload.lubrication, rollers.inner.film, c))
         store_memory(payload.lubrication, bound.outer.film, k, load_memory(payload.lubrication, rollers.outer.film, c))
-        if oils_cages(payload.lubrication):
+        if has_cage_oil(payload.lubrication):
             bound.bar_film[k], bound.spin_drag[k] = step.bar_film[c], rollers.spin_drag[c]
         bound.inner.last_force[k], bound.outer.last_force[k] = rollers.inner.force[c], rollers.outer.force[c]
     return count

@@ -15,9 +15,9 @@ from dcrb_ros.core.contacts.raceway import notch_depth
 from dcrb_ros.core.jit import NO, piece
 from dcrb_ros.core.laws.calls import (
     clear_memory,
-    film_resists,
+    has_cage_oil,
+    has_rolling_resistance,
     normal_update,
-    oils_cages,
     scale_memory,
     store_memory,
     traction_update,
@@ -127,28 +127,28 @@ def solve_free(payload: Payload, around: Surroundings, line: ContactLine, oil: B
     by_mass, by_inertia = mobilities(payload)
     fall = by_mass * payload.roller_mass * payload.gravity
     vx, vy, rim = old[0] - around.mean[0], old[1] - fall - around.mean[1], payload.roller_radius * old[2]
-    if film_resists(around.site.film):
+    if has_rolling_resistance(around.site.film):
         vx, vy = vx + by_mass * push * line.resistance * ny, vy - by_mass * push * line.resistance * nx
         rim += by_inertia * line.resistance
-    if oils_cages(payload.lubrication):
+    if has_cage_oil(payload.lubrication):
         rim -= by_inertia * oil.spin_drag
         vx, vy = vx - by_mass * oil.orbit_drag * ny, vy + by_mass * oil.orbit_drag * nx
     along, mobility = vy * nx - vx * ny, by_mass
-    if oils_cages(payload.lubrication):
+    if has_cage_oil(payload.lubrication):
         mobility = by_mass / (1.0 + by_mass * oil.film)
         along -= mobility * oil.film * (along - oil.bar_speed)
     normal = (line.force_offset + line.force_slope * (vx * nx + vy * ny)) / (1.0 + by_mass * line.force_slope)
     friction = (line.friction_offset + line.friction_slope * (along + rim)) / (1.0 + (mobility + by_inertia) * line.friction_slope)
     bar_push = 0.0
     tangential = friction
-    if oils_cages(payload.lubrication):
+    if has_cage_oil(payload.lubrication):
         bar_push = oil.film * (along - mobility * friction - oil.bar_speed)
         tangential += bar_push
     fx, fy = normal * nx - tangential * ny, normal * ny + tangential * nx
     vx, vy, rim = vx - by_mass * fx, vy - by_mass * fy, rim - by_inertia * friction
-    if oils_cages(payload.lubrication):
+    if has_cage_oil(payload.lubrication):
         fx, fy = fx + bar_push * ny, fy - bar_push * nx
-    if film_resists(around.site.film):
+    if has_rolling_resistance(around.site.film):
         fx, fy = fx - push * line.resistance * ny, fy + push * line.resistance * nx
     return FreeMotion(vx, vy, rim, normal, friction, bar_push, fx, fy)
 
@@ -191,7 +191,7 @@ def store_free(
     store_memory(payload.normal_law, outer.normal, c, normal_memory)
     time = h * (1.0 - bound)
     rollers.friction_loss[c] += time * motion.friction * slip
-    if film_resists(site.film):
+    if has_rolling_resistance(site.film):
         rolling_loss = time * line.resistance * (push_share(payload, site) * along - motion.rim)
         rollers.friction_loss[c] += rolling_loss
         rollers.rolling_loss[c] += rolling_loss
@@ -208,7 +208,7 @@ def advance_free(payload: Payload, state: State, work: Workspace) -> None:
         line = contact_line(payload, state, work, around, old, c)
         oil = bar_oil(payload, state, work, around, line, old[2], c)
         motion = solve_free(payload, around, line, oil, old)
-        if oils_cages(payload.lubrication):
+        if has_cage_oil(payload.lubrication):
             store_oil(payload, state, work, line, oil, motion, c)
         store_free(payload, state, work, around, line, motion, old, c)
 
@@ -249,7 +249,7 @@ def sum_free_forces(payload: Payload, work: Workspace) -> None:
         y += work.rollers[0].force_on_outer_y[c]
     work.force_of_free[OUTER, 0] += x
     work.force_of_free[OUTER, 1] += y
-    if oils_cages(payload.lubrication):
+    if has_cage_oil(payload.lubrication):
         rollers, count = work.rollers[0], payload.free.shape[1]
         for row in range(payload.free.shape[0]):
             x, y, turn = 0.0, 0.0, 0.0
