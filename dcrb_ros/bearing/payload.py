@@ -118,7 +118,7 @@ def build_payload(configuration: Configuration) -> Payload:
     # A centre of mass towards (sin psi, -cos psi) has the tangent (cos psi, sin psi).
     moment += b.cage_mass * np.stack([-individual.cage_unbalance[:, 1], individual.cage_unbalance[:, 0]], axis=-1)
     mass, inertia = b.cage_mass + pinned * b.roller_mass, b.cage_inertia + pinned * b.roller_mass * b.pitch_radius**2
-    bars = np.array([pereira_coefficients(float(one), b.roller_length, b.effective_modulus) for one in clearance.ravel()])
+    bars = np.array([pereira_coefficients(float(gap), b.roller_length, b.effective_modulus) for gap in clearance.ravel()])
     coefficient, exponent = bars.T.reshape(2, *clearance.shape)
     land = pereira_coefficients(c.cage.land_clearance, b.roller_length, b.effective_modulus)
     material = material_of(b)

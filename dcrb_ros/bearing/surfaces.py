@@ -57,12 +57,12 @@ def envelope(heights: Floats, spacing: float, radius: float) -> Floats:
     ``heights`` [m] lie ``spacing`` [m] apart; beyond their ends the surface goes on as at the end.
     """
     reach = math.ceil(math.sqrt(2.0 * radius * max(float(np.ptp(heights)), 0.0)) / spacing)
-    padded, found = np.pad(heights, reach, mode="edge"), np.array(heights, np.float64)
+    padded, path = np.pad(heights, reach, mode="edge"), np.array(heights, np.float64)
     for k in range(1, reach + 1):
         drop = (k * spacing) ** 2 / (2.0 * radius)
         for first in (reach - k, reach + k):
-            np.maximum(found, padded[first : first + len(heights)] - drop, out=found)
-    return found
+            np.maximum(path, padded[first : first + len(heights)] - drop, out=path)
+    return path
 
 
 def averaged(heights: Floats, spacing: float, half_width: float) -> tuple[Floats, Floats]:
@@ -70,8 +70,8 @@ def averaged(heights: Floats, spacing: float, half_width: float) -> tuple[Floats
     count = 2 ** math.ceil(math.log2(2 * len(heights)))
     wave: Floats = np.asarray(2.0 * math.pi * np.fft.rfftfreq(count, spacing), np.float64)
     spectrum = np.fft.rfft(heights, count) * contact_weight(wave * half_width)
-    found = np.fft.irfft(spectrum, count)[: len(heights)]
-    return found, np.fft.irfft(1j * wave * spectrum, count)[: len(heights)]
+    mean = np.fft.irfft(spectrum, count)[: len(heights)]
+    return mean, np.fft.irfft(1j * wave * spectrum, count)[: len(heights)]
 
 
 def contact_weight(phase: Floats) -> Floats:
@@ -236,9 +236,11 @@ def build_surfaces(configuration: Configuration, damage: Sequence[Damage]) -> tu
     table[..., :SHARE] = np.round(table[..., :SHARE] / HEIGHT_RESOLUTION) * HEIGHT_RESOLUTION
     rollers = np.round(rollers / HEIGHT_RESOLUTION) * HEIGHT_RESOLUTION
     highest = float(table[..., HEIGHT].max() + max(table[..., PART_HEIGHT].max(), 0.0) + rollers[:, :, 0::2].max())
-    own = np.stack([packed(rollers[..., 2 * ring], rollers[..., 2 * ring + 1]) for ring in (0, 1)])
+    roller_nodes = np.stack([packed(rollers[..., 2 * ring], rollers[..., 2 * ring + 1]) for ring in (0, 1)])
     parts = table[..., [PART_HEIGHT, PART_SLOPE, SHARE]].astype(np.float32)
-    surfaces = Profile(packed(table[..., HEIGHT], table[..., SLOPE], table[..., SHARE]), own, parts, bool((parts[..., 2] > 0.0).any()))
+    surfaces = Profile(
+        packed(table[..., HEIGHT], table[..., SLOPE], table[..., SHARE]), roller_nodes, parts, bool((parts[..., 2] > 0.0).any())
+    )
     return surfaces, max(highest, 0.0)
 
 
@@ -264,25 +266,25 @@ def heights_at_contacts(payload: Payload, from_ring: Floats, inner: bool) -> Flo
         return np.zeros(payload.free.shape)
     azimuth = np.arctan2(from_ring[..., 0], -from_ring[..., 1])
     ring = 0 if inner else 1
-    found = np.zeros(azimuth.shape)
+    heights = np.zeros(azimuth.shape)
     for row, angles in enumerate(azimuth):
-        found[row] = between_nodes(*unpacked(surfaces.raceways[ring, row]), angles)
+        heights[row] = between_nodes(*unpacked(surfaces.raceways[ring, row]), angles)
         nodes = np.floor(np.mod(angles / (2.0 * math.pi), 1.0) * RACEWAY_NODES).astype(np.int64) % RACEWAY_NODES
         part = np.concatenate([surfaces.parts[ring, row], surfaces.parts[ring, row, :1]]).astype(np.float64)
-        found[row] += part[nodes, 2] * between_nodes(part[:, 0], part[:, 1], angles)
+        heights[row] += part[nodes, 2] * between_nodes(part[:, 0], part[:, 1], angles)
         for i, angle in enumerate(angles + math.pi if inner else angles):
             roller = surfaces.rollers[ring, row * azimuth.shape[1] + i]
-            found[row, i] += between_nodes(*unpacked(roller), np.array([angle]))[0]
-    return found
+            heights[row, i] += between_nodes(*unpacked(roller), np.array([angle]))[0]
+    return heights
 
 
 def between_nodes(heights: Floats, slopes: Floats, angles: Floats) -> Floats:
     """Return heights [m] at angles [rad] of heights [m] and slopes [m/rad] over a turn, its first node again at the end."""
     nodes = len(heights) - 1
-    place = np.mod(angles / (2.0 * math.pi), 1.0) * nodes
-    i = np.minimum(np.floor(place), nodes - 1.0).astype(np.int64)
+    position = np.mod(angles / (2.0 * math.pi), 1.0) * nodes
+    i = np.minimum(np.floor(position), nodes - 1.0).astype(np.int64)
     curve = getattr(interpolated, "py_func", interpolated)
-    return np.asarray(curve(heights[i], heights[i + 1], slopes[i], slopes[i + 1], 2.0 * math.pi / nodes, place - i)[0])
+    return np.asarray(curve(heights[i], heights[i + 1], slopes[i], slopes[i + 1], 2.0 * math.pi / nodes, position - i)[0])
 
 
 def add_damage(configuration: Configuration, damage: Damage, table: Floats, rollers: Floats) -> None:
