@@ -14,7 +14,7 @@ from dcrb_ros.stream.states import LubricationState
 STANDSTILL = 1e-3
 """Speed of the shaft below which there is no friction torque [rad/s]."""
 LEAST_TIME = 1e-12
-"""Time between two observations that stands for none [s]."""
+"""Time used where two observations coincide [s]."""
 
 
 def friction_losses(state: State) -> Floats:

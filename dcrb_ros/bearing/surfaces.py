@@ -54,7 +54,7 @@ HEIGHT_RESOLUTION, SLOPE_RESOLUTION = 2.0**-50, 2.0**-44
 def envelope(heights: Floats, spacing: float, radius: float) -> Floats:
     """Return the path of a rigid cylinder over a surface: its dilation by a parabola of the reduced radius [m].
 
-    ``heights`` [m] lie ``spacing`` [m] apart; beyond their ends the surface goes on as at the end.
+    ``heights`` [m] lie ``spacing`` [m] apart; beyond their ends the surface continues at the last height.
     """
     reach = math.ceil(math.sqrt(2.0 * radius * max(float(np.ptp(heights)), 0.0)) / spacing)
     padded, path = np.pad(heights, reach, mode="edge"), np.array(heights, np.float64)
@@ -313,7 +313,7 @@ def add_damage(configuration: Configuration, damage: Damage, table: Floats, roll
 
 
 def add_to_raceway(table: Floats, row: int, path: ContactPath, azimuth: float, raceway: float, share: float) -> None:
-    """Add the path of a contact over a defect to the table of a raceway; ``row`` -1 stands for all rows."""
+    """Add the path of a contact over a defect to the table of a raceway; ``row`` -1 means all rows."""
     for at in range(len(table)) if row < 0 else (row,):
         if share < 1.0:
             add_window(table[at], (PART_HEIGHT, PART_SLOPE), path, azimuth, raceway)

@@ -1,4 +1,4 @@
-"""What is published of the state, gathered in one pass over the rollers: a hundred times a second it would cost more than the motion."""
+"""Published quantities of the state, gathered in one compiled pass: in Python this would cost more than the simulation."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from dcrb_ros.core.layout.state import CAGE, INNER, OUTER
 
 OBSERVED = 9
 (AZIMUTH, SPEED, INNER_FORCE, OUTER_FORCE, SLIP, FRICTION, TORQUE, RELATIVE_SPEED, BAR_FORCE) = range(OBSERVED)
-"""Rows of what is observed; see `dcrb_ros.stream.states.States`."""
+"""Rows of the observed quantities; see `dcrb_ros.stream.states.States`."""
 
 
 @loop
@@ -37,7 +37,7 @@ def place_pinned(table: OneRecord[Rollers], free: Flags, tangent: Floats, positi
 def observe_rollers(
     table: OneRecord[Rollers], free: Flags, position: Floats, velocity: Floats, surface: float, roller_radius: float, observed: Floats
 ) -> tuple[float, float]:
-    """Write what is observed of each roller, shape (OBSERVED, rollers or more); return the force on the inner ring in X and Y [N].
+    """Write the observed quantities of each roller, shape (OBSERVED, rollers or more); return the force on the inner ring in X and Y [N].
 
     ``surface`` is the speed of the inner ring's surface [m/s]. The azimuth counts from -Y; the slip is that at the inner raceway,
     of open contacts too.
@@ -65,14 +65,14 @@ def observe_rollers(
 
 AT_CONTACTS = 6
 (LARGEST_FORCE, LEAST_FILM, LEAST_RATIO, MEAN_FILM, LOADED_TRACTION, LOADED_SLIP) = range(AT_CONTACTS)
-"""What is observed of the contacts of a row with a raceway; see `dcrb_ros.stream.states.LubricationState`."""
+"""Observed quantities of the contacts of a row with a raceway; see `dcrb_ros.stream.states.LubricationState`."""
 LOADED_FORCE = 500.0
 """Normal force above which a contact counts as loaded [N]; the centrifugal force of the default roller is 146 N at 1800 rpm."""
 
 
 @loop
 def observe_films(lubrication: Any, table: OneRecord[Rollers], films: Floats, each: int, observed: Floats) -> None:
-    """Write what is observed of the films, shape (rows, 2, AT_CONTACTS).
+    """Write the observed quantities of the films, shape (rows, 2, AT_CONTACTS).
 
     ``each`` is the number of rollers in a row; ``films`` are those of inner and outer raceway as they were evaluated last. The smallest
     film is that under the largest force.

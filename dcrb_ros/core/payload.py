@@ -26,7 +26,7 @@ NOTCH = np.dtype(
         ("row", np.int64),  # of the defect, -1 for all rows
         ("half_angle", np.float64),  # half the angular width b/(2 r) [rad]
         ("nearness", np.float64),  # cosine of the angle from the middle at which the notch begins, its edges' fillets included [-]
-        ("bottom", np.float64),  # angle on either side of the middle over which the roller stands on the floor [rad]
+        ("bottom", np.float64),  # angle on either side of the middle over which the roller touches the floor [rad]
         ("kink", np.float64),  # by how much the slope of the depth drops at either end of that [m/rad]
         ("depth", np.float64),  # h [m]
         ("azimuth", np.float64),  # of the middle from the load line; on the inner ring at shaft angle zero [rad]

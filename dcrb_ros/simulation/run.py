@@ -34,7 +34,7 @@ Kind = TypeVar("Kind", bound="SimulationResult")
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
 class SimulationResult(Waveform):
-    """A simulated run: the measured waveform, the bodies, and the ground truth."""
+    """The result of `simulate`: the measured waveform, the bodies, and the ground truth."""
 
     clean: Samples
     """Acceleration before noise, clipping and converter, shape (samples, 2) [m/s^2]."""
@@ -111,9 +111,9 @@ def simulate(
         asked = load_configuration(asked, {"simulation.seed": seed})
     start, events = asked, list[ScheduledChange]()
     if scenario is not None:
-        story, source = (read_scenario_file(Path(scenario)), str(scenario)) if isinstance(scenario, (str, Path)) else (scenario, "scenario")
-        start = starting_configuration(story, asked, source)
-        events = scheduled_changes(story, start, source)
+        tree, source = (read_scenario_file(Path(scenario)), str(scenario)) if isinstance(scenario, (str, Path)) else (scenario, "scenario")
+        start = starting_configuration(tree, asked, source)
+        events = scheduled_changes(tree, start, source)
     rate = start.sensor.sampling_rate
     if round(duration * rate) < 1:
         raise Refusal(f"duration = {duration:g} s is shorter than one sample ({1e6 / rate:.3g} us at {rate} Hz): simulate longer")
@@ -138,8 +138,8 @@ def simulate(
 def temperatures_of(blocks: Sequence[Block]) -> TemperatureReadings:
     """Return what the temperature sensors read during some blocks."""
     readings = [reading for block in blocks for reading in block.temperatures]
-    places = {place: np.array([getattr(reading, place) for reading in readings], np.float64) for place in ("outer_ring", "box", "ambient")}
-    return TemperatureReadings(time=np.array([reading.time_ns * 1e-9 for reading in readings], np.float64), **places)
+    sensors = {name: np.array([getattr(reading, name) for reading in readings], np.float64) for name in ("outer_ring", "box", "ambient")}
+    return TemperatureReadings(time=np.array([reading.time_ns * 1e-9 for reading in readings], np.float64), **sensors)
 
 
 def tacho_of(blocks: Sequence[Block], pulses_per_turn: int) -> TachoPulses:

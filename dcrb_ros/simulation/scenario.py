@@ -34,7 +34,7 @@ MOST_REHEARSED = 500
 """Intermediate values of a gradual change that are checked beforehand, at most [-]; a check takes half a millisecond."""
 KEYS = ("at", "over", "set")
 START_GROUPS = ("operating", "thermal", "faults", "structure", "background", "sensor")
-"""Groups of parameters that may stand under ``start``."""
+"""Groups of parameters that are allowed under ``start``."""
 
 
 @dataclass(frozen=True)

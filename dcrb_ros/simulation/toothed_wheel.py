@@ -8,6 +8,6 @@ from dcrb_ros.settings.configuration import Configuration
 
 
 def toothed_wheel_of(configuration: Configuration) -> ToothedWheel | None:
-    """Return the toothed wheel on the shaft; None if the bench has none."""
+    """Return the toothed wheel on the shaft; None without pulses."""
     pulses, clock = configuration.tacho.pulses_per_turn, configuration.measurement.parameters[ClockParameters]
     return ToothedWheel(pulses, configuration.step_rate, clock.clock_offset_ppm) if pulses else None

@@ -37,7 +37,7 @@ MEAN_DISPERSION = 1.0 / 6.0
 
 
 SHORT_WAY = 0.1
-"""Way over a step, relative to the gap, up to which the damping of a squeeze film at mid-step stands for its mean: within 0.2 %."""
+"""Way over a step, relative to the gap, up to which the damping of a squeeze film at mid-step replaces its mean: within 0.2 %."""
 
 
 @piece

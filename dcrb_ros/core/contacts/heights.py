@@ -37,7 +37,7 @@ class Profile(NamedTuple):
     parts: SingleFloats
     """Height [m] and slope [m/rad] of defects over a share of the length, and that share [-], shape (2, rows, nodes, 3)."""
     partial: bool
-    """Whether there is such a defect."""
+    """Whether a defect takes a share of the length."""
 
 
 def packed(heights: Floats, slopes: Floats, shares: Floats | None = None) -> Integers:

@@ -20,7 +20,7 @@ SEPARATION = 1e-4
 """Sink depth between two contacts at which half of the influence of one on the other is left [m], a choice. For edges 2 mm apart on an
 outer raceway 0.78 is left, 0.80 by the elastic half-space."""
 LEAST_WAY = 1e-12
-"""Least way over a notch in a step, for a roller that stands [rad]."""
+"""Least way over a notch in a step, for a roller at rest [rad]."""
 
 
 @kernel

@@ -179,7 +179,7 @@ def linearize_crossing(
     for n in range(crossings):
         k = bound.crossings[n]
         closing, before, sink = closing_speeds(bound, contact, k, ring)
-        # A pinned roller moves with its whole cage: its force changes next to nothing.
+        # A pinned roller moves with its whole cage: its force hardly changes the velocity.
         mobility = 0.5 * payload.step / payload.roller_mass * bound.free[k]
         penetration, last = contact.penetration[k], contact.last_force[k]
         memory = load_memory(payload.normal_law, contact.normal, k)

@@ -1,4 +1,4 @@
-"""The functions of laws as kernels call them: each stands for that of the law that its first argument belongs to."""
+"""The functions of laws as kernels call them: each calls the function of the law to which its first argument belongs."""
 
 from __future__ import annotations
 

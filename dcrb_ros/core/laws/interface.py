@@ -49,7 +49,7 @@ def _same_memory(law: Any, memory: Any, penetration: float, closing: float, step
 class NormalLaw:
     """A law of the normal force between rollers and raceways, and between two rollers.
 
-    Kernels are made by `dcrb_ros.core.jit.kernel`. ``law`` stands for the constants, ``memory`` for the memory at one contact.
+    Kernels are made by `dcrb_ros.core.jit.kernel`. ``law`` are the constants, ``memory`` is the memory at one contact.
     """
 
     name: str

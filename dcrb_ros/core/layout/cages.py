@@ -1,4 +1,4 @@
-"""The motion of the cages as loops over rollers take it: read once for both rows, chosen for each roller by its row."""
+"""The motion of the cages for loops over rollers: read once for both rows, chosen for each roller by its row."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dcrb_ros.core.layout.records import Floats
 from dcrb_ros.core.layout.state import CAGE
 
 Triple = tuple[float, float, float]
-"""What belongs to a cage in X, in Y, and in rotation."""
+"""Components of a cage's position or velocity in X, in Y, and in rotation."""
 OfCages = tuple[Triple, Triple]
 """The same of the cages of the first and of the second row."""
 
@@ -28,6 +28,6 @@ def headings_of(heading: Floats) -> OfCages:
 
 @kernel
 def of_row(cages: OfCages, second_row: float) -> Triple:
-    """Return what belongs to the cage of a roller; ``second_row`` is 1 in the second row and 0 in the first."""
+    """Return the components of a roller's cage; ``second_row`` is 1 in the second row and 0 in the first."""
     first, second, in_second = cages[0], cages[1], second_row > 0.0
     return second[0] if in_second else first[0], second[1] if in_second else first[1], second[2] if in_second else first[2]

@@ -20,7 +20,7 @@ from dcrb_ros.core.payload import EDGE, Payload, mobilities
 STRIKE_WINDOW = 1.5
 """Half steps before and after the middle within which a strike on the outer raceway counts [-]: its speed is not known yet."""
 NEGLIGIBLE_STRIKE = 2e-3
-"""Speed below which a free roller may close or open its contact with the outer raceway unbound [m/s]: it has next to no energy."""
+"""Speed below which a free roller may close or open its contact with the outer raceway unbound [m/s]: its energy is negligible."""
 
 
 @piece

@@ -1,7 +1,7 @@
-"""Rollers that lie free on the outer raceway or touch nothing: most of those in pockets.
+"""Rollers that lie free on the outer raceway or touch nothing: most rollers in pockets.
 
-They need no solution together with other bodies: the raceway's normal and tangent are not coupled, each is a scalar equation. So a whole
-step of such a roller is one pass of one loop, from its position to its new velocity, and nothing but its state goes through memory.
+Normal and tangent of the raceway are not coupled: each is a scalar equation that needs no other body. One pass of one loop therefore takes
+a roller over the whole step, from its position to its new velocity, and only its state is read from memory and written to it.
 """
 
 from __future__ import annotations

@@ -84,7 +84,7 @@ def find_bound(payload: Payload, state: State, work: Workspace) -> int:
 
 @piece
 def advance_unbound(payload: Payload, state: State, work: Workspace) -> None:
-    """Move the rollers that are not bound over the step, where there are such, and sum their forces on the outer ring."""
+    """Move the rollers that are not bound over the step, and sum their forces on the outer ring."""
     if not payload.all_free:
         clear_pinned(payload, state)
         return
