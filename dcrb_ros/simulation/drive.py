@@ -2,13 +2,29 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection
 
 from dcrb_ros.core.layout.state import SHAFT_ANGLE, SHAFT_SPEED, TARGET_SPEED, TARGET_X, TARGET_Y, State
 from dcrb_ros.core.payload import Payload
+from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.parameters import Operating
 from dcrb_ros.simulation.shaft_speed import ShaftSpeed
+
+
+def commanded(name: str, key: str, value: float, unit: str) -> float:
+    """Return a commanded value that is within the range of a parameter of operation."""
+    low, high = (
+        next((m.ge for m in Operating.model_fields[key].metadata if hasattr(m, "ge")), -math.inf),
+        next((m.le for m in Operating.model_fields[key].metadata if hasattr(m, "le")), math.inf),
+    )
+    if not (math.isfinite(value) and low <= value <= high):
+        raise Refusal(
+            f"{name} = {value} {unit} is refused: it must be a number within {low:g} .. {high:g} {unit}; "
+            "the previous command remains in effect"
+        )
+    return float(value)
 
 
 class Drive:

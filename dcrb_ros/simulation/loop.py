@@ -28,8 +28,7 @@ from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.schema.simulated_time import nanoseconds
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.simulation.block_queue import BlockQueue
-from dcrb_ros.simulation.commanded_value import commanded
-from dcrb_ros.simulation.drive import Drive
+from dcrb_ros.simulation.drive import Drive, commanded
 from dcrb_ros.simulation.heating import Burnt, Heating
 from dcrb_ros.simulation.scenario import ScheduledChange
 from dcrb_ros.simulation.toothed_wheel import toothed_wheel_of
