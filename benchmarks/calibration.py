@@ -59,7 +59,7 @@ class Counts:
     bands: list[tuple[float, float, float]] = field(default_factory=list)
     """Middle of a third octave [Hz], estimated over true path and half of the interval [dB]."""
 
-    def add(self, found: dcrb_ros.Calibration, run: dcrb_ros.Run, settings: dict[str, Any]) -> None:
+    def add(self, found: dcrb_ros.Calibration, run: dcrb_ros.SimulationResult, settings: dict[str, Any]) -> None:
         """Compare a calibration with the truth."""
         for one in found.estimates:
             truth = settings.get(one.key)
@@ -99,7 +99,7 @@ class Counts:
         print(f"half of an interval of the path: {np.median([band[2] for band in self.bands]):.2f} dB")
 
 
-def mixed_plant(found: dcrb_ros.Calibration, number: int) -> tuple[dcrb_ros.Run, float]:
+def mixed_plant(found: dcrb_ros.Calibration, number: int) -> tuple[dcrb_ros.SimulationResult, float]:
     """Return a recording of a calibrated bench with another individual and a known share of the bearing."""
     share = float(10.0 ** np.random.default_rng(1000 + number).uniform(-1.3, -0.1))
     changes = {"structure.bearing_share": share, "surfaces.seed": 500 + number, "simulation.seed": 500 + number}
@@ -128,7 +128,7 @@ def main() -> None:
     draw(counts.inside, np.array(counts.bands), Path(sys.argv[2]) if len(sys.argv) > 2 else FIGURE)
 
 
-def path_of(run: dcrb_ros.Run, settings: dict[str, Any], axis: str) -> tuple[np.ndarray[Any, Any], np.ndarray[Any, Any]]:
+def path_of(run: dcrb_ros.SimulationResult, settings: dict[str, Any], axis: str) -> tuple[np.ndarray[Any, Any], np.ndarray[Any, Any]]:
     """Return the power of the ring before and behind the true path, shape (lines, 2), and the frequencies, from 200 Hz to 20 kHz."""
     spectrum = power_density(run.clean[run.sampling_rate // 2 :, "xy".index(axis)].astype(float), run.sampling_rate)
     used = (spectrum.frequency >= 200.0) & (spectrum.frequency <= 0.4 * run.sampling_rate)

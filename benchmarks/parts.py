@@ -19,9 +19,9 @@ from dcrb_ros.core.contacts.films import write_films
 from dcrb_ros.core.contacts.lines import RingMotion
 from dcrb_ros.core.contacts.notch import turn_notches
 from dcrb_ros.core.contacts.raceway import linearize_crossing, linearize_smooth, locate_raceways
-from dcrb_ros.core.contacts.surface import add_parts, feel_bound, feel_free
+from dcrb_ros.core.contacts.surface import add_bound_heights, add_parts, write_free_heights
 from dcrb_ros.core.jit import NO, ZERO, loop
-from dcrb_ros.core.laws.calls import oils_cages
+from dcrb_ros.core.laws.calls import has_cage_oil
 from dcrb_ros.core.layout.records import Floats
 from dcrb_ros.core.layout.state import INNER, OUTER, State
 from dcrb_ros.core.layout.workspace import Workspace, workspace
@@ -73,7 +73,7 @@ def advance_by_parts(payload: Payload, state: State, work: Workspace, steps: int
         predict_bodies(payload, state, work)
         t1 = ticks()
         write_films(payload, state)
-        if oils_cages(payload.lubrication):
+        if has_cage_oil(payload.lubrication):
             write_spin_drag(payload, state, work)
         clear(work.force_of_free)
         if payload.suspended:
@@ -82,7 +82,7 @@ def advance_by_parts(payload: Payload, state: State, work: Workspace, steps: int
         turn_notches(payload.inner_notches, state.shaft[0], work.inner_notch_direction)
         classify_rollers(payload, state, work, NO)
         t3 = ticks()
-        feel_free(payload.surfaces, payload, state, work)
+        write_free_heights(payload.surfaces, payload, state, work)
         t4 = ticks()
         bind_special(payload, work)
         found = ZERO
@@ -91,7 +91,7 @@ def advance_by_parts(payload: Payload, state: State, work: Workspace, steps: int
             work.row_ends[row] = found
         count = gather_bound(payload, state, work, found)
         predict_bound(payload, state, work, count)
-        if oils_cages(payload.lubrication):
+        if has_cage_oil(payload.lubrication):
             drag_bound(payload, work, count)
         t5 = ticks()
         advance_unbound(payload, state, work)
@@ -102,8 +102,8 @@ def advance_by_parts(payload: Payload, state: State, work: Workspace, steps: int
         surface = speed * payload.inner_raceway_radius
         inner = RingMotion((mean[INNER, 0], mean[INNER, 1]), (before[INNER, 0], before[INNER, 1]), speed, surface, True)
         t7 = ticks()
-        feel_bound(payload.surfaces, payload, state, work, work.bound[0].outer, outer)
-        feel_bound(payload.surfaces, payload, state, work, work.bound[0].inner, inner)
+        add_bound_heights(payload.surfaces, payload, state, work, work.bound[0].outer, outer)
+        add_bound_heights(payload.surfaces, payload, state, work, work.bound[0].inner, inner)
         t8 = ticks()
         linearize_smooth(payload, state, work, work.bound[0].outer, count, outer)
         linearize_smooth(payload, state, work, work.bound[0].inner, count, inner)
@@ -121,7 +121,7 @@ def advance_by_parts(payload: Payload, state: State, work: Workspace, steps: int
             solve_bound(payload, work, count, surface)
             sum_bound_forces(payload, work)
             add_land_forces(payload, work, lands)
-            if oils_cages(payload.lubrication):
+            if has_cage_oil(payload.lubrication):
                 add_land_films(payload, work)
             moved, changed = move_rings(payload, state, work)
             for row in range(payload.free.shape[0]):
@@ -131,7 +131,7 @@ def advance_by_parts(payload: Payload, state: State, work: Workspace, steps: int
         t11 = ticks()
         store_bound(payload, state, work, count)
         store_lands(payload, state, work, lands)
-        if oils_cages(payload.lubrication):
+        if has_cage_oil(payload.lubrication):
             store_land_films(payload, state, work)
         finish_bodies(payload, state, work)
         if payload.suspended:

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from dcrb_ros.bearing.frequencies import characteristic_frequencies
     from dcrb_ros.bearing.history import StateHistory
     from dcrb_ros.bearing.kinematics import Orders
-    from dcrb_ros.bearing.tacho import TachoPulses
+    from dcrb_ros.bearing.tacho_pulses import TachoPulses
     from dcrb_ros.bearing.temperature_readings import TemperatureReadings
     from dcrb_ros.bearing.waveform import Waveform
     from dcrb_ros.calibration.calibration import Calibration, calibrate
@@ -41,7 +41,7 @@ if TYPE_CHECKING:
     from dcrb_ros.settings.parameters import Bearing
     from dcrb_ros.simulation.ground_truth import GroundTruth
     from dcrb_ros.simulation.loop import Simulation
-    from dcrb_ros.simulation.run import Run, simulate
+    from dcrb_ros.simulation.run import SimulationResult, simulate
     from dcrb_ros.stream.block import Block
     from dcrb_ros.stream.diagnosis import Diagnosis
 
@@ -64,8 +64,8 @@ __all__ = [
     "Refusal",
     "RemainingLife",
     "Report",
-    "Run",
     "Simulation",
+    "SimulationResult",
     "SpectralCoherence",
     "StateHistory",
     "TachoPulses",
@@ -112,11 +112,11 @@ _MODULES = {
     "Refusal": "schema.refusal",
     "RemainingLife": "prognosis.remaining_life",
     "Report": "exam.report",
-    "Run": "simulation.run",
+    "SimulationResult": "simulation.run",
     "Simulation": "simulation.loop",
     "SpectralCoherence": "diagnosis.features.spectral_coherence",
     "StateHistory": "bearing.history",
-    "TachoPulses": "bearing.tacho",
+    "TachoPulses": "bearing.tacho_pulses",
     "TemperatureReadings": "bearing.temperature_readings",
     "ThermalFaultDetector": "diagnosis.thermal_detector",
     "Waveform": "bearing.waveform",

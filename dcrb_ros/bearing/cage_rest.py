@@ -22,7 +22,7 @@ def settled_cages(payload: Payload, rest: Rest) -> Floats:
     A cage with pinned rollers is where these carry it. A free roller lets its pocket move along the tangent t by the clearance c_p on
     either side, so that a cage that falls by d meets it at the first of s + d t_y = +-c_p, s the roller's offset from the pocket's middle.
     """
-    found: Floats = rest.cages.copy()
+    settled: Floats = rest.cages.copy()
     for row in np.flatnonzero(payload.free.all(axis=1)):
         offset = ((rest.rollers[row] - rest.cages[row]) * payload.pocket_tangent[row]).sum(axis=-1)
         rise = payload.pocket_tangent[row, :, 1]
@@ -32,5 +32,5 @@ def settled_cages(payload: Payload, rest: Rest) -> Floats:
         x, y = rest.cages[row] - rest.outer
         on_land = y + math.sqrt(max(payload.land_clearance**2 - x * x, 0.0))
         fall = max(0.0, min(float(free_fall.min(initial=math.inf)), on_land))
-        found[row, 1] -= round(fall / RESOLUTION) * RESOLUTION
-    return found
+        settled[row, 1] -= round(fall / RESOLUTION) * RESOLUTION
+    return settled

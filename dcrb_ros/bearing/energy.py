@@ -12,7 +12,7 @@ from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.stream.states import Account
 
 LEAST_FORCE = 1e-9
-"""Normal force that stands for that of an open contact [N]."""
+"""Normal force used for an open contact [N]."""
 
 
 def inner_product(a: Floats, b: Floats) -> float:

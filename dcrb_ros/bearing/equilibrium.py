@@ -9,8 +9,7 @@ import numpy as np
 from scipy.optimize import least_squares, minimize
 from scipy.special import lambertw
 
-from dcrb_ros.bearing.profiles import profile_depths
-from dcrb_ros.bearing.surfaces import felt_heights
+from dcrb_ros.bearing.surfaces import heights_at_contacts
 from dcrb_ros.core.contacts import arrays
 from dcrb_ros.core.contacts.notch import inner_notch_depth, outer_notch_depth, roller_notch_depth
 from dcrb_ros.core.laws.calls import film_reach, normal_energy, normal_penetration
@@ -112,9 +111,9 @@ def _edges(direction: Floats, middle: float, half_angle: float) -> Floats:
 def notch_depths(payload: Payload, from_ring: Floats, inner: bool) -> Floats:
     """Return the depth of the notches of raceway and rollers at the contacts, at shaft and spin angle zero, shape (rows, rollers) [m].
 
-    Profiles of the surfaces are included. Notches with the law `edge` are not: their edges have contact normals of their own.
+    Heights of the surfaces are included. Notches with the law `edge` are not: their edges have contact normals of their own.
     """
-    depths = profile_depths(payload, from_ring, inner) - felt_heights(payload, from_ring, inner)
+    depths = -heights_at_contacts(payload, from_ring, inner)
     if payload.notch_law != SINK:
         return depths
     raceway = payload.inner_raceway_radius if inner else payload.outer_raceway_radius
@@ -310,21 +309,21 @@ def static_equilibrium(payload: Payload, load: Floats, orbit: float = 0.0) -> Re
         return left / scale
 
     def slope(x: Floats) -> Floats:
-        found = problem.slope(x * MICROMETRE)
+        jacobian = problem.slope(x * MICROMETRE)
         if payload.suspended:
-            found[:2] = 0.0
-            found[:2, :2] -= payload.housing_stiffness * np.eye(2)
-        return found * (MICROMETRE / scale)
+            jacobian[:2] = 0.0
+            jacobian[:2, :2] -= payload.housing_stiffness * np.eye(2)
+        return jacobian * (MICROMETRE / scale)
 
     # Minimising the energy closes contacts for which the forces give no direction, but does not resolve forces of a newton. Two searches by
     # least squares follow: the first still moves the rings by more than the penetration of the lightest rollers.
     begin = problem.start()
     notch_depth = problem.notch_depth(begin)
-    found = minimize(energy, begin / MICROMETRE, jac=True, method="BFGS", options={"gtol": 1e-6, "maxiter": 5000}).x
+    solution = minimize(energy, begin / MICROMETRE, jac=True, method="BFGS", options={"gtol": 1e-6, "maxiter": 5000}).x
     for _ in range(2):
-        laid = problem.resting_on_raceways(found * MICROMETRE) / MICROMETRE
-        found = least_squares(residual, laid, jac=slope, method="lm", xtol=1e-15, ftol=1e-15, gtol=1e-15, max_nfev=MOST_STEPS).x
-    rest = problem.positions(np.round(found * MICROMETRE / RESOLUTION) * RESOLUTION + 0.0)  # no negative zero
+        laid = problem.resting_on_raceways(solution * MICROMETRE) / MICROMETRE
+        solution = least_squares(residual, laid, jac=slope, method="lm", xtol=1e-15, ftol=1e-15, gtol=1e-15, max_nfev=MOST_STEPS).x
+    rest = problem.positions(np.round(solution * MICROMETRE / RESOLUTION) * RESOLUTION + 0.0)  # no negative zero
     _make_equal_rows_identical(payload, rest)
     return rest
 

@@ -35,5 +35,5 @@ def characteristic_frequencies(bearing: BearingLike | str, speed: float) -> dict
     >>> {name: round(value, 1) for name, value in frequencies.items()}
     {'FTF': 8.4, 'BPFO': 134.5, 'BPFI': 185.5, 'BSF': 61.1}
     """
-    found = load_configuration(bearing) if isinstance(bearing, str) else bearing
-    return orders_of(found).frequencies(finite_number("speed =", speed, "rad/s") / (2.0 * math.pi))
+    source = load_configuration(bearing) if isinstance(bearing, str) else bearing
+    return orders_of(source).frequencies(finite_number("speed =", speed, "rad/s") / (2.0 * math.pi))

@@ -108,11 +108,11 @@ class HeatNetwork:
         nodes = self.box + 1
         matrix, ambient = [[0.0] * nodes for _ in range(nodes)], [0.0] * nodes
 
-        def link(one: int, other: int, conductance: float) -> None:
-            matrix[one][one] += conductance
+        def link(node: int, other: int, conductance: float) -> None:
+            matrix[node][node] += conductance
             matrix[other][other] += conductance
-            matrix[one][other] -= conductance
-            matrix[other][one] -= conductance
+            matrix[node][other] -= conductance
+            matrix[other][node] -= conductance
 
         axle = (AXLE + AXLE_OVER_SPEED * abs(vehicle)) / self.rows
         for row in range(self.rows):
@@ -134,13 +134,13 @@ class HeatNetwork:
         Half of the heat of a raceway goes to its ring and half to the rollers, the rest to rollers and outer ring (a choice); the box gets
         ``sun`` [W].
         """
-        found = [0.0] * (self.box + 1)
+        sources = [0.0] * (self.box + 1)
         for row, (inner, outer, rest) in enumerate(rows):
-            found[self.inner(row)] += 0.5 * inner
-            found[self.rollers(row)] += 0.5 * (inner + outer + rest)
-            found[self.outer(row)] += 0.5 * (outer + rest)
-        found[self.box] += sun
-        return found
+            sources[self.inner(row)] += 0.5 * inner
+            sources[self.rollers(row)] += 0.5 * (inner + outer + rest)
+            sources[self.outer(row)] += 0.5 * (outer + rest)
+        sources[self.box] += sun
+        return sources
 
     def after(self, temperatures: Sequence[float], flow: Conductances, heat: Sequence[float], ambient: float, duration: float) -> Vector:
         """Return the temperatures after a step of implicit Euler over a duration [s] of heat; an infinite one gives the steady state."""
@@ -149,7 +149,7 @@ class HeatNetwork:
         matrix = [[flow.matrix[i][j] + (stored[i] if i == j else 0.0) for j in nodes] for i in nodes]
         # Relative to the surroundings: a network at rest stays there exactly.
         above = solved(matrix, [stored[i] * (temperatures[i] - ambient) + heat[i] for i in nodes])
-        return [ambient + one for one in above]
+        return [ambient + rise for rise in above]
 
     def steady(self, flow: Conductances, heat: Sequence[float], ambient: float) -> Vector:
         """Return the temperatures at which each node loses the heat that it gets."""

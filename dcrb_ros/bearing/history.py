@@ -138,10 +138,10 @@ class StateHistory:
         Refusal
             There is no such row.
         """
-        found = [k for k, name in enumerate(self.names) if name.startswith(f"row{row}/")]
-        if not found:
+        columns = [k for k, name in enumerate(self.names) if name.startswith(f"row{row}/")]
+        if not columns:
             raise Refusal(f"there is no row {row}: the bearing has {self.rows}, counted from 1")
-        return slice(found[0], found[-1] + 1)
+        return slice(columns[0], columns[-1] + 1)
 
     def to_pandas(self) -> pd.DataFrame:
         """Return a DataFrame over time [s]; its columns have two levels, the quantity and the body.

@@ -33,10 +33,10 @@ class Orders:
     """Ball spin frequency: roller spin relative to the cage [-]; a roller defect strikes twice as often."""
 
     def __post_init__(self) -> None:
-        found = self.as_dict()
-        if all(map(math.isnan, found.values())):
+        by_name = self.as_dict()
+        if all(map(math.isnan, by_name.values())):
             return
-        for name, order in found.items():
+        for name, order in by_name.items():
             if not LOWEST_ORDER <= order <= HIGHEST_ORDER:
                 raise Refusal(f"{name} = {order:g} is outside {LOWEST_ORDER:g} .. {HIGHEST_ORDER:g} orders of the shaft: check the bearing")
 

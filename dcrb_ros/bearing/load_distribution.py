@@ -35,7 +35,7 @@ def roller_forces(configuration: Configuration, load: float, clearance: float) -
     angles = pitch * (np.arange(b.rollers_per_row)[None, :] + np.arange(PHASES)[:, None] / PHASES)
     cosine, share = np.cos(angles), load / b.rows
     forces, pressed = _force_table(c)
-    found = np.empty(angles.shape)
+    loads = np.empty(angles.shape)
     for phase in range(PHASES):
         low, high = -WIDEST, WIDEST
         for _ in range(BISECTIONS):
@@ -45,8 +45,8 @@ def roller_forces(configuration: Configuration, load: float, clearance: float) -
                 low = middle
             else:
                 high = middle
-        found[phase] = _under(high * cosine[phase] - clearance, forces, pressed)
-    return found
+        loads[phase] = _under(high * cosine[phase] - clearance, forces, pressed)
+    return loads
 
 
 def _under(penetration: Floats, forces: Floats, pressed: Floats) -> Floats:

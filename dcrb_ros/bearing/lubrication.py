@@ -6,7 +6,7 @@ import numpy as np
 
 from dcrb_ros.core import observation as of
 from dcrb_ros.core.laws.registry import law_of
-from dcrb_ros.core.layout.state import State
+from dcrb_ros.core.layout.state import SHAFT_SPEED, State
 from dcrb_ros.core.payload import Payload
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.stream.states import LubricationState
@@ -14,7 +14,7 @@ from dcrb_ros.stream.states import LubricationState
 STANDSTILL = 1e-3
 """Speed of the shaft below which there is no friction torque [rad/s]."""
 LEAST_TIME = 1e-12
-"""Time between two observations that stands for none [s]."""
+"""Time used where two observations coincide [s]."""
 
 
 def friction_losses(state: State) -> Floats:
@@ -23,10 +23,10 @@ def friction_losses(state: State) -> Floats:
     Contacts between rollers beside a broken bar are not part of it.
     """
     rows = len(state.cage_position)
-    found = np.zeros((rows, of.LOSSES))
-    of.observe_losses(state.rollers, state.rollers_per_row, found)
-    found[:, -1] = state.land[0].loss[:rows]
-    return found
+    losses = np.zeros((rows, of.LOSSES))
+    of.observe_losses(state.rollers, state.rollers_per_row, losses)
+    losses[:, -1] = state.land[0].loss[:rows]
+    return losses
 
 
 def observe_lubrication(payload: Payload, state: State, time: float, before: tuple[float, Floats]) -> LubricationState | None:
@@ -37,20 +37,20 @@ def observe_lubrication(payload: Payload, state: State, time: float, before: tup
     if law_of(payload.lubrication).thickness is None:
         return None
     rows, each = payload.free.shape
-    found = np.empty((rows, 2, of.AT_CONTACTS))
-    of.observe_films(payload.lubrication, state.rollers, state.films, each, found)
-    there = np.where(found[..., of.LARGEST_FORCE] > of.LOADED_FORCE, 1.0, np.nan)
+    contacts = np.empty((rows, 2, of.AT_CONTACTS))
+    of.observe_films(payload.lubrication, state.rollers, state.films, each, contacts)
+    there = np.where(contacts[..., of.LARGEST_FORCE] > of.LOADED_FORCE, 1.0, np.nan)
     losses = friction_losses(state)
     power = (losses - before[1]) / max(time - before[0], LEAST_TIME)
-    speed = abs(float(state.shaft[1]))
+    speed = abs(float(state.shaft[SHAFT_SPEED]))
     return LubricationState(
-        film=found[..., of.LEAST_FILM].min(axis=0),
-        film_ratio=found[..., of.LEAST_RATIO].min(axis=0),
-        least_film=found[..., of.LEAST_FILM] * there,
-        mean_film=found[..., of.MEAN_FILM] * there,
-        least_film_ratio=found[..., of.LEAST_RATIO] * there,
-        loaded_traction=found[..., of.LOADED_TRACTION] * there,
-        loaded_slip=found[..., of.LOADED_SLIP] * there,
+        film=contacts[..., of.LEAST_FILM].min(axis=0),
+        film_ratio=contacts[..., of.LEAST_RATIO].min(axis=0),
+        least_film=contacts[..., of.LEAST_FILM] * there,
+        mean_film=contacts[..., of.MEAN_FILM] * there,
+        least_film_ratio=contacts[..., of.LEAST_RATIO] * there,
+        loaded_traction=contacts[..., of.LOADED_TRACTION] * there,
+        loaded_slip=contacts[..., of.LOADED_SLIP] * there,
         friction_loss=losses,
         friction_power=power,
         friction_torque=power / speed if speed > STANDSTILL else np.full_like(power, np.nan),

@@ -8,7 +8,7 @@ import numpy as np
 
 from dcrb_ros.bearing.lubrication import observe_lubrication
 from dcrb_ros.core import observation as of
-from dcrb_ros.core.layout.state import State
+from dcrb_ros.core.layout.state import SHAFT_SPEED, State
 from dcrb_ros.core.payload import Payload
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.stream.states import States, ThermalState
@@ -31,25 +31,25 @@ def observe(payload: Payload, state: State, time_ns: int, before: States | None 
     since = (0.0, np.zeros(())) if before is None or oil is None else (1e-9 * before.time_ns, oil.friction_loss)
     place_pinned_rollers(payload, state)
     rows, count = len(payload.free), payload.free.size
-    found = np.zeros((of.OBSERVED, count + rows + 1))
-    surface = float(state.shaft[1]) * payload.inner_raceway_radius
-    force = of.observe_rollers(state.rollers, payload.free, state.position, state.velocity, surface, payload.roller_radius, found)
-    cages, ring, tangent = found[:, count:-1], found[:, -1], payload.pocket_tangent[:, 0]
+    observed = np.zeros((of.OBSERVED, count + rows + 1))
+    surface = float(state.shaft[SHAFT_SPEED]) * payload.inner_raceway_radius
+    force = of.observe_rollers(state.rollers, payload.free, state.position, state.velocity, surface, payload.roller_radius, observed)
+    cages, ring, tangent = observed[:, count:-1], observed[:, -1], payload.pocket_tangent[:, 0]
     cages[of.AZIMUTH] = np.arctan2(tangent[:, 1], tangent[:, 0]) + state.cage_position[:, 2]
     cages[of.SPEED], cages[of.BAR_FORCE] = state.cage_velocity[:, 2], state.land[0].force[:rows]
     ring[of.AZIMUTH], ring[of.SPEED] = state.shaft
-    ring[of.INNER_FORCE] = found[of.INNER_FORCE, :count].sum()
+    ring[of.INNER_FORCE] = observed[of.INNER_FORCE, :count].sum()
     return States(
         time_ns=time_ns,
-        azimuth=wrapped(found[of.AZIMUTH]),
-        speed=found[of.SPEED],
-        inner_force=found[of.INNER_FORCE],
-        outer_force=found[of.OUTER_FORCE],
-        slip=found[of.SLIP],
-        friction=found[of.FRICTION],
-        torque=found[of.TORQUE],
-        relative_speed=found[of.RELATIVE_SPEED],
-        bar_force=found[of.BAR_FORCE],
+        azimuth=wrapped(observed[of.AZIMUTH]),
+        speed=observed[of.SPEED],
+        inner_force=observed[of.INNER_FORCE],
+        outer_force=observed[of.OUTER_FORCE],
+        slip=observed[of.SLIP],
+        friction=observed[of.FRICTION],
+        torque=observed[of.TORQUE],
+        relative_speed=observed[of.RELATIVE_SPEED],
+        bar_force=observed[of.BAR_FORCE],
         cage_offset=state.cage_position[:, :2] - state.outer_position,
         inner_ring_force=force,
         lubrication=observe_lubrication(payload, state, 1e-9 * time_ns, since),

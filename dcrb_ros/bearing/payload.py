@@ -11,16 +11,15 @@ import numpy.typing as npt
 from dcrb_ros.bearing.cage_rest import settled_cages
 from dcrb_ros.bearing.equilibrium import roller_forces, static_equilibrium
 from dcrb_ros.bearing.individual import individual_of
-from dcrb_ros.bearing.profiles import profile_records
 from dcrb_ros.bearing.surfaces import build_surfaces
 from dcrb_ros.core.contacts.heights import Profile
 from dcrb_ros.core.laws import LUBRICATION_LAWS, NORMAL_LAWS, TRACTION_LAWS, lugre
 from dcrb_ros.core.laws.calls import film_at
 from dcrb_ros.core.laws.pereira import pereira_coefficients
 from dcrb_ros.core.laws.site import inner_site, outer_site, pair_site
-from dcrb_ros.core.layout.state import State, empty_state
+from dcrb_ros.core.layout.state import SHAFT_SPEED, State, empty_state
 from dcrb_ros.core.payload import EDGE, NOTCH, ROLLER_NOTCH, SINK, Notches, Payload
-from dcrb_ros.faults.geometry import BrokenBar, RacewayNotch, RollerNotch, SurfaceProfile
+from dcrb_ros.faults.geometry import BrokenBar, RacewayNotch, RollerNotch
 from dcrb_ros.measurement.random_streams import random_stream
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.settings.configuration import Configuration
@@ -111,8 +110,6 @@ def build_payload(configuration: Configuration) -> Payload:
     damage = [] if isinstance(surfaces, Profile) else damage
     raceway_notches = [notch for notch in damage if isinstance(notch, RacewayNotch)]
     roller_notches = [notch for notch in damage if isinstance(notch, RollerNotch)]
-    surface_profiles = [profile for profile in damage if isinstance(profile, SurfaceProfile)]
-    profiles, depths, height = profile_records(surface_profiles)
     tangent = np.stack([np.cos(azimuth), np.sin(azimuth)], axis=-1)
     pinned = (~free).sum(axis=1)
     # With all rollers pinned the sum of the tangents is zero up to rounding, which must not influence the motion.
@@ -121,7 +118,7 @@ def build_payload(configuration: Configuration) -> Payload:
     # A centre of mass towards (sin psi, -cos psi) has the tangent (cos psi, sin psi).
     moment += b.cage_mass * np.stack([-individual.cage_unbalance[:, 1], individual.cage_unbalance[:, 0]], axis=-1)
     mass, inertia = b.cage_mass + pinned * b.roller_mass, b.cage_inertia + pinned * b.roller_mass * b.pitch_radius**2
-    bars = np.array([pereira_coefficients(float(one), b.roller_length, b.effective_modulus) for one in clearance.ravel()])
+    bars = np.array([pereira_coefficients(float(gap), b.roller_length, b.effective_modulus) for gap in clearance.ravel()])
     coefficient, exponent = bars.T.reshape(2, *clearance.shape)
     land = pereira_coefficients(c.cage.land_clearance, b.roller_length, b.effective_modulus)
     material = material_of(b)
@@ -138,7 +135,7 @@ def build_payload(configuration: Configuration) -> Payload:
         all_free=bool(free.all()),
         any_broken=bool(broken.any()),
         any_free=bool(free.any()),
-        any_defect=bool(raceway_notches or roller_notches or surface_profiles),
+        any_defect=bool(raceway_notches or roller_notches),
         inner_raceway_radius=b.inner_raceway_radius,
         outer_raceway_radius=b.outer_raceway_radius,
         pitch_radius=b.pitch_radius,
@@ -172,9 +169,7 @@ def build_payload(configuration: Configuration) -> Payload:
         inner_notches=_records((notch for notch in raceway_notches if notch.ring == "inner_ring"), NOTCH),
         outer_notches=_records((notch for notch in raceway_notches if notch.ring == "outer_ring"), NOTCH),
         roller_notches=_records(roller_notches, ROLLER_NOTCH),
-        profiles=profiles,
-        profile_depths=depths,
-        profile_height=height + highest,
+        profile_height=highest,
         surfaces=surfaces,
         pocket_clearance=clearance,
         bar_coefficient=coefficient.copy(),
@@ -207,7 +202,7 @@ def initial_state(configuration: Configuration, payload: Payload) -> State:
     state = empty_state(payload)
     state.load[:] = operating.lateral_load, -operating.load
     state.target[:] = operating.speed, *state.load
-    state.shaft[1] = operating.speed
+    state.shaft[SHAFT_SPEED] = operating.speed
     orbit = cage_speed(configuration, operating.speed) if operating.start != "cold" else 0.0
     rest = static_equilibrium(payload, state.load, orbit)
     state.outer_position[:], state.inner_position[:], state.cage_position[:, :2] = rest.outer, rest.inner, rest.cages

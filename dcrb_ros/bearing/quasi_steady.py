@@ -17,7 +17,7 @@ from dcrb_ros.bearing.heat_network import GREASE_EXCHANGE, Conductances, Vector,
 from dcrb_ros.bearing.load_distribution import roller_forces
 from dcrb_ros.bearing.lubricant import lubrication_at
 from dcrb_ros.core.laws.cage_oil import DRAG_COEFFICIENT
-from dcrb_ros.core.laws.calls import churning, film_at, film_memory, film_thickness, land_torque, oils_cages
+from dcrb_ros.core.laws.calls import churning, film_at, film_memory, film_thickness, has_cage_oil, land_torque
 from dcrb_ros.core.laws.lubricants import lubricant_of
 from dcrb_ros.core.laws.registry import law_of
 from dcrb_ros.core.laws.site import Site, inner_site, outer_site
@@ -111,13 +111,13 @@ class QuasiSteady:
 
     def power(self, running: Running, temperatures: Sequence[float], loss: float = 0.0) -> list[Heat]:
         """Return the heat of each row at the temperatures of the network's nodes [deg C] after a loss of lubricant [-]."""
-        found = []
+        conductances = []
         for row in range(self.network.rows):
             inlets = self.inlets(temperatures, row)
             oil = lubrication_at(self.configuration, self._material, loss, *inlets)
             raceways = [self._rolling(oil, running, number) for number in (0, 1)]
-            found.append((*raceways, self._rest(oil, running)))
-        return found  # type: ignore[return-value]
+            conductances.append((*raceways, self._rest(oil, running)))
+        return conductances  # type: ignore[return-value]
 
     def inlets(self, temperatures: Sequence[float], row: int) -> tuple[float, float]:
         """Return the temperatures of the oil at the inlets of a row's inner and outer contacts [deg C]: means of ring and rollers."""
@@ -136,7 +136,7 @@ class QuasiSteady:
         c, length = self.configuration, self.configuration.bearing.roller_length
         both = []
         for site, forces, speed in zip(self._sites, running.forces, running.rolling, strict=True):
-            phases = [raceway_conductance(one, site, length, speed) for one in forces]
+            phases = [raceway_conductance(force, site, length, speed) for force in forces]
             both.append(sum(phases) / len(phases))
         raceways = [(both[0], both[1])] * self.network.rows
         return self.network.conductances(raceways, vehicle_speed(c, running.speed), air_speed(c, running.speed))
@@ -144,15 +144,15 @@ class QuasiSteady:
     def steady(self, running: Running, loss: float = 0.0, start: Sequence[float] | None = None) -> Vector:
         """Return the temperatures at which the bearing makes as much heat as it loses [deg C]; the search begins at ``start``."""
         thermal, flow = self.configuration.thermal, self.conductances(running)
-        found = list(start) if start is not None else [thermal.ambient] * (self.network.box + 1)
+        temperatures = list(start) if start is not None else [thermal.ambient] * (self.network.box + 1)
         for _ in range(DAMPED_STEPS):
-            heat = self.network.heat(self.power(running, found, loss), thermal.sun)
+            heat = self.network.heat(self.power(running, temperatures, loss), thermal.sun)
             wanted = self.network.steady(flow, heat, thermal.ambient)
-            change = [0.5 * (one - own) for one, own in zip(wanted, found, strict=True)]
-            found = [own + one for own, one in zip(found, change, strict=True)]
+            change = [0.5 * (value - present) for value, present in zip(wanted, temperatures, strict=True)]
+            temperatures = [present + step for present, step in zip(temperatures, change, strict=True)]
             if max(map(abs, change)) < SETTLED:
                 break
-        return found
+        return temperatures
 
     def after(
         self, running: Running, temperatures: Sequence[float], duration: float, loss: float = 0.0, *, ambient: float | None = None
@@ -177,7 +177,7 @@ class QuasiSteady:
         """Return what a row loses about its cage and in its seals [W]."""
         c, b = self.configuration, self.configuration.bearing
         rest = seal_heat(c, running.speed) + lost_in_grease(c, running.orbit)
-        if law_of(oil).oils_cages and oils_cages(oil):
+        if law_of(oil).has_cage_oil and has_cage_oil(oil):
             orbit = abs(running.orbit)
             radius = c.cage.land_radius or 0.5 * (b.pitch_radius + b.outer_raceway_radius)
             rest += churning(oil) * (orbit * b.pitch_radius) ** 3 * b.rollers_per_row

@@ -1,4 +1,4 @@
-"""Heights of raceways and rollers, as the rollers feel them: waviness, individual dimensions, and damage.
+"""Heights of raceways and rollers along the path of a contact: waviness, individual dimensions, and damage.
 
 A surface has heights z over its circumference, above zero where there is more metal. A rigid roller of reduced radius R follows the upper
 envelope of z by a parabola (a morphological dilation)
@@ -17,19 +17,17 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 from scipy.special import j1
 
 from dcrb_ros.bearing.individual import individual_of, surface_seed
 from dcrb_ros.core.contacts.heights import HEIGHT, PART_HEIGHT, PART_SLOPE, SHARE, SLOPE, Profile, Smooth, interpolated, packed, unpacked
 from dcrb_ros.core.laws import hertz
 from dcrb_ros.core.payload import Payload
-from dcrb_ros.faults.geometry import Damage, RacewayNotch, RollerNotch, SurfaceHeights, SurfaceProfile
+from dcrb_ros.faults.geometry import Damage, RacewayNotch, RollerNotch, SurfaceHeights
 from dcrb_ros.measurement.random_streams import random_stream
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.loaded_contacts import heaviest, material_of
-from dcrb_ros.settings.parameters import Bearing
 
 RACEWAY_NODES, ROLLER_NODES = 16384, 1024
 COLUMNS = 5
@@ -48,7 +46,7 @@ SHORT_ORDERS, SHORT_ROLLER_ORDERS = (WAVINESS_ORDERS[1], HIGHEST_ORDER), (20, HI
 FINE = 4
 """Samples per node for damage, which has edges."""
 LEAST_HEIGHT = 1e-12
-"""Height below which a defect is not felt [m]."""
+"""Height below which a defect is left out [m]."""
 HEIGHT_RESOLUTION, SLOPE_RESOLUTION = 2.0**-50, 2.0**-44
 """Heights [m] and slopes [m/rad] are rounded to multiples of these: the last bits of a Fourier transform differ between processors."""
 
@@ -56,15 +54,15 @@ HEIGHT_RESOLUTION, SLOPE_RESOLUTION = 2.0**-50, 2.0**-44
 def envelope(heights: Floats, spacing: float, radius: float) -> Floats:
     """Return the path of a rigid cylinder over a surface: its dilation by a parabola of the reduced radius [m].
 
-    ``heights`` [m] lie ``spacing`` [m] apart; beyond their ends the surface goes on as at the end.
+    ``heights`` [m] lie ``spacing`` [m] apart; beyond their ends the surface continues at the last height.
     """
     reach = math.ceil(math.sqrt(2.0 * radius * max(float(np.ptp(heights)), 0.0)) / spacing)
-    padded, found = np.pad(heights, reach, mode="edge"), np.array(heights, np.float64)
+    padded, path = np.pad(heights, reach, mode="edge"), np.array(heights, np.float64)
     for k in range(1, reach + 1):
         drop = (k * spacing) ** 2 / (2.0 * radius)
         for first in (reach - k, reach + k):
-            np.maximum(found, padded[first : first + len(heights)] - drop, out=found)
-    return found
+            np.maximum(path, padded[first : first + len(heights)] - drop, out=path)
+    return path
 
 
 def averaged(heights: Floats, spacing: float, half_width: float) -> tuple[Floats, Floats]:
@@ -72,8 +70,8 @@ def averaged(heights: Floats, spacing: float, half_width: float) -> tuple[Floats
     count = 2 ** math.ceil(math.log2(2 * len(heights)))
     wave: Floats = np.asarray(2.0 * math.pi * np.fft.rfftfreq(count, spacing), np.float64)
     spectrum = np.fft.rfft(heights, count) * contact_weight(wave * half_width)
-    found = np.fft.irfft(spectrum, count)[: len(heights)]
-    return found, np.fft.irfft(1j * wave * spectrum, count)[: len(heights)]
+    mean = np.fft.irfft(spectrum, count)[: len(heights)]
+    return mean, np.fft.irfft(1j * wave * spectrum, count)[: len(heights)]
 
 
 def contact_weight(phase: Floats) -> Floats:
@@ -134,29 +132,28 @@ def raceway_waves(
 
 @lru_cache(maxsize=256)
 def roller_waves(seed: int, name: str, radius: float, widths: tuple[float, float], waviness: float, exponent: float) -> tuple[Floats, ...]:
-    """Return heights [m] and slopes [m/rad] of a roller as the inner raceway feels it, and then as the outer one does."""
+    """Return heights [m] and slopes [m/rad] of a roller averaged by the contact with the inner raceway, then by that with the outer one."""
     orders = np.arange(ROLLER_ORDERS[0], HIGHEST_ROLLER_ORDER + 1, dtype=np.float64)
     amplitudes = level_of_orders(orders, exponent, ROLLER_ORDERS, waviness)
-    felt = [
+    return tuple(
         part
         for width in widths
         for part in waves(random_stream(seed, name), orders, amplitudes, contact_weight(orders / radius * width), ROLLER_NODES)
-    ]
-    return tuple(felt)
+    )
 
 
 @lru_cache(maxsize=256)
 def short_waves(
     seed: int, name: str, radius: float, widths: tuple[float, ...], rms: float, orders: tuple[int, int], nodes: int
 ) -> tuple[Floats, ...]:
-    """Return heights [m] and slopes [m/rad] that remain of roughness averaged along a roller, as contacts of half-widths [m] feel it.
+    """Return heights [m] and slopes [m/rad] that remain of roughness averaged along a roller and over contacts of half-widths [m].
 
     Before a contact averages them over its width they are alike over all orders between the first and the last; afterwards they have the
     root mean square ``rms`` [m] at the last of the contacts.
     """
     between = np.arange(orders[0] + 1, orders[1] + 1, dtype=np.float64)
-    felt = contact_weight(between / radius * widths[-1])
-    amplitudes = np.full(len(between), rms * math.sqrt(2.0 / float((felt**2).sum())))
+    weights = contact_weight(between / radius * widths[-1])
+    amplitudes = np.full(len(between), rms * math.sqrt(2.0 / float((weights**2).sum())))
     return tuple(
         part
         for width in widths
@@ -164,8 +161,8 @@ def short_waves(
     )
 
 
-class FeltDefect(NamedTuple):
-    """What a contact feels of a defect, at equal distances about its middle."""
+class ContactPath(NamedTuple):
+    """Path of a contact over a defect, at equal distances about its middle."""
 
     height: Floats
     """[m]"""
@@ -175,11 +172,11 @@ class FeltDefect(NamedTuple):
     """[m]"""
 
 
-def felt_defect(heights: Floats, spacing: float, radius: float, width: float) -> FeltDefect:
-    """Return what a contact of a reduced radius and a half-width [m] feels of heights that end in zeros [m]."""
+def contact_path(heights: Floats, spacing: float, radius: float, width: float) -> ContactPath:
+    """Return the path of a contact of a reduced radius and a half-width [m] over heights that end in zeros [m]."""
     margin = math.ceil((math.sqrt(2.0 * radius * float(np.ptp(heights))) + 2.0 * width) / spacing)
-    path = envelope(np.pad(heights, margin), spacing, radius)
-    return FeltDefect(*averaged(path, spacing, width), spacing)
+    rigid = envelope(np.pad(heights, margin), spacing, radius)
+    return ContactPath(*averaged(rigid, spacing, width), spacing)
 
 
 def notch_heights(width: float, depth: float, spacing: float) -> tuple[Floats, float]:
@@ -193,13 +190,13 @@ def notch_heights(width: float, depth: float, spacing: float) -> tuple[Floats, f
     return heights, 0.5 * width / half
 
 
-def add_window(table: Floats, columns: tuple[int, int], felt: FeltDefect, azimuth: float, radius: float) -> None:
-    """Add a felt defect, whose middle is at an azimuth [rad] of a surface of a radius [m], to two columns of its table over a turn."""
-    spacing, half = 2.0 * math.pi / len(table), len(felt.height) // 2
-    places = azimuth + np.arange(-half, half + 1) * (felt.spacing / radius)
+def add_window(table: Floats, columns: tuple[int, int], path: ContactPath, azimuth: float, radius: float) -> None:
+    """Add the path over a defect at an azimuth [rad] of a surface of a radius [m] to two columns of its table over a turn."""
+    spacing, half = 2.0 * math.pi / len(table), len(path.height) // 2
+    places = azimuth + np.arange(-half, half + 1) * (path.spacing / radius)
     at = np.arange(math.ceil(places[0] / spacing), math.floor(places[-1] / spacing) + 1)
-    table[at % len(table), columns[0]] += np.interp(at * spacing, places, felt.height)
-    table[at % len(table), columns[1]] += np.interp(at * spacing, places, felt.slope) * radius
+    table[at % len(table), columns[0]] += np.interp(at * spacing, places, path.height)
+    table[at % len(table), columns[1]] += np.interp(at * spacing, places, path.slope) * radius
 
 
 def build_surfaces(configuration: Configuration, damage: Sequence[Damage]) -> tuple[Smooth | Profile, float]:
@@ -228,20 +225,22 @@ def build_surfaces(configuration: Configuration, damage: Sequence[Damage]) -> tu
     add_run_out(table[0], individual.run_out)
     rollers = np.zeros((b.rows * b.rollers_per_row, ROLLER_NODES, 4))
     for k in range(len(rollers)):
-        felt = roller_waves(seed, f"roller {k + 1}", b.roller_radius, widths, 0.5 * waviness, s.waviness_slope)
+        long = roller_waves(seed, f"roller {k + 1}", b.roller_radius, widths, 0.5 * waviness, s.waviness_slope)
         short = short_waves(
             seed, f"short waves of roller {k + 1}", b.roller_radius, widths, 0.5 * s.short_waves, SHORT_ROLLER_ORDERS, ROLLER_NODES
         )
-        rollers[k] = np.stack(felt, axis=-1) + np.stack(short, axis=-1)
+        rollers[k] = np.stack(long, axis=-1) + np.stack(short, axis=-1)
     rollers[:, :, 0::2] += 0.5 * individual.roller_diameters[:, None, None]
     for item in damage:
         add_damage(c, item, table, rollers)
     table[..., :SHARE] = np.round(table[..., :SHARE] / HEIGHT_RESOLUTION) * HEIGHT_RESOLUTION
     rollers = np.round(rollers / HEIGHT_RESOLUTION) * HEIGHT_RESOLUTION
     highest = float(table[..., HEIGHT].max() + max(table[..., PART_HEIGHT].max(), 0.0) + rollers[:, :, 0::2].max())
-    own = np.stack([packed(rollers[..., 2 * ring], rollers[..., 2 * ring + 1]) for ring in (0, 1)])
+    roller_nodes = np.stack([packed(rollers[..., 2 * ring], rollers[..., 2 * ring + 1]) for ring in (0, 1)])
     parts = table[..., [PART_HEIGHT, PART_SLOPE, SHARE]].astype(np.float32)
-    surfaces = Profile(packed(table[..., HEIGHT], table[..., SLOPE], table[..., SHARE]), own, parts, bool((parts[..., 2] > 0.0).any()))
+    surfaces = Profile(
+        packed(table[..., HEIGHT], table[..., SLOPE], table[..., SHARE]), roller_nodes, parts, bool((parts[..., 2] > 0.0).any())
+    )
     return surfaces, max(highest, 0.0)
 
 
@@ -256,7 +255,7 @@ def add_run_out(table: Floats, centres: Floats) -> None:
         table[row, :, SLOPE] += x * np.cos(angle) + y * np.sin(angle)
 
 
-def felt_heights(payload: Payload, from_ring: Floats, inner: bool) -> Floats:
+def heights_at_contacts(payload: Payload, from_ring: Floats, inner: bool) -> Floats:
     """Return the heights at the contacts, at shaft and spin angle zero, shape (rows, rollers) [m]; those over a part of the length count by
     their share.
 
@@ -267,25 +266,25 @@ def felt_heights(payload: Payload, from_ring: Floats, inner: bool) -> Floats:
         return np.zeros(payload.free.shape)
     azimuth = np.arctan2(from_ring[..., 0], -from_ring[..., 1])
     ring = 0 if inner else 1
-    found = np.zeros(azimuth.shape)
+    heights = np.zeros(azimuth.shape)
     for row, angles in enumerate(azimuth):
-        found[row] = between_nodes(*unpacked(surfaces.raceways[ring, row]), angles)
+        heights[row] = between_nodes(*unpacked(surfaces.raceways[ring, row]), angles)
         nodes = np.floor(np.mod(angles / (2.0 * math.pi), 1.0) * RACEWAY_NODES).astype(np.int64) % RACEWAY_NODES
         part = np.concatenate([surfaces.parts[ring, row], surfaces.parts[ring, row, :1]]).astype(np.float64)
-        found[row] += part[nodes, 2] * between_nodes(part[:, 0], part[:, 1], angles)
+        heights[row] += part[nodes, 2] * between_nodes(part[:, 0], part[:, 1], angles)
         for i, angle in enumerate(angles + math.pi if inner else angles):
             roller = surfaces.rollers[ring, row * azimuth.shape[1] + i]
-            found[row, i] += between_nodes(*unpacked(roller), np.array([angle]))[0]
-    return found
+            heights[row, i] += between_nodes(*unpacked(roller), np.array([angle]))[0]
+    return heights
 
 
 def between_nodes(heights: Floats, slopes: Floats, angles: Floats) -> Floats:
     """Return heights [m] at angles [rad] of heights [m] and slopes [m/rad] over a turn, its first node again at the end."""
     nodes = len(heights) - 1
-    place = np.mod(angles / (2.0 * math.pi), 1.0) * nodes
-    i = np.minimum(np.floor(place), nodes - 1.0).astype(np.int64)
+    position = np.mod(angles / (2.0 * math.pi), 1.0) * nodes
+    i = np.minimum(np.floor(position), nodes - 1.0).astype(np.int64)
     curve = getattr(interpolated, "py_func", interpolated)
-    return np.asarray(curve(heights[i], heights[i + 1], slopes[i], slopes[i + 1], 2.0 * math.pi / nodes, place - i)[0])
+    return np.asarray(curve(heights[i], heights[i + 1], slopes[i], slopes[i + 1], 2.0 * math.pi / nodes, position - i)[0])
 
 
 def add_damage(configuration: Configuration, damage: Damage, table: Floats, rollers: Floats) -> None:
@@ -297,56 +296,27 @@ def add_damage(configuration: Configuration, damage: Damage, table: Floats, roll
         for ring in (0, 1):
             width = half_width(c, radii[ring])
             heights, distance = notch_heights(2.0 * damage.half_angle * b.roller_radius, damage.depth, spacing)
-            felt = felt_defect(heights, distance, radii[ring], width)
+            path = contact_path(heights, distance, radii[ring], width)
             add_window(
-                rollers[damage.row * b.rollers_per_row + damage.roller], (2 * ring, 2 * ring + 1), felt, damage.azimuth, b.roller_radius
+                rollers[damage.row * b.rollers_per_row + damage.roller], (2 * ring, 2 * ring + 1), path, damage.azimuth, b.roller_radius
             )
     elif isinstance(damage, RacewayNotch):
         ring = RINGS.index(damage.ring)
         spacing = 2.0 * math.pi * raceways[ring] / (RACEWAY_NODES * FINE)
         heights, distance = notch_heights(2.0 * damage.half_angle * raceways[ring], damage.depth, spacing)
-        felt = felt_defect(heights, distance, radii[ring], half_width(c, radii[ring]))
-        add_to_raceway(table[ring], damage.row, felt, damage.azimuth, raceways[ring], 1.0)
+        path = contact_path(heights, distance, radii[ring], half_width(c, radii[ring]))
+        add_to_raceway(table[ring], damage.row, path, damage.azimuth, raceways[ring], 1.0)
     elif isinstance(damage, SurfaceHeights):
         ring = RINGS.index(damage.ring)
-        felt = felt_defect(np.asarray(damage.heights), damage.spacing, radii[ring], half_width(c, radii[ring]))
-        add_to_raceway(table[ring], damage.row, felt, damage.azimuth, raceways[ring], damage.share)
-    elif isinstance(damage, SurfaceProfile):
-        add_profile(damage, table, rollers, b)
+        path = contact_path(np.asarray(damage.heights), damage.spacing, radii[ring], half_width(c, radii[ring]))
+        add_to_raceway(table[ring], damage.row, path, damage.azimuth, raceways[ring], damage.share)
 
 
-def add_to_raceway(table: Floats, row: int, felt: FeltDefect, azimuth: float, raceway: float, share: float) -> None:
-    """Add what a contact feels of a defect to the table of a raceway; ``row`` -1 stands for all rows."""
+def add_to_raceway(table: Floats, row: int, path: ContactPath, azimuth: float, raceway: float, share: float) -> None:
+    """Add the path of a contact over a defect to the table of a raceway; ``row`` -1 means all rows."""
     for at in range(len(table)) if row < 0 else (row,):
         if share < 1.0:
-            add_window(table[at], (PART_HEIGHT, PART_SLOPE), felt, azimuth, raceway)
+            add_window(table[at], (PART_HEIGHT, PART_SLOPE), path, azimuth, raceway)
             table[at, np.abs(table[at, :, PART_HEIGHT]) > LEAST_HEIGHT, SHARE] = share
         else:
-            add_window(table[at], (HEIGHT, SLOPE), felt, azimuth, raceway)
-
-
-def add_profile(profile: SurfaceProfile, table: Floats, rollers: Floats, bearing: Bearing) -> None:
-    """Add a profile, which is given as a contact feels it, to the tables of its surface."""
-    if profile.body == "roller":
-        chosen = rollers.reshape(bearing.rows, bearing.rollers_per_row, ROLLER_NODES, 4)
-        chosen = chosen if profile.row < 0 else chosen[profile.row : profile.row + 1]
-        chosen = chosen if profile.roller < 0 else chosen[:, profile.roller : profile.roller + 1]
-        tables: list[Floats] = [one for row in chosen for one in row]
-        columns: tuple[tuple[int, int], ...] = ((0, 1), (2, 3))
-    else:
-        rows = table[RINGS.index(profile.body)]
-        tables, columns = list(rows if profile.row < 0 else rows[profile.row : profile.row + 1]), ((HEIGHT, SLOPE),)
-    heights, nodes = -np.asarray(profile.depths), len(tables[0])
-    spacing = 2.0 * math.pi / nodes
-    if profile.spacing == 0.0:
-        samples = CubicSpline(np.linspace(0.0, 2.0 * math.pi, len(heights) + 1), np.append(heights, heights[0]), bc_type="periodic")
-        at = np.arange(nodes)
-    else:
-        half = 0.5 * profile.spacing * (len(heights) + 1)
-        samples = CubicSpline(np.linspace(-half, half, len(heights) + 2), np.pad(heights, 1), bc_type="clamped")
-        at = np.arange(math.ceil((profile.azimuth - half) / spacing), math.floor((profile.azimuth + half) / spacing) + 1)
-    places = at * spacing - profile.azimuth
-    for one in tables:
-        for height, slope in columns:
-            one[at % nodes, height] += samples(places)
-            one[at % nodes, slope] += samples(places, 1)
+            add_window(table[at], (HEIGHT, SLOPE), path, azimuth, raceway)

@@ -65,8 +65,8 @@ def described_stretch(start: float | None, stop: float | None) -> str:
 
 def _index_at(time: float, rate: int) -> float:
     """Return the index of the first sample at or after a time [s]."""
-    place = time * rate
-    return float(round(place) if math.isclose(place, round(place), rel_tol=1e-12, abs_tol=1e-6) else math.ceil(place))
+    index = time * rate
+    return float(round(index) if math.isclose(index, round(index), rel_tol=1e-12, abs_tol=1e-6) else math.ceil(index))
 
 
 @runtime_checkable

@@ -124,7 +124,7 @@ def compare(first: Signal, second: Signal, *, names: tuple[str, str] = ("A", "B"
     Parameters
     ----------
     first, second
-        A `Recording`, `Run` or `Waveform` each.
+        A `Recording`, `SimulationResult` or `Waveform` each.
     names
         Their names.
 
@@ -162,7 +162,7 @@ def compare(first: Signal, second: Signal, *, names: tuple[str, str] = ("A", "B"
 
 def _checked(signal: Signal, name: str) -> Waveform:
     if not isinstance(signal, Signal):
-        raise Refusal(f"{name} is not a recording: give a Recording, a Run or a Waveform")
+        raise Refusal(f"{name} is not a recording: give a Recording, a SimulationResult or a Waveform")
     waveform = longest_stretch(signal.waveform())
     if waveform.duration < LEAST:
         raise Refusal(f"{name} is too short to be compared: {waveform.duration:.3g} s without a gap, and {LEAST:g} s are needed")

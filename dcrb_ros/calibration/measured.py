@@ -79,7 +79,7 @@ def measured_of(signal: Signal, name: str, *, trust: bool = False) -> Measured:
         Refusal: it is empty, too short, clipped, without speed, at a varying speed, of an unknown bearing, or faulty.
     """
     if not isinstance(signal, Signal):
-        raise Refusal(f"{name} is not a recording: give a Recording, a Run or a Waveform")
+        raise Refusal(f"{name} is not a recording: give a Recording, a SimulationResult or a Waveform")
     whole = signal.waveform()
     waveform = longest_stretch(whole)
     acceleration = waveform.acceleration.T.astype(np.float64)

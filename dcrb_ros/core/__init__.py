@@ -33,9 +33,9 @@ def _own_temporary_folder() -> Path:
     user: int = os.getuid() if hasattr(os, "getuid") else 0
     folder = Path(tempfile.gettempdir(), f"dcrb_ros-{user}")
     folder.mkdir(mode=0o700, exist_ok=True)
-    found = folder.lstat()
+    status = folder.lstat()
     # What lies there is executed: nobody else may have made it, or write into it.
-    if not stat.S_ISDIR(found.st_mode) or found.st_uid != user or (os.name == "posix" and found.st_mode & 0o022):
+    if not stat.S_ISDIR(status.st_mode) or status.st_uid != user or (os.name == "posix" and status.st_mode & 0o022):
         raise PermissionError
     return folder
 

@@ -103,8 +103,8 @@ def exponential(x: float) -> float:
     middle = (1.0 / 24.0 + rest * (1.0 / 120.0)) + r2 * (1.0 / 720.0 + rest * (1.0 / 5040.0))
     high = (1.0 / 40320.0 + rest * (1.0 / 362880.0)) + r2 * (1.0 / 3628800.0 + rest * (1.0 / 39916800.0))
     series = low + r4 * (middle + r4 * high)
-    found = series * float_of((bits_of(shifted) - INTEGER_BITS + 1023) << 52)
-    return found if x > LEAST_EXPONENT else 0.0
+    power = series * float_of((bits_of(shifted) - INTEGER_BITS + 1023) << 52)
+    return power if x > LEAST_EXPONENT else 0.0
 
 
 @kernel

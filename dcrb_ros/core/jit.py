@@ -19,14 +19,14 @@ COMPILED: dict[str, Any] = {"error_model": "numpy", "_nrt": False, "fastmath": {
 """Without numba's runtime nothing can be allocated, and no array is counted in and out of a call: a factor of six here.
 
 ``contract`` joins a product and a sum where the processor has fused multiply-add, which rounds once instead of twice. Where it could join
-either of two products, or one behind a condition, its choice may depend on the processor's vectors; kernels leave it none
-(`docs/explanation/numerics.md`). So only processors without fused multiply-add give other samples. A recording names its processor.
+either of two products, or one behind a condition, its choice may depend on the processor's vectors. Kernels avoid such expressions
+(`docs/explanation/numerics.md`), so only processors without fused multiply-add give other samples. A recording names its processor.
 """
 INLINED: dict[str, Any] = {**COMPILED, "forceinline": True}
 OPTIONS: dict[str, Any] = {**COMPILED, "cache": True}
 # Numba takes these two, but does not list them among its keywords.
 WITHOUT_ENTRY: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
-"""Of what only kernels call: without the way in from Python, which takes long to compile for many arguments."""
+"""Options of functions that only kernels call: no entry from Python, which takes long to compile for many arguments."""
 
 
 def kernel(function: Function) -> Function:
@@ -40,13 +40,13 @@ def piece(function: Function) -> Function:
 
 
 def loop(function: Function) -> Function:
-    """Compile an entry point that Python calls; it lets go of the interpreter's lock."""
+    """Compile an entry point that Python calls; it releases the GIL."""
     return cast(Function, _cached(njit(**OPTIONS, nogil=True)(function)))
 
 
 def _cached(dispatcher: Any) -> Any:
     """Return a dispatcher whose cache names its folder if it cannot be written, because the disk is full for instance."""
-    cache = getattr(dispatcher, "_cache", None)  # there is none without the compiler
+    cache = getattr(dispatcher, "_cache", None)  # missing without the compiler
     if cache is not None:
         save = cache.save_overload
 

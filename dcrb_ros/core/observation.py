@@ -1,4 +1,4 @@
-"""What is published of the state, gathered in one pass over the rollers: a hundred times a second it would cost more than the motion."""
+"""Published quantities of the state, gathered in one compiled pass: in Python this would cost more than the simulation."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from dcrb_ros.core.layout.state import CAGE, INNER, OUTER
 
 OBSERVED = 9
 (AZIMUTH, SPEED, INNER_FORCE, OUTER_FORCE, SLIP, FRICTION, TORQUE, RELATIVE_SPEED, BAR_FORCE) = range(OBSERVED)
-"""Rows of what is observed; see `dcrb_ros.stream.states.States`."""
+"""Rows of the observed quantities; see `dcrb_ros.stream.states.States`."""
 
 
 @loop
@@ -35,9 +35,9 @@ def place_pinned(table: OneRecord[Rollers], free: Flags, tangent: Floats, positi
 
 @loop
 def observe_rollers(
-    table: OneRecord[Rollers], free: Flags, position: Floats, velocity: Floats, surface: float, roller_radius: float, found: Floats
+    table: OneRecord[Rollers], free: Flags, position: Floats, velocity: Floats, surface: float, roller_radius: float, observed: Floats
 ) -> tuple[float, float]:
-    """Write what is observed of each roller, shape (OBSERVED, rollers or more); return the force on the inner ring in X and Y [N].
+    """Write the observed quantities of each roller, shape (OBSERVED, rollers or more); return the force on the inner ring in X and Y [N].
 
     ``surface`` is the speed of the inner ring's surface [m/s]. The azimuth counts from -Y; the slip is that at the inner raceway,
     of open contacts too.
@@ -54,30 +54,30 @@ def observe_rollers(
             normal, friction = rollers.inner.force[c], rollers.inner.friction[c]
             force_x -= normal * nx + friction * ny
             force_y += friction * nx - normal * ny
-            found[AZIMUTH, c] = math.atan2(x - position[OUTER, 0], position[OUTER, 1] - y)
-            found[SPEED, c], found[RELATIVE_SPEED, c] = spin, spin - velocity[CAGE + row, 2]
-            found[INNER_FORCE, c], found[OUTER_FORCE, c] = normal, rollers.outer.force[c]
-            found[SLIP, c] = passing - spin * roller_radius - surface
-            found[FRICTION, c], found[TORQUE, c] = friction, roller_radius * (friction - rollers.outer.friction[c])
-            found[BAR_FORCE, c] = rollers.bar.force[c]
+            observed[AZIMUTH, c] = math.atan2(x - position[OUTER, 0], position[OUTER, 1] - y)
+            observed[SPEED, c], observed[RELATIVE_SPEED, c] = spin, spin - velocity[CAGE + row, 2]
+            observed[INNER_FORCE, c], observed[OUTER_FORCE, c] = normal, rollers.outer.force[c]
+            observed[SLIP, c] = passing - spin * roller_radius - surface
+            observed[FRICTION, c], observed[TORQUE, c] = friction, roller_radius * (friction - rollers.outer.friction[c])
+            observed[BAR_FORCE, c] = rollers.bar.force[c]
     return force_x, force_y
 
 
 AT_CONTACTS = 6
 (LARGEST_FORCE, LEAST_FILM, LEAST_RATIO, MEAN_FILM, LOADED_TRACTION, LOADED_SLIP) = range(AT_CONTACTS)
-"""What is observed of the contacts of a row with a raceway; see `dcrb_ros.stream.states.LubricationState`."""
+"""Observed quantities of the contacts of a row with a raceway; see `dcrb_ros.stream.states.LubricationState`."""
 LOADED_FORCE = 500.0
 """Normal force above which a contact counts as loaded [N]; the centrifugal force of the default roller is 146 N at 1800 rpm."""
 
 
 @loop
-def observe_films(lubrication: Any, table: OneRecord[Rollers], films: Floats, each: int, found: Floats) -> None:
-    """Write what is observed of the films, shape (rows, 2, AT_CONTACTS).
+def observe_films(lubrication: Any, table: OneRecord[Rollers], films: Floats, each: int, observed: Floats) -> None:
+    """Write the observed quantities of the films, shape (rows, 2, AT_CONTACTS).
 
     ``each`` is the number of rollers in a row; ``films`` are those of inner and outer raceway as they were evaluated last. The smallest
     film is that under the largest force.
     """
-    rollers, rows = table[0], found.shape[0]
+    rollers, rows = table[0], observed.shape[0]
     for ring in range(2):
         film = load_film(lubrication, films, ring)
         contacts = rollers.inner if ring == 0 else rollers.outer
@@ -90,11 +90,11 @@ def observe_films(lubrication: Any, table: OneRecord[Rollers], films: Floats, ea
                     loaded += 1.0
                     total += film_thickness(film, contacts.force[c])[0]
             least, ratio = film_thickness(film, contacts.force[heaviest])
-            found[row, ring, LARGEST_FORCE] = contacts.force[heaviest]
-            found[row, ring, LEAST_FILM], found[row, ring, LEAST_RATIO] = least, ratio
-            found[row, ring, MEAN_FILM] = total / max(loaded, 1.0)
-            found[row, ring, LOADED_TRACTION] = contacts.friction[heaviest] / max(contacts.force[heaviest], LOADED_FORCE)
-            found[row, ring, LOADED_SLIP] = contacts.slip[heaviest]
+            observed[row, ring, LARGEST_FORCE] = contacts.force[heaviest]
+            observed[row, ring, LEAST_FILM], observed[row, ring, LEAST_RATIO] = least, ratio
+            observed[row, ring, MEAN_FILM] = total / max(loaded, 1.0)
+            observed[row, ring, LOADED_TRACTION] = contacts.friction[heaviest] / max(contacts.force[heaviest], LOADED_FORCE)
+            observed[row, ring, LOADED_SLIP] = contacts.slip[heaviest]
 
 
 LOSSES = 6
@@ -102,10 +102,10 @@ LOSSES = 6
 
 
 @loop
-def observe_losses(table: OneRecord[Rollers], each: int, found: Floats) -> None:
+def observe_losses(table: OneRecord[Rollers], each: int, observed: Floats) -> None:
     """Write the energy that the ``each`` rollers of each row have lost by each source but lands, shape (rows, LOSSES) [J]."""
     rollers = table[0]
-    for row in range(found.shape[0]):
+    for row in range(observed.shape[0]):
         sliding, rolling, contacts, pockets, drag = 0.0, 0.0, 0.0, 0.0, 0.0
         for c in range(row * each, (row + 1) * each):
             sliding += rollers.friction_loss[c] - rollers.rolling_loss[c] - rollers.bar_friction_loss[c]
@@ -113,4 +113,4 @@ def observe_losses(table: OneRecord[Rollers], each: int, found: Floats) -> None:
             contacts += rollers.contact_loss[c] - rollers.bar_contact_loss[c]
             pockets += rollers.bar_friction_loss[c] + rollers.bar_contact_loss[c] - rollers.drag_loss[c]
             drag += rollers.drag_loss[c]
-        found[row, 0], found[row, 1], found[row, 2], found[row, 3], found[row, 4] = sliding, rolling, contacts, pockets, drag
+        observed[row, 0], observed[row, 1], observed[row, 2], observed[row, 3], observed[row, 4] = sliding, rolling, contacts, pockets, drag

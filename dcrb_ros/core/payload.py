@@ -6,6 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from dcrb_ros.core.jit import kernel
 from dcrb_ros.core.laws.registry import law_of
 from dcrb_ros.core.laws.site import Site
 from dcrb_ros.core.layout.contacts import by_law
@@ -20,15 +21,12 @@ Notches = np.recarray[Any, np.dtype[np.record]]
 RollerNotches = np.recarray[Any, np.dtype[np.record]]
 """Defects of rollers, an entry of the fields `ROLLER_NOTCH` each."""
 
-Profiles = np.recarray[Any, np.dtype[np.record]]
-"""Profiles of surfaces, an entry of the fields `PROFILE` each."""
-
 NOTCH = np.dtype(
     [
         ("row", np.int64),  # of the defect, -1 for all rows
         ("half_angle", np.float64),  # half the angular width b/(2 r) [rad]
         ("nearness", np.float64),  # cosine of the angle from the middle at which the notch begins, its edges' fillets included [-]
-        ("bottom", np.float64),  # angle on either side of the middle over which the roller stands on the floor [rad]
+        ("bottom", np.float64),  # angle on either side of the middle over which the roller touches the floor [rad]
         ("kink", np.float64),  # by how much the slope of the depth drops at either end of that [m/rad]
         ("depth", np.float64),  # h [m]
         ("azimuth", np.float64),  # of the middle from the load line; on the inner ring at shaft angle zero [rad]
@@ -45,18 +43,6 @@ ROLLER_NOTCH = np.dtype(
         ("outer_kink", np.float64),
         ("depth", np.float64),  # h [m]
         ("azimuth", np.float64),  # of the middle on the roller at spin angle zero, from -Y [rad]
-    ]
-)
-PROFILE = np.dtype(
-    [
-        ("body", np.int64),  # 0 for the inner raceway, 1 for the outer one, 2 for a roller
-        ("row", np.int64),  # -1 for all rows
-        ("roller", np.int64),  # -1 for all rollers
-        ("azimuth", np.float64),  # of the middle, or of the first sample of a periodic one [rad]
-        ("spacing", np.float64),  # angle between samples [rad]
-        ("first", np.int64),  # its first sample among all
-        ("count", np.int64),  # of its samples
-        ("periodic", np.bool_),  # whether it goes round
     ]
 )
 
@@ -82,7 +68,7 @@ class Payload(NamedTuple):
     any_broken: bool
     any_free: bool
     any_defect: bool
-    """Whether there is a notch or a profile."""
+    """Whether there is a notch."""
     inner_raceway_radius: float
     outer_raceway_radius: float
     pitch_radius: float
@@ -138,9 +124,6 @@ class Payload(NamedTuple):
     inner_notches: Notches
     outer_notches: Notches
     roller_notches: RollerNotches
-    profiles: Profiles
-    profile_depths: Floats
-    """Samples of all profiles, one after the other [m]."""
     profile_height: float
     """How far the highest of all surfaces rises above the nominal one [m]."""
     pocket_clearance: Floats
@@ -163,3 +146,10 @@ def arrays_by_law(payload: Payload) -> ByLaw:
     """Return the arrays that the bearing's laws name in the tables of contacts."""
     laws = (payload.normal_law, payload.traction_law, payload.cage_traction_law, payload.lubrication)
     return by_law(*(law_of(constants) for constants in laws))
+
+
+@kernel
+def mobilities(payload: Payload) -> tuple[float, float]:
+    """Return how a force changes a roller's mean velocity over a step, h/(2 m), and at its surface its rim speed, h r_R^2/(2 J) [s/kg]."""
+    radius = payload.roller_radius
+    return 0.5 * payload.step / payload.roller_mass, 0.5 * payload.step * radius * radius / payload.roller_inertia

@@ -105,7 +105,7 @@ def detect(
     Parameters
     ----------
     signal
-        A `Run`, `Recording` or `Waveform`, or accelerations of shape (samples, 2), (samples, 3) or (samples,) [m/s^2].
+        A `SimulationResult`, `Recording` or `Waveform`, or accelerations of shape (samples, 2), (samples, 3) or (samples,) [m/s^2].
     sampling_rate, bearing
         Sampling rate [Hz] and geometry or orders of the bearing; needed with plain arrays, and with these only.
     shaft_angle

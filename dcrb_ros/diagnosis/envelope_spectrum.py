@@ -109,7 +109,8 @@ def envelope_spectrum(
     Parameters
     ----------
     signal
-        A `Run`, `Recording` or `Waveform` without lost samples, or accelerations of shape (samples, axes) or (samples,) [m/s^2].
+        A `SimulationResult`, `Recording` or `Waveform` without lost samples, or accelerations of shape (samples, axes) or (samples,)
+        [m/s^2].
     sampling_rate
         Sampling rate of plain arrays [Hz].
     band

@@ -44,8 +44,8 @@ class BrokenBars(Fault):
 
     def bars(self) -> list[tuple[int, int]]:
         """Return row and number of every broken bar, counted from one, leaving out words that name no bar (see `problems`)."""
-        found = [BAR.fullmatch(word) for word in self._names]
-        return [(int(match[1]), int(match[2])) for match in found if match is not None]
+        matches = [BAR.fullmatch(word) for word in self._names]
+        return [(int(match[1]), int(match[2])) for match in matches if match is not None]
 
     def problems(self, key: str, bearing: Dimensions) -> Iterator[str]:
         """Reject words that name no bar, bars beyond the cage, bars named twice, and a cage with fewer than two bars."""

@@ -28,7 +28,7 @@ class Condition(NamedTuple):
 
 def combined(conditions: Iterable[Condition]) -> Condition:
     """Return the condition of a bearing with several faults, each of which changes other fields."""
-    found = Condition()
-    for one in conditions:
-        found = Condition(*(own or former for own, former in zip(one, found, strict=True)))
-    return found
+    total = Condition()
+    for condition in conditions:
+        total = Condition(*(value or former for value, former in zip(condition, total, strict=True)))
+    return total

@@ -1,4 +1,4 @@
-"""Geometry of the faults as the kernels take it: one record per notch, broken bar or profile.
+"""Geometry of the faults as the kernels take it: one record per notch, broken bar or damaged surface.
 
 Rows and rollers count from zero, angles from the load line (-Y), counter-clockwise.
 """
@@ -59,27 +59,6 @@ class BrokenBar(NamedTuple):
     """Number of the roller before it, from zero."""
 
 
-class SurfaceProfile(NamedTuple):
-    """The depth of a surface over the angle, from samples: waviness, dents, or a spall of any shape.
-
-    It is the depth by which the roller's centre follows the surface, with the shape of the roller taken into account. Where profiles
-    and notches overlap, their depths add.
-    """
-
-    body: Ring | Literal["roller"]
-    depths: Sequence[float]
-    """Samples [m], at least four; below zero for a surface that is raised."""
-    azimuth: float = 0.0
-    """Azimuth of the middle, or of the first sample of a periodic profile; on the inner ring at shaft angle zero, on a roller the angle at
-    spin angle zero [rad]."""
-    spacing: float = 0.0
-    """Angle between samples [rad], zero depth beyond their ends; 0 for samples that go round the whole surface."""
-    row: int = -1
-    """Row; -1 for all rows."""
-    roller: int = -1
-    """Roller in its row, for the body roller; -1 for all rollers."""
-
-
 class SurfaceHeights(NamedTuple):
     """The heights of a raceway where it is damaged, from samples; the envelope of the rollers and the width of the contact follow."""
 
@@ -96,4 +75,4 @@ class SurfaceHeights(NamedTuple):
     """Share of the roller's length that the damage takes [-]."""
 
 
-Damage = RacewayNotch | RollerNotch | BrokenBar | SurfaceProfile | SurfaceHeights
+Damage = RacewayNotch | RollerNotch | BrokenBar | SurfaceHeights

@@ -45,16 +45,16 @@ class FaultGroup(Group):
         before: list[tuple[str, Footprint]] = []
         for key, fault in self.present():
             yield from fault.problems(key, bearing)
-            own = fault.footprint(bearing)
-            if own is None:
+            area = fault.footprint(bearing)
+            if area is None:
                 continue
             for other_key, other in before:
-                if own.overlaps(other):
+                if area.overlaps(other):
                     yield (
-                        f"faults.{key} overlaps faults.{other_key}: their middles are {own.gap(other):.4g} m apart; "
+                        f"faults.{key} overlaps faults.{other_key}: their middles are {area.gap(other):.4g} m apart; "
                         "move an azimuth or join them into one defect"
                     )
-            before.append((key, own))
+            before.append((key, area))
 
     def damage(self, bearing: Dimensions, edge_radius: float = 0.0) -> list[Damage]:
         """Return the geometry of all faults for the kernels; see `Fault.damage`."""

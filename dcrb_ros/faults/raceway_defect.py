@@ -69,8 +69,8 @@ class RacewayDefect(Notch):
 
     def described(self, key: str) -> dict[str, dict[str, float]]:
         """Return the numbers that the ground truth states: of a notch its size and place."""
-        found = super().described(key)
-        return {name: {part: fields[part] for part in OF_NOTCH} for name, fields in found.items()} if self.kind == NOTCH else found
+        numbers = super().described(key)
+        return {name: {part: fields[part] for part in OF_NOTCH} for name, fields in numbers.items()} if self.kind == NOTCH else numbers
 
     def damage(self, bearing: Dimensions, edge_radius: float) -> Iterator[RacewayNotch | SurfaceHeights]:
         """Yield the notch, or the heights of other damage."""
@@ -90,9 +90,9 @@ class RacewayDefect(Notch):
         x = np.asarray(SAMPLING * np.arange(-half, half + 1), np.float64)
         heights = np.where(np.abs(x) <= shape.reach(self), shape.heights(x, self, np.random.default_rng(self.seed)), 0.0)
         share = self.share or shape.share(self, bearing.roller_length)
-        for place in shape.places(self.azimuth, 2.0 * math.pi / bearing.rollers_per_row):
-            at = self.azimuth + place.angle
-            yield SurfaceHeights(self.component, self.row - 1, (place.scale * heights).tolist(), at, SAMPLING, min(share, 1.0))
+        for copy in shape.places(self.azimuth, 2.0 * math.pi / bearing.rollers_per_row):
+            at = self.azimuth + copy.angle
+            yield SurfaceHeights(self.component, self.row - 1, (copy.scale * heights).tolist(), at, SAMPLING, min(share, 1.0))
 
     def _raceway(self, bearing: Dimensions) -> float:
         """Return the radius of the raceway [m]."""

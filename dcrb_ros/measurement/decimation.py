@@ -77,9 +77,9 @@ class Cascade:
 
 def stages(factor: int) -> list[int]:
     """Split a decimation factor into factors of at most 16 where it has such divisors."""
-    found = []
+    factors = []
     while factor > 1:
         divisors = [d for d in range(2, LARGEST_STAGE + 1) if factor % d == 0]
-        found.append(divisors[-1] if divisors else factor)
-        factor //= found[-1]
-    return found
+        factors.append(divisors[-1] if divisors else factor)
+        factor //= factors[-1]
+    return factors

@@ -27,7 +27,7 @@ def cached_on_disk(design: Callable[P, Floats]) -> Callable[P, Floats]:
     """
 
     @functools.wraps(design)
-    def found(*args: P.args, **kwargs: P.kwargs) -> Floats:
+    def cached(*args: P.args, **kwargs: P.kwargs) -> Floats:
         name = hashlib.sha256(_versions() + pickle.dumps((design.__qualname__, args, kwargs), protocol=5)).hexdigest()
         path = folder() / f"{design.__name__}-{name[:32]}.npy"
         with suppress(OSError, ValueError, EOFError):
@@ -37,7 +37,7 @@ def cached_on_disk(design: Callable[P, Floats]) -> Callable[P, Floats]:
             _write(made, path)
         return made
 
-    return found
+    return cached
 
 
 def folder() -> Path:

@@ -15,17 +15,17 @@ def filtered(sections: Floats, memory: Floats, samples: Floats) -> Floats:
 
     ``memory``, shape (sections, 2, columns), is the state of the sections and is updated.
     """
-    found: Floats = samples.copy()
-    for i in range(found.shape[0]):
-        for column in range(found.shape[1]):
-            x = found[i, column]
+    filtered: Floats = samples.copy()
+    for i in range(filtered.shape[0]):
+        for column in range(filtered.shape[1]):
+            x = filtered[i, column]
             for k in range(sections.shape[0]):
                 y = sections[k, 0] * x + memory[k, 0, column]
                 memory[k, 0, column] = sections[k, 1] * x - sections[k, 4] * y + memory[k, 1, column]
                 memory[k, 1, column] = sections[k, 2] * x - sections[k, 5] * y
                 x = y
-            found[i, column] = x
-    return found
+            filtered[i, column] = x
+    return filtered
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -34,7 +34,7 @@ def decimated(taps: Floats, known: Floats, first: int, factor: int, count: int) 
 
     Each sum adds its products in the order of time; four sums are computed at once to use the pipelines of the processor.
     """
-    found = np.empty((count, 2))
+    sums = np.empty((count, 2))
     whole = count - count % 4
     for k in range(0, whole, 4):
         a = first + k * factor
@@ -49,19 +49,19 @@ def decimated(taps: Floats, known: Floats, first: int, factor: int, count: int) 
             cy += known[c + tap, 1] * weight
             dx += known[d + tap, 0] * weight
             dy += known[d + tap, 1] * weight
-        found[k, 0], found[k, 1], found[k + 1, 0], found[k + 1, 1] = ax, ay, bx, by
-        found[k + 2, 0], found[k + 2, 1], found[k + 3, 0], found[k + 3, 1] = cx, cy, dx, dy
+        sums[k, 0], sums[k, 1], sums[k + 1, 0], sums[k + 1, 1] = ax, ay, bx, by
+        sums[k + 2, 0], sums[k + 2, 1], sums[k + 3, 0], sums[k + 3, 1] = cx, cy, dx, dy
     for k in range(whole, count):
         x = y = 0.0
         for tap, weight in enumerate(taps):
             x += known[first + k * factor + tap, 0] * weight
             y += known[first + k * factor + tap, 1] * weight
-        found[k, 0], found[k, 1] = x, y
-    return found
+        sums[k, 0], sums[k, 1] = x, y
+    return sums
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def interpolated(known: Floats, at: Integers, place: Floats, weights: Floats, out: Floats) -> None:
+def interpolated(known: Floats, at: Integers, position: Floats, weights: Floats, out: Floats) -> None:
     """Interpolate the first two columns of ``known``, shape (samples, columns), at ``place`` (0 to 1) after the samples ``at``.
 
     ``weights``, shape (phases + 1, taps), belong to the samples on both sides; they are interpolated linearly between two phases.
@@ -69,8 +69,8 @@ def interpolated(known: Floats, at: Integers, place: Floats, weights: Floats, ou
     """
     phases, taps = weights.shape[0] - 1, weights.shape[1]
     for i in range(len(at)):
-        row = min(int(place[i] * phases), phases - 1)
-        share = place[i] * phases - row
+        row = min(int(position[i] * phases), phases - 1)
+        share = position[i] * phases - row
         first = at[i] + 1 - taps // 2
         x = y = 0.0
         for tap in range(taps):

@@ -45,10 +45,10 @@ class Passings:
         ``angle`` is the shaft angle at the step before ``first`` and at every step, shape (steps + 1,) [rad]; ``peak`` the peak of a pulse
         that starts at a step, shape (steps,) [m/s^2].
         """
-        place = angle / self._period - self._phase
-        cell = np.floor(place)
+        position = angle / self._period - self._phase
+        cell = np.floor(position)
         for i in np.flatnonzero(cell[1:] != cell[:-1]):
             edge = max(cell[i], cell[i + 1])
-            between = (edge - place[i]) / (place[i + 1] - place[i])
+            between = (edge - position[i]) / (position[i + 1] - position[i])
             self._pulses.begin(first + i - 1 + float(between), float(peak[i]))
         return self._pulses.process(first, len(peak))

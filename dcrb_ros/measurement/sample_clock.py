@@ -35,8 +35,8 @@ class ClockParameters(Group):
 
 def interpolation_weights() -> Floats:
     """Return the weights of a Kaiser-windowed sinc for the places from one sample to the next, shape (PHASES + 1, 2 HALF_WIDTH)."""
-    place = np.arange(PHASES + 1) / PHASES
-    distance = place[:, None] - np.arange(1 - HALF_WIDTH, HALF_WIDTH + 1)[None, :]
+    phase = np.arange(PHASES + 1) / PHASES
+    distance = phase[:, None] - np.arange(1 - HALF_WIDTH, HALF_WIDTH + 1)[None, :]
     inside = np.clip(1.0 - (distance / HALF_WIDTH) ** 2, 0.0, None)
     weights: Floats = np.sinc(distance) * scipy.special.i0(BETA * np.sqrt(inside)) / scipy.special.i0(BETA)
     return weights
@@ -80,10 +80,10 @@ class SampleClock:
         if self._jitter > 0.0:
             late = late + self._jitter * np.clip(self._random.standard_normal(count), -MOST_JITTER, MOST_JITTER)
         whole = np.floor(late)
-        at, place = index + whole.astype(np.int64) - self._begin, late - whole
+        at, share = index + whole.astype(np.int64) - self._begin, late - whole
         taken = np.empty((count, 2))
-        interpolated(self._known, at, place, self._weights, taken)
-        turned = self._known[at, 2] + place * (self._known[at + 1, 2] - self._known[at, 2])
+        interpolated(self._known, at, share, self._weights, taken)
+        turned = self._known[at, 2] + share * (self._known[at + 1, 2] - self._known[at, 2])
         self._taken += count
         self._forget()
         return taken, turned

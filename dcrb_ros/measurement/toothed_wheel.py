@@ -33,15 +33,15 @@ class ToothedWheel:
 
         ``angle`` is that of the shaft at each of these steps, shape (steps,) [rad]. From step to step there is one pulse at most.
         """
-        place = np.concatenate([self._before, angle * self._pitches])
-        begin, end, floor = place[:-1], place[1:], np.floor(place)
+        position = np.concatenate([self._before, angle * self._pitches])
+        begin, end, floor = position[:-1], position[1:], np.floor(position)
         passed = floor[1:] > floor[:-1]
         if not (end >= begin).all():  # the shaft turns backwards, if only for a moment
-            after = np.ceil(place - TOOTH)
+            after = np.ceil(position - TOOTH)
             passed |= after[1:] < after[:-1]
         at = np.flatnonzero(passed)
         before, now = begin[at], end[at]
         edge = np.where(floor[at + 1] > floor[at], floor[at + 1], np.ceil(now - TOOTH) + TOOTH)
         step = self._step - len(self._before) + at + (edge - before) / (now - before)
-        self._before, self._step = place[-1:], self._step + len(angle)
+        self._before, self._step = position[-1:], self._step + len(angle)
         return np.asarray(np.rint(step * self._step_ns), np.int64)

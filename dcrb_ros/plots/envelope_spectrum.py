@@ -54,7 +54,7 @@ def plot_envelope_spectrum(
     Parameters
     ----------
     signal
-        A `Run`, `Recording`, `Waveform` or `EnvelopeSpectrum`, or accelerations of shape (samples, 2) or (samples,) [m/s^2].
+        A `SimulationResult`, `Recording`, `Waveform` or `EnvelopeSpectrum`, or accelerations of shape (samples, 2) or (samples,) [m/s^2].
     sampling_rate, band, shaft_angle, bearing, order_tracking
         As for `envelope_spectrum`; not with an `EnvelopeSpectrum`, which has them. Without a bearing no fault lines are drawn.
     x

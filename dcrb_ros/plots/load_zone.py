@@ -35,7 +35,7 @@ def plot_load_zone(source: HasStates | StateHistory | Recording, *, ax: Axes | N
     Parameters
     ----------
     source
-        A `Run`, a `Recording` with ``roller_states``, or their `StateHistory`.
+        A `SimulationResult`, a `Recording` with ``roller_states``, or their `StateHistory`.
     ax
         Polar axes to draw into; those of a new figure by default.
 
@@ -57,7 +57,7 @@ def plot_load_zone(source: HasStates | StateHistory | Recording, *, ax: Axes | N
     """
     states = source.states() if isinstance(source, Recording) else getattr(source, "states", source)
     if not isinstance(states, StateHistory):
-        raise Refusal(f"{source!r} has no states: give a Run, a Recording or a StateHistory")
+        raise Refusal(f"{source!r} has no states: give a SimulationResult, a Recording or a StateHistory")
     if not len(states):
         raise Refusal(f"{source!r} has no states: simulate at least {1.0 / 100.0:g} s, or raise publishing.state_rate")
     if ax is not None and ax.name != "polar":

@@ -12,7 +12,7 @@ import numpy as np
 
 from dcrb_ros.bearing.history import StateHistory
 from dcrb_ros.bearing.kinematics import Orders
-from dcrb_ros.bearing.tacho import TachoPulses
+from dcrb_ros.bearing.tacho_pulses import TachoPulses
 from dcrb_ros.bearing.temperature_readings import TemperatureReadings
 from dcrb_ros.bearing.waveform import Piece, Waveform, described_stretch, stretch
 from dcrb_ros.messages.cdr import STAMP_END, stamps

@@ -13,7 +13,7 @@ from mcap.records import Metadata
 
 from dcrb_ros.bearing.history import StateHistory
 from dcrb_ros.bearing.kinematics import Orders, characteristic_orders
-from dcrb_ros.bearing.tacho import TachoPulses
+from dcrb_ros.bearing.tacho_pulses import TachoPulses
 from dcrb_ros.bearing.temperature_readings import TemperatureReadings
 from dcrb_ros.bearing.waveform import Piece, Waveform
 from dcrb_ros.messages.description import PULSES_PER_TURN, decode_range

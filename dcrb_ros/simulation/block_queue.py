@@ -25,7 +25,7 @@ class BlockQueue:
     """Takes samples, states and truths as the model advances, and cuts them into consecutive blocks."""
 
     def __init__(self, rate: int, preview_rate: int, *, preview: bool) -> None:
-        """Begin with sample 0 at the sampling ``rate`` [Hz]; without ``preview`` the blocks have none."""
+        """Begin with sample 0 at the sampling ``rate`` [Hz]; without ``preview`` the blocks have no preview."""
         self.samples = 0
         """Samples in the blocks so far."""
         self._rate, self._preview_rate = rate, preview_rate

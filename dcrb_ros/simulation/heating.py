@@ -14,7 +14,7 @@ from dcrb_ros.bearing.quasi_steady import QuasiSteady, air_speed, lost_in_grease
 from dcrb_ros.bearing.thermal_fit import Growth, OilState, expansion, oil_state, oiled, resized, rounded, work_of_growth
 from dcrb_ros.core.contacts.films import entrainment_speeds
 from dcrb_ros.core.laws.lubricants import lubricant_of
-from dcrb_ros.core.layout.state import CAGE, State
+from dcrb_ros.core.layout.state import CAGE, SHAFT_SPEED, State
 from dcrb_ros.core.payload import Payload
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.settings.configuration import Configuration
@@ -134,9 +134,9 @@ class Heating:
             self._aim = self._wanted(c)
         before = self._growth
         self._growth = Growth(
-            *(own + min(max(aim - own, -LARGEST_GROWTH), LARGEST_GROWTH) for own, aim in zip(before, self._aim, strict=True))
+            *(present + min(max(aim - present, -LARGEST_GROWTH), LARGEST_GROWTH) for present, aim in zip(before, self._aim, strict=True))
         )
-        work = work_of_growth(state, Growth(*(now - own for now, own in zip(self._growth, before, strict=True))))
+        work = work_of_growth(state, Growth(*(now - present for now, present in zip(self._growth, before, strict=True))))
         return self._fitted(c, payload, entrainment_speeds(payload, state)), work
 
     def reading(self, configuration: Configuration, steps: int, time_ns: int) -> TemperatureReading | None:
@@ -168,21 +168,21 @@ class Heating:
 
     def truth(self, configuration: Configuration) -> dict[str, float]:
         """Return temperatures, heat and loss as the ground truth names them."""
-        found: dict[str, float] = {}
+        numbers: dict[str, float] = {}
         if self.network_on:
-            found = {f"{name} [deg C]": one for name, one in zip(self._network.names, self.temperatures, strict=True)}
-            found |= {
-                f"row{row + 1}/{source} [W]": one
+            numbers = {f"{name} [deg C]": value for name, value in zip(self._network.names, self.temperatures, strict=True)}
+            numbers |= {
+                f"row{row + 1}/{source} [W]": value
                 for row, heat in enumerate(self._heat)
-                for source, one in zip(HEAT_SOURCES, heat, strict=True)
+                for source, value in zip(HEAT_SOURCES, heat, strict=True)
             }
-            found |= {"ambient [deg C]": configuration.thermal.ambient, "acceleration": configuration.thermal.acceleration}
-            found["clamped"] = float(self.clamped)
+            numbers |= {"ambient [deg C]": configuration.thermal.ambient, "acceleration": configuration.thermal.acceleration}
+            numbers["clamped"] = float(self.clamped)
             assert self._opposite is not None
-            found |= {"opposite_box [deg C]": self._opposite.box, "opposite_outer_ring [deg C]": self._opposite.outer_ring}
+            numbers |= {"opposite_box [deg C]": self._opposite.box, "opposite_outer_ring [deg C]": self._opposite.outer_ring}
         if self.active(configuration):
-            found |= {"lubricant_loss": self.loss, "clearance_change [m]": self._growth.clearance}
-        return found
+            numbers |= {"lubricant_loss": self.loss, "clearance_change [m]": self._growth.clearance}
+        return numbers
 
     def _lose(self, c: Configuration) -> None:
         """Let the loss of lubricant approach that of the fault, and burn some of it."""
@@ -199,12 +199,12 @@ class Heating:
 
     def _warm(self, c: Configuration, payload: Payload, state: State) -> None:
         """Step the temperatures over a tick."""
-        speed = float(state.shaft[1])
+        speed = float(state.shaft[SHAFT_SPEED])
         share = self._tick / (AVERAGED + self._tick)
         sources, conductance = self._sources(c, payload, state)
         for row in range(self._network.rows):
-            self._heat[row] = [own + share * (new - own) for own, new in zip(self._heat[row], sources[row], strict=True)]
-            self._conductance[row] = [own + share * (new - own) for own, new in zip(self._conductance[row], conductance[row], strict=True)]
+            self._heat[row] = [old + share * (new - old) for old, new in zip(self._heat[row], sources[row], strict=True)]
+            self._conductance[row] = [old + share * (new - old) for old, new in zip(self._conductance[row], conductance[row], strict=True)]
         self._ambient = c.thermal.ambient
         self.flow = self._flow(c, speed)
         heat = self._network.heat(self._heat, c.thermal.sun)
@@ -230,7 +230,7 @@ class Heating:
         since = losses if self._losses is None else losses - self._losses
         self._losses = losses
         rolling = entrainment_speeds(payload, state)
-        speed, length = float(state.shaft[1]), c.bearing.roller_length
+        speed, length = float(state.shaft[SHAFT_SPEED]), c.bearing.roller_length
         heats, conductances = [], []
         powers = [self._momentary(state, number, rolling[number]) for number in (0, 1)]
         for row, (sliding, resistance, contacts, *about_cage) in enumerate((since / self._tick).tolist()):
@@ -281,7 +281,7 @@ class Heating:
         if not self.network_on:
             return oil_state(self.loss, c.lubrication.temperature, c.lubrication.temperature)
         lubricant, law = lubricant_of(dict(c.lubrication)), c.lubrication.law
-        inner, outer = (held(lubricant, law, one) for one in self._inlets())
+        inner, outer = (held(lubricant, law, inlet) for inlet in self._inlets())
         return oil_state(self.loss, inner, outer)
 
     def _inlets(self) -> list[float]:
@@ -292,4 +292,4 @@ class Heating:
     def _count_clamped(self, c: Configuration) -> None:
         """Count a tick at which the oil at a raceway is beyond the range of its formulas."""
         lubricant = lubricant_of(dict(c.lubrication))
-        self.clamped += any(held(lubricant, c.lubrication.law, one) != one for one in self._inlets())
+        self.clamped += any(held(lubricant, c.lubrication.law, inlet) != inlet for inlet in self._inlets())

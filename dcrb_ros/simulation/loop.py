@@ -18,7 +18,7 @@ from dcrb_ros.bearing.observation import observe
 from dcrb_ros.bearing.payload import body_names, build_payload, initial_state
 from dcrb_ros.bearing.runtime_change import altered, onsets, refitted
 from dcrb_ros.core.compilation import compile_ahead
-from dcrb_ros.core.layout.state import copy_of
+from dcrb_ros.core.layout.state import SHAFT_SPEED, copy_of
 from dcrb_ros.core.layout.workspace import workspace
 from dcrb_ros.core.solver.step import advance
 from dcrb_ros.measurement.sensor import Sensor
@@ -28,11 +28,10 @@ from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.schema.simulated_time import nanoseconds
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.simulation.block_queue import BlockQueue
-from dcrb_ros.simulation.commanded_value import commanded
+from dcrb_ros.simulation.drive import Drive, commanded
 from dcrb_ros.simulation.heating import Burnt, Heating
 from dcrb_ros.simulation.scenario import ScheduledChange
-from dcrb_ros.simulation.shaft_speed import ShaftSpeed
-from dcrb_ros.simulation.tacho import tacho_of
+from dcrb_ros.simulation.toothed_wheel import toothed_wheel_of
 from dcrb_ros.simulation.transmission import Transmission
 from dcrb_ros.stream.block import Block, Truth
 from dcrb_ros.stream.events import BlockLost, Command, Event, LoadCommand, ParameterChange, Refused, ScenarioEvent, SpeedCommand, Start
@@ -101,9 +100,9 @@ class Simulation:
         self._state = initial_state(configuration, self._payload)
         self._work = workspace(self._payload)
         self._stored = stored_energy(self._payload, self._state)
-        self._shaft = ShaftSpeed(configuration)
+        self._drive = Drive(configuration)
         self._sensor = Sensor(configuration.measurement)
-        self._tacho = tacho_of(configuration)
+        self._tacho = toothed_wheel_of(configuration)
         self._transmission = Transmission(configuration)
         self._orders = characteristic_orders(configuration.bearing)
         self._steps = 0
@@ -240,10 +239,9 @@ class Simulation:
         """Apply a command and return the event to report."""
         match command:
             case SpeedCommand(speed):
-                self._set_target(0, speed)
+                self._drive.command_speed(self._state, speed)
             case LoadCommand(x, y):
-                self._set_target(1, x)
-                self._set_target(2, y)
+                self._drive.command_load(self._state, x, y)
             case ParameterChange(changes):
                 return self._alter(changes, command)
         return command
@@ -263,40 +261,16 @@ class Simulation:
             after = altered(self.configuration, changes)
         except Refusal as refusal:  # it conflicts with a change that came in between
             return Refused(request, str(refusal))
-        before, self.configuration = self.configuration, after
+        before, self.configuration, present = self.configuration, after, self._payload.speed_ramp
         if after.faults.damaging != before.faults.damaging:
-            ramp = self._payload.speed_ramp
             self._payload = self._heating.refit(after, refitted(after, self._payload, self._state), self._state)
-            if self._shaft.fluctuates:
-                self._payload = self._payload._replace(speed_ramp=ramp)
             self._work = workspace(self._payload)
         self._onsets = onsets(self._onsets, after, self._steps / after.step_rate)
-        if after.operating != before.operating:
-            ramp = self._payload.speed_ramp if self._shaft.fluctuates else after.operating.speed_ramp
-            self._payload = self._payload._replace(speed_ramp=ramp, load_ramp=after.operating.load_ramp)
+        self._payload = self._drive.with_ramps(self._payload, after.operating, present)
         if after.measurement.parameters != before.measurement.parameters:
             self._sensor.change(after.measurement.parameters, -(-self._steps // after.steps_per_sample))
-        targets = ("operating.speed", 0, after.operating.speed), ("operating.lateral_load", 1, after.operating.lateral_load)
-        for key, axis, target in (*targets, ("operating.load", 2, -after.operating.load)):
-            if key in changes:
-                self._set_target(axis, target)
+        self._drive.command_changed(self._state, after.operating, changes)
         return request
-
-    def _set_target(self, axis: int, value: float) -> None:
-        """Set the commanded speed [rad/s], axis 0, or load in X and Y [N], axes 1 and 2."""
-        if axis == 0:
-            self._shaft.commanded = value
-        if axis > 0 or not self._shaft.fluctuates:  # it takes effect with the next value of a fluctuating speed
-            self._state.target[axis] = value
-
-    def _fluctuate(self) -> int:
-        """Prescribe the speed where a new value is due; return the step at which the next one is."""
-        if self._steps % self._shaft.interval == 0:
-            shaft, ramp = self._state.shaft, self.configuration.operating.speed_ramp
-            speed, ramp = self._shaft.next(self._steps, float(shaft[0]), float(shaft[1]), ramp)
-            self._state.target[0] = speed
-            self._payload = self._payload._replace(speed_ramp=ramp)
-        return self._steps - self._steps % self._shaft.interval + self._shaft.interval
 
     def _step_to(self, end: int) -> None:
         """Step the model to step ``end``, stopping at every time of a state, a truth or a scheduled change."""
@@ -307,7 +281,9 @@ class Simulation:
             state_due = end if self._waveform_only else _next_tick(self._steps, publishing.state_rate, rate)
             truth_due = _next_tick(self._steps, publishing.truth_rate, rate)
             change_due = self._scheduled[0].step if self._scheduled else end
-            value_due = self._fluctuate() if self._shaft.fluctuates else end
+            value_due = end
+            if self._drive.fluctuates:
+                self._payload, value_due = self._drive.fluctuate(self._payload, self._state, self.configuration.operating, self._steps)
             heat_due = self._heating.next(self._steps) if self._heating.active(self.configuration) else -1
             count = min(end, state_due, truth_due, change_due, value_due, heat_due if heat_due > 0 else end) - self._steps
             acceleration, angles = np.empty((count, 2)), np.empty(count)
@@ -354,7 +330,7 @@ class Simulation:
 
     def _note(self, event: Event | None) -> None:
         """Append the ground truth of this instant."""
-        speed, load = float(self._state.shaft[1]), self._state.load
+        speed, load = float(self._state.shaft[SHAFT_SPEED]), self._state.load
         faults = {name: {**fields, "onset": self._onsets[name]} for name, fields in self.configuration.described_faults().items()}
         frequencies = self._orders.frequencies(speed / (2.0 * math.pi))
         background = self.configuration.background.described()

@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from dcrb_ros.bearing.history import StateHistory
 from dcrb_ros.bearing.kinematics import characteristic_orders
-from dcrb_ros.bearing.tacho import TachoPulses
+from dcrb_ros.bearing.tacho_pulses import TachoPulses
 from dcrb_ros.bearing.temperature_readings import TemperatureReadings
 from dcrb_ros.bearing.waveform import Waveform
 from dcrb_ros.faults.ground_truth import summary_of
@@ -29,12 +29,12 @@ from dcrb_ros.stream.block import Block
 LONGEST = 3600.0
 """Longest run that is returned as arrays [s]."""
 
-Kind = TypeVar("Kind", bound="Run")
+Kind = TypeVar("Kind", bound="SimulationResult")
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
-class Run(Waveform):
-    """A simulated run: the measured waveform, the bodies, and the ground truth."""
+class SimulationResult(Waveform):
+    """The result of `simulate`: the measured waveform, the bodies, and the ground truth."""
 
     clean: Samples
     """Acceleration before noise, clipping and converter, shape (samples, 2) [m/s^2]."""
@@ -66,7 +66,7 @@ def simulate(
     settings: Mapping[str, Any] | Sequence[str] | str = (),
     scenario: Mapping[str, Any] | str | Path | None = None,
     seed: int | None = None,
-) -> Run:
+) -> SimulationResult:
     """Simulate a bearing and return what its sensor measured, as arrays.
 
     The same arguments give the same samples, bit for bit, on the same kind of processor. The first call on a machine
@@ -87,9 +87,9 @@ def simulate(
 
     Returns
     -------
-    Run
+    SimulationResult
         Acceleration (samples, 2) [m/s^2], shaft angle [rad], the bodies and the ground truth. Blocks that the configuration loses on
-        their way (``publishing.loss_probability``) are left out, and `Run.index` jumps there.
+        their way (``publishing.loss_probability``) are left out, and `SimulationResult.index` jumps there.
 
     Raises
     ------
@@ -101,7 +101,7 @@ def simulate(
     >>> import dcrb_ros
     >>> run = dcrb_ros.simulate("outer_ring_defect", 0.5, settings={"operating.speed": 100.0}, seed=3)
     >>> run
-    <Run: 0.5 s at 51.2 kHz (25600 samples), shaft at 15.93 Hz, outer_1: 2 mm wide>
+    <SimulationResult: 0.5 s at 51.2 kHz (25600 samples), shaft at 15.93 Hz, outer_1: 2 mm wide>
     >>> run.acceleration.shape, run.states.azimuth.shape
     ((25600, 2), (49, 35))
     """
@@ -111,9 +111,9 @@ def simulate(
         asked = load_configuration(asked, {"simulation.seed": seed})
     start, events = asked, list[ScheduledChange]()
     if scenario is not None:
-        story, source = (read_scenario_file(Path(scenario)), str(scenario)) if isinstance(scenario, (str, Path)) else (scenario, "scenario")
-        start = starting_configuration(story, asked, source)
-        events = scheduled_changes(story, start, source)
+        tree, source = (read_scenario_file(Path(scenario)), str(scenario)) if isinstance(scenario, (str, Path)) else (scenario, "scenario")
+        start = starting_configuration(tree, asked, source)
+        events = scheduled_changes(tree, start, source)
     rate = start.sensor.sampling_rate
     if round(duration * rate) < 1:
         raise Refusal(f"duration = {duration:g} s is shorter than one sample ({1e6 / rate:.3g} us at {rate} Hz): simulate longer")
@@ -124,7 +124,7 @@ def simulate(
     if not kept:
         raise Refusal(f"every block of the {duration:g} s is lost: lower publishing.loss_probability, or simulate longer")
     measured = waveform_of(kept, start)
-    return Run(
+    return SimulationResult(
         **{field.name: getattr(measured, field.name) for field in fields(measured)},
         clean=np.concatenate([block.clean for block in kept]),
         states=StateHistory.of([states for block in blocks for states in block.states], names),
@@ -138,8 +138,8 @@ def simulate(
 def temperatures_of(blocks: Sequence[Block]) -> TemperatureReadings:
     """Return what the temperature sensors read during some blocks."""
     readings = [reading for block in blocks for reading in block.temperatures]
-    places = {place: np.array([getattr(reading, place) for reading in readings], np.float64) for place in ("outer_ring", "box", "ambient")}
-    return TemperatureReadings(time=np.array([reading.time_ns * 1e-9 for reading in readings], np.float64), **places)
+    sensors = {name: np.array([getattr(reading, name) for reading in readings], np.float64) for name in ("outer_ring", "box", "ambient")}
+    return TemperatureReadings(time=np.array([reading.time_ns * 1e-9 for reading in readings], np.float64), **sensors)
 
 
 def tacho_of(blocks: Sequence[Block], pulses_per_turn: int) -> TachoPulses:

@@ -34,7 +34,7 @@ MOST_REHEARSED = 500
 """Intermediate values of a gradual change that are checked beforehand, at most [-]; a check takes half a millisecond."""
 KEYS = ("at", "over", "set")
 START_GROUPS = ("operating", "thermal", "faults", "structure", "background", "sensor")
-"""Groups of parameters that may stand under ``start``."""
+"""Groups of parameters that are allowed under ``start``."""
 
 
 @dataclass(frozen=True)
@@ -99,10 +99,10 @@ def read_scenario_file(path: Path) -> Any:
 def _find(path: Path) -> Path:
     """Return the file of a scenario given by its path or a shipped name."""
     shipped = {file.stem: file for file in sorted((shipped_folder() / "scenarios").glob("*.yaml"))}
-    found = is_file(checked_path(path))
-    if not found and str(path) not in shipped:
+    given = is_file(checked_path(path))
+    if not given and str(path) not in shipped:
         raise Refusal(f"there is no scenario '{path}': give a YAML file or one of {', '.join(shipped)}{nearest(str(path), shipped)}")
-    return path if found else shipped[str(path)]
+    return path if given else shipped[str(path)]
 
 
 def starting_configuration(tree: Any, configuration: Configuration, source: str) -> Configuration:
@@ -158,7 +158,7 @@ def scheduled_changes(tree: Any, configuration: Configuration, source: str) -> l
         for entry in beginning.get(moment, ()):
             planned += [(change, entry) for change in _changes(entry, present)]
             present = present if entry.gradual else altered(present, entry.values, f"{entry.source} (at {entry.at:g} s)")
-    planned.sort(key=lambda one: one[0].step)
+    planned.sort(key=lambda planned_change: planned_change[0].step)
     _rehearse(planned, configuration)
     return [change for change, _ in planned]
 

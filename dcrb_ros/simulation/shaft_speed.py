@@ -1,4 +1,4 @@
-"""The prescribed speed of the shaft: its ramp towards the commanded speed, and the fluctuation that no real drive is without."""
+"""The prescribed speed of the shaft: its ramp towards the commanded speed, and its random fluctuation."""
 
 from __future__ import annotations
 

@@ -9,7 +9,7 @@ from concurrent.futures import Future, ThreadPoolExecutor
 import numpy as np
 
 from dcrb_ros.bearing.kinematics import Orders
-from dcrb_ros.bearing.tacho import TachoPulses
+from dcrb_ros.bearing.tacho_pulses import TachoPulses
 from dcrb_ros.bearing.temperature_readings import TemperatureReadings
 from dcrb_ros.messages.cdr import stamps
 from dcrb_ros.messages.joints import decode_alike, decode_joints

@@ -140,7 +140,7 @@ def test_lost_samples_and_values_that_are_not_finite_are_refused() -> None:
 
 def test_a_run_has_its_own_rate_and_bearing() -> None:
     run = simulate("dry", 0.3)
-    with pytest.raises(Refusal, match="bearing is given beside <Run"):
+    with pytest.raises(Refusal, match="bearing is given beside <SimulationResult"):
         envelope_spectrum(run, bearing=Bearing())
 
 

@@ -16,7 +16,7 @@ from separate_process import dcrb, fresh_dcrb
 from dcrb_ros import (
     Recording,
     Refusal,
-    Run,
+    SimulationResult,
     Waveform,
     characteristic_frequencies,
     envelope_spectrum,
@@ -33,7 +33,7 @@ BAGS = Path(__file__).parents[2] / "bags"
 
 
 @pytest.fixture(scope="module")
-def run() -> Run:
+def run() -> SimulationResult:
     return simulate(dry_bench("outer_ring_defect"), 1.0)
 
 
@@ -44,7 +44,7 @@ def _closed() -> Any:
     plt.close("all")
 
 
-def test_plots_draw_into_given_axes_and_return_them(run: Run) -> None:
+def test_plots_draw_into_given_axes_and_return_them(run: SimulationResult) -> None:
     upper, lower = plt.figure().subplots(2, 1)
     assert plot_waveform(run, ax=upper) is upper
     assert plot_envelope_spectrum(run, ax=lower) is lower
@@ -53,7 +53,7 @@ def test_plots_draw_into_given_axes_and_return_them(run: Run) -> None:
     assert len(plt.get_fignums()) == 2  # and no other was opened
 
 
-def test_waveform_is_drawn_sample_by_sample(run: Run) -> None:
+def test_waveform_is_drawn_sample_by_sample(run: SimulationResult) -> None:
     ax = plot_waveform(run, start=0.1, stop=0.2)
     (line,) = ax.lines
     assert np.array_equal(line.get_ydata(), run.between(0.1, 0.2).acceleration[:, 1])
@@ -84,14 +84,14 @@ def test_the_line_is_broken_where_samples_are_lost(samples: int) -> None:
     assert np.count_nonzero(np.isnan(np.asarray(line.get_ydata(), float))) == 1
 
 
-def test_fault_lines_stand_at_the_orders_of_the_bearing(run: Run) -> None:
+def test_fault_lines_stand_at_the_orders_of_the_bearing(run: SimulationResult) -> None:
     ax = plot_envelope_spectrum(run, lines=["BPFI"], highest=20.0)
     upright = [line.get_xdata()[0] for line in ax.lines if len(line.get_xdata()) == 2]
     assert upright == pytest.approx([run.orders.bpfi, 2.0 * run.orders.bpfi])
     assert ax.get_xlabel() == "order [multiples of the shaft frequency]"
 
 
-def test_a_defect_is_marked_at_its_own_lines(run: Run) -> None:
+def test_a_defect_is_marked_at_its_own_lines(run: SimulationResult) -> None:
     ax = plot_envelope_spectrum(run)
     marked = [float(line.get_xdata()[0]) for line in ax.lines if len(line.get_xdata()) == 1]
     assert marked == pytest.approx(run.orders.bpfo * np.arange(1, 5), rel=0.004)
@@ -106,20 +106,20 @@ def test_a_sideband_of_another_fault_is_not_marked() -> None:
     assert marked == pytest.approx(np.round(marked / run.orders.bpfi) * run.orders.bpfi, rel=0.004)
 
 
-def test_one_line_may_be_given_as_text(run: Run) -> None:
+def test_one_line_may_be_given_as_text(run: SimulationResult) -> None:
     labels = [text.get_text() for text in plot_envelope_spectrum(run, lines="BPFO").get_legend().get_texts()]
     assert labels == ["BPFO 6.72"]
 
 
 @pytest.mark.parametrize("x", ["order", "frequency"])
-def test_the_legend_leaves_the_title_free(x: Any, run: Run) -> None:
+def test_the_legend_leaves_the_title_free(x: Any, run: SimulationResult) -> None:
     ax = plot_envelope_spectrum(run, x=x)
     ax.figure.draw_without_rendering()
     title = next(text for text in ax.get_children() if isinstance(text, mpl.text.Text) and text.get_text().startswith("squared"))
     assert not title.get_window_extent().overlaps(ax.get_legend().get_window_extent())
 
 
-def test_frequency_axis_is_in_hertz(run: Run) -> None:
+def test_frequency_axis_is_in_hertz(run: SimulationResult) -> None:
     ax = plot_envelope_spectrum(run, x="frequency", lines=["BPFO"])
     expected = characteristic_frequencies(run.configuration, run.configuration.operating.speed)["BPFO"]
     upright = [line.get_xdata()[0] for line in ax.lines if len(line.get_xdata()) == 2]
@@ -127,7 +127,7 @@ def test_frequency_axis_is_in_hertz(run: Run) -> None:
     assert [text.get_text() for text in ax.get_legend().get_texts()] == ["BPFO 134.5 Hz"]
 
 
-def test_a_spectrum_that_is_there_already_is_drawn(run: Run) -> None:
+def test_a_spectrum_that_is_there_already_is_drawn(run: SimulationResult) -> None:
     spectrum = envelope_spectrum(run, band=(4000.0, 8000.0))
     assert plot_envelope_spectrum(spectrum).get_title(loc="left") == "squared envelope, 4 to 8 kHz, order-tracked"
 
@@ -159,13 +159,13 @@ def test_load_zone_lies_below_the_shaft() -> None:
         (lambda run: plot_envelope_spectrum(envelope_spectrum(run), band=(4e3, 8e3)), "band is given beside <EnvelopeSpectrum"),
         (lambda run: plot_envelope_spectrum(envelope_spectrum(run), 51200), "sampling_rate is given beside <EnvelopeSpectrum"),
         (lambda run: plot_waveform("bags/healthy"), r"use dcrb_ros.Recording\('bags/healthy'\)"),
-        (lambda run: plot_load_zone(run.waveform().waveform), "has no states: give a Run, a Recording or a StateHistory"),
+        (lambda run: plot_load_zone(run.waveform().waveform), "has no states: give a SimulationResult, a Recording or a StateHistory"),
         (lambda run: plot_envelope_spectrum(np.ones(51200), 51200, x="order"), "the speed is unknown"),
         (lambda run: plot_load_zone(run, ax=plt.figure().add_subplot()), "needs polar axes"),
         (lambda run: plot_load_zone(simulate("dry", 0.005)), "has no states"),
     ],
 )
-def test_refusals(call: Any, sentence: str, run: Run) -> None:
+def test_refusals(call: Any, sentence: str, run: SimulationResult) -> None:
     with pytest.raises(Refusal, match=sentence):
         call(run)
 

@@ -10,15 +10,15 @@ import pytest
 from dry_benches import dry_bench
 
 import dcrb_ros
-from dcrb_ros import Configuration, Refusal, Run, Simulation, Waveform, load_configuration, simulate
+from dcrb_ros import Configuration, Refusal, Simulation, SimulationResult, Waveform, load_configuration, simulate
 
 
 @pytest.fixture(scope="module")
-def run() -> Run:
+def run() -> SimulationResult:
     return simulate(dry_bench("outer_ring_defect"), 0.3)
 
 
-def test_samples_are_those_of_the_blocks(run: Run) -> None:
+def test_samples_are_those_of_the_blocks(run: SimulationResult) -> None:
     blocks = list(Simulation(dry_bench("outer_ring_defect")).blocks(0.3))
     assert np.array_equal(run.acceleration, np.concatenate([block.acceleration for block in blocks]))
     assert np.array_equal(run.shaft_angle, np.concatenate([block.shaft_angle for block in blocks]))
@@ -28,7 +28,7 @@ def test_samples_are_those_of_the_blocks(run: Run) -> None:
     assert run.truth.truths == tuple(truth for block in blocks for truth in block.truths)
 
 
-def test_shapes_and_units(run: Run) -> None:
+def test_shapes_and_units(run: SimulationResult) -> None:
     samples = round(0.3 * 51200)
     assert run.acceleration.shape == run.clean.shape == (samples, 2)
     assert run.shaft_angle.shape == run.time.shape == (samples,)
@@ -45,8 +45,8 @@ def test_shapes_and_units(run: Run) -> None:
     assert run.truth.frequency("BPFO")[0] == pytest.approx(run.orders.bpfo * run.truth.speed[0] / (2.0 * np.pi))
 
 
-def test_representations_say_what_things_are(run: Run) -> None:
-    assert repr(run) == "<Run: 0.3 s at 51.2 kHz (15360 samples), shaft at 20.00 Hz, outer_1: 2 mm wide>"
+def test_representations_say_what_things_are(run: SimulationResult) -> None:
+    assert repr(run) == "<SimulationResult: 0.3 s at 51.2 kHz (15360 samples), shaft at 20.00 Hz, outer_1: 2 mm wide>"
     assert repr(run.configuration) == str(run.configuration) == "<Configuration: 125.664 rad/s (1200 rpm), 100 kN, outer_1: 2 mm wide>"
     block = next(Simulation(Configuration()).blocks())
     assert repr(block) == "<Block: 1024 samples at 51.2 kHz from 0.0000 s, 1 states>"
@@ -101,9 +101,9 @@ def test_lost_blocks_are_left_out_and_the_index_jumps() -> None:
     assert {piece.first_index for piece in pieces} >= set(run.index[1:][gaps].tolist())
 
 
-def test_a_stretch_of_a_run(run: Run) -> None:
+def test_a_stretch_of_a_run(run: SimulationResult) -> None:
     part = run.between(0.1, 0.2)
-    assert isinstance(part, Run)
+    assert isinstance(part, SimulationResult)
     assert part.time[0] == pytest.approx(0.1)
     assert len(part) == len(part.clean) == 5120
     assert np.array_equal(part.acceleration, run.acceleration[5120:10240])
@@ -137,7 +137,7 @@ def test_a_duration_may_be_a_number_of_numpy(duration: Any) -> None:
     assert len(simulate("dry", np.int64(1))) == 51200
 
 
-def test_frames_carry_time_and_columns(run: Run) -> None:
+def test_frames_carry_time_and_columns(run: SimulationResult) -> None:
     frame = run.to_pandas()
     assert list(frame.columns) == ["ax", "ay", "shaft_angle", "ax_clean", "ay_clean"]
     assert frame.index.name == "time"
@@ -149,7 +149,7 @@ def test_frames_carry_time_and_columns(run: Run) -> None:
     assert truth["BPFO"].to_numpy() == pytest.approx(run.truth.frequency("BPFO"))
 
 
-def test_without_pandas_one_sentence(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_pandas_one_sentence(run: SimulationResult, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "pandas", None)
     with pytest.raises(Refusal, match="to_pandas needs pandas, which is not installed: pip install pandas"):
         run.to_pandas()
@@ -176,7 +176,7 @@ def test_refusals_name_value_range_and_remedy(arguments: dict[str, Any], sentenc
         simulate(**{"duration": 0.1, **arguments})
 
 
-def test_unknown_bodies_and_rows_are_refused(run: Run) -> None:
+def test_unknown_bodies_and_rows_are_refused(run: SimulationResult) -> None:
     with pytest.raises(Refusal, match="there is no body 'cage3'"):
         run.states.column("cage3")
     with pytest.raises(Refusal, match="there is no row 3: the bearing has 2"):
@@ -262,7 +262,7 @@ def test_settings_may_be_one_text() -> None:
     assert load_configuration("dry", "operating.speed=100").operating.speed == 100.0
 
 
-def test_names_in_the_ground_truth(run: Run) -> None:
+def test_names_in_the_ground_truth(run: SimulationResult) -> None:
     with pytest.raises(Refusal, match=r"there is no characteristic frequency 'BPFX': .*did you mean 'BPF"):
         run.truth.frequency("BPFX")
     assert run.truth.to_pandas()["event"].tolist()[:2] == ["start", ""]

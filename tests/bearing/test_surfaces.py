@@ -1,4 +1,4 @@
-"""Heights as rollers feel them; the numbers are those of docs/explanation/surfaces.md."""
+"""Heights along the path of a contact; the numbers are those of docs/explanation/surfaces.md."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ from dcrb_ros.bearing.surfaces import (
     RACEWAY_NODES,
     averaged,
     build_surfaces,
+    contact_path,
     envelope,
-    felt_defect,
     notch_heights,
     raceway_waves,
     reduced_radii,
@@ -24,7 +24,6 @@ from dcrb_ros.bearing.surfaces import (
 )
 from dcrb_ros.core.contacts.heights import Profile, Smooth, curve, marked, packed, place_of, unpacked
 from dcrb_ros.core.layout.records import Integers
-from dcrb_ros.faults.geometry import SurfaceProfile
 from dcrb_ros.settings.configuration import Configuration
 
 SPREADS = ("roller_spread", "clearance_spread", "row_spread", "run_out", "pocket_spread", "pocket_clearance_spread", "cage_unbalance")
@@ -33,14 +32,14 @@ OUTER_RADIUS, INNER_RADIUS = 17.390e-3, 12.603e-3
 """Reduced radii of the default bearing [m]."""
 
 
-def surfaces(*damage: SurfaceProfile, faults: dict[str, Any] | None = None, **changes: Any) -> Profile:
+def surfaces(*, faults: dict[str, Any] | None = None, **changes: Any) -> Profile:
     made = Configuration.model_validate({"surfaces": EVEN | changes, "faults": faults or {}})
-    found, _ = build_surfaces(made, [*made.faults.damage(made.bearing), *damage])
+    found, _ = build_surfaces(made, made.faults.damage(made.bearing))
     assert isinstance(found, Profile)
     return found
 
 
-def felt(table: Integers, angle: float) -> tuple[float, float]:
+def read_at(table: Integers, angle: float) -> tuple[float, float]:
     """Return height [m] and slope [m/rad] at an angle [rad] of a table of nodes."""
     nodes = len(table) - 1
     node, way = place_of(angle, nodes)
@@ -61,7 +60,7 @@ def test_a_rigid_roller_sinks_into_a_notch_as_the_paper_says(radius: float, dept
         assert path.min() == pytest.approx(-depth, rel=1e-3)
 
 
-def test_a_shallow_notch_is_felt_to_its_floor() -> None:
+def test_a_contact_reaches_the_floor_of_a_shallow_notch() -> None:
     heights, distance = notch_heights(5e-3, 1e-4, 5e-6)
     assert envelope(np.pad(heights, 1000), distance, OUTER_RADIUS).min() == -1e-4
 
@@ -92,10 +91,10 @@ def test_a_wave_is_averaged_over_the_contact(length: float, width: float) -> Non
 def test_a_loaded_roller_feels_three_quarters_of_the_depth_of_a_notch() -> None:
     """22.4 um of 28.8 um with a half-width of 0.285 mm, and nothing beside it."""
     heights, distance = notch_heights(2e-3, 3e-4, 2e-6)
-    felt = felt_defect(heights, distance, OUTER_RADIUS, 0.2845e-3)
-    assert felt.height.min() == pytest.approx(-22.4e-6, rel=2e-3)
-    assert felt.height.max() < 1e-9
-    assert np.cumsum(felt.slope) * felt.spacing == pytest.approx(felt.height, abs=1e-7)
+    path = contact_path(heights, distance, OUTER_RADIUS, 0.2845e-3)
+    assert path.height.min() == pytest.approx(-22.4e-6, rel=2e-3)
+    assert path.height.max() < 1e-9
+    assert np.cumsum(path.slope) * path.spacing == pytest.approx(path.height, abs=1e-7)
 
 
 def test_waviness_has_its_root_mean_square_and_falls_with_the_order() -> None:
@@ -130,11 +129,11 @@ def test_between_nodes_a_height_is_continuous_with_its_slope() -> None:
     table = surfaces(waviness=1e-7).raceways[1, 0]
     spacing = 2.0 * math.pi / RACEWAY_NODES
     for node in (0, 1, 7000, RACEWAY_NODES - 1):
-        before, after = (felt(table, node * spacing + side * 1e-9 * spacing) for side in (-1.0, 1.0))
+        before, after = (read_at(table, node * spacing + side * 1e-9 * spacing) for side in (-1.0, 1.0))
         assert before == pytest.approx(after, abs=1e-12)
     angles = np.linspace(-7.0, 7.0, 301)
-    rise = [(felt(table, angle + 1e-6)[0] - felt(table, angle - 1e-6)[0]) / 2e-6 for angle in angles]
-    assert rise == pytest.approx([felt(table, angle)[1] for angle in angles], abs=1e-6)
+    rise = [(read_at(table, angle + 1e-6)[0] - read_at(table, angle - 1e-6)[0]) / 2e-6 for angle in angles]
+    assert rise == pytest.approx([read_at(table, angle)[1] for angle in angles], abs=1e-6)
 
 
 @given(st.lists(st.floats(-3e-4, 3e-5), min_size=4, max_size=4), st.lists(st.floats(-1.0, 1.0), min_size=4, max_size=4))
@@ -183,7 +182,7 @@ def test_the_same_seed_makes_the_same_bearing_and_one_item_changes_no_other() ->
         ("scratch", 1e-4, 1e-5, 0.0, 2.4, 0.0),
     ],
 )
-def test_each_kind_of_damage_is_felt(kind: str, width: float, depth: float, lowest: float, highest: float, share: float) -> None:
+def test_each_kind_of_damage_is_read_at(kind: str, width: float, depth: float, lowest: float, highest: float, share: float) -> None:
     found = surfaces(faults={"outer_1": {"kind": kind, "width": width, "depth": depth}})
     total = 1e6 * (unpacked(found.raceways[1, 0])[0][:-1] + found.parts[1, 0, :, 0])
     assert (total.min(), total.max()) == pytest.approx((lowest, highest), abs=0.1)
@@ -208,17 +207,6 @@ def test_a_roller_defect_meets_both_raceways_with_its_own_depth() -> None:
     assert damaged.min(axis=1) == pytest.approx((-31.7e-6, -22.4e-6), rel=0.02)
     assert np.argmin(damaged[0]) == pytest.approx(0.5 / (2.0 * math.pi) * 1024, abs=1)
     assert not np.delete(found, 18, axis=1).any()
-
-
-@pytest.mark.parametrize(("body", "row", "roller"), [("outer_ring", 1, -1), ("inner_ring", -1, -1), ("roller", 0, 4)])
-@pytest.mark.parametrize("spacing", [0.0, 0.01])
-def test_a_profile_of_a_fault_is_felt_as_it_is(body: Any, row: int, roller: int, spacing: float) -> None:
-    angles = np.arange(64) * (spacing or 2.0 * math.pi / 64)
-    depths = 1e-6 * (1.0 - np.cos(2.0 * math.pi * np.arange(64) / 64))
-    found = surfaces(SurfaceProfile(body, depths.tolist(), 0.3, spacing, row, roller))
-    tables = found.rollers[0, 4] if body == "roller" else found.raceways[("inner_ring", "outer_ring").index(body), max(row, 0)]
-    places = 0.3 + angles - (0.5 * spacing * 63)
-    assert [felt(tables, place)[0] for place in places] == pytest.approx(-depths, abs=2e-9)
 
 
 def test_smooth_surfaces_have_no_heights_and_refuse_damage_that_has() -> None:

@@ -35,13 +35,13 @@ def drawn(seed: int) -> dict[str, Any]:
 
 
 @functools.cache
-def calibrated(seed: int) -> tuple[dcrb_ros.Run, dcrb_ros.Calibration]:
+def calibrated(seed: int) -> tuple[dcrb_ros.SimulationResult, dcrb_ros.Calibration]:
     """Return a plant's run, and what a calibration finds."""
     run = dcrb_ros.simulate("healthy", 5.0, settings=drawn(seed))
     return run, dcrb_ros.calibrate(run)
 
 
-def true_powers(run: dcrb_ros.Run, axis: int, gain: float) -> tuple[Any, Any]:
+def true_powers(run: dcrb_ros.SimulationResult, axis: int, gain: float) -> tuple[Any, Any]:
     """Return frequencies from 200 Hz to 20 kHz, and the power of the ring before and behind the true path, shape (2, lines)."""
     spectrum = power_density(run.clean[25600:, axis].astype(float), run.sampling_rate)
     used = (spectrum.frequency >= 200.0) & (spectrum.frequency <= 0.4 * run.sampling_rate)

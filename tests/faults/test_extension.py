@@ -91,7 +91,7 @@ def test_the_commands_know_its_parameters(environment: Mapping[str, str]) -> Non
     [
         (("faults.fluting_1.width=1.0",), "faults.fluting_1.width = 1.0 m is outside 0 .. 0.1 m"),
         (("faults.fluting_1.width=1e-3",), "faults.fluting_1.width = 0.001 m is outside 0.002 .. 0.343 m, from a period to half a turn"),
-        (("faults.fluting_1.width=0.02", "faults.fluting_1.depth=5e-5"), "faults.fluting_1.depth = 5e-05 m is above 1.17e-05 m"),
+        (("faults.fluting_1.width=0.02", "faults.fluting_1.depth=5e-5"), "faults.fluting_1.depth = 5e-05 m is above 7.19e-06 m"),
         (("faults.fluting_1.size=1e-3",), "unknown parameter 'faults.fluting_1.size'"),
     ],
 )

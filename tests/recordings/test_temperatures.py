@@ -13,7 +13,7 @@ from dcrb_ros.diagnosis.thermal_detector import TemperatureFeed
 from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.recordings.recorder import Recorder
 from dcrb_ros.simulation.loop import Simulation
-from dcrb_ros.simulation.run import Run
+from dcrb_ros.simulation.run import SimulationResult
 
 WARM = {"thermal.law": "network", "lubrication.law": "film"}
 DURATION = 1.6
@@ -21,11 +21,11 @@ DURATION = 1.6
 
 
 @pytest.fixture(scope="module")
-def run() -> Run:
+def run() -> SimulationResult:
     return dcrb_ros.simulate("healthy", DURATION, settings=WARM)
 
 
-def test_a_recording_has_the_readings_of_its_run(run: Run, tmp_path: Path) -> None:
+def test_a_recording_has_the_readings_of_its_run(run: SimulationResult, tmp_path: Path) -> None:
     simulation = Simulation(run.configuration)
     with Recorder(tmp_path / "warm", run.configuration, simulation.bodies) as recorder:
         for block in simulation.blocks(DURATION):
@@ -35,7 +35,7 @@ def test_a_recording_has_the_readings_of_its_run(run: Run, tmp_path: Path) -> No
     assert found.to_pandas().equals(run.temperatures.to_pandas())
 
 
-def test_the_detector_uses_the_readings_of_a_run(run: Run) -> None:
+def test_the_detector_uses_the_readings_of_a_run(run: SimulationResult) -> None:
     assert any("K above ambient" in remark for remark in dcrb_ros.detect(run).last.remarks)
     assert not any("K above ambient" in remark for remark in dcrb_ros.detect(run, temperatures=TemperatureReadings.none()).last.remarks)
 

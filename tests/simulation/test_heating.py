@@ -1,4 +1,4 @@
-"""Temperatures, lubricant and clearance of a running bearing: on their grid of steps, in balance, and felt by the motion."""
+"""Temperatures, lubricant and clearance of a running bearing: on their grid of steps, in balance, and with an effect on the motion."""
 
 from __future__ import annotations
 

@@ -26,11 +26,11 @@ def pulses(duration: float, **settings: object) -> tuple[list[int], list[int], b
 
 
 @pytest.fixture(scope="module")
-def uneven() -> dcrb_ros.Run:
+def uneven() -> dcrb_ros.SimulationResult:
     return dcrb_ros.simulate("dry", 0.5, settings=UNEVEN | {"tacho.pulses_per_turn": 100})
 
 
-def angle_error(run: dcrb_ros.Run, every: int) -> float:
+def angle_error(run: dcrb_ros.SimulationResult, every: int) -> float:
     """Return the largest difference of the angle from each ``every``-th pulse to that of the shaft [degrees]."""
     tacho = run.tacho
     found = np.interp(run.time, tacho.time[::every], tacho.number[::every] / tacho.pulses_per_turn, left=math.nan, right=math.nan)
@@ -39,7 +39,7 @@ def angle_error(run: dcrb_ros.Run, every: int) -> float:
     return 360.0 * float(np.nanmax(np.abs(found - true)))
 
 
-def test_the_angle_from_pulses_is_that_of_a_fluctuating_shaft(uneven: dcrb_ros.Run) -> None:
+def test_the_angle_from_pulses_is_that_of_a_fluctuating_shaft(uneven: dcrb_ros.SimulationResult) -> None:
     speed = uneven.truth.speed
     assert np.ptp(speed) > 0.005 * speed[0]
     # The angle of a sample is a single float of a turn: 2 pi / 2^24 rounds to 4e-5 degrees at the most, seen with some margin.
@@ -51,7 +51,7 @@ def test_the_angle_from_pulses_is_that_of_a_fluctuating_shaft(uneven: dcrb_ros.R
     assert uneven.tacho.turns(uneven.time[-1] + 1.0) == pytest.approx(math.nan, nan_ok=True)
 
 
-def test_the_speed_from_pulses_is_that_of_the_truth(uneven: dcrb_ros.Run) -> None:
+def test_the_speed_from_pulses_is_that_of_the_truth(uneven: dcrb_ros.SimulationResult) -> None:
     middle = 0.5 * (uneven.tacho.time[1:] + uneven.tacho.time[:-1])
     found = np.interp(uneven.truth.time[1:-1], middle, uneven.tacho.speed)
     assert np.allclose(found, uneven.truth.speed[1:-1], rtol=3e-4)

@@ -23,7 +23,7 @@ from dcrb_ros.stream.block import Block
 
 
 @pytest.fixture(scope="module")
-def warm(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dcrb_ros.Run, list[Block]]:
+def warm(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dcrb_ros.SimulationResult, list[Block]]:
     """Return the recording of a warm bearing, the same run as arrays, and its blocks."""
     configuration, path = dcrb_ros.load_configuration("healthy", {"thermal.law": "network"}), tmp_path_factory.mktemp("warm") / "bag"
     simulation = Simulation(configuration)
@@ -34,7 +34,7 @@ def warm(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dcrb_ros.Run, 
     return path, dcrb_ros.simulate(configuration, 1.1), blocks
 
 
-def test_a_run_has_the_readings_of_its_sensors(warm: tuple[Path, dcrb_ros.Run, list[Block]]) -> None:
+def test_a_run_has_the_readings_of_its_sensors(warm: tuple[Path, dcrb_ros.SimulationResult, list[Block]]) -> None:
     path, run, blocks = warm
     readings = [reading for block in blocks for reading in block.temperatures]
     for found in (run.temperatures, Recording(path).temperatures()):
@@ -48,7 +48,7 @@ def test_a_run_has_the_readings_of_its_sensors(warm: tuple[Path, dcrb_ros.Run, l
     assert "at the end outer_ring" in repr(run.temperatures)
 
 
-def test_the_truth_has_all_temperatures_over_time(warm: tuple[Path, dcrb_ros.Run, list[Block]]) -> None:
+def test_the_truth_has_all_temperatures_over_time(warm: tuple[Path, dcrb_ros.SimulationResult, list[Block]]) -> None:
     path, run, _ = warm
     for truth in (run.truth, Recording(path).truth()):
         box = truth.thermal("box [deg C]")
@@ -61,7 +61,7 @@ def test_the_truth_has_all_temperatures_over_time(warm: tuple[Path, dcrb_ros.Run
             truth.thermal("box")
 
 
-def test_the_table_of_states_has_the_temperatures_by_body(warm: tuple[Path, dcrb_ros.Run, list[Block]]) -> None:
+def test_the_table_of_states_has_the_temperatures_by_body(warm: tuple[Path, dcrb_ros.SimulationResult, list[Block]]) -> None:
     _, run, _ = warm
     found = run.states.to_pandas()["temperature"]
     assert [str(name) for name in found.columns] == [
@@ -83,7 +83,7 @@ def test_a_cold_bench_has_no_temperatures() -> None:
         run.truth.thermal("box [deg C]")
 
 
-def test_the_status_of_the_node_has_the_present_temperatures(warm: tuple[Path, dcrb_ros.Run, list[Block]]) -> None:
+def test_the_status_of_the_node_has_the_present_temperatures(warm: tuple[Path, dcrb_ros.SimulationResult, list[Block]]) -> None:
     progress, (_, _, blocks) = Progress(), warm
     for block in blocks:
         progress.write(Bundle(block.stamp_ns, block.end_ns, (), block))
@@ -98,7 +98,10 @@ def test_the_status_of_the_node_has_the_present_temperatures(warm: tuple[Path, d
 
 
 def test_the_example_draws_a_recording(
-    warm: tuple[Path, dcrb_ros.Run, list[Block]], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    warm: tuple[Path, dcrb_ros.SimulationResult, list[Block]],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
 ) -> None:
     monkeypatch.setattr(sys, "argv", ["burn_off.py", str(warm[0]), "-o", str(tmp_path / "picture.png")])
     runpy.run_path(str(Path(__file__).parents[2] / "examples" / "burn_off.py"), run_name="__main__")
@@ -106,7 +109,7 @@ def test_the_example_draws_a_recording(
     assert f"at most {warm[1].states.inner_ring_temperature[:, 0].max():.0f} °C" in capsys.readouterr().out  # type: ignore[index]
 
 
-def test_info_and_plot_show_the_readings(warm: tuple[Path, dcrb_ros.Run, list[Block]], tmp_path: Path) -> None:
+def test_info_and_plot_show_the_readings(warm: tuple[Path, dcrb_ros.SimulationResult, list[Block]], tmp_path: Path) -> None:
     path, run, _ = warm
     said = CliRunner().invoke(app, ["info", str(path)])
     assert "2 readings of temperature, at 0.000 s outer_ring" in said.output

@@ -87,12 +87,12 @@ def test_a_table_whose_slopes_are_not_those_of_its_heights_falls_short(monkeypat
 def test_a_spall_that_does_not_move_with_its_azimuth_falls_short(misplaced: str, monkeypatch: pytest.MonkeyPatch) -> None:
     add = surfaces.add_window
 
-    def wrong(table: Floats, columns: tuple[int, int], felt: surfaces.FeltDefect, azimuth: float, radius: float) -> None:
+    def wrong(table: Floats, columns: tuple[int, int], path: surfaces.ContactPath, azimuth: float, radius: float) -> None:
         if misplaced == "rounded":
-            add(table, columns, felt, round(azimuth, 3), radius)
+            add(table, columns, path, round(azimuth, 3), radius)
             return
         part = np.zeros_like(table)
-        add(part, columns, felt, azimuth, radius)
+        add(part, columns, path, azimuth, radius)
         table += part if azimuth > 0.0 else np.where(np.arange(len(part))[:, None] < len(part) // 2, part, 0.0)
 
     monkeypatch.setattr(surfaces, "add_window", wrong)
@@ -104,7 +104,7 @@ def test_shares_growth_and_dents_are_noticed(monkeypatch: pytest.MonkeyPatch) ->
     add, refit = surfaces.add_to_raceway, runtime_change.refitted
     with monkeypatch.context() as patch:
         patch.setattr(
-            surfaces, "add_to_raceway", lambda table, row, felt, azimuth, raceway, _: add(table, row, felt, azimuth, raceway, 1.0)
+            surfaces, "add_to_raceway", lambda table, row, path, azimuth, raceway, _: add(table, row, path, azimuth, raceway, 1.0)
         )
         assert "Samples with a spall over 1e-6 of the length, over the effect of a whole one" in short(height_rows.share_comparisons())
     with monkeypatch.context() as patch:  # the bearing's clearance changes by 2 um with the spall

@@ -41,8 +41,8 @@ def normal_forces(law: Any, penetration: Floats, site: Site) -> tuple[Floats, Fl
     """Return elastic forces [N] and stiffnesses [N/m] of contacts without memory at penetrations [m]; any shape."""
     known = law_of(law)
     if known.forces is not None and not lubricated(site):
-        found: tuple[Floats, Floats] = known.forces(law, penetration, site)
-        return found
+        elastic_forces: tuple[Floats, Floats] = known.forces(law, penetration, site)
+        return elastic_forces
     depth, force, stiffness = np.ascontiguousarray(penetration), np.empty(penetration.shape), np.empty(penetration.shape)
     _evaluate(law, no_memory(law), site, depth.reshape(-1), force.reshape(-1), stiffness.reshape(-1))
     return force, stiffness

@@ -13,10 +13,11 @@ import numpy as np
 from dcrb_ros.core.contacts.films import GROUPS
 from dcrb_ros.core.jit import piece
 from dcrb_ros.core.laws.calls import bar_shear, churning, land_damping, land_torque
+from dcrb_ros.core.layout.cages import headings_of, of_cages, of_row
 from dcrb_ros.core.layout.records import VECTOR
 from dcrb_ros.core.layout.state import CAGE, FRICTION, LOSS, OUTER, State
 from dcrb_ros.core.layout.workspace import Workspace
-from dcrb_ros.core.payload import Payload
+from dcrb_ros.core.payload import Payload, mobilities
 from dcrb_ros.core.solver.classification import bar_at
 
 NORMAL_X, NORMAL_Y, DAMPING, TORQUE, FORCE = range(5)
@@ -29,30 +30,28 @@ CONCENTRIC = 1e-15
 @piece
 def write_spin_drag(payload: Payload, state: State, work: Workspace) -> None:
     """Write the drag of both bars on the spin of a group of rollers: the next group in every step."""
-    rollers, last = state.rollers[0], state.position.shape[0] - 1
+    rollers = state.rollers[0]
     size = (payload.free.size + GROUPS * VECTOR - 1) // (GROUPS * VECTOR) * VECTOR
     tick = state.tick[0]
     groups = range(GROUPS) if tick == 1 else range(tick % GROUPS, tick % GROUPS + 1)
-    first_x, first_y = state.position[CAGE, 0], state.position[CAGE, 1]
-    second_x, second_y = state.position[last, 0], state.position[last, 1]
-    first_way, second_way = (work.heading[0, 0], work.heading[0, 1]), (work.heading[last - CAGE, 0], work.heading[last - CAGE, 1])
+    cages, headings = of_cages(state.position), headings_of(work.heading)
     for group in groups:
         first = np.uint64(group * size)
         for k in range(size):
             c = first + np.uint64(k)
-            second = rollers.second_row[c] > 0.0
-            cosine, sine = second_way[0] if second else first_way[0], second_way[1] if second else first_way[1]
+            cosine, sine, _ = of_row(headings, rollers.second_row[c])
+            cage_x, cage_y, _ = of_row(cages, rollers.second_row[c])
             px, py = rollers.pocket_tangent_x[c], rollers.pocket_tangent_y[c]
-            ax, ay = rollers.x[c] - (second_x if second else first_x), rollers.y[c] - (second_y if second else first_y)
+            ax, ay = rollers.x[c] - cage_x, rollers.y[c] - cage_y
             along, clearance = ax * (cosine * px - sine * py) + ay * (sine * px + cosine * py), rollers.pocket_clearance[c]
             drag = bar_shear(payload.lubrication, clearance - along) + bar_shear(payload.lubrication, clearance + along)
             rollers.spin_drag[c] = drag * rollers.free[c]
 
 
 @piece
-def drag_on_orbit(payload: Payload, work: Workspace, row: int) -> float:
-    """Return the drag of the oil on each free roller of a row along its orbit [N]."""
-    speed = payload.pitch_radius * work.mean_velocity[CAGE + row, 2]
+def drag_on_orbit(payload: Payload, turn: float) -> float:
+    """Return the drag of the oil on each free roller along its orbit [N], where the cage has an angular speed [rad/s]."""
+    speed = payload.pitch_radius * turn
     drag: float = -churning(payload.lubrication) * speed * abs(speed)
     return drag
 
@@ -60,13 +59,11 @@ def drag_on_orbit(payload: Payload, work: Workspace, row: int) -> float:
 @piece
 def drag_bound(payload: Payload, work: Workspace, count: int) -> None:
     """Add the drag of the oil on ``count`` bound rollers to their velocities without contacts, and that on the cages to their forces."""
-    bound, radius, last = work.bound[0], payload.roller_radius, work.mean_velocity.shape[0] - 1
-    by_mass, by_inertia = 0.5 * payload.step / payload.roller_mass, 0.5 * payload.step * radius * radius / payload.roller_inertia
-    first_turn, second_turn = work.mean_velocity[CAGE, 2], work.mean_velocity[last, 2]
-    first_drag, second_drag = drag_on_orbit(payload, work, 0), drag_on_orbit(payload, work, last - CAGE)
+    bound, radius, cages = work.bound[0], payload.roller_radius, of_cages(work.mean_velocity)
+    by_mass, by_inertia = mobilities(payload)
     for k in range(count):
-        second, free = bound.second_row[k] > 0.0, bound.free[k]
-        turn, orbit = second_turn if second else first_turn, free * (second_drag if second else first_drag)
+        _, _, turn = of_row(cages, bound.second_row[k])
+        orbit = bound.free[k] * drag_on_orbit(payload, turn)
         past = bound.predicted_rim[k] - radius * turn
         drag = bound.spin_drag[k] * past
         bound.drag[k] = drag
@@ -81,22 +78,20 @@ def drag_bound(payload: Payload, work: Workspace, count: int) -> None:
 @piece
 def add_bar_films(payload: Payload, state: State, work: Workspace, count: int) -> None:
     """Add the films to the lines of ``count`` bound rollers with their bars."""
-    bound, bar, last = work.bound[0], work.bound[0].bar, state.position.shape[0] - 1
+    bound, bar, cages = work.bound[0], work.bound[0].bar, of_cages(state.position)
     if payload.any_broken:
         for k in range(work.row_ends[work.row_ends.size - 1]):
             i = bound.roller[k] - bound.row[k] * payload.free.shape[1]
             if not bar_at(payload, bound.row[k], i, bound.bar_film[k] > 0.0):
                 bound.bar_film[k] = 0.0
-    first_x, first_y = state.position[CAGE, 0], state.position[CAGE, 1]
-    second_x, second_y = state.position[last, 0], state.position[last, 1]
     for k in range(count):
-        second, film, side = bound.second_row[k] > 0.0, bound.bar_film[k], bar.side[k]
+        (cage_x, cage_y, _), film, side = of_row(cages, bound.second_row[k]), bound.bar_film[k], bar.side[k]
         damping = abs(film) if side * film >= 0.0 else 0.0
         bar.force_slope[k] += damping
         bar.damping[k] += damping
         # A roller that touches no bar has no side; that the lever ends at its centre does not matter to a force along the tangent.
-        bar.lever_x[k] = bar.lever_x[k] if side != 0.0 else bound.x[k] - (second_x if second else first_x)
-        bar.lever_y[k] = bar.lever_y[k] if side != 0.0 else bound.y[k] - (second_y if second else first_y)
+        bar.lever_x[k] = bar.lever_x[k] if side != 0.0 else bound.x[k] - cage_x
+        bar.lever_y[k] = bar.lever_y[k] if side != 0.0 else bound.y[k] - cage_y
 
 
 @piece

@@ -12,10 +12,10 @@ from dcrb_ros.core.contacts.cage_films import CONCENTRIC, add_bar_films, write_l
 from dcrb_ros.core.jit import piece
 from dcrb_ros.core.laws.calls import (
     clear_memory,
-    film_resists,
+    has_cage_oil,
+    has_rolling_resistance,
     load_kept,
     load_memory,
-    oils_cages,
     store_kept,
     store_memory,
     traction_line,
@@ -33,7 +33,7 @@ from dcrb_ros.core.solver.classification import bar_at, filled
 @piece
 def find_lands(payload: Payload, state: State, work: Workspace) -> int:
     """Write how the cages in reach of the outer ring's land lie to it, in the first conformal contacts; return how many there are."""
-    contacts, land, law, h, found = work.conformal[0], state.land[0], payload.cage_traction_law, payload.step, 0
+    contacts, land, law, h, count = work.conformal[0], state.land[0], payload.cage_traction_law, payload.step, 0
     for row in range(payload.free.shape[0]):
         dx, dy = state.position[CAGE + row, 0] - state.position[OUTER, 0], state.position[CAGE + row, 1] - state.position[OUTER, 1]
         distance = max(math.sqrt(dx * dx + dy * dy), CONCENTRIC)
@@ -47,22 +47,22 @@ def find_lands(payload: Payload, state: State, work: Workspace) -> int:
             continue
         vx = work.mean_velocity[CAGE + row, 0] - work.mean_velocity[OUTER, 0]
         vy = work.mean_velocity[CAGE + row, 1] - work.mean_velocity[OUTER, 1]
-        contacts.owner[found] = row
-        contacts.normal_x[found], contacts.normal_y[found] = nx, ny
-        contacts.penetration[found] = distance - payload.land_clearance - 0.5 * h * before
-        contacts.closing_before[found], contacts.closing[found] = before, vx * nx + vy * ny
-        contacts.slip[found] = vy * nx - vx * ny + payload.land_radius * work.mean_velocity[CAGE + row, 2]
-        contacts.force[found], contacts.impact_speed[found] = land.force[row], land.impact_speed[row]
-        store_memory(law, contacts.traction, found, load_memory(law, land.traction, row))
-        contacts.coefficient[found], contacts.exponent[found] = payload.land_coefficient, payload.land_exponent
-        contacts.mobility[found] = 0.5 * h * (1.0 / payload.train_mass[row] + 1.0 / payload.outer_mass)
-        found += 1
-    return found
+        contacts.owner[count] = row
+        contacts.normal_x[count], contacts.normal_y[count] = nx, ny
+        contacts.penetration[count] = distance - payload.land_clearance - 0.5 * h * before
+        contacts.closing_before[count], contacts.closing[count] = before, vx * nx + vy * ny
+        contacts.slip[count] = vy * nx - vx * ny + payload.land_radius * work.mean_velocity[CAGE + row, 2]
+        contacts.force[count], contacts.impact_speed[count] = land.force[row], land.impact_speed[row]
+        store_memory(law, contacts.traction, count, load_memory(law, land.traction, row))
+        contacts.coefficient[count], contacts.exponent[count] = payload.land_coefficient, payload.land_exponent
+        contacts.mobility[count] = 0.5 * h * (1.0 / payload.train_mass[row] + 1.0 / payload.outer_mass)
+        count += 1
+    return count
 
 
 @piece
-def find_bars(payload: Payload, state: State, work: Workspace, found: int) -> int:
-    """Write how bound rollers lie to bars in reach, as conformal contacts from ``found`` on; return how many there are then."""
+def find_bars(payload: Payload, state: State, work: Workspace, count: int) -> int:
+    """Write how bound rollers lie to bars in reach, as conformal contacts from ``count`` on; return how many there are then."""
     bound, contacts, law, radius, h = work.bound[0], work.conformal[0], payload.cage_traction_law, payload.roller_radius, payload.step
     for k in range(work.row_ends[work.row_ends.size - 1]):
         if bound.near_bar[k] <= 0.0:
@@ -84,26 +84,26 @@ def find_bars(payload: Payload, state: State, work: Workspace, found: int) -> in
         ux = bound.vx[k] - state.velocity[CAGE + row, 0] + old_turn * ry
         uy = bound.vy[k] - state.velocity[CAGE + row, 1] - old_turn * rx
         before = side * (ux * tx + uy * ty)
-        contacts.owner[found] = k
-        contacts.penetration[found] = abs(along) - payload.pocket_clearance[row, i] - 0.5 * h * before
-        contacts.closing_before[found], contacts.closing[found] = before, side * (vx * tx + vy * ty)
-        contacts.slip[found] = vx * ty - vy * tx - side * bound.predicted_rim[k]
-        contacts.force[found], contacts.impact_speed[found] = abs(state.rollers[0].bar.force[c]), state.rollers[0].bar.impact_speed[c]
-        store_memory(law, contacts.traction, found, load_memory(law, bound.bar.traction, k))
-        contacts.coefficient[found], contacts.exponent[found] = payload.bar_coefficient[row, i], payload.bar_exponent[row, i]
-        contacts.mobility[found] = 0.5 * h / payload.roller_mass
+        contacts.owner[count] = k
+        contacts.penetration[count] = abs(along) - payload.pocket_clearance[row, i] - 0.5 * h * before
+        contacts.closing_before[count], contacts.closing[count] = before, side * (vx * tx + vy * ty)
+        contacts.slip[count] = vx * ty - vy * tx - side * bound.predicted_rim[k]
+        contacts.force[count], contacts.impact_speed[count] = abs(state.rollers[0].bar.force[c]), state.rollers[0].bar.impact_speed[c]
+        store_memory(law, contacts.traction, count, load_memory(law, bound.bar.traction, k))
+        contacts.coefficient[count], contacts.exponent[count] = payload.bar_coefficient[row, i], payload.bar_exponent[row, i]
+        contacts.mobility[count] = 0.5 * h / payload.roller_mass
         bound.bar.side[k], bound.bar.lever_x[k], bound.bar.lever_y[k] = side, rx, ry
-        found += 1
-    return found
+        count += 1
+    return count
 
 
 @piece
-def evaluate_conformal(payload: Payload, contacts: ConformalContacts, found: int) -> None:
-    """Write elastic force and its slope, damping and friction of all conformal contacts found."""
-    law, count = payload.cage_traction_law, filled(found)
-    for c in range(found, count):
+def evaluate_conformal(payload: Payload, contacts: ConformalContacts, count: int) -> None:
+    """Write elastic force and its slope, damping and friction of all conformal contacts."""
+    law, lanes = payload.cage_traction_law, filled(count)
+    for c in range(count, lanes):
         contacts.penetration[c], contacts.closing[c], contacts.closing_before[c], contacts.force[c] = -1.0, 0.0, 0.0, 0.0
-    for c in range(count):
+    for c in range(lanes):
         force, slope, closing = step_force(
             contacts.penetration[c],
             contacts.closing[c],
@@ -171,16 +171,16 @@ def store_lands(payload: Payload, state: State, work: Workspace, lands: int) -> 
         land.impact_speed[row] = contacts.impact_speed[c]
         state.account[FRICTION] += h * normal * (contacts.friction_offset[c] + contacts.friction_slope[c] * slip) * slip
         state.account[LOSS] += h * contacts.damping[c] * closing * closing
-        if film_resists(payload.inner.film):
+        if has_rolling_resistance(payload.inner.film):
             sliding = normal * (contacts.friction_offset[c] + contacts.friction_slope[c] * slip) * slip
             land.loss[row] += h * (sliding + contacts.damping[c] * closing * closing)
 
 
 @piece
-def linearize_bars(payload: Payload, bar: BarContact, contacts: ConformalContacts, lands: int, found: int) -> None:
+def linearize_bars(payload: Payload, bar: BarContact, contacts: ConformalContacts, lands: int, count: int) -> None:
     """Write contacts with bars as lines over the mean velocities of the step; the normal is the pocket's tangent, friction radial."""
     law = payload.cage_traction_law
-    for c in range(lands, found):
+    for c in range(lands, count):
         k, elastic, slope, closing = contacts.owner[c], contacts.elastic_force[c], contacts.elastic_slope[c], contacts.closing[c]
         damping = contacts.damping[c]
         expected = elastic + damping * closing
@@ -204,14 +204,14 @@ def clear_bars(bar: BarContact, count: int) -> None:
 def linearize_cages(payload: Payload, state: State, work: Workspace, count: int) -> int:
     """Write the contacts of cages with lands and of ``count`` bound rollers with bars; return how many lands are touched."""
     lands = find_lands(payload, state, work)
-    found = lands
+    touching = lands
     if payload.any_free:
         clear_bars(work.bound[0].bar, count)
-        found = find_bars(payload, state, work, lands)
-    if found > 0:
-        evaluate_conformal(payload, work.conformal[0], found)
-        linearize_bars(payload, work.bound[0].bar, work.conformal[0], lands, found)
-    if oils_cages(payload.lubrication):
+        touching = find_bars(payload, state, work, lands)
+    if touching > 0:
+        evaluate_conformal(payload, work.conformal[0], touching)
+        linearize_bars(payload, work.bound[0].bar, work.conformal[0], lands, touching)
+    if has_cage_oil(payload.lubrication):
         if payload.any_free:
             add_bar_films(payload, state, work, count)
         write_land_films(payload, state, work)

@@ -16,7 +16,7 @@ from dcrb_ros.core.jit import piece
 from dcrb_ros.core.laws.calls import film_at, film_memory, film_reach, load_film, load_memory, store_film, store_memory
 from dcrb_ros.core.laws.site import Site
 from dcrb_ros.core.layout.records import VECTOR
-from dcrb_ros.core.layout.state import CAGE, State
+from dcrb_ros.core.layout.state import CAGE, SHAFT_SPEED, State
 from dcrb_ros.core.payload import Payload
 
 INNER_RACEWAY, OUTER_RACEWAY = 0, 1
@@ -35,7 +35,7 @@ def entrainment(payload: Payload, state: State) -> tuple[float, float]:
     for row in range(rows):
         cages += state.velocity[CAGE + row, 2]
     orbit = cages / rows
-    return (orbit - state.shaft[1]) * payload.inner_raceway_radius, orbit * payload.outer_raceway_radius
+    return (orbit - state.shaft[SHAFT_SPEED]) * payload.inner_raceway_radius, orbit * payload.outer_raceway_radius
 
 
 def entrainment_speeds(payload: Payload, state: State) -> tuple[float, float]:

@@ -37,7 +37,7 @@ MEAN_DISPERSION = 1.0 / 6.0
 
 
 SHORT_WAY = 0.1
-"""Way over a step, relative to the gap, up to which the damping of a squeeze film at mid-step stands for its mean: within 0.2 %."""
+"""Way over a step, relative to the gap, up to which the damping of a squeeze film at mid-step replaces its mean: within 0.2 %."""
 
 
 @piece
@@ -77,8 +77,8 @@ def elastic_and_energy(law: Any, memory: Any, penetration: float, site: Site) ->
 @piece
 def damping_of(payload: Payload, memory: Any, site: Site, begin: float, way: float, force: float, stiffness: float, share: float) -> float:
     """Return the damping [N s/m] of a contact that is closed for a ``share`` of the step [-], without its film; see `NormalLaw.damping`."""
-    own = normal_damping(payload.normal_law, memory, site, begin, way, force, stiffness)
-    return stiffness * payload.loss_time + payload.contact_damping * (share if force > 0.0 else 0.0) + own
+    of_law = normal_damping(payload.normal_law, memory, site, begin, way, force, stiffness)
+    return stiffness * payload.loss_time + payload.contact_damping * (share if force > 0.0 else 0.0) + of_law
 
 
 @piece
@@ -124,11 +124,11 @@ def crosses(law: Any, site: Site, penetration: float, closing: float, before: fl
     """Return whether an elastic contact closes or opens within a step, or its film is squeezed by much: see `crossing_line`."""
     gap = onset(law, site)
     begin = penetration - 0.5 * step * before
-    return (begin > -gap) != (begin + step * closing > -gap) or hurries(site, -penetration, step * closing)
+    return (begin > -gap) != (begin + step * closing > -gap) or closes_quickly(site, -penetration, step * closing)
 
 
 @piece
-def hurries(site: Site, gap: float, way: float) -> bool:
+def closes_quickly(site: Site, gap: float, way: float) -> bool:
     """Return whether a gap [m] in mid-step closes by a ``way`` [m] over which the damping of a film changes by much."""
     floor = film_floor(site.film)
     return film_reach(site.film) > max(gap - 0.5 * way, 0.0) and way > SHORT_WAY * max(gap, floor) and gap + 0.5 * way > floor

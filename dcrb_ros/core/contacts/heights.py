@@ -33,11 +33,11 @@ class Profile(NamedTuple):
     raceways: Integers
     """Inner and outer raceway, row by row, shape (2, rows, nodes + 1)."""
     rollers: Integers
-    """Each roller, as the inner raceway feels it and then as the outer one does, shape (2, rows * rollers, nodes + 1)."""
+    """Each roller, averaged by the contact with the inner raceway and then with the outer one, shape (2, rows * rollers, nodes + 1)."""
     parts: SingleFloats
     """Height [m] and slope [m/rad] of defects over a share of the length, and that share [-], shape (2, rows, nodes, 3)."""
     partial: bool
-    """Whether there is such a defect."""
+    """Whether a defect takes a share of the length."""
 
 
 def packed(heights: Floats, slopes: Floats, shares: Floats | None = None) -> Integers:
@@ -66,9 +66,9 @@ def place_of(angle: float, nodes: int) -> tuple[int, float]:
 
     The number of nodes is a power of two: the last bits of an integer that counts on over the turns are the node.
     """
-    place = angle * (nodes * (1.0 / TURN))
-    before = np.floor(place)
-    return bits_of(before + INTEGERS) & (nodes - 1), place - before
+    position = angle * (nodes * (1.0 / TURN))
+    before = np.floor(position)
+    return bits_of(before + INTEGERS) & (nodes - 1), position - before
 
 
 @kernel
@@ -86,8 +86,8 @@ def interpolated(before: float, after: float, rise: float, rise_after: float, sp
 def read_node(nodes: Nodes, k: int, raceway: Integers, roller: Integers) -> None:
     """Copy the heights on both sides of a contact from the tables of a raceway and of a roller."""
     i, n = np.uint64(nodes.node[k]), np.uint64(nodes.roller_node[k])
-    before, after, own_before, own_after = raceway[i], raceway[i + np.uint64(1)], roller[n], roller[n + np.uint64(1)]
-    nodes.before[k], nodes.after[k], nodes.own_before[k], nodes.own_after[k] = before, after, own_before, own_after
+    before, after, roller_before, roller_after = raceway[i], raceway[i + np.uint64(1)], roller[n], roller[n + np.uint64(1)]
+    nodes.before[k], nodes.after[k], nodes.roller_before[k], nodes.roller_after[k] = before, after, roller_before, roller_after
 
 
 @kernel
@@ -95,7 +95,7 @@ def between(nodes: Nodes, k: int, raceway_nodes: int, roller_nodes: int) -> tupl
     """Return height [m] and slope [m/rad] of a raceway, and those of a roller, at a contact between two nodes."""
     return (
         curve(nodes.before[k], nodes.after[k], TURN / raceway_nodes, nodes.way[k]),
-        curve(nodes.own_before[k], nodes.own_after[k], TURN / roller_nodes, nodes.roller_way[k]),
+        curve(nodes.roller_before[k], nodes.roller_after[k], TURN / roller_nodes, nodes.roller_way[k]),
     )
 
 

@@ -1,4 +1,4 @@
-"""The line over the mean velocities of a step that stands for a contact of a bound roller with a raceway."""
+"""The contact of a bound roller with a raceway as a line over the mean velocities of a step."""
 
 from __future__ import annotations
 

@@ -20,7 +20,7 @@ SEPARATION = 1e-4
 """Sink depth between two contacts at which half of the influence of one on the other is left [m], a choice. For edges 2 mm apart on an
 outer raceway 0.78 is left, 0.80 by the elastic half-space."""
 LEAST_WAY = 1e-12
-"""Least way over a notch in a step, for a roller that stands [rad]."""
+"""Least way over a notch in a step, for a roller at rest [rad]."""
 
 
 @kernel
@@ -63,19 +63,19 @@ def passed(
     raceway: float,
     roller: float,
     inner: bool,
-    own: bool,
+    on_roller: bool,
 ) -> tuple[float, float]:
     """Return the depth of a notch ``offset`` [rad] from its middle, for a step over a ``way`` [rad] there, and its change over it [m].
 
-    At the ends of the ``bottom`` [rad] on either side of the middle the slope drops by ``kink`` [m/rad], within a step: no depth at one
-    place stands for it. Leapfrog joins one step's middle to the next, so the depth is the mean over a step before and after, with weights
-    that fall to zero there. ``own`` says that the notch is the roller's.
+    At the ends of the ``bottom`` [rad] on either side of the middle the slope drops by ``kink`` [m/rad], within a step: no single depth
+    represents it. Leapfrog joins one step's middle to the next, so the depth is the mean over a step before and after, with weights
+    that fall to zero there. ``on_roller`` says that the notch is the roller's.
     """
-    places, shares = (offset, offset - 0.5 * way, offset + 0.5 * way), (0.0, -1.0, 1.0)
+    offsets, shares = (offset, offset - 0.5 * way, offset + 0.5 * way), (0.0, -1.0, 1.0)
     middle, change = 0.0, 0.0
-    for k in range(len(places)):
-        edge = max(half_angle - abs(places[k]), 0.0)
-        if own:
+    for k in range(len(offsets)):
+        edge = max(half_angle - abs(offsets[k]), 0.0)
+        if on_roller:
             here = roller_notch_depth(edge, depth, raceway, roller, inner)
         elif inner:
             here = inner_notch_depth(edge, depth, raceway, roller)

@@ -6,13 +6,12 @@ from dcrb_ros.core.contacts.films import raceway_site
 from dcrb_ros.core.contacts.force_line import crosses, crossing_line, elastic, lasting_line, reach
 from dcrb_ros.core.contacts.lines import RingMotion, closing_speeds, linearize_friction, locate, replace_lines, write_force_line
 from dcrb_ros.core.contacts.notch import edge_contact, notch_under, passed, roller_notch_under
-from dcrb_ros.core.contacts.profile import profiles_under
-from dcrb_ros.core.contacts.surface import add_parts, feel_bound
+from dcrb_ros.core.contacts.surface import add_bound_heights, add_parts
 from dcrb_ros.core.jit import NO, YES, piece
 from dcrb_ros.core.laws.calls import load_memory, normal_range
 from dcrb_ros.core.layout.contacts import RacewayContact
 from dcrb_ros.core.layout.records import Floats
-from dcrb_ros.core.layout.state import INNER, OUTER, State
+from dcrb_ros.core.layout.state import INNER, OUTER, SHAFT_SPEED, State
 from dcrb_ros.core.layout.workspace import Workspace
 from dcrb_ros.core.payload import SINK, Notches, Payload
 
@@ -24,27 +23,22 @@ LARGEST_CLOSING = 1.0
 def notch_depth(
     payload: Payload, state: State, work: Workspace, row: int, i: int, nx: float, ny: float, orbit: float, spin: float, inner: bool
 ) -> tuple[float, float]:
-    """Return the depth of notches and profiles under a contact, for the step [m], and how fast it grows [m/s].
+    """Return the depth of notches under a contact, for the step [m], and how fast it grows [m/s].
 
     (nx, ny) points from the ring to the roller, ``orbit`` is the roller's angular speed about the ring's centre, ``spin`` its own [rad/s].
     """
     if inner:
-        passing, side, raceway = orbit - state.shaft[1], -1.0, payload.inner_raceway_radius
+        passing, side, raceway = orbit - state.shaft[SHAFT_SPEED], -1.0, payload.inner_raceway_radius
         depth, sink = raceway_notch_depth(payload, payload.inner_notches, work.inner_notch_direction, row, nx, ny, passing, YES)
     else:
         side, raceway = 1.0, payload.outer_raceway_radius
         depth, sink = raceway_notch_depth(payload, payload.outer_notches, work.outer_notch_direction, row, nx, ny, orbit, NO)
     if payload.roller_notches.row.size > 0:
         angle, way = state.rollers[0].angle[row * payload.free.shape[1] + i], payload.step * (orbit - spin)
-        own, change = roller_notch_under(
+        roller_depth, change = roller_notch_under(
             payload.roller_notches, row, i, side * nx, side * ny, angle, way, raceway, payload.roller_radius, inner
         )
-        depth, sink = depth + own, sink + change / payload.step
-    if payload.profiles.row.size > 0:
-        angle = state.rollers[0].angle[row * payload.free.shape[1] + i]
-        turn, turning = (state.shaft[0], state.shaft[1]) if inner else (0.0, 0.0)
-        own, change = profiles_under(payload, row, i, nx, ny, orbit, spin, turn, turning, angle, inner)
-        depth, sink = depth + own, sink + change / payload.step
+        depth, sink = depth + roller_depth, sink + change / payload.step
     return depth, sink
 
 
@@ -177,15 +171,15 @@ def linearize_crossing(
     ring: RingMotion,
 ) -> None:
     """Write the lines of the contacts that close or open within the step."""
-    bound, site, found = work.bound[0], raceway_site(payload, state, ring.inner), 0
+    bound, site, crossings = work.bound[0], raceway_site(payload, state, ring.inner), 0
     for k in range(work.row_ends[work.row_ends.size - 1]):
         if contact.crossing[k] > 0.0:
-            bound.crossings[found] = k
-            found += 1
-    for n in range(found):
+            bound.crossings[crossings] = k
+            crossings += 1
+    for n in range(crossings):
         k = bound.crossings[n]
         closing, before, sink = closing_speeds(bound, contact, k, ring)
-        # A pinned roller moves with its whole cage: its force changes next to nothing.
+        # A pinned roller moves with its whole cage: its force hardly changes the velocity.
         mobility = 0.5 * payload.step / payload.roller_mass * bound.free[k]
         penetration, last = contact.penetration[k], contact.last_force[k]
         memory = load_memory(payload.normal_law, contact.normal, k)
@@ -203,7 +197,7 @@ def linearize_raceway(
     ring: RingMotion,
 ) -> None:
     """Write the contacts of bound rollers with a raceway as lines over the mean velocities of the step, notches included."""
-    feel_bound(payload.surfaces, payload, state, work, contact, ring)
+    add_bound_heights(payload.surfaces, payload, state, work, contact, ring)
     if payload.any_defect:
         apply_notches(payload, state, work, contact, ring)
     linearize_smooth(payload, state, work, contact, count, ring)
@@ -216,7 +210,7 @@ def linearize_raceway(
 @piece
 def linearize_raceways(payload: Payload, state: State, work: Workspace, count: int) -> None:
     """Write the contacts of ``count`` bound rollers with both raceways as lines over the mean velocities of the step."""
-    mean, before, speed = work.mean_velocity, state.velocity, state.shaft[1]
+    mean, before, speed = work.mean_velocity, state.velocity, state.shaft[SHAFT_SPEED]
     outer_mean, inner_mean = (mean[OUTER, 0], mean[OUTER, 1]), (mean[INNER, 0], mean[INNER, 1])
     outer_before, inner_before = (before[OUTER, 0], before[OUTER, 1]), (before[INNER, 0], before[INNER, 1])
     outer = RingMotion(outer_mean, outer_before, 0.0, 0.0, False)

@@ -36,10 +36,10 @@ def add_pair_contact(payload: Payload, state: State, pair_force: Floats, row: in
         clear_memory(normal_law, pair.normal, k)
         return
     nx, ny = dx / distance, dy / distance
-    own, other = predicted_velocity(rollers, first + i), predicted_velocity(rollers, first + j)
-    vx, vy = own[0] - other[0], own[1] - other[1]
+    velocity, other = predicted_velocity(rollers, first + i), predicted_velocity(rollers, first + j)
+    vx, vy = velocity[0] - other[0], velocity[1] - other[1]
     rate = -(vx * nx + vy * ny)
-    slip = vy * nx - vx * ny - payload.roller_radius * (own[2] + other[2])
+    slip = vy * nx - vx * ny - payload.roller_radius * (velocity[2] + other[2])
     memory = load_memory(normal_law, pair.normal, k)
     force, stiffness = normal_force(normal_law, memory, penetration, payload.pair)
     damping = damping_of(payload, memory, payload.pair, penetration - 0.5 * h * rate, h * rate, force, stiffness, 1.0)

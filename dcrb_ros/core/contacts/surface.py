@@ -1,4 +1,4 @@
-"""The heights of raceways and rollers as the rollers feel them.
+"""The heights of raceways and rollers at their contacts.
 
 A contact follows a height H over the angle of its raceway, and the penetration grows by it. Its slope tilts the contact's normal, so that
 the contact has a tangential part and the shaft pays for every climb: with the angle theta about the ring's centre at the distance rho,
@@ -25,7 +25,7 @@ from dcrb_ros.core.laws.calls import load_memory
 from dcrb_ros.core.laws.registry import BY_CONSTANTS, Registered, by_law
 from dcrb_ros.core.layout.contacts import RacewayContact
 from dcrb_ros.core.layout.records import SingleFloats
-from dcrb_ros.core.layout.state import OUTER, State
+from dcrb_ros.core.layout.state import OUTER, SHAFT_ANGLE, SHAFT_SPEED, State
 from dcrb_ros.core.layout.workspace import Workspace
 from dcrb_ros.core.payload import Payload
 from dcrb_ros.core.solver.classification import filled
@@ -42,8 +42,8 @@ def tilted(nx: float, ny: float, slope: float) -> tuple[float, float]:
 
 
 @piece
-def feel_free_profile(profile: Profile, payload: Payload, state: State, work: Workspace) -> None:
-    """Write what all rollers feel at the outer raceway: nodes first, then the values there, then what lies between."""
+def write_free_profile(profile: Profile, payload: Payload, state: State, work: Workspace) -> None:
+    """Write height, tilt and sink speed of all rollers at the outer raceway: first the nodes, then their values, then between them."""
     rollers, step, count = state.rollers[0], work.rollers[0], filled(payload.free.size)
     nodes = work.outer[0]
     ring_x, ring_y = state.position[OUTER, 0], state.position[OUTER, 1]
@@ -65,76 +65,74 @@ def feel_free_profile(profile: Profile, payload: Payload, state: State, work: Wo
         by_square = by_reach * by_reach * (1.0 - beyond * (1.0 - beyond * (1.0 - beyond)))
         by_distance = by_reach * (1.0 - beyond * (0.5 - beyond * (0.375 - beyond * 0.3125)))
         orbit = ((rollers.vy[c] - mean_y) * dx - (rollers.vx[c] - mean_x) * dy) * by_square
-        (height, slope), (own, own_slope) = between(nodes, c, raceway_nodes, roller_nodes)
+        (height, slope), (roller_height, roller_slope) = between(nodes, c, raceway_nodes, roller_nodes)
         near = step.near_outer[c] > 0.0
-        step.height[c] = height + own if near else 0.0
+        step.height[c] = height + roller_height if near else 0.0
         step.tilt[c] = slope * by_distance if near else 0.0
-        step.sink_speed[c] = -own_slope * (orbit - rollers.spin[c]) if near else 0.0
+        step.sink_speed[c] = -roller_slope * (orbit - rollers.spin[c]) if near else 0.0
         over_part = marked(nodes.before[c]) if near else 0.0
         step.over_part[c], step.bound[c] = over_part, max(step.bound[c], over_part)
 
 
 @piece
-def feel_bound_profile(
-    profile: Profile, payload: Payload, state: State, work: Workspace, contact: RacewayContact, ring: RingMotion
-) -> None:
-    """Add what bound rollers feel at a raceway to their penetrations, and tilt their normals."""
+def add_bound_profile(profile: Profile, payload: Payload, state: State, work: Workspace, contact: RacewayContact, ring: RingMotion) -> None:
+    """Add the heights under bound rollers at a raceway to their penetrations, and tilt their normals."""
     if ring.inner:
-        feel_inner(profile, payload, state, work, contact, ring)
+        add_inner_profile(profile, payload, state, work, contact, ring)
         return
-    bound, step, found = work.bound[0], work.rollers[0], work.row_ends[work.row_ends.size - 1]
-    for k in range(found):
+    bound, step, end = work.bound[0], work.rollers[0], work.row_ends[work.row_ends.size - 1]
+    for k in range(end):
         c = bound.roller[k]
         contact.penetration[k] += step.height[c]
         contact.sink_speed[k] += step.sink_speed[c]
         contact.tilt[k], contact.share[k] = step.tilt[c], step.over_part[c]
-    for k in range(filled(found)):
+    for k in range(filled(end)):
         write_tilt(contact, k, contact.tilt[k], 0.0)
     nodes = work.outer[0]
-    for k in range(found):
+    for k in range(end):
         if contact.share[k] > 0.0:
             c = bound.roller[k]
-            feel_part(profile.parts[OUTER_RING, bound.row[k]], contact, k, nodes.node[c], nodes.way[c])
+            write_part(profile.parts[OUTER_RING, bound.row[k]], contact, k, nodes.node[c], nodes.way[c])
 
 
 @piece
-def feel_inner(profile: Profile, payload: Payload, state: State, work: Workspace, contact: RacewayContact, ring: RingMotion) -> None:
-    """Add what bound rollers feel at the inner raceway to their penetrations, and tilt their normals; by vectors, as for the outer one."""
-    bound, step, found = work.bound[0], work.inner[0], work.row_ends[work.row_ends.size - 1]
+def add_inner_profile(profile: Profile, payload: Payload, state: State, work: Workspace, contact: RacewayContact, ring: RingMotion) -> None:
+    """Add the heights under bound rollers at the inner raceway to their penetrations, and tilt their normals, in loops over vectors."""
+    bound, step, end = work.bound[0], work.inner[0], work.row_ends[work.row_ends.size - 1]
     raceway_nodes, roller_nodes, turn, speed = (
         profile.raceways.shape[2] - 1,
         profile.rollers.shape[2] - 1,
-        state.shaft[0],
-        state.shaft[1],
+        state.shaft[SHAFT_ANGLE],
+        state.shaft[SHAFT_SPEED],
     )
     by_radius = 1.0 / payload.roller_radius
-    for k in range(found):
+    for k in range(end):
         step.roller_way[k] = state.rollers[0].angle[bound.roller[k]]
-    for k in range(filled(found)):
+    for k in range(filled(end)):
         azimuth = angle_of(contact.radial_x[k], -contact.radial_y[k])
         rotation = step.roller_way[k]
         step.node[k], step.way[k] = place_of(azimuth - turn, raceway_nodes)
         step.roller_node[k], step.roller_way[k] = place_of(azimuth + 0.5 * TURN - rotation, roller_nodes)
-    for k in range(found):
+    for k in range(end):
         read_node(step, k, profile.raceways[INNER_RING, bound.row[k]], profile.rollers[INNER_RING, bound.roller[k]])
-    for k in range(filled(found)):
+    for k in range(filled(end)):
         rx, ry, by_distance = contact.radial_x[k], contact.radial_y[k], 1.0 / contact.distance[k]
         orbit = ((bound.predicted_vy[k] - ring.mean[1]) * rx - (bound.predicted_vx[k] - ring.mean[0]) * ry) * by_distance
-        (height, slope), (own, own_slope) = between(step, k, raceway_nodes, roller_nodes)
-        contact.penetration[k] += height + own
-        contact.sink_speed[k] -= own_slope * (orbit - bound.predicted_rim[k] * by_radius)
+        (height, slope), (roller_height, roller_slope) = between(step, k, raceway_nodes, roller_nodes)
+        contact.penetration[k] += height + roller_height
+        contact.sink_speed[k] -= roller_slope * (orbit - bound.predicted_rim[k] * by_radius)
         contact.share[k] = marked(step.before[k])
         write_tilt(contact, k, -slope * by_distance, speed)
-    for k in range(found, filled(found)):
+    for k in range(end, filled(end)):
         contact.penetration[k] = -1.0
-    for k in range(found):
+    for k in range(end):
         if contact.share[k] > 0.0:
-            feel_part(profile.parts[INNER_RING, bound.row[k]], contact, k, step.node[k], step.way[k])
+            write_part(profile.parts[INNER_RING, bound.row[k]], contact, k, step.node[k], step.way[k])
 
 
 @piece
-def feel_part(parts: SingleFloats, contact: RacewayContact, k: int, node: int, way: float) -> None:
-    """Write what a bound roller feels of a defect over a share of the length between a node and the next one, and that share."""
+def write_part(parts: SingleFloats, contact: RacewayContact, k: int, node: int, way: float) -> None:
+    """Write height and tilt of a defect over a share of the length, between a node and the next one, and that share."""
     i, j, spacing = node, node + 1 if node + 1 < parts.shape[0] else 0, TURN / parts.shape[0]
     contact.share[k] = max(parts[i, 2], parts[j, 2])
     contact.part_height[k], slope = interpolated(parts[i, 0], parts[j, 0], parts[i, 1], parts[j, 1], spacing, way)
@@ -204,14 +202,14 @@ def _true(profile: Profile) -> bool:
 
 
 _OF_SMOOTH: dict[str, Callable[..., Any]] = {
-    "feel_free": _nothing_free,
-    "feel_bound": _nothing_bound,
+    "write_free_heights": _nothing_free,
+    "add_bound_heights": _nothing_bound,
     "add_parts": _no_parts,
     "uneven": _false,
 }
 _OF_PROFILE: dict[str, Callable[..., Any]] = {
-    "feel_free": feel_free_profile,
-    "feel_bound": feel_bound_profile,
+    "write_free_heights": write_free_profile,
+    "add_bound_heights": add_bound_profile,
     "add_parts": linearize_parts,
     "uneven": _true,
 }
@@ -219,13 +217,13 @@ BY_CONSTANTS[Smooth], BY_CONSTANTS[Profile] = Registered(None, _OF_SMOOTH), Regi
 
 
 @by_law
-def feel_free(surfaces: Any, payload: Payload, state: State, work: Workspace) -> None:
-    """Write what all rollers near the outer raceway feel there."""
+def write_free_heights(surfaces: Any, payload: Payload, state: State, work: Workspace) -> None:
+    """Write height, tilt and sink speed of all rollers near the outer raceway."""
 
 
 @by_law
-def feel_bound(surfaces: Any, payload: Payload, state: State, work: Workspace, contact: RacewayContact, ring: RingMotion) -> None:
-    """Add what bound rollers feel at a raceway to their penetrations, and tilt their normals."""
+def add_bound_heights(surfaces: Any, payload: Payload, state: State, work: Workspace, contact: RacewayContact, ring: RingMotion) -> None:
+    """Add the heights under bound rollers at a raceway to their penetrations, and tilt their normals."""
 
 
 @by_law

@@ -106,7 +106,7 @@ def churning(law: Any) -> float:
 def cage_oil(values: Mapping[str, Any], material: Material, viscosity: float, impedance: float) -> CageOil:
     """Return the constants, at a viscosity [Pa s]; ``impedance`` is the largest damping of a squeeze film [N s/m]."""
     radius, length = material.roller_radius, material.roller_length
-    # A layer thinner than the floor does nothing, as none does.
+    # A layer thinner than the floor has no effect.
     layer, squeezes = max(values["pocket_layer"], BAR_FLOOR), float(values["squeeze"])
     squeeze = squeeze_coefficient(viscosity, length, radius)
     share = values["oil_share"] or OIL_SHARES[values["lubricant"]]

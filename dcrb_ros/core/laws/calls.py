@@ -1,4 +1,4 @@
-"""The functions of laws as kernels call them: each stands for that of the law that its first argument belongs to."""
+"""The functions of laws as kernels call them: each calls the function of the law to which its first argument belongs."""
 
 from __future__ import annotations
 
@@ -156,7 +156,7 @@ def steady_friction(film: Any, memory: Any, friction: Any, slip: float) -> tuple
 
 
 @by_law
-def film_resists(film: Any) -> bool:  # type: ignore[empty-body]
+def has_rolling_resistance(film: Any) -> bool:  # type: ignore[empty-body]
     """Return whether a film resists rolling: a constant for the compiler."""
 
 
@@ -166,7 +166,7 @@ def film_resistance(film: Any, memory: Any, force: float) -> float:  # type: ign
 
 
 @by_law
-def oils_cages(law: Any) -> bool:  # type: ignore[empty-body]
+def has_cage_oil(law: Any) -> bool:  # type: ignore[empty-body]
     """Return whether oil acts on bars, lands and orbiting rollers: a constant for the compiler."""
 
 

@@ -12,11 +12,11 @@ from dcrb_ros.core.laws.site import Material, NoMemory
 
 
 class Dry(NamedTuple):
-    """Constants: none."""
+    """Without constants."""
 
 
 class NoFilm(NamedTuple):
-    """The film: none."""
+    """No film."""
 
 
 @kernel

@@ -52,5 +52,5 @@ LAW = replace(
     land_damping=land_damping,
     land_torque=land_torque,
     churning=churning,
-    oils_cages=True,
+    has_cage_oil=True,
 )

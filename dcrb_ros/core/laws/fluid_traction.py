@@ -14,7 +14,7 @@ from dcrb_ros.core.jit import kernel
 from dcrb_ros.core.laws.viscosity import ROELANDS_PRESSURE
 
 LEAST_SLIP = 1e-12
-"""Slip that stands for none where g and |s|/g are evaluated [m/s]."""
+"""Least slip at which g and |s|/g are evaluated [m/s]."""
 VISCOUS = 1e-3
 """Slip over s_0 below which a series replaces 1 - exp(-x), of which few digits would be left [-]."""
 MOST = 600.0

@@ -87,8 +87,8 @@ def contact_ellipse(difference: float) -> Ellipse:
     for _ in range(100):
         middle = 0.5 * (low + high)
         # The difference of a nearly round contact is lost in rounding; it is 3/4 of ln kappa there.
-        found = curvature_difference(math.exp(middle)) if middle > 1e-4 else 0.75 * middle
-        low, high = (middle, high) if found < difference else (low, middle)
+        trial = curvature_difference(math.exp(middle)) if middle > 1e-4 else 0.75 * middle
+        low, high = (middle, high) if trial < difference else (low, middle)
     kappa = math.exp(0.5 * (low + high))
     first, second = elliptic_integrals(1.0 - 1.0 / kappa**2)
     semiminor = (2.0 * second / (math.pi * kappa)) ** (1.0 / 3.0)
@@ -163,7 +163,7 @@ def hertz_stiffness(law: Hertz, force: Any, site: Site) -> Any:
 def build(values: Mapping[str, float], material: Material) -> Hertz:
     """Return the constants."""
     cosine, modulus = math.cos(material.contact_angle), material.effective_modulus
-    inner, outer = (cosine ** (1.0 + EXPONENT) * stiffness_coefficient(one, modulus) for one in curvatures(values, material))
+    inner, outer = (cosine ** (1.0 + EXPONENT) * stiffness_coefficient(curvature, modulus) for curvature in curvatures(values, material))
     ball = material.roller_radius / cosine
     return Hertz(inner, outer, stiffness_coefficient(Curvature(4.0 / ball, 0.0), modulus))
 

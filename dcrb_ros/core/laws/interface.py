@@ -49,7 +49,7 @@ def _same_memory(law: Any, memory: Any, penetration: float, closing: float, step
 class NormalLaw:
     """A law of the normal force between rollers and raceways, and between two rollers.
 
-    Kernels are made by `dcrb_ros.core.jit.kernel`. ``law`` stands for the constants, ``memory`` for the memory at one contact.
+    Kernels are made by `dcrb_ros.core.jit.kernel`. ``law`` are the constants, ``memory`` is the memory at one contact.
     """
 
     name: str
@@ -174,7 +174,7 @@ class LubricationLaw:
     """Whether the law has a resistance to rolling."""
     thickness: Callable[..., tuple[float, float]] | None = None
     """Kernel (film, force): film [m] under a normal force [N], and its ratio to the roughness [-]; None where there is no film."""
-    oils_cages: bool = False
+    has_cage_oil: bool = False
     """Whether the law acts on bars, lands and orbiting rollers."""
     bar_damping: Callable[..., float] = _no_bar_film
     """Kernel (law, gap): damping [N s/m] of a roller that approaches a bar at a gap [m]."""

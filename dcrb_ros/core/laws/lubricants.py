@@ -21,5 +21,5 @@ OIL_SHARES = {"grease": 0.005, "vg100": 0.02, "vg220": 0.02, "custom": 0.02}
 
 def lubricant_of(values: Mapping[str, Any]) -> Lubricant:
     """Return the lubricant that the parameters choose or describe."""
-    own = Lubricant(values["viscosity_40"], values["viscosity_100"], values["density"], values["pressure_coefficient"])
-    return LUBRICANTS.get(values["lubricant"], own)
+    custom = Lubricant(values["viscosity_40"], values["viscosity_100"], values["density"], values["pressure_coefficient"])
+    return LUBRICANTS.get(values["lubricant"], custom)

@@ -21,10 +21,10 @@ from dcrb_ros.core.laws.interface import Parameter, TractionLaw
 from dcrb_ros.core.laws.site import Material, Site
 
 LEAST_FORCE = 1e-9
-"""Normal force that stands for that of an open contact where the half-width divides [N]."""
+"""Normal force of an open contact where the half-width is a divisor [N]."""
 
 LEAST_COEFFICIENT = 1e-9
-"""Friction coefficient that stands for 0 [-]: as g vanishes, the steady bristle g/sigma_0 vanishes, but its rate grows beyond bounds."""
+"""Friction coefficient used instead of 0 [-]: as g vanishes, the steady bristle g/sigma_0 vanishes, but its rate grows beyond bounds."""
 
 
 class LuGre(NamedTuple):

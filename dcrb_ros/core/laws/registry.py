@@ -91,10 +91,10 @@ def _register_lubrication(law: LubricationLaw) -> None:
     functions["load_resistance"] = _function(f"def made(law, table, k, factor):\n    return {loads}")
     functions["store_resistance"] = _function(f"def made(law, table, k, value):\n    {stores}")
     functions |= {name: getattr(law, name) for name in CAGE_KERNELS}
-    functions["oils_cages"] = _function(f"def made(law):\n    return {law.oils_cages}")
+    functions["has_cage_oil"] = _function(f"def made(law):\n    return {law.has_cage_oil}")
     BY_CONSTANTS[law.constants] = Registered(law, functions)
     resists = _function(f"def made(film):\n    return {law.resists}")
-    kernels = {name: getattr(law, name) for name in FILM_KERNELS} | {"film_resists": resists}
+    kernels = {name: getattr(law, name) for name in FILM_KERNELS} | {"has_rolling_resistance": resists}
     BY_CONSTANTS[law.film] = Registered(law, kernels | ({"film_thickness": law.thickness} if law.thickness else {}))
 
 
@@ -124,18 +124,18 @@ def by_law(function: Function) -> Function:
     names = list(inspect.signature(function).parameters)
     name, first, parameters = function.__name__, names[0], ", ".join(names)
 
-    def found(constants: type) -> Callable[..., Any]:
+    def implementation(constants: type) -> Callable[..., Any]:
         return BY_CONSTANTS[constants].functions[name]
 
     def in_python(law: Any) -> Callable[..., Any]:
-        kernel = found(type(law))
+        kernel = implementation(type(law))
         return getattr(kernel, "py_func", kernel)
 
     call: Any = _function(f"def made({parameters}):\n    return in_python({first})({parameters})", in_python=in_python)
     call.__doc__, call.__name__, call.__module__ = function.__doc__, name, function.__module__
 
     def typed(law: Any) -> Callable[..., Any]:
-        return _function(f"def made({parameters}):\n    return kernel({parameters})", kernel=_inlined(found(law.instance_class)))
+        return _function(f"def made({parameters}):\n    return kernel({parameters})", kernel=_inlined(implementation(law.instance_class)))
 
     options = cast(Any, {**INLINED, **WITHOUT_ENTRY})
     overload(call, jit_options=options)(_function(f"def made({parameters}):\n    return typed({first})", typed=typed))

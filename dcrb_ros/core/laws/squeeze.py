@@ -77,9 +77,9 @@ def squeeze_damping(gap: float, way: float, coefficient: float, floor: float, la
     still = abs(way) <= LEAST_WAY
     by_way = 1.0 / (1.0 if still else way)
     mean = (squeeze_impulse(after, coefficient, floor, layer) - squeeze_impulse(gap, coefficient, floor, layer)) * by_way
-    found = squeeze_at(gap, coefficient, floor, layer) if still else mean
+    damping = squeeze_at(gap, coefficient, floor, layer) if still else mean
     # Not below zero by rounding: a film takes energy only.
-    return max(found, 0.0) if way > 0.0 and coefficient > 0.0 else 0.0
+    return max(damping, 0.0) if way > 0.0 and coefficient > 0.0 else 0.0
 
 
 @kernel

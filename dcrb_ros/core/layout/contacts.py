@@ -103,7 +103,7 @@ class RacewayContact:
     part_tilt: Lanes
     """Slope of that height along the raceway [-]."""
     share: Lanes
-    """Share of the length that it takes; 0 for none [-]."""
+    """Share of the length that it takes; 0 without a defect [-]."""
     crossing: Lanes
     """1 where the contact closes or opens within the step."""
     last_force: Lanes
@@ -141,7 +141,7 @@ class BarContact:
     """The contacts of bound rollers with their bars in a step; the normal is the pocket's tangent. Lines as in `RacewayContact`."""
 
     side: Lanes
-    """1 for the bar ahead of the roller, -1 for the one behind, 0 for none in reach."""
+    """1 for the bar ahead of the roller, -1 for the one behind, 0 for no bar in reach."""
     lever_x: Lanes
     """From the cage's centre to the contact [m]."""
     lever_y: Lanes

@@ -78,8 +78,8 @@ def dtype_of(table: Any, by_law: ByLaw = ()) -> np.dtype[Any]:
         elif hint not in dict(by_law):
             fields.append((name, dtype_of(hint, by_law)))
         else:
-            own: list[Any] = [(array, np.float64, (LANES,)) for array in dict(by_law)[hint]]
-            fields.append((name, np.dtype((np.record, own or [UNUSED]))))
+            lanes: list[Any] = [(array, np.float64, (LANES,)) for array in dict(by_law)[hint]]
+            fields.append((name, np.dtype((np.record, lanes or [UNUSED]))))
     return np.dtype((np.record, fields))
 
 
@@ -98,9 +98,9 @@ def empty_record(table: type[Table], by_law: ByLaw = ()) -> OneRecord[Table]:
 def copy_of_record(record: OneRecord[Table]) -> OneRecord[Table]:
     """Return a table with the same values and arrays of its own."""
     array = cast("np.ndarray[Any, Any]", record)
-    found = _aligned(array.dtype)
-    found[...] = array
-    return cast(OneRecord[Table], found)
+    copy = _aligned(array.dtype)
+    copy[...] = array
+    return cast(OneRecord[Table], copy)
 
 
 def view_of(table: OneRecord[Table], first: str, parts: int, rows: int, rollers: int) -> Floats:

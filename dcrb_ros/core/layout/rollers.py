@@ -110,9 +110,9 @@ class Nodes:
     """Height [m] and slope [m/rad] of the raceway at that node, in single precision side by side."""
     after: Indices
     """The same at the next node."""
-    own_before: Indices
+    roller_before: Indices
     """The same of the roller's own heights."""
-    own_after: Indices
+    roller_after: Indices
 
 
 class BoundRollers:

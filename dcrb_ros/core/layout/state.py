@@ -13,6 +13,10 @@ from dcrb_ros.core.payload import Payload, arrays_by_law
 
 OUTER, INNER, CAGE = 0, 1, 2
 """Bodies that rollers touch: the rings, then the cages row by row."""
+SHAFT_ANGLE, SHAFT_SPEED = range(2)
+"""Entries of `State.shaft`."""
+TARGET_SPEED, TARGET_X, TARGET_Y = range(3)
+"""Entries of `State.target`."""
 LOAD, FRICTION, LOSS, HOUSING = range(4)
 ACCOUNTS = 4
 """Entries of the energy account that belong to no roller [J]: work of the load; losses in friction and contacts between rollers and of

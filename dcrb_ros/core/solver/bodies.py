@@ -1,4 +1,4 @@
-"""Rings and cages over one step: their velocities from what the rollers do to them."""
+"""Rings and cages over one step: their velocities under the forces of the rollers."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import math
 
 from dcrb_ros.core.contacts.force_line import DISPERSION
 from dcrb_ros.core.jit import piece
-from dcrb_ros.core.layout.state import CAGE, HOUSING, INNER, LOAD, OUTER, State
+from dcrb_ros.core.layout.state import CAGE, HOUSING, INNER, LOAD, OUTER, SHAFT_ANGLE, SHAFT_SPEED, State
 from dcrb_ros.core.layout.workspace import Workspace
 from dcrb_ros.core.payload import Payload
 
@@ -29,7 +29,7 @@ def predict_bodies(payload: Payload, state: State, work: Workspace) -> None:
 def move_cage(payload: Payload, state: State, work: Workspace, row: int) -> float:
     """Solve for the mean velocity of a cage with its pinned rollers, whose centre of mass may lie off the cage's centre.
 
-    Returns by how much that changes it [m/s].
+    Returns the change of that velocity by the solution [m/s].
     """
     h, body, sx, sy = payload.step, CAGE + row, work.train_moment[row, 0], work.train_moment[row, 1]
     mean, free, bound = work.mean_velocity, work.force_of_free, work.force_of_bound
@@ -50,7 +50,7 @@ def move_cage(payload: Payload, state: State, work: Workspace, row: int) -> floa
 
 @piece
 def add_preload(payload: Payload, state: State, work: Workspace) -> None:
-    """Add the force of a primary suspension on the outer ring at its seat: what carries load and weight."""
+    """Add the force of a primary suspension on the outer ring at its seat, which carries load and weight."""
     work.force_of_free[OUTER, 0] -= state.load[0]
     work.force_of_free[OUTER, 1] += payload.carried_weight - state.load[1]
 
@@ -64,7 +64,7 @@ def book_preload(payload: Payload, state: State, work: Workspace) -> None:
 
 @piece
 def move_rings(payload: Payload, state: State, work: Workspace) -> tuple[float, float]:
-    """Solve for the mean velocities of the rings; return by how much that changes them, and they the velocities before the step [m/s]."""
+    """Solve for the mean velocities of the rings; return the largest change by the solution, and the largest change over the step [m/s]."""
     moved = changed = 0.0
     h, stiffness, mean, free, bound = payload.step, payload.housing_stiffness, work.mean_velocity, work.force_of_free, work.force_of_bound
     outer_inertia = 2.0 * (payload.outer_mass + DISPERSION * h * h * stiffness)
@@ -109,4 +109,4 @@ def drift(payload: Payload, state: State, time: float) -> None:
         for c in range(payload.free.size):
             rollers.x[c] += time * rollers.vx[c]
             rollers.y[c] += time * rollers.vy[c]
-    state.shaft[0] += time * state.shaft[1]
+    state.shaft[SHAFT_ANGLE] += time * state.shaft[SHAFT_SPEED]

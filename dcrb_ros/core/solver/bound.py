@@ -8,6 +8,7 @@ from __future__ import annotations
 from dcrb_ros.core.jit import piece
 from dcrb_ros.core.laws.calls import load_resistance
 from dcrb_ros.core.laws.site import Site
+from dcrb_ros.core.layout.cages import of_cages, of_row
 from dcrb_ros.core.layout.state import CAGE, INNER, OUTER
 from dcrb_ros.core.layout.workspace import Workspace
 from dcrb_ros.core.payload import Payload
@@ -69,12 +70,9 @@ def solve_bound(payload: Payload, work: Workspace, count: int, surface: float) -
     inner, outer, bar = bound.inner, bound.outer, bound.bar
     oil, inner_share, outer_share = payload.lubrication, push_share(payload, payload.inner), push_share(payload, payload.outer)
     inner_x, inner_y, outer_x, outer_y = mean[INNER, 0], mean[INNER, 1], mean[OUTER, 0], mean[OUTER, 1]
-    last = mean.shape[0] - 1
-    first_x, first_y, first_turn = mean[CAGE, 0], mean[CAGE, 1], mean[CAGE, 2]
-    second_x, second_y, second_turn = mean[last, 0], mean[last, 1], mean[last, 2]
+    cages = of_cages(mean)
     for k in range(count):
-        second = bound.second_row[k] > 0.0
-        own_x, own_y, turn = second_x if second else first_x, second_y if second else first_y, second_turn if second else first_turn
+        cage_vx, cage_vy, turn = of_row(cages, bound.second_row[k])
         # Per contact: normal n, tangent t, and the velocity of the body there along both.
         inx, iny = inner.normal_x[k], inner.normal_y[k]
         itx, ity = -inner.radial_y[k], inner.radial_x[k]
@@ -88,8 +86,8 @@ def solve_bound(payload: Payload, work: Workspace, count: int, surface: float) -
         btx, bty = bny, -bnx
         bg, bl = bar.force_slope[k], bar.friction_slope[k]
         lever_x, lever_y = bar.lever_x[k], bar.lever_y[k]
-        cage_x, cage_y = own_x - turn * lever_y, own_y + turn * lever_x
-        bpn, bpt = cage_x * bnx + cage_y * bny, cage_x * btx + cage_y * bty
+        bar_vx, bar_vy = cage_vx - turn * lever_y, cage_vy + turn * lever_x
+        bpn, bpt = bar_vx * bnx + bar_vy * bny, bar_vx * btx + bar_vy * bty
 
         i_push, i_drag, o_push, o_drag, b_push, b_drag = ig * ipn, il * ipt, og * opn, ol * opt, bg * bpn, bl * bpt
         w = bound.rhs_rim[k] + h * (o_drag - i_drag - side * b_drag)
@@ -100,8 +98,8 @@ def solve_bound(payload: Payload, work: Workspace, count: int, surface: float) -
         free_x = bound.inverse_xx[k] * x + bound.inverse_xy[k] * y
         free_y = bound.inverse_xy[k] * x + bound.inverse_yy[k] * y
         free = bound.free[k] > 0.0
-        mean_x = free_x if free else own_x + pitch * turn * bnx
-        mean_y = free_y if free else own_y + pitch * turn * bny
+        mean_x = free_x if free else cage_vx + pitch * turn * bnx
+        mean_y = free_y if free else cage_vy + pitch * turn * bny
         rim = bound.inverse_rim[k] * w - coupling_x * mean_x - coupling_y * mean_y
         bound.mean_vx[k], bound.mean_vy[k], bound.mean_rim[k] = mean_x, mean_y, rim
 

@@ -10,16 +10,17 @@ from __future__ import annotations
 from dcrb_ros.core.contacts.films import raceway_site
 from dcrb_ros.core.contacts.force_line import SHORT_WAY, onset, reach
 from dcrb_ros.core.jit import NO, YES, piece
-from dcrb_ros.core.laws.calls import bar_damping, film_floor, film_reach, load_memory, oils_cages, store_memory
+from dcrb_ros.core.laws.calls import bar_damping, film_floor, film_reach, has_cage_oil, load_memory, store_memory
+from dcrb_ros.core.layout.cages import headings_of, of_cages, of_row
 from dcrb_ros.core.layout.records import WIDTH
-from dcrb_ros.core.layout.state import CAGE, INNER, OUTER, State
+from dcrb_ros.core.layout.state import INNER, OUTER, State
 from dcrb_ros.core.layout.workspace import Workspace
-from dcrb_ros.core.payload import EDGE, Payload
+from dcrb_ros.core.payload import EDGE, Payload, mobilities
 
 STRIKE_WINDOW = 1.5
 """Half steps before and after the middle within which a strike on the outer raceway counts [-]: its speed is not known yet."""
 NEGLIGIBLE_STRIKE = 2e-3
-"""Speed below which a free roller may close or open its contact with the outer raceway unbound [m/s]: it has next to no energy."""
+"""Speed below which a free roller may close or open its contact with the outer raceway unbound [m/s]: its energy is negligible."""
 
 
 @piece
@@ -34,9 +35,8 @@ def classify_rollers(payload: Payload, state: State, work: Workspace, pinned: bo
 
     ``pinned`` says that all of them are: it is a constant for the compiler, which leaves out what free ones need.
     """
-    rollers, step, h, heading = state.rollers[0], work.rollers[0], payload.step, work.heading
-    place, old, last = state.position, state.velocity, state.position.shape[0] - 1
-    pitch = payload.pitch_radius
+    rollers, step, h = state.rollers[0], work.rollers[0], payload.step
+    cages, old_cages, headings, pitch = of_cages(state.position), of_cages(state.velocity), headings_of(work.heading), payload.pitch_radius
     inner_x, inner_y, outer_x, outer_y = (
         state.position[INNER, 0],
         state.position[INNER, 1],
@@ -56,18 +56,13 @@ def classify_rollers(payload: Payload, state: State, work: Workspace, pinned: bo
     oiled, nominal, floor = film_reach(outer.film) > 0.0, payload.outer_raceway_radius - payload.roller_radius, film_floor(outer.film)
     slow_way = h * NEGLIGIBLE_STRIKE * outer_reach
     inner_square, outer_square, onset_square = inner_reach * inner_reach, outer_reach * outer_reach, outer_onset * outer_onset
-    first_at, second_at = (place[CAGE, 0], place[CAGE, 1]), (place[last, 0], place[last, 1])
-    first_old, second_old = (old[CAGE, 0], old[CAGE, 1], old[CAGE, 2]), (old[last, 0], old[last, 1], old[last, 2])
-    first_way, second_way = (heading[0, 0], heading[0, 1]), (heading[last - CAGE, 0], heading[last - CAGE, 1])
     for c in range(filled(payload.free.size)):
-        second = rollers.second_row[c] > 0.0
-        cage_x, cage_y = second_at[0] if second else first_at[0], second_at[1] if second else first_at[1]
-        cosine, sine = second_way[0] if second else first_way[0], second_way[1] if second else first_way[1]
+        cage_x, cage_y, _ = of_row(cages, rollers.second_row[c])
+        cosine, sine, _ = of_row(headings, rollers.second_row[c])
         px, py = rollers.pocket_tangent_x[c], rollers.pocket_tangent_y[c]
         tx, ty = cosine * px - sine * py, sine * px + cosine * py
         x, y, near_bar, if_outer = cage_x + pitch * ty, cage_y - pitch * tx, -1.0, 1.0
-        old_x, old_y = second_old[0] if second else first_old[0], second_old[1] if second else first_old[1]
-        old_turn = second_old[2] if second else first_old[2]
+        old_x, old_y, old_turn = of_row(old_cages, rollers.second_row[c])
         vx, vy = old_x + pitch * old_turn * tx, old_y + pitch * old_turn * ty
         if not pinned:
             free = rollers.free[c] > 0.0
@@ -77,7 +72,7 @@ def classify_rollers(payload: Payload, state: State, work: Workspace, pinned: bo
             rate = (vx - old_x) * tx + (vy - old_y) * ty - old_turn * (ax * ty - ay * tx)
             near_bar = abs(ax * tx + ay * ty) + 0.5 * h * abs(rate) - rollers.pocket_clearance[c] if free else -1.0
             if_outer = 0.0 if free else 1.0
-            if oils_cages(payload.lubrication):
+            if has_cage_oil(payload.lubrication):
                 along = ax * tx + ay * ty
                 film = bar_damping(payload.lubrication, rollers.pocket_clearance[c] - (along if rate > 0.0 else -along))
                 step.bar_film[c] = (film if rate > 0.0 else -film) if free else 0.0
@@ -90,7 +85,7 @@ def classify_rollers(payload: Payload, state: State, work: Workspace, pinned: bo
         outer_strike = STRIKE_WINDOW * (outer_way - slow_way) - abs(outer_deep)
         nearest = max(max(near_inner, near_bar), max(if_outer * near_outer, outer_strike))
         if oiled:
-            # A gap that closes by much within the step: see `hurries`.
+            # A gap that closes by much within the step: see `closes_quickly`.
             gap = max(0.5 * (nominal * nominal - ox * ox - oy * oy) - nominal * payload.profile_height, nominal * floor)
             way = h * ((vx - outer_vx) * ox + (vy - outer_vy) * oy)
             nearest = max(nearest, min(near_outer, way - SHORT_WAY * gap))
@@ -118,25 +113,25 @@ def bind_special(payload: Payload, work: Workspace) -> None:
 
 
 @piece
-def list_bound(payload: Payload, work: Workspace, row: int, found: int) -> int:
-    """List the bound rollers of a row, from element ``found`` on; return where they end."""
+def list_bound(payload: Payload, work: Workspace, row: int, end: int) -> int:
+    """List the bound rollers of a row, from element ``end`` on; return where they end."""
     rollers, bound, count = work.rollers[0], work.bound[0], payload.free.shape[1]
     first = row * count
     for i in range(count):
         if rollers.bound[first + i] > 0.0:
-            bound.roller[found], bound.row[found] = first + i, row
-            found += 1
-    return found
+            bound.roller[end], bound.row[end] = first + i, row
+            end += 1
+    return end
 
 
 @piece
-def gather_bound(payload: Payload, state: State, work: Workspace, found: int) -> int:
+def gather_bound(payload: Payload, state: State, work: Workspace, end: int) -> int:
     """Copy the bound rollers side by side, filled up to a multiple of `WIDTH`; return how many elements that makes."""
     rollers, step, bound = state.rollers[0], work.rollers[0], work.bound[0]
     normal_law, traction_law, cage_law = payload.normal_law, payload.traction_law, payload.cage_traction_law
-    count = filled(found)
-    for k in range(found, count):
-        bound.roller[k], bound.row[k] = bound.roller[found - 1], bound.row[found - 1]
+    count = filled(end)
+    for k in range(end, count):
+        bound.roller[k], bound.row[k] = bound.roller[end - 1], bound.row[end - 1]
     for k in range(count):
         c = bound.roller[k]
         bound.second_row[k], bound.free[k] = 1.0 if bound.row[k] > 0 else 0.0, rollers.free[c]
@@ -152,7 +147,7 @@ def gather_bound(payload: Payload, state: State, work: Workspace, found: int) ->
         store_memory(cage_law, bound.bar.traction, k, load_memory(cage_law, rollers.bar.traction, c))
         store_memory(payload.lubrication, bound.inner.film, k, load_memory(payload.lubrication, rollers.inner.film, c))
         store_memory(payload.lubrication, bound.outer.film, k, load_memory(payload.lubrication, rollers.outer.film, c))
-        if oils_cages(payload.lubrication):
+        if has_cage_oil(payload.lubrication):
             bound.bar_film[k], bound.spin_drag[k] = step.bar_film[c], rollers.spin_drag[c]
         bound.inner.last_force[k], bound.outer.last_force[k] = rollers.inner.force[c], rollers.outer.force[c]
     return count
@@ -164,19 +159,13 @@ def predict_bound(payload: Payload, state: State, work: Workspace, count: int) -
 
     Those before the step are gathered for free rollers, and follow from the cage for pinned ones.
     """
-    bound, radius, pitch, last = work.bound[0], payload.roller_radius, payload.pitch_radius, work.mean_velocity.shape[0] - 1
-    old, mean, fall = state.velocity, work.mean_velocity, 0.5 * payload.step * payload.gravity
-    first_old, second_old = (
-        (old[CAGE, 0], old[CAGE, 1], pitch * old[CAGE, 2]),
-        (old[last, 0], old[last, 1], pitch * old[last, 2]),
-    )
-    first_mean = (mean[CAGE, 0], mean[CAGE, 1], pitch * mean[CAGE, 2])
-    second_mean = (mean[last, 0], mean[last, 1], pitch * mean[last, 2])
+    bound, radius, pitch = work.bound[0], payload.roller_radius, payload.pitch_radius
+    cages, old_cages, fall = of_cages(work.mean_velocity), of_cages(state.velocity), 0.5 * payload.step * payload.gravity
     for k in range(count):
-        second, free, tx, ty = bound.second_row[k] > 0.0, bound.free[k] > 0.0, bound.tangent_x[k], bound.tangent_y[k]
-        old_x, old_y = second_old[0] if second else first_old[0], second_old[1] if second else first_old[1]
-        mean_x, mean_y = second_mean[0] if second else first_mean[0], second_mean[1] if second else first_mean[1]
-        old_rim, mean_rim = second_old[2] if second else first_old[2], second_mean[2] if second else first_mean[2]
+        free, tx, ty = bound.free[k] > 0.0, bound.tangent_x[k], bound.tangent_y[k]
+        old_x, old_y, old_turn = of_row(old_cages, bound.second_row[k])
+        mean_x, mean_y, mean_turn = of_row(cages, bound.second_row[k])
+        old_rim, mean_rim = pitch * old_turn, pitch * mean_turn
         vx, vy, rim = bound.vx[k], bound.vy[k], radius * bound.spin[k]
         coming_x, coming_y = vx + 0.5 * bound.change_vx[k], vy + 0.5 * bound.change_vy[k]
         before_x, before_y = vx if free else old_x + old_rim * tx, vy if free else old_y + old_rim * ty
@@ -191,8 +180,7 @@ def predict_bound(payload: Payload, state: State, work: Workspace, count: int) -
 def apply_pair_forces(payload: Payload, work: Workspace) -> None:
     """Add the forces that rollers exert on each other across broken bars to the velocities without contacts."""
     bound, rollers = work.bound[0], payload.free.shape[1]
-    by_mass = 0.5 * payload.step / payload.roller_mass
-    by_inertia = 0.5 * payload.step * payload.roller_radius * payload.roller_radius / payload.roller_inertia
+    by_mass, by_inertia = mobilities(payload)
     for k in range(work.row_ends[work.row_ends.size - 1]):
         row = bound.row[k]
         i = bound.roller[k] - row * rollers

@@ -1,38 +1,72 @@
-"""Rollers that lie free on the outer raceway or touch nothing: most of those in pockets.
+"""Rollers that lie free on the outer raceway or touch nothing: most rollers in pockets.
 
-They need no solution together with other bodies: the raceway's normal and tangent are not coupled, each is a scalar equation. So a whole
-step of such a roller is one pass of one loop, from its position to its new velocity, and nothing but its state goes through memory.
+Normal and tangent of the raceway are not coupled: each is a scalar equation that needs no other body. One pass of one loop therefore takes
+a roller over the whole step, from its position to its new velocity, and only its state is read from memory and written to it.
 """
 
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 from dcrb_ros.core.contacts.cage_films import drag_on_orbit
-from dcrb_ros.core.contacts.films import contact_site, raceway_site
-from dcrb_ros.core.contacts.force_line import elastic, lasting_line
+from dcrb_ros.core.contacts.free_line import ContactLine, Surroundings, contact_line, surroundings
 from dcrb_ros.core.contacts.raceway import notch_depth
-from dcrb_ros.core.contacts.surface import tilted, uneven
 from dcrb_ros.core.jit import NO, piece
 from dcrb_ros.core.laws.calls import (
     clear_memory,
-    film_resistance,
-    film_resists,
-    load_memory,
+    has_cage_oil,
+    has_rolling_resistance,
     normal_update,
-    oils_cages,
     scale_memory,
     store_memory,
-    traction_line,
     traction_update,
 )
+from dcrb_ros.core.layout.cages import Triple, of_row
 from dcrb_ros.core.layout.state import CAGE, OUTER, State
 from dcrb_ros.core.layout.workspace import Workspace
-from dcrb_ros.core.payload import SINK, Payload
+from dcrb_ros.core.payload import SINK, Payload, mobilities
+from dcrb_ros.core.solver.bound import push_share
 from dcrb_ros.core.solver.classification import filled
 
-LEAST_DISTANCE = 1e-12
-"""Least distance from the ring's centre, for elements without a roller [m]."""
+
+class BarOil(NamedTuple):
+    """Oil between a free roller and its cage."""
+
+    arm_x: float
+    """From the cage's centre to the roller's [m]."""
+    arm_y: float
+    turn: float
+    """Angular speed of the cage [rad/s]."""
+    bar_speed: float
+    """Speed of the bar along the raceway, past the outer ring [m/s]."""
+    film: float
+    """Damping of the film at the bar [N s/m]."""
+    past: float
+    """Speed of the roller's surface past the bars [m/s]."""
+    spin_drag: float
+    """Drag on the roller's surface [N]."""
+    orbit_drag: float
+    """Drag on the roller along its orbit [N]."""
+
+
+class FreeMotion(NamedTuple):
+    """Mean velocity of a free roller past the outer ring over a step, and the forces that lead to it."""
+
+    vx: float
+    """[m/s]"""
+    vy: float
+    rim: float
+    """Mean speed r_R omega_R of its surface [m/s]."""
+    normal: float
+    """Normal force at the raceway [N]."""
+    friction: float
+    """Friction there [N]."""
+    bar_push: float
+    """Force of the film on the bar, along the raceway [N]."""
+    force_x: float
+    """Force on the outer ring [N]."""
+    force_y: float
 
 
 @piece
@@ -51,9 +85,6 @@ def find_notches(payload: Payload, state: State, work: Workspace) -> None:
                 rollers.over_notch[c] = 1.0 if over else rollers.over_notch[c]
     for k in range(payload.roller_notches.row.size):
         rollers.over_notch[payload.roller_notches.row[k] * count + payload.roller_notches.roller[k]] = 1.0
-    if payload.profiles.row.size > 0:
-        for c in range(payload.free.size):
-            rollers.over_notch[c] = 1.0
     for c in range(payload.free.size):
         if rollers.over_notch[c] > 0.0 and rollers.near_outer[c] > 0.0:
             write_notch_depth(payload, state, work, c)
@@ -74,111 +105,112 @@ def write_notch_depth(payload: Payload, state: State, work: Workspace, c: int) -
 
 
 @piece
+def bar_oil(payload: Payload, state: State, work: Workspace, around: Surroundings, line: ContactLine, spin: float, c: int) -> BarOil:
+    """Return the oil between a free roller of a spin [rad/s] and its cage."""
+    rollers, nx, ny = state.rollers[0], line.nx, line.ny
+    centre_x, centre_y, _ = of_row(around.cages, rollers.second_row[c])
+    cage_vx, cage_vy, turn = of_row(around.cage_motion, rollers.second_row[c])
+    arm_x, arm_y = rollers.x[c] - centre_x, rollers.y[c] - centre_y
+    bar_speed = (cage_vy - around.mean[1] + turn * arm_x) * nx - (cage_vx - around.mean[0] - turn * arm_y) * ny
+    past = payload.roller_radius * (spin + 0.5 * rollers.change_spin[c] - turn)
+    film = abs(work.rollers[0].bar_film[c])
+    return BarOil(arm_x, arm_y, turn, bar_speed, film, past, rollers.spin_drag[c] * past, drag_on_orbit(payload, turn))
+
+
+@piece
+def solve_free(payload: Payload, around: Surroundings, line: ContactLine, oil: BarOil, old: Triple) -> FreeMotion:
+    """Return the mean velocity of a free roller; ``old`` is its velocity [m/s] and spin [rad/s] before the step.
+
+    The film at a bar acts along the raceway, a linear force in the scalar equation there.
+    """
+    nx, ny, push = line.nx, line.ny, push_share(payload, around.site)
+    by_mass, by_inertia = mobilities(payload)
+    fall = by_mass * payload.roller_mass * payload.gravity
+    vx, vy, rim = old[0] - around.mean[0], old[1] - fall - around.mean[1], payload.roller_radius * old[2]
+    if has_rolling_resistance(around.site.film):
+        vx, vy = vx + by_mass * push * line.resistance * ny, vy - by_mass * push * line.resistance * nx
+        rim += by_inertia * line.resistance
+    if has_cage_oil(payload.lubrication):
+        rim -= by_inertia * oil.spin_drag
+        vx, vy = vx - by_mass * oil.orbit_drag * ny, vy + by_mass * oil.orbit_drag * nx
+    along, mobility = vy * nx - vx * ny, by_mass
+    if has_cage_oil(payload.lubrication):
+        mobility = by_mass / (1.0 + by_mass * oil.film)
+        along -= mobility * oil.film * (along - oil.bar_speed)
+    normal = (line.force_offset + line.force_slope * (vx * nx + vy * ny)) / (1.0 + by_mass * line.force_slope)
+    friction = (line.friction_offset + line.friction_slope * (along + rim)) / (1.0 + (mobility + by_inertia) * line.friction_slope)
+    bar_push = 0.0
+    tangential = friction
+    if has_cage_oil(payload.lubrication):
+        bar_push = oil.film * (along - mobility * friction - oil.bar_speed)
+        tangential += bar_push
+    fx, fy = normal * nx - tangential * ny, normal * ny + tangential * nx
+    vx, vy, rim = vx - by_mass * fx, vy - by_mass * fy, rim - by_inertia * friction
+    if has_cage_oil(payload.lubrication):
+        fx, fy = fx + bar_push * ny, fy - bar_push * nx
+    if has_rolling_resistance(around.site.film):
+        fx, fy = fx - push * line.resistance * ny, fy + push * line.resistance * nx
+    return FreeMotion(vx, vy, rim, normal, friction, bar_push, fx, fy)
+
+
+@piece
+def store_oil(payload: Payload, state: State, work: Workspace, line: ContactLine, oil: BarOil, motion: FreeMotion, c: int) -> None:
+    """Write the force of the oil on the cage, and book its losses, unless the roller is bound."""
+    rollers, step, nx, ny, push = state.rollers[0], work.rollers[0], line.nx, line.ny, motion.bar_push
+    unbound = 1.0 - step.bound[c]
+    step.force_on_cage_x[c], step.force_on_cage_y[c] = -unbound * push * ny, unbound * push * nx
+    step.torque_on_cage[c] = unbound * (push * (oil.arm_x * nx + oil.arm_y * ny) + payload.roller_radius * oil.spin_drag)
+    drag_loss = payload.step * unbound * (oil.spin_drag * oil.past - oil.orbit_drag * payload.pitch_radius * oil.turn)
+    rollers.friction_loss[c] += drag_loss
+    rollers.drag_loss[c] += drag_loss
+    rollers.bar_friction_loss[c] += drag_loss
+    film_loss = payload.step * unbound * push * (motion.vy * nx - motion.vx * ny - oil.bar_speed)
+    rollers.contact_loss[c] += film_loss
+    rollers.bar_contact_loss[c] += film_loss
+
+
+@piece
+def store_free(
+    payload: Payload, state: State, work: Workspace, around: Surroundings, line: ContactLine, motion: FreeMotion, old: Triple, c: int
+) -> None:
+    """Write velocity, contact and losses of a free roller after the step, and its force on the outer ring, unless it is bound."""
+    rollers, step, outer, h, site = state.rollers[0], work.rollers[0], state.rollers[0].outer, payload.step, around.site
+    bound = step.bound[c]
+    along = motion.vy * line.nx - motion.vx * line.ny
+    slip, closing = along + motion.rim, motion.vx * line.nx + motion.vy * line.ny - line.sink
+    step.force_on_outer_x[c], step.force_on_outer_y[c] = (1.0 - bound) * motion.force_x, (1.0 - bound) * motion.force_y
+    change_vx, change_vy = 2.0 * (motion.vx + around.mean[0] - old[0]), 2.0 * (motion.vy + around.mean[1] - old[1])
+    change_spin = 2.0 * (motion.rim - payload.roller_radius * old[2]) * (1.0 / payload.roller_radius)
+    rollers.change_vx[c], rollers.change_vy[c], rollers.change_spin[c] = change_vx, change_vy, change_spin
+    rollers.vx[c], rollers.vy[c], rollers.spin[c] = old[0] + change_vx, old[1] + change_vy, old[2] + change_spin
+    outer.force[c] = max(line.expected_force + line.damping * (closing - line.expected_closing), 0.0)
+    outer.friction[c], outer.slip[c] = motion.friction, slip
+    traction_memory = traction_update(payload.traction_law, line.traction_memory, line.kept, slip, line.expected_force > 0.0, h)
+    store_memory(payload.traction_law, outer.traction, c, traction_memory)
+    normal_memory = normal_update(payload.normal_law, line.normal_memory, line.penetration, closing, h)
+    store_memory(payload.normal_law, outer.normal, c, normal_memory)
+    time = h * (1.0 - bound)
+    rollers.friction_loss[c] += time * motion.friction * slip
+    if has_rolling_resistance(site.film):
+        rolling_loss = time * line.resistance * (push_share(payload, site) * along - motion.rim)
+        rollers.friction_loss[c] += rolling_loss
+        rollers.rolling_loss[c] += rolling_loss
+    rollers.contact_loss[c] += time * line.damping * closing * closing
+    rollers.notch_loss[c] += time * motion.normal * line.sink
+
+
+@piece
 def advance_free(payload: Payload, state: State, work: Workspace) -> None:
     """Move all rollers over the step as if none were bound; the results of bound ones are replaced afterwards."""
-    rollers, outer, found, h, radius = state.rollers[0], state.rollers[0].outer, work.rollers[0], payload.step, payload.roller_radius
-    site, normal_law, traction_law = raceway_site(payload, state, NO), payload.normal_law, payload.traction_law
-    by_mass, by_inertia = 0.5 * h / payload.roller_mass, 0.5 * h * radius * radius / payload.roller_inertia
-    by_radius, fall, reach = 1.0 / radius, by_mass * payload.roller_mass * payload.gravity, payload.outer_raceway_radius - radius
-    push = 2.0 * site.reduced_radius * by_radius - 1.0
-    ring_x, ring_y = state.position[OUTER, 0], state.position[OUTER, 1]
-    mean_x, mean_y = work.mean_velocity[OUTER, 0], work.mean_velocity[OUTER, 1]
-    old_x, old_y = state.velocity[OUTER, 0], state.velocity[OUTER, 1]
-    last = state.position.shape[0] - 1
-    first_at, second_at = (state.position[CAGE, 0], state.position[CAGE, 1]), (state.position[last, 0], state.position[last, 1])
-    first_cage = (work.mean_velocity[CAGE, 0] - mean_x, work.mean_velocity[CAGE, 1] - mean_y, work.mean_velocity[CAGE, 2])
-    second_cage = (work.mean_velocity[last, 0] - mean_x, work.mean_velocity[last, 1] - mean_y, work.mean_velocity[last, 2])
-    first_drag, second_drag = drag_on_orbit(payload, work, 0), drag_on_orbit(payload, work, last - CAGE)
+    rollers, around = state.rollers[0], surroundings(payload, state, work)
     for c in range(filled(payload.free.size)):
-        dx, dy = rollers.x[c] - ring_x, rollers.y[c] - ring_y
-        distance = max(math.sqrt(dx * dx + dy * dy), LEAST_DISTANCE)
-        nx, ny, sink, height = dx / distance, dy / distance, found.sink_speed[c], 0.0
-        if uneven(payload.surfaces):
-            (nx, ny), height = tilted(nx, ny, found.tilt[c]), found.height[c]
-        normal_memory, traction_memory = load_memory(normal_law, outer.normal, c), load_memory(traction_law, outer.traction, c)
-
-        own_x, own_y, spin = rollers.vx[c], rollers.vy[c], rollers.spin[c]
-        vx, vy = own_x + 0.5 * rollers.change_vx[c] - mean_x, own_y + 0.5 * rollers.change_vy[c] - mean_y
-        along, rim = vy * nx - vx * ny, radius * spin
-        before = (own_x - old_x) * nx + (own_y - old_y) * ny - sink
-        penetration = distance - reach - found.notch_depth[c] + height
-        force, stiffness = elastic(normal_law, normal_memory, penetration, site)
-        force_offset, force_slope, expected_force, damping, expected_closing = lasting_line(
-            payload, normal_memory, site, penetration, force, stiffness, vx * nx + vy * ny - sink, before, sink
-        )
-        predicted_slip = along + rim + 0.5 * radius * rollers.change_spin[c]
-        rolling = (along / distance - 0.0) * site.raceway_radius
-        here = contact_site(payload, site, outer.film, c)
-        offset, slope, kept = traction_line(traction_law, traction_memory, predicted_slip, rolling, expected_force, here, h)
-        friction_offset, friction_slope = offset * expected_force, slope * expected_force
-
-        alone_x, alone_y = own_x - mean_x, own_y - fall - mean_y
-        resistance = film_resistance(here.film, here.memory, expected_force)
-        if film_resists(site.film):
-            alone_x, alone_y = alone_x + by_mass * push * resistance * ny, alone_y - by_mass * push * resistance * nx
-            rim += by_inertia * resistance
-        if oils_cages(payload.lubrication):
-            second = rollers.second_row[c] > 0.0
-            turn, orbit = second_cage[2] if second else first_cage[2], second_drag if second else first_drag
-            past = radius * (spin + 0.5 * rollers.change_spin[c] - turn)
-            drag = rollers.spin_drag[c] * past
-            rim -= by_inertia * drag
-            alone_x, alone_y = alone_x - by_mass * orbit * ny, alone_y + by_mass * orbit * nx
-            # The film at a bar acts along the raceway, a linear force in the scalar equation there.
-            arm_x = rollers.x[c] - (second_at[0] if second else first_at[0])
-            arm_y = rollers.y[c] - (second_at[1] if second else first_at[1])
-            cage_x, cage_y = second_cage[0] if second else first_cage[0], second_cage[1] if second else first_cage[1]
-            bar = (cage_y + turn * arm_x) * nx - (cage_x - turn * arm_y) * ny
-            film = abs(found.bar_film[c])
-            free_along = alone_y * nx - alone_x * ny
-            mobile = by_mass / (1.0 + by_mass * film)
-            slowed = free_along - mobile * film * (free_along - bar)
-            normal = (force_offset + force_slope * (alone_x * nx + alone_y * ny)) / (1.0 + by_mass * force_slope)
-            friction = (friction_offset + friction_slope * (slowed + rim)) / (1.0 + (mobile + by_inertia) * friction_slope)
-            push_bar = film * (slowed - mobile * friction - bar)
-            fx, fy = normal * nx - (friction + push_bar) * ny, normal * ny + (friction + push_bar) * nx
-            x, y, turned = alone_x - by_mass * fx, alone_y - by_mass * fy, rim - by_inertia * friction
-            fx, fy = fx + push_bar * ny, fy - push_bar * nx
-            among = 1.0 - found.bound[c]
-            found.force_on_cage_x[c], found.force_on_cage_y[c] = -among * push_bar * ny, among * push_bar * nx
-            found.torque_on_cage[c] = among * (push_bar * (arm_x * nx + arm_y * ny) + radius * drag)
-            drag_loss = h * among * (drag * past - orbit * payload.pitch_radius * turn)
-            rollers.friction_loss[c] += drag_loss
-            rollers.drag_loss[c] += drag_loss
-            rollers.bar_friction_loss[c] += drag_loss
-            film_loss = h * among * push_bar * (y * nx - x * ny - bar)
-            rollers.contact_loss[c] += film_loss
-            rollers.bar_contact_loss[c] += film_loss
-        else:
-            normal = (force_offset + force_slope * (alone_x * nx + alone_y * ny)) / (1.0 + by_mass * force_slope)
-            friction = (friction_offset + friction_slope * (alone_y * nx - alone_x * ny + rim)) / (
-                1.0 + (by_mass + by_inertia) * friction_slope
-            )
-            fx, fy = normal * nx - friction * ny, normal * ny + friction * nx
-            x, y, turned = alone_x - by_mass * fx, alone_y - by_mass * fy, rim - by_inertia * friction
-        rim = radius * spin
-        if film_resists(site.film):
-            fx, fy = fx - push * resistance * ny, fy + push * resistance * nx
-        slip, closing = y * nx - x * ny + turned, x * nx + y * ny - sink
-        law_force = max(expected_force + damping * (closing - expected_closing), 0.0)
-
-        bound = found.bound[c]
-        found.force_on_outer_x[c], found.force_on_outer_y[c] = (1.0 - bound) * fx, (1.0 - bound) * fy
-        change_vx, change_vy, change_spin = 2.0 * (x + mean_x - own_x), 2.0 * (y + mean_y - own_y), 2.0 * (turned - rim) * by_radius
-        rollers.change_vx[c], rollers.change_vy[c], rollers.change_spin[c] = change_vx, change_vy, change_spin
-        rollers.vx[c], rollers.vy[c], rollers.spin[c] = own_x + change_vx, own_y + change_vy, spin + change_spin
-        outer.force[c], outer.friction[c], outer.slip[c] = law_force, friction, slip
-        traction_memory = traction_update(traction_law, traction_memory, kept, slip, expected_force > 0.0, h)
-        store_memory(traction_law, outer.traction, c, traction_memory)
-        store_memory(normal_law, outer.normal, c, normal_update(normal_law, normal_memory, penetration, closing, h))
-        time = h * (1.0 - bound)
-        rollers.friction_loss[c] += time * friction * slip
-        if film_resists(site.film):
-            rolling_loss = time * resistance * (push * (y * nx - x * ny) - turned)
-            rollers.friction_loss[c] += rolling_loss
-            rollers.rolling_loss[c] += rolling_loss
-        rollers.contact_loss[c] += time * damping * closing * closing
-        rollers.notch_loss[c] += time * normal * sink
+        old = (rollers.vx[c], rollers.vy[c], rollers.spin[c])
+        line = contact_line(payload, state, work, around, old, c)
+        oil = bar_oil(payload, state, work, around, line, old[2], c)
+        motion = solve_free(payload, around, line, oil, old)
+        if has_cage_oil(payload.lubrication):
+            store_oil(payload, state, work, line, oil, motion, c)
+        store_free(payload, state, work, around, line, motion, old, c)
 
 
 @piece
@@ -217,7 +249,7 @@ def sum_free_forces(payload: Payload, work: Workspace) -> None:
         y += work.rollers[0].force_on_outer_y[c]
     work.force_of_free[OUTER, 0] += x
     work.force_of_free[OUTER, 1] += y
-    if oils_cages(payload.lubrication):
+    if has_cage_oil(payload.lubrication):
         rollers, count = work.rollers[0], payload.free.shape[1]
         for row in range(payload.free.shape[0]):
             x, y, turn = 0.0, 0.0, 0.0

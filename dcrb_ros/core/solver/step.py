@@ -16,11 +16,11 @@ from dcrb_ros.core.contacts.films import write_films
 from dcrb_ros.core.contacts.notch import turn_notches
 from dcrb_ros.core.contacts.raceway import linearize_raceways, locate_raceways
 from dcrb_ros.core.contacts.roller_pair import add_pair_contacts
-from dcrb_ros.core.contacts.surface import feel_free
+from dcrb_ros.core.contacts.surface import write_free_heights
 from dcrb_ros.core.jit import NO, YES, ZERO, kernel, loop, piece
-from dcrb_ros.core.laws.calls import oils_cages
+from dcrb_ros.core.laws.calls import has_cage_oil
 from dcrb_ros.core.layout.records import Floats
-from dcrb_ros.core.layout.state import OUTER, State
+from dcrb_ros.core.layout.state import OUTER, SHAFT_ANGLE, SHAFT_SPEED, TARGET_SPEED, TARGET_X, State
 from dcrb_ros.core.layout.workspace import Workspace
 from dcrb_ros.core.payload import Payload
 from dcrb_ros.core.solver.bodies import add_preload, book_preload, drift, finish_bodies, move_cage, move_rings, predict_bodies
@@ -64,17 +64,17 @@ def find_bound(payload: Payload, state: State, work: Workspace) -> int:
         classify_rollers(payload, state, work, NO)
     else:
         classify_rollers(payload, state, work, YES)
-    feel_free(payload.surfaces, payload, state, work)
+    write_free_heights(payload.surfaces, payload, state, work)
     bind_special(payload, work)
-    found = ZERO
+    end = ZERO
     for row in range(payload.free.shape[0]):
-        found = list_bound(payload, work, row, found)
-        work.row_ends[row] = found
-    if found == 0:
+        end = list_bound(payload, work, row, end)
+        work.row_ends[row] = end
+    if end == 0:
         return 0
-    count = gather_bound(payload, state, work, found)
+    count = gather_bound(payload, state, work, end)
     predict_bound(payload, state, work, count)
-    if oils_cages(payload.lubrication):
+    if has_cage_oil(payload.lubrication):
         drag_bound(payload, work, count)
     if payload.any_broken:
         add_pair_contacts(payload, state, work.pair_force)
@@ -84,7 +84,7 @@ def find_bound(payload: Payload, state: State, work: Workspace) -> int:
 
 @piece
 def advance_unbound(payload: Payload, state: State, work: Workspace) -> None:
-    """Move the rollers that are not bound over the step, where there are such, and sum their forces on the outer ring."""
+    """Move the rollers that are not bound over the step, and sum their forces on the outer ring."""
     if not payload.all_free:
         clear_pinned(payload, state)
         return
@@ -99,13 +99,13 @@ def advance_unbound(payload: Payload, state: State, work: Workspace) -> None:
 def solve(payload: Payload, state: State, work: Workspace, count: int, lands: int) -> None:
     """Solve for the mean velocities of the bound rollers and of rings and cages, predicted at first; ``lands`` cages touch theirs."""
     prepare_bound(payload, work, count)
-    surface = state.shaft[1] * payload.inner_raceway_radius
+    surface = state.shaft[SHAFT_SPEED] * payload.inner_raceway_radius
     h = payload.step
     for _ in range(MOST_SWEEPS):
         solve_bound(payload, work, count, surface)
         sum_bound_forces(payload, work)
         add_land_forces(payload, work, lands)
-        if oils_cages(payload.lubrication):
+        if has_cage_oil(payload.lubrication):
             add_land_films(payload, work)
         moved, changed = move_rings(payload, state, work)
         for row in range(payload.free.shape[0]):
@@ -133,16 +133,16 @@ def advance(payload: Payload, state: State, work: Workspace, acceleration: Float
     write_pockets(payload, state)
     turn_notches(payload.outer_notches, 0.0, work.outer_notch_direction)
     for n in range(acceleration.shape[0]):
-        shaft_angle[n] = state.shaft[0]
+        shaft_angle[n] = state.shaft[SHAFT_ANGLE]
         for axis in range(2):
-            state.load[axis] = ramped(state.load[axis], state.target[1 + axis], payload.load_ramp * h)
-        speed_after = ramped(state.shaft[1], state.target[0], payload.speed_ramp * h)
-        state.shaft[1] = 0.5 * (state.shaft[1] + speed_after)
+            state.load[axis] = ramped(state.load[axis], state.target[TARGET_X + axis], payload.load_ramp * h)
+        speed_after = ramped(state.shaft[SHAFT_SPEED], state.target[TARGET_SPEED], payload.speed_ramp * h)
+        state.shaft[SHAFT_SPEED] = 0.5 * (state.shaft[SHAFT_SPEED] + speed_after)
         drift(payload, state, 0.5 * h)
-        turn_notches(payload.inner_notches, state.shaft[0], work.inner_notch_direction)
+        turn_notches(payload.inner_notches, state.shaft[SHAFT_ANGLE], work.inner_notch_direction)
         predict_bodies(payload, state, work)
         write_films(payload, state)
-        if oils_cages(payload.lubrication):
+        if has_cage_oil(payload.lubrication):
             write_spin_drag(payload, state, work)
         clear(work.force_of_free)
         if payload.suspended:
@@ -155,7 +155,7 @@ def advance(payload: Payload, state: State, work: Workspace, acceleration: Float
         solve(payload, state, work, count, lands)
         store_bound(payload, state, work, count)
         store_lands(payload, state, work, lands)
-        if oils_cages(payload.lubrication):
+        if has_cage_oil(payload.lubrication):
             store_land_films(payload, state, work)
         finish_bodies(payload, state, work)
         if payload.suspended:
@@ -163,4 +163,4 @@ def advance(payload: Payload, state: State, work: Workspace, acceleration: Float
         for axis in range(2):
             acceleration[n, axis] = state.change[OUTER, axis] / h
         drift(payload, state, 0.5 * h)
-        state.shaft[1] = speed_after
+        state.shaft[SHAFT_SPEED] = speed_after

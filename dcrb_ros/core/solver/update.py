@@ -4,19 +4,20 @@ from __future__ import annotations
 
 from dcrb_ros.core.jit import piece
 from dcrb_ros.core.laws.calls import (
-    film_resists,
+    has_cage_oil,
+    has_rolling_resistance,
     load_kept,
     load_memory,
     load_resistance,
     normal_update,
-    oils_cages,
     store_memory,
     traction_update,
 )
+from dcrb_ros.core.layout.cages import of_cages, of_row
 from dcrb_ros.core.layout.contacts import BarContact, RacewayContact
 from dcrb_ros.core.layout.records import Floats
 from dcrb_ros.core.layout.rollers import BoundRollers
-from dcrb_ros.core.layout.state import CAGE, INNER, OUTER, State
+from dcrb_ros.core.layout.state import INNER, OUTER, SHAFT_SPEED, State
 from dcrb_ros.core.layout.workspace import Workspace
 from dcrb_ros.core.payload import Payload
 from dcrb_ros.core.solver.bound import push_share
@@ -48,11 +49,11 @@ def update_raceway(
         contact.force[k] = max(expected + contact.damping[k] * (closing - contact.expected_closing[k]), 0.0)
         memory = traction_update(traction_law, memory, load_kept(traction_law, contact.kept, k), slip, expected > 0.0, h)
         store_memory(traction_law, contact.traction, k, memory)
-        own = load_memory(normal_law, contact.normal, k)
-        store_memory(normal_law, contact.normal, k, normal_update(normal_law, own, contact.penetration[k], closing, h))
+        normal_memory = load_memory(normal_law, contact.normal, k)
+        store_memory(normal_law, contact.normal, k, normal_update(normal_law, normal_memory, contact.penetration[k], closing, h))
         friction_power, loss_power = friction * slip, contact.damping[k] * closing * closing
         notch_power, drive_power = normal * sink, side * normal * surface_n - friction * surface
-        if film_resists(site.film):
+        if has_rolling_resistance(site.film):
             resistance = load_resistance(payload.lubrication, contact.film, k, 1.0)
             along, turning = vx * tx + vy * ty, side * bound.mean_rim[k] - surface
             rolling_power = resistance * (share * along + turning)
@@ -68,15 +69,12 @@ def update_raceway(
 @piece
 def update_bars(payload: Payload, bound: BoundRollers, bar: BarContact, mean_velocity: Floats, count: int) -> None:
     """Write forces and bristles of the contacts with bars, and add their powers; ``mean_velocity`` is that of all bodies."""
-    last, law = mean_velocity.shape[0] - 1, payload.cage_traction_law
-    first_x, first_y, first_turn = mean_velocity[CAGE, 0], mean_velocity[CAGE, 1], mean_velocity[CAGE, 2]
-    second_x, second_y, second_turn = mean_velocity[last, 0], mean_velocity[last, 1], mean_velocity[last, 2]
+    law, cages = payload.cage_traction_law, of_cages(mean_velocity)
     for k in range(count):
         nx, ny, side = bound.tangent_x[k], bound.tangent_y[k], bar.side[k]
-        second = bound.second_row[k] > 0.0
-        own_x, own_y, turn = second_x if second else first_x, second_y if second else first_y, second_turn if second else first_turn
-        vx = bound.mean_vx[k] - own_x + turn * bar.lever_y[k]
-        vy = bound.mean_vy[k] - own_y - turn * bar.lever_x[k]
+        cage_vx, cage_vy, turn = of_row(cages, bound.second_row[k])
+        vx = bound.mean_vx[k] - cage_vx + turn * bar.lever_y[k]
+        vy = bound.mean_vy[k] - cage_vy - turn * bar.lever_x[k]
         along, slip = vx * nx + vy * ny, vx * ny - vy * nx - side * bound.mean_rim[k]
         approach = side * along
         friction = bar.friction_offset[k] + bar.friction_slope[k] * slip
@@ -86,7 +84,7 @@ def update_bars(payload: Payload, bound: BoundRollers, bar: BarContact, mean_vel
         store_memory(law, bar.traction, k, traction_update(law, memory, kept, slip, side != 0.0, payload.step))
         bound.friction_power[k] += friction * slip
         bound.loss_power[k] += bar.damping[k] * along * along
-        if film_resists(payload.inner.film):
+        if has_rolling_resistance(payload.inner.film):
             bound.bar_friction_power[k], bound.bar_loss_power[k] = friction * slip, bar.damping[k] * along * along
 
 
@@ -95,7 +93,7 @@ def store_bound(payload: Payload, state: State, work: Workspace, count: int) -> 
     """Write the bound rollers, in ``count`` elements, back into the state."""
     rollers, bound, by_radius, h = state.rollers[0], work.bound[0], 1.0 / payload.roller_radius, payload.step
     normal_law, traction_law, cage_law = payload.normal_law, payload.traction_law, payload.cage_traction_law
-    surface = state.shaft[1] * payload.inner_raceway_radius
+    surface = state.shaft[SHAFT_SPEED] * payload.inner_raceway_radius
     update_raceway(payload, bound, bound.inner, count, work.mean_velocity[INNER, 0], work.mean_velocity[INNER, 1], surface, 1.0)
     update_raceway(payload, bound, bound.outer, count, work.mean_velocity[OUTER, 0], work.mean_velocity[OUTER, 1], 0.0, -1.0)
     if payload.any_free:
@@ -110,9 +108,9 @@ def store_bound(payload: Payload, state: State, work: Workspace, count: int) -> 
         store_memory(normal_law, rollers.inner.normal, c, load_memory(normal_law, bound.inner.normal, k))
         store_memory(normal_law, rollers.outer.normal, c, load_memory(normal_law, bound.outer.normal, k))
         rollers.friction_loss[c] += h * bound.friction_power[k]
-        if film_resists(payload.inner.film):
+        if has_rolling_resistance(payload.inner.film):
             rollers.rolling_loss[c] += h * bound.rolling_power[k]
-        if oils_cages(payload.lubrication):
+        if has_cage_oil(payload.lubrication):
             rollers.friction_loss[c] += h * bound.drag_power[k]
             rollers.drag_loss[c] += h * bound.drag_power[k]
             rollers.bar_friction_loss[c] += h * bound.drag_power[k]
@@ -125,7 +123,7 @@ def store_bound(payload: Payload, state: State, work: Workspace, count: int) -> 
         if bound.free[k] > 0.0:
             rollers.bar.force[c] = bound.bar.side[k] * bound.bar.force[k]
             store_memory(cage_law, rollers.bar.traction, c, load_memory(cage_law, bound.bar.traction, k))
-            if film_resists(payload.inner.film):
+            if has_rolling_resistance(payload.inner.film):
                 rollers.bar_friction_loss[c] += h * bound.bar_friction_power[k]
                 rollers.bar_contact_loss[c] += h * bound.bar_loss_power[k]
             rollers.bar.impact_speed[c] = bound.bar.impact_speed[k]

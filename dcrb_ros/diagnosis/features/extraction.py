@@ -172,7 +172,7 @@ def extract_features(
     Parameters
     ----------
     signal
-        A `Run`, `Recording` or `Waveform`, or accelerations of shape (samples, 2) or (samples,) [m/s^2].
+        A `SimulationResult`, `Recording` or `Waveform`, or accelerations of shape (samples, 2) or (samples,) [m/s^2].
     sampling_rate
         Sampling rate of plain arrays [Hz].
     shaft_angle

@@ -15,13 +15,13 @@ SHALLOWEST = 0.25
 
 def heights(x: Floats, marks: Marks, random: np.random.Generator) -> Floats:
     """Return the lowest of ``count`` Gaussian pits [m]."""
-    found = np.zeros(len(x))
+    surface = np.zeros(len(x))
     half = max(0.5 * marks.width - 3.0 * WIDEST, 0.0)
     for _ in range(marks.count):
-        place, width = half * (2.0 * random.random() - 1.0), NARROWEST + (WIDEST - NARROWEST) * random.random()
+        middle, width = half * (2.0 * random.random() - 1.0), NARROWEST + (WIDEST - NARROWEST) * random.random()
         depth = marks.depth * (SHALLOWEST + (1.0 - SHALLOWEST) * random.random())
-        np.minimum(found, -depth * np.exp(-0.5 * ((x - place) / width) ** 2), out=found)
-    return found
+        np.minimum(surface, -depth * np.exp(-0.5 * ((x - middle) / width) ** 2), out=surface)
+    return surface
 
 
 def share(marks: Marks, length: float) -> float:

@@ -1,4 +1,4 @@
-"""A dent that a particle has left: a hollow with raised shoulders, which are what a roller feels."""
+"""A dent that a particle has left: a hollow with raised shoulders, over which the rollers roll."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A scratch across the raceway with a burr on one side, which is what a roller feels."""
+"""A scratch across the raceway with a burr on one side, over which the rollers roll."""
 
 from __future__ import annotations
 

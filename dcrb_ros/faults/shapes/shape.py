@@ -27,7 +27,7 @@ class Marks(Protocol):
 
 
 class Place(NamedTuple):
-    """One of the places at which a shape stands."""
+    """One of the places of a shape."""
 
     angle: float
     """From the defect's azimuth [rad]."""
@@ -56,7 +56,7 @@ class Shape:
     reach: Callable[[Marks], float]
     """Function (marks): distance from the middle at which the damage ends [m]."""
     places: Callable[[float, float], Iterator[Place]] = one_place
-    """Function (azimuth, pitch): where the shape stands, for a defect at an azimuth and rollers a pitch apart [rad]."""
+    """Function (azimuth, pitch): the places of the shape, for a defect at an azimuth and rollers a pitch apart [rad]."""
 
 
 def half_width(marks: Marks) -> float:

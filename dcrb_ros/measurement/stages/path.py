@@ -89,9 +89,9 @@ class MeasuredPath(Stage):
         return np.concatenate(columns, axis=1)
 
 
-def cascade(found: Sequence[Pair], rate: float) -> Floats:
+def cascade(sections: Sequence[Pair], rate: float) -> Floats:
     """Return pairs of poles and zeros as second-order sections in series at a rate [Hz], shape (sections, 6)."""
-    return np.concatenate([pole_zero_pair((one.pole, one.pole_damping), (one.zero, one.zero_damping), rate) for one in found])
+    return np.concatenate([pole_zero_pair((pair.pole, pair.pole_damping), (pair.zero, pair.zero_damping), rate) for pair in sections])
 
 
 def deviations(seed: int, spread: float, rate: float) -> tuple[list[Pair], list[Pair]]:
@@ -118,44 +118,44 @@ def pairs(text: str, key: str) -> list[Pair]:
     Raises:
         ValueError: an entry is not four numbers.
     """
-    found = []
+    sections = []
     for entry in (entry.strip() for entry in text.split(";")):
         try:
             numbers = [float(word) for word in re.split(r"[,\s]+", entry)] if entry else []
             if numbers:
                 pole, pole_damping, zero, zero_damping = numbers
-                found.append(Pair(pole, pole_damping, zero, zero_damping))
+                sections.append(Pair(pole, pole_damping, zero, zero_damping))
         except ValueError:
             raise ValueError(
                 f"{key}: '{entry}' is not a pair of poles and zeros: give the frequency [Hz] and the damping ratio of either, such as "
                 "1400 0.03 1600 0.05"
             ) from None
-    return found
+    return sections
 
 
-def text_of(found: Sequence[Pair]) -> str:
+def text_of(sections: Sequence[Pair]) -> str:
     """Return pairs as `pairs` reads them."""
-    return "; ".join(" ".join(f"{number:.6g}" for number in one) for one in found)
+    return "; ".join(" ".join(f"{number:.6g}" for number in pair) for pair in sections)
 
 
 def problems_of(key: str, text: str, step_rate: int) -> Iterator[str]:
     """Yield a sentence for each reason for which the pairs in a text cannot run at a step rate [Hz]."""
     try:
-        found = pairs(text, key)
+        sections = pairs(text, key)
     except ValueError as error:
         yield str(error)
         return
-    yield from _outside(key, found)
-    for frequency in (frequency for one in found for frequency in (one.pole, one.zero)):
+    yield from _outside(key, sections)
+    for frequency in (frequency for pair in sections for frequency in (pair.pole, pair.zero)):
         yield from above_step_rate(f"{key}: a frequency", frequency, step_rate)
 
 
-def _outside(key: str, found: Sequence[Pair]) -> Iterator[str]:
+def _outside(key: str, sections: Sequence[Pair]) -> Iterator[str]:
     """Yield a sentence for each number out of range."""
     frequency, damping = ("frequency", FREQUENCY_RANGE, " Hz"), ("damping ratio", DAMPING_RANGE, "")
-    for one in found:
-        for value, (name, (low, high), unit) in zip(one, (frequency, damping, frequency, damping), strict=True):
+    for pair in sections:
+        for value, (name, (low, high), unit) in zip(pair, (frequency, damping, frequency, damping), strict=True):
             if not low <= value <= high:
                 yield f"{key}: {name} {value:g}{unit} is outside {low:g} .. {high:g}{unit}"
-    if len(found) > MOST_SECTIONS:
-        yield f"{key} has {len(found)} pairs of poles and zeros; at most {MOST_SECTIONS} are allowed"
+    if len(sections) > MOST_SECTIONS:
+        yield f"{key} has {len(sections)} pairs of poles and zeros; at most {MOST_SECTIONS} are allowed"

@@ -107,9 +107,9 @@ def modes(structure: StructureParameters) -> list[Mode]:
 
 def sections(structure: StructureParameters, rate: float) -> tuple[Floats, Floats]:
     """Return the path through the axle box in X and in Y as second-order sections at a rate [Hz]; its static gain is 1."""
-    found = modes(structure)
-    bank = [transmissibility(mode.frequency, mode.damping, rate) for mode in found]
-    x, y = ([structure.coupling * mode.share[axis] for mode in found] for axis in (0, 1))
+    bench_modes = modes(structure)
+    bank = [transmissibility(mode.frequency, mode.damping, rate) for mode in bench_modes]
+    x, y = ([structure.coupling * mode.share[axis] for mode in bench_modes] for axis in (0, 1))
     straight = 1.0 - structure.coupling
     return side_by_side(bank, x, straight), side_by_side(bank, y, straight)
 
@@ -127,10 +127,10 @@ def numbers(text: str, key: str) -> list[float]:
         raise ValueError(f"{key}: '{text}' is not a list of numbers: separate them by commas, such as '900, 2300'") from None
 
 
-def _outside(key: str, found: list[float], span: tuple[float, float], unit: str) -> Iterator[str]:
+def _outside(key: str, values: list[float], span: tuple[float, float], unit: str) -> Iterator[str]:
     low, high = span
-    for value in found:
+    for value in values:
         if not low <= value <= high:
             yield f"{key}: {value:g}{unit} is outside {low:g} .. {high:g}{unit}"
-    if len(found) > MOST_MODES:
-        yield f"{key} has {len(found)} numbers; at most {MOST_MODES} are allowed"
+    if len(values) > MOST_MODES:
+        yield f"{key} has {len(values)} numbers; at most {MOST_MODES} are allowed"

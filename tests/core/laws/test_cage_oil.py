@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from dcrb_ros.core.laws.calls import bar_damping, bar_shear, churning, land_damping, land_torque, oils_cages
+from dcrb_ros.core.laws.calls import bar_damping, bar_shear, churning, has_cage_oil, land_damping, land_torque
 from dcrb_ros.core.laws.dry import Dry
 from dcrb_ros.core.laws.film_with_cages import FilmWithCages, build
 from dcrb_ros.settings.configuration import Configuration
@@ -73,8 +73,8 @@ def test_a_mist_of_oil_takes_some_watts_from_orbiting_rollers() -> None:
 
 
 def test_without_oil_nothing_acts_on_cages() -> None:
-    assert oils_cages(oil())
-    assert not oils_cages(Dry())
+    assert has_cage_oil(oil())
+    assert not has_cage_oil(Dry())
     assert bar_damping(oil(squeeze=False), 1e-5) == land_damping(oil(squeeze=False), 0.0, LAND_CLEARANCE, LAND_RADIUS) == 0.0
     assert bar_shear(oil(pocket_layer=0.0), 1e-7) == 0.0
     assert bar_damping(Dry(), 1e-7) == bar_shear(Dry(), 1e-7) == churning(Dry()) == 0.0

@@ -1,4 +1,4 @@
-"""Free rollers: what they feel of notches on their way."""
+"""Free rollers over notches."""
 
 from __future__ import annotations
 

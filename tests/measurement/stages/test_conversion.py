@@ -20,7 +20,6 @@ from dcrb_ros.measurement.stages.stuck import Stuck
 from dcrb_ros.measurement.stages.white_noise import WhiteNoise
 
 RATE = 51200.0
-Samples = npt.NDArray[np.float64]
 
 
 def stage(kind: type[Stage], *, background: dict[str, Any] | None = None, **sensor: Any) -> Any:
@@ -31,7 +30,7 @@ def stage(kind: type[Stage], *, background: dict[str, Any] | None = None, **sens
     return made
 
 
-def through(made: Stage, samples: npt.ArrayLike, first: int = 0) -> Samples:
+def through(made: Stage, samples: npt.ArrayLike, first: int = 0) -> npt.NDArray[np.float64]:
     """Return samples after a stage."""
     acceleration = np.asarray(samples, float)
     return made.process(acceleration, Span(first, np.zeros(len(acceleration) + 1)))
