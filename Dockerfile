@@ -12,7 +12,7 @@ RUN apt-get update \
 # Ubuntu packages no recent enough version of these, or none.
 RUN python3 -m pip install --no-cache-dir --break-system-packages --ignore-installed \
     "numba>=0.60" "pydantic>=2.7" "platformdirs>=4" "typer>=0.12" "rich>=13" "mcap>=1.6" "rosbags>=0.10.10" "rerun-sdk>=0.39" "junitparser>=3" \
-    "scipy>=1.13" "matplotlib>=3.9" "pyarrow>=14" "dask>=2024.2" "distributed>=2024.2" "fsspec>=2024.2" "pandas>=2.2"
+    "scipy>=1.13" "matplotlib>=3.9" "jinja2>=3.1" "pyarrow>=14" "dask>=2024.2" "distributed>=2024.2" "fsspec>=2024.2" "pandas>=2.2"
 
 COPY . src/dcrb_ros
 RUN . /opt/ros/jazzy/setup.sh && colcon build

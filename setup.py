@@ -33,7 +33,7 @@ setup(
     # it from its source, in pure Python. The checks run on 3.10 to 3.13; no interpreter of 3.14 was available.
     python_requires=">=3.10,<3.15",
     packages=find_packages(include=[NAME, f"{NAME}.*"]),
-    package_data={NAME: ["py.typed"], f"{NAME}.validation": ["assumptions.md"]},
+    package_data={NAME: ["py.typed"], f"{NAME}.validation": ["assumptions.md"], f"{NAME}.plots": ["templates/*.html"]},
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{NAME}"]),
         (f"share/{NAME}", ["package.xml", "QUALITY_DECLARATION.md"]),
@@ -62,6 +62,7 @@ setup(
         "typer>=0.12,<1",
         "rich>=13,<16",
         "matplotlib>=3.8,<4",
+        "jinja2>=3.1,<4",
         "mcap>=1.6,<2",
         "pillow>=10,<14",
         "rosbags>=0.10.10,<0.12",

@@ -1,18 +1,21 @@
-"""`dcrb config`: list, print and check configurations; print the parameters."""
+"""`dcrb config`: list, print, check and make configurations; print the parameters."""
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from dcrb_ros.cli.literal_help import Commands
-from dcrb_ros.cli.options import Config, Settings
+from dcrb_ros.cli.options import Config, Force, Settings
+from dcrb_ros.cli.output_file import check_output, replacing
+from dcrb_ros.text.writing import write_whole
 
 if TYPE_CHECKING:
     from dcrb_ros.schema.parameter_field import ParameterField
 
-app = Commands(help="List, print and check configurations of the bench.")
+app = Commands(help="List, print, check and make configurations of the bench.")
 MOST_ERRORS = 20
 """Errors that `dcrb config check` prints."""
 DETECTOR = "fault_detector"
@@ -73,6 +76,58 @@ def check(config: Config, settings: Settings = None) -> None:
         print(f"  {name:20s} {text}")
     for sentence in kept_defaults(configuration.bearing):
         print_error("dcrb", f"warning: {sentence}")
+
+
+@app.command()
+def new(
+    output: Annotated[Path, typer.Option("-o", "--output", help="New YAML file.")],
+    inner_raceway: Annotated[float, typer.Option("-F", "--inner-raceway", help="Diameter of the inner raceway [mm], F in catalogues.")],
+    rollers: Annotated[int, typer.Option("-Z", "--rollers", help="Rollers in each row [-].")],
+    roller_diameter: Annotated[float, typer.Option("--roller-diameter", help="Diameter of the rollers [mm].")],
+    roller_length: Annotated[float, typer.Option("--roller-length", help="Effective length of the rollers, without chamfers [mm].")],
+    rpm: Annotated[float, typer.Option(help="Speed of the inner ring [1/min].")],
+    outer_raceway: Annotated[
+        float | None, typer.Option("-E", "--outer-raceway", help="Diameter of the outer raceway [mm], E in catalogues; checked.")
+    ] = None,
+    rows: Annotated[int, typer.Option(help="Rows of rollers, 1 or 2.")] = 1,
+    bore: Annotated[float | None, typer.Option("-d", "--bore", help="Bore [mm]. Default: estimated.")] = None,
+    outside: Annotated[float | None, typer.Option("-D", "--outside", help="Outside diameter [mm]. Default: estimated.")] = None,
+    width: Annotated[float | None, typer.Option("-B", "--width", help="Width [mm]. Default: estimated.")] = None,
+    clearance: Annotated[
+        float | None, typer.Option(help="Radial internal clearance [um]. Default: middle of the normal group of ISO 5753-1.")
+    ] = None,
+    load: Annotated[float | None, typer.Option(help="Radial load [N]. Default: a tenth of the load rating.")] = None,
+    force: Force = False,
+) -> None:
+    """Write the configuration of a cylindrical roller bearing from catalogue data, and print what was filled in.
+
+    Example: dcrb config new -o nj2210.yaml -F 59.5 -E 81.5 -Z 16 --roller-diameter 11 --roller-length 16 --rpm 1500
+    """
+    from dcrb_ros.bearing.catalogue import CatalogueBearing, configuration_of, described_yaml
+
+    check_output("-o", output, (".yaml", ".yml"))
+    bearing = CatalogueBearing(
+        inner_raceway=inner_raceway,
+        rollers=rollers,
+        roller_diameter=roller_diameter,
+        roller_length=roller_length,
+        rpm=rpm,
+        outer_raceway=outer_raceway,
+        rows=rows,
+        bore=bore,
+        outside=outside,
+        width=width,
+        clearance=clearance,
+        load=load,
+    )
+    parameters, filled = configuration_of(bearing)
+    title = f"Cylindrical roller bearing, {rows} x {rollers} rollers of {roller_diameter:g} x {roller_length:g} mm, at {rpm:g} rpm."
+    with replacing("-o", output, force=force):
+        write_whole(output, described_yaml(parameters, filled, title))
+    print(f"{output}: the comments say where these values come from; replace them by those of a drawing")
+    for entry in filled:
+        print(f"  {entry.key:28s} {entry.value:<12.6g} {entry.source}")
+    print(f"next: dcrb config check {output}")
 
 
 Group = Annotated[

@@ -5,17 +5,20 @@ from __future__ import annotations
 import json
 from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from dcrb_ros.cli.options import Bag, DetectorFile, Force, JsonOutput
+from dcrb_ros.cli.options import DetectorFile, Force, JsonOutput
 from dcrb_ros.cli.output_file import check_output, replacing
 from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.text.writing import write_whole
 
 if TYPE_CHECKING:
+    from dcrb_ros.diagnosis.detection import DetectionResult
     from dcrb_ros.diagnosis.healthy_baseline import HealthyBaseline
     from dcrb_ros.diagnosis.parameters import DetectorParameters
+    from dcrb_ros.recordings.reader import Recording
 
 
 def detector_parameters(file: Path | None) -> DetectorParameters:
@@ -31,7 +34,7 @@ def detector_parameters(file: Path | None) -> DetectorParameters:
 
 
 def detect(
-    bag: Bag,
+    bags: Annotated[list[Path], typer.Argument(help="Recordings: folders, or single .mcap or .db3 files.", metavar="BAG ...")],
     as_json: JsonOutput = False,
     detector: DetectorFile = None,
     healthy: Annotated[
@@ -39,51 +42,81 @@ def detect(
     ] = None,
     baseline: Annotated[Path | None, typer.Option(help="Saved baseline of the healthy bearing.")] = None,
     save_baseline: Annotated[Path | None, typer.Option(help="New YAML file for the baseline that --healthy gives.")] = None,
+    report: Annotated[
+        Path | None, typer.Option(help="New HTML file: one page to send, with verdicts, reasons, figures, conditions and limits.")
+    ] = None,
     force: Force = False,
 ) -> None:
-    """Run the fault detector on a recording and print its verdict with the evidence.
+    """Run the fault detector on recordings and print its verdicts with the evidence.
 
     Example: dcrb detect bags/outer_ring_defect
+
+    A page to send, with the trend over the recordings: dcrb detect monday tuesday --report bearing.html
     """
     from dcrb_ros.diagnosis.detection import detect as detect_in
     from dcrb_ros.diagnosis.detection import watch
     from dcrb_ros.recordings.reader import Recording
 
+    if report is not None:
+        check_output("--report", report, (".html", ".htm"))
     parameters = detector_parameters(detector)
     if baseline is not None:
         parameters = parameters.model_copy(update={"baseline": str(baseline)})
     known = _learned(healthy, baseline, save_baseline, parameters, force=force)
-    recording = Recording(bag)
-    # A program gets an answer in any case; a person gets the reason why there is none.
-    found = (watch if as_json else detect_in)(recording, parameters=parameters, baseline=known)
-    last = found.last
+    diagnosed = []
+    for bag in bags:
+        recording = Recording(bag)
+        # A program gets an answer in any case; a person gets the reason why there is none.
+        result = (watch if as_json else detect_in)(recording, parameters=parameters, baseline=known)
+        diagnosed.append((bag, recording, result))
+        if not as_json:
+            _print_table(bag, recording, result)
     if as_json:
-        about = {
-            "verdict": last.verdict,
-            "confidence": last.confidence,
-            "reason": last.reason,
-            "time": last.time,
-            "first_time": found.since,
-            "levels": last.levels,
-            "lines": {component: asdict(lines) for component, lines in last.lines.items()},
-            "shaft_frequency": last.shaft_frequency,
-            "scores": last.scores,
-            "severity": last.severity,
-            "trend": last.trend,
-            "gaps": last.gaps,
-            "clipped": last.clipped,
-            "baseline": last.baseline or None,
-            "remarks": last.remarks,
-            "complete": recording.complete,
-            "history": [{"time": d.time, "verdict": d.verdict, "confidence": d.confidence} for d in found.history],
-        }
-        print(json.dumps(about, indent=2))
-        return
+        objects = [_as_object(recording, result) for _, recording, result in diagnosed]
+        named = [{"recording": str(bag), **about} for (bag, _, _), about in zip(diagnosed, objects, strict=True)]
+        print(json.dumps(objects[0] if len(objects) == 1 else named, indent=2))
+    if report is not None:
+        from dcrb_ros.plots.detection_report import DiagnosedRecording, detection_report
+
+        page = detection_report([DiagnosedRecording(str(bag), recording, result, parameters) for bag, recording, result in diagnosed])
+        with replacing("--report", report, force=force):
+            write_whole(report, page)
+        if not as_json:
+            print(f"{report}: {len(diagnosed)} recording{'s' * (len(diagnosed) > 1)}; a browser shows it, and prints it to PDF")
+
+
+def _as_object(recording: Recording, result: DetectionResult) -> dict[str, Any]:
+    """Return the last diagnosis and the history for JSON."""
+    last = result.last
+    return {
+        "verdict": last.verdict,
+        "confidence": last.confidence,
+        "reason": last.reason,
+        "time": last.time,
+        "first_time": result.since,
+        "levels": last.levels,
+        "lines": {component: asdict(lines) for component, lines in last.lines.items()},
+        "shaft_frequency": last.shaft_frequency,
+        "scores": last.scores,
+        "severity": last.severity,
+        "trend": last.trend,
+        "gaps": last.gaps,
+        "clipped": last.clipped,
+        "baseline": last.baseline or None,
+        "remarks": last.remarks,
+        "complete": recording.complete,
+        "history": [{"time": d.time, "verdict": d.verdict, "confidence": d.confidence} for d in result.history],
+    }
+
+
+def _print_table(bag: Path, recording: Recording, result: DetectionResult) -> None:
+    """Print the last diagnosis as a table and sentences."""
     from rich.table import Table
 
     from dcrb_ros.runtime.terminal import console
     from dcrb_ros.schema.verdicts import title_of
 
+    last = result.last
     title = title_of(last.verdict, last.scores)
     table = Table("component", "line", "level over background [dB]", "over threshold [dB]", title=f"{bag}: {title}")
     for (fault, score), (name, level) in zip(last.scores.items(), last.levels.items(), strict=False):
@@ -91,7 +124,7 @@ def detect(
         table.add_row(fault, line, f"{level:.1f}", f"{score:.1f}")
     shown = console()
     shown.print(table)
-    when = f"first at {found.since:.2f} s, in {found.duration:.2f} s of signal"
+    when = f"first at {result.since:.2f} s, in {result.duration:.2f} s of signal"
     for sentence in (f"{last.verdict}, confidence {last.confidence:.2f}, {when}: {last.reason}", *last.remarks):
         shown.print(sentence, soft_wrap=True)
     if not recording.complete:

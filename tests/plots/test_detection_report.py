@@ -1,0 +1,123 @@
+"""The page on recordings: complete, self-contained, equal for equal recordings, and safe against names from outside."""
+
+from __future__ import annotations
+
+import json
+import re
+import shutil
+from html.parser import HTMLParser
+from pathlib import Path
+
+import pytest
+from same_process import dcrb
+
+from dcrb_ros.diagnosis.detection import detect
+from dcrb_ros.diagnosis.parameters import DetectorParameters
+from dcrb_ros.plots.detection_report import LIMITS, DiagnosedRecording, detection_report, read_content
+from dcrb_ros.recordings.reader import Recording
+
+BAGS = Path(__file__).parents[2] / "bags"
+
+
+class Page(HTMLParser):
+    """Addresses, cells and text of a page."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.addresses: list[str] = []
+        self.tags: list[str] = []
+        self.texts: list[str] = []
+        self.feed(text)
+
+    def handle_starttag(self, tag: str, attributes: list[tuple[str, str | None]]) -> None:
+        self.tags.append(tag)
+        self.addresses += [value or "" for name, value in attributes if name in ("src", "href", "srcset", "data")]
+
+    def handle_data(self, data: str) -> None:
+        self.texts.append(data)
+
+    @property
+    def text(self) -> str:
+        return " ".join(" ".join(self.texts).split())
+
+
+def diagnosed(name: str, path: Path | None = None) -> DiagnosedRecording:
+    recording = Recording(path or BAGS / name)
+    return DiagnosedRecording(name, recording, detect(recording), DetectorParameters())
+
+
+def test_the_page_is_self_contained_and_equal_for_equal_recordings() -> None:
+    text = detection_report([diagnosed("outer_ring_defect")])
+    page = Page(text)
+    assert page.addresses
+    assert all(address.startswith("data:image/png;base64,") for address in page.addresses)
+    assert "url(" not in text
+    assert "script" not in page.tags
+    assert text == detection_report([diagnosed("outer_ring_defect")])
+
+
+def test_the_page_states_verdict_reason_conditions_limits_and_versions() -> None:
+    entry = diagnosed("outer_ring_defect")
+    text = Page(detection_report([entry])).text
+    last = entry.result.last
+    for part in ("outer ring defect", last.reason, "51200 Hz", "BPFO 6.72", "numpy", "dcrb_ros", *LIMITS):
+        assert part in text
+    assert Recording(BAGS / "outer_ring_defect").manifest["recorded"] in text
+
+
+def test_rms_and_peak_are_those_of_the_samples_and_the_digest_is_that_of_the_manifest() -> None:
+    recording = Recording(BAGS / "inner_ring_defect")
+    content, waveform = read_content(recording), recording.waveform()
+    acceleration = waveform.acceleration.astype(float)
+    assert content.rms == pytest.approx(float((acceleration.var(axis=0)).sum() ** 0.5), rel=1e-9)
+    assert content.peak == pytest.approx(float(abs(acceleration).max()))
+    assert abs(acceleration[list(waveform.index).index(content.largest_sample)]).max() == pytest.approx(content.peak)
+    assert recording.outcome is not None
+    assert content.sha256 == recording.outcome["sha256"]
+
+
+def test_every_number_belongs_to_samples_of_the_recording() -> None:
+    entry = diagnosed("compound")
+    count = read_content(entry.recording).count
+    text = Page(detection_report([entry])).text
+    ranges = [(int(first), int(last)) for first, last in re.findall(r"samples (\d+) to (\d+)", text)]
+    assert len(ranges) >= 5
+    assert all(0 <= first <= last < count for first, last in ranges)
+    assert (entry.judged.first, entry.judged.last) in ranges
+
+
+def test_several_recordings_have_a_table_and_a_trend_in_their_order() -> None:
+    page = Page(detection_report([diagnosed(name) for name in ("healthy", "outer_ring_defect")]))
+    assert page.text.index("1. healthy") < page.text.index("2. outer_ring_defect")
+    assert len(page.addresses) == 7
+
+
+def test_a_name_from_outside_is_text(tmp_path: Path) -> None:
+    hostile = "<script>alert(1)</script>\x1b[31m"
+    text = detection_report([diagnosed(hostile, BAGS / "healthy")])
+    assert "script" not in Page(text).tags
+    assert "\x1b" not in text
+
+
+def test_the_command_writes_the_page_beside_its_answer(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = tmp_path / "bearing.html"
+    bags = [str(BAGS / "healthy"), str(BAGS / "cage_fracture")]
+    assert dcrb("detect", *bags, "--json", "--report", str(file)) == 0
+    answers = json.loads(capsys.readouterr().out)
+    assert [answer["recording"] for answer in answers] == bags
+    assert [answer["verdict"] for answer in answers] == ["healthy", "cage"]
+    assert "cage fault" in Page(file.read_text(encoding="utf-8")).text
+    assert dcrb("detect", *bags, "--report", str(file)) == 2
+    assert "exists: give another name, or --force" in capsys.readouterr().err
+
+
+def test_another_file_type_is_refused_before_the_work(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert dcrb("detect", str(tmp_path / "missing"), "--report", str(tmp_path / "page.pdf")) == 2
+    assert "must end in one of .html, .htm" in capsys.readouterr().err
+
+
+def test_a_recording_that_was_cut_off_says_so(tmp_path: Path) -> None:
+    shutil.copytree(BAGS / "outer_ring_defect", tmp_path / "cut")
+    file = next((tmp_path / "cut").glob("*.mcap"))
+    file.write_bytes(file.read_bytes()[: int(0.9 * file.stat().st_size)])
+    assert "cut off" in Page(detection_report([diagnosed("cut", tmp_path / "cut")])).text
