@@ -189,15 +189,16 @@ def _print_summary(tally: Tally, address: str, *, quiet: bool = False, as_json: 
 def _estimate(plan: Plan, workers: int, *, as_json: bool) -> None:
     """Print the estimated cost of a sweep."""
     from dcrb_ros.sweep.estimate import estimate
+    from dcrb_ros.text.markdown import table
 
-    cost = estimate(plan)
-    cases = [{"split": split, "case": case, "runs": count} for (split, case), count in sorted(cost.counts.items())]
+    cost, heads = estimate(plan), ("split", "case", "runs")
+    cases = [(split, case, count) for (split, case), count in sorted(cost.counts.items())]
     if as_json:
         about: dict[str, Any] = {
             "runs": cost.runs,
             "duration": cost.duration,
             "conditions": plan.conditions,
-            "cases": cases,
+            "cases": [dict(zip(heads, case, strict=True)) for case in cases],
             "workers": workers,
             "seconds": cost.seconds(workers),
             "bytes": cost.size,
@@ -206,9 +207,7 @@ def _estimate(plan: Plan, workers: int, *, as_json: bool) -> None:
         print(json.dumps(about, indent=2))
         return
     print(f"{cost.runs} runs of {cost.duration:g} s in {plan.conditions} {plan.unit}")
-    print("| split | case | runs |\n|---|---|---|")
-    for case in cases:
-        print(f"| {case['split']} | {case['case']} | {case['runs']} |")
+    print(table(heads, cases))
     print(
         f"about {_span(cost.seconds(workers))} on {workers} workers of this machine ({cost.factor:.1f} x real time each, plus "
         f"{cost.start:.2f} s per run) and {size_text(cost.size)} of disk space"

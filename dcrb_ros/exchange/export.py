@@ -9,7 +9,7 @@ import numpy as np
 import yaml
 
 from dcrb_ros.exchange.files import WRITERS, Array
-from dcrb_ros.exchange.tacho import LEVELS, sampled_pulses
+from dcrb_ros.exchange.pulse_train import LEVELS, sampled_pulses
 from dcrb_ros.exchange.temperatures import CHANNELS, TIME, own_arrays
 from dcrb_ros.exchange.temperatures import columns as beside_samples
 from dcrb_ros.messages.points import decode_vibration
@@ -141,5 +141,5 @@ def _deviation(recording: Recording) -> float:
     """Return the standard deviation of a reading of temperature [K]; 0 if it is unknown."""
     if recording.configured:
         return recording.configuration.thermal.sensor_noise
-    found = recording.manifest.get("imported", {}).get("temperature_deviation", 0.0)
-    return float(found) if isinstance(found, (int, float)) else 0.0
+    deviation = recording.manifest.get("imported", {}).get("temperature_deviation", 0.0)
+    return float(deviation) if isinstance(deviation, (int, float)) else 0.0

@@ -43,7 +43,7 @@ READINGS = {"outer_ring": OUTER_RING_TEMPERATURE, "box": BOX_TEMPERATURE, "ambie
 """Topics of the temperature sensors by attribute of `TemperatureReadings`."""
 
 
-class Source(Protocol):
+class RecordedTopics(Protocol):
     """The part of a recording that is read here; `dcrb_ros.recordings.reader.Recording` has it."""
 
     path: Path
@@ -79,42 +79,42 @@ class RecordedVerdict:
         return f"<RecordedVerdict: {self.verdict} at {self.time:.2f} s>"
 
 
-def pieces_of(recording: Source) -> Iterator[Piece]:
+def pieces_of(recording: RecordedTopics) -> Iterator[Piece]:
     """Yield the blocks of the waveform in the order in which they were recorded."""
     rate = recording.sampling_rate
     for block, sensor_range in recording.ranged_vibrations():
         yield Piece(block.first_index(rate), block.acceleration, block.shaft_angle, sensor_range)
 
 
-def waveform_of(recording: Source, start: float | None, stop: float | None) -> Waveform:
+def waveform_of(recording: RecordedTopics, start: float | None, stop: float | None) -> Waveform:
     """Return the samples with ``start <= time < stop`` [s], all without these; see `Recording.waveform`."""
     rate = recording.sampling_rate
     first, last = stretch(rate, start, stop)
-    found, spans = [], []
+    pieces, spans = [], []
     for piece in pieces_of(recording):
         begin, end = piece.first_index, piece.first_index + len(piece.shaft_angle)
         spans.append((begin, end))
         if begin < last and end > first:
-            found.append(piece)
-    if not found:
+            pieces.append(piece)
+    if not pieces:
         begin, end = min(begin for begin, _ in spans), max(end for _, end in spans)
         raise Refusal(
             f"{recording.path} has no sample {described_stretch(start, stop)}: it has samples from {begin / rate:g} to {end / rate:g} s"
         )
     # A block that came twice or too late is kept once, in its place.
-    index = np.concatenate([piece.first_index + np.arange(len(piece.shaft_angle), dtype=np.int64) for piece in found])
+    index = np.concatenate([piece.first_index + np.arange(len(piece.shaft_angle), dtype=np.int64) for piece in pieces])
     index, order = np.unique(index, return_index=True)
     return Waveform(
-        acceleration=np.concatenate([piece.acceleration for piece in found])[order],
-        shaft_angle=np.concatenate([piece.shaft_angle for piece in found])[order],
+        acceleration=np.concatenate([piece.acceleration for piece in pieces])[order],
+        shaft_angle=np.concatenate([piece.shaft_angle for piece in pieces])[order],
         sampling_rate=rate,
         index=index,
         orders=recording.orders,
-        sensor_range=found[-1].sensor_range,
+        sensor_range=pieces[-1].sensor_range,
     ).between(start, stop)
 
 
-def states_of(recording: Source) -> StateHistory:
+def states_of(recording: RecordedTopics) -> StateHistory:
     """Return the bodies over time; see `Recording.states`."""
     times, states = _joints(recording, ROLLER_STATES)
     if states is None:
@@ -136,7 +136,7 @@ def states_of(recording: Source) -> StateHistory:
     )
 
 
-def _joints(recording: Source, topic: Topic) -> tuple[Floats, Joints | None]:
+def _joints(recording: RecordedTopics, topic: Topic) -> tuple[Floats, Joints | None]:
     """Return the times [s] and the values, shape (times, bodies), of a topic of joint states; none where it was not recorded."""
     messages = [message.data for message in recording.messages((topic,))]
     if not messages:
@@ -149,40 +149,40 @@ def _joints(recording: Source, topic: Topic) -> tuple[Floats, Joints | None]:
 def _stacked(joints: Sequence[Joints], topic: Topic) -> Joints:
     """Return joint states of the same bodies as one with a row for each."""
     first = joints[0]
-    if any(one.names != first.names for one in joints):
+    if any(joint.names != first.names for joint in joints):
         raise Refusal(f"the messages on {topic.name} name different bodies: give a recording of one bench")
-    fields = (np.array([getattr(one, name) for one in joints]) for name in ("position", "velocity", "effort"))
+    fields = (np.array([getattr(joint, name) for joint in joints]) for name in ("position", "velocity", "effort"))
     return Joints(first.stamp_ns, first.names, *fields)
 
 
 def truths_of(messages: Sequence[bytes]) -> tuple[Truth, ...]:
     """Return the ground truth over time; messages that differ in their stamp only are decoded once."""
     known: dict[bytes, Truth] = {}
-    found = []
+    truths = []
     for time_ns, data in zip(stamps(messages).tolist() if messages else (), messages, strict=True):
         content = data[STAMP_END:]
         if content not in known:
             known[content] = decode_truth(data)
-        found.append(replace(known[content], time_ns=time_ns))
-    return tuple(found)
+        truths.append(replace(known[content], time_ns=time_ns))
+    return tuple(truths)
 
 
-def truth_of(recording: Source) -> GroundTruth:
+def truth_of(recording: RecordedTopics) -> GroundTruth:
     """Return the ground truth over time; see `Recording.truth`."""
     return GroundTruth(truths_of([message.data for message in recording.messages((GROUND_TRUTH,))]))
 
 
-def temperatures_of(recording: Source) -> TemperatureReadings:
+def temperatures_of(recording: RecordedTopics) -> TemperatureReadings:
     """Return what the temperature sensors read; see `Recording.temperatures`."""
-    found: dict[Topic, dict[int, float]] = {topic: {} for topic in READINGS.values()}
-    for message in recording.messages(found):
-        found[message.topic][message.time_ns] = float(message.content)
-    times = sorted({time_ns for readings in found.values() for time_ns in readings})
-    places = {place: np.array([found[topic].get(time_ns, math.nan) for time_ns in times]) for place, topic in READINGS.items()}
-    return TemperatureReadings(time=np.array([time_ns * 1e-9 for time_ns in times], np.float64), **places)
+    by_topic: dict[Topic, dict[int, float]] = {topic: {} for topic in READINGS.values()}
+    for message in recording.messages(by_topic):
+        by_topic[message.topic][message.time_ns] = float(message.content)
+    times = sorted({time_ns for readings in by_topic.values() for time_ns in readings})
+    sensors = {sensor: np.array([by_topic[topic].get(time_ns, math.nan) for time_ns in times]) for sensor, topic in READINGS.items()}
+    return TemperatureReadings(time=np.array([time_ns * 1e-9 for time_ns in times], np.float64), **sensors)
 
 
-def tacho_of(recording: Source, pulses_per_turn: int) -> TachoPulses:
+def tacho_of(recording: RecordedTopics, pulses_per_turn: int) -> TachoPulses:
     """Return the pulses of the tacho; see `Recording.tacho`."""
     blocks = [decode_pulses(message.data) for message in recording.messages((TACHO,))]
     none = np.zeros(0, np.int64)
@@ -192,16 +192,16 @@ def tacho_of(recording: Source, pulses_per_turn: int) -> TachoPulses:
     return TachoPulses(time=time_ns * 1e-9, number=number[order], pulses_per_turn=pulses_per_turn)
 
 
-def verdicts_of(recording: Source) -> list[RecordedVerdict]:
+def verdicts_of(recording: RecordedTopics) -> list[RecordedVerdict]:
     """Return the recorded verdicts; see `Recording.verdicts`."""
-    found = []
+    verdicts = []
     for message in recording.messages((DIAGNOSIS,)):
         time_ns, statuses = decode_diagnostics(message.data)
         for status in statuses[:1]:
             values = status.values
             verdict, reason = values.get("verdict", status.message), values.get("reason", "")
-            found.append(RecordedVerdict(time_ns * 1e-9, verdict, _number(values.get("confidence")), reason))
-    return found
+            verdicts.append(RecordedVerdict(time_ns * 1e-9, verdict, _number(values.get("confidence")), reason))
+    return verdicts
 
 
 def _number(text: str | None) -> float:

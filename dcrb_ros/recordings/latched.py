@@ -81,11 +81,11 @@ def of_one_bench(messages: Iterable[Message], path: Path, rate: int, orders: Ord
     """
     for message in messages:
         if message.topic == SENSOR:
-            found = rate, orders
+            described = rate, orders
             with suppress(Refusal):  # an invalid description describes nothing
-                found = decode_sensor(message.data)
-            if found != (rate, orders):
-                between = f"{_bench(rate, orders)}, and {_bench(*found)}"
+                described = decode_sensor(message.data)
+            if described != (rate, orders):
+                between = f"{_bench(rate, orders)}, and {_bench(*described)}"
                 raise Refusal(f"{path} contains two benches one after the other, {between}: record them separately")
         yield message
 

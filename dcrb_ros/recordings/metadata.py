@@ -24,6 +24,6 @@ def metadata_flaw(path: Path) -> str:
         return str(refusal).replace(str(path / METADATA), METADATA)
     except (ValueError, KeyError, TypeError, RecursionError):
         return f"{METADATA} is damaged: it must have rosbag2_bagfile_information with relative_file_paths"
-    there = [found.path.name for found in valid_files(path)[0]]
-    missing = [name for name in there if plain_name(name) not in named]
+    files = [file.path.name for file in valid_files(path)[0]]
+    missing = [name for name in files if plain_name(name) not in named]
     return f"{METADATA} does not name {', '.join(missing)}" if missing else ""

@@ -180,11 +180,11 @@ class Recording:
         prefix = self.namespace if namespace is None else namespace
         asked = frozenset(topics or (*SIMULATED, *DETECTED))
         wanted = {topic.resolved(prefix): topic for topic in (asked | {SENSOR} if self.described else asked)}
-        found = (Message(wanted[one.channel.topic], one.message.log_time, one.message.data) for one in self._messages(wanted))
+        messages = (Message(wanted[entry.channel.topic], entry.message.log_time, entry.message.data) for entry in self._messages(wanted))
         if not self.described:
-            return found
+            return messages
         # Without a manifest the log times are not those of the bench, nor is the order.
-        described = of_one_bench(in_order(found), self.path, self.sampling_rate, self.orders)
+        described = of_one_bench(in_order(messages), self.path, self.sampling_rate, self.orders)
         return (message for message in described if message.topic in asked)
 
     def vibrations(self) -> Iterator[Vibration]:
@@ -199,14 +199,14 @@ class Recording:
         Refusal
             The recording has no waveform.
         """
-        found, sensor_range = False, self._first_range()
+        recorded, sensor_range = False, self._first_range()
         for message in self.messages((SENSOR, VIBRATION)):
             if message.topic == SENSOR:
                 sensor_range = decode_range(message.data)
                 continue
-            found = True
+            recorded = True
             yield decode_vibration(message.data), sensor_range
-        if not found:
+        if not recorded:
             raise Refusal(f"{self.path} contains no messages on {VIBRATION.resolved(self.namespace)}: give a recording of the bench")
 
     def pieces(self) -> Iterator[Piece]:
@@ -252,8 +252,8 @@ class Recording:
     @property
     def pulses_per_turn(self) -> int:
         """Pulses of the tacho per turn of the shaft; 0 without a tacho."""
-        found = self.manifest.get("sensor", {}).get(PULSES_PER_TURN, 0)
-        return found if isinstance(found, int) and found > 0 else 0
+        pulses = self.manifest.get("sensor", {}).get(PULSES_PER_TURN, 0)
+        return pulses if isinstance(pulses, int) and pulses > 0 else 0
 
     def tacho(self) -> TachoPulses:
         """Return the pulses of the tacho; empty where none were recorded."""
@@ -275,15 +275,15 @@ class Recording:
 
     def counts(self) -> dict[str, int]:
         """Return the number of messages per topic."""
-        return dict(sorted(Counter(one.channel.topic for one in self._messages()).items()))
+        return dict(sorted(Counter(entry.channel.topic for entry in self._messages()).items()))
 
     def _manifest(self) -> dict[str, Any]:
         """Return the manifest of the first file that has one, or what the description of the sensor tells instead."""
         for file in self.stored:
             record = next((record for record in file.metadata() if record.name == MANIFEST), None)
-            found = self._json(record, "manifest", file.path.name) if record else None
-            if found is not None:
-                return found
+            manifest = self._json(record, "manifest", file.path.name) if record else None
+            if manifest is not None:
+                return manifest
         try:
             return described_manifest(self.path, self.stored)
         except Refusal as refusal:
@@ -306,25 +306,25 @@ class Recording:
     def _first_range(self) -> float:
         """Return the sensor's range in the manifest [m/s^2]; 0 if there is none."""
         about = self.manifest.get("sensor") or self.manifest.get("configuration", {}).get("sensor")
-        found = about.get("range") if isinstance(about, Mapping) else None
-        return float(found) if isinstance(found, int | float) and found > 0.0 else 0.0
+        sensor_range = about.get("range") if isinstance(about, Mapping) else None
+        return float(sensor_range) if isinstance(sensor_range, int | float) and sensor_range > 0.0 else 0.0
 
     def _last(self, name: str, key: str) -> dict[str, Any] | None:
         """Return the last metadata record with a name in the last file."""
-        found = [record for record in self.stored[-1].metadata() if record.name == name]
-        return self._json(found[-1], key, self.stored[-1].path.name) if found else None
+        records = [record for record in self.stored[-1].metadata() if record.name == name]
+        return self._json(records[-1], key, self.stored[-1].path.name) if records else None
 
     def _json(self, record: Metadata, key: str, file: str) -> dict[str, Any] | None:
         """Return the JSON object in a metadata record; none if it is damaged."""
         try:
-            found = parsed_json(record.metadata.get(key, ""), f"{file}: the record {record.name}")
+            content = parsed_json(record.metadata.get(key, ""), f"{file}: the record {record.name}")
         except Refusal as refusal:
             self._report(str(refusal))
             return None
-        sound = isinstance(found, dict) and all(isinstance(found.get(name, kind()), kind) for name, kind in TYPES.items())
+        sound = isinstance(content, dict) and all(isinstance(content.get(name, kind()), kind) for name, kind in TYPES.items())
         if not sound:
             self._report(f"{file}: the record {record.name} is damaged: it does not have the form that the bench writes")
-        return found if sound else None
+        return content if sound else None
 
     def _messages(self, topics: Container[str] | None = None) -> Iterator[StoredMessage]:
         """Yield the messages on some topics, by default on all."""

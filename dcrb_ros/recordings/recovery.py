@@ -18,7 +18,7 @@ from dcrb_ros.recordings import mcap_writer
 from dcrb_ros.recordings.manifest import OUTCOME, Outcome, now
 from dcrb_ros.recordings.mcap_writer import described_channel
 from dcrb_ros.recordings.reader import Recording
-from dcrb_ros.recordings.rosbag2 import SECOND, Bag, Splitting
+from dcrb_ros.recordings.splitting import SECOND, Bag, Splitting
 from dcrb_ros.recordings.storage import StoredMessage, valid_files
 from dcrb_ros.schema.printable import printable
 from dcrb_ros.schema.refusal import Refusal
@@ -96,8 +96,8 @@ class Recovery:
         channel, schema = stored.channel, stored.schema
         encoding = channel.message_encoding, schema.encoding if schema else ""
         if schema is None or encoding != ENCODING:
-            found = f"{channel.topic} contains {encoding[0] or 'unnamed'} messages defined by {encoding[1] or 'nothing'}"
-            self._note([f"{found}, which are left out: dcrb recover repairs ROS 2 recordings, with cdr defined by ros2msg"])
+            content = f"{channel.topic} contains {encoding[0] or 'unnamed'} messages defined by {encoding[1] or 'nothing'}"
+            self._note([f"{content}, which are left out: dcrb recover repairs ROS 2 recordings, with cdr defined by ros2msg"])
             return None
         return described_channel(channel, schema)
 
@@ -125,12 +125,12 @@ class Recovery:
 
     def _opening(self) -> dict[str, dict[str, str]]:
         """Return the metadata records of the source, except those of its end."""
-        found: dict[str, dict[str, str]] = {}
+        records: dict[str, dict[str, str]] = {}
         for file in self._files:
             for record in file.metadata():
                 if record.name not in ("rosbag2", OUTCOME, RECOVERY):
-                    found.setdefault(record.name, dict(record.metadata))
-        return found
+                    records.setdefault(record.name, dict(record.metadata))
+        return records
 
     def _closing(self) -> Mapping[str, Mapping[str, str]]:
         about: dict[str, Any] = {"source": self._source.name, "lost": self._damage, "recovered": now()}
@@ -178,8 +178,8 @@ def time_text(time_ns: int) -> str:
 def _recording(source: Path) -> Recording | None:
     """Return the source as a recording of the bench; none if it is another bag."""
     try:
-        found = Recording(source)
-        _ = found.sampling_rate  # without it no sample can be counted
+        recording = Recording(source)
+        _ = recording.sampling_rate  # without it no sample can be counted
     except Refusal:
         return None
-    return found
+    return recording

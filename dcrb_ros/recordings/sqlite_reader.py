@@ -68,10 +68,10 @@ class SqliteRecords:
         yield from self._messages(connection, wanted)
 
     def _messages(self, connection: sqlite3.Connection, wanted: list[int]) -> Iterator[Message]:
-        places = ", ".join("?" * len(wanted))
+        marks = ", ".join("?" * len(wanted))
         query = (
             "SELECT id, topic_id, timestamp, CASE WHEN length(data) <= ? THEN data END FROM messages "
-            f"WHERE topic_id IN ({places}) ORDER BY id"
+            f"WHERE topic_id IN ({marks}) ORDER BY id"
         )
         for number, topic, time_ns, data in connection.execute(query, (MAX_RECORD, *wanted)):
             if isinstance(number, int) and isinstance(time_ns, int) and isinstance(data, bytes) and time_ns >= 0:
@@ -86,8 +86,8 @@ class SqliteRecords:
 
 def _connected(path: Path) -> sqlite3.Connection:
     """Return a connection that only reads; a file in a folder that cannot be written is taken as it is."""
-    place = f"file:{quote(str(path.absolute()))}?mode=ro"
-    connection = sqlite3.connect(place, uri=True)
+    address = f"file:{quote(str(path.absolute()))}?mode=ro"
+    connection = sqlite3.connect(address, uri=True)
     connection.text_factory = lambda data: data.decode("utf-8", errors="replace")
     try:
         # Nothing that the file itself defines, such as a view, is to run.
@@ -95,7 +95,7 @@ def _connected(path: Path) -> sqlite3.Connection:
         connection.execute("SELECT name FROM sqlite_master").fetchone()
     except sqlite3.OperationalError:
         connection.close()
-        connection = sqlite3.connect(f"{place}&immutable=1", uri=True)
+        connection = sqlite3.connect(f"{address}&immutable=1", uri=True)
         connection.text_factory = lambda data: data.decode("utf-8", errors="replace")
     return connection
 

@@ -134,8 +134,8 @@ class StoredFile:
 
     def _records(self, **options: Any) -> Records:
         stored = self.path.stat().st_size if self._compression else None
-        found: Records = self._storage(self._readable, name=self.path.name, stored=stored, **options)
-        return found
+        records: Records = self._storage(self._readable, name=self.path.name, stored=stored, **options)
+        return records
 
     @cached_property
     def _readable(self) -> Path:
@@ -199,22 +199,22 @@ def valid_files(path: Path) -> tuple[list[StoredFile], list[str]]:
 
 def _listed(folder: Path) -> list[Path]:
     """Return the files of a recording in a folder, in order."""
-    found: dict[str, Path] = {}
+    files: dict[str, Path] = {}
     for file in sorted(folder.iterdir(), key=lambda file: len(file.name), reverse=True):
         if FILE_NAME.fullmatch(file.name):
             # The shortest name, the one without compression, comes last.
-            found[plain_name(file.name)] = file
-    return sorted(found.values(), key=_file_order)
+            files[plain_name(file.name)] = file
+    return sorted(files.values(), key=_file_order)
 
 
 def plain_name(name: str) -> str:
     """Return the name of a file without the suffix of its compression."""
-    found = FILE_NAME.fullmatch(name)
-    return f"{found['stem']}.{found['storage']}" if found else name
+    parts = FILE_NAME.fullmatch(name)
+    return f"{parts['stem']}.{parts['storage']}" if parts else name
 
 
 def _file_order(path: Path) -> tuple[str, int, str]:
     """Return a sort key that puts NAME_2 before NAME_10."""
     stem = FILE_NAME.fullmatch(path.name)
-    found = re.fullmatch(r"(.*)_(\d{1,9})", stem["stem"] if stem else path.stem)
-    return (found[1], int(found[2]), path.name) if found else (path.stem, -1, path.name)
+    numbered = re.fullmatch(r"(.*)_(\d{1,9})", stem["stem"] if stem else path.stem)
+    return (numbered[1], int(numbered[2]), path.name) if numbered else (path.stem, -1, path.name)

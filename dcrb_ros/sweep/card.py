@@ -129,7 +129,7 @@ def _changes(key: str, axis: object, sweep: Sweep) -> bool:
 
 def _axes(axes: Axes) -> list[str]:
     """Return each axis with its values and their unit."""
-    fields, found = fields_by_key(), []
+    fields, lines = fields_by_key(), []
     for key, axis in axes.items():
         if isinstance(axis, Choice):
             values = [f"`{value}`" if isinstance(value, str) else str(value) for value in axis.values]
@@ -138,8 +138,8 @@ def _axes(axes: Axes) -> list[str]:
         else:
             text = f"{axis.low:g} to {axis.high:g}" + (", logarithmic" if axis.log else "")
         unit = fields[key].unit if key in fields else ""
-        found.append(f"`{key}`" + (f" [{unit}]" if unit not in ("", "-") else "") + f": {text}")
-    return found
+        lines.append(f"`{key}`" + (f" [{unit}]" if unit not in ("", "-") else "") + f": {text}")
+    return lines
 
 
 def _reproduction(sweep: Sweep) -> str:

@@ -92,8 +92,8 @@ def _outcome(future: Future[Any]) -> Outcome:
 
     error = future.exception()
     if error is None:
-        found: list[tuple[str, str]] = future.result()
-        return found
+        statuses: list[tuple[str, str]] = future.result()
+        return statuses
     if isinstance(error, KilledWorker):
         return RuntimeError("its worker was lost repeatedly, perhaps out of memory: give the workers more memory, or shorten the runs")
     return error if isinstance(error, Exception) else RuntimeError(str(error))
@@ -106,10 +106,10 @@ def _compare(client: Client, scheduler: str) -> None:
     except (TimeoutError, asyncio.TimeoutError):
         raise Refusal(f"the scheduler {scheduler} has no workers: start some with 'dask worker {scheduler} --nthreads 1'") from None
     try:
-        found = set(client.run(software_versions).values())
+        installed = set(client.run(software_versions).values())
     except Exception as error:  # a machine without this package may raise any exception
         raise Refusal(f"the workers of {scheduler} cannot run dcrb_ros ({error}): install version {__version__} there") from None
-    for version, model in sorted(found - {software_versions()}):
+    for version, model in sorted(installed - {software_versions()}):
         raise Refusal(
             f"the workers of {scheduler} run dcrb_ros {version} with model {model}, but this is {__version__} with model "
             f"{model_fingerprint()}: install the same version on all machines"

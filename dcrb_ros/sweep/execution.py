@@ -26,7 +26,7 @@ from dcrb_ros.simulation.scenario import ScheduledChange, scheduled_changes, sta
 from dcrb_ros.stream.block import Block, Truth
 from dcrb_ros.sweep.design import Value
 from dcrb_ros.sweep.label import DONE, ERROR, FAILED, REFUSED, base_label, fault_label
-from dcrb_ros.sweep.plan import Run, Task
+from dcrb_ros.sweep.plan import PlannedRun, Task
 from dcrb_ros.sweep.store import PART, FileRecord, Store, StoreFailed, file_record, record_of
 from dcrb_ros.sweep.sweep_file import Sweep, Windows
 from dcrb_ros.sweep.verification import ERRORS, LABELS, flaw, label_name, read_label
@@ -60,7 +60,7 @@ def common_settings(sweep: Sweep, store: Store) -> CommonSettings:
 
 
 @dataclass(frozen=True)
-class Waveform:
+class RunWaveform:
     """The recorded waveform of a run and its ground truth."""
 
     acceleration: Samples
@@ -93,7 +93,7 @@ def run_task(common: CommonSettings, task: Task) -> list[tuple[str, str]]:
     return statuses
 
 
-def _existing_label(store: Store, run: Run) -> dict[str, Any] | None:
+def _existing_label(store: Store, run: PlannedRun) -> dict[str, Any] | None:
     """Return the label of a worker that was lost before it reported its task; None if there is none that counts."""
     return None if flaw(store, run.name) else read_label(store, run.name)
 
@@ -104,12 +104,12 @@ def write_label(store: Store, label: Mapping[str, Any]) -> None:
     store.write(label_name(str(label["run"]), ERRORS if label["status"] == ERROR else LABELS), data)
 
 
-def error_label(base: Mapping[str, Value], run: Run, reason: str) -> dict[str, Any]:
+def error_label(base: Mapping[str, Value], run: PlannedRun, reason: str) -> dict[str, Any]:
     """Return the label of a run that ended with an unexpected error."""
     return {**base_label(run, base), "status": ERROR, "reason": reason}
 
 
-def _label(common: CommonSettings, run: Run, branch_point: _BranchPoint) -> dict[str, Any]:
+def _label(common: CommonSettings, run: PlannedRun, branch_point: _BranchPoint) -> dict[str, Any]:
     label = base_label(run, common.base)
     try:
         return {**label, **_simulate(common, run, branch_point), "status": DONE, "reason": ""}
@@ -147,7 +147,7 @@ class _BranchPoint:
         self._common = common
         self._last: tuple[str, _RunningSimulation] | None = None
 
-    def branch(self, run: Run) -> _RunningSimulation:
+    def branch(self, run: PlannedRun) -> _RunningSimulation:
         """Return a simulation of a run that was healthy until the branch point, with the run's faults scheduled now."""
         if self._last is None or self._last[0] != run.twin:
             start = _configured(self._common, run.healthy)
@@ -168,7 +168,7 @@ def _configured(common: CommonSettings, changes: Mapping[str, Value]) -> Configu
     return configuration.model_copy(update={"publishing": configuration.publishing.model_copy(update=WAVEFORM_PUBLISHING)})
 
 
-def _simulate(common: CommonSettings, run: Run, branch_point: _BranchPoint) -> dict[str, Any]:
+def _simulate(common: CommonSettings, run: PlannedRun, branch_point: _BranchPoint) -> dict[str, Any]:
     """Simulate a run and write its waveform; return the part of its label that follows from the simulation."""
     running = (branch_point.branch(run) if common.branch_at else _start(common, run)).skip(common.settle)
     rate = running.start.sensor.sampling_rate
@@ -192,7 +192,7 @@ def _written(store: Store, name: str, data: bytes) -> dict[str, FileRecord]:
     return {name: file_record(data)}
 
 
-def _start(common: CommonSettings, run: Run) -> _RunningSimulation:
+def _start(common: CommonSettings, run: PlannedRun) -> _RunningSimulation:
     configuration = _configured(common, run.changes)
     if not run.scenario:
         return _running(common, configuration)
@@ -205,7 +205,7 @@ def _running(common: CommonSettings, configuration: Configuration, events: Itera
     return _RunningSimulation(Simulation(configuration, events, waveform_only=common.output != "bag"), configuration, ())
 
 
-def _run_blocks(blocks: Iterable[Block], before: Iterable[Truth], *, keep: bool) -> Waveform:
+def _run_blocks(blocks: Iterable[Block], before: Iterable[Truth], *, keep: bool) -> RunWaveform:
     """Run a simulation to its end; return its waveform, or only its hash unless ``keep``."""
     digest, first, samples, clipped = hashlib.sha256(), 0, 0, 0
     accelerations, angles, truths = [np.zeros((0, 2), np.float32)], [np.zeros(0, np.float32)], list(before)[-1:]
@@ -219,10 +219,10 @@ def _run_blocks(blocks: Iterable[Block], before: Iterable[Truth], *, keep: bool)
         if keep:
             accelerations.append(block.acceleration)
             angles.append(block.shaft_angle)
-    return Waveform(np.concatenate(accelerations), np.concatenate(angles), truths, first, samples, clipped, digest.hexdigest())
+    return RunWaveform(np.concatenate(accelerations), np.concatenate(angles), truths, first, samples, clipped, digest.hexdigest())
 
 
-def _record_bag(common: CommonSettings, run: Run, running: _RunningSimulation) -> tuple[Waveform, dict[str, FileRecord]]:
+def _record_bag(common: CommonSettings, run: PlannedRun, running: _RunningSimulation) -> tuple[RunWaveform, dict[str, FileRecord]]:
     """Run a simulation to its end and record a bag, which can be reproduced with `dcrb simulate --from`; return its files, too."""
     folder, simulation = common.store.folder, running.simulation
     if folder is not None:
@@ -246,7 +246,7 @@ def _record_bag(common: CommonSettings, run: Run, running: _RunningSimulation) -
     return waveform, files
 
 
-def _waveform_file(waveform: Waveform, rate: int, kind: str) -> bytes:
+def _waveform_file(waveform: RunWaveform, rate: int, kind: str) -> bytes:
     """Return a waveform as the bytes of a file; equal samples give equal bytes."""
     stream = io.BytesIO()
     columns: dict[str, Any] = {"ax": waveform.acceleration[:, 0], "ay": waveform.acceleration[:, 1], "shaft_angle": waveform.shaft_angle}
@@ -262,7 +262,7 @@ def _waveform_file(waveform: Waveform, rate: int, kind: str) -> bytes:
     return stream.getvalue()
 
 
-def _write_windows(common: CommonSettings, run: Run, waveform: Waveform, rate: int) -> dict[str, FileRecord]:
+def _write_windows(common: CommonSettings, run: PlannedRun, waveform: RunWaveform, rate: int) -> dict[str, FileRecord]:
     windows = common.windows
     assert windows is not None
     labels = window_labels(window_starts(waveform.samples, windows), waveform.first_index, rate, windows, waveform.truths)

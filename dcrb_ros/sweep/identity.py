@@ -25,12 +25,11 @@ def identities(
 
     ``values`` are parameters by dotted key, on top of those of ``base``, an earlier result.
     """
-    found: dict[str, dict[str, Any]] = {}
-    for name, groups in IDENTITIES.items():
-        own = {key: value for key, value in values.items() if key.split(".")[0] in groups}
-        merged = {**(base or {}).get(name, {}), **own}
-        found[name] = {key: value for key, value in merged.items() if value != defaults.get(key)}
-    return found
+    merged = {
+        name: {**(base or {}).get(name, {}), **{key: value for key, value in values.items() if key.split(".")[0] in groups}}
+        for name, groups in IDENTITIES.items()
+    }
+    return {name: {key: value for key, value in group.items() if value != defaults.get(key)} for name, group in merged.items()}
 
 
 class Groups:
@@ -45,9 +44,9 @@ class Groups:
         for name, identity in shared.items():
             self._join(condition, f"{name} {identity}")
 
-    def _join(self, one: str, other: str) -> None:
-        # The smaller name stands for both, so that the order of the calls does not matter.
-        first, second = sorted((self._root(one), self._root(other)))
+    def _join(self, first: str, other: str) -> None:
+        # The smaller name becomes the root, so that the order of the calls does not matter.
+        first, second = sorted((self._root(first), self._root(other)))
         self._parent[second] = first
 
     def _root(self, name: str) -> str:

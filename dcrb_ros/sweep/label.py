@@ -11,19 +11,19 @@ from dcrb_ros.recordings.manifest import model_fingerprint
 from dcrb_ros.runtime.version import __version__
 from dcrb_ros.settings.files import overlaid
 from dcrb_ros.stream.block import Truth
-from dcrb_ros.sweep.plan import Run
+from dcrb_ros.sweep.plan import PlannedRun
 from dcrb_ros.sweep.temperatures import temperatures
 
 DONE, REFUSED, FAILED, ERROR = "done", "refused", "failed", "error"
 """Outcomes of a run. A refused or failed run is not repeated, since it would fail again; a run that ended in an error is."""
 
 
-def base_label(run: Run, base: Mapping[str, Any]) -> dict[str, Any]:
+def base_label(run: PlannedRun, base: Mapping[str, Any]) -> dict[str, Any]:
     """Return the part of the label that is known before the run."""
     parameters = overlaid(base, run.changes)
     return {
         "run": run.name,
-        "place": run.place,
+        "place": run.position,
         "twin": run.twin,
         "condition": run.condition,
         "split": run.split,

@@ -57,10 +57,10 @@ def find_sweep(source: str | Path) -> Path:
     """Return the path of the sweep given by a file or by a shipped name."""
     shipped = {path.stem: path for path in sorted((shipped_folder() / "sweeps").glob("*.yaml"))}
     path = checked_path(source)
-    found = is_file(path)
-    if not found and str(source) not in shipped:
+    exists = is_file(path)
+    if not exists and str(source) not in shipped:
         raise Refusal(f"there is no sweep '{source}': give a YAML file or one of {', '.join(shipped)}{nearest(str(source), shipped)}")
-    return path if found else shipped[str(source)]
+    return path if exists else shipped[str(source)]
 
 
 GAP_PARAMETERS = ("publishing.loss_probability", "publishing.burst_period")
@@ -73,8 +73,8 @@ def sweep_of(tree: Mapping[str, Any], source: str, folder: Path = Path(), text: 
         return life_sweep_of(tree, source, sweep_of(common_keys(tree, source), source, folder, text))
     if MACHINE in tree:
         around, resolved = around_machine(tree, source, folder)
-        found = sweep_of(around, source, folder, resolved)
-        return replace(found, file=found.file.model_copy(update={"base": KEPT_BASE}))
+        sweep = sweep_of(around, source, folder, resolved)
+        return replace(sweep, file=sweep.file.model_copy(update={"base": KEPT_BASE}))
     if "kind" in tree:
         raise Refusal(f"{source}: kind = {tree['kind']!r} is not {LIFE}: give {LIFE}, or leave it out for a design of single runs")
     file = _file(tree, source)
@@ -161,7 +161,7 @@ def _choice(key: str, value: Any, field: ParameterField | None, source: str) -> 
             if not isinstance(name, str):
                 raise Refusal(f"{source}: {key} = {name!r} is not the name of a scenario: give a name, or '' for no scenario")
         return Choice(tuple(values))
-    return Choice(tuple(_value(key, one, field, source) for one in values))
+    return Choice(tuple(_value(key, value, field, source) for value in values))
 
 
 def _span(key: str, tree: Mapping[str, Any], field: ParameterField, design: str, source: str) -> Span:

@@ -155,8 +155,8 @@ class _Process:
     def outcome(self) -> Outcome | None:
         """Return the outcome of the task; None if the process has been lost."""
         try:
-            found: Outcome = self.connection.recv()
-            return found
+            outcome: Outcome = self.connection.recv()
+            return outcome
         except (EOFError, OSError):
             return None
 

@@ -35,8 +35,8 @@ def around_machine(tree: Mapping[str, Any], source: str, folder: Path) -> tuple[
     path = beside if is_file(beside) else here
     if not is_file(path):
         raise Refusal(f"{source}: there is no machine {name}: make it from healthy recordings, dcrb calibrate HEALTHY -o {Path(name).name}")
-    own = tree.get(VARY) or {}
-    vary = intervals_of(path) | (dict(flatten_axes(own)) if isinstance(own, Mapping) else {})
+    axes = tree.get(VARY) or {}
+    vary = intervals_of(path) | (dict(flatten_axes(axes)) if isinstance(axes, Mapping) else {})
     rest = {key: value for key, value in tree.items() if key != MACHINE}
     text = f"# The intervals are those of {path.name}.\n" + yaml.safe_dump(rest | {BASE: KEPT_BASE, VARY: vary}, sort_keys=False)
     return rest | {BASE: str(path), VARY: vary}, text
@@ -50,10 +50,10 @@ def intervals_of(machine: Path) -> dict[str, Any]:
     """
     beside = machine.with_name(f"{machine.stem}.intervals.yaml")
     tree = read_yaml(beside)
-    found = tree.get(VARY) if isinstance(tree, Mapping) else None
-    if not isinstance(found, Mapping):
+    axes = tree.get(VARY) if isinstance(tree, Mapping) else None
+    if not isinstance(axes, Mapping):
         raise Refusal(f"{beside} has no ranges below '{VARY}': dcrb calibrate writes the intervals of {machine.name} there")
-    return {str(key): axis for key, axis in found.items()}
+    return {str(key): axis for key, axis in axes.items()}
 
 
 def flatten_axes(tree: Mapping[str, Any], prefix: str = "") -> Mapping[str, Any]:

@@ -78,19 +78,19 @@ def write_measured_set(
     labels: list[dict[str, Any]] = []
     sources: dict[str, Mapping[str, Any]] = {}
     split_of: dict[str, str] = {}
-    for place, run in enumerate(runs):
+    for position, run in enumerate(runs):
         bearing = run.bearing_id or run.name
         if split_of.setdefault(bearing, run.split) != run.split:
             raise Refusal(
                 f"{run.name}: the bearing {bearing} is in the splits {split_of[bearing]} and {run.split}: give one for all of its runs"
             )
-        if any(run.name == one["run"] for one in labels):
+        if any(run.name == label["run"] for label in labels):
             raise Refusal(f"two runs are called {run.name}: give them names of their own in the column name")
         sources |= {str(run.source.get("title")): dict(run.source)} if run.source else {}
-        labels.append(_written(run, bearing, place, store, windows))
+        labels.append(_written(run, bearing, position, store, windows))
     if not labels:
         raise Refusal("no recording is given: the list is empty")
-    counts = Counter((str(one["split"]), str(one["fault"])) for one in labels)
+    counts = Counter((str(label["split"]), str(label["fault"])) for label in labels)
     by_split: dict[str, dict[str, int]] = {}
     for (split, fault), count in sorted(counts.items()):
         by_split.setdefault(split, {})[fault] = count
@@ -106,7 +106,7 @@ def write_measured_set(
     return counts
 
 
-def _written(run: MeasuredRun, bearing: str, place: int, store: Store, windows: Windows) -> dict[str, Any]:
+def _written(run: MeasuredRun, bearing: str, position: int, store: Store, windows: Windows) -> dict[str, Any]:
     """Write the files of a run and return its label."""
     waveform = run.waveform
     angle: Samples = np.asarray(waveform.shaft_angle, np.float32)
@@ -139,7 +139,7 @@ def _written(run: MeasuredRun, bearing: str, place: int, store: Store, windows: 
     orders = {name: abs(shaft) * getattr(waveform.orders, name) for name in ("ftf", "bpfo", "bpfi", "bsf")}
     label: dict[str, Any] = {
         **about,
-        "place": place,
+        "place": position,
         "twin": bearing,
         "condition": bearing,
         "status": DONE,
@@ -176,7 +176,7 @@ def _card(title: str, licence: str, counts: Mapping[str, Mapping[str, int]], win
     """Return the data card in Markdown."""
     faults = sorted({fault for found in counts.values() for fault in found}, key=lambda fault: (fault != "healthy", fault))
     rows = [f"| {split} | {' | '.join(str(counts[split].get(fault, 0)) for fault in faults)} |" for split in SPLITS if split in counts]
-    origin = "\n".join(f"* {one}" for one in sources) or "* not stated"
+    origin = "\n".join(f"* {source}" for source in sources) or "* not stated"
     return f"""# {title}
 
 Measured recordings with the schema of a data set of `dcrb sweep`, made by dcrb_ros {__version__}. Licence of the data: {licence}.

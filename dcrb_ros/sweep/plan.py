@@ -30,11 +30,11 @@ def digest(about: Any) -> str:
 
 
 @dataclass(frozen=True)
-class Run:
+class PlannedRun:
     """One run of a plan."""
 
-    place: int
-    """Position in the plan, from 0 [-]."""
+    position: int
+    """In the plan, from 0 [-]."""
     name: str
     """Hash of everything that the samples depend on."""
     case: str
@@ -53,7 +53,7 @@ class Run:
     """What is known beside the simulation, for the label, by the columns in `Plan.truth`."""
 
 
-Task = tuple[Run, ...]
+Task = tuple[PlannedRun, ...]
 """Runs that one worker simulates one after the other."""
 
 
@@ -104,26 +104,26 @@ class Plan:
         """Yield name and contents of further tables of the data set."""
         return iter(())
 
-    def runs(self) -> Iterator[Run]:
+    def runs(self) -> Iterator[PlannedRun]:
         """Yield every run."""
         return itertools.chain.from_iterable(self.groups())
 
     def groups(self) -> Iterator[Task]:
         """Yield the runs of each condition and seed as a group."""
         known: set[bytes] = set()
-        place = 0
+        position = 0
         cases_of_groups = self._cases()
         for point in self._points():
             condition = self._condition(point)
             for seed in self._seeds(condition):
                 group = []
                 for case, values in next(cases_of_groups):
-                    run = self._run(place, condition, seed, point, case, values)
+                    run = self._run(position, condition, seed, point, case, values)
                     brief = bytes.fromhex(run.name)
                     if brief not in known:
                         known.add(brief)
                         group.append(run)
-                        place += 1
+                        position += 1
                 if group:
                     yield tuple(group)
 
@@ -170,13 +170,13 @@ class Plan:
         seeds = self.sweep.file.seeds
         return seeds if isinstance(seeds, list) else [int(digest([condition, k])[:8], 16) >> 1 for k in range(seeds)]
 
-    def _run(self, place: int, condition: str, seed: int, point: Point, case: str, values: Point) -> Run:
+    def _run(self, position: int, condition: str, seed: int, point: Point, case: str, values: Point) -> PlannedRun:
         parameters = {**point, **values}
         scenario = str(parameters.pop(SCENARIO, ""))
         changes = {**parameters, SEED: seed}
         healthy = self._difference({**{key: value for key, value in point.items() if key != SCENARIO}, **NO_FAULTS, SEED: seed})
-        return Run(
-            place,
+        return PlannedRun(
+            position,
             digest([self._common, self._difference(changes), self.sweep.scenarios.get(scenario)]),
             case,
             digest([self._common, healthy, point.get(SCENARIO, "")]),

@@ -26,12 +26,12 @@ def configs(splits: Sequence[str], windows: bool) -> list[dict[str, Any]]:
 
     A split without runs has no files, which a loader would refuse.
     """
-    found: list[dict[str, Any]] = []
+    windowed: list[dict[str, Any]] = []
     if windows and splits:
         files = [{"split": split, "path": f"windows/{split}/*.parquet"} for split in SPLITS if split in splits]
-        found.append({"config_name": "windows", "data_files": files, "default": True})
+        windowed.append({"config_name": "windows", "data_files": files, "default": True})
     table: dict[str, Any] = {"config_name": "labels", "data_files": [{"split": "runs", "path": LABELS}]}
-    return [*found, table if found else table | {"default": True}]
+    return [*windowed, table if windowed else table | {"default": True}]
 
 
 def head(title: str, licence: str, splits: Sequence[str], *, windows: bool) -> str:

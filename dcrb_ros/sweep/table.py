@@ -13,7 +13,7 @@ from typing import Any
 from dcrb_ros.schema.verdicts import FAULT_CLASSES
 from dcrb_ros.settings.files import fields_by_key
 from dcrb_ros.sweep.label import DONE
-from dcrb_ros.sweep.plan import Plan, Run
+from dcrb_ros.sweep.plan import Plan, PlannedRun
 from dcrb_ros.sweep.store import Store, StoreFailed
 from dcrb_ros.sweep.sweep_file import SCENARIO, Sweep
 from dcrb_ros.sweep.temperatures import TEMPERATURES
@@ -121,7 +121,7 @@ def table_of(labels: Iterable[Mapping[str, Any]], truth: Mapping[str, tuple[type
     from pyarrow import parquet
 
     stream = io.BytesIO()
-    parquet.write_table(pyarrow.Table.from_pylist([_row(one, {}, truth) for one in labels], schema=_schema({}, truth)), stream)
+    parquet.write_table(pyarrow.Table.from_pylist([_row(label, {}, truth) for label in labels], schema=_schema({}, truth)), stream)
     return stream.getvalue()
 
 
@@ -147,7 +147,7 @@ def _schema(columns: Mapping[str, type], truth: Mapping[str, tuple[type, str]]) 
     return pyarrow.schema([*fields, *(pyarrow.field(key, kinds[kind]) for key, kind in columns.items())])
 
 
-def _labels(runs: Iterator[Run], store: Store) -> Iterator[Mapping[str, Any]]:
+def _labels(runs: Iterator[PlannedRun], store: Store) -> Iterator[Mapping[str, Any]]:
     for run in runs:
         try:
             label = read_label(store, run.name) or read_label(store, run.name, ERRORS)

@@ -41,8 +41,8 @@ def cut_windows(acceleration: Samples, windows: Windows) -> Samples:
     if len(acceleration) < windows.length:
         return np.zeros((0, 2, windows.length), np.float32)
     view = np.lib.stride_tricks.sliding_window_view(acceleration, windows.length, axis=0)
-    found: Samples = np.ascontiguousarray(view[window_starts(len(acceleration), windows)])
-    return found
+    cut: Samples = np.ascontiguousarray(view[window_starts(len(acceleration), windows)])
+    return cut
 
 
 def window_labels(begin: npt.NDArray[np.int64], first_index: int, rate: int, windows: Windows, truths: list[Truth]) -> dict[str, Any]:

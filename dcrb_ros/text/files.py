@@ -31,15 +31,15 @@ def checked_path(path: str | Path) -> Path:
     Raises:
         Refusal: it contains a NUL or a surrogate, or a name in it is too long.
     """
-    found = Path(path)
+    checked = Path(path)
     try:
-        os.lstat(found)
+        os.lstat(checked)
     except ValueError as error:
-        raise Refusal(f"{found} is not a path ({error}): give the name of a file or folder") from None
+        raise Refusal(f"{checked} is not a path ({error}): give the name of a file or folder") from None
     except OSError as error:
         if not isinstance(error, FileNotFoundError | NotADirectoryError | PermissionError):
-            raise Refusal(f"{found} cannot be used: {error.strerror}; give another path") from None
-    return found
+            raise Refusal(f"{checked} cannot be used: {error.strerror}; give another path") from None
+    return checked
 
 
 def special_kind(path: Path) -> str:

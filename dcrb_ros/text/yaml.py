@@ -99,10 +99,10 @@ def _extent(node: yaml.Node, known: dict[yaml.Node, _Extent | None]) -> _Extent:
         else:
             values, characters, depths = zip(_Extent(1, 0, 0), *(_extent(child, known) for child in inside), strict=True)
             known[node] = _Extent(sum(values), sum(characters), max(depths) + 1)
-    found = known[node]
-    if found is None:
+    extent = known[node]
+    if extent is None:
         _refuse("it contains itself by an alias", node)
-    return found
+    return extent
 
 
 def _mapping(loader: _Loader, node: yaml.MappingNode) -> dict[Any, Any]:

@@ -103,13 +103,13 @@ def _duty(tree: Mapping[str, Any], wheel_diameter: float, source: str) -> tuple[
         raise Refusal(f"{source}: line is not a group: write stations, acceleration and braking below it")
     stations = _listed(line.get("stations", []), Station, source, "line.stations")
     braking = _group({key: value for key, value in line.items() if key != "stations"}, Braking, source, "line")
-    return duty_of_line(stations, braking, wheel_diameter, source), (braking.model_dump(), *(one.model_dump() for one in stations))
+    return duty_of_line(stations, braking, wheel_diameter, source), (braking.model_dump(), *(station.model_dump() for station in stations))
 
 
 def _listed(tree: Any, kind: type[Model], source: str, name: str) -> list[Model]:
     if not isinstance(tree, list):
         raise Refusal(f"{source}: {name} is not a list: write one entry per line, each with {', '.join(kind.model_fields)}")
-    return [_group(one, kind, source, f"{name}[{place}]") for place, one in enumerate(tree)]
+    return [_group(entry, kind, source, f"{name}[{number}]") for number, entry in enumerate(tree)]
 
 
 def _population(recipe: Recipe, duty: Duty, bearing: Bearing, source: str) -> Population:
@@ -150,8 +150,8 @@ def _check_last(sweep: LifeSweep, source: str) -> None:
     """Refuse damage that no bearing can carry at its last width."""
     for component in COMPONENTS:
         if getattr(sweep.recipe.damage, component):
-            place: dict[str, Value] = {"row": 1, "azimuth": 0.0, **({"roller": 1} if component == "roller" else {})}
-            changes = dict(sweep.damage(component, place, 1, sweep.recipe.damage.last_width))
+            location: dict[str, Value] = {"row": 1, "azimuth": 0.0, **({"roller": 1} if component == "roller" else {})}
+            changes = dict(sweep.damage(component, location, 1, sweep.recipe.damage.last_width))
             for section in sweep.sections:
                 loads = {"operating.speed": section.speed, "operating.load": section.load}
                 validated(overlaid(sweep.base, {**changes, **loads}), Configuration, f"{source}: the end of a life")

@@ -40,14 +40,14 @@ class LifeSweep(Sweep):
         climate = {"climate": self.recipe.climate.model_dump()} if self.recipe.climate is not None else {}
         return {**super().inputs, "kind": LIFE, "duty": list(self.duty), **groups, **climate}
 
-    def damage(self, component: str, place: Mapping[str, Value], individual: int, width: float) -> Iterator[tuple[str, Value]]:
+    def damage(self, component: str, location: Mapping[str, Value], individual: int, width: float) -> Iterator[tuple[str, Value]]:
         """Yield the parameters of the damage of a component: its place, the seed of its bearing, its width [m]; none without width."""
         if not width:
             return
         key = f"faults.{COMPONENTS[component]}"
         yield f"{key}.width", width
         yield f"{key}.depth", self.recipe.damage.depth
-        for name, value in place.items():
+        for name, value in location.items():
             yield f"{key}.{name}", value
         if component != "roller":
             kind = SPALL if self.base["surfaces.law"] == "profile" else NOTCH

@@ -38,12 +38,12 @@ class PulseTrain:
 
     def at(self, index: npt.NDArray[np.int64]) -> Floats:
         """Return the turns at each sample, shape (samples,) [-]; beyond the edges the speed of the nearest interval continues."""
-        places = np.asarray(index, np.float64)
-        found = np.interp(places, self.edges, self.turns)
-        for beyond, edge, beside in ((places < self.edges[0], 0, 1), (places > self.edges[-1], -1, -2)):
+        positions = np.asarray(index, np.float64)
+        turns = np.interp(positions, self.edges, self.turns)
+        for beyond, edge, beside in ((positions < self.edges[0], 0, 1), (positions > self.edges[-1], -1, -2)):
             slope = (self.turns[edge] - self.turns[beside]) / (self.edges[edge] - self.edges[beside])
-            found[beyond] = self.turns[edge] + slope * (places[beyond] - self.edges[edge])
-        return np.asarray(found, np.float64)
+            turns[beyond] = self.turns[edge] + slope * (positions[beyond] - self.edges[edge])
+        return np.asarray(turns, np.float64)
 
 
 def pulse_train(pulses: Floats, index: npt.NDArray[np.int64], per_turn: int, levels: tuple[float, float] | None, source: str) -> PulseTrain:
@@ -109,7 +109,7 @@ def _edges(pulses: Floats, index: npt.NDArray[np.int64], low: float, high: float
     """Return the rising edges, none of them across missing samples, shape (edges,) [samples], and the samples after which some miss."""
     runs = np.flatnonzero(np.diff(index) != 1) + 1
     parts = zip(np.split(pulses, runs), np.split(index, runs), strict=True)
-    return np.concatenate([begin[0] + place for part, begin in parts for place in [rising_edges(part, low, high)]]), index[runs]
+    return np.concatenate([begin[0] + edges for part, begin in parts for edges in [rising_edges(part, low, high)]]), index[runs]
 
 
 def rising_edges(pulses: Floats, low: float, high: float) -> Floats:
@@ -159,8 +159,8 @@ def turns_at_speed(rpm: Floats, index: npt.NDArray[np.int64], rate: float, sourc
             "give speeds in rpm, NaN where unknown, at most one per sample"
         )
     # The first speed is that of the first sample, and the time between two speeds is the same for all of them.
-    places = index[0] + np.arange(len(rpm)) * ((index[-1] - index[0] + 1) / len(rpm)) if len(rpm) < len(index) else index
-    frequency = np.interp(index, np.asarray(places)[known], rpm[known]) / 60.0
+    positions = index[0] + np.arange(len(rpm)) * ((index[-1] - index[0] + 1) / len(rpm)) if len(rpm) < len(index) else index
+    frequency = np.interp(index, np.asarray(positions)[known], rpm[known]) / 60.0
     steps = 0.5 * (frequency[1:] + frequency[:-1]) * np.diff(index) / rate
     return np.concatenate([[0.0], np.cumsum(steps)])
 
@@ -170,13 +170,13 @@ def joined_turns(parts: Sequence[Floats], indices: Sequence[npt.NDArray[np.int64
 
     Between two files the shaft turns at the mean of the speeds at the end of one and at the beginning of the other.
     """
-    begin, found = 0.0, [parts[0]]
+    begin, joined = 0.0, [parts[0]]
     for (before, after), (at, then) in zip(pairwise(parts), pairwise(indices), strict=True):
         speeds = [np.diff(turns) / np.diff(index) for turns, index in ((before[-2:], at[-2:]), (after[:2], then[:2]))]
         speed = float(np.mean(np.concatenate(speeds))) if sum(map(len, speeds)) else 0.0
         begin += float(before[-1]) + speed * float(then[0] - at[-1])
-        found.append(begin + after)
-    return np.concatenate(found)
+        joined.append(begin + after)
+    return np.concatenate(joined)
 
 
 def wrapped(turns: Floats) -> npt.NDArray[np.float32]:
