@@ -168,8 +168,10 @@ def _print_summary(tally: Tally, address: str, *, quiet: bool = False, as_json: 
     Raises:
         RuntimeError: no run succeeded.
     """
+    from dcrb_ros.sweep.schema import SPLITS
+
     done, counts = tally.statuses["done"], ", ".join(f"{count} {status}" for status, count in sorted(tally.statuses.items()))
-    splits = {split: sum(count for (of, _), count in tally.classes.items() if of == split) for split in ("train", "validation", "test")}
+    splits = {split: sum(count for (of, _), count in tally.classes.items() if of == split) for split in SPLITS}
     if as_json:
         about = {"address": address, "runs": tally.statuses, "splits": splits, "seconds": tally.seconds, "reasons": tally.reasons}
         print(json.dumps(about, indent=2))

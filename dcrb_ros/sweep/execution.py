@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import io
 import json
 import tempfile
 from collections.abc import Iterable, Iterator, Mapping
@@ -30,7 +29,7 @@ from dcrb_ros.sweep.plan import PlannedRun, Task
 from dcrb_ros.sweep.store import PART, FileRecord, Store, StoreFailed, file_record, record_of
 from dcrb_ros.sweep.sweep_file import Sweep, Windows
 from dcrb_ros.sweep.verification import ERRORS, LABELS, flaw, label_name, read_label
-from dcrb_ros.sweep.windows import cut_windows, window_labels, window_starts, windows_file
+from dcrb_ros.sweep.windows import cut_windows, waveform_file, window_labels, window_starts, windows_file
 
 WAVEFORM_PUBLISHING = {"block_size": 8192, "state_rate": 1}
 """Parameters of `publishing` if only the waveform is written; the samples do not depend on them."""
@@ -178,7 +177,8 @@ def _simulate(common: CommonSettings, run: PlannedRun, branch_point: _BranchPoin
     else:
         file = f"runs/{run.name}.{common.output}"
         waveform = _run_blocks(running.simulation.blocks(common.duration), running.truths, keep=True)
-        files = _written(common.store, file, _waveform_file(waveform, rate, common.output))
+        data = waveform_file(waveform.acceleration, waveform.shaft_angle, rate, waveform.first_index, common.output)
+        files = _written(common.store, file, data)
     about = {"file": file, "sampling_rate": rate, "first_index": waveform.first_index, "samples": waveform.samples}
     if common.windows is not None:
         files |= _write_windows(common, run, waveform, rate)
@@ -244,22 +244,6 @@ def _record_bag(common: CommonSettings, run: PlannedRun, running: _RunningSimula
         files = {f"runs/{run.name}/{part.name}": record_of(part) for part in sorted(path.iterdir())}
         common.store.put(path, f"runs/{run.name}")
     return waveform, files
-
-
-def _waveform_file(waveform: RunWaveform, rate: int, kind: str) -> bytes:
-    """Return a waveform as the bytes of a file; equal samples give equal bytes."""
-    stream = io.BytesIO()
-    columns: dict[str, Any] = {"ax": waveform.acceleration[:, 0], "ay": waveform.acceleration[:, 1], "shaft_angle": waveform.shaft_angle}
-    if kind == "npz":
-        np.savez(stream, **columns, sampling_rate=np.array(rate), first_index=np.array(waveform.first_index))
-    else:
-        import pyarrow
-        from pyarrow import parquet
-
-        table = pyarrow.table({name: np.ascontiguousarray(values) for name, values in columns.items()})
-        table = table.replace_schema_metadata({"sampling_rate": str(rate), "first_index": str(waveform.first_index)})
-        parquet.write_table(table, stream, compression="zstd", use_dictionary=False)
-    return stream.getvalue()
 
 
 def _write_windows(common: CommonSettings, run: PlannedRun, waveform: RunWaveform, rate: int) -> dict[str, FileRecord]:

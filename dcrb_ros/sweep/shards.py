@@ -24,6 +24,7 @@ from dcrb_ros.sweep.label import DONE
 from dcrb_ros.sweep.lives.plan import plan_of
 from dcrb_ros.sweep.loader import sweep_of
 from dcrb_ros.sweep.plan import Plan, Task
+from dcrb_ros.sweep.schema import SPLITS
 from dcrb_ros.sweep.store import Store, file_record
 from dcrb_ros.sweep.verification import read_label
 from dcrb_ros.text.json import parsed_json
@@ -32,7 +33,6 @@ from dcrb_ros.text.yaml import read_yaml
 INDEX = "index.json"
 RECIPE = ("sweep.yaml", "base.yaml")
 """Files of a data set from which its plan is made again."""
-SPLITS = ("train", "validation", "test")
 
 
 class Shard(NamedTuple):

@@ -69,7 +69,7 @@ class LifePlan(Plan):
         bearing, width = self._bearings[life.number], life.width(hour)
         twin = digest([bearing, number])
         seed = int(twin[:8], 16) >> 1
-        healthy: dict[str, Value] = {
+        healthy: Point = {
             "operating.speed": section.speed,
             "operating.load": section.load,
             "surfaces.seed": life.individual,
