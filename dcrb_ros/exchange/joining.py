@@ -64,10 +64,10 @@ class JoinedFiles:
 
 
 def matching(external: ExternalFile, file: Path, name: str | int) -> str | int:
-    """Return the name of a channel; a ``*`` in it stands for any characters of the name of a variable.
+    """Return the name of a channel; a ``*`` in it matches any characters of the name of a variable.
 
     Raises:
-        Refusal: none or several of the variables have such a name.
+        Refusal: no variable or several have such a name.
     """
     if isinstance(name, int) or "*" not in name or name in external.names:
         return name

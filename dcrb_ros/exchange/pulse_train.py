@@ -79,7 +79,7 @@ def pulse_train(pulses: Floats, index: npt.NDArray[np.int64], per_turn: int, lev
 def counted_pulses(pulses: Floats, index: npt.NDArray[np.int64], per_turn: int, levels: tuple[float, float] | None) -> PulseTrain:
     """Return the turns at all rising edges of ``pulses``, each of which is one pulse; across missing samples the median interval goes on.
 
-    It takes the pulses as they are, as those of an export, where `pulse_train` judges what a real wheel and its pickup do.
+    It is for the exact pulses of an export; `pulse_train` corrects those of a real wheel and its pickup.
     """
     edges, borders = _edges(pulses, index, *(levels or _levels(pulses)))
     steps, intervals = np.ones(max(0, len(edges) - 1)), np.diff(edges)
@@ -106,7 +106,7 @@ def sampled_pulses(edges: Floats, index: npt.NDArray[np.int64]) -> Samples:
 
 
 def _edges(pulses: Floats, index: npt.NDArray[np.int64], low: float, high: float) -> tuple[Floats, npt.NDArray[np.int64]]:
-    """Return the rising edges, none of them across missing samples, shape (edges,) [samples], and the samples after which some miss."""
+    """Return the rising edges [samples] except those across missing samples, and the samples after each gap."""
     runs = np.flatnonzero(np.diff(index) != 1) + 1
     parts = zip(np.split(pulses, runs), np.split(index, runs), strict=True)
     return np.concatenate([begin[0] + edges for part, begin in parts for edges in [rising_edges(part, low, high)]]), index[runs]

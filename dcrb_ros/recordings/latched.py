@@ -1,4 +1,4 @@
-"""Recordings without a manifest, such as those of `ros2 bag record`: what the latched description of the sensor tells about them."""
+"""Recordings without a manifest, such as those of `ros2 bag record`: their manifest follows from the latched description of the sensor."""
 
 from __future__ import annotations
 
@@ -114,7 +114,7 @@ def in_order(messages: Iterable[Message]) -> Iterator[Message]:
 
 
 def _stamped(messages: Iterable[Message]) -> Iterator[Message]:
-    """Yield messages with the times of their headers; the description, which has none, gets that of the message before it."""
+    """Yield messages with the times of their headers; the description has no header and gets the time of the message before it."""
     time_ns = 0
     for message in messages:
         if message.topic != SENSOR:

@@ -4,17 +4,17 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from dcrb_ros.recordings.splitting import METADATA
 from dcrb_ros.recordings.storage import plain_name, valid_files
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.text.yaml import read_yaml
 
-METADATA = "metadata.yaml"
 MAX_METADATA = 4_000_000
 """Largest metadata.yaml that is read [bytes]; those of the bench have a few thousand."""
 
 
 def metadata_flaw(path: Path) -> str:
-    """Return what is wrong with metadata.yaml, which ROS needs and this reader does not; the empty string if nothing."""
+    """Return the mistake in metadata.yaml, which ROS needs and this reader does not; the empty string if it is valid."""
     if not path.is_dir():
         return ""
     try:

@@ -1,4 +1,4 @@
-"""Recording the bench: a rosbag2 folder that `ros2 bag play` and Rerun read, with a manifest from which it can be reproduced."""
+"""Recording the bench: blocks and messages with a manifest, from which a run can be reproduced. `splitting` writes the rosbag2 folder."""
 
 from __future__ import annotations
 

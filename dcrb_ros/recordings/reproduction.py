@@ -67,7 +67,7 @@ def recorded_samples(recording: Recording) -> RecordedSamples:
 
 
 def _stated(recording: Recording) -> RecordedSamples | None:
-    """Return what the outcome record states; none if it is damaged or missing."""
+    """Return the samples that the outcome record states; None if it is damaged or missing."""
     outcome = recording.outcome
     if outcome is None:
         return None

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sqlite3
-from collections.abc import Container, Iterator
+from collections.abc import Iterator
 from contextlib import closing
 from pathlib import Path
 from typing import Any
@@ -12,7 +12,7 @@ from urllib.parse import quote
 from mcap.records import Channel, Message, Schema
 
 from dcrb_ros.messages.cdr import definition_of
-from dcrb_ros.recordings.mcap_reader import MAX_DAMAGE, MAX_RECORD
+from dcrb_ros.recordings.mcap_reader import MAX_RECORD, FileRecords
 
 MAGIC = b"SQLite format 3\x00"
 TABLES = ("topics", "messages")
@@ -21,18 +21,11 @@ DEFINITIONS = "message_definitions"
 """Table that newer bags have in addition."""
 
 
-class SqliteRecords:
-    """Schemas, channels and messages of a file; iterating collects in `damage` a sentence for everything that cannot be read.
+class SqliteRecords(FileRecords):
+    """Schemas, channels and messages of an SQLite file. Without ``chunks`` there is nothing to read.
 
     The file is opened for reading only. Log time and publish time of a message are both the time at which it was received.
     """
-
-    def __init__(
-        self, path: Path, *, chunks: bool = True, topics: Container[str] | None = None, name: str = "", stored: int | None = None
-    ) -> None:
-        """Read ``path``; the arguments are those of `McapRecords`. Without ``chunks`` there is nothing to read."""
-        self.path, self._chunks, self._topics, self._name = path, chunks, topics, name or path.name
-        self.damage: list[str] = []
 
     def __iter__(self) -> Iterator[Any]:
         self.damage = []
@@ -78,10 +71,6 @@ class SqliteRecords:
                 yield Message(topic, time_ns, data, time_ns, number & 0xFFFFFFFF)
             else:
                 self._report(f"message {number} is damaged, or has more than {MAX_RECORD} bytes")
-
-    def _report(self, sentence: str) -> None:
-        if len(self.damage) < MAX_DAMAGE:
-            self.damage.append(f"{self._name}: {sentence}")
 
 
 def _connected(path: Path) -> sqlite3.Connection:

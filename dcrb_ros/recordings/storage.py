@@ -10,13 +10,13 @@ from collections.abc import Container, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 from mcap.records import Channel, Message, Metadata, Schema
 
 from dcrb_ros.recordings import mcap_reader, sqlite_reader
 from dcrb_ros.recordings.compression import MessageUnpacker, beginning, compression_of, unpack
-from dcrb_ros.recordings.mcap_reader import MAX_RECORD, McapRecords, has_summary
+from dcrb_ros.recordings.mcap_reader import MAX_RECORD, FileRecords, McapRecords, has_summary
 from dcrb_ros.recordings.sqlite_reader import SqliteRecords
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.text.files import checked_path, open_regular, special_kind
@@ -26,19 +26,8 @@ PACKED = ("zstd", "zst", "lz4", "gz", "bz2", "xz", "zip")
 FILE_NAME = re.compile(rf"(?P<stem>.+)\.(?P<storage>mcap|db3)(\.({'|'.join(PACKED)}))?")
 """Names of the files of a recording."""
 NAMES = {"mcap": "MCAP", "db3": "SQLite"}
-
-
-class Records(Protocol):
-    """The records of a file; iterating collects in `damage` a sentence for everything that cannot be read."""
-
-    damage: list[str]
-
-    def __iter__(self) -> Iterator[Any]:
-        """Yield schemas, channels, messages and metadata as records of MCAP."""
-
-
-STORAGES: dict[bytes, Any] = {mcap_reader.MAGIC: McapRecords, sqlite_reader.MAGIC: SqliteRecords}
-"""What reads a file, by its first bytes."""
+STORAGES: dict[bytes, type[FileRecords]] = {mcap_reader.MAGIC: McapRecords, sqlite_reader.MAGIC: SqliteRecords}
+"""Readers by the first bytes of a file."""
 
 
 @dataclass(frozen=True)
@@ -78,7 +67,7 @@ class StoredFile:
 
     @property
     def flaw(self) -> str:
-        """What is wrong with the first bytes; the empty string if nothing."""
+        """The mistake in the first bytes; the empty string if they are valid."""
         if self._kind:
             return f"is {self._kind}"
         if self._storage is not None:
@@ -129,13 +118,13 @@ class StoredFile:
         damage += [sentence for sentence in (*unpacking, *records.damage, *flaws) if sentence not in damage]
 
     @property
-    def _storage(self) -> Any:
+    def _storage(self) -> type[FileRecords] | None:
         return next((storage for magic, storage in STORAGES.items() if self._head.startswith(magic)), None)
 
-    def _records(self, **options: Any) -> Records:
+    def _records(self, **options: Any) -> FileRecords:
         stored = self.path.stat().st_size if self._compression else None
-        records: Records = self._storage(self._readable, name=self.path.name, stored=stored, **options)
-        return records
+        assert self._storage is not None  # `valid_files` leaves out the others
+        return self._storage(self._readable, name=self.path.name, stored=stored, **options)
 
     @cached_property
     def _readable(self) -> Path:
@@ -152,7 +141,7 @@ class StoredFile:
         return Path(copy.name)
 
     def _unpacked(self, message: Message, channel: Channel, unpacker: MessageUnpacker, flaws: list[str]) -> Message | None:
-        """Return a message as it was sent; none if it cannot be unpacked, which is added to ``flaws``."""
+        """Return a message as it was sent; None if it cannot be unpacked, with the reason added to ``flaws``."""
         packed = compression_of(message.data)
         if not packed:
             return message

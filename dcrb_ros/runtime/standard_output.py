@@ -1,4 +1,4 @@
-"""The standard output under a name: an error that is met while it is written says so."""
+"""The standard output with a file name, which appears in errors of writing it."""
 
 from __future__ import annotations
 

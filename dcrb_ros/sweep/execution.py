@@ -1,4 +1,4 @@
-"""Execution of a task: its runs are simulated one after the other, and each one's waveform and label are written when it ends."""
+"""Execution of a task: its runs are simulated in sequence, and the waveform and the label of each are written when it ends."""
 
 from __future__ import annotations
 
@@ -93,7 +93,7 @@ def run_task(common: CommonSettings, task: Task) -> list[tuple[str, str]]:
 
 
 def _existing_label(store: Store, run: PlannedRun) -> dict[str, Any] | None:
-    """Return the label of a worker that was lost before it reported its task; None if there is none that counts."""
+    """Return the label that a lost worker wrote before it reported its task; None without a valid label."""
     return None if flaw(store, run.name) else read_label(store, run.name)
 
 

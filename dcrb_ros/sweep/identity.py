@@ -1,4 +1,4 @@
-"""Which bearing and which machine a run has, and the groups of conditions that one split must hold whole so that neither leaks."""
+"""Identity of the bearing and the machine of a run, and groups of conditions that share one: a group is in one split, to avoid leakage."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ TRUTH: Mapping[str, tuple[type, str]] = {
 def identities(
     values: Mapping[str, Any], defaults: Mapping[str, Any], base: Mapping[str, Mapping[str, Any]] | None = None
 ) -> dict[str, dict[str, Any]]:
-    """Return what makes a bearing and a machine: their parameters that differ from the defaults, by the name of the identity.
+    """Return the parameters that define a bearing and a machine and differ from the defaults, by the name of the identity.
 
     ``values`` are parameters by dotted key, on top of those of ``base``, an earlier result.
     """
@@ -33,7 +33,7 @@ def identities(
 
 
 class Groups:
-    """Conditions joined by what they share: a disjoint-set forest (Tarjan 1975, J. ACM 22(2), 215-225)."""
+    """Conditions joined by a common bearing or machine: a disjoint-set forest (Tarjan 1975, J. ACM 22(2), 215-225)."""
 
     def __init__(self) -> None:
         self._parent: dict[str, str] = {}

@@ -32,7 +32,7 @@ OUT_OF_MEMORY, ORPHANED = 74, 75
 
 
 def parsed_memory(memory: str, count: int) -> int | None:
-    """Return the memory limit of each of ``count`` workers [byte]; None if this system does not tell the memory of a process.
+    """Return the memory limit of each of ``count`` workers [byte]; None if the system does not report the memory of a process.
 
     Raises:
         Refusal: ``memory`` is neither a size nor ``auto``, or it cannot be limited here.

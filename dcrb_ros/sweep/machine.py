@@ -57,7 +57,7 @@ def intervals_of(machine: Path) -> dict[str, Any]:
 
 
 def flatten_axes(tree: Mapping[str, Any], prefix: str = "") -> Mapping[str, Any]:
-    """Return axes by their dotted keys; a range is not taken apart."""
+    """Return axes by their dotted keys; a range stays one value."""
     flat: dict[str, Any] = {}
     for name, value in tree.items():
         if isinstance(value, Mapping) and not {"low", "high"} & set(value):

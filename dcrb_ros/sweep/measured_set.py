@@ -30,7 +30,7 @@ from dcrb_ros.text.markdown import table
 
 @dataclass(frozen=True, eq=False)
 class MeasuredRun:
-    """A measured recording with what is known of it."""
+    """A measured recording with its fault and its conditions."""
 
     name: str
     waveform: Waveform

@@ -50,7 +50,7 @@ class PlannedRun:
     scenario: str
     seed: int
     truth: Mapping[str, Value] = field(default_factory=dict)
-    """What is known beside the simulation, for the label, by the columns in `Plan.truth`."""
+    """Further values of the label, by the columns in `Plan.truth`."""
 
 
 Task = tuple[PlannedRun, ...]
@@ -61,7 +61,7 @@ class Plan:
     """The runs of a sweep, in a fixed order and without duplicates."""
 
     unit, remedy = "conditions", "vary speed or load"
-    """What is divided into splits, and how to get more of it."""
+    """Name of the units that are divided into splits, and how to get more of them."""
     split_text = (
         "A condition is a bearing at one speed and load. All its runs, with any seed, fault or sensor, are in one split. So are twins, the "
         "runs\nof one condition and seed that differ in the fault only."
@@ -196,7 +196,7 @@ def _not_a_condition(key: str) -> bool:
 
 
 def _check_groups(groups: int, conditions: int, shares: Shares) -> None:
-    """Refuse to hold bearings or machines apart where all conditions share one."""
+    """Refuse ``split.apart`` where the conditions share too few bearings or machines to fill the splits."""
     asked = sum(share > 0.0 for share in (shares.train, shares.validation, shares.test))
     if shares.apart and groups < min(asked, conditions):
         raise Refusal(

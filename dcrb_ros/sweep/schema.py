@@ -1,4 +1,4 @@
-"""What loaders read beside the files: ``dataset.yaml``, and the head of the card from which Hugging Face's ``datasets`` finds them."""
+"""The description of a data set for loaders: ``dataset.yaml``, and the head of the card, which Hugging Face's ``datasets`` reads."""
 
 from __future__ import annotations
 

@@ -152,7 +152,7 @@ class Store:
         """Return the size of a file [byte]; None if it does not exist.
 
         Raises:
-            StoreFailed: the store does not tell.
+            StoreFailed: it cannot be read.
         """
         try:
             entry = self._filesystem[0].info(self.path(name))

@@ -1,4 +1,4 @@
-"""Verification of labels: a labelled run counts only if its label is whole and its files are as the label states."""
+"""Verification of labels: a labelled run counts only if its label is complete and its files have the stated sizes and hashes."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class _File(BaseModel):
 
 
 class _Label(BaseModel):
-    """What every label has."""
+    """The keys of every label."""
 
     run: str
     place: int
@@ -92,7 +92,7 @@ def read_label(store: Store, run: str, folder: str = LABELS) -> dict[str, Any] |
 
 
 def flaw(store: Store, run: str) -> str | None:
-    """Return why a labelled run does not count, with the name of the file; None if its label and its files are whole.
+    """Return why a labelled run does not count, with the name of the file; None if its label and its files are intact.
 
     Raises:
         StoreFailed: the store cannot be read, which says nothing about the run.

@@ -48,7 +48,7 @@ def cut_windows(acceleration: Samples, windows: Windows) -> Samples:
 def window_labels(begin: npt.NDArray[np.int64], first_index: int, rate: int, windows: Windows, truths: list[Truth]) -> dict[str, Any]:
     """Return the label columns of windows that start at the samples ``begin`` of a run.
 
-    A window is labelled with the faults present at its first sample; ``mixed`` tells whether they change within the window.
+    A window is labelled with the faults present at its first sample; ``mixed`` is true if they change within the window.
     """
     times = [truth.time_ns for truth in truths]
     first = [index_at(times, (first_index + int(sample)) * 1_000_000_000 // rate) for sample in begin]

@@ -24,7 +24,7 @@ BYTES_PER_VALUE = 10
 MOST_EXPANDED = 2
 """Limit of the characters and values of a text after its aliases are expanded, relative to those of a text without aliases."""
 DEEPEST = 100
-"""Deepest nesting [-]; aliases count as what they stand for."""
+"""Deepest nesting [-], with aliases expanded."""
 MOST_BITS = 1000
 """Longest integer [bits] that converts to a float and that Python prints."""
 MOST_DIGITS = 1000
@@ -182,7 +182,7 @@ def parsed(text: str, largest: int = LARGEST_TEXT) -> Any:
 
 @contextlib.contextmanager
 def _collection_paused() -> Iterator[None]:
-    """Pause the search for reference cycles: nodes have none, and the search of 90 000 nodes takes three times as long as their reading."""
+    """Pause the search for reference cycles: nodes have no cycles, and the search of 90 000 takes three times as long as their reading."""
     paused = gc.isenabled()
     gc.disable()
     try:

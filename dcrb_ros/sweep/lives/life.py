@@ -23,7 +23,7 @@ FARTHEST = 1.2
 
 @dataclass(frozen=True)
 class Bearings:
-    """Number of rows and rollers of the bearings that live."""
+    """Number of rows and rollers of the simulated bearings."""
 
     rows: int
     rollers: int

@@ -92,7 +92,7 @@ def _climate(tree: Mapping[str, Any], common: Sweep, source: str) -> Climate | N
 
 
 def _duty(tree: Mapping[str, Any], wheel_diameter: float, source: str) -> tuple[Duty, tuple[dict[str, Any], ...]]:
-    """Return the duty, and what it was made from."""
+    """Return the duty, and the stations or levels that define it."""
     if ("line" in tree) == ("spectrum" in tree):
         raise Refusal(f"{source}: the duty is given {'twice' if 'line' in tree else 'nowhere'}: give either line or spectrum")
     if "spectrum" in tree:

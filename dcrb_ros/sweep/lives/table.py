@@ -1,4 +1,4 @@
-"""What is known about lives: the columns of their inspections, and the table with one row per bearing."""
+"""The tables of lives: columns of the inspections, and a table with one row per bearing."""
 
 from __future__ import annotations
 
