@@ -12,6 +12,7 @@ import typer
 from dcrb_ros.cli import completion
 from dcrb_ros.cli.first_start import compilation_shown
 from dcrb_ros.cli.options import JsonOutput, Quiet, size_text
+from dcrb_ros.runtime.optional import installed
 from dcrb_ros.schema.refusal import Refusal
 
 if TYPE_CHECKING:
@@ -61,7 +62,7 @@ def sweep(
         raise Refusal("Missing option '-o': give the folder of the data set, or --dry-run to estimate time and disk space")
     if scheduler is not None and (workers is not None or memory != "auto"):
         raise Refusal("--scheduler has its own workers: leave out --workers and --memory")
-    _require_fsspec()
+    installed("fsspec", "dcrb sweep needs fsspec: pip install fsspec")
     from dcrb_ros.runtime.processes import cores
     from dcrb_ros.sweep.lives.plan import plan_of
     from dcrb_ros.sweep.loader import read_sweep
@@ -127,13 +128,6 @@ def _report_flaws(data_set: DataSet) -> None:
         typer.echo(f"{reason}: the run is simulated again", err=True)
     if len(reasons) > SHOWN_FLAWS:
         typer.echo(f"{len(reasons) - SHOWN_FLAWS} further runs are damaged and simulated again", err=True)
-
-
-def _require_fsspec() -> None:
-    try:
-        import fsspec  # noqa: F401
-    except ImportError:
-        raise Refusal("dcrb sweep needs fsspec: pip install fsspec") from None
 
 
 def _generate(data_set: DataSet, workers: Workers, *, quiet: bool) -> Tally:

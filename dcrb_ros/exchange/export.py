@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +19,7 @@ from dcrb_ros.recordings.arrays import truths_of
 from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.stream.axes import AXES
+from dcrb_ros.stream.block import Truth
 from dcrb_ros.text.files import checked_path
 
 WITH_FURTHER_ARRAYS = (".npz", ".mat")
@@ -90,20 +92,30 @@ def _collect(recording: Recording, *, whole: bool) -> tuple[dict[str, Array], di
     if len(tacho):
         columns["tacho"] = sampled_pulses(tacho.time * rate, index)
     columns |= {} if whole else beside_samples(readings, index, rate)
-    extra: dict[str, Array] = {**(own_arrays(readings) if whole else {})}
-    labels: dict[str, Any] = dict(recording.manifest.get("imported", {}).get("labels", {}))
-    if truths:
-        extra |= {
-            "truth_time": np.array([truth.time_ns * 1e-9 for truth in truths]),
-            "truth_speed": np.array([truth.speed for truth in truths]),
-            "truth_load": np.array([truth.load for truth in truths]),
-        }
-        names = dict.fromkeys(name for truth in truths for name in truth.thermal)
-        extra |= {array_name(name): np.array([truth.thermal.get(name, np.nan) for truth in truths]) for name in names}
-        last = truths[-1]
-        labels = {"faults": {name: dict(fault) for name, fault in last.faults.items()}, "speed": last.speed, "load": list(last.load)}
-        labels |= {"thermal": dict(last.thermal)} if last.thermal else {}
-    return columns, extra, labels, max(len(block.shaft_angle) for block in blocks)
+    extra: dict[str, Array] = {**(own_arrays(readings) if whole else {}), **_truth_arrays(truths)}
+    return columns, extra, _labels(recording, truths), max(len(block.shaft_angle) for block in blocks)
+
+
+def _truth_arrays(truths: Sequence[Truth]) -> dict[str, Array]:
+    """Return the ground truth over time as arrays of shape (times,); no arrays without it."""
+    if not truths:
+        return {}
+    names = dict.fromkeys(name for truth in truths for name in truth.thermal)
+    return {
+        "truth_time": np.array([truth.time_ns * 1e-9 for truth in truths]),
+        "truth_speed": np.array([truth.speed for truth in truths]),
+        "truth_load": np.array([truth.load for truth in truths]),
+        **{array_name(name): np.array([truth.thermal.get(name, np.nan) for truth in truths]) for name in names},
+    }
+
+
+def _labels(recording: Recording, truths: Sequence[Truth]) -> dict[str, Any]:
+    """Return the ground truth at the end; without one, the labels of the import."""
+    if not truths:
+        return dict(recording.manifest.get("imported", {}).get("labels", {}))
+    last = truths[-1]
+    labels = {"faults": {name: dict(fault) for name, fault in last.faults.items()}, "speed": last.speed, "load": list(last.load)}
+    return labels | ({"thermal": dict(last.thermal)} if last.thermal else {})
 
 
 def array_name(name: str) -> str:

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from dcrb_ros.runtime.optional import installed
 from dcrb_ros.schema.refusal import Refusal, nearest
 from dcrb_ros.stream.axes import AXES
 from dcrb_ros.text.files import check_regular, checked_path
@@ -173,10 +174,7 @@ def _nested(variables: Mapping[str, Any], name: str) -> Array:
 
 
 def _read_hdf5(path: Path) -> ExternalFile:
-    try:
-        import h5py
-    except ImportError:
-        raise Refusal(f"{path} is a MAT file of version 7.3, which needs h5py: pip install h5py, or save it with -v7") from None
+    h5py = installed("h5py", f"{path} is a MAT file of version 7.3, which needs h5py: pip install h5py, or save it with -v7")
     arrays: dict[str, Array] = {}
     with h5py.File(path, "r") as file:
 

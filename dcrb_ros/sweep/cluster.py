@@ -9,6 +9,7 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 from dcrb_ros.recordings.manifest import model_fingerprint
+from dcrb_ros.runtime.optional import installed
 from dcrb_ros.runtime.version import __version__
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.sweep.execution import CommonSettings, run_task
@@ -71,7 +72,7 @@ def cluster_workers(scheduler: str) -> Iterator[ClusterWorkers]:
     Raises:
         Refusal: Dask is not installed, the scheduler cannot be reached, or its workers are missing or run another model.
     """
-    _require_dask()
+    installed("distributed", "--scheduler needs Dask: pip install dask distributed")
     from distributed import Client
 
     try:
@@ -119,10 +120,3 @@ def _compare(client: Client, scheduler: str) -> None:
 def software_versions() -> tuple[str, str]:
     """Return the package version and the model fingerprint of this process."""
     return __version__, model_fingerprint()
-
-
-def _require_dask() -> None:
-    try:
-        import distributed  # noqa: F401
-    except ImportError:
-        raise Refusal("--scheduler needs Dask: pip install dask distributed") from None

@@ -198,6 +198,20 @@ def _scenarios(all_axes: list[Axes], folder: Path) -> dict[str, Any]:
 
 def _consistent(sweep: Sweep, fields: Mapping[str, ParameterField], source: str) -> None:
     """Refuse values that contradict each other."""
+    _check_design(sweep, source)
+    for name, axes in sweep.cases.items():
+        for key in axes:
+            if key != SCENARIO and key.split(".")[0] not in CASE_GROUPS:
+                raise Refusal(f"{source}: cases.{name}: {key} is a condition of the bearing, not a fault: move it to 'vary'")
+    if sweep.file.twins and SCENARIO in sweep.vary:
+        _twins(sweep, source)
+    if sweep.file.branch_at:
+        _branching(sweep, fields, source)
+    _check_output(sweep, source)
+
+
+def _check_design(sweep: Sweep, source: str) -> None:
+    """Refuse a design without runs, or with too many."""
     file = sweep.file
     if file.design == GRID and file.points:
         raise Refusal(
@@ -211,14 +225,11 @@ def _consistent(sweep: Sweep, fields: Mapping[str, ParameterField], source: str)
         raise Refusal(f"{source}: seeds = {file.seeds!r} is invalid: give the number of seeds per condition, at least 1, or a list")
     if sweep.count > MOST_RUNS:
         raise Refusal(f"{source} defines {sweep.count} runs; a sweep has at most {MOST_RUNS}: give fewer points, values, seeds or cases")
-    for name, axes in sweep.cases.items():
-        for key in axes:
-            if key != SCENARIO and key.split(".")[0] not in CASE_GROUPS:
-                raise Refusal(f"{source}: cases.{name}: {key} is a condition of the bearing, not a fault: move it to 'vary'")
-    if file.twins and SCENARIO in sweep.vary:
-        _twins(sweep, source)
-    if file.branch_at:
-        _branching(sweep, fields, source)
+
+
+def _check_output(sweep: Sweep, source: str) -> None:
+    """Refuse two forms of the speed, and runs that the files of the data set cannot represent."""
+    file = sweep.file
     held = file.output != "bag" or file.windows is not None
     if held and file.duration > LONGEST_RUN:
         raise Refusal(
