@@ -82,8 +82,8 @@ def sweep(
     if scheduler is None:
         from dcrb_ros.sweep.local_workers import local_workers
 
-        with local_workers(workers, memory) as here:
-            tally = _make(plan, store, here, compile_first=True, quiet=quiet)
+        with local_workers(workers, memory) as processes:
+            tally = _make(plan, store, processes, compile_first=True, quiet=quiet)
     else:
         from dcrb_ros.sweep.cluster import cluster_workers
 
@@ -165,7 +165,7 @@ def _print_summary(tally: Tally, address: str, *, quiet: bool = False, as_json: 
     from dcrb_ros.sweep.schema import SPLITS
 
     done, counts = tally.statuses["done"], ", ".join(f"{count} {status}" for status, count in sorted(tally.statuses.items()))
-    splits = {split: sum(count for (of, _), count in tally.classes.items() if of == split) for split in SPLITS}
+    splits = {split: sum(count for (run_split, _), count in tally.classes.items() if run_split == split) for split in SPLITS}
     if as_json:
         about = {"address": address, "runs": tally.statuses, "splits": splits, "seconds": tally.seconds, "reasons": tally.reasons}
         print(json.dumps(about, indent=2))

@@ -69,12 +69,12 @@ def _half(diameter: float | None) -> float | None:
     return None if diameter is None else 0.5 * diameter
 
 
-def _single(source: str, what: str, values: dict[str, float | int | None]) -> float:
+def _single(source: str, quantity: str, values: dict[str, float | int | None]) -> float:
     """Return the one value that is given."""
     given = {name: value for name, value in values.items() if value is not None}
     if len(given) != 1:
         mistake = f"gives {' and '.join(given)}" if given else "is missing"
-        raise Refusal(f"{source}: the {what} of the balls or rollers {mistake}: give one of {', '.join(values)}")
+        raise Refusal(f"{source}: the {quantity} of the balls or rollers {mistake}: give one of {', '.join(values)}")
     return float(next(iter(given.values())))
 
 

@@ -142,9 +142,9 @@ class Description(Group):
         given += [name for name in ("speed", "speed_rpm") if getattr(self, name) is not None]
         if len(given) > 1:
             raise Refusal(f"{source} gives {' and '.join(given)}: give one of them, or neither if the speed is unknown")
-        beside = next((name for name in ("pulses_per_turn", "tacho_levels") if getattr(self, name) is not None), "")
-        if beside and self.channels.tacho is None:
-            raise Refusal(f"{source} gives {beside}, but no channel tacho: name the channel of the pulses, or leave it out")
+        property_ = next((name for name in ("pulses_per_turn", "tacho_levels") if getattr(self, name) is not None), "")
+        if property_ and self.channels.tacho is None:
+            raise Refusal(f"{source} gives {property_}, but no channel tacho: name the channel of the pulses, or leave it out")
         return given[0] if given else ""
 
     @property

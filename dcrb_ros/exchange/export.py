@@ -43,10 +43,10 @@ def export(recording: Recording, path: Path) -> Path:
     Raises:
         Refusal: the suffix is unknown, a file exists, the recording has no waveform, or a file cannot be written.
     """
-    writer, beside = WRITERS.get(path.suffix.lower()), description_of(path)
+    writer, described = WRITERS.get(path.suffix.lower()), description_of(path)
     if writer is None:
         raise Refusal(f"{path} has an unknown file type: its name must end in one of {', '.join(WRITERS)}")
-    for file in (path, beside):
+    for file in (path, described):
         if checked_path(file).exists():
             raise Refusal(f"{file} exists: give another name or remove it; files are never overwritten")
     if not path.absolute().parent.is_dir():
@@ -56,14 +56,14 @@ def export(recording: Recording, path: Path) -> Path:
     description = _description(recording, path, {**columns, **extra}, labels, block_size)
     try:
         writer(path, columns, extra, recording.sampling_rate, about)
-        beside.write_text(yaml.safe_dump(description, sort_keys=False), encoding="utf-8")
+        described.write_text(yaml.safe_dump(description, sort_keys=False), encoding="utf-8")
     except BaseException as error:
-        for file in (path, beside):
+        for file in (path, described):
             file.unlink(missing_ok=True)
         if isinstance(error, OSError):
             raise Refusal(f"{path} cannot be written: {error.strerror}; free some space or give another folder") from None
         raise
-    return beside
+    return described
 
 
 def _collect(recording: Recording, *, whole: bool) -> tuple[dict[str, Array], dict[str, Array], dict[str, Any], int]:

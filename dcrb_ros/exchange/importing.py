@@ -219,10 +219,10 @@ class WaveformImport:
         size, count = self.block_size, len(self.index)
         breaks = [0, *(np.flatnonzero(np.diff(self.index) != 1) + 1), count]
         for begin, end in itertools.pairwise(breaks):
-            for at in range(int(begin), int(end), size):
-                part = slice(at, min(at + size, int(end)))
+            for first in range(int(begin), int(end), size):
+                part = slice(first, min(first + size, int(end)))
                 acceleration = self.acceleration[part]
-                block = Block(int(self.index[at]), self.rate, acceleration, self.angle[part], acceleration)
+                block = Block(int(self.index[first]), self.rate, acceleration, self.angle[part], acceleration)
                 yield block if self._train is None else self._with_pulses(block, self._train)
 
     def _with_pulses(self, block: Block, train: PulseTrain) -> Block:

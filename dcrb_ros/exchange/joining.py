@@ -30,11 +30,11 @@ class JoinedFiles:
     def __str__(self) -> str:
         return str(self.files[0]) if len(self.files) == 1 else f"{self.files[0]} and {len(self.files) - 1} more"
 
-    def _same(self, what: str, of: Callable[[ExternalFile], float | None]) -> float | None:
-        stated = {of(external): file for file, external in zip(self.files, self._externals, strict=True)}
+    def _same(self, quantity: str, value_of: Callable[[ExternalFile], float | None]) -> float | None:
+        stated = {value_of(external): file for file, external in zip(self.files, self._externals, strict=True)}
         if len(stated) > 1:
             (first, file), (second, other) = list(stated.items())[:2]
-            raise Refusal(f"{file} and {other} have different {what}, {first} and {second}: import them separately")
+            raise Refusal(f"{file} and {other} have different {quantity}, {first} and {second}: import them separately")
         return next(iter(stated))
 
     def parts(self, name: str | int, *, nan: bool = False) -> list[Floats]:

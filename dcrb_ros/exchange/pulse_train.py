@@ -40,8 +40,8 @@ class PulseTrain:
         """Return the turns at each sample, shape (samples,) [-]; beyond the edges the speed of the nearest interval continues."""
         positions = np.asarray(index, np.float64)
         turns = np.interp(positions, self.edges, self.turns)
-        for beyond, edge, beside in ((positions < self.edges[0], 0, 1), (positions > self.edges[-1], -1, -2)):
-            slope = (self.turns[edge] - self.turns[beside]) / (self.edges[edge] - self.edges[beside])
+        for beyond, edge, neighbour in ((positions < self.edges[0], 0, 1), (positions > self.edges[-1], -1, -2)):
+            slope = (self.turns[edge] - self.turns[neighbour]) / (self.edges[edge] - self.edges[neighbour])
             turns[beyond] = self.turns[edge] + slope * (positions[beyond] - self.edges[edge])
         return np.asarray(turns, np.float64)
 
@@ -171,10 +171,10 @@ def joined_turns(parts: Sequence[Floats], indices: Sequence[npt.NDArray[np.int64
     Between two files the shaft turns at the mean of the speeds at the end of one and at the beginning of the other.
     """
     begin, joined = 0.0, [parts[0]]
-    for (before, after), (at, then) in zip(pairwise(parts), pairwise(indices), strict=True):
-        speeds = [np.diff(turns) / np.diff(index) for turns, index in ((before[-2:], at[-2:]), (after[:2], then[:2]))]
+    for (before, after), (index, following) in zip(pairwise(parts), pairwise(indices), strict=True):
+        speeds = [np.diff(turns) / np.diff(index) for turns, index in ((before[-2:], index[-2:]), (after[:2], following[:2]))]
         speed = float(np.mean(np.concatenate(speeds))) if sum(map(len, speeds)) else 0.0
-        begin += float(before[-1]) + speed * float(then[0] - at[-1])
+        begin += float(before[-1]) + speed * float(following[0] - index[-1])
         joined.append(begin + after)
     return np.concatenate(joined)
 

@@ -37,10 +37,10 @@ def columns(readings: TemperatureReadings, index: Integers, rate: int) -> dict[s
     if not len(readings):
         return {}
     wanted = [index_at(round(time * 1e9), rate) for time in readings.time]
-    samples, at, before = np.intersect1d(index, wanted, return_indices=True)
+    samples, rows, before = np.intersect1d(index, wanted, return_indices=True)
     table = {channel: np.full(len(index), np.nan) for channel in CHANNELS}
     for channel, sensor in CHANNELS.items():
-        table[channel][at] = getattr(readings, sensor)[before]
+        table[channel][rows] = getattr(readings, sensor)[before]
     return table if len(samples) else {}
 
 
@@ -73,10 +73,10 @@ def readings_of(
     if np.any(np.diff(time_ns) <= 0):
         raise Refusal(f"{source}: the times in {TIME} must increase: sort the readings")
     kept, last = [], -LEAST_INTERVAL_NS
-    for number, at in enumerate(time_ns.tolist()):
-        if at - last >= LEAST_INTERVAL_NS:
+    for number, reading_ns in enumerate(time_ns.tolist()):
+        if reading_ns - last >= LEAST_INTERVAL_NS:
             kept.append(number)
-            last = at
+            last = reading_ns
     return time_ns[kept], values[kept]
 
 

@@ -132,5 +132,5 @@ def header_time(message: Message) -> int:
         raise Refusal(
             f"a message of {len(message.data)} bytes on {message.topic.name} is not a valid {message.topic.type}: it has no header"
         )
-    seconds, rest = struct.unpack_from("<iI" if message.data[1] & 1 else ">iI", message.data, 4)
-    return int(seconds) * 1_000_000_000 + int(rest)
+    seconds, nanoseconds = struct.unpack_from("<iI" if message.data[1] & 1 else ">iI", message.data, 4)
+    return int(seconds) * 1_000_000_000 + int(nanoseconds)

@@ -110,31 +110,31 @@ class McapRecords(FileRecords):
 
     def _data(self, stream: BinaryIO, size: int, starts: list[int]) -> Iterator[Any]:
         """Yield the records up to the footer; after an invalid length continue at the next of the chunks, which begin at ``starts``."""
-        at = len(MAGIC)
+        offset = len(MAGIC)
         while True:
-            stream.seek(at)
+            stream.seek(offset)
             head = stream.read(HEAD.size)
             opcode, length = HEAD.unpack(head) if len(head) == HEAD.size else (0, size)
-            if at + HEAD.size + length > size or not opcode:
-                missing = "the footer is missing" if at == size else f"the record at byte {at} reaches beyond the end of the file"
+            if offset + HEAD.size + length > size or not opcode:
+                missing = "the footer is missing" if offset == size else f"the record at byte {offset} reaches beyond the end of the file"
                 self._report(f"{missing} at {size}")
-                later = [start for start in starts if at < start < size]
+                later = [start for start in starts if offset < start < size]
                 if not later:
                     return
-                at = later[0]
+                offset = later[0]
                 continue
-            yield from self._record(stream, opcode, length, at)
+            yield from self._record(stream, opcode, length, offset)
             if opcode == Opcode.FOOTER:
                 return
-            at += HEAD.size + length
+            offset += HEAD.size + length
 
-    def _record(self, stream: BinaryIO, opcode: int, length: int, at: int) -> Iterator[Any]:
+    def _record(self, stream: BinaryIO, opcode: int, length: int, offset: int) -> Iterator[Any]:
         if opcode in (Opcode.FOOTER, Opcode.CHUNK_INDEX) or (opcode not in KINDS and opcode != Opcode.MESSAGE):
             return
         if opcode == Opcode.CHUNK and (not self._chunks or self._unpacked > self._most_unpacked):
             return
         if length > MAX_RECORD:
-            self._report(f"the record at byte {at} claims {length} bytes; at most {MAX_RECORD} are read")
+            self._report(f"the record at byte {offset} claims {length} bytes; at most {MAX_RECORD} are read")
             return
         try:
             payload = stream.read(length)
@@ -149,9 +149,9 @@ class McapRecords(FileRecords):
                 yield record
                 return
         except Exception as error:  # parser and decompressor raise various exceptions for damaged data
-            self._report(f"the record at byte {at} is damaged ({_reason(error)})")
+            self._report(f"the record at byte {offset} is damaged ({_reason(error)})")
             return
-        yield from self._in_chunk(data, at)
+        yield from self._in_chunk(data, offset)
 
     def _check_unpacked(self, chunk: Chunk) -> None:
         """Count the size of a chunk once it is unpacked.
@@ -164,7 +164,7 @@ class McapRecords(FileRecords):
             most = self._most_unpacked
             raise ValueError(f"the chunks up to it unpack to {self._unpacked} bytes, of this file at most {most} are unpacked")
 
-    def _in_chunk(self, data: bytes, at: int) -> Iterator[Any]:
+    def _in_chunk(self, data: bytes, offset: int) -> Iterator[Any]:
         """Yield the records of a chunk's data."""
         for opcode, length, payload in _records(data):
             try:
@@ -178,7 +178,7 @@ class McapRecords(FileRecords):
                     self._register(record)
                     yield record
             except (struct.error, ValueError, McapError) as error:
-                self._report(f"a record in the chunk at byte {at} is damaged ({_reason(error)})")
+                self._report(f"a record in the chunk at byte {offset} is damaged ({_reason(error)})")
 
     def _register(self, record: Any) -> None:
         """Note whether the messages of a channel are to be read.

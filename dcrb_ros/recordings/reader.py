@@ -188,14 +188,14 @@ class Recording:
             The recording has no manifest, and describes a second bench after the first.
         """
         prefix = self.namespace if namespace is None else namespace
-        asked = frozenset(topics or (*SIMULATED, *DETECTED))
-        wanted = {topic.resolved(prefix): topic for topic in (asked | {SENSOR} if self.described else asked)}
+        chosen = frozenset(topics or (*SIMULATED, *DETECTED))
+        wanted = {topic.resolved(prefix): topic for topic in (chosen | {SENSOR} if self.described else chosen)}
         messages = (Message(wanted[entry.channel.topic], entry.message.log_time, entry.message.data) for entry in self._messages(wanted))
         if not self.described:
             return messages
         # Without a manifest the log times are not those of the bench, nor is the order.
         described = of_one_bench(in_order(messages), self.path, self.sampling_rate, self.orders)
-        return (message for message in described if message.topic in asked)
+        return (message for message in described if message.topic in chosen)
 
     def vibrations(self) -> Iterator[Vibration]:
         """Yield the blocks of the waveform; see `ranged_vibrations`."""

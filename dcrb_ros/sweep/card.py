@@ -138,13 +138,13 @@ def _reproduction(sweep: Sweep) -> str:
     text = hashlib.sha256(sweep.text.encode()).hexdigest()
     versions = software()
     machine = versions.pop("machine")
-    here = ", ".join(f"{name} {version}" for name, version in versions.items()) + f" on {machine}"
+    system = ", ".join(f"{name} {version}" for name, version in versions.items()) + f" on {machine}"
     return f"""## Reproducing the data set
 
 ```sh
 dcrb sweep sweep.yaml -o DIR    # dcrb_ros {__version__}
 ```
 
-`sweep.yaml` has the SHA-256 {text}. The data set was made with {here}. With the same software, on the same kind of processor, the
+`sweep.yaml` has the SHA-256 {text}. The data set was made with {system}. With the same software, on the same kind of processor, the
 samples are identical bit for bit. Otherwise the last bit may differ; rollers outside the load zone then move differently in detail, with
 the same statistics."""

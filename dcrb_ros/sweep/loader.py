@@ -186,8 +186,8 @@ def _span(key: str, tree: Mapping[str, Any], field: ParameterField, design: str,
 
 def _beside(name: str, folder: Path) -> Path:
     """Return the path of a sweep's configuration: in the folder of the sweep file, or as for any other command."""
-    beside = checked_path(folder / name)
-    return beside if is_file(beside) else find_configuration(name)
+    path = checked_path(folder / name)
+    return path if is_file(path) else find_configuration(name)
 
 
 def _scenarios(all_axes: list[Axes], folder: Path) -> dict[str, Any]:
@@ -230,15 +230,15 @@ def _check_design(sweep: Sweep, source: str) -> None:
 def _check_output(sweep: Sweep, source: str) -> None:
     """Refuse two forms of the speed, and runs that the files of the data set cannot represent."""
     file = sweep.file
-    held = file.output != "bag" or file.windows is not None
-    if held and file.duration > LONGEST_RUN:
+    in_memory = file.output != "bag" or file.windows is not None
+    if in_memory and file.duration > LONGEST_RUN:
         raise Refusal(
             f"{source}: duration = {file.duration:g} s is above {LONGEST_RUN:g} s, too long for memory: use 'output: bag' without windows"
         )
     if {SPEED, SPEED_KMH} <= {*flatten(file.fixed), *sweep.vary}:
         raise Refusal(f"{source}: {SPEED} and {SPEED_KMH} under 'set' and 'vary' are two forms of one parameter: give one of them")
     gaps = [key for key in GAP_PARAMETERS if sweep.base[key] or key in sweep.vary]
-    if held and gaps:
+    if in_memory and gaps:
         raise Refusal(
             f"{source}: {gaps[0]} causes gaps, which waveform files and windows cannot represent: use 'output: bag' without windows"
         )

@@ -131,11 +131,11 @@ class _Process:
     """A worker process, and the task that it processes."""
 
     def __init__(self, memory: int | None) -> None:
-        self.connection, there = SPAWN.Pipe()
-        self._process = SPAWN.Process(target=_process_tasks, args=(there, memory), name="sweep worker", daemon=True)
+        self.connection, worker_end = SPAWN.Pipe()
+        self._process = SPAWN.Process(target=_process_tasks, args=(worker_end, memory), name="sweep worker", daemon=True)
         with _inherited_settings():
             self._process.start()
-        there.close()
+        worker_end.close()
         self.task: Task = ()
         self.attempts = 0
         """Times that the task has been begun [-]."""

@@ -80,10 +80,10 @@ class Plan:
             conditions.add(condition)
             shared = self._identities(point) if file.split.apart else {}
             groups.add(condition, {name: shared[name] for name in file.split.apart})
-        held = {condition: groups.group(condition) for condition in conditions}
-        chosen = splits(set(held.values()), file.split)
-        _check_groups(len(set(held.values())), len(conditions), file.split)
-        self._splits = {condition: chosen[group] for condition, group in held.items()}
+        group_of = {condition: groups.group(condition) for condition in conditions}
+        split_of = splits(set(group_of.values()), file.split)
+        _check_groups(len(set(group_of.values())), len(conditions), file.split)
+        self._splits = {condition: split_of[group] for condition, group in group_of.items()}
         self.conditions = len(conditions)
 
     @functools.cached_property
@@ -129,10 +129,10 @@ class Plan:
 
     def tasks(self, done: set[str], seconds: float) -> Iterator[Task]:
         """Yield the runs that are not ``done`` in tasks of at least ``seconds`` of simulated time [s]; a group is never divided."""
-        each, task = self.sweep.file.duration + self.sweep.file.settle, []
+        run_time, task = self.sweep.file.duration + self.sweep.file.settle, []
         for group in self.groups():
             task += [run for run in group if run.name not in done]
-            if task and len(task) * each >= seconds:
+            if task and len(task) * run_time >= seconds:
                 yield tuple(task)
                 task = []
         if task:
@@ -197,11 +197,11 @@ def _not_a_condition(key: str) -> bool:
 
 def _check_groups(groups: int, conditions: int, shares: Shares) -> None:
     """Refuse ``split.apart`` where the conditions share too few bearings or machines to fill the splits."""
-    asked = sum(share > 0.0 for share in (shares.train, shares.validation, shares.test))
-    if shares.apart and groups < min(asked, conditions):
+    filled = sum(share > 0.0 for share in (shares.train, shares.validation, shares.test))
+    if shares.apart and groups < min(filled, conditions):
         raise Refusal(
             f"split.apart = {', '.join(shares.apart)}: the {conditions} conditions make {groups} group(s) that share none of these, fewer "
-            f"than the {asked} splits: vary surfaces.seed for other bearings and structure.seed for other machines, or take more points"
+            f"than the {filled} splits: vary surfaces.seed for other bearings and structure.seed for other machines, or take more points"
         )
 
 

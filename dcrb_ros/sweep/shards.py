@@ -88,10 +88,10 @@ def remake_shard(index: Path, name: str, target: Path) -> str:
     if name not in known:
         raise Refusal(f"{index} has no shard '{name}': it has {len(known)}, such as {next(iter(known), 'none')}")
     with tempfile.TemporaryDirectory() as scratch:
-        here = Path(scratch)
+        folder = Path(scratch)
         for file, text in about["recipe"].items():
-            (here / Path(file).name).write_text(text, encoding="utf-8")
-        plan, store = _plan(here), Store(str(here / "runs_of_shard"))
+            (folder / Path(file).name).write_text(text, encoding="utf-8")
+        plan, store = _plan(folder), Store(str(folder / "runs_of_shard"))
         if plan.name != about["plan"]:
             raise Refusal(
                 f"{index} was made with dcrb_ros {about['dcrb_ros']} and model {about['model']}, but this is {__version__} with model "

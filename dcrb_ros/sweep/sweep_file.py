@@ -112,5 +112,5 @@ class Sweep:
     def count(self) -> int:
         """Number of runs, including duplicates that the plan leaves out [-]."""
         design, conditions = self.file.design, size(self.file.design, self.vary, self.file.points)
-        each = sum(size(design, axes, 1) for axes in self.cases.values())
-        return conditions * self.seeds * each
+        runs = sum(size(design, axes, 1) for axes in self.cases.values())
+        return conditions * self.seeds * runs

@@ -108,9 +108,9 @@ def _extent(node: yaml.Node, known: dict[yaml.Node, _Extent | None]) -> _Extent:
 def _mapping(loader: _Loader, node: yaml.MappingNode) -> dict[Any, Any]:
     keys = [loader.construct_object(key, deep=True) for key, _ in node.value]
     seen: set[Any] = set()
-    for key, (of, _) in zip(keys, node.value, strict=True):
+    for key, (key_node, _) in zip(keys, node.value, strict=True):
         if not isinstance(key, Hashable):
-            _refuse("a key is a list or a mapping; it must be a word", of)
+            _refuse("a key is a list or a mapping; it must be a word", key_node)
         if key in seen:
             _refuse(f"the key '{key}' occurs twice", node)
         seen.add(key)

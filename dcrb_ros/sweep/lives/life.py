@@ -133,8 +133,8 @@ class Population:
         """Yield all lives."""
         return map(self.life, range(self.recipe.numbers.lives))
 
-    def _random(self, number: int, what: str) -> np.random.Generator:
-        return random_stream(self.recipe.numbers.seed, f"life {number} {what}")
+    def _random(self, number: int, purpose: str) -> np.random.Generator:
+        return random_stream(self.recipe.numbers.seed, f"life {number} {purpose}")
 
     def _location(self, component: str, random: np.random.Generator) -> dict[str, Value]:
         """Return where the damage is: under the load on the outer raceway, anywhere on the bodies that turn."""

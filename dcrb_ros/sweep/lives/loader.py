@@ -129,18 +129,18 @@ def _population(recipe: Recipe, duty: Duty, bearing: Bearing, source: str) -> Po
     population = Population(recipe, duty, rating, Bearings(bearing.rows, bearing.rollers_per_row))
     longest = max(population.rating_hours, population.growth_hours)
     if longest > LONGEST_LIFE:
-        what = "rating life" if population.rating_hours == longest else "growth of the damage"
+        term = "rating life" if population.rating_hours == longest else "growth of the damage"
         raise Refusal(
-            f"{source}: a life cannot end: the {what} takes {longest:.3g} h under {duty.load:.4g} N, more than {LONGEST_LIFE:g} h; "
+            f"{source}: a life cannot end: the {term} takes {longest:.3g} h under {duty.load:.4g} N, more than {LONGEST_LIFE:g} h; "
             "increase the loads, or reduce start.rating or growth.revolutions"
         )
     if start.in_service and not inspection.overhaul:
         raise Refusal(f"{source}: start.in_service draws damage before an overhaul, and there is none: give inspection.overhaul in hours")
     life = inspection.overhaul or population.rating_hours + population.growth_hours
     if inspection.every >= life:
-        what = "the overhaul" if inspection.overhaul else "the basic rating life with the growth of the damage"
+        term = "the overhaul" if inspection.overhaul else "the basic rating life with the growth of the damage"
         raise Refusal(
-            f"{source}: inspection.every = {inspection.every:g} h is not below {life:.4g} h, {what}, so a life would have no inspection "
+            f"{source}: inspection.every = {inspection.every:g} h is not below {life:.4g} h, {term}, so a life would have no inspection "
             "after its first hour: give a shorter interval"
         )
     return population
