@@ -86,7 +86,8 @@ class _Trial:
 def _trial(plan: Plan, tasks: list[Task], duration: float) -> _Trial:
     """Run tasks with another duration [s] in a temporary folder."""
     with tempfile.TemporaryDirectory(prefix="dcrb-sweep-") as folder:
-        common = dataclasses.replace(common_settings(plan.sweep, Store(folder)), duration=duration)
+        file = plan.sweep.file.model_copy(update={"duration": duration})
+        common = common_settings(dataclasses.replace(plan.sweep, file=file), Store(folder))
         begin = time.perf_counter()
         outcomes = [status for task in tasks for _, status in run_task(common, task)]
         seconds = time.perf_counter() - begin

@@ -27,7 +27,7 @@ from dcrb_ros.sweep.design import Value
 from dcrb_ros.sweep.label import DONE, ERROR, FAILED, REFUSED, base_label, fault_label
 from dcrb_ros.sweep.plan import PlannedRun, Task
 from dcrb_ros.sweep.store import PART, FileRecord, Store, StoreFailed, file_record, record_of
-from dcrb_ros.sweep.sweep_file import Sweep, Windows
+from dcrb_ros.sweep.sweep_file import Sweep, SweepFile
 from dcrb_ros.sweep.verification import ERRORS, LABELS, flaw, label_name, read_label
 from dcrb_ros.sweep.windows import cut_windows, waveform_file, window_labels, window_starts, windows_file
 
@@ -42,20 +42,12 @@ class CommonSettings:
     store: Store
     base: Mapping[str, Value]
     scenarios: Mapping[str, Any]
-    duration: float
-    """Recorded time [s]."""
-    settle: float
-    """Time before the first recorded sample [s]."""
-    branch_at: float
-    """Time at which the cases branch from a healthy simulation [s]; 0 without branching."""
-    output: str
-    windows: Windows | None
+    file: SweepFile
 
 
 def common_settings(sweep: Sweep, store: Store) -> CommonSettings:
     """Return the common settings of a sweep."""
-    file = sweep.file
-    return CommonSettings(store, sweep.base, sweep.scenarios, file.duration, file.settle, file.branch_at, file.output, file.windows)
+    return CommonSettings(store, sweep.base, sweep.scenarios, sweep.file)
 
 
 @dataclass(frozen=True)
@@ -150,7 +142,7 @@ class _BranchPoint:
         """Return a simulation of a run that was healthy until the branch point, with the run's faults scheduled now."""
         if self._last is None or self._last[0] != run.twin:
             start = _configured(self._common, run.healthy)
-            self._last = run.twin, _running(self._common, start).skip(self._common.branch_at)
+            self._last = run.twin, _running(self._common, start).skip(self._common.file.branch_at)
         branch_point = self._last[1]
         simulation = branch_point.simulation.fork()
         before, after = (flatten(c.model_dump()) for c in (simulation.configuration, _configured(self._common, run.changes)))
@@ -162,27 +154,27 @@ class _BranchPoint:
 
 def _configured(common: CommonSettings, changes: Mapping[str, Value]) -> Configuration:
     configuration = validated(overlaid(common.base, changes), Configuration, "run")
-    if common.output == "bag":
+    if common.file.output == "bag":
         return configuration
     return configuration.model_copy(update={"publishing": configuration.publishing.model_copy(update=WAVEFORM_PUBLISHING)})
 
 
 def _simulate(common: CommonSettings, run: PlannedRun, branch_point: _BranchPoint) -> dict[str, Any]:
     """Simulate a run and write its waveform; return the part of its label that follows from the simulation."""
-    running = (branch_point.branch(run) if common.branch_at else _start(common, run)).skip(common.settle)
+    running = (branch_point.branch(run) if common.file.branch_at else _start(common, run)).skip(common.file.settle)
     rate = running.start.sensor.sampling_rate
-    if common.output == "bag":
+    if common.file.output == "bag":
         file = f"runs/{run.name}"
         waveform, files = _record_bag(common, run, running)
     else:
-        file = f"runs/{run.name}.{common.output}"
-        waveform = _run_blocks(running.simulation.blocks(common.duration), running.truths, keep=True)
-        data = waveform_file(waveform.acceleration, waveform.shaft_angle, rate, waveform.first_index, common.output)
+        file = f"runs/{run.name}.{common.file.output}"
+        waveform = _run_blocks(running.simulation.blocks(common.file.duration), running.truths, keep=True)
+        data = waveform_file(waveform.acceleration, waveform.shaft_angle, rate, waveform.first_index, common.file.output)
         files = _written(common.store, file, data)
     about = {"file": file, "sampling_rate": rate, "first_index": waveform.first_index, "samples": waveform.samples}
-    if common.windows is not None:
+    if common.file.windows is not None:
         files |= _write_windows(common, run, waveform, rate)
-        about["windows"] = len(window_starts(waveform.samples, common.windows))
+        about["windows"] = len(window_starts(waveform.samples, common.file.windows))
     return {**fault_label(waveform.truths), **about, "clipped": waveform.clipped, "sha256": waveform.sha256, "files": files}
 
 
@@ -202,7 +194,7 @@ def _start(common: CommonSettings, run: PlannedRun) -> _RunningSimulation:
 
 
 def _running(common: CommonSettings, configuration: Configuration, events: Iterable[ScheduledChange] = ()) -> _RunningSimulation:
-    return _RunningSimulation(Simulation(configuration, events, waveform_only=common.output != "bag"), configuration, ())
+    return _RunningSimulation(Simulation(configuration, events, waveform_only=common.file.output != "bag"), configuration, ())
 
 
 def _run_blocks(blocks: Iterable[Block], before: Iterable[Truth], *, keep: bool) -> RunWaveform:
@@ -229,25 +221,25 @@ def _record_bag(common: CommonSettings, run: PlannedRun, running: _RunningSimula
         folder.mkdir(parents=True, exist_ok=True)
     commands = commands_in(running.truths)
     rate = running.start.sensor.sampling_rate
-    start_ns = nanoseconds(round(common.branch_at * rate) + round(common.settle * rate), rate)
+    start_ns = nanoseconds(round(common.file.branch_at * rate) + round(common.file.settle * rate), rate)
     with tempfile.TemporaryDirectory(prefix=PART, dir=folder) as scratch:
         path = Path(scratch) / run.name
         about: dict[str, Any] = {"scenario": common.scenarios.get(run.scenario), "commands": commands, "start_ns": start_ns}
 
         def recorded_blocks() -> Iterator[Block]:
             with Recorder(path, running.start, simulation.bodies, **about) as recorder:
-                for block in simulation.blocks(common.duration):
+                for block in simulation.blocks(common.file.duration):
                     recorder.write(block)
                     yield block
 
-        waveform = _run_blocks(recorded_blocks(), running.truths, keep=common.windows is not None)
+        waveform = _run_blocks(recorded_blocks(), running.truths, keep=common.file.windows is not None)
         files = {f"runs/{run.name}/{part.name}": record_of(part) for part in sorted(path.iterdir())}
         common.store.put(path, f"runs/{run.name}")
     return waveform, files
 
 
 def _write_windows(common: CommonSettings, run: PlannedRun, waveform: RunWaveform, rate: int) -> dict[str, FileRecord]:
-    windows = common.windows
+    windows = common.file.windows
     assert windows is not None
     labels = window_labels(window_starts(waveform.samples, windows), waveform.first_index, rate, windows, waveform.truths)
     about = {"run": run.name, "case": run.case, "split": run.split}
