@@ -275,7 +275,7 @@ class WaveformImport:
         return {"shaft_angle": "measured", "rpm": "from the measured speed"}.get(self._source, "from the stated speed")
 
     def remarks(self) -> list[str]:
-        """Return sentences about what the recording does not have exactly as it was measured."""
+        """Return sentences about the differences between the recording and the measurement."""
         notes = []
         if self.measured_rate != self.rate:
             notes.append(f"the sampling rate of {self.measured_rate:g} Hz is recorded as {self.rate} Hz, since stamps count whole samples")

@@ -1,4 +1,4 @@
-"""Reading the records of an MCAP file as far as it is intact, with bounded memory whatever sizes the file claims."""
+"""Reading the records of an MCAP file as far as it is intact, with memory that is limited independently of the sizes in the file."""
 
 from __future__ import annotations
 

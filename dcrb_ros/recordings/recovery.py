@@ -26,7 +26,7 @@ from dcrb_ros.text.files import checked_path
 ENCODING = ("cdr", "ros2msg")
 """Encodings of messages and their definitions in recordings of ROS 2."""
 RECOVERY = f"{MANIFEST}_recovery"
-"""Name of the metadata record that lists what was lost."""
+"""Name of the metadata record that lists the losses."""
 MAX_DAMAGE = 100
 """Sentences about damaged messages that are kept."""
 
@@ -49,7 +49,7 @@ class Recovered:
 
 
 class Recovery:
-    """Copies what can be read of a recording to a new bag."""
+    """Copies the readable part of a recording to a new bag."""
 
     def __init__(self, source: Path) -> None:
         self._recording = _recording(source)

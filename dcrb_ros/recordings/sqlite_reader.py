@@ -96,7 +96,7 @@ def _is_plain(connection: sqlite3.Connection, name: str, definition: object) -> 
 
 
 def _rows(connection: sqlite3.Connection, table: str, *columns: str) -> Iterator[Any]:
-    """Return some columns of a table; what an older version of rosbag2 does not write is empty."""
+    """Return some columns of a table; columns that an older version of rosbag2 lacks are empty."""
     present = {row[1] for row in connection.execute(f"PRAGMA table_info({table})")}
     chosen = ", ".join(column if column in present else "NULL" for column in columns)
     return connection.execute(f"SELECT {chosen} FROM {table}") if present else iter(())

@@ -93,7 +93,7 @@ class StoredFile:
         return (record for record in self._records(chunks=False) if isinstance(record, Metadata))
 
     def messages(self, damage: list[str], topics: Container[str] | None = None) -> Iterator[StoredMessage]:
-        """Yield the messages on some topics, by default on all; at the end add new sentences about what cannot be read to ``damage``."""
+        """Yield the messages on some topics, by default on all; at the end add a sentence for each unreadable part to ``damage``."""
         schemas: dict[int, Schema] = {}
         channels: dict[int, Channel] = {}
         unknown: Counter[int] = Counter()

@@ -157,7 +157,7 @@ class Plan:
         return {key: value for key, value in changes.items() if self.sweep.base.get(key) != value}
 
     def _condition(self, point: Point) -> str:
-        """Return the hash of what differs from the defaults, so that a parameter added later does not change splits and seeds."""
+        """Return the hash of the differences from the defaults, so that a parameter added later does not change splits and seeds."""
         values = {**self.sweep.base, **point}
         return digest({key: value for key, value in values.items() if not _not_a_condition(key) and value != self._defaults.get(key)})
 

@@ -23,7 +23,7 @@ class DamagedLabel(RuntimeError):
 
 
 class _File(BaseModel):
-    """`FileRecord` as a label states it."""
+    """A `FileRecord` in a label."""
 
     size: int
     sha256: str

@@ -43,7 +43,7 @@ def checked_path(path: str | Path) -> Path:
 
 
 def special_kind(path: Path) -> str:
-    """Return what exists at a path that is not a regular file, such as a named pipe; the empty string for a regular file or nothing."""
+    """Return the kind of an entry that is not a regular file, such as a named pipe; the empty string for a regular file or none."""
     try:
         return KINDS.get(stat.S_IFMT(os.stat(path).st_mode), "")
     except OSError:

@@ -18,7 +18,7 @@ from dcrb_ros.sweep.sweep_file import Sweep
 
 AMBIENT = "thermal.ambient"
 COLDEST_AND_HOTTEST = (-40.0, 60.0)
-"""Range of that parameter [deg C]; what is drawn beyond it takes its end."""
+"""Range of that parameter [deg C]; a draw beyond it is set to the limit."""
 
 
 def plan_of(sweep: Sweep) -> Plan:
