@@ -167,7 +167,8 @@ class Recording:
     @cached_property
     def outcome(self) -> Mapping[str, Any] | None:
         """The outcome record at the end of the recording; None if it was cut off."""
-        return self._last(OUTCOME, "outcome")
+        records = [record for record in self.stored[-1].metadata() if record.name == OUTCOME]
+        return self._json(records[-1], "outcome", self.stored[-1].path.name) if records else None
 
     def commands(self) -> list[TimedCommand]:
         """Return the commands of the run, from the outcome record or from the ground truth."""
@@ -221,9 +222,8 @@ class Recording:
 
     def pieces(self) -> Iterator[Piece]:
         """Yield the blocks of the waveform with their first samples, as `dcrb_ros.detect` takes them."""
-        rate = self.sampling_rate
         for block, sensor_range in self.ranged_vibrations():
-            yield Piece(block.first_index(rate), block.acceleration, block.shaft_angle, sensor_range)
+            yield Piece(block.first_index(self.sampling_rate), block.acceleration, block.shaft_angle, sensor_range)
 
     def waveform(self, start: float | None = None, stop: float | None = None) -> Waveform:
         """Return the samples with ``start <= time < stop`` [s], all of them by default.
@@ -249,8 +249,7 @@ class Recording:
         Refusal
             The recording has no ``roller_states``.
         """
-        states = states_of(self.messages)
-        if states is None:
+        if (states := states_of(self.messages)) is None:
             raise Refusal(f"{self!r} has no messages on {ROLLER_STATES.name}: record this topic too, or simulate it again")
         return states
 
@@ -323,11 +322,6 @@ class Recording:
         about = self.manifest.get("sensor") or self.manifest.get("configuration", {}).get("sensor")
         sensor_range = about.get("range") if isinstance(about, Mapping) else None
         return float(sensor_range) if isinstance(sensor_range, int | float) and sensor_range > 0.0 else 0.0
-
-    def _last(self, name: str, key: str) -> dict[str, Any] | None:
-        """Return the last metadata record with a name in the last file."""
-        records = [record for record in self.stored[-1].metadata() if record.name == name]
-        return self._json(records[-1], key, self.stored[-1].path.name) if records else None
 
     def _json(self, record: Metadata, key: str, file: str) -> dict[str, Any] | None:
         """Return the JSON object in a metadata record; None if it is damaged."""
