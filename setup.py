@@ -33,7 +33,11 @@ setup(
     # it from its source, in pure Python. The checks run on 3.10 to 3.13; no interpreter of 3.14 was available.
     python_requires=">=3.10,<3.15",
     packages=find_packages(include=[NAME, f"{NAME}.*"]),
-    package_data={NAME: ["py.typed"], f"{NAME}.validation": ["assumptions.md"], f"{NAME}.plots": ["templates/*.html"]},
+    package_data={
+        NAME: ["py.typed", "__init__.pyi"],
+        f"{NAME}.plots": ["templates/*.html"],
+        f"{NAME}.validation": ["assumptions.md"],
+    },
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{NAME}"]),
         (f"share/{NAME}", ["package.xml", "QUALITY_DECLARATION.md"]),

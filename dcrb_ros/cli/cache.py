@@ -23,14 +23,14 @@ def cache(
 
     Example: dcrb cache --clear
     """
-    found = {path: _bytes(path) for path in _folders()}
-    sizes = {path: size for path, size in found.items() if size}  # numba makes empty folders when it is imported
+    folders = {path: _bytes(path) for path in _folders()}
+    sizes = {path: size for path, size in folders.items() if size}  # numba makes empty folders when it is imported
     if clear:
-        for path in found:
+        for path in folders:
             shutil.rmtree(path)
     if as_json:
-        folders = [{"path": str(path), "bytes": size} for path, size in sizes.items()]
-        print(json.dumps({"folders": folders, "cleared": clear}, indent=2))
+        kept = [{"path": str(path), "bytes": size} for path, size in sizes.items()]
+        print(json.dumps({"folders": kept, "cleared": clear}, indent=2))
         return
     for path, size in sizes.items():
         print(f"{path}: {size_text(size)}{' deleted' if clear else ''}")

@@ -31,8 +31,8 @@ def collect(
 
     if not table.is_file():
         raise Refusal(f"there is no list {table}: give a CSV file with the columns file and fault")
-    runs = (MeasuredRun(one.name, one.waveform, source=one.source, **one.fields) for one in listed_runs(table, about, rate))
+    runs = (MeasuredRun(run.name, run.waveform, source=run.source, **run.fields) for run in listed_runs(table, about, rate))
     shape = Windows(length=window, overlap=overlap, kind="parquet")
     counts = write_measured_set(runs, Store(str(output)), title=title, licence=licence, windows=shape)
-    found = ", ".join(f"{count} {fault} in {split}" for (split, fault), count in sorted(counts.items()))
-    print(f"{output}: {sum(counts.values())} recordings, {found}")
+    shares = ", ".join(f"{count} {fault} in {split}" for (split, fault), count in sorted(counts.items()))
+    print(f"{output}: {sum(counts.values())} recordings, {shares}")

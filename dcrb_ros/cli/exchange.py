@@ -27,12 +27,12 @@ def export(
 
     recording = Recording(bag)
     with replacing("-o", output, force=force, source=bag), replacing("-o", description_of(output), force=force):
-        beside = exported(recording, output)
+        described = exported(recording, output)
     for damage in recording.damage:
         typer.echo(f"dcrb: {damage}", err=True)
     if output.suffix.lower() == ".wav" and (len(recording.temperatures()) or len(recording.tacho())):
         typer.echo("a WAV file has neither temperatures nor pulses of a tacho: export npz, mat, csv or parquet to keep them", err=True)
-    print(f"{output}, described by {beside}")
+    print(f"{output}, described by {described}")
 
 
 def import_(

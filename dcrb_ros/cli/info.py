@@ -98,7 +98,7 @@ def _streams(recording: Recording) -> list[str]:
 
 
 def _origin(recording: Recording) -> str:
-    """Return what made the recording."""
+    """Return the software that made the recording."""
     from dcrb_ros.recordings.processor import described
 
     manifest = recording.manifest

@@ -12,6 +12,7 @@ import typer
 from dcrb_ros.cli import completion
 from dcrb_ros.cli.first_start import compilation_shown
 from dcrb_ros.cli.options import JsonOutput, Quiet, size_text
+from dcrb_ros.runtime.optional import installed
 from dcrb_ros.schema.refusal import Refusal
 
 if TYPE_CHECKING:
@@ -61,7 +62,7 @@ def sweep(
         raise Refusal("Missing option '-o': give the folder of the data set, or --dry-run to estimate time and disk space")
     if scheduler is not None and (workers is not None or memory != "auto"):
         raise Refusal("--scheduler has its own workers: leave out --workers and --memory")
-    _require_fsspec()
+    installed("fsspec", "dcrb sweep needs fsspec: pip install fsspec")
     from dcrb_ros.runtime.processes import cores
     from dcrb_ros.sweep.lives.plan import plan_of
     from dcrb_ros.sweep.loader import read_sweep
@@ -81,8 +82,8 @@ def sweep(
     if scheduler is None:
         from dcrb_ros.sweep.local_workers import local_workers
 
-        with local_workers(workers, memory) as here:
-            tally = _make(plan, store, here, compile_first=True, quiet=quiet)
+        with local_workers(workers, memory) as processes:
+            tally = _make(plan, store, processes, compile_first=True, quiet=quiet)
     else:
         from dcrb_ros.sweep.cluster import cluster_workers
 
@@ -129,13 +130,6 @@ def _report_flaws(data_set: DataSet) -> None:
         typer.echo(f"{len(reasons) - SHOWN_FLAWS} further runs are damaged and simulated again", err=True)
 
 
-def _require_fsspec() -> None:
-    try:
-        import fsspec  # noqa: F401
-    except ImportError:
-        raise Refusal("dcrb sweep needs fsspec: pip install fsspec") from None
-
-
 def _generate(data_set: DataSet, workers: Workers, *, quiet: bool) -> Tally:
     from rich.progress import MofNCompleteColumn, TimeRemainingColumn
 
@@ -168,8 +162,10 @@ def _print_summary(tally: Tally, address: str, *, quiet: bool = False, as_json: 
     Raises:
         RuntimeError: no run succeeded.
     """
+    from dcrb_ros.sweep.schema import SPLITS
+
     done, counts = tally.statuses["done"], ", ".join(f"{count} {status}" for status, count in sorted(tally.statuses.items()))
-    splits = {split: sum(count for (of, _), count in tally.classes.items() if of == split) for split in ("train", "validation", "test")}
+    splits = {split: sum(count for (run_split, _), count in tally.classes.items() if run_split == split) for split in SPLITS}
     if as_json:
         about = {"address": address, "runs": tally.statuses, "splits": splits, "seconds": tally.seconds, "reasons": tally.reasons}
         print(json.dumps(about, indent=2))
@@ -189,15 +185,16 @@ def _print_summary(tally: Tally, address: str, *, quiet: bool = False, as_json: 
 def _estimate(plan: Plan, workers: int, *, as_json: bool) -> None:
     """Print the estimated cost of a sweep."""
     from dcrb_ros.sweep.estimate import estimate
+    from dcrb_ros.text.markdown import table
 
-    cost = estimate(plan)
-    cases = [{"split": split, "case": case, "runs": count} for (split, case), count in sorted(cost.counts.items())]
+    cost, heads = estimate(plan), ("split", "case", "runs")
+    cases = [(split, case, count) for (split, case), count in sorted(cost.counts.items())]
     if as_json:
         about: dict[str, Any] = {
             "runs": cost.runs,
             "duration": cost.duration,
             "conditions": plan.conditions,
-            "cases": cases,
+            "cases": [dict(zip(heads, case, strict=True)) for case in cases],
             "workers": workers,
             "seconds": cost.seconds(workers),
             "bytes": cost.size,
@@ -206,9 +203,7 @@ def _estimate(plan: Plan, workers: int, *, as_json: bool) -> None:
         print(json.dumps(about, indent=2))
         return
     print(f"{cost.runs} runs of {cost.duration:g} s in {plan.conditions} {plan.unit}")
-    print("| split | case | runs |\n|---|---|---|")
-    for case in cases:
-        print(f"| {case['split']} | {case['case']} | {case['runs']} |")
+    print(table(heads, cases))
     print(
         f"about {_span(cost.seconds(workers))} on {workers} workers of this machine ({cost.factor:.1f} x real time each, plus "
         f"{cost.start:.2f} s per run) and {size_text(cost.size)} of disk space"

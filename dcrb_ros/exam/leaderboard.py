@@ -16,6 +16,7 @@ from dcrb_ros.exam.statistics import CONFIDENCE
 from dcrb_ros.schema.printable import printable
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.text.files import checked_path
+from dcrb_ros.text.markdown import table
 
 HEADS = ("", "detector", *(profile.name for profile in PROFILES), "ROC areas", "detected", "spoiled periods", "better than the next")
 """Heads of the columns."""
@@ -141,9 +142,7 @@ def markdown(boards: Sequence[Board], figures: Sequence[str]) -> str:
     lines = ["# Leaderboard", "", "Written by `dcrb exam table`.", ""]
     for board, figure in zip(boards, figures, strict=True):
         lines += [f"## {_plain(board.exam)}", "", about(board), "", f"![Exam scores of {_plain(board.exam)}]({figure})", ""]
-        lines += ["| " + " | ".join(HEADS) + " |", "|" + "---|" * len(HEADS)]
-        lines += ["| " + " | ".join(_plain(cell) for cell in row) + " |" for row in rows(board)]
-        lines.append("")
+        lines += [table(HEADS, (tuple(map(_plain, row)) for row in rows(board))), ""]
     return "\n".join(lines)
 
 

@@ -69,12 +69,12 @@ def _half(diameter: float | None) -> float | None:
     return None if diameter is None else 0.5 * diameter
 
 
-def _single(source: str, what: str, values: dict[str, float | int | None]) -> float:
+def _single(source: str, quantity: str, values: dict[str, float | int | None]) -> float:
     """Return the one value that is given."""
     given = {name: value for name, value in values.items() if value is not None}
     if len(given) != 1:
-        found = f"gives {' and '.join(given)}" if given else "is missing"
-        raise Refusal(f"{source}: the {what} of the balls or rollers {found}: give one of {', '.join(values)}")
+        mistake = f"gives {' and '.join(given)}" if given else "is missing"
+        raise Refusal(f"{source}: the {quantity} of the balls or rollers {mistake}: give one of {', '.join(values)}")
     return float(next(iter(given.values())))
 
 
@@ -94,8 +94,8 @@ def fault_orders(bearing: Geometry | None, orders: GivenOrders | None, source: P
         Refusal: neither or both are given, or they are impossible.
     """
     if (bearing is None) == (orders is None):
-        found = "neither bearing nor" if bearing is None else "both bearing and"
-        raise Refusal(f"{source} has {found} orders: give the geometry, or the orders FTF, BPFO, BPFI and BSF")
+        mistake = "neither bearing nor" if bearing is None else "both bearing and"
+        raise Refusal(f"{source} has {mistake} orders: give the geometry, or the orders FTF, BPFO, BPFI and BSF")
     if bearing is not None:
         return bearing.orders(f"{source}: bearing")
     given = Orders.from_dict(orders.model_dump() if orders is not None else {})

@@ -1,4 +1,4 @@
-"""The description of an external waveform: the information that is not in its file and is never guessed."""
+"""The description of an external waveform: information that its file lacks and that is never guessed."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ Labels = Annotated[dict[str, Any], BeforeValidator(_plain)]
 
 
 class Channels(Group):
-    """The names of the channels: a column, a variable, or a column number from 1; ``*`` stands for any characters of a name."""
+    """The names of the channels: a column, a variable, or a column number from 1; ``*`` matches any characters of a name."""
 
     ax: str | int
     """Acceleration of the first axis."""
@@ -132,7 +132,7 @@ class Description(Group):
         return fault_orders(self.bearing, self.orders, source)
 
     def shaft_source(self, source: Path) -> str:
-        """Return from what the angle of the shaft follows: a channel, ``speed``, ``speed_rpm`` or nothing.
+        """Return the origin of the angle of the shaft: a channel, ``speed``, ``speed_rpm`` or the empty string.
 
         Raises:
             Refusal: there are several, or a property of the tacho is given without it.
@@ -142,9 +142,9 @@ class Description(Group):
         given += [name for name in ("speed", "speed_rpm") if getattr(self, name) is not None]
         if len(given) > 1:
             raise Refusal(f"{source} gives {' and '.join(given)}: give one of them, or neither if the speed is unknown")
-        beside = next((name for name in ("pulses_per_turn", "tacho_levels") if getattr(self, name) is not None), "")
-        if beside and self.channels.tacho is None:
-            raise Refusal(f"{source} gives {beside}, but no channel tacho: name the channel of the pulses, or leave it out")
+        property_ = next((name for name in ("pulses_per_turn", "tacho_levels") if getattr(self, name) is not None), "")
+        if property_ and self.channels.tacho is None:
+            raise Refusal(f"{source} gives {property_}, but no channel tacho: name the channel of the pulses, or leave it out")
         return given[0] if given else ""
 
     @property

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -9,7 +10,7 @@ import numpy as np
 import yaml
 
 from dcrb_ros.exchange.files import WRITERS, Array
-from dcrb_ros.exchange.tacho import LEVELS, sampled_pulses
+from dcrb_ros.exchange.pulse_train import LEVELS, sampled_pulses
 from dcrb_ros.exchange.temperatures import CHANNELS, TIME, own_arrays
 from dcrb_ros.exchange.temperatures import columns as beside_samples
 from dcrb_ros.messages.points import decode_vibration
@@ -18,6 +19,7 @@ from dcrb_ros.recordings.arrays import truths_of
 from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.stream.axes import AXES
+from dcrb_ros.stream.block import Truth
 from dcrb_ros.text.files import checked_path
 
 WITH_FURTHER_ARRAYS = (".npz", ".mat")
@@ -41,10 +43,10 @@ def export(recording: Recording, path: Path) -> Path:
     Raises:
         Refusal: the suffix is unknown, a file exists, the recording has no waveform, or a file cannot be written.
     """
-    writer, beside = WRITERS.get(path.suffix.lower()), description_of(path)
+    writer, described = WRITERS.get(path.suffix.lower()), description_of(path)
     if writer is None:
         raise Refusal(f"{path} has an unknown file type: its name must end in one of {', '.join(WRITERS)}")
-    for file in (path, beside):
+    for file in (path, described):
         if checked_path(file).exists():
             raise Refusal(f"{file} exists: give another name or remove it; files are never overwritten")
     if not path.absolute().parent.is_dir():
@@ -54,14 +56,14 @@ def export(recording: Recording, path: Path) -> Path:
     description = _description(recording, path, {**columns, **extra}, labels, block_size)
     try:
         writer(path, columns, extra, recording.sampling_rate, about)
-        beside.write_text(yaml.safe_dump(description, sort_keys=False), encoding="utf-8")
+        described.write_text(yaml.safe_dump(description, sort_keys=False), encoding="utf-8")
     except BaseException as error:
-        for file in (path, beside):
+        for file in (path, described):
             file.unlink(missing_ok=True)
         if isinstance(error, OSError):
             raise Refusal(f"{path} cannot be written: {error.strerror}; free some space or give another folder") from None
         raise
-    return beside
+    return described
 
 
 def _collect(recording: Recording, *, whole: bool) -> tuple[dict[str, Array], dict[str, Array], dict[str, Any], int]:
@@ -90,20 +92,30 @@ def _collect(recording: Recording, *, whole: bool) -> tuple[dict[str, Array], di
     if len(tacho):
         columns["tacho"] = sampled_pulses(tacho.time * rate, index)
     columns |= {} if whole else beside_samples(readings, index, rate)
-    extra: dict[str, Array] = {**(own_arrays(readings) if whole else {})}
-    labels: dict[str, Any] = dict(recording.manifest.get("imported", {}).get("labels", {}))
-    if truths:
-        extra |= {
-            "truth_time": np.array([truth.time_ns * 1e-9 for truth in truths]),
-            "truth_speed": np.array([truth.speed for truth in truths]),
-            "truth_load": np.array([truth.load for truth in truths]),
-        }
-        names = dict.fromkeys(name for truth in truths for name in truth.thermal)
-        extra |= {array_name(name): np.array([truth.thermal.get(name, np.nan) for truth in truths]) for name in names}
-        last = truths[-1]
-        labels = {"faults": {name: dict(fault) for name, fault in last.faults.items()}, "speed": last.speed, "load": list(last.load)}
-        labels |= {"thermal": dict(last.thermal)} if last.thermal else {}
-    return columns, extra, labels, max(len(block.shaft_angle) for block in blocks)
+    extra: dict[str, Array] = {**(own_arrays(readings) if whole else {}), **_truth_arrays(truths)}
+    return columns, extra, _labels(recording, truths), max(len(block.shaft_angle) for block in blocks)
+
+
+def _truth_arrays(truths: Sequence[Truth]) -> dict[str, Array]:
+    """Return the ground truth over time as arrays of shape (times,); no arrays without it."""
+    if not truths:
+        return {}
+    names = dict.fromkeys(name for truth in truths for name in truth.thermal)
+    return {
+        "truth_time": np.array([truth.time_ns * 1e-9 for truth in truths]),
+        "truth_speed": np.array([truth.speed for truth in truths]),
+        "truth_load": np.array([truth.load for truth in truths]),
+        **{array_name(name): np.array([truth.thermal.get(name, np.nan) for truth in truths]) for name in names},
+    }
+
+
+def _labels(recording: Recording, truths: Sequence[Truth]) -> dict[str, Any]:
+    """Return the ground truth at the end; without one, the labels of the import."""
+    if not truths:
+        return dict(recording.manifest.get("imported", {}).get("labels", {}))
+    last = truths[-1]
+    labels = {"faults": {name: dict(fault) for name, fault in last.faults.items()}, "speed": last.speed, "load": list(last.load)}
+    return labels | ({"thermal": dict(last.thermal)} if last.thermal else {})
 
 
 def array_name(name: str) -> str:
@@ -141,5 +153,5 @@ def _deviation(recording: Recording) -> float:
     """Return the standard deviation of a reading of temperature [K]; 0 if it is unknown."""
     if recording.configured:
         return recording.configuration.thermal.sensor_noise
-    found = recording.manifest.get("imported", {}).get("temperature_deviation", 0.0)
-    return float(found) if isinstance(found, (int, float)) else 0.0
+    deviation = recording.manifest.get("imported", {}).get("temperature_deviation", 0.0)
+    return float(deviation) if isinstance(deviation, (int, float)) else 0.0

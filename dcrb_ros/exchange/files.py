@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from dcrb_ros.runtime.optional import installed
 from dcrb_ros.schema.refusal import Refusal, nearest
 from dcrb_ros.stream.axes import AXES
 from dcrb_ros.text.files import check_regular, checked_path
@@ -78,13 +79,13 @@ def channel(external: ExternalFile, source: Path, name: str | int) -> Array:
         Refusal: there is no such channel, or it is not a one-dimensional array of numbers.
     """
     try:
-        found = np.asarray(external.column(name))
+        array = np.asarray(external.column(name))
     except (KeyError, IndexError, AttributeError, ValueError, TypeError):
         known = ", ".join(external.names[:20]) or "none"
         raise Refusal(f"{source} has no channel '{name}'{nearest(str(name), external.names)} (available: {known})") from None
-    values = np.atleast_1d(found.squeeze())
+    values = np.atleast_1d(array.squeeze())
     if values.ndim != 1 or values.dtype.kind not in "iuf":
-        raise Refusal(f"{source}: '{name}' has shape {found.shape} and type {found.dtype}: a channel must be one row of numbers")
+        raise Refusal(f"{source}: '{name}' has shape {array.shape} and type {array.dtype}: a channel must be one row of numbers")
     return values
 
 
@@ -154,39 +155,36 @@ def _read_mat(path: Path) -> ExternalFile:
 
     try:
         _check_loaded(path, sum(math.prod(shape) * MAT_BYTES.get(kind, 8) for _, shape, kind in whosmat(path)))
-        found = loadmat(path, squeeze_me=True, struct_as_record=False)
+        variables = loadmat(path, squeeze_me=True, struct_as_record=False)
     except NotImplementedError:
         return _read_hdf5(path)
-    names = tuple(name for name in found if not name.startswith("__"))
-    return ExternalFile(names, lambda name: _nested(found, str(name)))
+    names = tuple(name for name in variables if not name.startswith("__"))
+    return ExternalFile(names, lambda name: _nested(variables, str(name)))
 
 
-def _nested(found: Mapping[str, Any], name: str) -> Array:
+def _nested(variables: Mapping[str, Any], name: str) -> Array:
     """Return a variable, or a field of a structure, such as ``bearing.gs`` or ``run.Y[7].Data``."""
-    if name in found:
-        return np.asarray(found[name])
+    if name in variables:
+        return np.asarray(variables[name])
     head, *parts = re.findall(r"[^.\[\]]+", name)
-    value = found[head]
+    value = variables[head]
     for part in parts:
         value = np.atleast_1d(value)[int(part) - 1] if part.isdigit() else getattr(value, part)
     return np.asarray(value)
 
 
 def _read_hdf5(path: Path) -> ExternalFile:
-    try:
-        import h5py
-    except ImportError:
-        raise Refusal(f"{path} is a MAT file of version 7.3, which needs h5py: pip install h5py, or save it with -v7") from None
-    found: dict[str, Array] = {}
+    h5py = installed("h5py", f"{path} is a MAT file of version 7.3, which needs h5py: pip install h5py, or save it with -v7")
+    arrays: dict[str, Array] = {}
     with h5py.File(path, "r") as file:
 
         def keep(name: str, entry: Any) -> None:
             if isinstance(entry, h5py.Dataset) and entry.dtype.kind in "iuf" and not name.startswith("#"):
-                _check_loaded(path, entry.nbytes + sum(values.nbytes for values in found.values()))
-                found[name.replace("/", ".")] = entry[()]
+                _check_loaded(path, entry.nbytes + sum(values.nbytes for values in arrays.values()))
+                arrays[name.replace("/", ".")] = entry[()]
 
         file.visititems(keep)
-    return ExternalFile(tuple(found), lambda name: found[str(name)])
+    return ExternalFile(tuple(arrays), lambda name: arrays[str(name)])
 
 
 def _read_parquet(path: Path) -> ExternalFile:

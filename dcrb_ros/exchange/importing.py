@@ -19,7 +19,7 @@ import numpy.typing as npt
 from dcrb_ros.bearing.kinematics import Orders
 from dcrb_ros.exchange.description import Description, read_description
 from dcrb_ros.exchange.joining import JoinedFiles
-from dcrb_ros.exchange.tacho import PulseTrain, counted_pulses, joined_turns, pulse_train, turns_at_speed, wrapped, wrapped_angle
+from dcrb_ros.exchange.pulse_train import PulseTrain, counted_pulses, joined_turns, pulse_train, turns_at_speed, wrapped, wrapped_angle
 from dcrb_ros.exchange.temperatures import CHANNELS, checked_channels, readings_of
 from dcrb_ros.messages.cdr import FRAME
 from dcrb_ros.messages.description import PULSES_PER_TURN
@@ -32,7 +32,7 @@ from dcrb_ros.messages.topics.sensor import repeats_with
 from dcrb_ros.recordings.arrays import READINGS
 from dcrb_ros.recordings.manifest import FORMAT, MEASURED_UNITS, Outcome, now
 from dcrb_ros.recordings.recorder import channel_of
-from dcrb_ros.recordings.rosbag2 import Bag, RecordingFailed
+from dcrb_ros.recordings.splitting import Bag, RecordingFailed
 from dcrb_ros.runtime.version import __version__
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.refusal import Refusal
@@ -66,7 +66,7 @@ class WaveformImport:
         self.orders: Orders = self.description.fault_orders(about)
         channels, factor = self.description.channels, self._factor()
         parts = {name: self._files.parts(channel) for name, channel in channels.axes.items()}
-        axes = {name: self._axis(channels.axes[name], np.concatenate(found), factor) for name, found in parts.items()}
+        axes = {name: self._axis(channels.axes[name], np.concatenate(numbers), factor) for name, numbers in parts.items()}
         self.index = self._index([len(part) for part in parts["ax"]])
         self._check_lengths({**{name: len(values) for name, values in axes.items()}, "index": len(self.index)})
         self._train = self._tacho()
@@ -130,16 +130,16 @@ class WaveformImport:
             return self._files.index(lengths, first, d.gap, self.measured_rate, self._about)
         if d.gap is not None:
             raise Refusal(f"{self._about} gives gap and the channel index, which contains the gaps: leave out gap")
-        found = np.concatenate(self._files.parts(name))
-        broken = found[found != np.rint(found)]
+        index = np.concatenate(self._files.parts(name))
+        broken = index[index != np.rint(index)]
         if len(broken):
             raise Refusal(
                 f"{self._files}: '{name}' is not an index: {broken[0]:g} is not an integer; an index counts samples, gaps included"
             )
-        if len(found) and (found[0] < 0 or np.any(np.diff(found) <= 0)):
+        if len(index) and (index[0] < 0 or np.any(np.diff(index) <= 0)):
             raise Refusal(f"{self._files}: '{name}' is not an index: it must start at 0 or later and increase")
-        self._check_stamp(float(found[-1]) if len(found) else 0.0, f"{self._files}: '{name}'")
-        return found.astype(np.int64)
+        self._check_stamp(float(index[-1]) if len(index) else 0.0, f"{self._files}: '{name}'")
+        return index.astype(np.int64)
 
     def _check_stamp(self, last: float, source: str) -> None:
         """Refuse an index whose time exceeds the range of a time stamp."""
@@ -184,14 +184,14 @@ class WaveformImport:
 
     def _readings(self) -> dict[str, tuple[npt.NDArray[np.int64], Floats]]:
         channels = self.description.channels
-        found = checked_channels(channels.model_dump(), self._about)
+        given = checked_channels(channels.model_dump(), self._about)
         times = None if channels.temperature_time is None else np.concatenate(self._files.parts(channels.temperature_time))
-        indices = self._by_file() if found else []
+        indices = self._by_file() if given else []
         return {
             channel: readings_of(
                 self._files.parts(getattr(channels, channel), nan=True), indices, times, self.measured_rate, f"{self._files}: '{channel}'"
             )
-            for channel in found
+            for channel in given
         }
 
     def _by_file(self) -> list[npt.NDArray[np.int64]]:
@@ -219,10 +219,10 @@ class WaveformImport:
         size, count = self.block_size, len(self.index)
         breaks = [0, *(np.flatnonzero(np.diff(self.index) != 1) + 1), count]
         for begin, end in itertools.pairwise(breaks):
-            for at in range(int(begin), int(end), size):
-                part = slice(at, min(at + size, int(end)))
+            for first in range(int(begin), int(end), size):
+                part = slice(first, min(first + size, int(end)))
                 acceleration = self.acceleration[part]
-                block = Block(int(self.index[at]), self.rate, acceleration, self.angle[part], acceleration)
+                block = Block(int(self.index[first]), self.rate, acceleration, self.angle[part], acceleration)
                 yield block if self._train is None else self._with_pulses(block, self._train)
 
     def _with_pulses(self, block: Block, train: PulseTrain) -> Block:
@@ -235,12 +235,12 @@ class WaveformImport:
     def _temperatures(self) -> list[Message]:
         """Return the messages with the readings of temperature in the order of time."""
         deviation = self.description.temperature_deviation
-        found = [
+        messages = [
             Message(READINGS[CHANNELS[channel]], time_ns, encode_temperature(time_ns, value, deviation))
             for channel, (times, values) in self.readings.items()
             for time_ns, value in zip(times.tolist(), values.tolist(), strict=True)
         ]
-        return sorted(found, key=lambda message: message.time_ns)
+        return sorted(messages, key=lambda message: message.time_ns)
 
     def sensor(self) -> dict[str, Any]:
         """Return the description of the sensor that is published with the waveform."""
@@ -275,20 +275,20 @@ class WaveformImport:
         return {"shaft_angle": "measured", "rpm": "from the measured speed"}.get(self._source, "from the stated speed")
 
     def remarks(self) -> list[str]:
-        """Return sentences about what the recording does not have exactly as it was measured."""
-        found = []
+        """Return sentences about the differences between the recording and the measurement."""
+        notes = []
         if self.measured_rate != self.rate:
-            found.append(f"the sampling rate of {self.measured_rate:g} Hz is recorded as {self.rate} Hz, since stamps count whole samples")
+            notes.append(f"the sampling rate of {self.measured_rate:g} Hz is recorded as {self.rate} Hz, since stamps count whole samples")
         gaps = int(np.count_nonzero(np.diff(self.index) != 1))
         if gaps:
-            found.append(f"the waveform has {gaps} gap{'s' * (gaps > 1)}")
+            notes.append(f"the waveform has {gaps} gap{'s' * (gaps > 1)}")
         if self.irregular_pulses:
-            found.append(
+            notes.append(
                 f"pulses of the tacho are missing or too many in {self.irregular_pulses} intervals, which were counted as whole pulses"
             )
         if self._unit == "relative":
-            found.append("the unit is unknown: what is given in m/s^2 is relative")
-        return found
+            notes.append("the unit is unknown: what is given in m/s^2 is relative")
+        return notes
 
     def _digest(self) -> str:
         """Return the SHA-256 of the files, one after the other."""
@@ -326,15 +326,15 @@ class WaveformImport:
             description, read = encode_text(json.dumps(self.sensor(), sort_keys=True)), deque(self._temperatures())
             bag.write([(channels[SENSOR], 0, description)])
             for block in self.blocks():
-                found = [Message(SENSOR, block.stamp_ns, description)] if repeats_with(block) else []
-                found.append(Message(VIBRATION, block.stamp_ns, encode_vibration(block, block.acceleration)))
-                outcome.add(found[-1])
-                found += [Message(TACHO, block.stamp_ns, encode_pulses(block))] if self._train is not None else []
-                found.append(Message(FEATURES, block.stamp_ns, encode_features(block)))
+                messages = [Message(SENSOR, block.stamp_ns, description)] if repeats_with(block) else []
+                messages.append(Message(VIBRATION, block.stamp_ns, encode_vibration(block, block.acceleration)))
+                outcome.add(messages[-1])
+                messages += [Message(TACHO, block.stamp_ns, encode_pulses(block))] if self._train is not None else []
+                messages.append(Message(FEATURES, block.stamp_ns, encode_features(block)))
                 while read and read[0].time_ns < block.end_ns:
-                    found.append(read.popleft())
-                found.sort(key=lambda message: message.time_ns)
-                bag.write([(channels[message.topic], message.time_ns, message.data) for message in found])
+                    messages.append(read.popleft())
+                messages.sort(key=lambda message: message.time_ns)
+                bag.write([(channels[message.topic], message.time_ns, message.data) for message in messages])
             bag.write([(channels[message.topic], message.time_ns, message.data) for message in read])
             bag.close()
         except BaseException:

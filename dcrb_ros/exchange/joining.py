@@ -30,12 +30,12 @@ class JoinedFiles:
     def __str__(self) -> str:
         return str(self.files[0]) if len(self.files) == 1 else f"{self.files[0]} and {len(self.files) - 1} more"
 
-    def _same(self, what: str, of: Callable[[ExternalFile], float | None]) -> float | None:
-        found = {of(external): file for file, external in zip(self.files, self._externals, strict=True)}
-        if len(found) > 1:
-            (first, one), (second, other) = list(found.items())[:2]
-            raise Refusal(f"{one} and {other} have different {what}, {first} and {second}: import them separately")
-        return next(iter(found))
+    def _same(self, quantity: str, value_of: Callable[[ExternalFile], float | None]) -> float | None:
+        stated = {value_of(external): file for file, external in zip(self.files, self._externals, strict=True)}
+        if len(stated) > 1:
+            (first, file), (second, other) = list(stated.items())[:2]
+            raise Refusal(f"{file} and {other} have different {quantity}, {first} and {second}: import them separately")
+        return next(iter(stated))
 
     def parts(self, name: str | int, *, nan: bool = False) -> list[Floats]:
         """Return a channel of each file, shape (files,) of (samples,).
@@ -64,21 +64,21 @@ class JoinedFiles:
 
 
 def matching(external: ExternalFile, file: Path, name: str | int) -> str | int:
-    """Return the name of a channel; a ``*`` in it stands for any characters of the name of a variable.
+    """Return the name of a channel; a ``*`` in it matches any characters of the name of a variable.
 
     Raises:
-        Refusal: none or several of the variables have such a name.
+        Refusal: no variable or several have such a name.
     """
     if isinstance(name, int) or "*" not in name or name in external.names:
         return name
     head, dot, rest = name.partition(".")
     pattern = re.compile(".*".join(re.escape(part) for part in head.split("*")))
-    found = [known for known in external.names if pattern.fullmatch(known)]
-    if len(found) != 1:
-        has = f"the channels {', '.join(found[:8])}" if found else "no channel"
+    matches = [known for known in external.names if pattern.fullmatch(known)]
+    if len(matches) != 1:
+        has = f"the channels {', '.join(matches[:8])}" if matches else "no channel"
         known = ", ".join(external.names[:20]) or "none"
         raise Refusal(f"{file} has {has} like '{name}', but one is needed (available: {known}): give its whole name")
-    return found[0] + dot + rest
+    return matches[0] + dot + rest
 
 
 def _numbers(values: Array, file: Path, name: str | int, *, nan: bool) -> Floats:

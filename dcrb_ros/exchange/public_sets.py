@@ -32,7 +32,7 @@ def find_description(source: str) -> Path:
 
 
 def listed() -> list[str]:
-    """Return a line for each public data set: its name, what it is, and where to get it."""
+    """Return a line for each public data set: its name, its title and its address."""
     width = max(map(len, public_sets()), default=0)
     return [f"{name:{width}}  {_line(read_yaml(path))}" for name, path in public_sets().items()]
 

@@ -49,15 +49,15 @@ def listed_runs(table: Path, about: str, rate: int = 0) -> Iterator[ListedRun]:
         line = f"{table}, line {number}"
         if not row["file"] or not row["fault"]:
             raise Refusal(f"{line}: file and fault are needed: give both")
-        chosen = row.get("about") or about
-        if not chosen:
+        description = row.get("about") or about
+        if not description:
             raise Refusal(f"{line}: there is no description of {row['file']}: add the column about, or give --about")
         file = table.parent / row["file"]
         if not file.is_file():
             raise Refusal(f"{line}: there is no file {file}")
         settings = [part.strip() for part in (row.get("set") or "").split(";") if part.strip()]
         settings += [f"speed_rpm={row['speed_rpm']}"] if row.get("speed_rpm") else []
-        read = WaveformImport([file], find_description(chosen), settings)
+        read = WaveformImport([file], find_description(description), settings)
         waveform = Waveform(
             acceleration=read.acceleration, shaft_angle=read.angle, sampling_rate=read.rate, index=read.index, orders=read.orders
         )

@@ -14,7 +14,7 @@ from dcrb_ros.recordings.arrays import READINGS
 from dcrb_ros.schema.arrays import Floats, Integers
 from dcrb_ros.schema.refusal import Refusal
 
-CHANNELS: Mapping[str, str] = {f"{place}_temperature": place for place in READINGS}
+CHANNELS: Mapping[str, str] = {f"{sensor}_temperature": sensor for sensor in READINGS}
 """Channels of temperatures [deg C], and the places of the sensors."""
 TIME = "temperature_time"
 """Channel with the times of the readings [s]."""
@@ -26,7 +26,7 @@ COLDEST = -273.15
 
 def own_arrays(readings: TemperatureReadings) -> dict[str, Floats]:
     """Return the readings as arrays of their own length, with their times."""
-    return {TIME: readings.time, **{channel: getattr(readings, place) for channel, place in CHANNELS.items()}} if len(readings) else {}
+    return {TIME: readings.time, **{channel: getattr(readings, sensor) for channel, sensor in CHANNELS.items()}} if len(readings) else {}
 
 
 def columns(readings: TemperatureReadings, index: Integers, rate: int) -> dict[str, Floats]:
@@ -37,11 +37,11 @@ def columns(readings: TemperatureReadings, index: Integers, rate: int) -> dict[s
     if not len(readings):
         return {}
     wanted = [index_at(round(time * 1e9), rate) for time in readings.time]
-    found, at, before = np.intersect1d(index, wanted, return_indices=True)
+    samples, rows, before = np.intersect1d(index, wanted, return_indices=True)
     table = {channel: np.full(len(index), np.nan) for channel in CHANNELS}
-    for channel, place in CHANNELS.items():
-        table[channel][at] = getattr(readings, place)[before]
-    return table if len(found) else {}
+    for channel, sensor in CHANNELS.items():
+        table[channel][rows] = getattr(readings, sensor)[before]
+    return table if len(samples) else {}
 
 
 def readings_of(
@@ -73,10 +73,10 @@ def readings_of(
     if np.any(np.diff(time_ns) <= 0):
         raise Refusal(f"{source}: the times in {TIME} must increase: sort the readings")
     kept, last = [], -LEAST_INTERVAL_NS
-    for number, at in enumerate(time_ns.tolist()):
-        if at - last >= LEAST_INTERVAL_NS:
+    for number, reading_ns in enumerate(time_ns.tolist()):
+        if reading_ns - last >= LEAST_INTERVAL_NS:
             kept.append(number)
-            last = at
+            last = reading_ns
     return time_ns[kept], values[kept]
 
 
@@ -84,8 +84,8 @@ def _spread(count: int, index: npt.NDArray[np.int64], rate: float, source: str) 
     """Return the times [ns] of readings that are spread evenly over the samples of a file."""
     if count > len(index):
         raise Refusal(f"{source} has {count} readings for {len(index)} samples: give at most one per sample, or their times in {TIME}")
-    places = index if count == len(index) else index[0] + np.arange(count) * ((index[-1] - index[0] + 1) / count)
-    return np.floor(np.asarray(places, np.float64) * 1e9 / rate + 1e-3).astype(np.int64)
+    positions = index if count == len(index) else index[0] + np.arange(count) * ((index[-1] - index[0] + 1) / count)
+    return np.floor(np.asarray(positions, np.float64) * 1e9 / rate + 1e-3).astype(np.int64)
 
 
 def checked_channels(given: Mapping[str, object], source: Path) -> list[str]:
@@ -94,7 +94,7 @@ def checked_channels(given: Mapping[str, object], source: Path) -> list[str]:
     Raises:
         Refusal: it gives the times of readings, but no readings.
     """
-    found = [channel for channel in CHANNELS if given.get(channel) is not None]
-    if given.get(TIME) is not None and not found:
+    channels = [channel for channel in CHANNELS if given.get(channel) is not None]
+    if given.get(TIME) is not None and not channels:
         raise Refusal(f"{source} gives {TIME}, but no temperature: name a channel of {', '.join(CHANNELS)}, or leave it out")
-    return found
+    return channels

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import sys
 
-from dcrb_ros.runtime.signals import accept_termination, end_at_once, heed_in_background, leave_at_once
+from dcrb_ros.runtime.signals import accept_termination, end_at_once, leave_at_once, restore_ignored_signals
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -21,7 +21,7 @@ WITH_PARENT = "--with-parent"
 
 def main(name: str, arguments: list[str], *, with_parent: bool = False) -> NoReturn:
     """Run a node as a program, and exit; ``with_parent`` ends it with the process that holds the other end of its standard input."""
-    heed_in_background()
+    restore_ignored_signals()
     end_at_once(0)
     accept_termination()
     from dcrb_ros.runtime.exit_status import exit_status

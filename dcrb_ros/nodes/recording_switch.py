@@ -12,7 +12,7 @@ from typing import Protocol
 from dcrb_ros.messages.bundle import Bundle
 from dcrb_ros.messages.topics import Message, Topic
 from dcrb_ros.recordings.recorder_thread import CLOSE_TIMEOUT, RecorderThread
-from dcrb_ros.recordings.rosbag2 import RecordingFailed
+from dcrb_ros.recordings.splitting import RecordingFailed
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.simulation.ground_truth import commands_in
 from dcrb_ros.stream.events import TimedCommand

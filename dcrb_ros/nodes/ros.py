@@ -12,7 +12,7 @@ from pathlib import Path
 from types import FrameType
 from typing import TYPE_CHECKING
 
-from dcrb_ros.runtime.signals import accept_termination, handle_termination, heed_in_background
+from dcrb_ros.runtime.signals import accept_termination, handle_termination, restore_ignored_signals
 from dcrb_ros.schema.refusal import Refusal
 
 if TYPE_CHECKING:
@@ -151,7 +151,7 @@ def stop_on_signals() -> threading.Event:
     def handle(number: int, frame: FrameType | None) -> None:
         stop.set()
 
-    heed_in_background()
+    restore_ignored_signals()
     handle_termination(handle)
     accept_termination()
     return stop

@@ -70,8 +70,8 @@ def largest_unpacked(path: Path) -> int:
     return max(FREE_SIZE, MAX_RATIO * path.stat().st_size)
 
 
-def _excess(what: str, limit: int) -> str:
-    return f"{what} to more than {limit} bytes, {MAX_RATIO} times its size; the rest is left out"
+def _excess(subject: str, limit: int) -> str:
+    return f"{subject} to more than {limit} bytes, {MAX_RATIO} times its size; the rest is left out"
 
 
 def beginning(path: Path, count: int) -> bytes:

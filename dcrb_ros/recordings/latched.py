@@ -1,4 +1,4 @@
-"""Recordings without a manifest, such as those of `ros2 bag record`: what the latched description of the sensor tells about them."""
+"""Recordings without a manifest, such as those of `ros2 bag record`: their manifest follows from the latched description of the sensor."""
 
 from __future__ import annotations
 
@@ -81,11 +81,11 @@ def of_one_bench(messages: Iterable[Message], path: Path, rate: int, orders: Ord
     """
     for message in messages:
         if message.topic == SENSOR:
-            found = rate, orders
+            described = rate, orders
             with suppress(Refusal):  # an invalid description describes nothing
-                found = decode_sensor(message.data)
-            if found != (rate, orders):
-                between = f"{_bench(rate, orders)}, and {_bench(*found)}"
+                described = decode_sensor(message.data)
+            if described != (rate, orders):
+                between = f"{_bench(rate, orders)}, and {_bench(*described)}"
                 raise Refusal(f"{path} contains two benches one after the other, {between}: record them separately")
         yield message
 
@@ -114,7 +114,7 @@ def in_order(messages: Iterable[Message]) -> Iterator[Message]:
 
 
 def _stamped(messages: Iterable[Message]) -> Iterator[Message]:
-    """Yield messages with the times of their headers; the description, which has none, gets that of the message before it."""
+    """Yield messages with the times of their headers; the description has no header and gets the time of the message before it."""
     time_ns = 0
     for message in messages:
         if message.topic != SENSOR:
@@ -132,5 +132,5 @@ def header_time(message: Message) -> int:
         raise Refusal(
             f"a message of {len(message.data)} bytes on {message.topic.name} is not a valid {message.topic.type}: it has no header"
         )
-    seconds, rest = struct.unpack_from("<iI" if message.data[1] & 1 else ">iI", message.data, 4)
-    return int(seconds) * 1_000_000_000 + int(rest)
+    seconds, nanoseconds = struct.unpack_from("<iI" if message.data[1] & 1 else ">iI", message.data, 4)
+    return int(seconds) * 1_000_000_000 + int(nanoseconds)

@@ -139,7 +139,7 @@ class Outcome:
 
     @property
     def first_index(self) -> int | None:
-        """Index of the first sample; none if there is none."""
+        """Index of the first sample; None without samples."""
         self._hash()
         return self._first_index
 

@@ -1,11 +1,13 @@
-"""Reading the records of an MCAP file as far as it is intact, with bounded memory whatever sizes the file claims."""
+"""Reading the records of an MCAP file as far as it is intact, with memory that is limited independently of the sizes in the file."""
 
 from __future__ import annotations
 
 import os
 import struct
 import zlib
+from abc import ABC, abstractmethod
 from collections.abc import Container, Iterator
+from contextlib import suppress
 from io import BytesIO
 from pathlib import Path
 from typing import Any, BinaryIO
@@ -50,8 +52,8 @@ KINDS: dict[int, Any] = {
 }
 
 
-class McapRecords:
-    """The records of a file, including those in chunks; iterating collects in `damage` a sentence for everything that cannot be read."""
+class FileRecords(ABC):
+    """The records of a file in the form of MCAP; iterating collects in `damage` a sentence for everything that cannot be read."""
 
     def __init__(
         self, path: Path, *, chunks: bool = True, topics: Container[str] | None = None, name: str = "", stored: int | None = None
@@ -66,11 +68,26 @@ class McapRecords:
             stored: size of the file from which ``path`` was unpacked [bytes]; by default it was not.
         """
         self.path, self._chunks, self._topics, self._name, self._stored = path, chunks, topics, name or path.name, stored
+        self.damage: list[str] = []
+
+    @abstractmethod
+    def __iter__(self) -> Iterator[Any]:
+        """Yield schemas, channels, messages and metadata as records of MCAP."""
+
+    def _report(self, sentence: str) -> None:
+        if len(self.damage) < MAX_DAMAGE:
+            self.damage.append(f"{self._name}: {sentence}")
+
+
+class McapRecords(FileRecords):
+    """The records of an MCAP file, including those in chunks."""
+
+    def __init__(self, path: Path, **options: Any) -> None:
+        super().__init__(path, **options)
         self._summarized: dict[tuple[type[Any], int], Any] = {}
         """Schemas and channels in the summary by kind and number."""
         self._skipped: set[int] = set()
         """Channels of other topics."""
-        self.damage: list[str] = []
         self._unpacked = self._most_unpacked = 0
         """Size of the chunks that have been unpacked so far, and its limit [bytes]."""
 
@@ -93,31 +110,31 @@ class McapRecords:
 
     def _data(self, stream: BinaryIO, size: int, starts: list[int]) -> Iterator[Any]:
         """Yield the records up to the footer; after an invalid length continue at the next of the chunks, which begin at ``starts``."""
-        at = len(MAGIC)
+        offset = len(MAGIC)
         while True:
-            stream.seek(at)
+            stream.seek(offset)
             head = stream.read(HEAD.size)
             opcode, length = HEAD.unpack(head) if len(head) == HEAD.size else (0, size)
-            if at + HEAD.size + length > size or not opcode:
-                missing = "the footer is missing" if at == size else f"the record at byte {at} reaches beyond the end of the file"
+            if offset + HEAD.size + length > size or not opcode:
+                missing = "the footer is missing" if offset == size else f"the record at byte {offset} reaches beyond the end of the file"
                 self._report(f"{missing} at {size}")
-                later = [start for start in starts if at < start < size]
+                later = [start for start in starts if offset < start < size]
                 if not later:
                     return
-                at = later[0]
+                offset = later[0]
                 continue
-            yield from self._record(stream, opcode, length, at)
+            yield from self._record(stream, opcode, length, offset)
             if opcode == Opcode.FOOTER:
                 return
-            at += HEAD.size + length
+            offset += HEAD.size + length
 
-    def _record(self, stream: BinaryIO, opcode: int, length: int, at: int) -> Iterator[Any]:
+    def _record(self, stream: BinaryIO, opcode: int, length: int, offset: int) -> Iterator[Any]:
         if opcode in (Opcode.FOOTER, Opcode.CHUNK_INDEX) or (opcode not in KINDS and opcode != Opcode.MESSAGE):
             return
         if opcode == Opcode.CHUNK and (not self._chunks or self._unpacked > self._most_unpacked):
             return
         if length > MAX_RECORD:
-            self._report(f"the record at byte {at} claims {length} bytes; at most {MAX_RECORD} are read")
+            self._report(f"the record at byte {offset} claims {length} bytes; at most {MAX_RECORD} are read")
             return
         try:
             payload = stream.read(length)
@@ -132,9 +149,9 @@ class McapRecords:
                 yield record
                 return
         except Exception as error:  # parser and decompressor raise various exceptions for damaged data
-            self._report(f"the record at byte {at} is damaged ({_reason(error)})")
+            self._report(f"the record at byte {offset} is damaged ({_reason(error)})")
             return
-        yield from self._in_chunk(data, at)
+        yield from self._in_chunk(data, offset)
 
     def _check_unpacked(self, chunk: Chunk) -> None:
         """Count the size of a chunk once it is unpacked.
@@ -147,25 +164,21 @@ class McapRecords:
             most = self._most_unpacked
             raise ValueError(f"the chunks up to it unpack to {self._unpacked} bytes, of this file at most {most} are unpacked")
 
-    def _in_chunk(self, data: bytes, at: int) -> Iterator[Any]:
+    def _in_chunk(self, data: bytes, offset: int) -> Iterator[Any]:
         """Yield the records of a chunk's data."""
-        position, view, skipped = 0, memoryview(data), self._skipped
-        while position + HEAD.size <= len(data):
-            opcode, length = HEAD.unpack_from(data, position)
-            position += HEAD.size
+        for opcode, length, payload in _records(data):
             try:
-                if position + length > len(data):
-                    raise ValueError(f"it reaches {position + length - len(data)} bytes beyond the end of the chunk")
+                if len(payload) < length:
+                    raise ValueError(f"it reaches {length - len(payload)} bytes beyond the end of the chunk")
                 if opcode == Opcode.MESSAGE:
-                    if CHANNEL.unpack_from(data, position)[0] not in skipped:
-                        yield _message(view[position : position + length])
+                    if CHANNEL.unpack_from(payload)[0] not in self._skipped:
+                        yield _message(payload)
                 elif opcode in (Opcode.SCHEMA, Opcode.CHANNEL):
-                    record = parsed(opcode, data[position : position + length])
+                    record = parsed(opcode, bytes(payload))
                     self._register(record)
                     yield record
             except (struct.error, ValueError, McapError) as error:
-                self._report(f"a record in the chunk at byte {at} is damaged ({_reason(error)})")
-            position += length
+                self._report(f"a record in the chunk at byte {offset} is damaged ({_reason(error)})")
 
     def _register(self, record: Any) -> None:
         """Note whether the messages of a channel are to be read.
@@ -177,10 +190,6 @@ class McapRecords:
             raise ValueError(f"{type(record).__name__.lower()} {record.id} differs from that in the summary")
         if isinstance(record, Channel) and self._topics is not None:
             (self._skipped.discard if record.topic in self._topics else self._skipped.add)(record.id)
-
-    def _report(self, sentence: str) -> None:
-        if len(self.damage) < MAX_DAMAGE:
-            self.damage.append(f"{self._name}: {sentence}")
 
 
 def _reason(error: Exception) -> str:
@@ -269,16 +278,20 @@ def _summary(stream: BinaryIO, size: int) -> tuple[list[Any], list[int]]:
     if not len(MAGIC) < begin < end or end - begin > MAX_RECORD:
         return known, starts
     stream.seek(begin)
-    data, position = stream.read(end - begin), 0
+    with suppress(Exception):  # what follows damage in a summary counts as missing
+        for opcode, _, payload in _records(stream.read(end - begin)):
+            if opcode in (Opcode.SCHEMA, Opcode.CHANNEL):
+                known.append(parsed(opcode, bytes(payload)))
+            elif opcode == Opcode.CHUNK_INDEX:
+                starts.append(CHUNK_START.unpack_from(payload)[2])
+    return known, sorted(starts)
+
+
+def _records(data: bytes) -> Iterator[tuple[int, int, memoryview]]:
+    """Yield opcode, length [bytes] and payload of consecutive records; a payload that is cut off is shorter than its length."""
+    position, view = 0, memoryview(data)
     while position + HEAD.size <= len(data):
         opcode, length = HEAD.unpack_from(data, position)
         position += HEAD.size
-        try:
-            if opcode in (Opcode.SCHEMA, Opcode.CHANNEL):
-                known.append(parsed(opcode, data[position : position + length]))
-            elif opcode == Opcode.CHUNK_INDEX:
-                starts.append(CHUNK_START.unpack_from(data[position : position + length])[2])
-        except Exception:  # a damaged summary counts as missing
-            return known, sorted(starts)
+        yield opcode, length, view[position : position + length]
         position += length
-    return known, sorted(starts)

@@ -52,10 +52,10 @@ class Channel:
     def profiles(self) -> list[Any]:
         """Return the offered QoS profiles; an empty list if the text is not a YAML sequence."""
         try:
-            found = parsed(self.qos)
+            profiles = parsed(self.qos)
         except yaml.YAMLError:
             return []
-        return found if isinstance(found, list) else []
+        return profiles if isinstance(profiles, list) else []
 
 
 def described_channel(channel: records.Channel, schema: records.Schema) -> Channel:
@@ -168,11 +168,11 @@ class McapFile:
             self._stream.close()
 
     def _id(self, channel: Channel) -> int:
-        found = self._ids.get(channel)
-        if found is None:
+        number = self._ids.get(channel)
+        if number is None:
             about = {"offered_qos_profiles": channel.qos, "topic_type_hash": channel.type_hash}
-            found = self._ids[channel] = self._writer.register_channel(channel.name, "cdr", self._schema(channel), about)
-        return found
+            number = self._ids[channel] = self._writer.register_channel(channel.name, "cdr", self._schema(channel), about)
+        return number
 
     def _schema(self, channel: Channel) -> int:
         key = channel.type, channel.definition

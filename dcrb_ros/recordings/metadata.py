@@ -4,17 +4,17 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from dcrb_ros.recordings.splitting import METADATA
 from dcrb_ros.recordings.storage import plain_name, valid_files
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.text.yaml import read_yaml
 
-METADATA = "metadata.yaml"
 MAX_METADATA = 4_000_000
 """Largest metadata.yaml that is read [bytes]; those of the bench have a few thousand."""
 
 
 def metadata_flaw(path: Path) -> str:
-    """Return what is wrong with metadata.yaml, which ROS needs and this reader does not; the empty string if nothing."""
+    """Return the mistake in metadata.yaml, which ROS needs and this reader does not; the empty string if it is valid."""
     if not path.is_dir():
         return ""
     try:
@@ -24,6 +24,6 @@ def metadata_flaw(path: Path) -> str:
         return str(refusal).replace(str(path / METADATA), METADATA)
     except (ValueError, KeyError, TypeError, RecursionError):
         return f"{METADATA} is damaged: it must have rosbag2_bagfile_information with relative_file_paths"
-    there = [found.path.name for found in valid_files(path)[0]]
-    missing = [name for name in there if plain_name(name) not in named]
+    files = [file.path.name for file in valid_files(path)[0]]
+    missing = [name for name in files if plain_name(name) not in named]
     return f"{METADATA} does not name {', '.join(missing)}" if missing else ""

@@ -23,9 +23,9 @@ def processor() -> dict[str, Any]:
     return {"target": str(name), "features": [feature for feature in RECORDED if f"+{feature}" in present]}
 
 
-def described(found: Mapping[str, Any]) -> str:
+def described(about: Mapping[str, Any]) -> str:
     """Return a processor in words."""
-    return f"{found.get('target', 'unknown')} ({', '.join(_features(found)) or 'none of ' + ', '.join(RECORDED)})"
+    return f"{about.get('target', 'unknown')} ({', '.join(_features(about)) or 'none of ' + ', '.join(RECORDED)})"
 
 
 def processor_difference(recorded: Mapping[str, Any] | None, present: Mapping[str, Any]) -> str:
@@ -51,6 +51,6 @@ def processor_difference(recorded: Mapping[str, Any] | None, present: Mapping[st
     )
 
 
-def _features(found: Mapping[str, Any]) -> list[str]:
-    features = found.get("features")
+def _features(about: Mapping[str, Any]) -> list[str]:
+    features = about.get("features")
     return [str(feature) for feature in features] if isinstance(features, list) else []

@@ -19,9 +19,19 @@ from dcrb_ros.bearing.waveform import Piece, Waveform
 from dcrb_ros.messages.description import PULSES_PER_TURN, decode_range
 from dcrb_ros.messages.points import Vibration, decode_vibration
 from dcrb_ros.messages.statuses import decode_truth
-from dcrb_ros.messages.topics import DETECTED, GROUND_TRUTH, MANIFEST, NAMESPACE, SENSOR, SIMULATED, VIBRATION, Message, Topic
-from dcrb_ros.recordings import arrays
-from dcrb_ros.recordings.arrays import RecordedVerdict
+from dcrb_ros.messages.topics import (
+    DETECTED,
+    GROUND_TRUTH,
+    MANIFEST,
+    NAMESPACE,
+    ROLLER_STATES,
+    SENSOR,
+    SIMULATED,
+    VIBRATION,
+    Message,
+    Topic,
+)
+from dcrb_ros.recordings.arrays import RecordedVerdict, joined_waveform, states_of, tacho_of, temperatures_of, truths_of, verdicts_of
 from dcrb_ros.recordings.latched import described_manifest, in_order, of_one_bench
 from dcrb_ros.recordings.manifest import OUTCOME
 from dcrb_ros.recordings.storage import StoredMessage, valid_files
@@ -66,7 +76,7 @@ class Recording:
             raise Refusal(f"{path!r} is not the path of a recording: give a folder made by dcrb simulate or dcrb bench, or an .mcap file")
         self.path = Path(path)
         self.stored, self.damage = valid_files(self.path)
-        """The files in order; a sentence for everything that could not be read so far."""
+        """The files in order; a sentence for each part that could not be read so far."""
         self.manifest = self._manifest()
         if self.manifest.get("format", 1) != 1 and self.outcome is None:
             self._report(f"{self.files[-1].name}: the end is missing, the recording was cut off")
@@ -123,7 +133,7 @@ class Recording:
 
     @property
     def bearing(self) -> Bearing | None:
-        """The bearing of the bench, from the configuration or the description of the sensor; none if it is unknown."""
+        """The bearing of the bench, from the configuration or the description of the sensor; None if it is unknown."""
         if self._configuration is not None:
             return self._configuration.bearing
         about = None if self.imported else self.manifest.get("sensor", {}).get("bearing")
@@ -156,8 +166,9 @@ class Recording:
 
     @cached_property
     def outcome(self) -> Mapping[str, Any] | None:
-        """The outcome record at the end of the recording; none if it was cut off."""
-        return self._last(OUTCOME, "outcome")
+        """The outcome record at the end of the recording; None if it was cut off."""
+        records = [record for record in self.stored[-1].metadata() if record.name == OUTCOME]
+        return self._json(records[-1], "outcome", self.stored[-1].path.name) if records else None
 
     def commands(self) -> list[TimedCommand]:
         """Return the commands of the run, from the outcome record or from the ground truth."""
@@ -178,14 +189,14 @@ class Recording:
             The recording has no manifest, and describes a second bench after the first.
         """
         prefix = self.namespace if namespace is None else namespace
-        asked = frozenset(topics or (*SIMULATED, *DETECTED))
-        wanted = {topic.resolved(prefix): topic for topic in (asked | {SENSOR} if self.described else asked)}
-        found = (Message(wanted[one.channel.topic], one.message.log_time, one.message.data) for one in self._messages(wanted))
+        chosen = frozenset(topics or (*SIMULATED, *DETECTED))
+        wanted = {topic.resolved(prefix): topic for topic in (chosen | {SENSOR} if self.described else chosen)}
+        messages = (Message(wanted[entry.channel.topic], entry.message.log_time, entry.message.data) for entry in self._messages(wanted))
         if not self.described:
-            return found
+            return messages
         # Without a manifest the log times are not those of the bench, nor is the order.
-        described = of_one_bench(in_order(found), self.path, self.sampling_rate, self.orders)
-        return (message for message in described if message.topic in asked)
+        described = of_one_bench(in_order(messages), self.path, self.sampling_rate, self.orders)
+        return (message for message in described if message.topic in chosen)
 
     def vibrations(self) -> Iterator[Vibration]:
         """Yield the blocks of the waveform; see `ranged_vibrations`."""
@@ -199,19 +210,20 @@ class Recording:
         Refusal
             The recording has no waveform.
         """
-        found, sensor_range = False, self._first_range()
+        recorded, sensor_range = False, self._first_range()
         for message in self.messages((SENSOR, VIBRATION)):
             if message.topic == SENSOR:
                 sensor_range = decode_range(message.data)
                 continue
-            found = True
+            recorded = True
             yield decode_vibration(message.data), sensor_range
-        if not found:
+        if not recorded:
             raise Refusal(f"{self.path} contains no messages on {VIBRATION.resolved(self.namespace)}: give a recording of the bench")
 
     def pieces(self) -> Iterator[Piece]:
         """Yield the blocks of the waveform with their first samples, as `dcrb_ros.detect` takes them."""
-        return arrays.pieces_of(self)
+        for block, sensor_range in self.ranged_vibrations():
+            yield Piece(block.first_index(self.sampling_rate), block.acceleration, block.shaft_angle, sensor_range)
 
     def waveform(self, start: float | None = None, stop: float | None = None) -> Waveform:
         """Return the samples with ``start <= time < stop`` [s], all of them by default.
@@ -227,7 +239,7 @@ class Recording:
         >>> Recording("bags/outer_ring_defect").waveform(1.0, 1.5)
         <Waveform: 0.5 s at 51.2 kHz (25600 samples), shaft at 20.00 Hz>
         """
-        return arrays.waveform_of(self, start, stop)
+        return joined_waveform(self.pieces(), self.sampling_rate, self.orders, self.path, start, stop)
 
     def states(self) -> StateHistory:
         """Return the bodies over time: azimuth, speed and inner normal force, and the contacts where ``roller_contacts`` was recorded.
@@ -237,31 +249,33 @@ class Recording:
         Refusal
             The recording has no ``roller_states``.
         """
-        return arrays.states_of(self)
+        if (states := states_of(self.messages)) is None:
+            raise Refusal(f"{self!r} has no messages on {ROLLER_STATES.name}: record this topic too, or simulate it again")
+        return states
 
     def truth(self) -> GroundTruth:
         """Return the ground truth over time; of imported data it is empty."""
-        return arrays.truth_of(self)
+        return GroundTruth(truths_of([message.data for message in self.messages((GROUND_TRUTH,))]))
 
     def temperatures(self) -> TemperatureReadings:
-        """Return what the temperature sensors read [deg C]; empty where none were recorded."""
+        """Return the readings of the temperature sensors [deg C]; empty if they were not recorded."""
         if self.configured and not self.described and self.configuration.thermal.law == "none":
             return TemperatureReadings.none()  # without reading the file
-        return arrays.temperatures_of(self)
+        return temperatures_of(self.messages)
 
     @property
     def pulses_per_turn(self) -> int:
         """Pulses of the tacho per turn of the shaft; 0 without a tacho."""
-        found = self.manifest.get("sensor", {}).get(PULSES_PER_TURN, 0)
-        return found if isinstance(found, int) and found > 0 else 0
+        pulses = self.manifest.get("sensor", {}).get(PULSES_PER_TURN, 0)
+        return pulses if isinstance(pulses, int) and pulses > 0 else 0
 
     def tacho(self) -> TachoPulses:
-        """Return the pulses of the tacho; empty where none were recorded."""
-        return arrays.tacho_of(self, self.pulses_per_turn)
+        """Return the pulses of the tacho; empty if they were not recorded."""
+        return tacho_of(self.messages, self.pulses_per_turn)
 
     def verdicts(self) -> list[RecordedVerdict]:
-        """Return what a detector published while the recording was made; empty where none ran."""
-        return arrays.verdicts_of(self)
+        """Return the verdicts that a detector published during the recording; empty without a detector."""
+        return verdicts_of(self.messages)
 
     def to_pandas(self) -> pd.DataFrame:
         """Return the waveform as a DataFrame over time [s]; see `Waveform.to_pandas`. States and ground truth have one of their own.
@@ -275,15 +289,15 @@ class Recording:
 
     def counts(self) -> dict[str, int]:
         """Return the number of messages per topic."""
-        return dict(sorted(Counter(one.channel.topic for one in self._messages()).items()))
+        return dict(sorted(Counter(entry.channel.topic for entry in self._messages()).items()))
 
     def _manifest(self) -> dict[str, Any]:
-        """Return the manifest of the first file that has one, or what the description of the sensor tells instead."""
+        """Return the manifest of the first file that has one, or the entries that follow from the description of the sensor."""
         for file in self.stored:
             record = next((record for record in file.metadata() if record.name == MANIFEST), None)
-            found = self._json(record, "manifest", file.path.name) if record else None
-            if found is not None:
-                return found
+            manifest = self._json(record, "manifest", file.path.name) if record else None
+            if manifest is not None:
+                return manifest
         try:
             return described_manifest(self.path, self.stored)
         except Refusal as refusal:
@@ -304,27 +318,22 @@ class Recording:
             ) from None
 
     def _first_range(self) -> float:
-        """Return the sensor's range in the manifest [m/s^2]; 0 if there is none."""
+        """Return the sensor's range in the manifest [m/s^2]; 0 if it is unknown."""
         about = self.manifest.get("sensor") or self.manifest.get("configuration", {}).get("sensor")
-        found = about.get("range") if isinstance(about, Mapping) else None
-        return float(found) if isinstance(found, int | float) and found > 0.0 else 0.0
-
-    def _last(self, name: str, key: str) -> dict[str, Any] | None:
-        """Return the last metadata record with a name in the last file."""
-        found = [record for record in self.stored[-1].metadata() if record.name == name]
-        return self._json(found[-1], key, self.stored[-1].path.name) if found else None
+        sensor_range = about.get("range") if isinstance(about, Mapping) else None
+        return float(sensor_range) if isinstance(sensor_range, int | float) and sensor_range > 0.0 else 0.0
 
     def _json(self, record: Metadata, key: str, file: str) -> dict[str, Any] | None:
-        """Return the JSON object in a metadata record; none if it is damaged."""
+        """Return the JSON object in a metadata record; None if it is damaged."""
         try:
-            found = parsed_json(record.metadata.get(key, ""), f"{file}: the record {record.name}")
+            content = parsed_json(record.metadata.get(key, ""), f"{file}: the record {record.name}")
         except Refusal as refusal:
             self._report(str(refusal))
             return None
-        sound = isinstance(found, dict) and all(isinstance(found.get(name, kind()), kind) for name, kind in TYPES.items())
+        sound = isinstance(content, dict) and all(isinstance(content.get(name, kind()), kind) for name, kind in TYPES.items())
         if not sound:
             self._report(f"{file}: the record {record.name} is damaged: it does not have the form that the bench writes")
-        return found if sound else None
+        return content if sound else None
 
     def _messages(self, topics: Container[str] | None = None) -> Iterator[StoredMessage]:
         """Yield the messages on some topics, by default on all."""

@@ -1,4 +1,4 @@
-"""Recording the bench: a rosbag2 folder that `ros2 bag play` and Rerun read, with a manifest from which it can be reproduced."""
+"""Recording the bench: blocks and messages with a manifest, from which a run can be reproduced. `splitting` writes the rosbag2 folder."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from dcrb_ros.messages.encoder import BlockEncoder
 from dcrb_ros.messages.topics import DETECTED, NAMESPACE, SENSOR, SIMULATED, Message, Topic
 from dcrb_ros.recordings.manifest import Outcome, opening
 from dcrb_ros.recordings.mcap_writer import Channel
-from dcrb_ros.recordings.rosbag2 import SECOND, Bag, RecordingFailed, Splitting
+from dcrb_ros.recordings.splitting import SECOND, Bag, RecordingFailed, Splitting
 from dcrb_ros.schema.refusal import Refusal, nearest
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.stream.block import Block

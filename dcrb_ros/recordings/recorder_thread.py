@@ -10,7 +10,7 @@ from pathlib import Path
 
 from dcrb_ros.messages.topics import Message
 from dcrb_ros.recordings.recorder import Recorder
-from dcrb_ros.recordings.rosbag2 import RecordingFailed
+from dcrb_ros.recordings.splitting import RecordingFailed
 from dcrb_ros.runtime.threads import NamedThread
 
 CLOSE_TIMEOUT = 3.0

@@ -1,4 +1,4 @@
-"""Recovery of a truncated or damaged recording: everything that can be read is written to a new, complete bag."""
+"""Recovery of a truncated or damaged recording: everything that can be read is written to a new, complete bag or file."""
 
 from __future__ import annotations
 
@@ -14,11 +14,10 @@ from mcap.records import Message as McapMessage
 from dcrb_ros.messages.points import decode_vibration
 from dcrb_ros.messages.statuses import decode_truth
 from dcrb_ros.messages.topics import GROUND_TRUTH, MANIFEST, VIBRATION, Message
-from dcrb_ros.recordings import mcap_writer
 from dcrb_ros.recordings.manifest import OUTCOME, Outcome, now
-from dcrb_ros.recordings.mcap_writer import described_channel
+from dcrb_ros.recordings.mcap_writer import Channel, McapFile, described_channel
 from dcrb_ros.recordings.reader import Recording
-from dcrb_ros.recordings.rosbag2 import SECOND, Bag, Splitting
+from dcrb_ros.recordings.splitting import SECOND, Bag, Splitting
 from dcrb_ros.recordings.storage import StoredMessage, valid_files
 from dcrb_ros.schema.printable import printable
 from dcrb_ros.schema.refusal import Refusal
@@ -27,7 +26,7 @@ from dcrb_ros.text.files import checked_path
 ENCODING = ("cdr", "ros2msg")
 """Encodings of messages and their definitions in recordings of ROS 2."""
 RECOVERY = f"{MANIFEST}_recovery"
-"""Name of the metadata record that lists what was lost."""
+"""Name of the metadata record that lists the losses."""
 MAX_DAMAGE = 100
 """Sentences about damaged messages that are kept."""
 
@@ -46,11 +45,11 @@ class Recovered:
     last_ns: int = 0
     """Time of the last message [ns]."""
     damage: tuple[str, ...] = ()
-    """A sentence for everything that could not be read."""
+    """A sentence for each part that could not be read."""
 
 
 class Recovery:
-    """Copies what can be read of a recording to a new bag."""
+    """Copies the readable part of a recording to a new bag."""
 
     def __init__(self, source: Path) -> None:
         self._recording = _recording(source)
@@ -82,7 +81,7 @@ class Recovery:
         self._recovered.damage = tuple(map(printable, self._damage))
         return self._recovered
 
-    def _messages(self) -> Iterator[tuple[mcap_writer.Channel, int, bytes]]:
+    def _messages(self) -> Iterator[tuple[Channel, int, bytes]]:
         for file in self._files:
             damage: list[str] = []
             for stored in file.messages(damage):
@@ -91,13 +90,13 @@ class Recovery:
                     yield channel, stored.message.log_time, stored.message.data
             self._note(damage)
 
-    def _channel(self, stored: StoredMessage) -> mcap_writer.Channel | None:
-        """Return the description of a message's channel; none if a recording of ROS 2 has no such channel, which counts as damage."""
+    def _channel(self, stored: StoredMessage) -> Channel | None:
+        """Return the description of a message's channel; None, counted as damage, if ROS 2 has no such channel."""
         channel, schema = stored.channel, stored.schema
         encoding = channel.message_encoding, schema.encoding if schema else ""
         if schema is None or encoding != ENCODING:
-            found = f"{channel.topic} contains {encoding[0] or 'unnamed'} messages defined by {encoding[1] or 'nothing'}"
-            self._note([f"{found}, which are left out: dcrb recover repairs ROS 2 recordings, with cdr defined by ros2msg"])
+            content = f"{channel.topic} contains {encoding[0] or 'unnamed'} messages defined by {encoding[1] or 'nothing'}"
+            self._note([f"{content}, which are left out: dcrb recover repairs ROS 2 recordings, with cdr defined by ros2msg"])
             return None
         return described_channel(channel, schema)
 
@@ -105,7 +104,7 @@ class Recovery:
         """Keep new sentences about damage."""
         self._damage += [sentence for sentence in sentences if sentence not in self._damage][: MAX_DAMAGE - len(self._damage)]
 
-    def _valid(self, channel: mcap_writer.Channel, record: McapMessage) -> bool:
+    def _valid(self, channel: Channel, record: McapMessage) -> bool:
         """Count a message; return false if it is a corrupt waveform or ground truth of the bench, or if ROS cannot represent its time."""
         if record.log_time > LATEST:
             self._note([f"{channel.name} has a message at {record.log_time} ns, beyond {time_text(LATEST)}, which ROS cannot represent"])
@@ -125,12 +124,12 @@ class Recovery:
 
     def _opening(self) -> dict[str, dict[str, str]]:
         """Return the metadata records of the source, except those of its end."""
-        found: dict[str, dict[str, str]] = {}
+        records: dict[str, dict[str, str]] = {}
         for file in self._files:
             for record in file.metadata():
                 if record.name not in ("rosbag2", OUTCOME, RECOVERY):
-                    found.setdefault(record.name, dict(record.metadata))
-        return found
+                    records.setdefault(record.name, dict(record.metadata))
+        return records
 
     def _closing(self) -> Mapping[str, Mapping[str, str]]:
         about: dict[str, Any] = {"source": self._source.name, "lost": self._damage, "recovered": now()}
@@ -160,6 +159,24 @@ def recover(source: Path, target: Path) -> Recovered:
     return Recovery(source).write(target)
 
 
+def plain_files(recording: Recording, folder: Path) -> tuple[Path, ...]:
+    """Return the files of a recording that was read, or a copy of its readable messages where other readers do not take the files.
+
+    Those take complete MCAP files with a summary and with messages that are not compressed; the copy is written to ``folder``.
+    """
+    if recording.complete and all(file.rereadable for file in recording.stored):
+        return tuple(recording.files)
+    copy = McapFile(folder / "copy.mcap", {}, "none")
+    damage: list[str] = []
+    for file in recording.stored:
+        for number, stored in enumerate(file.messages(damage)):
+            if stored.schema is not None:
+                message = stored.message
+                copy.write(described_channel(stored.channel, stored.schema), message.log_time, message.data, number)
+    copy.close({})
+    return (copy.path,)
+
+
 def time_text(time_ns: int) -> str:
     """Return the time of a message [ns] for people: simulated time in seconds, wall-clock time as a date.
 
@@ -176,10 +193,10 @@ def time_text(time_ns: int) -> str:
 
 
 def _recording(source: Path) -> Recording | None:
-    """Return the source as a recording of the bench; none if it is another bag."""
+    """Return the source as a recording of the bench; None if it is another bag."""
     try:
-        found = Recording(source)
-        _ = found.sampling_rate  # without it no sample can be counted
+        recording = Recording(source)
+        _ = recording.sampling_rate  # without it no sample can be counted
     except Refusal:
         return None
-    return found
+    return recording

@@ -47,8 +47,8 @@ class Replay:
         chosen = sorted(chosen_topics(parameters.topics), key=lambda topic: topic.name) if parameters.topics else SIMULATED
         self.topics: tuple[Topic, ...] = tuple(chosen)
         # Without a manifest, the description that takes its place is the first one.
-        found = None if self.recording.described else next(self.recording.messages((SENSOR,)), None)
-        self._first = found or Message(SENSOR, 0, encode_text(_sensor(self.recording)))
+        recorded = None if self.recording.described else next(self.recording.messages((SENSOR,)), None)
+        self._first = recorded or Message(SENSOR, 0, encode_text(_sensor(self.recording)))
         self.frame = decode_frame(self._first.data)
         """Frame id of the sensor."""
         self._sent = self._first

@@ -67,7 +67,7 @@ def recorded_samples(recording: Recording) -> RecordedSamples:
 
 
 def _stated(recording: Recording) -> RecordedSamples | None:
-    """Return what the outcome record states; none if it is damaged or missing."""
+    """Return the samples that the outcome record states; None if it is damaged or missing."""
     outcome = recording.outcome
     if outcome is None:
         return None
@@ -130,10 +130,10 @@ class Reproduction:
         Raises:
             NotReproduced: they differ.
         """
-        found = self._digest.hexdigest()
-        if found != self.samples.sha256:
+        sha256 = self._digest.hexdigest()
+        if sha256 != self.samples.sha256:
             raise NotReproduced(
-                f"the samples differ from those of {self.recording.path} (sha256 {found[:12]} instead of {self.samples.sha256[:12]}): "
+                f"the samples differ from those of {self.recording.path} (sha256 {sha256[:12]} instead of {self.samples.sha256[:12]}): "
                 f"{self.difference() or 'although model, software and processor are alike: the recording or the model is faulty'}"
             )
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sqlite3
-from collections.abc import Container, Iterator
+from collections.abc import Iterator
 from contextlib import closing
 from pathlib import Path
 from typing import Any
@@ -12,7 +12,7 @@ from urllib.parse import quote
 from mcap.records import Channel, Message, Schema
 
 from dcrb_ros.messages.cdr import definition_of
-from dcrb_ros.recordings.mcap_reader import MAX_DAMAGE, MAX_RECORD
+from dcrb_ros.recordings.mcap_reader import MAX_RECORD, FileRecords
 
 MAGIC = b"SQLite format 3\x00"
 TABLES = ("topics", "messages")
@@ -21,18 +21,11 @@ DEFINITIONS = "message_definitions"
 """Table that newer bags have in addition."""
 
 
-class SqliteRecords:
-    """Schemas, channels and messages of a file; iterating collects in `damage` a sentence for everything that cannot be read.
+class SqliteRecords(FileRecords):
+    """Schemas, channels and messages of an SQLite file. Without ``chunks`` there is nothing to read.
 
     The file is opened for reading only. Log time and publish time of a message are both the time at which it was received.
     """
-
-    def __init__(
-        self, path: Path, *, chunks: bool = True, topics: Container[str] | None = None, name: str = "", stored: int | None = None
-    ) -> None:
-        """Read ``path``; the arguments are those of `McapRecords`. Without ``chunks`` there is nothing to read."""
-        self.path, self._chunks, self._topics, self._name = path, chunks, topics, name or path.name
-        self.damage: list[str] = []
 
     def __iter__(self) -> Iterator[Any]:
         self.damage = []
@@ -68,10 +61,10 @@ class SqliteRecords:
         yield from self._messages(connection, wanted)
 
     def _messages(self, connection: sqlite3.Connection, wanted: list[int]) -> Iterator[Message]:
-        places = ", ".join("?" * len(wanted))
+        marks = ", ".join("?" * len(wanted))
         query = (
             "SELECT id, topic_id, timestamp, CASE WHEN length(data) <= ? THEN data END FROM messages "
-            f"WHERE topic_id IN ({places}) ORDER BY id"
+            f"WHERE topic_id IN ({marks}) ORDER BY id"
         )
         for number, topic, time_ns, data in connection.execute(query, (MAX_RECORD, *wanted)):
             if isinstance(number, int) and isinstance(time_ns, int) and isinstance(data, bytes) and time_ns >= 0:
@@ -79,15 +72,11 @@ class SqliteRecords:
             else:
                 self._report(f"message {number} is damaged, or has more than {MAX_RECORD} bytes")
 
-    def _report(self, sentence: str) -> None:
-        if len(self.damage) < MAX_DAMAGE:
-            self.damage.append(f"{self._name}: {sentence}")
-
 
 def _connected(path: Path) -> sqlite3.Connection:
     """Return a connection that only reads; a file in a folder that cannot be written is taken as it is."""
-    place = f"file:{quote(str(path.absolute()))}?mode=ro"
-    connection = sqlite3.connect(place, uri=True)
+    address = f"file:{quote(str(path.absolute()))}?mode=ro"
+    connection = sqlite3.connect(address, uri=True)
     connection.text_factory = lambda data: data.decode("utf-8", errors="replace")
     try:
         # Nothing that the file itself defines, such as a view, is to run.
@@ -95,7 +84,7 @@ def _connected(path: Path) -> sqlite3.Connection:
         connection.execute("SELECT name FROM sqlite_master").fetchone()
     except sqlite3.OperationalError:
         connection.close()
-        connection = sqlite3.connect(f"{place}&immutable=1", uri=True)
+        connection = sqlite3.connect(f"{address}&immutable=1", uri=True)
         connection.text_factory = lambda data: data.decode("utf-8", errors="replace")
     return connection
 
@@ -107,7 +96,7 @@ def _is_plain(connection: sqlite3.Connection, name: str, definition: object) -> 
 
 
 def _rows(connection: sqlite3.Connection, table: str, *columns: str) -> Iterator[Any]:
-    """Return some columns of a table; what an older version of rosbag2 does not write is empty."""
+    """Return some columns of a table; columns that an older version of rosbag2 lacks are empty."""
     present = {row[1] for row in connection.execute(f"PRAGMA table_info({table})")}
     chosen = ", ".join(column if column in present else "NULL" for column in columns)
     return connection.execute(f"SELECT {chosen} FROM {table}") if present else iter(())

@@ -10,13 +10,13 @@ from collections.abc import Container, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 from mcap.records import Channel, Message, Metadata, Schema
 
 from dcrb_ros.recordings import mcap_reader, sqlite_reader
 from dcrb_ros.recordings.compression import MessageUnpacker, beginning, compression_of, unpack
-from dcrb_ros.recordings.mcap_reader import MAX_RECORD, McapRecords, has_summary
+from dcrb_ros.recordings.mcap_reader import MAX_RECORD, FileRecords, McapRecords, has_summary
 from dcrb_ros.recordings.sqlite_reader import SqliteRecords
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.text.files import checked_path, open_regular, special_kind
@@ -26,19 +26,8 @@ PACKED = ("zstd", "zst", "lz4", "gz", "bz2", "xz", "zip")
 FILE_NAME = re.compile(rf"(?P<stem>.+)\.(?P<storage>mcap|db3)(\.({'|'.join(PACKED)}))?")
 """Names of the files of a recording."""
 NAMES = {"mcap": "MCAP", "db3": "SQLite"}
-
-
-class Records(Protocol):
-    """The records of a file; iterating collects in `damage` a sentence for everything that cannot be read."""
-
-    damage: list[str]
-
-    def __iter__(self) -> Iterator[Any]:
-        """Yield schemas, channels, messages and metadata as records of MCAP."""
-
-
-STORAGES: dict[bytes, Any] = {mcap_reader.MAGIC: McapRecords, sqlite_reader.MAGIC: SqliteRecords}
-"""What reads a file, by its first bytes."""
+STORAGES: dict[bytes, type[FileRecords]] = {mcap_reader.MAGIC: McapRecords, sqlite_reader.MAGIC: SqliteRecords}
+"""Readers by the first bytes of a file."""
 
 
 @dataclass(frozen=True)
@@ -78,7 +67,7 @@ class StoredFile:
 
     @property
     def flaw(self) -> str:
-        """What is wrong with the first bytes; the empty string if nothing."""
+        """The mistake in the first bytes; the empty string if they are valid."""
         if self._kind:
             return f"is {self._kind}"
         if self._storage is not None:
@@ -104,7 +93,7 @@ class StoredFile:
         return (record for record in self._records(chunks=False) if isinstance(record, Metadata))
 
     def messages(self, damage: list[str], topics: Container[str] | None = None) -> Iterator[StoredMessage]:
-        """Yield the messages on some topics, by default on all; at the end add new sentences about what cannot be read to ``damage``."""
+        """Yield the messages on some topics, by default on all; at the end add a sentence for each unreadable part to ``damage``."""
         schemas: dict[int, Schema] = {}
         channels: dict[int, Channel] = {}
         unknown: Counter[int] = Counter()
@@ -129,13 +118,13 @@ class StoredFile:
         damage += [sentence for sentence in (*unpacking, *records.damage, *flaws) if sentence not in damage]
 
     @property
-    def _storage(self) -> Any:
+    def _storage(self) -> type[FileRecords] | None:
         return next((storage for magic, storage in STORAGES.items() if self._head.startswith(magic)), None)
 
-    def _records(self, **options: Any) -> Records:
+    def _records(self, **options: Any) -> FileRecords:
         stored = self.path.stat().st_size if self._compression else None
-        found: Records = self._storage(self._readable, name=self.path.name, stored=stored, **options)
-        return found
+        assert self._storage is not None  # `valid_files` leaves out the others
+        return self._storage(self._readable, name=self.path.name, stored=stored, **options)
 
     @cached_property
     def _readable(self) -> Path:
@@ -152,7 +141,7 @@ class StoredFile:
         return Path(copy.name)
 
     def _unpacked(self, message: Message, channel: Channel, unpacker: MessageUnpacker, flaws: list[str]) -> Message | None:
-        """Return a message as it was sent; none if it cannot be unpacked, which is added to ``flaws``."""
+        """Return a message as it was sent; None if it cannot be unpacked, with the reason added to ``flaws``."""
         packed = compression_of(message.data)
         if not packed:
             return message
@@ -199,22 +188,22 @@ def valid_files(path: Path) -> tuple[list[StoredFile], list[str]]:
 
 def _listed(folder: Path) -> list[Path]:
     """Return the files of a recording in a folder, in order."""
-    found: dict[str, Path] = {}
+    files: dict[str, Path] = {}
     for file in sorted(folder.iterdir(), key=lambda file: len(file.name), reverse=True):
         if FILE_NAME.fullmatch(file.name):
             # The shortest name, the one without compression, comes last.
-            found[plain_name(file.name)] = file
-    return sorted(found.values(), key=_file_order)
+            files[plain_name(file.name)] = file
+    return sorted(files.values(), key=_file_order)
 
 
 def plain_name(name: str) -> str:
     """Return the name of a file without the suffix of its compression."""
-    found = FILE_NAME.fullmatch(name)
-    return f"{found['stem']}.{found['storage']}" if found else name
+    parts = FILE_NAME.fullmatch(name)
+    return f"{parts['stem']}.{parts['storage']}" if parts else name
 
 
 def _file_order(path: Path) -> tuple[str, int, str]:
     """Return a sort key that puts NAME_2 before NAME_10."""
     stem = FILE_NAME.fullmatch(path.name)
-    found = re.fullmatch(r"(.*)_(\d{1,9})", stem["stem"] if stem else path.stem)
-    return (found[1], int(found[2]), path.name) if found else (path.stem, -1, path.name)
+    numbered = re.fullmatch(r"(.*)_(\d{1,9})", stem["stem"] if stem else path.stem)
+    return (numbered[1], int(numbered[2]), path.name) if numbered else (path.stem, -1, path.name)

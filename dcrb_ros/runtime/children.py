@@ -1,4 +1,4 @@
-"""Child processes: they start with signals blocked, and end with the process that started them, however that one ends."""
+"""Child processes: they start with signals blocked and end with their parent, however it ends."""
 
 from __future__ import annotations
 

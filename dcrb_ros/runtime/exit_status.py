@@ -16,7 +16,7 @@ from dcrb_ros.schema.refusal import Refusal
 
 
 def print_error(program: str, sentence: str) -> None:
-    """Print a sentence to the standard error output; what it quotes comes from outside."""
+    """Print a sentence to the standard error output; control characters are escaped."""
     print(printable_lines(f"{program}: {sentence}"), file=sys.stderr)
 
 

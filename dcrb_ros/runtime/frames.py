@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from types import ModuleType
 
-from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.runtime.optional import installed
 
 
 def pandas() -> ModuleType:
@@ -13,9 +13,4 @@ def pandas() -> ModuleType:
     Raises:
         Refusal: it is not installed.
     """
-    try:
-        import pandas as pd
-    except ImportError:
-        raise Refusal("to_pandas needs pandas, which is not installed: pip install pandas") from None
-    module: ModuleType = pd
-    return module
+    return installed("pandas", "to_pandas needs pandas, which is not installed: pip install pandas")

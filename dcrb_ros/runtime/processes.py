@@ -37,7 +37,7 @@ def available_memory() -> int:
 
 
 def resident_memory() -> int | None:
-    """Return the memory that this process uses [byte]; None if the system does not tell it."""
+    """Return the memory that this process uses [byte]; None if the system does not report it."""
     try:
         return int(Path("/proc/self/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE")
     except OSError:
@@ -75,7 +75,7 @@ def worker_signals_blocked() -> Iterator[None]:
 
 
 def _prepare_worker() -> None:
-    """Leave Ctrl-C to the parent, which ends its workers, end with it if it is killed, and keep freed memory."""
+    """Ignore SIGINT, exit with the parent, and keep freed memory."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     accept_termination()
     keep_freed_memory()

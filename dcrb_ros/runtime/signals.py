@@ -25,7 +25,7 @@ IMPORT = "<frozen importlib._bootstrap>"
 """File name in the frames of an import."""
 
 
-def heed_in_background() -> None:
+def restore_ignored_signals() -> None:
     """Stop ignoring SIGINT, which a shell lets processes in the background ignore, and SIGTERM. An ignored SIGHUP stays so (``nohup``)."""
     for number in TERMINATION:
         if signal.getsignal(number) is signal.SIG_IGN and number.name != "SIGHUP":

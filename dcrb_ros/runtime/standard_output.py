@@ -1,4 +1,4 @@
-"""The standard output under a name: an error that is met while it is written says so."""
+"""The standard output with a file name, which appears in errors of writing it."""
 
 from __future__ import annotations
 
@@ -41,5 +41,5 @@ def prepare_standard_output() -> None:
 
 
 def discard_standard_output() -> None:
-    """Discard what is written from now on, and what is left in the buffer, which would fail again at the exit."""
+    """Discard later output and the rest of the buffer, which would fail again at the exit."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

@@ -10,10 +10,11 @@ from dcrb_ros.settings.files import fields_by_key
 from dcrb_ros.sweep.design import GRID, Axes, Choice
 from dcrb_ros.sweep.label import DONE
 from dcrb_ros.sweep.plan import Plan
+from dcrb_ros.sweep.schema import SPLITS, healthy_first
 from dcrb_ros.sweep.sweep_file import Sweep
 from dcrb_ros.sweep.table import COLUMNS, Tally
+from dcrb_ros.text.markdown import table
 
-SPLITS = ("train", "validation", "test")
 SHOWN_VALUES = 20
 """Values of an axis that are listed at most [-]."""
 
@@ -51,21 +52,13 @@ def _rows(sweep: Sweep) -> str:
 
 
 def _counts(plan: Plan, tally: Tally) -> str:
-    faults = sorted({fault for _, fault in tally.classes}, key=lambda fault: (fault != "healthy", fault))
-    lines = [f"| split | {plan.unit} | {' | '.join(faults)} | runs |", "|---" * (len(faults) + 3) + "|"]
+    faults, rows = healthy_first(fault for _, fault in tally.classes), []
     for split in SPLITS:
         counts = [tally.classes[split, fault] for fault in faults]
-        cells = [split, len(tally.conditions.get(split, ())), *counts, sum(counts)]
-        lines.append("| " + " | ".join(str(cell) for cell in cells) + " |")
+        rows.append((split, len(tally.conditions.get(split, ())), *counts, sum(counts)))
     reasons = "\n".join(f"* {count} x {reason}" for reason, count in tally.reasons.most_common(10))
-    return "\n".join(
-        [
-            "## Runs by split and fault\n",
-            *lines,
-            f"\n{plan.split_text}",
-            *([f"\nReasons of the runs that were refused or failed:\n\n{reasons}"] if reasons else []),
-        ]
-    )
+    failures = f"\n\nReasons of the runs that were refused or failed:\n\n{reasons}" if reasons else ""
+    return f"## Runs by split and fault\n\n{table(('split', plan.unit, *faults, 'runs'), rows)}\n\n{plan.split_text}{failures}"
 
 
 def _files(sweep: Sweep) -> str:
@@ -97,11 +90,10 @@ def _files(sweep: Sweep) -> str:
 
 
 def _columns(plan: Plan) -> str:
-    columns = {**COLUMNS, **{name: meaning for name, (_, meaning) in plan.truth.items()}}
-    lines = "\n".join(f"| `{name}` | {meaning} |" for name, meaning in columns.items())
+    columns = ((f"`{name}`", meaning) for name, (_, meaning) in {**COLUMNS, **plan.truth}.items())
     units = "; ".join(f"{name} in {unit}" for name, unit in UNITS.items())
     head = f"## Columns of labels.parquet\n\nUnits: {units}. Every varied parameter has a column with its own name."
-    return f"{head}\n\n| column | meaning |\n|---|---|\n{lines}"
+    return f"{head}\n\n{table(('column', 'meaning'), columns)}"
 
 
 def _design(sweep: Sweep) -> str:
@@ -129,7 +121,7 @@ def _changes(key: str, axis: object, sweep: Sweep) -> bool:
 
 def _axes(axes: Axes) -> list[str]:
     """Return each axis with its values and their unit."""
-    fields, found = fields_by_key(), []
+    fields, lines = fields_by_key(), []
     for key, axis in axes.items():
         if isinstance(axis, Choice):
             values = [f"`{value}`" if isinstance(value, str) else str(value) for value in axis.values]
@@ -138,21 +130,21 @@ def _axes(axes: Axes) -> list[str]:
         else:
             text = f"{axis.low:g} to {axis.high:g}" + (", logarithmic" if axis.log else "")
         unit = fields[key].unit if key in fields else ""
-        found.append(f"`{key}`" + (f" [{unit}]" if unit not in ("", "-") else "") + f": {text}")
-    return found
+        lines.append(f"`{key}`" + (f" [{unit}]" if unit not in ("", "-") else "") + f": {text}")
+    return lines
 
 
 def _reproduction(sweep: Sweep) -> str:
     text = hashlib.sha256(sweep.text.encode()).hexdigest()
     versions = software()
     machine = versions.pop("machine")
-    here = ", ".join(f"{name} {version}" for name, version in versions.items()) + f" on {machine}"
+    system = ", ".join(f"{name} {version}" for name, version in versions.items()) + f" on {machine}"
     return f"""## Reproducing the data set
 
 ```sh
 dcrb sweep sweep.yaml -o DIR    # dcrb_ros {__version__}
 ```
 
-`sweep.yaml` has the SHA-256 {text}. The data set was made with {here}. With the same software, on the same kind of processor, the
+`sweep.yaml` has the SHA-256 {text}. The data set was made with {system}. With the same software, on the same kind of processor, the
 samples are identical bit for bit. Otherwise the last bit may differ; rollers outside the load zone then move differently in detail, with
 the same statistics."""

@@ -9,6 +9,7 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 from dcrb_ros.recordings.manifest import model_fingerprint
+from dcrb_ros.runtime.optional import installed
 from dcrb_ros.runtime.version import __version__
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.sweep.execution import CommonSettings, run_task
@@ -71,7 +72,7 @@ def cluster_workers(scheduler: str) -> Iterator[ClusterWorkers]:
     Raises:
         Refusal: Dask is not installed, the scheduler cannot be reached, or its workers are missing or run another model.
     """
-    _require_dask()
+    installed("distributed", "--scheduler needs Dask: pip install dask distributed")
     from distributed import Client
 
     try:
@@ -92,8 +93,8 @@ def _outcome(future: Future[Any]) -> Outcome:
 
     error = future.exception()
     if error is None:
-        found: list[tuple[str, str]] = future.result()
-        return found
+        statuses: list[tuple[str, str]] = future.result()
+        return statuses
     if isinstance(error, KilledWorker):
         return RuntimeError("its worker was lost repeatedly, perhaps out of memory: give the workers more memory, or shorten the runs")
     return error if isinstance(error, Exception) else RuntimeError(str(error))
@@ -106,10 +107,10 @@ def _compare(client: Client, scheduler: str) -> None:
     except (TimeoutError, asyncio.TimeoutError):
         raise Refusal(f"the scheduler {scheduler} has no workers: start some with 'dask worker {scheduler} --nthreads 1'") from None
     try:
-        found = set(client.run(software_versions).values())
+        installed = set(client.run(software_versions).values())
     except Exception as error:  # a machine without this package may raise any exception
         raise Refusal(f"the workers of {scheduler} cannot run dcrb_ros ({error}): install version {__version__} there") from None
-    for version, model in sorted(found - {software_versions()}):
+    for version, model in sorted(installed - {software_versions()}):
         raise Refusal(
             f"the workers of {scheduler} run dcrb_ros {version} with model {model}, but this is {__version__} with model "
             f"{model_fingerprint()}: install the same version on all machines"
@@ -119,10 +120,3 @@ def _compare(client: Client, scheduler: str) -> None:
 def software_versions() -> tuple[str, str]:
     """Return the package version and the model fingerprint of this process."""
     return __version__, model_fingerprint()
-
-
-def _require_dask() -> None:
-    try:
-        import distributed  # noqa: F401
-    except ImportError:
-        raise Refusal("--scheduler needs Dask: pip install dask distributed") from None

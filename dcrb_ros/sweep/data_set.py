@@ -19,14 +19,14 @@ from dcrb_ros.sweep.execution import common_settings, error_label, write_label
 from dcrb_ros.sweep.folder_lock import locked
 from dcrb_ros.sweep.label import ERROR
 from dcrb_ros.sweep.plan import Plan
-from dcrb_ros.sweep.schema import DESCRIPTION, description, head
+from dcrb_ros.sweep.schema import write_about
 from dcrb_ros.sweep.store import Store, StoreFailed
 from dcrb_ros.sweep.table import Tally, write_table
 from dcrb_ros.sweep.verification import ERRORS, LABELS, flaws, label_name
 from dcrb_ros.sweep.workers import Workers
 from dcrb_ros.text.json import parsed_json
 
-ABOUT, COPY, BASE, CARD = "sweep.json", "sweep.yaml", "base.yaml", "README.md"
+ABOUT, COPY, BASE = "sweep.json", "sweep.yaml", "base.yaml"
 PARTS = ("sweep", "base", "scenarios")
 """Inputs of a data set, by their keys in `ABOUT`."""
 TASK_SECONDS = 2.0
@@ -96,25 +96,12 @@ class DataSet:
         tally = write_table(self.plan, self.store)
         for name, data in self.plan.tables():
             self.store.write(name, data)
-        file, windows = self.plan.sweep.file, self.plan.sweep.file.windows
-        counts: dict[str, dict[str, int]] = {}
-        for (split, fault), count in sorted(tally.classes.items()):
-            counts.setdefault(split, {})[fault] = count
-        text = card(self.plan, tally)
+        file = self.plan.sweep.file
+        text, truth = card(self.plan, tally), self.plan.truth
         title = text.partition("\n")[0].removeprefix("# ")
-        self.store.write(
-            CARD, (head(title, file.licence, list(counts), windows=windows is not None and windows.kind == "parquet") + text).encode()
+        write_about(
+            self.store, text, title, file.licence, tally.classes, measured=False, waveform=file.output, windows=file.windows, truth=truth
         )
-        described = description(
-            title,
-            file.licence,
-            counts,
-            measured=False,
-            waveform=file.output,
-            windows=None if windows is None else {"kind": windows.kind, "length": windows.length, "hop": windows.hop},
-            truth={name: meaning for name, (_, meaning) in self.plan.truth.items()},
-        )
-        self.store.write(DESCRIPTION, described.encode())
         return tally
 
     def _task_seconds(self, workers: int) -> float:

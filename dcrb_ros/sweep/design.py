@@ -47,8 +47,8 @@ class Span:
         if self.whole and not self.log:
             return min(math.floor(self.low + share * (self.high - self.low + 1.0)), int(self.high))
         exact = self.low * (self.high / self.low) ** share if self.log else self.low + share * (self.high - self.low)
-        held = min(max(exact, self.low), self.high)
-        return round(held) if self.whole else held
+        value = min(max(exact, self.low), self.high)
+        return round(value) if self.whole else value
 
     def grid(self) -> tuple[Value, ...]:
         """Return the values of a grid, including both ends."""

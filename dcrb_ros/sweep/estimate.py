@@ -21,7 +21,7 @@ CALIBRATION_TASKS = 3
 
 
 @dataclass(frozen=True)
-class Estimate:
+class Cost:
     """The estimated cost of a sweep."""
 
     counts: Counter[tuple[str, str]]
@@ -53,7 +53,7 @@ class Estimate:
         return self.runs * (self.per_run + self.duration * self.per_second)
 
 
-def estimate(plan: Plan) -> Estimate:
+def estimate(plan: Plan) -> Cost:
     """Return the estimated cost of a sweep on workers as fast as this process."""
     counts = Counter((run.split, run.case) for run in plan.runs())
     tasks = [task for task, _ in zip(plan.groups(), range(CALIBRATION_TASKS), strict=False)]
@@ -65,7 +65,7 @@ def estimate(plan: Plan) -> Estimate:
     difference, runs = LONG_RUN - SHORT_RUN, sum(len(task) for task in tasks)
     wall_per_second = max((long.seconds - short.seconds) / runs / difference, 1e-6)
     per_second = max((long.size - short.size) / runs / difference, 0.0)
-    return Estimate(
+    return Cost(
         counts=counts,
         start=max(short.seconds / runs - (SHORT_RUN + window) * wall_per_second, 0.0),
         factor=1.0 / wall_per_second,
@@ -86,7 +86,8 @@ class _Trial:
 def _trial(plan: Plan, tasks: list[Task], duration: float) -> _Trial:
     """Run tasks with another duration [s] in a temporary folder."""
     with tempfile.TemporaryDirectory(prefix="dcrb-sweep-") as folder:
-        common = dataclasses.replace(common_settings(plan.sweep, Store(folder)), duration=duration)
+        file = plan.sweep.file.model_copy(update={"duration": duration})
+        common = common_settings(dataclasses.replace(plan.sweep, file=file), Store(folder))
         begin = time.perf_counter()
         outcomes = [status for task in tasks for _, status in run_task(common, task)]
         seconds = time.perf_counter() - begin

@@ -1,9 +1,8 @@
-"""Execution of a task: its runs are simulated one after the other, and each one's waveform and label are written when it ends."""
+"""Execution of a task: its runs are simulated in sequence, and the waveform and the label of each are written when it ends."""
 
 from __future__ import annotations
 
 import hashlib
-import io
 import json
 import tempfile
 from collections.abc import Iterable, Iterator, Mapping
@@ -26,11 +25,11 @@ from dcrb_ros.simulation.scenario import ScheduledChange, scheduled_changes, sta
 from dcrb_ros.stream.block import Block, Truth
 from dcrb_ros.sweep.design import Value
 from dcrb_ros.sweep.label import DONE, ERROR, FAILED, REFUSED, base_label, fault_label
-from dcrb_ros.sweep.plan import Run, Task
+from dcrb_ros.sweep.plan import PlannedRun, Task
 from dcrb_ros.sweep.store import PART, FileRecord, Store, StoreFailed, file_record, record_of
-from dcrb_ros.sweep.sweep_file import Sweep, Windows
+from dcrb_ros.sweep.sweep_file import Sweep, SweepFile
 from dcrb_ros.sweep.verification import ERRORS, LABELS, flaw, label_name, read_label
-from dcrb_ros.sweep.windows import cut_windows, window_labels, window_starts, windows_file
+from dcrb_ros.sweep.windows import cut_windows, waveform_file, window_labels, window_starts, windows_file
 
 WAVEFORM_PUBLISHING = {"block_size": 8192, "state_rate": 1}
 """Parameters of `publishing` if only the waveform is written; the samples do not depend on them."""
@@ -43,24 +42,16 @@ class CommonSettings:
     store: Store
     base: Mapping[str, Value]
     scenarios: Mapping[str, Any]
-    duration: float
-    """Recorded time [s]."""
-    settle: float
-    """Time before the first recorded sample [s]."""
-    branch_at: float
-    """Time at which the cases branch from a healthy simulation [s]; 0 without branching."""
-    output: str
-    windows: Windows | None
+    file: SweepFile
 
 
 def common_settings(sweep: Sweep, store: Store) -> CommonSettings:
     """Return the common settings of a sweep."""
-    file = sweep.file
-    return CommonSettings(store, sweep.base, sweep.scenarios, file.duration, file.settle, file.branch_at, file.output, file.windows)
+    return CommonSettings(store, sweep.base, sweep.scenarios, sweep.file)
 
 
 @dataclass(frozen=True)
-class Waveform:
+class RunWaveform:
     """The recorded waveform of a run and its ground truth."""
 
     acceleration: Samples
@@ -93,8 +84,8 @@ def run_task(common: CommonSettings, task: Task) -> list[tuple[str, str]]:
     return statuses
 
 
-def _existing_label(store: Store, run: Run) -> dict[str, Any] | None:
-    """Return the label of a worker that was lost before it reported its task; None if there is none that counts."""
+def _existing_label(store: Store, run: PlannedRun) -> dict[str, Any] | None:
+    """Return the label that a lost worker wrote before it reported its task; None without a valid label."""
     return None if flaw(store, run.name) else read_label(store, run.name)
 
 
@@ -104,12 +95,12 @@ def write_label(store: Store, label: Mapping[str, Any]) -> None:
     store.write(label_name(str(label["run"]), ERRORS if label["status"] == ERROR else LABELS), data)
 
 
-def error_label(base: Mapping[str, Value], run: Run, reason: str) -> dict[str, Any]:
+def error_label(base: Mapping[str, Value], run: PlannedRun, reason: str) -> dict[str, Any]:
     """Return the label of a run that ended with an unexpected error."""
     return {**base_label(run, base), "status": ERROR, "reason": reason}
 
 
-def _label(common: CommonSettings, run: Run, branch_point: _BranchPoint) -> dict[str, Any]:
+def _label(common: CommonSettings, run: PlannedRun, branch_point: _BranchPoint) -> dict[str, Any]:
     label = base_label(run, common.base)
     try:
         return {**label, **_simulate(common, run, branch_point), "status": DONE, "reason": ""}
@@ -147,11 +138,11 @@ class _BranchPoint:
         self._common = common
         self._last: tuple[str, _RunningSimulation] | None = None
 
-    def branch(self, run: Run) -> _RunningSimulation:
+    def branch(self, run: PlannedRun) -> _RunningSimulation:
         """Return a simulation of a run that was healthy until the branch point, with the run's faults scheduled now."""
         if self._last is None or self._last[0] != run.twin:
             start = _configured(self._common, run.healthy)
-            self._last = run.twin, _running(self._common, start).skip(self._common.branch_at)
+            self._last = run.twin, _running(self._common, start).skip(self._common.file.branch_at)
         branch_point = self._last[1]
         simulation = branch_point.simulation.fork()
         before, after = (flatten(c.model_dump()) for c in (simulation.configuration, _configured(self._common, run.changes)))
@@ -163,26 +154,27 @@ class _BranchPoint:
 
 def _configured(common: CommonSettings, changes: Mapping[str, Value]) -> Configuration:
     configuration = validated(overlaid(common.base, changes), Configuration, "run")
-    if common.output == "bag":
+    if common.file.output == "bag":
         return configuration
     return configuration.model_copy(update={"publishing": configuration.publishing.model_copy(update=WAVEFORM_PUBLISHING)})
 
 
-def _simulate(common: CommonSettings, run: Run, branch_point: _BranchPoint) -> dict[str, Any]:
+def _simulate(common: CommonSettings, run: PlannedRun, branch_point: _BranchPoint) -> dict[str, Any]:
     """Simulate a run and write its waveform; return the part of its label that follows from the simulation."""
-    running = (branch_point.branch(run) if common.branch_at else _start(common, run)).skip(common.settle)
+    running = (branch_point.branch(run) if common.file.branch_at else _start(common, run)).skip(common.file.settle)
     rate = running.start.sensor.sampling_rate
-    if common.output == "bag":
+    if common.file.output == "bag":
         file = f"runs/{run.name}"
         waveform, files = _record_bag(common, run, running)
     else:
-        file = f"runs/{run.name}.{common.output}"
-        waveform = _run_blocks(running.simulation.blocks(common.duration), running.truths, keep=True)
-        files = _written(common.store, file, _waveform_file(waveform, rate, common.output))
+        file = f"runs/{run.name}.{common.file.output}"
+        waveform = _run_blocks(running.simulation.blocks(common.file.duration), running.truths, keep=True)
+        data = waveform_file(waveform.acceleration, waveform.shaft_angle, rate, waveform.first_index, common.file.output)
+        files = _written(common.store, file, data)
     about = {"file": file, "sampling_rate": rate, "first_index": waveform.first_index, "samples": waveform.samples}
-    if common.windows is not None:
+    if common.file.windows is not None:
         files |= _write_windows(common, run, waveform, rate)
-        about["windows"] = len(window_starts(waveform.samples, common.windows))
+        about["windows"] = len(window_starts(waveform.samples, common.file.windows))
     return {**fault_label(waveform.truths), **about, "clipped": waveform.clipped, "sha256": waveform.sha256, "files": files}
 
 
@@ -192,7 +184,7 @@ def _written(store: Store, name: str, data: bytes) -> dict[str, FileRecord]:
     return {name: file_record(data)}
 
 
-def _start(common: CommonSettings, run: Run) -> _RunningSimulation:
+def _start(common: CommonSettings, run: PlannedRun) -> _RunningSimulation:
     configuration = _configured(common, run.changes)
     if not run.scenario:
         return _running(common, configuration)
@@ -202,10 +194,10 @@ def _start(common: CommonSettings, run: Run) -> _RunningSimulation:
 
 
 def _running(common: CommonSettings, configuration: Configuration, events: Iterable[ScheduledChange] = ()) -> _RunningSimulation:
-    return _RunningSimulation(Simulation(configuration, events, waveform_only=common.output != "bag"), configuration, ())
+    return _RunningSimulation(Simulation(configuration, events, waveform_only=common.file.output != "bag"), configuration, ())
 
 
-def _run_blocks(blocks: Iterable[Block], before: Iterable[Truth], *, keep: bool) -> Waveform:
+def _run_blocks(blocks: Iterable[Block], before: Iterable[Truth], *, keep: bool) -> RunWaveform:
     """Run a simulation to its end; return its waveform, or only its hash unless ``keep``."""
     digest, first, samples, clipped = hashlib.sha256(), 0, 0, 0
     accelerations, angles, truths = [np.zeros((0, 2), np.float32)], [np.zeros(0, np.float32)], list(before)[-1:]
@@ -219,51 +211,35 @@ def _run_blocks(blocks: Iterable[Block], before: Iterable[Truth], *, keep: bool)
         if keep:
             accelerations.append(block.acceleration)
             angles.append(block.shaft_angle)
-    return Waveform(np.concatenate(accelerations), np.concatenate(angles), truths, first, samples, clipped, digest.hexdigest())
+    return RunWaveform(np.concatenate(accelerations), np.concatenate(angles), truths, first, samples, clipped, digest.hexdigest())
 
 
-def _record_bag(common: CommonSettings, run: Run, running: _RunningSimulation) -> tuple[Waveform, dict[str, FileRecord]]:
+def _record_bag(common: CommonSettings, run: PlannedRun, running: _RunningSimulation) -> tuple[RunWaveform, dict[str, FileRecord]]:
     """Run a simulation to its end and record a bag, which can be reproduced with `dcrb simulate --from`; return its files, too."""
     folder, simulation = common.store.folder, running.simulation
     if folder is not None:
         folder.mkdir(parents=True, exist_ok=True)
     commands = commands_in(running.truths)
     rate = running.start.sensor.sampling_rate
-    start_ns = nanoseconds(round(common.branch_at * rate) + round(common.settle * rate), rate)
+    start_ns = nanoseconds(round(common.file.branch_at * rate) + round(common.file.settle * rate), rate)
     with tempfile.TemporaryDirectory(prefix=PART, dir=folder) as scratch:
         path = Path(scratch) / run.name
         about: dict[str, Any] = {"scenario": common.scenarios.get(run.scenario), "commands": commands, "start_ns": start_ns}
 
         def recorded_blocks() -> Iterator[Block]:
             with Recorder(path, running.start, simulation.bodies, **about) as recorder:
-                for block in simulation.blocks(common.duration):
+                for block in simulation.blocks(common.file.duration):
                     recorder.write(block)
                     yield block
 
-        waveform = _run_blocks(recorded_blocks(), running.truths, keep=common.windows is not None)
+        waveform = _run_blocks(recorded_blocks(), running.truths, keep=common.file.windows is not None)
         files = {f"runs/{run.name}/{part.name}": record_of(part) for part in sorted(path.iterdir())}
         common.store.put(path, f"runs/{run.name}")
     return waveform, files
 
 
-def _waveform_file(waveform: Waveform, rate: int, kind: str) -> bytes:
-    """Return a waveform as the bytes of a file; equal samples give equal bytes."""
-    stream = io.BytesIO()
-    columns: dict[str, Any] = {"ax": waveform.acceleration[:, 0], "ay": waveform.acceleration[:, 1], "shaft_angle": waveform.shaft_angle}
-    if kind == "npz":
-        np.savez(stream, **columns, sampling_rate=np.array(rate), first_index=np.array(waveform.first_index))
-    else:
-        import pyarrow
-        from pyarrow import parquet
-
-        table = pyarrow.table({name: np.ascontiguousarray(values) for name, values in columns.items()})
-        table = table.replace_schema_metadata({"sampling_rate": str(rate), "first_index": str(waveform.first_index)})
-        parquet.write_table(table, stream, compression="zstd", use_dictionary=False)
-    return stream.getvalue()
-
-
-def _write_windows(common: CommonSettings, run: Run, waveform: Waveform, rate: int) -> dict[str, FileRecord]:
-    windows = common.windows
+def _write_windows(common: CommonSettings, run: PlannedRun, waveform: RunWaveform, rate: int) -> dict[str, FileRecord]:
+    windows = common.file.windows
     assert windows is not None
     labels = window_labels(window_starts(waveform.samples, windows), waveform.first_index, rate, windows, waveform.truths)
     about = {"run": run.name, "case": run.case, "split": run.split}

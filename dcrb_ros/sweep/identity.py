@@ -1,4 +1,4 @@
-"""Which bearing and which machine a run has, and the groups of conditions that one split must hold whole so that neither leaks."""
+"""Identity of the bearing and the machine of a run, and groups of conditions that share one: a group is in one split, to avoid leakage."""
 
 from __future__ import annotations
 
@@ -21,20 +21,19 @@ TRUTH: Mapping[str, tuple[type, str]] = {
 def identities(
     values: Mapping[str, Any], defaults: Mapping[str, Any], base: Mapping[str, Mapping[str, Any]] | None = None
 ) -> dict[str, dict[str, Any]]:
-    """Return what makes a bearing and a machine: their parameters that differ from the defaults, by the name of the identity.
+    """Return the parameters that define a bearing and a machine and differ from the defaults, by the name of the identity.
 
     ``values`` are parameters by dotted key, on top of those of ``base``, an earlier result.
     """
-    found: dict[str, dict[str, Any]] = {}
-    for name, groups in IDENTITIES.items():
-        own = {key: value for key, value in values.items() if key.split(".")[0] in groups}
-        merged = {**(base or {}).get(name, {}), **own}
-        found[name] = {key: value for key, value in merged.items() if value != defaults.get(key)}
-    return found
+    merged = {
+        name: {**(base or {}).get(name, {}), **{key: value for key, value in values.items() if key.split(".")[0] in groups}}
+        for name, groups in IDENTITIES.items()
+    }
+    return {name: {key: value for key, value in group.items() if value != defaults.get(key)} for name, group in merged.items()}
 
 
 class Groups:
-    """Conditions joined by what they share: a disjoint-set forest (Tarjan 1975, J. ACM 22(2), 215-225)."""
+    """Conditions joined by a common bearing or machine: a disjoint-set forest (Tarjan 1975, J. ACM 22(2), 215-225)."""
 
     def __init__(self) -> None:
         self._parent: dict[str, str] = {}
@@ -45,9 +44,9 @@ class Groups:
         for name, identity in shared.items():
             self._join(condition, f"{name} {identity}")
 
-    def _join(self, one: str, other: str) -> None:
-        # The smaller name stands for both, so that the order of the calls does not matter.
-        first, second = sorted((self._root(one), self._root(other)))
+    def _join(self, first: str, other: str) -> None:
+        # The smaller name becomes the root, so that the order of the calls does not matter.
+        first, second = sorted((self._root(first), self._root(other)))
         self._parent[second] = first
 
     def _root(self, name: str) -> str:

@@ -11,19 +11,29 @@ from dcrb_ros.recordings.manifest import model_fingerprint
 from dcrb_ros.runtime.version import __version__
 from dcrb_ros.settings.files import overlaid
 from dcrb_ros.stream.block import Truth
-from dcrb_ros.sweep.plan import Run
-from dcrb_ros.sweep.temperatures import temperatures
+from dcrb_ros.sweep.plan import PlannedRun
 
 DONE, REFUSED, FAILED, ERROR = "done", "refused", "failed", "error"
 """Outcomes of a run. A refused or failed run is not repeated, since it would fail again; a run that ended in an error is."""
+AMBIENT, BOX, OUTER_RINGS = "ambient [deg C]", "box [deg C]", "outer_ring"
+"""Names of temperatures in the ground truth, that of the outer rings without their rows."""
+TEMPERATURES: Mapping[str, tuple[type, str]] = {
+    "ambient_temperature": (
+        float,
+        "temperature of the surroundings at the end of the run [deg C]; null, like the next two, without a network",
+    ),
+    "box_temperature": (float, "temperature of the axle box [deg C]"),
+    "outer_ring_temperature": (float, "temperature of the hotter outer ring [deg C]"),
+}
+"""Columns of the labels with temperatures: type and meaning."""
 
 
-def base_label(run: Run, base: Mapping[str, Any]) -> dict[str, Any]:
+def base_label(run: PlannedRun, base: Mapping[str, Any]) -> dict[str, Any]:
     """Return the part of the label that is known before the run."""
     parameters = overlaid(base, run.changes)
     return {
         "run": run.name,
-        "place": run.place,
+        "place": run.position,
         "twin": run.twin,
         "condition": run.condition,
         "split": run.split,
@@ -56,3 +66,11 @@ def fault_label(truths: list[Truth]) -> dict[str, Any]:
         **temperatures(last.thermal),
         **{name.lower(): frequency for name, frequency in last.frequencies.items()},
     }
+
+
+def temperatures(thermal: Mapping[str, float]) -> dict[str, float]:
+    """Return the temperatures of a ground truth by their column; none without a thermal network."""
+    if AMBIENT not in thermal:
+        return {}
+    rings = [value for name, value in thermal.items() if OUTER_RINGS in name and name.endswith("[deg C]")]
+    return {"ambient_temperature": thermal[AMBIENT], "box_temperature": thermal[BOX], "outer_ring_temperature": max(rings)}

@@ -57,10 +57,10 @@ def find_sweep(source: str | Path) -> Path:
     """Return the path of the sweep given by a file or by a shipped name."""
     shipped = {path.stem: path for path in sorted((shipped_folder() / "sweeps").glob("*.yaml"))}
     path = checked_path(source)
-    found = is_file(path)
-    if not found and str(source) not in shipped:
+    exists = is_file(path)
+    if not exists and str(source) not in shipped:
         raise Refusal(f"there is no sweep '{source}': give a YAML file or one of {', '.join(shipped)}{nearest(str(source), shipped)}")
-    return path if found else shipped[str(source)]
+    return path if exists else shipped[str(source)]
 
 
 GAP_PARAMETERS = ("publishing.loss_probability", "publishing.burst_period")
@@ -73,8 +73,8 @@ def sweep_of(tree: Mapping[str, Any], source: str, folder: Path = Path(), text: 
         return life_sweep_of(tree, source, sweep_of(common_keys(tree, source), source, folder, text))
     if MACHINE in tree:
         around, resolved = around_machine(tree, source, folder)
-        found = sweep_of(around, source, folder, resolved)
-        return replace(found, file=found.file.model_copy(update={"base": KEPT_BASE}))
+        sweep = sweep_of(around, source, folder, resolved)
+        return replace(sweep, file=sweep.file.model_copy(update={"base": KEPT_BASE}))
     if "kind" in tree:
         raise Refusal(f"{source}: kind = {tree['kind']!r} is not {LIFE}: give {LIFE}, or leave it out for a design of single runs")
     file = _file(tree, source)
@@ -161,7 +161,7 @@ def _choice(key: str, value: Any, field: ParameterField | None, source: str) -> 
             if not isinstance(name, str):
                 raise Refusal(f"{source}: {key} = {name!r} is not the name of a scenario: give a name, or '' for no scenario")
         return Choice(tuple(values))
-    return Choice(tuple(_value(key, one, field, source) for one in values))
+    return Choice(tuple(_value(key, value, field, source) for value in values))
 
 
 def _span(key: str, tree: Mapping[str, Any], field: ParameterField, design: str, source: str) -> Span:
@@ -186,8 +186,8 @@ def _span(key: str, tree: Mapping[str, Any], field: ParameterField, design: str,
 
 def _beside(name: str, folder: Path) -> Path:
     """Return the path of a sweep's configuration: in the folder of the sweep file, or as for any other command."""
-    beside = checked_path(folder / name)
-    return beside if is_file(beside) else find_configuration(name)
+    path = checked_path(folder / name)
+    return path if is_file(path) else find_configuration(name)
 
 
 def _scenarios(all_axes: list[Axes], folder: Path) -> dict[str, Any]:
@@ -198,6 +198,20 @@ def _scenarios(all_axes: list[Axes], folder: Path) -> dict[str, Any]:
 
 def _consistent(sweep: Sweep, fields: Mapping[str, ParameterField], source: str) -> None:
     """Refuse values that contradict each other."""
+    _check_design(sweep, source)
+    for name, axes in sweep.cases.items():
+        for key in axes:
+            if key != SCENARIO and key.split(".")[0] not in CASE_GROUPS:
+                raise Refusal(f"{source}: cases.{name}: {key} is a condition of the bearing, not a fault: move it to 'vary'")
+    if sweep.file.twins and SCENARIO in sweep.vary:
+        _twins(sweep, source)
+    if sweep.file.branch_at:
+        _branching(sweep, fields, source)
+    _check_output(sweep, source)
+
+
+def _check_design(sweep: Sweep, source: str) -> None:
+    """Refuse a design without runs, or with too many."""
     file = sweep.file
     if file.design == GRID and file.points:
         raise Refusal(
@@ -211,23 +225,20 @@ def _consistent(sweep: Sweep, fields: Mapping[str, ParameterField], source: str)
         raise Refusal(f"{source}: seeds = {file.seeds!r} is invalid: give the number of seeds per condition, at least 1, or a list")
     if sweep.count > MOST_RUNS:
         raise Refusal(f"{source} defines {sweep.count} runs; a sweep has at most {MOST_RUNS}: give fewer points, values, seeds or cases")
-    for name, axes in sweep.cases.items():
-        for key in axes:
-            if key != SCENARIO and key.split(".")[0] not in CASE_GROUPS:
-                raise Refusal(f"{source}: cases.{name}: {key} is a condition of the bearing, not a fault: move it to 'vary'")
-    if file.twins and SCENARIO in sweep.vary:
-        _twins(sweep, source)
-    if file.branch_at:
-        _branching(sweep, fields, source)
-    held = file.output != "bag" or file.windows is not None
-    if held and file.duration > LONGEST_RUN:
+
+
+def _check_output(sweep: Sweep, source: str) -> None:
+    """Refuse two forms of the speed, and runs that the files of the data set cannot represent."""
+    file = sweep.file
+    in_memory = file.output != "bag" or file.windows is not None
+    if in_memory and file.duration > LONGEST_RUN:
         raise Refusal(
             f"{source}: duration = {file.duration:g} s is above {LONGEST_RUN:g} s, too long for memory: use 'output: bag' without windows"
         )
     if {SPEED, SPEED_KMH} <= {*flatten(file.fixed), *sweep.vary}:
         raise Refusal(f"{source}: {SPEED} and {SPEED_KMH} under 'set' and 'vary' are two forms of one parameter: give one of them")
     gaps = [key for key in GAP_PARAMETERS if sweep.base[key] or key in sweep.vary]
-    if held and gaps:
+    if in_memory and gaps:
         raise Refusal(
             f"{source}: {gaps[0]} causes gaps, which waveform files and windows cannot represent: use 'output: bag' without windows"
         )

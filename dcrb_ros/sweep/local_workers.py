@@ -32,7 +32,7 @@ OUT_OF_MEMORY, ORPHANED = 74, 75
 
 
 def parsed_memory(memory: str, count: int) -> int | None:
-    """Return the memory limit of each of ``count`` workers [byte]; None if this system does not tell the memory of a process.
+    """Return the memory limit of each of ``count`` workers [byte]; None if the system does not report the memory of a process.
 
     Raises:
         Refusal: ``memory`` is neither a size nor ``auto``, or it cannot be limited here.
@@ -131,11 +131,11 @@ class _Process:
     """A worker process, and the task that it processes."""
 
     def __init__(self, memory: int | None) -> None:
-        self.connection, there = SPAWN.Pipe()
-        self._process = SPAWN.Process(target=_process_tasks, args=(there, memory), name="sweep worker", daemon=True)
+        self.connection, worker_end = SPAWN.Pipe()
+        self._process = SPAWN.Process(target=_process_tasks, args=(worker_end, memory), name="sweep worker", daemon=True)
         with _inherited_settings():
             self._process.start()
-        there.close()
+        worker_end.close()
         self.task: Task = ()
         self.attempts = 0
         """Times that the task has been begun [-]."""
@@ -155,8 +155,8 @@ class _Process:
     def outcome(self) -> Outcome | None:
         """Return the outcome of the task; None if the process has been lost."""
         try:
-            found: Outcome = self.connection.recv()
-            return found
+            outcome: Outcome = self.connection.recv()
+            return outcome
         except (EOFError, OSError):
             return None
 

@@ -31,15 +31,15 @@ def around_machine(tree: Mapping[str, Any], source: str, folder: Path) -> tuple[
         raise Refusal(f"{source}: base = {tree[BASE]!r} and machine = {name!r} are both a configuration for all runs: give one of them")
     if not isinstance(name, str) or not name:
         raise Refusal(f"{source}: machine = {name!r} is not a file: give what dcrb calibrate wrote, such as my_machine.yaml")
-    beside, here = checked_path(folder / name), checked_path(name)
-    path = beside if is_file(beside) else here
+    relative, given = checked_path(folder / name), checked_path(name)
+    path = relative if is_file(relative) else given
     if not is_file(path):
         raise Refusal(f"{source}: there is no machine {name}: make it from healthy recordings, dcrb calibrate HEALTHY -o {Path(name).name}")
-    own = tree.get(VARY) or {}
-    vary = intervals_of(path) | (dict(flatten_axes(own)) if isinstance(own, Mapping) else {})
-    rest = {key: value for key, value in tree.items() if key != MACHINE}
-    text = f"# The intervals are those of {path.name}.\n" + yaml.safe_dump(rest | {BASE: KEPT_BASE, VARY: vary}, sort_keys=False)
-    return rest | {BASE: str(path), VARY: vary}, text
+    axes = tree.get(VARY) or {}
+    vary = intervals_of(path) | (dict(flatten_axes(axes)) if isinstance(axes, Mapping) else {})
+    keys = {key: value for key, value in tree.items() if key != MACHINE}
+    text = f"# The intervals are those of {path.name}.\n" + yaml.safe_dump(keys | {BASE: KEPT_BASE, VARY: vary}, sort_keys=False)
+    return keys | {BASE: str(path), VARY: vary}, text
 
 
 def intervals_of(machine: Path) -> dict[str, Any]:
@@ -48,16 +48,16 @@ def intervals_of(machine: Path) -> dict[str, Any]:
     Raises:
         Refusal: there is none, or it has another form.
     """
-    beside = machine.with_name(f"{machine.stem}.intervals.yaml")
-    tree = read_yaml(beside)
-    found = tree.get(VARY) if isinstance(tree, Mapping) else None
-    if not isinstance(found, Mapping):
-        raise Refusal(f"{beside} has no ranges below '{VARY}': dcrb calibrate writes the intervals of {machine.name} there")
-    return {str(key): axis for key, axis in found.items()}
+    intervals = machine.with_name(f"{machine.stem}.intervals.yaml")
+    tree = read_yaml(intervals)
+    axes = tree.get(VARY) if isinstance(tree, Mapping) else None
+    if not isinstance(axes, Mapping):
+        raise Refusal(f"{intervals} has no ranges below '{VARY}': dcrb calibrate writes the intervals of {machine.name} there")
+    return {str(key): axis for key, axis in axes.items()}
 
 
 def flatten_axes(tree: Mapping[str, Any], prefix: str = "") -> Mapping[str, Any]:
-    """Return axes by their dotted keys; a range is not taken apart."""
+    """Return axes by their dotted keys; a range stays one value."""
     flat: dict[str, Any] = {}
     for name, value in tree.items():
         if isinstance(value, Mapping) and not {"low", "high"} & set(value):

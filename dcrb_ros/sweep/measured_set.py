@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import io
 import math
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
@@ -21,18 +20,17 @@ from dcrb_ros.schema.refusal import Refusal, nearest
 from dcrb_ros.schema.verdicts import FAULT_CLASSES
 from dcrb_ros.sweep.identity import TRUTH
 from dcrb_ros.sweep.label import DONE
-from dcrb_ros.sweep.schema import DESCRIPTION, SPLITS, description, head
+from dcrb_ros.sweep.schema import SPLITS, healthy_first, write_about
 from dcrb_ros.sweep.store import Store, file_record
 from dcrb_ros.sweep.sweep_file import Windows
 from dcrb_ros.sweep.table import LABELS, table_of
-from dcrb_ros.sweep.windows import cut_windows, window_starts, windows_file
-
-CARD = "README.md"
+from dcrb_ros.sweep.windows import cut_windows, waveform_file, window_starts, windows_file
+from dcrb_ros.text.markdown import table
 
 
 @dataclass(frozen=True, eq=False)
 class MeasuredRun:
-    """A measured recording with what is known of it."""
+    """A measured recording with its fault and its conditions."""
 
     name: str
     waveform: Waveform
@@ -78,35 +76,28 @@ def write_measured_set(
     labels: list[dict[str, Any]] = []
     sources: dict[str, Mapping[str, Any]] = {}
     split_of: dict[str, str] = {}
-    for place, run in enumerate(runs):
+    for position, run in enumerate(runs):
         bearing = run.bearing_id or run.name
         if split_of.setdefault(bearing, run.split) != run.split:
             raise Refusal(
                 f"{run.name}: the bearing {bearing} is in the splits {split_of[bearing]} and {run.split}: give one for all of its runs"
             )
-        if any(run.name == one["run"] for one in labels):
+        if any(run.name == label["run"] for label in labels):
             raise Refusal(f"two runs are called {run.name}: give them names of their own in the column name")
         sources |= {str(run.source.get("title")): dict(run.source)} if run.source else {}
-        labels.append(_written(run, bearing, place, store, windows))
+        labels.append(_written(run, bearing, position, store, windows))
     if not labels:
         raise Refusal("no recording is given: the list is empty")
-    counts = Counter((str(one["split"]), str(one["fault"])) for one in labels)
-    by_split: dict[str, dict[str, int]] = {}
-    for (split, fault), count in sorted(counts.items()):
-        by_split.setdefault(split, {})[fault] = count
+    counts = Counter((str(label["split"]), str(label["fault"])) for label in labels)
     store.write(LABELS, table_of(labels, TRUTH))
-    about = {"kind": "parquet", "length": windows.length, "hop": windows.hop}
-    meanings = {name: meaning for name, (_, meaning) in TRUTH.items()}
-    origin = {"source": {"sets": list(sources.values())}} if sources else {}
-    described = description(title, licence, by_split, measured=True, waveform="npz", windows=about, truth=meanings, **origin)
-    store.write(DESCRIPTION, described.encode())
-    store.write(
-        CARD, (head(title, licence, list(by_split), windows=True) + _card(title, licence, by_split, windows, list(sources))).encode()
-    )
+    cut = windows.model_copy(update={"kind": "parquet"})
+    card = _card(title, licence, counts, windows, list(sources))
+    origins = list(sources.values())
+    write_about(store, card, title, licence, counts, measured=True, waveform="npz", windows=cut, truth=TRUTH, sources=origins)
     return counts
 
 
-def _written(run: MeasuredRun, bearing: str, place: int, store: Store, windows: Windows) -> dict[str, Any]:
+def _written(run: MeasuredRun, bearing: str, position: int, store: Store, windows: Windows) -> dict[str, Any]:
     """Write the files of a run and return its label."""
     waveform = run.waveform
     angle: Samples = np.asarray(waveform.shaft_angle, np.float32)
@@ -115,10 +106,7 @@ def _written(run: MeasuredRun, bearing: str, place: int, store: Store, windows: 
     turns = unwrapped_turns(angle) if np.isfinite(angle).all() and len(angle) > 1 else None
     shaft = math.nan if turns is None else float(turns[-1] - turns[0]) * rate / (len(turns) - 1)
     speed = 2.0 * math.pi * shaft
-    stream = io.BytesIO()
-    arrays: dict[str, Any] = {"ax": acceleration[:, 0], "ay": acceleration[:, 1], "shaft_angle": angle}
-    np.savez(stream, **arrays, sampling_rate=np.array(rate), first_index=np.array(first))
-    files = {f"runs/{run.name}.npz": stream.getvalue()}
+    files = {f"runs/{run.name}.npz": waveform_file(acceleration, angle, rate, first, "npz")}
     starts = window_starts(len(waveform), windows)
     starts = starts[waveform.index[starts + windows.length - 1] - waveform.index[starts] == windows.length - 1]  # without a gap
     cut = cut_windows(acceleration, windows)[np.isin(window_starts(len(waveform), windows), starts)]
@@ -139,7 +127,7 @@ def _written(run: MeasuredRun, bearing: str, place: int, store: Store, windows: 
     orders = {name: abs(shaft) * getattr(waveform.orders, name) for name in ("ftf", "bpfo", "bpfi", "bsf")}
     label: dict[str, Any] = {
         **about,
-        "place": place,
+        "place": position,
         "twin": bearing,
         "condition": bearing,
         "status": DONE,
@@ -156,7 +144,7 @@ def _written(run: MeasuredRun, bearing: str, place: int, store: Store, windows: 
         "windows": count,
         "file": f"runs/{run.name}.npz",
         "files": {name: file_record(data) for name, data in files.items()},
-        "sha256": _sha256(acceleration, angle),
+        "sha256": hashlib.sha256(packed(acceleration, angle)).hexdigest(),
         "dcrb_ros": __version__,
         "bearing_id": bearing,
         "machine": run.machine,
@@ -168,22 +156,16 @@ def _known(value: float) -> float | None:
     return value if math.isfinite(value) else None
 
 
-def _sha256(acceleration: Samples, angle: Samples) -> str:
-    return hashlib.sha256(packed(acceleration, angle)).hexdigest()
-
-
-def _card(title: str, licence: str, counts: Mapping[str, Mapping[str, int]], windows: Windows, sources: Sequence[str]) -> str:
+def _card(title: str, licence: str, counts: Mapping[tuple[str, str], int], windows: Windows, sources: Sequence[str]) -> str:
     """Return the data card in Markdown."""
-    faults = sorted({fault for found in counts.values() for fault in found}, key=lambda fault: (fault != "healthy", fault))
-    rows = [f"| {split} | {' | '.join(str(counts[split].get(fault, 0)) for fault in faults)} |" for split in SPLITS if split in counts]
-    origin = "\n".join(f"* {one}" for one in sources) or "* not stated"
+    faults, splits = healthy_first(fault for _, fault in counts), {split for split, _ in counts}
+    rows = [(split, *(counts.get((split, fault), 0) for fault in faults)) for split in SPLITS if split in splits]
+    origin = "\n".join(f"* {source}" for source in sources) or "* not stated"
     return f"""# {title}
 
 Measured recordings with the schema of a data set of `dcrb sweep`, made by dcrb_ros {__version__}. Licence of the data: {licence}.
 
-| split | {" | ".join(faults)} |
-{"|---" * (len(faults) + 1)}|
-{chr(10).join(rows)}
+{table(("split", *faults), rows)}
 
 Sources:
 

@@ -30,11 +30,11 @@ def digest(about: Any) -> str:
 
 
 @dataclass(frozen=True)
-class Run:
+class PlannedRun:
     """One run of a plan."""
 
-    place: int
-    """Position in the plan, from 0 [-]."""
+    position: int
+    """In the plan, from 0 [-]."""
     name: str
     """Hash of everything that the samples depend on."""
     case: str
@@ -50,10 +50,10 @@ class Run:
     scenario: str
     seed: int
     truth: Mapping[str, Value] = field(default_factory=dict)
-    """What is known beside the simulation, for the label, by the columns in `Plan.truth`."""
+    """Further values of the label, by the columns in `Plan.truth`."""
 
 
-Task = tuple[Run, ...]
+Task = tuple[PlannedRun, ...]
 """Runs that one worker simulates one after the other."""
 
 
@@ -61,7 +61,7 @@ class Plan:
     """The runs of a sweep, in a fixed order and without duplicates."""
 
     unit, remedy = "conditions", "vary speed or load"
-    """What is divided into splits, and how to get more of it."""
+    """Name of the units that are divided into splits, and how to get more of them."""
     split_text = (
         "A condition is a bearing at one speed and load. All its runs, with any seed, fault or sensor, are in one split. So are twins, the "
         "runs\nof one condition and seed that differ in the fault only."
@@ -80,10 +80,10 @@ class Plan:
             conditions.add(condition)
             shared = self._identities(point) if file.split.apart else {}
             groups.add(condition, {name: shared[name] for name in file.split.apart})
-        held = {condition: groups.group(condition) for condition in conditions}
-        chosen = splits(set(held.values()), file.split)
-        _check_groups(len(set(held.values())), len(conditions), file.split)
-        self._splits = {condition: chosen[group] for condition, group in held.items()}
+        group_of = {condition: groups.group(condition) for condition in conditions}
+        split_of = splits(set(group_of.values()), file.split)
+        _check_groups(len(set(group_of.values())), len(conditions), file.split)
+        self._splits = {condition: split_of[group] for condition, group in group_of.items()}
         self.conditions = len(conditions)
 
     @functools.cached_property
@@ -104,35 +104,35 @@ class Plan:
         """Yield name and contents of further tables of the data set."""
         return iter(())
 
-    def runs(self) -> Iterator[Run]:
+    def runs(self) -> Iterator[PlannedRun]:
         """Yield every run."""
         return itertools.chain.from_iterable(self.groups())
 
     def groups(self) -> Iterator[Task]:
         """Yield the runs of each condition and seed as a group."""
         known: set[bytes] = set()
-        place = 0
+        position = 0
         cases_of_groups = self._cases()
         for point in self._points():
             condition = self._condition(point)
             for seed in self._seeds(condition):
                 group = []
                 for case, values in next(cases_of_groups):
-                    run = self._run(place, condition, seed, point, case, values)
+                    run = self._run(position, condition, seed, point, case, values)
                     brief = bytes.fromhex(run.name)
                     if brief not in known:
                         known.add(brief)
                         group.append(run)
-                        place += 1
+                        position += 1
                 if group:
                     yield tuple(group)
 
     def tasks(self, done: set[str], seconds: float) -> Iterator[Task]:
         """Yield the runs that are not ``done`` in tasks of at least ``seconds`` of simulated time [s]; a group is never divided."""
-        each, task = self.sweep.file.duration + self.sweep.file.settle, []
+        run_time, task = self.sweep.file.duration + self.sweep.file.settle, []
         for group in self.groups():
             task += [run for run in group if run.name not in done]
-            if task and len(task) * each >= seconds:
+            if task and len(task) * run_time >= seconds:
                 yield tuple(task)
                 task = []
         if task:
@@ -157,7 +157,7 @@ class Plan:
         return {key: value for key, value in changes.items() if self.sweep.base.get(key) != value}
 
     def _condition(self, point: Point) -> str:
-        """Return the hash of what differs from the defaults, so that a parameter added later does not change splits and seeds."""
+        """Return the hash of the differences from the defaults, so that a parameter added later does not change splits and seeds."""
         values = {**self.sweep.base, **point}
         return digest({key: value for key, value in values.items() if not _not_a_condition(key) and value != self._defaults.get(key)})
 
@@ -170,13 +170,13 @@ class Plan:
         seeds = self.sweep.file.seeds
         return seeds if isinstance(seeds, list) else [int(digest([condition, k])[:8], 16) >> 1 for k in range(seeds)]
 
-    def _run(self, place: int, condition: str, seed: int, point: Point, case: str, values: Point) -> Run:
+    def _run(self, position: int, condition: str, seed: int, point: Point, case: str, values: Point) -> PlannedRun:
         parameters = {**point, **values}
         scenario = str(parameters.pop(SCENARIO, ""))
         changes = {**parameters, SEED: seed}
         healthy = self._difference({**{key: value for key, value in point.items() if key != SCENARIO}, **NO_FAULTS, SEED: seed})
-        return Run(
-            place,
+        return PlannedRun(
+            position,
             digest([self._common, self._difference(changes), self.sweep.scenarios.get(scenario)]),
             case,
             digest([self._common, healthy, point.get(SCENARIO, "")]),
@@ -196,12 +196,12 @@ def _not_a_condition(key: str) -> bool:
 
 
 def _check_groups(groups: int, conditions: int, shares: Shares) -> None:
-    """Refuse to hold bearings or machines apart where all conditions share one."""
-    asked = sum(share > 0.0 for share in (shares.train, shares.validation, shares.test))
-    if shares.apart and groups < min(asked, conditions):
+    """Refuse ``split.apart`` where the conditions share too few bearings or machines to fill the splits."""
+    filled = sum(share > 0.0 for share in (shares.train, shares.validation, shares.test))
+    if shares.apart and groups < min(filled, conditions):
         raise Refusal(
             f"split.apart = {', '.join(shares.apart)}: the {conditions} conditions make {groups} group(s) that share none of these, fewer "
-            f"than the {asked} splits: vary surfaces.seed for other bearings and structure.seed for other machines, or take more points"
+            f"than the {filled} splits: vary surfaces.seed for other bearings and structure.seed for other machines, or take more points"
         )
 
 

@@ -1,17 +1,19 @@
-"""What loaders read beside the files: ``dataset.yaml``, and the head of the card from which Hugging Face's ``datasets`` finds them."""
+"""The description of a data set for loaders: ``dataset.yaml``, and the head of the card, which Hugging Face's ``datasets`` reads."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import yaml
 
 from dcrb_ros.runtime.version import __version__
+from dcrb_ros.sweep.store import Store
+from dcrb_ros.sweep.sweep_file import Windows
 from dcrb_ros.sweep.table import COLUMNS, LABELS
 from dcrb_ros.sweep.windows import COLUMNS as WINDOW_COLUMNS
 
-DESCRIPTION = "dataset.yaml"
+DESCRIPTION, CARD = "dataset.yaml", "README.md"
 SPLITS = ("train", "validation", "test")
 VERSION = 1
 """Version of the schema; measured and simulated sets have the same."""
@@ -21,52 +23,64 @@ WAVEFORMS = {
 }
 
 
-def configs(splits: Sequence[str], windows: bool) -> list[dict[str, Any]]:
+def _configs(splits: Sequence[str], windows: bool) -> list[dict[str, Any]]:
     """Return the configurations of a data set: its windows by split if they are Parquet, and the table of labels.
 
     A split without runs has no files, which a loader would refuse.
     """
-    found: list[dict[str, Any]] = []
+    windowed: list[dict[str, Any]] = []
     if windows and splits:
         files = [{"split": split, "path": f"windows/{split}/*.parquet"} for split in SPLITS if split in splits]
-        found.append({"config_name": "windows", "data_files": files, "default": True})
+        windowed.append({"config_name": "windows", "data_files": files, "default": True})
     table: dict[str, Any] = {"config_name": "labels", "data_files": [{"split": "runs", "path": LABELS}]}
-    return [*found, table if found else table | {"default": True}]
+    return [*windowed, table if windowed else table | {"default": True}]
 
 
-def head(title: str, licence: str, splits: Sequence[str], *, windows: bool) -> str:
+def _head(title: str, licence: str, splits: Sequence[str], *, windows: bool) -> str:
     """Return the YAML at the head of a card, between lines of three dashes."""
     identifier = licence.lower()
     known = identifier.startswith(("cc-by", "cc0", "apache-2.0", "mit", "bsd"))
     tree: dict[str, Any] = {"license": identifier} if known else {"license": "other", "license_name": licence}
     tree |= {"pretty_name": title, "tags": ["vibration", "bearing", "condition-monitoring"]}
-    tree["configs"] = configs(splits, windows)
+    tree["configs"] = _configs(splits, windows)
     return f"---\n{yaml.safe_dump(tree, sort_keys=False, allow_unicode=True, width=120)}---\n\n"
 
 
-def description(
+def healthy_first(faults: Iterable[str]) -> list[str]:
+    """Return fault classes in the order of tables: ``healthy``, then the others by name."""
+    return sorted(set(faults), key=lambda fault: (fault != "healthy", fault))
+
+
+def write_about(
+    store: Store,
+    card: str,
     title: str,
     licence: str,
-    counts: Mapping[str, Mapping[str, int]],
+    classes: Mapping[tuple[str, str], int],
     *,
     measured: bool,
     waveform: str,
-    windows: Mapping[str, Any] | None,
-    truth: Mapping[str, str],
-    source: Mapping[str, Any] | None = None,
-) -> str:
-    """Return ``dataset.yaml``.
+    windows: Windows | None,
+    truth: Mapping[str, tuple[type, str]],
+    sources: Sequence[Mapping[str, Any]] = (),
+) -> None:
+    """Write the card, below a head for loaders, and ``dataset.yaml``.
 
     Args:
+        store: the data set.
+        card: its card in Markdown.
         title: name of the data set.
         licence: its licence.
-        counts: runs by split and fault.
+        classes: number of runs by split and fault.
         measured: whether the runs are measured, not simulated.
         waveform: format of the runs: npz, parquet or bag.
         windows: length, hop and kind of the windows, if there are any.
-        truth: meanings of further columns of the labels by name.
-        source: what is known of the origin of measured data.
+        truth: further columns of the labels: type and meaning.
+        sources: origins of measured data.
     """
+    counts: dict[str, dict[str, int]] = {}
+    for (split, fault), count in sorted(classes.items()):
+        counts.setdefault(split, {})[fault] = count
     tree: dict[str, Any] = {
         "schema": VERSION,
         "name": title,
@@ -74,13 +88,16 @@ def description(
         "measured": measured,
         "made_with": f"dcrb_ros {__version__}",
     }
-    if source:
-        tree["source"] = dict(source)
+    if sources:
+        tree["source"] = {"sets": [dict(source) for source in sources]}
     tree["task"] = "classification of faults: the column fault"
-    tree["classes"] = sorted({fault for faults in counts.values() for fault in faults}, key=lambda fault: (fault != "healthy", fault))
-    tree["splits"] = {split: {"runs": sum(counts[split].values()), "faults": dict(counts[split])} for split in SPLITS if split in counts}
+    tree["classes"] = healthy_first(fault for _, fault in classes)
+    tree["splits"] = {split: {"runs": sum(counts[split].values()), "faults": counts[split]} for split in SPLITS if split in counts}
     tree["runs"] = {"files": "runs/RUN/" if waveform == "bag" else f"runs/RUN.{waveform}", "arrays": WAVEFORMS.get(waveform, {})}
     if windows is not None:
-        tree["windows"] = {"files": f"windows/SPLIT/RUN.{windows['kind']}", **windows, "columns": dict(WINDOW_COLUMNS)}
-    tree["labels"] = {"file": LABELS, "columns": {**COLUMNS, **truth}}
-    return str(yaml.safe_dump(tree, sort_keys=False, allow_unicode=True, width=120))
+        shape = {"kind": windows.kind, "length": windows.length, "hop": windows.hop}
+        tree["windows"] = {"files": f"windows/SPLIT/RUN.{windows.kind}", **shape, "columns": dict(WINDOW_COLUMNS)}
+    tree["labels"] = {"file": LABELS, "columns": {name: meaning for name, (_, meaning) in {**COLUMNS, **truth}.items()}}
+    head = _head(title, licence, list(counts), windows=windows is not None and windows.kind == "parquet")
+    store.write(CARD, (head + card).encode())
+    store.write(DESCRIPTION, str(yaml.safe_dump(tree, sort_keys=False, allow_unicode=True, width=120)).encode())

@@ -24,6 +24,7 @@ from dcrb_ros.sweep.label import DONE
 from dcrb_ros.sweep.lives.plan import plan_of
 from dcrb_ros.sweep.loader import sweep_of
 from dcrb_ros.sweep.plan import Plan, Task
+from dcrb_ros.sweep.schema import SPLITS
 from dcrb_ros.sweep.store import Store, file_record
 from dcrb_ros.sweep.verification import read_label
 from dcrb_ros.text.json import parsed_json
@@ -32,7 +33,6 @@ from dcrb_ros.text.yaml import read_yaml
 INDEX = "index.json"
 RECIPE = ("sweep.yaml", "base.yaml")
 """Files of a data set from which its plan is made again."""
-SPLITS = ("train", "validation", "test")
 
 
 class Shard(NamedTuple):
@@ -88,27 +88,27 @@ def remake_shard(index: Path, name: str, target: Path) -> str:
     if name not in known:
         raise Refusal(f"{index} has no shard '{name}': it has {len(known)}, such as {next(iter(known), 'none')}")
     with tempfile.TemporaryDirectory() as scratch:
-        here = Path(scratch)
+        folder = Path(scratch)
         for file, text in about["recipe"].items():
-            (here / Path(file).name).write_text(text, encoding="utf-8")
-        plan, store = _plan(here), Store(str(here / "runs_of_shard"))
+            (folder / Path(file).name).write_text(text, encoding="utf-8")
+        plan, store = _plan(folder), Store(str(folder / "runs_of_shard"))
         if plan.name != about["plan"]:
             raise Refusal(
                 f"{index} was made with dcrb_ros {about['dcrb_ros']} and model {about['model']}, but this is {__version__} with model "
                 f"{model_fingerprint()}: install that version"
             )
-        shard = next(one for one in shards(plan, int(about["runs_per_shard"])) if one.name == name)
+        shard = next(shard for shard in shards(plan, int(about["runs_per_shard"])) if shard.name == name)
         for task in shard.tasks:
             run_task(common_settings(plan.sweep, store), task)
         data = packed(store, shard)
-    found = hashlib.sha256(data).hexdigest()
-    if found != known[name]["sha256"]:
+    sha256 = hashlib.sha256(data).hexdigest()
+    if sha256 != known[name]["sha256"]:
         raise Refusal(
-            f"{name} has the SHA-256 {found[:12]}..., not {str(known[name]['sha256'])[:12]}... as in the index: the last bits depend on "
+            f"{name} has the SHA-256 {sha256[:12]}..., not {str(known[name]['sha256'])[:12]}... as in the index: the last bits depend on "
             f"processor and libraries, which were {about['software']}"
         )
     target.write_bytes(data)
-    return found
+    return sha256
 
 
 def packed(store: Store, shard: Shard) -> bytes:
@@ -153,7 +153,7 @@ def _plan(folder: Path) -> Plan:
 
 
 def _read_index(index: Path) -> Mapping[str, Any]:
-    found = parsed_json(index.read_bytes(), str(index)) if index.is_file() else None
-    if not isinstance(found, dict) or not {"recipe", "shards", "plan", "runs_per_shard"} <= found.keys():
+    about = parsed_json(index.read_bytes(), str(index)) if index.is_file() else None
+    if not isinstance(about, dict) or not {"recipe", "shards", "plan", "runs_per_shard"} <= about.keys():
         raise Refusal(f"{index} is not an index of shards: dcrb shards writes one as {INDEX}")
-    return found
+    return about

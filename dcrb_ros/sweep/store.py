@@ -152,15 +152,15 @@ class Store:
         """Return the size of a file [byte]; None if it does not exist.
 
         Raises:
-            StoreFailed: the store does not tell.
+            StoreFailed: it cannot be read.
         """
         try:
-            found = self._filesystem[0].info(self.path(name))
+            entry = self._filesystem[0].info(self.path(name))
         except (FileNotFoundError, NotADirectoryError):
             return None
         except OSError as error:
             raise self._unreadable(name, error) from None
-        return int(found["size"]) if found["type"] == "file" else None
+        return int(entry["size"]) if entry["type"] == "file" else None
 
     def sha256(self, name: str) -> str | None:
         """Return the SHA-256 of a file in a folder; None for a remote address, from which the file would have to be transferred.
@@ -194,10 +194,10 @@ class Store:
         files = self._filesystem[0]
         files.invalidate_cache()
         try:
-            found = files.ls(self.path(folder) if folder else self._filesystem[1], detail=False)
+            paths = files.ls(self.path(folder) if folder else self._filesystem[1], detail=False)
         except FileNotFoundError:
             return
-        for path in found:
+        for path in paths:
             name = str(path).rstrip("/").rsplit("/", 1)[-1]
             if not name.startswith(PART) and name != LOCK:
                 yield name

@@ -41,7 +41,7 @@ class Shares(Group):
     validation: float = Field(0.2, ge=0.0, le=1.0)
     test: float = Field(0.2, ge=0.0, le=1.0)
     apart: list[Literal["bearing_id", "machine"]] = Field(default_factory=list)
-    """What two splits must not share beside conditions."""
+    """Identities that two splits must not share, in addition to conditions."""
 
     @model_validator(mode="after")
     def _whole(self) -> Shares:
@@ -100,7 +100,7 @@ class Sweep:
 
     @property
     def inputs(self) -> dict[str, Any]:
-        """Everything that the runs are planned from, beside base and scenarios, as written to the description of the data set."""
+        """All inputs of the plan apart from base and scenarios, as written to the description of the data set."""
         return self.file.model_dump(mode="json", by_alias=True)
 
     @property
@@ -112,5 +112,5 @@ class Sweep:
     def count(self) -> int:
         """Number of runs, including duplicates that the plan leaves out [-]."""
         design, conditions = self.file.design, size(self.file.design, self.vary, self.file.points)
-        each = sum(size(design, axes, 1) for axes in self.cases.values())
-        return conditions * self.seeds * each
+        runs = sum(size(design, axes, 1) for axes in self.cases.values())
+        return conditions * self.seeds * runs

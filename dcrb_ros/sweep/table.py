@@ -12,58 +12,54 @@ from typing import Any
 
 from dcrb_ros.schema.verdicts import FAULT_CLASSES
 from dcrb_ros.settings.files import fields_by_key
-from dcrb_ros.sweep.label import DONE
-from dcrb_ros.sweep.plan import Plan, Run
+from dcrb_ros.sweep.label import DONE, TEMPERATURES
+from dcrb_ros.sweep.plan import Plan, PlannedRun
 from dcrb_ros.sweep.store import Store, StoreFailed
 from dcrb_ros.sweep.sweep_file import SCENARIO, Sweep
-from dcrb_ros.sweep.temperatures import TEMPERATURES
 from dcrb_ros.sweep.verification import ERRORS, DamagedLabel, label_name, read_label
 
 LABELS = "labels.parquet"
 ROWS = 1000
 """Rows kept in memory at once [-]."""
-TEXTS = ("run", "twin", "condition", "split", "case", "status", "reason", "file", "fault", "scenario", "sha256", "dcrb_ros", "model")
-WHOLE = ("place", "seed", "row", "broken_bars", "sampling_rate", "first_index", "samples", "clipped", "windows")
-DECIMAL = ("width", "depth", "azimuth", "onset", "speed", "load", *TEMPERATURES, "ftf", "bpfo", "bpfi", "bsf")
-JSONS = ("faults", "files", "configuration")
-COLUMNS: Mapping[str, str] = {
-    "run": "name of the run, a hash of everything that its samples depend on",
-    "place": "position of the run in the plan, from 0",
-    "twin": "shared by the runs of one condition and seed, which differ in the fault only",
-    "condition": "shared by the runs of one bearing at one speed and load; never in two splits",
-    "split": "train, validation or test",
-    "case": "name of the case in the sweep file",
-    "fault": f"one of {', '.join(FAULT_CLASSES)}",
-    "width": "width of the widest defect [m]; null without one",
-    "depth": "depth of that defect [m]",
-    "row": "row of that defect, 0 for all rows",
-    "azimuth": "azimuth of that defect [rad]",
-    "broken_bars": "number of broken cage bars",
-    "onset": "onset of the first fault [s]; sample k of the file is taken at (first_index + k) / sampling_rate",
-    "speed": "speed of the inner ring at the end of the run [rad/s]",
-    "load": "magnitude of the load on the inner ring at the end of the run [N]",
+COLUMNS: Mapping[str, tuple[type, str]] = {
+    "run": (str, "name of the run, a hash of everything that its samples depend on"),
+    "place": (int, "position of the run in the plan, from 0"),
+    "twin": (str, "shared by the runs of one condition and seed, which differ in the fault only"),
+    "condition": (str, "shared by the runs of one bearing at one speed and load; never in two splits"),
+    "split": (str, "train, validation or test"),
+    "case": (str, "name of the case in the sweep file"),
+    "fault": (str, f"one of {', '.join(FAULT_CLASSES)}"),
+    "width": (float, "width of the widest defect [m]; null without one"),
+    "depth": (float, "depth of that defect [m]"),
+    "row": (int, "row of that defect, 0 for all rows"),
+    "azimuth": (float, "azimuth of that defect [rad]"),
+    "broken_bars": (int, "number of broken cage bars"),
+    "onset": (float, "onset of the first fault [s]; sample k of the file is taken at (first_index + k) / sampling_rate"),
+    "speed": (float, "speed of the inner ring at the end of the run [rad/s]"),
+    "load": (float, "magnitude of the load on the inner ring at the end of the run [N]"),
     **TEMPERATURES,
-    "ftf": "fundamental train frequency: rotation of the cage, at that speed [Hz]",
-    "bpfo": "ball pass frequency of the outer ring: rollers passing a point of the outer raceway [Hz]",
-    "bpfi": "ball pass frequency of the inner ring: rollers passing a point of the inner raceway [Hz]",
-    "bsf": "ball spin frequency: spin of a roller relative to its cage [Hz]",
-    "sampling_rate": "samples per second [Hz]",
-    "first_index": "index of the first sample since the start of the simulation",
-    "samples": "samples in the file",
-    "windows": "number of windows of the run",
-    "clipped": "samples clipped at the sensor's range",
-    "seed": "seed of the noise",
-    "scenario": "scenario of the run; empty if there is none",
-    "status": "done; refused (invalid parameters); failed (the model left its domain); error (tried again by the next call)",
-    "reason": "reason why the run is not done; empty if it is",
-    "file": "path of the waveform in the data set",
-    "files": "all files of the run with their size [byte] and SHA-256, as JSON",
-    "sha256": "hash of ax, ay and shaft_angle of every sample, as little-endian single floats",
-    "faults": "all faults with their fields, as JSON",
-    "dcrb_ros": "version of dcrb_ros",
-    "model": "fingerprint of the model's source code",
-    "configuration": "all parameters, as JSON",
+    "ftf": (float, "fundamental train frequency: rotation of the cage, at that speed [Hz]"),
+    "bpfo": (float, "ball pass frequency of the outer ring: rollers passing a point of the outer raceway [Hz]"),
+    "bpfi": (float, "ball pass frequency of the inner ring: rollers passing a point of the inner raceway [Hz]"),
+    "bsf": (float, "ball spin frequency: spin of a roller relative to its cage [Hz]"),
+    "sampling_rate": (int, "samples per second [Hz]"),
+    "first_index": (int, "index of the first sample since the start of the simulation"),
+    "samples": (int, "samples in the file"),
+    "windows": (int, "number of windows of the run"),
+    "clipped": (int, "samples clipped at the sensor's range"),
+    "seed": (int, "seed of the noise"),
+    "scenario": (str, "scenario of the run; empty if there is none"),
+    "status": (str, "done; refused (invalid parameters); failed (the model left its domain); error (tried again by the next call)"),
+    "reason": (str, "reason why the run is not done; empty if it is"),
+    "file": (str, "path of the waveform in the data set"),
+    "files": (dict, "all files of the run with their size [byte] and SHA-256, as JSON"),
+    "sha256": (str, "hash of ax, ay and shaft_angle of every sample, as little-endian single floats"),
+    "faults": (dict, "all faults with their fields, as JSON"),
+    "dcrb_ros": (str, "version of dcrb_ros"),
+    "model": (str, "fingerprint of the model's source code"),
+    "configuration": (dict, "all parameters, as JSON"),
 }
+"""Columns of the labels: type and meaning; a ``dict`` is written as JSON."""
 
 
 @dataclass
@@ -79,8 +75,8 @@ class Tally:
     conditions: dict[str, set[str]] = field(default_factory=dict)
     """Conditions by split."""
 
-    def add(self, label: Mapping[str, Any]) -> None:
-        """Count a run."""
+    def counted(self, label: Mapping[str, Any]) -> Mapping[str, Any]:
+        """Count a run and return its label."""
         self.statuses[label["status"]] += 1
         if label["status"] == DONE:
             self.classes[label["split"], label["fault"]] += 1
@@ -88,6 +84,7 @@ class Tally:
             self.seconds += label["samples"] / label["sampling_rate"]
         elif label["reason"] in self.reasons or len(self.reasons) < ROWS:
             self.reasons[label["reason"]] += 1
+        return label
 
 
 def varied(sweep: Sweep) -> dict[str, type]:
@@ -106,10 +103,10 @@ def write_table(plan: Plan, store: Store) -> Tally:
     from pyarrow import parquet
 
     columns, tally, stream = varied(plan.sweep), Tally(), io.BytesIO()
-    schema = _schema(columns, plan.truth)
+    schema = parquet_schema({**COLUMNS, **plan.truth}, columns)
     with parquet.ParquetWriter(stream, schema, compression="zstd") as writer:
         labels = _labels(plan.runs(), store)
-        while rows := [_row(label, columns, plan.truth) for label in map(_counted(tally), itertools.islice(labels, ROWS))]:
+        while rows := [_row(tally.counted(label), columns, plan.truth) for label in itertools.islice(labels, ROWS)]:
             writer.write_table(pyarrow.Table.from_pylist(rows, schema=schema))
     store.write(LABELS, stream.getvalue())
     return tally
@@ -121,33 +118,22 @@ def table_of(labels: Iterable[Mapping[str, Any]], truth: Mapping[str, tuple[type
     from pyarrow import parquet
 
     stream = io.BytesIO()
-    parquet.write_table(pyarrow.Table.from_pylist([_row(one, {}, truth) for one in labels], schema=_schema({}, truth)), stream)
+    parquet.write_table(
+        pyarrow.Table.from_pylist([_row(label, {}, truth) for label in labels], schema=parquet_schema({**COLUMNS, **truth})), stream
+    )
     return stream.getvalue()
 
 
-def _counted(tally: Tally) -> Any:
-    def count(label: Mapping[str, Any]) -> Mapping[str, Any]:
-        tally.add(label)
-        return label
-
-    return count
-
-
-def _schema(columns: Mapping[str, type], truth: Mapping[str, tuple[type, str]]) -> Any:
+def parquet_schema(columns: Mapping[str, tuple[type, str]], plain: Mapping[str, type] | None = None) -> Any:
+    """Return the schema of a Parquet file: ``columns`` with type and meaning, and ``plain`` ones with their type only."""
     import pyarrow
 
-    kinds = {float: pyarrow.float64(), int: pyarrow.int64(), bool: pyarrow.bool_(), str: pyarrow.string()}
-    named = (
-        dict.fromkeys((*TEXTS, *JSONS), pyarrow.string())
-        | dict.fromkeys(WHOLE, pyarrow.int64())
-        | dict.fromkeys(DECIMAL, pyarrow.float64())
-    )
-    fields = [pyarrow.field(name, named[name], metadata={"meaning": meaning}) for name, meaning in COLUMNS.items()]
-    fields += [pyarrow.field(name, kinds[kind], metadata={"meaning": meaning}) for name, (kind, meaning) in truth.items()]
-    return pyarrow.schema([*fields, *(pyarrow.field(key, kinds[kind]) for key, kind in columns.items())])
+    kinds = {float: pyarrow.float64(), int: pyarrow.int64(), bool: pyarrow.bool_(), str: pyarrow.string(), dict: pyarrow.string()}
+    fields = [pyarrow.field(name, kinds[kind], metadata={"meaning": meaning}) for name, (kind, meaning) in columns.items()]
+    return pyarrow.schema([*fields, *(pyarrow.field(key, kinds[kind]) for key, kind in (plain or {}).items())])
 
 
-def _labels(runs: Iterator[Run], store: Store) -> Iterator[Mapping[str, Any]]:
+def _labels(runs: Iterator[PlannedRun], store: Store) -> Iterator[Mapping[str, Any]]:
     for run in runs:
         try:
             label = read_label(store, run.name) or read_label(store, run.name, ERRORS)
@@ -160,5 +146,5 @@ def _labels(runs: Iterator[Run], store: Store) -> Iterator[Mapping[str, Any]]:
 
 def _row(label: Mapping[str, Any], columns: Mapping[str, type], truth: Iterable[str]) -> dict[str, Any]:
     row = {name: label.get(name) for name in (*COLUMNS, *truth)}
-    row |= {name: json.dumps(label[name]) for name in JSONS if name in label}
+    row |= {name: json.dumps(label[name]) for name, (kind, _) in COLUMNS.items() if kind is dict and name in label}
     return row | {key: label["configuration"][key] for key in columns}

@@ -1,4 +1,4 @@
-"""Verification of labels: a labelled run counts only if its label is whole and its files are as the label states."""
+"""Verification of labels: a labelled run counts only if its label is complete and its files have the stated sizes and hashes."""
 
 from __future__ import annotations
 
@@ -23,14 +23,14 @@ class DamagedLabel(RuntimeError):
 
 
 class _File(BaseModel):
-    """`FileRecord` as a label states it."""
+    """A `FileRecord` in a label."""
 
     size: int
     sha256: str
 
 
 class _Label(BaseModel):
-    """What every label has."""
+    """The keys of every label."""
 
     run: str
     place: int
@@ -92,7 +92,7 @@ def read_label(store: Store, run: str, folder: str = LABELS) -> dict[str, Any] |
 
 
 def flaw(store: Store, run: str) -> str | None:
-    """Return why a labelled run does not count, with the name of the file; None if its label and its files are whole.
+    """Return why a labelled run does not count, with the name of the file; None if its label and its files are intact.
 
     Raises:
         StoreFailed: the store cannot be read, which says nothing about the run.
@@ -101,7 +101,7 @@ def flaw(store: Store, run: str) -> str | None:
         label = read_label(store, run)
         if label is None:  # it is listed, but was removed since, or is a link to nothing
             return f"{store.path(label_name(run))} is missing"
-        return next((found for name, stated in label.get("files", {}).items() if (found := _file_flaw(store, name, stated))), None)
+        return next((reason for name, stated in label.get("files", {}).items() if (reason := _file_flaw(store, name, stated))), None)
     except DamagedLabel as error:
         return str(error)
 
@@ -109,8 +109,8 @@ def flaw(store: Store, run: str) -> str | None:
 def flaws(store: Store, runs: list[str]) -> dict[str, str]:
     """Return the labelled runs that do not count, each with the reason; see `flaw`."""
     with ThreadPoolExecutor(cores(), "verify", show_name) as threads:
-        found = threads.map(lambda run: flaw(store, run), runs)
-        return {run: reason for run, reason in zip(runs, found, strict=True) if reason is not None}
+        reasons = threads.map(lambda run: flaw(store, run), runs)
+        return {run: reason for run, reason in zip(runs, reasons, strict=True) if reason is not None}
 
 
 def _file_flaw(store: Store, name: str, stated: Mapping[str, Any]) -> str | None:

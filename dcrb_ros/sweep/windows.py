@@ -1,4 +1,4 @@
-"""Windows: segments of equal length of a run's waveform, each with its own label."""
+"""The files of a run: its waveform, and its windows, segments of equal length, each with its own label."""
 
 from __future__ import annotations
 
@@ -41,14 +41,14 @@ def cut_windows(acceleration: Samples, windows: Windows) -> Samples:
     if len(acceleration) < windows.length:
         return np.zeros((0, 2, windows.length), np.float32)
     view = np.lib.stride_tricks.sliding_window_view(acceleration, windows.length, axis=0)
-    found: Samples = np.ascontiguousarray(view[window_starts(len(acceleration), windows)])
-    return found
+    cut: Samples = np.ascontiguousarray(view[window_starts(len(acceleration), windows)])
+    return cut
 
 
 def window_labels(begin: npt.NDArray[np.int64], first_index: int, rate: int, windows: Windows, truths: list[Truth]) -> dict[str, Any]:
     """Return the label columns of windows that start at the samples ``begin`` of a run.
 
-    A window is labelled with the faults present at its first sample; ``mixed`` tells whether they change within the window.
+    A window is labelled with the faults present at its first sample; ``mixed`` is true if they change within the window.
     """
     times = [truth.time_ns for truth in truths]
     first = [index_at(times, (first_index + int(sample)) * 1_000_000_000 // rate) for sample in begin]
@@ -89,4 +89,28 @@ def windows_file(x: Samples, labels: dict[str, Any], about: dict[str, str], kind
         for axis, name in enumerate(("ax", "ay")):
             columns[name] = pyarrow.FixedSizeListArray.from_arrays(pyarrow.array(x[:, axis].ravel()), x.shape[2])
         parquet.write_table(pyarrow.table(columns), stream, compression="zstd", use_dictionary=list(about))
+    return stream.getvalue()
+
+
+def waveform_file(acceleration: Samples, shaft_angle: Samples, rate: int, first_index: int, kind: str) -> bytes:
+    """Return a waveform as the bytes of a file, npz or Parquet; equal samples give equal bytes.
+
+    Args:
+        acceleration: shape (samples, 2) [m/s^2].
+        shaft_angle: shape (samples,) [rad].
+        rate: sampling rate [Hz].
+        first_index: index of the first sample since the start of the simulation or the recording [-].
+        kind: ``npz`` or ``parquet``.
+    """
+    stream = io.BytesIO()
+    columns: dict[str, Any] = {"ax": acceleration[:, 0], "ay": acceleration[:, 1], "shaft_angle": shaft_angle}
+    if kind == "npz":
+        np.savez(stream, **columns, sampling_rate=np.array(rate), first_index=np.array(first_index))
+    else:
+        import pyarrow
+        from pyarrow import parquet
+
+        table = pyarrow.table({name: np.ascontiguousarray(values) for name, values in columns.items()})
+        table = table.replace_schema_metadata({"sampling_rate": str(rate), "first_index": str(first_index)})
+        parquet.write_table(table, stream, compression="zstd", use_dictionary=False)
     return stream.getvalue()

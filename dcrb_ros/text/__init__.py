@@ -1,1 +1,1 @@
-"""Text from outside: files, YAML and JSON are read within limits, and each refusal names the source, the figure and the limit."""
+"""Text: files, YAML and JSON from outside, read within limits that each refusal names, and Markdown tables."""

@@ -31,19 +31,19 @@ def checked_path(path: str | Path) -> Path:
     Raises:
         Refusal: it contains a NUL or a surrogate, or a name in it is too long.
     """
-    found = Path(path)
+    checked = Path(path)
     try:
-        os.lstat(found)
+        os.lstat(checked)
     except ValueError as error:
-        raise Refusal(f"{found} is not a path ({error}): give the name of a file or folder") from None
+        raise Refusal(f"{checked} is not a path ({error}): give the name of a file or folder") from None
     except OSError as error:
         if not isinstance(error, FileNotFoundError | NotADirectoryError | PermissionError):
-            raise Refusal(f"{found} cannot be used: {error.strerror}; give another path") from None
-    return found
+            raise Refusal(f"{checked} cannot be used: {error.strerror}; give another path") from None
+    return checked
 
 
 def special_kind(path: Path) -> str:
-    """Return what exists at a path that is not a regular file, such as a named pipe; the empty string for a regular file or nothing."""
+    """Return the kind of an entry that is not a regular file, such as a named pipe; the empty string for a regular file or none."""
     try:
         return KINDS.get(stat.S_IFMT(os.stat(path).st_mode), "")
     except OSError:

@@ -31,8 +31,8 @@ def parsed_json(text: str | bytes, source: str, largest: int = LARGEST) -> Any:
         values = sum(map(decoded.count, ",[{"))
         if values > MOST_VALUES:
             raise Refusal(f"{source} has some {values} values; at most {MOST_VALUES} are read")
-        found = json.loads(decoded, parse_int=_integer, parse_float=_finite, parse_constant=_finite)
-        if _depth(found) > DEEPEST:
+        value = json.loads(decoded, parse_int=_integer, parse_float=_finite, parse_constant=_finite)
+        if _depth(value) > DEEPEST:
             raise RecursionError
     except RecursionError:
         raise Refusal(f"{source} is nested more than {DEEPEST} deep: flatten it") from None
@@ -40,7 +40,7 @@ def parsed_json(text: str | bytes, source: str, largest: int = LARGEST) -> Any:
         raise
     except ValueError as error:
         raise Refusal(f"{source} is not valid JSON: {error}") from None
-    return found
+    return value
 
 
 def _integer(digits: str) -> int:

@@ -24,7 +24,7 @@ BYTES_PER_VALUE = 10
 MOST_EXPANDED = 2
 """Limit of the characters and values of a text after its aliases are expanded, relative to those of a text without aliases."""
 DEEPEST = 100
-"""Deepest nesting [-]; aliases count as what they stand for."""
+"""Deepest nesting [-], with aliases expanded."""
 MOST_BITS = 1000
 """Longest integer [bits] that converts to a float and that Python prints."""
 MOST_DIGITS = 1000
@@ -99,18 +99,18 @@ def _extent(node: yaml.Node, known: dict[yaml.Node, _Extent | None]) -> _Extent:
         else:
             values, characters, depths = zip(_Extent(1, 0, 0), *(_extent(child, known) for child in inside), strict=True)
             known[node] = _Extent(sum(values), sum(characters), max(depths) + 1)
-    found = known[node]
-    if found is None:
+    extent = known[node]
+    if extent is None:
         _refuse("it contains itself by an alias", node)
-    return found
+    return extent
 
 
 def _mapping(loader: _Loader, node: yaml.MappingNode) -> dict[Any, Any]:
     keys = [loader.construct_object(key, deep=True) for key, _ in node.value]
     seen: set[Any] = set()
-    for key, (of, _) in zip(keys, node.value, strict=True):
+    for key, (key_node, _) in zip(keys, node.value, strict=True):
         if not isinstance(key, Hashable):
-            _refuse("a key is a list or a mapping; it must be a word", of)
+            _refuse("a key is a list or a mapping; it must be a word", key_node)
         if key in seen:
             _refuse(f"the key '{key}' occurs twice", node)
         seen.add(key)
@@ -182,7 +182,7 @@ def parsed(text: str, largest: int = LARGEST_TEXT) -> Any:
 
 @contextlib.contextmanager
 def _collection_paused() -> Iterator[None]:
-    """Pause the search for reference cycles: nodes have none, and the search of 90 000 nodes takes three times as long as their reading."""
+    """Pause the search for reference cycles: nodes have no cycles, and the search of 90 000 takes three times as long as their reading."""
     paused = gc.isenabled()
     gc.disable()
     try:

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from importlib import resources
 
 from dcrb_ros.runtime.version import __version__
+from dcrb_ros.text.markdown import table
 from dcrb_ros.validation.comparison import Comparison
 from dcrb_ros.validation.oiled_runs import OiledSpec
 from dcrb_ros.validation.runs import RunSpec
@@ -42,9 +43,7 @@ def tables(comparisons: Sequence[Comparison]) -> list[str]:
     """Return a heading and a table for each chapter."""
     lines: list[str] = []
     for title, part in chapters(comparisons).items():
-        lines += [f"### {title}", "", "| " + " | ".join(HEADINGS) + " |", "|" + "---|" * len(HEADINGS)]
-        lines += ["| " + " | ".join(cells(comparison)) + " |" for comparison in part]
-        lines.append("")
+        lines += [f"### {title}", "", table(HEADINGS, map(cells, part)), ""]
     return lines
 
 

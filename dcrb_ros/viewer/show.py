@@ -7,8 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
-from dcrb_ros.recordings.copying import plain_files
 from dcrb_ros.recordings.reader import Recording
+from dcrb_ros.recordings.recovery import plain_files
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.text.files import checked_path
 from dcrb_ros.viewer.content import Content

@@ -176,7 +176,7 @@ def test_any_manifest_is_explained_or_refused(tmp_path_factory: pytest.TempPathF
     from dcrb_ros.messages.topics import MANIFEST
     from dcrb_ros.recordings.manifest import OUTCOME, opening
     from dcrb_ros.recordings.reproduction import recorded_samples
-    from dcrb_ros.recordings.rosbag2 import Bag
+    from dcrb_ros.recordings.splitting import Bag
 
     about = json.loads(opening(Configuration(), BODIES, "/dcrb")[MANIFEST]["manifest"])
     outcome = {"samples": 3, "sha256": "0", "first_index": 0, "commands": []}

@@ -31,7 +31,7 @@ from dcrb_ros.recordings.manifest import OUTCOME, opening
 from dcrb_ros.recordings.metadata import metadata_flaw
 from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.recordings.recorder import Recorder, RecordingFailed, channel_of
-from dcrb_ros.recordings.rosbag2 import Bag
+from dcrb_ros.recordings.splitting import Bag
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.stream.event_text import encode_command

@@ -12,7 +12,7 @@ from waiting import PATIENCE, wait_for
 from dcrb_ros.messages.topics import FEATURES, Message
 from dcrb_ros.recordings import recorder_thread
 from dcrb_ros.recordings.recorder_thread import RecorderThread
-from dcrb_ros.recordings.rosbag2 import RecordingFailed
+from dcrb_ros.recordings.splitting import RecordingFailed
 from dcrb_ros.runtime.threads import NamedThread
 
 MS = 1_000_000

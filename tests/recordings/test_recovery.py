@@ -23,7 +23,7 @@ from dcrb_ros.recordings.metadata import metadata_flaw
 from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.recordings.recorder import channel_of
 from dcrb_ros.recordings.recovery import RECOVERY, Recovered, recover
-from dcrb_ros.recordings.rosbag2 import Bag
+from dcrb_ros.recordings.splitting import Bag
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.stream.events import LoadCommand

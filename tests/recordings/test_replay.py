@@ -19,7 +19,7 @@ from dcrb_ros.messages.topics import FEATURES, GROUND_TRUTH, MANIFEST, SENSOR, S
 from dcrb_ros.recordings.manifest import opening
 from dcrb_ros.recordings.recorder import Recorder, channel_of
 from dcrb_ros.recordings.replay import Replay, ReplayParameters
-from dcrb_ros.recordings.rosbag2 import Bag
+from dcrb_ros.recordings.splitting import Bag
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
 

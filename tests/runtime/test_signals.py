@@ -45,7 +45,7 @@ def test_a_node_in_the_background_heeds_ctrl_c_but_not_the_end_of_its_terminal_u
     code = """
 for number in signals.TERMINATION:
     signal.signal(number, signal.SIG_IGN)
-signals.heed_in_background()
+signals.restore_ignored_signals()
 signals.end_at_once(7)
 send(signal.SIGHUP)
 print("reached", flush=True)

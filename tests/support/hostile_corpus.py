@@ -25,7 +25,7 @@ from dcrb_ros.recordings.manifest import OUTCOME, opening
 from dcrb_ros.recordings.mcap_reader import MAGIC
 from dcrb_ros.recordings.mcap_writer import Channel
 from dcrb_ros.recordings.recorder import channel_of
-from dcrb_ros.recordings.rosbag2 import Bag
+from dcrb_ros.recordings.splitting import Bag
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.stream.block import Block, Truth
 

@@ -43,7 +43,7 @@ from dcrb_ros.sweep.design import GRID, LATIN_HYPERCUBE, RANDOM, Choice, Span, p
 from dcrb_ros.sweep.estimate import estimate
 from dcrb_ros.sweep.execution import common_settings, run_task
 from dcrb_ros.sweep.loader import read_sweep, sweep_of
-from dcrb_ros.sweep.plan import Plan, Run, splits
+from dcrb_ros.sweep.plan import Plan, PlannedRun, splits
 from dcrb_ros.sweep.store import Store, StoreFailed
 from dcrb_ros.sweep.sweep_file import Shares, Windows
 from dcrb_ros.sweep.windows import cut_windows, window_starts
@@ -73,7 +73,7 @@ def made(tree: dict[str, Any], folder: Path, client: Client) -> pd.DataFrame:
     return pd.read_parquet(folder / "labels.parquet")
 
 
-def run_alone(tree: dict[str, Any], folder: Path) -> list[tuple[Run, dict[str, Any]]]:
+def run_alone(tree: dict[str, Any], folder: Path) -> list[tuple[PlannedRun, dict[str, Any]]]:
     """Run a plan in this process and return its runs with their labels."""
     plan, store = plan_of(tree), Store(str(folder))
     found = []
@@ -408,7 +408,7 @@ def test_a_sweep_stopped_by_a_full_disk_can_be_continued(tmp_path: Path, client:
 def test_the_number_of_generated_tasks_is_bounded(tmp_path: Path, client: Client) -> None:
     plan, asked = plan_of({**VARIED, "points": 10, "seeds": 1}), []
 
-    def counted() -> Iterator[tuple[Run, ...]]:
+    def counted() -> Iterator[tuple[PlannedRun, ...]]:
         for task in plan.tasks(set(), 0.0):
             asked.append(task)
             yield task

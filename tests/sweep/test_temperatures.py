@@ -10,11 +10,11 @@ import pandas as pd
 import pytest
 
 from dcrb_ros.sweep.execution import common_settings, run_task
+from dcrb_ros.sweep.label import TEMPERATURES, temperatures
 from dcrb_ros.sweep.loader import sweep_of
 from dcrb_ros.sweep.plan import Plan
 from dcrb_ros.sweep.store import Store
 from dcrb_ros.sweep.table import write_table
-from dcrb_ros.sweep.temperatures import TEMPERATURES, temperatures
 
 
 def table(folder: Path, **changes: Any) -> pd.DataFrame:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dcrb_ros.sweep.lives.sweep import LifeSweep
 from dcrb_ros.sweep.lives.table import LIVES
+from dcrb_ros.text.markdown import table
 
 
 def design_text(sweep: LifeSweep) -> str:
@@ -14,18 +15,16 @@ def design_text(sweep: LifeSweep) -> str:
     growth = ", ".join(f"{name} {value:g}" for name, value in recipe.growth.model_dump().items() if isinstance(value, float))
     damage, inspection, start = recipe.damage, recipe.inspection, recipe.start
     overhaul = f"; service ends at {inspection.overhaul:g} h at the latest" if inspection.overhaul else ""
-    columns = "\n".join(f"| `{name}` | {meaning} |" for name, (_, meaning) in LIVES.items())
-    sections = "\n".join(
-        f"| {one.name} | {one.speed:.4g} | {one.load:g} | {one.steady:.4g} | {one.total:.4g} | {one.revolutions:.6g} |"
-        for one in duty.sections
+    columns = table(("column", "meaning"), ((f"`{name}`", meaning) for name, (_, meaning) in LIVES.items()))
+    sections = table(
+        ("section", "speed [rad/s]", "load [N]", "at constant speed [h]", "in total [h]", "revolutions"),
+        ((s.name, f"{s.speed:.4g}", f"{s.load:g}", f"{s.steady:.4g}", f"{s.total:.4g}", f"{s.revolutions:.6g}") for s in duty.sections),
     )
     return f"""## Lives
 
 {len(lives)} bearings, of which {failed} fail and {len(lives) - failed} are censored; {damaged} have damage before the end of their service.
 Everything is drawn with the seed {recipe.numbers.seed}. `lives.parquet` has one row per bearing:
 
-| column | meaning |
-|---|---|
 {columns}
 
 * Duty, repeated until the bearing fails: {duty.revolutions_per_hour:.4g} revolutions per operating hour under an equivalent load of
@@ -41,8 +40,6 @@ Everything is drawn with the seed {recipe.numbers.seed}. `lives.parquet` has one
   Speed and load of each are those of a section of the duty{_sections(sweep)}.
 {_climate(sweep)}* Each bearing is an individual: its surfaces have a seed of their own (`surfaces.seed`).
 
-| section | speed [rad/s] | load [N] | at constant speed [h] | in total [h] | revolutions |
-|---|---|---|---|---|---|
 {sections}"""
 
 

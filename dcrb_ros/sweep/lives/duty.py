@@ -81,22 +81,22 @@ def duty_of_line(stations: Sequence[Station], braking: Braking, wheel_diameter: 
     if len(stations) < 2:
         raise Refusal(f"{source}: line.stations has {len(stations)} station(s): give at least two, or a spectrum")
     sections = []
-    for here, there in itertools.pairwise(stations):
-        name, distance = f"{here.name} - {there.name}", 1e3 * abs(there.km - here.km)
-        if not (here.name and there.name):
-            raise Refusal(f"{source}: line.stations: a station at {here.km:g} or {there.km:g} km has no name: give one")
-        if not distance > 0.0 or not here.speed_kmh > 0.0:
+    for station, following in itertools.pairwise(stations):
+        name, distance = f"{station.name} - {following.name}", 1e3 * abs(following.km - station.km)
+        if not (station.name and following.name):
+            raise Refusal(f"{source}: line.stations: a station at {station.km:g} or {following.km:g} km has no name: give one")
+        if not distance > 0.0 or not station.speed_kmh > 0.0:
             raise Refusal(
-                f"{source}: line.stations: {name} is {distance / 1e3:g} km long at {here.speed_kmh:g} km/h, so no train reaches its end: "
-                "give both above 0"
+                f"{source}: line.stations: {name} is {distance / 1e3:g} km long at {station.speed_kmh:g} km/h, so no train reaches its "
+                "end: give both above 0"
             )
         ramps = 1.0 / braking.acceleration + 1.0 / braking.braking
-        fastest = min(here.speed_kmh / 3.6, math.sqrt(2.0 * distance / ramps))
+        fastest = min(station.speed_kmh / 3.6, math.sqrt(2.0 * distance / ramps))
         steady = max(distance / fastest - 0.5 * fastest * ramps, 0.0)
-        total = steady + fastest * ramps + here.dwell
+        total = steady + fastest * ramps + station.dwell
         turns = distance / (math.pi * wheel_diameter)
         speed = shaft_speed(3.6 * fastest, wheel_diameter)
-        sections.append(Section(name, speed, here.load, steady / 3600.0, total / 3600.0, turns))
+        sections.append(Section(name, speed, station.load, steady / 3600.0, total / 3600.0, turns))
     return Duty(tuple(sections))
 
 

@@ -23,7 +23,7 @@ FARTHEST = 1.2
 
 @dataclass(frozen=True)
 class Bearings:
-    """Number of rows and rollers of the bearings that live."""
+    """Number of rows and rollers of the simulated bearings."""
 
     rows: int
     rollers: int
@@ -39,7 +39,7 @@ class Life:
     """Seed of its surfaces."""
     component: str
     """``outer``, ``inner`` or ``roller``."""
-    place: dict[str, Value]
+    location: dict[str, Value]
     """Row, azimuth and roller of the damage by the parameter's name."""
     hours: Floats
     """From the start of the damage to failure, shape (points,) [h]."""
@@ -123,7 +123,7 @@ class Population:
             number,
             1 + int(random_stream(seed, f"life {number} individual").integers(2**31 - 2)),
             component,
-            self._place(component, self._random(number, "place")),
+            self._location(component, self._random(number, "place")),
             start + self.growth_hours * path.time,
             path.width,
             recipe.inspection.overhaul or math.inf,
@@ -133,10 +133,10 @@ class Population:
         """Yield all lives."""
         return map(self.life, range(self.recipe.numbers.lives))
 
-    def _random(self, number: int, what: str) -> np.random.Generator:
-        return random_stream(self.recipe.numbers.seed, f"life {number} {what}")
+    def _random(self, number: int, purpose: str) -> np.random.Generator:
+        return random_stream(self.recipe.numbers.seed, f"life {number} {purpose}")
 
-    def _place(self, component: str, random: np.random.Generator) -> dict[str, Value]:
+    def _location(self, component: str, random: np.random.Generator) -> dict[str, Value]:
         """Return where the damage is: under the load on the outer raceway, anywhere on the bodies that turn."""
         row, turn = 1 + int(random.integers(self.bearings.rows)), float(random.uniform(-3.14, 3.14))
         if component == "outer":

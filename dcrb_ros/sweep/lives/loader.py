@@ -92,7 +92,7 @@ def _climate(tree: Mapping[str, Any], common: Sweep, source: str) -> Climate | N
 
 
 def _duty(tree: Mapping[str, Any], wheel_diameter: float, source: str) -> tuple[Duty, tuple[dict[str, Any], ...]]:
-    """Return the duty, and what it was made from."""
+    """Return the duty, and the stations or levels that define it."""
     if ("line" in tree) == ("spectrum" in tree):
         raise Refusal(f"{source}: the duty is given {'twice' if 'line' in tree else 'nowhere'}: give either line or spectrum")
     if "spectrum" in tree:
@@ -103,13 +103,13 @@ def _duty(tree: Mapping[str, Any], wheel_diameter: float, source: str) -> tuple[
         raise Refusal(f"{source}: line is not a group: write stations, acceleration and braking below it")
     stations = _listed(line.get("stations", []), Station, source, "line.stations")
     braking = _group({key: value for key, value in line.items() if key != "stations"}, Braking, source, "line")
-    return duty_of_line(stations, braking, wheel_diameter, source), (braking.model_dump(), *(one.model_dump() for one in stations))
+    return duty_of_line(stations, braking, wheel_diameter, source), (braking.model_dump(), *(station.model_dump() for station in stations))
 
 
 def _listed(tree: Any, kind: type[Model], source: str, name: str) -> list[Model]:
     if not isinstance(tree, list):
         raise Refusal(f"{source}: {name} is not a list: write one entry per line, each with {', '.join(kind.model_fields)}")
-    return [_group(one, kind, source, f"{name}[{place}]") for place, one in enumerate(tree)]
+    return [_group(entry, kind, source, f"{name}[{number}]") for number, entry in enumerate(tree)]
 
 
 def _population(recipe: Recipe, duty: Duty, bearing: Bearing, source: str) -> Population:
@@ -129,18 +129,18 @@ def _population(recipe: Recipe, duty: Duty, bearing: Bearing, source: str) -> Po
     population = Population(recipe, duty, rating, Bearings(bearing.rows, bearing.rollers_per_row))
     longest = max(population.rating_hours, population.growth_hours)
     if longest > LONGEST_LIFE:
-        what = "rating life" if population.rating_hours == longest else "growth of the damage"
+        term = "rating life" if population.rating_hours == longest else "growth of the damage"
         raise Refusal(
-            f"{source}: a life cannot end: the {what} takes {longest:.3g} h under {duty.load:.4g} N, more than {LONGEST_LIFE:g} h; "
+            f"{source}: a life cannot end: the {term} takes {longest:.3g} h under {duty.load:.4g} N, more than {LONGEST_LIFE:g} h; "
             "increase the loads, or reduce start.rating or growth.revolutions"
         )
     if start.in_service and not inspection.overhaul:
         raise Refusal(f"{source}: start.in_service draws damage before an overhaul, and there is none: give inspection.overhaul in hours")
     life = inspection.overhaul or population.rating_hours + population.growth_hours
     if inspection.every >= life:
-        what = "the overhaul" if inspection.overhaul else "the basic rating life with the growth of the damage"
+        term = "the overhaul" if inspection.overhaul else "the basic rating life with the growth of the damage"
         raise Refusal(
-            f"{source}: inspection.every = {inspection.every:g} h is not below {life:.4g} h, {what}, so a life would have no inspection "
+            f"{source}: inspection.every = {inspection.every:g} h is not below {life:.4g} h, {term}, so a life would have no inspection "
             "after its first hour: give a shorter interval"
         )
     return population
@@ -150,8 +150,8 @@ def _check_last(sweep: LifeSweep, source: str) -> None:
     """Refuse damage that no bearing can carry at its last width."""
     for component in COMPONENTS:
         if getattr(sweep.recipe.damage, component):
-            place: dict[str, Value] = {"row": 1, "azimuth": 0.0, **({"roller": 1} if component == "roller" else {})}
-            changes = dict(sweep.damage(component, place, 1, sweep.recipe.damage.last_width))
+            location: dict[str, Value] = {"row": 1, "azimuth": 0.0, **({"roller": 1} if component == "roller" else {})}
+            changes = dict(sweep.damage(component, location, 1, sweep.recipe.damage.last_width))
             for section in sweep.sections:
                 loads = {"operating.speed": section.speed, "operating.load": section.load}
                 validated(overlaid(sweep.base, {**changes, **loads}), Configuration, f"{source}: the end of a life")

@@ -7,18 +7,18 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 
 from dcrb_ros.measurement.random_streams import random_stream
-from dcrb_ros.sweep.design import Value
+from dcrb_ros.sweep.design import Point
 from dcrb_ros.sweep.lives.card import design_text
 from dcrb_ros.sweep.lives.duty import Section
 from dcrb_ros.sweep.lives.life import Life
 from dcrb_ros.sweep.lives.sweep import LifeSweep
 from dcrb_ros.sweep.lives.table import TRUTH, lives_table
-from dcrb_ros.sweep.plan import SEED, Plan, Run, Task, digest, splits
+from dcrb_ros.sweep.plan import SEED, Plan, PlannedRun, Task, digest, splits
 from dcrb_ros.sweep.sweep_file import Sweep
 
 AMBIENT = "thermal.ambient"
 COLDEST_AND_HOTTEST = (-40.0, 60.0)
-"""Range of that parameter [deg C]; what is drawn beyond it takes its end."""
+"""Range of that parameter [deg C]; a draw beyond it is set to the limit."""
 
 
 def plan_of(sweep: Sweep) -> Plan:
@@ -49,13 +49,13 @@ class LifePlan(Plan):
 
     def groups(self) -> Iterator[Task]:
         """Yield the inspections one by one."""
-        place = 0
+        position = 0
         for life in self.lives.population.lives():
             hours = list(life.inspections(self.lives.recipe.inspection.every))
             conditions = zip(hours, self._sections(life, len(hours)), self._ambient(life, hours), strict=True)
             for number, (hour, section, ambient) in enumerate(conditions):
-                yield (self._inspection(place, life, number, hour, section, ambient),)
-                place += 1
+                yield (self._inspection(position, life, number, hour, section, ambient),)
+                position += 1
 
     def design_text(self) -> str:
         """Return the section of the data card about the lives."""
@@ -65,20 +65,20 @@ class LifePlan(Plan):
         """Yield the table of the lives."""
         yield "lives.parquet", lives_table(self.lives, lambda life: self._splits[self._bearings[life.number]])
 
-    def _inspection(self, place: int, life: Life, number: int, hour: float, section: Section, ambient: Mapping[str, Value]) -> Run:
+    def _inspection(self, position: int, life: Life, number: int, hour: float, section: Section, ambient: Point) -> PlannedRun:
         bearing, width = self._bearings[life.number], life.width(hour)
         twin = digest([bearing, number])
         seed = int(twin[:8], 16) >> 1
-        healthy: dict[str, Value] = {
+        healthy: Point = {
             "operating.speed": section.speed,
             "operating.load": section.load,
             "surfaces.seed": life.individual,
             SEED: seed,
             **ambient,
         }
-        changes = {**healthy, **dict(self.lives.damage(life.component, life.place, life.individual, width))}
-        return Run(
-            place,
+        changes = {**healthy, **dict(self.lives.damage(life.component, life.location, life.individual, width))}
+        return PlannedRun(
+            position,
             digest([self._common, self._difference(changes), None]),
             life.component if width else "healthy",
             twin,
@@ -103,10 +103,10 @@ class LifePlan(Plan):
         """Return the sections on which the inspections of a life are made, drawn by the hours at constant speed."""
         seed = self.lives.recipe.numbers.seed
         shares = random_stream(seed, f"life {life.number} sections").random(count)
-        places = np.minimum(np.searchsorted(self._shares, shares, side="right"), len(self._shares) - 1)
-        return [self.lives.sections[place] for place in places]
+        numbers = np.minimum(np.searchsorted(self._shares, shares, side="right"), len(self._shares) - 1)
+        return [self.lives.sections[number] for number in numbers]
 
-    def _ambient(self, life: Life, hours: list[float]) -> Iterator[Mapping[str, Value]]:
+    def _ambient(self, life: Life, hours: list[float]) -> Iterator[Point]:
         """Yield the temperature of the surroundings at the inspections of a life as a parameter; none without a climate."""
         climate = self.lives.recipe.climate
         if climate is None:

@@ -91,7 +91,7 @@ class Numbers(Group):
 
 @dataclass(frozen=True)
 class Recipe:
-    """What makes the lives of a sweep; the duty stands beside it."""
+    """The parameters from which the lives of a sweep are drawn, apart from the duty."""
 
     numbers: Numbers
     inspection: Inspection

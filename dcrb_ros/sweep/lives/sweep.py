@@ -1,4 +1,4 @@
-"""A sweep of lives: the sweep of its inspections, and what its lives are drawn from."""
+"""A sweep of lives: the sweep of the inspections, and the population from which the lives are drawn."""
 
 from __future__ import annotations
 
@@ -35,19 +35,19 @@ class LifeSweep(Sweep):
 
     @property
     def inputs(self) -> dict[str, Any]:
-        """Everything that the data set is made from, as written to its description."""
+        """All inputs of the data set, as written to its description."""
         groups = {name: getattr(self.recipe, name).model_dump() for name in ("numbers", "inspection", "start", "damage", "growth")}
         climate = {"climate": self.recipe.climate.model_dump()} if self.recipe.climate is not None else {}
         return {**super().inputs, "kind": LIFE, "duty": list(self.duty), **groups, **climate}
 
-    def damage(self, component: str, place: Mapping[str, Value], individual: int, width: float) -> Iterator[tuple[str, Value]]:
-        """Yield the parameters of the damage of a component: its place, the seed of its bearing, its width [m]; none without width."""
+    def damage(self, component: str, location: Mapping[str, Value], individual: int, width: float) -> Iterator[tuple[str, Value]]:
+        """Yield the parameters of the damage of a component: location, seed of the bearing, width [m]. Without width there are none."""
         if not width:
             return
         key = f"faults.{COMPONENTS[component]}"
         yield f"{key}.width", width
         yield f"{key}.depth", self.recipe.damage.depth
-        for name, value in place.items():
+        for name, value in location.items():
             yield f"{key}.{name}", value
         if component != "roller":
             kind = SPALL if self.base["surfaces.law"] == "profile" else NOTCH

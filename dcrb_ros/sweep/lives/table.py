@@ -1,4 +1,4 @@
-"""What is known about lives: the columns of their inspections, and the table with one row per bearing."""
+"""The tables of lives: columns of the inspections, and a table with one row per bearing."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping
 
 from dcrb_ros.sweep.lives.life import Life
 from dcrb_ros.sweep.lives.sweep import LifeSweep
+from dcrb_ros.sweep.table import parquet_schema
 
 TRUTH: Mapping[str, tuple[type, str]] = {
     "bearing_id": (str, "name of the bearing"),
@@ -39,16 +40,14 @@ def lives_table(sweep: LifeSweep, split: Callable[[Life], str]) -> bytes:
     import pyarrow
     from pyarrow import parquet
 
-    kinds = {str: pyarrow.string(), int: pyarrow.int64(), float: pyarrow.float64(), bool: pyarrow.bool_()}
-    schema = pyarrow.schema([pyarrow.field(name, kinds[kind], metadata={"meaning": text}) for name, (kind, text) in LIVES.items()])
     every, stream = sweep.recipe.inspection.every, io.BytesIO()
     rows = [
         {
             "bearing_id": life.bearing_id,
             "split": split(life),
             "component": life.component,
-            "row": life.place["row"],
-            "azimuth": life.place["azimuth"],
+            "row": life.location["row"],
+            "azimuth": life.location["azimuth"],
             "individual": life.individual,
             "start": life.start,
             "failure": life.failure,
@@ -58,5 +57,5 @@ def lives_table(sweep: LifeSweep, split: Callable[[Life], str]) -> bytes:
         }
         for life in sweep.population.lives()
     ]
-    parquet.write_table(pyarrow.Table.from_pylist(rows, schema=schema), stream, compression="zstd")
+    parquet.write_table(pyarrow.Table.from_pylist(rows, schema=parquet_schema(LIVES)), stream, compression="zstd")
     return stream.getvalue()

@@ -102,10 +102,10 @@ def test_a_life_does_not_depend_on_the_number_of_lives() -> None:
     few, many = sweep(lives=3).population, sweep(lives=300).population
     for number in range(3):
         one, same = few.life(number), many.life(number)
-        assert (one.individual, one.component, one.place, one.start, one.failure) == (
+        assert (one.individual, one.component, one.location, one.start, one.failure) == (
             same.individual,
             same.component,
-            same.place,
+            same.location,
             same.start,
             same.failure,
         )
@@ -243,7 +243,7 @@ def test_another_growth_is_another_data_set(tmp_path: Path) -> None:
 @pytest.mark.parametrize("path", sorted((shipped_folder() / "sweeps").glob("*.yaml")), ids=lambda path: path.stem)
 def test_shipped_sweeps_can_be_planned(path: Path) -> None:
     found = read_sweep(path)
-    assert next(plan_of(found).runs()).place == 0
+    assert next(plan_of(found).runs()).position == 0
     assert found.count >= 100
 
 

@@ -33,7 +33,8 @@ def test_ten_lives_have_a_hundred_inspections_each_on_average(plan: LifePlan) ->
 def test_the_vibration_of_a_life_grows_to_its_end(plan: LifePlan, tmp_path: Path) -> None:
     """The first and the last inspection of a life that ends in failure, as `dcrb sweep` makes them."""
     store = Store(str(tmp_path))
-    common = replace(common_settings(plan.sweep, store), duration=0.1, settle=0.05)
+    short = plan.sweep.file.model_copy(update={"duration": 0.1, "settle": 0.05})
+    common = replace(common_settings(plan.sweep, store), file=short)
     failed = next(life.bearing_id for life in plan.lives.population.lives() if not life.censored)
     inspections = [run for run in plan.runs() if run.truth["bearing_id"] == failed]
     assert inspections[-1].truth["remaining_life"] == 0.0

@@ -28,7 +28,7 @@ class GrowthPath(NamedTuple):
 
 
 class Growth(Group):
-    """What all laws have; the constants are assumptions, which a user replaces by what is known about a fleet."""
+    """Parameters common to all laws. The constants are assumptions; a user replaces them by data of a fleet."""
 
     law: str = choice("paris", "Law of growth: paris, exponential or gamma")
     revolutions: float = quantity(

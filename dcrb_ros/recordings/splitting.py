@@ -1,4 +1,4 @@
-"""Writing a rosbag2 folder: MCAP files, split by size or duration, and a metadata.yaml that is replaced atomically."""
+"""Splitting and closing a recording: a rosbag2 folder of MCAP files, and a metadata.yaml that is replaced atomically."""
 
 from __future__ import annotations
 

@@ -17,7 +17,7 @@ from dcrb_ros.messages.topics import FEATURES, NAMESPACE, SENSOR, VIBRATION
 from dcrb_ros.recordings.mcap_reader import McapRecords
 from dcrb_ros.recordings.mcap_writer import Channel
 from dcrb_ros.recordings.recorder import channel_of
-from dcrb_ros.recordings.rosbag2 import SECOND, Bag, RecordingFailed, Splitting
+from dcrb_ros.recordings.splitting import SECOND, Bag, RecordingFailed, Splitting
 from dcrb_ros.schema.refusal import Refusal
 
 ONE, OTHER, LATCHED = (channel_of(topic, NAMESPACE) for topic in (FEATURES, VIBRATION, SENSOR))

@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from dcrb_ros.exchange.tacho import LEVELS, counted_pulses, joined_turns, pulse_train, turns_at_speed, wrapped
-from dcrb_ros.exchange.tacho import sampled_pulses as written_pulses
+from dcrb_ros.exchange.pulse_train import LEVELS, counted_pulses, joined_turns, pulse_train, turns_at_speed, wrapped
+from dcrb_ros.exchange.pulse_train import sampled_pulses as written_pulses
 from dcrb_ros.schema.refusal import Refusal
 
 RATE = 10_000.0

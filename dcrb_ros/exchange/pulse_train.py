@@ -38,12 +38,12 @@ class PulseTrain:
 
     def at(self, index: npt.NDArray[np.int64]) -> Floats:
         """Return the turns at each sample, shape (samples,) [-]; beyond the edges the speed of the nearest interval continues."""
-        places = np.asarray(index, np.float64)
-        found = np.interp(places, self.edges, self.turns)
-        for beyond, edge, beside in ((places < self.edges[0], 0, 1), (places > self.edges[-1], -1, -2)):
-            slope = (self.turns[edge] - self.turns[beside]) / (self.edges[edge] - self.edges[beside])
-            found[beyond] = self.turns[edge] + slope * (places[beyond] - self.edges[edge])
-        return np.asarray(found, np.float64)
+        positions = np.asarray(index, np.float64)
+        turns = np.interp(positions, self.edges, self.turns)
+        for beyond, edge, neighbour in ((positions < self.edges[0], 0, 1), (positions > self.edges[-1], -1, -2)):
+            slope = (self.turns[edge] - self.turns[neighbour]) / (self.edges[edge] - self.edges[neighbour])
+            turns[beyond] = self.turns[edge] + slope * (positions[beyond] - self.edges[edge])
+        return np.asarray(turns, np.float64)
 
 
 def pulse_train(pulses: Floats, index: npt.NDArray[np.int64], per_turn: int, levels: tuple[float, float] | None, source: str) -> PulseTrain:
@@ -79,7 +79,7 @@ def pulse_train(pulses: Floats, index: npt.NDArray[np.int64], per_turn: int, lev
 def counted_pulses(pulses: Floats, index: npt.NDArray[np.int64], per_turn: int, levels: tuple[float, float] | None) -> PulseTrain:
     """Return the turns at all rising edges of ``pulses``, each of which is one pulse; across missing samples the median interval goes on.
 
-    It takes the pulses as they are, as those of an export, where `pulse_train` judges what a real wheel and its pickup do.
+    It is for the exact pulses of an export; `pulse_train` corrects those of a real wheel and its pickup.
     """
     edges, borders = _edges(pulses, index, *(levels or _levels(pulses)))
     steps, intervals = np.ones(max(0, len(edges) - 1)), np.diff(edges)
@@ -106,10 +106,10 @@ def sampled_pulses(edges: Floats, index: npt.NDArray[np.int64]) -> Samples:
 
 
 def _edges(pulses: Floats, index: npt.NDArray[np.int64], low: float, high: float) -> tuple[Floats, npt.NDArray[np.int64]]:
-    """Return the rising edges, none of them across missing samples, shape (edges,) [samples], and the samples after which some miss."""
+    """Return the rising edges [samples] except those across missing samples, and the samples after each gap."""
     runs = np.flatnonzero(np.diff(index) != 1) + 1
     parts = zip(np.split(pulses, runs), np.split(index, runs), strict=True)
-    return np.concatenate([begin[0] + place for part, begin in parts for place in [rising_edges(part, low, high)]]), index[runs]
+    return np.concatenate([begin[0] + edges for part, begin in parts for edges in [rising_edges(part, low, high)]]), index[runs]
 
 
 def rising_edges(pulses: Floats, low: float, high: float) -> Floats:
@@ -159,8 +159,8 @@ def turns_at_speed(rpm: Floats, index: npt.NDArray[np.int64], rate: float, sourc
             "give speeds in rpm, NaN where unknown, at most one per sample"
         )
     # The first speed is that of the first sample, and the time between two speeds is the same for all of them.
-    places = index[0] + np.arange(len(rpm)) * ((index[-1] - index[0] + 1) / len(rpm)) if len(rpm) < len(index) else index
-    frequency = np.interp(index, np.asarray(places)[known], rpm[known]) / 60.0
+    positions = index[0] + np.arange(len(rpm)) * ((index[-1] - index[0] + 1) / len(rpm)) if len(rpm) < len(index) else index
+    frequency = np.interp(index, np.asarray(positions)[known], rpm[known]) / 60.0
     steps = 0.5 * (frequency[1:] + frequency[:-1]) * np.diff(index) / rate
     return np.concatenate([[0.0], np.cumsum(steps)])
 
@@ -170,13 +170,13 @@ def joined_turns(parts: Sequence[Floats], indices: Sequence[npt.NDArray[np.int64
 
     Between two files the shaft turns at the mean of the speeds at the end of one and at the beginning of the other.
     """
-    begin, found = 0.0, [parts[0]]
-    for (before, after), (at, then) in zip(pairwise(parts), pairwise(indices), strict=True):
-        speeds = [np.diff(turns) / np.diff(index) for turns, index in ((before[-2:], at[-2:]), (after[:2], then[:2]))]
+    begin, joined = 0.0, [parts[0]]
+    for (before, after), (index, following) in zip(pairwise(parts), pairwise(indices), strict=True):
+        speeds = [np.diff(turns) / np.diff(index) for turns, index in ((before[-2:], index[-2:]), (after[:2], following[:2]))]
         speed = float(np.mean(np.concatenate(speeds))) if sum(map(len, speeds)) else 0.0
-        begin += float(before[-1]) + speed * float(then[0] - at[-1])
-        found.append(begin + after)
-    return np.concatenate(found)
+        begin += float(before[-1]) + speed * float(following[0] - index[-1])
+        joined.append(begin + after)
+    return np.concatenate(joined)
 
 
 def wrapped(turns: Floats) -> npt.NDArray[np.float32]:
