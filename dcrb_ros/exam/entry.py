@@ -107,7 +107,7 @@ def entry_of(report: Report, name: str = "") -> Entry:
         scenarios=[
             EntryScenario(
                 name=result.expectation.name,
-                family=result.expectation.verdict,  # type: ignore[arg-type]
+                family=result.expectation.verdict,
                 stratum=difficulty(result.expectation, report.criteria)[1] if result.expectation.faulty else None,
                 required=result.expectation.required,
                 answer=result.answer,

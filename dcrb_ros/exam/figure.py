@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -11,15 +12,8 @@ from matplotlib.figure import Figure
 
 from dcrb_ros.exam.report import Report
 from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.schema.verdicts import FAULTS
 
-COLOURS = {
-    "outer_ring": "#1f6fb4",
-    "inner_ring": "#e07b00",
-    "roller": "#2a9d5c",
-    "cage": "#a23b72",
-    "compound": "#6b5b95",
-    "sensor": "#8a8a8a",
-}
 SUFFIXES = (".png", ".svg", ".pdf")
 
 
@@ -69,7 +63,8 @@ def _detection(axes: Axes, report: Report) -> None:
         found = [row.probability for row in own]
         error = [[p.value - p.low for p in found], [p.high - p.value for p in found]]
         widths = [row.width * 1e3 + shift for row in own]
-        axes.errorbar(widths, [p.value for p in found], error, marker="o", ms=4, lw=1.2, capsize=3, color=COLOURS[verdict], label=verdict)
+        style: dict[str, Any] = {"marker": "o", "ms": 4, "lw": 1.2, "capsize": 3, "color": FAULTS[verdict].colour}
+        axes.errorbar(widths, [p.value for p in found], error, label=verdict, **style)
     axes.axvline(report.criteria.smallest_width * 1e3, color="black", lw=0.8, ls=":", label="smallest required width")
     axes.set(xlabel="width [mm]", ylabel="detected in time, correct verdict [-]", ylim=(-0.03, 1.03), xlim=(0.0, 1.1 * widest))
     axes.legend(fontsize=7, loc="upper center", bbox_to_anchor=(0.5, -0.14), ncols=3, frameon=False)
@@ -86,7 +81,7 @@ def _graded(axes: Axes, report: Report) -> None:
         places = [row.value / largest for row in own]
         lowest = min([lowest, *(abs(place) for place in places if place)])
         label = f"{verdict}, {parameter.rsplit('.')[-1]} to {largest:g}"
-        axes.plot(places, [row.probability.value for row in own], marker="o", ms=4, lw=1.2, color=COLOURS[verdict], label=label)
+        axes.plot(places, [row.probability.value for row in own], marker="o", ms=4, lw=1.2, color=FAULTS[verdict].colour, label=label)
     axes.set_xscale("symlog", linthresh=lowest)
     axes.set(xlabel="value relative to the largest [-]", ylabel="detected in time, correct verdict [-]", ylim=(-0.03, 1.03))
     axes.legend(fontsize=7, loc="upper center", bbox_to_anchor=(0.5, -0.17), ncols=2, frameon=False)
@@ -102,7 +97,7 @@ def _delay(axes: Axes, report: Report) -> None:
     for place, row in enumerate(rows):
         delays = [m.delay for m in report.faulty if m.expectation.verdict == row.verdict and m.found and m.delay is not None]
         spread = np.linspace(-0.2, 0.2, len(delays)) if len(delays) > 1 else np.zeros(len(delays))
-        axes.plot(place + spread, delays, "o", ms=3.5, alpha=0.7, color=COLOURS[row.verdict])
+        axes.plot(place + spread, delays, "o", ms=3.5, alpha=0.7, color=FAULTS[row.verdict].colour)
         if math.isfinite(row.median):
             axes.hlines(row.median, place - 0.3, place + 0.3, color="black", lw=1.5)
         axes.hlines(row.limit, place - 0.4, place + 0.4, color="red", lw=1.0, ls="--")
