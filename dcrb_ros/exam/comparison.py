@@ -23,7 +23,7 @@ class Comparison:
     """Share of the bootstrap samples in which the first is better; ties count one half [-]."""
 
     @property
-    def told_apart(self) -> bool:
+    def distinguished(self) -> bool:
         """Whether the interval of the difference excludes 0."""
         return self.difference.low > 0.0 or self.difference.high < 0.0
 
@@ -34,13 +34,13 @@ def compare(first: Sequence[Contribution], second: Sequence[Contribution], profi
     Raises:
         Refusal: they were not evaluated on the same scenarios.
     """
-    ours, theirs = (sorted(one, key=lambda contribution: contribution.name) for one in (first, second))
-    if [(one.name, one.family, one.credit.periods) for one in ours] != [(one.name, one.family, one.credit.periods) for one in theirs]:
+    first, second = (sorted(contributions, key=lambda contribution: contribution.name) for contributions in (first, second))
+    if [(c.name, c.family, c.credit.periods) for c in first] != [(c.name, c.family, c.credit.periods) for c in second]:
         raise Refusal("the detectors were evaluated on different scenarios: compare entries of one exam")
-    whole, samples = np.ones((1, len(ours))), draws(ours)
-    value = float((scores(ours, profile, whole) - scores(theirs, profile, whole))[0])
-    differences = np.round(scores(ours, profile, samples) - scores(theirs, profile, samples), DECIMALS)
-    families = [one.family for one in ours]
+    whole, samples = np.ones((1, len(first))), draws(first)
+    value = float((scores(first, profile, whole) - scores(second, profile, whole))[0])
+    differences = np.round(scores(first, profile, samples) - scores(second, profile, samples), DECIMALS)
+    families = [contribution.family for contribution in first]
     known = all(families.count(family) > 1 for family in set(families))
     low, high = interval(differences) if known else (-100.0, 100.0)
     confidence = float(np.mean(differences > 0.0) + 0.5 * np.mean(differences == 0.0)) if known else 0.5

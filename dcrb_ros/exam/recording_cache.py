@@ -57,8 +57,8 @@ def checked_folder(folder: Path) -> Path:
 
 def cache_path(case: Case, folder: Path) -> Path:
     """Return the path of a case's recording; its name contains a hash of the run, the model and the software versions."""
-    about = [case.run.described(), model_fingerprint(), software()]
-    topics = _recorded(case.run.configuration)
+    about = [case.simulation.described(), model_fingerprint(), software()]
+    topics = _recorded(case.simulation.configuration)
     everything = canonical(about if topics == RECORDED else [*about, [topic.name for topic in topics]])
     words = re.sub(r"[^a-z0-9.=_-]+", "-", case.expectation.name.lower())[:60].strip("-.")
     return folder / f"{words}-{hashlib.sha256(everything.encode()).hexdigest()[:16]}"
@@ -103,7 +103,7 @@ def _recorded(configuration: Configuration) -> tuple[SimulatedTopic, ...]:
 
 
 def _simulate(case: Case, path: Path) -> None:
-    run, source = case.run, case.expectation.name
+    run, source = case.simulation, case.expectation.name
     simulation = Simulation(run.configuration, scheduled_changes(run.scenario, run.configuration, source) if run.scenario else ())
     names = ", ".join(topic.name for topic in _recorded(run.configuration))
     topics = run.configuration.recording.model_copy(update={"topics": names})

@@ -143,7 +143,7 @@ def test_a_criterion_is_met_at_its_limit(criteria: dict[str, Any], holds: list[b
     assert report(name_right=False).checks()[0].name == "required faults detected in time"
 
 
-def test_missing_verdicts_and_faults_that_are_not_required_are_told_apart() -> None:
+def test_missing_verdicts_and_faults_that_are_not_required_are_distinguished() -> None:
     assert report(result("cage", "healthy", required=False)).passed
     assert report().passed
     assert not report(result("healthy", "nothing", broken=True)).passed
