@@ -1,4 +1,7 @@
-"""The exam score, 0 to 100: credit for faults, times a factor for false alarms and silence; with its bootstrap interval."""
+"""The exam score, 0 to 100, with its bootstrap interval, and the difference of two detectors.
+
+The score is the credit for faults, times a factor for false alarms and silence.
+"""
 
 from __future__ import annotations
 
@@ -13,6 +16,7 @@ from dcrb_ros.exam.credit import Credit
 from dcrb_ros.exam.profile import HEADLINE, PROFILES, Profile
 from dcrb_ros.exam.statistics import CONFIDENCE, Interval
 from dcrb_ros.schema.arrays import Floats
+from dcrb_ros.schema.refusal import Refusal
 
 RESAMPLES = 2000
 """Bootstrap samples of the scenarios [-]."""
@@ -138,3 +142,37 @@ def _grouped(contributions: Sequence[Contribution]) -> Mapping[str, list[int]]:
     for position in order:
         groups.setdefault(contributions[position].family, []).append(position)
     return groups
+
+
+@dataclass(frozen=True)
+class ScoreDifference:
+    """The difference of the exam scores of two detectors."""
+
+    difference: Interval
+    """Score of the first minus that of the second, with its bootstrap interval [-]."""
+    confidence: float
+    """Share of the bootstrap samples in which the first is better; ties count one half [-]."""
+
+    @property
+    def distinguished(self) -> bool:
+        """Whether the interval of the difference excludes 0."""
+        return self.difference.low > 0.0 or self.difference.high < 0.0
+
+
+def compare(first: Sequence[Contribution], second: Sequence[Contribution], profile: Profile) -> ScoreDifference:
+    """Return the difference of two detectors by a paired bootstrap: both are judged on the same scenarios in every sample.
+
+    Raises:
+        Refusal: they were not evaluated on the same scenarios.
+    """
+    first, second = (sorted(contributions, key=lambda contribution: contribution.name) for contributions in (first, second))
+    if [(c.name, c.family, c.credit.periods) for c in first] != [(c.name, c.family, c.credit.periods) for c in second]:
+        raise Refusal("the detectors were evaluated on different scenarios: compare entries of one exam")
+    whole, samples = np.ones((1, len(first))), draws(first)
+    value = float((scores(first, profile, whole) - scores(second, profile, whole))[0])
+    differences = np.round(scores(first, profile, samples) - scores(second, profile, samples), DECIMALS)
+    families = [contribution.family for contribution in first]
+    known = all(families.count(family) > 1 for family in set(families))
+    low, high = interval(differences) if known else (-100.0, 100.0)
+    confidence = float(np.mean(differences > 0.0) + 0.5 * np.mean(differences == 0.0)) if known else 0.5
+    return ScoreDifference(Interval(round(value, DECIMALS), low, high), confidence)

@@ -8,9 +8,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from dcrb_ros.exam.comparison import Comparison, compare
 from dcrb_ros.exam.entry import Entry, read_entry
-from dcrb_ros.exam.exam_score import ExamScore, headline_score
+from dcrb_ros.exam.exam_score import ExamScore, ScoreDifference, compare, headline_score
 from dcrb_ros.exam.profile import HEADLINE, HEADLINE_PROFILE, PROFILES
 from dcrb_ros.exam.statistics import CONFIDENCE
 from dcrb_ros.schema.printable import printable
@@ -27,7 +26,7 @@ class RankedEntry:
 
     entry: Entry
     scores: tuple[ExamScore, ...]
-    next: Comparison | None
+    next: ScoreDifference | None
     """Comparison with the next entry; None for the last."""
 
     @property
@@ -112,7 +111,7 @@ def rows(board: Board) -> Iterator[tuple[str, ...]]:
         )
 
 
-def _better(comparison: Comparison | None) -> str:
+def _better(comparison: ScoreDifference | None) -> str:
     if comparison is None:
         return "–"
     return f"{'yes' if comparison.distinguished else 'not shown'}, {comparison.confidence:.1%}"

@@ -1,4 +1,4 @@
-"""The leaderboard as a figure: exam scores with their intervals, and which detectors are told apart."""
+"""The leaderboard as a figure: exam scores with their intervals, and which detectors are distinguished."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from dcrb_ros.exam.comparison import compare
+from dcrb_ros.exam.exam_score import compare
 from dcrb_ros.exam.leaderboard import Board
 from dcrb_ros.exam.profile import HEADLINE, PROFILES
 from dcrb_ros.schema.refusal import Refusal

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 from same_process import dcrb
 
-from dcrb_ros.exam.comparison import compare
 from dcrb_ros.exam.criteria import Criteria
 from dcrb_ros.exam.entry import Entry, entry_of, read_entry, write_entry
+from dcrb_ros.exam.exam_score import compare
 from dcrb_ros.exam.expectation import Expectation
 from dcrb_ros.exam.leaderboard import boards, markdown, page, rows
 from dcrb_ros.exam.profile import PROFILES
