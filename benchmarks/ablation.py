@@ -30,10 +30,11 @@ from dcrb_ros.diagnosis.line_search import GUARD, LineSearch
 from dcrb_ros.diagnosis.order_spectrum import decibels, ratio
 from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.diagnosis.rules.roller import Roller
-from dcrb_ros.exam.detector_run import run_shipped_detector
+from dcrb_ros.exam.detector_run import shipped_detector
 from dcrb_ros.exam.exam_file import read_exam
 from dcrb_ros.exam.measured import diagnose_as_a_whole, read_measured
 from dcrb_ros.exam.scoring import score_scenario
+from dcrb_ros.recordings.reader import Recording
 
 DIAGNOSIS = "dcrb_ros.diagnosis"
 FAULTS = ("outer_ring", "inner_ring", "roller")
@@ -125,7 +126,7 @@ def simulated(folder: Path, parameters: DetectorParameters) -> str:
         expected = case.expectation
         bag = bags[re.sub(r"[^a-z0-9_.=]+", "-", expected.name.lower())]
         if expected.verdict == "healthy" or expected.tags.get("width") in (0.001, 0.002):
-            result = score_scenario(expected, run_shipped_detector(bag, parameters), exam.criteria)
+            result = score_scenario(expected, shipped_detector(parameters).diagnose(Recording(bag)).received, exam.criteria)
             alarms += len(result.false_alarms)
             right += result.delay is not None
     return f"{alarms} | {right}"

@@ -38,9 +38,9 @@ def number(value: float | None, digits: int = 2) -> str:
     return "–" if value is None else f"{value:.{digits}f}"
 
 
-def interval(found: dict[str, Any], digits: int = 2) -> str:
+def interval(estimate: dict[str, Any], digits: int = 2) -> str:
     """Return an estimate with its confidence interval as text."""
-    return f"{number(found['value'], digits)} ({number(found['low'], digits)} to {number(found['high'], digits)})"
+    return f"{number(estimate['value'], digits)} ({number(estimate['low'], digits)} to {number(estimate['high'], digits)})"
 
 
 def table(headings: list[str], rows: list[list[str]]) -> Iterator[str]:
@@ -67,7 +67,8 @@ def report_lines(report: dict[str, Any], image: str, caption: str) -> Iterator[s
         [[c["name"], c["wanted"], c["got"], "passed" if c["holds"] else "**failed**"] for c in report["checks"]],
     )
     marks = [
-        [profile, interval(one, 1), number(one["detection"], 3), number(one["clean"], 3)] for profile, one in report["exam_score"].items()
+        [profile, interval(score, 1), number(score["detection"], 3), number(score["clean"], 3)]
+        for profile, score in report["exam_score"].items()
     ]
     yield from table(["profile", "exam score, 95 % confidence", "credit for faults", "factor for false alarms"], marks)
     if report["delay"]:
@@ -106,7 +107,7 @@ def replace(name: str, lines: Iterator[str]) -> None:
     text = re.sub(r"\n{3,}", "\n\n", "\n".join(lines)).strip()
     page, count = re.subn(
         rf"(<!-- report {name} -->\n).*?(<!-- end of report -->)",
-        lambda found: f"{found[1]}{text}\n{found[2]}",
+        lambda match: f"{match[1]}{text}\n{match[2]}",
         PAGE.read_text(encoding="utf-8"),
         flags=re.DOTALL,
     )
@@ -138,8 +139,8 @@ def main() -> None:
     options = ["--workers", given.workers, *(["--recordings", given.recordings] if given.recordings else [])]
     for report in given.reports or usual:
         began = time.monotonic()
-        exam, own, caption = REPORTS[report]
-        replace(report, report_lines(evaluate(exam, f"exam-{report}.png", options + own), f"exam-{report}.png", caption))
+        exam, exam_options, caption = REPORTS[report]
+        replace(report, report_lines(evaluate(exam, f"exam-{report}.png", options + exam_options), f"exam-{report}.png", caption))
         print(f"{report}: {time.monotonic() - began:.0f} s of wall time, using existing recordings")
     print(f"reports: {PAGE}")
 

@@ -2,7 +2,7 @@
 
     python benchmarks/hot_boxes.py --healthy 40 --faulty 200 --figure hot-boxes.png
 
-Nothing vibrates: temperatures come from the thermal network between tables of quasi-steady heat (`dcrb_ros.exam.hot_boxes`). A thousand
+Nothing vibrates: temperatures come from the thermal network between tables of quasi-steady heat (`hot_box_heat.py`). A thousand
 healthy axle-days take two minutes of one core. Seeds from 1000 on chose the thresholds; the figures are of seeds from 1 on.
 """
 
@@ -12,18 +12,22 @@ import argparse
 import json
 import math
 from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from hot_box_fleet import DAY, STEP, Fleet, Growth, Temperatures
+from hot_box_heat import Fault, HeatTable, heat_table
 
 import dcrb_ros
+from dcrb_ros.diagnosis.heat_monitor import HeatMonitor
 from dcrb_ros.diagnosis.parameters import DetectorParameters
-from dcrb_ros.exam.hot_boxes.fleet import Fleet
-from dcrb_ros.exam.hot_boxes.heat_table import Fault, heat_table
-from dcrb_ros.exam.hot_boxes.trial import Outcome, drawn_growth, faulty_days, healthy_days
+from dcrb_ros.diagnosis.registry import HEAT_RULES
+from dcrb_ros.diagnosis.wayside import AxleBoxes, Wayside, WaysideParameters
 from dcrb_ros.exam.statistics import rate
+from dcrb_ros.schema.arrays import Floats
 
 AXLES, DAYS = 20, 5
 """Axles of a healthy fleet and the days that they run."""
@@ -34,6 +38,114 @@ SHORTEST, LONGEST = 3600.0, 8.0 * 3600.0
 TITLES: dict[Fault, str] = {"loss": "loss of lubricant", "clearance": "loss of clearance"}
 
 
+@dataclass(frozen=True)
+class Alarm:
+    """The first alarm of a detector of one box, or one of several."""
+
+    time: float
+    """[s]"""
+    verdict: str
+    residual: float
+    """Excess over the expected temperature [K]."""
+
+
+@dataclass(frozen=True)
+class Watched:
+    """The verdicts of the detector of one box."""
+
+    alarms: list[Alarm]
+    """Each when it was raised."""
+    most: float
+    """Largest departure above the expected temperature, in standard deviations [-]."""
+    least: float
+    """The same below it."""
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """An axle with a fault of its first box."""
+
+    onset: float
+    """[s]"""
+    early: bool
+    """Whether an alarm was raised before the onset."""
+    detector: Alarm | None
+    """First alarm of the detector after the onset."""
+    wayside: float
+    """Time of the first alarm of a wayside detector after the onset [s]; infinite without one."""
+    hottest: float
+    """Largest rise of the box above ambient [K]."""
+
+    @property
+    def lead(self) -> float:
+        """Time by which the detector was earlier [s]; minus infinity without its alarm."""
+        return self.wayside - self.detector.time if self.detector is not None else -math.inf
+
+
+def watched(parameters: DetectorParameters, speed: Floats, ring: Floats, air: Floats) -> Watched:
+    """Return the alarms of the detector of a box for readings of shape (steps,) [rad/s], [deg C]."""
+    p: Any = parameters
+    monitor, alarms, current = HeatMonitor(p, [rule(p) for rule in HEAT_RULES], p.release_margin), [], ""
+    most = least = 0.0
+    rows = zip((speed / (2.0 * math.pi)).tolist(), ring.tolist(), air.tolist(), strict=True)
+    for k, (frequency, outer_ring, ambient) in enumerate(rows):
+        heat = monitor.update(k * STEP, frequency, outer_ring, ambient)
+        if heat is None:
+            continue
+        departure = heat.evidence.residual / heat.evidence.deviation
+        most, least = max(most, departure), min(least, departure)
+        verdict = next(iter(heat.confirmed), "")
+        if verdict and not current:
+            alarms.append(Alarm(k * STEP, verdict, heat.evidence.residual))
+        current = verdict
+    return Watched(alarms, most, least)
+
+
+def healthy_days(fleet: Fleet, table: HeatTable, parameters: DetectorParameters) -> tuple[list[Watched], int]:
+    """Return the alarms of the detectors of both boxes of each axle, and the number of axles whose first box a wayside detector finds hot.
+
+    The boxes of an axle follow each other.
+    """
+    truth = fleet.temperatures(table)
+    ring, air = fleet.readings(truth)
+    boxes = [watched(parameters, fleet.duty.speed[:, k], ring[:, k, side], air[:, k]) for k in range(fleet.axles) for side in (0, 1)]
+    return boxes, sum(wayside_alarm(fleet, truth, k, 0.0) < math.inf for k in range(fleet.axles))
+
+
+def drawn_growth(fleet: Fleet, last: float, shortest: float, longest: float) -> Growth:
+    """Return growths that begin on the second day, with durations between two [s], evenly by their logarithm."""
+    random = np.random.default_rng(fleet.seed)
+    onset = DAY * (1.0 + random.random(fleet.axles))
+    return Growth(onset, np.exp(random.uniform(math.log(shortest), math.log(longest), fleet.axles)), last)
+
+
+def faulty_days(fleet: Fleet, table: HeatTable, growth: Growth, parameters: DetectorParameters) -> list[Outcome]:
+    """Return the outcomes of all axles whose first box gets a fault."""
+    truth = fleet.temperatures(table, growth)
+    ring, air = fleet.readings(truth)
+    outcomes = []
+    for k in range(fleet.axles):
+        onset = float(growth.onset[k])
+        alarms = watched(parameters, fleet.duty.speed[:, k], ring[:, k, 0], air[:, k]).alarms
+        early = any(alarm.time < onset for alarm in alarms)
+        first = next((alarm for alarm in alarms if alarm.time >= onset), None)
+        rise = float((truth.box[:, k, 0] - fleet.duty.ambient[:, k]).max())
+        outcomes.append(Outcome(onset, early, first, wayside_alarm(fleet, truth, k, onset), rise))
+    return outcomes
+
+
+def wayside_alarm(fleet: Fleet, truth: Temperatures, axle: int, onset: float) -> float:
+    """Return when a wayside detector first finds the first box of an axle hot after an onset [s]; infinite if none does."""
+    wayside = Wayside(WaysideParameters(seed=(fleet.seed * 100_003 + axle) % 2**31))
+    boxes, rings, air = truth.box[:, axle].tolist(), truth.outer_ring[:, axle].tolist(), fleet.duty.ambient[:, axle].tolist()
+    for k, speed in enumerate(fleet.duty.speed[:, axle].tolist()):
+        axle_boxes = AxleBoxes(boxes[k][0], rings[k][0], boxes[k][1], rings[k][1], air[k])
+        passage = wayside.follow(round(k * STEP * 1e9), speed, axle_boxes)
+        if passage is not None and passage.alarm and k * STEP >= onset:
+            return k * STEP
+    return math.inf
+
+
 def configuration() -> dcrb_ros.Configuration:
     """Return the greased bench with a thermal network."""
     return dcrb_ros.load_configuration("healthy", {"thermal.law": "network"})
@@ -41,14 +153,14 @@ def configuration() -> dcrb_ros.Configuration:
 
 def healthy_fleet(seed: int) -> dict[str, Any]:
     """Return the alarms of a healthy fleet."""
-    found, hot = healthy_days(Fleet(AXLES, DAYS, seed), heat_table(configuration(), "loss"), DetectorParameters())
-    alarms = [(box, alarm.time / 3600.0, alarm.verdict, alarm.residual) for box, one in enumerate(found) for alarm in one.alarms]
+    boxes, hot = healthy_days(Fleet(AXLES, DAYS, seed), heat_table(configuration(), "loss"), DetectorParameters())
+    alarms = [(k, alarm.time / 3600.0, alarm.verdict, alarm.residual) for k, box in enumerate(boxes) for alarm in box.alarms]
     return {
         "axle_days": AXLES * DAYS,
         "alarms": alarms,
         "wayside": hot,
-        "most": max(one.most for one in found),
-        "least": min(one.least for one in found),
+        "most": max(box.most for box in boxes),
+        "least": min(box.least for box in boxes),
     }
 
 
@@ -70,9 +182,9 @@ def median_bounds(values: np.ndarray) -> tuple[float, float, float]:
 
 def summary(outcomes: list[Outcome]) -> dict[str, Any]:
     """Return the figures of one kind of fault."""
-    hot = [one for one in outcomes if one.wayside < math.inf]
-    lead = np.array([one.lead for one in hot]) / 60.0
-    names = [one.detector.verdict for one in outcomes if one.detector is not None]
+    hot = [outcome for outcome in outcomes if outcome.wayside < math.inf]
+    lead = np.array([outcome.lead for outcome in hot]) / 60.0
+    names = [outcome.detector.verdict for outcome in outcomes if outcome.detector is not None]
     return {
         "axles": len(outcomes),
         "found": len(names),
@@ -82,11 +194,11 @@ def summary(outcomes: list[Outcome]) -> dict[str, Any]:
         "lead_median": median_bounds(lead),
         "lead_percentiles": {str(p): float(np.percentile(lead, p, method="lower")) for p in (5, 25, 75, 95)},
         "names": {name: names.count(name) for name in ("lubrication", "overheating")},
-        "alarm_before_onset": sum(one.early for one in outcomes),
+        "alarm_before_onset": sum(outcome.early for outcome in outcomes),
     }
 
 
-def picture(found: dict[Fault, list[Outcome]], file: Path) -> None:
+def picture(outcomes: dict[Fault, list[Outcome]], file: Path) -> None:
     """Plot the share of hot boxes over the lead time."""
     import matplotlib as mpl
 
@@ -94,8 +206,8 @@ def picture(found: dict[Fault, list[Outcome]], file: Path) -> None:
     import matplotlib.pyplot as plt
 
     figure, axes = plt.subplots(figsize=(8.0, 4.0), layout="constrained")
-    for fault, colour in zip(found, ("tab:blue", "tab:red"), strict=True):
-        lead = np.sort([one.lead / 60.0 for one in found[fault] if one.wayside < math.inf])
+    for fault, colour in zip(outcomes, ("tab:blue", "tab:red"), strict=True):
+        lead = np.sort([outcome.lead / 60.0 for outcome in outcomes[fault] if outcome.wayside < math.inf])
         share = 1.0 - np.arange(len(lead)) / len(lead)
         band = math.sqrt(math.log(2.0 / 0.05) / (2.0 * len(lead)))
         axes.step(lead, share, where="post", color=colour, label=f"{TITLES[fault]}, {len(lead)} axles")
@@ -124,9 +236,9 @@ def main() -> None:
     with ProcessPoolExecutor(given.workers) as pool:
         fleets = list(pool.map(healthy_fleet, range(given.seed, given.seed + given.healthy)))
         kinds: list[Fault] = ["loss", "clearance"]
-        outcomes = pool.map(partial(faulty_fleet, axles=given.faulty, seed=given.seed + 500), kinds)
-        faulty: dict[Fault, list[Outcome]] = dict(zip(kinds, outcomes, strict=True))
-    days, alarms = sum(one["axle_days"] for one in fleets), [alarm for one in fleets for alarm in one["alarms"]]
+        fates = pool.map(partial(faulty_fleet, axles=given.faulty, seed=given.seed + 500), kinds)
+        faulty: dict[Fault, list[Outcome]] = dict(zip(kinds, fates, strict=True))
+    days, alarms = sum(fleet["axle_days"] for fleet in fleets), [alarm for fleet in fleets for alarm in fleet["alarms"]]
     often = rate(len(alarms), days / 1000.0)
     about: dict[str, Any] = {
         "healthy": {
@@ -134,11 +246,11 @@ def main() -> None:
             "false_alarms": len(alarms),
             "per_1000_axle_days": list(often),
             "alarms": alarms,
-            "wayside_alarms": sum(one["wayside"] for one in fleets),
-            "largest_departures": [min(one["least"] for one in fleets), max(one["most"] for one in fleets)],
+            "wayside_alarms": sum(fleet["wayside"] for fleet in fleets),
+            "largest_departures": [min(fleet["least"] for fleet in fleets), max(fleet["most"] for fleet in fleets)],
         },
     }
-    about |= {str(fault): summary(one) for fault, one in faulty.items()}
+    about |= {str(fault): summary(outcomes) for fault, outcomes in faulty.items()}
     print(json.dumps(about, indent=2))
     if given.figure is not None:
         picture(faulty, given.figure)

@@ -62,26 +62,26 @@ def generated() -> Iterator[Said]:
         signal = machine.healthy(seconds, coloured=coloured, **parts)
         if truth != "healthy":
             signal = signal + 10.0 ** random.uniform(-1.1, 0.2) * machine.impacts(seconds, truth)
-        found = diagnose_as_a_whole(signal, machine.rate, machine.speed, machine.orders, DetectorParameters())
-        yield from said(found, truth, 3.0 if truth == "healthy" else 1.0)
+        diagnosis = diagnose_as_a_whole(signal, machine.rate, machine.speed, machine.orders, DetectorParameters())
+        yield from said(diagnosis, truth, 3.0 if truth == "healthy" else 1.0)
 
 
 def measured(folder: Path) -> Iterator[Said]:
     """Yield verdicts on measured recordings; envelope analysis cannot name ball faults, which are left out."""
-    for one in read_measured(folder):
-        if one.truth != "roller":
+    for recording in read_measured(folder):
+        if recording.truth != "roller":
             for seconds in (1.0, 2.0, 60.0):
-                yield from said(diagnose(one, DetectorParameters(), seconds=seconds), one.truth)
+                yield from said(diagnose(recording, DetectorParameters(), seconds=seconds), recording.truth)
 
 
 def table(verdicts: list[Said]) -> list[tuple[float, float, int]]:
     """Return mean confidence, share of right verdicts and their number for each interval of confidence that has any."""
     rows = []
     for low, high in itertools.pairwise(EDGES):
-        inside = [one for one in verdicts if low <= one.confidence < high]
+        inside = [verdict for verdict in verdicts if low <= verdict.confidence < high]
         if inside:
-            weights = np.array([one.weight for one in inside])
-            means = [float(np.average([getattr(one, name) for one in inside], weights=weights)) for name in ("confidence", "right")]
+            weights = np.array([verdict.weight for verdict in inside])
+            means = [float(np.average([getattr(verdict, name) for verdict in inside], weights=weights)) for name in ("confidence", "right")]
             rows.append((means[0], means[1], len(inside)))
     return rows
 

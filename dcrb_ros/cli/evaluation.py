@@ -1,9 +1,10 @@
-"""A detector evaluated on an exam, on recordings or on measured signals, with a progress bar."""
+"""The detector that the options of a command name, evaluated on an exam, on recordings or on measured signals."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -14,137 +15,93 @@ from dcrb_ros.schema.refusal import Refusal
 
 if TYPE_CHECKING:
     from dcrb_ros.diagnosis.parameters import DetectorParameters
-    from dcrb_ros.exam.case import Case
+    from dcrb_ros.exam.evaluation import Candidate
     from dcrb_ros.exam.exam_file import Exam
     from dcrb_ros.exam.report import Report
-    from dcrb_ros.messages.received_diagnosis import ReceivedDiagnosis
-
-SHIPPED = "the shipped detector"
+    from dcrb_ros.recordings.reader import Recording
 
 
-class Candidate(NamedTuple):
-    """The detector under evaluation: a node, a Python class, or the shipped detector."""
+class DetectorOptions(NamedTuple):
+    """Options that name a detector: a node, a Python class, or by default the shipped detector."""
 
-    name: str
     node: str | None
-    """Command that starts the node; None for a detector in this process."""
+    """Command that starts the node."""
     python: str | None
-    """Class of a detector written in Python; None for the shipped detector or a node."""
-    parameters: DetectorParameters
+    """Class of a detector written in Python."""
+    file: Path | None
     """Parameters of the shipped detector."""
     rate: float
     """Recorded over wall time; 0 for as fast as the node answers [-]."""
     patience: float
     """Wall time that the node may take to start [s]."""
+    given_name: str
+    """Name in the report; empty for its command, its class or its parameters."""
+
+    @property
+    def name(self) -> str:
+        """Name in the report."""
+        from dcrb_ros.exam.detector_run import SHIPPED
+
+        shipped = SHIPPED if self.file is None else f"{SHIPPED} with {self.file.name}"
+        return self.given_name or self.node or self.python or shipped
+
+    @property
+    def parameters(self) -> DetectorParameters:
+        """Parameters of the shipped detector."""
+        from dcrb_ros.cli.detect import detector_parameters
+
+        return detector_parameters(self.file)
+
+    def candidate(self) -> Candidate[Recording]:
+        """Return the detector for recordings of the bench."""
+        if self.node is not None:
+            from dcrb_ros.nodes.external_detector import ExternalDetector
+
+            return ExternalDetector(self.node, name=self.name, rate=self.rate, patience=self.patience)
+        if self.python is not None:
+            from dcrb_ros.exam.plugin import plugin_detector
+
+            return plugin_detector(self.python, self.name)
+        from dcrb_ros.exam.detector_run import shipped_detector
+
+        return shipped_detector(self.parameters, self.name)
 
 
-def candidate_of(node: str | None, python: str | None, detector: Path | None, rate: float, patience: float, name: str) -> Candidate:
-    """Return the detector that the options name, with its parameters from a file."""
-    from dcrb_ros.cli.detect import detector_parameters
-
-    shipped = SHIPPED if detector is None else f"{SHIPPED} with {detector.name}"
-    return Candidate(name or node or python or shipped, node, python, detector_parameters(detector), rate, patience)
-
-
-def evaluate_measured_folder(folder: Path, candidate: Candidate, speed: str, workers: int, *, quiet: bool) -> Report:
+def evaluate_measured_folder(folder: Path, options: DetectorOptions, speed: str, workers: int, *, quiet: bool) -> Report:
     """Return the report of measured recordings."""
-    from dcrb_ros.exam.measured import evaluate_measured, read_measured
-    from dcrb_ros.exam.measured_stream import evaluate_measured_stream
+    from dcrb_ros.exam.evaluation import evaluate
+    from dcrb_ros.exam.measured import ShippedOnce, led_scenarios, whole_scenarios
+    from dcrb_ros.exam.plugin import plugin_detector
 
-    with progress_of("judged", len(read_measured(folder, speed)), quiet=quiet) as on_done:
-        if candidate.python is not None:
-            return evaluate_measured_stream(folder, candidate.python, speed, candidate.name, workers, on_done)
-        return evaluate_measured(folder, candidate.parameters, speed, candidate.name, workers, on_done)
+    progress = partial(progress_of, quiet=quiet)
+    if options.python is not None:
+        return evaluate(plugin_detector(options.python, options.name), led_scenarios(folder, speed), workers=workers, progress=progress)
+    return evaluate(ShippedOnce(options.name, options.parameters), whole_scenarios(folder, speed), workers=workers, progress=progress)
 
 
-def evaluate_exam(exam: Exam, candidate: Candidate, recordings: Path | None, workers: int, *, quiet: bool) -> Report:
+def evaluate_exam(exam: Exam, options: DetectorOptions, recordings: Path | None, workers: int, *, quiet: bool) -> Report:
     """Return the report of an exam."""
-    from dcrb_ros.exam.case import scenarios_hash, simulation_seeds
-    from dcrb_ros.exam.evaluation import evaluate_plugin, evaluate_shipped
-    from dcrb_ros.exam.recording_cache import checked_folder, default_folder
-    from dcrb_ros.exam.report import Report
-    from dcrb_ros.exam.scoring import score_scenario
+    from dcrb_ros.exam.evaluation import evaluate
+    from dcrb_ros.exam.recording_cache import checked_folder, default_folder, simulated_scenarios
 
     folder = checked_folder(recordings or default_folder())
+    candidate = options.candidate()
     announce_compilation(quiet=quiet)
-    failures: dict[str, str] = {}
-    if candidate.node is None:
-        with progress_of("evaluated", len(exam.cases), quiet=quiet) as on_done:
-            diagnoses: Mapping[str, Sequence[ReceivedDiagnosis]]
-            if candidate.python is None:
-                diagnoses = evaluate_shipped(exam.cases, folder, candidate.parameters, workers, on_done)
-            else:
-                diagnoses = evaluate_plugin(exam.cases, folder, candidate.python, workers, on_done)
-    else:
-        bags = _recorded(exam.cases, folder, workers, candidate.node, candidate.patience, quiet=quiet)
-        diagnoses, failures = _evaluate_node(bags, candidate.node, candidate.rate, candidate.patience, quiet=quiet)
-    expectations = [case.expectation for case in exam.cases]
-    results = tuple(score_scenario(e, diagnoses[e.name], exam.criteria, failure=failures.get(e.name, "")) for e in expectations)
-    digest, seeds = scenarios_hash(exam.cases), simulation_seeds(exam.cases)
-    return Report(exam.name, candidate.name, exam.criteria, digest, results, exam.seal, seeds)
+    return evaluate(candidate, simulated_scenarios(exam, folder), workers=workers, progress=partial(progress_of, quiet=quiet))
 
 
-def _recorded(cases: Sequence[Case], folder: Path, workers: int, node: str, patience: float, *, quiet: bool) -> dict[str, Path]:
-    """Return the recordings of cases; an invalid command is refused before anything is simulated."""
-    from dcrb_ros.exam.evaluation import record_all
-    from dcrb_ros.nodes.external_detector import ExternalDetector
+def evaluate_bags(bags: Sequence[Path], options: DetectorOptions, *, run_detector: bool, workers: int, quiet: bool) -> Report:
+    """Return the report of recordings: of a detector if ``run_detector``, otherwise of the diagnoses in the recordings."""
+    from dcrb_ros.exam.evaluation import evaluate
+    from dcrb_ros.exam.recorded_case import RecordedDiagnoses, diagnosed_scenarios, read_recorded_case, recorded_scenarios
 
-    ExternalDetector(node, patience=patience)
-    with progress_of("simulated", len(cases), quiet=quiet) as on_done:
-        paths = record_all(cases, folder, workers, on_done)
-    return {case.expectation.name: paths[case.expectation.name] for case in cases}
-
-
-def _evaluate_node(
-    bags: Mapping[str, Path], node: str, rate: float, patience: float, *, quiet: bool
-) -> tuple[dict[str, list[ReceivedDiagnosis]], dict[str, str]]:
-    """Return a node's diagnoses of recordings, and the failures, by name."""
-    from dcrb_ros.nodes.external_detector import ExternalDetector, NoDiagnosis
-
-    detector = ExternalDetector(node, rate=rate, patience=patience)
-    diagnoses: dict[str, list[ReceivedDiagnosis]] = {}
-    failures: dict[str, str] = {}
-    with progress_of("evaluated", len(bags), quiet=quiet) as on_done:
-        for name, bag in bags.items():
-            found = detector.diagnose(bag)
-            if found.failure and not found.received and not diagnoses:
-                raise NoDiagnosis(f"the detector '{node}' failed on the first scenario ({name}): {found.failure}")
-            diagnoses[name] = found.received
-            if found.failure:
-                failures[name] = found.failure
-            on_done(name)
-    return diagnoses, failures
-
-
-def evaluate_bags(bags: Sequence[Path], candidate: Candidate, *, run_detector: bool, workers: int, quiet: bool) -> Report:
-    """Return the report of recordings: of the candidate if ``run_detector``, otherwise of the diagnoses in the recordings."""
-    from dcrb_ros.exam.criteria import Criteria
-    from dcrb_ros.exam.evaluation import evaluate_plugin_on, evaluate_shipped_on, score_recordings
-    from dcrb_ros.exam.recorded_case import read_recorded_case
-    from dcrb_ros.exam.report import Report
-    from dcrb_ros.exam.scoring import score_scenario
-
-    names = _names(bags)
-    recordings = [read_recorded_case(bag, name=name) for bag, name in zip(bags, names, strict=True)]
-    for recorded in recordings:
-        for damage in recorded.damage:
-            typer.echo(f"{recorded.path}: {damage}; the readable part is scored", err=True)
-    criteria = Criteria()
-    failures: dict[str, str] = {}
+    cases = [read_recorded_case(bag, name=name) for bag, name in zip(bags, _names(bags), strict=True)]
+    for case in cases:
+        for damage in case.damage:
+            typer.echo(f"{case.path}: {damage}; the readable part is scored", err=True)
     if not run_detector:
-        return Report("recordings", "the recorded diagnoses", criteria, "", score_recordings(recordings, criteria))
-    if candidate.node is None:
-        with progress_of("evaluated", len(recordings), quiet=quiet) as on_done:
-            if candidate.python is None:
-                diagnoses = evaluate_shipped_on(recordings, candidate.parameters, workers, on_done)
-            else:
-                diagnoses = evaluate_plugin_on(recordings, candidate.python, workers, on_done)
-    else:
-        paths = dict(zip(names, bags, strict=True))
-        diagnoses, failures = _evaluate_node(paths, candidate.node, candidate.rate, candidate.patience, quiet=quiet)
-    expectations = [recorded.expectation for recorded in recordings]
-    results = tuple(score_scenario(e, diagnoses[e.name], criteria, failure=failures.get(e.name, "")) for e in expectations)
-    return Report("recordings", candidate.name, criteria, "", results)
+        return evaluate(RecordedDiagnoses(), diagnosed_scenarios(cases))
+    return evaluate(options.candidate(), recorded_scenarios(cases), workers=workers, progress=partial(progress_of, quiet=quiet))
 
 
 def _names(bags: Sequence[Path]) -> list[str]:

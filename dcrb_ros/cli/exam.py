@@ -97,8 +97,8 @@ def verify(
         print(f"{sealed}: DOES NOT AGREE, it was not sealed with this secret or has been changed since")
         raise typer.Exit(1)
     print(f"{sealed}: agrees with the secret")
-    found = scenarios_hash(open_exam(exam, seed, str(sealed)).exam.cases)
-    agree = found == exam.scenarios_sha256
+    digest = scenarios_hash(open_exam(exam, seed, str(sealed)).exam.cases)
+    agree = digest == exam.scenarios_sha256
     reason = "" if agree else f", the scenarios of dcrb_ros {__version__} are not those of dcrb_ros {exam.dcrb_ros}, which sealed it"
     print(f"scenarios: {'agree' if agree else 'DO NOT AGREE'}{reason}")
     for path in entries or ():
@@ -122,16 +122,16 @@ def table(
     from dcrb_ros.exam.leaderboard import markdown, page, read_boards
     from dcrb_ros.exam.leaderboard_figure import write_board_figure
 
-    found, folder = read_boards(entries), output or entries
+    boards, folder = read_boards(entries), output or entries
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise Refusal(f"{folder} cannot be written: {error.strerror}; give another folder to --output") from None
-    figures = [f"leaderboard-{number}.png" for number in range(1, len(found) + 1)]
-    for board, figure in zip(found, figures, strict=True):
+    figures = [f"leaderboard-{number}.png" for number in range(1, len(boards) + 1)]
+    for board, figure in zip(boards, figures, strict=True):
         write_board_figure(board, folder / figure)
-    _write(folder / "leaderboard.md", markdown(found, figures))
-    _write(folder / "leaderboard.html", page(found, figures))
+    _write(folder / "leaderboard.md", markdown(boards, figures))
+    _write(folder / "leaderboard.html", page(boards, figures))
     for name in ("leaderboard.md", "leaderboard.html", *figures):
         print(folder / name)
 
@@ -153,12 +153,12 @@ def agreement(
     from dcrb_ros.runtime.terminal import console
     from dcrb_ros.schema.printable import printable
 
-    found = rank_agreement(read_entries(exam), read_entries(measured))
+    ranks = rank_agreement(read_entries(exam), read_entries(measured))
     table = Table("detector", "exam score", "correct on measured recordings [%]")
-    for name, score, share in zip(found.detectors, found.exam, found.measured, strict=True):
+    for name, score, share in zip(ranks.detectors, ranks.exam, ranks.measured, strict=True):
         table.add_row(printable(name), f"{score:.1f}", f"{100.0 * share:.0f}")
     console().print(table)
-    for name, value in (("Kendall's tau-b", found.kendall), ("Spearman's rho", found.spearman)):
+    for name, value in (("Kendall's tau-b", ranks.kendall), ("Spearman's rho", ranks.spearman)):
         print(f"{name} {value.value:.2f} ({CONFIDENCE:.0%} bootstrap interval {value.low:.2f} to {value.high:.2f})")
 
 

@@ -25,7 +25,7 @@ def print_scenarios(exam: Exam) -> None:
         _print_table(title, rows)
     else:
         _print_columns(title, rows)
-    seconds = sum(case.run.duration for case in exam.cases)
+    seconds = sum(case.simulation.duration for case in exam.cases)
     print(f"{len(exam.cases)} scenarios, {seconds:.0f} s simulated, sha256 {scenarios_hash(exam.cases)}")
 
 

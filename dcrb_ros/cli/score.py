@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from dcrb_ros.cli import completion
-from dcrb_ros.cli.evaluation import candidate_of, evaluate_bags, evaluate_exam, evaluate_measured_folder
+from dcrb_ros.cli.evaluation import DetectorOptions, evaluate_bags, evaluate_exam, evaluate_measured_folder
 from dcrb_ros.cli.exam_list import print_scenarios
 from dcrb_ros.cli.options import DetectorFile, JsonOutput, Quiet, Workers, worker_count
 from dcrb_ros.cli.report_output import check_files, output_report
@@ -71,38 +71,33 @@ def score(
     given = [*(sources or ()), *([exam] if exam else [])]
     if measured is not None:
         _check_measured(given, node, speed, other=bool(only or show or recordings or reference))
-        _check_python(python, node, detector, reference)
-        count = worker_count(workers)
-        check_files(junit, figure, entry)
-        report = evaluate_measured_folder(measured, candidate_of(None, python, detector, rate, patience, name), speed, count, quiet=quiet)
-        output_report(report, as_json, junit, figure, entry)
-        if not report.passed:
-            raise typer.Exit(1)
-        return
-    _check(given, rate, patience, node, detector, reference)
+    else:
+        _check(given, rate, patience, node, detector, reference)
     _check_python(python, node, detector, reference)
     count = worker_count(workers)
     check_files(junit, figure, entry)
-    candidate = candidate_of(node, python, detector, rate, patience, name)
+    options = DetectorOptions(node, python, detector, rate, patience, name)
     bags = [source for source in given if _is_recording(Path(source))]
     if bags and len(bags) < len(given):
         exam_given = next(source for source in given if source not in bags)
         raise Refusal(f"{exam_given} is not a recording but {bags[0]} is: give either one exam or recordings")
     if bags and (only or show or recordings):
         raise Refusal(f"--only, --list and --recordings apply to an exam, but {bags[0]} is a recording: leave them out")
-    if bags:
-        run_detector = reference or any(one is not None for one in (node, python, detector))
-        report = evaluate_bags([Path(bag) for bag in bags], candidate, run_detector=run_detector, workers=count, quiet=quiet)
+    if measured is not None:
+        report = evaluate_measured_folder(measured, options, speed, count, quiet=quiet)
+    elif bags:
+        run_detector = reference or any(option is not None for option in (node, python, detector))
+        report = evaluate_bags([Path(bag) for bag in bags], options, run_detector=run_detector, workers=count, quiet=quiet)
     else:
         from dcrb_ros.exam.exam_file import read_exam
 
         if len(given) > 1:
             raise Refusal(f"{len(given)} exams are given ({', '.join(given)}): give one at a time")
-        chosen = _select(read_exam(given[0]), only)
+        selected = _select(read_exam(given[0]), only)
         if show:
-            print_scenarios(chosen)
+            print_scenarios(selected)
             return
-        report = evaluate_exam(chosen, candidate, recordings, count, quiet=quiet)
+        report = evaluate_exam(selected, options, recordings, count, quiet=quiet)
     output_report(report, as_json, junit, figure, entry)
     if not report.passed:
         raise typer.Exit(1)

@@ -132,7 +132,7 @@ class TemperatureFeed:
 def _with_trouble(diagnosis: Diagnosis, finding: HeatFinding) -> Diagnosis:
     """Return a diagnosis with a trouble beside what it says so far."""
     damaged = diagnosis.verdict in (*COMPONENTS, "compound")
-    verdict: Verdict = finding.trouble if not damaged else fault_class([diagnosis.verdict, finding.trouble])  # type: ignore[list-item]
+    verdict: Verdict = finding.trouble if not damaged else fault_class([diagnosis.verdict, finding.trouble])
     found = probability(max(finding.excess, 0.0))
     return dataclasses.replace(
         diagnosis,

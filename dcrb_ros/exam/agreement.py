@@ -1,7 +1,7 @@
 """Do detectors rank alike in a simulated exam and on measured recordings? The rank correlation of two tables, with its interval.
 
 Kendall's tau-b (Kendall 1945, "The treatment of ties in ranking problems") is 1 where both order all detectors alike, -1 where they order
-them oppositely, and about 0 where one says nothing about the other.
+them oppositely, and about 0 where they are independent.
 """
 
 from __future__ import annotations
@@ -13,8 +13,8 @@ import numpy as np
 from scipy.stats import rankdata
 
 from dcrb_ros.exam.entry import Entry
-from dcrb_ros.exam.exam_score import RESAMPLES, SEED, draws, interval, scores
-from dcrb_ros.exam.profile import HEADLINE, PROFILES
+from dcrb_ros.exam.exam_score import RESAMPLES, SEED, draws, headline_score, interval, scores
+from dcrb_ros.exam.profile import HEADLINE_PROFILE
 from dcrb_ros.exam.statistics import Interval
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.refusal import Refusal
@@ -54,10 +54,10 @@ def agreement(exam: Sequence[Entry], measured: Sequence[Entry]) -> Agreement:
             f"{len(common)} detectors are in both folders ({', '.join(common) or 'none'}): "
             f"a rank correlation takes {FEWEST}, with the same --name in both"
         )
-    profile = next(one for one in PROFILES if one.name == HEADLINE)
-    values = {name: next(one.score.value for one in first[name].scores() if one.profile == HEADLINE) for name in common}
+    values = {name: headline_score(first[name].scores()).score.value for name in common}
     ordered = sorted(common, key=lambda name: (-values[name], name))
-    drawn = np.array([scores(first[name].contributions(), profile, draws(first[name].contributions())) for name in ordered])
+    contributions = [first[name].contributions() for name in ordered]
+    drawn = np.array([scores(shares, HEADLINE_PROFILE, draws(shares)) for shares in contributions])
     shares = [macro_recall(second[name]) for name in ordered]
     shares_drawn = np.array([_drawn_recall(second[name]) for name in ordered])
     at = np.array([[values[name]] for name in ordered]), np.array(shares)[:, None]
@@ -77,17 +77,17 @@ def kendall_tau(first: Floats, second: Floats) -> Floats:
     tied on either side.
     """
     above, below = np.triu_indices(len(first), 1)
-    one, other = np.sign(first[above] - first[below]), np.sign(second[above] - second[below])
-    return _ratio((one * other).sum(axis=0), np.sqrt((one**2).sum(axis=0) * (other**2).sum(axis=0)))
+    return _correlation(np.sign(first[above] - first[below]), np.sign(second[above] - second[below]))
 
 
 def spearman_rho(first: Floats, second: Floats) -> Floats:
     """Return the correlation of the ranks of each column of two arrays of shape (detectors, samples); 0 where one side has no order."""
-    one, other = (rankdata(values, axis=0) - 0.5 * (len(values) + 1) for values in (first, second))
-    return _ratio((one * other).sum(axis=0), np.sqrt((one**2).sum(axis=0) * (other**2).sum(axis=0)))
+    return _correlation(*(rankdata(values, axis=0) - 0.5 * (len(values) + 1) for values in (first, second)))
 
 
-def _ratio(part: Floats, whole: Floats) -> Floats:
+def _correlation(first: Floats, second: Floats) -> Floats:
+    """Return the correlation of each column of two arrays with zero mean; 0 where one is constant."""
+    part, whole = (first * second).sum(axis=0), np.sqrt((first**2).sum(axis=0) * (second**2).sum(axis=0))
     return np.asarray(np.divide(part, whole, out=np.zeros_like(part), where=whole > 0.0), np.float64)
 
 
@@ -98,29 +98,29 @@ def macro_recall(entry: Entry) -> float:
 
 def _right(entry: Entry) -> Mapping[str, Floats]:
     """Return for each verdict, in alphabetical order, which required scenarios have the correct answer, 1 or 0."""
-    found: dict[str, list[float]] = {}
-    for scenario in sorted(entry.scenarios, key=lambda one: (one.family, one.name)):
+    answers: dict[str, list[float]] = {}
+    for scenario in sorted(entry.scenarios, key=lambda scenario: (scenario.family, scenario.name)):
         if scenario.required:
-            found.setdefault(scenario.family, []).append(float(scenario.answer == scenario.family))
-    return {family: np.array(right) for family, right in found.items()}
+            answers.setdefault(scenario.family, []).append(float(scenario.answer == scenario.family))
+    return {family: np.array(right) for family, right in answers.items()}
 
 
 def _drawn_recall(entry: Entry) -> Floats:
     """Return the macro recall of bootstrap samples, drawn within each verdict and alike for all detectors, shape (samples,)."""
     means = []
     for number, right in enumerate(_right(entry).values()):
-        chosen = np.random.default_rng([SEED, number, len(right)]).integers(0, len(right), (RESAMPLES, len(right)))
-        means.append(right[chosen].mean(axis=1))
+        drawn = np.random.default_rng([SEED, number, len(right)]).integers(0, len(right), (RESAMPLES, len(right)))
+        means.append(right[drawn].mean(axis=1))
     return np.asarray(np.mean(means, axis=0), np.float64)
 
 
 def _by_name(entries: Sequence[Entry], where: str) -> dict[str, Entry]:
-    found: dict[str, Entry] = {}
+    by_name: dict[str, Entry] = {}
     for entry in entries:
-        if entry.detector in found:
+        if entry.detector in by_name:
             raise Refusal(f"two entries of {where} are called '{entry.detector}': give them different names with --name")
-        found[entry.detector] = entry
+        by_name[entry.detector] = entry
     several = sorted({entry.scenarios_sha256[:16] for entry in entries})
     if len(several) > 1:
         raise Refusal(f"the entries of {where} have {len(several)} sets of scenarios ({', '.join(several)}): compare entries of one set")
-    return found
+    return by_name

@@ -53,10 +53,10 @@ def family_areas(results: Sequence[ScenarioResult]) -> list[FamilyArea]:
     bearing = [result for result in results if result.expectation.verdict in ("healthy", *BEARING_FAULTS)]
     if all(result.score is None for result in bearing):
         return []
-    healthy = [math.inf if one.score is None else one.score for one in bearing if not one.expectation.faulty]
+    healthy = [math.inf if result.score is None else result.score for result in bearing if not result.expectation.faulty]
     areas = []
     for verdict in BEARING_FAULTS:
-        faulty = [-math.inf if one.score is None else one.score for one in bearing if one.expectation.verdict == verdict]
+        faulty = [-math.inf if result.score is None else result.score for result in bearing if result.expectation.verdict == verdict]
         curve = characteristic(faulty, healthy)
         if curve is not None:
             areas.append(FamilyArea(verdict, len(faulty), len(healthy), curve.area, partial_area(faulty, healthy, PARTIAL)))
@@ -78,8 +78,8 @@ def strata(results: Sequence[ScenarioResult], criteria: Criteria) -> list[Stratu
         Stratum(
             name,
             len(group),
-            sum(one.found for one in group),
-            math.fsum(one.credit.detection.get(HEADLINE, 0.0) for one in group) / len(group),
+            sum(result.found for result in group),
+            math.fsum(result.credit.detection.get(HEADLINE, 0.0) for result in group) / len(group),
         )
         for (_, name), group in sorted(groups.items())
     ]

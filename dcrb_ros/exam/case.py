@@ -15,7 +15,7 @@ from dcrb_ros.settings.parameters import rpm
 
 
 @dataclass(frozen=True)
-class Run:
+class CaseSimulation:
     """The simulation of a case."""
 
     configuration: Configuration
@@ -34,7 +34,7 @@ class Case:
     """A scenario of the exam: its simulation and the expected diagnosis."""
 
     expectation: Expectation
-    run: Run
+    simulation: CaseSimulation
 
 
 def canonical(tree: Any) -> str:
@@ -49,7 +49,12 @@ def scenarios_hash(cases: Iterable[Case]) -> str:
     """
     scenarios = [
         canonical(
-            {"verdict": c.expectation.verdict, "onset": c.expectation.onset, "required": c.expectation.required, "run": c.run.described()},
+            {
+                "verdict": c.expectation.verdict,
+                "onset": c.expectation.onset,
+                "required": c.expectation.required,
+                "run": c.simulation.described(),
+            },
         )
         for c in cases
     ]
@@ -58,7 +63,7 @@ def scenarios_hash(cases: Iterable[Case]) -> str:
 
 def simulation_seeds(cases: Iterable[Case]) -> tuple[int, ...]:
     """Return the different seeds of the simulations in increasing order."""
-    return tuple(sorted({case.run.configuration.simulation.seed for case in cases}))
+    return tuple(sorted({case.simulation.configuration.simulation.seed for case in cases}))
 
 
 def derived_tags(configuration: Configuration, changes: Mapping[str, Any]) -> dict[str, str | float]:

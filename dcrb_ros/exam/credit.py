@@ -1,4 +1,4 @@
-"""What one scenario contributes to the exam score: the credit for its fault, and its healthy periods."""
+"""The contribution of one scenario to the exam score: the credit for its fault, and its healthy periods."""
 
 from __future__ import annotations
 
@@ -29,15 +29,15 @@ class Credit:
     """Credit for the fault by profile, 0 .. 1 [-]; empty without a fault."""
     periods: int = 0
     """Healthy periods [-]."""
-    spoiled: int = 0
-    """Healthy periods in which a false alarm stood or no verdict was given [-]."""
+    failed: int = 0
+    """Healthy periods in which a false alarm was current or no verdict was given [-]."""
     silent: float = 0.0
     """Time without a verdict [s]."""
 
 
 @dataclass(frozen=True)
-class _Standing:
-    """A verdict and the time during which it stands."""
+class _CurrentVerdict:
+    """A verdict and the time during which it is current."""
 
     verdict: str
     time: float
@@ -49,62 +49,66 @@ class _Standing:
 
 
 def period_of(criteria: Criteria) -> float:
-    """Return the length of a healthy period, which is also the time for which a verdict stands [s]."""
+    """Return the length of a healthy period, which is also the time for which a verdict is current [s]."""
     return max(criteria.silence, SHORTEST_PERIOD)
 
 
 def credit(expectation: Expectation, diagnoses: Sequence[ReceivedDiagnosis], criteria: Criteria) -> Credit:
     """Return what a scenario contributes to the exam score."""
     period = period_of(criteria)
-    standing = _standing(expectation, diagnoses, period)
-    periods, spoiled = _healthy_periods(expectation, standing, period)
+    verdicts = _current_verdicts(expectation, diagnoses, period)
+    periods, failed = _healthy_periods(expectation, verdicts, period)
     detection = (
-        {profile.name: _detection(expectation, standing, diagnoses, profile, period) for profile in PROFILES} if expectation.faulty else {}
+        {profile.name: _detection(expectation, verdicts, diagnoses, profile, period) for profile in PROFILES} if expectation.faulty else {}
     )
-    spoken = math.fsum(max(0.0, one.until - max(one.issued, expectation.begin)) for one in standing)
-    return Credit(detection, periods, spoiled, max(0.0, expectation.duration - spoken))
+    judged = math.fsum(max(0.0, current.until - max(current.issued, expectation.begin)) for current in verdicts)
+    return Credit(detection, periods, failed, max(0.0, expectation.duration - judged))
 
 
-def _standing(
+def _current_verdicts(
     expectation: Expectation, diagnoses: Sequence[ReceivedDiagnosis], period: float, counted: Sequence[str] = ()
-) -> list[_Standing]:
-    """Return the verdicts with the times during which they stand; "waiting" is no verdict.
+) -> list[_CurrentVerdict]:
+    """Return the verdicts with the times during which they are current; "waiting" is no verdict.
 
     A verdict ends at the stamp of the next one, though that may arrive later. Between verdicts that are both ``counted`` there is no such
     gap, or a correct verdict that arrives late would be worth less than none.
     """
     given = sorted((d for d in diagnoses if d.verdict != "waiting"), key=lambda diagnosis: diagnosis.time)
-    found = []
-    for number, one in enumerate(given):
-        until = min(one.time + period, expectation.end)
+    verdicts = []
+    for number, diagnosis in enumerate(given):
+        until = min(diagnosis.time + period, expectation.end)
         for later in itertools.islice(given, number + 1, None):
             if later.time >= until:
                 break
-            until = min(until, later.issued_at if {one.verdict, later.verdict} <= set(counted) else later.time)
-        found.append(_Standing(one.verdict, one.time, one.issued_at, until))
-    return found
+            until = min(until, later.issued_at if {diagnosis.verdict, later.verdict} <= set(counted) else later.time)
+        verdicts.append(_CurrentVerdict(diagnosis.verdict, diagnosis.time, diagnosis.issued_at, until))
+    return verdicts
 
 
 def _detection(
-    expectation: Expectation, standing: Sequence[_Standing], diagnoses: Sequence[ReceivedDiagnosis], profile: Profile, period: float
+    expectation: Expectation, verdicts: Sequence[_CurrentVerdict], diagnoses: Sequence[ReceivedDiagnosis], profile: Profile, period: float
 ) -> float:
-    """Return the credit for a fault: the weighted time during which an alarm, and the correct name, stands [-].
+    """Return the credit for a fault: the weighted time during which an alarm, and the correct name, is current [-].
 
-    A detection after n revolutions that stands to the end is worth h(n) = 2^(-(n - n0)/N) with the grace n0 and the half-life N.
+    A detection after n revolutions that lasts to the end is worth h(n) = 2^(-(n - n0)/N) with the grace n0 and the half-life N.
     """
     first = expectation.clean_until
-    if any(one.time < first <= one.time + period and one.until >= first and is_alarm(one.verdict) for one in standing):
+    if any(current.time < first <= current.time + period and current.until >= first and is_alarm(current.verdict) for current in verdicts):
         return 0.0
     alarms = BEARING_FAULTS if expectation.verdict in BEARING_FAULTS else (expectation.verdict,)
     alarm, name = (
-        _weight(expectation, [one for one in _standing(expectation, diagnoses, period, counted) if one.verdict in counted], profile)
+        _weight(
+            expectation,
+            [current for current in _current_verdicts(expectation, diagnoses, period, counted) if current.verdict in counted],
+            profile,
+        )
         for counted in (alarms, (expectation.verdict,))
     )
     return (1.0 - profile.naming) * alarm + profile.naming * name
 
 
-def _weight(expectation: Expectation, standing: Sequence[_Standing], profile: Profile) -> float:
-    """Return the weight of the time during which verdicts stand; all the time after the onset weighs 1 [-]."""
+def _weight(expectation: Expectation, verdicts: Sequence[_CurrentVerdict], profile: Profile) -> float:
+    """Return the weight of the time during which verdicts are current; all the time after the onset weighs 1 [-]."""
     onset, end = expectation.onset, expectation.end
     final = end - FINAL * (end - onset)
 
@@ -113,8 +117,8 @@ def _weight(expectation: Expectation, standing: Sequence[_Standing], profile: Pr
         return 1.0 if beyond <= 0.0 else 2.0 ** (-beyond / profile.half_life)
 
     weights = []
-    for one in standing:
-        begin, until = max(one.issued, onset), one.until
+    for current in verdicts:
+        begin, until = max(current.issued, onset), current.until
         if begin < min(until, final):
             weights.append(worth(begin) - worth(min(until, final)))
         if max(begin, final) < until:
@@ -122,8 +126,8 @@ def _weight(expectation: Expectation, standing: Sequence[_Standing], profile: Pr
     return min(1.0, math.fsum(weights))
 
 
-def _healthy_periods(expectation: Expectation, standing: Sequence[_Standing], period: float) -> tuple[int, int]:
-    """Return the number of healthy periods and of those that are spoiled.
+def _healthy_periods(expectation: Expectation, verdicts: Sequence[_CurrentVerdict], period: float) -> tuple[int, int]:
+    """Return the number of healthy periods and of failed ones.
 
     The time before the onset is left out if the twin contains the same samples.
     """
@@ -132,19 +136,19 @@ def _healthy_periods(expectation: Expectation, standing: Sequence[_Standing], pe
         return 0, 0
     count = max(1, math.floor((end - begin) / period + 1e-9))
     edges = [*(begin + number * period for number in range(count)), end]
-    spoiled = sum(_spoiled(expectation, standing, edges[k], edges[k + 1], period, first=k == 0) for k in range(count))
-    return count, spoiled
+    failed = sum(_failed(expectation, verdicts, edges[k], edges[k + 1], period, first=k == 0) for k in range(count))
+    return count, failed
 
 
-def _spoiled(expectation: Expectation, standing: Sequence[_Standing], begin: float, end: float, period: float, *, first: bool) -> bool:
-    """Return whether a false alarm stands in a period, or no verdict is given in it and issued in time although the shaft turns."""
-    for one in standing:
-        clean = expectation.bearing_clean_until if one.verdict in BEARING_FAULTS else expectation.clean_until
-        false = is_alarm(one.verdict) and (one.time < clean or clean >= expectation.end)
+def _failed(expectation: Expectation, verdicts: Sequence[_CurrentVerdict], begin: float, end: float, period: float, *, first: bool) -> bool:
+    """Return whether a false alarm is current in a period, or no verdict is given in it and issued in time although the shaft turns."""
+    for current in verdicts:
+        clean = expectation.bearing_clean_until if current.verdict in BEARING_FAULTS else expectation.clean_until
+        false = is_alarm(current.verdict) and (current.time < clean or clean >= expectation.end)
         # A verdict is overruled by one with the same stamp, but an alarm was raised all the same.
-        if false and one.time <= end and min(one.until, clean) > begin:
+        if false and current.time <= end and min(current.until, clean) > begin:
             return True
     if not expectation.judgeable(begin, end):
         return False
-    in_time = (one for one in standing if one.issued <= one.time + period)
-    return not any((begin <= one.time if first else begin < one.time) and one.time <= end for one in in_time)
+    in_time = (current for current in verdicts if current.issued <= current.time + period)
+    return not any((begin <= current.time if first else begin < current.time) and current.time <= end for current in in_time)

@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
+from typing import Any
+
+from pydantic import create_model
+
 from dcrb_ros.schema.fields import Group, choice, quantity
+from dcrb_ros.schema.verdicts import FAULTS
+
+_LIMITS: dict[str, Any] = {
+    name: (float, quantity(fault.delay, "s", f"Longest delay of the verdict {name}", 0.0, 1e6)) for name, fault in FAULTS.items()
+}
 
 
-class DelayLimits(Group):
+class DelayLimits(create_model("DelayLimits", __base__=Group, **_LIMITS)):  # type: ignore[misc] # one field for each fault
     """Longest detection delay for each fault: time from the onset to the correct verdict."""
-
-    outer_ring: float = quantity(5.0, "s", "Longest delay of the verdict outer_ring", 0.0, 1e6)
-    inner_ring: float = quantity(5.0, "s", "Longest delay of the verdict inner_ring", 0.0, 1e6)
-    roller: float = quantity(5.0, "s", "Longest delay of the verdict roller", 0.0, 1e6)
-    cage: float = quantity(20.0, "s", "Longest delay of the verdict cage", 0.0, 1e6)
-    lubrication: float = quantity(20.0, "s", "Longest delay of the verdict lubrication", 0.0, 1e6)
-    overheating: float = quantity(20.0, "s", "Longest delay of the verdict overheating", 0.0, 1e6)
-    compound: float = quantity(5.0, "s", "Longest delay of the verdict compound", 0.0, 1e6)
-    sensor: float = quantity(5.0, "s", "Longest delay of the verdict sensor", 0.0, 1e6)
 
     def of(self, verdict: str) -> float:
         """Return the limit for a verdict [s]."""

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+from dataclasses import dataclass
 from functools import partial
-from pathlib import Path
 from typing import Any, Protocol
 
 import numpy.typing as npt
@@ -15,14 +15,14 @@ from dcrb_ros.bearing.waveform import Piece
 from dcrb_ros.diagnosis.detector import FaultDetector
 from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.diagnosis.thermal_detector import TemperatureFeed, ThermalFaultDetector
-from dcrb_ros.exam.case import Case
-from dcrb_ros.exam.recording_cache import cached_recording
+from dcrb_ros.exam.evaluation import Outcome
 from dcrb_ros.messages.received_diagnosis import ReceivedDiagnosis, decode_diagnosis
 from dcrb_ros.messages.topics.diagnosis import encode_diagnosis
-from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.schema.refusal import Refusal, nearest
 from dcrb_ros.schema.verdicts import VERDICTS
 from dcrb_ros.stream.diagnosis import Diagnosis
+
+SHIPPED = "the shipped detector"
 
 
 class Detector(Protocol):
@@ -32,65 +32,79 @@ class Detector(Protocol):
         """Process a block; return a diagnosis or a verdict (``"healthy"``, ``"outer_ring"`` ...), or None if there is none yet."""
 
 
+class Signal(Protocol):
+    """The signal of a scenario in blocks, as a `Recording` has it."""
+
+    @property
+    def orders(self) -> Orders:
+        """Characteristic orders of the bearing."""
+
+    @property
+    def sampling_rate(self) -> int:
+        """[Hz]"""
+
+    @property
+    def bearing(self) -> object:
+        """The bearing; None if it is unknown."""
+
+    def pieces(self) -> Iterable[Piece]:
+        """Return consecutive blocks."""
+
+    def temperatures(self) -> TemperatureReadings:
+        """Return the readings of the thermometers."""
+
+
 DetectorFactory = Callable[[Orders, int], Detector]
 """Called with the characteristic orders of the bearing and the sampling rate [Hz]; returns a new detector."""
 
 
-def run_detector(factory: DetectorFactory, bag: Path) -> list[ReceivedDiagnosis]:
-    """Return a detector's diagnoses of a recording, decoded from the messages that a node would publish.
+def run_detector(factory: DetectorFactory, signal: Signal) -> Outcome:
+    """Return a detector's diagnoses of a signal, decoded from the messages that a node would publish.
+
+    A detector with a method ``take_temperature`` gets the readings of outer ring and air, too; the shipped one knows the bearing.
 
     Raises:
-        Refusal: the recording cannot be read, or the detector has no ``update`` or returns an unknown verdict.
+        Refusal: the signal cannot be read, or the detector has no ``update`` or returns an unknown verdict.
         RuntimeError: the detector raised an exception.
     """
-    recording = Recording(bag)
-    return run_on_pieces(
-        factory, recording.pieces(), recording.orders, recording.sampling_rate, recording.bearing, recording.temperatures()
-    )
-
-
-def run_on_pieces(
-    factory: DetectorFactory,
-    pieces: Iterable[Piece],
-    orders: Orders,
-    rate: int,
-    bearing: object = None,
-    temperatures: TemperatureReadings | None = None,
-) -> list[ReceivedDiagnosis]:
-    """Return a detector's diagnoses of consecutive blocks at a sampling rate [Hz]; the shipped one may know the ``bearing``.
-
-    A detector with a method ``take_temperature`` gets the readings of outer ring and air, too.
-
-    Raises:
-        Refusal, RuntimeError: as `run_detector`.
-    """
-    detector, diagnoses, feed = factory(orders, rate), [], TemperatureFeed(temperatures or TemperatureReadings.none())
+    rate = signal.sampling_rate
+    detector, diagnoses, feed = factory(signal.orders, rate), [], TemperatureFeed(signal.temperatures())
     if not callable(getattr(detector, "update", None)):
         raise Refusal(f"the detector {detector!r} has no method update(index, acceleration, shaft_angle): give it one")
     if isinstance(detector, FaultDetector):
-        detector.know(bearing)
-    for piece in pieces:
+        detector.know(signal.bearing)
+    for piece in signal.pieces():
         if hasattr(detector, "sensor_range"):
             detector.sensor_range = piece.sensor_range
         try:
             output = detector.update(piece.first_index, piece.acceleration, piece.shaft_angle)
         except Exception as error:
             raise RuntimeError(f"update failed at sample {piece.first_index}: {type(error).__name__}: {error}") from error
+        end = piece.first_index + len(piece.shaft_angle)
         if hasattr(detector, "take_temperature"):
-            feed.give(detector.take_temperature, (piece.first_index + len(piece.shaft_angle)) / rate)
+            feed.give(detector.take_temperature, end / rate)
         if output is not None:
-            diagnoses.append(_received(output, (piece.first_index + len(piece.shaft_angle) - 1) / rate))
-    return diagnoses
+            diagnoses.append(_received(output, (end - 1) / rate))
+    return Outcome(diagnoses)
 
 
-def run_shipped_detector(bag: Path, parameters: DetectorParameters) -> list[ReceivedDiagnosis]:
-    """Return the shipped detector's diagnoses of a recording."""
-    return run_detector(partial(ThermalFaultDetector, parameters=parameters), bag)
+@dataclass(frozen=True)
+class PythonDetector:
+    """A detector written in Python as a candidate; a new one is made for every scenario."""
+
+    name: str
+    factory: DetectorFactory
+    parallel: bool = True
+    """Whether scenarios are evaluated in processes of their own, to which the factory is pickled."""
+
+    def diagnose(self, signal: Signal) -> Outcome:
+        """Return its diagnoses of a signal; see `run_detector`."""
+        return run_detector(self.factory, signal)
 
 
-def run_shipped_detector_on_case(case: Case, folder: Path, parameters: DetectorParameters) -> list[ReceivedDiagnosis]:
-    """Return the shipped detector's diagnoses of a case; simulate the case if ``folder`` has no recording of it."""
-    return run_shipped_detector(cached_recording(case, folder), parameters)
+def shipped_detector(parameters: DetectorParameters, name: str = SHIPPED) -> PythonDetector:
+    """Return the shipped detector as a candidate."""
+    return PythonDetector(name, partial(ThermalFaultDetector, parameters=parameters))
 
 
 def _received(output: Diagnosis | str, time: float) -> ReceivedDiagnosis:

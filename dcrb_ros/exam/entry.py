@@ -100,14 +100,14 @@ def entry_of(report: Report, name: str = "") -> Entry:
         software={key: str(value) for key, value in software().items()},
         seeds=list(report.seeds),
         passed=report.passed,
-        exam_score={one.profile: one.score.value for one in report.exam_scores()},
+        exam_score={score.profile: score.score.value for score in report.exam_scores()},
         area=area if math.isfinite(area) else None,
         false_alarms=report.alarms,
         healthy_hours=report.hours,
         scenarios=[
             EntryScenario(
                 name=result.expectation.name,
-                family=result.expectation.verdict,  # type: ignore[arg-type]
+                family=result.expectation.verdict,
                 stratum=difficulty(result.expectation, report.criteria)[1] if result.expectation.faulty else None,
                 required=result.expectation.required,
                 answer=result.answer,
@@ -116,7 +116,7 @@ def entry_of(report: Report, name: str = "") -> Entry:
                 evidence=result.score,
                 credit=dict(result.credit.detection),
                 periods=result.credit.periods,
-                spoiled=result.credit.spoiled,
+                spoiled=result.credit.failed,
                 silent=result.credit.silent,
             )
             for result in report.results
@@ -161,9 +161,11 @@ def _check(entry: Entry, path: Path) -> None:
     profiles = {profile.name for profile in PROFILES}
     for scenario in entry.scenarios:
         faulty = scenario.family != "healthy"
-        invalid = set(scenario.credit) != (profiles if faulty else set()) or not all(0.0 <= one <= 1.0 for one in scenario.credit.values())
+        invalid = set(scenario.credit) != (profiles if faulty else set()) or not all(
+            0.0 <= credit <= 1.0 for credit in scenario.credit.values()
+        )
         if invalid or scenario.spoiled > scenario.periods:
             raise Refusal(f"{path} has an impossible credit in the scenario '{scenario.name}': make it again with dcrb score --entry")
-    computed = {one.profile: one.score.value for one in entry.scores()}
+    computed = {score.profile: score.score.value for score in entry.scores()}
     if set(computed) != set(entry.exam_score) or any(abs(entry.exam_score[key] - value) > AGREEMENT for key, value in computed.items()):
         raise Refusal(f"{path} states exam scores that do not follow from its scenarios: make it again with dcrb score --entry")

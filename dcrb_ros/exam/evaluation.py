@@ -1,96 +1,170 @@
-"""Evaluation of a detector: its diagnoses of every scenario, on all cores if the detector allows it."""
+"""Evaluation of a detector: its diagnoses of scenarios with known truth, scored and put together in a report."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import AbstractContextManager, nullcontext
+from dataclasses import dataclass, field
 from functools import partial
-from pathlib import Path
-from typing import TypeVar
+from typing import Generic, Protocol, TypeVar
 
-from dcrb_ros.diagnosis.parameters import DetectorParameters
-from dcrb_ros.exam.case import Case
 from dcrb_ros.exam.criteria import Criteria
-from dcrb_ros.exam.detector_run import run_shipped_detector, run_shipped_detector_on_case
-from dcrb_ros.exam.plugin import run_plugin, run_plugin_on_case
-from dcrb_ros.exam.recorded_case import RecordedCase
-from dcrb_ros.exam.recording_cache import cache_path, cached_recording
-from dcrb_ros.exam.scoring import ScenarioResult, score_scenario
+from dcrb_ros.exam.expectation import Expectation
+from dcrb_ros.exam.report import Report
+from dcrb_ros.exam.scoring import score_scenario
 from dcrb_ros.messages.received_diagnosis import ReceivedDiagnosis
 from dcrb_ros.runtime.processes import in_processes
 from dcrb_ros.schema.refusal import Refusal
 
 Value = TypeVar("Value")
+Signal = TypeVar("Signal")
+Evaluated = TypeVar("Evaluated", contravariant=True)
 OnDone = Callable[[str], None]
 """Called with the name of every scenario that is done."""
+Progress = Callable[[str, int], AbstractContextManager[OnDone]]
+"""Called with an activity and its number of scenarios; shows how far it is."""
 
 
-def record_all(cases: Sequence[Case], folder: Path, workers: int, on_done: OnDone) -> dict[str, Path]:
-    """Return the recording of every case by name; simulate the missing ones."""
-    paths = {case.expectation.name: cache_path(case, folder) for case in cases}
-    existing = {name: path for name, path in paths.items() if path.is_dir()}
-    for name in existing:
-        on_done(name)
-    missing = {c.expectation.name: partial(cached_recording, c, folder) for c in cases if c.expectation.name not in existing}
-    return existing | _run_all(missing, workers, on_done)
+class NoDiagnosis(RuntimeError):
+    """The detector published no diagnosis in the first scenario; the others are not tried."""
 
 
-def evaluate_shipped(
-    cases: Sequence[Case], folder: Path, parameters: DetectorParameters, workers: int, on_done: OnDone
-) -> dict[str, list[ReceivedDiagnosis]]:
-    """Return the shipped detector's diagnoses of every case by name."""
-    calls = {case.expectation.name: partial(run_shipped_detector_on_case, case, folder, parameters) for case in cases}
-    return _run_all(calls, workers, on_done)
+class CandidateRefusal(Refusal):
+    """A refusal of the candidate itself, which no scenario has caused."""
 
 
-def evaluate_shipped_on(
-    recordings: Sequence[RecordedCase], parameters: DetectorParameters, workers: int, on_done: OnDone
-) -> dict[str, list[ReceivedDiagnosis]]:
-    """Return the shipped detector's diagnoses of every recording by name."""
-    calls = {recorded.expectation.name: partial(run_shipped_detector, recorded.path, parameters) for recorded in recordings}
-    return _run_all(calls, workers, on_done)
+@dataclass
+class Outcome:
+    """What a candidate did in one scenario."""
+
+    received: list[ReceivedDiagnosis] = field(default_factory=list)
+    """Its diagnoses."""
+    failure: str = ""
+    """Why it failed; empty if it did not. The other scenarios are evaluated all the same."""
 
 
-def evaluate_plugin(cases: Sequence[Case], folder: Path, given: str, workers: int, on_done: OnDone) -> dict[str, list[ReceivedDiagnosis]]:
-    """Return the diagnoses of every case by name, by a Python class in the form of `load_plugin`."""
-    return _run_all({case.expectation.name: partial(run_plugin_on_case, case, folder, given) for case in cases}, workers, on_done)
+class Candidate(Protocol[Evaluated]):
+    """Whatever can be evaluated: a detector in this process, a node, or the diagnoses that a recording contains."""
+
+    @property
+    def name(self) -> str:
+        """Name in the report."""
+
+    @property
+    def parallel(self) -> bool:
+        """Whether scenarios are evaluated in processes of their own, to which the candidate is pickled."""
+
+    def diagnose(self, signal: Evaluated, /) -> Outcome:
+        """Return the outcome for the signal of one scenario; the truth is not part of it.
+
+        Raises:
+            Refusal: the signal cannot be read, or the detector returns something invalid.
+        """
 
 
-def evaluate_plugin_on(recordings: Sequence[RecordedCase], given: str, workers: int, on_done: OnDone) -> dict[str, list[ReceivedDiagnosis]]:
-    """Return the diagnoses of every recording by name, by a Python class in the form of `load_plugin`."""
-    return _run_all({one.expectation.name: partial(run_plugin, one.path, given) for one in recordings}, workers, on_done)
+@dataclass(frozen=True)
+class Scenario(Generic[Signal]):
+    """A signal and what is expected of its diagnosis."""
+
+    expectation: Expectation
+    signal: Callable[[], Signal]
+    """Returns the signal, also in another process; simulates it if it is missing."""
+    recorded: Callable[[], bool] | None = None
+    """Returns whether the signal has been simulated; None if it never is."""
+
+    @property
+    def name(self) -> str:
+        """Name of the scenario."""
+        return self.expectation.name
+
+    def record(self) -> None:
+        """Simulate the signal if it is missing."""
+        self.signal()
+
+
+@dataclass(frozen=True)
+class ScenarioSet(Generic[Signal]):
+    """Scenarios that are evaluated together."""
+
+    name: str
+    criteria: Criteria
+    scenarios: Sequence[Scenario[Signal]]
+    digest: str = ""
+    """SHA-256 of the scenarios; empty if they are recordings."""
+    seal: str = ""
+    """Hash that was published before a sealed exam; empty if it was not sealed."""
+    seeds: tuple[int, ...] = ()
+    """Seeds of the simulations; none for recordings."""
+
+
+def no_progress(_activity: str, _total: int) -> AbstractContextManager[OnDone]:
+    """Show nothing."""
+    return nullcontext(lambda _: None)
+
+
+def evaluate(
+    candidate: Candidate[Signal], scenario_set: ScenarioSet[Signal], *, workers: int = 1, progress: Progress = no_progress
+) -> Report:
+    """Return the report of a candidate.
+
+    Raises:
+        Refusal: a signal cannot be read, or the candidate cannot be evaluated.
+        NoDiagnosis: the candidate failed in the first scenario and gave no diagnosis.
+        RuntimeError: a detector in Python raised an exception.
+    """
+    if not candidate.parallel:
+        _simulate_missing(scenario_set.scenarios, workers, progress)
+    calls = {scenario.name: partial(_outcome, candidate, scenario.signal) for scenario in scenario_set.scenarios}
+    outcomes: dict[str, Outcome] = {}
+    with progress("evaluated", len(calls)) as on_done:
+        for name, outcome in _results(calls, workers, apart=candidate.parallel):
+            if outcome.failure and not outcome.received and not outcomes:
+                raise NoDiagnosis(f"the detector '{candidate.name}' failed on the first scenario ({name}): {outcome.failure}")
+            outcomes[name] = outcome
+            on_done(name)
+    results = tuple(
+        score_scenario(scenario.expectation, outcome.received, scenario_set.criteria, failure=outcome.failure)
+        for scenario in scenario_set.scenarios
+        for outcome in [outcomes[scenario.name]]
+    )
+    return Report(
+        scenario_set.name, candidate.name, scenario_set.criteria, scenario_set.digest, results, scenario_set.seal, scenario_set.seeds
+    )
+
+
+def _outcome(candidate: Candidate[Signal], signal: Callable[[], Signal]) -> Outcome:
+    return candidate.diagnose(signal())
+
+
+def _simulate_missing(scenarios: Sequence[Scenario[Signal]], workers: int, progress: Progress) -> None:
+    """Simulate the signals that are missing, with more than one worker in processes of their own."""
+    simulated = {scenario.name: scenario.recorded() for scenario in scenarios if scenario.recorded is not None}
+    if not simulated:
+        return
+    with progress("simulated", len(simulated)) as on_done:
+        for name in (name for name, recorded in simulated.items() if recorded):
+            on_done(name)
+        missing = {scenario.name: scenario.record for scenario in scenarios if simulated.get(scenario.name) is False}
+        for name, _ in _results(missing, workers, apart=workers > 1):
+            on_done(name)
+
+
+def _results(calls: Mapping[str, Callable[[], Value]], workers: int, *, apart: bool) -> Iterator[tuple[str, Value]]:
+    """Yield name and result of each call, made in processes of its own if ``apart``."""
+    named_calls = {name: partial(named, name, call) for name, call in calls.items()}
+    if apart and calls:
+        yield from in_processes(named_calls, min(workers, len(calls)))
+    else:
+        yield from ((name, call()) for name, call in named_calls.items())
 
 
 def named(name: str, call: Callable[[], Value]) -> Value:
     """Return the result of a call; an exception is raised again with the scenario's name in its message."""
     try:
         return call()
+    except CandidateRefusal:
+        raise
     except Refusal as refusal:
         raise Refusal(f"scenario '{name}': {refusal}") from None
     except Exception as error:
         raise RuntimeError(f"scenario '{name}' could not be evaluated: {str(error) or type(error).__name__}") from error
-
-
-def _run_all(calls: Mapping[str, Callable[[], Value]], workers: int, on_done: OnDone) -> dict[str, Value]:
-    results: dict[str, Value] = {}
-    named_calls = {name: partial(named, name, call) for name, call in calls.items()}
-    for name, value in in_processes(named_calls, min(workers, len(calls))) if calls else ():
-        results[name] = value
-        on_done(name)
-    return results
-
-
-def score_recordings(recordings: Iterable[RecordedCase], criteria: Criteria) -> tuple[ScenarioResult, ...]:
-    """Return the results of recordings that contain diagnoses.
-
-    Raises:
-        Refusal: a recording contains no diagnosis.
-    """
-    results = []
-    for recorded in recordings:
-        if not recorded.diagnoses:
-            raise Refusal(
-                f"{recorded.path} has no messages on diagnosis: record it while a detector runs (dcrb bench --record, or "
-                "ros2 bag record -a), or run a detector on it with --reference or --node COMMAND"
-            )
-        results.append(score_scenario(recorded.expectation, recorded.diagnoses, criteria))
-    return tuple(results)

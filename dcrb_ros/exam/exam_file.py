@@ -15,7 +15,7 @@ from typing import Any
 from pydantic import Field, ValidationError
 
 from dcrb_ros.bearing.runtime_change import altered
-from dcrb_ros.exam.case import Case, Run, derived_tags
+from dcrb_ros.exam.case import Case, CaseSimulation, derived_tags
 from dcrb_ros.exam.criteria import Criteria, DelayLimits
 from dcrb_ros.exam.expectation import Expectation
 from dcrb_ros.exam.revolutions import speed_knots
@@ -211,14 +211,14 @@ def _cases(file: ExamFile, entry: Entry, source: str) -> Iterator[Case]:
                 yield known[bare]
 
 
-def _base(own: Any, file: ExamFile, entry: Entry, where: str) -> Mapping[str, Any]:
-    """Return the parameters with which the cases of an entry begin at a point whose own configuration is ``own``."""
-    if own is not None and not isinstance(own, str):
-        raise Refusal(f"{where}: base = {own!r} is not a configuration: give the name of a shipped one or a file")
-    if own is not None and entry.base is not None:
-        raise Refusal(f"{where}: base is '{own}' for the point and '{entry.base}' for the scenario: give one of them")
+def _base(given: Any, file: ExamFile, entry: Entry, where: str) -> Mapping[str, Any]:
+    """Return the parameters with which the cases of an entry begin at a point that gives the configuration ``given``, if any."""
+    if given is not None and not isinstance(given, str):
+        raise Refusal(f"{where}: base = {given!r} is not a configuration: give the name of a shipped one or a file")
+    if given is not None and entry.base is not None:
+        raise Refusal(f"{where}: base is '{given}' for the point and '{entry.base}' for the scenario: give one of them")
     # The parameters of the file only, not the validated ones: a preset fills in the values that are not given.
-    return read_parameters(find_configuration(own or entry.base or file.base), "simulator")
+    return read_parameters(find_configuration(given or entry.base or file.base), "simulator")
 
 
 def _is_seed(value: Any) -> bool:
@@ -229,19 +229,23 @@ def _is_seed(value: Any) -> bool:
 
 def _with_seed(case: Case, name: str, seed: int) -> Case:
     """Return a case with another name and a valid seed."""
-    simulation = case.run.configuration.simulation.model_copy(update={"seed": seed})
-    configuration = case.run.configuration.model_copy(update={"simulation": simulation})
-    return Case(replace(case.expectation, name=name), replace(case.run, configuration=configuration))
+    simulation = case.simulation.configuration.simulation.model_copy(update={"seed": seed})
+    configuration = case.simulation.configuration.model_copy(update={"simulation": simulation})
+    return Case(replace(case.expectation, name=name), replace(case.simulation, configuration=configuration))
 
 
 def _variations(entry: Entry, where: str) -> Iterator[tuple[dict[str, Any], dict[str, Any], list[str]]]:
     """Yield fixed parameters, fault parameters and name parts for every combination of listed values."""
     lists = _lists(entry, where)
     for values in itertools.product(*(value for _, _, value in lists)):
-        own = {"set": flatten(entry.set), "fault": flatten(entry.fault)}
+        groups = {"set": flatten(entry.set), "fault": flatten(entry.fault)}
         for (group, key, _), value in zip(lists, values, strict=True):
-            own[group][key] = value
-        yield own["set"], own["fault"], [f"{key.rsplit('.', 1)[-1]}={value}" for (_, key, _), value in zip(lists, values, strict=True)]
+            groups[group][key] = value
+        yield (
+            groups["set"],
+            groups["fault"],
+            [f"{key.rsplit('.', 1)[-1]}={value}" for (_, key, _), value in zip(lists, values, strict=True)],
+        )
 
 
 def _case(
@@ -284,7 +288,7 @@ def _case(
         bearing_onset=onset if both else None,
         speeds=speed_knots(configuration, events),
     )
-    return Case(expectation, Run(configuration, scenario, duration))
+    return Case(expectation, CaseSimulation(configuration, scenario, duration))
 
 
 def _grade(entry: Entry, given: Mapping[str, Any], where: str) -> dict[str, str | float]:

@@ -1,4 +1,7 @@
-"""The exam score, 0 to 100: credit for faults, times a factor for false alarms and silence; with its bootstrap interval."""
+"""The exam score, 0 to 100, with its bootstrap interval, and the difference of two detectors.
+
+The score is the credit for faults, times a factor for false alarms and silence.
+"""
 
 from __future__ import annotations
 
@@ -7,12 +10,13 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 from scipy.stats import chi2
 
 from dcrb_ros.exam.credit import Credit
-from dcrb_ros.exam.profile import PROFILES, Profile
+from dcrb_ros.exam.profile import HEADLINE, PROFILES, Profile
 from dcrb_ros.exam.statistics import CONFIDENCE, Interval
+from dcrb_ros.schema.arrays import Floats
+from dcrb_ros.schema.refusal import Refusal
 
 RESAMPLES = 2000
 """Bootstrap samples of the scenarios [-]."""
@@ -20,7 +24,6 @@ SEED = 22
 """Seed of the bootstrap; the same scenarios are drawn for every detector, so that detectors are compared in pairs."""
 DECIMALS = 6
 """Decimals to which scores are given, so that they agree on all machines."""
-Samples = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -46,29 +49,34 @@ class ExamScore:
     """Factor for false alarms and silence before the exponent of the profile, 0 .. 1 [-]."""
 
 
-def upper_bound(count: Samples | float) -> Any:
+def upper_bound(count: Floats | float) -> Any:
     """Return the upper limit of the expectation of a Poisson number, one-sided at 95 % confidence (Garwood 1936) [-]."""
     return 0.5 * chi2.ppf(CONFIDENCE, 2.0 * np.asarray(count) + 2.0)
 
 
-def clean_factor(spoiled: Samples | float, periods: Samples | float) -> Any:
-    """Return F = 1 - ln(u(k) / u(0)) / ln(u(K) / u(0)) for k spoiled of K healthy periods, u being `upper_bound` [-].
+def clean_factor(failed: Floats | float, periods: Floats | float) -> Any:
+    """Return F = 1 - ln(u(k) / u(0)) / ln(u(K) / u(0)) for k failed of K healthy periods, u being `upper_bound` [-].
 
     Both u(k) and u(0) divided by the healthy time are rates: what the exam shows, and the lowest that it could show.
     """
     least = upper_bound(0.0)
-    return 1.0 - np.log(upper_bound(spoiled) / least) / np.log(upper_bound(periods) / least)
+    return 1.0 - np.log(upper_bound(failed) / least) / np.log(upper_bound(periods) / least)
 
 
 def exam_scores(contributions: Sequence[Contribution]) -> list[ExamScore]:
     """Return the exam score for every profile; none without both a fault and healthy time."""
-    if not _families(contributions) or not sum(one.credit.periods for one in contributions):
+    if not _families(contributions) or not sum(contribution.credit.periods for contribution in contributions):
         return []
     whole, samples = np.ones((1, len(contributions))), draws(contributions)
     return [_exam_score(contributions, profile, whole, samples) for profile in PROFILES]
 
 
-def _exam_score(contributions: Sequence[Contribution], profile: Profile, whole: Samples, samples: Samples) -> ExamScore:
+def headline_score(scores: Sequence[ExamScore]) -> ExamScore:
+    """Return the score for the profile `HEADLINE`."""
+    return next(score for score in scores if score.profile == HEADLINE)
+
+
+def _exam_score(contributions: Sequence[Contribution], profile: Profile, whole: Floats, samples: Floats) -> ExamScore:
     detection, clean = _parts(contributions, profile, whole)
     score = 100.0 * detection[0] * clean[0] ** profile.alarms
     # One scenario alone says nothing about others of its kind.
@@ -78,21 +86,20 @@ def _exam_score(contributions: Sequence[Contribution], profile: Profile, whole: 
     return ExamScore(profile.name, Interval(*rounded[:3]), *rounded[3:])
 
 
-def scores(contributions: Sequence[Contribution], profile: Profile, samples: Samples) -> Samples:
+def scores(contributions: Sequence[Contribution], profile: Profile, samples: Floats) -> Floats:
     """Return the exam score of every sample; ``samples`` has shape (samples, scenarios) and weighs the scenarios."""
     detection, clean = _parts(contributions, profile, samples)
-    found: Samples = 100.0 * detection * clean**profile.alarms
-    return found
+    return np.asarray(100.0 * detection * clean**profile.alarms)
 
 
-def interval(values: Samples) -> tuple[float, float]:
+def interval(values: Floats) -> tuple[float, float]:
     """Return the percentile interval of bootstrap values at `CONFIDENCE`."""
     tail = 50.0 * (1.0 - CONFIDENCE)
     low, high = np.percentile(values, [tail, 100.0 - tail])
     return float(low), float(high)
 
 
-def draws(contributions: Sequence[Contribution]) -> Samples:
+def draws(contributions: Sequence[Contribution]) -> Floats:
     """Return the weight of each scenario in each bootstrap sample, shape (`RESAMPLES`, scenarios).
 
     Scenarios are drawn with replacement within their family, so that every sample has faults of all families and healthy time.
@@ -103,23 +110,23 @@ def draws(contributions: Sequence[Contribution]) -> Samples:
         # One draw fewer than scenarios, each with more weight: otherwise the variance is (n - 1)/n of the true one (Rao and Wu 1988).
         drawn = max(1, len(members) - 1)
         chosen = random.integers(0, len(members), (RESAMPLES, drawn))
-        places = chosen + len(members) * np.arange(RESAMPLES)[:, None]
-        times = np.bincount(places.ravel(), minlength=RESAMPLES * len(members)).reshape(RESAMPLES, len(members))
+        positions = chosen + len(members) * np.arange(RESAMPLES)[:, None]
+        times = np.bincount(positions.ravel(), minlength=RESAMPLES * len(members)).reshape(RESAMPLES, len(members))
         counts[:, members] = times * (len(members) / drawn)
     return counts
 
 
-def _parts(contributions: Sequence[Contribution], profile: Profile, samples: Samples) -> tuple[Samples, Samples]:
+def _parts(contributions: Sequence[Contribution], profile: Profile, samples: Floats) -> tuple[Floats, Floats]:
     """Return the credit for the faults and the factor for false alarms and silence of every sample."""
     families = _families(contributions)
-    own = [samples[:, members] @ _column(contributions, members, profile) / samples[:, members].sum(axis=1) for members in families]
-    periods = samples @ np.array([float(one.credit.periods) for one in contributions])
-    spoiled = samples @ np.array([float(one.credit.spoiled) for one in contributions])
-    clean = np.where(periods > 0.0, clean_factor(spoiled, np.maximum(periods, 1.0)), 1.0)
-    return np.mean(own, axis=0), np.clip(clean, 0.0, 1.0)
+    means = [samples[:, members] @ _column(contributions, members, profile) / samples[:, members].sum(axis=1) for members in families]
+    periods = samples @ np.array([float(contribution.credit.periods) for contribution in contributions])
+    failed = samples @ np.array([float(contribution.credit.failed) for contribution in contributions])
+    clean = np.where(periods > 0.0, clean_factor(failed, np.maximum(periods, 1.0)), 1.0)
+    return np.mean(means, axis=0), np.clip(clean, 0.0, 1.0)
 
 
-def _column(contributions: Sequence[Contribution], members: Sequence[int], profile: Profile) -> Samples:
+def _column(contributions: Sequence[Contribution], members: Sequence[int], profile: Profile) -> Floats:
     return np.array([contributions[member].credit.detection[profile.name] for member in members])
 
 
@@ -130,8 +137,42 @@ def _families(contributions: Sequence[Contribution]) -> list[list[int]]:
 
 def _grouped(contributions: Sequence[Contribution]) -> Mapping[str, list[int]]:
     """Return the positions of the scenarios by family, families and names in alphabetical order."""
-    order = sorted(range(len(contributions)), key=lambda place: (contributions[place].family, contributions[place].name))
+    order = sorted(range(len(contributions)), key=lambda position: (contributions[position].family, contributions[position].name))
     groups: dict[str, list[int]] = {}
-    for place in order:
-        groups.setdefault(contributions[place].family, []).append(place)
+    for position in order:
+        groups.setdefault(contributions[position].family, []).append(position)
     return groups
+
+
+@dataclass(frozen=True)
+class ScoreDifference:
+    """The difference of the exam scores of two detectors."""
+
+    difference: Interval
+    """Score of the first minus that of the second, with its bootstrap interval [-]."""
+    confidence: float
+    """Share of the bootstrap samples in which the first is better; ties count one half [-]."""
+
+    @property
+    def distinguished(self) -> bool:
+        """Whether the interval of the difference excludes 0."""
+        return self.difference.low > 0.0 or self.difference.high < 0.0
+
+
+def compare(first: Sequence[Contribution], second: Sequence[Contribution], profile: Profile) -> ScoreDifference:
+    """Return the difference of two detectors by a paired bootstrap: both are judged on the same scenarios in every sample.
+
+    Raises:
+        Refusal: they were not evaluated on the same scenarios.
+    """
+    first, second = (sorted(contributions, key=lambda contribution: contribution.name) for contributions in (first, second))
+    if [(c.name, c.family, c.credit.periods) for c in first] != [(c.name, c.family, c.credit.periods) for c in second]:
+        raise Refusal("the detectors were evaluated on different scenarios: compare entries of one exam")
+    whole, samples = np.ones((1, len(first))), draws(first)
+    value = float((scores(first, profile, whole) - scores(second, profile, whole))[0])
+    differences = np.round(scores(first, profile, samples) - scores(second, profile, samples), DECIMALS)
+    families = [contribution.family for contribution in first]
+    known = all(families.count(family) > 1 for family in set(families))
+    low, high = interval(differences) if known else (-100.0, 100.0)
+    confidence = float(np.mean(differences > 0.0) + 0.5 * np.mean(differences == 0.0)) if known else 0.5
+    return ScoreDifference(Interval(round(value, DECIMALS), low, high), confidence)

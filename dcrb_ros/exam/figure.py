@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -11,15 +12,8 @@ from matplotlib.figure import Figure
 
 from dcrb_ros.exam.report import Report
 from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.schema.verdicts import FAULTS
 
-COLOURS = {
-    "outer_ring": "#1f6fb4",
-    "inner_ring": "#e07b00",
-    "roller": "#2a9d5c",
-    "cage": "#a23b72",
-    "compound": "#6b5b95",
-    "sensor": "#8a8a8a",
-}
 SUFFIXES = (".png", ".svg", ".pdf")
 
 
@@ -42,7 +36,7 @@ def write_figure(report: Report, file: Path) -> None:
     for name, draw in panels.items():
         draw(axes[name], report)
     title = f"{report.exam}: {'passed' if report.passed else 'failed'}, {report.detector}"
-    marks = ", ".join(f"{one.profile} {one.score.value:.1f}" for one in report.exam_scores())
+    marks = ", ".join(f"{score.profile} {score.score.value:.1f}" for score in report.exam_scores())
     figure.suptitle(f"{title}\nexam score of 100: {marks}" if marks else title, fontsize=12, parse_math=False)
     try:
         figure.savefig(file)
@@ -63,13 +57,14 @@ def _detection(axes: Axes, report: Report) -> None:
         _empty(axes, "no defect with a width")
         return
     verdicts, widest = list(dict.fromkeys(row.verdict for row in rows)), max(row.width for row in rows) * 1e3
-    for place, verdict in enumerate(verdicts):
-        own = [row for row in rows if row.verdict == verdict]
-        shift = 0.012 * widest * (place - 0.5 * (len(verdicts) - 1))
-        found = [row.probability for row in own]
-        error = [[p.value - p.low for p in found], [p.high - p.value for p in found]]
-        widths = [row.width * 1e3 + shift for row in own]
-        axes.errorbar(widths, [p.value for p in found], error, marker="o", ms=4, lw=1.2, capsize=3, color=COLOURS[verdict], label=verdict)
+    for position, verdict in enumerate(verdicts):
+        shown = [row for row in rows if row.verdict == verdict]
+        shift = 0.012 * widest * (position - 0.5 * (len(verdicts) - 1))
+        shares = [row.probability for row in shown]
+        error = [[p.value - p.low for p in shares], [p.high - p.value for p in shares]]
+        widths = [row.width * 1e3 + shift for row in shown]
+        style: dict[str, Any] = {"marker": "o", "ms": 4, "lw": 1.2, "capsize": 3, "color": FAULTS[verdict].colour}
+        axes.errorbar(widths, [p.value for p in shares], error, label=verdict, **style)
     axes.axvline(report.criteria.smallest_width * 1e3, color="black", lw=0.8, ls=":", label="smallest required width")
     axes.set(xlabel="width [mm]", ylabel="detected in time, correct verdict [-]", ylim=(-0.03, 1.03), xlim=(0.0, 1.1 * widest))
     axes.legend(fontsize=7, loc="upper center", bbox_to_anchor=(0.5, -0.14), ncols=3, frameon=False)
@@ -81,12 +76,12 @@ def _graded(axes: Axes, report: Report) -> None:
     axes.set_title("Probability of detection over other parameters", fontsize=10)
     rows, lowest = report.graded_detections(), 1.0
     for verdict, parameter in dict.fromkeys((row.verdict, row.parameter) for row in rows):
-        own = [row for row in rows if (row.verdict, row.parameter) == (verdict, parameter)]
-        largest = max(abs(row.value) for row in own) or 1.0
-        places = [row.value / largest for row in own]
-        lowest = min([lowest, *(abs(place) for place in places if place)])
+        shown = [row for row in rows if (row.verdict, row.parameter) == (verdict, parameter)]
+        largest = max(abs(row.value) for row in shown) or 1.0
+        relative = [row.value / largest for row in shown]
+        lowest = min([lowest, *(abs(value) for value in relative if value)])
         label = f"{verdict}, {parameter.rsplit('.')[-1]} to {largest:g}"
-        axes.plot(places, [row.probability.value for row in own], marker="o", ms=4, lw=1.2, color=COLOURS[verdict], label=label)
+        axes.plot(relative, [row.probability.value for row in shown], marker="o", ms=4, lw=1.2, color=FAULTS[verdict].colour, label=label)
     axes.set_xscale("symlog", linthresh=lowest)
     axes.set(xlabel="value relative to the largest [-]", ylabel="detected in time, correct verdict [-]", ylim=(-0.03, 1.03))
     axes.legend(fontsize=7, loc="upper center", bbox_to_anchor=(0.5, -0.17), ncols=2, frameon=False)
@@ -99,15 +94,15 @@ def _delay(axes: Axes, report: Report) -> None:
     if not rows:
         _empty(axes, "no scenario with a fault")
         return
-    for place, row in enumerate(rows):
+    for position, row in enumerate(rows):
         delays = [m.delay for m in report.faulty if m.expectation.verdict == row.verdict and m.found and m.delay is not None]
         spread = np.linspace(-0.2, 0.2, len(delays)) if len(delays) > 1 else np.zeros(len(delays))
-        axes.plot(place + spread, delays, "o", ms=3.5, alpha=0.7, color=COLOURS[row.verdict])
+        axes.plot(position + spread, delays, "o", ms=3.5, alpha=0.7, color=FAULTS[row.verdict].colour)
         if math.isfinite(row.median):
-            axes.hlines(row.median, place - 0.3, place + 0.3, color="black", lw=1.5)
-        axes.hlines(row.limit, place - 0.4, place + 0.4, color="red", lw=1.0, ls="--")
+            axes.hlines(row.median, position - 0.3, position + 0.3, color="black", lw=1.5)
+        axes.hlines(row.limit, position - 0.4, position + 0.4, color="red", lw=1.0, ls="--")
         if not delays:
-            axes.text(place, 0.5 * row.limit, "none detected\nin time", ha="center", va="center", fontsize=8, color="#666666")
+            axes.text(position, 0.5 * row.limit, "none detected\nin time", ha="center", va="center", fontsize=8, color="#666666")
     axes.plot([], [], color="black", lw=1.5, label="median")
     axes.plot([], [], color="red", lw=1.0, ls="--", label="limit")
     axes.set_xticks(range(len(rows)), [f"{row.verdict}\n{row.found} of {row.scenarios}" for row in rows], fontsize=8)
@@ -118,24 +113,24 @@ def _delay(axes: Axes, report: Report) -> None:
 
 def _confusion(axes: Axes, report: Report) -> None:
     axes.set_title("Scenarios by correct verdict (rows) and answer (columns)", fontsize=10)
-    found = report.confusion()
-    answers = [answer for answer in next(iter(found.values()), {}) if answer in found or any(row[answer] for row in found.values())]
-    counts = np.array([[row[answer] for answer in answers] for row in found.values()], dtype=float).reshape(len(found), len(answers))
+    counted = report.confusion()
+    answers = [answer for answer in next(iter(counted.values()), {}) if answer in counted or any(row[answer] for row in counted.values())]
+    counts = np.array([[row[answer] for answer in answers] for row in counted.values()], dtype=float).reshape(len(counted), len(answers))
     if not counts.size:
         _empty(axes, "no scenario")
         return
     words = [
-        [f"{row[answer]}{_late(report, verdict) if answer == verdict else ''}" for answer in answers] for verdict, row in found.items()
+        [f"{row[answer]}{_late(report, verdict) if answer == verdict else ''}" for answer in answers] for verdict, row in counted.items()
     ]
     shares = counts / np.maximum(counts.sum(axis=1, keepdims=True), 1.0)
-    right = np.array([[answer == verdict for answer in answers] for verdict in found])
+    right = np.array([[answer == verdict for answer in answers] for verdict in counted])
     axes.imshow(np.ma.masked_where(~right, shares), cmap="Blues", vmin=0.0, vmax=1.2, aspect="auto")
     axes.imshow(np.ma.masked_where(right, shares), cmap="Reds", vmin=0.0, vmax=1.2, aspect="auto")
     for i, j in np.ndindex(shares.shape):
         colour, weight = "white" if shares[i, j] > 0.6 else "black", "bold" if right[i, j] else "normal"
         axes.text(j, i, words[i][j], ha="center", va="center", fontsize=9, color=colour, fontweight=weight)
     axes.set_xticks(range(len(answers)), answers, rotation=35, ha="right", fontsize=8)
-    axes.set_yticks(range(len(found)), list(found), fontsize=8)
+    axes.set_yticks(range(len(counted)), list(counted), fontsize=8)
 
 
 def _late(report: Report, verdict: str) -> str:

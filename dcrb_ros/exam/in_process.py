@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-from functools import partial
 from pathlib import Path
 
-from dcrb_ros.exam.case import scenarios_hash, simulation_seeds
-from dcrb_ros.exam.detector_run import DetectorFactory, run_detector
-from dcrb_ros.exam.evaluation import named, record_all
+from dcrb_ros.exam.detector_run import DetectorFactory, PythonDetector
+from dcrb_ros.exam.evaluation import evaluate
 from dcrb_ros.exam.exam_file import read_exam
-from dcrb_ros.exam.recording_cache import cached_recording, checked_folder, default_folder
+from dcrb_ros.exam.recording_cache import checked_folder, default_folder, simulated_scenarios
 from dcrb_ros.exam.report import Report
-from dcrb_ros.exam.scoring import score_scenario
 from dcrb_ros.schema.refusal import Refusal
 
 MOST_WORKERS = 256
@@ -58,13 +55,6 @@ def score(detector: DetectorFactory, exam: str | Path = "smoke", *, recordings: 
         raise Refusal(f"detector = {detector!r} cannot be called: give a class such as dcrb_ros.FaultDetector, or a function")
     if not 1 <= workers <= MOST_WORKERS:
         raise Refusal(f"workers = {workers} is outside 1 .. {MOST_WORKERS}: give the number of parallel simulations")
-    chosen = read_exam(exam)
     folder = checked_folder(Path(recordings) if recordings is not None else default_folder())
-    if workers > 1:
-        bags = record_all(chosen.cases, folder, workers, lambda _: None)
-    else:
-        bags = {case.expectation.name: cached_recording(case, folder) for case in chosen.cases}
-    name = getattr(detector, "__name__", type(detector).__name__)
-    expectations = [case.expectation for case in chosen.cases]
-    results = tuple(score_scenario(e, named(e.name, partial(run_detector, detector, bags[e.name])), chosen.criteria) for e in expectations)
-    return Report(chosen.name, name, chosen.criteria, scenarios_hash(chosen.cases), results, chosen.seal, simulation_seeds(chosen.cases))
+    candidate = PythonDetector(getattr(detector, "__name__", type(detector).__name__), detector, parallel=False)
+    return evaluate(candidate, simulated_scenarios(read_exam(exam), folder), workers=workers)

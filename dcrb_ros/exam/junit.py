@@ -35,8 +35,8 @@ def _criteria(report: Report) -> TestSuite:
     suite = TestSuite(f"{exam}: criteria")
     for key, value in (("detector", _valid(report.detector)), ("scenarios_sha256", report.scenarios), ("dcrb_ros", __version__)):
         suite.add_property(key, value)
-    for one in report.exam_scores():
-        suite.add_property(f"exam_score_{one.profile}", f"{one.score.value:.2f}")
+    for score in report.exam_scores():
+        suite.add_property(f"exam_score_{score.profile}", f"{score.score.value:.2f}")
     for check in report.checks():
         case = TestCase(check.name, f"{exam}.criteria")
         if not check.holds:

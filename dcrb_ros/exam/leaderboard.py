@@ -8,10 +8,9 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from dcrb_ros.exam.comparison import Comparison, compare
 from dcrb_ros.exam.entry import Entry, read_entry
-from dcrb_ros.exam.exam_score import ExamScore
-from dcrb_ros.exam.profile import HEADLINE, PROFILES
+from dcrb_ros.exam.exam_score import ExamScore, ScoreDifference, compare, headline_score
+from dcrb_ros.exam.profile import HEADLINE, HEADLINE_PROFILE, PROFILES
 from dcrb_ros.exam.statistics import CONFIDENCE
 from dcrb_ros.schema.printable import printable
 from dcrb_ros.schema.refusal import Refusal
@@ -23,18 +22,18 @@ HEADS = ("", "detector", *(profile.name for profile in PROFILES), "ROC areas", "
 
 
 @dataclass(frozen=True)
-class Place:
-    """An entry in its place."""
+class RankedEntry:
+    """An entry, its scores and its comparison with the next one."""
 
     entry: Entry
     scores: tuple[ExamScore, ...]
-    next: Comparison | None
+    next: ScoreDifference | None
     """Comparison with the next entry; None for the last."""
 
     @property
     def score(self) -> ExamScore:
         """The exam score by which entries are sorted."""
-        return next(one for one in self.scores if one.profile == HEADLINE)
+        return headline_score(self.scores)
 
 
 @dataclass(frozen=True)
@@ -43,7 +42,7 @@ class Board:
 
     exam: str
     scenarios_sha256: str
-    places: tuple[Place, ...]
+    ranking: tuple[RankedEntry, ...]
 
 
 def read_boards(folder: Path) -> list[Board]:
@@ -80,57 +79,52 @@ def boards(entries: Sequence[Entry]) -> list[Board]:
         if not entry.exam_score:
             raise Refusal(f"the entry '{entry.detector}' of the exam {entry.exam} has no exam score: it takes faults and healthy time")
         groups.setdefault((entry.exam, entry.scenarios_sha256), []).append(entry)
-    return [Board(exam, digest, tuple(_places(group))) for (exam, digest), group in sorted(groups.items())]
+    return [Board(exam, digest, tuple(_ranked(group))) for (exam, digest), group in sorted(groups.items())]
 
 
-def _places(entries: Sequence[Entry]) -> Iterator[Place]:
+def _ranked(entries: Sequence[Entry]) -> Iterator[RankedEntry]:
     names = [entry.detector for entry in entries]
     twice = next((name for name in names if names.count(name) > 1), None)
     if twice is not None:
         raise Refusal(f"two entries of the exam {entries[0].exam} are called '{twice}': give them different names with --name")
     scored = {entry.detector: tuple(entry.scores()) for entry in entries}
-    headline = next(profile for profile in PROFILES if profile.name == HEADLINE)
-
-    def key(entry: Entry) -> tuple[float, str]:
-        return -next(one.score.value for one in scored[entry.detector] if one.profile == HEADLINE), entry.detector
-
-    ordered = sorted(entries, key=key)
+    ordered = sorted(entries, key=lambda entry: (-headline_score(scored[entry.detector]).score.value, entry.detector))
     for entry, below in zip(ordered, [*ordered[1:], None], strict=True):
-        comparison = compare(entry.contributions(), below.contributions(), headline) if below is not None else None
-        yield Place(entry, scored[entry.detector], comparison)
+        comparison = compare(entry.contributions(), below.contributions(), HEADLINE_PROFILE) if below is not None else None
+        yield RankedEntry(entry, scored[entry.detector], comparison)
 
 
 def rows(board: Board) -> Iterator[tuple[str, ...]]:
     """Yield the cells of each row; see `HEADS`."""
-    for number, place in enumerate(board.places, 1):
-        faulty = [scenario for scenario in place.entry.scenarios if scenario.family != "healthy"]
-        periods = sum(scenario.periods for scenario in place.entry.scenarios)
-        spoiled = sum(scenario.spoiled for scenario in place.entry.scenarios)
-        area = place.entry.area
+    for number, ranked in enumerate(board.ranking, 1):
+        faulty = [scenario for scenario in ranked.entry.scenarios if scenario.family != "healthy"]
+        periods = sum(scenario.periods for scenario in ranked.entry.scenarios)
+        spoiled = sum(scenario.spoiled for scenario in ranked.entry.scenarios)
+        area = ranked.entry.area
         yield (
             str(number),
-            printable(place.entry.detector),
-            *(f"{one.score.value:.1f} ({one.score.low:.1f} to {one.score.high:.1f})" for one in place.scores),
+            printable(ranked.entry.detector),
+            *(f"{score.score.value:.1f} ({score.score.low:.1f} to {score.score.high:.1f})" for score in ranked.scores),
             "–" if area is None or math.isnan(area) else f"{area:.3f}",
             f"{sum(scenario.found for scenario in faulty)} of {len(faulty)}",
             f"{spoiled} of {periods}",
-            _better(place.next),
+            _better(ranked.next),
         )
 
 
-def _better(comparison: Comparison | None) -> str:
+def _better(comparison: ScoreDifference | None) -> str:
     if comparison is None:
         return "–"
-    return f"{'yes' if comparison.told_apart else 'not shown'}, {comparison.confidence:.1%}"
+    return f"{'yes' if comparison.distinguished else 'not shown'}, {comparison.confidence:.1%}"
 
 
 def about(board: Board) -> str:
     """Return what a board shows, in one paragraph."""
-    versions = ", ".join(sorted({f"dcrb_ros {place.entry.dcrb_ros}, model {place.entry.model}" for place in board.places}))
-    seals = {place.entry.sealed_sha256 for place in board.places} - {""}
+    versions = ", ".join(sorted({f"dcrb_ros {ranked.entry.dcrb_ros}, model {ranked.entry.model}" for ranked in board.ranking}))
+    seals = {ranked.entry.sealed_sha256 for ranked in board.ranking} - {""}
     sealed = f"; sealed as {', '.join(sorted(seals))}" if seals else ""
     return (
-        f"{len(board.places[0].entry.scenarios)} scenarios, sha256 {board.scenarios_sha256 or '(recordings)'}{sealed}; {versions}. "
+        f"{len(board.ranking[0].entry.scenarios)} scenarios, sha256 {board.scenarios_sha256 or '(recordings)'}{sealed}; {versions}. "
         f"Exam scores of 100 with {CONFIDENCE:.0%} bootstrap intervals; sorted by {HEADLINE}. The last column says whether the "
         f"{CONFIDENCE:.0%} interval of the difference from the next detector on the same scenarios excludes 0, and in which share of the "
         "bootstrap samples the detector is better."

@@ -1,4 +1,4 @@
-"""The leaderboard as a figure: exam scores with their intervals, and which detectors are told apart."""
+"""The leaderboard as a figure: exam scores with their intervals, and which detectors are distinguished."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from dcrb_ros.exam.comparison import compare
+from dcrb_ros.exam.exam_score import compare
 from dcrb_ros.exam.leaderboard import Board
 from dcrb_ros.exam.profile import HEADLINE, PROFILES
 from dcrb_ros.schema.refusal import Refusal
@@ -24,7 +24,7 @@ def write_board_figure(board: Board, file: Path) -> None:
     Raises:
         Refusal: the file cannot be written.
     """
-    count = len(board.places)
+    count = len(board.ranking)
     figure = Figure(figsize=(12, 2.2 + 0.42 * count), dpi=90, layout="constrained")
     scores, pairs = figure.subplots(1, 2, width_ratios=(1.4, 1.0))
     _scores(scores, board)
@@ -37,22 +37,30 @@ def write_board_figure(board: Board, file: Path) -> None:
 
 
 def _names(board: Board) -> list[str]:
-    return [n if len(n) <= LONGEST else f"{n[: LONGEST - 1]}…" for n in (place.entry.detector for place in board.places)]
+    return [n if len(n) <= LONGEST else f"{n[: LONGEST - 1]}…" for n in (ranked.entry.detector for ranked in board.ranking)]
 
 
 def _scores(axes: Axes, board: Board) -> None:
     axes.set_title("95 % confidence (bootstrap over scenarios)", fontsize=10)
     for shift, profile in zip((-0.22, 0.0, 0.22), PROFILES, strict=True):
-        found = [next(one.score for one in place.scores if one.profile == profile.name) for place in board.places]
+        estimates = [next(score.score for score in ranked.scores if score.profile == profile.name) for ranked in board.ranking]
         # A percentile interval need not contain its estimate.
-        error = [[max(0.0, s.value - s.low) for s in found], [max(0.0, s.high - s.value) for s in found]]
-        heights = np.arange(len(found)) + shift
+        error = [[max(0.0, s.value - s.low) for s in estimates], [max(0.0, s.high - s.value) for s in estimates]]
+        heights = np.arange(len(estimates)) + shift
         axes.errorbar(
-            [s.value for s in found], heights, xerr=error, fmt="o", ms=4, lw=1.2, capsize=2, color=COLOURS[profile.name], label=profile.name
+            [s.value for s in estimates],
+            heights,
+            xerr=error,
+            fmt="o",
+            ms=4,
+            lw=1.2,
+            capsize=2,
+            color=COLOURS[profile.name],
+            label=profile.name,
         )
     names = [f"{name}  {number}" for number, name in enumerate(_names(board), 1)]
-    axes.set_yticks(range(len(board.places)), names, fontsize=8, parse_math=False)
-    axes.set(xlabel="exam score [-]", xlim=(-2.0, 102.0), ylim=(len(board.places) - 0.5, -0.5))
+    axes.set_yticks(range(len(board.ranking)), names, fontsize=8, parse_math=False)
+    axes.set(xlabel="exam score [-]", xlim=(-2.0, 102.0), ylim=(len(board.ranking) - 0.5, -0.5))
     axes.legend(fontsize=8, loc="lower right")
     axes.grid(alpha=0.25)
 
@@ -60,7 +68,7 @@ def _scores(axes: Axes, board: Board) -> None:
 def _pairs(axes: Axes, board: Board) -> None:
     axes.set_title(f"Row better than column ({HEADLINE}) [% of samples]", fontsize=10)
     headline = next(profile for profile in PROFILES if profile.name == HEADLINE)
-    contributions = [place.entry.contributions() for place in board.places]
+    contributions = [ranked.entry.contributions() for ranked in board.ranking]
     count = len(contributions)
     shares = np.full((count, count), np.nan)
     for i in range(count):
@@ -68,7 +76,7 @@ def _pairs(axes: Axes, board: Board) -> None:
             if i != j:
                 comparison = compare(contributions[i], contributions[j], headline)
                 shares[i, j] = 100.0 * comparison.confidence
-                weight = "bold" if comparison.told_apart else "normal"
+                weight = "bold" if comparison.distinguished else "normal"
                 colour = "white" if shares[i, j] > 75.0 else "black"
                 axes.text(j, i, f"{shares[i, j]:.0f}", ha="center", va="center", fontsize=8, color=colour, fontweight=weight)
     axes.imshow(shares, cmap="Blues", vmin=0.0, vmax=110.0, aspect="auto")

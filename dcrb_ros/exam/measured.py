@@ -1,28 +1,31 @@
-"""Measured recordings with known truth: a table of files, judged by the shipped detector, each as a whole."""
+"""Measured recordings with known truth: a table of files.
+
+The shipped detector judges each as a whole. A detector in Python first receives a healthy recording of the same bearing.
+"""
 
 from __future__ import annotations
 
 import csv
 import hashlib
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
+from math import gcd, isclose
 from pathlib import Path
 
 import numpy as np
 
 from dcrb_ros.bearing.kinematics import CHARACTERISTIC_FREQUENCIES, Orders
+from dcrb_ros.bearing.temperature_readings import TemperatureReadings
+from dcrb_ros.bearing.waveform import Piece
 from dcrb_ros.diagnosis.detector import FaultDetector
 from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.exam.criteria import Criteria, DelayLimits
-from dcrb_ros.exam.evaluation import OnDone, named
+from dcrb_ros.exam.evaluation import Outcome, Scenario, ScenarioSet, Signal, named
 from dcrb_ros.exam.expectation import Expectation
-from dcrb_ros.exam.report import Report
-from dcrb_ros.exam.scoring import score_scenario
 from dcrb_ros.messages.received_diagnosis import decode_diagnosis
 from dcrb_ros.messages.topics.diagnosis import encode_diagnosis
-from dcrb_ros.runtime.processes import in_processes
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.numbers import sampling_rate
 from dcrb_ros.schema.refusal import Refusal, nearest
@@ -42,6 +45,12 @@ UNLIMITED = 1e6
 """Delays and silences do not count: there is one verdict per recording [s]."""
 FOUND = 0.9
 """Share of the outer and inner-ring faults that must be named."""
+LEAD = 5.0
+"""Longest part of a healthy recording before the one under evaluation [s]."""
+PIECE = 0.05
+"""Length of a block [s]."""
+SAME_BEARING = 1e-3
+"""Largest relative difference between the orders of one bearing in two rows of the table [-]."""
 
 
 @dataclass(frozen=True)
@@ -66,8 +75,8 @@ class MeasuredRecording:
             Refusal: the file is missing, is no NPZ file with one array ``a`` of numbers, or has values that are not finite.
         """
         try:
-            with np.load(self.file, allow_pickle=False) as found:
-                values = np.asarray(found["a"], np.float64)
+            with np.load(self.file, allow_pickle=False) as arrays:
+                values = np.asarray(arrays["a"], np.float64)
         except (OSError, ValueError, KeyError, TypeError) as error:
             raise Refusal(f"{self.file} cannot be read ({error}): it must be an NPZ file with one array 'a'") from None
         if values.ndim != 1 or not np.isfinite(values).all():
@@ -75,6 +84,10 @@ class MeasuredRecording:
         if len(values) < SHORTEST * self.rate:
             raise Refusal(f"{self.file} has {len(values) / self.rate:.2f} s, but a verdict needs {SHORTEST:g} s: leave it out of the table")
         return values * ACCELERATION_UNITS[self.unit]
+
+    def longest_part(self, seconds: float = LONGEST) -> Floats:
+        """Return the acceleration of the first ``seconds`` [m/s^2]; see `samples`."""
+        return self.samples()[: round(seconds * self.rate)]
 
 
 def read_measured(folder: Path, speed: str = "lines") -> list[MeasuredRecording]:
@@ -94,12 +107,12 @@ def read_measured(folder: Path, speed: str = "lines") -> list[MeasuredRecording]
     missing = [column for column in (*COLUMNS, SPEEDS[speed]) if column not in rows[0]]
     if missing:
         raise Refusal(f"{table} lacks the columns {', '.join(missing)}: it needs {', '.join(COLUMNS)}")
-    found = [_row(table, number, row, SPEEDS[speed]) for number, row in enumerate(rows, 2)]
-    names = [one.name for one in found]
+    recordings = [_row(table, number, row, SPEEDS[speed]) for number, row in enumerate(rows, 2)]
+    names = [recording.name for recording in recordings]
     twice = next((name for name in names if names.count(name) > 1), None)
     if twice is not None:
         raise Refusal(f"{table} lists {twice} twice: give every recording once")
-    return found
+    return recordings
 
 
 def _row(table: Path, line: int, row: dict[str, str], speed: str) -> MeasuredRecording:
@@ -128,8 +141,7 @@ def diagnose(recording: MeasuredRecording, parameters: DetectorParameters, *, ga
     Raises:
         Refusal: see `MeasuredRecording.samples`.
     """
-    values = gain * recording.samples()[: round(seconds * recording.rate)]
-    return diagnose_as_a_whole(values, recording.rate, recording.speed, recording.orders, parameters)
+    return diagnose_as_a_whole(gain * recording.longest_part(seconds), recording.rate, recording.speed, recording.orders, parameters)
 
 
 def diagnose_as_a_whole(values: Floats, rate: int, frequency: float, orders: Orders, parameters: DetectorParameters) -> Diagnosis:
@@ -138,26 +150,124 @@ def diagnose_as_a_whole(values: Floats, rate: int, frequency: float, orders: Ord
     once = {"window": duration, "hop": duration, "least_window": SHORTEST, "confirm": 1, "least_turns": 4.0}
     detector = FaultDetector(orders, rate, parameters.model_copy(update=once))
     angle = np.mod(2.0 * np.pi * frequency / rate * np.arange(len(values)), 2.0 * np.pi)
-    found = detector.update(0, np.column_stack([values, values]), angle)
-    if found is None:
+    diagnosis = detector.update(0, np.column_stack([values, values]), angle)
+    if diagnosis is None:
         raise Refusal(f"{duration:.2f} s gave no diagnosis: give a longer recording")
-    return found
+    return diagnosis
 
 
-def evaluate_measured(folder: Path, parameters: DetectorParameters, speed: str, name: str, workers: int, on_done: OnDone) -> Report:
-    """Return the report of the recordings of a folder; ball faults enter the statistics, but are not required."""
+@dataclass(frozen=True)
+class ShippedOnce:
+    """The shipped detector as a candidate that judges a measured recording once, in a single window."""
+
+    name: str
+    parameters: DetectorParameters
+    parallel: bool = True
+
+    def diagnose(self, recording: MeasuredRecording) -> Outcome:
+        """Return its diagnosis; see `diagnose`."""
+        return Outcome([decode_diagnosis(encode_diagnosis(diagnose(recording, self.parameters)))])
+
+
+@dataclass(frozen=True)
+class LedSignal:
+    """A measured recording after a healthy one of the same bearing, from which a detector learns what healthy is.
+
+    The shaft turns on without a jump, at the speed of each.
+    """
+
+    recording: MeasuredRecording
+    lead: MeasuredRecording | None
+    """The healthy recording; None if there is none."""
+    bearing: None = None
+
+    @property
+    def orders(self) -> Orders:
+        """Characteristic orders of the bearing."""
+        return self.recording.orders
+
+    @property
+    def sampling_rate(self) -> int:
+        """[Hz]"""
+        return self.recording.rate
+
+    def temperatures(self) -> TemperatureReadings:
+        """Return no reading."""
+        return TemperatureReadings.none()
+
+    def pieces(self) -> Iterator[Piece]:
+        """Yield the blocks of both recordings."""
+        rate, before, values = self.recording.rate, self._before(), self.recording.longest_part()
+        samples = np.concatenate([before, values])
+        frequency = np.concatenate(
+            [np.full(len(before), self.lead.speed if self.lead else 0.0), np.full(len(values), self.recording.speed)]
+        )
+        angle = np.mod(np.cumsum(frequency) * (2.0 * np.pi / rate), 2.0 * np.pi)
+        length = max(1, int(PIECE * rate))
+        for begin in range(0, len(samples), length):
+            part = samples[begin : begin + length].astype(np.float32)
+            yield Piece(begin, np.column_stack([part, part]), angle[begin : begin + length].astype(np.float32), 0.0)
+
+    def _before(self) -> Floats:
+        """Return the samples of the healthy recording at the sampling rate of the other one [m/s^2]."""
+        from scipy.signal import resample_poly
+
+        if self.lead is None:
+            return np.zeros(0)
+        signal, rate = self.lead.samples()[: round(LEAD * self.lead.rate)], self.recording.rate
+        common = gcd(self.lead.rate, rate)
+        return np.asarray(signal if self.lead.rate == rate else resample_poly(signal, rate // common, self.lead.rate // common), np.float64)
+
+    def expectation(self) -> Expectation:
+        """Return what is expected: an alarm in the healthy lead is false, and the last verdict counts, whenever it comes."""
+        onset, rate = len(self._before()) / self.recording.rate, self.recording.rate
+        return expectation(self.recording, (round(onset * rate) + len(self.recording.longest_part())) / rate, onset)
+
+
+def healthy_lead(recording: MeasuredRecording, recordings: Sequence[MeasuredRecording]) -> MeasuredRecording | None:
+    """Return another, healthy recording of the same bearing at the nearest speed; None if there is none.
+
+    The same bearing has the same orders. A higher sampling rate is reduced, so that rates may differ; a lower one cannot be used.
+    """
+    candidates = [
+        other
+        for other in recordings
+        if other.truth == "healthy" and other.name != recording.name and other.rate >= recording.rate and _same_bearing(other, recording)
+    ]
+    return min(candidates, key=lambda other: (abs(other.speed - recording.speed), other.name), default=None)
+
+
+def _same_bearing(first: MeasuredRecording, second: MeasuredRecording) -> bool:
+    pairs = zip(first.orders.as_dict().values(), second.orders.as_dict().values(), strict=True)
+    return all(isclose(a, b, rel_tol=SAME_BEARING) for a, b in pairs)
+
+
+def whole_scenarios(folder: Path, speed: str) -> ScenarioSet[MeasuredRecording]:
+    """Return the recordings of a folder, each judged as a whole."""
     recordings = read_measured(folder, speed)
-    calls = {one.name: partial(named, one.name, partial(diagnose, one, parameters)) for one in recordings}
-    diagnoses: dict[str, Diagnosis] = {}
-    for one, diagnosis in in_processes(calls, min(workers, len(calls))):
-        diagnoses[one] = diagnosis
-        on_done(one)
-    criteria = measured_criteria()
-    results = tuple(
-        score_scenario(expectation(one, diagnoses[one.name].time), [decode_diagnosis(encode_diagnosis(diagnoses[one.name]))], criteria)
-        for one in recordings
-    )
-    return Report(f"measured, speed {speed}", name, criteria, files_hash(recordings), results)
+    scenarios = [Scenario(named(r.name, partial(_whole_expectation, r)), partial(_itself, r)) for r in recordings]
+    return _scenario_set(speed, recordings, scenarios)
+
+
+def led_scenarios(folder: Path, speed: str) -> ScenarioSet[LedSignal]:
+    """Return the recordings of a folder, each after a healthy one of the same bearing where the table has one."""
+    recordings = read_measured(folder, speed)
+    signals = [LedSignal(recording, healthy_lead(recording, recordings)) for recording in recordings]
+    scenarios = [Scenario(named(s.recording.name, s.expectation), partial(_itself, s)) for s in signals]
+    return _scenario_set(speed, recordings, scenarios)
+
+
+def _scenario_set(speed: str, recordings: Sequence[MeasuredRecording], scenarios: Sequence[Scenario[Signal]]) -> ScenarioSet[Signal]:
+    return ScenarioSet(f"measured, speed {speed}", measured_criteria(), scenarios, files_hash(recordings))
+
+
+def _itself(signal: Signal) -> Signal:
+    return signal
+
+
+def _whole_expectation(recording: MeasuredRecording) -> Expectation:
+    # The verdict is that of the last sample.
+    return expectation(recording, (len(recording.longest_part()) - 1) / recording.rate)
 
 
 def measured_criteria() -> Criteria:
@@ -166,16 +276,17 @@ def measured_criteria() -> Criteria:
     return Criteria(delay=delays, found=FOUND, smallest_width=0.0, silence=UNLIMITED)
 
 
-def expectation(one: MeasuredRecording, end: float, onset: float = 0.0) -> Expectation:
+def expectation(recording: MeasuredRecording, end: float, onset: float = 0.0) -> Expectation:
     """Return what is expected of a recording that begins at ``onset`` and ends at ``end`` [s]; ball faults are not required."""
     # Envelope analysis cannot name most ball faults (Smith and Randall 2015), so they enter the statistics only.
-    return Expectation(one.name, one.truth, end, onset, tags={"rig": one.rig}, required=one.truth != "roller")
+    tags: dict[str, str | float] = {"rig": recording.rig}
+    return Expectation(recording.name, recording.truth, end, onset, tags, required=recording.truth != "roller")
 
 
 def files_hash(recordings: Sequence[MeasuredRecording]) -> str:
     """Return the SHA-256 of the names and contents of the files in their order."""
     digest = hashlib.sha256()
-    for one in recordings:
-        digest.update(one.name.encode())
-        digest.update(one.file.read_bytes())
+    for recording in recordings:
+        digest.update(recording.name.encode())
+        digest.update(recording.file.read_bytes())
     return digest.hexdigest()

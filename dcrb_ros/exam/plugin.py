@@ -6,13 +6,12 @@ import importlib
 import importlib.metadata
 import importlib.util
 import sys
+from functools import partial
 from pathlib import Path
 from typing import Any
 
-from dcrb_ros.exam.case import Case
-from dcrb_ros.exam.detector_run import DetectorFactory, run_detector
-from dcrb_ros.exam.recording_cache import cached_recording
-from dcrb_ros.messages.received_diagnosis import ReceivedDiagnosis
+from dcrb_ros.bearing.kinematics import Orders
+from dcrb_ros.exam.detector_run import Detector, DetectorFactory, PythonDetector
 from dcrb_ros.schema.refusal import Refusal, nearest
 
 GROUP = "dcrb_ros.detectors"
@@ -25,30 +24,29 @@ def load_plugin(given: str) -> DetectorFactory:
     Raises:
         Refusal: there is no such module, file, class or entry point, or it cannot be imported or called.
     """
-    place, colon, name = given.rpartition(":")
+    module_name, colon, name = given.rpartition(":")
     if not colon:
         offered = {point.name: point for point in importlib.metadata.entry_points(group=GROUP)}
         if given not in offered:
             known = f"; installed are {', '.join(offered)}{nearest(given, offered)}" if offered else ""
             raise Refusal(f"--python {given} is not an installed detector: give MODULE:CLASS or FILE.py:CLASS{known}")
-        place, _, name = offered[given].value.partition(":")
-    module = _module(given, place)
-    found = getattr(module, name, None)
-    if not callable(found):
+        module_name, _, name = offered[given].value.partition(":")
+    module = _module(given, module_name)
+    factory: DetectorFactory | None = getattr(module, name, None)
+    if factory is None or not callable(factory):
         raise Refusal(
-            f"--python {given}: {place} has no class {name}{nearest(name, vars(module))}: give the name of a detector class in it"
+            f"--python {given}: {module_name} has no class {name}{nearest(name, vars(module))}: give the name of a detector class in it"
         )
-    made: DetectorFactory = found
-    return made
+    return factory
 
 
-def _module(given: str, place: str) -> Any:
+def _module(given: str, name: str) -> Any:
     try:
-        if not place.endswith(".py"):
-            return importlib.import_module(place)
-        path = Path(place).resolve()
+        if not name.endswith(".py"):
+            return importlib.import_module(name)
+        path = Path(name).resolve()
         if not path.is_file():
-            raise Refusal(f"--python {given}: there is no file {place}")
+            raise Refusal(f"--python {given}: there is no file {name}")
         # Modules beside the file can be imported, as if it were run.
         if str(path.parent) not in sys.path:
             sys.path.insert(0, str(path.parent))
@@ -69,11 +67,10 @@ def _from_file(path: Path) -> Any:
     return module
 
 
-def run_plugin(bag: Path, given: str) -> list[ReceivedDiagnosis]:
-    """Return the diagnoses of a recording by a detector in the form of `load_plugin`, which a worker process can load."""
-    return run_detector(load_plugin(given), bag)
+def plugin_detector(given: str, name: str) -> PythonDetector:
+    """Return a detector in the form of `load_plugin` as a candidate; every process loads it anew."""
+    return PythonDetector(name, partial(_made, given))
 
 
-def run_plugin_on_case(case: Case, folder: Path, given: str) -> list[ReceivedDiagnosis]:
-    """Return a detector's diagnoses of a case; simulate the case if ``folder`` has no recording of it."""
-    return run_plugin(cached_recording(case, folder), given)
+def _made(given: str, orders: Orders, rate: int) -> Detector:
+    return load_plugin(given)(orders, rate)

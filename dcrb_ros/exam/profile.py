@@ -1,4 +1,4 @@
-"""Profiles of the exam score: what a delay, a wrong name and a false alarm cost whom."""
+"""Profiles of the exam score: weights of delays, wrong names and false alarms for each kind of user."""
 
 from __future__ import annotations
 
@@ -26,4 +26,5 @@ PROFILES = (
     Profile("research", "detection and naming count alike, with a moderate cost of delay", half_life=100.0, naming=0.5, alarms=1.0),
 )
 HEADLINE = "research"
-"""The profile by which tables are sorted."""
+"""Name of the profile by which tables are sorted."""
+HEADLINE_PROFILE = next(profile for profile in PROFILES if profile.name == HEADLINE)

@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
+from dcrb_ros.exam.criteria import Criteria
+from dcrb_ros.exam.evaluation import CandidateRefusal, Outcome, Scenario, ScenarioSet
 from dcrb_ros.exam.expectation import Expectation
 from dcrb_ros.faults.ground_truth import class_of
 from dcrb_ros.messages.received_diagnosis import ReceivedDiagnosis, decode_diagnosis
 from dcrb_ros.messages.statuses import decode_truth
 from dcrb_ros.messages.topics import DIAGNOSIS, GROUND_TRUTH
+from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.recordings.storage import valid_files
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.parameters import rpm
@@ -55,6 +59,37 @@ def read_recorded_case(path: Path, *, name: str = "") -> RecordedCase:
     # A diagnosis received just after the recording started may judge signal from before its start.
     diagnoses = [diagnosis for diagnosis in diagnoses if diagnosis.time >= truths[0].time_ns * 1e-9]
     return RecordedCase(path, _expectation(path, name or path.name, truths, diagnoses), tuple(diagnoses), tuple(damage))
+
+
+@dataclass(frozen=True)
+class RecordedDiagnoses:
+    """The diagnoses that recordings contain as a candidate."""
+
+    name: str = "the recorded diagnoses"
+    parallel: bool = False
+
+    def diagnose(self, recorded: RecordedCase) -> Outcome:
+        """Return the diagnoses in a recording.
+
+        Raises:
+            CandidateRefusal: it contains none.
+        """
+        if not recorded.diagnoses:
+            raise CandidateRefusal(
+                f"{recorded.path} has no messages on diagnosis: record it while a detector runs (dcrb bench --record, or "
+                "ros2 bag record -a), or run a detector on it with --reference or --node COMMAND"
+            )
+        return Outcome(list(recorded.diagnoses))
+
+
+def recorded_scenarios(cases: Iterable[RecordedCase]) -> ScenarioSet[Recording]:
+    """Return recordings as scenarios for a detector."""
+    return ScenarioSet("recordings", Criteria(), [Scenario(case.expectation, partial(Recording, case.path)) for case in cases])
+
+
+def diagnosed_scenarios(cases: Iterable[RecordedCase]) -> ScenarioSet[RecordedCase]:
+    """Return recordings as scenarios for the diagnoses that they contain."""
+    return ScenarioSet("recordings", Criteria(), [Scenario(case.expectation, partial(replace, case)) for case in cases])
 
 
 def _expectation(path: Path, name: str, truths: Sequence[Truth], diagnoses: Sequence[ReceivedDiagnosis]) -> Expectation:

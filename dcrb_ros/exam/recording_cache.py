@@ -8,14 +8,18 @@ import re
 import shutil
 import tempfile
 import time
+from functools import partial
 from pathlib import Path
 
 import platformdirs
 
-from dcrb_ros.exam.case import Case, canonical
+from dcrb_ros.exam.case import Case, canonical, scenarios_hash, simulation_seeds
+from dcrb_ros.exam.evaluation import Scenario, ScenarioSet
+from dcrb_ros.exam.exam_file import Exam
 from dcrb_ros.messages.topic import SimulatedTopic
 from dcrb_ros.messages.topics import GROUND_TRUTH, TEMPERATURES, VIBRATION
 from dcrb_ros.recordings.manifest import model_fingerprint, software
+from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.recordings.recorder import Recorder
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
@@ -53,8 +57,8 @@ def checked_folder(folder: Path) -> Path:
 
 def cache_path(case: Case, folder: Path) -> Path:
     """Return the path of a case's recording; its name contains a hash of the run, the model and the software versions."""
-    about = [case.run.described(), model_fingerprint(), software()]
-    topics = _recorded(case.run.configuration)
+    about = [case.simulation.described(), model_fingerprint(), software()]
+    topics = _recorded(case.simulation.configuration)
     everything = canonical(about if topics == RECORDED else [*about, [topic.name for topic in topics]])
     words = re.sub(r"[^a-z0-9.=_-]+", "-", case.expectation.name.lower())[:60].strip("-.")
     return folder / f"{words}-{hashlib.sha256(everything.encode()).hexdigest()[:16]}"
@@ -81,13 +85,25 @@ def cached_recording(case: Case, folder: Path) -> Path:
     return path
 
 
+def simulated_scenarios(exam: Exam, folder: Path) -> ScenarioSet[Recording]:
+    """Return the scenarios of an exam, whose recordings are kept in a folder."""
+    scenarios = [
+        Scenario(case.expectation, partial(_recording, case, folder), recorded=cache_path(case, folder).is_dir) for case in exam.cases
+    ]
+    return ScenarioSet(exam.name, exam.criteria, scenarios, scenarios_hash(exam.cases), exam.seal, simulation_seeds(exam.cases))
+
+
+def _recording(case: Case, folder: Path) -> Recording:
+    return Recording(cached_recording(case, folder))
+
+
 def _recorded(configuration: Configuration) -> tuple[SimulatedTopic, ...]:
     """Return the topics that a detector reads, where the bench has them, and the truth; the others would take up space."""
     return RECORDED + tuple(topic for topic in TEMPERATURES if topic.enabled(configuration))
 
 
 def _simulate(case: Case, path: Path) -> None:
-    run, source = case.run, case.expectation.name
+    run, source = case.simulation, case.expectation.name
     simulation = Simulation(run.configuration, scheduled_changes(run.scenario, run.configuration, source) if run.scenario else ())
     names = ", ".join(topic.name for topic in _recorded(run.configuration))
     topics = run.configuration.recording.model_copy(update={"topics": names})

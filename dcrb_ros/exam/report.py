@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -167,12 +167,12 @@ class Report:
     def checks(self) -> list[Check]:
         """Return the check of every criterion."""
         required = [result for result in self.faulty if result.expectation.required]
-        found = sum(result.found for result in required)
+        detected = sum(result.found for result in required)
         broken = [result for result in self.results if result.broken]
-        limit, ratio = self.criteria.found, found / len(required) if required else 1.0
+        limit, ratio = self.criteria.found, detected / len(required) if required else 1.0
         named = " with the correct verdict" if self.criteria.name_right else ""
         return [
-            Check(f"required faults detected in time{named}", f"at least {limit:.0%}", f"{found} of {len(required)}", ratio >= limit),
+            Check(f"required faults detected in time{named}", f"at least {limit:.0%}", f"{detected} of {len(required)}", ratio >= limit),
             Check("false alarms", f"at most {self.criteria.false_alarms}", str(self.alarms), self.alarms <= self.criteria.false_alarms),
             Check("scenarios without a verdict", "0", str(len(broken)), not broken),
         ]
@@ -183,14 +183,14 @@ class Report:
             Delay(
                 verdict,
                 self.criteria.delay.of(verdict),
-                len(found),
+                len(detected),
                 len(group),
-                percentile([result.delay for result in found if result.delay is not None], 50.0),
-                percentile([result.delay for result in found if result.delay is not None], 95.0),
-                percentile([result.delay_revolutions for result in found if result.delay_revolutions is not None], 50.0),
+                percentile([r.delay for r in detected if r.delay is not None], 50.0),
+                percentile([r.delay for r in detected if r.delay is not None], 95.0),
+                percentile([r.delay_revolutions for r in detected if r.delay_revolutions is not None], 50.0),
             )
             for verdict, group in _grouped(self.faulty).items()
-            for found in [[result for result in group if result.found]]
+            for detected in [[r for r in group if r.found]]
         ]
 
     def confusion(self) -> dict[str, dict[str, int]]:
@@ -202,8 +202,8 @@ class Report:
 
     def detections(self) -> list[Detection]:
         """Return the probability of detection of each kind and width, of scenarios with neither another grade nor a tag ``difficulty``."""
-        plain = [one for one in self.faulty if not (one.expectation.grade or "difficulty" in one.expectation.tags)]
-        sized = [one for one in plain if one.expectation.width > 0.0]
+        faulty = [(r, r.expectation) for r in self.faulty]
+        sized = [r for r, expected in faulty if expected.width > 0.0 and not (expected.grade or "difficulty" in expected.tags)]
         return [
             Detection(verdict, width, sum(result.found for result in same), len(same))
             for verdict, group in _grouped(sized).items()
@@ -213,21 +213,21 @@ class Report:
 
     def graded_detections(self) -> list[GradedDetection]:
         """Return the probability of detection over the parameter that a scenario names in ``graded_by``."""
-        grades = {(FAULT_CLASSES.index(one.expectation.verdict), one.expectation.grade) for one in self.faulty if one.expectation.grade}
         return [
-            GradedDetection(FAULT_CLASSES[verdict], parameter, value, sum(one.found for one in same), len(same))
-            for verdict, (parameter, value) in sorted(grades)
-            if (same := [one for one in _grouped(self.faulty)[FAULT_CLASSES[verdict]] if one.expectation.grade == (parameter, value)])
+            GradedDetection(verdict, parameter, value, sum(r.found for r in same), len(same))
+            for verdict, group in _grouped(self.faulty).items()
+            for parameter, value in sorted({r.expectation.grade for r in group if r.expectation.grade})
+            for same in [[r for r in group if r.expectation.grade == (parameter, value)]]
         ]
 
     def rigs(self) -> list[RigResult]:
         """Return the correct answers by rig and correct verdict; empty if the scenarios have no tag ``rig``."""
         names = sorted({str(result.expectation.tags["rig"]) for result in self.results if "rig" in result.expectation.tags})
         return [
-            RigResult(rig, verdict, sum(one.answer == verdict for one in same), sum(is_alarm(one.answer) for one in same), len(same))
+            RigResult(rig, verdict, sum(r.answer == verdict for r in same), sum(is_alarm(r.answer) for r in same), len(same))
             for rig in names
             for verdict, group in _grouped(self.results).items()
-            if (same := [result for result in group if result.expectation.tags.get("rig") == rig])
+            if (same := [r for r in group if r.expectation.tags.get("rig") == rig])
         ]
 
     def characteristic(self) -> Characteristic | None:
@@ -264,7 +264,7 @@ class Report:
     def described(self) -> dict[str, Any]:
         """Return the report as a tree for JSON; a value that does not exist is null."""
         curve, alarms, areas = self.characteristic(), self.alarm_rate(), family_areas(self.results)
-        tree = {
+        tree: dict[str, Any] = {
             "exam": self.exam,
             "detector": self.detector,
             "passed": self.passed,
@@ -278,7 +278,7 @@ class Report:
             "criteria": self.criteria.model_dump(),
             "checks": [vars(check) for check in self.checks()],
             "exam_score": {
-                one.profile: {**one.score._asdict(), "detection": one.detection, "clean": one.clean} for one in self.exam_scores()
+                score.profile: {**score.score._asdict(), "detection": score.detection, "clean": score.clean} for score in self.exam_scores()
             },
             "silent_share": self.silent_share if self.results else None,
             "delay": {
@@ -305,15 +305,13 @@ class Report:
             "roc": curve._asdict() if curve else None,
             "scenarios": [_described(result) for result in self.results],
         }
-        finite: dict[str, Any] = _finite(tree)
-        return finite
+        return {key: _finite(value) for key, value in tree.items()}
 
 
-def _grouped(results: Iterable[ScenarioResult]) -> dict[str, list[ScenarioResult]]:
+def _grouped(results: Sequence[ScenarioResult]) -> dict[str, list[ScenarioResult]]:
     """Return results by correct verdict, in the order of `FAULT_CLASSES`."""
-    listed = list(results)
-    groups = {verdict: [result for result in listed if result.expectation.verdict == verdict] for verdict in FAULT_CLASSES}
-    return {verdict: group for verdict, group in groups.items() if group}
+    groups = ((verdict, [r for r in results if r.expectation.verdict == verdict]) for verdict in FAULT_CLASSES)
+    return {verdict: group for verdict, group in groups if group}
 
 
 def _described(result: ScenarioResult) -> dict[str, Any]:
@@ -333,7 +331,7 @@ def _described(result: ScenarioResult) -> dict[str, Any]:
         "alarm_delay": result.alarm_delay,
         "credit": dict(result.credit.detection) or None,
         "healthy_periods": result.credit.periods,
-        "spoiled_periods": result.credit.spoiled,
+        "spoiled_periods": result.credit.failed,
         "silent": result.credit.silent,
         "false_alarms": [vars(alarm) for alarm in result.false_alarms],
         "score": result.score,

@@ -128,8 +128,8 @@ def drawn_exam(template: Any, secret: str, source: str) -> dict[str, Any]:
     counts = [_count(entry, f"{source}, scenario {k}") for k, entry in enumerate(scenarios, 1) if isinstance(entry, Mapping)]
     if sum(counts) > MOST_CASES:
         raise Refusal(f"{source} draws {sum(counts)} scenarios: an exam has at most {MOST_CASES}")
-    found = [one for k, entry in enumerate(scenarios, 1) for one in _drawn(entry, secret, f"{source}, scenario {k}")]
-    return {**template, "scenarios": found}
+    drawn = [scenario for k, entry in enumerate(scenarios, 1) for scenario in _drawn(entry, secret, f"{source}, scenario {k}")]
+    return {**template, "scenarios": drawn}
 
 
 def _count(entry: Mapping[str, Any], where: str) -> int:
@@ -149,17 +149,17 @@ def _drawn(entry: Any, secret: str, where: str) -> list[Any]:
     if not isinstance(ranges, Mapping) or not ranges or set(ranges) - {"set", "fault"}:
         raise Refusal(f"{where}: 'draw' must have 'set' or 'fault', each with parameters and their ranges")
     rest = {key: value for key, value in entry.items() if key not in ("draw", "count")}
-    found = []
+    drawn = []
     for number in range(1, _count(entry, where) + 1):
         name = f"{entry.get('name')}/{number}"
-        one: dict[str, Any] = {**rest, "name": name, "seeds": [int(_share(secret, name, "seed") * SEEDS)]}
+        scenario: dict[str, Any] = {**rest, "name": name, "seeds": [int(_share(secret, name, "seed") * SEEDS)]}
         for group, axes in ranges.items():
             if not isinstance(axes, Mapping):
                 raise Refusal(f"{where}: draw.{group} must name parameters and their ranges, such as {{low: 0.0005, high: 0.003}}")
             values = {key: _value(axis, _share(secret, name, group, key), f"{where}: {key}") for key, axis in axes.items()}
-            one[group] = {**(rest.get(group) or {}), **values}
-        found.append(one)
-    return found
+            scenario[group] = {**(rest.get(group) or {}), **values}
+        drawn.append(scenario)
+    return drawn
 
 
 def _share(secret: str, *names: str) -> float:

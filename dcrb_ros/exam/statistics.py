@@ -33,8 +33,8 @@ def share(count: int, of: int) -> Interval:
     """Return the proportion ``count / of`` with its exact binomial interval (Clopper and Pearson 1934) [-]."""
     if of == 0:
         return Interval(float("nan"), 0.0, 1.0)
-    found = binomtest(count, of).proportion_ci(CONFIDENCE, method="exact")
-    return Interval(count / of, float(found.low), float(found.high))
+    limits = binomtest(count, of).proportion_ci(CONFIDENCE, method="exact")
+    return Interval(count / of, float(limits.low), float(limits.high))
 
 
 def partial_area(faulty: Sequence[float], healthy: Sequence[float], share: float) -> float | None:
@@ -44,8 +44,8 @@ def partial_area(faulty: Sequence[float], healthy: Sequence[float], share: float
     (Koizumi et al. 2020, DCASE task 2); ties count one half, as in `characteristic`. None if floor(p N-) or N+ is 0.
     """
     highest = sorted(healthy, reverse=True)[: int(share * len(healthy) + 1e-9)]
-    found = characteristic(faulty, highest)
-    return None if found is None else found.area
+    curve = characteristic(faulty, highest)
+    return None if curve is None else curve.area
 
 
 def harmonic_mean(values: Sequence[float]) -> float:

@@ -162,10 +162,10 @@ def _rigs(report: Report) -> Iterator[Table]:
 
 
 def _confusion(report: Report) -> Table:
-    found = report.confusion()
-    answers = [answer for answer in next(iter(found.values()), {}) if any(row[answer] for row in found.values())]
+    counts = report.confusion()
+    answers = [answer for answer in next(iter(counts.values()), {}) if any(row[answer] for row in counts.values())]
     table = Table("correct \\ answer", *answers, title="Scenarios by correct verdict and answer")
-    for verdict, row in found.items():
+    for verdict, row in counts.items():
         table.add_row(verdict, *(_count(row[answer], correct=answer == verdict) for answer in answers))
     return table
 

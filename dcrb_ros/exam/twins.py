@@ -7,13 +7,13 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from dcrb_ros.exam.case import Case, Run, canonical, derived_tags
+from dcrb_ros.exam.case import Case, CaseSimulation, canonical, derived_tags
 from dcrb_ros.exam.expectation import Expectation
 
 
 def _without_fault(case: Case) -> Mapping[str, Any] | None:
     """Return the timeline of a case's twin."""
-    entries = list((case.run.scenario or {"timeline": []})["timeline"])[:-1]
+    entries = list((case.simulation.scenario or {"timeline": []})["timeline"])[:-1]
     return {"timeline": entries} if entries else None
 
 
@@ -29,9 +29,9 @@ class _TwinNames:
         name = f"twin/{point}" if point else "twin"
         while True:
             self._counts[name] += 1
-            found = name if self._counts[name] == 1 else f"{name}-{self._counts[name]}"
-            if found not in self._taken:
-                return found
+            numbered = name if self._counts[name] == 1 else f"{name}-{self._counts[name]}"
+            if numbered not in self._taken:
+                return numbered
 
 
 def with_twins(cases: Sequence[Case]) -> Iterator[Case]:
@@ -43,13 +43,13 @@ def with_twins(cases: Sequence[Case]) -> Iterator[Case]:
             yield case
             continue
         scenario = _without_fault(case)
-        key = canonical([case.run.configuration.model_dump(), scenario])
+        key = canonical([case.simulation.configuration.model_dump(), scenario])
         known = twins.get(key)
-        duration = max(case.run.duration, known.run.duration if known else 0.0)
+        duration = max(case.simulation.duration, known.simulation.duration if known else 0.0)
         name = known.expectation.name if known else names.next(case)
         point = {"point": case.expectation.tags["point"]} if "point" in case.expectation.tags else {}
-        tags = {**derived_tags(case.run.configuration, {}), **point}
+        tags = {**derived_tags(case.simulation.configuration, {}), **point}
         twin = Expectation(name, "healthy", duration, 0.0, tags, speeds=case.expectation.speeds)
-        twins[key] = Case(twin, Run(case.run.configuration, scenario, duration))
+        twins[key] = Case(twin, CaseSimulation(case.simulation.configuration, scenario, duration))
         yield replace(case, expectation=replace(case.expectation, twin=name))
     yield from twins.values()

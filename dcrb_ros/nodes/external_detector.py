@@ -13,11 +13,11 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
-from pathlib import Path
 from typing import IO, Any
 
+from dcrb_ros.exam.evaluation import CandidateRefusal, Outcome
 from dcrb_ros.messages.bundle import Bundle
-from dcrb_ros.messages.received_diagnosis import ReceivedDiagnosis, decode_diagnosis
+from dcrb_ros.messages.received_diagnosis import decode_diagnosis
 from dcrb_ros.messages.topics import DIAGNOSIS, NAMESPACE, SENSOR, TEMPERATURES, VIBRATION, Topic
 from dcrb_ros.nodes.pacing import Pacer
 from dcrb_ros.nodes.publisher import Publisher, message_class, qos
@@ -47,19 +47,12 @@ FIRST_DOMAIN, DOMAINS = 110, 120
 """ROS domains for exams; low ones are left to users, and 232 is the highest that is valid on all systems."""
 
 
-class NoDiagnosis(RuntimeError):
-    """The detector published no diagnosis in the first scenario; the others are not tried."""
-
-
 @dataclass
-class Diagnoses:
+class Diagnoses(Outcome):
     """The diagnoses that a detector published in a scenario."""
 
-    received: list[ReceivedDiagnosis] = field(default_factory=list)
     refused: list[str] = field(default_factory=list)
     """Why messages are invalid."""
-    failure: str = ""
-    """Why the detector failed; empty if it did not."""
     begin: float = 0.0
     """Time of the first sample [s]."""
     received_at: float = 0.0
@@ -114,13 +107,16 @@ class Diagnoses:
 
 
 class ExternalDetector:
-    """A detector given by its command, which is started anew for every scenario."""
+    """A detector given by its command as a candidate; the command is started anew for every scenario."""
 
-    def __init__(self, command: str, *, rate: float = 0.0, patience: float = 30.0) -> None:
+    parallel = False
+
+    def __init__(self, command: str, *, name: str = "", rate: float = 0.0, patience: float = 30.0) -> None:
         """Prepare to run a command.
 
         Args:
             command: starts the detector.
+            name: name in the report; by default the command.
             rate: recorded over wall time; with 0 the signal is sent as fast as its diagnoses arrive.
             patience: wall time in which it must subscribe and advertise its topic [s].
 
@@ -128,18 +124,19 @@ class ExternalDetector:
             Refusal: ROS is not installed, or the command is empty or malformed.
         """
         check_ros()
+        self.name = name or command
         self._command, self._rate, self._patience = _split(command), rate, patience
         self._domain = FIRST_DOMAIN + os.getpid() % DOMAINS
 
-    def diagnose(self, bag: Path) -> Diagnoses:
+    def diagnose(self, recording: Recording) -> Diagnoses:
         """Return the diagnoses for a recording.
 
         Raises:
-            Refusal: the program does not exist.
+            CandidateRefusal: the program does not exist.
         """
-        recording, diagnoses = Recording(bag), Diagnoses()
+        diagnoses = Diagnoses()
         given: tuple[Topic, ...] = (VIBRATION, *(TEMPERATURES if len(recording.temperatures()) else ()))
-        replay = Replay(ReplayParameters(bag=str(bag), topics=", ".join(topic.name for topic in given)))
+        replay = Replay(ReplayParameters(bag=str(recording.path), topics=", ".join(topic.name for topic in given)))
         with _node(self._domain) as (node, spin), _process(self._command, self._domain) as (process, log):
             # Only the output of sensors is published, not the ground truth.
             publisher = Publisher(node, [*given, SENSOR])
@@ -246,7 +243,9 @@ def _process(command: Sequence[str], domain: int) -> Iterator[tuple[subprocess.P
                 command, env=environment, stdin=subprocess.DEVNULL, stdout=log, stderr=subprocess.STDOUT, start_new_session=True
             )
         except OSError as error:
-            raise Refusal(f"--node: '{command[0]}' cannot be started: {error.strerror}; give the command as you would type it") from None
+            raise CandidateRefusal(
+                f"--node: '{command[0]}' cannot be started: {error.strerror}; give the command as you would type it"
+            ) from None
         try:
             guard(process.pid)
             yield process, log

@@ -3,39 +3,66 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from typing import Literal, get_args
+from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias
 
-Component = Literal["outer_ring", "inner_ring", "roller", "cage"]
-"""Component of the bearing that a fault damages."""
-Trouble = Literal["lubrication", "overheating"]
-"""What is wrong with a bearing that is not damaged: its lubricant, or what heats it."""
-FaultClass = Literal["healthy", Component, Trouble, "compound", "sensor"]
-"""State of a bearing and its sensor: the verdict that is correct for them."""
-Verdict = Literal[FaultClass, "waiting"]
-"""Verdict of a detector; ``waiting`` until it has received enough signal."""
 
-COMPONENTS: tuple[Component, ...] = get_args(Component)
-TROUBLES: tuple[Trouble, ...] = get_args(Trouble)
-BEARING_FAULTS: tuple[FaultClass, ...] = (*COMPONENTS, *TROUBLES, "compound")
-"""Verdicts that name a fault of the bearing."""
-FAULT_CLASSES: tuple[FaultClass, ...] = get_args(FaultClass)
-VERDICTS: tuple[Verdict, ...] = get_args(Verdict)
+class FaultVerdict(NamedTuple):
+    """A verdict that names a fault."""
 
-CHARACTERISTIC: dict[Component, str] = {"outer_ring": "BPFO", "inner_ring": "BPFI", "roller": "BSF", "cage": "FTF"}
-"""Characteristic frequency that a fault of each component excites; a roller defect strikes at twice BSF."""
+    kind: Literal["component", "trouble", "several", "sensor"]
+    """Whether a component is damaged, the bearing is in trouble without damage, it has several faults, or the sensor is faulty."""
+    title: str
+    """The verdict in words."""
+    delay: float
+    """Longest detection delay that an exam allows by default [s]."""
+    colour: str
+    """Colour in figures."""
+    frequency: str = ""
+    """Characteristic frequency that a damaged component excites; a roller defect strikes at twice BSF."""
 
-TITLES: dict[str, str] = {
-    "healthy": "healthy",
-    "outer_ring": "outer ring defect",
-    "inner_ring": "inner ring defect",
-    "roller": "roller defect",
-    "cage": "cage fault",
-    "lubrication": "lubrication fault",
-    "overheating": "overheating",
-    "compound": "several faults",
-    "sensor": "sensor fault",
-    "waiting": "waiting",
+
+FAULTS: dict[str, FaultVerdict] = {
+    "outer_ring": FaultVerdict("component", "outer ring defect", 5.0, "#1f6fb4", "BPFO"),
+    "inner_ring": FaultVerdict("component", "inner ring defect", 5.0, "#e07b00", "BPFI"),
+    "roller": FaultVerdict("component", "roller defect", 5.0, "#2a9d5c", "BSF"),
+    "cage": FaultVerdict("component", "cage fault", 20.0, "#a23b72", "FTF"),
+    "lubrication": FaultVerdict("trouble", "lubrication fault", 20.0, "#b8860b"),
+    "overheating": FaultVerdict("trouble", "overheating", 20.0, "#c1292e"),
+    "compound": FaultVerdict("several", "several faults", 5.0, "#6b5b95"),
+    "sensor": FaultVerdict("sensor", "sensor fault", 5.0, "#8a8a8a"),
 }
+"""Every verdict that names a fault. Limits, colours, titles and the lists below follow from this table."""
+
+
+def _of_kind(*kinds: str) -> tuple[str, ...]:
+    return tuple(name for name, fault in FAULTS.items() if fault.kind in kinds)
+
+
+COMPONENTS = _of_kind("component")
+TROUBLES = _of_kind("trouble")
+BEARING_FAULTS = _of_kind("component", "trouble", "several")
+"""Verdicts that name a fault of the bearing."""
+FAULT_CLASSES = ("healthy", *FAULTS)
+VERDICTS = (*FAULT_CLASSES, "waiting")
+
+if TYPE_CHECKING:  # a type checker knows no literals that follow from a table
+    Component: TypeAlias = str
+    Trouble: TypeAlias = str
+    FaultClass: TypeAlias = str
+    Verdict: TypeAlias = str
+else:
+    Component = Literal[COMPONENTS]
+    """Component of the bearing that a fault damages."""
+    Trouble = Literal[TROUBLES]
+    """What is wrong with a bearing that is not damaged: its lubricant, or what heats it."""
+    FaultClass = Literal[FAULT_CLASSES]
+    """State of a bearing and its sensor: the verdict that is correct for them."""
+    Verdict = Literal[VERDICTS]
+    """Verdict of a detector; ``waiting`` until it has received enough signal."""
+
+CHARACTERISTIC = {name: FAULTS[name].frequency for name in COMPONENTS}
+"""Characteristic frequency of each component."""
+TITLES = {"healthy": "healthy", **{name: fault.title for name, fault in FAULTS.items()}, "waiting": "waiting"}
 """Verdicts in words."""
 
 
@@ -59,7 +86,7 @@ def fault_class(faults: Iterable[FaultClass]) -> FaultClass:
 
     A faulty sensor hides the bearing; faults of different components make ``compound``; no fault makes ``healthy``.
     """
-    found = set(faults) - {"healthy"}
-    if "sensor" in found:
+    present = set(faults) - {"healthy"}
+    if "sensor" in present:
         return "sensor"
-    return "compound" if len(found) > 1 else next(iter(found), "healthy")
+    return "compound" if len(present) > 1 else next(iter(present), "healthy")

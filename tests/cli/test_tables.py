@@ -8,6 +8,7 @@ import pytest
 from same_process import dcrb
 
 from dcrb_ros.exam import evaluation
+from dcrb_ros.exam.evaluation import Outcome
 
 BAGS = Path(__file__).parents[2] / "bags"
 
@@ -40,7 +41,7 @@ def test_the_list_of_scenarios_has_units(capsys: pytest.CaptureFixture[str]) -> 
 
 
 def test_a_quiet_score_prints_the_report_only(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(evaluation, "evaluate_shipped_on", lambda recordings, *others: {r.expectation.name: [] for r in recordings})
+    monkeypatch.setattr(evaluation, "in_processes", lambda calls, workers: [(name, Outcome()) for name in calls])
     for arguments, expected in ((["--quiet"], ""), ([], "scenarios evaluated")):
         assert dcrb("score", str(BAGS / "healthy"), "--reference", *arguments) == 1  # without a diagnosis
         out, err = capsys.readouterr()

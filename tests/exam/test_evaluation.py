@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import os
 import time
+from contextlib import nullcontext
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -15,12 +17,12 @@ from made_up_blocks import BODIES, blocks, recorded
 from dcrb_ros.exam import evaluation, in_process, recording_cache
 from dcrb_ros.exam.case import Case
 from dcrb_ros.exam.criteria import Criteria
-from dcrb_ros.exam.detector_run import run_detector
-from dcrb_ros.exam.evaluation import named, record_all, score_recordings
-from dcrb_ros.exam.exam_file import exam_of
+from dcrb_ros.exam.detector_run import PythonDetector, run_detector
+from dcrb_ros.exam.evaluation import NoDiagnosis, Outcome, Scenario, ScenarioSet, evaluate, named
+from dcrb_ros.exam.exam_file import Exam, exam_of
 from dcrb_ros.exam.expectation import Expectation
-from dcrb_ros.exam.recorded_case import RecordedCase, read_recorded_case
-from dcrb_ros.exam.recording_cache import ABANDONED, cache_path, cached_recording, checked_folder
+from dcrb_ros.exam.recorded_case import RecordedCase, RecordedDiagnoses, diagnosed_scenarios, read_recorded_case
+from dcrb_ros.exam.recording_cache import ABANDONED, cache_path, cached_recording, checked_folder, simulated_scenarios
 from dcrb_ros.messages.received_diagnosis import ReceivedDiagnosis
 from dcrb_ros.messages.statuses import Status, encode_diagnostics, encode_truth
 from dcrb_ros.messages.topics import DIAGNOSIS, GROUND_TRUTH, Message
@@ -30,7 +32,8 @@ from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.stream.block import Truth
 
-CASES = exam_of({"exam": "t", "scenarios": [{"name": f"Well {k}!", "verdict": "healthy"} for k in range(3)]}, "t").cases
+EXAM = exam_of({"exam": "t", "scenarios": [{"name": f"Well {k}!", "verdict": "healthy"} for k in range(3)]}, "t")
+CASES = EXAM.cases
 
 
 class Echo:
@@ -46,7 +49,7 @@ class Echo:
 
 def test_a_verdict_is_dated_by_the_last_sample_of_its_block(tmp_path: Path) -> None:
     bag, detector = recorded(tmp_path / "bag", 4), Echo()
-    found = run_detector(lambda orders, rate: detector, bag)
+    found = run_detector(lambda orders, rate: detector, Recording(bag)).received
     assert [index for index, _ in detector.seen] == [0, 1024, 2048, 3072]
     assert found == [ReceivedDiagnosis(1023 / 51200, "cage"), ReceivedDiagnosis(3071 / 51200, "cage")]
 
@@ -54,17 +57,17 @@ def test_a_verdict_is_dated_by_the_last_sample_of_its_block(tmp_path: Path) -> N
 def test_a_detector_that_asks_for_it_is_given_the_range_of_the_sensor(tmp_path: Path) -> None:
     detector = Echo()
     detector.sensor_range = -1.0  # type: ignore[attr-defined]
-    run_detector(lambda orders, rate: detector, recorded(tmp_path / "bag", 2))
+    run_detector(lambda orders, rate: detector, Recording(recorded(tmp_path / "bag", 2)))
     assert detector.sensor_range == 5000.0  # type: ignore[attr-defined]
     plain = Echo()
-    run_detector(lambda orders, rate: plain, tmp_path / "bag")
+    run_detector(lambda orders, rate: plain, Recording(tmp_path / "bag"))
     assert not hasattr(plain, "sensor_range")
 
 
 def test_an_unknown_verdict_of_a_detector_is_refused(tmp_path: Path) -> None:
     detector = SimpleNamespace(update=lambda *_: "cgae")
     with pytest.raises(Refusal, match=r"update returned 'cgae', which is not a verdict: .*did you mean 'cage'"):
-        run_detector(lambda orders, rate: detector, recorded(tmp_path / "bag", 1))
+        run_detector(lambda orders, rate: detector, Recording(recorded(tmp_path / "bag", 1)))
 
 
 def test_the_path_of_a_recording_has_a_readable_name(tmp_path: Path) -> None:
@@ -125,29 +128,79 @@ def test_a_recording_that_cannot_be_put_in_its_place_is_an_error(tmp_path: Path,
     assert not list(tmp_path.glob(".making-*"))
 
 
+class Mute:
+    """A candidate that answers nothing."""
+
+    def __init__(self, *, parallel: bool = False, failure: str = "") -> None:
+        self.name, self.parallel, self.failure = "mute", parallel, failure
+        self.signals: list[Any] = []
+
+    def diagnose(self, signal: Any) -> Outcome:
+        self.signals.append(signal)
+        return Outcome(failure=self.failure)
+
+
+class Shown:
+    """Notes which scenarios an activity has done."""
+
+    def __init__(self) -> None:
+        self.done: dict[str, list[str]] = {}
+
+    def __call__(self, activity: str, total: int) -> Any:
+        self.done[activity] = []
+        return nullcontext(self.done[activity].append)
+
+
 def test_only_missing_recordings_are_simulated_and_all_are_reported(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     made: list[str] = []
 
     def recording(case: Case, folder: Path) -> Path:
         made.append(case.expectation.name)
+        cache_path(case, folder).mkdir(exist_ok=True)
         return cache_path(case, folder)
 
-    monkeypatch.setattr(evaluation, "cached_recording", recording)
-    monkeypatch.setattr(evaluation, "in_processes", lambda calls, workers: [(name, call()) for name, call in calls.items()])
+    monkeypatch.setattr(recording_cache, "cached_recording", recording)
+    monkeypatch.setattr(recording_cache, "Recording", Path)
     cache_path(CASES[1], tmp_path).mkdir()
-    done: list[str] = []
-    found = record_all(CASES, tmp_path, 1, done.append)
-    assert made == ["Well 0!", "Well 2!"]
-    assert found == {case.expectation.name: cache_path(case, tmp_path) for case in CASES}
-    assert sorted(done) == ["Well 0!", "Well 1!", "Well 2!"]
+    shown, mute = Shown(), Mute()
+    evaluate(mute, simulated_scenarios(EXAM, tmp_path), progress=shown)
+    assert made[:2] == ["Well 0!", "Well 2!"]
+    assert mute.signals == [cache_path(case, tmp_path) for case in CASES]
+    assert sorted(shown.done["simulated"]) == sorted(shown.done["evaluated"]) == ["Well 0!", "Well 1!", "Well 2!"]
 
 
-def test_no_more_processes_are_started_than_there_are_calls(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_no_more_processes_are_started_than_there_are_calls(monkeypatch: pytest.MonkeyPatch) -> None:
     asked: list[int] = []
-    monkeypatch.setattr(evaluation, "in_processes", lambda calls, workers: (asked.append(workers), [])[1])
-    for workers in (2, 9):
-        record_all(CASES, tmp_path, workers, lambda _: None)
-    assert asked == [2, 3]
+
+    def in_this_process(calls: Any, workers: int) -> Any:
+        asked.append(workers)
+        return [(name, call()) for name, call in calls.items()]
+
+    monkeypatch.setattr(evaluation, "in_processes", in_this_process)
+    scenarios = [Scenario(case.expectation, lambda: None, recorded=lambda: False) for case in CASES]
+    for workers in (1, 2, 9):
+        for parallel in (False, True):  # simulated apart, and evaluated apart
+            evaluate(Mute(parallel=parallel), ScenarioSet("t", Criteria(), scenarios), workers=workers)
+    assert asked == [1, 2, 2, 3, 3]
+
+
+def test_a_candidate_that_fails_at_first_is_not_tried_again() -> None:
+    mute = Mute(failure="it ended")
+    scenarios = [Scenario(case.expectation, lambda: None) for case in CASES]
+    with pytest.raises(NoDiagnosis, match=r"the detector 'mute' failed on the first scenario \(Well 0!\): it ended"):
+        evaluate(mute, ScenarioSet("t", Criteria(), scenarios))
+    assert len(mute.signals) == 1
+
+
+def test_a_later_failure_leaves_the_other_scenarios(tmp_path: Path) -> None:
+    class Tiring(Mute):
+        def diagnose(self, signal: Any) -> Outcome:
+            tired = super().diagnose(signal) and len(self.signals) == 2
+            return Outcome([ReceivedDiagnosis(2.0 * k, "healthy") for k in range(6)], "it ended" if tired else "")
+
+    scenarios = [Scenario(case.expectation, lambda: None) for case in CASES]
+    report = evaluate(Tiring(), ScenarioSet("t", Criteria(), scenarios))
+    assert [result.flaw for result in report.results] == ["", "it ended", ""]
 
 
 def test_an_error_names_its_scenario() -> None:
@@ -166,9 +219,10 @@ def test_an_error_names_its_scenario() -> None:
 def test_a_recording_without_diagnoses_is_not_scored() -> None:
     expectation = Expectation("bag", "healthy", 1.0)
     good = RecordedCase(Path("bag"), expectation, (ReceivedDiagnosis(0.5, "healthy"),), ())
-    assert [result.passed for result in score_recordings([good], Criteria())] == [True]
-    with pytest.raises(Refusal, match="bag has no messages on diagnosis"):
-        score_recordings([good, RecordedCase(Path("bag"), expectation, (), ())], Criteria())
+    report = evaluate(RecordedDiagnoses(), diagnosed_scenarios([good]))
+    assert (report.exam, report.detector, [result.passed for result in report.results]) == ("recordings", "the recorded diagnoses", [True])
+    with pytest.raises(Refusal, match=r"^bag has no messages on diagnosis"):
+        evaluate(RecordedDiagnoses(), diagnosed_scenarios([good, RecordedCase(Path("bag"), replace(expectation, name="b"), (), ())]))
 
 
 @pytest.mark.parametrize("workers", [0, 257])
@@ -181,13 +235,23 @@ def test_processes_are_started_for_more_than_one_worker(tmp_path: Path, monkeypa
     file = tmp_path / "own.yaml"
     file.write_text("{exam: own, scenarios: [{name: well, verdict: healthy}]}", encoding="utf-8")
     asked: list[int] = []
-    monkeypatch.setattr(in_process, "record_all", lambda cases, folder, workers, on_done: (asked.append(workers), {"well": tmp_path})[1])
-    monkeypatch.setattr(in_process, "cached_recording", lambda case, folder: (asked.append(1), tmp_path)[1])
-    monkeypatch.setattr(in_process, "run_detector", lambda factory, bag: [ReceivedDiagnosis(5.0, "healthy")])
+
+    def in_this_process(calls: Any, workers: int) -> Any:
+        asked.append(workers)
+        return [(name, call()) for name, call in calls.items()]
+
+    def scenarios(exam: Exam, folder: Path) -> ScenarioSet[None]:
+        one = Scenario(Expectation("well", "healthy", 5.0), lambda: None, recorded=lambda: False)
+        two = Scenario(Expectation("other", "healthy", 5.0), lambda: None, recorded=lambda: False)
+        return ScenarioSet(exam.name, exam.criteria, [one, two])
+
+    monkeypatch.setattr(evaluation, "in_processes", in_this_process)
+    monkeypatch.setattr(in_process, "simulated_scenarios", scenarios)
+    monkeypatch.setattr(PythonDetector, "diagnose", lambda self, signal: Outcome([ReceivedDiagnosis(5.0, "healthy")]))
     for workers in (1, 2, 256):
         report = in_process.score(Echo, file, recordings=tmp_path / "kept", workers=workers)  # type: ignore[arg-type]
         assert (report.passed, report.detector, report.exam) == (True, "Echo", "own")
-    assert asked == [1, 2, 256]
+    assert asked == [2, 2]
 
 
 def truths(path: Path, *faults: dict[str, dict[str, float]], begin: float = 2.0) -> RecordedCase:

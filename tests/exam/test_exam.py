@@ -244,16 +244,16 @@ def test_lists_vary_and_twins_are_shared() -> None:
     for case in exam.cases:
         if case.expectation.faulty:
             twin = twins[case.expectation.twin]
-            assert twin.run.configuration == case.run.configuration
-            assert twin.run.scenario is None
-    assert {case.run.configuration.operating.speed for case in exam.cases} == {60.0, 180.0}
+            assert twin.simulation.configuration == case.simulation.configuration
+            assert twin.simulation.scenario is None
+    assert {case.simulation.configuration.operating.speed for case in exam.cases} == {60.0, 180.0}
 
 
 def test_a_point_may_have_a_configuration_of_its_own() -> None:
     points = {"rollers": {"operating.speed": 60.0}, "balls": {"base": "ball_bearing_6205", "operating.speed": 180.0}}
     exam = tiny(points=points)
-    rows = {case.expectation.tags["point"]: case.run.configuration.bearing.rollers_per_row for case in exam.cases}
-    loads = {case.expectation.tags["point"]: case.run.configuration.operating.load for case in exam.cases}
+    rows = {case.expectation.tags["point"]: case.simulation.configuration.bearing.rollers_per_row for case in exam.cases}
+    loads = {case.expectation.tags["point"]: case.simulation.configuration.operating.load for case in exam.cases}
     assert rows == {"rollers": 16, "balls": 9}
     assert loads == {"rollers": 100000.0, "balls": 200.0}
     assert len(exam.cases) == 2 * 2 + 2, "each point has a healthy twin of its own"
@@ -300,13 +300,13 @@ def test_small_defects_are_not_required() -> None:
 
 def test_a_preset_provides_the_values_that_are_not_given() -> None:
     exam = tiny(scenarios=[{"name": "measured", "verdict": "healthy", "set": {"sensor.preset": ["none", "mems"]}}])
-    assert [case.run.configuration.sensor.adc_bits for case in exam.cases] == [24, 16]
+    assert [case.simulation.configuration.sensor.adc_bits for case in exam.cases] == [24, 16]
 
 
 def test_a_shipped_scenario_sets_its_initial_speed(tmp_path: Path) -> None:
     exam = tiny(scenarios=[{"name": "profile", "verdict": "healthy", "scenario": "run_up"}])
-    assert exam.cases[0].run.configuration.operating.speed == pytest.approx(20.0 / 3.6 / 0.46)  # 20 km/h on wheels of 0.92 m
-    assert exam.cases[0].run.scenario is not None
+    assert exam.cases[0].simulation.configuration.operating.speed == pytest.approx(20.0 / 3.6 / 0.46)  # 20 km/h on wheels of 0.92 m
+    assert exam.cases[0].simulation.scenario is not None
     (tmp_path / "none.yaml").write_text("42", encoding="utf-8")
     with pytest.raises(Refusal, match="is not a scenario"):
         tiny(scenarios=[{"name": "profile", "verdict": "healthy", "scenario": str(tmp_path / "none.yaml")}])
@@ -336,11 +336,11 @@ def test_shipped_exams_are_found() -> None:
 def test_the_exam_hours_has_four_healthy_hours_of_varied_operation() -> None:
     cases = read_exam("hours").cases
     assert not any(case.expectation.faulty for case in cases)
-    assert sum(case.run.duration for case in cases) >= 4 * 3600.0
-    configurations = [case.run.configuration for case in cases]
+    assert sum(case.simulation.duration for case in cases) >= 4 * 3600.0
+    configurations = [case.simulation.configuration for case in cases]
     assert {c.sensor.preset for c in configurations} >= {"ideal", "iepe_100mv_g", "mems"}
     assert len({(c.operating.speed, c.operating.load) for c in configurations}) >= 10
-    assert sum(bool(case.run.scenario) for case in cases) >= 30
+    assert sum(bool(case.simulation.scenario) for case in cases) >= 30
 
 
 SPALLED = {"name": "outer", "verdict": "outer_ring", "fault": {"faults.outer_1.width": 0.002}}

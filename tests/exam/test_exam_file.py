@@ -51,8 +51,8 @@ def test_the_seeds_of_a_list_give_the_cases_that_each_of_them_gives() -> None:
     entry = {**SPALL, "set": {"operating.speed": [100.0, 110.0]}}
     together = exam(entry, WELL, seeds=[1, 7, 2**31 - 1]).cases
     for seed in (1, 7, 2**31 - 1):
-        alone = [case.run for case in exam(entry, WELL, seeds=[seed]).cases]
-        assert [case.run for case in together if case.run.configuration.simulation.seed == seed] == alone
+        alone = [case.simulation for case in exam(entry, WELL, seeds=[seed]).cases]
+        assert [case.simulation for case in together if case.simulation.configuration.simulation.seed == seed] == alone
 
 
 @pytest.mark.parametrize("seed", [-1, 2**40])
@@ -78,9 +78,9 @@ def test_twins_of_many_seeds_have_names_of_their_own() -> None:
 
 
 def test_a_scenario_may_end_exactly_at_the_limit() -> None:
-    assert first({**SPALL, "duration": 0.2}).run.duration == 0.2
+    assert first({**SPALL, "duration": 0.2}).simulation.duration == 0.2
     assert "it ends 0.0999 s after the onset" in refused({**SPALL, "duration": 0.1999})
-    assert first({**WELL, "duration": 0.1}).run.duration == 0.1  # nothing to detect
+    assert first({**WELL, "duration": 0.1}).simulation.duration == 0.1  # nothing to detect
 
 
 @pytest.mark.parametrize(("width", "required"), [(0.0009, False), (0.001, True), (0.002, True)])
@@ -109,9 +109,9 @@ def test_a_twin_is_as_long_as_the_longest_of_its_scenarios_and_keeps_their_timel
     long, short = ({**SPALL, "name": name, "duration": duration, "timeline": timeline} for name, duration in (("a", 0.4), ("b", 0.3)))
     for order in ((long, short), (short, long)):
         (*_, twin) = exam(*order).cases
-        assert (twin.run.duration, twin.expectation.duration) == (0.4, 0.4)
-        assert twin.run.scenario == {"timeline": timeline}
-    assert exam(SPALL).cases[1].run.scenario is None
+        assert (twin.simulation.duration, twin.expectation.duration) == (0.4, 0.4)
+        assert twin.simulation.scenario == {"timeline": timeline}
+    assert exam(SPALL).cases[1].simulation.scenario is None
 
 
 def test_a_scenario_may_be_graded_by_another_parameter_than_the_width() -> None:
@@ -131,7 +131,7 @@ def test_names_have_the_parts_that_vary() -> None:
     names = [case.expectation.name for case in exam({**SPALL, "twin": False}, points=points, seeds=[3, 4]).cases]
     assert names == ["outer/slow/seed3", "outer/slow/seed4", "outer/fast/seed3", "outer/fast/seed4"]
     (case, twin) = exam({**SPALL, "points": ["slow"], "seeds": [9], "tags": {"where": "here"}}, points=points, seeds=[1, 2]).cases
-    assert case.run.configuration.simulation.seed == 9
+    assert case.simulation.configuration.simulation.seed == 9
     assert (case.expectation.tags["where"], case.expectation.tags["point"], twin.expectation.tags["point"]) == ("here", "slow", "slow")
     assert "where" not in twin.expectation.tags
     lists = {"name": "v", "verdict": "healthy", "set": {"operating.speed": [60.0, 70.0], "operating.load": [1e4, 2e4]}}

@@ -66,7 +66,7 @@ def values(given: Answers) -> list[float]:
 def parts(given: Answers) -> list[float]:
     """Return everything that enters the score, so that a larger value never makes a smaller score."""
     found = [one.credit for one in contributions(given)]
-    return [value for one in found for value in (*one.detection.values(), -float(one.spoiled))]
+    return [value for one in found for value in (*one.detection.values(), -float(one.failed))]
 
 
 def assert_no_better(worse: Answers, better: Answers) -> None:
@@ -205,23 +205,23 @@ def test_healthy_periods_cover_the_healthy_time_and_are_no_shorter_than_silence_
     assert period_of(CRITERIA) == 5.0
     # The healthy time of inner is before its onset; dead has bearing alarms to avoid from its onset to its end.
     assert {name: one.periods for name, one in found.items()} == {"outer": 0, "inner": 1, "both": 0, "dead": 2, "twin": 4, "track": 6}
-    assert not any(one.spoiled for one in found.values())
+    assert not any(one.failed for one in found.values())
 
 
 def test_a_false_alarm_spoils_the_periods_in_which_it_stands() -> None:
     def spoiled(*alarms: float) -> int:
-        return credit(EXAM[4], [ReceivedDiagnosis(t, "cage" if t in alarms else "healthy") for t in times(EXAM[4])], CRITERIA).spoiled
+        return credit(EXAM[4], [ReceivedDiagnosis(t, "cage" if t in alarms else "healthy") for t in times(EXAM[4])], CRITERIA).failed
 
     assert (spoiled(2.0), spoiled(2.0, 3.0), spoiled(2.0, 7.0), spoiled(20.0)) == (1, 1, 2, 1)
     standing = [ReceivedDiagnosis(4.0, "cage"), *(ReceivedDiagnosis(t, "healthy") for t in (8.0, 12.0, 17.0))]
-    assert credit(EXAM[4], standing, CRITERIA).spoiled == 2
+    assert credit(EXAM[4], standing, CRITERIA).failed == 2
 
 
 def test_periods_without_a_verdict_in_time_are_spoiled() -> None:
     at = [ReceivedDiagnosis(t, "healthy") for t in (3.0, 8.0, 19.0)]
-    assert credit(EXAM[4], at, CRITERIA).spoiled == 1
+    assert credit(EXAM[4], at, CRITERIA).failed == 1
     assert credit(EXAM[4], at, CRITERIA).silent == pytest.approx(20.0 - 5.0 - 5.0 - 1.0)
-    assert credit(EXAM[4], [replace(d, signal_received=20.0) for d in at], CRITERIA).spoiled == 3
+    assert credit(EXAM[4], [replace(d, signal_received=20.0) for d in at], CRITERIA).failed == 3
 
 
 def test_the_factor_for_false_alarms_has_its_ends() -> None:

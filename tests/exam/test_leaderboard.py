@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 from same_process import dcrb
 
-from dcrb_ros.exam.comparison import compare
 from dcrb_ros.exam.criteria import Criteria
 from dcrb_ros.exam.entry import Entry, entry_of, read_entry, write_entry
+from dcrb_ros.exam.exam_score import compare
 from dcrb_ros.exam.expectation import Expectation
 from dcrb_ros.exam.leaderboard import boards, markdown, page, rows
 from dcrb_ros.exam.profile import PROFILES
@@ -82,11 +82,11 @@ def test_an_edited_entry_is_refused(path: tuple[Any, ...], value: Any, sentence:
         read_entry(tmp_path / "e.json")
 
 
-def test_a_detector_is_not_told_apart_from_itself() -> None:
+def test_a_detector_is_not_distinguished_from_itself() -> None:
     own = detector(1, 0.5).contributions()
     found = compare(own, own, RESEARCH)
     assert (found.difference.value, found.difference.low, found.difference.high, found.confidence) == (0.0, 0.0, 0.0, 0.5)
-    assert not found.told_apart
+    assert not found.distinguished
 
 
 def test_a_comparison_is_antisymmetric() -> None:
@@ -97,17 +97,17 @@ def test_a_comparison_is_antisymmetric() -> None:
     assert (there.difference.low, there.difference.high) == pytest.approx((-back.difference.high, -back.difference.low))
 
 
-def test_detectors_of_different_skill_are_told_apart() -> None:
+def test_detectors_of_different_skill_are_distinguished() -> None:
     found = compare(detector(1, 0.9).contributions(), detector(2, 0.4).contributions(), RESEARCH)
-    assert found.told_apart
+    assert found.distinguished
     assert found.confidence > 0.99
 
 
-def test_detectors_of_equal_skill_are_told_apart_as_rarely_as_the_confidence_says() -> None:
+def test_detectors_of_equal_skill_are_distinguished_as_rarely_as_the_confidence_says() -> None:
     """At 95 % confidence, one pair in twenty is told apart wrongly; percentile intervals of 24 scenarios are a little too narrow."""
     pairs = 60
     wrong = sum(
-        compare(detector(k, 0.5).contributions(), detector(k + 1000, 0.5).contributions(), RESEARCH).told_apart for k in range(pairs)
+        compare(detector(k, 0.5).contributions(), detector(k + 1000, 0.5).contributions(), RESEARCH).distinguished for k in range(pairs)
     )
     assert wrong <= 9  # a binomial number with p = 0.07 exceeds 9 of 60 with a probability below 1 %
 
@@ -120,7 +120,7 @@ def test_the_paired_comparison_sees_a_small_difference_on_the_same_scenarios() -
     better = [s.model_copy(update={"credit": full}) if s.name in missed else s for s in weaker.scenarios]
     stronger = weaker.model_copy(update={"scenarios": better})
     found = compare(stronger.contributions(), weaker.contributions(), RESEARCH)
-    assert found.told_apart
+    assert found.distinguished
     assert stronger.scores()[2].score.low < weaker.scores()[2].score.high
 
 
@@ -132,7 +132,7 @@ def test_detectors_on_different_scenarios_are_not_compared() -> None:
 
 def test_the_leaderboard_is_sorted_by_the_score() -> None:
     (board,) = boards([detector(1, 0.3), detector(2, 0.9), detector(3, 0.6)])
-    assert [place.entry.detector for place in board.places] == ["detector 2", "detector 3", "detector 1"]
+    assert [ranked.entry.detector for ranked in board.ranking] == ["detector 2", "detector 3", "detector 1"]
     found = list(rows(board))
     assert [row[0] for row in found] == ["1", "2", "3"]
     assert found[0][-1].startswith("yes, ")
@@ -141,7 +141,7 @@ def test_the_leaderboard_is_sorted_by_the_score() -> None:
 
 def test_exams_with_different_scenarios_have_boards_of_their_own() -> None:
     other = detector(2, 0.5).model_copy(update={"scenarios_sha256": "1" * 64})
-    assert [len(board.places) for board in boards([detector(1, 0.5), other])] == [1, 1]
+    assert [len(board.ranking) for board in boards([detector(1, 0.5), other])] == [1, 1]
 
 
 def test_entries_of_the_same_name_are_refused() -> None:

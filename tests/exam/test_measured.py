@@ -16,8 +16,19 @@ from dcrb_ros.cli.app import main
 from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.exam.agreement import macro_recall
 from dcrb_ros.exam.entry import read_entry
-from dcrb_ros.exam.measured import COLUMNS, MeasuredRecording, diagnose, evaluate_measured, read_measured
-from dcrb_ros.exam.measured_stream import evaluate_measured_stream, healthy_lead, stream
+from dcrb_ros.exam.evaluation import evaluate
+from dcrb_ros.exam.measured import (
+    COLUMNS,
+    LedSignal,
+    MeasuredRecording,
+    ShippedOnce,
+    diagnose,
+    healthy_lead,
+    led_scenarios,
+    read_measured,
+    whole_scenarios,
+)
+from dcrb_ros.exam.plugin import plugin_detector
 from dcrb_ros.schema.refusal import Refusal
 
 pytestmark = pytest.mark.slow
@@ -111,7 +122,7 @@ def test_options_that_do_not_apply_are_refused(tmp_path: Path, monkeypatch: pyte
 @measured
 @pytest.mark.parametrize(("speed", "fewer"), [("lines", 0), ("documented", 2)])
 def test_the_measured_recordings_are_named(speed: str, fewer: int) -> None:
-    report = evaluate_measured(MEASURED, DetectorParameters(), speed, "shipped", 1, lambda _: None)
+    report = evaluate(ShippedOnce("shipped", DetectorParameters()), whole_scenarios(MEASURED, speed))
     found: dict[str, list[Any]] = {}
     for result in report.results:
         found.setdefault(result.expectation.verdict, []).append(result)
@@ -147,8 +158,9 @@ def test_a_recording_follows_a_healthy_one_of_the_same_bearing() -> None:
 def test_detectors_in_python_hear_the_healthy_bearing_first(tmp_path: Path) -> None:
     at = folder(tmp_path)
     calm, struck = read_measured(at)
-    pieces, onset = stream(struck, calm)
-    assert onset == pytest.approx(2.0)
+    signal = LedSignal(struck, calm)
+    pieces = list(signal.pieces())
+    assert (signal.expectation().onset, signal.expectation().end) == pytest.approx((2.0, 4.0))
     assert [piece.first_index for piece in pieces[:3]] == [0, 600, 1200]
     samples = np.concatenate([piece.acceleration[:, 0] for piece in pieces])
     assert samples == pytest.approx(np.concatenate([calm.samples(), struck.samples()]), rel=1e-6)
@@ -165,7 +177,7 @@ def test_detectors_in_python_hear_the_healthy_bearing_first(tmp_path: Path) -> N
         "        loud, self.most = index > 12000 and level > 1.5 * self.most, max(level, self.most) if index < 24000 else self.most\n"
         "        return 'outer_ring' if loud else 'healthy'\n"
     )
-    report = evaluate_measured_stream(at, f"{tmp_path / 'louder.py'}:Louder", "lines", "louder", 1, lambda name: None)
+    report = evaluate(plugin_detector(f"{tmp_path / 'louder.py'}:Louder", "louder"), led_scenarios(at, "lines"))
     answers = {result.expectation.name: (result.answer, result.expectation.onset) for result in report.results}
     assert answers["calm"] == ("healthy", 0.0)
     assert answers["struck"][1] == pytest.approx(2.0)

@@ -17,15 +17,18 @@ from rich.table import Table
 
 from dcrb_ros.exam import figure
 from dcrb_ros.exam.criteria import Criteria
+from dcrb_ros.exam.exam_file import read_exam, shipped_exams
 from dcrb_ros.exam.expectation import Expectation
-from dcrb_ros.exam.figure import COLOURS, write_figure
+from dcrb_ros.exam.figure import write_figure
 from dcrb_ros.exam.junit import write_junit
 from dcrb_ros.exam.report import Report
-from dcrb_ros.exam.scoring import FalseAlarm, ScenarioResult
+from dcrb_ros.exam.scoring import FalseAlarm, ScenarioResult, score_scenario
 from dcrb_ros.exam.statistics import Interval, share
 from dcrb_ros.exam.table import MOST_FAILURES, bounds, number, sentences, tables
+from dcrb_ros.messages.received_diagnosis import ReceivedDiagnosis
 from dcrb_ros.runtime.terminal import console
 from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.schema.verdicts import FAULTS
 
 
 def result(
@@ -140,7 +143,7 @@ def test_a_criterion_is_met_at_its_limit(criteria: dict[str, Any], holds: list[b
     assert report(name_right=False).checks()[0].name == "required faults detected in time"
 
 
-def test_missing_verdicts_and_faults_that_are_not_required_are_told_apart() -> None:
+def test_missing_verdicts_and_faults_that_are_not_required_are_distinguished() -> None:
     assert report(result("cage", "healthy", required=False)).passed
     assert report().passed
     assert not report(result("healthy", "nothing", broken=True)).passed
@@ -270,7 +273,7 @@ def test_the_figure_shows_each_delay_with_median_and_limit() -> None:
     assert np.asarray(outer.get_ydata()).tolist() == [1.0, 2.0]
     assert np.asarray(outer.get_xdata()).mean() == pytest.approx(0.0)
     assert np.asarray(sensor.get_xdata()).tolist() == [1.0]
-    assert to_hex(sensor.get_color()) == COLOURS["sensor"]
+    assert to_hex(sensor.get_color()) == FAULTS["sensor"].colour
     levels = [collection.get_segments()[0][0, 1] for collection in made.collections]
     assert levels == [1.5, 5.0, 0.5, 5.0]
     assert [label.get_text() for label in made.get_xticklabels()] == ["outer_ring\n2 of 3", "sensor\n1 of 1"]
@@ -324,6 +327,25 @@ def test_a_figure_without_data_says_so() -> None:
     ):
         assert [text.get_text() for text in axes(draw, empty).texts] == [words]
     assert [text.get_text() for text in axes(figure._confusion, report()).texts] == ["no scenario"]
+
+
+@pytest.mark.parametrize("name", shipped_exams())
+def test_the_figure_of_every_shipped_exam_has_the_colour_of_each_of_its_verdicts(name: str, tmp_path: Path) -> None:
+    exam = read_exam(name)
+    results = []
+    for case in exam.cases:
+        expected = case.expectation
+        diagnoses = [ReceivedDiagnosis(expected.onset + 0.5, expected.verdict, 1.0), ReceivedDiagnosis(expected.end, expected.verdict, 1.0)]
+        results.append(score_scenario(expected, diagnoses, exam.criteria))
+    shown = Report(exam.name, "made up", exam.criteria, "", tuple(results))
+    write_figure(shown, tmp_path / "f.svg")
+    drawn = (tmp_path / "f.svg").read_text(encoding="utf-8")
+    assert [delay.verdict for delay in shown.delays() if FAULTS[delay.verdict].colour not in drawn] == []
+    assert all(delay.found == delay.scenarios for delay in shown.delays())
+
+
+def test_every_fault_has_a_colour_of_its_own() -> None:
+    assert len({fault.colour for fault in FAULTS.values()}) == len(FAULTS)
 
 
 @pytest.mark.parametrize(("name", "words"), [("f.bmp", "unknown file type"), ("gone/f.png", "cannot be written")])

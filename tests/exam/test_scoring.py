@@ -132,7 +132,7 @@ def test_no_verdict_is_owed_on_a_bearing_that_hardly_turns(speed: float | None, 
     assert found.broken is (verdict == "waiting" and owed)
     assert found.credit.periods == 2
     # Neither half of 5 s has ten revolutions at any of these speeds.
-    assert found.credit.spoiled == (2 if verdict == "sensor" or (verdict == "waiting" and speed is None) else 0)
+    assert found.credit.failed == (2 if verdict == "sensor" or (verdict == "waiting" and speed is None) else 0)
 
 
 def test_silence_at_standstill_is_no_answer() -> None:

@@ -200,7 +200,7 @@ HINDSIGHT = """
 
 def test_diagnoses_published_in_hindsight_count_as_issued_late() -> None:
     detector = ExternalDetector(python("-c", SUBSCRIBER.format(HINDSIGHT.strip())))
-    diagnoses = detector.diagnose(ROOT / "bags/outer_ring_defect")
+    diagnoses = detector.diagnose(Recording(ROOT / "bags/outer_ring_defect"))
     assert not diagnoses.failure
     assert len(diagnoses.received) == 6
     early = [diagnosis for diagnosis in diagnoses.received if diagnosis.time < 1.0]
@@ -251,7 +251,7 @@ def test_a_detector_reads_the_thermometers_of_a_bench_that_has_them_and_not_the_
         (tmp_path / "bag", [readings.outer_ring.tolist(), readings.box.tolist(), readings.ambient.tolist()]),
         (ROOT / "bags/healthy", [[], [], []]),
     ):
-        found = ExternalDetector(python("-c", THERMOMETERS), patience=60.0).diagnose(bag)
+        found = ExternalDetector(python("-c", THERMOMETERS), patience=60.0).diagnose(Recording(bag))
         assert not found.failure
         *read, seen = ast.literal_eval(found.received[-1].reason)
         assert read == expected
@@ -260,7 +260,9 @@ def test_a_detector_reads_the_thermometers_of_a_bench_that_has_them_and_not_the_
 
 def test_a_rate_is_kept(capsys: pytest.CaptureFixture[str]) -> None:
     began = time.monotonic()
-    diagnoses = ExternalDetector(python("-m", "dcrb_ros.nodes.fault_detector"), rate=0.5).diagnose(ROOT / "bags/outer_ring_defect")
+    diagnoses = ExternalDetector(python("-m", "dcrb_ros.nodes.fault_detector"), rate=0.5).diagnose(
+        Recording(ROOT / "bags/outer_ring_defect")
+    )
     assert time.monotonic() - began > 5.5  # of three seconds
     assert not diagnoses.failure
     assert diagnoses.received[-1].verdict == "outer_ring"

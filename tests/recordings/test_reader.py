@@ -22,7 +22,7 @@ from runs import Run, simulated
 from dcrb_ros.bearing.kinematics import characteristic_orders
 from dcrb_ros.cli.detect import detect
 from dcrb_ros.diagnosis.parameters import DetectorParameters
-from dcrb_ros.exam.detector_run import run_shipped_detector
+from dcrb_ros.exam.detector_run import shipped_detector
 from dcrb_ros.messages.encoder import BlockEncoder
 from dcrb_ros.messages.points import SAMPLE
 from dcrb_ros.messages.topics import ACCELERATION, FEATURES, GROUND_TRUTH, MANIFEST, NAMESPACE, ROLLER_STATES, SENSOR, VIBRATION
@@ -221,7 +221,7 @@ def test_a_changed_range_is_read_with_its_blocks(tmp_path: Path, capsys: pytest.
     assert [span for _, span in Recording(bag).ranged_vibrations()] == [5000.0] * 75 + [20.0] * 100
     detect(bag, as_json=True)
     verdicts = [found["verdict"] for found in json.loads(capsys.readouterr().out)["history"]]
-    assert verdicts == [diagnosis.verdict for diagnosis in run_shipped_detector(bag, DetectorParameters())]
+    assert verdicts == [diagnosis.verdict for diagnosis in shipped_detector(DetectorParameters()).diagnose(Recording(bag)).received]
     assert "sensor" not in verdicts
 
 

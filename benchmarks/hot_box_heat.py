@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import itertools
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
+from scipy.interpolate import RegularGridInterpolator
 
 from dcrb_ros.bearing.heat_network import AXLE, AXLE_OVER_SPEED, surface_exchange
 from dcrb_ros.bearing.quasi_steady import QuasiSteady, vehicle_speed
@@ -37,22 +37,12 @@ class Grid:
 
     def __init__(self, axes: tuple[tuple[float, ...], ...], values: Floats) -> None:
         """Take values of shape (*points of each axis, quantities)."""
-        self._axes, self._values = [np.array(axis) for axis in axes], values
+        self._limits, self._table = [(axis[0], axis[-1]) for axis in axes], RegularGridInterpolator(axes, values)
 
-    def at(self, *places: Floats) -> Floats:
-        """Return the values at places, one array of shape (bearings,) for each axis; shape (quantities, bearings)."""
-        below, share = [], []
-        for axis, place in zip(self._axes, places, strict=True):
-            left = np.clip(np.searchsorted(axis, place, side="right") - 1, 0, len(axis) - 2)
-            below.append(left)
-            share.append(np.clip((place - axis[left]) / (axis[left + 1] - axis[left]), 0.0, 1.0))
-        found = np.zeros((len(places[0]), self._values.shape[-1]))
-        for corner in itertools.product((0, 1), repeat=len(places)):
-            weight = np.ones(len(places[0]))
-            for side, part in zip(corner, share, strict=True):
-                weight = weight * (part if side else 1.0 - part)
-            found += weight[:, None] * self._values[tuple(left + side for left, side in zip(below, corner, strict=True))]
-        return np.asarray(found.T)
+    def at(self, *coordinates: Floats) -> Floats:
+        """Return the values at points, one array of shape (bearings,) for each axis; shape (quantities, bearings)."""
+        inside = [np.clip(values, low, high) for values, (low, high) in zip(coordinates, self._limits, strict=True)]
+        return np.asarray(self._table(np.stack(inside, 1)).T)
 
 
 @dataclass(frozen=True)
@@ -94,18 +84,18 @@ class HeatTable:
         axle = AXLE + AXLE_OVER_SPEED * self.vehicle * speed
         air = wind * np.interp(self.exposure * self.vehicle * speed, AIR, self.cooling)
         matrix = np.zeros((len(speed), 4, 4))
-        for one, other, conductance in ((0, 1, to_inner), (1, 2, to_outer), (2, 3, np.full(len(speed), self.seat))):
-            for node in (one, other):
+        for first, second, conductance in ((0, 1, to_inner), (1, 2, to_outer), (2, 3, np.full(len(speed), self.seat))):
+            for node in (first, second):
                 matrix[:, node, node] += conductance
-            matrix[:, one, other] = matrix[:, other, one] = -conductance
+            matrix[:, first, second] = matrix[:, second, first] = -conductance
         stored = self.capacity / duration
         for node in range(4):
             matrix[:, node, node] += stored[node]
         matrix[:, 0, 0] += axle
         matrix[:, 3, 3] += air
         right = stored[:, None] * (temperatures - ambient) + heat
-        found = np.linalg.solve(matrix, right.T[:, :, None])[:, :, 0].T
-        return np.asarray(np.minimum(ambient + found, HOTTEST))
+        rise = np.linalg.solve(matrix, right.T[:, :, None])[:, :, 0].T
+        return np.asarray(np.minimum(ambient + rise, HOTTEST))
 
 
 def heat_table(configuration: Configuration, fault: Fault) -> HeatTable:

@@ -3,16 +3,21 @@
 from __future__ import annotations
 
 import math
+import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+sys.path.append(str(Path(__file__).parents[2] / "benchmarks"))
+
+from hot_box_fleet import STEP, Fleet, Growth, Temperatures
+from hot_box_heat import HeatTable, heat_table
+from hot_boxes import Outcome, faulty_days, healthy_days
+
 import dcrb_ros
 from dcrb_ros.bearing.quasi_steady import QuasiSteady
 from dcrb_ros.diagnosis.parameters import DetectorParameters
-from dcrb_ros.exam.hot_boxes.fleet import STEP, Fleet, Growth, Temperatures
-from dcrb_ros.exam.hot_boxes.heat_table import HeatTable, heat_table
-from dcrb_ros.exam.hot_boxes.trial import Outcome, faulty_days, healthy_days
 
 pytestmark = pytest.mark.slow
 
@@ -63,9 +68,9 @@ def test_the_detector_finds_a_hot_box_before_the_wayside_rule(outcomes: list[Out
 
 
 def test_healthy_days_raise_no_alarm(table: HeatTable) -> None:
-    found, hot = healthy_days(Fleet(1, 1, 5), table, DetectorParameters())
-    assert len(found) == 2
-    assert not any(one.alarms for one in found)
+    boxes, hot = healthy_days(Fleet(1, 1, 5), table, DetectorParameters())
+    assert len(boxes) == 2
+    assert not any(box.alarms for box in boxes)
     assert hot == 0
 
 

@@ -1,4 +1,4 @@
-"""Days of many axles: what their trains do, the weather, the individuals, and the temperatures that follow.
+"""Days of many axles: trips, weather, individual boxes, and the temperatures that follow.
 
 All distributions are choices, stated in `Fleet`; none was fitted to the detector. Both boxes of an axle share train and weather. The
 detector knows neither load, sun nor wind.
@@ -9,8 +9,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from hot_box_heat import HeatTable
 
-from dcrb_ros.exam.hot_boxes.heat_table import HeatTable
 from dcrb_ros.measurement.random_streams import random_stream
 from dcrb_ros.schema.arrays import Floats, Samples
 
@@ -26,7 +26,7 @@ WHEEL_RADIUS = 0.46
 
 @dataclass(frozen=True)
 class Duty:
-    """What the trains of a fleet do; each array has the shape (steps, axles)."""
+    """Operation of the trains of a fleet and the weather; each array has the shape (steps, axles)."""
 
     speed: Floats
     """Of the shaft [rad/s]."""
@@ -58,7 +58,7 @@ class Growth:
 
 @dataclass(frozen=True)
 class Temperatures:
-    """What a fleet's boxes do, shape (steps, axles, 2) [deg C]; the fault is in the first box of an axle."""
+    """Temperatures of a fleet's boxes, shape (steps, axles, 2) [deg C]; the fault is in the first box of an axle."""
 
     outer_ring: Samples
     box: Samples
@@ -83,7 +83,7 @@ class Fleet:
 
     def _duty(self) -> Duty:
         """Return the duty: trips between stations by day and standstill by night, in the weather of each axle's place."""
-        found = [self._trips(random_stream(self.seed, f"hot boxes: trips of axle {k}")) for k in range(self.axles)]
+        trips = [self._trips(random_stream(self.seed, f"hot boxes: trips of axle {k}")) for k in range(self.axles)]
         weather = random_stream(self.seed, "hot boxes: weather")
         hour = (np.arange(self.steps) * STEP / 3600.0)[:, None]
         day = np.minimum((hour / 24.0).astype(np.int64), self.days - 1)
@@ -95,16 +95,16 @@ class Fleet:
         wind = np.exp(0.12 * self._wander(weather, 2.0))
         height = np.clip(np.sin(2.0 * np.pi * (hour % 24.0 - 6.0) / 24.0), 0.0, 1.0)
         sun = 200.0 * height * np.clip(0.5 + 0.5 * self._wander(weather, 1.0), 0.0, 1.0)
-        return Duty(np.stack([one[0] for one in found], 1), np.stack([one[1] for one in found], 1), ambient, wind, sun)
+        return Duty(np.stack([speed for speed, _ in trips], 1), np.stack([load for _, load in trips], 1), ambient, wind, sun)
 
     def _wander(self, random: np.random.Generator, hours: float) -> Floats:
-        """Return a random course with a deviation of 1 that is forgotten within some hours, shape (steps, axles) [-]."""
+        """Return a unit-variance process with a correlation time of some hours, shape (steps, axles) [-]."""
         kept = float(np.exp(-STEP / (3600.0 * hours)))
-        found = random.standard_normal((self.steps, self.axles))
-        found[1:] *= np.sqrt(1.0 - kept**2)
+        process = random.standard_normal((self.steps, self.axles))
+        process[1:] *= np.sqrt(1.0 - kept**2)
         for k in range(1, self.steps):
-            found[k] += kept * found[k - 1]
-        return found
+            process[k] += kept * process[k - 1]
+        return process
 
     def _trips(self, random: np.random.Generator) -> tuple[Floats, Floats]:
         """Return speed [rad/s] and load [N] of an axle: from 5 to 23 h trips of 2 to 5 h, empty to full, with stops every 15 to 80 km."""
@@ -133,7 +133,7 @@ class Fleet:
         friction, cooling = self.friction.ravel(), self.cooling.ravel()
         size = np.zeros((axles, 2))
         for k in range(self.steps):
-            speed, load, ambient, wind = (np.repeat(one[k], 2) for one in (duty.speed, duty.load, duty.ambient, duty.wind))
+            speed, load, ambient, wind = (np.repeat(values[k], 2) for values in (duty.speed, duty.load, duty.ambient, duty.wind))
             sun = (duty.sun[k][:, None] * self.sunny).ravel()
             if growth is not None:
                 size[:, 0] = growth.size(k * STEP)
@@ -142,12 +142,12 @@ class Fleet:
             outer[k], box[k] = state[2].reshape(axles, 2), state[3].reshape(axles, 2)
         return Temperatures(outer, box)
 
-    def readings(self, found: Temperatures) -> tuple[Floats, Floats]:
-        """Return what thermometers at the outer rings and in the air read: noise of 0.2 K, in steps of 0.5 K, and the bias of the air's.
+    def readings(self, truth: Temperatures) -> tuple[Floats, Floats]:
+        """Return the readings at the outer rings and in the air: noise of 0.2 K, in steps of 0.5 K, and the bias of the air's.
 
         Shapes (steps, axles, 2) and (steps, axles) [deg C].
         """
         random = random_stream(self.seed, "hot boxes: thermometers")
-        ring = found.outer_ring + 0.2 * random.standard_normal(found.outer_ring.shape)
+        ring = truth.outer_ring + 0.2 * random.standard_normal(truth.outer_ring.shape)
         air = self.duty.ambient + self.bias + 0.2 * random.standard_normal(self.duty.ambient.shape)
         return np.round(ring / 0.5) * 0.5, np.round(air / 0.5) * 0.5
