@@ -64,18 +64,14 @@ nodes: environment compiled ## The tests that start ROS nodes (SPEED=slow for th
 validate: environment ## The paper's numbers and figures: a table, and a report in validation/
 	$(BIN)/dcrb validate -o validation
 
-bench: environment ## Speed and accuracy, some minutes on a machine that does nothing else
+bench: environment ## Speed, some minutes on a machine that does nothing else
 	$(BIN)/python benchmarks/real_time.py
-	$(BIN)/python benchmarks/phases.py
-	$(BIN)/python benchmarks/machine.py
-	$(BIN)/python benchmarks/peers.py
 	$(BIN)/python benchmarks/batch.py
 	$(BIN)/python benchmarks/sweep.py
 	$(BIN)/python benchmarks/start.py
 	$(BIN)/python benchmarks/recording.py
 	$(BIN)/python benchmarks/node.py
 	$(BIN)/python benchmarks/live_view.py
-	$(BIN)/python benchmarks/accuracy.py
 
 MEASURED ?= ../shared/measured
 sim_to_real: environment ## Train on simulated bearings, test on measured ones in MEASURED, half an hour (SIM_TO_REAL='--machines 64 --seconds 8')
