@@ -95,15 +95,15 @@ def command_of(program: str, folder: Path) -> list[str]:
 
 def marked(mark: str) -> list[int]:
     """Return the processes with a mark in their environment that are not zombies."""
-    found = []
+    processes = []
     for process in Path("/proc").glob("[0-9]*"):
         try:
             variables, state = (process / "environ").read_bytes(), (process / "stat").read_text().rpartition(")")[2].split()[0]
         except OSError:
             continue
         if f"{MARK}={mark}\0".encode() in variables and state != "Z":
-            found.append(int(process.name))
-    return found
+            processes.append(int(process.name))
+    return processes
 
 
 def handles_signals(process: int) -> bool:
@@ -289,10 +289,10 @@ def main() -> int:
     longest, first = 0.0, 1 + os.getpid() % 90
     with tempfile.TemporaryDirectory(prefix="signals-") as folder:
         for number, shot in enumerate(shots(options.runs, random.Random(options.seed), options.program or PROGRAMS, options.latest)):
-            place = Path(folder) / str(number)
-            place.mkdir()
+            folder_of_run = Path(folder) / str(number)
+            folder_of_run.mkdir()
             # The next run begins in another domain, in which nothing of this one is left.
-            outcome = fire(shot, place, first + number % 10)
+            outcome = fire(shot, folder_of_run, first + number % 10)
             counts[f"{shot.kind.name} {shot.program}"] += 1
             failed += bool(outcome.flaws)
             early += not outcome.started
