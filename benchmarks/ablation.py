@@ -1,8 +1,8 @@
-"""What each rule of the detector contributes: the results with one rule off at a time, as a table in Markdown.
+"""The contribution of each rule of the detector: the results with one rule off at a time, as a table in Markdown.
 
-``python benchmarks/ablation.py MEASURED [RECORDINGS]`` judges the folder of measured recordings, 21 machines of the independent generator
-without and with a fault, and, if the folder of recordings of the exam ``standard`` is given, its healthy scenarios and its defects of 1 and
-2 mm.
+``python benchmarks/ablation.py MEASURED [RECORDINGS]`` evaluates the folder of measured recordings, 21 machines of the independent
+generator without and with a fault, and, if the folder of recordings of the exam ``standard`` is given, its healthy scenarios and its
+defects of 1 and 2 mm.
 """
 
 from __future__ import annotations

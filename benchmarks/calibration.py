@@ -49,7 +49,7 @@ def drawn(number: int) -> dict[str, Any]:
 
 @dataclass
 class Counts:
-    """What the calibrations found, by quantity."""
+    """Results of the calibrations by quantity."""
 
     inside: dict[str, list[bool]] = field(default_factory=lambda: defaultdict(list))
     """Whether the intervals contain the truth."""

@@ -30,7 +30,7 @@ from dcrb_ros.simulation.heating import Heating
 from dcrb_ros.simulation.loop import Simulation
 
 HEAT = ("thermal.law=network", "tacho.pulses_per_turn=60")
-"""What is switched on; a tacho of 60 pulses is a common toothed wheel of a wheel-slide protection."""
+"""The settings that are switched on; a tacho of 60 pulses is a common toothed wheel of a wheel-slide protection."""
 OILED = "lubrication.law=film"
 """For nodes, whose bench is dry by default."""
 PIECE = 0.2
@@ -77,7 +77,7 @@ def pairs(count: int) -> None:
 
 
 def parts(seconds: float) -> None:
-    """Print the processor time of what heat and tacho add, timed within a simulation of a duration [s]."""
+    """Print the processor time of the functions that heat and tacho add, timed within a simulation of a duration [s]."""
     used, calls = defaultdict[str, float](float), Counter[str]()
 
     def timed(owner: Any, name: str, title: str) -> None:

@@ -1,4 +1,4 @@
-"""What each picture of docs/images shows, and whether it has changed since the picture was made.
+"""Stamps of the pictures in docs/images: the things that a picture shows, and whether they have changed since it was made.
 
 ``docs/images/pictures.json`` has, for each picture, the command that makes it, the date on which it was made, and a digest of each thing
 that it shows:
@@ -30,7 +30,7 @@ ROOT = Path(__file__).resolve().parents[1]
 IMAGES = ROOT / "docs/images"
 MANIFEST = IMAGES / "pictures.json"
 UNKNOWN = "unknown"
-"""Digest of what a picture shows that had none when the picture was made: the picture is out of date."""
+"""Digest of a thing that had no digest when the picture was made: the picture is out of date."""
 
 
 def digest_of(value: Any) -> str:
@@ -112,6 +112,6 @@ def stamp(command: str, shown: Iterable[str]) -> dict[str, Any]:
 
 
 def changed(stamp: Mapping[str, Any]) -> list[str]:
-    """Return what a picture shows and what has changed since it was made."""
+    """Return the things that a picture shows and that have changed since it was made."""
     present = digests(stamp["shows"])
     return [subject for subject, digest in stamp["shows"].items() if present[subject] != digest]

@@ -22,7 +22,7 @@ from picture_stamps import IMAGES, ROOT, changed, stamp, stamps, write_stamps
 
 
 class Picture(NamedTuple):
-    """How a picture is made, and what it shows."""
+    """The command that makes a picture, and the things that it shows."""
 
     make: str | Callable[[Path], None]
     """Commands of the shell, in which ``{file}`` is the picture and ``{images}`` its folder, or a function that draws it."""

@@ -49,7 +49,7 @@ POINTS = (
 
 
 class Case(NamedTuple):
-    """A signal with what is needed to find its lines."""
+    """A signal, and the orders and speeds that locate its lines."""
 
     name: str
     values: Floats

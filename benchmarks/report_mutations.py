@@ -55,7 +55,7 @@ def comparisons(settings: tuple[str, ...]) -> Iterator[ReportRow]:
 
 
 def dry(settings: tuple[str, ...]) -> PaperRun:
-    """Return the run of the dry bench with what concerns it."""
+    """Return the run of the dry bench with the settings that concern it."""
     given = tuple(setting for setting in settings if not setting.startswith(OIL_ONLY))
     return simulate(PaperRunSpec("healthy", "pocket", 2.0, given, state_rate=3000))
 

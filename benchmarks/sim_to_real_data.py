@@ -35,7 +35,7 @@ NICE = {"rollers_per_row": 8, "roller_radius": 0.0029845, "pitch_radius": 0.0158
 
 
 class Rig(NamedTuple):
-    """A measured rig, and what is known of its bearing and its operation."""
+    """A measured rig, with the known data of its bearing and operation."""
 
     name: str
     recordings: str

@@ -19,7 +19,7 @@ ABSOLUTE = ("y_rms", "y_peak")
 """Features that depend on the gain; they are left out."""
 FAMILIES = {"outer_ring": "BPFO", "inner_ring": "BPFI", "roller": "2BSF"}
 LOAD = re.compile(r"(at\d+)?_\d+$")
-"""What follows the bearing in the name of a recording: place of the spall, load or speed."""
+"""The suffix of a recording's name after the bearing: position of the spall, load or speed."""
 BOOTSTRAPS = 500
 BOUNDS = (5.0, 95.0)
 """Percentiles of the bootstrap."""

@@ -1,4 +1,4 @@
-"""Two recordings side by side: third octaves, squared envelope spectra, kurtosis by octave, and what is left between them."""
+"""Two recordings side by side: third octaves, squared envelope spectra, kurtosis by octave, and the residual of a calibration."""
 
 from __future__ import annotations
 

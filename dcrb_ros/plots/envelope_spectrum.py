@@ -27,13 +27,13 @@ HIGHEST_ORDER = 30.0
 HIGHEST_FREQUENCY = 600.0
 """Highest frequency shown by default where the speed is unknown [Hz]."""
 LEAST_ORDER = 0.3
-"""Order from which the spectrum sets the vertical scale [-]: below lies what changes over the signal, such as a run-up."""
+"""Order from which the spectrum sets the vertical scale [-]: changes over the signal, such as a run-up, lie below it."""
 MARKED = 0.1
 """Least height of a peak that is marked, over that of the highest [-]."""
 SIDEBANDS = np.arange(-8.0, 9.0)
 """Distances of the sidebands of BPFI from its harmonics, with 0 for these: a defect passes the load zone once a turn [-]."""
 SLIP = 0.004
-"""Share of its frequency by which a line may lie beside that of pure rolling [-]."""
+"""Largest deviation of a line from pure rolling, as a share of its frequency [-]."""
 
 
 def plot_envelope_spectrum(
@@ -156,7 +156,7 @@ def _draw_lines(ax: Axes, spectrum: EnvelopeSpectrum, lines: Sequence[str], unit
 
 
 def _peak(spectrum: EnvelopeSpectrum, order: float) -> tuple[float, float]:
-    """Return order and amplitude of the highest peak near an order, as far as rollers slip; amplitude 0 where there is none."""
+    """Return order and amplitude of the highest peak within the slip of rollers from an order; amplitude 0 without a peak."""
     amplitude = spectrum.amplitude
     near = np.flatnonzero(np.abs(spectrum.order[1:-1] - order) <= max(SLIP * order, 2.0 * spectrum.order[1])) + 1
     peaks = near[(amplitude[near] >= amplitude[near - 1]) & (amplitude[near] >= amplitude[near + 1])]

@@ -1,4 +1,4 @@
-"""What the temperature sensors read over time."""
+"""The readings of the temperature sensors over time."""
 
 from __future__ import annotations
 

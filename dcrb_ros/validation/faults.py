@@ -109,7 +109,7 @@ def _inner_bursts(run: PaperRun, outer: PaperRun) -> ReportRow:
 def _cage_comb(run: PaperRun, healthy: PaperRun) -> ReportRow:
     broken, whole, teeth = spectrum(run), spectrum(healthy), range(1, 14)
     lines = [(broken.line(k * run.cage_frequency, 0.4), whole.line(k * run.cage_frequency, 0.4)) for k in teeth]
-    # The healthy bearing with pinned rollers has next to no lines: a line must stand out of its own floor, too.
+    # The healthy bearing with pinned rollers has hardly any lines: a line must also exceed its floor.
     clear = sum(min(decibels(ours.amplitude / theirs.amplitude), ours.level) > 10.0 for ours, theirs in lines)
     strongest = broken.largest(2.0, 130.0)
     return ReportRow(

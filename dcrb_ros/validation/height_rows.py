@@ -107,7 +107,7 @@ def jumps() -> tuple[float, float]:
 
 
 def shift_change() -> float:
-    """Return by how much the heights of a spalled raceway change as the spall is shifted, apart from the shift [m]."""
+    """Return the change of the heights of a spalled raceway as the spall is shifted, without the shift itself [m]."""
     (heights, _), nodes = spalled_table(*EVEN, "faults.outer_1.azimuth=0"), RACEWAY_NODES
     shifted, _ = spalled_table(*EVEN, f"faults.outer_1.azimuth={TURN * SHIFT / nodes!r}")
     return float(np.abs(np.roll(heights[:-1], SHIFT) - shifted[:-1]).max())
@@ -121,7 +121,7 @@ def slope_ratio() -> float:
 
 
 def share_rows() -> Iterator[ReportRow]:
-    """Yield the limits of a defect over a share of the length: none and all of it."""
+    """Yield the limits of a defect over a share of the length: the share 0 and the share 1."""
     none, least, most, whole = (samples(share) for share in (None, 1e-6, 1.0 - 1e-6, 1.0))
     change = float(np.abs(whole - none).max())
     yield between(

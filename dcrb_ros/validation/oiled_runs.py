@@ -1,4 +1,4 @@
-"""The simulations of lubricated bearings for the validation, and what is kept of each."""
+"""The simulations of lubricated bearings for the validation, and the quantities kept from each."""
 
 from __future__ import annotations
 
@@ -83,7 +83,7 @@ class OiledRun:
     acceleration: Floats
     """Of the outer ring in X and Y without noise, shape (samples, 2) [m/s^2]."""
     behind_box: Floats
-    """The same at the sensor, behind the modes of the axle box if the run has such."""
+    """The same at the sensor, behind the modes of the axle box, if the run has modes."""
     states: tuple[LubricationState, ...]
     """Films and losses."""
     change: Account

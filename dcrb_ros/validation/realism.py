@@ -28,7 +28,7 @@ LOW = 200.0
 
 
 class Statistics(NamedTuple):
-    """What is compared between simulated and measured signals of one axis."""
+    """Quantities of one axis that are compared between simulated and measured signals."""
 
     rms: float
     """Standard deviation, in the signal's unit."""
@@ -93,7 +93,7 @@ def lines_of(squared: Floats, rate: float) -> Lines:
 def wander(squared: Floats, rate: float, frequency: float) -> float:
     """Return the relative standard deviation [-] of the frequency of a line between windows, from the turn of its phase.
 
-    The second harmonic counts if it is the stronger one, as with two rows half a pitch apart.
+    The second harmonic counts if it is stronger than the first, as with two rows half a pitch apart.
     """
     lines = lines_of(squared, rate)
     order = 1.0 if lines.at(frequency) >= lines.at(2.0 * frequency) else 2.0

@@ -66,7 +66,7 @@ def felt_rows() -> Iterator[ReportRow]:
 
 
 def _wave(widths: Floats, length: float) -> Floats:
-    """Return what contacts of half-widths [m] leave of a cosine of a wavelength [m]."""
+    """Return the share of a cosine of a wavelength [m] that remains after averaging over contacts of half-widths [m]."""
     x = length / 64.0 * np.arange(-4096, 4097)
     return np.array([averaged(np.cos(2.0 * math.pi * x / length), length / 64.0, width)[0][4096] for width in widths])
 

@@ -55,7 +55,7 @@ def thinned(motion: Motion) -> Motion:
 
 
 def log_static(drawing: Drawing) -> None:
-    """Log what does not change with time: positions, rings, sizes. All rows share the same shapes."""
+    """Log the constant parts: positions, rings, sizes. All rows share the same shapes."""
     pictures = {**outer_ring(drawing), **inner_ring(drawing), **sizes(drawing)}
     for row in range(drawing.bearing.rows):
         path = f"{ROOT}/row{row + 1}"

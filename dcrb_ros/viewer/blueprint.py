@@ -66,7 +66,7 @@ def level_axis(levels: Series) -> rrb.ScalarAxis:
 
 
 def waveform_axis(acceleration: Floats | Samples) -> rrb.ScalarAxis | None:
-    """Return the vertical axis of the waveform, one for the whole recording; none for samples that are not finite.
+    """Return the vertical axis of the waveform, one for the whole recording; None for samples that are not finite.
 
     Rerun labels the powers of ten only where it has room for few labels, so the axis ends at 1, 2 or 3 times one of them [m/s^2].
     """

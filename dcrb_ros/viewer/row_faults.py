@@ -1,4 +1,4 @@
-"""The faults of one row in the ground truth: where the viewer draws them, and in which words."""
+"""The faults of one row in the ground truth: their positions in the picture, and their texts."""
 
 from __future__ import annotations
 

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from dcrb_ros.diagnosis.detector import Diagnosis
 
 HIGHEST_ORDER = 31.0
-"""Highest order shown: four harmonics of BPFO and three of BPFI of the default bearing, and lines of FTF that can be told apart [-]."""
+"""Highest order shown: four harmonics of BPFO and three of BPFI of the default bearing, and lines of FTF that can be distinguished [-]."""
 ORDER_STEP = 0.025
 """Spacing of the orders shown [-]."""
 FINE_ORDERS = 2
