@@ -5,7 +5,7 @@ STAMPED := $(shell date +%Y%m%d-%H%M%S)
 # A sourced ROS, or a middleware that is not in .venv, would end every node at once.
 unexport RMW_IMPLEMENTATION PYTHONPATH PYTHONHOME AMENT_PREFIX_PATH
 
-.PHONY: help environment demo test test_slow lint types compiled architecture unit kernels nodes validate bench sim_to_real soak signals exam bags mutants hostile hot_boxes docs colcon clean
+.PHONY: help environment demo test test_slow lint types compiled architecture unit kernels nodes validate bench sim_to_real soak signals exam bags mutants hostile hot_boxes pictures docs colcon clean
 .DEFAULT_GOAL := help
 
 help: ## Show this list
@@ -64,18 +64,14 @@ nodes: environment compiled ## The tests that start ROS nodes (SPEED=slow for th
 validate: environment ## The paper's numbers and figures: a table, and a report in validation/
 	$(BIN)/dcrb validate -o validation
 
-bench: environment ## Speed and accuracy, some minutes on a machine that does nothing else
+bench: environment ## Speed, some minutes on a machine that does nothing else
 	$(BIN)/python benchmarks/real_time.py
-	$(BIN)/python benchmarks/phases.py
-	$(BIN)/python benchmarks/machine.py
-	$(BIN)/python benchmarks/peers.py
 	$(BIN)/python benchmarks/batch.py
 	$(BIN)/python benchmarks/sweep.py
 	$(BIN)/python benchmarks/start.py
 	$(BIN)/python benchmarks/recording.py
 	$(BIN)/python benchmarks/node.py
 	$(BIN)/python benchmarks/live_view.py
-	$(BIN)/python benchmarks/accuracy.py
 
 MEASURED ?= ../shared/measured
 sim_to_real: environment ## Train on simulated bearings, test on measured ones in MEASURED, half an hour (SIM_TO_REAL='--machines 64 --seconds 8')
@@ -102,6 +98,9 @@ mutants: environment ## Do the tests notice slips? A sample of mutants of each p
 
 hostile: environment compiled ## The whole corpus of hostile inputs; make test runs the quick part
 	DCRB_HOSTILE=all $(BIN)/python -m pytest tests/hostile
+
+pictures: environment ## Make pictures of the documentation (PICTURES='rerun order-map'); without names, list those that are out of date
+	MEASURED=$(MEASURED) $(BIN)/python benchmarks/pictures.py $(PICTURES)
 
 docs: environment ## The site, into site/
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet

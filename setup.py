@@ -100,8 +100,6 @@ setup(
             # The notebooks are read.
             "nbformat>=5.10,<6",
         ],
-        # A peer that benchmarks/peers.py measures beside ours; nothing else needs it.
-        "bench": ["exudyn>=1.9,<2"],
         "mat73": ["h5py>=3.8,<4"],
         # Dask is for the workers of a cluster; on one machine a sweep does without.
         "sweep": ["dask>=2024.2", "distributed>=2024.2", "fsspec>=2024.2", "pandas>=2.2,<4"],

@@ -1,8 +1,8 @@
-"""What each rule of the detector contributes: the results with one rule off at a time, as a table in Markdown.
+"""The contribution of each rule of the detector: the results with one rule off at a time, as a table in Markdown.
 
-``python benchmarks/ablation.py MEASURED [RECORDINGS]`` judges the folder of measured recordings, 21 machines of the independent generator
-without and with a fault, and, if the folder of recordings of the exam ``standard`` is given, its healthy scenarios and its defects of 1 and
-2 mm.
+``python benchmarks/ablation.py MEASURED [RECORDINGS]`` evaluates the folder of measured recordings, 21 machines of the independent
+generator without and with a fault, and, if the folder of recordings of the exam ``standard`` is given, its healthy scenarios and its
+defects of 1 and 2 mm.
 """
 
 from __future__ import annotations
@@ -96,10 +96,10 @@ def rows() -> Iterator[tuple[str, dict[str, Any], list[Any]]]:
 def measured(folder: Path, parameters: DetectorParameters) -> str:
     """Return false alarms, right names of both rings and alarms of ball faults."""
     count: Counter[tuple[str, str]] = Counter()
-    for one in read_measured(folder):
-        verdict = diagnose_as_a_whole(one.samples(), one.rate, one.speed, one.orders, parameters).verdict
-        count[one.truth, "right"] += verdict == one.truth
-        count[one.truth, "alarm"] += verdict != "healthy"
+    for recording in read_measured(folder):
+        verdict = diagnose_as_a_whole(recording.samples(), recording.rate, recording.speed, recording.orders, parameters).verdict
+        count[recording.truth, "right"] += verdict == recording.truth
+        count[recording.truth, "alarm"] += verdict != "healthy"
     return f"{count['healthy', 'alarm']} | {count['outer_ring', 'right']} | {count['inner_ring', 'right']} | {count['roller', 'alarm']}"
 
 
@@ -112,8 +112,8 @@ def generated(parameters: DetectorParameters) -> str:
         fault = FAULTS[seed % 3]
         calm = machine.healthy(2.0, shaft=0.4, gear=0.5)
         signals = calm, calm + 0.5 * machine.impacts(2.0, fault)
-        found = [diagnose_as_a_whole(one, rate, speed, machine.orders, parameters).verdict for one in signals]
-        alarms, right = alarms + (found[0] != "healthy"), right + (found[1] == fault)
+        verdicts = [diagnose_as_a_whole(signal, rate, speed, machine.orders, parameters).verdict for signal in signals]
+        alarms, right = alarms + (verdicts[0] != "healthy"), right + (verdicts[1] == fault)
     return f"{alarms} | {right}"
 
 
@@ -145,11 +145,11 @@ def main() -> None:
             continue
         parameters = DetectorParameters(**changes)
         with ExitStack() as stack:
-            for one in patches:
-                stack.enter_context(one)
-            found = [measured(options.measured, parameters), generated(parameters)]
-            found += [simulated(options.recordings, parameters)] if options.recordings is not None else []
-        print(f"| {name} | {' | '.join(found)} |", flush=True)
+            for switch in patches:
+                stack.enter_context(switch)
+            cells = [measured(options.measured, parameters), generated(parameters)]
+            cells += [simulated(options.recordings, parameters)] if options.recordings is not None else []
+        print(f"| {name} | {' | '.join(cells)} |", flush=True)
 
 
 if __name__ == "__main__":

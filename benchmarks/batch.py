@@ -36,8 +36,8 @@ def lanes_gain(joint: str, duration: float, runs: int = 9) -> tuple[float, float
         settings = {"bearing": {"rows": rows}, "cage": {"joint": joint}, "operating": {"load": load}}
         configuration = Configuration.model_validate(settings)
         costs.append(1e6 / (max(factors(kernel(configuration), duration, runs)) * configuration.step_rate))
-    one, two = costs
-    return one, two, 2.0 * two / (two + 2.0 * (two - one))
+    single, double = costs
+    return single, double, 2.0 * double / (double + 2.0 * (double - single))
 
 
 def main() -> None:
@@ -51,12 +51,12 @@ def main() -> None:
         alone = statistics.median(factors(kernel(Configuration.model_validate({"cage": {"joint": joint}})), 1.0, 5))
         for workers in sorted({1, os.cpu_count() or 1}):
             groups = [{"cage": {"joint": joint}, "simulation": {"seed": seed}} for seed in range((1 + options.bearings) * workers)]
-            found = throughput([Configuration.model_validate(group) for group in groups], options.duration, workers)
-            print(f"| {joint} | {workers} | {found:.2f} | {found / workers / alone:.2f} |", flush=True)
+            factor = throughput([Configuration.model_validate(group) for group in groups], options.duration, workers)
+            print(f"| {joint} | {workers} | {factor:.2f} | {factor / workers / alone:.2f} |", flush=True)
     print("\n| joint | step, one row [us] | two rows [us] | largest gain of sharing lanes |\n|---|---|---|---|")
     for joint in ("pocket", "revolute"):
-        one, two, gain = lanes_gain(joint, 0.1)
-        print(f"| {joint} | {one:.2f} | {two:.2f} | {gain:.2f} x |", flush=True)
+        single, double, gain = lanes_gain(joint, 0.1)
+        print(f"| {joint} | {single:.2f} | {double:.2f} | {gain:.2f} x |", flush=True)
 
 
 if __name__ == "__main__":

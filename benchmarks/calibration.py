@@ -20,10 +20,11 @@ import numpy as np
 from matplotlib.figure import Figure
 from scipy.signal import sosfreqz
 
-import dcrb_ros
+from dcrb_ros.calibration.calibration import Calibration, calibrate
 from dcrb_ros.calibration.spectra import power_density
 from dcrb_ros.diagnosis.features.band_levels import EDGE
 from dcrb_ros.measurement.stages.structure import StructureParameters, sections
+from dcrb_ros.simulation.run import SimulationResult, simulate
 
 SECONDS = 5.0
 FIGURE = Path(__file__).resolve().parents[1] / "docs" / "images" / "calibration-plants.png"
@@ -48,7 +49,7 @@ def drawn(number: int) -> dict[str, Any]:
 
 @dataclass
 class Counts:
-    """What the calibrations found, by quantity."""
+    """Results of the calibrations by quantity."""
 
     inside: dict[str, list[bool]] = field(default_factory=lambda: defaultdict(list))
     """Whether the intervals contain the truth."""
@@ -59,31 +60,31 @@ class Counts:
     bands: list[tuple[float, float, float]] = field(default_factory=list)
     """Middle of a third octave [Hz], estimated over true path and half of the interval [dB]."""
 
-    def add(self, found: dcrb_ros.Calibration, run: dcrb_ros.SimulationResult, settings: dict[str, Any]) -> None:
+    def add(self, calibration: Calibration, run: SimulationResult, settings: dict[str, Any]) -> None:
         """Compare a calibration with the truth."""
-        for one in found.estimates:
-            truth = settings.get(one.key)
-            if truth is not None and one.key not in ("structure.gain_x", "structure.gain_y"):
-                self.inside[one.key].append(one.low <= truth <= one.high)
-                self.errors[one.key].append(one.value / truth - 1.0)
+        for estimate in calibration.estimates:
+            truth = settings.get(estimate.key)
+            if truth is not None and estimate.key not in ("structure.gain_x", "structure.gain_y"):
+                self.inside[estimate.key].append(estimate.low <= truth <= estimate.high)
+                self.errors[estimate.key].append(estimate.value / truth - 1.0)
         for axis in "xy":
             power, middles = path_of(run, settings, axis)
-            gain = found.gains[axis]
+            gain = calibration.gains[axis]
             truth = float(np.sqrt(power[:, 1].sum() / power[:, 0].sum()))
             self.inside["gain"].append(gain.low <= truth <= gain.high)
             self.errors["gain"].append(gain.value / truth - 1.0)
-            for level in (one for one in found.path if one.axis == axis and one.identified):
+            for level in (estimate for estimate in calibration.path if estimate.axis == axis and estimate.identified):
                 band = (middles >= level.frequency / EDGE) & (middles < level.frequency * EDGE)
                 known = 10.0 * np.log10(power[band, 1].sum() / power[band, 0].sum())
                 self.bands.append((level.frequency, level.level - known, 0.5 * (level.high - level.low)))
                 self.inside["path in third octaves"].append(level.low <= known <= level.high)
 
-    def add_share(self, found: dcrb_ros.Calibration, truth: float) -> None:
+    def add_share(self, calibration: Calibration, truth: float) -> None:
         """Compare the share of the bearing with the truth."""
-        share, key = found["structure.bearing_share"], "share of the bearing" + ("" if truth < 1.0 else ", no other noise")
+        share, key = calibration["structure.bearing_share"], "share of the bearing" + ("" if truth < 1.0 else ", no other noise")
         self.inside[key].append(share.low <= truth <= share.high)
         self.errors[key].append(share.value / truth - 1.0)
-        self.unknown[key].append(any("share of the power is unknown" in sentence for sentence in found.unidentified))
+        self.unknown[key].append(any("share of the power is unknown" in sentence for sentence in calibration.unidentified))
         print(f"  share {truth:.3g}: {share}", flush=True)
 
     def report(self) -> None:
@@ -99,11 +100,11 @@ class Counts:
         print(f"half of an interval of the path: {np.median([band[2] for band in self.bands]):.2f} dB")
 
 
-def mixed_plant(found: dcrb_ros.Calibration, number: int) -> tuple[dcrb_ros.SimulationResult, float]:
+def mixed_plant(calibration: Calibration, number: int) -> tuple[SimulationResult, float]:
     """Return a recording of a calibrated bench with another individual and a known share of the bearing."""
     share = float(10.0 ** np.random.default_rng(1000 + number).uniform(-1.3, -0.1))
     changes = {"structure.bearing_share": share, "surfaces.seed": 500 + number, "simulation.seed": 500 + number}
-    return dcrb_ros.simulate(found.configuration, SECONDS, settings=changes).between(0.5), share
+    return simulate(calibration.configuration, SECONDS, settings=changes).between(0.5), share
 
 
 def main() -> None:
@@ -112,23 +113,23 @@ def main() -> None:
     counts, seconds = Counts(), []
     for number in range(1, plants + 1):
         settings = drawn(number)
-        run = dcrb_ros.simulate("healthy", SECONDS, settings=settings)
+        run = simulate("healthy", SECONDS, settings=settings)
         begin = time.process_time()
         # In much noise the detector takes the sensor for a dead one.
-        found = dcrb_ros.calibrate(run.between(0.5), base="healthy", trust=True)
+        calibration = calibrate(run.between(0.5), base="healthy", trust=True)
         seconds.append(time.process_time() - begin)
-        counts.add(found, run, settings)
-        counts.add_share(found, 1.0)
-        if found["structure.bearing_share"].low < 1.0:
-            mixed, share = mixed_plant(found, number)
-            counts.add_share(dcrb_ros.calibrate(mixed, base="healthy", trust=True), share)
+        counts.add(calibration, run, settings)
+        counts.add_share(calibration, 1.0)
+        if calibration["structure.bearing_share"].low < 1.0:
+            mixed, share = mixed_plant(calibration, number)
+            counts.add_share(calibrate(mixed, base="healthy", trust=True), share)
         print(number, f"{seconds[-1]:.1f} s", {key: round(values[-1], 3) for key, values in counts.errors.items()}, flush=True)
     counts.report()
     print(f"processor time of a calibration: {np.median(seconds):.1f} s, at most {max(seconds):.1f} s")
     draw(counts.inside, np.array(counts.bands), Path(sys.argv[2]) if len(sys.argv) > 2 else FIGURE)
 
 
-def path_of(run: dcrb_ros.SimulationResult, settings: dict[str, Any], axis: str) -> tuple[np.ndarray[Any, Any], np.ndarray[Any, Any]]:
+def path_of(run: SimulationResult, settings: dict[str, Any], axis: str) -> tuple[np.ndarray[Any, Any], np.ndarray[Any, Any]]:
     """Return the power of the ring before and behind the true path, shape (lines, 2), and the frequencies, from 200 Hz to 20 kHz."""
     spectrum = power_density(run.clean[run.sampling_rate // 2 :, "xy".index(axis)].astype(float), run.sampling_rate)
     used = (spectrum.frequency >= 200.0) & (spectrum.frequency <= 0.4 * run.sampling_rate)

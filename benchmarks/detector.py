@@ -42,7 +42,7 @@ def main() -> None:
         seconds, _ = processor_time(recording)
         taken = [processor_time(recording)[1] for _ in range(options.runs)]
         total, spent = total + seconds, spent + statistics.median(taken)
-        rates = [seconds / one for one in (statistics.median(taken), max(taken), min(taken))]
+        rates = [seconds / time_taken for time_taken in (statistics.median(taken), max(taken), min(taken))]
         print(f"| {path.name} | {seconds:.1f} | " + " | ".join(f"{rate:.1f}" for rate in rates) + " |", flush=True)
     print(f"| together | {total:.1f} | {total / spent:.1f} | | |")
 

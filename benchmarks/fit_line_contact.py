@@ -38,8 +38,8 @@ def fit() -> tuple[list[mpmath.mpf], list[mpmath.mpf]]:
                 matrix[i, j] = weight * t**j / value
             for j in range(1, BELOW + 1):
                 matrix[i, ABOVE + j] = -weight * t**j
-        found = mpmath.qr_solve(matrix, right)[0]
-        above, below = [found[j] for j in range(ABOVE + 1)], [mpmath.mpf(1), *(found[ABOVE + j] for j in range(1, BELOW + 1))]
+        coefficients = mpmath.qr_solve(matrix, right)[0]
+        above, below = [coefficients[j] for j in range(ABOVE + 1)], [mpmath.mpf(1), *(coefficients[ABOVE + j] for j in range(1, BELOW + 1))]
         weights = [1 / abs(mpmath.polyval(below[::-1], t)) for t in ts]
     return above, below
 

@@ -17,7 +17,8 @@ from typing import Any
 
 import numpy as np
 
-import dcrb_ros
+from dcrb_ros.diagnosis.detection import detect
+from dcrb_ros.simulation.run import simulate
 
 FIRST, LAST, STEADY = 0.001, 0.004, 0.002
 """Widths of a growing spall at its beginning and end, and of a steady one [m]."""
@@ -54,31 +55,31 @@ def slope(time: np.ndarray, level: np.ndarray) -> tuple[float, float]:
     """Return the slope of a line through levels [dB] and its standard error [dB/min], with half of the points independent."""
     centred = time - time.mean()
     spread = float(centred @ centred)
-    found = float(centred @ level) / spread
-    rest = level - level.mean() - found * centred
-    return 60.0 * found, 60.0 * math.sqrt(float(rest @ rest) / max(len(time) / 2.0 - 2.0, 1.0) / (0.5 * spread))
+    rate = float(centred @ level) / spread
+    rest = level - level.mean() - rate * centred
+    return 60.0 * rate, 60.0 * math.sqrt(float(rest @ rest) / max(len(time) / 2.0 - 2.0, 1.0) / (0.5 * spread))
 
 
 def trial(ring: str, speed: float, growing: bool, seed: int) -> dict[str, Any]:
     """Return the trends of one run."""
-    run = dcrb_ros.simulate("healthy", DURATION, settings={"operating.speed": speed}, scenario=scenario(ring, growing), seed=seed)
-    found = dcrb_ros.detect(run)
-    judged = [one for one in found.history if one.severity > 0.0 and one.verdict == found.verdict]
-    about: dict[str, Any] = {"ring": ring, "speed": speed, "growing": growing, "seed": seed, "verdict": found.verdict}
+    run = simulate("healthy", DURATION, settings={"operating.speed": speed}, scenario=scenario(ring, growing), seed=seed)
+    detection = detect(run)
+    judged = [diagnosis for diagnosis in detection.history if diagnosis.severity > 0.0 and diagnosis.verdict == detection.verdict]
+    about: dict[str, Any] = {"ring": ring, "speed": speed, "growing": growing, "seed": seed, "verdict": detection.verdict}
     if len(judged) < 8:
         return {**about, "trend": None}
-    time = np.array([one.time for one in judged])
-    own, error = slope(time, 20.0 * np.log10([one.severity for one in judged]))
+    time = np.array([diagnosis.time for diagnosis in judged])
+    fitted, error = slope(time, 20.0 * np.log10([diagnosis.severity for diagnosis in judged]))
     # A judgement is of the four seconds before it.
     true, _ = slope(time, 20.0 * np.log10(width(time - 2.0)))
-    return {**about, "trend": judged[-1].trend, "fitted": own, "error": error, "true": true if growing else 0.0}
+    return {**about, "trend": judged[-1].trend, "fitted": fitted, "error": error, "true": true if growing else 0.0}
 
 
 def kept(ring: str, speed: float, width: float, seed: int) -> dict[str, Any]:
     """Return the median severity of a spall that keeps its width [m]."""
     settings = {"operating.speed": speed, **scenario(ring, growing=False)["start"], f"faults.{ring}_1.width": width}
-    found = dcrb_ros.detect(dcrb_ros.simulate("healthy", KEPT_DURATION, settings=settings, seed=seed))
-    severities = [one.severity for one in found.history if one.severity > 0.0]
+    detection = detect(simulate("healthy", KEPT_DURATION, settings=settings, seed=seed))
+    severities = [diagnosis.severity for diagnosis in detection.history if diagnosis.severity > 0.0]
     return {"ring": ring, "speed": speed, "seed": seed, "width": width, "severity": float(np.median(severities)) if severities else None}
 
 
@@ -92,19 +93,19 @@ def main() -> None:
     if given.widths:
         print(json.dumps([kept(ring, speed, width, seed) for ring, speed, seed in kinds for width in KEPT], indent=2))
         return
-    found = [trial(ring, speed, growing, seed) for ring, speed, seed in kinds for growing in (True, False)]
-    known = [one for one in found if one["trend"] is not None]
-    grown, steady = ([one for one in known if one["growing"] is growing] for growing in (True, False))
+    trials = [trial(ring, speed, growing, seed) for ring, speed, seed in kinds for growing in (True, False)]
+    known = [run for run in trials if run["trend"] is not None]
+    grown, steady = ([run for run in known if run["growing"] is growing] for growing in (True, False))
     print(
         json.dumps(
             {
-                "runs": found,
+                "runs": trials,
                 "growing": len(grown),
-                "direction_right": sum(one["trend"] > 0.0 for one in grown),
-                "doubling_time_over_true": [one["true"] / one["trend"] for one in grown if one["trend"] > 0.0],
+                "direction_right": sum(run["trend"] > 0.0 for run in grown),
+                "doubling_time_over_true": [run["true"] / run["trend"] for run in grown if run["trend"] > 0.0],
                 "steady": len(steady),
-                "steady_taken_for_growing": sum(one["trend"] > NOTICED * one["error"] for one in steady),
-                "steady_trends": [one["trend"] for one in steady],
+                "steady_taken_for_growing": sum(run["trend"] > NOTICED * run["error"] for run in steady),
+                "steady_trends": [run["trend"] for run in steady],
             },
             indent=2,
         )

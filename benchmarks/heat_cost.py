@@ -30,7 +30,7 @@ from dcrb_ros.simulation.heating import Heating
 from dcrb_ros.simulation.loop import Simulation
 
 HEAT = ("thermal.law=network", "tacho.pulses_per_turn=60")
-"""What is switched on; a tacho of 60 pulses is a common toothed wheel of a wheel-slide protection."""
+"""The settings that are switched on; a tacho of 60 pulses is a common toothed wheel of a wheel-slide protection."""
 OILED = "lubrication.law=film"
 """For nodes, whose bench is dry by default."""
 PIECE = 0.2
@@ -70,14 +70,14 @@ def pairs(count: int) -> None:
         for which in (first, 1 - first):
             times[which].append(both[which]())
         ratios.append(times[0][-1] / times[1][-1])
-    per_block = [1e3 * statistics.median(one) * 20e-3 / PIECE for one in times]
+    per_block = [1e3 * statistics.median(times_of_part) * 20e-3 / PIECE for times_of_part in times]
     low, middle, high = statistics.quantiles(ratios, n=4)
     print(f"| {count} pairs of {PIECE:g} s | with | without | ratio: quartiles |\n|---|---|---|---|")
     print(f"| processor time of 20 ms [ms] | {per_block[0]:.2f} | {per_block[1]:.2f} | {low:.3f}, {middle:.3f}, {high:.3f} |\n", flush=True)
 
 
 def parts(seconds: float) -> None:
-    """Print the processor time of what heat and tacho add, timed within a simulation of a duration [s]."""
+    """Print the processor time of the functions that heat and tacho add, timed within a simulation of a duration [s]."""
     used, calls = defaultdict[str, float](float), Counter[str]()
 
     def timed(owner: Any, name: str, title: str) -> None:
@@ -106,10 +106,10 @@ def parts(seconds: float) -> None:
 
         def run(block: Any, source: Any, encode: Any = encode) -> Any:
             begin = time.thread_time()
-            found = list(encode(block, source))
+            messages = list(encode(block, source))
             used["messages"] += time.thread_time() - begin
             calls["messages"] += 1
-            return found
+            return messages
 
         encoder._encoders[number] = run
     for block in simulation.blocks(WARM_UP):
@@ -136,10 +136,10 @@ def nodes(seconds: float, count: int) -> None:
         first = number % 2
         for which in (first, 1 - first):
             settings = [setting.replace("=", ":=") for setting in (OILED, *(HEAT if which == 0 else ()))]
-            found = measured(seconds, SIMULATED, "time_scale:=1.0", *settings)
-            shares[which].append(100.0 * sum(found.processor.values()) / found.wall)
-    medians = [statistics.median(one) for one in shares]
-    ratio = statistics.median(one / other for one, other in zip(*shares, strict=True))
+            measurement = measured(seconds, SIMULATED, "time_scale:=1.0", *settings)
+            shares[which].append(100.0 * sum(measurement.processor.values()) / measurement.wall)
+    medians = [statistics.median(part) for part in shares]
+    ratio = statistics.median(with_heat / without for with_heat, without in zip(*shares, strict=True))
     print(f"| {count} pairs of nodes, {seconds:g} s each | with | without | ratio |\n|---|---|---|---|")
     print(f"| processor [% of a core] | {medians[0]:.1f} | {medians[1]:.1f} | {ratio:.3f} |", flush=True)
 

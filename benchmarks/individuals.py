@@ -66,23 +66,23 @@ def features(signal: Floats, rate: float, configuration: Configuration) -> list[
     signal = signal - signal.mean(axis=0)
     frequency = fft.rfftfreq(len(signal), 1.0 / rate)
     power = np.abs(fft.rfft(signal * np.hanning(len(signal))[:, None], axis=0)) ** 2
-    found: list[float] = []
+    levels: list[float] = []
     for axis in (0, 1):
         squared, _ = squared_envelope(signal[:, axis], rate)
         rms = float(signal[:, axis].std())
-        found += [
+        levels += [
             rms,
             float((signal[:, axis] ** 4).mean()) / rms**4,
             float(np.abs(signal[:, axis]).max()) / rms,
             float(squared.mean() ** 0.5),
         ]
-    found += [level(power[:, 1], frequency, low, high) for low, high in BANDS]
-    found += [level(power[:, 0], frequency, low, high) for low, high in (BANDS[0], BANDS[3])]
+    levels += [level(power[:, 1], frequency, low, high) for low, high in BANDS]
+    levels += [level(power[:, 0], frequency, low, high) for low, high in (BANDS[0], BANDS[3])]
     shaft = configuration.operating.speed / (2.0 * np.pi)
-    found += [level(power[:, axis], frequency, 0.8 * shaft, 1.2 * shaft) for axis in (0, 1)]
+    levels += [level(power[:, axis], frequency, 0.8 * shaft, 1.2 * shaft) for axis in (0, 1)]
     squared, envelope_rate = squared_envelope(signal[:, 1], rate)
     lines = lines_of(squared, envelope_rate)
-    return [*found, float(lines.at(orders.bpfo * shaft)), float(lines.at(orders.ftf * shaft))]
+    return [*levels, float(lines.at(orders.bpfo * shaft)), float(lines.at(orders.ftf * shaft))]
 
 
 def compare(values: Floats, angles: str, duration: float) -> None:
@@ -103,13 +103,13 @@ def main() -> None:
     drawn, seeds = "drawn" if angles == "staggers" else angles, RUNS * STAGGERS[-1] if angles == "staggers" else RUNS
     runs = [[run(bearing, seed, drawn, durations) for seed in range(1, seeds + 1)] for bearing in range(1, count + 1)]
     if angles == "staggers":
-        values = np.array([[found[0] for found, _ in one] for one in runs])
+        values = np.array([[levels[0] for levels, _ in run] for run in runs])
         for averaged in STAGGERS:
             groups = values[:, : RUNS * averaged].reshape(count, RUNS, averaged, len(NAMES))
             compare(groups.mean(axis=2), f"drawn, means over {averaged} staggers", durations[0])
         return
     for window, duration in enumerate(durations):
-        compare(np.array([[found[window] for found, _ in both] for both in runs]), angles, duration)
+        compare(np.array([[levels[window] for levels, _ in both] for both in runs]), angles, duration)
     drifts = np.abs([drift for both in runs for _, drift in both])
     print(f"cages against each other: {np.median(drifts):.3g} (at most {drifts.max():.3g}) pitches/s, mean over {max(durations):g} s")
 

@@ -126,13 +126,13 @@ def measured(seconds: float, topics: Iterable[Topic], *settings: str) -> Interva
 
 def kernel_factors(duration: float, runs: int) -> tuple[float, float]:
     """Return simulated over wall time and over processor time of the kernel alone [-], medians of runs of ``duration`` [s]."""
-    run, found = kernel(Configuration()), list[tuple[float, float]]()
+    run, speeds = kernel(Configuration()), list[tuple[float, float]]()
     run(0.2)
     for _ in range(runs):
         wall, processor = time.perf_counter(), time.process_time()
         run(duration)
-        found.append((duration / (time.perf_counter() - wall), duration / (time.process_time() - processor)))
-    return statistics.median(wall for wall, _ in found), statistics.median(processor for _, processor in found)
+        speeds.append((duration / (time.perf_counter() - wall), duration / (time.process_time() - processor)))
+    return statistics.median(wall for wall, _ in speeds), statistics.median(processor for _, processor in speeds)
 
 
 def full_speed(seconds: float, folder: Path) -> None:
@@ -146,31 +146,31 @@ def full_speed(seconds: float, folder: Path) -> None:
     print("| full speed | x real time | of the kernel | simulated over processor time | of the kernel |\n|---|---|---|---|---|")
     for name, (topics, settings) in setups.items():
         wall, processor = kernel_factors(0.5, 5)
-        found = measured(seconds, topics, "time_scale:=0.0", *settings)
-        own, own_processor = found.simulated / found.wall, found.simulated / sum(found.processor.values())
+        measurement = measured(seconds, topics, "time_scale:=0.0", *settings)
+        speed, processor_speed = measurement.simulated / measurement.wall, measurement.simulated / sum(measurement.processor.values())
         print(
-            f"| {name} | {own:.2f} | {100 * own / wall:.0f} % of {wall:.2f} | {own_processor:.2f} | "
-            f"{100 * own_processor / processor:.0f} % of {processor:.2f} |",
+            f"| {name} | {speed:.2f} | {100 * speed / wall:.0f} % of {wall:.2f} | {processor_speed:.2f} | "
+            f"{100 * processor_speed / processor:.0f} % of {processor:.2f} |",
             flush=True,
         )
 
 
 def real_time(seconds: float, folder: Path) -> None:
     """Print the cost of the node at time scale 1.0 with a recording and a subscriber to every topic, measured for a wall time [s]."""
-    found = measured(seconds, SIMULATED, "time_scale:=1.0", f"recording.path:={folder / 'real'}")
-    shares = {name: 100.0 * used / found.wall for name, used in found.processor.items()}
-    delays = np.array(found.delays)
+    measurement = measured(seconds, SIMULATED, "time_scale:=1.0", f"recording.path:={folder / 'real'}")
+    shares = {name: 100.0 * used / measurement.wall for name, used in measurement.processor.items()}
+    delays = np.array(measurement.delays)
     jitter = 1e3 * np.abs(delays - np.median(delays))
     p50, p99 = np.percentile(jitter, [50.0, 99.0])
-    print(f"\n| time scale 1.0, recording, a subscriber to every topic, {found.wall:.0f} s | | required |\n|---|---|---|")
+    print(f"\n| time scale 1.0, recording, a subscriber to every topic, {measurement.wall:.0f} s | | required |\n|---|---|---|")
     print(f"| processor | {sum(shares.values()):.1f} % of a core | at most 40 % |")
     for name, share in sorted(shares.items(), key=lambda item: -item[1]):
         if share >= 0.1:
             print(f"| ... thread `{name}` | {share:.1f} % | |")
     found_jitter = f"{p50:.2f}, {p99:.2f}, {jitter.max():.1f} ms"
     print(f"| publication jitter p50, p99, largest ({len(jitter)} blocks) | {found_jitter} | p99 under 5 ms |")
-    print(f"| late blocks | {found.end.late - found.begin.late} | 0 |")
-    print(f"| resident memory | {found.begin.memory:.0f} MB, then {found.end.memory:.0f} MB | flat |", flush=True)
+    print(f"| late blocks | {measurement.end.late - measurement.begin.late} | 0 |")
+    print(f"| resident memory | {measurement.begin.memory:.0f} MB, then {measurement.end.memory:.0f} MB | flat |", flush=True)
 
 
 def main() -> None:

@@ -1,87 +1,187 @@
-"""Pictures of the documentation that show the shipped benches: ``python benchmarks/pictures.py [--output docs/images]``.
+"""The pictures of the documentation, each made by a command: ``python benchmarks/pictures.py [NAME ...]``.
 
-``detector-spectra.png`` shows squared envelope spectra with the lines that name the faults, ``measurement-faults.png`` each sensor fault.
+Without names, the pictures that are older than what they show are listed with the command that makes them. A picture is stamped in
+``docs/images/pictures.json`` when it is made; `picture_stamps.py` says how. Those of measured machines need ``MEASURED``, a folder with
+``recordings.csv`` and ``recordings/NAME.npz``.
 """
 
 from __future__ import annotations
 
 import argparse
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections.abc import Callable
 from pathlib import Path
-from typing import get_args
+from typing import NamedTuple
 
-import matplotlib
+import picture_drawings as drawings
+from picture_stamps import IMAGES, ROOT, changed, stamp, stamps, write_stamps
 
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt
-import numpy as np
 
-from dcrb_ros import detect, envelope_spectrum, simulate
-from dcrb_ros.measurement.parameters import SensorFault
+class Picture(NamedTuple):
+    """The command that makes a picture, and the things that it shows."""
 
-IMAGES = Path(__file__).resolve().parents[1] / "docs/images"
-FAMILIES = {
-    "healthy": "bpfo",
-    "outer_ring_defect": "bpfo",
-    "inner_ring_defect": "bpfi",
-    "roller_defect": "two_bsf",
-    "cage_fracture": "ftf",
+    make: str | Callable[[Path], None]
+    """Commands of the shell, in which ``{file}`` is the picture and ``{images}`` its folder, or a function that draws it."""
+    shows: tuple[str, ...]
+    """Each a kind and a text, see `picture_stamps`."""
+
+
+VIEW = tuple(f"drawing dcrb_ros/viewer/{name}.py" for name in ("bearing_picture", "blueprint", "palette", "series", "spectrum_picture"))
+DETECTOR = "detector bags"
+OILED = ("samples oiled_healthy", "samples oiled_outer_ring_defect", "samples oiled_inner_ring_defect", "samples oiled_roller_defect")
+BURN_OFF = ("bench healthy", "file config/scenarios/burn_off.yaml", "samples thermal")
+REPORT = ("drawing dcrb_ros/exam/figure.py", DETECTOR, *OILED, "samples oiled_cage_fracture")
+SIM_TO_REAL = ("bench healthy", "samples oiled_healthy", "drawing benchmarks/sim_to_real_figure.py")
+REALISM = ("samples oiled_healthy", "samples oiled_outer_ring_defect", "drawing benchmarks/realism.py:draw")
+LIVES = ("file config/sweeps/twenty_lives.yaml", "drawing examples/remaining_life.py", "samples oiled_outer_ring_defect")
+CALIBRATION = ("bench healthy", "samples oiled_healthy", "drawing dcrb_ros/plots/comparison.py")
+SIM_TO_REAL_RUN = "python {root}/benchmarks/sim_to_real.py $MEASURED -o out --machines 64 --seconds 8 && "
+LIVES_RUN = "dcrb sweep twenty_lives -o lives && python {root}/examples/remaining_life.py lives && "
+ABOUT_FAN = (
+    "channels: {{ax: a}}\\nsampling_rate: 48000\\nunit: g\\nspeed_rpm: 1796.0\\n"
+    "orders: {{FTF: 0.3817, BPFO: 3.053, BPFI: 4.9469, BSF: 1.9937}}\\n"
+)
+"""Description of the healthy motor bench of Case Western Reserve, fan end."""
+STAND_IN = (
+    "--set surfaces.seed=4711 --set structure.modes=5 --set structure.seed=11 --set structure.bearing_share=0.3"
+    " --set structure.noise_x=0.008 --set structure.noise_y=0.008"
+    " --set 'structure.noise_path_x=1500 0.2 4000 0.4' --set 'structure.noise_path_y=1500 0.2 4000 0.4'"
+)
+"""Settings of the machine of the tutorial on twins."""
+BURN_OFF_RUN = "dcrb simulate healthy --scenario burn_off --duration 45 -o burn_off && "
+
+
+def exam(report: str, name: str) -> Picture:
+    """Return the figure of a report in docs/explanation/exam-results.md."""
+    return Picture(f"python {{root}}/benchmarks/exam.py {report}", (f"file config/exams/{name}.yaml", *REPORT))
+
+
+PICTURES = {
+    "rerun": Picture(
+        "dcrb simulate outer_ring_defect --duration 8 -o outer_ring_defect && dcrb view outer_ring_defect --screenshot {file}",
+        ("bench outer_ring_defect", "samples oiled_outer_ring_defect", DETECTOR, *VIEW),
+    ),
+    "order-map": Picture(
+        "printf 'timeline: [{{at: 0.5, over: 6.0, set: {{operating.speed: 150.0}}}}]' > run_up.yaml && dcrb simulate outer_ring_defect"
+        " --set operating.speed=40 --scenario run_up.yaml --duration 8 -o run_up && dcrb view run_up --screenshot {file}",
+        ("bench outer_ring_defect", "samples oiled_outer_ring_defect", DETECTOR, "drawing dcrb_ros/viewer/order_map.py", *VIEW),
+    ),
+    "rerun-burn-off": Picture(
+        BURN_OFF_RUN + "dcrb view burn_off --screenshot {file}", (*BURN_OFF, DETECTOR, *VIEW, "drawing dcrb_ros/viewer/summary.py")
+    ),
+    "thermal-burn-off": Picture(
+        BURN_OFF_RUN + "python {root}/examples/burn_off.py burn_off -o {file}", (*BURN_OFF, "drawing examples/burn_off.py")
+    ),
+    "detector-spectra": Picture(
+        drawings.spectra,
+        (
+            *(f"bench {name} structure.modes=6" for name in drawings.FAMILIES),
+            *OILED,
+            "samples oiled_cage_fracture",
+            DETECTOR,
+            "drawing benchmarks/picture_drawings.py:spectra",
+        ),
+    ),
+    "detector-sizes": Picture(
+        drawings.sizes, ("bench dry", "samples outer_ring_defect", DETECTOR, "drawing benchmarks/picture_drawings.py:sizes")
+    ),
+    "measurement-faults": Picture(
+        drawings.sensor_faults,
+        ("bench outer_ring_defect structure.modes=6", "samples oiled_chain", "drawing benchmarks/picture_drawings.py:sensor_faults"),
+    ),
+    "measurement-transfer": Picture(
+        drawings.transfer, ("drawing dcrb_ros/settings/sensor.py", "samples chain", "drawing benchmarks/picture_drawings.py:transfer")
+    ),
+    "measurement-noise": Picture(
+        drawings.noise, ("drawing dcrb_ros/settings/sensor.py", "samples chain", "drawing benchmarks/picture_drawings.py:noise")
+    ),
+    "measurement-background": Picture(drawings.background, ("samples background", "drawing benchmarks/picture_drawings.py:background")),
+    "detector-reliability": Picture(
+        "python {root}/benchmarks/reliability.py $MEASURED -o {file}",
+        (DETECTOR, "drawing tests/support/jittered_impacts.py", "drawing benchmarks/reliability.py"),
+    ),
+    "exam-shipped": exam("shipped", "standard"),
+    "exam-blind": exam("blind", "blind"),
+    "exam-graded": exam("graded", "graded"),
+    "exam-naive": exam("naive", "smoke"),
+    "exam-unseen": Picture(
+        "dcrb exam open {unseen}.sealed.yaml {unseen}.secret -o unseen.yaml && dcrb score unseen.yaml --figure {file} || test -f {file}",
+        ("file benchmarks/unseen/unseen.sealed.yaml", *REPORT),
+    ),
+    "hot-boxes": Picture(
+        "python {root}/benchmarks/hot_boxes.py --figure {file}", (DETECTOR, "drawing benchmarks/hot_boxes.py", "samples thermal_faults")
+    ),
+    "sim-to-real": Picture(
+        SIM_TO_REAL_RUN + "cp out/scores.png {file}", SIM_TO_REAL
+    ),
+    "sim-to-real-gap": Picture(
+        SIM_TO_REAL_RUN + "cp out/gaps.png {file}", SIM_TO_REAL
+    ),
+    "realism-healthy": Picture("python {root}/benchmarks/realism.py $MEASURED --pictures {images}", ("bench healthy", *REALISM)),
+    "realism-outer": Picture("python {root}/benchmarks/realism.py $MEASURED --pictures {images}", ("bench outer_ring_defect", *REALISM)),
+    "calibration-rig": Picture(
+        f"cp $MEASURED/recordings/cw48_N_0_FE.npz fan.npz && printf '{ABOUT_FAN}' > about.yaml && dcrb import fan.npz --about about.yaml"
+        " -o healthy_run && dcrb calibrate healthy_run --trust -o my_machine.yaml && cp my_machine.png {file}",
+        CALIBRATION,
+    ),
+    "twin-tutorial": Picture(
+        f"dcrb simulate healthy -o healthy_run --duration 6 {STAND_IN} && dcrb calibrate healthy_run --base healthy --trust"
+        " -o my_machine.yaml && cp my_machine.png {file}",
+        CALIBRATION,
+    ),
+    "lives-severity": Picture(LIVES_RUN + "cp severity.png {file}", LIVES),
+    "lives-remaining-life": Picture(LIVES_RUN + "cp remaining-life.png {file}", LIVES),
 }
-"""Bench and the family of lines that is shaded."""
-LABELS = {"bpfo": "BPFO", "bpfi": "BPFI", "two_bsf": "2 BSF", "ftf": "FTF"}
-BEHIND_A_BOX = {"structure.modes": 6}
-LARGEST_ORDER = 30.0
-DURATION, ONSET, END = 8.0, 0.2, 0.6
-"""Of the spectra; onset and end of the sensor faults [s]."""
 
 
-def spectra(file: Path) -> None:
-    """Draw the spectra over orders of the shaft."""
-    figure, axes = plt.subplots(len(FAMILIES), 1, figsize=(9.0, 10.0), sharex=True, layout="constrained")
-    for ax, (bench, family) in zip(axes, FAMILIES.items(), strict=True):
-        run = simulate(bench, DURATION, settings=BEHIND_A_BOX)
-        spectrum = envelope_spectrum(run)
-        own = spectrum.orders.as_dict()
-        order = 2.0 * own["BSF"] if family == "two_bsf" else own[family.upper()]
-        shown = (spectrum.order > 0.1) & (spectrum.order < LARGEST_ORDER)
-        for number in range(1, int(LARGEST_ORDER / order) + 1):
-            ax.axvspan(number * order - 0.06, number * order + 0.06, color="tab:orange", alpha=0.3, linewidth=0)
-        ax.plot(spectrum.order[shown], spectrum.amplitude[shown] / spectrum.mean, linewidth=0.8)
-        verdict = detect(run).verdict
-        ax.set_title(f"{bench}: called {verdict}; shaded: {LABELS[family]} and harmonics", loc="left", fontsize="medium")
-        print(f"{bench}: {verdict}, largest line {spectrum.amplitude[shown].max() / spectrum.mean:.2f} of the mean")
-    figure.supylabel("squared envelope over its mean [-]")
-    axes[-1].set_xlabel("order of the shaft [-]")
-    axes[-1].set_xlim(0.0, LARGEST_ORDER)
-    figure.savefig(file, dpi=90)
-    plt.close(figure)
+def make(name: str) -> None:
+    """Make a picture and stamp it.
+
+    Raises:
+        SystemExit: its command failed.
+    """
+    picture, file = PICTURES[name], IMAGES / f"{name}.png"
+    if callable(picture.make):
+        picture.make(file)
+    else:
+        path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ.get('PATH', '')}"
+        measured = str(Path(os.environ.get("MEASURED", ROOT.parent / "shared/measured")).resolve())
+        with tempfile.TemporaryDirectory() as folder:
+            made = Path(folder, file.name)
+            line = picture.make.format(file=made, images=folder, unseen=ROOT / "benchmarks/unseen/unseen", root=ROOT)
+            done = subprocess.run(line, shell=True, check=False, cwd=folder, env={**os.environ, "PATH": path, "MEASURED": measured})
+            if done.returncode:
+                sys.exit(f"{name} was not made: its command ended with status {done.returncode}")
+            if made.exists():  # an exam writes its figure to the documentation by itself
+                shutil.copyfile(made, file)
+    write_stamp(name)
 
 
-def sensor_faults(file: Path) -> None:
-    """Draw the waveform of an outer-ring defect with a sensor that fails, one axes per fault."""
-    faults = [fault for fault in get_args(SensorFault) if fault != "none"]
-    figure, axes = plt.subplots(len(faults), 1, figsize=(9.0, 10.0), sharex=True, sharey=True, layout="constrained")
-    for ax, fault in zip(axes, faults, strict=True):
-        severity = 0.5 if fault == "stuck" else 0.8
-        broken = {"sensor.fault": fault, "sensor.fault_severity": severity, "sensor.fault_time": 0.1}
-        timeline = {"timeline": [{"at": ONSET, "set": broken}]}
-        run = simulate("outer_ring_defect", END, settings={**BEHIND_A_BOX, "sensor.range": 300.0}, scenario=timeline)
-        ax.plot(np.arange(len(run.acceleration)) / run.sampling_rate, run.acceleration[:, 1], linewidth=0.5)
-        ax.axvline(ONSET, color="tab:red", linewidth=0.8)
-        ax.set_title(f"{fault}, severity {severity}", loc="left", fontsize="medium")
-    axes[0].set_ylim(-150.0, 150.0)
-    figure.supylabel("measured acceleration in Y [m/s²]")
-    axes[-1].set_xlabel("time [s]")
-    figure.savefig(file, dpi=90)
-    plt.close(figure)
+def write_stamp(name: str) -> None:
+    """Write the stamp of a picture: it shows the present state."""
+    write_stamps({**stamps(), f"{name}.png": stamp(f"python benchmarks/pictures.py {name}", PICTURES[name].shows)})
+    print(f"docs/images/{name}.png", flush=True)
 
 
 def main() -> None:
-    """Draw both."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--output", type=Path, default=IMAGES)
-    output = parser.parse_args().output
-    spectra(output / "detector-spectra.png")
-    sensor_faults(output / "measurement-faults.png")
+    """Make the pictures that are named, or list those that are out of date."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("names", nargs="*", metavar="NAME", help=f"of {', '.join(PICTURES)}")
+    parser.add_argument("--stamp", action="store_true", help="stamp the pictures without making them: a change does not alter them")
+    given = parser.parse_args()
+    names = given.names
+    if unknown := sorted(set(names) - set(PICTURES)):
+        parser.error(f"there is no picture {', '.join(unknown)}; there are {', '.join(PICTURES)}")
+    for name in names:
+        (write_stamp if given.stamp else make)(name)
+    if not names:
+        for file, made in stamps().items():
+            if changes := changed(made):
+                print(f"docs/images/{file} is older than {', '.join(changes)}: {made['command']}")
 
 
 if __name__ == "__main__":

@@ -20,12 +20,12 @@ def resident(pid: int) -> float:
 
 def processor_times(pid: int) -> dict[str, float]:
     """Return the processor time of a process's threads by name [s]; that of ended threads has the key ``ended``."""
-    found: defaultdict[str, float] = defaultdict(float)
+    seconds_of: defaultdict[str, float] = defaultdict(float)
     for task in Path(f"/proc/{pid}/task").iterdir():
         name, seconds = _processor_time(task / "stat")
-        found[name] += seconds
-    found["ended"] = max(0.0, _processor_time(Path(f"/proc/{pid}/stat"))[1] - sum(found.values()))
-    return found
+        seconds_of[name] += seconds
+    seconds_of["ended"] = max(0.0, _processor_time(Path(f"/proc/{pid}/stat"))[1] - sum(seconds_of.values()))
+    return seconds_of
 
 
 def _processor_time(stat: Path) -> tuple[str, float]:

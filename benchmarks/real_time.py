@@ -81,12 +81,12 @@ def recorded(configuration: Configuration) -> Callable[[float], None]:
 def factors(run: Callable[[float], None], duration: float, runs: int) -> list[float]:
     """Return the real-time factor of each run [-]."""
     run(WARM_UP)
-    found = []
+    speeds = []
     for _ in range(runs):
         begin = time.perf_counter()
         run(duration)
-        found.append(duration / (time.perf_counter() - begin))
-    return found
+        speeds.append(duration / (time.perf_counter() - begin))
+    return speeds
 
 
 def main() -> None:
@@ -102,11 +102,11 @@ def main() -> None:
         alone = 0.0
         parts = (("kernel", kernel, 1), ("blocks, encoded", blocks, 1), ("simulate, recorded", recorded, RECORDING_FACTOR))
         for part, make, longer in parts:
-            found = factors(make(configuration), longer * options.duration, options.runs)
-            median = statistics.median(found)
+            speeds = factors(make(configuration), longer * options.duration, options.runs)
+            median = statistics.median(speeds)
             alone = alone or median
             step, share = 1e6 / (median * configuration.step_rate), 100.0 * median / alone
-            spread = f"{min(found):.2f} | {max(found):.2f}"
+            spread = f"{min(speeds):.2f} | {max(speeds):.2f}"
             print(f"| {name} | {joint} | {part} | {median:.2f} | {spread} | {step:.2f} | {share:.0f} % |", flush=True)
 
 

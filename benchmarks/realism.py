@@ -49,7 +49,7 @@ POINTS = (
 
 
 class Case(NamedTuple):
-    """A signal with what is needed to find its lines."""
+    """A signal, and the orders and speeds that locate its lines."""
 
     name: str
     values: Floats
@@ -78,15 +78,15 @@ def simulated(bench: str, seed: int, *settings: str) -> tuple[Case, Case]:
 
 def measured(folder: Path) -> dict[tuple[str, str], list[Case]]:
     """Return the recordings of a folder by truth and rig."""
-    found: dict[tuple[str, str], list[Case]] = defaultdict(list)
+    cases: dict[tuple[str, str], list[Case]] = defaultdict(list)
     for row in csv.DictReader((folder / "recordings.csv").open()):
         unit = GRAVITY if row["unit"] == "g" else 1.0
         with np.load(folder / "recordings" / f"{row['name']}.npz") as content:
             values = content["a"].astype(np.float64) * unit
         orders = Orders(**{name: float(row[name.upper()]) for name in ("ftf", "bpfo", "bpfi", "bsf")})
         case = Case(row["name"], values - values.mean(), float(row["sampling_rate"]), float(row["speed_rpm_from_lines"]) / 60.0, orders)
-        found[row["truth"], row["rig"]].append(case)
-    return found
+        cases[row["truth"], row["rig"]].append(case)
+    return cases
 
 
 def table(title: str, cases: dict[str, list[Case]]) -> None:
@@ -119,7 +119,7 @@ def operating_points() -> None:
         power = (simulation.energy.drive - before.drive) / 2.0
         viscosity = kinematic_viscosity(lubricant_of(dict(configuration.lubrication)), temperature)
         skf = 2.0 * speed * friction_moment(BORE, OUTSIDE, 0.5 * load, speed, viscosity)
-        slips = ", ".join(f"{100.0 * one:.2f}" for one in slip)
+        slips = ", ".join(f"{100.0 * share:.2f}" for share in slip)
         print(f"| {speed * 30 / np.pi:.0f} | {load / 1e3:g} | {temperature:g} | {slips} | {power:.0f} | {skf:.0f} | {power / skf:.2f} |")
 
 

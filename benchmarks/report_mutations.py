@@ -12,13 +12,13 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from dcrb_ros.schema.refusal import Refusal
-from dcrb_ros.validation.comparison import Comparison
-from dcrb_ros.validation.dry_bench import dry_bench_comparisons
-from dcrb_ros.validation.oiled_bench import oiled_bench_comparisons
+from dcrb_ros.validation.dry_bench import dry_bench_rows
+from dcrb_ros.validation.oiled_bench import oiled_bench_rows
 from dcrb_ros.validation.oiled_runs import oiled_specs, simulate_oiled
-from dcrb_ros.validation.realism_rows import realism_comparisons
-from dcrb_ros.validation.runs import Run, RunSpec, simulate
-from dcrb_ros.validation.surface_rows import surface_comparisons
+from dcrb_ros.validation.realism_rows import realism_rows
+from dcrb_ros.validation.report_row import ReportRow
+from dcrb_ros.validation.runs import PaperRun, PaperRunSpec, simulate
+from dcrb_ros.validation.surface_rows import surface_rows
 
 MUTATIONS: dict[str, tuple[str, ...]] = {
     "none": (),
@@ -45,22 +45,22 @@ OIL_ONLY = ("lubrication.", "surfaces.", "housing.")
 """Groups without effect on the dry bench."""
 
 
-def comparisons(settings: tuple[str, ...]) -> Iterator[Comparison]:
+def comparisons(settings: tuple[str, ...]) -> Iterator[ReportRow]:
     """Yield the rows that depend on the benches, with changed parameters."""
     runs = {spec.name: simulate_oiled(spec, settings) for spec in oiled_specs()}
-    yield from oiled_bench_comparisons(runs)
-    yield from surface_comparisons(runs)
-    yield from realism_comparisons(runs)
-    yield from (replace(row, chapter="The paper") for row in dry_bench_comparisons(dry(settings)))
+    yield from oiled_bench_rows(runs)
+    yield from surface_rows(runs)
+    yield from realism_rows(runs)
+    yield from (replace(row, chapter="The paper") for row in dry_bench_rows(dry(settings)))
 
 
-def dry(settings: tuple[str, ...]) -> Run:
-    """Return the run of the dry bench with what concerns it."""
+def dry(settings: tuple[str, ...]) -> PaperRun:
+    """Return the run of the dry bench with the settings that concern it."""
     given = tuple(setting for setting in settings if not setting.startswith(OIL_ONLY))
-    return simulate(RunSpec("healthy", "pocket", 2.0, given, state_rate=3000))
+    return simulate(PaperRunSpec("healthy", "pocket", 2.0, given, state_rate=3000))
 
 
-def noticed(settings: tuple[str, ...]) -> tuple[list[Comparison], int]:
+def noticed(settings: tuple[str, ...]) -> tuple[list[ReportRow], int]:
     """Return the rows that fall short, and how many there are."""
     rows = list(comparisons(settings))
     return [row for row in rows if not row.holds], len(rows)

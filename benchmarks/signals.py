@@ -61,7 +61,7 @@ class Shot:
     instant: float
     """After the start of the program [s]."""
     second: float | None = None
-    """Time after which the signal is sent again [s]; none for a single signal."""
+    """Time after which the signal is sent again [s]; None for a single signal."""
 
     def __str__(self) -> str:
         again = "" if self.second is None else f" and again {self.second:.2f} s later"
@@ -70,7 +70,7 @@ class Shot:
 
 @dataclass(frozen=True)
 class Outcome:
-    """What a program did after a signal."""
+    """The behaviour of a program after a signal."""
 
     flaws: tuple[str, ...]
     started: bool
@@ -95,15 +95,15 @@ def command_of(program: str, folder: Path) -> list[str]:
 
 def marked(mark: str) -> list[int]:
     """Return the processes with a mark in their environment that are not zombies."""
-    found = []
+    processes = []
     for process in Path("/proc").glob("[0-9]*"):
         try:
             variables, state = (process / "environ").read_bytes(), (process / "stat").read_text().rpartition(")")[2].split()[0]
         except OSError:
             continue
         if f"{MARK}={mark}\0".encode() in variables and state != "Z":
-            found.append(int(process.name))
-    return found
+            processes.append(int(process.name))
+    return processes
 
 
 def handles_signals(process: int) -> bool:
@@ -163,7 +163,7 @@ class Listener:
 
 
 def fire(shot: Shot, folder: Path, domain: int) -> Outcome:
-    """Start a program, send the signal, and judge what follows."""
+    """Start a program, send the signal, and check its end."""
     with listening(domain) as listener:
         return _fire(shot, folder, domain, listener)
 
@@ -204,7 +204,7 @@ def _fire(shot: Shot, folder: Path, domain: int, listener: Listener) -> Outcome:
 
 
 def ending_flaws(shot: Shot, status: int, words: str) -> list[str]:
-    """Return what is wrong with the exit status and the output of a program."""
+    """Return the errors in the exit status and the output of a program."""
     if shot.kind is signal.SIGKILL:
         return [f"a child printed {trace}" for trace in TRACES if trace in words]
     expected = (0, 1, STOPPED) if shot.program == "bench" else (0,)
@@ -221,7 +221,7 @@ def recorded(bag: Path) -> float:
 
 
 def recording_flaws(shot: Shot, bag: Path, heard: float) -> list[str]:
-    """Return what is wrong with the recording of a simulation that had published the block at ``heard`` [s] before the signal."""
+    """Return the errors in the recording of a simulation that had published the block at ``heard`` [s] before the signal."""
     if shot.program not in ("bench", "simulator") or heard == 0.0:
         return []
     # A killed simulator cannot finish its recording.
@@ -289,10 +289,10 @@ def main() -> int:
     longest, first = 0.0, 1 + os.getpid() % 90
     with tempfile.TemporaryDirectory(prefix="signals-") as folder:
         for number, shot in enumerate(shots(options.runs, random.Random(options.seed), options.program or PROGRAMS, options.latest)):
-            place = Path(folder) / str(number)
-            place.mkdir()
+            folder_of_run = Path(folder) / str(number)
+            folder_of_run.mkdir()
             # The next run begins in another domain, in which nothing of this one is left.
-            outcome = fire(shot, place, first + number % 10)
+            outcome = fire(shot, folder_of_run, first + number % 10)
             counts[f"{shot.kind.name} {shot.program}"] += 1
             failed += bool(outcome.flaws)
             early += not outcome.started

@@ -1,4 +1,4 @@
-"""What simulation is worth on measured bearings: a classifier trained on simulated windows alone, tested on the faults of measured rigs.
+"""The value of simulation on measured bearings: a classifier trained on simulated windows alone, tested on the faults of measured rigs.
 
 ``python benchmarks/sim_to_real.py MEASURED -o FOLDER``; MEASURED is a folder with ``recordings.csv`` and ``recordings/NAME.npz``, as for
 ``benchmarks/realism.py``. The sweeps and a table are written to FOLDER; a second call continues. ``--machines 64 --seconds 8`` is the full

@@ -35,7 +35,7 @@ NICE = {"rollers_per_row": 8, "roller_radius": 0.0029845, "pitch_radius": 0.0158
 
 
 class Rig(NamedTuple):
-    """A measured rig, and what is known of its bearing and its operation."""
+    """A measured rig, with the known data of its bearing and operation."""
 
     name: str
     recordings: str
@@ -121,9 +121,9 @@ def measured(folder: Path, rig: Rig) -> tuple[list[Measured], list[Measured]]:
     calibrating, tested = [], []
     for row in csv.DictReader((folder / "recordings.csv").open()):
         if row["name"] in rig.healthy:
-            one = recording(folder, row, rig.rate)
-            calibrating.append(one.part(0.0, 0.5))
-            tested.append(one.part(0.5, 1.0))
+            rec = recording(folder, row, rig.rate)
+            calibrating.append(rec.part(0.0, 0.5))
+            tested.append(rec.part(0.5, 1.0))
         elif row["rig"] == rig.recordings and row["truth"] != "healthy":
             tested.append(recording(folder, row, rig.rate))
     return calibrating, tested
@@ -143,7 +143,7 @@ def recording(folder: Path, row: Mapping[str, str], rate: int) -> Measured:
 
 def measured_windows(recordings: list[Measured]) -> Windows:
     """Return the windows of some recordings."""
-    return Windows.of([(features(one.values, one.rate, one.angle, one.orders), one.truth, one.name) for one in recordings])
+    return Windows.of([(features(rec.values, rec.rate, rec.angle, rec.orders), rec.truth, rec.name) for rec in recordings])
 
 
 def settings_of(rig: Rig) -> dict[str, Any]:

@@ -16,12 +16,12 @@ def write_figure(rows: Sequence[tuple[str, str, str, Score]], path: Path) -> Non
     rigs = list(dict.fromkeys(rig for rig, *_ in rows))
     figure, axes = plt.subplots(1, len(rigs), figsize=(11.0, 3.2), sharex=True, squeeze=False, layout="constrained")
     for axis, rig in zip(axes[0], rigs, strict=True):
-        own = [(training, score) for name, training, _, score in rows if name == rig]
-        for place, (training, score) in enumerate(reversed(own)):
+        scores = [(training, score) for name, training, _, score in rows if name == rig]
+        for row, (training, score) in enumerate(reversed(scores)):
             colour = "C0" if training.startswith("simulated") else "C1" if training.startswith(("measured", "its own")) else "0.3"
-            axis.plot([score.low, score.high], [place, place], color=colour, lw=2)
-            axis.plot(score.macro, place, "o", color=colour)
-        axis.set_yticks(range(len(own)), [training for training, _ in reversed(own)], fontsize=8)
+            axis.plot([score.low, score.high], [row, row], color=colour, lw=2)
+            axis.plot(score.macro, row, "o", color=colour)
+        axis.set_yticks(range(len(scores)), [training for training, _ in reversed(scores)], fontsize=8)
         axis.set_title(f"tested on {rig}", fontsize=10)
         axis.set_xlim(0.48, 1.02)
         axis.axvline(0.85, color="0.7", lw=0.8, ls="--")
@@ -32,16 +32,16 @@ def write_figure(rows: Sequence[tuple[str, str, str, Score]], path: Path) -> Non
 
 def write_gaps(gaps: Sequence[Gap], path: Path) -> None:
     """Write how far simulated windows are from measured ones, by rig, class and training, as bars."""
-    rigs = list(dict.fromkeys(one.rig for one in gaps))
-    trainings = list(dict.fromkeys(one.training for one in gaps))
+    rigs = list(dict.fromkeys(gap.rig for gap in gaps))
+    trainings = list(dict.fromkeys(gap.training for gap in gaps))
     figure, axes = plt.subplots(1, 2 * len(rigs), figsize=(11.0, 3.2), sharey=True, squeeze=False, layout="constrained")
     for number, axis in enumerate(axes[0]):
         rig, levels = rigs[number // 2], number % 2 == 0
         for k, training in enumerate(trainings):
-            own = [one for one in gaps if (one.rig, one.training) == (rig, training)]
-            places = [place + 0.4 * k - 0.2 for place in range(len(own))]
-            axis.bar(places, [one.level if levels else one.shape for one in own], 0.38, color=("0.6", "C0")[k], label=training)
-            axis.set_xticks(range(len(own)), [one.fault.replace("_", " ") for one in own], fontsize=8)
+            scores = [gap for gap in gaps if (gap.rig, gap.training) == (rig, training)]
+            positions = [row + 0.4 * k - 0.2 for row in range(len(scores))]
+            axis.bar(positions, [gap.level if levels else gap.shape for gap in scores], 0.38, color=("0.6", "C0")[k], label=training)
+            axis.set_xticks(range(len(scores)), [gap.fault.replace("_", " ") for gap in scores], fontsize=8)
         axis.set_title(f"{rig}: {'band levels' if levels else 'all other features'}", fontsize=10)
         axis.grid(axis="y", alpha=0.3)
     axes[0][0].set_ylim(0.0, 1.0)

@@ -27,17 +27,17 @@ class Gap(NamedTuple):
 def gaps_of(rig: str, trainings: Mapping[str, Windows], test: Windows, healthy: Windows) -> list[Gap]:
     """Return the gaps of each class; the measured healthy windows are those that calibrate."""
     truth, values, count = np.array(test.truth), gain_free(test, True), gain_free(test, False).shape[1]
-    found = []
+    gaps = []
     for training, windows in trainings.items():
-        simulated, own = gain_free(windows, True), np.array(windows.truth)
+        simulated, truth = gain_free(windows, True), np.array(windows.truth)
         for fault in (name for name in CLASSES if name in test.truth):
             measured = gain_free(healthy, True) if fault == "healthy" else values[truth == fault]
-            apart = separations(measured, simulated[own == fault])
-            found.append(Gap(rig, training, fault, float(apart[:count].mean()), float(apart[count:].mean())))
-    return found
+            apart = separations(measured, simulated[truth == fault])
+            gaps.append(Gap(rig, training, fault, float(apart[:count].mean()), float(apart[count:].mean())))
+    return gaps
 
 
-def separations(one: Floats, other: Floats) -> Floats:
+def separations(first: Floats, second: Floats) -> Floats:
     """Return |2 AUROC - 1| of each feature for telling two sets of windows apart, shape (features,)."""
-    positive = np.arange(len(one) + len(other)) < len(one)
-    return np.abs([2.0 * area(column, positive) - 1.0 for column in np.concatenate([one, other]).T])
+    positive = np.arange(len(first) + len(second)) < len(first)
+    return np.abs([2.0 * area(column, positive) - 1.0 for column in np.concatenate([first, second]).T])

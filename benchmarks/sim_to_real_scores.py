@@ -19,7 +19,7 @@ ABSOLUTE = ("y_rms", "y_peak")
 """Features that depend on the gain; they are left out."""
 FAMILIES = {"outer_ring": "BPFO", "inner_ring": "BPFI", "roller": "2BSF"}
 LOAD = re.compile(r"(at\d+)?_\d+$")
-"""What follows the bearing in the name of a recording: place of the spall, load or speed."""
+"""The suffix of a recording's name after the bearing: position of the spall, load or speed."""
 BOOTSTRAPS = 500
 BOUNDS = (5.0, 95.0)
 """Percentiles of the bootstrap."""
@@ -46,11 +46,11 @@ def gain_free(windows: Windows, levels: bool) -> Floats:
     """Return the features that do not depend on the gain: levels of bands relative to their mean, or none, and no rms and peak."""
     band = np.array([bool(LEVELS.match(name)) for name in windows.names])
     kept = np.array([name not in ABSOLUTE for name in windows.names]) & ~band
-    found = windows.values[:, kept]
+    values = windows.values[:, kept]
     if levels:
         relative = windows.values[:, band] - windows.values[:, band].mean(axis=1, keepdims=True)
-        found = np.concatenate([found, relative], axis=1)
-    return found
+        values = np.concatenate([values, relative], axis=1)
+    return values
 
 
 class Features(NamedTuple):
@@ -65,13 +65,13 @@ def chosen(train: Windows, test: Windows, levels: bool, healthy: Windows | None 
 
     A feature matches if the median of the measured healthy windows lies between the `MATCH` percentiles of those of the training set.
     """
-    found = Features(gain_free(train, levels), gain_free(test, levels))
+    features = Features(gain_free(train, levels), gain_free(test, levels))
     if healthy is None:
-        return found
-    low, high = np.percentile(found.train[np.array(train.truth) == "healthy"], MATCH, axis=0)
+        return features
+    low, high = np.percentile(features.train[np.array(train.truth) == "healthy"], MATCH, axis=0)
     middle = np.median(gain_free(healthy, levels), axis=0)
     kept = (low <= middle) & (middle <= high)
-    return Features(found.train[:, kept], found.test[:, kept])
+    return Features(features.train[:, kept], features.test[:, kept])
 
 
 def forest_scores(truth: Sequence[str], given: Features, seed: int = 1, trees: int = TREES) -> Floats:
@@ -79,10 +79,10 @@ def forest_scores(truth: Sequence[str], given: Features, seed: int = 1, trees: i
     forest = RandomForestClassifier(trees, min_samples_leaf=2, class_weight="balanced", random_state=seed)
     forest.fit(given.train, truth)
     probability = forest.predict_proba(given.test)
-    found = np.zeros((len(probability), len(CLASSES)))
+    values = np.zeros((len(probability), len(CLASSES)))
     for k, name in enumerate(forest.classes_):
-        found[:, CLASSES.index(name)] = probability[:, k]
-    return found
+        values[:, CLASSES.index(name)] = probability[:, k]
+    return values
 
 
 def left_out_scores(test: Windows, healthy: Windows, levels: bool) -> Floats:
@@ -92,14 +92,14 @@ def left_out_scores(test: Windows, healthy: Windows, levels: bool) -> Floats:
     """
     bearing = np.array([LOAD.sub("", name) for name in test.recording])
     truth, values, known = np.array(test.truth), gain_free(test, levels), gain_free(healthy, levels)
-    sound, found = truth == "healthy", np.zeros((len(truth), len(CLASSES)))
+    sound, values = truth == "healthy", np.zeros((len(truth), len(CLASSES)))
     bearings = list(dict.fromkeys(bearing[~sound]))
-    for one in bearings:
-        train = ~sound & (bearing != one)
+    for name in bearings:
+        train = ~sound & (bearing != name)
         scores = forest_scores([*truth[train], *healthy.truth], Features(np.concatenate([values[train], known]), values))
-        found[bearing == one] = scores[bearing == one]
-        found[sound] += scores[sound] / len(bearings)
-    return found
+        values[bearing == name] = scores[bearing == name]
+        values[sound] += scores[sound] / len(bearings)
+    return values
 
 
 def rule_scores(test: Windows) -> Floats:
@@ -111,12 +111,12 @@ def rule_scores(test: Windows) -> Floats:
         fault: np.maximum(*(test.values[:, test.names.index(f"y_{band}_{line}_depth")] for band in ("wide", "impulsive")))
         for fault, line in FAMILIES.items()
     }
-    found = np.zeros((len(test.values), len(CLASSES)))
-    for fault, own in depth.items():
+    values = np.zeros((len(test.values), len(CLASSES)))
+    for fault, depths in depth.items():
         others = np.max([other for name, other in depth.items() if name != fault], axis=0)
-        found[:, CLASSES.index(fault)] = own - others
-    found[:, CLASSES.index("healthy")] = -np.max(list(depth.values()), axis=0)
-    return found
+        values[:, CLASSES.index(fault)] = depths - others
+    values[:, CLASSES.index("healthy")] = -np.max(list(depth.values()), axis=0)
+    return values
 
 
 def scored(scores: Floats, test: Windows, seed: int = 1) -> Score:
@@ -136,13 +136,13 @@ class Gain(NamedTuple):
     high: float
 
 
-def gain(one: Windows, other: Windows, given: tuple[Features, Features], test: Windows, seed: int = 1) -> Gain:
+def gain(first: Windows, second: Windows, given: tuple[Features, Features], test: Windows, seed: int = 1) -> Gain:
     """Return how much better a training set is than another, with bounds of a bootstrap over the machines of both and the recordings."""
     random, truth, drawn = np.random.default_rng(seed), np.array(test.truth), []
     for _ in range(PAIRS):
         at = _drawn_recordings(test, random)
         both = []
-        for windows, features in zip((one, other), given, strict=True):
+        for windows, features in zip((first, second), given, strict=True):
             machines = _rows(windows.recording)
             rows = np.concatenate([machines[name] for name in random.choice(list(machines), len(machines))])
             given_rows = Features(features.train[rows], features.test)
@@ -155,7 +155,7 @@ def gain(one: Windows, other: Windows, given: tuple[Features, Features], test: W
 
 def _rows(recordings: Sequence[str]) -> dict[str, npt.NDArray[np.int64]]:
     names = np.array(recordings)
-    return {one: np.flatnonzero(names == one) for one in dict.fromkeys(recordings)}
+    return {name: np.flatnonzero(names == name) for name in dict.fromkeys(recordings)}
 
 
 def _present(test: Windows) -> list[str]:
@@ -165,8 +165,8 @@ def _present(test: Windows) -> list[str]:
 def _drawn_recordings(test: Windows, random: np.random.Generator) -> npt.NDArray[np.int64]:
     """Return the rows of recordings drawn within each class, since the windows of one recording are alike."""
     rows = _rows(test.recording)
-    by_class = {fault: [one for one, at in rows.items() if test.truth[at[0]] == fault] for fault in _present(test)}
-    return np.concatenate([rows[one] for names in by_class.values() for one in random.choice(names, len(names))])
+    by_class = {fault: [name for name, at in rows.items() if test.truth[at[0]] == fault] for fault in _present(test)}
+    return np.concatenate([rows[name] for names in by_class.values() for name in random.choice(names, len(names))])
 
 
 def _areas(scores: Floats, truth: npt.NDArray[np.str_], at: npt.NDArray[np.int64], present: list[str]) -> dict[str, float]:
@@ -175,5 +175,5 @@ def _areas(scores: Floats, truth: npt.NDArray[np.str_], at: npt.NDArray[np.int64
 
 def area(score: Floats, positive: npt.NDArray[np.bool_]) -> float:
     """Return the area under the ROC curve [-], from the rank sum (Hanley and McNeil 1982, Radiology 143(1), 29-36)."""
-    found, count = rankdata(score), int(positive.sum())
-    return float((found[positive].sum() - 0.5 * count * (count + 1)) / (count * (len(score) - count)))
+    ranks, count = rankdata(score), int(positive.sum())
+    return float((ranks[positive].sum() - 0.5 * count * (count + 1)) / (count * (len(score) - count)))

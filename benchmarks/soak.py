@@ -99,12 +99,12 @@ class Monitor:
 
         Stalls longer than a block explain the blocks that were due during them and until the simulator had caught up.
         """
-        own = 0
+        unexplained = 0
         for begin, end, count in self.late:
             stalled = sum(last - first for first, last in stalls if first < end + NEAR and _caught_up(first, last) > begin)
             explained = math.ceil((1.0 + CATCHING_UP) * stalled * RATE / BLOCK) if stalled > BLOCK / RATE else 0
-            own += max(0, count - explained)
-        return own
+            unexplained += max(0, count - explained)
+        return unexplained
 
 
 def _caught_up(begin: float, end: float) -> float:
@@ -197,7 +197,7 @@ def run(name: str, scale: float, seconds: float, seed: int, late: int, machine: 
         node.destroy_node()
     wall, ends = time.monotonic() - began, monitor.simulated + BLOCK / RATE
     stalls = [stall for stall in machine.stalls() if stall[1] > began]
-    of_all, own = int(monitor.values.get("late_blocks", 0)), monitor.unexplained_late_blocks(stalls)
+    of_all, unexplained = int(monitor.values.get("late_blocks", 0)), monitor.unexplained_late_blocks(stalls)
     longest = max((end - begin for begin, end in stalls), default=0.0)
     refused = f"{monitor.values.get('rejected_commands')} commands, {monitor.values.get('rejected_parameters')} parameters"
     checks = {
@@ -205,7 +205,7 @@ def run(name: str, scale: float, seconds: float, seed: int, late: int, machine: 
         f"{monitor.blocks} blocks, the last to {ends:.2f} s of {seconds:g} s": monitor.blocks > 0 and ends >= seconds,
         f"no gap ({monitor.gaps})": monitor.gaps == 0,
         f"no stamp decreases ({dict(+monitor.backwards)})": not +monitor.backwards,
-        f"no late block without a stall of the machine ({own}; {of_all} including those)": own <= late,
+        f"no late block without a stall of the machine ({unexplained}; {of_all} including those)": unexplained <= late,
         f"no memory leak ({warm:.0f} MB after a tenth of the run, at most {largest:.0f} MB)": largest < warm * (1.0 + LEAK),
         f"the simulator reports refusals ({refused})": bool(monitor.values),
     }
@@ -232,10 +232,10 @@ def main() -> int:
     try:
         parts = (("full speed", 0.0, options.flat_out), ("real time", 1.0, options.real_time))
         with tempfile.TemporaryDirectory(prefix="soak-") as folder, monitor_stalls(Path(folder)) as machine:
-            found = [run(name, scale, seconds, options.seed, options.late, machine) for name, scale, seconds in parts if seconds > 0.0]
+            outcomes = [run(name, scale, seconds, options.seed, options.late, machine) for name, scale, seconds in parts if seconds > 0.0]
     finally:
         try_shutdown()
-    return 0 if all(found) else 1
+    return 0 if all(outcomes) else 1
 
 
 if __name__ == "__main__":

@@ -31,13 +31,13 @@ class StallMonitor:
     def stalls(self) -> list[Stall]:
         """Return the stalls of any core in chronological order; overlapping ones are merged."""
         lines = [line for path in self._folder.glob("core*") for line in path.read_text(encoding="utf-8").splitlines()]
-        found: list[Stall] = []
+        stalls: list[Stall] = []
         for begin, end in sorted((float(begin), float(end)) for begin, end in (line.split() for line in lines)):
-            if found and begin <= found[-1][1]:
-                found[-1] = found[-1][0], max(end, found[-1][1])
+            if stalls and begin <= stalls[-1][1]:
+                stalls[-1] = stalls[-1][0], max(end, stalls[-1][1])
             else:
-                found.append((begin, end))
-        return found
+                stalls.append((begin, end))
+        return stalls
 
 
 @contextmanager

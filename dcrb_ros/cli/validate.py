@@ -15,7 +15,7 @@ from dcrb_ros.cli.first_start import announce_compilation
 from dcrb_ros.cli.options import JsonOutput, Quiet, Workers, worker_count
 
 if TYPE_CHECKING:
-    from dcrb_ros.validation.comparison import Comparison
+    from dcrb_ros.validation.report_row import ReportRow
 
 
 def validate(
@@ -35,7 +35,7 @@ def validate(
     processes = worker_count(workers)
     from dcrb_ros.runtime.terminal import progress
     from dcrb_ros.validation.report import summary
-    from dcrb_ros.validation.validate import all_comparisons, report_folder, run_all, write_report
+    from dcrb_ros.validation.validate import all_rows, report_folder, run_all, write_report
 
     folder = report_folder(output)
     announce_compilation(quiet=quiet)
@@ -50,7 +50,7 @@ def validate(
         with contextlib.suppress(OSError):
             folder.rmdir()  # fails if it contains an earlier report, which is kept
         raise
-    comparisons = all_comparisons(results)
+    comparisons = all_rows(results)
     # The results are printed first, so that they are not lost if the report cannot be written.
     _print(comparisons, as_json=as_json)
     report = write_report(folder, comparisons, results.runs)
@@ -60,7 +60,7 @@ def validate(
         raise typer.Exit(1)
 
 
-def _print(comparisons: Sequence[Comparison], *, as_json: bool) -> None:
+def _print(comparisons: Sequence[ReportRow], *, as_json: bool) -> None:
     from rich.table import Table
 
     from dcrb_ros.runtime.terminal import console

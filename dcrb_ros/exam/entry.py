@@ -125,13 +125,13 @@ def entry_of(report: Report, name: str = "") -> Entry:
 
 
 def write_entry(entry: Entry, file: Path) -> None:
-    """Write an entry as JSON.
+    """Write an entry as one line of JSON.
 
     Raises:
         Refusal: the file cannot be written.
     """
     try:
-        file.write_text(json.dumps(entry.model_dump(), indent=1, allow_nan=False) + "\n", encoding="utf-8")
+        file.write_text(json.dumps(entry.model_dump(), separators=(",", ":"), allow_nan=False) + "\n", encoding="utf-8")
     except OSError as error:
         raise Refusal(f"{file} cannot be written: {error.strerror}; give another file to --entry") from None
 

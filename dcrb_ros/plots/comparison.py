@@ -1,4 +1,4 @@
-"""Two recordings side by side: third octaves, squared envelope spectra, kurtosis by octave, and what is left between them."""
+"""Two recordings side by side: third octaves, squared envelope spectra, kurtosis by octave, and the residual of a calibration."""
 
 from __future__ import annotations
 
@@ -44,41 +44,41 @@ def write_comparison(comparison: Comparison, file: Path, *, title: str = "", cal
 
 
 def _levels(ax: Axes, comparison: Comparison) -> None:
-    for one in comparison.axes:
-        for name, values, style in zip(comparison.names, one.levels, ("solid", DASHED), strict=True):
-            ax.semilogx(one.frequency, values, color=AXES_COLOURS[one.axis], linestyle=style, label=f"{one.axis.upper()}, {name}")
+    for pair in comparison.axes:
+        for name, values, style in zip(comparison.names, pair.levels, ("solid", DASHED), strict=True):
+            ax.semilogx(pair.frequency, values, color=AXES_COLOURS[pair.axis], linestyle=style, label=f"{pair.axis.upper()}, {name}")
     legend_above(ax)
-    apart = ", ".join(f"{one.axis.upper()} {one.level_distance:.1f} dB" for one in comparison.axes)
+    apart = ", ".join(f"{pair.axis.upper()} {pair.level_distance:.1f} dB" for pair in comparison.axes)
     labelled(ax, "Frequency in Hz", "Level in dB over 1 (m/s²)²", f"Third octaves, {apart} apart")
 
 
-def _envelope(ax: Axes, one: AxisComparison, names: tuple[str, str]) -> None:
-    if not len(one.orders):
+def _envelope(ax: Axes, pair: AxisComparison, names: tuple[str, str]) -> None:
+    if not len(pair.orders):
         ax.text(0.5, 0.5, "no speed, no orders", transform=ax.transAxes, ha="center")
         labelled(ax, "Order", "Amplitude over mean", "Squared envelope spectrum")
         return
-    for name, values, colour in zip(names, one.envelopes, (AXES_COLOURS["y"], "#D55E00"), strict=True):
-        ax.plot(one.orders, values, color=colour, linewidth=0.8, label=name, alpha=0.85)
+    for name, values, colour in zip(names, pair.envelopes, (AXES_COLOURS["y"], "#D55E00"), strict=True):
+        ax.plot(pair.orders, values, color=colour, linewidth=0.8, label=name, alpha=0.85)
     legend_above(ax)
     labelled(
         ax,
         "Order of the shaft",
         "Amplitude over mean",
-        f"Squared envelope spectrum of {one.axis.upper()}, {one.envelope_distance:.2f} apart",
+        f"Squared envelope spectrum of {pair.axis.upper()}, {pair.envelope_distance:.2f} apart",
     )
 
 
 def _kurtosis(ax: Axes, comparison: Comparison) -> None:
-    for one in comparison.axes:
-        for name, values, style in zip(comparison.names, one.kurtosis, ("solid", DASHED), strict=True):
+    for pair in comparison.axes:
+        for name, values, style in zip(comparison.names, pair.kurtosis, ("solid", DASHED), strict=True):
             ax.semilogx(
-                one.octaves,
+                pair.octaves,
                 values,
-                color=AXES_COLOURS[one.axis],
+                color=AXES_COLOURS[pair.axis],
                 linestyle=style,
                 marker="o",
                 markersize=4.0,
-                label=f"{one.axis.upper()}, {name}",
+                label=f"{pair.axis.upper()}, {name}",
             )
     ax.axhline(3.0, color="#808080", linewidth=0.8)
     octaves = comparison.axes[0].octaves
@@ -89,8 +89,8 @@ def _kurtosis(ax: Axes, comparison: Comparison) -> None:
 
 
 def _difference(ax: Axes, axes: Sequence[AxisComparison], names: tuple[str, str]) -> None:
-    for one in axes:
-        ax.semilogx(one.frequency, one.difference, color=AXES_COLOURS[one.axis], marker="o", markersize=4.0, label=one.axis.upper())
+    for pair in axes:
+        ax.semilogx(pair.frequency, pair.difference, color=AXES_COLOURS[pair.axis], marker="o", markersize=4.0, label=pair.axis.upper())
     ax.axhline(0.0, color="#808080", linewidth=0.8)
     legend_above(ax)
     labelled(ax, "Frequency in Hz", "Difference in dB", f"{names[1]} over {names[0]}")
@@ -99,9 +99,9 @@ def _difference(ax: Axes, axes: Sequence[AxisComparison], names: tuple[str, str]
 def _residual(ax: Axes, calibration: Calibration) -> None:
     for axis, frequency, values in calibration.residual:
         ax.semilogx(frequency, values, color=AXES_COLOURS[axis], linewidth=0.7, label=f"{axis.upper()}: measured over model")
-    for axis in sorted({one.axis for one in calibration.path}):
-        bands = [one for one in calibration.path if one.axis == axis and one.identified]
-        middles, half = np.array([one.frequency for one in bands]), np.array([0.5 * (one.high - one.low) for one in bands])
+    for axis in sorted({band.axis for band in calibration.path}):
+        bands = [band for band in calibration.path if band.axis == axis and band.identified]
+        middles, half = np.array([band.frequency for band in bands]), np.array([0.5 * (band.high - band.low) for band in bands])
         ax.fill_between(middles, -half, half, color=AXES_COLOURS[axis], alpha=0.2, label=f"{axis.upper()}: interval of the path")
     ax.axhline(0.0, color="#808080", linewidth=0.8)
     ax.set_ylim(-15.0, 15.0)

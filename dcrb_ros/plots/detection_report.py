@@ -169,7 +169,7 @@ def _section(number: int, entry: DiagnosedRecording) -> dict[str, Any]:
 
 def _line_row(component: str, diagnosis: Diagnosis) -> dict[str, str]:
     """Return one row of the table of lines."""
-    frequency = CHARACTERISTIC[component]  # type: ignore[index] # a component
+    frequency = CHARACTERISTIC[component]
     lines = diagnosis.lines.get(component)
     row = {
         "component": TITLES[component],

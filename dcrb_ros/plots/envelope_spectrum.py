@@ -27,13 +27,13 @@ HIGHEST_ORDER = 30.0
 HIGHEST_FREQUENCY = 600.0
 """Highest frequency shown by default where the speed is unknown [Hz]."""
 LEAST_ORDER = 0.3
-"""Order from which the spectrum sets the vertical scale [-]: below lies what changes over the signal, such as a run-up."""
+"""Order from which the spectrum sets the vertical scale [-]: changes over the signal, such as a run-up, lie below it."""
 MARKED = 0.1
 """Least height of a peak that is marked, over that of the highest [-]."""
 SIDEBANDS = np.arange(-8.0, 9.0)
 """Distances of the sidebands of BPFI from its harmonics, with 0 for these: a defect passes the load zone once a turn [-]."""
 SLIP = 0.004
-"""Share of its frequency by which a line may lie beside that of pure rolling [-]."""
+"""Largest deviation of a line from pure rolling, as a share of its frequency [-]."""
 
 
 def plot_envelope_spectrum(
@@ -114,12 +114,12 @@ def plot_envelope_spectrum(
     if x == "order" and not known:
         raise Refusal("the spectrum has no orders, for the speed is unknown: give shaft_angle, or x='frequency'")
     unit = spectrum.shaft_frequency if x == "frequency" and known else 1.0
-    places = spectrum.order if x == "order" else spectrum.frequency
+    positions = spectrum.order if x == "order" else spectrum.frequency
     limit = highest if highest is not None else HIGHEST_ORDER * unit if known else HIGHEST_FREQUENCY
     ax = new_axes() if ax is None else ax
-    shown = (places > 0.0) & (places <= limit)
-    ax.plot(places[shown], spectrum.amplitude[shown], color=CURVE, linewidth=0.8)
-    largest = float(spectrum.amplitude[shown & (places > LEAST_ORDER * unit)].max(initial=0.0))
+    shown = (positions > 0.0) & (positions <= limit)
+    ax.plot(positions[shown], spectrum.amplitude[shown], color=CURVE, linewidth=0.8)
+    largest = float(spectrum.amplitude[shown & (positions > LEAST_ORDER * unit)].max(initial=0.0))
     ax.set_ylim(0.0, 1.12 * largest or 1.0)
     ax.set_xlim(0.0, limit)
     if known:
@@ -136,19 +136,19 @@ def _draw_lines(ax: Axes, spectrum: EnvelopeSpectrum, lines: Sequence[str], unit
 
     handles = []
     combs = fault_combs(spectrum.orders, limit / unit)
-    places = {comb.name: np.array(comb.orders) for comb in combs}
-    if "BPFI" in places:
-        places["BPFI"] = np.add.outer(places["BPFI"], SIDEBANDS)
+    families = {comb.name: np.array(comb.orders) for comb in combs}
+    if "BPFI" in families:
+        families["BPFI"] = np.add.outer(families["BPFI"], SIDEBANDS)
     for comb in combs:
         if comb.name not in lines or not comb.orders:
             continue
         colour, dashes = FAULT_LINES[comb.name], DASHES[comb.name]
         for order in comb.orders:
             ax.axvline(order * unit, color=colour, linewidth=0.9, alpha=0.55, linestyle=dashes, zorder=1.0)
-            place, height = _peak(spectrum, order)
-            distance = {name: float(np.abs(lines - place).min(initial=np.inf)) for name, lines in places.items()}
+            peak, height = _peak(spectrum, order)
+            distance = {name: float(np.abs(lines - peak).min(initial=np.inf)) for name, lines in families.items()}
             if height > 0.0 and height >= MARKED * largest and distance[comb.name] <= min(distance.values()):
-                ax.plot(place * unit, height, marker=MARKERS[comb.name], markersize=4.5, color=colour, zorder=3.0)
+                ax.plot(peak * unit, height, marker=MARKERS[comb.name], markersize=4.5, color=colour, zorder=3.0)
         label = f"{comb.name} {comb.orders[0] * unit:.2f}" if unit == 1.0 else f"{comb.name} {comb.orders[0] * unit:.1f} Hz"
         handles.append(Line2D([], [], color=colour, linestyle=dashes, marker=MARKERS[comb.name], markersize=4.5, label=label))
     if handles:
@@ -156,7 +156,7 @@ def _draw_lines(ax: Axes, spectrum: EnvelopeSpectrum, lines: Sequence[str], unit
 
 
 def _peak(spectrum: EnvelopeSpectrum, order: float) -> tuple[float, float]:
-    """Return order and amplitude of the highest peak near an order, as far as rollers slip; amplitude 0 where there is none."""
+    """Return order and amplitude of the highest peak within the slip of rollers from an order; amplitude 0 without a peak."""
     amplitude = spectrum.amplitude
     near = np.flatnonzero(np.abs(spectrum.order[1:-1] - order) <= max(SLIP * order, 2.0 * spectrum.order[1])) + 1
     peaks = near[(amplitude[near] >= amplitude[near - 1]) & (amplitude[near] >= amplitude[near + 1])]

@@ -1,4 +1,4 @@
-"""Colours, axes and what the plots have in common."""
+"""Colours, axes and legends that the plots have in common."""
 
 from __future__ import annotations
 
@@ -40,14 +40,14 @@ MOST_CHARACTERS = 44
 
 
 def legend_above(ax: Axes, handles: Sequence[Artist] | None = None) -> None:
-    """Draw the legend above the axes, where it hides no curve; of the labelled curves, or of other handles."""
+    """Draw the legend above the axes, where it hides no curve; for the labelled curves, or for other handles."""
     shown = list(handles or ax.get_legend_handles_labels()[0])
     ax.legend(
         handles=shown,
         loc="lower right",
         bbox_to_anchor=(1.0, 1.0),
         borderaxespad=0.2,
-        ncols=_columns([str(one.get_label()) for one in shown]),
+        ncols=_columns([str(handle.get_label()) for handle in shown]),
         columnspacing=1.4,
         handlelength=2.8,
         fontsize="small",

@@ -1,4 +1,4 @@
-"""What the temperature sensors read over time."""
+"""The readings of the temperature sensors over time."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ COLOURS = {"outer_ring": "#D55E00", "box": "#E69F00", "ambient": "#0072B2"}
 
 def draw_temperatures(readings: TemperatureReadings, ax: Axes) -> Axes:
     """Draw the readings over time into some axes; sensors that were not recorded are left out."""
-    for place, colour in COLOURS.items():
-        values = getattr(readings, place)
+    for sensor, colour in COLOURS.items():
+        values = getattr(readings, sensor)
         if np.isfinite(values).any():
-            ax.plot(readings.time, values, color=colour, marker=".", label=place.replace("_", " "))
+            ax.plot(readings.time, values, color=colour, marker=".", label=sensor.replace("_", " "))
     legend_above(ax)
     return labelled(ax, "time [s]", "temperature [°C]")

@@ -15,7 +15,7 @@ from dcrb_ros.core.laws.hertz import contact_ellipse, curvatures, stiffness_coef
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import load_configuration
 from dcrb_ros.settings.loaded_contacts import material_of
-from dcrb_ros.validation.comparison import Comparison, about
+from dcrb_ros.validation.report_row import ReportRow, about
 
 CHAPTER = "Ball bearing"
 BENCH = "ball_bearing_6205"
@@ -39,11 +39,11 @@ HEAVY, TIGHT = 2000.0, 1e-8
 """Load [N] and radial gap [m] of the comparison with it: the gap is far below the approach of the balls."""
 
 
-def ball_comparisons() -> Iterator[Comparison]:
+def ball_rows() -> Iterator[ReportRow]:
     """Yield the comparisons of orders, contact ellipse, stiffness and load distribution."""
     bench = load_configuration(BENCH)
-    found = characteristic_orders(bench.bearing)
-    values = (found.ftf, found.bpfo, found.bpfi, 2.0 * found.bsf)
+    orders = characteristic_orders(bench.bearing)
+    values = (orders.ftf, orders.bpfo, orders.bpfi, 2.0 * orders.bsf)
     yield about(CHAPTER, "FTF, BPFO, BPFI and 2 BSF of a 6205", values, ORDERS, 1e-3)
     angular = characteristic_orders(angular_bench().bearing)
     yield about(CHAPTER, "FTF, BPFO, BPFI and BSF at 40 degrees", tuple(angular.as_dict().values()), ANGULAR, 1e-3)

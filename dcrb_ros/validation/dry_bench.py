@@ -9,8 +9,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from dcrb_ros.validation.comparison import Comparison
-from dcrb_ros.validation.runs import Run
+from dcrb_ros.validation.report_row import ReportRow
+from dcrb_ros.validation.runs import PaperRun
 
 RMS = 8.9, 10.2
 """Accepted standard deviation of the outer ring's acceleration in Y [m/s^2]; parts of a run scatter by 3 %."""
@@ -24,7 +24,7 @@ FRICTION = 42.0, 44.6
 """Accepted power lost in friction [W]."""
 
 
-def dry_bench_comparisons(run: Run) -> Iterator[Comparison]:
+def dry_bench_rows(run: PaperRun) -> Iterator[ReportRow]:
     """Yield the comparisons of the healthy bearing with free rollers."""
     bars = run.bar_force[run.settled]
     power = run.energy.friction / float(run.time[-1])
@@ -35,9 +35,9 @@ def dry_bench_comparisons(run: Run) -> Iterator[Comparison]:
     yield _pinned(run, "Power lost in friction", power, FRICTION, "W")
 
 
-def _pinned(run: Run, quantity: str, found: float, accepted: tuple[float, float], unit: str) -> Comparison:
+def _pinned(run: PaperRun, quantity: str, value: float, accepted: tuple[float, float], unit: str) -> ReportRow:
     """Return the comparison of a value with the range that this model has."""
     low, high = accepted
-    return Comparison(
-        f"{quantity}, healthy", run.spec.joint, "-", f"{found:.3g} {unit}".strip(), f"{low:g}-{high:g} {unit}".strip(), low <= found <= high
+    return ReportRow(
+        f"{quantity}, healthy", run.spec.joint, "-", f"{value:.3g} {unit}".strip(), f"{low:g}-{high:g} {unit}".strip(), low <= value <= high
     )

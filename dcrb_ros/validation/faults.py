@@ -7,16 +7,16 @@ from collections.abc import Iterator
 import numpy as np
 
 from dcrb_ros.schema.arrays import Floats
-from dcrb_ros.validation.comparison import Comparison, Runs, within
 from dcrb_ros.validation.healthy import ROLLING_FORCE, energy_residual
 from dcrb_ros.validation.measures import Spectrum, decibels, envelope_spectrum, kurtosis, load_zone, profile
-from dcrb_ros.validation.runs import BROKEN_BAR, JOINTS, WIDTHS, Run
+from dcrb_ros.validation.report_row import PaperRuns, ReportRow, within
+from dcrb_ros.validation.runs import BROKEN_BAR, JOINTS, WIDTHS, PaperRun
 
 SINK_POWER = {"revolute": (43.0, 47.0), "pocket": (36.0, 41.0)}
 """Accepted power that the law `sink` adds at a width of 2 mm [W]: this model's own; the work is not in the paper."""
 
 
-def fault_comparisons(runs: Runs) -> Iterator[Comparison]:
+def fault_rows(runs: PaperRuns) -> Iterator[ReportRow]:
     """Yield the comparisons for each joint."""
     for joint in JOINTS:
         healthy, outer, inner = runs["healthy", joint], runs["outer ring defect", joint], runs["inner ring defect", joint]
@@ -37,16 +37,16 @@ def fault_comparisons(runs: Runs) -> Iterator[Comparison]:
     yield from _independent_engine(runs["power law, healthy", "revolute"], runs["power law, outer ring defect", "revolute"])
 
 
-def spectrum(run: Run) -> Spectrum:
+def spectrum(run: PaperRun) -> Spectrum:
     """Return the envelope spectrum of a run, without its start."""
     return envelope_spectrum(run.steady_acceleration, run.rate)
 
 
-def _outer_line(run: Run) -> Comparison:
+def _outer_line(run: PaperRun) -> ReportRow:
     expected = run.rollers_per_row * run.cage_frequency
     line = spectrum(run).line(expected, 10.0)
     strongest = spectrum(run).largest(20.0, 1000.0) / line.frequency
-    return Comparison(
+    return ReportRow(
         "Envelope line of an outer ring defect",
         run.spec.joint,
         "133 Hz (Fig. 11c)",
@@ -56,10 +56,10 @@ def _outer_line(run: Run) -> Comparison:
     )
 
 
-def _inner_line(run: Run) -> Comparison:
+def _inner_line(run: PaperRun) -> ReportRow:
     expected = run.rollers_per_row * (run.shaft_frequency - run.cage_frequency)
     line = spectrum(run).line(expected, 5.0)
-    return Comparison(
+    return ReportRow(
         "Envelope line of an inner ring defect",
         run.spec.joint,
         "184 Hz (Fig. 11b)",
@@ -69,14 +69,14 @@ def _inner_line(run: Run) -> Comparison:
     )
 
 
-def _inner_sidebands(run: Run) -> Comparison:
-    found = spectrum(run)
-    middle = found.line(run.rollers_per_row * (run.shaft_frequency - run.cage_frequency), 5.0).frequency
-    pairs = [[found.line(middle + side * run.shaft_frequency, 1.0) for side in (-pair, pair)] for pair in (1, 2, 3, 4)]
+def _inner_sidebands(run: PaperRun) -> ReportRow:
+    envelope = spectrum(run)
+    middle = envelope.line(run.rollers_per_row * (run.shaft_frequency - run.cage_frequency), 5.0).frequency
+    pairs = [[envelope.line(middle + side * run.shaft_frequency, 1.0) for side in (-pair, pair)] for pair in (1, 2, 3, 4)]
     heights = [sum(line.amplitude for line in pair) for pair in pairs]
     levels = [min(line.level for line in pair) for pair in pairs]
     clear = sum(level > 10.0 for level in levels)
-    return Comparison(
+    return ReportRow(
         "Sidebands of that line at f_r: pairs more than 10 dB above their floor",
         run.spec.joint,
         "spaced by f_r, decreasing progressively (section 3.2)",
@@ -92,11 +92,11 @@ ZONE = 35.0
 """Azimuth of the defect, to either side of the load line, within which it strikes a loaded roller [deg]."""
 
 
-def _inner_bursts(run: Run, outer: Run) -> Comparison:
+def _inner_bursts(run: PaperRun, outer: PaperRun) -> ReportRow:
     size = np.abs(run.acceleration)
     azimuth = np.degrees(np.angle(np.exp(1j * run.shaft_angle[size > LARGE * size.max()])))
-    share, kurtoses = float(np.mean(np.abs(azimuth) <= ZONE)), [kurtosis(one.steady_acceleration) for one in (run, outer)]
-    return Comparison(
+    share, kurtoses = float(np.mean(np.abs(azimuth) <= ZONE)), [kurtosis(result.steady_acceleration) for result in (run, outer)]
+    return ReportRow(
         "Bursts of an inner ring defect while the defect is in the load zone",
         run.spec.joint,
         "only there (Fig. 10c)",
@@ -106,13 +106,13 @@ def _inner_bursts(run: Run, outer: Run) -> Comparison:
     )
 
 
-def _cage_comb(run: Run, healthy: Run) -> Comparison:
+def _cage_comb(run: PaperRun, healthy: PaperRun) -> ReportRow:
     broken, whole, teeth = spectrum(run), spectrum(healthy), range(1, 14)
     lines = [(broken.line(k * run.cage_frequency, 0.4), whole.line(k * run.cage_frequency, 0.4)) for k in teeth]
-    # The healthy bearing with pinned rollers has next to no lines: a line must stand out of its own floor, too.
+    # The healthy bearing with pinned rollers has hardly any lines: a line must also exceed its floor.
     clear = sum(min(decibels(ours.amplitude / theirs.amplitude), ours.level) > 10.0 for ours, theirs in lines)
     strongest = broken.largest(2.0, 130.0)
-    return Comparison(
+    return ReportRow(
         "Cage fracture: lines k f_C, k = 1..13, more than 10 dB above the healthy run and above their floor",
         run.spec.joint,
         "7.9 Hz, theory 8.4 Hz (Fig. 11a)",
@@ -122,7 +122,7 @@ def _cage_comb(run: Run, healthy: Run) -> Comparison:
     )
 
 
-def _freed_rollers(run: Run) -> Comparison:
+def _freed_rollers(run: PaperRun) -> ReportRow:
     settled = run.settled
     freed = [
         load_zone(run.azimuth[settled][:, run.columns(k)], run.inner_force[settled][:, run.columns(k)])
@@ -132,7 +132,7 @@ def _freed_rollers(run: Run) -> Comparison:
     intact = load_zone(run.azimuth[settled][:, columns], run.inner_force[settled][:, columns])
     ends = ", ".join(f"{zone.entry:.1f}..{zone.exit:.1f}" for zone in freed)
     least = min(zone.asymmetry for zone in freed)
-    return Comparison(
+    return ReportRow(
         "Load zone of the two freed rollers of a row, and of an intact roller opposite",
         run.spec.joint,
         "larger and asymmetric (Fig. 10b)",
@@ -142,14 +142,14 @@ def _freed_rollers(run: Run) -> Comparison:
     )
 
 
-def _roller_line(run: Run) -> Comparison:
+def _roller_line(run: PaperRun) -> ReportRow:
     loaded = run.inner_force[run.settled] > ROLLING_FORCE
     expected = -2.0 * float(run.relative_spin[run.settled][loaded].mean()) / (2.0 * np.pi)
-    found = spectrum(run)
-    line = found.line(expected, 3.0)
-    pairs = [[found.line(line.frequency + side * run.cage_frequency, 1.0).level for side in (-pair, pair)] for pair in (1, 2, 3, 4)]
+    envelope = spectrum(run)
+    line = envelope.line(expected, 3.0)
+    pairs = [[envelope.line(line.frequency + side * run.cage_frequency, 1.0).level for side in (-pair, pair)] for pair in (1, 2, 3, 4)]
     clear = sum(min(levels) > 10.0 for levels in pairs)
-    return Comparison(
+    return ReportRow(
         "Envelope line of a roller defect; pairs of sidebands at f_C more than 10 dB above their floor",
         run.spec.joint,
         "-",
@@ -159,10 +159,10 @@ def _roller_line(run: Run) -> Comparison:
     )
 
 
-def _staggered(run: Run) -> Comparison:
-    found, passing = spectrum(run), run.rollers_per_row * run.cage_frequency
-    ratio = decibels(found.line(2.0 * passing, 3.0).amplitude / found.line(passing, 3.0).amplitude)
-    return Comparison(
+def _staggered(run: PaperRun) -> ReportRow:
+    envelope, passing = spectrum(run), run.rollers_per_row * run.cage_frequency
+    ratio = decibels(envelope.line(2.0 * passing, 3.0).amplitude / envelope.line(passing, 3.0).amplitude)
+    return ReportRow(
         "Outer ring defect across rows staggered by half a pitch: line at 2 f_O over line at f_O",
         run.spec.joint,
         "-",
@@ -176,7 +176,7 @@ EDGES = np.radians(np.arange(-35.0, 35.01, 0.5))
 """Edges of the azimuth bins [rad]."""
 
 
-def disturbance(outer: Run, healthy: Run) -> tuple[Floats, Floats]:
+def disturbance(outer: PaperRun, healthy: PaperRun) -> tuple[Floats, Floats]:
     """Return the RMS deviation of the outer normal force from that of a healthy bearing, over azimuth.
 
     Shapes (bins,): azimuths [deg] and deviations [N].
@@ -188,12 +188,12 @@ def disturbance(outer: Run, healthy: Run) -> tuple[Floats, Floats]:
     return np.degrees(0.5 * (EDGES[1:] + EDGES[:-1])), np.sqrt(profile(azimuth[seen], departure**2, EDGES))
 
 
-def _tracked_roller(outer: Run, healthy: Run) -> Comparison:
+def _tracked_roller(outer: PaperRun, healthy: PaperRun) -> ReportRow:
     azimuth, size = disturbance(outer, healthy)
     pitch = 360.0 / outer.rollers_per_row
     usual = float(np.nanmedian(size[np.abs(azimuth) < 30.0]))
     peaks = [float(np.nanmax(size[np.abs(azimuth - middle) <= 1.5])) for middle in (-pitch, 0.0, pitch)]
-    return Comparison(
+    return ReportRow(
         "Outer ring defect, one roller: RMS deviation of its force at -22.5, 0, 22.5 deg",
         outer.spec.joint,
         "large at 0, smaller when its neighbours pass the defect (Fig. 10d)",
@@ -203,9 +203,9 @@ def _tracked_roller(outer: Run, healthy: Run) -> Comparison:
     )
 
 
-def _force_scatter(outer: Run, healthy: Run) -> Comparison:
+def _force_scatter(outer: PaperRun, healthy: PaperRun) -> ReportRow:
     faulty, normal = (float(run.inner_ring_force[run.settled].std()) for run in (outer, healthy))
-    return Comparison(
+    return ReportRow(
         "Standard deviation of the total force: outer ring defect, healthy",
         outer.spec.joint,
         "sudden changes (Fig. 10d)",
@@ -215,10 +215,10 @@ def _force_scatter(outer: Run, healthy: Run) -> Comparison:
     )
 
 
-def _severity(runs: list[Run]) -> Comparison:
+def _severity(runs: list[PaperRun]) -> ReportRow:
     rms = [float(run.steady_acceleration.std()) for run in runs]
     peak = [float(np.abs(run.steady_acceleration).max()) for run in runs]
-    return Comparison(
+    return ReportRow(
         "Outer ring defect: RMS and peak at widths of " + ", ".join(f"{width:g}" for width in WIDTHS) + " mm",
         runs[0].spec.joint,
         "-",
@@ -228,22 +228,22 @@ def _severity(runs: list[Run]) -> Comparison:
     )
 
 
-def _healthy_line(healthy: Run, outer: Run) -> Comparison:
-    own = spectrum(healthy).line(healthy.rollers_per_row * healthy.cage_frequency, 3.0)
-    below = decibels(spectrum(outer).line(outer.rollers_per_row * outer.cage_frequency, 3.0).amplitude / own.amplitude)
-    return Comparison(
+def _healthy_line(healthy: PaperRun, outer: PaperRun) -> ReportRow:
+    line = spectrum(healthy).line(healthy.rollers_per_row * healthy.cage_frequency, 3.0)
+    below = decibels(spectrum(outer).line(outer.rollers_per_row * outer.cage_frequency, 3.0).amplitude / line.amplitude)
+    return ReportRow(
         "Line at f_O of the healthy bearing (variable compliance)",
         healthy.spec.joint,
         "-",
-        f"{own.amplitude:.1f} m/s^2, {own.level:.0f} dB above its floor, {below:.0f} dB below that of a 2 mm defect",
+        f"{line.amplitude:.1f} m/s^2, {line.level:.0f} dB above its floor, {below:.0f} dB below that of a 2 mm defect",
         "more than 10 dB above its floor, at least 25 dB below the defect",
-        own.level > 10.0 and below >= 25.0,
+        line.level > 10.0 and below >= 25.0,
     )
 
 
-def _energy(outer: Run) -> Comparison:
+def _energy(outer: PaperRun) -> ReportRow:
     share = energy_residual(outer)
-    return Comparison(
+    return ReportRow(
         "Energy account with an outer ring defect: residual over energy input",
         outer.spec.joint,
         "-",
@@ -253,11 +253,11 @@ def _energy(outer: Run) -> Comparison:
     )
 
 
-def power_of_sink(outer: Run) -> Comparison:
+def power_of_sink(outer: PaperRun) -> ReportRow:
     """Compare the power that the law of the defect, Eq. 14, adds without a tangential force, with this model's own value."""
     power = -outer.energy.notch / float(outer.time[-1])
     low, high = SINK_POWER[outer.spec.joint]
-    return Comparison(
+    return ReportRow(
         "Power that the law of the outer ring defect, Eq. 14, adds",
         outer.spec.joint,
         "-",
@@ -267,10 +267,10 @@ def power_of_sink(outer: Run) -> Comparison:
     )
 
 
-def _independent_engine(healthy: Run, outer: Run) -> Iterator[Comparison]:
+def _independent_engine(healthy: PaperRun, outer: PaperRun) -> Iterator[ReportRow]:
     """Yield the comparisons with an independent multibody engine that uses `POWER_LAW`; its results are the limits given here."""
     y, settled = outer.steady_acceleration, outer.settled
-    for quantity, found, low, high, unit in (
+    for quantity, value, low, high, unit in (
         ("RMS", float(y.std()), 413.0, 415.0, "m/s^2"),
         ("peak", float(np.abs(y).max()), 3150.0, 3220.0, "m/s^2"),
         ("standard deviation of the total force", float(outer.inner_ring_force[settled].std()) * 1e-3, 3.9, 3.9, "kN"),
@@ -278,11 +278,11 @@ def _independent_engine(healthy: Run, outer: Run) -> Iterator[Comparison]:
         ("RMS, healthy", float(healthy.steady_acceleration.std()), 10.0, 10.0, "m/s^2"),
     ):
         stated = f"{low:g}" if low == high else f"{low:g}-{high:g}"
-        yield Comparison(
+        yield ReportRow(
             f"Power-law contact, outer ring defect, against an independent engine: {quantity}",
             "revolute",
             "-",
-            f"{found:.4g} {unit}",
+            f"{value:.4g} {unit}",
             f"{stated} {unit}, 10 %",
-            0.9 * low <= found <= 1.1 * high,
+            0.9 * low <= value <= 1.1 * high,
         )

@@ -11,9 +11,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from dcrb_ros.bearing.kinematics import characteristic_orders
-from dcrb_ros.validation.comparison import Runs
 from dcrb_ros.validation.faults import spectrum
-from dcrb_ros.validation.runs import BROKEN_BAR, JOINTS, Run
+from dcrb_ros.validation.report_row import PaperRuns
+from dcrb_ros.validation.runs import BROKEN_BAR, JOINTS, PaperRun
 
 BLUE, ORANGE, GREY = "#1f6fb4", "#e07b00", "#8a8a8a"
 COLUMNS = {
@@ -28,7 +28,7 @@ MOST_POINTS = 5000
 """Number of points of a line in Fig. 8, at most about twice this [-]."""
 
 
-def write_figures(runs: Runs, folder: Path) -> list[str]:
+def write_figures(runs: PaperRuns, folder: Path) -> list[str]:
     """Write the figures for each joint to ``folder``; return their file names."""
     names = []
     for joint in JOINTS:
@@ -52,7 +52,7 @@ def _label(axes: Axes, x: str, y: str, title: str = "") -> None:
     axes.grid(alpha=0.25)
 
 
-def speeds(runs: Runs, joint: str) -> Figure:
+def speeds(runs: PaperRuns, joint: str) -> Figure:
     """Return Fig. 8: rotation of the inner ring, the cage and a roller from a cold start."""
     run = runs["cold start", joint]
     thin = slice(None, None, max(1, len(run.time) // MOST_POINTS))
@@ -80,21 +80,21 @@ def passes(azimuth: npt.NDArray[np.floating]) -> Iterator[slice]:
             yield slice(start, later[0])
 
 
-def tracked(run: Run) -> int:
+def tracked(run: PaperRun) -> int:
     """Return the column of the roller shown in the figures: the one beside the broken bar, or the first."""
     return run.columns(BROKEN_BAR)[0] if run.configuration.faults.broken_bars else 0
 
 
-def shown_pass(run: Run) -> slice:
+def shown_pass(run: PaperRun) -> slice:
     """Return the pass shown in the figures: the last one, or for an inner ring defect the one with the strongest impact."""
-    found = [stretch for stretch in passes(run.azimuth[:, tracked(run)]) if run.time[stretch.start] > 0.2]
+    stretches = [stretch for stretch in passes(run.azimuth[:, tracked(run)]) if run.time[stretch.start] > 0.2]
     if run.spec.name == "inner ring defect":
         force = run.inner_force[:, tracked(run)]
-        return max(found, key=lambda stretch: float(np.abs(np.diff(force[stretch], 2)).max()))
-    return found[-1]
+        return max(stretches, key=lambda stretch: float(np.abs(np.diff(force[stretch], 2)).max()))
+    return stretches[-1]
 
 
-def roller(runs: Runs, joint: str) -> Figure:
+def roller(runs: PaperRuns, joint: str) -> Figure:
     """Return Fig. 9: force, friction, slip and spin of a healthy roller over its azimuth."""
     run = runs["healthy", joint]
     stretch, column = shown_pass(run), tracked(run)
@@ -121,7 +121,7 @@ def roller(runs: Runs, joint: str) -> Figure:
     return _titled(figure, f"Roller and inner raceway at 100 kN and 124.8 rad/s, healthy, {joint} (Fig. 9)")
 
 
-def contacts(runs: Runs, joint: str) -> Figure:
+def contacts(runs: PaperRuns, joint: str) -> Figure:
     """Return Fig. 10: total force, and force and friction torque of a roller, without and with each fault."""
     figure = Figure(figsize=(15, 8.5), dpi=110, layout="constrained")
     panels = figure.subplots(3, 4, sharex=True)
@@ -144,12 +144,12 @@ def contacts(runs: Runs, joint: str) -> Figure:
 
 
 def _common(series: list[npt.ArrayLike]) -> tuple[float, float]:
-    values = np.concatenate([np.asarray(one, np.float64) for one in series])
+    values = np.concatenate([np.asarray(line, np.float64) for line in series])
     margin = 0.05 * float(np.ptp(values))
     return float(values.min()) - margin, float(values.max()) + margin
 
 
-def vibration(runs: Runs, joint: str) -> Figure:
+def vibration(runs: PaperRuns, joint: str) -> Figure:
     """Return Fig. 11: acceleration of the outer ring and its envelope spectrum with each fault."""
     figure = Figure(figsize=(15, 7.5), dpi=110, layout="constrained")
     panels = figure.subplots(2, 3)
@@ -159,10 +159,10 @@ def vibration(runs: Runs, joint: str) -> Figure:
         count = round(SHOWN * run.rate)
         upper.plot(np.arange(count) / run.rate, run.steady_acceleration[:count], color=BLUE, lw=0.4)
         _label(upper, "time [s]", "acceleration of the outer ring, Y [m/s^2]", f"({letter}) {name}")
-        found = spectrum(run)
+        envelope = spectrum(run)
         kinematic = characteristic_orders(run.configuration.bearing).frequencies(run.shaft_frequency)[order]
-        seen = (found.frequency > 1.0) & (found.frequency <= most)
-        lower.plot(found.frequency[seen], found.amplitude[seen], color=BLUE, lw=0.8)
+        seen = (envelope.frequency > 1.0) & (envelope.frequency <= most)
+        lower.plot(envelope.frequency[seen], envelope.amplitude[seen], color=BLUE, lw=0.8)
         for k in range(1, int(most / kinematic) + 1):
             lower.axvline(
                 k * kinematic, color=ORANGE, lw=0.7, ls="--", alpha=0.8, label=f"k {order}, {kinematic:.1f} Hz" if k == 1 else None

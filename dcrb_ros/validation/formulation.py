@@ -13,9 +13,9 @@ from dcrb_ros.core.solver.step import advance
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import load_configuration
-from dcrb_ros.validation.comparison import Comparison
 from dcrb_ros.validation.reference.bodies import ANGLE, pocket_directions
 from dcrb_ros.validation.reference.solver import History, ReferenceSolver
+from dcrb_ros.validation.report_row import ReportRow
 from dcrb_ros.validation.runs import BENCH
 
 STEP = 1e-6
@@ -87,9 +87,9 @@ def throw(configuration: Configuration, speed: float) -> Floats:
     return -speed * pocket_directions(pocket_azimuths(configuration.bearing)[0, THROWN])[1]
 
 
-def deviation(found: Floats, expected: Floats) -> float:
+def deviation(values: Floats, expected: Floats) -> float:
     """Return the relative RMS deviation of two arrays of the same shape [-]."""
-    return float(np.linalg.norm(found - expected) / np.linalg.norm(expected))
+    return float(np.linalg.norm(values - expected) / np.linalg.norm(expected))
 
 
 def agreement(configuration: Configuration, duration: float, thrown: float = 0.0) -> Agreement:
@@ -119,21 +119,21 @@ def _step_means(instants: Floats) -> Floats:
     return 0.5 * (instants[1:] + instants[:-1])
 
 
-def formulation_comparisons(agreements: Mapping[str, Agreement]) -> Iterator[Comparison]:
+def formulation_rows(agreements: Mapping[str, Agreement]) -> Iterator[ReportRow]:
     """Yield the comparison of the solvers in each of `WINDOWS`."""
     for name, (_, duration, most, thrown) in WINDOWS.items():
-        found = agreements[name]
-        drift = float(found.history.drift.max())
-        yield Comparison(
+        deviations = agreements[name]
+        drift = float(deviations.history.drift.max())
+        yield ReportRow(
             f"Motion by the paper's formulation (111 coordinates, multipliers), {name}, {duration * 1e3:g} ms",
             "revolute",
             "Eqs. 31-40",
-            f"acceleration {found.acceleration:.1e}, normal forces {found.normal:.1e}, constraint drift {drift:.0e} m"
-            + (f", rebound {found.rebound:.1e}" if thrown else ""),
+            f"acceleration {deviations.acceleration:.1e}, normal forces {deviations.normal:.1e}, constraint drift {drift:.0e} m"
+            + (f", rebound {deviations.rebound:.1e}" if thrown else ""),
             f"relative RMS {most:.0e}, {LARGEST_NORMAL_DEVIATION:.0e}; drift {LARGEST_DRIFT:.0e} m"
             + (f"; rebound {LARGEST_REBOUND_DEVIATION:.0e} of the speed" if thrown else ""),
-            found.acceleration <= most
-            and found.normal <= LARGEST_NORMAL_DEVIATION
+            deviations.acceleration <= most
+            and deviations.normal <= LARGEST_NORMAL_DEVIATION
             and drift <= LARGEST_DRIFT
-            and found.rebound <= LARGEST_REBOUND_DEVIATION,
+            and deviations.rebound <= LARGEST_REBOUND_DEVIATION,
         )

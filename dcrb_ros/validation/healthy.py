@@ -6,9 +6,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from dcrb_ros.validation.comparison import Comparison, Runs, within
 from dcrb_ros.validation.measures import load_zone, settling_time
-from dcrb_ros.validation.runs import JOINTS, Run
+from dcrb_ros.validation.report_row import PaperRuns, ReportRow, within
+from dcrb_ros.validation.runs import JOINTS, PaperRun
 
 ROLLING_FORCE = 5e3
 """Normal force above which a roller is assumed to roll without sliding [N]."""
@@ -16,7 +16,7 @@ ABSOLUTE_SPIN, RELATIVE_SPIN = -328.1, -380.5
 """Roller spin in pure rolling at 124.8 rad/s, -omega_I r_I / (2 r_R), and relative to the cage [rad/s]; section 2.3.2 gives the latter."""
 
 
-def healthy_comparisons(runs: Runs) -> Iterator[Comparison]:
+def healthy_rows(runs: PaperRuns) -> Iterator[ReportRow]:
     """Yield the comparisons for each joint."""
     for joint in JOINTS:
         healthy, cold = runs["healthy", joint], runs["cold start", joint]
@@ -32,10 +32,10 @@ def healthy_comparisons(runs: Runs) -> Iterator[Comparison]:
         yield _energy(healthy)
 
 
-def _cage(run: Run) -> Comparison:
+def _cage(run: PaperRun) -> ReportRow:
     most = 5e-4 if run.spec.joint == "revolute" else 1e-2
     orbit = "2 r_M" if run.spec.joint == "revolute" else "2 (r_I + r_R)"
-    return Comparison(
+    return ReportRow(
         "Cage speed, steady",
         run.spec.joint,
         "52.4 rad/s (section 2.3.2)",
@@ -45,10 +45,10 @@ def _cage(run: Run) -> Comparison:
     )
 
 
-def _spin(run: Run) -> Comparison:
+def _spin(run: PaperRun) -> ReportRow:
     loaded = run.inner_force[run.settled] > ROLLING_FORCE
     absolute, relative = (float(spin[run.settled][loaded].mean()) for spin in (run.spin, run.relative_spin))
-    return Comparison(
+    return ReportRow(
         "Roller spin in the load zone, relative to the cage and absolute",
         run.spec.joint,
         "-380.5 rad/s, - (section 2.3.2)",
@@ -58,9 +58,9 @@ def _spin(run: Run) -> Comparison:
     )
 
 
-def _settling(run: Run) -> Comparison:
+def _settling(run: PaperRun) -> ReportRow:
     settled = settling_time(run.time, run.spin.mean(axis=1), 0.02)
-    return Comparison(
+    return ReportRow(
         "Settling time from a cold start, mean spin within 2 %",
         run.spec.joint,
         "about 0.1 s (Fig. 8)",
@@ -70,11 +70,11 @@ def _settling(run: Run) -> Comparison:
     )
 
 
-def _total_force(run: Run) -> Comparison:
+def _total_force(run: PaperRun) -> ReportRow:
     force = run.inner_ring_force[run.settled]
     operating = run.configuration.operating
     expected = operating.load + run.configuration.bearing.inner_ring_mass * operating.gravity
-    return Comparison(
+    return ReportRow(
         "Total force on the inner ring, healthy",
         run.spec.joint,
         "about 100 kN (Fig. 9a)",
@@ -84,10 +84,10 @@ def _total_force(run: Run) -> Comparison:
     )
 
 
-def _largest_force(run: Run) -> Comparison:
+def _largest_force(run: PaperRun) -> ReportRow:
     force, azimuth = run.inner_force[run.settled], run.azimuth[run.settled]
     largest, where = float(force.max()), float(round(np.degrees(azimuth.ravel()[force.argmax()]), 1))
-    return Comparison(
+    return ReportRow(
         "Largest roller force and its azimuth",
         run.spec.joint,
         "about 30 kN near 0 deg (Fig. 9a)",
@@ -97,9 +97,9 @@ def _largest_force(run: Run) -> Comparison:
     )
 
 
-def _zone(run: Run) -> Comparison:
+def _zone(run: PaperRun) -> ReportRow:
     zone = load_zone(run.azimuth[run.settled], run.inner_force[run.settled])
-    return Comparison(
+    return ReportRow(
         "Load zone (normal force above 50 N)",
         run.spec.joint,
         "-30..30 deg (Fig. 9a)",
@@ -109,16 +109,16 @@ def _zone(run: Run) -> Comparison:
     )
 
 
-def _cone_excess(run: Run) -> float:
+def _cone_excess(run: PaperRun) -> float:
     """Return the largest ratio of the friction force to its limit mu_s F_n [-]."""
     closed = run.inner_force > 1.0
     static: float = run.configuration.friction.static_coefficient
     return float((np.abs(run.friction[closed]) / run.inner_force[closed]).max()) / static
 
 
-def _cold_friction(run: Run) -> Comparison:
+def _cold_friction(run: PaperRun) -> ReportRow:
     largest = float(np.abs(run.friction).max())
-    return Comparison(
+    return ReportRow(
         "Friction during the cold start",
         run.spec.joint,
         "up to about 1.5 kN (Fig. 9b)",
@@ -128,10 +128,10 @@ def _cold_friction(run: Run) -> Comparison:
     )
 
 
-def _steady_friction(run: Run) -> Comparison:
+def _steady_friction(run: PaperRun) -> ReportRow:
     in_zone = np.abs(run.azimuth[run.settled]) < np.radians(20.0)
     friction = np.abs(run.friction[run.settled][in_zone])
-    return Comparison(
+    return ReportRow(
         "Friction in the load zone, steady",
         run.spec.joint,
         "up to about 1.5 kN (Fig. 9b); see below",
@@ -141,10 +141,10 @@ def _steady_friction(run: Run) -> Comparison:
     )
 
 
-def _slip(run: Run) -> Comparison:
+def _slip(run: PaperRun) -> ReportRow:
     azimuth, slip = np.abs(run.azimuth[run.settled]), np.abs(run.slip[run.settled])
     inside, outside = float(slip[azimuth < np.radians(20.0)].mean()), float(slip[azimuth > np.radians(40.0)].mean())
-    return Comparison(
+    return ReportRow(
         "Mean slip inside and outside the load zone",
         run.spec.joint,
         "about 0, larger outside (Fig. 9c)",
@@ -154,11 +154,11 @@ def _slip(run: Run) -> Comparison:
     )
 
 
-def _energy(run: Run) -> Comparison:
+def _energy(run: PaperRun) -> ReportRow:
     share = energy_residual(run)
-    return Comparison("Energy account: residual over energy input", run.spec.joint, "-", f"{share:.1e}", "below 1 %", abs(share) < 0.01)
+    return ReportRow("Energy account: residual over energy input", run.spec.joint, "-", f"{share:.1e}", "below 1 %", abs(share) < 0.01)
 
 
-def energy_residual(run: Run) -> float:
+def energy_residual(run: PaperRun) -> float:
     """Return the residual of the energy account over the work of the shaft, the load and the defect's law [-]."""
     return run.energy.residual / sum(abs(work) for work in (run.energy.drive, run.energy.load, run.energy.notch))

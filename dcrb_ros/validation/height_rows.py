@@ -16,8 +16,8 @@ from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import load_configuration
 from dcrb_ros.simulation.loop import Simulation
-from dcrb_ros.validation.comparison import Comparison, about, between
 from dcrb_ros.validation.oiled_runs import EVEN, HEALTHY, SPALL, SPALLED
+from dcrb_ros.validation.report_row import ReportRow, about, between
 
 CHAPTER = "Surfaces with heights"
 AMPLITUDE, LENGTH = 10e-6, 1e-3
@@ -41,10 +41,10 @@ SINGLE = 2e-12
 BRINELLED = ("faults.outer_1.kind=brinelling", "faults.outer_1.width=0.0012", "faults.outer_1.depth=1e-5")
 
 
-def height_comparisons() -> Iterator[Comparison]:
+def height_rows() -> Iterator[ReportRow]:
     """Yield the comparisons; they need runs of some hundredths of a second only."""
-    yield from table_comparisons()
-    yield from share_comparisons()
+    yield from table_rows()
+    yield from share_rows()
     yield between(
         CHAPTER,
         "Change of a contact's force in the step in which the spall under it grows, over that of the height",
@@ -57,7 +57,7 @@ def height_comparisons() -> Iterator[Comparison]:
     yield about(CHAPTER, "By how much it lies lower", drop - at_rest, felt_depth(BRINELLED), 0.05, "um")
 
 
-def table_comparisons() -> Iterator[Comparison]:
+def table_rows() -> Iterator[ReportRow]:
     """Yield the comparisons of heights that need no run."""
     radius = reduced_radii(Configuration())[1]
     spacing = LENGTH / 500.0
@@ -107,7 +107,7 @@ def jumps() -> tuple[float, float]:
 
 
 def shift_change() -> float:
-    """Return by how much the heights of a spalled raceway change as the spall is shifted, apart from the shift [m]."""
+    """Return the change of the heights of a spalled raceway as the spall is shifted, without the shift itself [m]."""
     (heights, _), nodes = spalled_table(*EVEN, "faults.outer_1.azimuth=0"), RACEWAY_NODES
     shifted, _ = spalled_table(*EVEN, f"faults.outer_1.azimuth={TURN * SHIFT / nodes!r}")
     return float(np.abs(np.roll(heights[:-1], SHIFT) - shifted[:-1]).max())
@@ -120,8 +120,8 @@ def slope_ratio() -> float:
     return float(np.dot(slopes, by_differences) / np.dot(by_differences, by_differences))
 
 
-def share_comparisons() -> Iterator[Comparison]:
-    """Yield the limits of a defect over a share of the length: none and all of it."""
+def share_rows() -> Iterator[ReportRow]:
+    """Yield the limits of a defect over a share of the length: the share 0 and the share 1."""
     none, least, most, whole = (samples(share) for share in (None, 1e-6, 1.0 - 1e-6, 1.0))
     change = float(np.abs(whole - none).max())
     yield between(
@@ -130,8 +130,8 @@ def share_comparisons() -> Iterator[Comparison]:
     yield between(CHAPTER, "Samples with a spall over all but 1e-6 of the length, the same", _apart(most, whole, change), 0.0, 1e-3)
 
 
-def _apart(one: Floats, other: Floats, scale: float) -> float:
-    return float(np.abs(one - other).max()) / scale
+def _apart(samples: Floats, others: Floats, scale: float) -> float:
+    return float(np.abs(samples - others).max()) / scale
 
 
 def samples(share: float | None) -> Floats:

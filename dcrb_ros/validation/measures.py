@@ -40,9 +40,9 @@ class Spectrum:
 
     def line(self, near: float, width: float) -> Line:
         """Return the largest line within ``width`` of ``near`` [Hz]."""
-        found = self.largest(near - width, near + width)
-        floor = np.median(self.amplitude[np.abs(self.frequency - found) < FLOOR_SPAN])
-        return Line(found, float(self.amplitude[np.argmin(np.abs(self.frequency - found))]), float(floor))
+        frequency = self.largest(near - width, near + width)
+        floor = np.median(self.amplitude[np.abs(self.frequency - frequency) < FLOOR_SPAN])
+        return Line(frequency, float(self.amplitude[np.argmin(np.abs(self.frequency - frequency))]), float(floor))
 
 
 @dataclass(frozen=True)
@@ -122,13 +122,13 @@ def load_zone(azimuth: Array, force: Array) -> LoadZone:
 def _passes(azimuth: Array, force: Array) -> list[tuple[float, float]]:
     inside = np.abs(azimuth) < PASS_LIMIT
     starts, stops = np.flatnonzero(~inside[:-1] & inside[1:]) + 1, np.flatnonzero(inside[:-1] & ~inside[1:]) + 1
-    found = []
+    ends = []
     for start in starts:
         later = stops[stops > start]
         loaded = azimuth[start : later[0]][force[start : later[0]] > LOADED_FORCE] if len(later) else azimuth[:0]
         if len(loaded):
-            found.append((float(loaded.min()), float(loaded.max())))
-    return found
+            ends.append((float(loaded.min()), float(loaded.max())))
+    return ends
 
 
 def profile(azimuth: Array, force: Array, edges: Floats) -> Floats:

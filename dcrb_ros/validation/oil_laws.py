@@ -13,7 +13,7 @@ from dcrb_ros.bearing.payload import cage_speed
 from dcrb_ros.core.laws import film, film_thickness, fluid_traction, lubricants, rolling_resistance, squeeze, viscosity
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.loaded_contacts import material_of
-from dcrb_ros.validation.comparison import Comparison, about, between
+from dcrb_ros.validation.report_row import ReportRow, about, between
 
 CHAPTER = "Oil film: laws"
 SPEED = 40.0 * math.pi
@@ -32,11 +32,11 @@ def film_of(inner: bool, speed: float = SPEED, **parameters: Any) -> film.Film:
     bench = Configuration.model_validate({"lubrication": values})
     orbit, radii = cage_speed(bench, speed), bench.bearing
     rolling = (speed - orbit) * radii.inner_raceway_radius if inner else orbit * radii.outer_raceway_radius
-    found: film.Film = film.film_at(film.build(dict(bench.lubrication), material_of(bench.bearing)), 0 if inner else 1, rolling)
-    return found
+    film_constants: film.Film = film.film_at(film.build(dict(bench.lubrication), material_of(bench.bearing)), 0 if inner else 1, rolling)
+    return film_constants
 
 
-def oil_law_comparisons() -> Iterator[Comparison]:
+def oil_law_rows() -> Iterator[ReportRow]:
     """Yield the comparisons of viscosity, film, asperities, traction, rolling resistance, squeeze film and wedge."""
     yield from _viscosity()
     yield from _thickness()
@@ -45,7 +45,7 @@ def oil_law_comparisons() -> Iterator[Comparison]:
     yield from _squeeze()
 
 
-def _viscosity() -> Iterator[Comparison]:
+def _viscosity() -> Iterator[ReportRow]:
     oil = lubricants.LUBRICANTS["vg100"]
     kinematic = [viscosity.kinematic_viscosity(oil, temperature) for temperature in (40.0, 100.0)]
     yield about(CHAPTER, "Kinematic viscosity of VG 100 at 40 and 100 deg C", kinematic, (100.0, 11.2), 1e-6, "mm^2/s")
@@ -57,10 +57,10 @@ def _viscosity() -> Iterator[Comparison]:
     yield about(CHAPTER, "Viscosity under 1054 MPa", viscosity.viscosity_under(0.023227, alpha, 1.054e9), 1.5e4, 0.05, "Pa s")
 
 
-def _thickness() -> Iterator[Comparison]:
+def _thickness() -> Iterator[ReportRow]:
     inner, outer = film_of(True), film_of(False)
-    found = [1e6 * film.thickness_under(one, LOADED) for one in (inner, outer)]
-    yield about(CHAPTER, "Central film under 30.25 kN, inner and outer raceway", found, (0.7027, 0.8032), 1e-3, "um")
+    films = [1e6 * film.thickness_under(site, LOADED) for site in (inner, outer)]
+    yield about(CHAPTER, "Central film under 30.25 kN, inner and outer raceway", films, (0.7027, 0.8032), 1e-3, "um")
     slopes = [math.log2(film.thickness_under(inner, 2e4) / film.thickness_under(inner, 1e4))]
     slopes.append(
         math.log2(film_thickness.central_per_load(2e-11, 4e3, 1.0, 1.0, 1.0) / film_thickness.central_per_load(1e-11, 4e3, 1.0, 1.0, 1.0))
@@ -76,13 +76,13 @@ def _thickness() -> Iterator[Comparison]:
     yield about(CHAPTER, "Load on asperities at Lambda 0, 1 and 3", shares, (1.0, math.exp(-1.8), 0.001198), 1e-3)
 
 
-def _traction() -> Iterator[Comparison]:
+def _traction() -> Iterator[ReportRow]:
     inner = film_of(True)
     slips = [film.film_memory(inner, force).characteristic_slip for force in (65.0, 1e3, 1e4, 3e4)]
     yield about(CHAPTER, "Characteristic slip of the film under 65 N, 1, 10 and 30 kN", slips, (67.0, 19.4, 0.22, 3.03e-3), 0.01, "m/s")
     expected = (0.06 * 1e-5, 0.06 * (1.0 - math.exp(-1.0)), 0.06)
-    found = [fluid_traction.fluid_coefficient(2.0 * share, 2.0, 0.06) for share in (1e-5, 1.0, 100.0)]
-    yield about(CHAPTER, "Traction at 1e-5, 1 and 100 times that slip", found, expected, 1e-4)
+    coefficients = [fluid_traction.fluid_coefficient(2.0 * share, 2.0, 0.06) for share in (1e-5, 1.0, 100.0)]
+    yield about(CHAPTER, "Traction at 1e-5, 1 and 100 times that slip", coefficients, expected, 1e-4)
     # At standstill asperities carry all: the contact is a dry one with the boundary coefficient.
     still = film_of(True, 0.0)
     memory = film.film_memory(still, LOADED)
@@ -90,7 +90,7 @@ def _traction() -> Iterator[Comparison]:
     yield between(CHAPTER, "Resistance to rolling at standstill", abs(memory.resistance), -math.inf, 1e-3, "N")
 
 
-def _rolling() -> Iterator[Comparison]:
+def _rolling() -> Iterator[ReportRow]:
     inner = film_of(True)
     oil = film.build(
         dict(Configuration.model_validate({"lubrication": {"lubricant": "vg100", "temperature": 70.0}}).lubrication),
@@ -98,16 +98,17 @@ def _rolling() -> Iterator[Comparison]:
     )
     orbit = cage_speed(Configuration(), SPEED)
     cooled = rolling_resistance.inlet_cooling(oil.inner.heating * ((SPEED - orbit) * Configuration().bearing.inner_raceway_radius) ** 2)
-    found = [rolling_resistance.flooded_resistance(inner.resistance, force * inner.by_force) / cooled for force in (65.0, 1e3, LOADED)]
-    yield about(CHAPTER, "Resistance to rolling under 65 N, 1 and 30.25 kN, isothermal", found, (1.30, 5.00, 6.070), 5e-3, "N")
+    forces = [force * inner.by_force for force in (65.0, 1e3, LOADED)]
+    resistances = [rolling_resistance.flooded_resistance(inner.resistance, force) / cooled for force in forces]
+    yield about(CHAPTER, "Resistance to rolling under 65 N, 1 and 30.25 kN, isothermal", resistances, (1.30, 5.00, 6.070), 5e-3, "N")
     shares = [rolling_resistance.starvation(ratio) for ratio in (1.0, 10.0, 100.0)]
     yield about(CHAPTER, "Its share in a starved inlet, meniscus over film 1, 10 and 100", shares, (0.1129, 0.5251, 0.8601), 2e-3)
 
 
-def _squeeze() -> Iterator[Comparison]:
+def _squeeze() -> Iterator[ReportRow]:
     outer = film_of(False)
-    found = [squeeze.squeeze_at(gap * 1e-6, outer.squeeze, 1e-9, 1.0) for gap in (1.0, 10.0, 100.0)]
-    yield about(CHAPTER, "Damping of a gap of 1, 10 and 100 um", found, (34080.0, 1078.0, 34.08), 1e-3, "N s/m")
+    damping = [squeeze.squeeze_at(gap * 1e-6, outer.squeeze, 1e-9, 1.0) for gap in (1.0, 10.0, 100.0)]
+    yield about(CHAPTER, "Damping of a gap of 1, 10 and 100 um", damping, (34080.0, 1078.0, 34.08), 1e-3, "N s/m")
     mass, layer = Configuration().bearing.roller_mass, 20e-6
     floor = film_of(False, layer=layer).floor
     taken, gap = 0.0, layer

@@ -14,10 +14,10 @@ import numpy as np
 from dcrb_ros.core.laws.lubricants import lubricant_of
 from dcrb_ros.core.laws.viscosity import kinematic_viscosity
 from dcrb_ros.stream.states import FRICTION_SOURCES
-from dcrb_ros.validation.comparison import Comparison, about, between
 from dcrb_ros.validation.friction_moment import friction_moment, palmgren_moment
 from dcrb_ros.validation.oil_laws import film_of
 from dcrb_ros.validation.oiled_runs import OiledRun, OiledRuns
+from dcrb_ros.validation.report_row import ReportRow, about, between
 
 CHAPTER, FRICTION_CHAPTER = "Oil film: the bench", "Friction"
 BORE, OUTSIDE = 0.130, 0.250
@@ -41,11 +41,11 @@ LEVELS = {"healthy": (1.1, 1.28), "spall": (12.2, 14.0)}
 """Accepted root mean square of the vertical acceleration [m/s^2]."""
 
 
-def oiled_bench_comparisons(runs: OiledRuns) -> Iterator[Comparison]:
+def oiled_bench_rows(runs: OiledRuns) -> Iterator[ReportRow]:
     """Yield the comparisons of the runs of lubricated bearings."""
     healthy, steady = runs["healthy"], runs["steady"]
-    yield from balance_comparisons(steady)
-    yield from film_comparisons(steady)
+    yield from balance_rows(steady)
+    yield from film_rows(steady)
     for source, limits in POWERS.items():
         yield between(CHAPTER, f"Power lost, {source}", float(healthy.power[FRICTION_SOURCES.index(source)]), *limits, "W")
     pressing = float((healthy.bar_force != 0.0).mean())
@@ -53,12 +53,12 @@ def oiled_bench_comparisons(runs: OiledRuns) -> Iterator[Comparison]:
     for name, (low, high) in LEVELS.items():
         yield between(CHAPTER, f"Acceleration of the outer ring, vertical: RMS, {name}", float(runs[name].rms[1]), low, high, "m/s^2")
     yield from _slip(runs)
-    yield from cold_comparisons(runs["cold start"])
+    yield from cold_rows(runs["cold start"])
     yield from _thin(runs["thin layer"], steady)
-    yield from friction_comparisons(steady)
+    yield from friction_rows(steady)
 
 
-def balance_comparisons(steady: OiledRun) -> Iterator[Comparison]:
+def balance_rows(steady: OiledRun) -> Iterator[ReportRow]:
     """Yield the comparisons of energies of a run at constant speed."""
     share = abs(steady.change.residual) / steady.change.drive
     yield between(CHAPTER, "Energy account at constant speed: residual over the work of the shaft", share, -math.inf, 1e-4)
@@ -69,16 +69,16 @@ def balance_comparisons(steady: OiledRun) -> Iterator[Comparison]:
     )
 
 
-def film_comparisons(run: OiledRun) -> Iterator[Comparison]:
+def film_rows(run: OiledRun) -> Iterator[ReportRow]:
     """Compare the published films with the formula at the largest forces and the nominal speed of rolling."""
     oil = run.configuration.lubrication
-    found = np.mean([state.least_film[0] for state in run.states], axis=0)
+    published = np.mean([state.least_film[0] for state in run.states], axis=0)
     force = run.inner_force.max(axis=1).mean()
     films = [film_of(inner, run.configuration.operating.speed, **dict(oil)) for inner in (True, False)]
     flooded = [film.thickness * force**-0.10 for film in films]
     expected = [value / math.sqrt(1.0 + (value / film.layer) ** 2) for value, film in zip(flooded, films, strict=True)]
     yield about(
-        CHAPTER, "Smallest film of row 1, inner and outer raceway, by the formula", 1e6 * found, 1e6 * np.array(expected), 0.02, "um"
+        CHAPTER, "Smallest film of row 1, inner and outer raceway, by the formula", 1e6 * published, 1e6 * np.array(expected), 0.02, "um"
     )
     ratios = np.mean([state.least_film_ratio[0] for state in run.states], axis=0)
     yield about(CHAPTER, "Its Lambda", ratios, np.array(expected) / oil.roughness, 0.02)
@@ -87,7 +87,7 @@ def film_comparisons(run: OiledRun) -> Iterator[Comparison]:
     yield about(CHAPTER, "Power over friction torque: the speed of the shaft", float((power / torque).mean()), 125.664, 1e-3, "rad/s")
 
 
-def _slip(runs: OiledRuns) -> Iterator[Comparison]:
+def _slip(runs: OiledRuns) -> Iterator[ReportRow]:
     loaded, light = runs["steady"], runs["light load"]
     slips = [1.0 - float(run.cage_speed.mean()) / float(loaded.cage_speed.mean()) for run in (loaded, light)]
     yield between(CHAPTER, "Cages under 5 kN turn slower than under 100 kN by", slips[1], 0.03, 0.12)
@@ -95,13 +95,13 @@ def _slip(runs: OiledRuns) -> Iterator[Comparison]:
     yield between(CHAPTER, "Largest slip of the most loaded rollers", locked, 2e-4, 1e-3, "m/s")
 
 
-def cold_comparisons(run: OiledRun) -> Iterator[Comparison]:
+def cold_rows(run: OiledRun) -> Iterator[ReportRow]:
     """The shaft turns at full speed under rollers at rest: their film slides at its limiting stress, 0.05 to 0.08 of the pressure."""
     traction = max(float(np.nanmax(np.abs(state.loaded_traction))) for state in run.states)
     yield between(CHAPTER, "Largest traction coefficient as a cold bearing starts, of mineral oils", traction, 0.05, 0.08)
 
 
-def _thin(thin: OiledRun, thick: OiledRun) -> Iterator[Comparison]:
+def _thin(thin: OiledRun, thick: OiledRun) -> Iterator[ReportRow]:
     """A layer of 1 um instead of 5 um starves the contacts: less resistance, thinner films."""
     at = FRICTION_SOURCES.index("rolling")
     yield between(CHAPTER, "Power of rolling with a layer of 1 um over that with 5 um", float(thin.power[at] / thick.power[at]), 0.2, 0.5)
@@ -109,7 +109,7 @@ def _thin(thin: OiledRun, thick: OiledRun) -> Iterator[Comparison]:
     yield about(CHAPTER, "Films of them, mean of both raceways", 1e6 * np.array(films), (0.706, 1.009), 0.02, "um")
 
 
-def friction_comparisons(run: OiledRun) -> Iterator[Comparison]:
+def friction_rows(run: OiledRun) -> Iterator[ReportRow]:
     """Yield the comparisons of the friction with the formulas for two single-row bearings."""
     operating, oil = run.configuration.operating, run.configuration.lubrication
     viscosity = kinematic_viscosity(lubricant_of(dict(oil)), oil.temperature)

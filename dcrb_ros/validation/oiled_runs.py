@@ -1,4 +1,4 @@
-"""The simulations of lubricated bearings for the validation, and what is kept of each."""
+"""The simulations of lubricated bearings for the validation, and the quantities kept from each."""
 
 from __future__ import annotations
 
@@ -83,7 +83,7 @@ class OiledRun:
     acceleration: Floats
     """Of the outer ring in X and Y without noise, shape (samples, 2) [m/s^2]."""
     behind_box: Floats
-    """The same at the sensor, behind the modes of the axle box if the run has such."""
+    """The same at the sensor, behind the modes of the axle box, if the run has modes."""
     states: tuple[LubricationState, ...]
     """Films and losses."""
     change: Account
@@ -151,7 +151,7 @@ def simulate_oiled(spec: OiledSpec, changes: tuple[str, ...] = ()) -> OiledRun:
     before = simulation.energy
     blocks = list(simulation.blocks(spec.duration))
     after, states = simulation.energy, [states for block in blocks for states in block.states]
-    oils = tuple(one.lubrication for one in states if one.lubrication is not None)
+    oils = tuple(state.lubrication for state in states if state.lubrication is not None)
     losses = np.diff([oil.friction_loss for oil in oils], axis=0)
     rollers = configuration.bearing.rows * configuration.bearing.rollers_per_row
     return OiledRun(
@@ -163,7 +163,7 @@ def simulate_oiled(spec: OiledSpec, changes: tuple[str, ...] = ()) -> OiledRun:
         states=oils,
         change=Account(**{name: getattr(after, name) - getattr(before, name) for name in Account.__dataclass_fields__}),
         least_loss=float(losses.min() / losses.max()) if losses.size else 0.0,
-        bar_force=np.array([one.bar_force[:rollers] for one in states]),
-        inner_force=np.array([one.inner_force[:rollers] for one in states]),
-        cage_speed=np.array([one.speed[rollers : rollers + configuration.bearing.rows] for one in states]),
+        bar_force=np.array([state.bar_force[:rollers] for state in states]),
+        inner_force=np.array([state.inner_force[:rollers] for state in states]),
+        cage_speed=np.array([state.speed[rollers : rollers + configuration.bearing.rows] for state in states]),
     )

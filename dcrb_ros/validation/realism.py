@@ -28,7 +28,7 @@ LOW = 200.0
 
 
 class Statistics(NamedTuple):
-    """What is compared between simulated and measured signals of one axis."""
+    """Quantities of one axis that are compared between simulated and measured signals."""
 
     rms: float
     """Standard deviation, in the signal's unit."""
@@ -71,15 +71,15 @@ class Lines(NamedTuple):
         """Return the frequency [Hz] near a given one whose first harmonics have the largest product."""
         tried = frequency * (1.0 + LARGEST_DEPARTURE * np.linspace(-1.0, 1.0, 441))
         axis = self.spacing * np.arange(len(self.depth))
-        found = np.interp(np.multiply.outer(FITTED_HARMONICS, tried), axis, self.depth)
-        return float(tried[np.argmax(np.log(np.maximum(found, 1e-12)).sum(axis=0))])
+        depths = np.interp(np.multiply.outer(FITTED_HARMONICS, tried), axis, self.depth)
+        return float(tried[np.argmax(np.log(np.maximum(depths, 1e-12)).sum(axis=0))])
 
 
 def squared_envelope(signal: Floats, rate: float) -> tuple[Floats, float]:
     """Return the squared envelope between 2 and 20 kHz, or to 0.45 of the sampling rate if that is less, and its own rate [Hz]."""
     band = Band(DEFAULT_BAND[0], min(DEFAULT_BAND[1], NYQUIST_SHARE * rate))
-    ((places, squared),) = Demodulator((band,), round(rate), len(signal)).squared_envelopes(signal[:, None])
-    return squared, rate / float(places[1])
+    ((angles, squared),) = Demodulator((band,), round(rate), len(signal)).squared_envelopes(signal[:, None])
+    return squared, rate / float(angles[1])
 
 
 def lines_of(squared: Floats, rate: float) -> Lines:
@@ -93,7 +93,7 @@ def lines_of(squared: Floats, rate: float) -> Lines:
 def wander(squared: Floats, rate: float, frequency: float) -> float:
     """Return the relative standard deviation [-] of the frequency of a line between windows, from the turn of its phase.
 
-    The second harmonic counts if it is the stronger one, as with two rows half a pitch apart.
+    The second harmonic counts if it is stronger than the first, as with two rows half a pitch apart.
     """
     lines = lines_of(squared, rate)
     order = 1.0 if lines.at(frequency) >= lines.at(2.0 * frequency) else 2.0

@@ -7,9 +7,9 @@ from collections.abc import Iterator
 import numpy as np
 
 from dcrb_ros.bearing.kinematics import characteristic_orders
-from dcrb_ros.validation.comparison import Comparison, between
 from dcrb_ros.validation.oiled_runs import OiledRun, OiledRuns
 from dcrb_ros.validation.realism import Statistics, statistics
+from dcrb_ros.validation.report_row import ReportRow, between
 
 CHAPTER = "Realism"
 HEALTHY_AIMS: dict[str, tuple[float, float, str]] = {
@@ -49,11 +49,11 @@ def statistics_of(run: OiledRun) -> Statistics:
     return statistics(run.behind_box[:, 1], configuration.sensor.sampling_rate, shaft, characteristic_orders(configuration.bearing))
 
 
-def realism_comparisons(runs: OiledRuns) -> Iterator[Comparison]:
+def realism_rows(runs: OiledRuns) -> Iterator[ReportRow]:
     """Yield the comparisons of a healthy bearing and of one with a spall with the aims."""
     for name, aims in (("healthy", HEALTHY_AIMS), ("spall", SPALL_AIMS)):
-        found = statistics_of(runs[name])
+        values = statistics_of(runs[name])
         for field, (low, high, unit) in aims.items():
-            yield between(CHAPTER, f"{name.capitalize()}: {NAMES[field]}", float(getattr(found, field)), low, high, unit)
+            yield between(CHAPTER, f"{name.capitalize()}: {NAMES[field]}", float(getattr(values, field)), low, high, unit)
         if name == "spall":
-            yield between(CHAPTER, "Spall: first over eighth harmonic of BPFO", found.harmonics[0] / found.harmonics[1], *HARMONICS)
+            yield between(CHAPTER, "Spall: first over eighth harmonic of BPFO", values.harmonics[0] / values.harmonics[1], *HARMONICS)

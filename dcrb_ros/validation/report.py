@@ -7,9 +7,9 @@ from importlib import resources
 
 from dcrb_ros.runtime.version import __version__
 from dcrb_ros.text.markdown import table
-from dcrb_ros.validation.comparison import Comparison
 from dcrb_ros.validation.oiled_runs import OiledSpec
-from dcrb_ros.validation.runs import RunSpec
+from dcrb_ros.validation.report_row import ReportRow
+from dcrb_ros.validation.runs import PaperRunSpec
 
 HEADINGS = ("quantity", "joint", "paper", "this model", "accepted", "result")
 CAPTIONS = {
@@ -20,46 +20,46 @@ CAPTIONS = {
 }
 
 
-def cells(comparison: Comparison) -> tuple[str, ...]:
-    """Return the cells of a comparison in the order of `HEADINGS`."""
-    return comparison.quantity, comparison.joint, comparison.paper, comparison.found, comparison.accepted, comparison.verdict
+def cells(row: ReportRow) -> tuple[str, ...]:
+    """Return the cells of a row in the order of `HEADINGS`."""
+    return row.quantity, row.joint, row.paper, row.found, row.accepted, row.verdict
 
 
-def summary(comparisons: Sequence[Comparison]) -> str:
-    """Return a sentence on how many comparisons hold."""
-    short = sum(not comparison.holds for comparison in comparisons)
-    return f"All {len(comparisons)} comparisons hold." if not short else f"{short} of {len(comparisons)} comparisons fall short."
+def summary(rows: Sequence[ReportRow]) -> str:
+    """Return a sentence on how many rows hold."""
+    short = sum(not row.holds for row in rows)
+    return f"All {len(rows)} comparisons hold." if not short else f"{short} of {len(rows)} comparisons fall short."
 
 
-def chapters(comparisons: Sequence[Comparison]) -> dict[str, list[Comparison]]:
-    """Return the comparisons by chapter, in their order."""
-    found: dict[str, list[Comparison]] = {}
-    for comparison in comparisons:
-        found.setdefault(comparison.chapter, []).append(comparison)
-    return found
+def chapters(rows: Sequence[ReportRow]) -> dict[str, list[ReportRow]]:
+    """Return the rows by chapter, in their order."""
+    by_chapter: dict[str, list[ReportRow]] = {}
+    for row in rows:
+        by_chapter.setdefault(row.chapter, []).append(row)
+    return by_chapter
 
 
-def tables(comparisons: Sequence[Comparison]) -> list[str]:
+def tables(rows: Sequence[ReportRow]) -> list[str]:
     """Return a heading and a table for each chapter."""
     lines: list[str] = []
-    for title, part in chapters(comparisons).items():
+    for title, part in chapters(rows).items():
         lines += [f"### {title}", "", table(HEADINGS, map(cells, part)), ""]
     return lines
 
 
-def markdown(comparisons: Sequence[Comparison], specs: Sequence[RunSpec | OiledSpec], figures: Sequence[str]) -> str:
+def markdown(rows: Sequence[ReportRow], specs: Sequence[PaperRunSpec | OiledSpec], figures: Sequence[str]) -> str:
     """Return the report as Markdown; the figures are files in the same folder."""
     lines = [
         "# Validation of dcrb_ros against Fan et al. 2025",
         "",
-        f"Made by `dcrb validate` of dcrb_ros {__version__}. The paper: *Lubricants* 13(2), 80. {summary(comparisons)}",
+        f"Made by `dcrb validate` of dcrb_ros {__version__}. The paper: *Lubricants* 13(2), 80. {summary(rows)}",
         "",
         "`revolute` is the paper's model, the shipped configuration `paper`. In `pocket` the rollers are free "
         "between the cage bars: the shipped configuration `dry`, here at the paper's speed of 124.8 rad/s.",
         "",
         "## Numbers",
         "",
-        *tables(comparisons),
+        *tables(rows),
         "## Figures",
         "",
     ]

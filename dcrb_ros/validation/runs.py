@@ -27,6 +27,9 @@ PAPER_SPEED = 124.8
 SETTLED = 0.2
 """Time left out of all statistics at the start of a warm run [s]."""
 
+QUARTER_STEP = "outer ring defect, quarter step"
+"""Name of the runs whose step is a quarter of the default one."""
+
 BROKEN_BAR = 15
 """Bar missing in both rows, between rollers 15 and 16."""
 
@@ -45,7 +48,7 @@ POWER_LAW = (
 
 
 @dataclass(frozen=True)
-class RunSpec:
+class PaperRunSpec:
     """The specification of a run: a shipped configuration, changed parameters and a duration."""
 
     name: str
@@ -85,38 +88,39 @@ WIDTHS = (0.5, 1.0, 1.5, 2.0)
 """Widths of the outer-ring defect whose severity is compared [mm]."""
 
 
-def run_specs() -> list[RunSpec]:
+def run_specs() -> list[PaperRunSpec]:
     """Return the specifications of all runs, the longest first."""
     specs = []
     for joint in reversed(JOINTS):
         bars = f"faults.broken_bars=row1/bar{BROKEN_BAR}, row2/bar{BROKEN_BAR}"
         specs += [
-            RunSpec("healthy", joint, 6.0, state_rate=3000),
-            RunSpec("cage fracture", joint, 6.0, (bars,), 3000),
-            RunSpec("outer ring defect", joint, 3.0, ("faults.outer_1.width=0.002",), 5000),
-            RunSpec("inner ring defect", joint, 3.0, ("faults.inner_1.width=0.002",), 5000),
+            PaperRunSpec("healthy", joint, 6.0, state_rate=3000),
+            PaperRunSpec("cage fracture", joint, 6.0, (bars,), 3000),
+            PaperRunSpec("outer ring defect", joint, 3.0, ("faults.outer_1.width=0.002",), 5000),
+            PaperRunSpec("inner ring defect", joint, 3.0, ("faults.inner_1.width=0.002",), 5000),
+            PaperRunSpec(QUARTER_STEP, joint, 3.0, ("faults.outer_1.width=0.002", "simulation.step=2.44140625e-6"), 500),
         ]
         specs += [
-            RunSpec("roller defect", joint, 4.0, ("faults.roller_1.width=0.002",), 500),
-            RunSpec("rows staggered", joint, 1.2, ("faults.outer_1.width=0.002", "bearing.row_phase=0.5"), 100),
+            PaperRunSpec("roller defect", joint, 4.0, ("faults.roller_1.width=0.002",), 500),
+            PaperRunSpec("rows staggered", joint, 1.2, ("faults.outer_1.width=0.002", "bearing.row_phase=0.5"), 100),
         ]
-        specs += [RunSpec(f"outer ring defect {b:g} mm", joint, 1.2, (f"faults.outer_1.width={b * 1e-3:g}",), 100) for b in WIDTHS]
-        specs += [RunSpec("cold start", joint, 3.0, ("operating.start=cold",))]
+        specs += [PaperRunSpec(f"outer ring defect {b:g} mm", joint, 1.2, (f"faults.outer_1.width={b * 1e-3:g}",), 100) for b in WIDTHS]
+        specs += [PaperRunSpec("cold start", joint, 3.0, ("operating.start=cold",))]
     specs += [
-        RunSpec("power law, healthy", "revolute", 1.2, POWER_LAW),
-        RunSpec("power law, outer ring defect", "revolute", 1.2, (*POWER_LAW, "faults.outer_1.width=0.002"), 5000),
+        PaperRunSpec("power law, healthy", "revolute", 1.2, POWER_LAW),
+        PaperRunSpec("power law, outer ring defect", "revolute", 1.2, (*POWER_LAW, "faults.outer_1.width=0.002"), 5000),
     ]
     return specs
 
 
 @dataclass(frozen=True)
-class Run:
+class PaperRun:
     """The results of a run.
 
     Shapes are (times, rollers) unless stated otherwise; rollers are columns, row of the bearing by row.
     """
 
-    spec: RunSpec
+    spec: PaperRunSpec
     configuration: Configuration
     acceleration: Floats
     """Vertical acceleration of the outer ring before noise, shape (samples,) [m/s^2]."""
@@ -201,7 +205,7 @@ class Run:
         return [row * self.rollers_per_row + roller - 1 for row in range(self.configuration.bearing.rows)]
 
 
-def simulate(spec: RunSpec) -> Run:
+def simulate(spec: PaperRunSpec) -> PaperRun:
     """Simulate a run and return its results."""
     configuration = spec.configuration()
     rows, count = configuration.bearing.rows, configuration.bearing.rows * configuration.bearing.rollers_per_row
@@ -213,7 +217,7 @@ def simulate(spec: RunSpec) -> Run:
         return np.array([getattr(state, field) for state in states], np.float32)
 
     speed = np.array([state.speed for state in states])
-    return Run(
+    return PaperRun(
         spec=spec,
         configuration=configuration,
         acceleration=np.concatenate([block.clean[:, 1] for block in blocks]).astype(np.float64),

@@ -11,7 +11,7 @@ from dcrb_ros.bearing.kinematics import characteristic_orders
 from dcrb_ros.bearing.payload import build_payload, degrees_of_freedom
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.settings.files import load_configuration
-from dcrb_ros.validation.comparison import Comparison, within
+from dcrb_ros.validation.report_row import ReportRow, within
 from dcrb_ros.validation.runs import BENCH, JOINTS
 
 LOAD = np.array([0.0, -100e3])
@@ -43,12 +43,12 @@ def static_forces(joint: str, phase: float) -> Floats:
     return np.asarray(0.5 * (forces[0] + forces[1]))
 
 
-def static_comparisons() -> Iterator[Comparison]:
+def static_rows() -> Iterator[ReportRow]:
     """Yield the comparisons of the static roller forces under 100 kN."""
     for joint in JOINTS:
         under, straddling = static_forces(joint, 0.0)[[0, 1, -1]], static_forces(joint, 0.5)[[0, -1]]
         expected = UNDER[0], UNDER[1], UNDER[1]
-        yield Comparison(
+        yield ReportRow(
             "Static forces per row, one roller on the load line",
             joint,
             "-",
@@ -56,7 +56,7 @@ def static_comparisons() -> Iterator[Comparison]:
             "30 251 and 2 x 10 708 N, 0.1 %",
             all(within(*pair, 1e-3) for pair in zip(under, expected, strict=True)),
         )
-        yield Comparison(
+        yield ReportRow(
             "Static forces per row, two rollers beside the load line",
             joint,
             "-",
@@ -66,29 +66,29 @@ def static_comparisons() -> Iterator[Comparison]:
         )
 
 
-def frequency_comparison() -> Comparison:
+def frequency_row() -> ReportRow:
     """Return the comparison of the characteristic frequencies."""
-    found = characteristic_orders(load_configuration("paper").bearing).frequencies(20.0)
-    return Comparison(
+    frequencies = characteristic_orders(load_configuration("paper").bearing).frequencies(20.0)
+    return ReportRow(
         "FTF, BPFO, BPFI, BSF at 20 Hz",
         "both",
         "8.4, 134.5, 185.5 Hz, - (section 3.2)",
-        ", ".join(f"{found[name]:.3f}" for name in FREQUENCIES) + " Hz",
+        ", ".join(f"{frequencies[name]:.3f}" for name in FREQUENCIES) + " Hz",
         "8.404, 134.47, 185.53, 61.07 Hz, 0.01 %",
-        all(within(found[name], FREQUENCIES[name], 1e-4) for name in FREQUENCIES),
+        all(within(frequencies[name], FREQUENCIES[name], 1e-4) for name in FREQUENCIES),
     )
 
 
-def freedom_comparisons() -> Iterator[Comparison]:
+def freedom_rows() -> Iterator[ReportRow]:
     """Yield the comparison of the degrees of freedom for each joint."""
     bars = ("", "row1/bar15", "row1/bar15, row2/bar15")
     for joint, expected in (("revolute", (42, 46, 50)), ("pocket", (106, 106, 106))):
-        found = tuple(degrees_of_freedom(load_configuration(BENCH[joint], [f"faults.broken_bars={text}"])) for text in bars)
-        yield Comparison(
+        freedoms = tuple(degrees_of_freedom(load_configuration(BENCH[joint], [f"faults.broken_bars={text}"])) for text in bars)
+        yield ReportRow(
             "Degrees of freedom: healthy, one bar broken in one row, one in both rows",
             joint,
             "10 + nr, 14 + nr; 18 + nr with four free rollers (section 2.2.2)" if joint == "revolute" else "-",
-            ", ".join(map(str, found)),
+            ", ".join(map(str, freedoms)),
             ", ".join(map(str, expected)),
-            found == expected,
+            freedoms == expected,
         )

@@ -1,4 +1,4 @@
-"""Comparisons of surfaces with heights: what a contact feels of them, their energy, damage, and individuals."""
+"""Comparisons of surfaces with heights: the heights under a contact, their energy, damage, and individuals."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import load_configuration
 from dcrb_ros.simulation.loop import Simulation
-from dcrb_ros.validation.comparison import Comparison, about, between
 from dcrb_ros.validation.height_rows import CHAPTER
 from dcrb_ros.validation.oiled_runs import BEARINGS, EVEN, HEALTHY, SEEDS, SHARES, OiledRun, OiledRuns
+from dcrb_ros.validation.report_row import ReportRow, about, between
 
 INDIVIDUALS = "Individuals"
 RATE = 51200.0
@@ -32,18 +32,18 @@ CLIMB = 5.76
 """Speed of the outer raceway's surface past a roller [m/s]."""
 
 
-def surface_comparisons(runs: OiledRuns) -> Iterator[Comparison]:
+def surface_rows(runs: OiledRuns) -> Iterator[ReportRow]:
     """Yield the comparisons of surfaces."""
-    yield from felt_comparisons()
+    yield from felt_rows()
     yield from _share(runs)
     yield _shares_of_rollers(runs["healthy"])
     yield _fluting(runs["fluting"])
-    yield from wave_comparisons(runs["waves"], runs["waves with box"])
+    yield from wave_rows(runs["waves"], runs["waves with box"])
     yield from _individuals(runs)
 
 
-def felt_comparisons() -> Iterator[Comparison]:
-    """Yield the comparisons of what a contact feels of heights; they need no run."""
+def felt_rows() -> Iterator[ReportRow]:
+    """Yield the comparisons of the heights under a contact, averaged over its width; they need no run."""
     inner, outer = reduced_radii(Configuration())
     heights, distance = notch_heights(2e-3, 3e-4, 2e-6)
     depths = [-1e6 * float(envelope(np.pad(heights, 4000), distance, radius).min()) for radius in (outer, inner)]
@@ -66,7 +66,7 @@ def felt_comparisons() -> Iterator[Comparison]:
 
 
 def _wave(widths: Floats, length: float) -> Floats:
-    """Return what contacts of half-widths [m] leave of a cosine of a wavelength [m]."""
+    """Return the share of a cosine of a wavelength [m] that remains after averaging over contacts of half-widths [m]."""
     x = length / 64.0 * np.arange(-4096, 4097)
     return np.array([averaged(np.cos(2.0 * math.pi * x / length), length / 64.0, width)[0][4096] for width in widths])
 
@@ -78,7 +78,7 @@ def _by_hand(widths: Floats, length: float) -> Floats:
     return np.array([float((weight * np.cos(2.0 * math.pi * u * width / length)).sum() / weight.sum()) for width in widths])
 
 
-def _share(runs: OiledRuns) -> Iterator[Comparison]:
+def _share(runs: OiledRuns) -> Iterator[ReportRow]:
     rms = [float(runs[f"spall over {share:g}"].rms[1]) for share in SHARES]
     yield between(CHAPTER, "Vertical RMS of a spall over 0.3 of the length over that of 0.15", rms[1] / rms[0], 1.5, 3.0)
     yield between(CHAPTER, "Vertical RMS of a spall over the whole length over that of 0.3", rms[2] / rms[1], 2.0, 6.0)
@@ -88,30 +88,30 @@ def _share(runs: OiledRuns) -> Iterator[Comparison]:
     yield between(CHAPTER, "Energy that nobody accounts for, as the notch law removes", abs(whole.notch), 0.0, 1e-3, "J")
 
 
-def _shares_of_rollers(run: OiledRun) -> Comparison:
+def _shares_of_rollers(run: OiledRun) -> ReportRow:
     """Compare the shares of rollers that differ by 0.6 um: 0.84 kN per um is 2.5 % of 20 kN, of which the ring evens out a part."""
     largest = np.sort(run.inner_force, axis=0)[-NEAR_LOAD_LINE:].mean(axis=0)
     spread = float((largest.reshape(2, -1).std(axis=1) / largest.reshape(2, -1).mean(axis=1)).mean())
     return between(INDIVIDUALS, "Relative spread of the rollers' largest forces", spread, *SPREAD_OF_FORCES)
 
 
-def _fluting(run: OiledRun) -> Comparison:
+def _fluting(run: OiledRun) -> ReportRow:
     signal = run.acceleration[:, 1]
     power = np.abs(np.fft.rfft(signal * np.hanning(len(signal)))) ** 2
     frequency = np.fft.rfftfreq(len(signal), 1.0 / RATE)
     inside = (frequency > 2000.0) & (frequency < 4000.0)
-    found = float((frequency * power)[inside].sum() / power[inside].sum())
-    return about(CHAPTER, "Tone of a fluting of 2 mm", found, CLIMB / 2e-3, 0.05, "Hz")
+    tone = float((frequency * power)[inside].sum() / power[inside].sum())
+    return about(CHAPTER, "Tone of a fluting of 2 mm", tone, CLIMB / 2e-3, 0.05, "Hz")
 
 
-def wave_comparisons(alone: OiledRun, with_box: OiledRun) -> Iterator[Comparison]:
-    """Yield the comparisons of what waviness alone makes, at a ring without an axle box and with one."""
+def wave_rows(alone: OiledRun, with_box: OiledRun) -> Iterator[ReportRow]:
+    """Yield the comparisons of the vibration by waviness alone, at a ring without an axle box and with one."""
     level, quieter = (float(np.sqrt((run.rms**2).mean())) for run in (alone, with_box))
     yield between(CHAPTER, "RMS by waviness of 0.1 um alone, without axle box and axle, mean of both axes", level, *LEVEL_OF_WAVES, "m/s^2")
     yield between(CHAPTER, "The same with an axle box of 60 kg, over that without", quieter / level, *SHARE_OF_BOX)
 
 
-def _individuals(runs: OiledRuns) -> Iterator[Comparison]:
+def _individuals(runs: OiledRuns) -> Iterator[ReportRow]:
     levels = np.log10([[runs[f"bearing {bearing}, run {seed}"].rms for seed in SEEDS] for bearing in BEARINGS])
     within = float(levels.var(axis=1, ddof=1).mean())
     among = float(levels.mean(axis=1).var(axis=0, ddof=1).mean())
@@ -122,12 +122,12 @@ def _individuals(runs: OiledRuns) -> Iterator[Comparison]:
     again, other = _beginning(HEALTHY, "surfaces.seed=5", "publishing.block_size=100"), _beginning(HEALTHY, "surfaces.seed=6")
     count = min(len(first), len(again))
     same, differs = np.array_equal(first[:count], again[:count]), not np.array_equal(first, other)
-    found = f"{'the same' if same else 'other'} samples, {'other' if differs else 'the same'} ones"
-    yield Comparison(
+    verdict = f"{'the same' if same else 'other'} samples, {'other' if differs else 'the same'} ones"
+    yield ReportRow(
         "The same number in blocks of another size, and another number",
         "pocket",
         "-",
-        found,
+        verdict,
         "the same samples, other ones",
         same and differs,
         INDIVIDUALS,

@@ -12,7 +12,7 @@ from typing import Any
 from dcrb_ros.bearing.quasi_steady import QuasiSteady
 from dcrb_ros.bearing.thermal_fit import expansion
 from dcrb_ros.settings.configuration import Configuration
-from dcrb_ros.validation.comparison import Comparison, about, between
+from dcrb_ros.validation.report_row import ReportRow, about, between
 
 CHAPTER = "Heat"
 AMBIENT = 20.0
@@ -29,14 +29,14 @@ def bearing(**lubrication: Any) -> QuasiSteady:
     return QuasiSteady(Configuration.model_validate({"lubrication": oil, "thermal": {"law": "network"}}))
 
 
-def thermal_comparisons() -> Iterator[Comparison]:
+def thermal_rows() -> Iterator[ReportRow]:
     """Yield the comparisons of network, steady states, clearance and loss of lubricant."""
     yield from _network()
     yield from _steady()
     yield from _loss()
 
 
-def _network() -> Iterator[Comparison]:
+def _network() -> Iterator[ReportRow]:
     network = bearing().network
     flow, box = network.conductances(RACEWAYS, VEHICLE, 0.4 * VEHICLE), network.box
     warmed = network.steady(flow, [0.0] * box + [100.0], AMBIENT)
@@ -51,23 +51,23 @@ def _network() -> Iterator[Comparison]:
     yield about(CHAPTER, "Clearance taken by inner rings that are 60 K hotter", 1e6 * grown, -56.3, 0.01, "um")
 
 
-def _steady() -> Iterator[Comparison]:
+def _steady() -> Iterator[ReportRow]:
     for lubricant, heat in (("grease", 849.0), ("vg100", 1268.0), ("vg220", 1508.0)):
         steady = bearing(lubricant=lubricant)
         running = steady.running()
-        found = steady.steady(running)
-        yield about(CHAPTER, f"Heat in the steady state, {lubricant}", sum(map(sum, steady.power(running, found))), heat, 0.1, "W")
-        yield between(CHAPTER, f"Box above ambient, {lubricant}", found[-1] - AMBIENT, 10.0, 45.0, "K")
+        temperatures = steady.steady(running)
+        yield about(CHAPTER, f"Heat in the steady state, {lubricant}", sum(map(sum, steady.power(running, temperatures))), heat, 0.1, "W")
+        yield between(CHAPTER, f"Box above ambient, {lubricant}", temperatures[-1] - AMBIENT, 10.0, 45.0, "K")
 
 
-def _loss() -> Iterator[Comparison]:
+def _loss() -> Iterator[ReportRow]:
     steady = bearing()
     running = steady.running()
-    found = steady.steady(running)
+    temperatures = steady.steady(running)
     ring = steady.network.outer(0)
-    course = [found[ring]]
+    course = [temperatures[ring]]
     for step in range(540):
-        found = steady.after(running, found, 20.0, min(step * 20.0 / 5400.0, 1.0))
-        course.append(found[ring])
+        temperatures = steady.after(running, temperatures, 20.0, min(step * 20.0 / 5400.0, 1.0))
+        course.append(temperatures[ring])
     yield between(CHAPTER, "Outer ring while the lubricant is lost, below its start", course[0] - min(course), 5.0, 15.0, "K")
     yield between(CHAPTER, "Outer ring an hour and a half after all lubricant is lost", course[-1], 150.0, 300.0, "deg C")

@@ -11,23 +11,25 @@ from typing import Any, NamedTuple
 
 from dcrb_ros.runtime.processes import in_processes
 from dcrb_ros.schema.refusal import Refusal
-from dcrb_ros.validation.balls import ball_comparisons
-from dcrb_ros.validation.comparison import Comparison, Runs
-from dcrb_ros.validation.dry_bench import dry_bench_comparisons
-from dcrb_ros.validation.faults import fault_comparisons
+from dcrb_ros.validation.balls import ball_rows
+from dcrb_ros.validation.dry_bench import dry_bench_rows
+from dcrb_ros.validation.faults import fault_rows
 from dcrb_ros.validation.figures import write_figures
-from dcrb_ros.validation.formulation import WINDOWS, Agreement, compare_solvers, formulation_comparisons
-from dcrb_ros.validation.healthy import healthy_comparisons
-from dcrb_ros.validation.height_rows import height_comparisons
-from dcrb_ros.validation.oil_laws import oil_law_comparisons
-from dcrb_ros.validation.oiled_bench import oiled_bench_comparisons
+from dcrb_ros.validation.formulation import WINDOWS, Agreement, compare_solvers, formulation_rows
+from dcrb_ros.validation.healthy import healthy_rows
+from dcrb_ros.validation.height_rows import height_rows
+from dcrb_ros.validation.oil_laws import oil_law_rows
+from dcrb_ros.validation.oiled_bench import oiled_bench_rows
 from dcrb_ros.validation.oiled_runs import OiledRun, OiledRuns, oiled_specs, simulate_oiled
-from dcrb_ros.validation.realism_rows import realism_comparisons
+from dcrb_ros.validation.realism_rows import realism_rows
 from dcrb_ros.validation.report import markdown
-from dcrb_ros.validation.runs import Run, run_specs, simulate
-from dcrb_ros.validation.statics import freedom_comparisons, frequency_comparison, static_comparisons
-from dcrb_ros.validation.surface_rows import surface_comparisons
-from dcrb_ros.validation.thermal_rows import thermal_comparisons
+from dcrb_ros.validation.report_row import PaperRuns, ReportRow
+from dcrb_ros.validation.runs import PaperRun, run_specs, simulate
+from dcrb_ros.validation.shorter_steps import shorter_step_rows
+from dcrb_ros.validation.statics import freedom_rows, frequency_row, static_rows
+from dcrb_ros.validation.surface_rows import surface_rows
+from dcrb_ros.validation.thermal_rows import thermal_rows
+from dcrb_ros.validation.time_integration import energy_rows, order_row
 
 REPORT = "report.md"
 
@@ -42,7 +44,7 @@ OILED = "lubricated"
 class Results(NamedTuple):
     """Everything that the comparisons need."""
 
-    runs: Runs
+    runs: PaperRuns
     agreements: dict[str, Agreement]
     """Deviations between the solvers by window name."""
     oiled: OiledRuns
@@ -53,7 +55,7 @@ def run_all(workers: int, progress: Progress) -> Results:
     calls: dict[tuple[str, str], Callable[[], Any]] = {(name, ""): partial(compare_solvers, name) for name in WINDOWS}
     calls |= {spec.key: partial(simulate, spec) for spec in run_specs()}
     calls |= {(spec.name, OILED): partial(simulate_oiled, spec) for spec in oiled_specs()}
-    runs: dict[tuple[str, str], Run] = {}
+    runs: dict[tuple[str, str], PaperRun] = {}
     agreements: dict[str, Agreement] = {}
     oiled: dict[str, OiledRun] = {}
     for done, ((name, joint), result) in enumerate(in_processes(calls, workers), start=1):
@@ -67,24 +69,27 @@ def run_all(workers: int, progress: Progress) -> Results:
     return Results(runs, agreements, oiled)
 
 
-def all_comparisons(results: Results) -> list[Comparison]:
+def all_rows(results: Results) -> list[ReportRow]:
     """Return all comparisons in the order of the report."""
     runs, agreements, oiled = results
     return [
-        *static_comparisons(),
-        frequency_comparison(),
-        *freedom_comparisons(),
-        *formulation_comparisons(agreements),
-        *healthy_comparisons(runs),
-        *dry_bench_comparisons(runs["healthy", "pocket"]),
-        *fault_comparisons(runs),
-        *ball_comparisons(),
-        *oil_law_comparisons(),
-        *oiled_bench_comparisons(oiled),
-        *thermal_comparisons(),
-        *height_comparisons(),
-        *surface_comparisons(oiled),
-        *realism_comparisons(oiled),
+        *static_rows(),
+        frequency_row(),
+        *freedom_rows(),
+        *formulation_rows(agreements),
+        *healthy_rows(runs),
+        *dry_bench_rows(runs["healthy", "pocket"]),
+        *fault_rows(runs),
+        *energy_rows(),
+        order_row(),
+        *shorter_step_rows(runs),
+        *ball_rows(),
+        *oil_law_rows(),
+        *oiled_bench_rows(oiled),
+        *thermal_rows(),
+        *height_rows(),
+        *surface_rows(oiled),
+        *realism_rows(oiled),
     ]
 
 
@@ -105,7 +110,7 @@ def report_folder(folder: Path) -> Path:
     return folder
 
 
-def write_report(folder: Path, comparisons: Sequence[Comparison], runs: Runs) -> Path:
+def write_report(folder: Path, comparisons: Sequence[ReportRow], runs: PaperRuns) -> Path:
     """Write the figures and the report to ``folder``; return the path of the report.
 
     Raises:

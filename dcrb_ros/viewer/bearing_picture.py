@@ -12,10 +12,10 @@ import rerun as rr
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.stream.block import Truth
 from dcrb_ros.viewer import columns, palette
+from dcrb_ros.viewer.columns import TIMELINE, time_column
 from dcrb_ros.viewer.content import Content, Motion, Times
 from dcrb_ros.viewer.drawing import Drawing, arc, circle, on_circle, quaternions, rounded_up
 from dcrb_ros.viewer.row_faults import RacewayMark, RowFaults, faults_of_row
-from dcrb_ros.viewer.timeline import TIMELINE, time_column
 
 ROOT = "bearing"
 PICTURE_RATE = 100.0
@@ -55,13 +55,13 @@ def thinned(motion: Motion) -> Motion:
 
 
 def log_static(drawing: Drawing) -> None:
-    """Log what does not change with time: positions, rings, sizes. All rows share the same shapes."""
+    """Log the constant parts: positions, rings, sizes. All rows share the same shapes."""
     pictures = {**outer_ring(drawing), **inner_ring(drawing), **sizes(drawing)}
     for row in range(drawing.bearing.rows):
         path = f"{ROOT}/row{row + 1}"
         rr.log(path, rr.Transform3D(translation=[*drawing.centre(row), 0.0]), static=True)
-        for place, picture in pictures.items():
-            rr.log(f"{path}/{place}", picture, static=True)
+        for part, picture in pictures.items():
+            rr.log(f"{path}/{part}", picture, static=True)
 
 
 def log_moving(drawing: Drawing, motion: Motion) -> None:
@@ -154,8 +154,8 @@ def log_row_faults(drawing: Drawing, row: int, time_ns: int, faults: RowFaults) 
     rr.set_time(TIMELINE, timestamp=np.datetime64(time_ns, "ns"))
     path = f"{ROOT}/row{row + 1}"
     log_defects(drawing, path, faults.raceways)
-    for place, picture in cage(drawing, faults.bars).items():
-        rr.log(f"{path}/{place}", picture)
+    for part, picture in cage(drawing, faults.bars).items():
+        rr.log(f"{path}/{part}", picture)
     label = ", ".join([f"row {row + 1}", *faults.words])
     rr.log(f"{path}/name", rr.Points2D.from_fields(labels=[label], colors=[palette.DEFECT if any(faults) else palette.MUTED]))
 
@@ -166,9 +166,9 @@ def log_defects(drawing: Drawing, path: str, faults: Sequence[RacewayMark]) -> N
         "outer_ring": (f"{path}/defect", drawing.outer_raceway + DEFECT_DEPTH),
         "inner_ring": (f"{path}/inner_ring/defect", drawing.inner_raceway - DEFECT_DEPTH),
     }
-    for ring, (place, radius) in sides.items():
+    for ring, (part, radius) in sides.items():
         arcs = [drawing.defect(radius, fault.azimuth, fault.width) for fault in faults if fault.ring == ring]
-        rr.log(place, rr.LineStrips2D(arcs, radii=[1.3 * DEFECT_DEPTH], colors=[palette.DEFECT], draw_order=6.0))
+        rr.log(part, rr.LineStrips2D(arcs, radii=[1.3 * DEFECT_DEPTH], colors=[palette.DEFECT], draw_order=6.0))
 
 
 @lru_cache(4)
@@ -198,8 +198,8 @@ def log_load(drawing: Drawing, truths: Sequence[Truth], largest: float) -> None:
     for row in range(drawing.bearing.rows):
         path = f"{ROOT}/row{row + 1}/load"
         rr.send_columns(path, [times], rr.Arrows2D.columns(vectors=vectors, origins=-0.1 * vectors))
-        places = -0.75 * drawing.bore * direction
-        rr.send_columns(f"{path}/size", [times], rr.Points2D.columns(positions=places, labels=labels))
+        positions = -0.75 * drawing.bore * direction
+        rr.send_columns(f"{path}/size", [times], rr.Points2D.columns(positions=positions, labels=labels))
 
 
 def log_force_scale(drawing: Drawing) -> None:
@@ -211,5 +211,5 @@ def log_force_scale(drawing: Drawing) -> None:
     colours = palette.force_colours(np.linspace(1e-3, 1.0, steps), 1.0)
     rr.log(f"{ROOT}/scale", rr.LineStrips2D(strips, radii=[2.0], colors=colours), static=True)
     values = [f"{drawing.largest_force * share / 1e3:g}" for share in (0.0, 0.5)] + [f"{drawing.largest_force / 1e3:g} kN"]
-    places = np.array([[x[0], y + 9.0], [0.0, y + 9.0], [x[-1], y + 9.0]])
-    rr.log(f"{ROOT}/scale/values", rr.Points2D(places, radii=0.01, labels=values, show_labels=True, colors=[palette.MUTED]), static=True)
+    positions = np.array([[x[0], y + 9.0], [0.0, y + 9.0], [x[-1], y + 9.0]])
+    rr.log(f"{ROOT}/scale/values", rr.Points2D(positions, radii=0.01, labels=values, show_labels=True, colors=[palette.MUTED]), static=True)

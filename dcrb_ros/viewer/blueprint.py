@@ -9,10 +9,10 @@ import rerun.blueprint as rrb
 
 from dcrb_ros.schema.arrays import Floats, Samples
 from dcrb_ros.viewer import bearing_picture, load_zone, order_map, palette, spectrum_picture
+from dcrb_ros.viewer.columns import TIMELINE
 from dcrb_ros.viewer.content import Content, Series
 from dcrb_ros.viewer.drawing import Drawing
 from dcrb_ros.viewer.series import is_warm
-from dcrb_ros.viewer.timeline import TIMELINE
 
 CLOSE_UP = 0.15
 """Time shown before and after the cursor in close-ups [s]."""
@@ -59,14 +59,14 @@ def whole_time(content: Content) -> rrb.archetypes.TimeAxis:
     return rrb.archetypes.TimeAxis(view_range=rrb.TimeRange(start=begin, end=end))
 
 
-def level_axis(found: Series) -> rrb.ScalarAxis:
+def level_axis(levels: Series) -> rrb.ScalarAxis:
     """Return the vertical axis of levels; it ends at labelled values [dB]."""
-    low, high = (float(value) for value in (found.values.min(initial=0.0), found.values.max(initial=1.0)))
+    low, high = (float(value) for value in (levels.values.min(initial=0.0), levels.values.max(initial=1.0)))
     return rrb.ScalarAxis(range=(LEVEL_TICK * math.floor(low / LEVEL_TICK), LEVEL_TICK * math.ceil(high / LEVEL_TICK)))
 
 
 def waveform_axis(acceleration: Floats | Samples) -> rrb.ScalarAxis | None:
-    """Return the vertical axis of the waveform, one for the whole recording; none for samples that are not finite.
+    """Return the vertical axis of the waveform, one for the whole recording; None for samples that are not finite.
 
     Rerun labels the powers of ten only where it has room for few labels, so the axis ends at 1, 2 or 3 times one of them [m/s^2].
     """
@@ -80,8 +80,8 @@ def waveform_axis(acceleration: Floats | Samples) -> rrb.ScalarAxis | None:
 
 def speed_varies(content: Content) -> bool:
     """Return whether the shaft frequency changes so much that a single spectrum does not represent the recording."""
-    found = [d.shaft_frequency for d in content.detector_output.diagnoses if d.shaft_frequency > 0.0]
-    return bool(found) and max(found) > LEAST_CHANGE * min(found)
+    frequencies = [d.shaft_frequency for d in content.detector_output.diagnoses if d.shaft_frequency > 0.0]
+    return bool(frequencies) and max(frequencies) > LEAST_CHANGE * min(frequencies)
 
 
 def compose_live(drawing: Drawing | None, *, lubricated: bool = False, warm: bool = False) -> rrb.Blueprint:

@@ -10,10 +10,16 @@ import pyarrow as pa
 import rerun as rr
 
 from dcrb_ros.viewer.content import Times
-from dcrb_ros.viewer.timeline import time_column
 
+TIMELINE = "ros2_timestamp"
+"""Simulated time: the name that Rerun's own reader gives to the header stamps of ROS 2 messages."""
 MOST_ROWS = 1 << 16
 """Times in one part [-]."""
+
+
+def time_column(time_ns: Times) -> rr.TimeColumn:
+    """Return simulated times [ns] as a column of the timeline."""
+    return rr.TimeColumn(TIMELINE, timestamp=time_ns.astype("datetime64[ns]"))
 
 
 @dataclass(frozen=True)

@@ -45,7 +45,7 @@ class BenchInfo:
 
 
 @dataclass(frozen=True)
-class Waveform:
+class TimedWaveform:
     """All samples of the measured waveform."""
 
     time_ns: Times
@@ -119,7 +119,7 @@ class Content:
     """Bearing of the bench; without meaning for imported data."""
     orders: Orders
     bodies: BodyNames
-    waveform: Waveform
+    waveform: TimedWaveform
     pending_output: Future[DetectorOutput]
     """Output of the detectors, computed in the background since it takes as long as everything else."""
     motion: Motion | None = None

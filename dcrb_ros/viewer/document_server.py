@@ -1,6 +1,6 @@
 """A Rerun file for the viewer's web page.
 
-Rerun's own server of data keeps a core busy as long as it holds a recording (measured with 0.41), which the page then lacks.
+Rerun's own data server keeps a core busy as long as it holds a recording (measured with 0.41). The page then lacks that core.
 """
 
 from __future__ import annotations

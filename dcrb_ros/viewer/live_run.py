@@ -14,7 +14,7 @@ import rerun as rr
 from dcrb_ros.bearing.fault_lines import fault_combs
 from dcrb_ros.viewer import bearing_picture, load_zone, order_map, series, spectrum_picture, summary
 from dcrb_ros.viewer.blueprint import compose_live
-from dcrb_ros.viewer.content import BenchInfo, Content, DetectorOutput, Motion, Waveform
+from dcrb_ros.viewer.content import BenchInfo, Content, DetectorOutput, Motion, TimedWaveform
 from dcrb_ros.viewer.drawing import Drawing, rounded_up
 from dcrb_ros.viewer.row_faults import RowFaults
 from dcrb_ros.viewer.spectrum import Spectra, envelope_spectra
@@ -72,9 +72,9 @@ class LiveRun:
             series.log_truth(content, fixed=self._first("operating"))
         if content.tacho is not None:
             series.log_tacho(content.tacho, fixed=self._first("tacho"))
-        for path, found in (("features", content.features), ("indicators", content.detector_output.indicators)):
-            if found is not None:
-                series.log_series(path, found, fixed=self._first(path))
+        for path, values in (("features", content.features), ("indicators", content.detector_output.indicators)):
+            if values is not None:
+                series.log_series(path, values, fixed=self._first(path))
         if content.lubrication is not None:
             first = self._first("lubrication")
             if first:
@@ -162,8 +162,8 @@ def completed(output: DetectorOutput) -> Future[DetectorOutput]:
     return future
 
 
-def _empty_waveform(bench: BenchInfo) -> Waveform:
-    return Waveform(np.zeros(2, np.int64), np.zeros((2, 2), np.float32), np.zeros(2, np.float32), bench.rate)
+def _empty_waveform(bench: BenchInfo) -> TimedWaveform:
+    return TimedWaveform(np.zeros(2, np.int64), np.zeros((2, 2), np.float32), np.zeros(2, np.float32), bench.rate)
 
 
 def _joined_spectra(before: Spectra | None, after: Spectra) -> Spectra:

@@ -40,8 +40,8 @@ def log_map(spectra: Spectra) -> None:
 
 def log_fault_lines(highest_order: float, combs: Sequence[Comb]) -> None:
     """Log the fault lines across the map."""
-    for place, comb in enumerate(combs):
-        log_comb(highest_order, comb, track(place, len(combs)), root=ROOT)
+    for row, comb in enumerate(combs):
+        log_comb(highest_order, comb, track(row, len(combs)), root=ROOT)
 
 
 def picture(spectra: Spectra, largest: float) -> npt.NDArray[np.uint8]:

@@ -52,10 +52,10 @@ _INFERNO = np.array(
 
 def force_colours(force: Floats, largest: float) -> Colours:
     """Return the colour of normal forces [N] on a scale up to ``largest`` [N], shape (..., 4); grey without contact."""
-    place = np.clip(np.asarray(force) / largest, 0.0, 1.0) * (len(_INFERNO) - 1)
-    colours = np.empty((*place.shape, 4), np.uint8)
+    position = np.clip(np.asarray(force) / largest, 0.0, 1.0) * (len(_INFERNO) - 1)
+    colours = np.empty((*position.shape, 4), np.uint8)
     for channel in range(3):
-        colours[..., channel] = np.interp(place, np.arange(len(_INFERNO)), _INFERNO[:, channel])
+        colours[..., channel] = np.interp(position, np.arange(len(_INFERNO)), _INFERNO[:, channel])
     colours[..., 3] = 255
     colours[np.asarray(force) <= 0.0] = UNLOADED
     return colours

@@ -34,7 +34,7 @@ from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.parameters import Bearing
 from dcrb_ros.stream.states import BodyNames
-from dcrb_ros.viewer.content import BenchInfo, Content, DetectorOutput, Motion, Series, Verdict, Waveform
+from dcrb_ros.viewer.content import BenchInfo, Content, DetectorOutput, Motion, Series, TimedWaveform, Verdict
 from dcrb_ros.viewer.spectrum import diagnoses, indicators_of, verdicts_of
 
 SHOWN = (VIBRATION, ROLLER_STATES, GROUND_TRUTH, FEATURES, FAULT_INDICATORS, DIAGNOSIS, LUBRICATION_STATE, TACHO)
@@ -68,7 +68,7 @@ def read_content(recording: Recording) -> Content:
 
 
 def content_of(
-    messages: Mapping[Topic, Sequence[bytes]], bench: BenchInfo, start_detector: Callable[[Waveform], Future[DetectorOutput]]
+    messages: Mapping[Topic, Sequence[bytes]], bench: BenchInfo, start_detector: Callable[[TimedWaveform], Future[DetectorOutput]]
 ) -> Content:
     """Return the content of messages by topic; ``start_detector`` starts the detector on the waveform.
 
@@ -92,24 +92,24 @@ def content_of(
     )
 
 
-def waveform_of(messages: Sequence[bytes], rate: int) -> Waveform:
+def waveform_of(messages: Sequence[bytes], rate: int) -> TimedWaveform:
     """Return the concatenated samples of all blocks."""
     if messages:
-        return Waveform(*decode_waveform(messages), rate=rate)
-    return Waveform(np.zeros(0, np.int64), np.zeros((0, 2), np.float32), np.zeros(0, np.float32), rate)
+        return TimedWaveform(*decode_waveform(messages), rate=rate)
+    return TimedWaveform(np.zeros(0, np.int64), np.zeros((0, 2), np.float32), np.zeros(0, np.float32), rate)
 
 
 def detector_output_of(
-    waveform: Waveform, orders: Orders, messages: Mapping[Topic, Sequence[bytes]], temperatures: TemperatureReadings
+    waveform: TimedWaveform, orders: Orders, messages: Mapping[Topic, Sequence[bytes]], temperatures: TemperatureReadings
 ) -> DetectorOutput:
     """Return the shipped detector's output for a waveform and temperatures; recorded indicators and verdicts take precedence."""
     truths = truths_of(messages.get(GROUND_TRUTH, ())[-1:])
     lapse = max((truth.thermal.get("acceleration", 1.0) for truth in truths), default=1.0)
-    found = diagnoses(waveform, orders, temperatures, lapse)
+    judgements = diagnoses(waveform, orders, temperatures, lapse)
     return DetectorOutput(
-        indicators=series_of(messages.get(FAULT_INDICATORS, ())) or indicators_of(found),
-        verdicts=verdicts_in(messages.get(DIAGNOSIS, ())) or verdicts_of(found),
-        diagnoses=tuple(found),
+        indicators=series_of(messages.get(FAULT_INDICATORS, ())) or indicators_of(judgements),
+        verdicts=verdicts_in(messages.get(DIAGNOSIS, ())) or verdicts_of(judgements),
+        diagnoses=tuple(judgements),
     )
 
 

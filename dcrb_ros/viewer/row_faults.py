@@ -1,4 +1,4 @@
-"""The faults of one row in the ground truth: where the viewer draws them, and in which words."""
+"""The faults of one row in the ground truth: their positions in the picture, and their texts."""
 
 from __future__ import annotations
 
@@ -34,14 +34,14 @@ def faults_of_row(truth: Truth, row: int) -> RowFaults:
 
     A fault of a ring with an azimuth and a width is drawn on its raceway, one with the number of a bar at the cage.
     """
-    found = {name: fault for name, fault in sorted(truth.faults.items()) if int(fault.get("row", 0)) in (0, row + 1)}
+    faults = {name: fault for name, fault in sorted(truth.faults.items()) if int(fault.get("row", 0)) in (0, row + 1)}
     marks = []
-    for name, fault in found.items():
+    for name, fault in faults.items():
         kind = kind_of(name)
         if kind and kind.component in ("outer_ring", "inner_ring") and {"azimuth", "width"} <= set(fault):
             marks.append(RacewayMark(kind.component, float(fault["azimuth"]), float(fault["width"])))
     return RowFaults(
         tuple(marks),
-        tuple(sorted(int(fault["bar"]) for fault in found.values() if "bar" in fault)),
-        tuple(words_of(name, fault) for name, fault in found.items()),
+        tuple(sorted(int(fault["bar"]) for fault in faults.values() if "bar" in fault)),
+        tuple(words_of(name, fault) for name, fault in faults.items()),
     )

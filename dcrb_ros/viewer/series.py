@@ -16,15 +16,15 @@ from dcrb_ros.schema.arrays import Floats, Samples
 from dcrb_ros.stream.block import Truth
 from dcrb_ros.stream.states import FRICTION_SOURCES
 from dcrb_ros.viewer import columns, palette
-from dcrb_ros.viewer.content import Content, Motion, Series, Times, Verdict, Waveform
-from dcrb_ros.viewer.timeline import TIMELINE
+from dcrb_ros.viewer.columns import TIMELINE
+from dcrb_ros.viewer.content import Content, Motion, Series, TimedWaveform, Times, Verdict
 
 KILO, MICRO = 1e-3, 1e6
 DEGREES = " [deg C]"
 """End of the names of temperatures in the ground truth."""
 
 
-def log_waveform(waveform: Waveform, *, fixed: bool = True) -> None:
+def log_waveform(waveform: TimedWaveform, *, fixed: bool = True) -> None:
     """Log all samples of the waveform, the first two axes [m/s^2]."""
     colours = [palette.WAVEFORM_X, palette.WAVEFORM]
     log_lines("waveform", waveform.time_ns, waveform.acceleration[:, :2], ["ax", "ay"], colours, width=1.0, fixed=fixed)
@@ -72,9 +72,9 @@ def log_truth(content: Content, *, fixed: bool = True) -> None:
         log_temperatures(content.truths, fixed=fixed)
 
 
-def log_tacho(found: Series, *, fixed: bool = True) -> None:
+def log_tacho(tacho: Series, *, fixed: bool = True) -> None:
     """Log the speed from the pulses of the tacho [rad/s], in the plot of speed and load."""
-    log_lines("operating/tacho", found.time_ns, found.values, found.names, [palette.WAVEFORM_X], fixed=fixed)
+    log_lines("operating/tacho", tacho.time_ns, tacho.values, tacho.names, [palette.WAVEFORM_X], fixed=fixed)
 
 
 def log_temperatures(truths: Sequence[Truth], *, fixed: bool = True) -> None:
@@ -98,22 +98,22 @@ def log_series(path: str, series: Series | None, *, fixed: bool = True) -> None:
     if series is None:
         return
     others = palette.wheel(len(series.names))
-    for place, name in enumerate(series.names):
-        colour = palette.FAULT_LINES.get({"BSF": "2BSF"}.get(name, name), others[place])
-        log_lines(f"{path}/{name}", series.time_ns, series.values[:, place : place + 1], [name], [colour], fixed=fixed)
+    for column, name in enumerate(series.names):
+        colour = palette.FAULT_LINES.get({"BSF": "2BSF"}.get(name, name), others[column])
+        log_lines(f"{path}/{name}", series.time_ns, series.values[:, column : column + 1], [name], [colour], fixed=fixed)
 
 
-def log_lubrication(found: Series, *, fixed: bool = True) -> None:
+def log_lubrication(lubrication: Series, *, fixed: bool = True) -> None:
     """Log the smallest films of each row [um] with Lambda at the inner raceway, and the friction power of both rows by source [W]."""
-    arrays = arrays_of(found.names, found.values)
+    arrays = arrays_of(lubrication.names, lubrication.values)
     if arrays is None:
         return
     rows = arrays["least_film"].shape[1]
     films = np.concatenate([arrays["least_film"][:, :, k] * MICRO for k in range(2)] + [arrays["least_film_ratio"][:, :, 0]], axis=1)
     names = [f"row {row + 1}, {what}" for what in (*(f"{raceway} [um]" for raceway in RACEWAYS), "Lambda") for row in range(rows)]
-    log_lines("films", found.time_ns, films, names, palette.wheel(len(names)), fixed=fixed)
+    log_lines("films", lubrication.time_ns, films, names, palette.wheel(len(names)), fixed=fixed)
     powers = arrays["friction_power"].sum(axis=1)
-    log_lines("friction", found.time_ns, powers, FRICTION_SOURCES, palette.wheel(len(FRICTION_SOURCES)), fixed=fixed)
+    log_lines("friction", lubrication.time_ns, powers, FRICTION_SOURCES, palette.wheel(len(FRICTION_SOURCES)), fixed=fixed)
 
 
 def log_verdicts(verdicts: Sequence[Verdict]) -> None:

@@ -14,13 +14,13 @@ from dcrb_ros.bearing.temperature_readings import TemperatureReadings
 from dcrb_ros.messages.statuses import ERROR
 from dcrb_ros.messages.topics.diagnosis import LEVELS
 from dcrb_ros.schema.arrays import Floats
-from dcrb_ros.viewer.content import Series, Times, Verdict, Waveform
+from dcrb_ros.viewer.content import Series, TimedWaveform, Times, Verdict
 
 if TYPE_CHECKING:
     from dcrb_ros.diagnosis.detector import Diagnosis
 
 HIGHEST_ORDER = 31.0
-"""Highest order shown: four harmonics of BPFO and three of BPFI of the default bearing, and lines of FTF that can be told apart [-]."""
+"""Highest order shown: four harmonics of BPFO and three of BPFI of the default bearing, and lines of FTF that can be distinguished [-]."""
 ORDER_STEP = 0.025
 """Spacing of the orders shown [-]."""
 FINE_ORDERS = 2
@@ -51,7 +51,7 @@ class Spectra:
 
 
 def diagnoses(
-    waveform: Waveform, orders: Orders, temperatures: TemperatureReadings | None = None, heat_time_lapse: float = 1.0
+    waveform: TimedWaveform, orders: Orders, temperatures: TemperatureReadings | None = None, heat_time_lapse: float = 1.0
 ) -> list[Diagnosis]:
     """Return the diagnoses of the waveform, and of ``temperatures``, by the shipped detector; a short waveform is a single window.
 
@@ -66,19 +66,19 @@ def diagnoses(
     if window < SHORTEST_WINDOW:
         return []
     hop = min(window, max(SHORTEST_HOP, seconds / SPECTRA_WANTED))
-    own = usual.model_copy(update={"window": window, "hop": hop, "heat_time_lapse": heat_time_lapse})
-    detector, feed = ThermalFaultDetector(orders, waveform.rate, own), TemperatureFeed(temperatures or TemperatureReadings.none())
-    found = []
+    parameters = usual.model_copy(update={"window": window, "hop": hop, "heat_time_lapse": heat_time_lapse})
+    detector, feed = ThermalFaultDetector(orders, waveform.rate, parameters), TemperatureFeed(temperatures or TemperatureReadings.none())
+    judgements = []
     for piece in pieces(waveform, round(hop * waveform.rate)):
         index = (int(waveform.time_ns[piece.start]) * waveform.rate + 500_000_000) // 1_000_000_000
         diagnosis = detector.update(index, waveform.acceleration[piece], waveform.shaft_angle[piece])
         feed.give(detector.take_temperature, 1e-9 * float(waveform.time_ns[piece.stop - 1]))
         if diagnosis is not None:
-            found.append(diagnosis)
-    return found
+            judgements.append(diagnosis)
+    return judgements
 
 
-def pieces(waveform: Waveform, length: int) -> Iterator[slice]:
+def pieces(waveform: TimedWaveform, length: int) -> Iterator[slice]:
     """Yield slices of at most ``length`` samples that do not span gaps in the waveform."""
     gaps = np.flatnonzero(np.diff(waveform.time_ns) > 1_500_000_000 // waveform.rate) + 1
     borders = [0, *gaps.tolist(), len(waveform.time_ns)]
@@ -87,9 +87,9 @@ def pieces(waveform: Waveform, length: int) -> Iterator[slice]:
             yield slice(start, min(start + length, last))
 
 
-def envelope_spectra(found: Sequence[Diagnosis]) -> Spectra | None:
+def envelope_spectra(judgements: Sequence[Diagnosis]) -> Spectra | None:
     """Return the spectra of the diagnoses interpolated to common orders; ``None`` if no diagnosis has a spectrum."""
-    seen = [diagnosis for diagnosis in found if len(diagnosis.spectrum[0])]
+    seen = [diagnosis for diagnosis in judgements if len(diagnosis.spectrum[0])]
     if not seen:
         return None
     count = int(min(HIGHEST_ORDER, *(diagnosis.spectrum[0][-1] for diagnosis in seen)) / ORDER_STEP)
@@ -113,9 +113,9 @@ def over_background(amplitude: Floats) -> Floats:
     return np.asarray(20.0 * np.log10(np.maximum(amplitude, smallest) / np.maximum(floor, smallest)), np.float64)
 
 
-def indicators_of(found: Sequence[Diagnosis]) -> Series | None:
+def indicators_of(judgements: Sequence[Diagnosis]) -> Series | None:
     """Return the levels at the fault orders over time [dB]."""
-    seen = [diagnosis for diagnosis in found if len(diagnosis.spectrum[0])]
+    seen = [diagnosis for diagnosis in judgements if len(diagnosis.spectrum[0])]
     if not seen:
         return None
     names = tuple(seen[0].levels)
@@ -123,6 +123,6 @@ def indicators_of(found: Sequence[Diagnosis]) -> Series | None:
     return Series(times, names, np.array([[diagnosis.levels[name] for name in names] for diagnosis in seen]))
 
 
-def verdicts_of(found: Sequence[Diagnosis]) -> tuple[Verdict, ...]:
+def verdicts_of(judgements: Sequence[Diagnosis]) -> tuple[Verdict, ...]:
     """Return the verdicts of the diagnoses."""
-    return tuple(Verdict(d.time_ns, d.verdict, LEVELS.get(d.verdict, ERROR), {"reason": d.reason}, d.scores) for d in found)
+    return tuple(Verdict(d.time_ns, d.verdict, LEVELS.get(d.verdict, ERROR), {"reason": d.reason}, d.scores) for d in judgements)

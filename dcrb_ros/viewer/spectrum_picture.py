@@ -15,15 +15,15 @@ import rerun as rr
 from dcrb_ros.bearing.fault_lines import Comb
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.viewer import columns, palette
+from dcrb_ros.viewer.columns import time_column
 from dcrb_ros.viewer.content import Times
 from dcrb_ros.viewer.spectrum import ORDER_STEP, Spectra
-from dcrb_ros.viewer.timeline import time_column
 
 ROOT = "envelope_spectrum"
 WIDTH, HEIGHT, TRACK = 1000.0, 300.0, 46.0
 """Width and height of the plot, and height of the track of each fault above it [picture units]."""
 NAMES, VALUES = -72.0, -56.0
-"""Horizontal places of the names of the tracks and of the values of the vertical axis [picture units]."""
+"""Horizontal positions of the names of the tracks and of the values of the vertical axis [picture units]."""
 LEVEL_TICK = 20.0
 """Spacing of the level ticks [dB]."""
 MOST_ORDER_TICKS = 8
@@ -68,15 +68,15 @@ def axes_of(spectra: Spectra) -> Axes:
     return Axes(spectra.highest_order, -0.5 * LEVEL_TICK, float(highest))
 
 
-def track(place: int, count: int) -> float:
+def track(row: int, count: int) -> float:
     """Return the height of a track above the plot, the lowest one clear of the plot's highest value [picture units]."""
-    return -TRACK * (count - place + 0.3)
+    return -TRACK * (count - row + 0.3)
 
 
 def log_combs(axes: Axes, combs: Sequence[Comb]) -> None:
     """Log the fault lines and the style of curve, area and peaks."""
-    for place, comb in enumerate(combs):
-        log_comb(axes.highest_order, comb, track(place, len(combs)))
+    for row, comb in enumerate(combs):
+        log_comb(axes.highest_order, comb, track(row, len(combs)))
         fixed = rr.Points2D.from_fields(radii=rr.Radius.ui_points(3.5), colors=[palette.FAULT_LINES[comb.name]], draw_order=5.0)
         rr.log(f"{ROOT}/{comb.name}/peaks", fixed, static=True)
     half = 0.55 * WIDTH * ORDER_STEP / axes.highest_order
@@ -95,7 +95,7 @@ def log_levels(axes: Axes, combs: Sequence[Comb], spectra: Spectra) -> None:
 
 
 def log_axes(axes: Axes) -> None:
-    """Log grid, ticks and the place of the axis label."""
+    """Log grid, ticks and the position of the axis label."""
     orders = order_ticks(axes.highest_order)
     levels = np.arange(0.0, axes.highest_level + 1e-9, LEVEL_TICK)
     upright = [axes.points(np.array([o, o]), np.array([axes.lowest_level, axes.highest_level])) for o in orders]
@@ -107,8 +107,8 @@ def log_axes(axes: Axes) -> None:
     texts = [*(f"{order:g}" for order in orders), *(f"{value:g}" for value in levels[:-1]), f"{levels[-1]:g} dB"]
     log_texts(f"{ROOT}/ticks", np.concatenate([below, beside]), texts, palette.MUTED)
     middle = [[0.5 * WIDTH, HEIGHT + 74.0 - LABEL_DROP]]
-    place = rr.Points2D.from_fields(positions=middle, radii=[0.01], show_labels=True, colors=[palette.MUTED])
-    rr.log(f"{ROOT}/meaning", place, static=True)
+    label = rr.Points2D.from_fields(positions=middle, radii=[0.01], show_labels=True, colors=[palette.MUTED])
+    rr.log(f"{ROOT}/meaning", label, static=True)
 
 
 def order_ticks(highest: float) -> Floats:
@@ -117,9 +117,9 @@ def order_ticks(highest: float) -> Floats:
     return np.arange(0.0, highest + 1e-9, tick)
 
 
-def log_texts(path: str, places: Floats, texts: Sequence[str], colour: palette.Colour, *, drop: float = LABEL_DROP) -> None:
+def log_texts(path: str, positions: Floats, texts: Sequence[str], colour: palette.Colour, *, drop: float = LABEL_DROP) -> None:
     """Log texts at positions, shifted upwards by ``drop``, since Rerun draws a label at a fixed distance below its point."""
-    raised = places - [0.0, drop]
+    raised = positions - [0.0, drop]
     rr.log(path, rr.Points2D(raised, radii=0.01, labels=list(texts), show_labels=True, colors=[colour]), static=True)
 
 
@@ -143,13 +143,13 @@ def log_peaks(axes: Axes, comb: Comb, time_ns: Times, orders: Floats, level: Flo
     if not comb.orders:
         return
     resolution = float(orders[1] - orders[0])
-    places = np.empty((len(level), len(comb.orders), 2))
+    positions = np.empty((len(level), len(comb.orders), 2))
     for k, harmonic in enumerate(comb.orders):
         near = np.flatnonzero(np.abs(orders - harmonic) <= max(SEARCH * harmonic, 1.5 * resolution))
         best = near[np.argmax(level[:, near], axis=1)]
-        places[:, k] = axes.points(orders[best], level[np.arange(len(level)), best])
+        positions[:, k] = axes.points(orders[best], level[np.arange(len(level)), best])
     path = f"{ROOT}/{comb.name}/peaks"
-    columns.send(path, time_ns, columns.vectors(rr.Points2D.descriptor_positions(), places))
+    columns.send(path, time_ns, columns.vectors(rr.Points2D.descriptor_positions(), positions))
 
 
 def log_curve(axes: Axes, time_ns: Times, orders: Floats, level: Floats) -> None:

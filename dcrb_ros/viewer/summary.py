@@ -10,9 +10,9 @@ import rerun as rr
 
 from dcrb_ros.faults.ground_truth import words_of
 from dcrb_ros.stream.block import Truth
+from dcrb_ros.viewer.columns import time_column
 from dcrb_ros.viewer.content import Content
 from dcrb_ros.viewer.series import DEGREES
-from dcrb_ros.viewer.timeline import time_column
 
 MOST_PAGES = 400
 """Largest number of summary pages of a recording, without those where a fault comes or goes [-]."""
@@ -72,9 +72,9 @@ def _lines(content: Content, truth: Truth | None) -> Iterator[str]:
 def _temperatures(truth: Truth) -> Iterator[str]:
     """Yield the warmest of the rings of all rows and of their rollers, box and ambient."""
     for part in ("inner_ring", "rollers", "outer_ring", "box", "ambient"):
-        found = [value for name, value in truth.thermal.items() if name.removesuffix(DEGREES).split("/")[-1] == part]
-        if found:
-            yield f"{part.replace('_', ' ')} {max(found):.1f}"
+        values = [value for name, value in truth.thermal.items() if name.removesuffix(DEGREES).split("/")[-1] == part]
+        if values:
+            yield f"{part.replace('_', ' ')} {max(values):.1f}"
 
 
 def _faults(truth: Truth, rows: int) -> Iterator[str]:

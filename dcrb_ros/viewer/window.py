@@ -17,8 +17,8 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
+from dcrb_ros.viewer.columns import TIMELINE
 from dcrb_ros.viewer.document_server import LOOPBACK, document_served
-from dcrb_ros.viewer.timeline import TIMELINE
 
 if TYPE_CHECKING:
     from rerun.experimental import ViewerClient

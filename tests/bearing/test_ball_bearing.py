@@ -9,9 +9,9 @@ from dcrb_ros.bearing.kinematics import characteristic_orders
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.files import load_configuration
 from dcrb_ros.simulation.loop import Simulation
-from dcrb_ros.validation.balls import ball_comparisons
-from dcrb_ros.validation.comparison import Comparison
+from dcrb_ros.validation.balls import ball_rows
 from dcrb_ros.validation.realism import squared_envelope
+from dcrb_ros.validation.report_row import ReportRow
 
 pytestmark = pytest.mark.slow
 
@@ -23,8 +23,8 @@ LINES = {
 }
 
 
-@pytest.mark.parametrize("comparison", list(ball_comparisons()), ids=lambda comparison: comparison.quantity)
-def test_published_numbers_hold(comparison: Comparison) -> None:
+@pytest.mark.parametrize("comparison", list(ball_rows()), ids=lambda comparison: comparison.quantity)
+def test_published_numbers_hold(comparison: ReportRow) -> None:
     assert comparison.holds, f"{comparison.found}, expected {comparison.accepted}"
 
 

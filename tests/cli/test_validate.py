@@ -9,22 +9,22 @@ import pytest
 from same_process import dcrb
 
 from dcrb_ros.validation import validate
-from dcrb_ros.validation.comparison import Comparison
+from dcrb_ros.validation.report_row import ReportRow
 
-HOLDS = Comparison("spin [rad/s]", "pocket", "-", "1.0", "1.0 +- 1 %", True)
-SHORT = Comparison("force [N]", "both", "2 (Fig. 8)", "3", "2", False, "Oil")
+HOLDS = ReportRow("spin [rad/s]", "pocket", "-", "1.0", "1.0 +- 1 %", True)
+SHORT = ReportRow("force [N]", "both", "2 (Fig. 8)", "3", "2", False, "Oil")
 
 
 @pytest.fixture(params=[[HOLDS], [HOLDS, SHORT]], ids=["all hold", "one falls short"])
-def comparisons(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> list[Comparison]:
-    found: list[Comparison] = request.param
+def comparisons(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> list[ReportRow]:
+    found: list[ReportRow] = request.param
     monkeypatch.setattr(validate, "run_all", lambda processes, on_done: (on_done(1, 1, "run [s]"), validate.Results({}, {}, {}))[1])
-    monkeypatch.setattr(validate, "all_comparisons", lambda results: found)
+    monkeypatch.setattr(validate, "all_rows", lambda results: found)
     monkeypatch.setattr(validate, "write_report", lambda folder, comparisons, runs: folder / "report.md")
     return found
 
 
-def test_the_comparisons_as_json(comparisons: list[Comparison], tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_comparisons_as_json(comparisons: list[ReportRow], tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     good = all(comparison.holds for comparison in comparisons)
     assert dcrb("validate", "-o", str(tmp_path), "--json", "--quiet") == (0 if good else 1)
     out, err = capsys.readouterr()
@@ -36,7 +36,7 @@ def test_the_comparisons_as_json(comparisons: list[Comparison], tmp_path: Path, 
     assert found["comparisons"][-1]["chapter"] == comparisons[-1].chapter
 
 
-def test_the_table_has_units(comparisons: list[Comparison], tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_table_has_units(comparisons: list[ReportRow], tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     good = all(comparison.holds for comparison in comparisons)
     assert dcrb("validate", "-o", str(tmp_path)) == (0 if good else 1)
     out, err = capsys.readouterr()

@@ -12,7 +12,7 @@ import pytest
 
 ROOT = Path(__file__).parents[2]
 NODES = {"simulator", "replayer", "fault_detector", "hot_box_detector", "viewer"}
-OF_GIT = {".gitignore", ".dockerignore"}
+OF_GIT = {".gitattributes", ".gitignore", ".dockerignore"}
 """Files that only the repository needs."""
 
 

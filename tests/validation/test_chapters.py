@@ -18,21 +18,21 @@ from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.settings.files import load_configuration
 from dcrb_ros.simulation import loop
 from dcrb_ros.validation import friction_moment, height_rows, oil_laws, oiled_bench, surface_rows, thermal_rows
-from dcrb_ros.validation.comparison import Comparison, about, between
 from dcrb_ros.validation.oiled_runs import OiledRun, OiledSpec, oiled_specs, simulate_oiled
 from dcrb_ros.validation.report import chapters, markdown
+from dcrb_ros.validation.report_row import ReportRow, about, between
 
 VISCOSITY = 39.5  # mm^2/s, 100 at 40 and 11 at 100 deg C by Walther, at 60 deg C
 
 
-def short(rows: Iterable[Comparison]) -> set[str]:
+def short(rows: Iterable[ReportRow]) -> set[str]:
     """Return the quantities of the rows that fall short."""
     return {row.quantity for row in rows if not row.holds}
 
 
-def static_rows() -> list[Comparison]:
+def static_rows() -> list[ReportRow]:
     """Return the rows that need no run."""
-    return [*oil_laws.oil_law_comparisons(), *surface_rows.felt_comparisons(), *height_rows.table_comparisons()]
+    return [*oil_laws.oil_law_rows(), *surface_rows.felt_rows(), *height_rows.table_rows()]
 
 
 def test_the_laws_have_the_values_worked_out_by_hand() -> None:
@@ -40,9 +40,9 @@ def test_the_laws_have_the_values_worked_out_by_hand() -> None:
 
 
 def test_heat_has_the_values_worked_out_by_hand(monkeypatch: pytest.MonkeyPatch) -> None:
-    assert short(thermal_rows.thermal_comparisons()) == set()
+    assert short(thermal_rows.thermal_rows()) == set()
     monkeypatch.setattr(thermal_rows, "RACEWAYS", [(20.0, 20.0)] * 2)
-    assert short(thermal_rows.thermal_comparisons()) == {"Resistance from the axle box to the air"}
+    assert short(thermal_rows.thermal_rows()) == {"Resistance from the axle box to the air"}
 
 
 @pytest.mark.parametrize(
@@ -78,9 +78,9 @@ def test_a_table_whose_slopes_are_not_those_of_its_heights_falls_short(monkeypat
     heights, slopes = height_rows.spalled_table()
     monkeypatch.setattr(height_rows, "shift_change", lambda: 0.0)
     monkeypatch.setattr(height_rows, "spalled_table", lambda: (heights, 1.02 * slopes))
-    assert short(height_rows.table_comparisons()) == {"Slopes of that table over those of its heights"}
+    assert short(height_rows.table_rows()) == {"Slopes of that table over those of its heights"}
     monkeypatch.setattr(height_rows, "spalled_table", lambda: (heights[:-1], slopes[:-1]))  # a node is missing where the turn closes
-    assert "Largest jump of its slope there" in short(height_rows.table_comparisons())
+    assert "Largest jump of its slope there" in short(height_rows.table_rows())
 
 
 @pytest.mark.parametrize("misplaced", ["rounded", "cut off at the first node"])
@@ -100,13 +100,13 @@ def test_a_spall_that_does_not_move_with_its_azimuth_falls_short(misplaced: str,
 
 
 def test_shares_growth_and_dents_are_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
-    assert short(height_rows.height_comparisons()) == set()
+    assert short(height_rows.height_rows()) == set()
     add, refit = surfaces.add_to_raceway, runtime_change.refitted
     with monkeypatch.context() as patch:
         patch.setattr(
             surfaces, "add_to_raceway", lambda table, row, path, azimuth, raceway, _: add(table, row, path, azimuth, raceway, 1.0)
         )
-        assert "Samples with a spall over 1e-6 of the length, over the effect of a whole one" in short(height_rows.share_comparisons())
+        assert "Samples with a spall over 1e-6 of the length, over the effect of a whole one" in short(height_rows.share_rows())
     with monkeypatch.context() as patch:  # the bearing's clearance changes by 2 um with the spall
         larger = load_configuration("healthy").bearing.outer_raceway_radius + 1e-6
         patch.setattr(loop, "refitted", lambda *given: refit(*given)._replace(outer_raceway_radius=larger))
@@ -132,27 +132,27 @@ def steady() -> OiledRun:
 
 def test_friction_balances_and_a_wrong_one_falls_short() -> None:
     run = steady()
-    assert short(oiled_bench.balance_comparisons(run)) == set()
-    assert short(oiled_bench.friction_comparisons(run)) == set()
+    assert short(oiled_bench.balance_rows(run)) == set()
+    assert short(oiled_bench.friction_rows(run)) == set()
     doubled = replace(run, change=replace(run.change, drive=2.2 * run.change.drive))
-    assert len(short(oiled_bench.balance_comparisons(doubled))) == 2
-    assert short(oiled_bench.friction_comparisons(doubled)) >= {"The same by Palmgren, the ends of his factors and 40 % beyond"}
+    assert len(short(oiled_bench.balance_rows(doubled))) == 2
+    assert short(oiled_bench.friction_rows(doubled)) >= {"The same by Palmgren, the ends of his factors and 40 % beyond"}
     dry = replace(run, change=replace(run.change, drive=0.1 * run.change.drive))
-    assert len(short(oiled_bench.friction_comparisons(dry))) == 2
+    assert len(short(oiled_bench.friction_rows(dry))) == 2
 
 
 def test_films_are_those_of_the_formula_and_others_fall_short() -> None:
     run = steady()
-    assert short(oiled_bench.film_comparisons(run)) == set()
+    assert short(oiled_bench.film_rows(run)) == set()
     states = tuple(replace(state, least_film=1.05 * state.least_film, friction_torque=1.05 * state.friction_torque) for state in run.states)
-    assert len(short(oiled_bench.film_comparisons(replace(run, states=states)))) == 2
+    assert len(short(oiled_bench.film_rows(replace(run, states=states)))) == 2
 
 
 def test_a_lossless_source_is_noticed() -> None:
     run = steady()
     silent = tuple(replace(state, friction_loss=state.friction_loss * np.array([1.0, 1.0, 1.0, 1.0, 0.0, 1.0])) for state in run.states)
     assert "Power of all sources over that of the shaft at constant speed" in short(
-        oiled_bench.balance_comparisons(replace(run, states=silent))
+        oiled_bench.balance_rows(replace(run, states=silent))
     )
 
 
@@ -160,13 +160,13 @@ def test_a_cold_start_notices_another_limiting_friction() -> None:
     (spec,) = (spec for spec in oiled_specs() if spec.name == "cold start")
     for changes, missed in (((), set()), (("lubrication.limiting_friction=0.09",), {True})):
         run = simulate_oiled(spec, changes)
-        assert {not row.holds for row in oiled_bench.cold_comparisons(run)} - {False} == missed
+        assert {not row.holds for row in oiled_bench.cold_rows(run)} - {False} == missed
 
 
 def waves(*changes: str) -> set[str]:
     """Return the rows of waviness alone that fall short with changed parameters."""
     runs = {spec.name: simulate_oiled(replace(spec, duration=0.3), changes) for spec in oiled_specs() if spec.name.startswith("waves")}
-    rows = surface_rows.wave_comparisons(runs["waves"], runs["waves with box"])
+    rows = surface_rows.wave_rows(runs["waves"], runs["waves with box"])
     return {row.quantity.split(",")[0] for row in rows if not row.holds}
 
 
@@ -187,7 +187,7 @@ def test_palmgren_is_the_sum_of_a_viscous_and_a_load_moment() -> None:
 
 
 def test_the_report_has_a_table_for_each_chapter() -> None:
-    rows = [Comparison("spin", "both", "-", "1", "1", True), Comparison("film", "pocket", "-", "2", "2", True, "Oil")]
+    rows = [ReportRow("spin", "both", "-", "1", "1", True), ReportRow("film", "pocket", "-", "2", "2", True, "Oil")]
     assert list(chapters(rows)) == ["The paper", "Oil"]
     text = markdown(rows, [OiledSpec("healthy", 1.0)], [])
     assert text.index("### The paper") < text.index("| spin |") < text.index("### Oil") < text.index("| film |")

@@ -10,14 +10,14 @@ import numpy as np
 import pytest
 
 from dcrb_ros.schema.refusal import Refusal
-from dcrb_ros.validation.comparison import Comparison
-from dcrb_ros.validation.dry_bench import dry_bench_comparisons
+from dcrb_ros.validation.dry_bench import dry_bench_rows
 from dcrb_ros.validation.faults import power_of_sink
 from dcrb_ros.validation.figures import passes
-from dcrb_ros.validation.healthy import healthy_comparisons
+from dcrb_ros.validation.healthy import healthy_rows
 from dcrb_ros.validation.measures import envelope_spectrum, kurtosis, load_zone, profile, settling_time
 from dcrb_ros.validation.report import markdown, summary
-from dcrb_ros.validation.runs import Run, RunSpec, run_specs, simulate
+from dcrb_ros.validation.report_row import ReportRow
+from dcrb_ros.validation.runs import PaperRun, PaperRunSpec, run_specs, simulate
 from dcrb_ros.validation.validate import REPORT, report_folder
 
 
@@ -64,17 +64,17 @@ def test_run_specs_are_distinct_and_valid() -> None:
 
 
 @functools.cache
-def short(name: str, *settings: str) -> Run:
-    return simulate(RunSpec(name, "revolute", 0.35, settings))
+def short(name: str, *settings: str) -> PaperRun:
+    return simulate(PaperRunSpec(name, "revolute", 0.35, settings))
 
 
-def verdicts(healthy: Run, cold: Run) -> dict[str, bool]:
+def verdicts(healthy: PaperRun, cold: PaperRun) -> dict[str, bool]:
     """Return whether each comparison with the revolute joint holds; the runs are used for both joints.
 
     The energy account is left out: over a third of a second, the energy input is smaller than the oscillation of the stored energy.
     """
     runs = {(run.spec.name, joint): run for run in (healthy, cold) for joint in ("revolute", "pocket")}
-    comparisons = (c for c in healthy_comparisons(runs) if c.joint == "revolute")
+    comparisons = (c for c in healthy_rows(runs) if c.joint == "revolute")
     return {c.quantity: c.holds for c in comparisons if "Energy" not in c.quantity}
 
 
@@ -98,8 +98,8 @@ def test_a_comparison_outside_its_tolerance_falls_short() -> None:
 @functools.cache
 def dry_bench(*settings: str) -> dict[str, bool]:
     """Return whether each row of the dry bench holds over 1.5 s."""
-    run = simulate(RunSpec("healthy", "pocket", 1.7, settings))
-    return {comparison.quantity.split(",")[0]: comparison.holds for comparison in dry_bench_comparisons(run)}
+    run = simulate(PaperRunSpec("healthy", "pocket", 1.7, settings))
+    return {comparison.quantity.split(",")[0]: comparison.holds for comparison in dry_bench_rows(run)}
 
 
 @pytest.mark.parametrize(
@@ -119,7 +119,7 @@ def test_the_rows_of_the_dry_bench_notice_another_cage(settings: tuple[str, ...]
 
 def test_the_power_of_the_defects_law_notices_its_width() -> None:
     def holds(width: str) -> bool:
-        return power_of_sink(simulate(RunSpec("outer ring defect", "revolute", 0.5, (f"faults.outer_1.width={width}",)))).holds
+        return power_of_sink(simulate(PaperRunSpec("outer ring defect", "revolute", 0.5, (f"faults.outer_1.width={width}",)))).holds
 
     assert holds("0.002")
     assert not holds("0.0018")
@@ -127,8 +127,8 @@ def test_the_power_of_the_defects_law_notices_its_width() -> None:
 
 
 def test_report_contains_every_comparison() -> None:
-    met = Comparison("Cage speed", "pocket", "52.4", "52.44", "1 %", True)
-    comparisons = [met, Comparison("Friction", "revolute", "1.5 kN", "9 kN", "2 kN", False)]
+    met = ReportRow("Cage speed", "pocket", "52.4", "52.44", "1 %", True)
+    comparisons = [met, ReportRow("Friction", "revolute", "1.5 kN", "9 kN", "2 kN", False)]
     text = markdown(comparisons, run_specs(), ["figure_8_pocket.png"])
     assert summary(comparisons) == "1 of 2 comparisons fall short."
     assert "| Friction | revolute | 1.5 kN | 9 kN | 2 kN | falls short |" in text

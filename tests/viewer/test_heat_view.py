@@ -11,7 +11,7 @@ from dcrb_ros.bearing.kinematics import characteristic_orders
 from dcrb_ros.bearing.temperature_readings import TemperatureReadings
 from dcrb_ros.settings.parameters import Bearing
 from dcrb_ros.viewer import blueprint
-from dcrb_ros.viewer.content import Waveform
+from dcrb_ros.viewer.content import TimedWaveform
 from dcrb_ros.viewer.drawing import Drawing
 from dcrb_ros.viewer.spectrum import diagnoses
 
@@ -46,7 +46,7 @@ def test_the_verdict_takes_temperatures_into_account_at_the_time_lapse_of_the_be
     time = np.arange(count)
     noise = np.random.default_rng(1).standard_normal((count, 2)).astype(np.float32)
     angle = (2.0 * math.pi * 15.0 * time / RATE % (2.0 * math.pi)).astype(np.float32)
-    waveform = Waveform(time * 1_000_000_000 // RATE, noise, angle, RATE)
+    waveform = TimedWaveform(time * 1_000_000_000 // RATE, noise, angle, RATE)
     read = np.arange(0.0, SECONDS)
     hot = TemperatureReadings(time=read, outer_ring=np.full(SECONDS, 150.0), box=np.full(SECONDS, 120.0), ambient=np.full(SECONDS, 20.0))
     orders = characteristic_orders(Bearing())

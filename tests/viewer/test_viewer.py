@@ -38,7 +38,7 @@ from dcrb_ros.simulation.loop import Simulation
 from dcrb_ros.stream.block import Truth
 from dcrb_ros.viewer import order_map, palette
 from dcrb_ros.viewer.blueprint import level_axis, speed_varies, waveform_axis, whole_time
-from dcrb_ros.viewer.content import Content, DetectorOutput, Series, Waveform
+from dcrb_ros.viewer.content import Content, DetectorOutput, Series, TimedWaveform
 from dcrb_ros.viewer.document import write_document
 from dcrb_ros.viewer.drawing import Drawing, on_circle, quaternions, rounded_up
 from dcrb_ros.viewer.live_run import completed
@@ -197,13 +197,13 @@ def test_a_stationary_shaft_and_a_short_waveform_have_no_spectrum(content: Conte
     orders = characteristic_orders(Bearing())
     still = dataclasses.replace(content.waveform, shaft_angle=np.zeros_like(content.waveform.shaft_angle))
     assert envelope_spectra(diagnoses(still, orders)) is None
-    short = Waveform(*(array[:5000] for array in (still.time_ns, still.acceleration, still.shaft_angle)), rate=still.rate)
+    short = TimedWaveform(*(array[:5000] for array in (still.time_ns, still.acceleration, still.shaft_angle)), rate=still.rate)
     assert diagnoses(short, orders) == []
 
 
 def test_pieces_do_not_span_gaps() -> None:
     ticks = np.concatenate([np.arange(0, 100), np.arange(150, 400)])
-    waveform = Waveform(ticks * 1_000_000, np.zeros((350, 2), np.float32), np.zeros(350, np.float32), 1000)
+    waveform = TimedWaveform(ticks * 1_000_000, np.zeros((350, 2), np.float32), np.zeros(350, np.float32), 1000)
     found = [ticks[piece] for piece in pieces(waveform, 64)]
     assert np.concatenate(found).tolist() == ticks.tolist()
     assert all((np.diff(piece) == 1).all() and len(piece) <= 64 for piece in found)
@@ -216,7 +216,7 @@ def test_number_of_windows_depends_on_the_duration(seconds: float, windows: int)
     count = round(seconds * 6400)
     noise = np.random.default_rng(1).standard_normal((count, 2)).astype(np.float32)
     angle = np.mod(PAPER_SPEED * np.arange(count) / 6400, 2.0 * math.pi).astype(np.float32)
-    waveform = Waveform(np.arange(count) * 10**9 // 6400, noise, angle, 6400)
+    waveform = TimedWaveform(np.arange(count) * 10**9 // 6400, noise, angle, 6400)
     assert len(diagnoses(waveform, characteristic_orders(Bearing()))) == windows
 
 

@@ -104,7 +104,7 @@ def check_supported(c: Configuration) -> None:
 class ReferenceSolver:
     """The reference solver for a configuration; speed and load are constant.
 
-    It includes what the paper includes: rollers pinned to their pockets except beside broken bars, Johnson's contact law, the
+    It has the parts of the paper's model: rollers pinned to their pockets except beside broken bars, Johnson's contact law, the
     paper's raceway defects, and LuGre friction. ``baumgarte`` contains alpha and beta [1/s].
 
     Raises:

@@ -9,21 +9,21 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from dcrb_ros.validation.runs import Run
+from dcrb_ros.validation.runs import PaperRun
 
-Runs = Mapping[tuple[str, str], Run]
+PaperRuns = Mapping[tuple[str, str], PaperRun]
 """Runs by name and joint."""
 
 
 @dataclass(frozen=True)
-class Comparison:
+class ReportRow:
     """A quantity compared with its expected value: one line of the report's table."""
 
     quantity: str
     joint: str
     """revolute, pocket or both."""
     paper: str
-    """Value in the paper and its place; a dash if the paper gives none."""
+    """Value in the paper and its section or figure; a dash if the paper gives none."""
     found: str
     """Value of this model."""
     accepted: str
@@ -39,18 +39,18 @@ class Comparison:
         return "holds" if self.holds else "falls short"
 
 
-def about(chapter: str, quantity: str, found: npt.ArrayLike, expected: npt.ArrayLike, relative: float, unit: str = "") -> Comparison:
+def about(chapter: str, quantity: str, values: npt.ArrayLike, expected: npt.ArrayLike, relative: float, unit: str = "") -> ReportRow:
     """Return the comparison of numbers with expected ones, within a relative tolerance [-] of each."""
-    ours, theirs = (np.atleast_1d(np.asarray(values, np.float64)) for values in (found, expected))
-    listed = [" ".join([", ".join(f"{value:.4g}" for value in values), unit]).strip() for values in (ours, theirs)]
-    holds = all(within(one, other, relative) for one, other in zip(ours, theirs, strict=True))
-    return Comparison(quantity, "pocket", "-", listed[0], f"{listed[1]}, {100.0 * relative:.3g} %", holds, chapter)
+    ours, theirs = (np.atleast_1d(np.asarray(numbers, np.float64)) for numbers in (values, expected))
+    listed = [" ".join([", ".join(f"{number:.4g}" for number in numbers), unit]).strip() for numbers in (ours, theirs)]
+    holds = all(within(value, wanted, relative) for value, wanted in zip(ours, theirs, strict=True))
+    return ReportRow(quantity, "pocket", "-", listed[0], f"{listed[1]}, {100.0 * relative:.3g} %", holds, chapter)
 
 
-def between(chapter: str, quantity: str, found: float, low: float, high: float, unit: str = "") -> Comparison:
+def between(chapter: str, quantity: str, value: float, low: float, high: float, unit: str = "") -> ReportRow:
     """Return the comparison of a number with a range."""
     accepted = f"at most {high:g}" if low == -math.inf else f"at least {low:g}" if high == math.inf else f"{low:g} to {high:g}"
-    return Comparison(quantity, "pocket", "-", f"{found:.3g} {unit}".strip(), f"{accepted} {unit}".strip(), low <= found <= high, chapter)
+    return ReportRow(quantity, "pocket", "-", f"{value:.3g} {unit}".strip(), f"{accepted} {unit}".strip(), low <= value <= high, chapter)
 
 
 def within(value: float, expected: float, relative: float) -> bool:
