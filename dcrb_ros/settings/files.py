@@ -20,6 +20,7 @@ from dcrb_ros.schema.fields import Group
 from dcrb_ros.schema.parameter_field import ParameterField, field_of, more, sentences
 from dcrb_ros.schema.refusal import GOOD_LIKENESS, Refusal, nearest, nearest_key
 from dcrb_ros.settings.configuration import Configuration
+from dcrb_ros.settings.parameters import COMMANDED
 from dcrb_ros.settings.sections import read_sections
 from dcrb_ros.settings.sensor import preset_values
 from dcrb_ros.settings.shipped import find_configuration
@@ -30,9 +31,6 @@ MOST_UNKNOWN = 20
 """Unknown parameters for which those that may be meant are searched, which takes a millisecond each."""
 LEAST = sys.float_info.min
 """Smallest magnitude of a number other than zero: quotients of smaller numbers overflow."""
-
-COMMANDED = ("operating.speed", "operating.load", "operating.lateral_load")
-"""Parameters that are changed on a topic of their own."""
 
 Model = TypeVar("Model", bound=Group)
 

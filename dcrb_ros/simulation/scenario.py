@@ -12,7 +12,8 @@ from typing import Any
 from dcrb_ros.bearing.runtime_change import altered
 from dcrb_ros.schema.refusal import Refusal, nearest
 from dcrb_ros.settings.configuration import Configuration
-from dcrb_ros.settings.files import COMMANDED, flatten, overlaid, validated
+from dcrb_ros.settings.files import flatten, overlaid, validated
+from dcrb_ros.settings.parameters import COMMANDED
 from dcrb_ros.settings.shipped import shipped_folder
 from dcrb_ros.settings.vehicle_speed import SPEED, replaced
 from dcrb_ros.stream.events import ScenarioEvent

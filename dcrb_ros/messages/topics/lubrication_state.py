@@ -50,7 +50,7 @@ def arrays_of(names: tuple[str, ...], values: Floats) -> dict[str, Floats] | Non
 
 
 def _enabled(configuration: Configuration) -> bool:
-    return configuration.lubrication.law != "dry"
+    return bool(configuration.lubrication.law != "dry")
 
 
 def _encode(block: Block, source: Source) -> Encoded:
