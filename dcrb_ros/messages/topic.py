@@ -32,6 +32,12 @@ class Topic:
     decode: Callable[[bytes], Any] | None = None
     """Decodes a message; without it the message is decoded to the class of its type."""
 
+    @property
+    def qos(self) -> dict[str, Any]:
+        """Quality of service with which it is published and recorded: the policies as ROS names them."""
+        durability = "transient_local" if self.latched else "volatile"
+        return {"history": "keep_last", "depth": self.depth, "reliability": "reliable", "durability": durability}
+
     def resolved(self, namespace: str) -> str:
         """Return the absolute name."""
         return self.name if self.name.startswith("/") else f"{namespace.rstrip('/')}/{self.name}"
