@@ -87,7 +87,7 @@ def docs(group: Group = "") -> None:
 
     Example: dcrb config docs bearing
     """
-    from dcrb_ros.settings.files import parameter_table
+    from dcrb_ros.settings.documentation import parameter_table
 
     if not group:
         print(parameter_table())

@@ -25,9 +25,8 @@ from dcrb_ros.schema.fields import Group, choice, quantity
 from dcrb_ros.schema.refusal import Refusal, nearest
 from dcrb_ros.schema.verdicts import FAULT_CLASSES, FaultClass
 from dcrb_ros.settings.configuration import Configuration
-from dcrb_ros.settings.files import fields_by_key, flatten, read_parameters, validated
+from dcrb_ros.settings.files import fields_by_key, flatten, layered, read_parameters, validated
 from dcrb_ros.settings.shipped import find_configuration, shipped_folder
-from dcrb_ros.settings.vehicle_speed import layered
 from dcrb_ros.simulation.scenario import ScheduledChange, read_scenario_file, scheduled_changes, starting_configuration
 from dcrb_ros.text.files import checked_path, is_file
 from dcrb_ros.text.yaml import read_yaml

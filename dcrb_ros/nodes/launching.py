@@ -18,12 +18,10 @@ from launch_ros.parameter_descriptions import ParameterValue
 from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.schema.refusal import Refusal, nearest
 from dcrb_ros.settings.configuration import Configuration
-from dcrb_ros.settings.files import flatten, load_configuration, read_parameters, validated
-from dcrb_ros.settings.sections import parameters_of
+from dcrb_ros.settings.files import load_configuration, read_parameters, validated
 from dcrb_ros.settings.shipped import find_configuration, shipped_folder
 from dcrb_ros.simulation.scenario import read_scenario
 from dcrb_ros.text.files import is_file
-from dcrb_ros.text.yaml import read_yaml
 
 PACKAGE = "dcrb_ros"
 RANGE = "ROS_AUTOMATIC_DISCOVERY_RANGE"
@@ -159,8 +157,7 @@ def _parameters(path: Path, name: str) -> dict[str, Any]:
 
     The path itself is no parameter file for every node: ROS reads no plain groups, and a section counts in its own namespace only.
     """
-    sections = parameters_of(read_yaml(path), name, str(path), of_ros=True)
-    return {key: value for section in sections for key, value in flatten(section).items() if value != {}}
+    return {key: value for key, value in read_parameters(path, name, of_ros=True).items() if value != {}}
 
 
 def overrides(given: Mapping[str, Any], keys: Mapping[str, str]) -> dict[str, Any]:

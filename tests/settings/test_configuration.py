@@ -12,7 +12,8 @@ from hypothesis import strategies as st
 from dcrb_ros.schema.parameter_field import ParameterField
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
-from dcrb_ros.settings.files import fields_by_key, flatten, load_configuration, parameter_table, to_yaml, validated
+from dcrb_ros.settings.documentation import parameter_table
+from dcrb_ros.settings.files import fields_by_key, flatten, load_configuration, to_yaml, validated
 from dcrb_ros.settings.shipped import shipped_configurations
 
 FIELDS = fields_by_key()
