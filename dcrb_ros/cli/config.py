@@ -25,9 +25,9 @@ def list_() -> None:
 
     Example: dcrb config list
     """
-    from dcrb_ros.settings.shipped import shipped_configurations
+    from dcrb_ros.settings.shipped import shipped
 
-    for name, path in shipped_configurations().items():
+    for name, path in shipped("configuration").items():
         remark = path.read_text(encoding="utf-8").splitlines()[0].lstrip("# ")
         print(f"{name:20s} {remark}")
 

@@ -14,10 +14,9 @@ from dcrb_ros.schema.refusal import Refusal, nearest
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import changed, flatten
 from dcrb_ros.settings.parameters import COMMANDED
-from dcrb_ros.settings.shipped import shipped_folder
+from dcrb_ros.settings.shipped import find_shipped
 from dcrb_ros.settings.vehicle_speed import FASTEST_KMH, SPEED, SPEED_KMH, shaft_speed
 from dcrb_ros.stream.events import ScenarioEvent
-from dcrb_ros.text.files import checked_path, is_file
 from dcrb_ros.text.yaml import read_yaml
 
 TICK = 0.05
@@ -94,16 +93,7 @@ def read_scenario(path: Path, configuration: Configuration) -> list[ScheduledCha
 
 def read_scenario_file(path: Path) -> Any:
     """Return a scenario, a file or a shipped name, as parsed from YAML; recordings contain it in this form."""
-    return read_yaml(_find(path))
-
-
-def _find(path: Path) -> Path:
-    """Return the file of a scenario given by its path or a shipped name."""
-    shipped = {file.stem: file for file in sorted((shipped_folder() / "scenarios").glob("*.yaml"))}
-    found = is_file(checked_path(path))
-    if not found and str(path) not in shipped:
-        raise Refusal(f"there is no scenario '{path}': give a YAML file or one of {', '.join(shipped)}{nearest(str(path), shipped)}")
-    return path if found else shipped[str(path)]
+    return read_yaml(find_shipped("scenario", path))
 
 
 def starting_configuration(tree: Any, configuration: Configuration, source: str) -> Configuration:
