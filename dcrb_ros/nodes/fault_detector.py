@@ -17,22 +17,23 @@ from dcrb_ros.nodes.ros import own_arguments, run_node
 class FaultDetectorNode(BenchNode):
     """A detector that works from its start to its end."""
 
-    def __init__(self) -> None:
-        """Subscribe.
+    def __init__(self, parameters: DetectorParameters | None = None) -> None:
+        """Subscribe, with ``parameters``, by default those given to the node by ROS.
 
         Raises:
             Refusal: the parameters are invalid.
         """
         super().__init__("fault_detector")
         self.watch_publishers(DIAGNOSIS)
-        DetectorTopics(self, self.declare(DetectorParameters)).subscribe()
+        DetectorTopics(self, self.declare(DetectorParameters, adjust=lambda given: parameters or given)).subscribe()
 
 
-def run(arguments: list[str]) -> int:
+def run(arguments: list[str], parameters: DetectorParameters | None = None) -> int:
     """Run the node until a termination signal arrives; return the exit status."""
     parser = argparse.ArgumentParser(prog="fault_detector", description="The fault detector as a ROS 2 node.")
     parser.add_argument("--managed", action="store_true", help="wait as a lifecycle node for the transitions configure and activate")
-    return run_node(ManagedDetectorNode if own_arguments(parser, arguments).managed else FaultDetectorNode, arguments)
+    managed = own_arguments(parser, arguments).managed
+    return run_node(ManagedDetectorNode if managed else lambda: FaultDetectorNode(parameters), arguments)
 
 
 if __name__ == "__main__":

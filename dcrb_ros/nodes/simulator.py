@@ -101,8 +101,10 @@ class SimulatorNode(BenchNode):
 
     purpose = "bench"
 
-    def __init__(self, duration: float | None = None, scenario: Path | None = None) -> None:
+    def __init__(self, duration: float | None = None, scenario: Path | None = None, parameters: Configuration | None = None) -> None:
         """Prepare ``duration`` of simulated time [s], endless without one, with a ``scenario`` if one is given.
+
+        The ``parameters`` are by default those given to the node by ROS.
 
         Raises:
             Refusal: the parameters or the scenario are invalid.
@@ -110,7 +112,7 @@ class SimulatorNode(BenchNode):
         super().__init__("simulator")
         self._scenario, name = (read_scenario_file(scenario) if scenario else None), str(scenario)
         self.configuration = self.declare(
-            Configuration, run_time=RUN_TIME, adjust=lambda given: starting_configuration(self._scenario, given, name)
+            Configuration, run_time=RUN_TIME, adjust=lambda given: starting_configuration(self._scenario, parameters or given, name)
         )
         changes = scheduled_changes(self._scenario, self.configuration, name) if scenario else []
         publishing, log = self.configuration.publishing, self.get_logger()
@@ -246,14 +248,14 @@ def _decoded(topic: str, decode: Callable[[bytes], Any], data: bytes) -> Any:
         raise Refusal(f"{topic}: {refusal}") from None
 
 
-def run(arguments: list[str]) -> int:
+def run(arguments: list[str], parameters: Configuration | None = None) -> int:
     """Run the node until its duration is over or a termination signal arrives; return the exit status."""
     parser = argparse.ArgumentParser(prog="simulator", description="The simulated bearing as a ROS 2 node.")
     parser.add_argument("--duration", type=float, default=None, help="simulated time after which the node ends [s]")
     parser.add_argument("--scenario", type=Path, default=None, help="timeline of speed, load, faults and sensor in simulated time (YAML)")
     options = own_arguments(parser, arguments)
     duration = None if options.duration is None else checked_duration(options.duration)
-    return run_node(lambda: SimulatorNode(duration, options.scenario), arguments)
+    return run_node(lambda: SimulatorNode(duration, options.scenario, parameters), arguments)
 
 
 if __name__ == "__main__":
