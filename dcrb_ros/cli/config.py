@@ -119,8 +119,8 @@ def _below(group: str) -> list[ParameterField]:
     if group == DETECTOR:
         return list(fields_by_key(DetectorParameters).values())
     fields = fields_by_key()
-    found = [field for key, field in fields.items() if f"{key}.".startswith(f"{group}.")]
-    if not found:
+    matching = [field for key, field in fields.items() if f"{key}.".startswith(f"{group}.")]
+    if not matching:
         groups = [*dict.fromkeys(key.partition(".")[0] for key in fields), DETECTOR]
         raise Refusal(f"there is no group of parameters '{group}': give one of {', '.join(groups)}{nearest(group, [*groups, *fields])}")
-    return found
+    return matching

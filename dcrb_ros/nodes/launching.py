@@ -74,12 +74,12 @@ def values_of(context: Any, arguments: Mapping[str, Argument]) -> dict[str, Any]
     Raises:
         Refusal: a value has the wrong type, or is not among the choices.
     """
-    found = {name: _value(name, str(LaunchConfiguration(name).perform(context)), argument) for name, argument in arguments.items()}
-    if not NAMESPACE.fullmatch(found["namespace"] or ""):
+    values = {name: _value(name, str(LaunchConfiguration(name).perform(context)), argument) for name, argument in arguments.items()}
+    if not NAMESPACE.fullmatch(values["namespace"] or ""):
         raise Refusal(
-            f"namespace:={found['namespace'] or ''} is not a ROS namespace: write words of letters, digits and _ between /, such as dcrb"
+            f"namespace:={values['namespace'] or ''} is not a ROS namespace: write words of letters, digits and _ between /, such as dcrb"
         )
-    return found
+    return values
 
 
 def _value(name: str, text: str, argument: Argument) -> Any:
@@ -141,14 +141,14 @@ def simulator_parameters(argument: str, given: Mapping[str, Any], keys: Mapping[
         Refusal: there is no such file, or it is invalid; the sentence names the argument.
     """
     with naming(argument, given[argument]):
-        found: Configuration = load_configuration(given[argument])
+        configuration: Configuration = load_configuration(given[argument])
     for name, key in keys.items():
         if given[name] is not None:
             with naming(name, given[name]):
-                found = load_configuration(found, {key: given[name]})
+                configuration = load_configuration(configuration, {key: given[name]})
     if scenario is not None:
         with naming("scenario", scenario):
-            read_scenario(Path(scenario), found)
+            read_scenario(Path(scenario), configuration)
     return {**_parameters(find_configuration(given[argument]), "simulator"), **overrides(given, keys)}
 
 
@@ -174,8 +174,8 @@ def detector_parameters(detector: str) -> dict[str, Any]:
     shipped = {"detector": shipped_folder() / "detector.yaml"}
     path = Path(detector)
     with naming("detector", detector):
-        found = is_file(path)
-    if not found:
+        exists = is_file(path)
+    if not exists:
         if detector not in shipped:
             remedy = f"give a YAML file, or detector for the shipped parameters{nearest(detector, shipped)}"
             raise Refusal(f"detector:={detector}: there is no such file: {remedy}")
