@@ -80,7 +80,7 @@ setup(
             "pytest-xdist>=3.5,<4",
             "hypothesis>=6.100,<7",
             "mcap-ros2-support>=0.5,<1",
-            "import-linter>=2.16,<3",
+            "import-linter>=2.1,<3",
             "ruff>=0.17,<0.18",
             # Types are checked against one generation of stubs, or every release of numpy brings other errors.
             "mypy>=2.4,<2.5",
