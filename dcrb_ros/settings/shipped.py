@@ -21,25 +21,25 @@ def shipped(kind: str) -> dict[str, Path]:
     return {path.stem: path for path in files if path.stem != "detector"}
 
 
-def find_shipped(kind: str, source: str | Path) -> Path:
-    """Return the path of a file of a kind, given as it is or by a shipped name.
+def find_shipped(kind: str, source: str | Path, name: str = "") -> Path:
+    """Return the path of a file of a kind, given as it is or by its shipped ``name``, which is ``source`` unless it is given.
 
     Raises:
         Refusal: there is neither.
     """
-    path, known = checked_path(source), shipped(kind)
+    path, known, name = checked_path(source), shipped(kind), name or str(source)
     if is_file(path):
         return path
-    if str(source) in known:
-        return known[str(source)]
+    if name in known:
+        return known[name]
     raise Refusal(f"there is no {kind} '{source}': give a YAML file or one of {', '.join(known)}{nearest(str(source), known)}")
 
 
 def find_configuration(source: str | Path) -> Path:
     """Return the path of a configuration, given as a file or by a shipped name, which may have the folder and the suffix of its file."""
-    path = checked_path(source)
-    as_file = path.suffix in (".yaml", ".yml") and path.parent.name in ("", "config") and path.stem in shipped("configuration")
-    return find_shipped("configuration", path.stem if as_file and not path.exists() else source)
+    path = Path(source)
+    as_file = path.suffix in (".yaml", ".yml") and path.parent.name in ("", "config")
+    return find_shipped("configuration", source, path.stem if as_file else "")
 
 
 def shipped_folder() -> Path:
