@@ -15,7 +15,7 @@ from dcrb_ros.cli.app import app
 from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.messages.topics import topic_table
 from dcrb_ros.settings.configuration import Configuration
-from dcrb_ros.settings.files import parameter_table
+from dcrb_ros.settings.documentation import parameter_table
 
 PARAMETERS = "<!-- parameters -->"
 DETECTOR_PARAMETERS = "<!-- detector parameters -->"

@@ -27,7 +27,7 @@ PARAMETERS = {"time_scale": "time_scale", "wait": "publishing.wait"}
 
 def nodes(context: LaunchContext) -> list[Any]:
     """Return simulator and fault detector of every box."""
-    given, found = launching.values_of(context, ARGUMENTS), launching.suspicions(context, ARGUMENTS)
+    given, actions = launching.values_of(context, ARGUMENTS), launching.suspicions(context, ARGUMENTS)
     detector = launching.detector_parameters(given["detector"])
     for box in range(1, BOXES + 1):
         namespace, argument = f"{given['namespace']}/box{box}", "fault" if box == FAULTY else "config"
@@ -40,8 +40,8 @@ def nodes(context: LaunchContext) -> list[Any]:
             "publishing.clock": box == 1 and bool(given["clock"]),
             "publishing.listeners": 1,
         }
-        found += [launching.node("simulator", namespace, parameters), launching.node("fault_detector", namespace, detector)]
-    return found
+        actions += [launching.node("simulator", namespace, parameters), launching.node("fault_detector", namespace, detector)]
+    return actions
 
 
 def generate_launch_description() -> LaunchDescription:

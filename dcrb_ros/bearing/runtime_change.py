@@ -11,7 +11,7 @@ from dcrb_ros.core.layout.state import State
 from dcrb_ros.core.payload import Payload
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
-from dcrb_ros.settings.files import fields_by_key, flatten, unknown_parameter, validated
+from dcrb_ros.settings.files import changed, fields_by_key, unknown_parameter
 
 
 def altered(configuration: Configuration, changes: Mapping[str, Any], source: str = "parameters") -> Configuration:
@@ -27,7 +27,7 @@ def altered(configuration: Configuration, changes: Mapping[str, Any], source: st
             raise Refusal(f"{source}: {unknown_parameter(key)}")
         if not fields[key].run_time:
             raise Refusal(f"{source}: {key} is fixed while the bench runs; set it in the configuration and restart")
-    after = validated({**flatten(configuration.model_dump()), **changes}, Configuration, source)
+    after = changed(configuration, changes, source)
     for words in configuration.faults.unhealed(after.faults):
         raise Refusal(f"{source}: {words}")
     return after

@@ -7,24 +7,22 @@ from collections.abc import Iterable
 
 def configurations(incomplete: str) -> list[str]:
     """Return the shipped configurations that begin with a text."""
-    from dcrb_ros.settings.shipped import shipped_configurations
-
-    return _beginning(incomplete, shipped_configurations())
+    return _shipped(incomplete, "configuration")
 
 
 def exams(incomplete: str) -> list[str]:
     """Return the shipped exams that begin with a text."""
-    return _shipped(incomplete, "exams")
+    return _shipped(incomplete, "exam")
 
 
 def scenarios(incomplete: str) -> list[str]:
     """Return the shipped scenarios that begin with a text."""
-    return _shipped(incomplete, "scenarios")
+    return _shipped(incomplete, "scenario")
 
 
 def sweeps(incomplete: str) -> list[str]:
     """Return the shipped sweeps that begin with a text."""
-    return _shipped(incomplete, "sweeps")
+    return _shipped(incomplete, "sweep")
 
 
 def settings(incomplete: str) -> list[str]:
@@ -34,10 +32,10 @@ def settings(incomplete: str) -> list[str]:
     return _beginning(incomplete, (f"{key}=" for key in fields_by_key()))
 
 
-def _shipped(incomplete: str, folder: str) -> list[str]:
-    from dcrb_ros.settings.shipped import shipped_folder
+def _shipped(incomplete: str, kind: str) -> list[str]:
+    from dcrb_ros.settings.shipped import shipped
 
-    return _beginning(incomplete, (path.stem for path in (shipped_folder() / folder).glob("*.yaml")))
+    return _beginning(incomplete, shipped(kind))
 
 
 def _beginning(incomplete: str, names: Iterable[str]) -> list[str]:

@@ -28,9 +28,9 @@ def list_() -> None:
 
     Example: dcrb config list
     """
-    from dcrb_ros.settings.shipped import shipped_configurations
+    from dcrb_ros.settings.shipped import shipped
 
-    for name, path in shipped_configurations().items():
+    for name, path in shipped("configuration").items():
         remark = path.read_text(encoding="utf-8").splitlines()[0].lstrip("# ")
         print(f"{name:20s} {remark}")
 
@@ -142,7 +142,7 @@ def docs(group: Group = "") -> None:
 
     Example: dcrb config docs bearing
     """
-    from dcrb_ros.settings.files import parameter_table
+    from dcrb_ros.settings.documentation import parameter_table
 
     if not group:
         print(parameter_table())
@@ -174,8 +174,8 @@ def _below(group: str) -> list[ParameterField]:
     if group == DETECTOR:
         return list(fields_by_key(DetectorParameters).values())
     fields = fields_by_key()
-    found = [field for key, field in fields.items() if f"{key}.".startswith(f"{group}.")]
-    if not found:
+    matching = [field for key, field in fields.items() if f"{key}.".startswith(f"{group}.")]
+    if not matching:
         groups = [*dict.fromkeys(key.partition(".")[0] for key in fields), DETECTOR]
         raise Refusal(f"there is no group of parameters '{group}': give one of {', '.join(groups)}{nearest(group, [*groups, *fields])}")
-    return found
+    return matching

@@ -74,14 +74,14 @@ def simulate(
     from dcrb_ros.settings.files import load_configuration
     from dcrb_ros.simulation.scenario import read_scenario_file, starting_configuration
 
-    story = read_scenario_file(scenario) if scenario else None
-    configuration = starting_configuration(story, load_configuration(config, settings or ()), str(scenario))
+    tree = read_scenario_file(scenario) if scenario else None
+    configuration = starting_configuration(tree, load_configuration(config, settings or ()), str(scenario))
     path = output or Path(Path(config).stem)
     with replacing("-o", path, force=force):
         from dcrb_ros.recordings.recorder import Recorder
 
-        simulation = _simulation(configuration, story, str(scenario))
-        with Recorder(path, configuration, simulation.bodies, scenario=story) as recorder:
+        simulation = _simulation(configuration, tree, str(scenario))
+        with Recorder(path, configuration, simulation.bodies, scenario=tree) as recorder:
             progress = _run(path.name, simulation.blocks(seconds), seconds, recorder.write, quiet=quiet, partial=True)
     if as_json:
         outcome = recorder.outcome
@@ -129,11 +129,11 @@ def _print_json(path: Path | None, progress: Progress, samples: int, sha256: str
     print(json.dumps(about, indent=2))
 
 
-def _simulation(configuration: Configuration, story: Mapping[str, Any] | None, source: str) -> Simulation:
+def _simulation(configuration: Configuration, scenario: Mapping[str, Any] | None, source: str) -> Simulation:
     from dcrb_ros.simulation.loop import Simulation
     from dcrb_ros.simulation.scenario import scheduled_changes
 
-    return Simulation(configuration, scheduled_changes(story, configuration, source) if story else [])
+    return Simulation(configuration, scheduled_changes(scenario, configuration, source) if scenario else [])
 
 
 def _run(

@@ -21,6 +21,7 @@ from pydantic import Field, ValidationError
 from dcrb_ros.bearing.kinematics import Orders
 from dcrb_ros.diagnosis.demodulation import Band
 from dcrb_ros.schema.fields import Group
+from dcrb_ros.schema.parameter_field import first_problem
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.schema.verdicts import Component
 from dcrb_ros.stream.axes import AXES
@@ -136,9 +137,8 @@ def read_baseline(path: Path) -> HealthyBaseline:
     try:
         return HealthyBaseline.model_validate(tree)
     except ValidationError as error:
-        first = error.errors()[0]
-        key = ".".join(map(str, first["loc"]))
-        raise Refusal(f"{path} is not a baseline: {key}: {first['msg'][0].lower()}{first['msg'][1:]}; learn it again") from None
+        problem = first_problem(error)
+        raise Refusal(f"{path} is not a baseline: {problem.key}: {problem.reason}; learn it again") from None
 
 
 def axes(acceleration: npt.NDArray[np.floating]) -> int:

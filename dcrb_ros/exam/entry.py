@@ -17,6 +17,7 @@ from dcrb_ros.exam.report import Report
 from dcrb_ros.recordings.manifest import model_fingerprint, software
 from dcrb_ros.runtime.version import __version__
 from dcrb_ros.schema.fields import Group
+from dcrb_ros.schema.parameter_field import first_problem
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.schema.verdicts import FaultClass
 from dcrb_ros.text.files import checked_path, read_text
@@ -146,9 +147,8 @@ def read_entry(path: Path) -> Entry:
     try:
         entry = Entry.model_validate(tree)
     except ValidationError as error:
-        problem = error.errors()[0]
-        where = ".".join(str(part) for part in problem["loc"]) or "the file"
-        raise Refusal(f"{path} is not an entry ({where}: {problem['msg']}): make it with dcrb score --entry") from None
+        problem = first_problem(error)
+        raise Refusal(f"{path} is not an entry ({problem.key or 'the file'}: {problem.reason}): make it with dcrb score --entry") from None
     _check(entry, path)
     return entry
 

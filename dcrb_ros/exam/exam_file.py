@@ -25,11 +25,9 @@ from dcrb_ros.schema.fields import Group, choice, quantity
 from dcrb_ros.schema.refusal import Refusal, nearest
 from dcrb_ros.schema.verdicts import FAULT_CLASSES, FaultClass
 from dcrb_ros.settings.configuration import Configuration
-from dcrb_ros.settings.files import fields_by_key, flatten, read_parameters, validated
-from dcrb_ros.settings.shipped import find_configuration, shipped_folder
-from dcrb_ros.settings.vehicle_speed import layered
+from dcrb_ros.settings.files import fields_by_key, flatten, layered, read_parameters, validated
+from dcrb_ros.settings.shipped import find_configuration, find_shipped, shipped
 from dcrb_ros.simulation.scenario import ScheduledChange, read_scenario_file, scheduled_changes, starting_configuration
-from dcrb_ros.text.files import checked_path, is_file
 from dcrb_ros.text.yaml import read_yaml
 
 SEED = "simulation.seed"
@@ -93,7 +91,7 @@ class Exam:
 
 def shipped_exams() -> dict[str, Path]:
     """Return the shipped exams by name."""
-    return {path.stem: path for path in sorted((shipped_folder() / "exams").glob("*.yaml"))}
+    return shipped("exam")
 
 
 def read_exam(source: str | Path) -> Exam:
@@ -102,13 +100,7 @@ def read_exam(source: str | Path) -> Exam:
     Raises:
         Refusal: there is no such exam, it has an unknown key or no expected verdict, or one of its scenarios is invalid.
     """
-    shipped = shipped_exams()
-    path = checked_path(source)
-    if not is_file(path):
-        if str(source) not in shipped:
-            raise Refusal(f"there is no exam '{source}': give a YAML file or one of {', '.join(shipped)}{nearest(str(source), shipped)}")
-        path = shipped[str(source)]
-    return exam_of(read_yaml(path), str(source))
+    return exam_of(read_yaml(find_shipped("exam", source)), str(source))
 
 
 def exam_of(tree: Any, source: str) -> Exam:

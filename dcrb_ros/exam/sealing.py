@@ -20,6 +20,7 @@ from dcrb_ros.exam.case import canonical, scenarios_hash
 from dcrb_ros.exam.exam_file import MOST_CASES, Exam, exam_of
 from dcrb_ros.runtime.version import __version__
 from dcrb_ros.schema.fields import Group
+from dcrb_ros.schema.parameter_field import first_problem
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.text.files import checked_path, read_text
 from dcrb_ros.text.yaml import read_yaml
@@ -97,9 +98,8 @@ def read_sealed(path: Path) -> SealedExam:
     try:
         return SealedExam.model_validate(tree)
     except ValidationError as error:
-        problem = error.errors()[0]
-        where = ".".join(str(part) for part in problem["loc"]) or "the file"
-        raise Refusal(f"{path} is not a sealed exam ({where}: {problem['msg']}): give a file of dcrb exam seal") from None
+        key, reason, _ = first_problem(error)
+        raise Refusal(f"{path} is not a sealed exam ({key or 'the file'}: {reason}): give a file of dcrb exam seal") from None
 
 
 def read_secret(path: Path) -> str:

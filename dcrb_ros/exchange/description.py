@@ -15,6 +15,7 @@ from dcrb_ros.bearing.kinematics import Orders
 from dcrb_ros.exchange.bearing import Geometry, GivenOrders, fault_orders
 from dcrb_ros.schema.fields import Group
 from dcrb_ros.schema.numbers import HIGHEST_RATE
+from dcrb_ros.schema.parameter_field import first_problem
 from dcrb_ros.schema.refusal import Refusal, nearest
 from dcrb_ros.schema.units import ACCELERATION_UNITS
 from dcrb_ros.stream.axes import AXES
@@ -200,11 +201,8 @@ def read_description(path: Path, settings: Sequence[str] = ()) -> Description:
     except RecursionError:
         raise Refusal(f"{path}: the labels are nested too deeply or contain themselves: flatten them") from None
     except ValidationError as error:
-        first = error.errors()[0]
-        key = ".".join(str(part) for part in first["loc"])
-        given = "" if first["type"] == "missing" else f" = {first['input']!r}"
-        reason = first["msg"].removeprefix("Value error, ")
-        raise Refusal(f"{path}: {key}{given} is refused: {reason[0].lower()}{reason[1:]}") from None
+        problem = first_problem(error)
+        raise Refusal(f"{path}: {problem.key}{problem.value} is refused: {problem.reason}") from None
 
 
 def _change(tree: dict[str, Any], setting: str) -> None:

@@ -5,15 +5,13 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from dcrb_ros.schema.refusal import Refusal, nearest
-from dcrb_ros.settings.shipped import shipped_folder
-from dcrb_ros.text.files import checked_path, is_file
+from dcrb_ros.settings.shipped import find_shipped, shipped
 from dcrb_ros.text.yaml import read_yaml
 
 
 def public_sets() -> dict[str, Path]:
     """Return the shipped descriptions by name."""
-    return {path.stem: path for path in sorted((shipped_folder() / "about").glob("*.yaml"))}
+    return shipped("description")
 
 
 def find_description(source: str) -> Path:
@@ -22,13 +20,7 @@ def find_description(source: str) -> Path:
     Raises:
         Refusal: it is neither.
     """
-    path, shipped = checked_path(source), public_sets()
-    if source in shipped and not is_file(path):
-        return shipped[source]
-    if path.suffix not in (".yaml", ".yml") and not path.exists():
-        known = ", ".join(shipped)
-        raise Refusal(f"there is no description '{source}'{nearest(source, shipped)}: give a YAML file or one of {known}")
-    return path
+    return find_shipped("description", source)
 
 
 def listed() -> list[str]:

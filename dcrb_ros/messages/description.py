@@ -66,16 +66,16 @@ def decode_sensor(data: bytes) -> tuple[int, Orders]:
 def decode_range(data: bytes) -> float:
     """Return the range from a description [m/s^2], 0 if it is not given."""
     try:
-        found = float(_entry(data, "range"))
+        limit = float(_entry(data, "range"))
     except (ValueError, TypeError, OverflowError):
         return 0.0
-    return found if math.isfinite(found) and found > 0.0 else 0.0
+    return limit if math.isfinite(limit) and limit > 0.0 else 0.0
 
 
 def decode_pulses_per_turn(data: bytes) -> int:
     """Return the pulses of the tacho per turn from a description; 0 if there are none."""
-    found = _entry(data, PULSES_PER_TURN)
-    return found if isinstance(found, int) and found > 0 else 0
+    pulses = _entry(data, PULSES_PER_TURN)
+    return pulses if isinstance(pulses, int) and pulses > 0 else 0
 
 
 def decode_bearing(data: bytes) -> Any:
@@ -85,8 +85,8 @@ def decode_bearing(data: bytes) -> Any:
 
 def decode_frame(data: bytes) -> str:
     """Return the frame id from a description, that of the shipped configurations if it is not given."""
-    found = _entry(data, "frame")
-    return found if isinstance(found, str) and found else FRAME
+    frame = _entry(data, "frame")
+    return frame if isinstance(frame, str) and frame else FRAME
 
 
 def _entry(data: bytes, key: str) -> Any:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dcrb_ros.messages.cdr import FRAME
-from dcrb_ros.messages.topic import Message, Source
+from dcrb_ros.messages.topic import EncodedBench, Message
 from dcrb_ros.messages.topics import DETECTED, SIMULATED
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.stream.block import Block
@@ -15,7 +15,7 @@ class BlockEncoder:
     """Encodes the blocks of a simulation for all topics of the simulator."""
 
     def __init__(self, configuration: Configuration, bodies: BodyNames) -> None:
-        self._source = Source(configuration, tuple(bodies.names))
+        self._source = EncodedBench(configuration, tuple(bodies.names))
         self._topics = [topic for topic in SIMULATED if topic.enabled(configuration)]
         self._encoders = [topic.begin(self._source) if topic.begin else topic.encode for topic in self._topics]
 

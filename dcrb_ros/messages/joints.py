@@ -54,8 +54,8 @@ def encode_contacts(states: States, names: Sequence[str], frame: str = FRAME) ->
 
 def encode_features(block: Block, frame: str = FRAME) -> bytes:
     """Return the features of a block as a JointState; the values are in position."""
-    found, empty = features(block.acceleration, block.clipped), np.zeros(0)
-    return encode_joints(block.stamp_ns, list(found), np.array(list(found.values())), empty, empty, frame)
+    values, empty = features(block.acceleration, block.clipped), np.zeros(0)
+    return encode_joints(block.stamp_ns, list(values), np.array(list(values.values())), empty, empty, frame)
 
 
 def decode_joints(data: bytes) -> Joints:
@@ -83,8 +83,8 @@ def decode_alike(messages: Sequence[bytes]) -> Joints | None:
         end = begin - (8 if count else 4)
     names_end = rows.shape[1] - sum(8 * count for count in counts) - sum(8 if count else 4 for count in counts[1:])
     same = np.all(rows[:, 12:names_end] == rows[0, 12:names_end])
-    found = [
-        np.array_equal(own[0], array, equal_nan=True)
-        for own, array in zip(numbers, (first.position, first.velocity, first.effort), strict=True)
+    alike = [
+        np.array_equal(repeated[0], array, equal_nan=True)
+        for repeated, array in zip(numbers, (first.position, first.velocity, first.effort), strict=True)
     ]
-    return Joints(first.stamp_ns, first.names, *numbers) if same and all(found) else None
+    return Joints(first.stamp_ns, first.names, *numbers) if same and all(alike) else None

@@ -103,11 +103,11 @@ def decode_vibration(data: bytes) -> Vibration:
         Refusal: the fields are not those of `sample_type`, or the length does not fit them.
     """
     cloud = decoded(data, POINT_CLOUD)
-    found = [(field.name, field.offset, field.datatype, field.count) for field in cloud.fields]
-    layout = next((kind for kind in LAYOUTS if found == _fields(kind) and cloud.point_step == kind.itemsize), None)
+    fields = [(field.name, field.offset, field.datatype, field.count) for field in cloud.fields]
+    layout = next((kind for kind in LAYOUTS if fields == _fields(kind) and cloud.point_step == kind.itemsize), None)
     if layout is None or cloud.is_bigendian or cloud.height != 1:
         raise Refusal(
-            f"a PointCloud2 with the fields {[name for name, *_ in found]} is not a waveform: it must have t, ax, ay and shaft_angle, "
+            f"a PointCloud2 with the fields {[name for name, *_ in fields]} is not a waveform: it must have t, ax, ay and shaft_angle, "
             f"{SAMPLE.itemsize} bytes a sample, or {UNTRACKED_SAMPLE.itemsize} without shaft_angle, with az after ay four more; little "
             "endian, height 1"
         )
@@ -153,8 +153,8 @@ def _stretch(messages: Sequence[bytes]) -> tuple[npt.NDArray[np.int64], Samples,
         time_ns = (stamps(messages)[:, None] + points["t"]).reshape(-1)
         return time_ns, _axes(points), points["shaft_angle"].reshape(-1)
     blocks = [decode_vibration(data) for data in messages]
-    found = [(block.stamp_ns + block.offsets_ns.astype(np.int64), block.acceleration, block.shaft_angle) for block in blocks]
-    times, accelerations, angles = zip(*found, strict=True)
+    pieces = [(block.stamp_ns + block.offsets_ns.astype(np.int64), block.acceleration, block.shaft_angle) for block in blocks]
+    times, accelerations, angles = zip(*pieces, strict=True)
     return np.concatenate(times), np.concatenate(accelerations), np.concatenate(angles)
 
 

@@ -44,10 +44,10 @@ def decode_pulses(data: bytes) -> PulseBlock:
         Refusal: the fields are not those of `PULSE`, or the length does not fit them.
     """
     cloud = decoded(data, POINT_CLOUD)
-    found = tuple((field.name, field.offset, field.datatype, field.count) for field in cloud.fields)
-    if found != FIELDS or cloud.point_step != PULSE.itemsize or cloud.is_bigendian or cloud.height != 1:
+    fields = tuple((field.name, field.offset, field.datatype, field.count) for field in cloud.fields)
+    if fields != FIELDS or cloud.point_step != PULSE.itemsize or cloud.is_bigendian or cloud.height != 1:
         raise Refusal(
-            f"a PointCloud2 with the fields {[name for name, *_ in found]} has no pulses of a tacho: it must have t and pulse, "
+            f"a PointCloud2 with the fields {[name for name, *_ in fields]} has no pulses of a tacho: it must have t and pulse, "
             f"{PULSE.itemsize} bytes a pulse, little endian, height 1"
         )
     if cloud.width > MOST_SAMPLES or len(cloud.data) != cloud.width * PULSE.itemsize:

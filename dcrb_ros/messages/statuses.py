@@ -30,8 +30,8 @@ class Status:
 def encode_diagnostics(time_ns: int, statuses: Iterable[Status], frame: str = FRAME) -> bytes:
     """Return a DiagnosticArray on the bearing whose sensor has the frame id ``frame``, which also identifies the hardware."""
     pair, status_type = ros_type("diagnostic_msgs/msg/KeyValue"), ros_type("diagnostic_msgs/msg/DiagnosticStatus")
-    found = [status_type(s.level, s.name, s.message, frame, [pair(key, value) for key, value in s.values.items()]) for s in statuses]
-    return encoded(DIAGNOSTICS, ros_type(DIAGNOSTICS)(header(time_ns, frame), found))
+    messages = [status_type(s.level, s.name, s.message, frame, [pair(key, value) for key, value in s.values.items()]) for s in statuses]
+    return encoded(DIAGNOSTICS, ros_type(DIAGNOSTICS)(header(time_ns, frame), messages))
 
 
 def encode_truth(truth: Truth, frame: str = FRAME) -> bytes:
@@ -69,14 +69,14 @@ def decode_truth(data: bytes) -> Truth:
         return float(operating.values.get(key, "nan"))
 
     frequencies = {name: number(f"{name} [Hz]") for name in CHARACTERISTIC_FREQUENCIES}
-    found = {s.name.removeprefix("faults."): {key: float(value) for key, value in s.values.items()} for s in faults}
+    described = {s.name.removeprefix("faults."): {key: float(value) for key, value in s.values.items()} for s in faults}
     load, levels = (number("load_x [N]"), number("load_y [N]")), {key: float(level) for key, level in background.items()}
     return Truth(
         time_ns,
         number("speed [rad/s]"),
         load,
         frequencies,
-        found,
+        described,
         decode_event(operating.message),
         levels,
         {k: float(v) for k, v in thermal.items()},

@@ -32,6 +32,12 @@ class Topic:
     decode: Callable[[bytes], Any] | None = None
     """Decodes a message; without it the message is decoded to the class of its type."""
 
+    @property
+    def qos(self) -> dict[str, Any]:
+        """Quality of service with which it is published and recorded: the policies as ROS names them."""
+        durability = "transient_local" if self.latched else "volatile"
+        return {"history": "keep_last", "depth": self.depth, "reliability": "reliable", "durability": durability}
+
     def resolved(self, namespace: str) -> str:
         """Return the absolute name."""
         return self.name if self.name.startswith("/") else f"{namespace.rstrip('/')}/{self.name}"
@@ -70,7 +76,7 @@ class Message:
 
 
 @dataclass(frozen=True)
-class Source:
+class EncodedBench:
     """The bench whose blocks are encoded."""
 
     configuration: Configuration
@@ -82,7 +88,7 @@ class Source:
         """Frame of the sensor's messages."""
         return self.configuration.publishing.frame
 
-    def after(self, block: Block) -> Source:
+    def after(self, block: Block) -> EncodedBench:
         """Return the source with the sensor's range at the end of a block."""
         sensor = self.configuration.sensor
         if block.range in (0.0, sensor.range):
@@ -104,11 +110,11 @@ def always(configuration: Configuration) -> bool:
 class SimulatedTopic(Topic):
     """A topic of the simulator, encoded from the blocks of a simulation."""
 
-    encode: Callable[[Block, Source], Encoded] = lambda block, source: ()
+    encode: Callable[[Block, EncodedBench], Encoded] = lambda block, source: ()
     """Returns the messages of a block."""
-    begin: Callable[[Source], Callable[[Block, Source], Encoded]] | None = None
+    begin: Callable[[EncodedBench], Callable[[Block, EncodedBench], Encoded]] | None = None
     """Returns what takes the place of ``encode`` in one run, for a topic whose messages depend on earlier blocks."""
-    start: Callable[[Source], bytes] | None = None
+    start: Callable[[EncodedBench], bytes] | None = None
     """Returns the message that precedes the first block."""
     enabled: Callable[[Configuration], bool] = always
     """Tells whether the topic is published with a configuration."""

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
+import pickle
 import signal
 import subprocess
 import sys
-import tempfile
 import threading
 import time
 from collections.abc import Iterator, Sequence
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -28,7 +28,6 @@ from dcrb_ros.runtime.signals import STOPPED
 from dcrb_ros.schema.fields import Group
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
-from dcrb_ros.settings.files import to_yaml
 
 VERDICT_TIMEOUT = 3.0
 """Wall time after the last block in which the last verdict must arrive [s]."""
@@ -116,13 +115,17 @@ class Observer:
 
 @contextmanager
 def node_process(name: str, arguments: Sequence[str], parameters: Group | None = None) -> Iterator[subprocess.Popen[bytes]]:
-    """Run a node as a process, which is ended in any case: it also ends with this process, by the pipe to its standard input."""
-    command = [sys.executable, "-m", "dcrb_ros.nodes", WITH_PARENT, name, *arguments]
-    with _parameter_file(parameters) as files, signals_blocked():
-        given = ["--ros-args", *(word for file in files for word in ("--params-file", f"/dev/fd/{file}"))] if files else []
-        process = subprocess.Popen([*command, *given], stdin=subprocess.PIPE, pass_fds=files, start_new_session=True)
+    """Run a node as a process, with checked parameters if they are given, which need no second check.
+
+    The process is ended in any case: it also ends with this process, by the pipe to its standard input.
+    """
+    with signals_blocked():
+        command = [sys.executable, "-m", "dcrb_ros.nodes", WITH_PARENT, name, *arguments]
+        process = subprocess.Popen(command, stdin=subprocess.PIPE, bufsize=0, start_new_session=True)
     assert process.stdin is not None
     try:
+        with suppress(BrokenPipeError):  # the node ended during its start
+            process.stdin.write(pickle.dumps(parameters))
         yield process
     finally:
         if process.poll() is None:
@@ -133,18 +136,6 @@ def node_process(name: str, arguments: Sequence[str], parameters: Group | None =
                 process.kill()
                 process.wait()
         process.stdin.close()
-
-
-@contextmanager
-def _parameter_file(parameters: Group | None) -> Iterator[tuple[int, ...]]:
-    """Write parameters into a file without a name, so that nothing remains of it however the bench ends; yield its descriptor."""
-    if parameters is None:
-        yield ()
-        return
-    with tempfile.TemporaryFile() as file:
-        file.write(to_yaml(parameters).encode())
-        file.flush()
-        yield (file.fileno(),)
 
 
 def run(

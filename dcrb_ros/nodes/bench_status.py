@@ -6,7 +6,7 @@ import time
 from collections.abc import Sequence
 
 from dcrb_ros.messages.statuses import ERROR, OK, WARN, Status
-from dcrb_ros.messages.topics import DETECTED
+from dcrb_ros.messages.topics import COMMANDS, DETECTED
 from dcrb_ros.nodes.engine import Engine, Progress
 from dcrb_ros.nodes.recording_switch import RecordingSwitch
 from dcrb_ros.nodes.refusals import Refusals
@@ -14,7 +14,6 @@ from dcrb_ros.nodes.ros import installed
 from dcrb_ros.nodes.simulation_interfaces import PACKAGE
 from dcrb_ros.stream.states import LubricationState, ThermalState
 
-COMMANDS = ("command/speed", "command/load")
 SERVICES = ("pause", "step", "reset", "record", "set_simulation_state", "step_simulation", "reset_simulation")
 """Services that may refuse a call."""
 MAX_LAG = 0.1
@@ -67,7 +66,7 @@ class BenchStatus:
             "lag [s]": f"{gate.pacer.lag:.4f}",
             "late_blocks": str(gate.pacer.late),
             "blocks": str(progress.bundles),
-            "rejected_commands": str(count(*COMMANDS)),
+            "rejected_commands": str(count(*(topic.name for topic in COMMANDS))),
             "rejected_messages": str(count(*(topic.name for topic in DETECTED))),
             "rejected_parameters": str(count("parameters")),
             "rejected_calls": str(count(*SERVICES)),

@@ -17,7 +17,7 @@ CLOSE_TIMEOUT = 0.7
 """Wall time in which the present bundle must be finished when the node ends [s]; a compilation takes longer and is abandoned."""
 
 
-class Source(Protocol):
+class BundleSource(Protocol):
     """Produces bundles of messages."""
 
     def start(self) -> Sequence[Message]:
@@ -72,7 +72,7 @@ class Engine:
     Pause, step, time scale and reset are controlled through `gate` from other threads.
     """
 
-    def __init__(self, name: str, source: Source, sinks: Sequence[Sink], gate: Gate, *, loop: bool = False) -> None:
+    def __init__(self, name: str, source: BundleSource, sinks: Sequence[Sink], gate: Gate, *, loop: bool = False) -> None:
         """Prepare a thread called ``name``; with ``loop`` it starts again at the end of the source."""
         self.gate = gate
         self.failure: Exception | None = None

@@ -18,12 +18,10 @@ from launch_ros.parameter_descriptions import ParameterValue
 from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.schema.refusal import Refusal, nearest
 from dcrb_ros.settings.configuration import Configuration
-from dcrb_ros.settings.files import flatten, load_configuration, read_parameters, validated
-from dcrb_ros.settings.sections import parameters_of
+from dcrb_ros.settings.files import load_configuration, read_parameters, validated
 from dcrb_ros.settings.shipped import find_configuration, shipped_folder
 from dcrb_ros.simulation.scenario import read_scenario
 from dcrb_ros.text.files import is_file
-from dcrb_ros.text.yaml import read_yaml
 
 PACKAGE = "dcrb_ros"
 RANGE = "ROS_AUTOMATIC_DISCOVERY_RANGE"
@@ -76,12 +74,12 @@ def values_of(context: Any, arguments: Mapping[str, Argument]) -> dict[str, Any]
     Raises:
         Refusal: a value has the wrong type, or is not among the choices.
     """
-    found = {name: _value(name, str(LaunchConfiguration(name).perform(context)), argument) for name, argument in arguments.items()}
-    if not NAMESPACE.fullmatch(found["namespace"] or ""):
+    values = {name: _value(name, str(LaunchConfiguration(name).perform(context)), argument) for name, argument in arguments.items()}
+    if not NAMESPACE.fullmatch(values["namespace"] or ""):
         raise Refusal(
-            f"namespace:={found['namespace'] or ''} is not a ROS namespace: write words of letters, digits and _ between /, such as dcrb"
+            f"namespace:={values['namespace'] or ''} is not a ROS namespace: write words of letters, digits and _ between /, such as dcrb"
         )
-    return found
+    return values
 
 
 def _value(name: str, text: str, argument: Argument) -> Any:
@@ -143,14 +141,14 @@ def simulator_parameters(argument: str, given: Mapping[str, Any], keys: Mapping[
         Refusal: there is no such file, or it is invalid; the sentence names the argument.
     """
     with naming(argument, given[argument]):
-        found: Configuration = load_configuration(given[argument])
+        configuration: Configuration = load_configuration(given[argument])
     for name, key in keys.items():
         if given[name] is not None:
             with naming(name, given[name]):
-                found = load_configuration(found, {key: given[name]})
+                configuration = load_configuration(configuration, {key: given[name]})
     if scenario is not None:
         with naming("scenario", scenario):
-            read_scenario(Path(scenario), found)
+            read_scenario(Path(scenario), configuration)
     return {**_parameters(find_configuration(given[argument]), "simulator"), **overrides(given, keys)}
 
 
@@ -159,8 +157,7 @@ def _parameters(path: Path, name: str) -> dict[str, Any]:
 
     The path itself is no parameter file for every node: ROS reads no plain groups, and a section counts in its own namespace only.
     """
-    sections = parameters_of(read_yaml(path), name, str(path), of_ros=True)
-    return {key: value for section in sections for key, value in flatten(section).items() if value != {}}
+    return {key: value for key, value in read_parameters(path, name, of_ros=True).items() if value != {}}
 
 
 def overrides(given: Mapping[str, Any], keys: Mapping[str, str]) -> dict[str, Any]:
@@ -177,8 +174,8 @@ def detector_parameters(detector: str) -> dict[str, Any]:
     shipped = {"detector": shipped_folder() / "detector.yaml"}
     path = Path(detector)
     with naming("detector", detector):
-        found = is_file(path)
-    if not found:
+        exists = is_file(path)
+    if not exists:
         if detector not in shipped:
             remedy = f"give a YAML file, or detector for the shipped parameters{nearest(detector, shipped)}"
             raise Refusal(f"detector:={detector}: there is no such file: {remedy}")

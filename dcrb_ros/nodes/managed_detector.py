@@ -11,7 +11,7 @@ from rclpy.lifecycle import LifecycleNodeMixin, LifecycleState, TransitionCallba
 from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.messages.topics import DIAGNOSIS
 from dcrb_ros.nodes.base import BenchNode
-from dcrb_ros.nodes.fault_detector import DetectorTopics
+from dcrb_ros.nodes.detector_topics import DetectorTopics
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.files import flatten, parameter_fields, validated
 

@@ -46,11 +46,11 @@ class OtherPublishers:
 
     def _others(self, topic: str) -> list[str]:
         """Return the names of the publishers on a topic without one of this node's name; a node of the same name remains."""
-        found = [
+        publishers = [
             UNNAMED if about.node_name == PLACEHOLDER else f"{about.node_namespace.rstrip('/')}/{about.node_name}"
             for about in self._node.get_publishers_info_by_topic(topic)
         ]
-        own = self._node.get_fully_qualified_name()
-        if own in found:
-            found.remove(own)
-        return sorted(found)
+        name = self._node.get_fully_qualified_name()
+        if name in publishers:
+            publishers.remove(name)
+        return sorted(publishers)

@@ -20,7 +20,10 @@ WITH_PARENT = "--with-parent"
 
 
 def main(name: str, arguments: list[str], *, with_parent: bool = False) -> NoReturn:
-    """Run a node as a program, and exit; ``with_parent`` ends it with the process that holds the other end of its standard input."""
+    """Run a node as a program, and exit.
+
+    ``with_parent`` ends it with the process that holds the other end of its standard input, and that sends its parameters first.
+    """
     restore_ignored_signals()
     end_at_once(0)
     accept_termination()
@@ -28,11 +31,13 @@ def main(name: str, arguments: list[str], *, with_parent: bool = False) -> NoRet
     from dcrb_ros.runtime.memory import keep_freed_memory
 
     keep_freed_memory()
+    parameters = None
     if with_parent:
-        from dcrb_ros.runtime.children import end_with_parent
+        from dcrb_ros.runtime.children import end_with_parent, received_from_parent
 
+        parameters = received_from_parent()
         end_with_parent()
-    leave_at_once(exit_status(name, lambda: run(name, arguments)))
+    leave_at_once(exit_status(name, lambda: run(name, arguments, **({} if parameters is None else {"parameters": parameters}))))
 
 
 def run(name: str, arguments: list[str], **options: Any) -> int:

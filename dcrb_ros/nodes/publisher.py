@@ -16,18 +16,18 @@ if TYPE_CHECKING:
 
 
 def qos(topic: Topic) -> QoSProfile:
-    """Return the quality of service of a topic."""
+    """Return the quality of service of a topic for rclpy."""
     from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 
-    durability = DurabilityPolicy.TRANSIENT_LOCAL if topic.latched else DurabilityPolicy.VOLATILE
-    return QoSProfile(history=HistoryPolicy.KEEP_LAST, depth=topic.depth, reliability=ReliabilityPolicy.RELIABLE, durability=durability)
+    policies: dict[str, Any] = {"history": HistoryPolicy, "reliability": ReliabilityPolicy, "durability": DurabilityPolicy}
+    return QoSProfile(depth=topic.qos["depth"], **{name: kind.get_from_short_key(topic.qos[name]) for name, kind in policies.items()})
 
 
 def message_class(topic: Topic) -> type[Any]:
     """Return the message class of a topic."""
     package, _, name = topic.type.split("/")
-    found: type[Any] = getattr(importlib.import_module(f"{package}.msg"), name)
-    return found
+    kind: type[Any] = getattr(importlib.import_module(f"{package}.msg"), name)
+    return kind
 
 
 class Publisher:

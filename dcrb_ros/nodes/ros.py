@@ -50,9 +50,9 @@ def check_ros() -> None:
             "of dcrb_ros on x86-64 Linux; everything but the nodes works without it"
         )
     wanted = os.environ.get("RMW_IMPLEMENTATION", "")
-    found = middlewares()
-    if wanted and found and wanted not in found:
-        raise Refusal(f"RMW_IMPLEMENTATION = {wanted} is not installed here: unset it or choose from {', '.join(found)}")
+    available = middlewares()
+    if wanted and available and wanted not in available:
+        raise Refusal(f"RMW_IMPLEMENTATION = {wanted} is not installed here: unset it or choose from {', '.join(available)}")
 
 
 def middlewares() -> list[str]:

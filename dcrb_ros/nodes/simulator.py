@@ -11,27 +11,26 @@ from contextlib import closing
 from pathlib import Path
 from typing import Any
 
-from geometry_msgs.msg import Wrench
 from rclpy.parameter import Parameter
-from std_msgs.msg import Float64
 
 from dcrb_ros.bearing.payload import body_names
 from dcrb_ros.bearing.runtime_change import altered
 from dcrb_ros.core.announcement import announce_compilation
 from dcrb_ros.messages.bundle import Bundle
 from dcrb_ros.messages.encoder import BlockEncoder
-from dcrb_ros.messages.plain import decode_float, decode_wrench
 from dcrb_ros.messages.topics import (
     BENCH_DIAGNOSTICS,
     CLOCK,
     DETECTED,
+    LOAD_COMMAND,
     SIMULATED,
+    SPEED_COMMAND,
     VIBRATION,
     Message,
     Topic,
 )
 from dcrb_ros.nodes.base import BenchNode
-from dcrb_ros.nodes.bench_status import COMMANDS, BenchStatus
+from dcrb_ros.nodes.bench_status import BenchStatus
 from dcrb_ros.nodes.clock import ClockPublisher
 from dcrb_ros.nodes.engine import Engine, Progress, Sink
 from dcrb_ros.nodes.gate import Gate
@@ -51,13 +50,12 @@ from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.schema.simulated_time import checked_duration
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import flatten, parameter_fields
+from dcrb_ros.settings.parameters import COMMANDED
 from dcrb_ros.simulation.loop import Simulation
 from dcrb_ros.simulation.scenario import ScheduledChange, read_scenario_file, scheduled_changes, starting_configuration
 from dcrb_ros.stream.events import TimedCommand
 
-TARGETS = {"operating.speed": COMMANDS[0], "operating.load": COMMANDS[1], "operating.lateral_load": COMMANDS[1]}
-"""Parameters that are changed by a topic while the node runs."""
-RUN_TIME = tuple(field.key for field in parameter_fields() if field.run_time and field.key not in TARGETS)
+RUN_TIME = tuple(field.key for field in parameter_fields() if field.run_time and field.key not in COMMANDED)
 """Parameters that can be set while the node runs."""
 
 
@@ -103,8 +101,10 @@ class SimulatorNode(BenchNode):
 
     purpose = "bench"
 
-    def __init__(self, duration: float | None = None, scenario: Path | None = None) -> None:
+    def __init__(self, duration: float | None = None, scenario: Path | None = None, parameters: Configuration | None = None) -> None:
         """Prepare ``duration`` of simulated time [s], endless without one, with a ``scenario`` if one is given.
+
+        The ``parameters`` are by default those given to the node by ROS.
 
         Raises:
             Refusal: the parameters or the scenario are invalid.
@@ -112,7 +112,7 @@ class SimulatorNode(BenchNode):
         super().__init__("simulator")
         self._scenario, name = (read_scenario_file(scenario) if scenario else None), str(scenario)
         self.configuration = self.declare(
-            Configuration, run_time=RUN_TIME, adjust=lambda given: starting_configuration(self._scenario, given, name)
+            Configuration, run_time=RUN_TIME, adjust=lambda given: starting_configuration(self._scenario, parameters or given, name)
         )
         changes = scheduled_changes(self._scenario, self.configuration, name) if scenario else []
         publishing, log = self.configuration.publishing, self.get_logger()
@@ -133,9 +133,8 @@ class SimulatorNode(BenchNode):
         """Start the simulation and the configured recording."""
         announce_compilation(self.get_logger().info)
         self.engine.prepare()
-        # Raw, because the middleware's own decoder drops malformed messages silently.
-        self.create_subscription(Float64, COMMANDS[0], self._on_speed, 10, raw=True)
-        self.create_subscription(Wrench, COMMANDS[1], self._on_load, 10, raw=True)
+        self.subscribe(SPEED_COMMAND, self._on_speed)
+        self.subscribe(LOAD_COMMAND, self._on_load)
         for topic in DETECTED:
             if topic.recorded:
                 self._record_detected(topic)
@@ -205,19 +204,19 @@ class SimulatorNode(BenchNode):
             )
 
     def _on_speed(self, data: bytes) -> None:
-        with self.refusals.suppressed(COMMANDS[0]):
-            self._source.simulation.command_speed(_decoded(COMMANDS[0], decode_float, data))
+        with self.refusals.suppressed(SPEED_COMMAND.name):
+            self._source.simulation.command_speed(_decoded(SPEED_COMMAND.name, SPEED_COMMAND.decoded, data))
 
     def _on_load(self, data: bytes) -> None:
-        with self.refusals.suppressed(COMMANDS[1]):
-            self._source.simulation.command_load(*_decoded(COMMANDS[1], decode_wrench, data))
+        with self.refusals.suppressed(LOAD_COMMAND.name):
+            self._source.simulation.command_load(*_decoded(LOAD_COMMAND.name, LOAD_COMMAND.decoded, data))
 
     def on_parameters(self, changes: dict[str, Any]) -> None:
         """Apply a requested change of parameters, or refuse it."""
         with self.refusals.counted("parameters"):
             for key in changes:
-                if key in TARGETS:
-                    raise Refusal(f"parameters: {key} changes by the topic {TARGETS[key]}; the parameter is its value at the start")
+                if key in COMMANDED:
+                    raise Refusal(f"parameters: {key} changes by the topic {COMMANDED[key]}; the parameter is its value at the start")
             altered(self._source.simulation.configuration, changes)
             self._source.simulation.change({key: value for key, value in changes.items() if key != "time_scale"})
             if "time_scale" in changes:
@@ -249,14 +248,14 @@ def _decoded(topic: str, decode: Callable[[bytes], Any], data: bytes) -> Any:
         raise Refusal(f"{topic}: {refusal}") from None
 
 
-def run(arguments: list[str]) -> int:
+def run(arguments: list[str], parameters: Configuration | None = None) -> int:
     """Run the node until its duration is over or a termination signal arrives; return the exit status."""
     parser = argparse.ArgumentParser(prog="simulator", description="The simulated bearing as a ROS 2 node.")
     parser.add_argument("--duration", type=float, default=None, help="simulated time after which the node ends [s]")
     parser.add_argument("--scenario", type=Path, default=None, help="timeline of speed, load, faults and sensor in simulated time (YAML)")
     options = own_arguments(parser, arguments)
     duration = None if options.duration is None else checked_duration(options.duration)
-    return run_node(lambda: SimulatorNode(duration, options.scenario), arguments)
+    return run_node(lambda: SimulatorNode(duration, options.scenario, parameters), arguments)
 
 
 if __name__ == "__main__":

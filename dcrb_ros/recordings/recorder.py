@@ -31,10 +31,7 @@ def qos_profiles(topic: Topic) -> list[dict[str, Any]]:
     never = {"sec": 9223372036, "nsec": 854775807}
     return [
         {
-            "history": "keep_last",
-            "depth": topic.depth,
-            "reliability": "reliable",
-            "durability": "transient_local" if topic.latched else "volatile",
+            **topic.qos,
             "deadline": never,
             "lifespan": never,
             "liveliness": "automatic",

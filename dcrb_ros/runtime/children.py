@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import os
+import pickle
 import signal
 import subprocess
+import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from typing import Any
 
 from dcrb_ros.runtime.signals import TERMINATION
 from dcrb_ros.runtime.threads import NamedThread
@@ -29,10 +32,21 @@ def signals_blocked() -> Iterator[None]:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
+def received_from_parent() -> Any:
+    """Return the object that the parent process has pickled to standard input; exit if it ended before.
+
+    The parent is this user's own process. Only what starts this process may write to its standard input.
+    """
+    try:
+        return pickle.load(sys.stdin.buffer)
+    except EOFError:
+        sys.exit(1)
+
+
 def end_with_parent() -> None:
     """Deliver SIGTERM to this process once the other end of its standard input is closed, as the end of the parent process does.
 
-    The parent starts it with ``stdin=PIPE`` and writes nothing. A thread waits, so a parent that has already ended is noticed as well.
+    The parent starts it with ``stdin=PIPE`` and writes nothing more. A thread waits, so a parent that has already ended is noticed as well.
     """
     NamedThread("parent", _end_after_input).start()
 

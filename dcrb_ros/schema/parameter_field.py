@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Literal, get_args, get_origin
+from typing import Any, Literal, NamedTuple, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
@@ -82,17 +82,32 @@ class Contradictions(ValueError):
 
 def sentences(error: ValidationError, model: type[BaseModel]) -> list[str]:
     """Return every problem of a model's values as a sentence with the value, the range and the remedy."""
-    found: list[str] = []
+    words: list[str] = []
     for problem in error.errors():
         cause = problem.get("ctx", {}).get("error")
-        found += cause.sentences if isinstance(cause, Contradictions) else [_described(problem, model)]
-    return found
+        words += cause.sentences if isinstance(cause, Contradictions) else [_described(problem, model)]
+    return words
 
 
 def sentence(error: ValidationError, model: type[BaseModel]) -> str:
     """Return the first problem of a model's values as a sentence with the value, the range and the remedy."""
-    found = sentences(error, model)
-    return f"{found[0]}{more(len(found))}"
+    words = sentences(error, model)
+    return f"{words[0]}{more(len(words))}"
+
+
+class Problem(NamedTuple):
+    """The first problem of the values in a file, as parts of a sentence: dotted key, reason, and ``" = value"`` unless it is missing."""
+
+    key: str
+    reason: str
+    value: str
+
+
+def first_problem(error: ValidationError) -> Problem:
+    """Return what is wrong first in a file that has a schema of its own."""
+    problem, reason = error.errors()[0], _without_prefix(error.errors()[0])
+    value = "" if problem["type"] == "missing" else f" = {problem['input']!r}"
+    return Problem(".".join(map(str, problem["loc"])), reason[0].lower() + reason[1:], value)
 
 
 def _described(problem: ErrorDetails, model: type[BaseModel]) -> str:

@@ -7,71 +7,30 @@ from collections.abc import Iterator
 
 from pydantic import model_validator
 
-from dcrb_ros.faults import Faults
 from dcrb_ros.faults.ground_truth import summary_of
 from dcrb_ros.faults.raceway_defect import NOTCH
 from dcrb_ros.measurement.stage import Parameters, Setup
-from dcrb_ros.schema.fields import LENGTH_REMEDY, Group, quantity
+from dcrb_ros.schema.fields import LENGTH_REMEDY
 from dcrb_ros.schema.parameter_field import Contradictions
-from dcrb_ros.settings.contact import Contact, Friction
+from dcrb_ros.settings.groups import ParameterGroups
 from dcrb_ros.settings.loaded_contacts import contact_stiffness, heaviest, load_and_weight, material_of
 from dcrb_ros.settings.oil_limits import oil_limits
-from dcrb_ros.settings.parameters import (
-    Bearing,
-    Cage,
-    Housing,
-    Lubrication,
-    Operating,
-    Publishing,
-    Recording,
-    SimulationParameters,
-    Surfaces,
-    rpm,
-)
-from dcrb_ros.settings.sensor import Background, SensorParameters, Structure
-from dcrb_ros.settings.sensor_limits import block_limits, burst_limits, measurement_limits
-from dcrb_ros.settings.step_limits import step_limits
-from dcrb_ros.settings.tacho import Tacho, tacho_limits
-from dcrb_ros.settings.thermal import Thermal, thermal_limits
+from dcrb_ros.settings.parameters import rpm
+from dcrb_ros.settings.sensor_limits import block_limits, burst_limits, measurement_limits, tacho_limits
+from dcrb_ros.settings.step_limits import step_limits, whole_steps
+from dcrb_ros.settings.thermal import thermal_limits
 
 BALLS = "hertz"
 """Law of the normal force between balls and their grooves."""
 
 
-class Configuration(Group):
+class Configuration(ParameterGroups):
     """All parameters of a simulation; they, the scenario and the simulated times of commands determine the samples."""
-
-    bearing: Bearing = Bearing()
-    housing: Housing = Housing()
-    lubrication: Lubrication = Lubrication()
-    thermal: Thermal = Thermal()
-    surfaces: Surfaces = Surfaces()
-    contact: Contact = Contact()
-    friction: Friction = Friction()
-    cage: Cage = Cage()
-    operating: Operating = Operating()
-    faults: Faults = Faults()
-    simulation: SimulationParameters = SimulationParameters()
-    structure: Structure = Structure()
-    background: Background = Background()
-    sensor: SensorParameters = SensorParameters()
-    tacho: Tacho = Tacho()
-    publishing: Publishing = Publishing()
-    recording: Recording = Recording()
-    time_scale: float = quantity(
-        1.0,
-        "-",
-        "Requested ratio of simulated to wall time; 0 for as fast as possible",
-        0.0,
-        1000.0,
-        remedy="give 0 for as fast as possible, 1 for real time",
-        run_time=True,
-    )
 
     @model_validator(mode="after")
     def _consistent(self) -> Configuration:
-        if found := list(inconsistencies(self)):
-            raise Contradictions(found)
+        if sentences := list(inconsistencies(self)):
+            raise Contradictions(sentences)
         return self
 
     def described_faults(self) -> dict[str, dict[str, float]]:
@@ -114,7 +73,8 @@ class Configuration(Group):
 
 def inconsistencies(c: Configuration) -> Iterator[str]:
     """Yield a sentence with values, range and remedy for each set of parameters that contradict each other."""
-    geometry, rates, faults = list(_geometry(c)), list(_rates(c)), list(c.faults.problems(c.bearing))
+    geometry, faults = list(_geometry(c)), list(c.faults.problems(c.bearing))
+    rates = [*whole_steps(c.simulation.step, c.sensor.sampling_rate), *_preview(c)]
     yield from geometry
     # What follows from impossible values would be impossible too.
     if not geometry:
@@ -126,13 +86,13 @@ def inconsistencies(c: Configuration) -> Iterator[str]:
     if not (geometry or faults):
         yield from step_limits(c)
         yield from oil_limits(c, material_of(c.bearing))
-    yield from thermal_limits(c)
+    yield from thermal_limits(c.thermal, c.faults.condition, c.lubrication.law)
     yield from _splitting(c)
     if not rates:
         yield from measurement_limits(c.measurement)
     yield from block_limits(c.publishing, c.sensor.sampling_rate)
     yield from burst_limits(c.publishing, c.sensor.sampling_rate)
-    yield from tacho_limits(c)
+    yield from tacho_limits(c.tacho, c.operating.speed, c.sensor.sampling_rate)
     yield from _surfaces(c)
     yield from _balls(c)
     if c.friction.static_coefficient < c.friction.kinetic_coefficient:
@@ -142,7 +102,7 @@ def inconsistencies(c: Configuration) -> Iterator[str]:
         )
 
 
-def _surfaces(c: Configuration) -> Iterator[str]:
+def _surfaces(c: ParameterGroups) -> Iterator[str]:
     """Damage with heights of its own needs surfaces that have heights."""
     if c.surfaces.law == "profile":
         return
@@ -152,7 +112,7 @@ def _surfaces(c: Configuration) -> Iterator[str]:
             yield f"faults.{key}.kind = {kind} needs surfaces.law = profile, and it is {c.surfaces.law}: set both, or kind notch"
 
 
-def _balls(c: Configuration) -> Iterator[str]:
+def _balls(c: ParameterGroups) -> Iterator[str]:
     """Refuse what the planar model does not describe of a contact angle."""
     angle = c.bearing.contact_angle
     if angle and c.contact.law != BALLS:
@@ -166,7 +126,7 @@ def _balls(c: Configuration) -> Iterator[str]:
                 )
 
 
-def _geometry(c: Configuration) -> Iterator[str]:
+def _geometry(c: ParameterGroups) -> Iterator[str]:
     b = c.bearing
     largest = 0.1 * b.roller_radius
     if not 0.0 < b.radial_gap <= largest:
@@ -194,16 +154,8 @@ def _geometry(c: Configuration) -> Iterator[str]:
         )
 
 
-def _rates(c: Configuration) -> Iterator[str]:
-    rate, step = c.sensor.sampling_rate, c.simulation.step
-    ratio = 1.0 / (step * rate)
-    whole = max(2, round(ratio))
-    if abs(ratio - whole) > 1e-6 * whole:
-        nearest = ", ".join(f"{1.0 / (rate * n)!r}" for n in sorted({max(2, math.floor(ratio)), max(2, math.ceil(ratio))}))
-        yield (
-            f"simulation.step = {step!r} s divides a sampling interval at sensor.sampling_rate = {rate} Hz into {ratio:.6g} steps; "
-            f"this must be a whole number, at least 2: take {nearest} s"
-        )
+def _preview(c: ParameterGroups) -> Iterator[str]:
+    rate = c.sensor.sampling_rate
     if rate % c.publishing.preview_rate:
         yield (
             f"publishing.preview_rate = {c.publishing.preview_rate} Hz does not divide sensor.sampling_rate = {rate} Hz; "
@@ -215,7 +167,7 @@ SMALLEST_FILE = 1_000_000
 """Smallest size at which a recording is split [bytes]: a few chunks."""
 
 
-def _splitting(c: Configuration) -> Iterator[str]:
+def _splitting(c: ParameterGroups) -> Iterator[str]:
     size, duration = c.recording.split_size, c.recording.split_duration
     if 0 < size < SMALLEST_FILE:
         yield f"recording.split_size = {size} B is below {SMALLEST_FILE} B, a few chunks: increase it, or give 0 for a single file"
@@ -223,7 +175,7 @@ def _splitting(c: Configuration) -> Iterator[str]:
         yield f"recording.split_duration = {duration:g} s is below 0.1 s, a few blocks: increase it, or give 0.0 for a single file"
 
 
-def _cage(c: Configuration) -> Iterator[str]:
+def _cage(c: ParameterGroups) -> Iterator[str]:
     b, cage = c.bearing, c.cage
     between = 2.0 * b.pitch_radius * math.sin(math.pi / b.rollers_per_row) - 2.0 * b.roller_radius
     if 2.0 * cage.pocket_clearance >= between:
@@ -238,7 +190,7 @@ def _cage(c: Configuration) -> Iterator[str]:
         )
 
 
-def _guidance(c: Configuration) -> Iterator[str]:
+def _guidance(c: ParameterGroups) -> Iterator[str]:
     """Compare the clearances of the cage with its offset from the outer ring's centre in the loaded bearing."""
     b, cage = c.bearing, c.cage
     pinned = cage.joint == "revolute"
@@ -259,7 +211,7 @@ def _guidance(c: Configuration) -> Iterator[str]:
         )
 
 
-def _heaviest_load(c: Configuration, most: float) -> float:
+def _heaviest_load(c: ParameterGroups, most: float) -> float:
     """Return the load [N] that presses the rings ``most`` [m] towards each other, to a few per cent and rather too low."""
     force = heaviest(c)
     while 2.0 * force / contact_stiffness(c, force) > most:
@@ -267,7 +219,7 @@ def _heaviest_load(c: Configuration, most: float) -> float:
     return load_and_weight(c) * force / heaviest(c)
 
 
-def _housing(c: Configuration) -> Iterator[str]:
+def _housing(c: ParameterGroups) -> Iterator[str]:
     """Compare the housing's deflection with the roller radius, beyond which the outer ring has left its seat.
 
     A primary suspension has the preload that keeps it there.

@@ -1,10 +1,8 @@
-"""Configurations as files: reading, writing and checking YAML in the form of a ROS parameter file, and the table of parameters."""
+"""Configurations: layers of parameters from files, settings and changes, checked and written in the form of a ROS parameter file."""
 
 from __future__ import annotations
 
-import itertools
 import math
-import re
 import sys
 import textwrap
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -23,16 +21,15 @@ from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.sections import read_sections
 from dcrb_ros.settings.sensor import preset_values
 from dcrb_ros.settings.shipped import find_configuration
-from dcrb_ros.settings.vehicle_speed import in_other_unit, layered, with_one_speed
+from dcrb_ros.settings.vehicle_speed import SPEED, SPEED_KMH, converted
 from dcrb_ros.text.yaml import parsed, read_yaml
 
 MOST_UNKNOWN = 20
 """Unknown parameters for which those that may be meant are searched, which takes a millisecond each."""
 LEAST = sys.float_info.min
 """Smallest magnitude of a number other than zero: quotients of smaller numbers overflow."""
-
-COMMANDED = ("operating.speed", "operating.load", "operating.lateral_load")
-"""Parameters that are changed on a topic of their own."""
+OTHER_UNITS = {"rpm": math.pi / 30.0, "hz": 2.0 * math.pi}
+"""Units in which speeds are often given [rad/s]."""
 
 Model = TypeVar("Model", bound=Group)
 
@@ -108,10 +105,10 @@ def validated(flat: Mapping[str, Any], model: type[Model], source: str) -> Model
         Refusal: an unknown key, a value of the wrong type or out of range, or values that contradict each other; one sentence with the
             value, the range and the remedy.
     """
-    found, wrong = _checked(flat, model)
-    if found is None or wrong:
+    checked, wrong = _checked(flat, model)
+    if checked is None or wrong:
         raise Refusal(f"{source}: {wrong[0]}{more(len(wrong))}")
-    return found
+    return checked
 
 
 def _checked(flat: Mapping[str, Any], model: type[Model]) -> tuple[Model | None, list[str]]:
@@ -146,28 +143,39 @@ def unknown_parameter(key: str, model: type[Group] = Configuration, value: objec
     if key in groups:
         example = next(known for known in fields if known.startswith(f"{key}."))
         return f"{key} is a group of parameters: give them below it, such as {example}, or leave it out"
-    if model is Configuration and (speed := in_other_unit(key, value)):
+    if model is Configuration and (speed := _in_other_unit(key, value)):
         return f"unknown parameter '{key}'{speed}"
-    alike = [group for group in groups if group.count(".") == key.count(".")]
+    alike = [group for group in groups if len(group.split(".")) == len(key.split("."))]
     return f"unknown parameter '{key}'{nearest(key, alike, GOOD_LIKENESS) or nearest_key(key, fields)}"
 
 
-def read_parameters(path: Path, node: str) -> dict[str, Any]:
+def _in_other_unit(key: str, value: object) -> str:
+    """Return how to give a speed that an unknown key such as ``rpm`` or ``speed_hz`` names in another unit, or an empty string."""
+    unit = key.lower().rpartition(".")[2].removeprefix("speed_")
+    if unit not in OTHER_UNITS:
+        return ""
+    number = float(value) if isinstance(value, (int, float)) and not isinstance(value, bool) else 1.0
+    return f"; speeds are in rad/s: {number:g} {unit.replace('hz', 'Hz')} is {SPEED}={number * OTHER_UNITS[unit]:.6g}"
+
+
+def read_parameters(path: Path, node: str, *, of_ros: bool = False) -> dict[str, Any]:
     """Return the parameters of a file for a node of the bench by their dotted keys: plain groups, or those of a ROS parameter file.
+
+    With ``of_ros``, those that every node of ROS has are included.
 
     Raises:
         Refusal: the file cannot be read, is not YAML, has no parameters for the node, or has something that no node reads.
     """
-    flat, wrong = _read(path, node)
+    flat, wrong = _read(path, node, of_ros=of_ros)
     if wrong:
         raise Refusal(f"{path}: {wrong[0]}{more(len(wrong))}")
     return flat
 
 
-def _read(path: Path, node: str) -> tuple[dict[str, Any], list[str]]:
+def _read(path: Path, node: str, *, of_ros: bool = False) -> tuple[dict[str, Any], list[str]]:
     """Return the parameters of a file, and a sentence for everything that no node reads and for each key that occurs twice."""
     flat: dict[str, Any] = {}
-    trees, wrong = read_sections(read_yaml(path), node)
+    trees, wrong = read_sections(read_yaml(path), node, of_ros=of_ros)
     for tree in trees:
         parameters, twice = _flattened(tree)
         flat.update(parameters)
@@ -195,14 +203,34 @@ def _settings(settings: Sequence[str], fields: Mapping[str, ParameterField]) -> 
     return flat
 
 
+def layered(below: Mapping[str, Any], above: Mapping[str, Any]) -> dict[str, Any]:
+    """Return parameters with dotted keys after changes ``above`` them: a speed in one form replaces one in the other."""
+    replaced_form = SPEED if above.get(SPEED_KMH) else SPEED_KMH if SPEED in above else ""
+    return {**{key: value for key, value in below.items() if key != replaced_form}, **above}
+
+
 def overlaid(whole: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
     """Return all parameters of a configuration with dotted keys after changes.
 
-    A new preset of the sensor among them also changes its typical values, and a speed in one form replaces one in the other.
+    A new preset of the sensor among them also changes its typical values, and a speed in one form replaces one in the other: the values are
+    those that run.
     """
     preset = changes.get("sensor.preset")
     brought = preset_values(str(preset)) if preset not in (None, whole.get("sensor.preset")) else {}
-    return with_one_speed({**whole, **brought, **changes}, changes)
+    parameters = {**whole, **brought, **changes}
+    if SPEED in changes:
+        return {**parameters, SPEED_KMH: changes.get(SPEED_KMH, 0.0)}
+    speed = converted(parameters.get(SPEED_KMH), parameters.get("operating.wheel_diameter"))
+    return parameters if speed is None else {**parameters, SPEED: speed, SPEED_KMH: 0.0}
+
+
+def changed(configuration: Configuration, changes: Mapping[str, Any], source: str) -> Configuration:
+    """Return a configuration with changes to dotted keys; all of it is checked, since parameters depend on each other.
+
+    Raises:
+        Refusal: see `validated`.
+    """
+    return validated(overlaid(flatten(configuration.model_dump()), changes), Configuration, source)
 
 
 def load_configuration(source: Configuration | str | Path, settings: Mapping[str, Any] | Sequence[str] | str = ()) -> Configuration:
@@ -226,39 +254,37 @@ def load_configuration(source: Configuration | str | Path, settings: Mapping[str
     >>> load_configuration("healthy", {"faults": {"outer_1": {"width": 0.002}}, "operating.speed": 100.0})
     <Configuration: 100 rad/s (954.9 rpm), 100 kN, outer_1: 2 mm wide>
     """
-    flat, wrong = layers(source, settings)
     if isinstance(source, Configuration):
-        return validated(flat, Configuration, "settings") if settings else source
+        return changed(source, asked, "settings") if (asked := _asked(settings)) else source
+    flat, wrong = layers(source, settings)
     if wrong:
         raise Refusal(f"{source}: {wrong[0]}{more(len(wrong))}")
     return validated(flat, Configuration, str(source))
 
 
-def layers(source: Configuration | str | Path, settings: Mapping[str, Any] | Sequence[str] | str = ()) -> tuple[dict[str, Any], list[str]]:
-    """Return the parameters of a configuration with settings on top by their dotted keys, unchecked; see `load_configuration`.
+def layers(source: str | Path, settings: Mapping[str, Any] | Sequence[str] | str = ()) -> tuple[dict[str, Any], list[str]]:
+    """Return the parameters of a file or a shipped name with settings on top by their dotted keys, unchecked; see `load_configuration`.
 
     The second value is a sentence for everything in the file that no node reads.
 
     Raises:
         Refusal: no such file, or a setting cannot be read.
     """
-    if not isinstance(source, (Configuration, str, Path)):
+    if not isinstance(source, (str, Path)):
         raise Refusal(f"{source!r} is not a configuration: give a shipped name such as 'healthy', a YAML file or a Configuration")
-    if not isinstance(settings, (Mapping, Iterable)):
-        raise Refusal(f"settings = {settings!r} is neither a mapping nor texts: write {{'operating.speed': 100.0}}")
-    if isinstance(settings, Mapping):
-        asked = _plain(flatten(settings))
-    else:
-        asked = _settings((settings,) if isinstance(settings, str) else settings, fields_by_key())
-    if isinstance(source, Configuration):
-        return overlaid(flatten(source.model_dump()), asked), []
-    flat, wrong = _read(find_configuration(source), "simulator")
+    asked = _asked(settings)
+    path = find_configuration(source)
+    flat, wrong = _read(path, "simulator")
     return layered(flat, asked), wrong
 
 
-def _plain(settings: Mapping[str, Any]) -> dict[str, Any]:
-    """Return settings with the scalars of numpy as those of Python."""
-    return {str(key): value.item() if isinstance(value, np.generic) else value for key, value in settings.items()}
+def _asked(settings: Mapping[str, Any] | Sequence[str] | str) -> dict[str, Any]:
+    """Return settings by their dotted keys, with the scalars of numpy as those of Python."""
+    if not isinstance(settings, (Mapping, Iterable)):
+        raise Refusal(f"settings = {settings!r} is neither a mapping nor texts: write {{'operating.speed': 100.0}}")
+    if not isinstance(settings, Mapping):
+        return _settings((settings,) if isinstance(settings, str) else settings, fields_by_key())
+    return {str(key): value.item() if isinstance(value, np.generic) else value for key, value in flatten(settings).items()}
 
 
 def to_yaml(configuration: Group) -> str:
@@ -279,46 +305,3 @@ def to_described_yaml(configuration: Group) -> str:
         lines.append(textwrap.indent(text, "  " * (len(groups) + 2)) + unit)
         before = tuple(groups)
     return "\n".join(lines) + "\n"
-
-
-UNIT_SIGNS = (("^2", "²"), ("sqrt(Hz)", "√Hz"), ("ug/", "µg/"))
-"""Units as the schema writes them, and as the documentation does."""
-
-
-def parameter_table(model: type[Group] = Configuration) -> str:
-    """Return the parameters as Markdown: a table per group, with name, range and unit in one column, default and meaning."""
-    lines: list[str] = []
-    for group, fields in itertools.groupby(parameter_fields(model), lambda field: field.key.partition(".")[0] if "." in field.key else ""):
-        if group or lines:
-            lines += ["", f"### {group or 'no group'}", ""]
-        lines += ["| parameter, range, unit | default | meaning |", "|---|---|---|"]
-        lines += [_row(field) for field in fields]
-    return "\n".join(lines).strip()
-
-
-def _row(field: ParameterField) -> str:
-    """Return a parameter as a row of its table."""
-    default = f"{field.default:.6g}" if isinstance(field.default, float) else str(field.default)
-    return f"| `{field.key}`{_range(field)} | {default} | {field.description}{_symbol(field)}{_changeable(field)} |"
-
-
-def _range(field: ParameterField) -> str:
-    """Return the range and the unit of a parameter, or its choices, on a line of their own."""
-    if field.choices:
-        return f"<br>{', '.join(field.choices)}"
-    if field.low is None or field.high is None:
-        return ""
-    unit = field.unit if field.unit != "-" else ""
-    for plain, sign in UNIT_SIGNS:
-        unit = unit.replace(plain, sign)
-    return f"<br>{' to '.join(field.limits)} {unit}".rstrip()
-
-
-def _symbol(field: ParameterField) -> str:
-    """Return the symbol of a parameter as a formula; a Greek letter is spelt out in the schema."""
-    return f", ${re.sub('^([a-z]{2,})', lambda name: chr(92) + name[1], field.symbol)}$" if field.symbol else ""
-
-
-def _changeable(field: ParameterField) -> str:
-    """Return a remark on a parameter that can change at run time."""
-    return "" if not field.run_time else ". *Changes by command.*" if field.key in COMMANDED else ". *Changes at run time.*"

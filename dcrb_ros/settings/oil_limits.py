@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
 
 from dcrb_ros.core.laws.calls import film_at, film_offset
 from dcrb_ros.core.laws.film import build
-from dcrb_ros.core.laws.lubricants import lubricant_of
+from dcrb_ros.core.laws.lubricants import CUSTOM, lubricant_of
 from dcrb_ros.core.laws.site import Material
 from dcrb_ros.core.laws.viscosity import LEAST_VISCOSITY, dynamic_viscosity, pressure_coefficient, roelands_exponent
-
-if TYPE_CHECKING:
-    from dcrb_ros.settings.configuration import Configuration
+from dcrb_ros.settings.groups import ParameterGroups
 
 MOST_VISCOSITY = 100.0
 """Viscosity above which an oil does not flow into the contacts [Pa s]: a mineral oil is at its pour point."""
@@ -21,7 +18,7 @@ STIFFEST = {"film_with_cages": 30.0}
 at 38 it does not."""
 LEAST_EXPONENT, MOST_EXPONENT = 0.2, 1.1
 """Range of Roelands' exponent Z [-]; lubricants have 0.3 to 0.9."""
-CUSTOM = ("viscosity_40", "viscosity_100", "density", "pressure_coefficient")
+PROPERTIES = ("viscosity_40", "viscosity_100", "density", "pressure_coefficient")
 """Parameters of ``lubrication`` that describe a custom lubricant."""
 
 
@@ -30,7 +27,7 @@ def most_viscosity(law: str) -> float:
     return STIFFEST.get(law, MOST_VISCOSITY)
 
 
-def oil_limits(c: Configuration, material: Material) -> Iterator[str]:
+def oil_limits(c: ParameterGroups, material: Material) -> Iterator[str]:
     """Yield a sentence for each reason why the film cannot be computed; a dry bearing has none.
 
     As with other laws, the parameters of a film that is not chosen may have any value, so that a bench is made dry by one setting.
@@ -45,10 +42,10 @@ def oil_limits(c: Configuration, material: Material) -> Iterator[str]:
         yield from _thick_films(c, material)
 
 
-def _lubricant(c: Configuration) -> Iterator[str]:
+def _lubricant(c: ParameterGroups) -> Iterator[str]:
     oil = c.lubrication
-    if oil.lubricant != "custom":
-        for name in CUSTOM:
+    if oil.lubricant != CUSTOM:
+        for name in PROPERTIES:
             if getattr(oil, name) != type(oil).model_fields[name].default:
                 yield (
                     f"lubrication.{name} = {getattr(oil, name):g} describes a custom lubricant, but lubrication.lubricant = "
@@ -61,7 +58,7 @@ def _lubricant(c: Configuration) -> Iterator[str]:
         )
 
 
-def _state_of_oil(c: Configuration) -> Iterator[str]:
+def _state_of_oil(c: ParameterGroups) -> Iterator[str]:
     lubricant, temperature = lubricant_of(dict(c.lubrication)), c.lubrication.temperature
     viscosity = dynamic_viscosity(lubricant, temperature)
     most = most_viscosity(c.lubrication.law)
@@ -81,7 +78,7 @@ def _state_of_oil(c: Configuration) -> Iterator[str]:
         )
 
 
-def _thick_films(c: Configuration, material: Material) -> Iterator[str]:
+def _thick_films(c: ParameterGroups, material: Material) -> Iterator[str]:
     """Compare the films at the speed of the shaft in pure rolling with the radial gap."""
     b, oil = c.bearing, build(dict(c.lubrication), material)
     surface = 0.5 * abs(c.operating.speed) * b.inner_raceway_radius

@@ -17,6 +17,8 @@ from dcrb_ros.settings.vehicle_speed import FASTEST_KMH, with_shaft_speed
 
 SHORTEST_STEP = 1e-7
 """Shortest time step [s]."""
+COMMANDED = {"operating.speed": "command/speed", "operating.load": "command/load", "operating.lateral_load": "command/load"}
+"""Parameters that are changed by commands while a node runs, and the topics of these commands."""
 
 
 class Bearing(Group):
@@ -88,36 +90,6 @@ class Housing(Group):
         remedy="primary springs have 0.5e6 to 50e6 N/m",
     )
     suspension_damping: float = quantity(0.0, "N s/m", "Damping of the primary suspension in X and in Y", 0.0, 1e8, symbol="c_p")
-
-
-class Lubrication(Group):
-    """What is between rollers and raceways: a dry contact, for which only ``law`` counts, or an oil film at a constant temperature."""
-
-    law: Literal["dry", "film", "film_with_cages"] = choice(
-        "dry",
-        "Lubrication: dry, no lubricant (the paper), film, an oil film, or film_with_cages, also oil in pockets, lands and around rollers",
-    )
-    lubricant: Literal["grease", "vg100", "vg220", "custom"] = choice(
-        "grease", "Lubricant: a wheelset grease by its base oil, an oil of ISO VG 100 or 220, or custom, by the values below"
-    )
-    viscosity_40: float = quantity(100.0, "mm^2/s", "Kinematic viscosity at 40 deg C of a custom lubricant", 2.0, 2000.0, symbol="nu_40")
-    viscosity_100: float = quantity(11.0, "mm^2/s", "Kinematic viscosity at 100 deg C of a custom lubricant", 1.0, 200.0, symbol="nu_100")
-    density: float = quantity(890.0, "kg/m^3", "Density at 15 deg C of a custom lubricant", 700.0, 1200.0)
-    pressure_coefficient: float = quantity(
-        2.2e-8, "1/Pa", "Pressure coefficient of the viscosity at 40 deg C of a custom lubricant", 5e-9, 5e-8, symbol="alpha"
-    )
-    temperature: float = quantity(60.0, "deg C", "Temperature of the oil", -40.0, 250.0)
-    layer: float = length(0.0, "Thickness of the oil layer; 0 for 5 um with grease and 50 um with oil", 0.0, 0.001, symbol="H")
-    roughness: float = length(2.8e-7, "Combined roughness of roller and raceway, root mean square", 1e-9, 1e-5, symbol="sigma")
-    boundary_friction: float = quantity(0.12, "-", "Friction coefficient of asperities", 0.001, 1.0, symbol="mu_b")
-    limiting_friction: float = quantity(0.06, "-", "Largest traction coefficient of the film", 0.001, 1.0, symbol="mu_L")
-    squeeze: bool = choice(True, "Whether the oil resists the approach of roller and raceway, roller and bar, cage and land")
-    rolling_resistance: bool = choice(True, "Whether the oil resists rolling")
-    pocket_layer: float = length(1e-4, "Thickness of the oil layer between roller and bar; 0 for none", 0.0, 0.001)
-    land_fill: float = quantity(0.1, "-", "Share of the gap between cage and land that is filled with oil", 0.0, 1.0)
-    oil_share: float = quantity(
-        0.0, "-", "Share of oil in the space about the rollers; 0 for 0.005 with grease and 0.02 with oil", 0.0, 0.5
-    )
 
 
 class Surfaces(Group):

@@ -10,8 +10,7 @@ import re
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from dcrb_ros.schema.parameter_field import more
-from dcrb_ros.schema.refusal import Refusal, nearest
+from dcrb_ros.schema.refusal import nearest
 
 KEY = "ros__parameters"
 """The key below the name of a node in a ROS parameter file."""
@@ -28,28 +27,16 @@ SHAPE = "give groups such as 'operating: {speed: 100.0}', or a ROS parameter fil
 Tree = Mapping[Any, Any]
 
 
-def parameters_of(tree: Any, node: str, source: str, *, of_ros: bool = False) -> list[Tree]:
-    """Return the trees of parameters that a file has for a node; a later one overrides those before it.
+def read_sections(tree: Any, node: str, *, of_ros: bool = False) -> tuple[list[Tree], list[str]]:
+    """Return the trees of parameters that a file has for a node, and a sentence for everything in it that no node reads.
+
+    A later tree overrides those before it. With such sentences, the trees also contain what was probably meant for the node, for its values
+    to be checked.
 
     Args:
         tree: the file as parsed from YAML.
         node: one of `NODES`.
-        source: the file's name in error messages.
         of_ros: whether to include the parameters that every node of ROS has.
-
-    Raises:
-        Refusal: the file has no parameters for the node, or something that no node of the bench reads.
-    """
-    found, wrong = read_sections(tree, node, of_ros=of_ros)
-    if wrong:
-        raise Refusal(f"{source}: {wrong[0]}{more(len(wrong))}")
-    return found
-
-
-def read_sections(tree: Any, node: str, *, of_ros: bool = False) -> tuple[list[Tree], list[str]]:
-    """Return the trees of parameters that a file has for a node, and a sentence for everything in it that no node reads.
-
-    With such sentences, the trees also contain what was probably meant for the node, for its values to be checked.
     """
     if not isinstance(tree, Mapping) or not tree:
         return [], [f"this is not a file of parameters: {SHAPE}"]
@@ -64,11 +51,11 @@ def read_sections(tree: Any, node: str, *, of_ros: bool = False) -> tuple[list[T
                 f"no node of the bench reads the section '{name}': use '/**', or a node in the namespace {BENCH} "
                 f"({', '.join(NODES)}){nearest(last, NODES) if last not in NODES else ''}"
             )
-    found = [parameters for name, parameters in sections if _is_for(name, node) or _resembles(name, node)]
-    if not found and not wrong:
+    trees = [parameters for name, parameters in sections if _is_for(name, node) or _resembles(name, node)]
+    if not trees and not wrong:
         named = ", ".join(f"'{name}'" for name, _ in sections)
         wrong.append(f"it has no parameters for the node '{node}'; its sections are {named}: add '/**/{node}:', or use '/**:'")
-    return [{key: value for key, value in parameters.items() if of_ros or key not in OF_ROS} for parameters in found], wrong
+    return [{key: value for key, value in parameters.items() if of_ros or key not in OF_ROS} for parameters in trees], wrong
 
 
 def _has_sections(tree: Tree) -> bool:

@@ -1,4 +1,4 @@
-"""The groups of the measurement chain: structure, background and sensor. Their fields are declared by the stages that use them."""
+"""The groups of the measurement chain, whose fields are declared by the stages that use them, and the tacho."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from pydantic import model_validator
 from dcrb_ros.measurement.parameters import GRAVITY, Accelerometer
 from dcrb_ros.measurement.registry import parameters_of
 from dcrb_ros.schema.composition import with_fields_of
-from dcrb_ros.schema.fields import Group, choice
+from dcrb_ros.schema.fields import Group, choice, quantity
 
 PRESETS: Mapping[str, Mapping[str, Any]] = {
     "none": {},
@@ -52,8 +52,7 @@ def preset_values(preset: str) -> dict[str, Any]:
     if preset not in PRESETS:
         return {}
     keys = sorted({key for values in PRESETS.values() for key in values})
-    own = PRESETS[preset]
-    return {f"sensor.{key}": own.get(key, SensorParameters.model_fields[key].default) for key in keys}
+    return {f"sensor.{key}": PRESETS[preset].get(key, SensorParameters.model_fields[key].default) for key in keys}
 
 
 def as_recorded(configuration: Any) -> Any:
@@ -80,15 +79,15 @@ class Background(Group):
         """Return the levels above zero, which are the fields that change at run time, by key."""
         extra = {key: field.json_schema_extra for key, field in type(self).model_fields.items()}
         levels = [key for key, about in extra.items() if isinstance(about, dict) and about.get("run_time")]
-        found = {key: float(getattr(self, key)) for key in levels if getattr(self, key) > 0.0}
-        impact_level = found.pop("impact_level", 0.0)
-        return found | ({"impact_level": impact_level} if "impact_rate" in found else {})
+        present = {key: float(getattr(self, key)) for key in levels if getattr(self, key) > 0.0}
+        impact_level = present.pop("impact_level", 0.0)
+        return present | ({"impact_level": impact_level} if "impact_rate" in present else {})
 
 
 class Preset(Group):
     """Choice of a typical sensor."""
 
-    preset: Literal["none", "ideal", "iepe_100mv_g", "mems"] = choice(
+    preset: Literal[tuple(PRESETS)] = choice(  # type: ignore[valid-type]
         "none", "Typical sensor: values for the parameters of this group that are not given; none for the defaults below"
     )
 
@@ -104,3 +103,11 @@ class SensorParameters(Accelerometer, Preset):
         if not isinstance(given, Mapping) or not isinstance(given.get("preset"), str):
             return given
         return {**PRESETS.get(given["preset"], {}), **given}
+
+
+class Tacho(Group):
+    """A toothed wheel on the shaft, as the wheel speed sensor of an axle box has one."""
+
+    pulses_per_turn: int = quantity(
+        0, "-", "Pulses of the tacho per turn of the shaft; 0 for no tacho, since the waveform has the angle of the shaft", 0, 10000
+    )

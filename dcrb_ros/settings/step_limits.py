@@ -1,18 +1,18 @@
-"""Steps that are too long for the modes of vibration or the damping of a bearing under its load."""
+"""The limits of the time step: whole steps in a sampling interval, the modes of vibration and the damping of a bearing under its load.
+
+The range of the parameter is that of its field, `dcrb_ros.settings.parameters.SimulationParameters`.
+"""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
 
 from dcrb_ros.core.laws.pereira import pereira_coefficients, pereira_stiffness
 from dcrb_ros.faults.geometry import BrokenBar
+from dcrb_ros.settings.groups import ParameterGroups
 from dcrb_ros.settings.loaded_contacts import contact_stiffness, heaviest, load_and_weight
 from dcrb_ros.settings.parameters import SHORTEST_STEP
-
-if TYPE_CHECKING:
-    from dcrb_ros.settings.configuration import Configuration
 
 LARGEST_PHASE = 1.8
 """Largest phase of the stiffest mode in a step [rad]: leapfrog is unstable from 2 on, and impacts stiffen the contacts."""
@@ -24,13 +24,25 @@ LEAST_DRAG = 0.12
 """Smallest share of a roller's normal force that presses it against a bar: friction of 0.06 at both raceways [-]."""
 
 
-def step_limits(c: Configuration) -> Iterator[str]:
+def whole_steps(step: float, rate: int) -> Iterator[str]:
+    """Yield a sentence if a sampling interval at ``rate`` [Hz] is not a whole number of steps [s], at least 2."""
+    ratio = 1.0 / (step * rate)
+    whole = max(2, round(ratio))
+    if abs(ratio - whole) > 1e-6 * whole:
+        nearest = ", ".join(f"{1.0 / (rate * n)!r}" for n in sorted({max(2, math.floor(ratio)), max(2, math.ceil(ratio))}))
+        yield (
+            f"simulation.step = {step!r} s divides a sampling interval at sensor.sampling_rate = {rate} Hz into {ratio:.6g} steps; "
+            f"this must be a whole number, at least 2: take {nearest} s"
+        )
+
+
+def step_limits(c: ParameterGroups) -> Iterator[str]:
     """Yield a sentence for each reason why the step is too long."""
     yield from _stability(c)
     yield from _damping(c)
 
 
-def _stability(c: Configuration) -> Iterator[str]:
+def _stability(c: ParameterGroups) -> Iterator[str]:
     """Compare the step with the period of the stiffest mode under the largest forces that the load causes."""
     b, h = c.bearing, c.simulation.step
     stiffness = contact_stiffness(c, heaviest(c))
@@ -52,7 +64,7 @@ def _stability(c: Configuration) -> Iterator[str]:
         )
 
 
-def _longest_damped_step(c: Configuration) -> float:
+def _longest_damped_step(c: ParameterGroups) -> float:
     """Return the longest step [s] with which the contacts damp the rings."""
     b = c.bearing
     damping = c.contact.loss_time * contact_stiffness(c, heaviest(c)) + c.contact.damping
@@ -61,7 +73,7 @@ def _longest_damped_step(c: Configuration) -> float:
     return LARGEST_DAMPING / (damping * rings) if damping else math.inf
 
 
-def _damping(c: Configuration) -> Iterator[str]:
+def _damping(c: ParameterGroups) -> Iterator[str]:
     """Compare the damping of the contacts with the masses that it acts on in a step."""
     b, h, longest = c.bearing, c.simulation.step, _longest_damped_step(c)
     if h > longest:
@@ -86,13 +98,13 @@ def _damping(c: Configuration) -> Iterator[str]:
         )
 
 
-def _largest_friction(c: Configuration) -> float:
+def _largest_friction(c: ParameterGroups) -> float:
     """Return the largest friction coefficient between rollers and raceways [-]."""
     dry = c.lubrication.law == "dry"
     return float(c.friction.static_coefficient) if dry else max(c.lubrication.boundary_friction, c.lubrication.limiting_friction)
 
 
-def _modes_at_the_cage(c: Configuration, stiffness: float) -> dict[str, float]:
+def _modes_at_the_cage(c: ParameterGroups, stiffness: float) -> dict[str, float]:
     """Return the squared angular frequencies [1/s^2] of cages, free rollers and bars; ``stiffness`` [N/m] is that of a raceway."""
     b = c.bearing
     any_broken = any(isinstance(damage, BrokenBar) for damage in c.faults.damage(b))
@@ -111,7 +123,7 @@ def _modes_at_the_cage(c: Configuration, stiffness: float) -> dict[str, float]:
     return modes
 
 
-def _shorter(c: Configuration, longest: float) -> str:
+def _shorter(c: ParameterGroups, longest: float) -> str:
     """Return the advice to take a step of at most ``longest`` [s]."""
     fitting = _fitting_step(c, longest)
     if fitting < SHORTEST_STEP:
@@ -119,6 +131,6 @@ def _shorter(c: Configuration, longest: float) -> str:
     return f"at most {longest:.3g} s, such as {fitting!r}"
 
 
-def _fitting_step(c: Configuration, longest: float) -> float:
+def _fitting_step(c: ParameterGroups, longest: float) -> float:
     """Return the longest step up to ``longest`` [s] of which a sampling interval is a whole number."""
     return 1.0 / (c.sensor.sampling_rate * max(2, math.ceil(1.0 / (longest * c.sensor.sampling_rate))))

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
+from dcrb_ros.faults.condition import Condition
 from dcrb_ros.schema.fields import Group, choice, quantity
-
-if TYPE_CHECKING:
-    from dcrb_ros.settings.configuration import Configuration
 
 MOST_ACCELERATION = 3000.0
 """Largest time lapse [-]: a step of the network is then one minute, in which oil and temperature still keep step."""
@@ -54,21 +52,20 @@ class Thermal(Group):
     sensor_resolution: float = quantity(0.5, "K", "Step of a reading of temperature; 0 for none", 0.0, 10.0)
 
 
-def thermal_limits(c: Configuration) -> Iterator[str]:
-    """Yield a sentence for each reason why temperatures cannot be computed, and for each fault that would do nothing without them."""
-    condition, dry = c.faults.condition, c.lubrication.law == "dry"
-    if c.thermal.law == "network" and dry:
+def thermal_limits(thermal: Thermal, condition: Condition, lubrication: str) -> Iterator[str]:
+    """Yield a sentence for each reason why a law of ``lubrication`` gives no temperatures, and for each fault without effect."""
+    heated, dry = thermal.law == "network", lubrication == "dry"
+    if heated and dry:
         yield (
             "thermal.law = network takes its heat from the friction of an oil, and lubrication.law is dry: take lubrication.law = film, "
             "or thermal.law = none"
         )
     if condition.loss > 0.0 and dry:
         yield f"faults.lubrication.loss = {condition.loss:g} needs a lubricant, and lubrication.law is dry: take lubrication.law = film"
-    heated = c.thermal.law == "network"
     if condition.seal_torque > 0.0 and not heated:
         yield f"faults.seal_rub.torque = {condition.seal_torque:g} N m only heats, and thermal.law is none: take thermal.law = network"
-    if condition.oil_share > 0.0 and not (heated or c.lubrication.law == "film_with_cages"):
+    if condition.oil_share > 0.0 and not (heated or lubrication == "film_with_cages"):
         yield (
-            f"faults.overfilled.share = {condition.oil_share:g} only heats where lubrication.law is {c.lubrication.law}, and thermal.law "
+            f"faults.overfilled.share = {condition.oil_share:g} only heats where lubrication.law is {lubrication}, and thermal.law "
             "is none: take thermal.law = network, or lubrication.law = film_with_cages"
         )

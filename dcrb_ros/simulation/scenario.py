@@ -12,11 +12,11 @@ from typing import Any
 from dcrb_ros.bearing.runtime_change import altered
 from dcrb_ros.schema.refusal import Refusal, nearest
 from dcrb_ros.settings.configuration import Configuration
-from dcrb_ros.settings.files import COMMANDED, flatten, overlaid, validated
-from dcrb_ros.settings.shipped import shipped_folder
-from dcrb_ros.settings.vehicle_speed import SPEED, replaced
+from dcrb_ros.settings.files import changed, flatten
+from dcrb_ros.settings.parameters import COMMANDED
+from dcrb_ros.settings.shipped import find_shipped
+from dcrb_ros.settings.vehicle_speed import FASTEST_KMH, SPEED, SPEED_KMH, shaft_speed
 from dcrb_ros.stream.events import ScenarioEvent
-from dcrb_ros.text.files import checked_path, is_file
 from dcrb_ros.text.yaml import read_yaml
 
 TICK = 0.05
@@ -93,16 +93,7 @@ def read_scenario(path: Path, configuration: Configuration) -> list[ScheduledCha
 
 def read_scenario_file(path: Path) -> Any:
     """Return a scenario, a file or a shipped name, as parsed from YAML; recordings contain it in this form."""
-    return read_yaml(_find(path))
-
-
-def _find(path: Path) -> Path:
-    """Return the file of a scenario given by its path or a shipped name."""
-    shipped = {file.stem: file for file in sorted((shipped_folder() / "scenarios").glob("*.yaml"))}
-    given = is_file(checked_path(path))
-    if not given and str(path) not in shipped:
-        raise Refusal(f"there is no scenario '{path}': give a YAML file or one of {', '.join(shipped)}{nearest(str(path), shipped)}")
-    return path if given else shipped[str(path)]
+    return read_yaml(find_shipped("scenario", path))
 
 
 def starting_configuration(tree: Any, configuration: Configuration, source: str) -> Configuration:
@@ -114,12 +105,28 @@ def starting_configuration(tree: Any, configuration: Configuration, source: str)
     start = tree.get("start", {}) if isinstance(tree, Mapping) else {}
     if not isinstance(start, Mapping):
         raise Refusal(f"{source}: 'start' must name parameters and their values, such as operating.speed_kmh: 20.0")
-    values = {str(key): value for key, value in flatten(start).items()}
+    values = _values(start, configuration, f"{source}: start")
     for key in values:
         if not key.startswith(tuple(f"{group}." for group in START_GROUPS)):
             raise Refusal(f"{source}: start: {key} cannot be set by a scenario; give keys of {', '.join(START_GROUPS)}")
-    values = replaced(values, configuration.operating.wheel_diameter, f"{source}: start")
-    return validated(overlaid(flatten(configuration.model_dump()), values), Configuration, f"{source}: start") if values else configuration
+    return changed(configuration, values, f"{source}: start") if values else configuration
+
+
+def _values(tree: Mapping[Any, Any], configuration: Configuration, source: str) -> dict[str, Any]:
+    """Return the parameters that a scenario sets, with dotted keys, and with the shaft's speed in place of one in km/h.
+
+    Raises:
+        Refusal: both speeds are given, or the speed in km/h is not a number within its range.
+    """
+    values = {str(key): value for key, value in flatten(tree).items()}
+    if SPEED_KMH not in values:
+        return values
+    kmh = values.pop(SPEED_KMH)
+    if SPEED in values:
+        raise Refusal(f"{source}: it sets {SPEED} and {SPEED_KMH}; give one of them")
+    if isinstance(kmh, bool) or not isinstance(kmh, (int, float)) or not abs(kmh) <= FASTEST_KMH:
+        raise Refusal(f"{source}: {SPEED_KMH} = {kmh!r} km/h is not a number within {-FASTEST_KMH:g} .. {FASTEST_KMH:g} km/h")
+    return {SPEED: shaft_speed(float(kmh), configuration.operating.wheel_diameter), **values}
 
 
 def scheduled_changes(tree: Any, configuration: Configuration, source: str) -> list[ScheduledChange]:
@@ -158,7 +165,7 @@ def scheduled_changes(tree: Any, configuration: Configuration, source: str) -> l
         for entry in beginning.get(moment, ()):
             planned += [(change, entry) for change in _changes(entry, present)]
             present = present if entry.gradual else altered(present, entry.values, f"{entry.source} (at {entry.at:g} s)")
-    planned.sort(key=lambda planned_change: planned_change[0].step)
+    planned.sort(key=lambda item: item[0].step)
     _rehearse(planned, configuration)
     return [change for change, _ in planned]
 
@@ -214,8 +221,7 @@ def _entry(item: Any, configuration: Configuration, source: str) -> _Entry:
             raise Refusal(f"{source}: unknown key '{key}'{nearest(str(key), KEYS)}; an entry has 'at', 'set' and 'over'")
     if not isinstance(item["set"], Mapping) or not item["set"]:
         raise Refusal(f"{source}: 'set' must name parameters and their values, such as faults.outer_1.width: 0.002")
-    given = {str(key): value for key, value in flatten(item["set"]).items()}
-    values = replaced(given, configuration.operating.wheel_diameter, source)
+    values = _values(item["set"], configuration, source)
     if "time_scale" in values:
         raise Refusal(f"{source}: time_scale cannot be set by a scenario, whose times are simulated; set it in the configuration")
     at, over = _seconds(item["at"], "at", source), _seconds(item.get("over", 0.0), "over", source)

@@ -72,12 +72,12 @@ def _decode(text: str) -> Event | None:
         return None
     if text == "start":
         return Start()
-    if found := SPEED.fullmatch(text):
-        return SpeedCommand(float(found[1]))
-    if found := LOAD.fullmatch(text):
-        return LoadCommand(float(found[1]), float(found[2]))
-    if found := LOST.fullmatch(text):
-        return BlockLost(int(found[1]), int(found[2]))
+    if match := SPEED.fullmatch(text):
+        return SpeedCommand(float(match[1]))
+    if match := LOAD.fullmatch(text):
+        return LoadCommand(float(match[1]), float(match[2]))
+    if match := LOST.fullmatch(text):
+        return BlockLost(int(match[1]), int(match[2]))
     if text.startswith(REFUSED):
         request, end = _request(text, len(REFUSED))
         if text.startswith(": ", end) and end > len(REFUSED):

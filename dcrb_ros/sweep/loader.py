@@ -14,7 +14,7 @@ from pydantic_core import ErrorDetails
 from dcrb_ros.schema.parameter_field import ParameterField
 from dcrb_ros.schema.refusal import Refusal, nearest
 from dcrb_ros.settings.files import fields_by_key, flatten, load_configuration, overlaid, unknown_parameter
-from dcrb_ros.settings.shipped import find_configuration, shipped_folder
+from dcrb_ros.settings.shipped import find_configuration, find_shipped
 from dcrb_ros.settings.vehicle_speed import SPEED, SPEED_KMH
 from dcrb_ros.simulation.scenario import read_scenario_file
 from dcrb_ros.sweep.design import GRID, Axes, Axis, Choice, Span, Value
@@ -43,7 +43,7 @@ def read_sweep(source: str | Path, machine: str | None = None) -> Sweep:
     Raises:
         Refusal: an unknown key, a value out of range, an empty design, or values that contradict each other.
     """
-    path = find_sweep(source)
+    path = find_shipped("sweep", source)
     tree = read_yaml(path)
     if not isinstance(tree, Mapping):
         raise Refusal(f"{path} is not a sweep: it must have keys such as 'base', 'vary', 'cases' and 'duration'")
@@ -51,16 +51,6 @@ def read_sweep(source: str | Path, machine: str | None = None) -> Sweep:
     if machine is not None:
         keys = {key: value for key, value in keys.items() if key != BASE} | {MACHINE: str(Path(machine).absolute())}
     return sweep_of(keys, str(path), path.parent, read_text(path))
-
-
-def find_sweep(source: str | Path) -> Path:
-    """Return the path of the sweep given by a file or by a shipped name."""
-    shipped = {path.stem: path for path in sorted((shipped_folder() / "sweeps").glob("*.yaml"))}
-    path = checked_path(source)
-    exists = is_file(path)
-    if not exists and str(source) not in shipped:
-        raise Refusal(f"there is no sweep '{source}': give a YAML file or one of {', '.join(shipped)}{nearest(str(source), shipped)}")
-    return path if exists else shipped[str(source)]
 
 
 GAP_PARAMETERS = ("publishing.loss_probability", "publishing.burst_period")

@@ -10,6 +10,7 @@ from pydantic import BaseModel, Field, TypeAdapter, ValidationError
 
 from dcrb_ros.runtime.processes import cores
 from dcrb_ros.runtime.threads import show_name
+from dcrb_ros.schema.parameter_field import first_problem
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.sweep.store import Store
 from dcrb_ros.text.json import parsed_json
@@ -81,9 +82,9 @@ def read_label(store: Store, run: str, folder: str = LABELS) -> dict[str, Any] |
         label = parsed_json(data, store.path(name))
         named = _SCHEMA.validate_python(label).run
     except ValidationError as error:
-        problem = error.errors()[0]
-        key = ".".join(str(part) for part in problem["loc"][1:])
-        raise DamagedLabel(f"{store.path(name)} is damaged ({key or 'status'}: {problem['msg'].lower()})") from None
+        problem = first_problem(error)
+        key = problem.key.partition(".")[2]
+        raise DamagedLabel(f"{store.path(name)} is damaged ({key or 'status'}: {problem.reason.lower()})") from None
     except (ValueError, RecursionError):
         raise DamagedLabel(f"{store.path(name)} is {'damaged: it is not JSON' if data else 'empty'}") from None
     if named != run:

@@ -19,7 +19,8 @@ from ros_bench import GraphClient, domain, environment, graph_client, node
 from dcrb_ros.messages.plain import decode_text
 from dcrb_ros.messages.statuses import decode_truth
 from dcrb_ros.messages.topics import GROUND_TRUTH, SENSOR, VIBRATION
-from dcrb_ros.settings.files import COMMANDED, load_configuration, nest, parameter_fields
+from dcrb_ros.settings.files import load_configuration, nest, parameter_fields
+from dcrb_ros.settings.parameters import COMMANDED
 from dcrb_ros.stream.block import Truth
 from dcrb_ros.stream.events import ParameterChange
 

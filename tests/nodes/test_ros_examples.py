@@ -20,6 +20,7 @@ from dcrb_ros.messages.joints import encode_features
 from dcrb_ros.messages.topics import (
     AMBIENT_TEMPERATURE,
     BENCH,
+    COMMANDS,
     DETECTED,
     DIAGNOSIS,
     FEATURES,
@@ -30,7 +31,7 @@ from dcrb_ros.messages.topics import (
     VIBRATION,
 )
 from dcrb_ros.messages.topics.diagnosis import encode_diagnosis
-from dcrb_ros.nodes.bench_status import COMMANDS, SERVICES
+from dcrb_ros.nodes.bench_status import SERVICES
 from dcrb_ros.stream.diagnosis import Diagnosis
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
@@ -82,7 +83,7 @@ def allowed(node: str, kind: str, permission: str) -> set[str]:
 
 def test_the_policy_allows_the_nodes_their_topics_and_services() -> None:
     simulated, detected = ({topic.resolved(NAMESPACE) for topic in topics} for topics in (SIMULATED, DETECTED))
-    commands, rosout = {f"{NAMESPACE}/{name}" for name in COMMANDS}, {"/rosout", "/parameter_events"}
+    commands, rosout = {topic.resolved(NAMESPACE) for topic in COMMANDS}, {"/rosout", "/parameter_events"}
     received = {topic.resolved(NAMESPACE) for topic in (SENSOR, VIBRATION, OUTER_RING_TEMPERATURE, AMBIENT_TEMPERATURE)}
     recorded = {topic.resolved(NAMESPACE) for topic in DETECTED if topic.recorded}
     time = {"/clock", "/parameter_events"}

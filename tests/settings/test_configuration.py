@@ -12,8 +12,9 @@ from hypothesis import strategies as st
 from dcrb_ros.schema.parameter_field import ParameterField
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
-from dcrb_ros.settings.files import fields_by_key, flatten, load_configuration, parameter_table, to_yaml, validated
-from dcrb_ros.settings.shipped import shipped_configurations
+from dcrb_ros.settings.documentation import parameter_table
+from dcrb_ros.settings.files import fields_by_key, flatten, load_configuration, to_yaml, validated
+from dcrb_ros.settings.shipped import shipped
 
 FIELDS = fields_by_key()
 
@@ -26,8 +27,8 @@ LUBRICATED = ("healthy", "outer_ring_defect", "inner_ring_defect", "roller_defec
 
 
 def test_shipped_configurations_are_valid() -> None:
-    assert set(shipped_configurations()) == {"paper", "dry", "ball_bearing_6205", *LUBRICATED}
-    for name in shipped_configurations():
+    assert set(shipped("configuration")) == {"paper", "dry", "ball_bearing_6205", *LUBRICATED}
+    for name in shipped("configuration"):
         load_configuration(name)
 
 
@@ -377,3 +378,9 @@ def test_the_friction_of_asperities_presses_rollers_against_the_bars() -> None:
     load_configuration("dry", light)
     with pytest.raises(Refusal, match="is too long for rollers against the bars of a cage"):
         load_configuration("dry", (*light, *FILM, "lubrication.boundary_friction=1.0"))
+
+
+def test_a_folder_does_not_hide_the_shipped_configuration_of_its_name(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "healthy").mkdir()  # the default name of a recording of this configuration
+    assert load_configuration("healthy") == load_configuration("healthy.yaml") == load_configuration("config/healthy.yaml")

@@ -14,7 +14,7 @@ from dcrb_ros.exam.exam_file import read_exam
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.files import load_configuration
 from dcrb_ros.simulation.scenario import read_scenario_file
-from dcrb_ros.sweep.loader import find_sweep
+from dcrb_ros.sweep.loader import read_sweep
 from dcrb_ros.text.files import check_regular, checked_path, open_regular, read_text, special_kind
 
 
@@ -79,7 +79,7 @@ def test_names_that_no_file_can_have_are_refused(name: str, words: str, tmp_path
 def test_a_pipe_in_place_of_a_named_file_is_refused_as_a_pipe(tmp_path: Path) -> None:
     pipe = tmp_path / "pipe.yaml"
     os.mkfifo(pipe)
-    readers: tuple[Callable[[Any], Any], ...] = (load_configuration, read_exam, find_sweep, read_scenario_file)
+    readers: tuple[Callable[[Any], Any], ...] = (load_configuration, read_exam, read_sweep, read_scenario_file)
     for read in readers:
         with pytest.raises(Refusal, match=r"pipe.yaml is a named pipe: give a regular file$"):
             read(pipe)

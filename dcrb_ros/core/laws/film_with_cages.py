@@ -42,7 +42,7 @@ def warmed(values: Mapping[str, Any], material: Material, inner: float, outer: f
 LAW = replace(
     film.LAW,
     name="film_with_cages",
-    summary="film_with_cages, also oil in pockets, in lands and around the rollers",
+    summary="also oil in pockets, lands and around rollers",
     constants=FilmWithCages,
     build=build,
     warmed=warmed,

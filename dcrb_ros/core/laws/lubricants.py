@@ -13,6 +13,8 @@ LUBRICANTS = {
     "vg220": Lubricant(220.0, 18.7, 890.0, 2.4e-8),
 }
 """Lubricants by name: the base oil of a wheelset grease (a choice, no data sheet gives it), and typical mineral oils."""
+CUSTOM = "custom"
+"""Name of the lubricant that parameters describe."""
 LAYERS = {"grease": 5e-6, "vg100": 50e-6, "vg220": 50e-6, "custom": 50e-6}
 """Oil layer that both surfaces offer together [m]: what a grease leaves on the raceway, or an oil bath."""
 OIL_SHARES = {"grease": 0.005, "vg100": 0.02, "vg220": 0.02, "custom": 0.02}

@@ -12,6 +12,7 @@ from dcrb_ros.messages.topic import MANIFEST, NAMESPACE, DetectedTopic, Message,
 from dcrb_ros.messages.topics.acceleration import ACCELERATION
 from dcrb_ros.messages.topics.bench_diagnostics import BENCH_DIAGNOSTICS
 from dcrb_ros.messages.topics.clock import CLOCK
+from dcrb_ros.messages.topics.commands import LOAD_COMMAND, SPEED_COMMAND
 from dcrb_ros.messages.topics.diagnosis import DIAGNOSIS
 from dcrb_ros.messages.topics.envelope_spectrum import ENVELOPE_SPECTRUM
 from dcrb_ros.messages.topics.fault_indicators import FAULT_INDICATORS
@@ -35,12 +36,14 @@ __all__ = [
     "BENCH_DIAGNOSTICS",
     "BOX_TEMPERATURE",
     "CLOCK",
+    "COMMANDS",
     "DETECTED",
     "DIAGNOSIS",
     "ENVELOPE_SPECTRUM",
     "FAULT_INDICATORS",
     "FEATURES",
     "GROUND_TRUTH",
+    "LOAD_COMMAND",
     "LUBRICATION_STATE",
     "MANIFEST",
     "NAMESPACE",
@@ -49,6 +52,7 @@ __all__ = [
     "ROLLER_STATES",
     "SENSOR",
     "SIMULATED",
+    "SPEED_COMMAND",
     "TACHO",
     "TEMPERATURES",
     "TRANSFORMS",
@@ -112,6 +116,12 @@ BENCH: tuple[Topic, ...] = _topics(
     "transforms:TRANSFORMS",
 )
 """Topics that the nodes publish about themselves."""
+
+COMMANDS: tuple[Topic, ...] = _topics(
+    "commands:SPEED_COMMAND",
+    "commands:LOAD_COMMAND",
+)
+"""Topics to which the simulator subscribes."""
 
 
 def topic_table() -> str:

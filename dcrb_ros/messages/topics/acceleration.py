@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from dcrb_ros.messages.cdr import IMU
 from dcrb_ros.messages.plain import encode_preview
-from dcrb_ros.messages.topic import Encoded, SimulatedTopic, Source
+from dcrb_ros.messages.topic import Encoded, EncodedBench, SimulatedTopic
 from dcrb_ros.stream.block import Block
 
 
-def _encode(block: Block, source: Source) -> Encoded:
+def _encode(block: Block, source: EncodedBench) -> Encoded:
     if block.lost:
         return
     for time_ns, sample in zip(block.preview_ns, block.preview, strict=True):

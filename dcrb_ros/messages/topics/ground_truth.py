@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from dcrb_ros.messages.cdr import DIAGNOSTICS
 from dcrb_ros.messages.statuses import decode_truth, encode_truth
-from dcrb_ros.messages.topic import Encoded, SimulatedTopic, Source
+from dcrb_ros.messages.topic import Encoded, EncodedBench, SimulatedTopic
 from dcrb_ros.stream.block import Block
 
 
-def _encode(block: Block, source: Source) -> Encoded:
+def _encode(block: Block, source: EncodedBench) -> Encoded:
     return ((truth.time_ns, encode_truth(truth, source.frame)) for truth in block.truths)
 
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from dcrb_ros.messages.cdr import JOINT_STATE
 from dcrb_ros.messages.joints import decode_joints, encode_joints
-from dcrb_ros.messages.topic import Encoded, SimulatedTopic, Source
+from dcrb_ros.messages.topic import Encoded, EncodedBench, SimulatedTopic
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.stream.block import Block
@@ -41,19 +41,19 @@ def arrays_of(names: tuple[str, ...], values: Floats) -> dict[str, Floats] | Non
     rows = len({name.split("/")[0] for name in names})
     if names != names_of(rows):
         return None
-    by_row, found, first = values.reshape(len(values), rows, -1), {}, 0
+    by_row, arrays, first = values.reshape(len(values), rows, -1), {}, 0
     for number in (*AT_RACEWAYS, *BY_SOURCE):
         count = len(RACEWAYS) if number in AT_RACEWAYS else len(FRICTION_SOURCES)
-        found[number] = np.ascontiguousarray(by_row[:, :, first : first + count])
+        arrays[number] = np.ascontiguousarray(by_row[:, :, first : first + count])
         first += count
-    return found
+    return arrays
 
 
 def _enabled(configuration: Configuration) -> bool:
-    return configuration.lubrication.law != "dry"
+    return bool(configuration.lubrication.law != "dry")
 
 
-def _encode(block: Block, source: Source) -> Encoded:
+def _encode(block: Block, source: EncodedBench) -> Encoded:
     empty = np.zeros(0)
     for states in block.states:
         if states.lubrication is not None:

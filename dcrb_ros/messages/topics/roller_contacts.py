@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dcrb_ros.messages.cdr import JOINT_STATE
 from dcrb_ros.messages.joints import decode_joints, encode_contacts
-from dcrb_ros.messages.topic import Encoded, SimulatedTopic, Source
+from dcrb_ros.messages.topic import Encoded, EncodedBench, SimulatedTopic
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.stream.block import Block
 
@@ -13,7 +13,7 @@ def _enabled(configuration: Configuration) -> bool:
     return configuration.publishing.contacts
 
 
-def _encode(block: Block, source: Source) -> Encoded:
+def _encode(block: Block, source: EncodedBench) -> Encoded:
     return ((states.time_ns, encode_contacts(states, source.bodies, source.frame)) for states in block.states)
 
 

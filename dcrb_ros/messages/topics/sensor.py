@@ -5,18 +5,18 @@ from __future__ import annotations
 from dcrb_ros.messages.cdr import TEXT
 from dcrb_ros.messages.description import decode_sensor, sensor_text
 from dcrb_ros.messages.plain import encode_text
-from dcrb_ros.messages.topic import Encoded, SimulatedTopic, Source
+from dcrb_ros.messages.topic import Encoded, EncodedBench, SimulatedTopic
 from dcrb_ros.stream.block import Block
 
 REPEAT_NS = 1_000_000_000
 """Simulated time between two descriptions [ns]: whoever reads a part of a recording, or plays it from the middle, loses less than that."""
 
 
-def _start(source: Source) -> bytes:
+def _start(source: EncodedBench) -> bytes:
     return encode_text(sensor_text(source.configuration))
 
 
-def _encode(block: Block, source: Source) -> Encoded:
+def _encode(block: Block, source: EncodedBench) -> Encoded:
     changed = source.after(block)
     return ((block.stamp_ns, _start(changed)),) if changed is not source or repeats_with(block) else ()
 

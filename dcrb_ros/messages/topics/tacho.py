@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dcrb_ros.messages.cdr import POINT_CLOUD
 from dcrb_ros.messages.pulses import decode_pulses, encode_pulses
-from dcrb_ros.messages.topic import Encoded, SimulatedTopic, Source
+from dcrb_ros.messages.topic import Encoded, EncodedBench, SimulatedTopic
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.stream.block import Block
 
@@ -13,7 +13,7 @@ def _enabled(configuration: Configuration) -> bool:
     return configuration.tacho.pulses_per_turn > 0
 
 
-def _encode(block: Block, source: Source) -> Encoded:
+def _encode(block: Block, source: EncodedBench) -> Encoded:
     return () if block.lost else ((block.stamp_ns, encode_pulses(block, source.frame)),)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import partial
 
 from dcrb_ros.messages.plain import TEMPERATURE, decode_temperature, encode_temperature
-from dcrb_ros.messages.topic import Encoded, SimulatedTopic, Source
+from dcrb_ros.messages.topic import Encoded, EncodedBench, SimulatedTopic
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.stream.block import Block
 
@@ -17,7 +17,7 @@ def _enabled(configuration: Configuration) -> bool:
     return configuration.thermal.law != "none"
 
 
-def _encode(place: str, block: Block, source: Source) -> Encoded:
+def _encode(place: str, block: Block, source: EncodedBench) -> Encoded:
     noise = source.configuration.thermal.sensor_noise
     for reading in block.temperatures:
         yield reading.time_ns, encode_temperature(reading.time_ns, getattr(reading, place), noise, source.frame)

@@ -22,8 +22,8 @@ def encode_transforms(configuration: Configuration) -> bytes:
     """Return the transform as a TFMessage: axes of the bearing (X right, Y up, Z along the shaft), radius of the outer raceway."""
     frame, radius = configuration.publishing.frame, configuration.bearing.outer_raceway_radius
     vector, quaternion = ros_type("geometry_msgs/msg/Vector3"), ros_type("geometry_msgs/msg/Quaternion")
-    place = vector(radius * math.sin(SENSOR_AZIMUTH), -radius * math.cos(SENSOR_AZIMUTH), 0.0)
-    pose = ros_type("geometry_msgs/msg/Transform")(place, quaternion(0.0, 0.0, 0.0, 1.0))
+    position = vector(radius * math.sin(SENSOR_AZIMUTH), -radius * math.cos(SENSOR_AZIMUTH), 0.0)
+    pose = ros_type("geometry_msgs/msg/Transform")(position, quaternion(0.0, 0.0, 0.0, 1.0))
     stamped = ros_type("geometry_msgs/msg/TransformStamped")(header(0, centre_frame(frame)), frame, pose)
     return encoded(TF, ros_type(TF)([stamped]))
 

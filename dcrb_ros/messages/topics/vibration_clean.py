@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dcrb_ros.messages.cdr import POINT_CLOUD
 from dcrb_ros.messages.points import decode_vibration, encode_vibration
-from dcrb_ros.messages.topic import Encoded, SimulatedTopic, Source
+from dcrb_ros.messages.topic import Encoded, EncodedBench, SimulatedTopic
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.stream.block import Block
 
@@ -13,7 +13,7 @@ def _enabled(configuration: Configuration) -> bool:
     return configuration.publishing.clean
 
 
-def _encode(block: Block, source: Source) -> Encoded:
+def _encode(block: Block, source: EncodedBench) -> Encoded:
     return () if block.lost else ((block.stamp_ns, encode_vibration(block, block.clean, source.frame)),)
 
 

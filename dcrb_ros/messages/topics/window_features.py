@@ -9,7 +9,7 @@ import numpy as np
 from dcrb_ros.bearing.kinematics import characteristic_orders
 from dcrb_ros.messages.cdr import JOINT_STATE
 from dcrb_ros.messages.joints import decode_joints, encode_joints
-from dcrb_ros.messages.topic import Encoded, SimulatedTopic, Source
+from dcrb_ros.messages.topic import Encoded, EncodedBench, SimulatedTopic
 from dcrb_ros.schema.simulated_time import nanoseconds
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.stream.block import Block
@@ -19,14 +19,14 @@ def _enabled(configuration: Configuration) -> bool:
     return configuration.publishing.features
 
 
-def _begin(source: Source) -> Callable[[Block, Source], Encoded]:
+def _begin(source: EncodedBench) -> Callable[[Block, EncodedBench], Encoded]:
     """Return the encoder of a run, which keeps the samples of the present window."""
     from dcrb_ros.diagnosis.features.extraction import FeatureExtractor  # scipy is for those who publish features
 
     rate, empty = source.configuration.sensor.sampling_rate, np.zeros(0)
     extractor = FeatureExtractor(characteristic_orders(source.configuration.bearing), rate)
 
-    def encode(block: Block, source: Source) -> Encoded:
+    def encode(block: Block, source: EncodedBench) -> Encoded:
         if block.lost:
             return
         table = extractor.update(block.index, block.acceleration, block.shaft_angle)
