@@ -12,7 +12,7 @@ maintainer = manifest.find("maintainer")
 
 
 def files(folder: str, pattern: str) -> list[str]:
-    """Return the files of a folder, relative to this one, as setuptools wants them."""
+    """Return the files of a folder, relative to this one, as setuptools requires."""
     return sorted(str(path.relative_to(HERE)) for path in (HERE / folder).glob(pattern))
 
 
@@ -92,16 +92,16 @@ setup(
             'numpy>=2.4,<2.5; python_version >= "3.11"',
             'scipy-stubs>=1.17,<1.18; python_version >= "3.11"',
             "types-PyYAML>=6.0.12,<7",
-            # The baseline of the tutorial on sweeps.
+            # The classifiers of the tutorials.
             "scikit-learn>=1.4,<2",
             # The recipe for MQTT: the client of the example, and a broker where mosquitto is not installed.
             "paho-mqtt>=2,<3",
             "amqtt>=0.12,<0.13",
-            # The notebooks are read.
+            # The tests read the notebooks.
             "nbformat>=5.10,<6",
         ],
         "mat73": ["h5py>=3.8,<4"],
-        # Dask is for the workers of a cluster; on one machine a sweep does without.
+        # Dask is for the workers of a cluster; a sweep on one machine does not need it.
         "sweep": ["dask>=2024.2", "distributed>=2024.2", "fsspec>=2024.2", "pandas>=2.2,<4"],
         "docs": [
             "mkdocs>=1.6,<2",

@@ -55,7 +55,7 @@ def on_post_page(output: str, page: Any, **_: Any) -> str:
         if FIGURE not in output:
             raise PluginError(f"{page.file.src_uri} shows no figure")
         if WARNINGS.search(output):
-            raise PluginError(f"{page.file.src_uri} prints warnings: run it and mend them")
+            raise PluginError(f"{page.file.src_uri} prints warnings: run it and remove their causes")
     return output
 
 

@@ -22,7 +22,7 @@ def features(folder: Path, row: pd.Series) -> list[float]:
         filtered = signal.sosfiltfilt(signal.butter(4, 2000.0, "highpass", fs=row["sampling_rate"], output="sos"), axis)
         envelope = np.abs(signal.hilbert(filtered))
         found += [np.log(np.std(axis)), np.log(np.mean((axis - axis.mean()) ** 4) / np.var(axis) ** 2)]
-        # Order tracking: resampled over the shaft angle, the lines are at the same orders at any speed.
+        # Order tracking: over the shaft angle, the lines have the same orders at any speed.
         even = np.interp(np.linspace(turns[0], turns[-1], len(turns)), turns, envelope)
         spectrum = np.abs(np.fft.rfft((even - even.mean()) * np.hanning(len(even))))
         order, shaft = np.arange(len(spectrum)) / (turns[-1] - turns[0]), abs(row["speed"]) / (2.0 * np.pi)

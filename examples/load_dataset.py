@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-CLASSES = ["healthy", "outer_ring", "inner_ring", "roller", "cage", "sensor", "compound"]
+CLASSES = ["healthy", "outer_ring", "inner_ring", "roller", "cage", "sensor", "compound", "lubrication", "overheating"]
 
 
 def labels(folder: Path, split: str) -> pd.DataFrame:

@@ -39,7 +39,7 @@ def main(twins: Path, recordings: Path) -> float:
     """Print how often each fault is called what, and return the mean area under the ROC curves of the faults [-]."""
     (x, fault), (tested, truth) = windows(twins), windows(recordings)
     forest = RandomForestClassifier(300, min_samples_leaf=2, class_weight="balanced", random_state=1).fit(x, fault)
-    print(pd.crosstab(truth, forest.predict(tested), rownames=["truth"], colnames=["said"]))
+    print(pd.crosstab(truth, forest.predict(tested), rownames=["truth"], colnames=["predicted"]))
     probability = pd.DataFrame(forest.predict_proba(tested), columns=forest.classes_)
     area = float(np.mean([roc_auc_score(truth == name, probability[name]) for name in truth.unique()]))
     print(f"macro AUROC: {area:.2f}, by chance 0.50")

@@ -8,7 +8,7 @@ from trending import Trending, lines
 
 
 class NaiveBpfo(Trending):
-    """Report an outer ring defect if the line at BPFO stands 12 dB above the spectrum around it; there is no healthy level."""
+    """Report an outer ring defect if the line at BPFO is 12 dB above the spectrum around it; there is no healthy level."""
 
     factor = 4.0
     learning = 0
