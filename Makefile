@@ -86,7 +86,7 @@ soak: environment ## An hour flat out and ten minutes in real time, with random 
 signals: environment ## SIGINT, SIGTERM and kill -9 at 100 random instants, a quarter of an hour (SIGNALS='--runs 20 --seed 7')
 	$(BIN)/python benchmarks/signals.py $(SIGNALS)
 
-exam: environment ## The exams of the shipped detector, and of the naive one: rewrites docs/explanation/exam-results.md (EXAM=hours for the healthy hours)
+exam: environment ## The exams of the shipped detector, and of the naive one: rewrites docs/results/exam.md (EXAM=hours for the healthy hours)
 	$(BIN)/python benchmarks/exam.py $(EXAM)
 
 hot_boxes: environment ## Lead times of the detector before wayside hot-box detectors, some ten minutes (HOT_BOXES='--healthy 4 --faulty 40')

@@ -88,8 +88,8 @@ def rows() -> Iterator[tuple[str, dict[str, Any], list[Any]]]:
         patch(f"{DIAGNOSIS}.rules.roller.spin_of_clusters", lambda *_: (0.0, 1.0)),
         patch.object(Roller, "_slower", lambda _, found, *__: found),
     ]
-    yield "rollers spin as they should", {}, as_they_should
-    yield "a watched bearing is named at the threshold", {"alarm_evidence": 0.0}, []
+    yield "rollers at their kinematic spin only", {}, as_they_should
+    yield "a monitored bearing is named at the threshold", {"alarm_evidence": 0.0}, []
     yield "the same, and weak evidence need not last", {"alarm_evidence": 0.0}, [patch(f"{DIAGNOSIS}.detector.Hysteresis", at_once)]
 
 

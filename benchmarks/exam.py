@@ -1,4 +1,4 @@
-"""The reports in docs/explanation/exam-results.md: three exams of the shipped detector, one of the naive detector; recordings are kept."""
+"""The reports in docs/results/exam.md: three exams of the shipped detector, one of the naive detector; recordings are kept."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 ROOT = Path(__file__).resolve().parents[1]
-PAGE, IMAGES = ROOT / "docs/explanation/exam-results.md", ROOT / "docs/images"
+PAGE, IMAGES = ROOT / "docs/results/exam.md", ROOT / "docs/images"
 SCORE = [sys.executable, "-c", "from dcrb_ros.cli.app import main; main()", "score"]
 MOST_FAILURES = 30
 

@@ -56,7 +56,7 @@ BURN_OFF_RUN = "dcrb simulate healthy --scenario burn_off --duration 45 -o burn_
 
 
 def exam(report: str, name: str) -> Picture:
-    """Return the figure of a report in docs/explanation/exam-results.md."""
+    """Return the figure of a report in docs/results/exam.md."""
     return Picture(f"python {{root}}/benchmarks/exam.py {report}", (f"file config/exams/{name}.yaml", *REPORT))
 
 

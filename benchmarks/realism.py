@@ -1,4 +1,4 @@
-"""Statistics and pictures of simulated bearings beside measured ones, for docs/explanation/realism.md.
+"""Statistics and pictures of simulated bearings beside measured ones, for docs/results/realism.md.
 
 ``python benchmarks/realism.py MEASURED [--pictures DIRECTORY]``; MEASURED is a folder with ``recordings.csv``, which names rig, truth,
 sampling rate, unit, speed and orders of each recording, and ``recordings/NAME.npz`` with its samples as ``a``. Only statistics and pictures

@@ -1,4 +1,4 @@
-"""Which rows of the report of ``dcrb validate`` notice a change of the benches: the table of docs/explanation/validation.md.
+"""Which rows of the report of ``dcrb validate`` notice a change of the benches: the table of docs/results/accuracy.md.
 
 ``python benchmarks/report_mutations.py`` changes parameters of the lubricated benches and of the dry one, one mutation after the other, and
 compares the verdicts of the rows with those without a change. Rows that no parameter can change (laws, static forces) are not part of it;

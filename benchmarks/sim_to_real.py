@@ -2,7 +2,7 @@
 
 ``python benchmarks/sim_to_real.py MEASURED -o FOLDER``; MEASURED is a folder with ``recordings.csv`` and ``recordings/NAME.npz``, as for
 ``benchmarks/realism.py``. The sweeps and a table are written to FOLDER; a second call continues. ``--machines 64 --seconds 8`` is the full
-size, hours of processor time. docs/explanation/sim-to-real.md states the protocol and the result.
+size, hours of processor time. docs/explanation/sim-to-real.md states the protocol, docs/results/sim-to-real.md the result.
 """
 
 from __future__ import annotations

@@ -21,7 +21,7 @@ from dcrb_ros.settings.configuration import Configuration
 MOST_FLUCTUATION = 0.02
 """Largest fluctuation of the speed that the bench has [-]."""
 SLOWEST_RIPPLE = 6.0
-"""Frequency of the shaft above which its ripple can be told from the random fluctuation up to 5 Hz [Hz]."""
+"""Frequency of the shaft above which its ripple can be separated from the random fluctuation up to 5 Hz [Hz]."""
 TONE = 4.0
 """Level of a third octave over the model from which its lines hold most of the power [dB]."""
 STATED = 1e-6
@@ -111,7 +111,7 @@ def unbalance_of(machines: Sequence[Measured], sources: Sequence[Source], path: 
 
 
 def modulation_of(machines: Sequence[Measured], sources: Sequence[Source], path: IdentifiedPath) -> Part:
-    """Return the modulation by the shaft from the squared envelope of the band in which the bearing is heard.
+    """Return the modulation by the shaft from the squared envelope of the band in which the bearing rises above the noise.
 
     The line at order 1 is 2 m / (1 + m^2/2) of the mean; noise in the band lowers it by its share of the power.
     """

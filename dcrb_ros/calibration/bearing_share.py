@@ -1,6 +1,6 @@
 r"""The bearing's share of the healthy power, and the noise of the machine that is the rest.
 
-A spectrum cannot tell the bearing from other sources; the squared envelope can. Other sources have no lines at the orders of the bearing,
+A spectrum cannot part the bearing from other sources; the squared envelope can. Other sources have no lines at the orders of the bearing,
 so that the amplitude of such a line in the squared envelope of a band belongs to the bearing alone (Antoni 2007, "Cyclic spectral
 analysis of rolling-element bearing signals", J. Sound Vib. 304(3-5), 497-529). The identified path gives all of the power to the bearing.
 Behind it, the bench's bearing has lines of the amplitude A; the machine has lines of the amplitude M. The share of the power is M/A, on

@@ -33,7 +33,7 @@ RANGE_OVER_PEAK = 10.0
 """Range of the simulated sensor over the measured peak where the range is unknown [-]."""
 NOT_SEEN = (
     "the load, the lubrication and the surfaces cannot be seen in a healthy recording: they are those of the base",
-    "the phase of the path and a delay cannot be told from a minimum phase, which is assumed",
+    "the phase of the path and a delay cannot be distinguished from a minimum phase, which is assumed",
     "the range and the converter of the sensor are unknown unless the signal is clipped: the range is ten times the peak",
 )
 
@@ -48,7 +48,7 @@ class Calibration:
     """The estimated parameters with their intervals."""
     gains: Mapping[str, Estimate]
     """By axis, the root of the power behind the path over that before it, from 200 Hz to the upper end of the band: what can be identified
-    of a gain, while ``structure.gain_y`` is the gain at rest, where the bearing is not heard."""
+    of a gain, while ``structure.gain_y`` is the gain at rest, where the noise covers the bearing."""
     path: tuple[PathLevel, ...]
     """Gain of the path in third octaves, which is what the sections in the configuration amount to."""
     unidentified: tuple[str, ...]

@@ -69,5 +69,5 @@ class PathLevel:
 
     @property
     def identified(self) -> bool:
-        """Whether the bearing is heard in the band."""
+        """Whether the bearing rises above the noise in the band."""
         return self.share >= 0.5

@@ -23,7 +23,7 @@ LOWEST = 200.0
 HEARD = 0.5
 """Share of the noise in a bin from which the noise counts as identified, and of the bearing from which the path does [-]."""
 FEWEST_BINS = 16
-"""Bins in which the noise must be heard [-]: a third of an octave."""
+"""Bins in which the noise must exceed the bearing [-]: a third of an octave."""
 FEW = 2.3534 / QUANTILE
 """Quantile of Student's t with three degrees of freedom over that of a normal variable [-]: four individuals are compared."""
 COLUMNS = {"x": 0, "y": 1}

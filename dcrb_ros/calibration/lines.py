@@ -17,7 +17,7 @@ OFF_MAINS = 0.003
 LINE_RATIO = 20.0
 """Power of a line over the median of its neighbours from which it counts as one [-]: noise reaches it once in 10^6 lines."""
 APART = 3.0
-"""Distance from a harmonic of the shaft at which a line can be told from it, in resolutions of the whole recording [-]."""
+"""Distance from a harmonic of the shaft at which a line can be resolved from it, in resolutions of the whole recording [-]."""
 
 
 @dataclass(frozen=True)

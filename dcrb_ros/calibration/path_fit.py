@@ -9,7 +9,7 @@ factor of H is a resonance and an antiresonance (`dcrb_ros.measurement.stages.pa
 of the logarithms is least in bins of 1/48 octave, with a robust loss, as residuals of a spectrum are close to normal there. Factors are
 added where the residual is largest, until the Bayesian information criterion (Schwarz 1978, Ann. Stat. 6(2), 461-464) no longer falls.
 
-A path with zeros outside the unit circle, or a delay, has the same envelope and cannot be told from its minimum-phase part (Randall 2017,
+A path with zeros outside the unit circle, or a delay, has the same envelope and is inseparable from its minimum-phase part (Randall 2017,
 "A history of cepstrum analysis and its application to mechanical problems", Mech. Syst. Signal Process. 97, 3-19).
 """
 

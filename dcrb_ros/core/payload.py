@@ -48,7 +48,7 @@ ROLLER_NOTCH = np.dtype(
 
 
 class Payload(NamedTuple):
-    """The bearing as the time loop sees it, SI units."""
+    """The constants of the bearing for the time loop, SI units."""
 
     step: float
     """Time step [s]."""

@@ -1,4 +1,4 @@
-"""Lines of what travels with the cage: harmonics of FTF, their clusters at the spin of a roller, and a ring's lines beside them."""
+"""Modulation at the cage frequency: harmonics of FTF, their clusters at the spin of a roller, and a ring's lines beside them."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ HIGHEST_CONTRAST = 60.0
 def over_the_cage(lines: LineFamily, band: BandEvidence | None, contrast: float) -> float:
     """Return the largest amplitude of a ring's lines over that of FTF and its double, less the ``contrast`` required [dB].
 
-    All rollers strike the defect of a ring, and the cage modulates that only as far as they are unequal. What travels with the cage, a
+    All rollers strike the defect of a ring, and the cage modulates that only as far as they are unequal. Cage modulation, from a
     broken bar or a damaged roller that the load zone reaches once per turn, has its largest lines at FTF.
     """
     if band is None or not lines.lines or band.orders.ftf < 2.0 * GUARD * band.step:

@@ -118,7 +118,7 @@ def envelope_spectrum(
     shaft_angle
         Rotation of the inner ring beside plain arrays, shape (samples,) [rad].
     bearing
-        Geometry or orders of the bearing beside plain arrays; with it `plot_envelope_spectrum` knows the fault lines.
+        Geometry or orders of the bearing beside plain arrays; with it `plot_envelope_spectrum` draws the fault lines.
     order_tracking
         Whether to resample over the angle of the shaft; by default wherever there is a shaft angle.
 

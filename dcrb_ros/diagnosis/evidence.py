@@ -28,7 +28,7 @@ QUIET = 40.0
 """Power of a band below that of the loudest one from which it is no evidence [dB]: accelerometers are linear within 1 %, so that a quieter
 band holds products of the loud ones."""
 LEAST_SIGNAL = 0.03
-"""Power of a signal relative to the noise below which it is not told from none [-]: the scatter of the noise of a hop."""
+"""Power of a signal relative to the noise below which it is not distinguishable from noise [-]: the scatter of the noise of a hop."""
 SAME_SPEED = 0.03
 """Relative change of the shaft frequency from which levels are not compared [-]."""
 

@@ -26,7 +26,7 @@ class LineParameters(Group):
     ring_contrast: float = quantity(
         1.5,
         "dB",
-        "Largest amplitude of the lines of a ring required over that of FTF and its double, where what travels with the cage has its "
+        "Largest amplitude of the lines of a ring required over that of FTF and its double, where cage modulation has its "
         "largest lines",
         0.0,
         20.0,

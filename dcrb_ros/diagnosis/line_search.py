@@ -89,7 +89,7 @@ NO_LINES = LineFamily(0.0, 0.0, 0.0, 0.0)
 class LineSearch:
     """Spectra over the same orders, prepared for the search: those of all bands are searched together.
 
-    Amplitudes are divided by the mean squared envelope, so that the search knows no unit and single precision suffices.
+    Amplitudes are divided by the mean squared envelope, so that the search is free of units and single precision suffices.
     """
 
     def __init__(self, *spectra: OrderSpectrum, without: npt.NDArray[np.bool_] | None = None) -> None:
@@ -136,7 +136,7 @@ class LineSearch:
     def _masked(self) -> npt.NDArray[np.bool_]:
         orders = self.orders
         masked = np.abs(orders - np.rint(orders)) <= GUARD * self.step
-        # In a short window the guards would cover the whole spectrum; then the harmonics of the shaft cannot be told from their neighbours.
+        # In a short window the guards would cover the whole spectrum; then the harmonics of the shaft merge with their neighbours.
         masked = masked if 2 * GUARD * self.step < 0.25 else orders <= GUARD * self.step
         return masked if self._without is None else masked | self._without
 
@@ -153,7 +153,7 @@ class LineSearch:
     def families(self, comb: Comb, slip: float) -> list[LineFamily]:
         """Return the strongest family of each spectrum within ``slip`` (relative) of the kinematic order.
 
-        The significance has paid for that search.
+        The significance is corrected for that search.
         """
         count = len(self.spectra)
         limit = self.orders[-1] - 2.0 * self.step

@@ -1,6 +1,6 @@
 """A wayside hot-box detector: it looks at passing axle boxes, once every some kilometres, and judges by two fixed rules.
 
-It sees the box with a part of the bearing behind it, reads T_BOX + 0.15 (T_OR - T_BOX) with an error of emissivity over the ambient
+It measures the box with a part of the bearing behind it, reads T_BOX + 0.15 (T_OR - T_BOX) with an error of emissivity over the ambient
 temperature, and noise. It alarms where a box is 94.4 K (170 F) above ambient, or 52.8 K (95 F) above the other box of the axle: the
 conventional North American settings (University of Texas Rio Grande Valley, scholarworks.utrgv.edu/me_fac/185).
 """
@@ -13,7 +13,7 @@ from dcrb_ros.measurement.random_streams import random_stream
 from dcrb_ros.schema.fields import Group, quantity
 
 RING_SHARE = 0.15
-"""Share of the outer ring's excess over the box that the detector sees [-] (a choice)."""
+"""Share of the outer ring's excess over the box that the detector measures [-] (a choice)."""
 KILOMETRE = 1e3
 """[m]"""
 

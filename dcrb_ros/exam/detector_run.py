@@ -61,7 +61,7 @@ DetectorFactory = Callable[[Orders, int], Detector]
 def run_detector(factory: DetectorFactory, signal: Signal) -> Outcome:
     """Return a detector's diagnoses of a signal, decoded from the messages that a node would publish.
 
-    A detector with a method ``take_temperature`` gets the readings of outer ring and air, too; the shipped one knows the bearing.
+    A detector with a method ``take_temperature`` gets the readings of outer ring and air, too; the shipped one uses the bearing.
 
     Raises:
         Refusal: the signal cannot be read, or the detector has no ``update`` or returns an unknown verdict.

@@ -17,7 +17,7 @@ from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.text.files import checked_path
 from dcrb_ros.text.markdown import table
 
-HEADS = ("", "detector", *(profile.name for profile in PROFILES), "ROC areas", "detected", "spoiled periods", "better than the next")
+HEADS = ("", "detector", *(profile.name for profile in PROFILES), "ROC areas", "detected", "failed periods", "better than the next")
 """Heads of the columns."""
 
 

@@ -28,7 +28,7 @@ def boxes_of(truth: Truth) -> AxleBoxes | None:
 
 
 class HotBoxDetectorNode(BenchNode):
-    """Follows the ground truth of a bench, as the equipment beside the track sees the real box."""
+    """Follows the ground truth of a bench, as the equipment beside the track measures the real box."""
 
     def __init__(self) -> None:
         """Subscribe.

@@ -15,7 +15,7 @@ WRITING_DEPTH = 4
 
 
 def prefetch(items: Iterator[Item], wanted: Callable[[], bool] = lambda: True, depth: int = 1) -> Generator[Item, None, None]:
-    """Yield ``items`` while a thread produces up to ``depth`` more; this pays if producing them releases the GIL.
+    """Yield ``items`` while a thread produces up to ``depth`` more; this is faster if producing them releases the GIL.
 
     With a depth of one the thread sleeps until the item is taken, and waking it takes time.
 

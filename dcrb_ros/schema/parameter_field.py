@@ -150,7 +150,7 @@ def _refused(field: ParameterField, value: Any) -> str:
 
 
 def _aside(description: str) -> str:
-    """Return a description as it stands in parentheses within a sentence."""
+    """Return a description for parentheses within a sentence."""
     return (description[0].lower() + description[1:]).replace("; ", ", ")
 
 

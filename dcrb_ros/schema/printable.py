@@ -1,4 +1,4 @@
-"""Text from outside in a form that a terminal prints and does not obey."""
+"""Text from outside with control characters escaped."""
 
 from __future__ import annotations
 

@@ -45,7 +45,7 @@ BEARING_FAULTS = _of_kind("component", "trouble", "several")
 FAULT_CLASSES = ("healthy", *FAULTS)
 VERDICTS = (*FAULT_CLASSES, "waiting")
 
-if TYPE_CHECKING:  # a type checker knows no literals that follow from a table
+if TYPE_CHECKING:  # literals for a type checker cannot follow from a table
     Component: TypeAlias = str
     Trouble: TypeAlias = str
     FaultClass: TypeAlias = str

@@ -37,7 +37,7 @@ def oil_limits(c: ParameterGroups, material: Material) -> Iterator[str]:
     named = list(_lubricant(c))
     yield from named or _state_of_oil(c)
     if c.contact.notch == "edge" and c.surfaces.law == "smooth":
-        yield "contact.notch = 'edge' knows no oil film: take sink or surfaces.law = profile, or lubrication.law = dry"
+        yield "contact.notch = 'edge' has no oil film: take sink or surfaces.law = profile, or lubrication.law = dry"
     if not named:
         yield from _thick_films(c, material)
 

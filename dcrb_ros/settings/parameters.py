@@ -107,7 +107,7 @@ class Surfaces(Group):
     )
     short_waves: float = length(
         0.0,
-        "Level of waves shorter than 1/150 of a raceway, as a roller feels them along its length; rms, half of it from rollers",
+        "Level of waves shorter than 1/150 of a raceway, averaged along the length of a roller; rms, half of it from rollers",
         0.0,
         1e-6,
     )

@@ -1,4 +1,4 @@
-"""The workers of a sweep, on this machine or on a cluster, as the data set sees them."""
+"""The workers of a sweep, on this machine or on a cluster, behind one interface."""
 
 from __future__ import annotations
 

@@ -178,6 +178,6 @@ def at_rest(settings: tuple[str, ...]) -> Configuration:
 
 
 def felt_depth(settings: tuple[str, ...]) -> float:
-    """Return the depth of the deepest dent as a roller feels it [um]."""
+    """Return the depth to which a roller sinks into the deepest dent [um]."""
     felt, even = (unpacked(build_payload(at_rest(given)).surfaces.raceways[1, 0])[0] for given in (settings, ()))
     return 1e6 * float((even - felt).max())

@@ -1,6 +1,6 @@
 """Comparisons of the lubricated bench: balances, films, friction by source, and the friction formulas of SKF and Palmgren.
 
-Ranges without a formula are this model's own, from the shipped configuration; the mutation table in `docs/explanation/validation.md` shows
+Ranges without a formula are this model's own, from the shipped configuration; the mutation table in `docs/results/accuracy.md` shows
 which changes of the bench they notice.
 """
 

@@ -1,4 +1,4 @@
-"""Comparisons of the lubricated benches with the aims of `docs/explanation/realism.md`: the ranges of measured bearings."""
+"""Comparisons of the lubricated benches with the aims of `docs/results/realism.md`: the ranges of measured bearings."""
 
 from __future__ import annotations
 

@@ -56,7 +56,7 @@ def felt_rows() -> Iterator[ReportRow]:
     widths, length = np.array([0.2e-3, 0.5e-3]), 1e-3
     yield about(
         CHAPTER,
-        "Share of a wave of 1 mm that contacts of half-widths of 0.2 and 0.5 mm feel",
+        "Share of a wave of 1 mm that contacts of half-widths of 0.2 and 0.5 mm transmit",
         _wave(widths, length),
         _by_hand(widths, length),
         5e-3,

@@ -190,7 +190,7 @@ def test_power_and_torque_are_means_since_the_states_before() -> None:
     apart = 1e-9 * (states[-1].time_ns - states[-2].time_ns)
     assert second.friction_power == pytest.approx((second.friction_loss - first.friction_loss) / apart, rel=1e-9)
     assert second.friction_torque == pytest.approx(second.friction_power / SHAFT, rel=1e-6)
-    # VG 100, 70 deg C: 1009 W in rolling, docs/explanation/lubrication.md, "Losses"
+    # VG 100, 70 deg C: 1009 W in rolling, docs/results/realism.md, "Losses by lubricant"
     assert np.mean([lubrication(s).friction_power[:, 1].sum() for s in states[100:]]) == pytest.approx(1009.0, rel=0.03)
 
 

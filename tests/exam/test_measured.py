@@ -34,7 +34,7 @@ from dcrb_ros.schema.refusal import Refusal
 pytestmark = pytest.mark.slow
 
 MEASURED = Path(__file__).parents[3] / "shared" / "measured"
-"""67 recordings of three rigs, which their licences keep out of the repository; see docs/explanation/detector.md."""
+"""67 recordings of three rigs, which their licences keep out of the repository; see docs/results/detector.md."""
 measured = pytest.mark.skipif(not (MEASURED / "recordings.csv").is_file(), reason=f"the measured recordings are not in {MEASURED}")
 
 

@@ -73,7 +73,7 @@ def bench(name: str, *settings: str) -> Statistics:
 
 
 def test_a_healthy_bearing_is_as_quiet_as_measured_ones() -> None:
-    """docs/explanation/realism.md; measured ones have depths of up to 0.18 at BPFO, 16 recordings, and crests of 6.8 to 9.6 dB."""
+    """docs/results/realism.md; measured ones have depths of up to 0.18 at BPFO, 16 recordings, and crests of 6.8 to 9.6 dB."""
     for settings in ((), ("operating.speed=62.832",)):
         found = bench("healthy", *settings)
         assert 0.3 < found.rms < 3.0
@@ -84,7 +84,7 @@ def test_a_healthy_bearing_is_as_quiet_as_measured_ones() -> None:
 
 
 def test_a_spall_of_2_mm_has_the_statistics_of_measured_outer_ring_faults() -> None:
-    """docs/explanation/realism.md; the limits are the ranges of 30 measured recordings, those of rms and peak are for an axle box.
+    """docs/results/realism.md; the limits are the ranges of 30 measured recordings, those of rms and peak are for an axle box.
 
     The sensor of a machine is behind the modes of a housing.
     """

@@ -87,7 +87,7 @@ def force_line(
 ) -> tuple[float, float, float, float, float]:
     """Return the line force_offset [N] + force_slope [N s/m] * approach, then expected force [N], its damping [N s/m] and ``closing``.
 
-    ``mean`` [N] is the elastic force at the speed of penetration ``closing`` [m/s], ``slope`` its slope there, ``force`` [N] that which
+    ``mean`` [N] is the elastic force at the speed of penetration ``closing`` [m/s], ``slope`` its slope there, ``force`` [N] what
     the damping must not outweigh: a contact never pulls. ``sink`` is the speed at which the floor of a notch falls away [m/s].
     """
     damping = loss_coefficient(force, damping, closing)

@@ -1,7 +1,7 @@
 """The heights of raceways and rollers at their contacts.
 
 A contact follows a height H over the angle of its raceway, and the penetration grows by it. Its slope tilts the contact's normal, so that
-the contact has a tangential part and the shaft pays for every climb: with the angle theta about the ring's centre at the distance rho,
+the contact has a tangential part and the shaft does the work of a climb: with the angle theta about the ring's centre at the distance rho,
 
     d(penetration)/dt = (v + H'/rho t) n,   force on the roller along n + H'/rho t
 

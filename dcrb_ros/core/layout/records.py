@@ -9,7 +9,7 @@ A table is a class whose annotations name its arrays (`Lanes`, `Indices`) and th
         inner: Contact
 
 `empty_record(Rollers)` is a numpy array of one record with these arrays, used as ``rollers = state.rollers[0]`` and then
-``rollers.inner.force[k]``. All arrays of a record lie in one block of memory at distances that the compiler knows, so it vectorises loops
+``rollers.inner.force[k]``. All arrays of a record lie in one block of memory at constant distances, so the compiler vectorises loops
 over rollers without checking each pair of arrays for overlap; separate arrays in a named tuple would need these checks. An array of one
 record is handed to a kernel in a third of the time of the record itself, whose buffer numpy describes field by field at every call. A loop
 over rollers runs from 0 and contains no branch but a choice between two values.
@@ -65,7 +65,7 @@ ByLaw = tuple[tuple[type, tuple[str, ...]], ...]
 
 @functools.cache
 def dtype_of(table: Any, by_law: ByLaw = ()) -> np.dtype[Any]:
-    """Return the numpy type of a table; the same object at every call, as numba's dispatch wants it.
+    """Return the numpy type of a table; the same object at every call, as numba's dispatch requires.
 
     A table inside it for which a law names no arrays consists of `UNUSED`.
     """

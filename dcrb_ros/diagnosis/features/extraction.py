@@ -42,7 +42,7 @@ class FeatureTable:
     time: Floats
     """End of each window since the start of the run, shape (windows,) [s]."""
     values: Floats
-    """Shape (windows, features); a window in which the shaft stands, turns back or too little has NaN."""
+    """Shape (windows, features); a window in which the shaft is at rest, turns back or turns too little has NaN."""
 
     def __repr__(self) -> str:
         return f"<FeatureTable: {len(self.time)} windows of {len(self.names)} features>"

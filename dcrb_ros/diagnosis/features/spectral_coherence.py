@@ -5,8 +5,8 @@ $X(i, f_k)$ in windows $w$ of $N_w$ samples every $R$ samples, referred to the m
 
     S(alpha, f_k; p) = 1/(K |w|^2 F_s) sum_i X(i, f_k) X(i, f_(k-p))^* exp(-j 2 pi alpha t_i)
 
-sees cyclic frequencies near $p \, \Delta f$, with $\Delta f = F_s / N_w$. The sum over p, divided by the sum of the window's
-autocorrelation, $S = R_w(0) \sum_p S(\alpha, f; p) / \sum_p R_w(\alpha - p \Delta f)$, sees them all (Antoni, Xin and Hamzaoui 2017, "Fast
+covers cyclic frequencies near $p \, \Delta f$, with $\Delta f = F_s / N_w$. The sum over p, divided by the sum of the window's
+autocorrelation, $S = R_w(0) \sum_p S(\alpha, f; p) / \sum_p R_w(\alpha - p \Delta f)$, has them all (Antoni, Xin and Hamzaoui 2017, "Fast
 computation of the spectral correlation", eqs. 20 to 27). Here $\alpha$ is an order: the products are resampled over the angle of the shaft
 before their Fourier transform, so that a varying speed does not smear the lines (Abboud et al. 2015, "Order-frequency analysis of machine
 signals"). The coherence is $\gamma = S(\alpha, f) / \sqrt{S(0, f) S(0, f - \alpha)}$, and the enhanced envelope spectrum is the mean of

@@ -30,7 +30,7 @@ class GainDrift(LevelRule[GainDriftParameters]):
     """A fall of the mean level with little difference between the bands, from the first hops at a speed to the latest.
 
     A gain g lowers the signal S_k of each band, but not the noise N_k of the sensor, so that its power becomes g^2 S_k + N_k. The fall must
-    be common to the powers of all bands, as without noise, or to S_k in the bands that heard more signal than noise at first. Random
+    be common to the powers of all bands, as without noise, or to S_k in the bands that had more signal than noise at first. Random
     impacts vary from one hop to the next; all of the latest S_k must therefore be lower than each of the first ones.
     """
 

@@ -81,7 +81,7 @@ def test_films_add_no_error_to_the_motion_at_the_default_step_and_less_at_shorte
 
 
 def test_waveform_of_a_defect_converges() -> None:
-    # Measured: 1.0 % at 10 us and 0.5 % at 5 us (docs/explanation/numerics.md). 12 ms end before chaos separates the runs.
+    # Measured: 1.0 % at 10 us and 0.5 % at 5 us (docs/results/accuracy.md). 12 ms end before chaos separates the runs.
     def waveform(step: float) -> npt.NDArray[np.float64]:
         payload, state = model(step, {"faults": {"outer_1": {"width": 0.002}}})
         return run(payload, state, round(0.012 / step))
@@ -109,7 +109,7 @@ def mechanical_energy(payload: Payload, state: State) -> float:
 # Free rollers without weight: it would drop idle ones from raceway to raceway, strikes of four steps whose phase decides what they gain.
 @pytest.mark.parametrize(("joint", "gravity"), [("revolute", 9.81), ("pocket", 0.0)])
 def test_energy_is_kept_without_friction_and_loss(joint: str, gravity: float) -> None:
-    # Measured: 0.5 % of the excitation over 10 ms (docs/explanation/numerics.md). The mean over 1.25 ms is compared, since the
+    # Measured: 0.5 % of the excitation over 10 ms (docs/results/accuracy.md). The mean over 1.25 ms is compared, since the
     # energy of the leapfrog scheme oscillates with the phase of a mode within its step.
     cage = {"joint": joint, "restitution": 1.0}
     payload, state = model(1.0 / 102400.0, {**UNDAMPED, "operating": {"speed": 0.0, "gravity": gravity}, "cage": cage})
