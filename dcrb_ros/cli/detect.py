@@ -55,15 +55,15 @@ def detect(
     known = _learned(healthy, baseline, save_baseline, parameters, force=force)
     recording = Recording(bag)
     # A program gets an answer in any case; a person gets the reason why there is none.
-    found = (watch if as_json else detect_in)(recording, parameters=parameters, baseline=known)
-    last = found.last
+    result = (watch if as_json else detect_in)(recording, parameters=parameters, baseline=known)
+    last = result.last
     if as_json:
         about = {
             "verdict": last.verdict,
             "confidence": last.confidence,
             "reason": last.reason,
             "time": last.time,
-            "first_time": found.since,
+            "first_time": result.since,
             "levels": last.levels,
             "lines": {component: asdict(lines) for component, lines in last.lines.items()},
             "shaft_frequency": last.shaft_frequency,
@@ -75,7 +75,7 @@ def detect(
             "baseline": last.baseline or None,
             "remarks": last.remarks,
             "complete": recording.complete,
-            "history": [{"time": d.time, "verdict": d.verdict, "confidence": d.confidence} for d in found.history],
+            "history": [{"time": d.time, "verdict": d.verdict, "confidence": d.confidence} for d in result.history],
         }
         print(json.dumps(about, indent=2))
         return
@@ -91,7 +91,7 @@ def detect(
         table.add_row(fault, line, f"{level:.1f}", f"{score:.1f}")
     shown = console()
     shown.print(table)
-    when = f"first at {found.since:.2f} s, in {found.duration:.2f} s of signal"
+    when = f"first at {result.since:.2f} s, in {result.duration:.2f} s of signal"
     for sentence in (f"{last.verdict}, confidence {last.confidence:.2f}, {when}: {last.reason}", *last.remarks):
         shown.print(sentence, soft_wrap=True)
     if not recording.complete:

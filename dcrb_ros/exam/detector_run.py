@@ -68,7 +68,7 @@ def run_on_pieces(
     if not callable(getattr(detector, "update", None)):
         raise Refusal(f"the detector {detector!r} has no method update(index, acceleration, shaft_angle): give it one")
     if isinstance(detector, FaultDetector):
-        detector.know(bearing)
+        detector.take_bearing(bearing)
     for piece in pieces:
         if hasattr(detector, "sensor_range"):
             detector.sensor_range = piece.sensor_range
