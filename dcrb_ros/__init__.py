@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from dcrb_ros.bearing.temperature_readings import TemperatureReadings
     from dcrb_ros.bearing.waveform import Waveform
     from dcrb_ros.calibration.calibration import Calibration, calibrate
-    from dcrb_ros.calibration.comparison import Comparison, compare
+    from dcrb_ros.calibration.comparison import RecordingComparison, compare
     from dcrb_ros.diagnosis.detection import DetectionResult, detect
     from dcrb_ros.diagnosis.detector import FaultDetector
     from dcrb_ros.diagnosis.envelope_spectrum import EnvelopeSpectrum, envelope_spectrum
@@ -49,7 +49,6 @@ __all__ = [
     "Bearing",
     "Block",
     "Calibration",
-    "Comparison",
     "Configuration",
     "DetectionResult",
     "DetectorParameters",
@@ -61,6 +60,7 @@ __all__ = [
     "GroundTruth",
     "Orders",
     "Recording",
+    "RecordingComparison",
     "Refusal",
     "RemainingLife",
     "Report",
@@ -97,7 +97,6 @@ _MODULES = {
     "Bearing": "settings.parameters",
     "Block": "stream.block",
     "Calibration": "calibration.calibration",
-    "Comparison": "calibration.comparison",
     "Configuration": "settings.configuration",
     "DetectionResult": "diagnosis.detection",
     "DetectorParameters": "diagnosis.parameters",
@@ -109,6 +108,7 @@ _MODULES = {
     "GroundTruth": "simulation.ground_truth",
     "Orders": "bearing.kinematics",
     "Recording": "recordings.reader",
+    "RecordingComparison": "calibration.comparison",
     "Refusal": "schema.refusal",
     "RemainingLife": "prognosis.remaining_life",
     "Report": "exam.report",
