@@ -19,7 +19,7 @@ def processor_time(recording: Recording) -> tuple[float, float]:
     """Return the length of a recording and the processor time that the detector takes for it [s]."""
     pieces = list(recording.pieces())
     detector = FaultDetector(recording.orders, recording.sampling_rate)
-    detector.know(recording.bearing)
+    detector.take_bearing(recording.bearing)
     begin = time.process_time()
     for piece in pieces:
         detector.sensor_range = piece.sensor_range

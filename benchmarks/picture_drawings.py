@@ -13,7 +13,7 @@ from scipy import signal
 
 from dcrb_ros.diagnosis.detection import detect
 from dcrb_ros.diagnosis.envelope_spectrum import envelope_spectrum
-from dcrb_ros.diagnosis.known_bearings import PAPER_BASELINE
+from dcrb_ros.diagnosis.rules.outer_ring import PAPER_BASELINE
 from dcrb_ros.measurement.decimation import anti_alias_taps
 from dcrb_ros.measurement.parameters import MICRO_G, SensorFault
 from dcrb_ros.measurement.sensor import Sensor

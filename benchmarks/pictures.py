@@ -115,12 +115,8 @@ PICTURES = {
     "hot-boxes": Picture(
         "python {root}/benchmarks/hot_boxes.py --figure {file}", (DETECTOR, "drawing benchmarks/hot_boxes.py", "samples thermal_faults")
     ),
-    "sim-to-real": Picture(
-        SIM_TO_REAL_RUN + "cp out/scores.png {file}", SIM_TO_REAL
-    ),
-    "sim-to-real-gap": Picture(
-        SIM_TO_REAL_RUN + "cp out/gaps.png {file}", SIM_TO_REAL
-    ),
+    "sim-to-real": Picture(SIM_TO_REAL_RUN + "cp out/scores.png {file}", SIM_TO_REAL),
+    "sim-to-real-gap": Picture(SIM_TO_REAL_RUN + "cp out/gaps.png {file}", SIM_TO_REAL),
     "realism-healthy": Picture("python {root}/benchmarks/realism.py $MEASURED --pictures {images}", ("bench healthy", *REALISM)),
     "realism-outer": Picture("python {root}/benchmarks/realism.py $MEASURED --pictures {images}", ("bench outer_ring_defect", *REALISM)),
     "calibration-rig": Picture(

@@ -8,7 +8,7 @@ from dcrb_ros.bearing.temperature_readings import TemperatureReadings as Tempera
 from dcrb_ros.bearing.waveform import Waveform as Waveform
 from dcrb_ros.calibration.calibration import Calibration as Calibration
 from dcrb_ros.calibration.calibration import calibrate as calibrate
-from dcrb_ros.calibration.comparison import Comparison as Comparison
+from dcrb_ros.calibration.comparison import RecordingComparison as RecordingComparison
 from dcrb_ros.calibration.comparison import compare as compare
 from dcrb_ros.diagnosis.detection import DetectionResult as DetectionResult
 from dcrb_ros.diagnosis.detection import detect as detect

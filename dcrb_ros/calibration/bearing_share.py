@@ -1,7 +1,7 @@
 r"""The bearing's share of the healthy power, and the noise of the machine that is the rest.
 
-A spectrum cannot part the bearing from other sources; the squared envelope can. Other sources have no lines at the orders of the bearing,
-so that the amplitude of such a line in the squared envelope of a band belongs to the bearing alone (Antoni 2007, "Cyclic spectral
+A spectrum does not separate the bearing from other sources; the squared envelope does. Other sources have no lines at the orders of the
+bearing, so that the amplitude of such a line in the squared envelope of a band belongs to the bearing alone (Antoni 2007, "Cyclic spectral
 analysis of rolling-element bearing signals", J. Sound Vib. 304(3-5), 497-529). The identified path gives all of the power to the bearing.
 Behind it, the bench's bearing has lines of the amplitude A; the machine has lines of the amplitude M. The share of the power is M/A, on
 the assumption that the machine's bearing is modulated as deeply as the bench's. With octaves b, families of lines k and the depths
@@ -12,8 +12,8 @@ the machine,
 
 where all squares are above those of neighbouring orders, n^2 is the square found in this way at orders without lines, d is a constant, and
 <> is the mean over individuals of the bench's bearing, whose lines differ. The interval is that of a bootstrap over windows and over the
-orders without lines. The machine's bearing is one more individual: the logarithm of its lower sum is drawn from Student's t about the mean
-of the few that are simulated. If the bench has no lines that stand out of its own noise, nothing is known of the share.
+orders without lines. The machine's bearing is one more draw from the population: the logarithm of its lower sum is drawn from Student's t
+about the mean of the few that are simulated. If the bench has no lines above its own noise, the share is unknown.
 """
 
 from __future__ import annotations
@@ -26,16 +26,17 @@ from typing import NamedTuple
 import numpy as np
 
 from dcrb_ros.bearing.kinematics import Orders
-from dcrb_ros.calibration.estimate import LEVEL, Estimate
+from dcrb_ros.calibration.estimate import LEVEL, EstimatedParameter
+from dcrb_ros.calibration.healthy_recording import HealthyRecording
 from dcrb_ros.calibration.identified_path import COLUMNS, LOWEST, IdentifiedPath, Part
-from dcrb_ros.calibration.measured import Measured
-from dcrb_ros.calibration.path_fit import Data, PathFit, fit_path
-from dcrb_ros.calibration.source import Source
+from dcrb_ros.calibration.path_fit import PathFit, PathSpectra, fit_path
+from dcrb_ros.calibration.simulated_bearing import RingAcceleration
 from dcrb_ros.calibration.spectra import HIGHEST_SHARE, Binned, binned, power_density
-from dcrb_ros.diagnosis.features.envelope_lines import SLIP, envelope_order_spectrum
-from dcrb_ros.diagnosis.features.family import fault_orders
+from dcrb_ros.diagnosis.features.envelope_lines import envelope_order_spectrum
+from dcrb_ros.diagnosis.features.family import SLIP, fault_orders
 from dcrb_ros.diagnosis.line_search import FEWEST_NEIGHBOURS, GUARD, NEIGHBOURHOOD, local_mean
 from dcrb_ros.diagnosis.order_spectrum import OrderSpectrum
+from dcrb_ros.diagnosis.order_tracking import forward_turns
 from dcrb_ros.measurement.stages.path import text_of
 from dcrb_ros.schema.arrays import Floats
 
@@ -62,7 +63,7 @@ UNKNOWN = 10.0
 
 
 @dataclass(frozen=True, eq=False)
-class Lines:
+class EnvelopeLines:
     """Squared amplitudes of lines in the squared envelope of each band."""
 
     families: Floats
@@ -73,43 +74,45 @@ class Lines:
     """Mean squared envelope, shape (bands,)."""
 
 
-def bearing_share_of(machines: Sequence[Measured], individuals: Sequence[Sequence[Source]], path: IdentifiedPath, step_rate: float) -> Part:
+def bearing_share_of(
+    machines: Sequence[HealthyRecording], individuals: Sequence[Sequence[RingAcceleration]], path: IdentifiedPath, step_rate: float
+) -> Part:
     """Return the share of the bearing in the healthy power and the noise of the machine, which is the rest.
 
     ``individuals`` holds individuals of the bench's bearing for each recording.
     """
-    pairs: list[tuple[Lines, list[Lines]]] = []
+    pairs: list[tuple[EnvelopeLines, list[EnvelopeLines]]] = []
     for number, machine in enumerate(machines):
         bands = list(_bands(machine))
         for row, axis in enumerate(machine.axes):
-            found = lines_in(machine.acceleration[row], machine.turns, machine.rate, bands, machine.orders)
+            measured = lines_in(machine.acceleration[row], machine.turns, machine.rate, bands, machine.orders)
             simulated = []
-            for one in individuals[number]:
-                behind = _behind(one.acceleration[COLUMNS[axis]], path.fits[axis], number, machine.rate, step_rate)
-                simulated.append(lines_in(behind, one.turns, machine.rate, bands, machine.orders))
-            pairs.append((found, simulated))
+            for individual in individuals[number]:
+                behind = _behind(individual.acceleration[COLUMNS[axis]], path.fits[axis], number, machine.rate, step_rate)
+                simulated.append(lines_in(behind, individual.turns, machine.rate, bands, machine.orders))
+            pairs.append((measured, simulated))
     part = _part(_drawn_shares(pairs))
     if part.estimates[0].low < 1.0:
         _add_noise(part, machines, path)
     return part
 
 
-def lines_in(signal: Floats, turns: Floats, rate: int, bands: Sequence[tuple[float, float]], orders: Orders) -> Lines:
+def lines_in(signal: Floats, turns: Floats, rate: int, bands: Sequence[tuple[float, float]], orders: Orders) -> EnvelopeLines:
     """Return the lines of a signal in bands [Hz], window by window."""
     fundamentals = [fault_orders(orders)[name] for name in ("BPFO", "BPFI", "2BSF")]
     searched = [*fundamentals, *_decoys(fundamentals)]
-    forward = np.maximum.accumulate(turns if turns[-1] > 0.0 else -turns)
+    forward = forward_turns(turns)
     per_second = float(forward[-1]) * rate / len(forward)
     length = min(len(signal), round(rate * max(WINDOW, WINDOW_TURNS / per_second)))
-    found, means = [], []
+    powers, means = [], []
     for begin in range(0, len(signal) - length + 1, max(1, length // 2)):
         window = slice(begin, begin + length)
         spectra = [envelope_order_spectrum(signal[window], forward[window] - forward[begin], rate, low, high) for low, high in bands]
-        found.append([_powers(spectrum, searched) for spectrum in spectra])
+        powers.append([_powers(spectrum, searched) for spectrum in spectra])
         means.append([spectrum.mean for spectrum in spectra])
-    squares = np.array(found).reshape(len(found), len(bands), len(searched))
+    squares = np.array(powers).reshape(len(powers), len(bands), len(searched))
     count = len(fundamentals)
-    return Lines(squares[..., :count], squares[..., count:], np.mean(means, axis=0))
+    return EnvelopeLines(squares[..., :count], squares[..., count:], np.mean(means, axis=0))
 
 
 def _powers(spectrum: OrderSpectrum, fundamentals: Sequence[float]) -> list[float]:
@@ -123,12 +126,12 @@ def _powers(spectrum: OrderSpectrum, fundamentals: Sequence[float]) -> list[floa
     excess[np.abs(spectrum.orders - np.rint(spectrum.orders)) <= GUARD * step] = 0.0
     total = np.concatenate([[0.0], np.cumsum(excess)])
     ends = len(excess)
-    found = []
+    powers = []
     for order in fundamentals:
         lines = order * np.arange(1.0, HARMONICS + 1.0)
         first, last = (np.clip(np.rint(lines * (1.0 + side * SLIP) / step).astype(int) + side, 0, ends - 1) for side in (-1, 1))
-        found.append(float(np.sum(total[last + 1] - total[first])))
-    return found
+        powers.append(float(np.sum(total[last + 1] - total[first])))
+    return powers
 
 
 def _decoys(fundamentals: Sequence[float]) -> list[float]:
@@ -137,7 +140,7 @@ def _decoys(fundamentals: Sequence[float]) -> list[float]:
     return [order for order in tried if np.min(np.abs(order / lines - 1.0)) > APART]
 
 
-def _bands(machine: Measured) -> Iterator[tuple[float, float]]:
+def _bands(machine: HealthyRecording) -> Iterator[tuple[float, float]]:
     """Yield the edges of the octaves in which lines up to BPFI can be seen [Hz]."""
     top, line = HIGHEST_SHARE * machine.rate, machine.orders.bpfi * abs(machine.speed) / (2.0 * math.pi)
     low = FIRST_BAND
@@ -160,7 +163,7 @@ def _behind(signal: Floats, fit: PathFit, recording: int, rate: int, step_rate: 
     return np.asarray(fit.gains[recording] * np.fft.irfft(spectrum, len(signal)), np.float64)
 
 
-def _drawn_shares(pairs: Sequence[tuple[Lines, Sequence[Lines]]]) -> Floats:
+def _drawn_shares(pairs: Sequence[tuple[EnvelopeLines, Sequence[EnvelopeLines]]]) -> Floats:
     """Return shares drawn by the bootstrap, shape (draws,) [-]; 0 and infinity where an individual of the bench shows no lines.
 
     Each pair has the lines of the machine on an axis and those of the individuals behind the path, the first of which is the source.
@@ -168,14 +171,14 @@ def _drawn_shares(pairs: Sequence[tuple[Lines, Sequence[Lines]]]) -> Floats:
     count = len(pairs[0][1])
     sums, machines, benches = np.zeros(count), list[_Weighted](), [list[_Weighted]() for _ in range(count)]
     for machine, simulated in pairs:
-        scales = np.maximum([one.mean for one in simulated], np.finfo(np.float64).tiny)[..., None] ** 2
-        depths = np.array([_above_decoys(one) for one in simulated]) / scales
+        scales = np.maximum([lines.mean for lines in simulated], np.finfo(np.float64).tiny)[..., None] ** 2
+        depths = np.array([_above_decoys(lines) for lines in simulated]) / scales
         noise = np.mean((machine.decoys.mean(axis=0) / scales[0]) ** 2, axis=1, keepdims=True)
         weight = depths.mean(axis=0) / (noise + SHALLOW**4)
         sums += np.sum(weight * depths, axis=(1, 2))
         machines.append(_Weighted(machine.families, machine.decoys, weight / scales[0]))
-        for lines, one, scale in zip(benches, simulated, scales, strict=True):
-            lines.append(_Weighted(one.families, one.decoys, weight / scale))
+        for lines, individual, scale in zip(benches, simulated, scales, strict=True):
+            lines.append(_Weighted(individual.families, individual.decoys, weight / scale))
     if not all(_shows_lines(lines) for lines in benches):
         return np.array([0.0, math.inf])
     random = np.random.default_rng(21)
@@ -186,7 +189,7 @@ def _drawn_shares(pairs: Sequence[tuple[Lines, Sequence[Lines]]]) -> Floats:
     return drawn
 
 
-def _above_decoys(lines: Lines) -> Floats:
+def _above_decoys(lines: EnvelopeLines) -> Floats:
     """Return the mean squares of the families above those of the decoys, at least 0, shape (bands, families)."""
     above = lines.families.mean(axis=0) - lines.decoys.mean(axis=(0, 2))[:, None]
     return np.asarray(np.maximum(0.0, above), np.float64)
@@ -248,17 +251,16 @@ def _part(drawn: Floats) -> Part:
         )
     bottom = min(low, top) if shown else top / UNKNOWN
     value = min(top, middle if shown else max(middle, top / math.sqrt(UNKNOWN)))
-    part.parameters["structure.bearing_share"] = value
-    part.estimates.append(Estimate("structure.bearing_share", value, bottom, top, "-", log=True))
+    part.identify(EstimatedParameter("structure.bearing_share", value, bottom, top, "-", log=True))
     return part
 
 
-def _add_noise(part: Part, machines: Sequence[Measured], path: IdentifiedPath) -> None:
+def _add_noise(part: Part, machines: Sequence[HealthyRecording], path: IdentifiedPath) -> None:
     """Add the spectrum of the machine's noise: that of the healthy recording without the white noise."""
     for row, axis in enumerate(machines[0].axes):
         spectra = [binned(power_density(machine.acceleration[row], machine.rate), machine.rate) for machine in machines]
-        flat = [Binned(one.frequency, np.zeros_like(one.level), np.zeros_like(one.level)) for one in spectra]
-        fit = fit_path(Data.of(spectra, flat, LOWEST, path.fits[axis].data.step_rate), white=path.white)
+        flat = [Binned(spectrum.frequency, np.zeros_like(spectrum.level), np.zeros_like(spectrum.level)) for spectrum in spectra]
+        fit = fit_path(PathSpectra.of(spectra, flat, LOWEST, path.fits[axis].data.step_rate), white=path.white)
         part.parameters |= {f"structure.noise_{axis}": float(fit.gains[0]), f"structure.noise_path_{axis}": text_of(fit.pairs)}
     if machines[0].axes == ("y",):
         for name in ("noise", "noise_path"):

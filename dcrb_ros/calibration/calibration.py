@@ -16,12 +16,12 @@ from typing import Any
 import numpy as np
 
 from dcrb_ros.bearing.waveform import Signal, Waveform
-from dcrb_ros.calibration.around_the_bearing import background_of, hum_of, modulation_of, speed_of, tones_of, unbalance_of
 from dcrb_ros.calibration.bearing_share import bearing_share_of, divide_noise
-from dcrb_ros.calibration.estimate import LEVEL, Estimate, PathLevel
+from dcrb_ros.calibration.estimate import LEVEL, EstimatedParameter, PathLevel
+from dcrb_ros.calibration.healthy_recording import HealthyRecording, check_one_machine, checked_recording
 from dcrb_ros.calibration.identified_path import identified_path
-from dcrb_ros.calibration.measured import Measured, check_one_machine, measured_of
-from dcrb_ros.calibration.source import bench_of, individuals_of, simulated_source
+from dcrb_ros.calibration.simulated_bearing import RingAcceleration, bench_of, individuals_of, ring_acceleration
+from dcrb_ros.calibration.speed_and_background import background_of, hum_of, modulation_of, speed_of, tones_of, unbalance_of
 from dcrb_ros.schema.numbers import duration_within
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
@@ -31,9 +31,9 @@ LONGEST_SOURCE = 60.0
 """Longest simulated source [s]."""
 RANGE_OVER_PEAK = 10.0
 """Range of the simulated sensor over the measured peak where the range is unknown [-]."""
-NOT_SEEN = (
-    "the load, the lubrication and the surfaces cannot be seen in a healthy recording: they are those of the base",
-    "the phase of the path and a delay cannot be distinguished from a minimum phase, which is assumed",
+NOT_IDENTIFIED = (
+    "the load, the lubrication and the surfaces cannot be identified from a healthy recording; the base values are kept",
+    "the phase of the path and a delay cannot be identified; a minimum phase is assumed",
     "the range and the converter of the sensor are unknown unless the signal is clipped: the range is ten times the peak",
 )
 
@@ -44,9 +44,9 @@ class Calibration:
 
     configuration: Configuration
     """The bench, to be simulated like any other."""
-    estimates: tuple[Estimate, ...]
+    estimates: tuple[EstimatedParameter, ...]
     """The estimated parameters with their intervals."""
-    gains: Mapping[str, Estimate]
+    gains: Mapping[str, EstimatedParameter]
     """By axis, the root of the power behind the path over that before it, from 200 Hz to the upper end of the band: what can be identified
     of a gain, while ``structure.gain_y`` is the gain at rest, where the noise covers the bearing."""
     path: tuple[PathLevel, ...]
@@ -68,9 +68,9 @@ class Calibration:
     @property
     def intervals(self) -> dict[str, tuple[float, float]]:
         """Return the interval of each estimated parameter by its key."""
-        return {one.key: (one.low, one.high) for one in self.estimates}
+        return {estimate.key: (estimate.low, estimate.high) for estimate in self.estimates}
 
-    def __getitem__(self, key: str) -> Estimate:
+    def __getitem__(self, key: str) -> EstimatedParameter:
         """Return the estimate of a parameter.
 
         Raises
@@ -78,7 +78,7 @@ class Calibration:
         KeyError
             It was not estimated.
         """
-        return next((one for one in self.estimates if one.key == key), None) or _unknown(key)
+        return {estimate.key: estimate for estimate in self.estimates}[key]
 
     def draw(self, seed: int) -> dict[str, float | int]:
         """Return parameters of a machine drawn within the intervals, as changes of `configuration`; equal seeds give equal machines.
@@ -87,10 +87,12 @@ class Calibration:
         """
         random = np.random.default_rng([seed, 21])
         drawn: dict[str, float | int] = {}
-        for one in self.estimates:
+        for estimate in self.estimates:
             share = float(random.random())
-            drawn[one.key] = (
-                one.low * (one.high / one.low) ** share if one.log and one.low > 0.0 else one.low + share * (one.high - one.low)
+            drawn[estimate.key] = (
+                estimate.low * (estimate.high / estimate.low) ** share
+                if estimate.log and estimate.low > 0.0
+                else estimate.low + share * (estimate.high - estimate.low)
             )
         return drawn | {"structure.seed": int(random.integers(1, 2**31 - 1)), "structure.path_spread": self.path_spread}
 
@@ -100,12 +102,8 @@ class Calibration:
 
         It is that for one individual of the bearing: `surfaces.seed` draws others.
         """
-        deviations = [one.chance for one in self.path if one.identified]
+        deviations = [level.chance for level in self.path if level.identified]
         return round(float(np.median(deviations)), 3) if deviations else 0.0
-
-
-def _unknown(key: str) -> Estimate:
-    raise KeyError(key)
 
 
 def calibrate(
@@ -156,10 +154,10 @@ def calibrate(
     """
     duration_within("source_seconds =", source_seconds, LONGEST_SOURCE, "4 s give spectra within 0.5 dB")
     given = [recordings] if isinstance(recordings, Signal) else list(recordings)
-    called = list(names) or [_name(one, number) for number, one in enumerate(given, 1)]
+    called = list(names) or [_name(signal, number) for number, signal in enumerate(given, 1)]
     if len(called) != len(given):
         raise Refusal(f"{len(called)} names are given for {len(given)} recordings: give one for each, or none")
-    machines = [measured_of(one, name, trust=trust) for one, name in zip(given, called, strict=True)]
+    machines = [checked_recording(signal, name, trust=trust) for signal, name in zip(given, called, strict=True)]
     check_one_machine(machines)
     benches = [bench_of(machine, base, settings) for machine in machines]
     sources = _sources(machines, benches, source_seconds)
@@ -170,7 +168,7 @@ def calibrate(
     added = math.sqrt(1.0 + 0.5 * modulation.parameters.get("structure.modulation", 0.0) ** 2)
     path.divide_gains(added)
     divide_noise(share, added)
-    found, unidentified, parameters = list[Estimate](), list[str](), dict[str, Any]()
+    estimates, unidentified, parameters = list[EstimatedParameter](), list[str](), dict[str, Any]()
     hum = hum_of(machines)
     for part in (
         path,
@@ -182,48 +180,48 @@ def calibrate(
         background_of(machines, path, benches[0], hum.parameters.get("background.hum_frequency", 0.0)),
         tones_of(machines, path),
     ):
-        found += part.estimates
+        estimates += part.estimates
         unidentified += part.remarks
         parameters |= part.parameters
     configuration = load_configuration(benches[0], parameters | _range(machines))
-    kept = [one for one in found if _fits(one, configuration)]
+    kept = [estimate for estimate in estimates if _fits(estimate, configuration)]
     return Calibration(
         configuration,
         tuple(kept),
         path.gains,
         tuple(path.levels),
-        (*unidentified, *NOT_SEEN),
+        (*unidentified, *NOT_IDENTIFIED),
         tuple(called),
         machines[0].waveform,
         tuple(path.residuals),
     )
 
 
-def _sources(machines: Sequence[Measured], benches: Sequence[Configuration], seconds: float) -> list[Any]:
+def _sources(machines: Sequence[HealthyRecording], benches: Sequence[Configuration], seconds: float) -> list[RingAcceleration]:
     """Return the source of each recording; recordings whose speeds differ by less than 1 % share one."""
-    made: list[tuple[float, Any]] = []
-    found = []
+    simulated: list[tuple[float, RingAcceleration]] = []
+    sources = []
     for machine, bench in zip(machines, benches, strict=True):
-        source = next((one for speed, one in made if abs(machine.speed / speed - 1.0) < 0.01), None)
+        source = next((source for speed, source in simulated if abs(machine.speed / speed - 1.0) < 0.01), None)
         if source is None:
-            source = simulated_source(bench, seconds)
-            made.append((machine.speed, source))
-        found.append(source)
-    return found
+            source = ring_acceleration(bench, seconds)
+            simulated.append((machine.speed, source))
+        sources.append(source)
+    return sources
 
 
-def _range(machines: Sequence[Measured]) -> dict[str, float]:
+def _range(machines: Sequence[HealthyRecording]) -> dict[str, float]:
     """Return a range of the sensor that the machine does not reach."""
     known = machines[0].waveform.sensor_range
     peak = max(float(np.abs(machine.acceleration).max()) for machine in machines)
     return {"sensor.range": known if known > peak else min(1e6, max(1.0, RANGE_OVER_PEAK * peak))}
 
 
-def _fits(one: Estimate, configuration: Configuration) -> bool:
+def _fits(estimate: EstimatedParameter, configuration: Configuration) -> bool:
     """Return whether both ends of an interval are accepted by the bench."""
     try:
-        for value in (one.low, one.high):
-            load_configuration(configuration, {one.key: value})
+        for value in (estimate.low, estimate.high):
+            load_configuration(configuration, {estimate.key: value})
     except Refusal:
         return False
     return True

@@ -10,11 +10,12 @@ from typing import Any
 import numpy as np
 
 from dcrb_ros.bearing.waveform import Signal, Waveform
-from dcrb_ros.calibration.measured import longest_stretch
+from dcrb_ros.calibration.healthy_recording import longest_stretch
 from dcrb_ros.calibration.spectra import power_density, third_octaves
+from dcrb_ros.diagnosis.demodulation import NYQUIST_SHARE
 from dcrb_ros.diagnosis.features.envelope_lines import WIDE, envelope_order_spectrum
 from dcrb_ros.diagnosis.features.extraction import extract_features
-from dcrb_ros.diagnosis.order_tracking import unwrapped_turns
+from dcrb_ros.diagnosis.order_tracking import LEAST_TURNS, forward_turns, unwrapped_turns
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.refusal import Refusal
 
@@ -68,8 +69,8 @@ class AxisComparison:
         """Distance of the envelope spectra over their own size, 0 for equal ones, 1 for ones without a common line; NaN without a speed."""
         if not len(self.orders):
             return math.nan
-        one, two = self.envelopes
-        return float(np.sqrt(np.sum((one - two) ** 2) / np.sum(one**2 + two**2)))
+        first, two = self.envelopes
+        return float(np.sqrt(np.sum((first - two) ** 2) / np.sum(first**2 + two**2)))
 
     @property
     def kurtosis_distance(self) -> float:
@@ -78,7 +79,7 @@ class AxisComparison:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Comparison:
+class RecordingComparison:
     """What two recordings have in common, and what not."""
 
     names: tuple[str, str]
@@ -88,29 +89,29 @@ class Comparison:
     remarks: tuple[str, ...]
 
     def __repr__(self) -> str:
-        parts = [f"{one.axis} {one.level_distance:.1f} dB" for one in self.axes]
-        return f"<Comparison of {self.names[0]} and {self.names[1]}: {', '.join(parts)} apart in third octaves>"
+        parts = [f"{axis.axis} {axis.level_distance:.1f} dB" for axis in self.axes]
+        return f"<RecordingComparison of {self.names[0]} and {self.names[1]}: {', '.join(parts)} apart in third octaves>"
 
     def as_dict(self) -> dict[str, Any]:
         """Return everything as numbers, lists and texts, for JSON; what is unknown is None."""
         return {
             "recordings": list(self.names),
-            "axes": {one.axis: _as_dict(one) for one in self.axes},
+            "axes": {axis.axis: _as_dict(axis) for axis in self.axes},
             "features": {name: [_number(value) for value in values] for name, values in self.features.items()},
             "remarks": list(self.remarks),
         }
 
 
-def _as_dict(one: AxisComparison) -> dict[str, Any]:
+def _as_dict(axis: AxisComparison) -> dict[str, Any]:
     return {
-        "level_distance_db": one.level_distance,
-        "shape_distance_db": one.shape_distance,
-        "envelope_distance": _number(one.envelope_distance),
-        "kurtosis_distance": one.kurtosis_distance,
-        "third_octaves_hz": one.frequency.round(2).tolist(),
-        "levels_db": [levels.round(3).tolist() for levels in one.levels],
-        "octaves_hz": one.octaves.round(2).tolist(),
-        "kurtosis": [values.round(4).tolist() for values in one.kurtosis],
+        "level_distance_db": axis.level_distance,
+        "shape_distance_db": axis.shape_distance,
+        "envelope_distance": _number(axis.envelope_distance),
+        "kurtosis_distance": axis.kurtosis_distance,
+        "third_octaves_hz": axis.frequency.round(2).tolist(),
+        "levels_db": [levels.round(3).tolist() for levels in axis.levels],
+        "octaves_hz": axis.octaves.round(2).tolist(),
+        "kurtosis": [values.round(4).tolist() for values in axis.kurtosis],
     }
 
 
@@ -118,7 +119,7 @@ def _number(value: float) -> float | None:
     return value if math.isfinite(value) else None
 
 
-def compare(first: Signal, second: Signal, *, names: tuple[str, str] = ("A", "B")) -> Comparison:
+def compare(first: Signal, second: Signal, *, names: tuple[str, str] = ("A", "B")) -> RecordingComparison:
     """Return the distances between two recordings, of any rates, speeds and bearings.
 
     Parameters
@@ -130,7 +131,7 @@ def compare(first: Signal, second: Signal, *, names: tuple[str, str] = ("A", "B"
 
     Returns
     -------
-    Comparison
+    RecordingComparison
         By axis the levels in third octaves, the kurtosis by octave and the squared envelope spectra with their distances; the features.
 
     Raises
@@ -146,18 +147,18 @@ def compare(first: Signal, second: Signal, *, names: tuple[str, str] = ("A", "B"
     True
     """
     waveforms = [_checked(signal, name) for signal, name in zip((first, second), names, strict=True)]
-    single = any(np.array_equal(one.acceleration[:, 0], one.acceleration[:, 1]) for one in waveforms)
+    single = any(np.array_equal(waveform.acceleration[:, 0], waveform.acceleration[:, 1]) for waveform in waveforms)
     remarks = []
     if single:
         remarks.append("a recording has one axis: Y of the other one is compared with it")
-    if not all(one.tracked for one in waveforms):
+    if not all(waveform.tracked for waveform in waveforms):
         remarks.append("a recording has no speed: envelope spectra over orders and features are left out")
-    rates = {one.sampling_rate for one in waveforms}
+    rates = {waveform.sampling_rate for waveform in waveforms}
     if len(rates) > 1:
         remarks.append(f"the sampling rates are {' and '.join(map(str, sorted(rates)))} Hz: only bands that both have are compared")
     axes = tuple(_axis(waveforms, axis) for axis in (("y",) if single else ("x", "y")))
     features = _features(waveforms, remarks)
-    return Comparison(names, axes, features, tuple(remarks))
+    return RecordingComparison(names, axes, features, tuple(remarks))
 
 
 def _checked(signal: Signal, name: str) -> Waveform:
@@ -173,8 +174,10 @@ def _checked(signal: Signal, name: str) -> Waveform:
 
 def _axis(waveforms: list[Waveform], axis: str) -> AxisComparison:
     column = "xy".index(axis)
-    signals = [one.acceleration[:, column].astype(np.float64) - float(one.acceleration[:, column].mean()) for one in waveforms]
-    rates = [one.sampling_rate for one in waveforms]
+    signals = [
+        waveform.acceleration[:, column].astype(np.float64) - float(waveform.acceleration[:, column].mean()) for waveform in waveforms
+    ]
+    rates = [waveform.sampling_rate for waveform in waveforms]
     bands = [third_octaves(power_density(signal, rate), rate) for signal, rate in zip(signals, rates, strict=True)]
     common = min(len(bands[0][0]), len(bands[1][0]))
     kurtoses = [octave_kurtosis(signal, rate) for signal, rate in zip(signals, rates, strict=True)]
@@ -197,7 +200,7 @@ def octave_kurtosis(signal: Floats, rate: int) -> tuple[Floats, Floats]:
 
     middles, values = [], []
     middle = 125.0
-    while middle * math.sqrt(2.0) <= 0.45 * rate:
+    while middle * math.sqrt(2.0) <= NYQUIST_SHARE * rate:
         edges = [middle / math.sqrt(2.0), middle * math.sqrt(2.0)]
         filtered = sosfilt(butter(3, edges, "bandpass", fs=rate, output="sos"), signal)[rate // 20 :]
         power = filtered**2
@@ -210,29 +213,28 @@ def octave_kurtosis(signal: Floats, rate: int) -> tuple[Floats, Floats]:
 def _envelopes(waveforms: list[Waveform], signals: list[Floats]) -> tuple[Floats, tuple[Floats, Floats]]:
     """Return squared envelope spectra on the same orders."""
     nothing = np.zeros(0)
-    if not all(one.tracked for one in waveforms):
+    if not all(waveform.tracked for waveform in waveforms):
         return nothing, (nothing, nothing)
-    lowest = min(one.sampling_rate for one in waveforms)
-    orders, found = np.arange(ORDER_STEP, HIGHEST_ORDER, ORDER_STEP), []
+    lowest = min(waveform.sampling_rate for waveform in waveforms)
+    orders, envelopes = np.arange(ORDER_STEP, HIGHEST_ORDER, ORDER_STEP), []
     for waveform, signal in zip(waveforms, signals, strict=True):
-        turns = unwrapped_turns(waveform.shaft_angle)
-        forward = np.maximum.accumulate(turns if turns[-1] > 0.0 else -turns)
-        if forward[-1] < 4.0:
+        forward = forward_turns(unwrapped_turns(waveform.shaft_angle))
+        if forward[-1] < LEAST_TURNS:
             return nothing, (nothing, nothing)
         spectrum = envelope_order_spectrum(signal, forward, waveform.sampling_rate, WIDE[0] * lowest, WIDE[1] * lowest)
         # Recordings of different lengths have lines of different widths; the largest amplitude in a cell is that of its line.
         cells = np.searchsorted(spectrum.orders, np.append(orders - 0.5 * ORDER_STEP, orders[-1] + 0.5 * ORDER_STEP))
         amplitude = np.array([float(spectrum.amplitude[begin : max(end, begin + 1)].max()) for begin, end in pairwise(cells)])
-        found.append(amplitude / max(spectrum.mean, np.finfo(np.float64).tiny))
-    return orders, (found[0], found[1])
+        envelopes.append(amplitude / max(spectrum.mean, np.finfo(np.float64).tiny))
+    return orders, (envelopes[0], envelopes[1])
 
 
 def _features(waveforms: list[Waveform], remarks: list[str]) -> dict[str, tuple[float, float]]:
     """Return the median of each feature that both have."""
-    if not all(one.tracked and not math.isnan(one.orders.bpfo) for one in waveforms):
+    if not all(waveform.tracked and not math.isnan(waveform.orders.bpfo) for waveform in waveforms):
         return {}
     try:
-        tables = [extract_features(one, window=WINDOW, hop=WINDOW, families=FAMILIES) for one in waveforms]
+        tables = [extract_features(waveform, window=WINDOW, hop=WINDOW, families=FAMILIES) for waveform in waveforms]
     except Refusal as refusal:
         remarks.append(f"features are left out: {refusal}")
         return {}

@@ -12,7 +12,7 @@ QUANTILE = 1.6448536269514722
 
 
 @dataclass(frozen=True)
-class Estimate:
+class EstimatedParameter:
     """A parameter of the bench as a recording shows it."""
 
     key: str
@@ -30,7 +30,7 @@ class Estimate:
         if not self.low <= self.value <= self.high:
             raise ValueError(f"{self.key} = {self.value:g} is outside its interval {self.low:g} .. {self.high:g}")
 
-    def divided(self, factor: float) -> Estimate:
+    def divided(self, factor: float) -> EstimatedParameter:
         """Return the estimate of the value over a factor [-]."""
         return replace(self, value=self.value / factor, low=self.low / factor, high=self.high / factor)
 
@@ -38,15 +38,15 @@ class Estimate:
         return f"{self.key} = {self.value:.4g} ({self.low:.4g} to {self.high:.4g}) {self.unit}".removesuffix(" -")
 
 
-def by_factor(key: str, value: float, deviation: float, unit: str) -> Estimate:
+def by_factor(key: str, value: float, deviation: float, unit: str) -> EstimatedParameter:
     """Return the estimate of a positive value from the standard deviation of its logarithm."""
     factor = math.exp(QUANTILE * min(deviation, 5.0))
-    return Estimate(key, value, value / factor, value * factor, unit, log=True)
+    return EstimatedParameter(key, value, value / factor, value * factor, unit, log=True)
 
 
-def by_difference(key: str, value: float, deviation: float, unit: str) -> Estimate:
+def by_difference(key: str, value: float, deviation: float, unit: str) -> EstimatedParameter:
     """Return the estimate of a value that is not negative from its standard deviation."""
-    return Estimate(key, value, max(0.0, value - QUANTILE * deviation), value + QUANTILE * deviation, unit)
+    return EstimatedParameter(key, value, max(0.0, value - QUANTILE * deviation), value + QUANTILE * deviation, unit)
 
 
 @dataclass(frozen=True)

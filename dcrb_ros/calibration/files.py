@@ -9,7 +9,7 @@ from typing import Any
 import yaml
 
 from dcrb_ros.calibration.calibration import Calibration
-from dcrb_ros.calibration.estimate import Estimate
+from dcrb_ros.calibration.estimate import EstimatedParameter
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.files import to_described_yaml
 
@@ -45,21 +45,26 @@ def write_calibration(calibration: Calibration, file: Path) -> Path:
 def _tree(calibration: Calibration, name: str) -> dict[str, Any]:
     path = [
         {
-            "axis": one.axis,
-            "hz": _short(one.frequency),
-            "db": [_short(one.level), _short(one.low), _short(one.high)],
-            "share": _short(one.share),
+            "axis": level.axis,
+            "hz": _short(level.frequency),
+            "db": [_short(level.level), _short(level.low), _short(level.high)],
+            "share": _short(level.share),
         }
-        for one in calibration.path
+        for level in calibration.path
     ]
     return {
         "configuration": name,
-        "recordings": [Path(one).name for one in calibration.recordings],
+        "recordings": [Path(recording).name for recording in calibration.recordings],
         "level": calibration.level,
         "vary": vary(calibration),
         "estimates": {
-            one.key: {"value": _short(one.value), "low": _short(one.low), "high": _short(one.high), "unit": one.unit}
-            for one in calibration.estimates
+            estimate.key: {
+                "value": _short(estimate.value),
+                "low": _short(estimate.low),
+                "high": _short(estimate.high),
+                "unit": estimate.unit,
+            }
+            for estimate in calibration.estimates
         },
         "path": path,
         "unidentified": list(calibration.unidentified),
@@ -71,15 +76,15 @@ def vary(calibration: Calibration) -> dict[str, dict[str, float | int | str]]:
 
     The seed has an effect with ``structure.path_spread``, which has a range of its own from 0 on.
     """
-    axes = {one.key: _axis(one) for one in calibration.estimates if one.high > one.low}
+    axes = {estimate.key: _axis(estimate) for estimate in calibration.estimates if estimate.high > estimate.low}
     if calibration.path_spread > 0.0:
         axes["structure.path_spread"] = {"low": 0.0, "high": calibration.path_spread}
     return axes | {"structure.seed": {"low": 1, "high": 2**31 - 1}}
 
 
-def _axis(one: Estimate) -> dict[str, float | int | str]:
-    axis: dict[str, float | int | str] = {"low": _short(one.low), "high": _short(one.high)}
-    return axis | ({"scale": "log"} if one.log and one.low > 0.0 else {})
+def _axis(estimate: EstimatedParameter) -> dict[str, float | int | str]:
+    axis: dict[str, float | int | str] = {"low": _short(estimate.low), "high": _short(estimate.high)}
+    return axis | ({"scale": "log"} if estimate.log and estimate.low > 0.0 else {})
 
 
 def _short(value: float) -> float:

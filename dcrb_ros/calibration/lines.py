@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from dcrb_ros.diagnosis.features.envelope_lines import envelope_order_spectrum
+from dcrb_ros.diagnosis.order_tracking import forward_turns
 from dcrb_ros.schema.arrays import Floats
 
 MAINS = (50.0, 60.0, 50.0 / 3.0)
@@ -17,7 +18,7 @@ OFF_MAINS = 0.003
 LINE_RATIO = 20.0
 """Power of a line over the median of its neighbours from which it counts as one [-]: noise reaches it once in 10^6 lines."""
 APART = 3.0
-"""Distance from a harmonic of the shaft at which a line can be resolved from it, in resolutions of the whole recording [-]."""
+"""Distance from a harmonic of the shaft from which a line is distinct from it, in resolutions of the whole recording [-]."""
 
 
 @dataclass(frozen=True)
@@ -41,7 +42,7 @@ def mains_hum(signal: Floats, rate: int, shaft_frequency: float) -> tuple[Hum | 
     taper = np.hanning(samples + 1)[:-1]
     power = np.abs(np.fft.rfft(signal * taper)) ** 2
     spacing = rate / samples
-    found: list[tuple[float, Hum]] = []
+    hums: list[tuple[float, Hum]] = []
     reason = "no line of the mains stands out of the noise"
     for mains in MAINS:
         low, high = math.floor(mains * (1.0 - OFF_MAINS) / spacing), math.ceil(mains * (1.0 + OFF_MAINS) / spacing) + 1
@@ -60,10 +61,10 @@ def mains_hum(signal: Floats, rate: int, shaft_frequency: float) -> tuple[Hum | 
             continue
         angle = np.asarray(2.0 * math.pi * frequency / rate * np.arange(samples), np.float64)
         amplitude, error = fitted_line(signal, angle, float(np.median(around)) / float(taper @ taper))
-        found.append((float(power[at]), Hum(float(frequency), abs(amplitude), error)))
-    if not found:
+        hums.append((float(power[at]), Hum(float(frequency), abs(amplitude), error)))
+    if not hums:
         return None, reason
-    return max(found, key=lambda one: one[0])[1], ""
+    return max(hums, key=lambda hum: hum[0])[1], ""
 
 
 def fitted_line(signal: Floats, angle: Floats, noise: float) -> tuple[complex, float]:
@@ -119,13 +120,13 @@ def speed_fluctuation(turns: Floats, rate: int) -> Fluctuation:
     step = max(1, rate // 1000)
     seconds = len(turns) / rate
     angle = 2.0 * math.pi * turns[::step]
-    place = np.linspace(-1.0, 1.0, len(angle))
-    departure = angle - np.polynomial.polynomial.Polynomial.fit(place, angle, 1)(place)
+    position = np.linspace(-1.0, 1.0, len(angle))
+    departure = angle - np.polynomial.polynomial.Polynomial.fit(position, angle, 1)(position)
     # A Fourier series below 5 Hz with the ends free: the slow fluctuation.
-    slow = [np.ones(len(angle)), place]
+    slow = [np.ones(len(angle)), position]
     most = max(1, int(5.0 * seconds))
     for k in range(1, most + 1):
-        slow += [np.cos(math.pi * k * place), np.sin(math.pi * k * place)]
+        slow += [np.cos(math.pi * k * position), np.sin(math.pi * k * position)]
     harmonics = [part(k * angle) for k in (1.0, 2.0) for part in (np.cos, np.sin)]
     design = np.column_stack([*slow, *harmonics])
     solution, *_ = np.linalg.lstsq(design, departure, rcond=None)
@@ -158,8 +159,7 @@ def shaft_modulation(signal: Floats, turns: Floats, rate: int, low: float, high:
 
     The noise of the orders around it is subtracted from its power.
     """
-    forward = np.maximum.accumulate(turns if turns[-1] > 0.0 else -turns)
-    spectrum = envelope_order_spectrum(signal, forward, rate, low, high)
+    spectrum = envelope_order_spectrum(signal, forward_turns(turns), rate, low, high)
     mean = max(spectrum.mean, np.finfo(np.float64).tiny)
     line = float(spectrum.lines(np.array([1.0]))[0]) / mean
     around = spectrum.lines(np.concatenate([np.linspace(0.75, 0.92, 12), np.linspace(1.08, 1.25, 12)])) / mean

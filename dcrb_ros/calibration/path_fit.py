@@ -2,14 +2,14 @@
 
 The measured density is modelled as
 
-    P_r(f) = g_r^2 |H(f)|^2 S_r(f) + W^2 + D^2 / f,        H(s) = prod_k (s^2/z_k^2 + 2 a_k s/z_k + 1) / (s^2/p_k^2 + 2 b_k s/p_k + 1),
+    P_r(f) = g_r^2 |H(f)|^2 S_r(f) + W^2,        H(s) = prod_k (s^2/z_k^2 + 2 a_k s/z_k + 1) / (s^2/p_k^2 + 2 b_k s/p_k + 1),
 
-with the source's density S_r at the speed of recording r, one gain g_r per recording and the densities W and D of white and 1/f noise. Each
-factor of H is a resonance and an antiresonance (`dcrb_ros.measurement.stages.path`), so that H has minimum phase. The squared difference
-of the logarithms is least in bins of 1/48 octave, with a robust loss, as residuals of a spectrum are close to normal there. Factors are
-added where the residual is largest, until the Bayesian information criterion (Schwarz 1978, Ann. Stat. 6(2), 461-464) no longer falls.
+with the source's density S_r at the speed of recording r, one gain g_r per recording and the density W of white noise. Each factor of H is
+a resonance and an antiresonance (`dcrb_ros.measurement.stages.path`), so that H has minimum phase. The squared difference of the
+logarithms is least in bins of 1/48 octave, with a robust loss, as residuals of a spectrum are close to normal there. Factors are added
+where the residual is largest, until the Bayesian information criterion (Schwarz 1978, Ann. Stat. 6(2), 461-464) no longer falls.
 
-A path with zeros outside the unit circle, or a delay, has the same envelope and is inseparable from its minimum-phase part (Randall 2017,
+A path with zeros outside the unit circle, or a delay, has the same envelope as its minimum-phase part (Randall 2017,
 "A history of cepstrum analysis and its application to mechanical problems", Mech. Syst. Signal Process. 97, 3-19).
 """
 
@@ -50,7 +50,7 @@ NEPER = 20.0 / math.log(10.0)
 
 
 @dataclass(frozen=True, eq=False)
-class Data:
+class PathSpectra:
     """What the fit of one axis takes: spectra of the recordings and of the source at their speeds, in the same bins."""
 
     frequency: Floats
@@ -67,7 +67,7 @@ class Data:
     """Logarithm of the lowest measured density in a third of an octave, which white noise does not exceed."""
 
     @staticmethod
-    def of(measured: Sequence[Binned], source: Sequence[Binned], low: float, step_rate: float) -> Data:
+    def of(measured: Sequence[Binned], source: Sequence[Binned], low: float, step_rate: float) -> PathSpectra:
         """Return the data; below a ``low`` frequency [Hz] the path may fall but not rise, and counts little.
 
         What a machine has more than its bearing there is its background.
@@ -76,27 +76,25 @@ class Data:
         kept = frequency >= FALLING_FROM
         below, beside = frequency < low, (frequency >= low) & (frequency < 2.0 * low)
         levels, deviations, lowest = [], [], math.inf
-        for one, two in zip(measured, source, strict=True):
-            most = two.level + float(np.median((one.level - two.level)[beside]))
-            lowest = min(lowest, float(_smoothed(one.level[~below], 15).min()))
-            levels.append(np.where(below, np.minimum(one.level, most), one.level)[kept])
-            deviations.append(np.sqrt(one.variance + two.variance + np.where(below, FALLING_ERROR, MODEL_ERROR) ** 2)[kept])
-        sourced = np.array([one.level[kept] for one in source])
-        return Data(frequency[kept], np.array(levels), sourced, np.array(deviations), step_rate, lowest)
+        for recording, two in zip(measured, source, strict=True):
+            most = two.level + float(np.median((recording.level - two.level)[beside]))
+            lowest = min(lowest, float(_smoothed(recording.level[~below], 15).min()))
+            levels.append(np.where(below, np.minimum(recording.level, most), recording.level)[kept])
+            deviations.append(np.sqrt(recording.variance + two.variance + np.where(below, FALLING_ERROR, MODEL_ERROR) ** 2)[kept])
+        sourced = np.array([recording.level[kept] for recording in source])
+        return PathSpectra(frequency[kept], np.array(levels), sourced, np.array(deviations), step_rate, lowest)
 
 
 @dataclass(frozen=True, eq=False)
 class PathFit:
     """The fitted path of one axis."""
 
-    data: Data
+    data: PathSpectra
     gains: Floats
     """Gain of each recording, shape (recordings,) [-]."""
     pairs: tuple[Pair, ...]
     white: float
     """Density of the white noise [m/s^2/sqrt(Hz)]."""
-    pink: float
-    """Density of the 1/f noise at 1 Hz, given before the fit [m/s^2/sqrt(Hz)]."""
     covariance: Floats
     """Of the parameters: log W^2, log g^2 of each recording, and log p, log b, log z and log a of each pair."""
     misfit: float
@@ -107,16 +105,16 @@ class PathFit:
         """Return the logarithm of |H|^2 without the gain, in the bins or at other frequencies [Hz], of their shape."""
         return _log_factors(self.parameters[1 + len(self.gains) :], self._at(frequency))[0]
 
-    def _at(self, frequency: Floats | None) -> Data:
+    def _at(self, frequency: Floats | None) -> PathSpectra:
         return self.data if frequency is None else replace(self.data, frequency=frequency)
 
     def share(self) -> Floats:
         """Return the share of the bearing in the modelled density, shape (recordings, bins) [-]; the rest is noise."""
-        return _evaluated(self.parameters, self.data, self.pink)[1]
+        return _evaluated(self.parameters, self.data)[1]
 
     def modelled(self) -> Floats:
         """Return the logarithm of the modelled density, shape (recordings, bins)."""
-        return _evaluated(self.parameters, self.data, self.pink)[0]
+        return _evaluated(self.parameters, self.data)[0]
 
     def residual(self) -> Floats:
         """Return measured over modelled density, shape (recordings, bins) [dB]."""
@@ -130,32 +128,31 @@ class PathFit:
         return gradient
 
 
-def fit_path(data: Data, *, white: float | None = None, pink: float = 0.0) -> PathFit:
+def fit_path(data: PathSpectra, *, white: float | None = None) -> PathFit:
     """Return the path that explains the spectra of one axis.
 
     Args:
         data: measured spectra and those of the source.
         white: density of the white noise if it is known [m/s^2/sqrt(Hz)].
-        pink: density of the 1/f noise at 1 Hz [m/s^2/sqrt(Hz)].
     """
     difference = data.measured - data.source
     floor = data.lowest if white is None else 2.0 * math.log(max(white, 1e-12))
     start = np.array([floor - 0.3 * (white is None), *np.median(difference, axis=1)])
     known = white is not None
-    best = _refined(start, data, pink, known)
-    score = _cost(best, data, pink)
+    best = _refined(start, data, known)
+    score = _cost(best, data)
     while (len(best) - len(start)) // FACTOR < MOST_FACTORS:
-        tries = [_refined(np.concatenate([best, factor]), data, pink, known) for factor in _new_factors(best, data, pink)]
-        costs = [_cost(tried, data, pink) for tried in tries]
+        tries = [_refined(np.concatenate([best, factor]), data, known) for factor in _new_factors(best, data)]
+        costs = [_cost(tried, data) for tried in tries]
         if score - min(costs) < 0.5 * PENALTY * FACTOR * math.log(data.measured.size):
             break
         best, score = tries[int(np.argmin(costs))], min(costs)
-    return _result(best, data, pink, known)
+    return _result(best, data, known)
 
 
-def _result(found: Floats, data: Data, pink: float, known: bool) -> PathFit:
+def _result(parameters: Floats, data: PathSpectra, known: bool) -> PathFit:
     recordings = len(data.measured)
-    residual, jacobian = _residuals(found, data, pink)
+    residual, jacobian = _residuals(parameters, data)
     points = data.measured.size
     misfit = float(np.sqrt(np.mean(np.minimum(np.abs(residual[:points]), ROBUST) ** 2)))
     used = np.abs(residual) < 2.0 * ROBUST
@@ -164,21 +161,20 @@ def _result(found: Floats, data: Data, pink: float, known: bool) -> PathFit:
         information[0, :] = information[:, 0] = 0.0
         information[0, 0] = 1e12
     # A floor that the bearing's noise covers has no information; the prior is that it may be anything below.
-    covariance = np.linalg.pinv(information + 1e-3 * np.eye(len(found))) * max(1.0, misfit) ** 2
-    factors = np.exp(found[1 + recordings :].reshape(-1, FACTOR))
+    covariance = np.linalg.pinv(information + 1e-3 * np.eye(len(parameters))) * max(1.0, misfit) ** 2
+    factors = np.exp(parameters[1 + recordings :].reshape(-1, FACTOR))
     return PathFit(
         data,
-        np.exp(0.5 * found[1 : 1 + recordings]),
+        np.exp(0.5 * parameters[1 : 1 + recordings]),
         tuple(Pair(*map(float, factor)) for factor in factors[np.argsort(factors[:, 0])]),
-        math.exp(0.5 * float(found[0])),
-        pink,
+        math.exp(0.5 * float(parameters[0])),
         covariance,
         misfit,
-        found,
+        parameters,
     )
 
 
-def _refined(start: Floats, data: Data, pink: float, known: bool) -> Floats:
+def _refined(start: Floats, data: PathSpectra, known: bool) -> Floats:
     """Return the parameters at which the cost has a minimum near ``start``."""
     from scipy.optimize import least_squares
 
@@ -193,7 +189,7 @@ def _refined(start: Floats, data: Data, pink: float, known: bool) -> Floats:
     kept: dict[str, Any] = {}
 
     def residuals(parameters: Floats) -> Floats:
-        kept["at"], (values, kept["jacobian"]) = parameters.copy(), _residuals(parameters, data, pink)
+        kept["at"], (values, kept["jacobian"]) = parameters.copy(), _residuals(parameters, data)
         return values
 
     def jacobian(parameters: Floats) -> Floats:
@@ -201,7 +197,7 @@ def _refined(start: Floats, data: Data, pink: float, known: bool) -> Floats:
             residuals(parameters)
         return np.asarray(kept["jacobian"], np.float64)
 
-    found = least_squares(
+    solution = least_squares(
         residuals,
         np.clip(start, low + 1e-10, high - 1e-10),
         jac=jacobian,
@@ -213,13 +209,13 @@ def _refined(start: Floats, data: Data, pink: float, known: bool) -> Floats:
         ftol=1e-5,
         xtol=1e-6,
     )
-    return np.asarray(found.x, np.float64)
+    return np.asarray(solution.x, np.float64)
 
 
-def _residuals(parameters: Floats, data: Data, pink: float) -> tuple[Floats, Floats]:
+def _residuals(parameters: Floats, data: PathSpectra) -> tuple[Floats, Floats]:
     """Return the residuals and their derivatives: bins of all recordings, and the pairs over their prior."""
     recordings = len(data.measured)
-    modelled, share = _evaluated(parameters, data, pink)
+    modelled, share = _evaluated(parameters, data)
     _, by_factor = _log_factors(parameters[1 + recordings :], data)
     values = (modelled - data.measured) / data.deviation
     jacobian = np.zeros((*data.measured.shape, len(parameters)))
@@ -237,22 +233,21 @@ def _residuals(parameters: Floats, data: Data, pink: float) -> tuple[Floats, Flo
     return np.concatenate([values.ravel(), prior @ parameters]), np.concatenate([jacobian.reshape(-1, len(parameters)), prior])
 
 
-def _cost(parameters: Floats, data: Data, pink: float) -> float:
+def _cost(parameters: Floats, data: PathSpectra) -> float:
     """Return half the robust sum of squares, as `scipy.optimize.least_squares` counts it."""
-    residual = _residuals(parameters, data, pink)[0]
+    residual = _residuals(parameters, data)[0]
     return float(np.sum(ROBUST**2 * (np.sqrt(1.0 + (residual / ROBUST) ** 2) - 1.0)))
 
 
-def _evaluated(parameters: Floats, data: Data, pink: float) -> tuple[Floats, Floats]:
+def _evaluated(parameters: Floats, data: PathSpectra) -> tuple[Floats, Floats]:
     """Return the logarithm of the modelled density and the share of the bearing in it, shape (recordings, bins)."""
     recordings = len(data.measured)
     bearing = data.source + parameters[1 : 1 + recordings, None] + _log_factors(parameters[1 + recordings :], data)[0]
-    noise = np.log(np.exp(parameters[0]) + pink**2 / data.frequency)
-    total = np.logaddexp(bearing, noise[None])
+    total = np.logaddexp(bearing, parameters[0])
     return total, np.exp(bearing - total)
 
 
-def _log_factors(factors: Floats, data: Data) -> tuple[Floats, Floats]:
+def _log_factors(factors: Floats, data: PathSpectra) -> tuple[Floats, Floats]:
     """Return log |H|^2 in the bins and its derivatives by the parameters of each factor, shape (bins, factors).
 
     On the imaginary axis s^2/p^2 + 2 b s/p + 1 has the square (1 - v^2)^2 + (2 b v)^2 at v = tan(pi f/rate) / tan(pi p/rate), the bilinear
@@ -263,20 +258,20 @@ def _log_factors(factors: Floats, data: Data) -> tuple[Floats, Floats]:
     tangent = np.tan(np.pi * data.frequency / data.step_rate)
     for k in range(0, len(factors), 2):
         sign = -1.0 if k % FACTOR == 0 else 1.0
-        place, damping = math.pi * math.exp(factors[k]) / data.step_rate, math.exp(factors[k + 1])
-        v = tangent / math.tan(place)
+        angle, damping = math.pi * math.exp(factors[k]) / data.step_rate, math.exp(factors[k + 1])
+        v = tangent / math.tan(angle)
         damped = (2.0 * damping * v) ** 2
         square = (1.0 - v**2) ** 2 + damped
         total += sign * np.log(square)
         by_place = -4.0 * v**2 * (1.0 - v**2) + 2.0 * damped
-        gradient[:, k] = -sign * by_place / square * (2.0 * place / math.sin(2.0 * place))
+        gradient[:, k] = -sign * by_place / square * (2.0 * angle / math.sin(2.0 * angle))
         gradient[:, k + 1] = sign * 2.0 * damped / square
     return total, gradient
 
 
-def _new_factors(parameters: Floats, data: Data, pink: float) -> Iterator[Floats]:
+def _new_factors(parameters: Floats, data: PathSpectra) -> Iterator[Floats]:
     """Yield a resonance or an antiresonance of each width where the smoothed residual is largest."""
-    modelled, share = _evaluated(parameters, data, pink)
+    modelled, share = _evaluated(parameters, data)
     weight = (share / data.deviation) ** 2
     total = np.maximum(weight.sum(axis=0), 1e-12)
     residual = np.sum(weight * (data.measured - modelled) / np.maximum(share, 0.2), axis=0) / total

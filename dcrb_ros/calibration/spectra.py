@@ -7,7 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dcrb_ros.diagnosis.features.band_levels import EDGE, FLOOR, middles
+from dcrb_ros.diagnosis.demodulation import NYQUIST_SHARE
+from dcrb_ros.diagnosis.features.band_levels import levels, middles
 from dcrb_ros.schema.arrays import Floats
 
 RESOLUTION = 3.125
@@ -68,20 +69,16 @@ def binned(spectrum: Spectrum, rate: int) -> Binned:
     used = (spectrum.frequency >= LOWEST) & (spectrum.frequency <= HIGHEST_SHARE * rate)
     frequency, logarithm = spectrum.frequency[used], np.log(spectrum.density[used])
     bins = np.floor(np.log2(frequency / LOWEST) * BINS_PER_OCTAVE).astype(int)
-    _, place, count = np.unique(bins, return_inverse=True, return_counts=True)
-    middle = np.bincount(place, frequency) / count
-    level = np.bincount(place, logarithm) / count + 0.5 / spectrum.averages
+    _, number, count = np.unique(bins, return_inverse=True, return_counts=True)
+    middle = np.bincount(number, frequency) / count
+    level = np.bincount(number, logarithm) / count + 0.5 / spectrum.averages
     return Binned(middle, level, 1.0 / (spectrum.averages * np.maximum(1.0, count / 1.9)))
 
 
 def third_octaves(spectrum: Spectrum, rate: int) -> tuple[Floats, Floats]:
     """Return the mid-band frequencies [Hz] and 10 lg of the mean square in each third octave over 1 (m/s^2)^2, shapes (bands,) [dB]."""
-    middle = middles(rate)
     spacing = float(spectrum.frequency[1])
-    total = np.concatenate([[0.0], np.cumsum(spectrum.density) * spacing])
-    borders = (np.arange(len(total)) - 0.5) * spacing
-    power = np.interp(middle * EDGE, borders, total) - np.interp(middle / EDGE, borders, total)
-    return middle, 10.0 * np.log10(np.maximum(power, FLOOR))
+    return middles(rate), levels(np.concatenate([[0.0], np.cumsum(spectrum.density) * spacing]), spacing, rate)
 
 
 def fluctuation(signal: Floats, rate: int, low: float, high: float) -> float:
@@ -91,7 +88,7 @@ def fluctuation(signal: Floats, rate: int, low: float, high: float) -> float:
     """
     from scipy.signal import butter, sosfilt
 
-    top = min(high, 0.45 * rate)
+    top = min(high, NYQUIST_SHARE * rate)
     filtered = sosfilt(butter(2, [low, top], "bandpass", fs=rate, output="sos"), signal) if low < 0.9 * top else signal
     seconds = len(filtered) // rate
     if seconds < 2:

@@ -57,16 +57,16 @@ def calibrate(
     with ExitStack() as files:
         for file in (output, intervals_beside(output), figure):
             files.enter_context(replacing("-o", file, force=force))
-        found = calibrated(opened, base=base, settings=settings or (), trust=trust, names=[str(path) for path in recordings])
-        twin = simulate(found.configuration, 0.5 + TWIN_SECONDS).between(0.5)
-        comparison = compared(found.measured, twin, names=("measured", "simulated"))
-        beside = write_calibration(found, output)
-        write_comparison(comparison, figure, title=f"{output.stem}: {recordings[0]} and the calibrated bench", calibration=found)
+        calibration = calibrated(opened, base=base, settings=settings or (), trust=trust, names=[str(path) for path in recordings])
+        twin = simulate(calibration.configuration, 0.5 + TWIN_SECONDS).between(0.5)
+        comparison = compared(calibration.measured, twin, names=("measured", "simulated"))
+        beside = write_calibration(calibration, output)
+        write_comparison(comparison, figure, title=f"{output.stem}: {recordings[0]} and the calibrated bench", calibration=calibration)
     if as_json:
-        print(json.dumps(_described(found) | {"comparison": comparison.as_dict()}, indent=2))
+        print(json.dumps(_described(calibration) | {"comparison": comparison.as_dict()}, indent=2))
         return
-    _print(found, quiet=quiet)
-    apart = ", ".join(f"{one.axis} {one.level_distance:.1f} dB" for one in comparison.axes)
+    _print(calibration, quiet=quiet)
+    apart = ", ".join(f"{axis.axis} {axis.level_distance:.1f} dB" for axis in comparison.axes)
     print(f"{output}: third octaves of a simulation are {apart} from the recording; intervals in {beside}, figure in {figure}")
 
 
@@ -94,11 +94,11 @@ def compare(
     if as_json:
         print(json.dumps(comparison.as_dict(), indent=2))
         return
-    for one in comparison.axes:
-        envelope = "unknown" if not len(one.orders) else f"{one.envelope_distance:.2f}"
+    for axis in comparison.axes:
+        envelope = "unknown" if not len(axis.orders) else f"{axis.envelope_distance:.2f}"
         print(
-            f"{one.axis}: third octaves {one.level_distance:.1f} dB apart, {one.shape_distance:.1f} dB without the mean; envelope spectra "
-            f"{envelope}; kurtosis by octave {one.kurtosis_distance:.2f}"
+            f"{axis.axis}: third octaves {axis.level_distance:.1f} dB apart, {axis.shape_distance:.1f} dB without the mean; "
+            f"envelope spectra {envelope}; kurtosis by octave {axis.kurtosis_distance:.2f}"
         )
     for remark in comparison.remarks:
         print(remark)
@@ -106,24 +106,27 @@ def compare(
         print(f"figure in {output}")
 
 
-def _described(found: Calibration) -> dict[str, object]:
+def _described(calibration: Calibration) -> dict[str, object]:
     return {
-        "recordings": list(found.recordings),
-        "level": found.level,
-        "estimates": {one.key: {"value": one.value, "low": one.low, "high": one.high, "unit": one.unit} for one in found.estimates},
-        "path": [one.__dict__ for one in found.path],
-        "path_spread_db": found.path_spread,
-        "unidentified": list(found.unidentified),
+        "recordings": list(calibration.recordings),
+        "level": calibration.level,
+        "estimates": {
+            estimate.key: {"value": estimate.value, "low": estimate.low, "high": estimate.high, "unit": estimate.unit}
+            for estimate in calibration.estimates
+        },
+        "path": [level.__dict__ for level in calibration.path],
+        "path_spread_db": calibration.path_spread,
+        "unidentified": list(calibration.unidentified),
     }
 
 
-def _print(found: Calibration, *, quiet: bool) -> None:
+def _print(calibration: Calibration, *, quiet: bool) -> None:
     """Print the estimates, and what could not be identified."""
     if quiet:
         return
-    print(f"estimates with intervals of {100.0 * found.level:g} %:")
-    for one in found.estimates:
-        print(f"  {one}")
+    print(f"estimates with intervals of {100.0 * calibration.level:g} %:")
+    for estimate in calibration.estimates:
+        print(f"  {estimate}")
     print("not identified:")
-    for sentence in found.unidentified:
+    for sentence in calibration.unidentified:
         print(f"  {sentence}")

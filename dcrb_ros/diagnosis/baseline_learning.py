@@ -56,23 +56,23 @@ class BaselineLearner:
         if self._stopped:
             return
         self._verdicts.add(verdict)
-        found: dict[Key, Largest] = {}
+        largest: dict[Key, Largest] = {}
         for rule in rules:
             if isinstance(rule, LineRule):
-                found |= {(rule.component, (band.band.low, band.band.high)): _largest(rule, band) for band in evidence.bands}
-        self._pending.append((time, evidence.shaft_frequency, found))
+                largest |= {(rule.component, (band.band.low, band.band.high)): _largest(rule, band) for band in evidence.bands}
+        self._pending.append((time, evidence.shaft_frequency, largest))
         while self._pending[0][0] <= time - self._window:
             self._learn_oldest()
 
     def _learn_oldest(self) -> None:
-        _, speed, found = self._pending.popleft()
+        _, speed, largest = self._pending.popleft()
         self._speeds.append(speed)
-        for key, (size, depth) in found.items():
+        for key, (size, depth) in largest.items():
             known = self._largest.get(key, (0.0, 0.0))
             self._largest[key] = max(known[0], size), max(known[1], depth)
 
     def remark(self) -> str:
-        """Return what a user should know about the recording, or nothing."""
+        """Return a remark on the recording for the user, or nothing."""
         alarms = sorted(self._verdicts - {"healthy", "waiting"})
         if self._stopped:
             return f"that recording raises an alarm at {self._stopped:.1f} s, and what its window contains was not used"
@@ -93,5 +93,5 @@ class BaselineLearner:
 
 def _largest(rule: LineRule[Any], band: BandEvidence) -> Largest:
     """Return size [m/s^2] and depth [-] of the largest lines of a rule in a band."""
-    found = [rule.family(band, comb) for comb in rule.baseline_combs(band.orders)]
-    return max(lines.amplitude for lines in found) ** 0.5, max(lines.depth for lines in found)
+    families = [rule.family(band, comb) for comb in rule.baseline_combs(band.orders)]
+    return max(lines.amplitude for lines in families) ** 0.5, max(lines.depth for lines in families)

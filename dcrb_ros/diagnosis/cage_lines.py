@@ -31,13 +31,13 @@ HIGHEST_CONTRAST = 60.0
 def over_the_cage(lines: LineFamily, band: BandEvidence | None, contrast: float) -> float:
     """Return the largest amplitude of a ring's lines over that of FTF and its double, less the ``contrast`` required [dB].
 
-    All rollers strike the defect of a ring, and the cage modulates that only as far as they are unequal. Cage modulation, from a
-    broken bar or a damaged roller that the load zone reaches once per turn, has its largest lines at FTF.
+    All rollers strike the defect of a ring, and the cage modulates that only as far as they are unequal. A broken bar, or a damaged roller
+    that the load zone reaches once per turn, has its largest lines at FTF.
     """
     if band is None or not lines.lines or band.orders.ftf < 2.0 * GUARD * band.step:
         return HIGHEST_CONTRAST
-    found = band.family(cage_comb(band.orders)).order
-    cage = float(band.at(np.outer([1.0, 2.0], [found, band.orders.ftf])).max())
+    ftf = band.family(cage_comb(band.orders)).order
+    cage = float(band.at(np.outer([1.0, 2.0], [ftf, band.orders.ftf])).max())
     return (
         min(decibels(math.sqrt(ratio(float(band.at(lines.lines).max()), cage))) - contrast, HIGHEST_CONTRAST)
         if cage > 0.0
@@ -67,9 +67,9 @@ def spin_of_clusters(band: BandEvidence, cage: LineFamily) -> tuple[float, float
     if not depths.any():
         return 0.0, 2.0 * band.orders.bsf
     spins = band.orders.bsf * np.concatenate([SPINS, 2.0 * SPINS])
-    found = (np.cos(2.0 * math.pi * cage.order * harmonics / spins[:, None]) * depths).sum(axis=1) / depths.sum()
-    best = int(np.argmax(found))
-    return float(found[best]), 2.0 * band.orders.bsf * float(SPINS[best % len(SPINS)])
+    periodicity = (np.cos(2.0 * math.pi * cage.order * harmonics / spins[:, None]) * depths).sum(axis=1) / depths.sum()
+    best = int(np.argmax(periodicity))
+    return float(periodicity[best]), 2.0 * band.orders.bsf * float(SPINS[best % len(SPINS)])
 
 
 def clusters_at_spin(band: BandEvidence, cage: LineFamily) -> tuple[float, float]:
@@ -83,8 +83,8 @@ def clusters_at_spin(band: BandEvidence, cage: LineFamily) -> tuple[float, float
 
 
 def _clusters_at_spin(band: BandEvidence, cage: LineFamily) -> tuple[float, float]:
-    places = 2.0 * band.orders.bsf * np.array([[1.0, 2.0], [0.5, 1.5]])
-    harmonics = np.rint(places / cage.order)[..., None] + np.arange(-1.0, 2.0)
+    orders = 2.0 * band.orders.bsf * np.array([[1.0, 2.0], [0.5, 1.5]])
+    harmonics = np.rint(orders / cage.order)[..., None] + np.arange(-1.0, 2.0)
     near, between = band.at(harmonics * cage.order)
     middle = np.sort(near, axis=None)[near.size // 2 - 1 : near.size // 2 + 1]  # of six values
     return math.sqrt(0.5 * float(middle.sum())), math.sqrt(float(between.mean()))

@@ -27,28 +27,30 @@ class Combination:
 
     def findings(self, evidence: Evidence) -> dict[Component, Finding]:
         """Return the strongest finding for each component, shape as in `COMPONENTS`."""
-        found = {component: Finding(component, LEAST_EXCESS, "no rule applies") for component in COMPONENTS}
+        findings = {component: Finding(component, LEAST_EXCESS, "no rule applies") for component in COMPONENTS}
         for rule in self._rules:
             finding = rule.finding(evidence)
-            if finding is not None and finding.excess >= found[finding.component].excess:
-                found[finding.component] = finding
-        for component in self._explained(found, evidence):
-            excess = found[component].excess
-            found[component] = found[component]._replace(excess=-max(self._margin + 1.0, abs(excess)))
+            if finding is not None and finding.excess >= findings[finding.component].excess:
+                findings[finding.component] = finding
+        for component in self._explained(findings, evidence):
+            excess = findings[component].excess
+            findings[component] = findings[component]._replace(excess=-max(self._margin + 1.0, abs(excess)))
         for rule in self._rules:
-            found[rule.component] = rule.settled(found[rule.component], evidence)
-        return found
+            findings[rule.component] = rule.settled(findings[rule.component], evidence)
+        return findings
 
-    def _explained(self, found: dict[Component, Finding], evidence: Evidence) -> set[Component]:
+    def _explained(self, findings: dict[Component, Finding], evidence: Evidence) -> set[Component]:
         """Return the suspected components whose lines those of another suspected component explain."""
-        suspected = sorted((one for one in found.values() if one.excess >= 0.0), key=lambda one: -one.lines.depth_per_line)
+        suspected = sorted(
+            (finding for finding in findings.values() if finding.excess >= 0.0), key=lambda finding: -finding.lines.depth_per_line
+        )
         accepted: list[Finding] = []
         explained: set[Component] = set()
-        for one in suspected:
-            if any(explains(other, one, evidence) for other in accepted):
-                explained.add(one.component)
+        for finding in suspected:
+            if any(explains(other, finding, evidence) for other in accepted):
+                explained.add(finding.component)
             else:
-                accepted.append(one)
+                accepted.append(finding)
         return explained
 
 

@@ -20,6 +20,7 @@ from scipy import fft
 from scipy.ndimage import uniform_filter1d
 
 from dcrb_ros.schema.arrays import Floats
+from dcrb_ros.schema.refusal import Refusal
 
 PARTS = (1, 2, 3, 4)
 """Numbers of parts into which a band is divided: the first levels of the 1/3-binary tree."""
@@ -29,6 +30,11 @@ OVERSAMPLING = 2
 """Samples of an envelope per width of its band: the squared envelope is twice as wide as the band."""
 LARGEST_GAIN = 1e-12
 """Least local mean of the power relative to its largest up to which a spectrum is whitened [-]: single precision has no more."""
+
+QUARTERS = 4
+"""Parts of the detector's band in which levels are compared."""
+NYQUIST_SHARE = 0.45
+"""Highest usable frequency relative to the sampling rate [-]: anti-alias filters act above it."""
 
 
 class Band(NamedTuple):
@@ -53,6 +59,25 @@ def band_tree(low: float, high: float, parts: Sequence[int] = PARTS) -> tuple[Ba
         edges = np.geomspace(low, high, count + 1)
         tree += [Band(float(edges[k]), float(edges[k + 1])) for k in range(count)]
     return tuple(tree)
+
+
+def detector_bands(rate: int, low: float, high: float, *, divided: bool) -> tuple[Band, Band, tuple[Band, ...]]:
+    """Return the band of a detector from ``low`` to ``high`` [Hz], its upper quarter, and all bands in which it demodulates.
+
+    These are the whole band, its halves, thirds and quarters if it is ``divided``, and the octave below it. The whole band ends where a
+    sampling ``rate`` [Hz] ends it.
+
+    Raises:
+        Refusal: the sampling rate leaves no band.
+    """
+    usable = min(high, NYQUIST_SHARE * rate)
+    if usable < 1.25 * low:
+        raise Refusal(
+            f"band_low = {low:g} Hz leaves no band below {usable:g} Hz, the smaller of band_high and {NYQUIST_SHARE:g} of the "
+            f"sampling rate of {rate} Hz: it must be at most {usable / 1.25:g} Hz; lower it or sample faster"
+        )
+    parts = band_tree(low, usable)[1:] if divided else ()
+    return Band(low, usable), band_tree(low, high, (QUARTERS,))[-1], (Band(low, usable), *parts, Band(0.5 * low, low))
 
 
 def tukey(length: int, taper: float) -> Floats:

@@ -140,44 +140,33 @@ def detect(
     >>> for piece in run.pieces():
     ...     diagnosis = detector.update(piece.first_index, piece.acceleration, piece.shaft_angle)
     """
-    found = watch(
-        signal,
-        sampling_rate,
-        shaft_angle=shaft_angle,
-        bearing=bearing,
-        parameters=parameters,
-        baseline=baseline,
-        temperatures=temperatures,
-    )
-    if found.verdict == "waiting":
-        raise Refusal(f"the signal holds {found.duration:.2f} s of waveform, too little for a verdict: {found.reason}")
-    return found
+    source = _signal(signal, sampling_rate, shaft_angle, bearing)
+    result = watch(source, parameters=parameters, baseline=baseline, temperatures=temperatures, bearing=bearing)
+    if result.verdict == "waiting":
+        raise Refusal(f"the signal holds {result.duration:.2f} s of waveform, too little for a verdict: {result.reason}")
+    return result
 
 
 def watch(
-    signal: Signal | npt.ArrayLike,
-    sampling_rate: float | None = None,
+    signal: Signal,
     *,
-    shaft_angle: npt.ArrayLike | None = None,
-    bearing: BearingLike | None = None,
     parameters: DetectorParameters | None = None,
     baseline: HealthyBaseline | None = None,
     temperatures: TemperatureReadings | None = None,
+    bearing: BearingLike | None = None,
 ) -> DetectionResult:
     """Return the diagnoses of a signal as `detect` does, also if all of them are ``waiting``."""
-    source = _source(signal, sampling_rate, shaft_angle, bearing, parameters)
-    chosen = parameters or DetectorParameters()
-    described = _described(signal if bearing is None else bearing)
+    chosen, described = _checked(signal, parameters), _described(signal if bearing is None else bearing)
     readings = _temperatures(signal) if temperatures is None else temperatures
-    found, samples = _diagnoses(_detector(source, chosen, described, baseline), source.pieces(), readings)
-    duration = samples / source.sampling_rate
-    if duration >= SHORT and all(diagnosis.verdict == "waiting" for diagnosis in found):
-        # A verdict from little signal is better than none: it has a larger probability of being wrong, and says so by its confidence.
-        found, _ = _diagnoses(_detector(source, _brief(chosen), described, baseline), source.pieces(), readings)
-    if not found:
+    history, samples = _diagnoses(_detector(signal, chosen, described, baseline), signal.pieces(), readings)
+    duration = samples / signal.sampling_rate
+    if duration >= SHORT and all(diagnosis.verdict == "waiting" for diagnosis in history):
+        # A short signal is judged by a shorter window; the confidence is lower accordingly.
+        history, _ = _diagnoses(_detector(signal, _brief(chosen), described, baseline), signal.pieces(), readings)
+    if not history:
         reason = f"{duration:.2f} s have arrived, but a verdict needs {chosen.least_window:g} s"
-        found = [Diagnosis(max(0, samples - 1), duration, "waiting", reason)]
-    return DetectionResult(tuple(found), duration)
+        history = [Diagnosis(max(0, samples - 1), duration, "waiting", reason)]
+    return DetectionResult(tuple(history), duration)
 
 
 def learn_baseline(
@@ -208,10 +197,9 @@ def learn_baseline(
     Refusal
         The signal gives no verdict on the bearing, because it is too short or the sensor is faulty.
     """
-    source = _source(signal, sampling_rate, shaft_angle, bearing, parameters)
-    chosen = (parameters or DetectorParameters()).model_copy(
-        update={"baseline": "", "outer_limit": 0.0, "outer_limit_high": 0.0, "learn": 0.0}
-    )
+    source = _signal(signal, sampling_rate, shaft_angle, bearing)
+    unlimited = {"baseline": "", "outer_limit": 0.0, "outer_limit_high": 0.0, "learn": 0.0}
+    chosen = _checked(source, parameters).model_copy(update=unlimited)
     described, pieces = _described(signal if bearing is None else bearing), list(source.pieces())
     duration = sum(len(piece.acceleration) for piece in pieces) / source.sampling_rate
     start = pieces[0].first_index / source.sampling_rate if pieces else 0.0
@@ -219,11 +207,11 @@ def learn_baseline(
     for tried in (chosen, _brief(chosen)):
         detector = _detector(source, tried, described, None)
         detector.learner = learner
-        found, _ = _diagnoses(detector, pieces, TemperatureReadings.none())
+        history, _ = _diagnoses(detector, pieces, TemperatureReadings.none())
         if learner.judgements:
             break
     if not learner.judgements:
-        reason = found[-1].reason if found else f"{duration:.2f} s are too few"
+        reason = history[-1].reason if history else f"{duration:.2f} s are too few"
         raise Refusal(f"{name} gives no baseline: {reason}; give a longer recording of a healthy bearing with a sound sensor")
     about = {
         "source": name,
@@ -237,27 +225,24 @@ def learn_baseline(
     return learner.baseline(about)
 
 
-def _source(
-    signal: Signal | npt.ArrayLike,
-    sampling_rate: float | None,
-    shaft_angle: npt.ArrayLike | None,
-    bearing: BearingLike | None,
-    parameters: DetectorParameters | None,
-) -> Signal:
-    """Return a signal that a detector with these parameters can judge."""
-    source = _signal(signal, sampling_rate, shaft_angle, bearing)
+def _checked(source: Signal, parameters: DetectorParameters | None) -> DetectorParameters:
+    """Return the parameters of a detector that can judge a signal, the defaults if none are given.
+
+    Raises:
+        Refusal: the orders of the bearing are unknown, or no verdict follows from the parameters.
+    """
     if math.isnan(source.orders.bpfo):
         raise Refusal("the orders of the bearing are unknown: give its geometry or orders as bearing")
     if not isinstance(parameters, (DetectorParameters, type(None))):
         raise Refusal(f"parameters = {parameters!r} are not those of the detector: give DetectorParameters(...)")
     chosen = parameters or DetectorParameters()
     if chosen.window < chosen.least_window:
-        # A detector of spectra alone, as in the viewer, needs no verdict; one that is asked for a verdict would wait for ever.
+        # Such a detector publishes spectra, as in the viewer, but no verdict.
         raise Refusal(
             f"window = {chosen.window:g} s is below least_window = {chosen.least_window:g} s, so that no verdict follows: "
             "make the window longer"
         )
-    return source
+    return chosen
 
 
 def _signal(signal: Signal | npt.ArrayLike, rate: float | None, shaft_angle: npt.ArrayLike | None, bearing: BearingLike | None) -> Signal:
@@ -276,7 +261,7 @@ def _brief(parameters: DetectorParameters) -> DetectorParameters:
 def _detector(source: Signal, parameters: DetectorParameters, described: object, baseline: HealthyBaseline | None) -> ThermalFaultDetector:
     """Return a detector for a signal whose bearing is described."""
     detector = ThermalFaultDetector(source.orders, source.sampling_rate, parameters, baseline=baseline)
-    detector.know(described)
+    detector.take_bearing(described)
     return detector
 
 
@@ -290,18 +275,18 @@ def _described(source: object) -> object:
 def _temperatures(signal: object) -> TemperatureReadings:
     """Return the readings of temperature in a run or recording; none in anything else."""
     readings = getattr(signal, "temperatures", None)
-    found: TemperatureReadings | None = readings() if callable(readings) else readings
-    return TemperatureReadings.none() if found is None else found
+    given: TemperatureReadings | None = readings() if callable(readings) else readings
+    return TemperatureReadings.none() if given is None else given
 
 
 def _diagnoses(detector: ThermalFaultDetector, pieces: Iterable[Piece], readings: TemperatureReadings) -> tuple[list[Diagnosis], int]:
     """Return the diagnoses of a signal, and its number of samples."""
-    found, samples, feed = [], 0, TemperatureFeed(readings)
+    history, samples, feed = [], 0, TemperatureFeed(readings)
     for piece in pieces:
         detector.sensor_range = piece.sensor_range
         diagnosis = detector.update(piece.first_index, piece.acceleration, piece.shaft_angle)
         samples += len(piece.shaft_angle)
         feed.give(detector.take_temperature, (piece.first_index + len(piece.shaft_angle)) / detector.rate)
         if diagnosis is not None:
-            found.append(diagnosis)
-    return found, samples
+            history.append(diagnosis)
+    return history, samples

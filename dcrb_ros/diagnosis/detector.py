@@ -7,6 +7,7 @@ look for the lines of each fault. Their findings are combined to a verdict.
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from pathlib import Path
 from typing import Any
@@ -15,20 +16,16 @@ import numpy as np
 import numpy.typing as npt
 
 from dcrb_ros.bearing.kinematics import Orders
-from dcrb_ros.diagnosis.bands import QUARTERS, bands_of
 from dcrb_ros.diagnosis.baseline_learning import BaselineLearner
 from dcrb_ros.diagnosis.combination import Combination
-from dcrb_ros.diagnosis.demodulation import Demodulator, band_tree, kurtosis
+from dcrb_ros.diagnosis.demodulation import QUARTERS, Demodulator, band_tree, detector_bands, kurtosis
 from dcrb_ros.diagnosis.evidence import BandEvidence, Evidence, LevelEvidence, LevelHistory, SampleEvidence, SharedSearch, highest_searched
 from dcrb_ros.diagnosis.healthy_baseline import HealthyBaseline, read_baseline
 from dcrb_ros.diagnosis.hysteresis import Hysteresis, confidence, least_evidence
-from dcrb_ros.diagnosis.known_bearings import baseline_of
 from dcrb_ros.diagnosis.order_spectrum import HARMONICS, SHAFT_SIDEBANDS, OrderSpectrum, order_spectra
 from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.diagnosis.registry import BEARING_RULES, LEVEL_RULES, SAMPLE_RULES
 from dcrb_ros.diagnosis.rule import Finding, LineRule, found_lines
-from dcrb_ros.diagnosis.rules.outer_ring import OuterRing
-from dcrb_ros.diagnosis.rules.saturation import Saturation
 from dcrb_ros.diagnosis.segments import Segment, Segmenter
 from dcrb_ros.diagnosis.speed_estimation import estimated_frequency
 from dcrb_ros.diagnosis.trend import Trend
@@ -75,7 +72,7 @@ class FaultDetector:
         p = parameters
         self.orders, self.parameters, self.sensor_range = orders, parameters, sensor_range
         self.rate = rate = sampling_rate(rate, "the signal")
-        self.band, self._high, self._bands = bands_of(rate, p)
+        self.band, self._high, self._bands = detector_bands(rate, p.band_low, p.band_high, divided=p.band == "kurtogram")
         below = self._bands[-1]
         self._hop = max(1, round(p.hop * rate))
         self._margin = margin_samples(rate, below.low, MARGIN_PERIODS)
@@ -104,7 +101,6 @@ class FaultDetector:
         """Takes the evidence of every judgement, if there is one."""
         self._baseline = baseline if baseline is not None or not p.baseline else read_baseline(Path(p.baseline))
         self._use_baseline()
-        self._saturation = next(rule for rule in self._sample_rules if isinstance(rule, Saturation))
         self._combination = Combination(self._bearing_rules, p.release_margin)
         least = least_evidence(p.confirm, p.window, p.alarm_evidence)
         self._hysteresis = Hysteresis(p.confirm, p.release, p.release_margin, hops if p.confirm > 1 else 1, least)
@@ -120,13 +116,15 @@ class FaultDetector:
         """Gaps in the signal so far."""
         return self._segmenter.counts.gaps
 
-    def know(self, bearing: object) -> None:
-        """Take the description of the bearing; if it is known to be loud when healthy, use its baseline unless the parameters have one."""
-        baseline = baseline_of(bearing)
-        if baseline is not None:
-            for rule in self._bearing_rules:
-                if isinstance(rule, OuterRing):
-                    rule.use(baseline)
+    @property
+    def clipped(self) -> int:
+        """Clipped samples so far."""
+        return sum(rule.clipped for rule in self._sample_rules)
+
+    def take_bearing(self, bearing: object) -> None:
+        """Take the geometry of the bearing as a `dcrb_ros.Bearing` or a mapping of its fields; rules may have limits for it."""
+        for rule in self._bearing_rules:
+            rule.take_bearing(bearing)
 
     @property
     def bands(self) -> tuple[float, float, float, str]:
@@ -139,8 +137,7 @@ class FaultDetector:
             return
         self._baseline.check(self.orders, self.rate, self.bands)
         for rule in self._bearing_rules:
-            if isinstance(rule, LineRule):
-                rule.take(self._baseline)
+            rule.take_baseline(self._baseline)
 
     def update(self, index: int, acceleration: npt.NDArray[Any], shaft_angle: npt.NDArray[Any] | None = None) -> Diagnosis | None:
         """Take the block that begins with sample ``index``; return a diagnosis if the block completes a hop.
@@ -232,6 +229,7 @@ class FaultDetector:
         return ""
 
     def _without_verdict(self, last: int, verdict: Verdict, reason: str) -> Diagnosis:
+        """Return a diagnosis without evidence on the bearing."""
         return Diagnosis(
             last,
             last / self.rate,
@@ -239,7 +237,7 @@ class FaultDetector:
             reason,
             shaft_frequency=self._window.frequency if self._window.tracked else 0.0,
             gaps=self.gaps,
-            clipped=self._saturation.clipped,
+            clipped=self.clipped,
             baseline=self._baseline_used(),
             remarks=self._remarks(),
         )
@@ -274,29 +272,23 @@ class FaultDetector:
 
     def _concluded(self, last: int, evidence: Evidence, selected: BandEvidence) -> Diagnosis:
         """Return the diagnosis from the evidence; the spectrum of the ``selected`` band is published."""
-        found = self._combination.findings(evidence)
-        excess = {component: finding.excess for component, finding in found.items()}
+        findings = self._combination.findings(evidence)
+        excess = {component: finding.excess for component, finding in findings.items()}
         verdict = self._hysteresis.verdict(excess)
         confirmed, time = self._hysteresis.confirmed, last / self.rate
         severity = self._severity(evidence, confirmed)
         if self.learner is not None:
             self.learner.add(evidence, self._bearing_rules, verdict, time)
-        return Diagnosis(
-            last,
-            time,
-            verdict,
-            self._reason(verdict, found),
+        return dataclasses.replace(
+            self._without_verdict(last, verdict, self._reason(verdict, findings)),
             confidence=confidence(verdict, confirmed, excess),
-            levels={CHARACTERISTIC[component]: finding.lines.level for component, finding in found.items()},
+            levels={CHARACTERISTIC[component]: finding.lines.level for component, finding in findings.items()},
             shaft_frequency=evidence.shaft_frequency,
             spectrum=self._published(selected.spectrum, evidence.shaft_frequency),
-            gaps=self.gaps,
             scores={str(component): value for component, value in excess.items()},
-            lines={str(component): lines for component, finding in found.items() if (lines := found_lines(finding)) is not None},
+            lines={str(component): lines for component, finding in findings.items() if (lines := found_lines(finding)) is not None},
             severity=severity,
             trend=self._trend.slope(time, verdict, severity),
-            clipped=self._saturation.clipped,
-            baseline=self._baseline_used(),
             remarks=self._remarks(f"the squared envelope spectrum is that of the band from {selected.band}"),
         )
 
@@ -306,15 +298,16 @@ class FaultDetector:
         whole = evidence.bands[0]
         return max((math.sqrt(whole.family(comb).amplitude) for rule in rules for comb in rule.combs(self.orders)), default=0.0)
 
-    def _reason(self, verdict: Verdict, found: dict[Component, Finding]) -> str:
+    def _reason(self, verdict: Verdict, findings: dict[Component, Finding]) -> str:
         """Return the evidence for a verdict in words."""
         components = self._hysteresis.confirmed or (self._hysteresis.suspected if verdict == "waiting" else [])
-        reasons = ", and ".join(found[component].reason for component in components)
+        reasons = ", and ".join(findings[component].reason for component in components)
         if verdict == "waiting":
             return f"to be confirmed by the next hop: {reasons or 'no lines are both significant and deep enough for a defect'}"
         if components:
             return reasons
-        return f"no lines are both significant and deep enough for a defect; {found[max(found, key=lambda c: found[c].excess)].reason}"
+        strongest = max(findings.values(), key=lambda finding: finding.excess)
+        return f"no lines are both significant and deep enough for a defect; {strongest.reason}"
 
     def _published(self, spectrum: OrderSpectrum, frequency: float) -> Spectrum:
         """Return the part of a spectrum that is published, as amplitudes at the present shaft frequency [Hz]."""
@@ -337,7 +330,7 @@ class FaultDetector:
             "samples arrived twice or too late and were ignored": counts.repeated,
             "samples are not finite numbers": counts.not_finite,
             "restarts of the signal": counts.restarts,
-            "clipped samples": self._saturation.clipped,
+            "clipped samples": self.clipped,
         }
         remarks = [f"{number} {words}" for words, number in irregularities.items() if number]
         if not self._window.tracked:

@@ -12,23 +12,17 @@ import numpy.typing as npt
 from dcrb_ros.bearing.fault_lines import BearingLike
 from dcrb_ros.bearing.kinematics import Orders
 from dcrb_ros.bearing.waveform import Signal, Waveform, signal_of
-from dcrb_ros.diagnosis.demodulation import Band, Demodulator
+from dcrb_ros.diagnosis.demodulation import NYQUIST_SHARE, Band, Demodulator
 from dcrb_ros.diagnosis.order_spectrum import order_spectra
-from dcrb_ros.diagnosis.order_tracking import bin_edges, bin_means, reverses
+from dcrb_ros.diagnosis.order_tracking import LEAST_TURNS, bin_edges, bin_means, forward_turns, reverses
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.numbers import finite_number
 from dcrb_ros.schema.refusal import Refusal
 
 DEFAULT_BAND = (2000.0, 20000.0)
 """Band of the envelope [Hz]: above the mode of the housing, below the filter of the converter."""
-NYQUIST_SHARE = 0.45
-"""Highest edge of the default band over the sampling rate [-]."""
 LEAST_LINES = 64
 """Least product of the duration of a signal and the width of its band, about the number of lines of the spectrum [-]."""
-LEAST_TURNS = 4.0
-"""Turns of the shaft that order tracking needs."""
-JITTER = 0.02
-"""Turns by which a measured angle may run back [-]."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -80,14 +74,14 @@ class EnvelopeSpectrum:
 
     def _nearest(self, name: str, given: npt.ArrayLike, axis: Floats) -> Floats:
         """Return the largest of the five lines around each place on an axis."""
-        places = np.asarray(given)
-        if places.dtype.kind not in "iuf":
+        wanted = np.asarray(given)
+        if wanted.dtype.kind not in "iuf":
             raise Refusal(f"{name} = {given!r} is not a number")
-        outside = places[~((places >= 0.0) & (places <= axis[-1]))]
+        outside = wanted[~((wanted >= 0.0) & (wanted <= axis[-1]))]
         if outside.size:
             unit = "" if name == "order" else " Hz"
             raise Refusal(f"{name} {outside.flat[0]:g}{unit} is outside 0 .. {axis[-1]:g}{unit}")
-        near = np.clip(np.rint(places / axis[1]).astype(np.int64)[..., None] + np.arange(-2, 3), 0, len(self.amplitude) - 1)
+        near = np.clip(np.rint(wanted / axis[1]).astype(np.int64)[..., None] + np.arange(-2, 3), 0, len(self.amplitude) - 1)
         return np.asarray(self.amplitude[near].max(axis=-1), np.float64)
 
 
@@ -155,7 +149,7 @@ def envelope_spectrum(
         least = math.ceil(LEAST_LINES * rate / (edges[1] - edges[0]))
         raise Refusal(f"{samples} samples are too few for the band of {Band(*edges)}: give at least {least}, or a wider band")
     bank = Demodulator((Band(*edges),), rate, samples)
-    ((places, squared),) = bank.squared_envelopes(waveform.acceleration[:, :axes])
+    ((positions, squared),) = bank.squared_envelopes(waveform.acceleration[:, :axes])
     width = edges[1] - edges[0]
     shaft_frequency = waveform.shaft_frequency
     # Bins half as wide as a period of the fastest change that the band can carry, in seconds or in turns.
@@ -166,7 +160,7 @@ def envelope_spectrum(
     else:
         per_unit = max(1, math.ceil(width))
         borders = bin_edges(0.0, (samples - 1) / rate, per_unit) * rate
-    binned = bin_means(places, squared, borders)
+    binned = bin_means(positions, squared, borders)
     ((lines, amplitude, mean),) = order_spectra(binned[None, :], np.zeros(len(binned), np.bool_), per_unit)
     unit = shaft_frequency if tracked else 1.0
     frequency = lines * unit
@@ -209,7 +203,7 @@ def _edges(band: Sequence[float]) -> tuple[float, float]:
 def trackable(waveform: Waveform) -> bool:
     """Return whether a waveform has a shaft angle that turns far enough in one direction for order tracking."""
     turns = waveform.turns if waveform.tracked else np.zeros(1)
-    return bool(abs(turns[-1]) >= LEAST_TURNS and not reverses(turns, JITTER))
+    return bool(abs(turns[-1]) >= LEAST_TURNS and not reverses(turns))
 
 
 def _forward_turns(waveform: Waveform) -> Floats:
@@ -222,6 +216,6 @@ def _forward_turns(waveform: Waveform) -> Floats:
             f"the shaft makes {abs(turns[-1]):.2g} turns where order tracking needs {LEAST_TURNS:g}: take a longer signal, "
             "or order_tracking=False for a spectrum in Hz"
         )
-    if reverses(turns, JITTER):
+    if reverses(turns):
         raise Refusal("the shaft turns back within the signal: take a stretch in one direction, or order_tracking=False")
-    return np.asarray(np.maximum.accumulate(turns if turns[-1] > 0.0 else -turns), np.float64)
+    return forward_turns(turns)

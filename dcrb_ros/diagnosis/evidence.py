@@ -28,7 +28,7 @@ QUIET = 40.0
 """Power of a band below that of the loudest one from which it is no evidence [dB]: accelerometers are linear within 1 %, so that a quieter
 band holds products of the loud ones."""
 LEAST_SIGNAL = 0.03
-"""Power of a signal relative to the noise below which it is not distinguishable from noise [-]: the scatter of the noise of a hop."""
+"""Power of a signal relative to the noise that is taken where less is left [-]: the scatter of the noise of a hop."""
 SAME_SPEED = 0.03
 """Relative change of the shaft frequency from which levels are not compared [-]."""
 
@@ -65,10 +65,10 @@ class BandEvidence:
         """Return the strongest family of a comb in this band within a ``slip``, by default the usual one [-], searched in all bands."""
         return self._search.families(comb, slip)[self._number]
 
-    def remainder(self, comb: Comb, found: LineFamily, explained: npt.ArrayLike) -> LineFamily:
+    def remainder(self, comb: Comb, family: LineFamily, explained: npt.ArrayLike) -> LineFamily:
         """Return what remains of a ``found`` family of a comb without the ``explained`` lines [orders]."""
         searched = self._search.search.spectra[self._number]
-        return LineSearch(searched, without=covered(searched, explained)).best(comb._replace(order=found.order), REFIT)
+        return LineSearch(searched, without=covered(searched, explained)).best(comb._replace(order=family.order), REFIT)
 
 
 class SharedSearch:

@@ -34,7 +34,7 @@ SAME_ORDER = 1e-4
 OTHER_SPEED = 1.3
 """Ratio to the learned speeds from which the sizes of lines can no longer be compared well [-]."""
 SOURCES = (
-    *("bands", "segments", "demodulation", "order_tracking", "window", "order_spectrum", "line_search", "evidence", "rule"),
+    *("segments", "demodulation", "order_tracking", "window", "order_spectrum", "line_search", "evidence", "rule"),
     *("rules/outer_ring", "rules/inner_ring", "rules/roller", "rules/cage"),
 )
 """Modules on which the sizes of lines depend."""
@@ -73,7 +73,7 @@ class HealthyBaseline(Group):
     speeds: tuple[float, float] = Field(strict=False)
     """Lowest and highest shaft frequency among them [Hz]."""
     remark: str = ""
-    """What a user should know about the recording; empty for nothing."""
+    """A remark on the recording for the user; empty for none."""
     lines: list[HealthyLines]
 
     def of(self, component: Component, band: Band) -> HealthyLines | None:
@@ -82,7 +82,7 @@ class HealthyBaseline(Group):
 
     @functools.cached_property
     def _by_band(self) -> Mapping[tuple[str, float, float], HealthyLines]:
-        return {(one.component, *_rounded(one.band)): one for one in self.lines}
+        return {(lines.component, *_rounded(lines.band)): lines for lines in self.lines}
 
     def check(self, orders: Orders, rate: int, bands: tuple[float, float, float, str]) -> None:
         """Refuse another bearing, sampling rate, bands or rules than those of the baseline.
@@ -108,9 +108,9 @@ class HealthyBaseline(Group):
         Raises:
             Refusal: the number differs.
         """
-        found = axes(acceleration)
-        if found not in (0, self.axes):
-            raise Refusal(f"the baseline of {self.source} has axes: {self.axes}, but the signal has {found}: learn it from the same sensor")
+        count = axes(acceleration)
+        if count not in (0, self.axes):
+            raise Refusal(f"the baseline of {self.source} has axes: {self.axes}, but the signal has {count}: learn it from the same sensor")
 
     def sentence(self, frequency: float) -> str:
         """Return what is used, for a diagnosis at a shaft ``frequency`` [Hz]."""
@@ -143,10 +143,10 @@ def read_baseline(path: Path) -> HealthyBaseline:
 
 def axes(acceleration: npt.NDArray[np.floating]) -> int:
     """Return the number of different axes, shape (samples, axes); 0 if a signal without vibration does not show it."""
-    one = acceleration[:, 0]
-    if acceleration.shape[1] > 2 or (acceleration.shape[1] == 2 and not np.array_equal(one, acceleration[:, 1], equal_nan=True)):
+    first = acceleration[:, 0]
+    if acceleration.shape[1] > 2 or (acceleration.shape[1] == 2 and not np.array_equal(first, acceleration[:, 1], equal_nan=True)):
         return int(acceleration.shape[1])
-    known = one[np.isfinite(one)]
+    known = first[np.isfinite(first)]
     return 1 if len(known) and np.ptp(known) > 0.0 else 0
 
 

@@ -8,6 +8,7 @@ from typing import Any
 
 from dcrb_ros.diagnosis.heat_model import HeatModel
 from dcrb_ros.diagnosis.heat_rule import HeatEvidence, HeatFinding, HeatParameters, HeatRule
+from dcrb_ros.diagnosis.hysteresis import Suspicion
 from dcrb_ros.schema.verdicts import Trouble
 
 LEARNED_WITHIN = 3.0
@@ -37,15 +38,6 @@ class HeatJudgement:
     """Evidence of each rule relative to its threshold [dB]."""
 
 
-@dataclass
-class _Counts:
-    """Consecutive readings with and without evidence."""
-
-    seen: int = 0
-    gone: int = 0
-    confirmed: bool = False
-
-
 class HeatMonitor:
     """Compares the readings of a bearing's temperature with the model of the healthy bearing."""
 
@@ -59,7 +51,7 @@ class HeatMonitor:
         """Readings that were no temperatures of a bearing."""
         self._before: float | None = None
         self._cool: float | None = None
-        self._counts = {rule.trouble: _Counts() for rule in rules}
+        self._suspicions = {rule.trouble: Suspicion() for rule in rules}
         self._running = 0.0
         """Time of readings since the start or the last pause [s]."""
 
@@ -88,14 +80,14 @@ class HeatMonitor:
         expected, deviation = self.model.expected, self.model.deviation
         usual = self.model.least_rise if self.learned >= min(KNOWN_AFTER, HOUR * self.p.heat_learn) else None
         evidence = HeatEvidence(rise, expected, deviation, self._starved(rise - expected, deviation), usual)
-        found = [rule.finding(evidence) for rule in self._rules]
+        findings = [rule.finding(evidence) for rule in self._rules]
         self._learn(rise, passed, deviation)
-        return HeatJudgement(evidence, self._confirmed(found), {one.trouble: one.excess for one in found})
+        return HeatJudgement(evidence, self._confirmed(findings), {finding.trouble: finding.excess for finding in findings})
 
     def _restart(self, time: float) -> None:
         self._before, self._cool, self._running = time, None, 0.0
         self.model.restart()
-        self._counts = {rule.trouble: _Counts() for rule in self._rules}
+        self._suspicions = {rule.trouble: Suspicion() for rule in self._rules}
 
     def _starved(self, residual: float, deviation: float) -> bool:
         """Return whether the bearing is or was too cool within the time that is remembered."""
@@ -110,15 +102,19 @@ class HeatMonitor:
             self.model.learn(rise, passed)
             self.learned += passed
 
-    def _confirmed(self, found: list[HeatFinding]) -> dict[Trouble, HeatFinding]:
+    def _confirmed(self, findings: list[HeatFinding]) -> dict[Trouble, HeatFinding]:
         """Count the findings; return the strongest of those that are confirmed, the last rule's where two are equal."""
-        for one in found:
-            counts = self._counts[one.trouble]
-            counts.seen = counts.seen + 1 if one.excess >= 0.0 else 0
-            counts.gone = counts.gone + 1 if one.excess < -self._margin else 0
-            counts.confirmed = (counts.confirmed or counts.seen >= self.p.heat_confirm) and counts.gone < self.p.heat_release
-        confirmed = [one for one in found if self._counts[one.trouble].confirmed]
+        confirmed = [
+            finding
+            for finding in findings
+            if self._suspicions[finding.trouble].count(
+                present=finding.excess >= 0.0,
+                absent=finding.excess < -self._margin,
+                confirm=self.p.heat_confirm,
+                release=self.p.heat_release,
+            )
+        ]
         if not confirmed:
             return {}
-        strongest = max(reversed(confirmed), key=lambda one: one.excess)
+        strongest = max(reversed(confirmed), key=lambda finding: finding.excess)
         return {strongest.trouble: strongest}

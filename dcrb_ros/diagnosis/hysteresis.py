@@ -27,15 +27,22 @@ SCATTER = 1.2
 
 @dataclass
 class Suspicion:
-    """How long a fault has been suspected, or not."""
+    """Consecutive judgements with and without evidence, and whether they confirm a fault."""
 
     seen: int = 0
     """Consecutive judgements with evidence above the threshold."""
-    evidence: float = 0.0
-    """Sum of the evidence above the threshold since the fault was first suspected [dB]."""
     gone: int = 0
     """Consecutive judgements with evidence clearly below the threshold."""
     confirmed: bool = False
+    evidence: float = 0.0
+    """Sum of the evidence above the threshold since the fault was first suspected [dB]."""
+
+    def count(self, *, present: bool, absent: bool, confirm: float, release: int) -> bool:
+        """Count a judgement; return whether ``confirm`` in a row confirm the fault and no ``release`` in a row have cleared it since."""
+        self.seen = self.seen + 1 if present else 0
+        self.gone = self.gone + 1 if absent else 0
+        self.confirmed = (self.confirmed or self.seen >= confirm) and self.gone < release
+        return self.confirmed
 
 
 class Hysteresis:
@@ -66,8 +73,8 @@ class Hysteresis:
         """Take the evidence for each component relative to its threshold [dB]; return the verdict."""
         for component, suspicion in self._suspicions.items():
             self._update(suspicion, excess[component])
-        for (one, other), suspicion in self._pairs.items():
-            self._update(suspicion, min(excess[one], excess[other]))
+        for (component, other), suspicion in self._pairs.items():
+            self._update(suspicion, min(excess[component], excess[other]))
         confirmed = self.confirmed
         if len(confirmed) > 1:
             return "compound"
@@ -79,22 +86,12 @@ class Hysteresis:
 
     def _update(self, suspicion: Suspicion, excess: float) -> None:
         """Count a judgement with that evidence [dB]."""
-        if excess >= self._least:
-            suspicion.seen += 1
-            suspicion.evidence += excess
-        else:
-            suspicion.seen = 0
-        suspicion.gone = suspicion.gone + 1 if excess < self._least - self._margin else 0
-        suspicion.confirmed = (suspicion.confirmed or self._lasts(suspicion)) and suspicion.gone < self._release
-        if not suspicion.seen and not suspicion.confirmed:
+        present, absent = excess >= self._least, excess < self._least - self._margin
+        suspicion.evidence += excess if present else 0.0
+        weakness = max(0.0, 1.0 - suspicion.evidence / (suspicion.seen + 1) / STRONG)
+        confirm = self._confirm + weakness * (self._persist - self._confirm)
+        if not suspicion.count(present=present, absent=absent, confirm=confirm, release=self._release) and not suspicion.seen:
             suspicion.evidence = 0.0
-
-    def _lasts(self, suspicion: Suspicion) -> bool:
-        """Return whether there is evidence for long enough."""
-        if not suspicion.seen:
-            return False
-        weakness = max(0.0, 1.0 - suspicion.evidence / suspicion.seen / STRONG)
-        return suspicion.seen >= self._confirm + weakness * (self._persist - self._confirm)
 
     @property
     def confirmed(self) -> list[Component]:
@@ -103,11 +100,11 @@ class Hysteresis:
         if len(alone) < 2:
             return alone
         strongest = max(alone, key=lambda component: self._suspicions[component].evidence)
-        return [one for one in alone if one == strongest or self._pairs[self._pair(one, strongest)].confirmed]
+        return [component for component in alone if component == strongest or self._pairs[self._pair(component, strongest)].confirmed]
 
     @staticmethod
-    def _pair(one: Component, other: Component) -> tuple[Component, Component]:
-        first, second = sorted((one, other), key=COMPONENTS.index)
+    def _pair(component: Component, other: Component) -> tuple[Component, Component]:
+        first, second = sorted((component, other), key=COMPONENTS.index)
         return first, second
 
     @property

@@ -20,7 +20,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.ndimage import maximum_filter1d
 
-from dcrb_ros.diagnosis.order_spectrum import OrderSpectrum
+from dcrb_ros.diagnosis.order_spectrum import OrderSpectrum, medians
 from dcrb_ros.schema.arrays import Floats
 
 FEWEST_NEIGHBOURS = 128
@@ -89,7 +89,7 @@ NO_LINES = LineFamily(0.0, 0.0, 0.0, 0.0)
 class LineSearch:
     """Spectra over the same orders, prepared for the search: those of all bands are searched together.
 
-    Amplitudes are divided by the mean squared envelope, so that the search is free of units and single precision suffices.
+    Amplitudes are divided by the mean squared envelope, so that the search has no unit and single precision suffices.
     """
 
     def __init__(self, *spectra: OrderSpectrum, without: npt.NDArray[np.bool_] | None = None) -> None:
@@ -103,7 +103,7 @@ class LineSearch:
     @cached_property
     def _depth(self) -> npt.NDArray[np.float32]:
         """Amplitudes over the mean squared envelope, shape (spectra, lines) [-]."""
-        scaled = [one.amplitude * np.float32(1.0 / one.mean if one.mean > TINY else 0.0) for one in self.spectra]
+        scaled = [spectrum.amplitude * np.float32(1.0 / spectrum.mean if spectrum.mean > TINY else 0.0) for spectrum in self.spectra]
         return np.asarray(np.minimum(np.stack(scaled), np.float32(LARGEST_DEPTH)), np.float32)
 
     @cached_property
@@ -136,15 +136,15 @@ class LineSearch:
     def _masked(self) -> npt.NDArray[np.bool_]:
         orders = self.orders
         masked = np.abs(orders - np.rint(orders)) <= GUARD * self.step
-        # In a short window the guards would cover the whole spectrum; then the harmonics of the shaft merge with their neighbours.
+        # In a short window the guards would cover the whole spectrum; then the shaft's harmonics remain.
         masked = masked if 2 * GUARD * self.step < 0.25 else orders <= GUARD * self.step
         return masked if self._without is None else masked | self._without
 
     def at(self, lines: npt.ArrayLike, number: int = 0) -> Floats:
         """Return the squared depth of ``lines`` [orders] in one of the spectra without the noise, same shape; 0 above the spectrum [-]."""
-        places = np.asarray(lines, np.float64)
-        near = np.clip(np.rint(places / self.step).astype(np.int64), 0, len(self.orders) - 1)
-        return np.asarray(np.where(places < self.orders[-1], self._values[near, len(self.spectra) + number], 0.0), np.float64)
+        wanted = np.asarray(lines, np.float64)
+        near = np.clip(np.rint(wanted / self.step).astype(np.int64), 0, len(self.orders) - 1)
+        return np.asarray(np.where(wanted < self.orders[-1], self._values[near, len(self.spectra) + number], 0.0), np.float64)
 
     def best(self, comb: Comb, slip: float) -> LineFamily:
         """Return the strongest family of the first spectrum; see `families`."""
@@ -166,14 +166,14 @@ class LineSearch:
         near = trials.near[best].reshape(count, -1)
         independent = max(1.0, 2.0 * slip * trials.highest / (2.0 * self.step))
         significance = -(log10_gamma_tail(total[best, each].astype(np.float64), near.shape[1]) + math.log10(independent))
-        found = self._values[near, count + each[:, None]].mean(axis=1, dtype=np.float64)
+        line_power = self._values[near, count + each[:, None]].mean(axis=1, dtype=np.float64)
         around = self.local_mean[each[:, None], near].mean(axis=1, dtype=np.float64)
-        level = 10.0 * np.log10(np.clip(found / np.maximum(around, np.finfo(np.float64).tiny), 1.0, 1e12))
+        level = 10.0 * np.log10(np.clip(line_power / np.maximum(around, np.finfo(np.float64).tiny), 1.0, 1e12))
         depth = np.sqrt(power[best, each].astype(np.float64))
         orders = trials.orders[best]
         return [
-            LineFamily(order, one * spectrum.mean, one, above, probability, tuple(lines), len(comb.sidebands))
-            for order, one, above, probability, lines, spectrum in zip(
+            LineFamily(order, modulation * spectrum.mean, modulation, above, probability, tuple(lines), len(comb.sidebands))
+            for order, modulation, above, probability, lines, spectrum in zip(
                 orders.tolist(),
                 depth.tolist(),
                 level.tolist(),
@@ -245,17 +245,17 @@ def trials_of(comb: Comb, slip: float, step: float, values: int, limit: float) -
     count = max(1, math.ceil(slip * float(harmonics[-1]) * comb.order / (0.5 * step)))
     steps = np.arange(-count - BEYOND, count + BEYOND + 1)
     tried = comb.order * (1.0 + slip * steps / count)
-    places = tried[:, None, None] * harmonics[:, None] + np.asarray(comb.sidebands)
-    near = np.clip(np.rint(places / step).astype(np.int64), 1, values - 1)
-    return Trials(harmonics, count, steps, tried, near, float(places[count + BEYOND].max()))
+    lines = tried[:, None, None] * harmonics[:, None] + np.asarray(comb.sidebands)
+    near = np.clip(np.rint(lines / step).astype(np.int64), 1, values - 1)
+    return Trials(harmonics, count, steps, tried, near, float(lines[count + BEYOND].max()))
 
 
 def _largest_of_three(values: npt.NDArray[np.float32]) -> npt.NDArray[np.float32]:
     """Return the largest of each value and its two neighbours in its row, shape (rows, values)."""
-    found: npt.NDArray[np.float32] = values.copy()
-    np.maximum(found[:, 1:], values[:, :-1], out=found[:, 1:])
-    np.maximum(found[:, :-1], values[:, 1:], out=found[:, :-1])
-    return found
+    largest: npt.NDArray[np.float32] = values.copy()
+    np.maximum(largest[:, 1:], values[:, :-1], out=largest[:, 1:])
+    np.maximum(largest[:, :-1], values[:, 1:], out=largest[:, :-1])
+    return largest
 
 
 def local_mean(power: npt.NDArray[Any], width: int) -> npt.NDArray[Any]:
@@ -265,25 +265,17 @@ def local_mean(power: npt.NDArray[Any], width: int) -> npt.NDArray[Any]:
     """
     values = power.shape[-1]
     if values <= width:
-        return np.asarray(np.broadcast_to(_medians(power)[..., None], power.shape) / power.dtype.type(math.log(2.0)))
+        return np.asarray(np.broadcast_to(medians(power)[..., None], power.shape) / power.dtype.type(math.log(2.0)))
     half = max(1, width // 2)
     halves = values // half
     blocks = power[..., : halves * half].reshape(*power.shape[:-1], halves, half)
-    means = _medians(np.concatenate([blocks[..., :-1, :], blocks[..., 1:, :]], axis=-1)) / power.dtype.type(math.log(2.0))
+    means = medians(np.concatenate([blocks[..., :-1, :], blocks[..., 1:, :]], axis=-1)) / power.dtype.type(math.log(2.0))
     # From the middle of one block to that of the next, the mean rises linearly; beyond the first and the last it is constant.
     rise = np.diff(means, axis=-1)[..., None] * (np.arange(half) / half).astype(power.dtype)
-    found = np.empty_like(power)
-    found[..., :half], found[..., (halves - 1) * half :] = means[..., :1], means[..., -1:]
-    found[..., half : (halves - 1) * half] = (means[..., :-1, None] + rise).reshape(*power.shape[:-1], -1)
-    return found
-
-
-def _medians(values: npt.NDArray[Any]) -> npt.NDArray[Any]:
-    """Return the medians along the last axis of finite numbers, shape (...), without the check of `numpy.median` for NaN."""
-    middle = values.shape[-1] // 2
-    parts = np.partition(values, middle, axis=-1)
-    above = parts[..., middle]
-    return np.asarray(above if values.shape[-1] % 2 else (parts[..., :middle].max(axis=-1) + above) / 2)
+    mean = np.empty_like(power)
+    mean[..., :half], mean[..., (halves - 1) * half :] = means[..., :1], means[..., -1:]
+    mean[..., half : (halves - 1) * half] = (means[..., :-1, None] + rise).reshape(*power.shape[:-1], -1)
+    return mean
 
 
 def log10_gamma_tail(total: npt.ArrayLike, count: int) -> Floats:

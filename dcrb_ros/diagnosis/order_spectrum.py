@@ -16,15 +16,10 @@ from scipy import fft
 
 from dcrb_ros.schema.arrays import Floats
 
-SMALLEST = np.finfo(np.float64).tiny
 HARMONICS = np.array([1.0, 2.0, 3.0])
 """Harmonics of a characteristic frequency that count; higher ones are too faint."""
 SHAFT_SIDEBANDS = np.array([-2.0, -1.0, 0.0, 1.0, 2.0])
 """Sidebands of an inner-ring defect [orders]."""
-CAGE_SIDEBANDS = np.array([-1.0, 0.0, 1.0])
-"""Sidebands of a roller defect in multiples of FTF."""
-SLIP_STEPS = np.linspace(-1.0, 1.0, 41)
-"""Departures from the kinematic order that are tried, relative to the largest one."""
 RESOLUTION = np.arange(-2, 3)
 """Bins within the resolution of a line, in a spectrum padded to twice its length."""
 BESIDE = 0.3
@@ -33,11 +28,12 @@ LOWEST_ORDER = 0.3
 """Order from which the background is taken [-]: slow changes over the window lie below it."""
 
 
-def median(values: npt.NDArray[Any]) -> Any:
-    """Return the same bits as `numpy.median` of finite numbers in a fifth of its time, without its check for NaN."""
-    middle = len(values) // 2
-    partitioned = np.partition(values, middle)
-    return partitioned[middle] if len(values) % 2 else (partitioned[:middle].max() + partitioned[middle]) / 2
+def medians(values: npt.NDArray[Any]) -> npt.NDArray[Any]:
+    """Return the medians of finite numbers along the last axis, shape (...): the bits of `numpy.median` in a fifth of its time."""
+    middle = values.shape[-1] // 2
+    partitioned = np.partition(values, middle, axis=-1)
+    above = partitioned[..., middle]
+    return np.asarray(above if values.shape[-1] % 2 else (partitioned[..., :middle].max(axis=-1) + above) / 2)
 
 
 class OrderSpectrum(NamedTuple):
@@ -58,7 +54,7 @@ class OrderSpectrum(NamedTuple):
     def background(self, highest: float) -> float:
         """Return the median amplitude up to the ``highest`` order [unit^2]; the spectrum of impacts falls with the order."""
         first, last = np.searchsorted(self.orders, [LOWEST_ORDER, highest + BESIDE])
-        return float(median(self.amplitude[first:last])) if last > first else 0.0
+        return float(medians(self.amplitude[first:last])) if last > first else 0.0
 
     def lines(self, orders: npt.ArrayLike) -> Floats:
         """Return the largest amplitude within the resolution of each order, shape of ``orders`` [unit^2]."""
@@ -84,8 +80,8 @@ def order_spectra(
     np.subtract(envelopes, means.astype(np.float32)[:, None], out=padded[:, :bins])
     padded[:, :bins] *= window
     orders, attenuation = orders_of_bins(length, bins_per_turn, highest)
-    found = fft.rfft(padded, axis=1)[:, : len(orders)]
-    amplitude = np.abs(found)
+    transform = fft.rfft(padded, axis=1)[:, : len(orders)]
+    amplitude = np.abs(transform)
     amplitude *= np.float32(2.0 / (float(window.sum()) or 1.0)) / attenuation
     return [OrderSpectrum(orders, row, float(mean)) for row, mean in zip(amplitude, means, strict=True)]
 

@@ -10,6 +10,11 @@ import numpy.typing as npt
 
 from dcrb_ros.schema.arrays import Floats
 
+LEAST_TURNS = 4.0
+"""Turns that an envelope spectrum needs, in which the lines of the cage can be seen."""
+JITTER = 0.02
+"""Turns by which a measured angle may run back [-]."""
+
 
 def unwrapped_turns(shaft_angle: npt.NDArray[Any]) -> Floats:
     """Return the signed turns since the first sample from wrapped angles [rad], shape (samples,)."""
@@ -18,11 +23,16 @@ def unwrapped_turns(shaft_angle: npt.NDArray[Any]) -> Floats:
     return np.concatenate([[0.0], np.cumsum(steps)])
 
 
-def reverses(turns: Floats, tolerance: float) -> bool:
-    """Return whether the shaft turned in both directions by more than ``tolerance`` [turns], which allows for jitter of the angle."""
-    if (np.maximum.accumulate(turns) - turns).max() <= tolerance:
+def forward_turns(turns: Floats) -> Floats:
+    """Return turns from 0 that rise from sample to sample, whichever way the shaft rotates, without the jitter; same shape."""
+    return np.asarray(np.maximum.accumulate(turns if turns[-1] > 0.0 else -turns), np.float64)
+
+
+def reverses(turns: Floats) -> bool:
+    """Return whether the shaft rotated in both directions by more than `JITTER` [turns]."""
+    if (np.maximum.accumulate(turns) - turns).max() <= JITTER:
         return False
-    return bool((turns - np.minimum.accumulate(turns)).max() > tolerance)
+    return bool((turns - np.minimum.accumulate(turns)).max() > JITTER)
 
 
 def bin_edges(first: float, last: float, bins_per_turn: int) -> Floats:
@@ -39,7 +49,7 @@ def bin_means(positions: Floats, values: Floats, edges: Floats) -> Floats:
     integral = np.zeros(len(positions))
     np.cumsum(values[1:] + values[:-1], out=integral[1:])
     integral *= 0.5 * spacing
-    places = np.clip((edges - positions[0]) / spacing, 0.0, len(positions) - 1.0)
-    before = np.minimum(places.astype(np.intp), len(positions) - 2)
-    energy = integral[before] + (places - before) * (integral[before + 1] - integral[before])
+    samples = np.clip((edges - positions[0]) / spacing, 0.0, len(positions) - 1.0)
+    before = np.minimum(samples.astype(np.intp), len(positions) - 2)
+    energy = integral[before] + (samples - before) * (integral[before + 1] - integral[before])
     return np.asarray(np.diff(energy) / np.maximum(np.diff(edges), np.finfo(np.float64).tiny), np.float64)

@@ -15,21 +15,50 @@ from dcrb_ros.diagnosis.demodulation import Band
 from dcrb_ros.diagnosis.evidence import BandEvidence, Evidence, LevelEvidence, SampleEvidence
 from dcrb_ros.diagnosis.healthy_baseline import LEAST_DEPTH, HealthyBaseline
 from dcrb_ros.diagnosis.hysteresis import probability
-from dcrb_ros.diagnosis.line_parameters import LineParameters
 from dcrb_ros.diagnosis.line_search import NO_LINES, Comb, LineFamily
 from dcrb_ros.diagnosis.order_spectrum import decibels, ratio
 from dcrb_ros.schema.arrays import Floats
-from dcrb_ros.schema.fields import Group
+from dcrb_ros.schema.fields import Group, quantity
 from dcrb_ros.schema.verdicts import Component
 from dcrb_ros.stream.diagnosis import FoundLines
-
-Parameters = TypeVar("Parameters", bound=Group)
-Lines = TypeVar("Lines", bound=LineParameters)
 
 LEAST_EXCESS = -60.0
 """Smallest excess of a finding [dB]."""
 HARMONICS_EXPLAINED = 6
 """Harmonics of a fault whose sidebands may be images of another family: three harmonics of BPFI reach up to the sixth of BPFO."""
+
+
+class LineParameters(Group):
+    """When lines are significant, and when they are the image of others."""
+
+    false_alarm: float = quantity(
+        1e-4,
+        "-",
+        "Probability per window and fault with which noise may have lines as strong as those that indicate the fault",
+        1e-12,
+        0.1,
+    )
+    shadow: float = quantity(
+        0.5,
+        "-",
+        "Modulation depth relative to that of another fault below which lines are taken for an image of it, as the sidebands of one fault "
+        "can lie on the lines of another",
+        0.0,
+        1.0,
+    )
+    ring_contrast: float = quantity(
+        1.5,
+        "dB",
+        "Largest amplitude of the lines of a ring required over that of FTF and its double, where faults of cage and rollers have "
+        "their largest lines",
+        0.0,
+        20.0,
+    )
+    learn_margin: float = quantity(4.0, "dB", "Margin of learned limits over the largest lines of the healthy bearing", 0.0, 40.0)
+
+
+Parameters = TypeVar("Parameters", bound=Group)
+Lines = TypeVar("Lines", bound=LineParameters)
 
 
 class Finding(NamedTuple):
@@ -56,8 +85,8 @@ def found_lines(finding: Finding) -> FoundLines | None:
     if band is None or comb is None or lines.order <= 0.0:
         return None
     departure = lines.order / comb.order - 1.0
-    size, found = math.sqrt(lines.amplitude), probability(finding.excess)
-    return FoundLines(found, lines.order, departure, lines.lines, lines.depth, size, lines.significance, (band.low, band.high))
+    size, chance = math.sqrt(lines.amplitude), probability(finding.excess)
+    return FoundLines(chance, lines.order, departure, lines.lines, lines.depth, size, lines.significance, (band.low, band.high))
 
 
 class Rule(ABC, Generic[Parameters]):
@@ -88,6 +117,16 @@ class BearingRule(Rule[Parameters]):
         """A remark for the diagnosis, or nothing."""
         return ""
 
+    def take_bearing(self, bearing: object) -> None:
+        """Take the geometry of the bearing; a rule may have limits for it."""
+
+    def take_baseline(self, baseline: HealthyBaseline) -> None:
+        """Take the lines of the healthy bearing; a rule may compare with them.
+
+        Raises:
+            Refusal: the parameters of the rule give a baseline, too.
+        """
+
 
 class LineRule(BearingRule[Lines]):
     """Looks for a family of lines in the squared envelope spectra."""
@@ -110,12 +149,8 @@ class LineRule(BearingRule[Lines]):
     def depth(self) -> float:
         """Modulation depth that is required [-]."""
 
-    def take(self, baseline: HealthyBaseline) -> None:
-        """Compare lines with those of the healthy bearing.
-
-        Raises:
-            Refusal: the parameters of the rule give a baseline, too.
-        """
+    def take_baseline(self, baseline: HealthyBaseline) -> None:
+        """Compare lines with those of the healthy bearing."""
         self.baseline = baseline
 
     def baseline_combs(self, orders: Orders) -> Sequence[Comb]:
@@ -137,9 +172,9 @@ class LineRule(BearingRule[Lines]):
             return modulation_excess(lines, self.depth, self.p.false_alarm, price)
         margin = 10.0 ** (self.p.learn_margin / 20.0)
         depth = min(self.depth, max(LEAST_DEPTH, margin * healthy.depth))
-        found = modulation_excess(lines, depth, self.p.false_alarm, price)
+        excess = modulation_excess(lines, depth, self.p.false_alarm, price)
         # In a band without healthy lines, any line is larger.
-        return min(found, decibels(ratio(lines.amplitude, (margin * healthy.size) ** 2))) if healthy.size > 0.0 else found
+        return min(excess, decibels(ratio(lines.amplitude, (margin * healthy.size) ** 2))) if healthy.size > 0.0 else excess
 
     def family(self, band: BandEvidence, comb: Comb) -> LineFamily:
         """Return the lines of a comb in one band."""
@@ -151,11 +186,11 @@ class LineRule(BearingRule[Lines]):
 
     def finding(self, evidence: Evidence) -> Finding | None:
         """Return the evidence of the band in which it is strongest."""
-        found = [(band, comb, self.family(band, comb)) for band in self.bands(evidence) for comb in self.combs(evidence.orders)]
-        rated = [(max(LEAST_EXCESS, self.excess(lines, band.band, evidence)), lines, band.band, comb) for band, comb, lines in found]
+        families = [(band, comb, self.family(band, comb)) for band in self.bands(evidence) for comb in self.combs(evidence.orders)]
+        rated = [(max(LEAST_EXCESS, self.excess(lines, band.band, evidence)), lines, band.band, comb) for band, comb, lines in families]
         if not rated:
             return None
-        excess, lines, band, comb = max(rated, key=lambda one: (one[0], one[1].depth))
+        excess, lines, band, comb = max(rated, key=lambda rating: (rating[0], rating[1].depth))
         return Finding(self.component, excess, self.reason(lines, band, evidence), lines, band, comb, self)
 
     def reason(self, lines: LineFamily, band: Band, evidence: Evidence) -> str:
@@ -171,8 +206,8 @@ class LineRule(BearingRule[Lines]):
 
 def sidebands(order: float, distances: npt.ArrayLike) -> Floats:
     """Return the harmonics of an order, and 0, with sidebands at ``distances`` [orders], shape (lines,)."""
-    found = np.add.outer(np.arange(HARMONICS_EXPLAINED + 1) * order, np.asarray(distances, np.float64).ravel())
-    return np.asarray(np.abs(found).ravel(), np.float64)
+    lines = np.add.outer(np.arange(HARMONICS_EXPLAINED + 1) * order, np.asarray(distances, np.float64).ravel())
+    return np.asarray(np.abs(lines).ravel(), np.float64)
 
 
 def modulation_excess(lines: LineFamily, least_depth: float, false_alarm: float, price: float) -> float:
@@ -193,6 +228,8 @@ class SampleRule(Rule[Parameters]):
     """Whether the rule also applies while the shaft does not turn."""
     fewest_samples: ClassVar[int] = 64
     """Samples below which the rule does not apply."""
+    clipped: int = 0
+    """Clipped samples that the rule has counted so far."""
 
     @abstractmethod
     def flaw(self, evidence: SampleEvidence) -> str:

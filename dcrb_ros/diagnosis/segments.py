@@ -33,7 +33,7 @@ class Segment(NamedTuple):
     """Whether it is the first after the start or after a gap that was not bridged."""
 
 
-class Piece(NamedTuple):
+class HeldSamples(NamedTuple):
     """Samples that do not fill a segment yet; NaN if they are missing, infinite if they arrived but were not finite."""
 
     acceleration: npt.NDArray[Any]
@@ -70,7 +70,7 @@ class Segmenter:
 
     def _restart(self) -> None:
         """Forget the samples; those before the next one count as missing."""
-        self._pieces: list[Piece] = []
+        self._pieces: list[HeldSamples] = []
         self._held = 0
         self._first = True
         self._append(_nothing(2 * self.margin, self._axes), counted=False)
@@ -93,7 +93,7 @@ class Segmenter:
             self._restart()
         skip = self._continued(index, samples)
         if skip < samples:
-            self._append(Piece(acceleration[skip:], angle[skip:]), counted=True)
+            self._append(HeldSamples(acceleration[skip:], angle[skip:]), counted=True)
             self._next = index + samples
         while self._held >= self.hop + 2 * self.margin:
             yield self._cut()
@@ -124,19 +124,19 @@ class Segmenter:
             return
         self._append(_nothing(lost, self._axes), counted=False)
 
-    def _append(self, piece: Piece, *, counted: bool) -> None:
+    def _append(self, piece: HeldSamples, *, counted: bool) -> None:
         acceleration = piece.acceleration.astype(np.float32)
         if counted and not (known := _known(acceleration)).all():
             self.counts.not_finite += int(np.count_nonzero(~known))
             acceleration[~known] = np.inf
-        self._pieces.append(Piece(acceleration, piece.angle.astype(np.float32)))
+        self._pieces.append(HeldSamples(acceleration, piece.angle.astype(np.float32)))
         self._held += len(piece.angle)
 
     def _cut(self) -> Segment:
         acceleration, angle = (np.concatenate(arrays) for arrays in zip(*self._pieces, strict=True))
         length = self.hop + 2 * self.margin
         last = (self._next or 0) - (self._held - length) - 1
-        self._pieces, self._held = [Piece(acceleration[self.hop :], angle[self.hop :])], self._held - self.hop
+        self._pieces, self._held = [HeldSamples(acceleration[self.hop :], angle[self.hop :])], self._held - self.hop
         missing = ~_known(acceleration[:length])
         not_finite = int(np.count_nonzero(np.isinf(acceleration[self.margin : self.margin + self.hop, 0])))
         known = acceleration[:length].astype(np.float64)
@@ -152,8 +152,8 @@ def _known(acceleration: npt.NDArray[Any]) -> npt.NDArray[np.bool_]:
     return np.asarray(functools.reduce(np.logical_and, np.isfinite(acceleration).T))
 
 
-def _nothing(samples: int, axes: int) -> Piece:
-    return Piece(np.full((samples, axes), np.nan, np.float32), np.full(samples, np.nan, np.float32))
+def _nothing(samples: int, axes: int) -> HeldSamples:
+    return HeldSamples(np.full((samples, axes), np.nan, np.float32), np.full(samples, np.nan, np.float32))
 
 
 def bridged_turns(angle: npt.NDArray[Any]) -> Floats | None:
@@ -173,12 +173,12 @@ def bridged_turns(angle: npt.NDArray[Any]) -> Floats | None:
     speed = float(np.median(np.diff(turns)[ordinary])) if ordinary.any() else 0.0
     wide = np.where(ordinary, 0.0, np.round(speed * steps - np.diff(turns)))
     turns = turns + np.concatenate([[0.0], np.cumsum(wide)])
-    places = np.arange(len(angle), dtype=np.float64)
-    found = np.interp(places, known, turns)
-    before, after = places < known[0], places > known[-1]
-    found[before] = turns[0] + speed * (places[before] - known[0])
-    found[after] = turns[-1] + speed * (places[after] - known[-1])
-    return np.asarray(found - found[0], np.float64)
+    indices = np.arange(len(angle), dtype=np.float64)
+    bridged = np.interp(indices, known, turns)
+    before, after = indices < known[0], indices > known[-1]
+    bridged[before] = turns[0] + speed * (indices[before] - known[0])
+    bridged[after] = turns[-1] + speed * (indices[after] - known[-1])
+    return np.asarray(bridged - bridged[0], np.float64)
 
 
 def _check(acceleration: npt.NDArray[Any], angle: npt.NDArray[Any], axes: int) -> None:

@@ -19,7 +19,7 @@ NEIGHBOURS = 0.02
 """Relative difference below which two shaft frequencies count as the same [-]."""
 
 
-class Estimate(NamedTuple):
+class SpeedEstimate(NamedTuple):
     """A shaft frequency estimated from the signal."""
 
     frequency: float
@@ -39,7 +39,7 @@ def line_orders(orders: Orders) -> list[Floats]:
     ]
 
 
-def estimated_frequency(spectra: Sequence[OrderSpectrum], unit: float, orders: Orders, slowest: float, fastest: float) -> Estimate:
+def estimated_frequency(spectra: Sequence[OrderSpectrum], unit: float, orders: Orders, slowest: float, fastest: float) -> SpeedEstimate:
     """Return the shaft frequency from ``slowest`` to ``fastest`` [Hz] that explains the lines of ``spectra`` best.
 
     The spectra are over multiples of ``unit`` [Hz]. In each of them only the family that fits best counts: in one band it may be the
@@ -57,7 +57,7 @@ def estimated_frequency(spectra: Sequence[OrderSpectrum], unit: float, orders: O
     best = int(np.argmax(score))
     others = np.abs(np.log(tried / tried[best])) > NEIGHBOURS
     rival = float(score[others].max(initial=0.0)) / max(float(score[best]), np.finfo(np.float64).tiny)
-    return Estimate(float(tried[best]), float(score[best]), rival)
+    return SpeedEstimate(float(tried[best]), float(score[best]), rival)
 
 
 def _fit(lines: Floats, orders: Floats, level: Floats) -> Floats:

@@ -18,7 +18,7 @@ from dcrb_ros.bearing.temperature_readings import TemperatureReadings
 from dcrb_ros.diagnosis.detector import FaultDetector
 from dcrb_ros.diagnosis.heat_monitor import HeatJudgement, HeatMonitor
 from dcrb_ros.diagnosis.heat_rule import HeatFinding
-from dcrb_ros.diagnosis.hysteresis import probability
+from dcrb_ros.diagnosis.hysteresis import Suspicion, probability
 from dcrb_ros.diagnosis.registry import HEAT_RULES
 from dcrb_ros.diagnosis.rules.starved_noise import StarvedNoise
 from dcrb_ros.diagnosis.window import Hop
@@ -38,8 +38,8 @@ class ThermalFaultDetector(FaultDetector):
         super().__init__(*arguments, **options)
         p: Any = self.parameters
         self._monitor = HeatMonitor(p, [rule(p) for rule in HEAT_RULES], p.release_margin)
-        self._noise, self._loud, self._quiet = StarvedNoise(p), 0, 0
-        """Rule, and consecutive judgements with and without a rise of the level."""
+        self._noise, self._loud = StarvedNoise(p), Suspicion()
+        """Rule for the level of vibration, and how long the level has been high."""
         self._noise_finding: HeatFinding | None = None
         self._heat: HeatJudgement | None = None
         self._frequency = math.nan
@@ -98,27 +98,22 @@ class ThermalFaultDetector(FaultDetector):
         """Return a diagnosis with what the level of vibration says; it says nothing beside a fault that explains it."""
         finding = self._noise_finding
         if finding is None or diagnosis.verdict not in ("healthy", "waiting", "lubrication"):
-            self._loud = self._quiet = 0
+            self._loud = Suspicion()
             return diagnosis
-        self._loud = self._loud + 1 if finding.excess >= 0.0 else (self._loud if self._loud >= self._needed_hops else 0)
-        self._quiet = self._quiet + 1 if finding.excess < -self.parameters.release_margin else 0
-        if self._quiet >= self.parameters.release:
-            self._loud = 0
+        # As long as a window: lines have had time to appear.
+        p, excess = self.parameters, finding.excess
+        confirm = max(p.confirm, round(p.window / p.hop))
+        loud = self._loud.count(present=excess >= 0.0, absent=excess < -p.release_margin, confirm=confirm, release=p.release)
         scores = {**diagnosis.scores, "lubrication": max(finding.excess, diagnosis.scores.get("lubrication", finding.excess))}
         diagnosis = dataclasses.replace(diagnosis, scores=scores)
-        return _with_trouble(diagnosis, finding) if self._loud >= self._needed_hops else diagnosis
-
-    @property
-    def _needed_hops(self) -> int:
-        """Judgements in a row for which the level must stay high: those of a window, so that lines have had time to appear."""
-        return max(self.parameters.confirm, round(self.parameters.window / self.parameters.hop))
+        return _with_trouble(diagnosis, finding) if loud else diagnosis
 
 
 class TemperatureFeed:
     """Gives recorded readings to a detector as its signal reaches their times."""
 
     def __init__(self, readings: TemperatureReadings) -> None:
-        """Prepare the readings that know the air and the outer ring; the axle box where no reading has the outer ring."""
+        """Prepare readings of ambient and outer ring, or of the axle box where no reading has the outer ring."""
         bearing = readings.outer_ring if np.isfinite(readings.outer_ring).any() else readings.box
         known = np.isfinite(bearing) & np.isfinite(readings.ambient)
         self._waiting = deque(zip(*(values[known].tolist() for values in (readings.time, bearing, readings.ambient)), strict=True))
@@ -133,10 +128,10 @@ def _with_trouble(diagnosis: Diagnosis, finding: HeatFinding) -> Diagnosis:
     """Return a diagnosis with a trouble beside what it says so far."""
     damaged = diagnosis.verdict in (*COMPONENTS, "compound")
     verdict: Verdict = finding.trouble if not damaged else fault_class([diagnosis.verdict, finding.trouble])
-    found = probability(max(finding.excess, 0.0))
+    chance = probability(max(finding.excess, 0.0))
     return dataclasses.replace(
         diagnosis,
         verdict=verdict,
         reason=f"{diagnosis.reason}, and {finding.reason}" if damaged else finding.reason,
-        confidence=min(diagnosis.confidence, found) if damaged else found,
+        confidence=min(diagnosis.confidence, chance) if damaged else chance,
     )

@@ -1,4 +1,4 @@
-"""A wayside hot-box detector: it looks at passing axle boxes, once every some kilometres, and judges by two fixed rules.
+"""A wayside hot-box detector: it reads passing axle boxes every few kilometres and judges by two fixed rules.
 
 It measures the box with a part of the bearing behind it, reads T_BOX + 0.15 (T_OR - T_BOX) with an error of emissivity over the ambient
 temperature, and noise. It alarms where a box is 94.4 K (170 F) above ambient, or 52.8 K (95 F) above the other box of the axle: the

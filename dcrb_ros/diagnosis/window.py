@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from dcrb_ros.diagnosis.demodulation import Demodulator
-from dcrb_ros.diagnosis.order_tracking import bin_edges, bin_means, reverses
+from dcrb_ros.diagnosis.order_tracking import JITTER, bin_edges, bin_means, reverses
 from dcrb_ros.diagnosis.segments import Segment
 from dcrb_ros.schema.arrays import Floats
 
@@ -22,8 +22,6 @@ LARGEST = 1e30
 """Largest squared envelope kept [(m/s^2)^2]: its square must not overflow in single precision sums."""
 MOST_BINS = 1 << 20
 """Most bins of a window [-]; the default window has some 14000 at 20 Hz."""
-REVERSAL = 0.02
-"""Turns in the other direction within a hop that are still jitter of the angle [-]."""
 
 
 class Hop(NamedTuple):
@@ -73,8 +71,8 @@ class Window:
         turns = segment.turns if segment.turns is not None else np.arange(len(segment.missing), dtype=np.float64) * (clock / self._rate)
         inside = turns[self._margin : self._margin + self._hop + 1]
         net = float(inside[-1] - inside[0])
-        self.reversed = reverses(inside, REVERSAL)
-        direction = int(np.sign(net)) if abs(net) > REVERSAL else self._direction
+        self.reversed = reverses(inside)
+        direction = int(np.sign(net)) if abs(net) > JITTER else self._direction
         if tracked != self._tracked or self.reversed or (self._direction and direction != self._direction):
             self.clear()
         self._tracked, self._direction = tracked, direction

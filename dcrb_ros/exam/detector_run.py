@@ -72,7 +72,7 @@ def run_detector(factory: DetectorFactory, signal: Signal) -> Outcome:
     if not callable(getattr(detector, "update", None)):
         raise Refusal(f"the detector {detector!r} has no method update(index, acceleration, shaft_angle): give it one")
     if isinstance(detector, FaultDetector):
-        detector.know(signal.bearing)
+        detector.take_bearing(signal.bearing)
     for piece in signal.pieces():
         if hasattr(detector, "sensor_range"):
             detector.sensor_range = piece.sensor_range

@@ -64,7 +64,7 @@ class DetectorInput:
             if description != self._description:  # a change of the range alone does not restart the detector
                 rate, orders = description
                 self._detector = ThermalFaultDetector(orders, rate, self._parameters)
-                self._detector.know(decode_bearing(data))
+                self._detector.take_bearing(decode_bearing(data))
                 self._description = description
                 information = f"watching a bearing at {rate} Hz, BPFO {orders.bpfo:.3f}, BPFI {orders.bpfi:.3f} orders"
             if self._detector is not None:

@@ -16,12 +16,12 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from dcrb_ros.calibration.calibration import Calibration
-    from dcrb_ros.calibration.comparison import AxisComparison, Comparison
+    from dcrb_ros.calibration.comparison import AxisComparison, RecordingComparison
 
 DASHED = (0.0, (4.0, 2.0))
 
 
-def write_comparison(comparison: Comparison, file: Path, *, title: str = "", calibration: Calibration | None = None) -> None:
+def write_comparison(comparison: RecordingComparison, file: Path, *, title: str = "", calibration: Calibration | None = None) -> None:
     """Write the figure of a comparison; with a calibration its last row is the residual of the fit in narrow bins.
 
     Raises:
@@ -43,7 +43,7 @@ def write_comparison(comparison: Comparison, file: Path, *, title: str = "", cal
         raise Refusal(f"{file} cannot be written: {error.strerror}; give another file") from None
 
 
-def _levels(ax: Axes, comparison: Comparison) -> None:
+def _levels(ax: Axes, comparison: RecordingComparison) -> None:
     for pair in comparison.axes:
         for name, values, style in zip(comparison.names, pair.levels, ("solid", DASHED), strict=True):
             ax.semilogx(pair.frequency, values, color=AXES_COLOURS[pair.axis], linestyle=style, label=f"{pair.axis.upper()}, {name}")
@@ -68,7 +68,7 @@ def _envelope(ax: Axes, pair: AxisComparison, names: tuple[str, str]) -> None:
     )
 
 
-def _kurtosis(ax: Axes, comparison: Comparison) -> None:
+def _kurtosis(ax: Axes, comparison: RecordingComparison) -> None:
     for pair in comparison.axes:
         for name, values, style in zip(comparison.names, pair.kurtosis, ("solid", DASHED), strict=True):
             ax.semilogx(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 import numpy.typing as npt
@@ -14,7 +14,6 @@ from dcrb_ros.schema.refusal import Refusal, nearest
 
 FEWEST_INSPECTIONS = 3
 """Fewest inspections to which a trend with an interval is fitted [-]."""
-GROWTHS = ("exponential", "linear", "hyperbolic")
 Growth = Literal["exponential", "linear", "hyperbolic"]
 
 
@@ -102,23 +101,18 @@ def _crossing(time: Floats, level: Floats, target: float, coverage: float, devia
     clear = slope**2 - quantile**2 * along
     """Above 0 if the slope differs from 0 with the given probability."""
     root = math.sqrt(max(quantile**2 * (along * rise**2 + at_centre * clear), 0.0))
-
-    def pivot(ahead: float) -> float:
-        """Return the distance of the trend above the limit at a time from now on, over its deviation [-]."""
-        above, over = slope * (now - centre + ahead) - rise, math.sqrt(at_centre + along * (now - centre + ahead) ** 2)
-        return above / over if over > 0.0 else math.copysign(math.inf, above)
-
-    def earliest() -> float:
-        """Return the earliest time that is not rejected; with a rising trend in the form without cancellation."""
-        if slope <= 0.0:
-            return (slope * rise - root) / clear if clear < 0.0 else math.inf
-        return (rise**2 - quantile**2 * at_centre) / (slope * rise + root)
-
+    above, over = slope * (now - centre) - rise, math.sqrt(at_centre + along * (now - centre) ** 2)
+    pivot = above / over if over > 0.0 else math.copysign(math.inf, above)
+    """Distance of the trend above the limit at the last inspection, over its deviation [-]."""
     rising = slope > 0.0
     median = max(centre + rise / slope - now, 0.0) if rising else (0.0 if rise <= 0.0 else math.inf)
-    low = 0.0 if pivot(0.0) >= -quantile else max(centre + earliest() - now, 0.0)
+    low = 0.0
+    if pivot < -quantile and rising:  # in the form without cancellation
+        low = max(centre + (rise**2 - quantile**2 * at_centre) / (slope * rise + root) - now, 0.0)
+    elif pivot < -quantile:
+        low = max(centre + (slope * rise - root) / clear - now, 0.0) if clear < 0.0 else math.inf
     high = math.inf
-    if pivot(0.0) >= quantile:
+    if pivot >= quantile:
         high = 0.0
     elif rising and clear > 0.0:
         high = max(centre + (slope * rise + root) / clear - now, 0.0)
@@ -129,8 +123,9 @@ def _checked(
     hours: npt.ArrayLike, severity: npt.ArrayLike, limit: float, growth: str, coverage: float, deviation: float
 ) -> tuple[Floats, Floats, float]:
     """Return hours, level and limit as they are fitted."""
-    if growth not in GROWTHS:
-        raise Refusal(f"growth = {growth!r} is not one of {', '.join(GROWTHS)}{nearest(str(growth), GROWTHS)}")
+    growths = get_args(Growth)
+    if growth not in growths:
+        raise Refusal(f"growth = {growth!r} is not one of {', '.join(growths)}{nearest(str(growth), growths)}")
     if not 0.0 < coverage < 1.0:
         raise Refusal(f"coverage = {coverage:g} is outside 0 .. 1, both excluded: give a probability such as 0.9")
     if not (deviation >= 0.0 and math.isfinite(deviation)):

@@ -11,8 +11,8 @@ from synthetic_bearing import ORDERS
 
 import dcrb_ros
 from dcrb_ros.bearing.kinematics import Orders
-from dcrb_ros.calibration.bearing_share import SHALLOW, UNKNOWN, Lines, _decoys, _drawn_shares, _one_more, _part, lines_in
-from dcrb_ros.calibration.source import INDIVIDUALS
+from dcrb_ros.calibration.bearing_share import SHALLOW, UNKNOWN, EnvelopeLines, _decoys, _drawn_shares, _one_more, _part, lines_in
+from dcrb_ros.calibration.simulated_bearing import INDIVIDUALS
 from dcrb_ros.schema.arrays import Floats
 
 pytestmark = pytest.mark.slow
@@ -21,7 +21,7 @@ RATE, SHAFT = 25600, 20.0
 BANDS = [(1000.0, 2000.0), (2000.0, 4000.0), (4000.0, 8000.0)]
 
 
-def lines(depth: float, share: float, *, seed: int, slip: float = 0.0, seconds: float = 6.0) -> Lines:
+def lines(depth: float, share: float, *, seed: int, slip: float = 0.0, seconds: float = 6.0) -> EnvelopeLines:
     """Return the lines of noise whose power is modulated at BPFO, as a share of the power, in noise that is not."""
     random = np.random.default_rng(seed)
     turns: Floats = SHAFT * np.arange(round(seconds * RATE)) / RATE
@@ -61,9 +61,9 @@ def test_a_bench_without_lines_says_that_the_share_is_unknown() -> None:
     assert any("unknown" in sentence for sentence in part.remarks)
 
 
-def exact(family: float, decoy: float = 0.0, *, mean: float = 1.0, windows: int = 20) -> Lines:
+def exact(family: float, decoy: float = 0.0, *, mean: float = 1.0, windows: int = 20) -> EnvelopeLines:
     """Return lines of equal squares in all windows, two bands and all families."""
-    return Lines(np.full((windows, 2, 3), family), np.full((windows, 2, 8), decoy), np.full(2, mean))
+    return EnvelopeLines(np.full((windows, 2, 3), family), np.full((windows, 2, 8), decoy), np.full(2, mean))
 
 
 def test_the_share_is_the_ratio_of_the_lines_above_those_at_orders_without_lines() -> None:

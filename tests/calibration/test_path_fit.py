@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.signal import sosfreqz
 
-from dcrb_ros.calibration.path_fit import Data, _residuals, fit_path
+from dcrb_ros.calibration.path_fit import PathSpectra, _residuals, fit_path
 from dcrb_ros.calibration.spectra import Binned, binned, power_density, third_octaves
 from dcrb_ros.measurement.stages.path import Pair, cascade
 from dcrb_ros.schema.arrays import Floats
@@ -18,7 +18,7 @@ FREQUENCY = np.geomspace(100.0, 20000.0, 360)
 SOURCE = -2.0 * np.log(1.0 + (FREQUENCY / 1500.0) ** 2)
 
 
-def data(pairs: list[Pair], gain: float, white: float, *, recordings: int = 1, seed: int = 0) -> Data:
+def data(pairs: list[Pair], gain: float, white: float, *, recordings: int = 1, seed: int = 0) -> PathSpectra:
     """Return spectra with the scatter of 30 averages, the source's falling by 12 dB per octave above 1.5 kHz."""
     response = np.abs(sosfreqz(cascade(pairs, STEPS), FREQUENCY, fs=STEPS)[1])
     power = gain**2 * response**2 * np.exp(SOURCE) + white**2
@@ -26,7 +26,7 @@ def data(pairs: list[Pair], gain: float, white: float, *, recordings: int = 1, s
     measured = [
         Binned(FREQUENCY, np.log(power) + random.normal(0.0, 0.15, len(power)), np.full(len(power), 0.0225)) for _ in range(recordings)
     ]
-    return Data.of(measured, [Binned(FREQUENCY, SOURCE, np.zeros(len(power)))] * recordings, 200.0, STEPS)
+    return PathSpectra.of(measured, [Binned(FREQUENCY, SOURCE, np.zeros(len(power)))] * recordings, 200.0, STEPS)
 
 
 pairs = st.builds(
@@ -53,7 +53,7 @@ def test_a_pair_gain_and_noise_are_found(pair: Pair, gain: float, noise: float) 
 
 def test_recordings_of_one_machine_share_the_path_and_have_gains_of_their_own() -> None:
     one = data([Pair(1500.0, 0.03, 1900.0, 0.04)], 1.0, 1e-3, recordings=2)
-    louder = Data(one.frequency, one.measured + np.array([[0.0], [2.0 * np.log(3.0)]]), one.source, one.deviation, one.step_rate)
+    louder = PathSpectra(one.frequency, one.measured + np.array([[0.0], [2.0 * np.log(3.0)]]), one.source, one.deviation, one.step_rate)
     found = fit_path(louder, white=1e-4)
     assert found.gains[1] / found.gains[0] == pytest.approx(3.0, rel=0.02)
 
@@ -69,10 +69,10 @@ def test_derivatives_are_those_of_the_residuals() -> None:
     at = np.array([-9.0, 0.1, -0.2, 7.0, -2.0, 7.2, -3.0, 8.5, -1.0, 8.4, -0.5])
 
     def values(parameters: Floats) -> Floats:
-        return _residuals(parameters, spectra, 0.01)[0]
+        return _residuals(parameters, spectra)[0]
 
     numeric = np.array([(values(at + step) - values(at - step)) / 2e-6 for step in 1e-6 * np.eye(len(at))]).T
-    assert _residuals(at, spectra, 0.01)[1] == pytest.approx(numeric, abs=1e-5)
+    assert _residuals(at, spectra)[1] == pytest.approx(numeric, abs=1e-5)
 
 
 def test_the_level_of_white_noise_in_bins_is_its_density() -> None:

@@ -8,7 +8,7 @@ from scipy.signal import lfilter
 from synthetic_bearing import ORDERS, synthetic
 
 from dcrb_ros import Orders, Refusal, Waveform, calibrate
-from dcrb_ros.calibration.measured import check_one_machine, measured_of
+from dcrb_ros.calibration.healthy_recording import check_one_machine, checked_recording
 
 RATE = 25600
 
@@ -20,7 +20,7 @@ def recorded(seconds: float = 3.0, rate: int = RATE, *, seed: int = 1, orders: O
 
 
 def test_a_sound_recording_is_accepted() -> None:
-    found = measured_of(recorded(), "sound")
+    found = checked_recording(recorded(), "sound")
     assert (found.axes, found.rate, found.unit) == (("x", "y"), RATE, "m/s^2")
     assert found.speed == pytest.approx(2.0 * np.pi * 20.0, rel=1e-6)
 
@@ -28,19 +28,21 @@ def test_a_sound_recording_is_accepted() -> None:
 @pytest.mark.parametrize(("seconds", "rate"), [(1.5, RATE), (0.01, RATE)])
 def test_a_short_recording(seconds: float, rate: int) -> None:
     with pytest.raises(Refusal, match=r"short is too short: .* needs 2 s and 20 turns"):
-        measured_of(recorded(seconds, rate), "short")
+        checked_recording(recorded(seconds, rate), "short")
 
 
 def test_a_recording_of_few_turns() -> None:
     noise = np.random.default_rng(1).standard_normal((4 * RATE, 2))
     slow = Waveform.from_arrays(noise, RATE, bearing=ORDERS, shaft_angle=2.0 * np.pi * np.arange(len(noise)) / RATE)
     with pytest.raises(Refusal, match="4 turns of the shaft"):
-        measured_of(slow, "slow")
+        checked_recording(slow, "slow")
 
 
 def test_an_empty_recording() -> None:
     with pytest.raises(Refusal, match="empty: every sample is 0"):
-        measured_of(Waveform.from_arrays(np.zeros((RATE * 3, 2)), RATE, bearing=ORDERS, shaft_angle=np.arange(RATE * 3) * 0.005), "zeros")
+        checked_recording(
+            Waveform.from_arrays(np.zeros((RATE * 3, 2)), RATE, bearing=ORDERS, shaft_angle=np.arange(RATE * 3) * 0.005), "zeros"
+        )
     with pytest.raises(Refusal, match="no recording is given"):
         check_one_machine([])
 
@@ -50,17 +52,17 @@ def test_a_recording_with_samples_that_are_not_numbers() -> None:
     noise[100, 0] = np.nan
     broken = Waveform.from_arrays(noise, RATE, bearing=ORDERS, shaft_angle=recorded().shaft_angle)
     with pytest.raises(Refusal, match="not numbers"):
-        measured_of(broken, "broken")
+        checked_recording(broken, "broken")
 
 
 def test_a_recording_without_speed() -> None:
     with pytest.raises(Refusal, match="has no speed: import it with speed_rpm"):
-        measured_of(Waveform.from_arrays(recorded().acceleration, RATE, bearing=ORDERS), "blind")
+        checked_recording(Waveform.from_arrays(recorded().acceleration, RATE, bearing=ORDERS), "blind")
 
 
 def test_a_recording_of_an_unknown_bearing() -> None:
     with pytest.raises(Refusal, match="unknown bearing"):
-        measured_of(Waveform.from_arrays(recorded().acceleration, RATE, shaft_angle=recorded().shaft_angle), "nameless")
+        checked_recording(Waveform.from_arrays(recorded().acceleration, RATE, shaft_angle=recorded().shaft_angle), "nameless")
 
 
 def test_a_recording_at_a_varying_speed() -> None:
@@ -68,14 +70,14 @@ def test_a_recording_at_a_varying_speed() -> None:
     noise = np.random.default_rng(1).standard_normal((len(time), 2))
     rising = Waveform.from_arrays(noise, RATE, bearing=ORDERS, shaft_angle=2.0 * np.pi * (20.0 * time + 1.0 * time**2))
     with pytest.raises(Refusal, match=r"speed between 1\d\d\d and 1\d\d\d rpm: a calibration needs a steady one"):
-        measured_of(rising, "rising")
+        checked_recording(rising, "rising")
 
 
 def test_a_clipped_recording() -> None:
     impulsive = np.random.default_rng(1).standard_normal((3 * RATE, 2)) ** 3
     clipped = Waveform.from_arrays(np.clip(impulsive, -6.0, 6.0), RATE, bearing=ORDERS, shaft_angle=recorded().shaft_angle)
     with pytest.raises(Refusal, match=r"is clipped: \d+ samples are at -?6 m/s\^2; record with a larger range"):
-        measured_of(clipped, "clipped")
+        checked_recording(clipped, "clipped")
 
 
 def test_a_faulty_bearing_given_as_healthy_is_noticed_unless_it_is_trusted() -> None:
@@ -83,25 +85,25 @@ def test_a_faulty_bearing_given_as_healthy_is_noticed_unless_it_is_trusted() -> 
     faulty = Waveform.from_arrays(acceleration, 51200, bearing=ORDERS, shaft_angle=angle)
     with pytest.raises(Refusal, match=r"does not seem healthy: the detector finds outer_ring .*--trust"):
         calibrate(faulty)
-    assert measured_of(faulty, "faulty", trust=True).seconds == pytest.approx(4.0)
+    assert checked_recording(faulty, "faulty", trust=True).seconds == pytest.approx(4.0)
 
 
 def test_recordings_at_different_rates() -> None:
-    two = [measured_of(recorded(), "one"), measured_of(recorded(3.0, 12800), "two")]
+    two = [checked_recording(recorded(), "one"), checked_recording(recorded(3.0, 12800), "two")]
     with pytest.raises(Refusal, match="one and two have sampling rates of 25600 and 12800 Hz"):
         check_one_machine(two)
 
 
 def test_recordings_of_different_machines() -> None:
     other = Orders(ORDERS.ftf, ORDERS.bpfo * 1.1, ORDERS.bpfi, ORDERS.bsf)
-    two = [measured_of(recorded(), "one"), measured_of(recorded(orders=other), "two")]
+    two = [checked_recording(recorded(), "one"), checked_recording(recorded(orders=other), "two")]
     with pytest.raises(Refusal, match="one and two are of different machines: BPFO is"):
         check_one_machine(two)
 
 
 def test_recordings_with_different_axes() -> None:
     single = Waveform.from_arrays(recorded().acceleration[:, 0], RATE, bearing=ORDERS, shaft_angle=recorded().shaft_angle)
-    two = [measured_of(recorded(), "one"), measured_of(single, "two")]
+    two = [checked_recording(recorded(), "one"), checked_recording(single, "two")]
     with pytest.raises(Refusal, match="have 2 and 1 axes"):
         check_one_machine(two)
 

@@ -11,10 +11,9 @@ from dcrb_ros.bearing.kinematics import Orders
 from dcrb_ros.diagnosis.combination import Combination
 from dcrb_ros.diagnosis.demodulation import Band
 from dcrb_ros.diagnosis.evidence import BandEvidence, Evidence, SharedSearch
-from dcrb_ros.diagnosis.line_parameters import LineParameters
 from dcrb_ros.diagnosis.line_search import Comb
 from dcrb_ros.diagnosis.order_spectrum import OrderSpectrum
-from dcrb_ros.diagnosis.rule import LEAST_EXCESS, LineRule
+from dcrb_ros.diagnosis.rule import LEAST_EXCESS, LineParameters, LineRule
 from dcrb_ros.schema.verdicts import Component
 
 BAND = Band(2000.0, 20000.0)

@@ -70,7 +70,7 @@ def test_the_verdict_does_not_depend_on_the_speed(name: str, frequency: float) -
 def test_shipped_recordings_are_diagnosed(name: str, verdict: str) -> None:
     recording = Recording(BAGS / name)
     detector = FaultDetector(recording.orders, recording.sampling_rate)
-    detector.know(recording.bearing)
+    detector.take_bearing(recording.bearing)
     blocks = recording.vibrations()
     found = [detector.update(block.first_index(RATE), block.acceleration, block.shaft_angle) for block in blocks]
     assert {diagnosis.verdict for diagnosis in found if diagnosis is not None} == {"waiting", verdict}

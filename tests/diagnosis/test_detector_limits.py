@@ -10,8 +10,7 @@ import numpy as np
 import pytest
 from synthetic_bearing import ORDERS, RATE, TURN, diagnoses, synthetic
 
-from dcrb_ros.diagnosis.bands import bands_of
-from dcrb_ros.diagnosis.demodulation import Band, band_tree
+from dcrb_ros.diagnosis.demodulation import Band, band_tree, detector_bands
 from dcrb_ros.diagnosis.detector import Diagnosis, FaultDetector, _rescaled
 from dcrb_ros.diagnosis.order_spectrum import OrderSpectrum
 from dcrb_ros.diagnosis.parameters import DetectorParameters
@@ -27,16 +26,16 @@ def course(seconds: float = 1.5, *, frequency: float = 20.0, angle: Any = None, 
 
 
 def test_the_bands_are_the_whole_its_halves_thirds_and_quarters_and_the_one_below() -> None:
-    whole, high, bands = bands_of(51200, DetectorParameters())
+    whole, high, bands = detector_bands(51200, 2000.0, 20000.0, divided=True)
     tree = band_tree(2000.0, 20000.0)
     assert (whole, high, bands) == (Band(2000.0, 20000.0), tree[-1], (*tree, Band(1000.0, 2000.0)))
     assert len(bands) == 11
-    assert bands_of(51200, DetectorParameters(band="fixed"))[2] == (Band(2000.0, 20000.0), Band(1000.0, 2000.0))
+    assert detector_bands(51200, 2000.0, 20000.0, divided=False)[2] == (Band(2000.0, 20000.0), Band(1000.0, 2000.0))
 
 
 @pytest.mark.parametrize("rate", [12000, 25600])
 def test_the_tree_divides_what_lies_below_0_45_of_the_sampling_rate(rate: int) -> None:
-    whole, high, bands = bands_of(rate, DetectorParameters())
+    whole, high, bands = detector_bands(rate, 2000.0, 20000.0, divided=True)
     assert whole == Band(2000.0, 0.45 * rate)
     assert high == band_tree(2000.0, 20000.0, (4,))[-1]
     assert bands == (*band_tree(2000.0, 0.45 * rate), Band(1000.0, 2000.0))
@@ -44,13 +43,12 @@ def test_the_tree_divides_what_lies_below_0_45_of_the_sampling_rate(rate: int) -
 
 @pytest.mark.parametrize(("low", "refused"), [(9216.0, False), (9217.0, True)])
 def test_a_band_is_at_least_a_quarter_wide(low: float, refused: bool) -> None:
-    parameters = DetectorParameters(band_low=low, hop=1.0)
     if not refused:
-        assert bands_of(25600, parameters)[0] == Band(9216.0, 11520.0)
+        assert detector_bands(25600, low, 20000.0, divided=True)[0] == Band(9216.0, 11520.0)
         return
     sentence = "band_low = 9217 Hz leaves no band below 11520 Hz, .* it must be at most 9216 Hz"
     with pytest.raises(Refusal, match=sentence):
-        bands_of(25600, parameters)
+        detector_bands(25600, low, 20000.0, divided=True)
 
 
 @pytest.mark.parametrize(("hop", "refused"), [(0.2, False), (0.199, True)])

@@ -10,7 +10,7 @@ import pytest
 
 from dcrb_ros.diagnosis.demodulation import Band, Demodulator
 from dcrb_ros.diagnosis.line_search import Comb, LineSearch
-from dcrb_ros.diagnosis.order_spectrum import OrderSpectrum, decibels, median, order_spectra, ratio
+from dcrb_ros.diagnosis.order_spectrum import OrderSpectrum, decibels, medians, order_spectra, ratio
 from dcrb_ros.diagnosis.order_tracking import bin_edges, bin_means
 
 RATE = 51200
@@ -75,7 +75,7 @@ def test_a_silent_signal_has_no_lines() -> None:
 @pytest.mark.parametrize("length", [1, 2, 3, 15, 400, 4001])
 def test_median_equals_that_of_numpy(length: int, kind: type[np.floating]) -> None:
     values = np.random.default_rng(length).standard_normal(length).astype(kind)
-    assert median(values) == np.median(values)
+    assert medians(values) == np.median(values)
 
 
 def flat() -> OrderSpectrum:

@@ -33,6 +33,6 @@ def test_unwrapping_restores_the_turns(frequency: float) -> None:
 def test_reversal_is_distinguished_from_jitter() -> None:
     there_and_back = np.concatenate([np.linspace(0.0, 1.0, 50), np.linspace(1.0, 0.2, 50)])
     jitter = np.linspace(0.0, 1.0, 100) + 0.001 * np.random.default_rng(1).normal(size=100)
-    assert reverses(there_and_back, 0.02)
-    assert not reverses(jitter, 0.02)
-    assert not reverses(-jitter, 0.02)
+    assert reverses(there_and_back)
+    assert not reverses(jitter)
+    assert not reverses(-jitter)

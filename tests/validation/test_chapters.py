@@ -151,9 +151,7 @@ def test_films_are_those_of_the_formula_and_others_fall_short() -> None:
 def test_a_lossless_source_is_noticed() -> None:
     run = steady()
     silent = tuple(replace(state, friction_loss=state.friction_loss * np.array([1.0, 1.0, 1.0, 1.0, 0.0, 1.0])) for state in run.states)
-    assert "Power of all sources over that of the shaft at constant speed" in short(
-        oiled_bench.balance_rows(replace(run, states=silent))
-    )
+    assert "Power of all sources over that of the shaft at constant speed" in short(oiled_bench.balance_rows(replace(run, states=silent)))
 
 
 def test_a_cold_start_notices_another_limiting_friction() -> None:

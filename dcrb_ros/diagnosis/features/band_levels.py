@@ -19,8 +19,19 @@ FLOOR = 1e-12
 
 def middles(rate: int) -> Floats:
     """Return the mid-band frequencies of the bands below half the sampling ``rate`` [Hz], shape (bands,) [Hz]."""
-    found = 1000.0 * 10.0 ** (np.arange(LOWEST, HIGHEST + 1) / 10.0)
-    return np.asarray(found[found * EDGE <= 0.5 * rate], np.float64)
+    nominal = 1000.0 * 10.0 ** (np.arange(LOWEST, HIGHEST + 1) / 10.0)
+    return np.asarray(nominal[nominal * EDGE <= 0.5 * rate], np.float64)
+
+
+def levels(cumulative: Floats, spacing: float, rate: int) -> Floats:
+    """Return 10 lg of the mean square in each band over 1 (m/s^2)^2, shape (bands,) [dB].
+
+    ``cumulative``, shape (lines + 1,) [(m/s^2)^2], is the power below each line of a spectrum with a ``spacing`` [Hz]. Each line is spread
+    evenly over its interval, so that the edge of a band may lie within one.
+    """
+    middle, borders = middles(rate), (np.arange(len(cumulative)) - 0.5) * spacing
+    power = np.interp(middle * EDGE, borders, cumulative) - np.interp(middle / EDGE, borders, cumulative)
+    return np.asarray(10.0 * np.log10(np.maximum(power, FLOOR)), np.float64)
 
 
 def names(rate: int) -> tuple[str, ...]:
@@ -30,13 +41,8 @@ def names(rate: int) -> tuple[str, ...]:
 
 def compute(windows: Windows) -> Floats:
     """Return 10 lg of the mean square in each band over 1 (m/s^2)^2, shape (windows, bands) [dB]."""
-    samples, middle = windows.shape[1], middles(windows.rate)
-    spacing = windows.rate / samples
-    # Integrated from line to line, each line spread evenly over its own interval, so that an edge may lie within one.
-    total = np.concatenate([np.zeros((len(windows.spectrum), 1)), np.cumsum(windows.spectrum, axis=1)], axis=1)
-    borders = (np.arange(total.shape[1]) - 0.5) * spacing
-    power = np.array([np.interp(middle * EDGE, borders, row) - np.interp(middle / EDGE, borders, row) for row in total])
-    return np.asarray(10.0 * np.log10(np.maximum(power, FLOOR)), np.float64)
+    cumulative = np.pad(np.cumsum(windows.spectrum, axis=1), ((0, 0), (1, 0)))
+    return np.array([levels(power, windows.rate / windows.shape[1], windows.rate) for power in cumulative])
 
 
 BAND_LEVELS = FeatureFamily("band_levels", names, compute)

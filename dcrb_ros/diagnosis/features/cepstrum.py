@@ -8,20 +8,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from dcrb_ros.diagnosis.features.family import FAULTS, FeatureFamily, Windows, fault_orders
+from dcrb_ros.diagnosis.features.family import FAULTS, SLIP, FeatureFamily, Windows, fault_orders
 from dcrb_ros.schema.arrays import Floats
 
-SLIP = 0.02
-"""Largest departure from the kinematic order [-]."""
 NEIGHBOURHOOD = 0.15
 """Width of the quefrencies on either side, relative to the period, over which the noise of the cepstrum is taken [-]."""
 HIGHEST = 20.0
 """Largest ratio of a peak to the noise [-]."""
-
-
-def names(rate: int) -> tuple[str, ...]:
-    """Return the names of the features, such as ``cepstrum_BPFO``."""
-    return tuple(f"cepstrum_{fault}" for fault in FAULTS)
 
 
 def real_cepstrum(values: Floats) -> Floats:
@@ -33,7 +26,7 @@ def real_cepstrum(values: Floats) -> Floats:
 
 def compute(windows: Windows) -> Floats:
     """Return the largest value near the period of each fault over the standard deviation beside it, shape (windows, 4) [-]."""
-    samples, found = windows.shape[1], np.zeros((windows.shape[0], len(FAULTS)))
+    samples, peaks = windows.shape[1], np.zeros((windows.shape[0], len(FAULTS)))
     for k, (signal, turns) in enumerate(zip(windows.acceleration, windows.turns, strict=True)):
         even = np.interp(np.linspace(0.0, turns[-1], samples), turns, signal)
         cepstrum, per_turn = real_cepstrum(even), samples / float(turns[-1])
@@ -44,8 +37,8 @@ def compute(windows: Windows) -> Floats:
             if last + beside >= samples // 2:
                 continue
             around = np.concatenate([cepstrum[max(1, first - beside) : first], cepstrum[last : last + beside]])
-            found[k, n] = np.clip(cepstrum[first:last].max() / max(float(around.std()), 1e-12), 0.0, HIGHEST)
-    return found
+            peaks[k, n] = np.clip(cepstrum[first:last].max() / max(float(around.std()), 1e-12), 0.0, HIGHEST)
+    return peaks
 
 
-CEPSTRUM = FeatureFamily("cepstrum", names, compute)
+CEPSTRUM = FeatureFamily("cepstrum", lambda _: tuple(f"cepstrum_{fault}" for fault in FAULTS), compute)

@@ -9,15 +9,13 @@ from __future__ import annotations
 import numpy as np
 
 from dcrb_ros.diagnosis.demodulation import Band, Demodulator
-from dcrb_ros.diagnosis.features.family import FAULTS, FeatureFamily, Windows, fault_orders
+from dcrb_ros.diagnosis.features.family import FAULTS, SLIP, FeatureFamily, Windows, fault_orders
 from dcrb_ros.diagnosis.features.kurtogram import ImpulsiveBand, impulsive_band
 from dcrb_ros.diagnosis.line_search import Comb, LineSearch
 from dcrb_ros.diagnosis.order_spectrum import OrderSpectrum, order_spectra
 from dcrb_ros.diagnosis.order_tracking import bin_edges, bin_means
 from dcrb_ros.schema.arrays import Floats
 
-SLIP = 0.02
-"""Largest departure from the kinematic order [-]."""
 WIDE = (0.04, 0.4)
 """Edges of the wide band over the sampling rate [-]: 2 to 20 kHz at 51.2 kHz."""
 BANDS = ("wide", "impulsive")

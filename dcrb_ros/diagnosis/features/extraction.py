@@ -15,7 +15,7 @@ from dcrb_ros.bearing.kinematics import Orders
 from dcrb_ros.bearing.waveform import Piece, Signal, signal_of
 from dcrb_ros.diagnosis.features.family import FeatureFamily, Windows
 from dcrb_ros.diagnosis.features.registry import FAMILIES
-from dcrb_ros.diagnosis.order_tracking import reverses, unwrapped_turns
+from dcrb_ros.diagnosis.order_tracking import LEAST_TURNS, forward_turns, reverses, unwrapped_turns
 from dcrb_ros.runtime.frames import pandas
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.numbers import finite_number
@@ -24,10 +24,6 @@ from dcrb_ros.schema.refusal import Refusal, nearest
 if TYPE_CHECKING:
     import pandas as pd
 
-LEAST_TURNS = 4.0
-"""Turns that a window needs, for an envelope spectrum in which the lines of the cage can be seen."""
-JITTER = 0.02
-"""Turns by which a measured angle may run back [-]."""
 SHORTEST, LONGEST = 0.2, 60.0
 """Range of the length of a window [s]."""
 AXES = ("x", "y")
@@ -145,12 +141,13 @@ class FeatureExtractor:
     def _row(self, acceleration: Floats, angle: Floats) -> Floats:
         """Return the features of one window, NaN where its shaft does not turn as it must."""
         turns = unwrapped_turns(angle) if np.isfinite(angle).all() else np.zeros(len(angle))
-        sound = np.isfinite(acceleration).all() and abs(turns[-1]) >= LEAST_TURNS and not reverses(turns, JITTER)
+        sound = np.isfinite(acceleration).all() and abs(turns[-1]) >= LEAST_TURNS and not reverses(turns)
         if not sound:
             return np.full(len(self.names), np.nan)
-        forward = np.maximum.accumulate(turns if turns[-1] > 0.0 else -turns)
         columns = acceleration[:, [AXES.index(axis) for axis in self._axes]].T
-        windows = Windows(columns - columns.mean(axis=1, keepdims=True), np.broadcast_to(forward, columns.shape), self._rate, self._orders)
+        windows = Windows(
+            columns - columns.mean(axis=1, keepdims=True), np.broadcast_to(forward_turns(turns), columns.shape), self._rate, self._orders
+        )
         return np.concatenate([family.compute(windows) for family in self._families], axis=1).ravel()
 
 
@@ -214,7 +211,7 @@ def extract_features(
         tracked, seconds = tracked or _tracked(piece), seconds + len(piece.shaft_angle) / source.sampling_rate
     if not tracked:
         raise Refusal("the signal has no shaft angle, over which the features are taken: give shaft_angle in rad")
-    table = FeatureTable(extractor.names, np.concatenate([one.time for one in tables]), np.concatenate([one.values for one in tables]))
+    table = FeatureTable(extractor.names, np.concatenate([part.time for part in tables]), np.concatenate([part.values for part in tables]))
     if not len(table):
         raise Refusal(f"{seconds:.3g} s without a window of {window:g} s: give a longer signal or a shorter window")
     return table

@@ -62,6 +62,9 @@ class FeatureFamily(NamedTuple):
 FAULTS = ("BPFO", "BPFI", "2BSF", "FTF")
 """Fundamentals of the faults: a roller defect strikes both raceways, at twice BSF."""
 
+SLIP = 0.02
+"""Largest departure of a fault's lines from their kinematic order [-]."""
+
 
 def fault_orders(orders: Orders) -> dict[str, float]:
     """Return the fundamental order of each of `FAULTS` [-]."""

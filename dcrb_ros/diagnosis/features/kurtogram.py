@@ -51,12 +51,12 @@ def impulsive_band(acceleration: npt.ArrayLike, rate: float) -> ImpulsiveBand:
         squared = _squared(fft.ifft(parts, axis=2, overwrite_x=True))
         mean = np.maximum(squared.mean(axis=2), np.finfo(np.float64).tiny)
         kurtosis = (squared**2).mean(axis=2) / mean**2 - 2.0
-        place = kurtosis.argmax(axis=1)
-        found = kurtosis[np.arange(windows), place]
-        better = found > best
+        number = kurtosis.argmax(axis=1)
+        largest = kurtosis[np.arange(windows), number]
+        better = largest > best
         step = 0.5 * rate * width / count
-        best, low = np.where(better, found, best), np.where(better, place * step, low)
-        high = np.where(better, (place + 1) * step, high)
+        best, low = np.where(better, largest, best), np.where(better, number * step, low)
+        high = np.where(better, (number + 1) * step, high)
     return ImpulsiveBand(best, low, high)
 
 
@@ -64,16 +64,11 @@ def _squared(envelope: npt.NDArray[np.complexfloating[Any, Any]]) -> Floats:
     return np.asarray(np.square(envelope.real, dtype=np.float64) + np.square(envelope.imag, dtype=np.float64))
 
 
-def names(rate: int) -> tuple[str, ...]:
-    """Return the names of the features."""
-    return NAMES
-
-
 def compute(windows: Windows) -> Floats:
     """Return the largest spectral kurtosis [-], and middle and width of its band [Hz], shape (windows, 3)."""
-    found = impulsive_band(windows.acceleration, windows.rate)
-    windows.shared["impulsive_band"] = found
-    return np.column_stack([found.kurtosis, 0.5 * (found.low + found.high), found.high - found.low])
+    band = impulsive_band(windows.acceleration, windows.rate)
+    windows.shared["impulsive_band"] = band
+    return np.column_stack([band.kurtosis, 0.5 * (band.low + band.high), band.high - band.low])
 
 
-KURTOGRAM = FeatureFamily("kurtogram", names, compute)
+KURTOGRAM = FeatureFamily("kurtogram", lambda _: NAMES, compute)

@@ -1,14 +1,20 @@
-"""The families of features. A new one is a module of this package and a line here."""
+"""The families of features. A new family needs its own file and one line here."""
 
 from __future__ import annotations
 
-from dcrb_ros.diagnosis.features.band_levels import BAND_LEVELS
-from dcrb_ros.diagnosis.features.cepstrum import CEPSTRUM
-from dcrb_ros.diagnosis.features.envelope_lines import ENVELOPE_LINES
-from dcrb_ros.diagnosis.features.family import FeatureFamily
-from dcrb_ros.diagnosis.features.kurtogram import KURTOGRAM
-from dcrb_ros.diagnosis.features.spectral_coherence import SPECTRAL_COHERENCE
-from dcrb_ros.diagnosis.features.statistics import STATISTICS
+from pkgutil import resolve_name
 
-FAMILIES: tuple[FeatureFamily, ...] = (STATISTICS, BAND_LEVELS, KURTOGRAM, ENVELOPE_LINES, CEPSTRUM, SPECTRAL_COHERENCE)
+from dcrb_ros.diagnosis.features.family import FeatureFamily
+
+FAMILIES: tuple[FeatureFamily, ...] = tuple(
+    resolve_name(f"dcrb_ros.diagnosis.features.{name}")
+    for name in (
+        "statistics:STATISTICS",
+        "band_levels:BAND_LEVELS",
+        "kurtogram:KURTOGRAM",
+        "envelope_lines:ENVELOPE_LINES",
+        "cepstrum:CEPSTRUM",
+        "spectral_coherence:SPECTRAL_COHERENCE",
+    )
+)
 """In the order of their features; the kurtogram leaves its band for the lines of the envelope."""

@@ -16,13 +16,13 @@ $|\gamma|^2$ over f.
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 from scipy import fft
 
-from dcrb_ros.diagnosis.features.family import FAULTS, FeatureFamily, Windows, fault_orders
+from dcrb_ros.diagnosis.features.family import FAULTS, SLIP, FeatureFamily, Windows, fault_orders
 from dcrb_ros.diagnosis.line_search import local_mean
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.numbers import finite_number
@@ -31,8 +31,6 @@ from dcrb_ros.schema.refusal import Refusal
 RESOLUTION = 800.0
 """Resolution of the carrier frequency in the features [Hz]."""
 HARMONICS = 3
-SLIP = 0.02
-"""Largest departure from the kinematic order [-]."""
 FRAMES = 4.0
 """Frames per period of the highest cyclic frequency [-]."""
 STEADY = 1e-6
@@ -102,6 +100,33 @@ def spectral_coherence(
     >>> bool(abs(np.abs(found.coherence[2:-2, line]).mean() - 0.61) < 0.05)
     True
     """
+    values, angle, length, fastest = _checked(signal, sampling_rate, turns, highest_order, resolution)
+    hop = max(1, min(length // 4, math.floor(sampling_rate / (FRAMES * fastest))))
+    window = np.hanning(length + 1)[:-1]
+    frames = np.lib.stride_tricks.sliding_window_view(values, length)[::hop] * window
+    transform = fft.rfft(frames.astype(np.float32), axis=1)
+    middle = np.arange(len(frames)) * hop + length // 2
+    spacing = sampling_rate / length
+    steps = math.ceil(fastest / spacing) + 1
+    spectrum, orders = _over_orders(_summed_products(transform, steps), angle[middle], highest_order)
+    alpha = orders * (float(angle[-1] - angle[0]) * sampling_rate / (len(values) - 1))
+    correlation = _autocorrelation(window, alpha / sampling_rate, np.arange(steps) / length)
+    summed = spectrum.T * (correlation[0, 0] / correlation.sum(axis=1)).astype(np.float32)
+    power = np.maximum(np.mean(np.abs(transform) ** 2, axis=0, dtype=np.float64), np.finfo(np.float32).tiny)
+    frequency = np.arange(transform.shape[1]) * spacing
+    shifted = np.interp(np.abs(frequency[:, None] - alpha), frequency, power)
+    coherence = summed / np.sqrt(power[:, None] * shifted)
+    return SpectralCoherence(orders, np.asarray(frequency, np.float64), coherence.astype(np.complex64))
+
+
+def _checked(
+    signal: npt.ArrayLike, sampling_rate: float, turns: npt.ArrayLike, highest_order: float, resolution: float | None
+) -> tuple[Floats, Floats, int, float]:
+    """Return signal and turns, shape (samples,), the samples of a window, and the highest cyclic frequency [Hz].
+
+    Raises:
+        Refusal: see `spectral_coherence`.
+    """
     rate = finite_number("sampling_rate =", sampling_rate, "Hz")
     width = min(RESOLUTION, rate / 16.0) if resolution is None else finite_number("resolution =", resolution, "Hz")
     if not 0.0 < width <= rate / 16.0:
@@ -114,44 +139,34 @@ def spectral_coherence(
         raise Refusal("the signal has values that are not finite: leave these samples out, and take the stretch before or after them")
     if len(values) < 16 * length:
         raise Refusal(f"{len(values)} samples are too few for a resolution of {width:g} Hz: give at least {16 * length}")
-    total = float(angle[-1] - angle[0])
-    if not (total > 0.0 and (np.diff(angle) >= 0.0).all()):
+    if not (angle[-1] > angle[0] and (np.diff(angle) >= 0.0).all()):
         raise Refusal("the turns of the shaft must rise from the first sample to the last: leave out standstill and reversal")
     fastest = highest_order * float(np.diff(angle[:: max(1, length // 2)]).max()) / max(1, length // 2) * sampling_rate
     if not 0.0 < fastest < 0.25 * sampling_rate:
         raise Refusal(f"a cyclic order of {highest_order:g} reaches {fastest:.4g} Hz: give one below {0.25 * sampling_rate:.4g} Hz")
-    hop = max(1, min(length // 4, math.floor(sampling_rate / (FRAMES * fastest))))
-    window = np.hanning(length + 1)[:-1]
-    frames = np.lib.stride_tricks.sliding_window_view(values, length)[::hop] * window
-    transform = fft.rfft(frames.astype(np.float32), axis=1)
-    middle = np.arange(len(frames)) * hop + length // 2
-    spacing = sampling_rate / length
-    steps = math.ceil(fastest / spacing) + 1
-    # The Fourier transform of the sum over p is the sum of the Fourier transforms.
+    return values, angle, length, fastest
+
+
+def _summed_products(transform: npt.NDArray[np.complexfloating[Any, Any]], steps: int) -> npt.NDArray[np.complex64]:
+    """Return the sum over p < ``steps`` of X(i, f_k) X(i, f_(k-p))^*, shape (frames, carriers) [(m/s^2)^2].
+
+    The Fourier transform of the sum is the sum of the Fourier transforms.
+    """
     products = np.zeros(transform.shape, np.complex64)
     for p in range(steps):
         # Referred to the middle of the window, half its length later, line k has the sign (-1)^k.
         products[:, p:] += (1 - 2 * (p % 2)) * transform[:, p:] * transform[:, : transform.shape[1] - p].conj()
-    mean_frequency = total * sampling_rate / (len(values) - 1)
-    spectrum, orders = _over_orders(products, angle[middle], highest_order)
-    alpha = orders * mean_frequency
-    correlation = _autocorrelation(window, alpha / sampling_rate, np.arange(steps) / length)
-    summed = spectrum.T * (correlation[0, 0] / correlation.sum(axis=1)).astype(np.float32)
-    power = np.maximum(np.mean(np.abs(transform) ** 2, axis=0, dtype=np.float64), np.finfo(np.float32).tiny)
-    frequency = np.arange(transform.shape[1]) * spacing
-    shifted = np.interp(np.abs(frequency[:, None] - alpha), frequency, power)
-    coherence = summed / np.sqrt(power[:, None] * shifted)
-    return SpectralCoherence(orders, np.asarray(frequency, np.float64), coherence.astype(np.complex64))
+    return products
 
 
 def _over_orders(products: npt.NDArray[np.complex64], angle: Floats, highest: float) -> tuple[npt.NDArray[np.complex64], Floats]:
     """Return the Fourier coefficients of products of shape (frames, carriers) over the angle [turns], up to an order, and the orders."""
     count = len(products)
     even = np.linspace(angle[0], angle[-1], count)
-    place = np.interp(even, angle, np.arange(count, dtype=np.float64))
-    place = np.where(np.abs(place - np.rint(place)) < STEADY, np.rint(place), place)
-    before = np.minimum(place.astype(np.int64), count - 2)
-    share = place - before
+    position = np.interp(even, angle, np.arange(count, dtype=np.float64))
+    position = np.where(np.abs(position - np.rint(position)) < STEADY, np.rint(position), position)
+    before = np.minimum(position.astype(np.int64), count - 2)
+    share = position - before
     weight = share.astype(np.float32)[:, None]
     resampled = products[before] * (1.0 - weight) + products[before + 1] * weight
     taper = np.hanning(count + 1)[:-1]
@@ -182,21 +197,16 @@ def _interpolation_gain(orders: Floats, share: Floats, step: Floats, taper: Floa
 
 def _autocorrelation(window: Floats, alpha: Floats, shifts: Floats) -> Floats:
     """Return R_w(alpha - shift), the Fourier transform of the squared window about its middle, shape (alphas, shifts); per sample."""
-    place = np.arange(len(window)) - len(window) // 2
+    position = np.arange(len(window)) - len(window) // 2
     some = np.linspace(-shifts[-1], alpha[-1], 16 * len(shifts) + 17)
-    values = np.cos(2.0 * math.pi * some[:, None] * place) @ window**2
+    values = np.cos(2.0 * math.pi * some[:, None] * position) @ window**2
     return np.asarray(np.interp(alpha[:, None] - shifts, some, values), np.float64)
-
-
-def names(rate: int) -> tuple[str, ...]:
-    """Return the names of the features, such as ``coherence_BPFO``."""
-    return tuple(f"coherence_{fault}" for fault in FAULTS)
 
 
 def compute(windows: Windows) -> Floats:
     """Return 10 lg of the lines of each fault in the enhanced envelope spectrum over its local mean, shape (windows, 4) [dB]."""
     fundamentals = fault_orders(windows.orders)
-    found = np.zeros((windows.shape[0], len(FAULTS)))
+    levels = np.zeros((windows.shape[0], len(FAULTS)))
     for k, (signal, turns) in enumerate(zip(windows.acceleration, windows.turns, strict=True)):
         mean_frequency = float(windows.shaft_frequency[k])
         highest = min(HARMONICS * max(fundamentals.values()) * (1.0 + SLIP) + NEIGHBOURHOOD, 0.2 * windows.rate / mean_frequency)
@@ -205,20 +215,20 @@ def compute(windows: Windows) -> Floats:
         mean = local_mean(spectrum, max(32, math.ceil(NEIGHBOURHOOD / spacing)))
         ratio = spectrum / np.maximum(mean, np.finfo(np.float64).tiny)
         for n, order in enumerate(fundamentals.values()):
-            found[k, n] = 10.0 * math.log10(_strength(ratio, order / spacing))
-    return found
+            levels[k, n] = 10.0 * math.log10(_strength(ratio, order / spacing))
+    return levels
 
 
-def _strength(ratio: Floats, place: float) -> float:
+def _strength(ratio: Floats, fundamental: float) -> float:
     """Return the mean over the harmonics of the largest ratio within `SLIP` of each; ``place`` is the fundamental [lines]."""
     largest = []
     for harmonic in range(1, HARMONICS + 1):
-        first = int(harmonic * place * (1.0 - SLIP))
-        last = math.ceil(harmonic * place * (1.0 + SLIP)) + 1
+        first = int(harmonic * fundamental * (1.0 - SLIP))
+        last = math.ceil(harmonic * fundamental * (1.0 + SLIP)) + 1
         if first >= len(ratio):
             break
         largest.append(float(ratio[max(1, first) : last].max(initial=1e-3)))
     return float(np.mean(largest)) if largest else 1.0
 
 
-SPECTRAL_COHERENCE = FeatureFamily("spectral_coherence", names, compute)
+SPECTRAL_COHERENCE = FeatureFamily("spectral_coherence", lambda _: tuple(f"coherence_{fault}" for fault in FAULTS), compute)

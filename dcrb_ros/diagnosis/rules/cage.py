@@ -11,10 +11,9 @@ from dcrb_ros.bearing.kinematics import Orders
 from dcrb_ros.diagnosis.cage_lines import CLUSTERED, PERIODIC, cage_comb, clusters_at_spin, spin_of_clusters
 from dcrb_ros.diagnosis.demodulation import Band
 from dcrb_ros.diagnosis.evidence import BandEvidence, Evidence
-from dcrb_ros.diagnosis.line_parameters import LineParameters
 from dcrb_ros.diagnosis.line_search import Comb, LineFamily
 from dcrb_ros.diagnosis.order_spectrum import decibels, ratio
-from dcrb_ros.diagnosis.rule import LineRule
+from dcrb_ros.diagnosis.rule import LineParameters, LineRule
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.fields import quantity
 
@@ -50,14 +49,14 @@ class Cage(LineRule[CageParameters]):
 
     def excess(self, lines: LineFamily, band: Band, evidence: Evidence) -> float:
         """Return the excess of depth and significance; none if the lines cluster at 2 BSF, where a roller defect puts them [dB]."""
-        found, there = super().excess(lines, band, evidence), evidence.of_band(band)
+        excess, there = super().excess(lines, band, evidence), evidence.of_band(band)
         if there is None or lines.order <= 0.0:
-            return found
+            return excess
         clusters, between = clusters_at_spin(there, lines)
         contrast = decibels(ratio(clusters, CLUSTERED * between)) if between > 0.0 else -math.inf
-        if found >= 0.0 >= contrast:
+        if excess >= 0.0 >= contrast:
             contrast = decibels(max(spin_of_clusters(there, lines)[0], 0.0) / PERIODIC)
-        return min(found, -contrast) if contrast > 0.0 else found
+        return min(excess, -contrast) if contrast > 0.0 else excess
 
     def companions(self, lines: LineFamily, orders: Orders) -> Floats:
         """Return the harmonics of FTF, with BPFO among them."""

@@ -60,9 +60,9 @@ class DeadParameters(Group):
 class Dead(SampleRule[DeadParameters]):
     """A white spectrum without impacts: no structure transmits vibration equally at all frequencies.
 
-    A sensor that is alive may be so noisy that a quiet bearing hardly shows. Its spectrum is whiter than any structure, but not as white as
-    noise alone, and it did not become so by losing the vibration it had at the same speed. If its spectrum is as white as noise alone, it
-    still is alive if its power follows the machine: the noise of an amplifier is stationary, what a machine makes is cyclostationary.
+    A working sensor may be so noisy that a quiet bearing hardly shows. Its spectrum is whiter than that of any structure, but less white
+    than noise alone, and its power has not fallen at the same speed. A sensor whose spectrum is as white as noise alone still works if its
+    power follows the machine: the noise of an amplifier is stationary, the vibration of a machine is cyclostationary.
     """
 
     parameters = DeadParameters
@@ -76,7 +76,7 @@ class Dead(SampleRule[DeadParameters]):
         for axis, column in evidence.axes:
             spread, power = self._spread_of_noise(column, evidence.rate), float(np.var(column))
             before = self._powers.setdefault(axis, deque(maxlen=REMEMBERED))
-            # A bearing falls silent with the shaft: only hops at the same speed tell that a sensor has.
+            # A bearing falls silent with the shaft: powers are compared at the same speed only.
             usual = [power for speed, power in before if abs(speed - evidence.frequency) <= SAME_SPEED * speed]
             fallen = bool(usual) and power < float(np.median(usual)) * 10.0 ** (-self.p.dead_fall / 10.0)
             noise = spread is not None and spread < (self.p.dead_level if fallen else self.p.dead_white)

@@ -10,9 +10,8 @@ from dcrb_ros.bearing.kinematics import Orders
 from dcrb_ros.diagnosis.cage_lines import over_the_cage, rollers
 from dcrb_ros.diagnosis.demodulation import Band
 from dcrb_ros.diagnosis.evidence import Evidence
-from dcrb_ros.diagnosis.line_parameters import LineParameters
 from dcrb_ros.diagnosis.line_search import Comb, LineFamily
-from dcrb_ros.diagnosis.rule import LineRule, sidebands
+from dcrb_ros.diagnosis.rule import LineParameters, LineRule, sidebands
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.fields import quantity
 
@@ -45,9 +44,9 @@ class InnerRing(LineRule[InnerRingParameters]):
 
     def excess(self, lines: LineFamily, band: Band, evidence: Evidence) -> float:
         """Return the excess of depth and significance; none if the lines of the cage are larger [dB]."""
-        found = super().excess(lines, band, evidence)
-        contrast = over_the_cage(lines, evidence.of_band(band), self.p.ring_contrast) if found >= 0.0 else found
-        return contrast if contrast < 0.0 else found
+        excess = super().excess(lines, band, evidence)
+        contrast = over_the_cage(lines, evidence.of_band(band), self.p.ring_contrast) if excess >= 0.0 else excess
+        return contrast if contrast < 0.0 else excess
 
     def companions(self, lines: LineFamily, orders: Orders) -> Floats:
         """Return the harmonics of BPFI with sidebands at the shaft, which turns the defect, and at the cage with its unequal rollers."""

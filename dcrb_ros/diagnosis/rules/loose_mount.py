@@ -54,18 +54,18 @@ class LooseMount(LevelRule[LooseMountParameters]):
     def _third(self, levels: Levels, third: int | None) -> str:
         if third is None:
             return ""
-        own = float(levels.level[third])
-        level = own - float(levels.level[-1])
+        power = float(levels.level[third])
+        level = power - float(levels.level[-1])
         if level > self._highest:
-            self._highest, self._then = level, own
-        if level > self.p.loose_level or level > self._highest - self.p.loose_drop or own > self._then - self.p.loose_fall:
+            self._highest, self._then = level, power
+        if level > self.p.loose_level or level > self._highest - self.p.loose_drop or power > self._then - self.p.loose_fall:
             return ""
         change = f"from {-self._highest:.1f} to {-level:.1f} dB below the band under the detector's"
         return f"the third quarter of the band has decreased {change}: the mount of the sensor is loose"
 
     def _lower_quarters(self, levels: Levels) -> str:
-        own = levels.change[:LOWER].max()
-        drop = own - levels.change[-1]
-        if len(levels.change) <= LOWER or drop > -self.p.loose_drop or own > -self.p.loose_fall:
+        change = levels.change[:LOWER].max()
+        drop = change - levels.change[-1]
+        if len(levels.change) <= LOWER or drop > -self.p.loose_drop or change > -self.p.loose_fall:
             return ""
         return f"the first two quarters of the band have lost {-drop:.1f} dB to the band below them: the mount of the sensor is loose"

@@ -1,12 +1,17 @@
 """Outer-ring defect: BPFO lines, deeper than those of a healthy bearing, whose compliance varies as rollers pass the load line.
 
 If it is known how large the lines of the healthy bearing are, as the baseline of one bearing and one sensor, they must also be larger.
+
+The simulated bearing of the paper is loud when healthy. It has no roughness, no lubricant and much radial clearance, so its idle rollers
+strike the raceway at BPFO as they enter the load zone. Those lines modulate the squared envelope as deeply as a defect's, and only their
+size distinguishes them. Limits for it apply to the bearing with exactly this geometry, which is in the description of its sensor. They do
+not apply to measured ones.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -15,14 +20,34 @@ from dcrb_ros.diagnosis.cage_lines import HIGHEST_CONTRAST, over_the_cage, rolle
 from dcrb_ros.diagnosis.demodulation import Band
 from dcrb_ros.diagnosis.evidence import BandEvidence, Evidence
 from dcrb_ros.diagnosis.healthy_baseline import HealthyBaseline
-from dcrb_ros.diagnosis.known_bearings import Baseline
-from dcrb_ros.diagnosis.line_parameters import LineParameters
 from dcrb_ros.diagnosis.line_search import GUARD, Comb, LineFamily
 from dcrb_ros.diagnosis.order_spectrum import decibels, ratio
-from dcrb_ros.diagnosis.rule import Finding, LineRule, sidebands
+from dcrb_ros.diagnosis.rule import Finding, LineParameters, LineRule, sidebands
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.fields import quantity
 from dcrb_ros.schema.refusal import Refusal
+
+PAPER_BEARING = {
+    "rollers_per_row": 16.0,
+    "inner_raceway_radius": 0.07886,
+    "outer_raceway_radius": 0.10914,
+    "pitch_radius": 0.094,
+    "roller_radius": 0.015,
+}
+"""Geometry of the bearing of Fan et al. 2025, Table 1, with a diametral clearance of 0.28 mm [m]."""
+PAPER_LIMITS = (38.0, 12.0)
+"""Sizes of its healthy BPFO lines in the whole band and its upper quarter at a shaft frequency of 20 Hz, with a margin of 3 dB [m/s^2].
+
+Healthy runs at 300 to 3820 rpm and 30 to 160 kN have up to 26 and, with a resonant mount, 10 m/s^2."""
+
+
+def is_paper_bearing(bearing: object) -> bool:
+    """Return whether a mapping of the fields of `dcrb_ros.Bearing`, or such an object, has the geometry of the paper's bearing."""
+    for name, value in PAPER_BEARING.items():
+        given = bearing.get(name) if isinstance(bearing, Mapping) else getattr(bearing, name, None)
+        if isinstance(given, bool) or not isinstance(given, (int, float)) or not math.isclose(given, value, rel_tol=1e-6):
+            return False
+    return True
 
 
 class OuterRingParameters(LineParameters):
@@ -73,7 +98,7 @@ class OuterRing(LineRule[OuterRingParameters]):
         self._remaining = parameters.learn
         """Time for which the limits are still learned [s]."""
 
-    def take(self, baseline: HealthyBaseline) -> None:
+    def take_baseline(self, baseline: HealthyBaseline) -> None:
         """Compare lines with those of the healthy bearing.
 
         Raises:
@@ -82,17 +107,18 @@ class OuterRing(LineRule[OuterRingParameters]):
         given = next((name for name in ("outer_limit", "outer_limit_high", "learn") if getattr(self.p, name)), "")
         if given:
             raise Refusal(f"{given} = {getattr(self.p, given):g} and a baseline are given: leave out one of them")
-        super().take(baseline)
+        super().take_baseline(baseline)
 
-    def use(self, baseline: Baseline) -> None:
-        """Use the sizes of a known bearing, unless a baseline or the parameters give others or they are to be learned."""
-        if self.baseline is None and not (self.p.outer_limit or self.p.outer_limit_high or self.p.learn):
-            self._whole_limit, self._high_limit = baseline
+    def take_bearing(self, bearing: object) -> None:
+        """Use the limits of the paper's bearing, unless a baseline or the parameters give others or they are to be learned."""
+        given = self.baseline is not None or self.p.outer_limit or self.p.outer_limit_high or self.p.learn
+        if not given and is_paper_bearing(bearing):
+            self._whole_limit, self._high_limit = PAPER_LIMITS
 
     def combs(self, orders: Orders) -> Sequence[Comb]:
         """Return BPFO."""
         # Rows staggered by half a pitch strike in turn and leave only the even harmonics; a baseline makes those safe to use.
-        return self.baseline_combs(orders) if self._baseline or self.baseline is not None else (Comb(orders.bpfo),)
+        return self.baseline_combs(orders) if self._limited or self.baseline is not None else (Comb(orders.bpfo),)
 
     def baseline_combs(self, orders: Orders) -> Sequence[Comb]:
         """Return BPFO and its double."""
@@ -104,13 +130,13 @@ class OuterRing(LineRule[OuterRingParameters]):
         return self.p.outer_depth
 
     @property
-    def _baseline(self) -> bool:
+    def _limited(self) -> bool:
         """Whether it is known how large the lines of the healthy bearing are."""
         return self._whole_limit > 0.0 or self._high_limit > 0.0
 
     def bands(self, evidence: Evidence) -> Sequence[BandEvidence]:
         """Return the bands within the detector's; with a baseline the whole band and its upper quarter."""
-        if not self._baseline:
+        if not self._limited:
             return super().bands(evidence)
         return [band for band in evidence.bands if band.band in (evidence.whole, evidence.high)]
 
@@ -122,15 +148,15 @@ class OuterRing(LineRule[OuterRingParameters]):
     def excess(self, lines: LineFamily, band: Band, evidence: Evidence) -> float:
         """Return the excess of depth and significance; with a baseline also that of the size over the limit of the band [dB]."""
         there = evidence.of_band(band)
-        found = min(super().excess(lines, band, evidence), self._contrast(lines, there))
+        excess = min(super().excess(lines, band, evidence), self._contrast(lines, there))
         if self._rhythm(lines, there) < 0.0:
-            found = min(found, self._rhythm(lines, there))
-        if found >= 0.0:
+            excess = min(excess, self._rhythm(lines, there))
+        if excess >= 0.0:
             contrast = over_the_cage(lines, there, self.p.ring_contrast)
-            found = contrast if contrast < 0.0 else found
-        if not self._baseline:
-            return found
-        return min(found, decibels(ratio(lines.amplitude, self._limit(band, evidence) ** 2)))
+            excess = contrast if contrast < 0.0 else excess
+        if not self._limited:
+            return excess
+        return min(excess, decibels(ratio(lines.amplitude, self._limit(band, evidence) ** 2)))
 
     def _contrast(self, lines: LineFamily, band: BandEvidence | None) -> float:
         """Return the amplitude of BPFO lines over that of the neighbouring harmonics of FTF, less the contrast required [dB].
@@ -162,7 +188,7 @@ class OuterRing(LineRule[OuterRingParameters]):
     def reason(self, lines: LineFamily, band: Band, evidence: Evidence) -> str:
         """Return depth, or size and limit, in words."""
         limit = self._limit(band, evidence)
-        if not self._baseline or limit == 0.0:
+        if not self._limited or limit == 0.0:
             return super().reason(lines, band, evidence)
         size = f"has {lines.amplitude**0.5:.3g} m/s^2 (baseline {limit:g} m/s^2, both at a shaft frequency of 20 Hz)"
         return f"{self._place(lines)} {size}, {self._level(lines, band)}"
@@ -184,6 +210,6 @@ class OuterRing(LineRule[OuterRingParameters]):
     @property
     def remark(self) -> str:
         """How long the limits are still learned, or that a baseline is used."""
-        if self._remaining <= 0.0 and self._baseline:
+        if self._remaining <= 0.0 and self._limited:
             return "outer-ring lines are compared with a baseline of the healthy bearing"
         return f"learning for another {self._remaining:.1f} s: outer-ring defects are not reported yet" if self._remaining > 0.0 else ""

@@ -51,13 +51,13 @@ class RattlingMount(SampleRule[RattlingMountParameters]):
         self._latest: deque[Floats] = deque(maxlen=LATEST)
 
     def flaw(self, evidence: SampleEvidence) -> str:
-        found = asymmetry(evidence.acceleration)
-        if self._latest and self._latest[0].shape != found.shape:  # an axis has been added or removed
+        present = asymmetry(evidence.acceleration)
+        if self._latest and self._latest[0].shape != present.shape:  # an axis has been added or removed
             self._earlier.clear()
             self._latest.clear()
         if len(self._latest) == LATEST and self._change() < self.p.rattle_change:
             self._earlier.append(self._latest[0])
-        self._latest.append(found)
+        self._latest.append(present)
         change = self._change()
         if change < self.p.rattle_change:
             return ""
@@ -80,5 +80,5 @@ def asymmetry(samples: Floats) -> Floats:
     beyond = np.array(SHARES)
     low, high = np.quantile(samples, beyond, axis=0), np.quantile(samples, 1.0 - beyond, axis=0)
     spread = high - low
-    found = np.divide(high + low - 2.0 * np.median(samples, axis=0), spread, out=np.zeros_like(spread), where=spread > 0.0)
-    return np.asarray(found, np.float64)
+    skewness = np.divide(high + low - 2.0 * np.median(samples, axis=0), spread, out=np.zeros_like(spread), where=spread > 0.0)
+    return np.asarray(skewness, np.float64)

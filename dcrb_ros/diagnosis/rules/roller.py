@@ -14,9 +14,8 @@ import numpy as np
 from dcrb_ros.bearing.kinematics import Orders
 from dcrb_ros.diagnosis.cage_lines import CLUSTERED, PERIODIC, cage_comb, clusters_at_spin, spin_of_clusters
 from dcrb_ros.diagnosis.evidence import BandEvidence
-from dcrb_ros.diagnosis.line_parameters import LineParameters
 from dcrb_ros.diagnosis.line_search import GUARD, Comb, LineFamily
-from dcrb_ros.diagnosis.rule import LineRule, sidebands
+from dcrb_ros.diagnosis.rule import LineParameters, LineRule, sidebands
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.fields import quantity
 
@@ -47,34 +46,34 @@ class Roller(LineRule[RollerParameters]):
 
     def family(self, band: BandEvidence, comb: Comb) -> LineFamily:
         """Return the deepest of the family at 2 BSF, at a slower spin, and, if they cluster there, the harmonics of FTF."""
-        found, cage = super().family(band, comb), band.family(cage_comb(band.orders))
+        family, cage = super().family(band, comb), band.family(cage_comb(band.orders))
         if cage.order <= 0.0:
-            return found
+            return family
         clusters, between = clusters_at_spin(band, cage)
         spin = comb.order
         if clusters <= CLUSTERED * between:
-            found = self._slower(found, band, comb, cage)
-            if cage.depth <= found.depth:
-                return found
+            family = self._slower(family, band, comb, cage)
+            if cage.depth <= family.depth:
+                return family
             # Lines of a roller that spins more slowly may lie on harmonics of FTF.
             periodicity, spin = spin_of_clusters(band, cage)
             clusters = cage.depth if periodicity > PERIODIC else 0.0
-        if clusters <= found.depth:
-            return found
+        if clusters <= family.depth:
+            return family
         order = cage.order * round(spin / cage.order)
         return cage._replace(order=order, amplitude=clusters * band.spectrum.mean, depth=clusters, lines=(order,))
 
-    def _slower(self, found: LineFamily, band: BandEvidence, comb: Comb, cage: LineFamily) -> LineFamily:
+    def _slower(self, family: LineFamily, band: BandEvidence, comb: Comb, cage: LineFamily) -> LineFamily:
         """Return the deeper of the ``found`` family and that of a roller that spins more slowly than it should.
 
         Such a roller slips outside the load zone, which it reaches once per turn of the cage: FTF or its double is deeper than what was
         found. Lines on harmonics of FTF would be those of the cage.
         """
-        if math.sqrt(float(band.at(cage.order * np.array([1.0, 2.0])).max())) <= found.depth:
-            return found
+        if math.sqrt(float(band.at(cage.order * np.array([1.0, 2.0])).max())) <= family.depth:
+            return family
         slower = band.family(comb._replace(order=SLOWER * comb.order), SPIN_LOST / SLOWER)
         beside = abs(math.remainder(slower.order, cage.order)) > GUARD * band.step
-        return slower if beside and slower.depth > found.depth else found
+        return slower if beside and slower.depth > family.depth else family
 
     def families(self, orders: Orders) -> int:
         """Return the number of families among which the strongest counts: 2 BSF and that of slower rollers."""

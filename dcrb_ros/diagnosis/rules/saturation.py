@@ -34,11 +34,6 @@ class Saturation(SampleRule[SaturationParameters]):
     parameters = SaturationParameters
     at_standstill = True
 
-    def __init__(self, parameters: SaturationParameters) -> None:
-        super().__init__(parameters)
-        self.clipped = 0
-        """Clipped samples so far."""
-
     def flaw(self, evidence: SampleEvidence) -> str:
         for axis, column in evidence.axes:
             ends = float(column.max()), float(column.min())

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from dcrb_ros.diagnosis.evidence import SampleEvidence
-from dcrb_ros.diagnosis.order_spectrum import median
+from dcrb_ros.diagnosis.order_spectrum import medians
 from dcrb_ros.diagnosis.rule import SampleRule
 from dcrb_ros.schema.arrays import Floats
 from dcrb_ros.schema.fields import Group, quantity
@@ -43,10 +43,10 @@ class Spikes(SampleRule[SpikeParameters]):
 
     def flaw(self, evidence: SampleEvidence) -> str:
         after = max(4, round(self.p.spike_time * evidence.rate))
-        found = [count_jumps(column, after, self.p) for _, column in evidence.axes]
-        latest = Jumps(sum(one.spikes for one in found), sum(one.others for one in found))
+        by_axis = [count_jumps(column, after, self.p) for _, column in evidence.axes]
+        latest = Jumps(sum(jumps.spikes for jumps in by_axis), sum(jumps.others for jumps in by_axis))
         self._counts = [*self._counts, latest][-evidence.hops :]
-        spikes, others = sum(one.spikes for one in self._counts), sum(one.others for one in self._counts)
+        spikes, others = sum(jumps.spikes for jumps in self._counts), sum(jumps.others for jumps in self._counts)
         # Among the impacts of a defect a few look like spikes by chance; a loose plug makes nothing else.
         if spikes < self.p.most_spikes or others > spikes or not latest.spikes:
             return ""
@@ -64,12 +64,12 @@ class Jumps(NamedTuple):
 
 def count_jumps(column: Floats, after: int, p: SpikeParameters) -> Jumps:
     """Return the number of spikes, which do not swing back within ``after`` samples, and of other changes as sudden and as high."""
-    centred = column - median(column)
+    centred = column - medians(column)
     size, steps = np.abs(centred), np.abs(np.diff(centred))
     # If most samples are larger than this, so is their median, and no step is high enough: the median need not be computed.
     if 2 * np.count_nonzero(size > 1.001 * float(steps.max()) / p.spike_height) > len(column) + 1:
         return Jumps(0, 0)
-    least = p.spike_height * float(median(size))
+    least = p.spike_height * float(medians(size))
     jumps = np.flatnonzero(steps > least) + 1
     jumps = jumps[(jumps >= BEFORE) & (jumps < len(column) - after)]
     if not len(jumps) or least == 0.0:

@@ -51,14 +51,14 @@ class StarvedNoise(Rule[StarvedNoiseParameters]):
         """
         if not self.p.starved_noise or frequency <= 0.0 or not np.all(powers > 0.0):
             return None
-        place = round(math.log(frequency) / SAME_SPEED)
-        if place != self._place:
+        speed = round(math.log(frequency) / SAME_SPEED)
+        if speed != self._place:
             self._latest.clear()
-            self._place = place
+            self._place = speed
         levels = 10.0 * np.log10(powers)
-        hops, total = self._sums.get(place, (0, np.zeros(len(powers))))
+        hops, total = self._sums.get(speed, (0, np.zeros(len(powers))))
         if hops * interval < self.p.starved_learn:
-            self._sums[place] = hops + 1, total + levels
+            self._sums[speed] = hops + 1, total + levels
             return None
         self._latest.append(levels)
         if len(self._latest) < AVERAGED_HOPS:

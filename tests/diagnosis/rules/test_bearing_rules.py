@@ -12,14 +12,13 @@ from dcrb_ros.bearing.kinematics import Orders
 from dcrb_ros.diagnosis.cage_lines import PERIODIC, cage_comb, spin_of_clusters
 from dcrb_ros.diagnosis.demodulation import Band
 from dcrb_ros.diagnosis.evidence import BandEvidence, Evidence, SharedSearch
-from dcrb_ros.diagnosis.known_bearings import PAPER_BASELINE, PAPER_BEARING, baseline_of
 from dcrb_ros.diagnosis.line_search import Comb, LineFamily
 from dcrb_ros.diagnosis.order_spectrum import OrderSpectrum
 from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.diagnosis.rule import LEAST_EXCESS, Finding, LineRule, modulation_excess
 from dcrb_ros.diagnosis.rules.cage import Cage
 from dcrb_ros.diagnosis.rules.inner_ring import InnerRing
-from dcrb_ros.diagnosis.rules.outer_ring import OuterRing
+from dcrb_ros.diagnosis.rules.outer_ring import PAPER_BEARING, OuterRing, is_paper_bearing
 from dcrb_ros.diagnosis.rules.roller import Roller
 
 ORDERS = Orders(ftf=0.42, bpfo=6.72, bpfi=9.28, bsf=3.05)
@@ -248,12 +247,12 @@ def test_limits_are_learned_with_their_margin_for_their_time() -> None:
 
 
 def test_only_the_bearing_of_the_paper_has_a_known_baseline() -> None:
-    assert baseline_of(PAPER_BEARING) == PAPER_BASELINE
+    assert is_paper_bearing(PAPER_BEARING)
     for other in (None, {}, {**PAPER_BEARING, "inner_raceway_radius": 0.07896}, {**PAPER_BEARING, "rollers_per_row": "16"}):
-        assert baseline_of(other) is None
+        assert not is_paper_bearing(other)
     rule = OuterRing(P)
-    rule.use(PAPER_BASELINE)
+    rule.take_bearing(PAPER_BEARING)
     assert "baseline" in rule.remark
-    own = OuterRing(DetectorParameters(outer_limit=5.0))
-    own.use(PAPER_BASELINE)
-    assert "baseline 5 m/s^2" in own.reason(LineFamily(6.7, 1.0, 2.0, 9.0), WHOLE, evidence((WHOLE, {})))
+    limited = OuterRing(DetectorParameters(outer_limit=5.0))
+    limited.take_bearing(PAPER_BEARING)
+    assert "baseline 5 m/s^2" in limited.reason(LineFamily(6.7, 1.0, 2.0, 9.0), WHOLE, evidence((WHOLE, {})))

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from dcrb_ros.bearing.kinematics import Orders, characteristic_orders
-from dcrb_ros.calibration.measured import SAME_ORDERS, Measured
+from dcrb_ros.calibration.healthy_recording import SAME_ORDERS, HealthyRecording
 from dcrb_ros.diagnosis.order_tracking import unwrapped_turns
 from dcrb_ros.faults import Faults
 from dcrb_ros.schema.arrays import Floats
@@ -35,7 +35,7 @@ USUAL_PREVIEW = 200
 
 
 @dataclass(frozen=True, eq=False)
-class Source:
+class RingAcceleration:
     """Acceleration of the outer ring of the bench."""
 
     acceleration: Floats
@@ -44,7 +44,9 @@ class Source:
     """Turns of the shaft since the first sample, shape (samples,) [-]."""
 
 
-def bench_of(measured: Measured, base: Configuration | str | Path | None, settings: Mapping[str, Any] | Sequence[str]) -> Configuration:
+def bench_of(
+    measured: HealthyRecording, base: Configuration | str | Path | None, settings: Mapping[str, Any] | Sequence[str]
+) -> Configuration:
     """Return the bench without path, background and errors of the sensor, at the speed and the sampling rate of a recording.
 
     Args:
@@ -56,15 +58,15 @@ def bench_of(measured: Measured, base: Configuration | str | Path | None, settin
     Raises:
         Refusal: the base has a bearing with other orders, or it cannot run at this speed or rate.
     """
-    own = base if base is not None else measured.configuration
-    bench = load_configuration(own if own is not None else "healthy", settings)
+    given = base if base is not None else measured.configuration
+    bench = load_configuration(given if given is not None else "healthy", settings)
     changes: dict[str, Any] = {}
     for group, empty in (("faults", Faults()), ("structure", Structure()), ("background", Background()), ("publishing", Publishing())):
         changes |= flatten({group: empty.model_dump()})
     changes |= flatten({"recording": Recording().model_dump(), "sensor": SensorParameters().model_dump()})
     changes |= rates(measured.rate, bench.simulation.step) | {"operating.speed": measured.speed}
     mismatch = _mismatch(characteristic_orders(bench.bearing), measured.orders)
-    if mismatch and own is not None:
+    if mismatch and given is not None:
         raise Refusal(f"{measured.name} has another bearing than its bench: {mismatch}; give a base with the machine's bearing")
     if mismatch:
         changes |= flatten({"bearing": rollers_of(measured.orders, bench, measured.name)})
@@ -116,27 +118,27 @@ def rollers_of(orders: Orders, bench: Configuration, name: str) -> dict[str, Any
 
 def _mismatch(bench: Orders, machine: Orders) -> str:
     for name in ("bpfo", "bpfi"):
-        one, two = getattr(bench, name), getattr(machine, name)
-        if abs(one / two - 1.0) > SAME_ORDERS:
-            return f"its {name.upper()} is {one:.4g} orders, that of the machine {two:.4g}"
+        simulated, measured = getattr(bench, name), getattr(machine, name)
+        if abs(simulated / measured - 1.0) > SAME_ORDERS:
+            return f"its {name.upper()} is {simulated:.4g} orders, that of the machine {measured:.4g}"
     return ""
 
 
-def simulated_source(bench: Configuration, seconds: float) -> Source:
+def ring_acceleration(bench: Configuration, seconds: float) -> RingAcceleration:
     """Return the acceleration of the outer ring after the anti-alias filter, from `SETTLING` on."""
     blocks = list(Simulation(bench, waveform_only=True).blocks(SETTLING + seconds))
     first = round(SETTLING * bench.sensor.sampling_rate)
     clean = np.concatenate([block.clean for block in blocks])[first:].T.astype(np.float64)
     angle = np.concatenate([block.shaft_angle for block in blocks])[first:]
-    return Source(clean - clean.mean(axis=1, keepdims=True), unwrapped_turns(angle))
+    return RingAcceleration(clean - clean.mean(axis=1, keepdims=True), unwrapped_turns(angle))
 
 
-def individuals_of(benches: Sequence[Configuration], sources: Sequence[Source]) -> list[list[Source]]:
+def individuals_of(benches: Sequence[Configuration], sources: Sequence[RingAcceleration]) -> list[list[RingAcceleration]]:
     """Return individuals of the bearing at the speed of each recording, the source first: the surfaces of the machine's are unknown."""
-    made: dict[int, list[Source]] = {}
+    made: dict[int, list[RingAcceleration]] = {}
     for bench, source in zip(benches, sources, strict=True):
         if id(source) not in made:
             seeds = [(bench.surfaces.seed + 7919 * k) % (2**31 - 1) for k in range(1, INDIVIDUALS)]
             others = [load_configuration(bench, {"surfaces.seed": seed}) for seed in seeds]
-            made[id(source)] = [source, *(simulated_source(one, INDIVIDUAL_SECONDS) for one in others)]
+            made[id(source)] = [source, *(ring_acceleration(bench, INDIVIDUAL_SECONDS) for bench in others)]
     return [made[id(source)] for source in sources]

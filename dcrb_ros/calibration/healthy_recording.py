@@ -31,7 +31,7 @@ SAME_ORDERS = 0.02
 
 
 @dataclass(frozen=True, eq=False)
-class Measured:
+class HealthyRecording:
     """A checked recording of a healthy machine: its longest stretch without a gap."""
 
     name: str
@@ -67,7 +67,7 @@ class Measured:
         return float(self.turns[-1]) * 2.0 * math.pi * self.rate / (len(self.turns) - 1)
 
 
-def measured_of(signal: Signal, name: str, *, trust: bool = False) -> Measured:
+def checked_recording(signal: Signal, name: str, *, trust: bool = False) -> HealthyRecording:
     """Return a recording after its checks.
 
     Args:
@@ -104,7 +104,7 @@ def measured_of(signal: Signal, name: str, *, trust: bool = False) -> Measured:
     single = np.array_equal(acceleration[0], acceleration[1])
     if not trust:
         _check_health(waveform, signal, name)
-    return Measured(
+    return HealthyRecording(
         name,
         waveform,
         acceleration[1:] - acceleration[1:].mean() if single else acceleration - acceleration.mean(axis=1, keepdims=True),
@@ -117,7 +117,7 @@ def measured_of(signal: Signal, name: str, *, trust: bool = False) -> Measured:
     )
 
 
-def check_one_machine(recordings: Sequence[Measured]) -> None:
+def check_one_machine(recordings: Sequence[HealthyRecording]) -> None:
     """Refuse recordings that cannot be of one machine.
 
     Raises:
@@ -135,9 +135,9 @@ def check_one_machine(recordings: Sequence[Measured]) -> None:
         if other.axes != first.axes:
             raise Refusal(f"{pair} have {len(first.axes)} and {len(other.axes)} axes: import both with the same channels")
         for name in ("bpfo", "bpfi"):
-            one, two = getattr(first.orders, name), getattr(other.orders, name)
-            if abs(two / one - 1.0) > SAME_ORDERS:
-                orders = f"{name.upper()} is {one:.4g} and {two:.4g} orders"
+            before, after = getattr(first.orders, name), getattr(other.orders, name)
+            if abs(after / before - 1.0) > SAME_ORDERS:
+                orders = f"{name.upper()} is {before:.4g} and {after:.4g} orders"
                 raise Refusal(f"{pair} are of different machines: {orders}; calibrate to each alone")
 
 
@@ -169,11 +169,11 @@ def _check_clipping(acceleration: Floats, sensor_range: float, name: str) -> Non
 
 
 def _check_health(waveform: Waveform, signal: Signal, name: str) -> None:
-    found = watch(waveform)
-    if found.verdict not in ("healthy", "waiting"):
+    diagnosis = watch(waveform)
+    if diagnosis.verdict not in ("healthy", "waiting"):
         raise Refusal(
-            f"{name} does not seem healthy: the detector finds {found.verdict} ({found.reason}); give a healthy recording, or say that it "
-            "is one (--trust)"
+            f"{name} does not seem healthy: the detector finds {diagnosis.verdict} ({diagnosis.reason}); give a healthy recording, "
+            "or say that it is one (--trust)"
         )
 
 
@@ -191,5 +191,5 @@ def _angle_measured(signal: Signal) -> bool:
 def _configuration(signal: Signal) -> Configuration | None:
     if isinstance(signal, Recording):
         return signal.configuration if signal.configured else None
-    found = getattr(signal, "configuration", None)
-    return found if isinstance(found, Configuration) else None
+    configuration = getattr(signal, "configuration", None)
+    return configuration if isinstance(configuration, Configuration) else None
