@@ -13,7 +13,7 @@ from scipy import signal
 
 from dcrb_ros.diagnosis.detection import detect
 from dcrb_ros.diagnosis.envelope_spectrum import envelope_spectrum
-from dcrb_ros.diagnosis.rules.outer_ring import PAPER_BASELINE
+from dcrb_ros.diagnosis.rules.outer_ring import PAPER_LIMITS
 from dcrb_ros.measurement.decimation import anti_alias_taps
 from dcrb_ros.measurement.parameters import MICRO_G, SensorFault
 from dcrb_ros.measurement.sensor import Sensor
@@ -37,7 +37,7 @@ QUIET = {"noise_density": 0.0, "white_noise_ug": 0.0, "pink_noise_ug": 0.0, "adc
 """A sensor whose response can be measured."""
 SHAFT_SPEED = 125.664
 """At which the chain is measured [rad/s]."""
-SIZE = re.compile(rf"has ([\d.]+) m/s\^2 \(baseline {PAPER_BASELINE[0]:g} m")
+SIZE = re.compile(rf"has ([\d.]+) m/s\^2 \(baseline {PAPER_LIMITS[0]:g} m")
 """The size of BPFO lines over the whole band, in the reason of a diagnosis of the paper's bearing."""
 
 
@@ -81,7 +81,7 @@ def sizes(file: Path) -> None:
             lines.append(float(size[1]) if size else np.nan)
         label = f"outer-ring defect of {width * 1e3:g} mm" if width else "healthy, if its lines are significant"
         ax.scatter(speeds, lines, s=16, color=colour, label=label)
-    ax.axhline(PAPER_BASELINE[0], color="black", linewidth=1.0, label="baseline")
+    ax.axhline(PAPER_LIMITS[0], color="black", linewidth=1.0, label="baseline")
     ax.set(xlabel="speed [rpm]", ylabel="BPFO lines, 2 to 20 kHz,\nscaled to 20 Hz [m/s²]")
     ax.legend()
     ax.grid(alpha=0.3)
