@@ -5,7 +5,7 @@ that it shows:
 
 * ``bench NAME KEY=VALUE ...``: the parameters of a shipped configuration that differ from their defaults
 * ``samples CASE``: a fingerprint of the model, from ``tests/unchanged``
-* ``file PATH``: the content of a file
+* ``file PATH``: the content of a file, of YAML the values
 * ``detector FOLDER``: the detector's parameters, and its verdict and confidence on each recording of a folder
 * ``drawing PATH[:FUNCTION]``: texts, numbers and colours of a source file, a folder or a function; names and docstrings may change
 """
@@ -20,6 +20,8 @@ import time
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
+
+import yaml
 
 from dcrb_ros.diagnosis.detection import detect
 from dcrb_ros.diagnosis.parameters import DetectorParameters
@@ -57,8 +59,9 @@ def samples(case: str) -> str:
 
 
 def file(path: str) -> str:
-    """Return the digest of a file of the repository."""
-    return hashlib.sha256((ROOT / path).read_bytes()).hexdigest()[:16]
+    """Return the digest of a file of the repository; of a YAML file that of its values, so that comments may change."""
+    data = (ROOT / path).read_bytes()
+    return digest_of(yaml.safe_load(data)) if path.endswith(".yaml") else hashlib.sha256(data).hexdigest()[:16]
 
 
 @functools.cache

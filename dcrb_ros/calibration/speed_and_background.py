@@ -109,7 +109,7 @@ def unbalance_of(machines: Sequence[HealthyRecording], sources: Sequence[RingAcc
 
 
 def modulation_of(machines: Sequence[HealthyRecording], sources: Sequence[RingAcceleration], path: IdentifiedPath) -> Part:
-    """Return the modulation by the shaft from the squared envelope of the band in which the bearing is heard.
+    """Return the modulation by the shaft from the squared envelope of the band in which the bearing rises above the noise.
 
     The line at order 1 is 2 m / (1 + m^2/2) of the mean; noise in the band lowers it by its share of the power.
     """
