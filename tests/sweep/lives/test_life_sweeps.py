@@ -192,7 +192,7 @@ OILED = {"thermal.law": "network", "lubrication.law": "film", "cage.joint": "rev
 
 def test_the_surroundings_follow_the_year() -> None:
     climate = {"mean": 5.0, "season": 15.0, "hours_per_year": 4000.0}
-    population = {"lives": 6, "inspection": {"every": 1000.0, "overhaul": 20000.0}, "start": {}}
+    population = {"lives": 6, "inspection": {"every": 1000.0, "overhaul": 20000.0}, "start": {"rating": 5e6}}
     runs = list(plan_of(sweep(set=OILED, climate=climate, **population)).runs())
     by_bearing: dict[str, list[float]] = defaultdict(list)
     for run in runs:
