@@ -98,6 +98,12 @@ def test_the_divisors_of_the_roller_ratings_are_integrals_of_the_load_zone() -> 
     assert 1.0 / np.mean(loads**4.5) ** (1 / 4.5) == pytest.approx(0.364, abs=0.002)
 
 
+def test_the_raceways_have_the_ratio_of_ratings_of_iso_281() -> None:
+    # ISO/TR 1281-1, in f_c: the inner raceway has 1.04 ((1 - g) / (1 + g))^(143/108) of the outer one's rating; at g = 0.2 this is 0.608.
+    inner, outer = roller_ratings(Bearing(roller_radius=0.01, pitch_radius=0.05), 1e6)
+    assert (inner * 0.378) / (outer * 0.364) == pytest.approx(0.608, rel=0.005)
+
+
 def test_a_row_at_the_rating_of_a_raceway_has_the_load_of_the_standard() -> None:
     # ISO/TS 16281, formula of L_10r = (P_ref / C)^(-4) with equal roller loads Q_ei = Q_ci: ((1)^(-9/2) + (Q_ce / Q_ci)^(-9/2))^(-8/9).
     bearing = Bearing(rows=1)
