@@ -27,6 +27,7 @@ from dcrb_ros.exam.report import Report as Report
 from dcrb_ros.plots.envelope_spectrum import plot_envelope_spectrum as plot_envelope_spectrum
 from dcrb_ros.plots.load_zone import plot_load_zone as plot_load_zone
 from dcrb_ros.plots.waveform import plot_waveform as plot_waveform
+from dcrb_ros.prognosis.life_update import update_remaining_life as update_remaining_life
 from dcrb_ros.prognosis.rating_life import dynamic_load_rating as dynamic_load_rating
 from dcrb_ros.prognosis.rating_life import rating_life as rating_life
 from dcrb_ros.prognosis.remaining_life import RemainingLife as RemainingLife

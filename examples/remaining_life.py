@@ -23,10 +23,8 @@ GROWTH: Literal["hyperbolic"] = "hyperbolic"
 """Form of the trend: 1/severity falls more evenly than its logarithm rises."""
 WINDOW = 8
 """Inspections to which a trend is fitted at most."""
-SHARES = np.linspace(0.0, 1.0, 21)
-"""Shares of the time from the begin of a trend to failure at which training bearings are compared."""
-LEAST_DEVIATION = 0.1
-"""Deviation of the logarithm of a severity beside that between training bearings."""
+FEWEST = 4
+"""Inspections since the begin of a trend before which nothing is estimated."""
 
 
 def inspections(folder: Path) -> pd.DataFrame:
@@ -49,68 +47,41 @@ def limit(train: pd.DataFrame) -> tuple[float, float]:
     return float(at_failure.median()), float((1.0 / at_failure).std())
 
 
-def estimates(bearing: pd.DataFrame, at_failure: float, deviation: float) -> pd.DataFrame:
-    """Return an estimate for every inspection of a bearing at which a trend is known; nothing later than it is used."""
-    hours, severity = bearing["hours"].to_numpy(), bearing["severity"].to_numpy()
-    rows: list[tuple[float, ...]] = []
-    for now in range(len(hours) - 1):
-        since = max(begin(severity[: now + 1]), now + 1 - WINDOW)
-        if now + 1 - since >= 4 and bearing["remaining_life"].iloc[now] > 0.0:
-            seen = slice(since, now + 1)
-            found = dcrb_ros.estimate_remaining_life(hours[seen], severity[seen], at_failure, growth=GROWTH, limit_deviation=deviation)
-            rows.append((hours[now], bearing["remaining_life"].iloc[now], found.median, found.low, found.high))
-    found = pd.DataFrame(rows, columns=["hours", "true", "median", "low", "high"], dtype=np.float64)
-    return found.assign(bearing=bearing["bearing_id"].iloc[0])
-
-
-def courses(train: pd.DataFrame) -> tuple[np.ndarray, np.ndarray]:
-    """Return the time from the trend's begin to failure of each training bearing that failed [h], and its course.
-
-    A course is the logarithm of the severity over its healthy median at `SHARES` of that time, shape (bearings, shares).
-    """
-    times, found = [], []
+def histories(train: pd.DataFrame) -> list[tuple[np.ndarray, np.ndarray]]:
+    """Return hours [h] and severity over its healthy median [-] of each training bearing that failed, from the begin of its trend on."""
+    failed = []
     for _, rows in train.groupby("bearing_id"):
         hours, severity = rows["hours"].to_numpy(), rows["severity"].to_numpy()
         first = begin(severity)
         if rows["remaining_life"].iloc[-1] == 0.0 and first < len(hours) - 1:
-            times.append(hours[-1] - hours[first])
-            level = np.log(severity[first:] / np.median(severity[:HEALTHY]))
-            found.append(np.interp(SHARES, (hours[first:] - hours[first]) / times[-1], level))
-    return np.array(times), np.array(found)
+            failed.append((hours[first:], severity[first:] / np.median(severity[:HEALTHY])))
+    return failed
 
 
-def update(hours: np.ndarray, severity: np.ndarray, times: np.ndarray, known: np.ndarray) -> float:
-    """Return the median of the remaining life after a Bayesian update [h], on a grid.
-
-    The prior of the time from the trend's begin to failure is the lognormal one of the training bearings; each inspection since then has a
-    normal likelihood about their mean course at its share of that time.
-    """
-    first = begin(severity)
-    grid = np.exp(np.linspace(np.log(0.1 * times.min()), np.log(8.0 * times.max()), 400))
-    spread = np.log(times).std(ddof=1) * np.sqrt(1.0 + 1.0 / len(times))
-    likelihood = -0.5 * ((np.log(grid) - np.log(times).mean()) / spread) ** 2
-    mean, deviation = known.mean(axis=0), known.std(axis=0, ddof=1) + LEAST_DEVIATION
-    for time, level in zip(hours[first:] - hours[first], np.log(severity[first:] / np.median(severity[:HEALTHY])), strict=True):
-        share = np.minimum(time / grid, 1.0)
-        here = np.interp(share, SHARES, deviation)
-        likelihood += -0.5 * ((level - np.interp(share, SHARES, mean)) / here) ** 2 - np.log(here)
-    passed = hours[-1] - hours[first]
-    likelihood[grid <= passed] = -np.inf
-    if not np.isfinite(likelihood).any():
-        return 0.0
-    weight = np.cumsum(np.exp(likelihood - likelihood.max()))
-    return float(np.interp(0.5 * weight[-1], weight, grid) - passed)
+def estimates(bearing: pd.DataFrame, train: pd.DataFrame) -> pd.DataFrame:
+    """Return estimates for every inspection of a bearing at which a trend is known; nothing later than it is used."""
+    hours, severity = bearing["hours"].to_numpy(), bearing["severity"].to_numpy()
+    failed, (at_failure, deviation) = histories(train), limit(train)
+    constant = float(train.loc[train["damage"] > 0.0, "remaining_life"].median())
+    rows = []
+    for now, true in enumerate(bearing["remaining_life"]):
+        first = begin(severity[: now + 1])
+        if now + 1 - first >= FEWEST and true > 0.0:
+            seen, last = slice(first, now + 1), slice(max(first, now + 1 - WINDOW), now + 1)
+            update = dcrb_ros.update_remaining_life(hours[seen], severity[seen] / np.median(severity[:HEALTHY]), failed)
+            trend = dcrb_ros.estimate_remaining_life(hours[last], severity[last], at_failure, growth=GROWTH, limit_deviation=deviation)
+            rows.append((hours[now], true, update.median, update.low, update.high, trend.median, trend.low, trend.high, constant))
+    columns = ["hours", "true", "update", "update_low", "update_high", "trend", "trend_low", "trend_high", "constant"]
+    return pd.DataFrame(rows, columns=columns, dtype=np.float64).assign(bearing=bearing["bearing_id"].iloc[0])
 
 
-def updates(found: pd.DataFrame, others: pd.DataFrame, train: pd.DataFrame) -> list[float]:
-    """Return the Bayesian estimate at the inspections of other estimates; nothing later than each is used."""
-    times, known = courses(train)
-    rows = dict(list(others.groupby("bearing_id")))
-    estimated = []
-    for name, hour in zip(found["bearing"], found["hours"], strict=True):
-        seen = rows[name][rows[name]["hours"] <= hour]
-        estimated.append(update(seen["hours"].to_numpy(), seen["severity"].to_numpy(), times, known))
-    return estimated
+def scores(table: pd.DataFrame) -> str:
+    """Return the score of each method and how often its intervals contain the truth."""
+    parts = []
+    for method in ("update", "trend"):
+        inside = (table[f"{method}_low"] <= table["true"]) & (table["true"] <= table[f"{method}_high"])
+        parts.append(f"{method} {dcrb_ros.phm_2012_score(table['true'], table[method]):.2f} ({100 * inside.mean():.0f} % inside)")
+    return f"{len(table)} estimates, {', '.join(parts)}, constant {dcrb_ros.phm_2012_score(table['true'], table['constant']):.2f}"
 
 
 def plot_severity(table: pd.DataFrame, at_failure: float, file: str) -> None:
@@ -128,44 +99,37 @@ def plot_severity(table: pd.DataFrame, at_failure: float, file: str) -> None:
     figure.savefig(file, dpi=100)
 
 
-def plot_estimates(found: pd.DataFrame, file: str) -> None:
+def plot_estimates(table: pd.DataFrame, file: str) -> None:
     """Plot true and estimated remaining life of each bearing with three estimates or more."""
-    names = [name for name, rows in found.groupby("bearing") if len(rows) >= 3]
+    names = [name for name, rows in table.groupby("bearing") if len(rows) >= 3]
     figure, axes = plt.subplots(1, len(names), figsize=(4.0 * len(names), 3.8), layout="constrained", squeeze=False, sharey=True)
-    top = 1.6 * float(found["true"].max())
-    for one, name in zip(axes[0], names, strict=True):
-        rows = found[found["bearing"] == name]
-        one.plot(rows["hours"], rows["true"], color="black", label="true")
-        one.fill_between(
-            rows["hours"], rows["low"].clip(upper=top), rows["high"].clip(upper=top), color="tab:blue", alpha=0.25, label="90 % interval"
-        )
-        one.plot(rows["hours"], rows["median"].clip(upper=top), "o-", color="tab:blue", ms=4.0, label="estimate")
-        one.set(title=name, xlabel="operating hours [h]", ylim=(0.0, top))
+    top = 1.6 * float(table["true"].max())
+    for panel, name in zip(axes[0], names, strict=True):
+        rows = table[table["bearing"] == name]
+        low, high, update = (rows[column].clip(upper=top) for column in ("update_low", "update_high", "update"))
+        panel.plot(rows["hours"], rows["true"], color="black", label="true")
+        panel.fill_between(rows["hours"], low, high, color="tab:blue", alpha=0.25, label="90 % interval")
+        panel.plot(rows["hours"], update, "o-", color="tab:blue", ms=4.0, label="update")
+        panel.plot(rows["hours"], rows["trend"].clip(upper=top), color="tab:orange", lw=1.0, label="trend")
+        panel.set(title=name, xlabel="operating hours [h]", ylim=(0.0, top))
     axes[0][0].set_ylabel("remaining life [h]")
     axes[0][0].legend()
     figure.savefig(file, dpi=100)
 
 
 def main(folder: Path) -> None:
-    """Learn the limit from the training bearings, and estimate the lives of all others."""
+    """Estimate the lives of the validation and test bearings from the training bearings, then each life from all others."""
     table = inspections(folder)
     train, others = table[table["split"] == "train"], table[table["split"] != "train"]
-    at_failure, deviation = limit(train)
-    failures = int((train["remaining_life"] == 0.0).sum())
-    print(f"limit {at_failure:.1f} m/s^2 from {failures} failures of training bearings")
-    found = pd.concat([estimates(rows, at_failure, deviation) for _, rows in others.groupby("bearing_id")], ignore_index=True)
-    for name, rows in found.groupby("bearing"):
-        inside = ((rows["low"] <= rows["true"]) & (rows["true"] <= rows["high"])).mean()
-        score = dcrb_ros.phm_2012_score(rows["true"], rows["median"])
-        print(f"{name}: {len(rows)} estimates, PHM 2012 score {score:.2f}, {100 * inside:.0f} % within their intervals")
-    constant = float(train.loc[train["damage"] > 0.0, "remaining_life"].median())
-    by_chance = dcrb_ros.phm_2012_score(found["true"], np.full(len(found), constant))
-    score = dcrb_ros.phm_2012_score(found["true"], found["median"])
-    print(f"all: PHM 2012 score {score:.2f}, by always saying {constant:.0f} h {by_chance:.2f}")
-    if failures >= 3:
-        print(f"Bayesian update: PHM 2012 score {dcrb_ros.phm_2012_score(found['true'], updates(found, others, train)):.2f}")
-    plot_severity(train, at_failure, "severity.png")
-    plot_estimates(found, "remaining-life.png")
+    print(f"{len(histories(train))} failures of training bearings, median severity {limit(train)[0]:.1f} m/s^2")
+    estimated = pd.concat([estimates(rows, train) for _, rows in others.groupby("bearing_id")], ignore_index=True)
+    for name, rows in estimated.groupby("bearing"):
+        print(f"{name}: {scores(rows)}")
+    print(f"all: {scores(estimated)}")
+    each = [estimates(rows, table[table["bearing_id"] != name]) for name, rows in table.groupby("bearing_id")]
+    print(f"each life from all others: {scores(pd.concat(each, ignore_index=True))}")
+    plot_severity(train, limit(train)[0], "severity.png")
+    plot_estimates(estimated, "remaining-life.png")
 
 
 if __name__ == "__main__":

@@ -40,7 +40,9 @@ def estimate_remaining_life(
     coverage: float = 0.9,
     limit_deviation: float = 0.0,
 ) -> RemainingLife:
-    """Return the hours until the trend of a severity reaches its limit.
+    """Return the hours until the trend of a severity reaches its limit, for a bearing of which no other life is known.
+
+    Where other bearings failed, `update_remaining_life` is better: trends with bends, such as those of spalls, are extrapolated poorly.
 
     A straight line y = a + b t is fitted by least squares: to the severity s with linear growth, to ln s with exponential growth,
     ds/dt = b s, and to -1/s with hyperbolic growth, ds/dt = b s^2, which is infinite after a finite time (Voight, A relation to describe

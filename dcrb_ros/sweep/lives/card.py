@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dcrb_ros.prognosis.rating_life import LIFE_MODEL
 from dcrb_ros.sweep.lives.sweep import LifeSweep
 from dcrb_ros.sweep.lives.table import LIVES
 from dcrb_ros.text.markdown import table
@@ -29,8 +30,9 @@ Everything is drawn with the seed {recipe.numbers.seed}. `lives.parquet` has one
 
 * Duty, repeated until the bearing fails: {duty.revolutions_per_hour:.4g} revolutions per operating hour under an equivalent load of
   {duty.load:.4g} N.
-* Start of the damage: Weibull with the slope {start.slope:g} about the basic rating life of ISO 281, {population.rating:.4g} revolutions or
-  {population.rating_hours:.4g} h, which 90 % of the bearings reach{_only(sweep)}.
+* Start of the damage: Weibull with the slope {start.slope:g} about the basic reference rating life, {population.rating:.4g} revolutions or
+  {population.rating_hours:.4g} h, which 90 % of the bearings reach{_only(sweep)}. Its model is `{LIFE_MODEL}`: the
+  load zone of the new bearing causes the fatigue of a bearing without clearance under {population.zone_load:.4g} N.
 * Growth: law `{recipe.growth.law}` ({growth}),
   from {1e3 * damage.first_width:g} mm to {1e3 * damage.last_width:g} mm, at which the bearing has failed;
   its median is {population.growth_hours:.4g} h under this duty. The law and its constants are assumptions, not measurements.

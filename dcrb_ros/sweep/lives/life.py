@@ -92,12 +92,14 @@ class Population:
     recipe: Recipe
     duty: Duty
     rating: float
-    """Basic rating life [revolutions]."""
+    """Basic reference rating life [revolutions]."""
+    zone_load: float
+    """Equivalent load of the duty with its load zones, from which that life follows (ISO/TS 16281) [N]."""
     bearings: Bearings
 
     @property
     def rating_hours(self) -> float:
-        """Basic rating life [h]."""
+        """Basic reference rating life [h]."""
         return self.rating / self.duty.revolutions_per_hour
 
     @property

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, TypeVar
 
-from dcrb_ros.prognosis.rating_life import dynamic_load_rating, rating_life
+from dcrb_ros.bearing.load_distribution import roller_forces
+from dcrb_ros.prognosis.rating_life import dynamic_load_rating, equivalent_load, rating_life, reference_load
 from dcrb_ros.schema.fields import Group
 from dcrb_ros.schema.refusal import Refusal, nearest
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import flatten, overlaid, validated
-from dcrb_ros.settings.parameters import Bearing
 from dcrb_ros.sweep.design import Value
 from dcrb_ros.sweep.lives.duty import Duty, duty_of_line, duty_of_spectrum
 from dcrb_ros.sweep.lives.growth import GROWTH_LAWS, Growth
@@ -45,7 +45,7 @@ def life_sweep_of(tree: Mapping[str, Any], source: str, common: Sweep) -> LifeSw
     recipe = Recipe(numbers, inspection, start, damage, _growth(tree.get("growth", {}), source), _climate(tree, common, source))
     configuration = validated(common.base, Configuration, source)
     duty, written = _duty(tree, configuration.operating.wheel_diameter, source)
-    population = _population(recipe, duty, configuration.bearing, source)
+    population = _population(recipe, duty, configuration, source)
     sections = duty.inspected(inspection.section, common.file.duration + common.file.settle, source)
     sweep = LifeSweep(
         common.file, common.text, common.base, {}, {}, {}, recipe=recipe, duty=written, sections=sections, population=population
@@ -112,7 +112,15 @@ def _listed(tree: Any, kind: type[Model], source: str, name: str) -> list[Model]
     return [_group(entry, kind, source, f"{name}[{number}]") for number, entry in enumerate(tree)]
 
 
-def _population(recipe: Recipe, duty: Duty, bearing: Bearing, source: str) -> Population:
+def _zone_load(duty: Duty, configuration: Configuration, rating: float) -> float:
+    """Return the equivalent load of the duty with the load zones of its sections, whose clearance is that of a new bearing [N]."""
+    bearing = configuration.bearing
+    gap = bearing.radial_gap - configuration.faults.condition.clearance
+    zones = {load: reference_load(bearing, rating, roller_forces(configuration, load, gap)) for load in {s.load for s in duty.sections}}
+    return equivalent_load([zones[section.load] for section in duty.sections], [section.revolutions for section in duty.sections])
+
+
+def _population(recipe: Recipe, duty: Duty, configuration: Configuration, source: str) -> Population:
     """Return the lives, and refuse those that do not end or are not inspected."""
     damage, inspection, start = recipe.damage, recipe.inspection, recipe.start
     total = damage.outer + damage.inner + damage.roller
@@ -125,8 +133,10 @@ def _population(recipe: Recipe, duty: Duty, bearing: Bearing, source: str) -> Po
         )
     if not duty.load > 0.0:
         raise Refusal(f"{source}: a life cannot end: the equivalent load of the duty is 0 N, without fatigue; give loads above 0 N")
-    rating = rating_life(start.rating or dynamic_load_rating(bearing), duty.load)
-    population = Population(recipe, duty, rating, Bearings(bearing.rows, bearing.rollers_per_row))
+    bearing = configuration.bearing
+    rating = start.rating or dynamic_load_rating(bearing)
+    load = _zone_load(duty, configuration, rating)
+    population = Population(recipe, duty, rating_life(rating, load), load, Bearings(bearing.rows, bearing.rollers_per_row))
     longest = max(population.rating_hours, population.growth_hours)
     if longest > LONGEST_LIFE:
         term = "rating life" if population.rating_hours == longest else "growth of the damage"

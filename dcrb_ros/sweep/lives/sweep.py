@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from dcrb_ros.faults.raceway_defect import NOTCH
+from dcrb_ros.prognosis.rating_life import LIFE_MODEL
 from dcrb_ros.sweep.design import Value
 from dcrb_ros.sweep.lives.duty import Section
 from dcrb_ros.sweep.lives.life import COMPONENTS, Population
@@ -38,7 +39,7 @@ class LifeSweep(Sweep):
         """All inputs of the data set, as written to its description."""
         groups = {name: getattr(self.recipe, name).model_dump() for name in ("numbers", "inspection", "start", "damage", "growth")}
         climate = {"climate": self.recipe.climate.model_dump()} if self.recipe.climate is not None else {}
-        return {**super().inputs, "kind": LIFE, "duty": list(self.duty), **groups, **climate}
+        return {**super().inputs, "kind": LIFE, "life_model": LIFE_MODEL, "duty": list(self.duty), **groups, **climate}
 
     def damage(self, component: str, location: Mapping[str, Value], individual: int, width: float) -> Iterator[tuple[str, Value]]:
         """Yield the parameters of the damage of a component: location, seed of the bearing, width [m]. Without width there are none."""
