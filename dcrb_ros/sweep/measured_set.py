@@ -20,8 +20,9 @@ from dcrb_ros.schema.refusal import Refusal, nearest
 from dcrb_ros.schema.verdicts import FAULT_CLASSES
 from dcrb_ros.sweep.identity import TRUTH
 from dcrb_ros.sweep.label import DONE
-from dcrb_ros.sweep.schema import SPLITS, healthy_first, write_about
+from dcrb_ros.sweep.schema import CARD, DESCRIPTION, SPLITS, healthy_first, write_about
 from dcrb_ros.sweep.store import Store, file_record
+from dcrb_ros.sweep.sums import write_sums
 from dcrb_ros.sweep.sweep_file import Windows
 from dcrb_ros.sweep.table import LABELS, table_of
 from dcrb_ros.sweep.windows import cut_windows, waveform_file, window_starts, windows_file
@@ -94,6 +95,7 @@ def write_measured_set(
     card = _card(title, licence, counts, windows, list(sources))
     origins = list(sources.values())
     write_about(store, card, title, licence, counts, measured=True, waveform="npz", windows=cut, truth=TRUTH, sources=origins)
+    write_sums(store, [LABELS, CARD, DESCRIPTION])
     return counts
 
 

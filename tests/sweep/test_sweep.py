@@ -40,10 +40,11 @@ from dcrb_ros.sweep import execution
 from dcrb_ros.sweep.cluster import TASKS_PER_WORKER, ClusterWorkers, cluster_workers
 from dcrb_ros.sweep.data_set import open_data_set
 from dcrb_ros.sweep.design import GRID, LATIN_HYPERCUBE, RANDOM, Choice, Span, points, size
+from dcrb_ros.sweep.division import splits
 from dcrb_ros.sweep.estimate import estimate
 from dcrb_ros.sweep.execution import common_settings, run_task
 from dcrb_ros.sweep.loader import read_sweep, sweep_of
-from dcrb_ros.sweep.plan import Plan, PlannedRun, splits
+from dcrb_ros.sweep.plan import Plan, PlannedRun
 from dcrb_ros.sweep.store import Store, StoreFailed
 from dcrb_ros.sweep.sweep_file import Shares, Windows
 from dcrb_ros.sweep.windows import cut_windows, window_starts
