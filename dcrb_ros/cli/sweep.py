@@ -109,7 +109,7 @@ def _make(plan: Plan, store: Store, workers: Workers, *, compile_first: bool, qu
         with shown.status("checking the finished runs ..."):
             data_set = stack.enter_context(open_data_set(plan, store))
         if not quiet:
-            if data_set.plan is not plan:
+            if data_set.extended:
                 typer.echo(f"{store.address} is extended: its {len(data_set.done)} finished runs and their splits are kept", err=True)
             _report_flaws(data_set)
             typer.echo(str(workers), err=True)

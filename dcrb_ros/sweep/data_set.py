@@ -16,7 +16,7 @@ from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.files import nest
 from dcrb_ros.sweep.card import card
 from dcrb_ros.sweep.execution import common_settings, error_label, write_label
-from dcrb_ros.sweep.extension import extended_plan
+from dcrb_ros.sweep.extension import extended_plan, without_count
 from dcrb_ros.sweep.folder_lock import locked
 from dcrb_ros.sweep.label import ERROR
 from dcrb_ros.sweep.plan import Plan
@@ -66,8 +66,11 @@ class DataSetWriter:
         self.checked = bool(known.get(DIGESTS, not known))
         """Whether all labels have digests; a data set of an earlier version has none, so that a changed label is not found."""
         about[DIGESTS] = self.checked
+        self.extended = False
+        """Whether the data set had fewer points or lives before."""
         if known:
-            _check_same(known, about, store)
+            _check_same(known, about, store, extended=self.plan is not plan)
+            self.extended = known.get("name") != about["name"]
         elif any(True for _ in store.names("")):
             raise Refusal(f"{store.address} contains files that are not a data set: give an empty or a new folder")
         # Written first, since the folder is recognised by this file.
@@ -158,8 +161,8 @@ def _as_file(plan: Plan) -> str:
     return str(yaml.safe_dump({"/**": {"ros__parameters": nest(plan.sweep.base)}}, sort_keys=False))
 
 
-def _check_same(known: dict[str, Any], about: dict[str, Any], store: Store) -> None:
-    """Refuse to continue a data set with other inputs."""
+def _check_same(known: dict[str, Any], about: dict[str, Any], store: Store, *, extended: bool) -> None:
+    """Refuse to continue a data set with other inputs; an extended one may have more points or lives."""
     if known.get("name") == about["name"]:
         return
     if known.get("model") != about["model"] or known.get("dcrb_ros") != about["dcrb_ros"]:
@@ -167,13 +170,12 @@ def _check_same(known: dict[str, Any], about: dict[str, Any], store: Store) -> N
             f"{store.address} was made with dcrb_ros {known.get('dcrb_ros')} and model {known.get('model')}, but this is "
             f"{about['dcrb_ros']} with model {about['model']}: give another folder"
         )
-    parts = [part for part in PARTS if known.get(part) != about[part]]
-    keys = [
-        key
-        for part in parts
-        for key in sorted({*known.get(part, {}), *about[part]})
-        if known.get(part, {}).get(key) != about[part].get(key)
-    ]
+    before, after = ({part: inputs.get(part, {}) for part in PARTS} for inputs in (known, about))
+    if extended:
+        before, after = ({**inputs, "sweep": without_count(inputs["sweep"])} for inputs in (before, after))
+        if before == after:
+            return
+    keys = [key for part in PARTS for key in sorted({*before[part], *after[part]}) if before[part].get(key) != after[part].get(key)]
     raise Refusal(
         f"{store.address} was made with another sweep ({', '.join(keys[:5])} differ{'s' if len(keys) == 1 else ''}): give another folder, "
         f"or continue this one with its own {COPY}, in which a larger number of points or lives adds runs"

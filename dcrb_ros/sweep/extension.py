@@ -35,6 +35,13 @@ def extended_plan(plan: Plan, known: Mapping[str, Any]) -> Plan:
     return plan_of(replace(sweep, file=file, text=_with_history(sweep.text, counts)))
 
 
+def without_count(inputs: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the inputs of a sweep without the number of points or lives and its history, in which an extension differs."""
+    kept = {key: value for key, value in inputs.items() if key not in ("points", EXTENDED)}
+    numbers = kept.get("numbers")
+    return kept | {"numbers": {**numbers, "lives": 0}} if isinstance(numbers, Mapping) else kept
+
+
 def _count(inputs: Mapping[str, Any]) -> int | None:
     """Return the number of points or lives of a sweep; None for a grid."""
     numbers = inputs.get("numbers")
