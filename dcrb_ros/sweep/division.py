@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import itertools
 from collections import Counter
-from collections.abc import Collection, Mapping, Sequence
-from typing import NamedTuple
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from typing import Any, NamedTuple
 
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.sweep.identity import BEARING_ID, IDENTITIES, MACHINE, Groups
@@ -82,6 +82,15 @@ def divided(parts: Sequence[Collection[Unit]], shares: Shares) -> Division:
     return Division(split_of, shared)
 
 
+def in_several(pairs: Iterable[tuple[Any, str]]) -> int:
+    """Return how many names occur in more than one split; an empty one does not count."""
+    splits: dict[str, set[str]] = {}
+    for name, split in pairs:
+        if name:
+            splits.setdefault(name, set()).add(split)
+    return sum(len(names) > 1 for names in splits.values())
+
+
 def separation(shared: Mapping[str, int]) -> list[str]:
     """Return a sentence on bearings and one on machines: whether each is in one split only, as a list for the data card."""
     warned = warnings_of(shared)
@@ -147,12 +156,10 @@ def _part_of_each(split_of: Mapping[str, str]) -> dict[str, float]:
 
 
 def _shared(parts: Sequence[Collection[Unit]], split_of: Mapping[str, str]) -> dict[str, int]:
-    counts = {}
-    for name in IDENTITIES:
-        splits_of: dict[str, set[str]] = {}
-        for unit in itertools.chain.from_iterable(parts):
-            splits_of.setdefault(getattr(unit, name), set()).add(split_of[unit.condition])
-        counts[name] = sum(len(names) > 1 for names in splits_of.values())
+    counts = {
+        name: in_several((getattr(unit, name), split_of[unit.condition]) for unit in itertools.chain.from_iterable(parts))
+        for name in IDENTITIES
+    }
     return {name: count for name, count in counts.items() if count}
 
 

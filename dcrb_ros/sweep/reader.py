@@ -7,7 +7,7 @@ import io
 import json
 import warnings
 from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -21,7 +21,7 @@ from dcrb_ros.faults.ground_truth import class_of
 from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.runtime.frames import pandas
 from dcrb_ros.schema.refusal import Refusal, nearest
-from dcrb_ros.sweep.division import REMEDIES, warnings_of
+from dcrb_ros.sweep.division import REMEDIES, in_several, warnings_of
 from dcrb_ros.sweep.label import DONE
 from dcrb_ros.sweep.read_windows import ReadWindows
 from dcrb_ros.sweep.schema import SPLITS, healthy_first
@@ -233,7 +233,7 @@ class DataSet:
 
     def _shared(self) -> dict[str, int]:
         """Return the number of bearings and machines in more than one split."""
-        return {name: _in_several((row.get(name), row["split"]) for row in self._rows.values()) for name in REMEDIES}
+        return {name: in_several((row.get(name), row["split"]) for row in self._rows.values()) for name in REMEDIES}
 
     def _split(self, split: str) -> str:
         if split not in self.splits:
@@ -243,15 +243,6 @@ class DataSet:
 
 def _warn(sentence: str) -> None:
     warnings.warn(sentence, UserWarning, stacklevel=3)
-
-
-def _in_several(pairs: Iterable[tuple[Any, str]]) -> int:
-    """Return how many names occur in more than one split; an empty one does not count."""
-    splits: dict[str, set[str]] = {}
-    for name, split in pairs:
-        if name:
-            splits.setdefault(name, set()).add(split)
-    return sum(len(names) > 1 for names in splits.values())
 
 
 def _arrays(data: bytes, name: str) -> Mapping[str, Any]:
