@@ -11,8 +11,8 @@ from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.sweep.identity import BEARING_ID, IDENTITIES, MACHINE, Groups
 from dcrb_ros.sweep.sweep_file import EXTENDED, Shares
 
-TOLERANCE = 0.1
-"""Largest change of the share of a split by bearings and machines that are kept apart by default [-]."""
+TOLERANCE = 0.25
+"""Largest change of the share of a split by machines that are kept apart by default [-]: three sensors do not make three splits."""
 REMEDIES = {
     BEARING_ID: ("bearing", "vary surfaces.seed, with surfaces.law: profile"),
     MACHINE: ("machine", "vary structure.seed, with structure.modes above 0"),
@@ -55,7 +55,8 @@ def batches(counts: Sequence[int], last: int) -> list[tuple[int, int]]:
 def divided(parts: Sequence[Collection[Unit]], shares: Shares) -> Division:
     """Divide the conditions of each part of a sweep; those of the earlier parts keep their splits.
 
-    Without ``split.apart``, bearings and machines are kept apart, or bearings, or machines, whichever leaves the shares within `TOLERANCE`.
+    Without ``split.apart``, bearings and machines are kept apart, or bearings, or machines: the first of these that leaves no split empty
+    and changes no share by more than its tolerance.
 
     Raises:
         Refusal: the conditions share too many of the identities of ``split.apart``.
@@ -67,9 +68,9 @@ def divided(parts: Sequence[Collection[Unit]], shares: Shares) -> Division:
         split_of = _assigned(parts, shares, apart)
     else:
         plain = _part_of_each(_assigned(parts[:1], shares, ()))
-        for apart in ((BEARING_ID, MACHINE), (BEARING_ID,), (MACHINE,), ()):
+        for apart, tolerance in (((BEARING_ID, MACHINE), TOLERANCE), ((BEARING_ID,), 1.0), ((MACHINE,), TOLERANCE), ((), 1.0)):
             kept = _part_of_each(_assigned(parts[:1], shares, apart))
-            if all(abs(share - plain[split]) <= TOLERANCE for split, share in kept.items()):
+            if all(abs(kept[split] - share) <= tolerance and bool(kept[split]) == bool(share) for split, share in plain.items()):
                 break
         split_of = _assigned(parts, shares, apart)
     shared = _shared(parts, split_of)

@@ -14,10 +14,12 @@ from typer.testing import CliRunner
 
 from dcrb_ros.cli.app import app
 from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.sweep.division import Unit, divided
 from dcrb_ros.sweep.identity import Groups
 from dcrb_ros.sweep.lives.plan import plan_of as plan_of_lives
 from dcrb_ros.sweep.loader import read_sweep, sweep_of
 from dcrb_ros.sweep.plan import Plan
+from dcrb_ros.sweep.sweep_file import Shares
 
 BOTH = ["bearing_id", "machine"]
 SHARED = {
@@ -140,3 +142,30 @@ def test_three_sensors_in_all_splits_do_not_change_the_shares() -> None:
     train = Counter(run.split for run in plan.runs())["train"]
     assert abs(train / 24 - 0.6) < 0.15
     assert all(len(splits) == 1 for splits in splits_by(plan, "bearing_id"))
+
+
+def units(first: int, last: int, bearings: int) -> list[Unit]:
+    """Conditions with a few bearings, each on a machine of its own."""
+    return [Unit(f"{number:03x}", f"bearing {number % bearings}", f"machine {number}") for number in range(first, last)]
+
+
+@pytest.mark.parametrize("apart", [None, BOTH])
+@pytest.mark.parametrize("bearings", [20, 12, 3])
+def test_added_conditions_are_in_the_split_of_their_bearing(apart: Any, bearings: int) -> None:
+    shares = Shares(apart=apart)
+    before = divided([units(0, 20, bearings)], shares)
+    after = divided([units(0, 20, bearings), units(20, 50, bearings)], shares)
+    assert all(after.splits[condition] == split for condition, split in before.splits.items())
+    assert before.shared == after.shared == {}
+    added = divided([units(0, 20, 50), units(20, 50, 50)], shares)
+    assert Counter(list(added.splits.values())[20:]) == {"train": 18, "validation": 6, "test": 6}
+
+
+def test_an_added_condition_that_joins_two_splits_is_refused_or_named() -> None:
+    first = units(0, 20, 20)
+    splits_of = divided([first], Shares()).splits
+    train, test = (next(unit for unit in first if splits_of[unit.condition] == split) for split in ("train", "test"))
+    joined = [Unit("fff", train.bearing_id, test.machine)]
+    with pytest.raises(Refusal, match=r"the added conditions share a (bearing|machine) with two splits: give a new folder"):
+        divided([first, joined], Shares(apart=BOTH))  # type: ignore[arg-type]
+    assert len(divided([first, joined], Shares()).shared) == 1
