@@ -46,3 +46,4 @@ from dcrb_ros.simulation.run import SimulationResult as SimulationResult
 from dcrb_ros.simulation.run import simulate as simulate
 from dcrb_ros.stream.block import Block as Block
 from dcrb_ros.stream.diagnosis import Diagnosis as Diagnosis
+from dcrb_ros.sweep.reader import DataSet as DataSet

@@ -7,18 +7,19 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
-from load_dataset import labels, waveform
 from scipy import signal
 from sklearn.ensemble import RandomForestClassifier
 from sklearn.metrics import balanced_accuracy_score, confusion_matrix
 
+import dcrb_ros
 
-def features(folder: Path, row: pd.Series) -> list[float]:
+
+def features(data_set: dcrb_ros.DataSet, row: pd.Series) -> list[float]:
     """Return level, kurtosis and the envelope lines relative to their background, as logarithms."""
-    acceleration, angle = waveform(folder, row["file"])
+    waveform = data_set.waveform(row["run"])
     found: list[float] = []
-    turns = np.unwrap(angle) / (2.0 * np.pi)
-    for axis in acceleration:
+    turns = np.unwrap(waveform.shaft_angle) / (2.0 * np.pi)
+    for axis in np.ascontiguousarray(waveform.acceleration.T):
         filtered = signal.sosfiltfilt(signal.butter(4, 2000.0, "highpass", fs=row["sampling_rate"], output="sos"), axis)
         envelope = np.abs(signal.hilbert(filtered))
         found += [np.log(np.std(axis)), np.log(np.mean((axis - axis.mean()) ** 4) / np.var(axis) ** 2)]
@@ -36,8 +37,9 @@ def features(folder: Path, row: pd.Series) -> list[float]:
 
 def main(folder: Path) -> float:
     """Train on the split train, print the confusion matrix of the split test, and return its balanced accuracy [-]."""
-    tables = {split: labels(folder, split) for split in ("train", "test")}
-    x = {split: np.array([features(folder, row) for _, row in table.iterrows()]) for split, table in tables.items()}
+    data_set = dcrb_ros.DataSet(folder)
+    tables = {split: data_set.labels(split) for split in ("train", "test")}
+    x = {split: np.array([features(data_set, row) for _, row in table.iterrows()]) for split, table in tables.items()}
     forest = RandomForestClassifier(300, random_state=1).fit(x["train"], tables["train"]["fault"])
     found, truth = forest.predict(x["test"]), tables["test"]["fault"]
     print(pd.DataFrame(confusion_matrix(truth, found, labels=forest.classes_), forest.classes_, forest.classes_))

@@ -10,7 +10,6 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
-from load_dataset import waveform
 from sklearn.ensemble import RandomForestClassifier
 from sklearn.metrics import roc_auc_score
 
@@ -19,15 +18,11 @@ import dcrb_ros
 
 def windows(folder: Path) -> tuple[pd.DataFrame, pd.Series]:
     """Return the features of windows of one second of Y, without those that depend on the gain, and their faults."""
-    table = pd.read_parquet(folder / "labels.parquet")
+    data_set = dcrb_ros.DataSet(folder)
     parts, faults = [], []
-    for _, row in table[table["status"] == "done"].iterrows():
-        acceleration, angle = waveform(folder, row["file"])
-        shaft = abs(row["speed"]) / (2.0 * np.pi)
-        orders = dcrb_ros.Orders(*(row[name] / shaft for name in ("ftf", "bpfo", "bpfi", "bsf")))
-        found = dcrb_ros.extract_features(
-            np.transpose(acceleration), row["sampling_rate"], shaft_angle=angle, bearing=orders, window=1.0, hop=0.5, axes=["y"]
-        ).to_pandas()
+    for _, row in data_set.labels().iterrows():
+        waveform = data_set.waveform(row["run"])
+        found = dcrb_ros.extract_features(waveform, window=1.0, hop=0.5, axes=["y"]).to_pandas()
         parts.append(found)
         faults += [row["fault"]] * len(found)
     features = pd.concat(parts)

@@ -105,6 +105,10 @@ class StateHistory:
             arrays |= {field.name: np.array([getattr(one, field.name) for one in warm], np.float64) for field in fields(ThermalState)}
         return StateHistory(time=np.array([state.time_ns * 1e-9 for state in states]), names=tuple(names), **arrays)
 
+    def __call__(self) -> StateHistory:
+        """Return itself: ``states`` of a run or a recording is read with or without parentheses."""
+        return self
+
     def __len__(self) -> int:
         return len(self.time)
 

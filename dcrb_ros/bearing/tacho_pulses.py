@@ -27,6 +27,10 @@ class TachoPulses:
     pulses_per_turn: int
     """Pulses per turn of the shaft; 0 without a tacho, or if unknown."""
 
+    def __call__(self) -> TachoPulses:
+        """Return itself: ``tacho`` of a run or a recording is read with or without parentheses."""
+        return self
+
     def __len__(self) -> int:
         return len(self.time)
 

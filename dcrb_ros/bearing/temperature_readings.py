@@ -35,6 +35,10 @@ class TemperatureReadings:
         """Return no readings."""
         return cls(**{field.name: np.zeros(0) for field in fields(cls)})
 
+    def __call__(self) -> TemperatureReadings:
+        """Return itself: ``temperatures`` of a run or a recording is read with or without parentheses."""
+        return self
+
     def __len__(self) -> int:
         return len(self.time)
 

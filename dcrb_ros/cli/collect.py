@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 from typing import Annotated
+from warnings import catch_warnings, simplefilter
 
 import typer
 
@@ -26,6 +27,7 @@ def collect(
     """
     from dcrb_ros.exchange.run_list import listed_runs
     from dcrb_ros.sweep.measured_set import MeasuredRun, write_measured_set
+    from dcrb_ros.sweep.reader import DataSet
     from dcrb_ros.sweep.store import Store
     from dcrb_ros.sweep.sweep_file import Windows
 
@@ -34,5 +36,10 @@ def collect(
     runs = (MeasuredRun(run.name, run.waveform, source=run.source, **run.fields) for run in listed_runs(table, about, rate))
     shape = Windows(length=window, overlap=overlap, kind="parquet")
     counts = write_measured_set(runs, Store(str(output)), title=title, licence=licence, windows=shape)
+    with catch_warnings(record=True) as warned:
+        simplefilter("always")
+        DataSet(output)  # reads what was written, and compares it with its hashes
+    for warning in warned:
+        typer.echo(f"warning: {warning.message}", err=True)
     shares = ", ".join(f"{count} {fault} in {split}" for (split, fault), count in sorted(counts.items()))
     print(f"{output}: {sum(counts.values())} recordings, {shares}")

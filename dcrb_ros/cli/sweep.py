@@ -16,7 +16,7 @@ from dcrb_ros.runtime.optional import installed
 from dcrb_ros.schema.refusal import Refusal
 
 if TYPE_CHECKING:
-    from dcrb_ros.sweep.data_set import DataSet
+    from dcrb_ros.sweep.data_set import DataSetWriter
     from dcrb_ros.sweep.plan import Plan
     from dcrb_ros.sweep.store import Store
     from dcrb_ros.sweep.table import Tally
@@ -35,7 +35,9 @@ def sweep(
     ] = None,
     machine: Annotated[
         str | None,
-        typer.Option(help="Calibrated machine instead of the sweep's base: what dcrb calibrate wrote, with its intervals beside it."),
+        typer.Option(
+            help="Calibrated machine instead of the sweep's base and path: what dcrb calibrate wrote, with its intervals beside it."
+        ),
     ] = None,
     scheduler: Annotated[
         str | None, typer.Option(help="Address of a Dask scheduler, such as tls://10.0.0.1:8786. Default: processes on this machine.")
@@ -54,7 +56,7 @@ def sweep(
 ) -> None:
     """Generate a labelled data set: runs, labels, train, validation and test splits, and a data card.
 
-    If the data set exists and is incomplete, only the missing and damaged runs are simulated.
+    If the data set exists and is incomplete, only the missing and damaged runs are simulated. A larger number of points or lives adds runs.
 
     Example: dcrb sweep two_hundred -o my_data_set --workers 4
     """
@@ -64,6 +66,7 @@ def sweep(
         raise Refusal("--scheduler has its own workers: leave out --workers and --memory")
     installed("fsspec", "dcrb sweep needs fsspec: pip install fsspec")
     from dcrb_ros.runtime.processes import cores
+    from dcrb_ros.sweep.division import warnings_of
     from dcrb_ros.sweep.lives.plan import plan_of
     from dcrb_ros.sweep.loader import read_sweep
 
@@ -71,6 +74,9 @@ def sweep(
     if plan.conditions < 3 and not quiet:
         missing = "validation split" if plan.conditions == 2 else "validation or test split"
         typer.echo(f"too few {plan.unit} ({plan.conditions}) for a {missing}: {plan.remedy} to get more", err=True)
+    if not quiet:
+        for sentence in warnings_of(plan.shared).values():
+            typer.echo(f"warning: {sentence}", err=True)
     if dry_run:
         _estimate(plan, workers or cores(), as_json=as_json)
         return
@@ -103,6 +109,8 @@ def _make(plan: Plan, store: Store, workers: Workers, *, compile_first: bool, qu
         with shown.status("checking the finished runs ..."):
             data_set = stack.enter_context(open_data_set(plan, store))
         if not quiet:
+            if data_set.extended:
+                typer.echo(f"{store.address} is extended: its {len(data_set.done)} finished runs and their splits are kept", err=True)
             _report_flaws(data_set)
             typer.echo(str(workers), err=True)
         if compile_first:
@@ -121,8 +129,12 @@ def _compile(*, quiet: bool) -> None:
             next(Simulation(Configuration()).blocks(0.001))
 
 
-def _report_flaws(data_set: DataSet) -> None:
+def _report_flaws(data_set: DataSetWriter) -> None:
     """Name the files because of which runs are simulated again."""
+    if not data_set.checked:
+        typer.echo(
+            f"warning: {data_set.store.address} was made by an earlier version without digests, so a changed label is not found", err=True
+        )
     reasons = list(data_set.flaws.values())
     for reason in reasons[:SHOWN_FLAWS]:
         typer.echo(f"{reason}: the run is simulated again", err=True)
@@ -130,7 +142,7 @@ def _report_flaws(data_set: DataSet) -> None:
         typer.echo(f"{len(reasons) - SHOWN_FLAWS} further runs are damaged and simulated again", err=True)
 
 
-def _generate(data_set: DataSet, workers: Workers, *, quiet: bool) -> Tally:
+def _generate(data_set: DataSetWriter, workers: Workers, *, quiet: bool) -> Tally:
     from rich.progress import MofNCompleteColumn, TimeRemainingColumn
 
     from dcrb_ros.runtime.terminal import progress
@@ -179,7 +191,7 @@ def _print_summary(tally: Tally, address: str, *, quiet: bool = False, as_json: 
         shares = ", ".join(f"{count} {split}" for split, count in splits.items() if count)
         print(f"{address}: {counts}; {shares}; {tally.seconds:.6g} s recorded")
         if not quiet:
-            print(f"load it with: pandas.read_parquet('{address}/labels.parquet')")
+            print(f"load it with: dcrb_ros.DataSet('{address}').windows('train')")
 
 
 def _estimate(plan: Plan, workers: int, *, as_json: bool) -> None:

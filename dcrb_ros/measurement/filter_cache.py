@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import hashlib
+import io
 import os
 import pickle
 import tempfile
@@ -16,6 +17,9 @@ import numpy as np
 import scipy
 
 from dcrb_ros.schema.arrays import Floats
+
+DIGEST_SIZE = 32
+"""Bytes of the SHA-256 before the result in a file [-]."""
 
 P = ParamSpec("P")
 
@@ -31,13 +35,26 @@ def cached_on_disk(design: Callable[P, Floats]) -> Callable[P, Floats]:
         name = hashlib.sha256(_versions() + pickle.dumps((design.__qualname__, args, kwargs), protocol=5)).hexdigest()
         path = folder() / f"{design.__name__}-{name[:32]}.npy"
         with suppress(OSError, ValueError, EOFError):
-            return np.asarray(np.load(path), dtype=float)
+            return _read(path)
         made = design(*args, **kwargs)
         with suppress(OSError):
             _write(made, path)
         return made
 
     return cached
+
+
+def _read(path: Path) -> Floats:
+    """Return the result in a file.
+
+    Raises:
+        ValueError: its content does not have the hash at its begin.
+    """
+    content = path.read_bytes()
+    stated, data = content[:DIGEST_SIZE], content[DIGEST_SIZE:]
+    if hashlib.sha256(data).digest() != stated:
+        raise ValueError(f"{path} is damaged")
+    return np.asarray(np.load(io.BytesIO(data)), dtype=float)
 
 
 def folder() -> Path:
@@ -59,10 +76,14 @@ def _versions() -> bytes:
 def _write(made: Floats, path: Path) -> None:
     """Write a result and rename the file into place, because another process may read it at the same time."""
     path.parent.mkdir(exist_ok=True)
+    stream = io.BytesIO()
+    np.save(stream, made)
     handle, name = tempfile.mkstemp(dir=path.parent)
     try:
         with os.fdopen(handle, "wb") as file:
-            np.save(file, made)
+            file.write(hashlib.sha256(stream.getvalue()).digest() + stream.getvalue())
+            file.flush()
+            os.fsync(handle)
         Path(name).replace(path)
     except BaseException:
         Path(name).unlink()

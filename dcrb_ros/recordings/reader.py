@@ -11,12 +11,9 @@ from typing import TYPE_CHECKING, Any
 
 from mcap.records import Metadata
 
-from dcrb_ros.bearing.history import StateHistory
 from dcrb_ros.bearing.kinematics import Orders, characteristic_orders
-from dcrb_ros.bearing.tacho_pulses import TachoPulses
-from dcrb_ros.bearing.temperature_readings import TemperatureReadings
 from dcrb_ros.bearing.waveform import Piece, Waveform
-from dcrb_ros.messages.description import PULSES_PER_TURN, decode_range
+from dcrb_ros.messages.description import decode_range
 from dcrb_ros.messages.points import Vibration, decode_vibration
 from dcrb_ros.messages.statuses import decode_truth
 from dcrb_ros.messages.topics import (
@@ -24,16 +21,16 @@ from dcrb_ros.messages.topics import (
     GROUND_TRUTH,
     MANIFEST,
     NAMESPACE,
-    ROLLER_STATES,
     SENSOR,
     SIMULATED,
     VIBRATION,
     Message,
     Topic,
 )
-from dcrb_ros.recordings.arrays import RecordedVerdict, joined_waveform, states_of, tacho_of, temperatures_of, truths_of, verdicts_of
+from dcrb_ros.recordings.arrays import RecordedVerdict, joined_waveform, verdicts_of
 from dcrb_ros.recordings.latched import described_manifest, in_order, of_one_bench
 from dcrb_ros.recordings.manifest import OUTCOME
+from dcrb_ros.recordings.recorded_run import RecordedRun
 from dcrb_ros.recordings.storage import StoredMessage, valid_files
 from dcrb_ros.runtime.version import __version__
 from dcrb_ros.schema.numbers import sampling_rate
@@ -42,7 +39,7 @@ from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.parameters import Bearing
 from dcrb_ros.settings.sensor import as_recorded
-from dcrb_ros.simulation.ground_truth import GroundTruth, commands_in
+from dcrb_ros.simulation.ground_truth import commands_in
 from dcrb_ros.stream.event_text import decode_command
 from dcrb_ros.stream.events import TimedCommand
 from dcrb_ros.text.json import parsed_json
@@ -60,8 +57,10 @@ DAMAGE = (ValueError, KeyError, TypeError, RecursionError)
 """Exceptions that a damaged manifest may raise."""
 
 
-class Recording:
+class Recording(RecordedRun):
     """A recording of the bench, or of imported data: a rosbag2 folder or a single file of one.
+
+    It has the attributes of a `SimulationResult` except ``clean``, which is not recorded. They are read from the file on first use.
 
     A recording that `ros2 bag record` made beside the bench has no manifest; the description of the sensor in it takes its place.
 
@@ -240,38 +239,6 @@ class Recording:
         <Waveform: 0.5 s at 51.2 kHz (25600 samples), shaft at 20.00 Hz>
         """
         return joined_waveform(self.pieces(), self.sampling_rate, self.orders, self.path, start, stop)
-
-    def states(self) -> StateHistory:
-        """Return the bodies over time: azimuth, speed and inner normal force, and the contacts where ``roller_contacts`` was recorded.
-
-        Raises
-        ------
-        Refusal
-            The recording has no ``roller_states``.
-        """
-        if (states := states_of(self.messages)) is None:
-            raise Refusal(f"{self!r} has no messages on {ROLLER_STATES.name}: record this topic too, or simulate it again")
-        return states
-
-    def truth(self) -> GroundTruth:
-        """Return the ground truth over time; of imported data it is empty."""
-        return GroundTruth(truths_of([message.data for message in self.messages((GROUND_TRUTH,))]))
-
-    def temperatures(self) -> TemperatureReadings:
-        """Return the readings of the temperature sensors [deg C]; empty if they were not recorded."""
-        if self.configured and not self.described and self.configuration.thermal.law == "none":
-            return TemperatureReadings.none()  # without reading the file
-        return temperatures_of(self.messages)
-
-    @property
-    def pulses_per_turn(self) -> int:
-        """Pulses of the tacho per turn of the shaft; 0 without a tacho."""
-        pulses = self.manifest.get("sensor", {}).get(PULSES_PER_TURN, 0)
-        return pulses if isinstance(pulses, int) and pulses > 0 else 0
-
-    def tacho(self) -> TachoPulses:
-        """Return the pulses of the tacho; empty if they were not recorded."""
-        return tacho_of(self.messages, self.pulses_per_turn)
 
     def verdicts(self) -> list[RecordedVerdict]:
         """Return the verdicts that a detector published during the recording; empty without a detector."""

@@ -31,6 +31,10 @@ class GroundTruth:
     truths: tuple[Truth, ...]
     """The ground truth at each instant."""
 
+    def __call__(self) -> GroundTruth:
+        """Return itself: ``truth`` of a run or a recording is read with or without parentheses."""
+        return self
+
     def __len__(self) -> int:
         return len(self.truths)
 

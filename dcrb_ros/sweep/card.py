@@ -74,7 +74,8 @@ def _files(sweep: Sweep) -> str:
         "## Files\n",
         "* `labels.parquet`: one row per run; read it with `pandas.read_parquet`",
         f"* {waveform}",
-        "* `labels/RUN.json`: label of one run, with size and SHA-256 of its files",
+        "* `labels/RUN.json`: label of one run with its digest, and with size and SHA-256 of its files",
+        "* `SHA256SUMS`: hashes of the tables and descriptions; `dcrb_ros.DataSet` compares them and reads all files",
         "* `dataset.yaml`: classes, splits, files and columns, for programs",
         "* `sweep.yaml`: the sweep file; `base.yaml`: its base configuration with all parameters; `sweep.json`: both, and the scenarios",
     ]

@@ -16,17 +16,22 @@ from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.files import nest
 from dcrb_ros.sweep.card import card
 from dcrb_ros.sweep.execution import common_settings, error_label, write_label
+from dcrb_ros.sweep.extension import extended_plan, without_count
 from dcrb_ros.sweep.folder_lock import locked
 from dcrb_ros.sweep.label import ERROR
 from dcrb_ros.sweep.plan import Plan
-from dcrb_ros.sweep.schema import write_about
+from dcrb_ros.sweep.schema import CARD, DESCRIPTION, write_about
 from dcrb_ros.sweep.store import Store, StoreFailed
+from dcrb_ros.sweep.sums import write_sums
+from dcrb_ros.sweep.table import LABELS as LABELS_TABLE
 from dcrb_ros.sweep.table import Tally, write_table
 from dcrb_ros.sweep.verification import ERRORS, LABELS, flaws, label_name
 from dcrb_ros.sweep.workers import Workers
 from dcrb_ros.text.json import parsed_json
 
 ABOUT, COPY, BASE = "sweep.json", "sweep.yaml", "base.yaml"
+DIGESTS = "digests"
+"""Key in `ABOUT`: whether the labels have digests."""
 PARTS = ("sweep", "base", "scenarios")
 """Inputs of a data set, by their keys in `ABOUT`."""
 TASK_SECONDS = 2.0
@@ -36,7 +41,7 @@ Progress = Callable[[Counter[str]], None]
 
 
 @contextlib.contextmanager
-def open_data_set(plan: Plan, store: Store) -> Iterator[DataSet]:
+def open_data_set(plan: Plan, store: Store) -> Iterator[DataSetWriter]:
     """Create a data set, or open an existing one to continue it; its folder is locked until the end of the block.
 
     Raises:
@@ -45,30 +50,36 @@ def open_data_set(plan: Plan, store: Store) -> Iterator[DataSet]:
     """
     with locked(store.folder):
         try:
-            data_set = DataSet(plan, store)
+            data_set = DataSetWriter(plan, store)
         except StoreFailed as failure:
             raise Refusal(str(failure)) from None
         yield data_set
 
 
-class DataSet:
-    """A data set in a store, see `open_data_set`."""
+class DataSetWriter:
+    """A data set in a store that is made or continued, see `open_data_set`."""
 
     def __init__(self, plan: Plan, store: Store) -> None:
-        self.plan, self.store = plan, store
-        about = _about(plan)
-        known = _known(store)
+        known = known_inputs(store)
+        self.store, self.plan = store, extended_plan(plan, known)
+        about = _about(self.plan)
+        self.checked = bool(known.get(DIGESTS, not known))
+        """Whether all labels have digests; a data set of an earlier version has none, so that a changed label is not found."""
+        about[DIGESTS] = self.checked
+        self.extended = False
+        """Whether the data set had fewer points or lives before."""
         if known:
-            _check_same(known, about, store)
+            _check_same(known, about, store, extended=self.plan is not plan)
+            self.extended = known.get("name") != about["name"]
         elif any(True for _ in store.names("")):
             raise Refusal(f"{store.address} contains files that are not a data set: give an empty or a new folder")
         # Written first, since the folder is recognised by this file.
         store.write(ABOUT, json.dumps(about, indent=1).encode())
-        store.write(COPY, plan.sweep.text.encode())
-        store.write(BASE, _as_file(plan).encode())
+        store.write(COPY, self.plan.sweep.text.encode())
+        store.write(BASE, _as_file(self.plan).encode())
         store.remove_unfinished()
         labelled = sorted(name.removesuffix(".json") for name in store.names(LABELS))
-        self.flaws = flaws(store, labelled)
+        self.flaws = flaws(store, labelled, digests=self.checked)
         """Labelled runs that do not count, each with the reason; they are simulated again."""
         for name in self.flaws:
             store.remove(label_name(name))
@@ -94,7 +105,8 @@ class DataSet:
     def finish(self) -> Tally:
         """Write the table, the card and the description for loaders."""
         tally = write_table(self.plan, self.store)
-        for name, data in self.plan.tables():
+        tables = list(self.plan.tables())
+        for name, data in tables:
             self.store.write(name, data)
         file = self.plan.sweep.file
         text, truth = card(self.plan, tally), self.plan.truth
@@ -102,6 +114,7 @@ class DataSet:
         write_about(
             self.store, text, title, file.licence, tally.classes, measured=False, waveform=file.output, windows=file.windows, truth=truth
         )
+        write_sums(self.store, [LABELS_TABLE, CARD, DESCRIPTION, ABOUT, COPY, BASE, *(name for name, _ in tables)])
         return tally
 
     def _task_seconds(self, workers: int) -> float:
@@ -111,7 +124,7 @@ class DataSet:
         return min(TASK_SECONDS, fair)
 
 
-def _known(store: Store) -> dict[str, Any]:
+def known_inputs(store: Store) -> dict[str, Any]:
     """Return the inputs of the data set in a store; empty if there is no data set.
 
     Raises:
@@ -148,8 +161,8 @@ def _as_file(plan: Plan) -> str:
     return str(yaml.safe_dump({"/**": {"ros__parameters": nest(plan.sweep.base)}}, sort_keys=False))
 
 
-def _check_same(known: dict[str, Any], about: dict[str, Any], store: Store) -> None:
-    """Refuse to continue a data set with other inputs."""
+def _check_same(known: dict[str, Any], about: dict[str, Any], store: Store, *, extended: bool) -> None:
+    """Refuse to continue a data set with other inputs; an extended one may have more points or lives."""
     if known.get("name") == about["name"]:
         return
     if known.get("model") != about["model"] or known.get("dcrb_ros") != about["dcrb_ros"]:
@@ -157,14 +170,13 @@ def _check_same(known: dict[str, Any], about: dict[str, Any], store: Store) -> N
             f"{store.address} was made with dcrb_ros {known.get('dcrb_ros')} and model {known.get('model')}, but this is "
             f"{about['dcrb_ros']} with model {about['model']}: give another folder"
         )
-    parts = [part for part in PARTS if known.get(part) != about[part]]
-    keys = [
-        key
-        for part in parts
-        for key in sorted({*known.get(part, {}), *about[part]})
-        if known.get(part, {}).get(key) != about[part].get(key)
-    ]
+    before, after = ({part: inputs.get(part, {}) for part in PARTS} for inputs in (known, about))
+    if extended:
+        before, after = ({**inputs, "sweep": without_count(inputs["sweep"])} for inputs in (before, after))
+        if before == after:
+            return
+    keys = [key for part in PARTS for key in sorted({*before[part], *after[part]}) if before[part].get(key) != after[part].get(key)]
     raise Refusal(
         f"{store.address} was made with another sweep ({', '.join(keys[:5])} differ{'s' if len(keys) == 1 else ''}): give another folder, "
-        f"or continue this one with its own {COPY}"
+        f"or continue this one with its own {COPY}, in which a larger number of points or lives adds runs"
     )

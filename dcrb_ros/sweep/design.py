@@ -68,25 +68,25 @@ def size(design: str, axes: Axes, count: int) -> int:
     return math.prod(len(axis.grid()) for axis in axes.values()) if design == GRID else count
 
 
-def points(design: str, axes: Axes, count: int, seed: int) -> Iterator[Point]:
-    """Yield the points of a design; equal arguments yield equal points."""
+def points(design: str, axes: Axes, count: int, seed: int, first: int = 0) -> Iterator[Point]:
+    """Yield the points of a design; equal arguments yield equal points. Points from a ``first`` number on are added to earlier ones."""
     if design == GRID:
         for values in itertools.product(*(axis.grid() for axis in axes.values())):
             yield dict(zip(axes, values, strict=True))
     else:
-        for shares in _shares(design, len(axes), count, seed):
+        for shares in _shares(design, len(axes), count, seed, first):
             yield {key: axis.at(float(share)) for (key, axis), share in zip(axes.items(), shares, strict=True)}
 
 
-def _shares(design: str, axes: int, count: int, seed: int) -> Iterator[np.ndarray[tuple[int, ...], np.dtype[np.float64]]]:
+def _shares(design: str, axes: int, count: int, seed: int, first: int) -> Iterator[np.ndarray[tuple[int, ...], np.dtype[np.float64]]]:
     """Yield ``count`` points in the unit cube, each of shape (axes,) [-]."""
     if not axes:
         yield from (np.zeros(0) for _ in range(count))
     elif design == RANDOM:
-        for number in range(count):
+        for number in range(first, first + count):
             yield np.random.default_rng([seed, number]).random(axes)
     else:
         from scipy.stats import qmc  # imported here since it takes a second, and the workers do not need it
 
         # The stratification needs all points at once: 8 bytes per point and axis.
-        yield from qmc.LatinHypercube(axes, seed=seed).random(count)
+        yield from qmc.LatinHypercube(axes, seed=np.random.default_rng([seed, first]) if first else seed).random(count)

@@ -28,7 +28,7 @@ from dcrb_ros.sweep.label import DONE, ERROR, FAILED, REFUSED, base_label, fault
 from dcrb_ros.sweep.plan import PlannedRun, Task
 from dcrb_ros.sweep.store import PART, FileRecord, Store, StoreFailed, file_record, record_of
 from dcrb_ros.sweep.sweep_file import Sweep, SweepFile
-from dcrb_ros.sweep.verification import ERRORS, LABELS, flaw, label_name, read_label
+from dcrb_ros.sweep.verification import DIGEST, ERRORS, LABELS, digest_of, flaw, label_name, read_label
 from dcrb_ros.sweep.windows import cut_windows, waveform_file, window_labels, window_starts, windows_file
 
 WAVEFORM_PUBLISHING = {"block_size": 8192, "state_rate": 1}
@@ -90,8 +90,8 @@ def _existing_label(store: Store, run: PlannedRun) -> dict[str, Any] | None:
 
 
 def write_label(store: Store, label: Mapping[str, Any]) -> None:
-    """Write a label; labels of errors are kept in a folder of their own, since these runs are tried again."""
-    data = json.dumps(label, indent=1).encode()
+    """Write a label with its digest; labels of errors are kept in a folder of their own, since these runs are tried again."""
+    data = json.dumps({**label, DIGEST: digest_of(label)}, indent=1).encode()
     store.write(label_name(str(label["run"]), ERRORS if label["status"] == ERROR else LABELS), data)
 
 

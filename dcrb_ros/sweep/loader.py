@@ -27,6 +27,7 @@ from dcrb_ros.text.yaml import read_yaml
 
 CASE_GROUPS = ("faults", "background", "sensor")
 """Groups of parameters that a case may set: the faults and their measurement. All others are conditions of the bearing."""
+FIXED = "set"
 HEALTHY = "healthy"
 LONGEST_RUN = 600.0
 """Longest run whose waveform is kept in memory [s]: 370 MB at 51.2 kHz."""
@@ -38,7 +39,7 @@ SHORTEST_SETTLE = 0.005
 
 
 def read_sweep(source: str | Path, machine: str | None = None) -> Sweep:
-    """Return the sweep given by a file or by a shipped name, around a calibrated ``machine`` instead of its base if one is given.
+    """Return the sweep given by a file or by a shipped name, around a calibrated ``machine`` instead of its base and path if one is given.
 
     Raises:
         Refusal: an unknown key, a value out of range, an empty design, or values that contradict each other.
@@ -49,6 +50,9 @@ def read_sweep(source: str | Path, machine: str | None = None) -> Sweep:
         raise Refusal(f"{path} is not a sweep: it must have keys such as 'base', 'vary', 'cases' and 'duration'")
     keys = {str(key): value for key, value in tree.items()}
     if machine is not None:
+        fixed = keys.get(FIXED, {})
+        if isinstance(fixed, Mapping):  # the path of the machine replaces that of the sweep, as its configuration replaces the base
+            keys[FIXED] = {key: value for key, value in flatten(fixed).items() if not key.startswith("structure.")}
         keys = {key: value for key, value in keys.items() if key != BASE} | {MACHINE: str(Path(machine).absolute())}
     return sweep_of(keys, str(path), path.parent, read_text(path))
 

@@ -18,10 +18,12 @@ from dcrb_ros.runtime.version import __version__
 from dcrb_ros.schema.arrays import Samples
 from dcrb_ros.schema.refusal import Refusal, nearest
 from dcrb_ros.schema.verdicts import FAULT_CLASSES
+from dcrb_ros.sweep.division import REMEDIES, in_several, warnings_of
 from dcrb_ros.sweep.identity import TRUTH
 from dcrb_ros.sweep.label import DONE
-from dcrb_ros.sweep.schema import SPLITS, healthy_first, write_about
+from dcrb_ros.sweep.schema import CARD, DESCRIPTION, SPLITS, healthy_first, write_about
 from dcrb_ros.sweep.store import Store, file_record
+from dcrb_ros.sweep.sums import write_sums
 from dcrb_ros.sweep.sweep_file import Windows
 from dcrb_ros.sweep.table import LABELS, table_of
 from dcrb_ros.sweep.windows import cut_windows, waveform_file, window_starts, windows_file
@@ -91,9 +93,11 @@ def write_measured_set(
     counts = Counter((str(label["split"]), str(label["fault"])) for label in labels)
     store.write(LABELS, table_of(labels, TRUTH))
     cut = windows.model_copy(update={"kind": "parquet"})
-    card = _card(title, licence, counts, windows, list(sources))
+    shared = {name: in_several((label[name], label["split"]) for label in labels) for name in REMEDIES}
+    card = _card(title, licence, counts, windows, list(sources), list(warnings_of(shared, remedy=False).values()))
     origins = list(sources.values())
     write_about(store, card, title, licence, counts, measured=True, waveform="npz", windows=cut, truth=TRUTH, sources=origins)
+    write_sums(store, [LABELS, CARD, DESCRIPTION])
     return counts
 
 
@@ -156,7 +160,9 @@ def _known(value: float) -> float | None:
     return value if math.isfinite(value) else None
 
 
-def _card(title: str, licence: str, counts: Mapping[tuple[str, str], int], windows: Windows, sources: Sequence[str]) -> str:
+def _card(
+    title: str, licence: str, counts: Mapping[tuple[str, str], int], windows: Windows, sources: Sequence[str], shared: Sequence[str]
+) -> str:
     """Return the data card in Markdown."""
     faults, splits = healthy_first(fault for _, fault in counts), {split for split, _ in counts}
     rows = [(split, *(counts.get((split, fault), 0) for fault in faults)) for split in SPLITS if split in splits]
@@ -166,6 +172,8 @@ def _card(title: str, licence: str, counts: Mapping[tuple[str, str], int], windo
 Measured recordings with the schema of a data set of `dcrb sweep`, made by dcrb_ros {__version__}. Licence of the data: {licence}.
 
 {table(("split", *faults), rows)}
+
+{" ".join(["Every bearing is in one split.", *shared])}
 
 Sources:
 

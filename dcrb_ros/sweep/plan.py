@@ -12,12 +12,12 @@ from typing import Any
 
 from dcrb_ros.recordings.manifest import model_fingerprint
 from dcrb_ros.runtime.version import __version__
-from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import flatten
 from dcrb_ros.sweep.design import GRID, Point, Value, points
-from dcrb_ros.sweep.identity import TRUTH, Groups, identities
-from dcrb_ros.sweep.sweep_file import NO_FAULTS, SCENARIO, Shares, Sweep
+from dcrb_ros.sweep.division import Unit, batches, divided, separation
+from dcrb_ros.sweep.identity import BEARING_ID, TRUTH, drawn_by_noise, identities
+from dcrb_ros.sweep.sweep_file import NO_FAULTS, SCENARIO, Sweep
 
 SEED = "simulation.seed"
 NOT_CONDITIONS = ("faults", "structure", "background", "sensor", "publishing", "recording", "time_scale")
@@ -62,11 +62,6 @@ class Plan:
 
     unit, remedy = "conditions", "vary speed or load"
     """Name of the units that are divided into splits, and how to get more of them."""
-    split_text = (
-        "A condition is a bearing at one speed and load. All its runs, with any seed, fault or sensor, are in one split. So are twins, the "
-        "runs\nof one condition and seed that differ in the fault only."
-    )
-    """How the data are divided, for the data card."""
 
     def __init__(self, sweep: Sweep) -> None:
         self.sweep = sweep
@@ -74,22 +69,24 @@ class Plan:
         self._common = digest([base, __version__, model_fingerprint(), file.duration, file.settle, file.branch_at])
         self._defaults = flatten(Configuration().model_dump())
         self._own = identities(base, self._defaults)
-        groups, conditions = Groups(), set[str]()
-        for point in self._points():
-            condition = self._condition(point)
-            conditions.add(condition)
-            shared = self._identities(point) if file.split.apart else {}
-            groups.add(condition, {name: shared[name] for name in file.split.apart})
-        group_of = {condition: groups.group(condition) for condition in conditions}
-        split_of = splits(set(group_of.values()), file.split)
-        _check_groups(len(set(group_of.values())), len(conditions), file.split)
-        self._splits = {condition: split_of[group] for condition, group in group_of.items()}
-        self.conditions = len(conditions)
+        self.batches = batches(file.extended, file.points)
+        """First number and number after the last of the points that were added together."""
+        parts = [{self._unit(point) for point in points} for points in self._point_batches()]
+        self._splits, self.shared = divided(parts, file.split)
+        self.conditions = len(self._splits)
 
     @functools.cached_property
     def name(self) -> str:
         """Hash of the sweep, the version and the model; equal names give equal data sets."""
         return digest([self.sweep.inputs, dict(self.sweep.base), dict(self.sweep.scenarios), __version__, model_fingerprint()])
+
+    @property
+    def split_text(self) -> str:
+        """How the data are divided, for the data card."""
+        return (
+            "A condition is a bearing at one speed and load. All its runs, with any seed, fault or sensor, are in one split. So are twins, "
+            "the runs\nof one condition and seed that differ in the fault only.\n\n" + "\n".join(separation(self.shared))
+        )
 
     @property
     def truth(self) -> Mapping[str, tuple[type, str]]:
@@ -139,18 +136,28 @@ class Plan:
             yield tuple(task)
 
     def _points(self) -> Iterator[Point]:
+        return itertools.chain.from_iterable(self._point_batches())
+
+    def _point_batches(self) -> Iterator[Iterator[Point]]:
+        """Yield the points that were added together; the first ones are those of the sweep before it was extended."""
         file = self.sweep.file
-        return points(file.design, self.sweep.vary, file.points, file.seed)
+        for first, last in self.batches:
+            yield points(file.design, self.sweep.vary, last - first, file.seed, first)
+
+    def _unit(self, point: Point) -> Unit:
+        condition = self._condition(point)
+        return Unit(condition, **self._identities(point, condition))
 
     def _cases(self) -> Iterator[list[tuple[str, Point]]]:
         """Yield the cases of each condition and seed: all values of a grid, or one random point per case."""
         file, cases = self.sweep.file, self.sweep.cases
         if file.design == GRID:
             yield from itertools.repeat([(name, values) for name, axes in cases.items() for values in points(GRID, axes, 0, file.seed)])
-        count = file.points * self.sweep.seeds
-        drawn = [points(file.design, axes, count, int(digest([file.seed, name])[:8], 16)) for name, axes in cases.items()]
-        for values in zip(*drawn, strict=True):
-            yield list(zip(cases, values, strict=True))
+        for first, last in self.batches:
+            count, start = (last - first) * self.sweep.seeds, first * self.sweep.seeds
+            drawn = [points(file.design, axes, count, int(digest([file.seed, name])[:8], 16), start) for name, axes in cases.items()]
+            for values in zip(*drawn, strict=True):
+                yield list(zip(cases, values, strict=True))
 
     def _difference(self, changes: Point) -> Point:
         """Return the parameters that differ from the base; equal bearings have equal differences."""
@@ -161,9 +168,12 @@ class Plan:
         values = {**self.sweep.base, **point}
         return digest({key: value for key, value in values.items() if not _not_a_condition(key) and value != self._defaults.get(key)})
 
-    def _identities(self, point: Point) -> dict[str, str]:
+    def _identities(self, point: Point, condition: str) -> dict[str, str]:
         """Return the hashes of bearing and machine; without a seed of the surfaces, all seeds of a condition count as one bearing."""
-        return {name: digest(values) for name, values in identities(point, self._defaults, self._own).items()}
+        parameters = identities(point, self._defaults, self._own)
+        if isinstance(self.sweep.file.seeds, int) and drawn_by_noise(parameters[BEARING_ID], self._defaults):
+            parameters[BEARING_ID]["condition"] = condition
+        return {name: digest(values) for name, values in parameters.items()}
 
     def _seeds(self, condition: str) -> list[int]:
         """Return the seeds of a condition: as given, or derived from the condition so that no two conditions share their noise."""
@@ -186,39 +196,10 @@ class Plan:
             healthy,
             scenario,
             seed,
-            self._identities(point),
+            self._identities(point, condition),
         )
 
 
 def _not_a_condition(key: str) -> bool:
     """Return whether a parameter is independent of the bearing, its speed and its load."""
     return key.split(".")[0] in NOT_CONDITIONS or key in (SEED, SCENARIO)
-
-
-def _check_groups(groups: int, conditions: int, shares: Shares) -> None:
-    """Refuse ``split.apart`` where the conditions share too few bearings or machines to fill the splits."""
-    filled = sum(share > 0.0 for share in (shares.train, shares.validation, shares.test))
-    if shares.apart and groups < min(filled, conditions):
-        raise Refusal(
-            f"split.apart = {', '.join(shares.apart)}: the {conditions} conditions make {groups} group(s) that share none of these, fewer "
-            f"than the {filled} splits: vary surfaces.seed for other bearings and structure.seed for other machines, or take more points"
-        )
-
-
-def splits(conditions: set[str], shares: Shares) -> dict[str, str]:
-    """Return the split of each condition: the sorted hashes are divided in proportion to the shares.
-
-    Sorting makes the result independent of the iteration order of the set. Every split with a share above zero gets at least
-    one condition if there are enough; if not, validation is left empty first.
-    """
-    order, given = sorted(conditions), {"train": shares.train, "validation": shares.validation, "test": shares.test}
-    named = [(name, share) for name, share in given.items() if share > 0.0]
-    if len(order) < len(named):
-        named = [(name, share) for name, share in named if name != "validation"]
-    counts = [max(round(share * len(order)), 1) for _, share in named]
-    while sum(counts[1:]) >= len(order) and max(counts[1:]) > 1:
-        counts[counts.index(max(counts[1:]), 1)] -= 1
-    # The training split absorbs the rounding error.
-    counts[0] = max(len(order) - sum(counts[1:]), 1)
-    names = itertools.chain.from_iterable([name] * count for (name, _), count in zip(named, counts, strict=True))
-    return dict(zip(order, names, strict=False))

@@ -19,6 +19,7 @@ from typing import Any, NamedTuple
 from dcrb_ros.recordings.manifest import model_fingerprint, software
 from dcrb_ros.runtime.version import __version__
 from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.sweep.data_set import DIGESTS, known_inputs
 from dcrb_ros.sweep.execution import common_settings, run_task
 from dcrb_ros.sweep.label import DONE
 from dcrb_ros.sweep.lives.plan import plan_of
@@ -26,8 +27,9 @@ from dcrb_ros.sweep.loader import sweep_of
 from dcrb_ros.sweep.plan import Plan, Task
 from dcrb_ros.sweep.schema import SPLITS
 from dcrb_ros.sweep.store import Store, file_record
-from dcrb_ros.sweep.verification import read_label
+from dcrb_ros.sweep.verification import flaw, read_label
 from dcrb_ros.text.json import parsed_json
+from dcrb_ros.text.writing import write_whole
 from dcrb_ros.text.yaml import read_yaml
 
 INDEX = "index.json"
@@ -69,11 +71,11 @@ def write_shards(data_set: Path, folder: Path, runs: int) -> list[str]:
     entries = {}
     for shard in shards(plan, runs):
         data = packed(store, shard)
-        (folder / shard.name).write_bytes(data)
+        write_whole(folder / shard.name, data)
         entries[shard.name] = {**file_record(data), "runs": [run.name for task in shard.tasks for run in task]}
     recipe = {name: (data_set / name).read_text(encoding="utf-8") for name in RECIPE}
     about = {"dcrb_ros": __version__, "model": model_fingerprint(), "software": software(), "plan": plan.name, "runs_per_shard": runs}
-    (folder / INDEX).write_text(json.dumps({**about, "recipe": recipe, "shards": entries}, indent=1), encoding="utf-8")
+    write_whole(folder / INDEX, json.dumps({**about, "recipe": recipe, "shards": entries}, indent=1))
     return list(entries)
 
 
@@ -107,7 +109,7 @@ def remake_shard(index: Path, name: str, target: Path) -> str:
             f"{name} has the SHA-256 {sha256[:12]}..., not {str(known[name]['sha256'])[:12]}... as in the index: the last bits depend on "
             f"processor and libraries, which were {about['software']}"
         )
-    target.write_bytes(data)
+    write_whole(target, data)
     return sha256
 
 
@@ -117,12 +119,13 @@ def packed(store: Store, shard: Shard) -> bytes:
     Raises:
         Refusal: a run has no label or no waveform file.
     """
-    stream = io.BytesIO()
+    stream, digests = io.BytesIO(), bool(known_inputs(store).get(DIGESTS))
     with tarfile.open(fileobj=stream, mode="w", format=tarfile.USTAR_FORMAT) as tar:
         for run in itertools.chain.from_iterable(shard.tasks):
-            label = read_label(store, run.name)
-            if label is None:
-                raise Refusal(f"{store.address} has no run {run.name}: finish it with dcrb sweep first")
+            reason = flaw(store, run.name, digests=digests)
+            if reason is not None:
+                raise Refusal(f"{reason}: repair or finish the data set with dcrb sweep first")
+            label = read_label(store, run.name) or {}
             if label["status"] != DONE:
                 continue
             file = str(label["file"])

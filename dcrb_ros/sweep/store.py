@@ -15,6 +15,7 @@ from typing import Any, TypedDict
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.sweep.folder_lock import LOCK
 from dcrb_ros.text.files import Unreadable, checked_path, read_bytes
+from dcrb_ros.text.writing import sync
 
 LARGEST_FILE = 16 * 1024 * 1024
 """Largest label or description that is read [bytes]."""
@@ -105,7 +106,9 @@ class Store:
             part = target.parent / f"{PART}{uuid.uuid4().hex}"
             try:
                 part.write_bytes(data)
+                sync(part)
                 os.replace(part, target)
+                sync(target.parent)
             except BaseException:
                 part.unlink(missing_ok=True)
                 raise
@@ -123,7 +126,10 @@ class Store:
             target = self.folder / name
             shutil.rmtree(target, ignore_errors=True)
             target.parent.mkdir(parents=True, exist_ok=True)
+            for path in (*sorted(source.iterdir()), source):
+                sync(path)
             os.replace(source, target)
+            sync(target.parent)
         except OSError as error:
             raise self._failed(error) from None
 
@@ -162,14 +168,16 @@ class Store:
             raise self._unreadable(name, error) from None
         return int(entry["size"]) if entry["type"] == "file" else None
 
-    def sha256(self, name: str) -> str | None:
-        """Return the SHA-256 of a file in a folder; None for a remote address, from which the file would have to be transferred.
+    def sha256(self, name: str, *, remote: bool = False) -> str | None:
+        """Return the SHA-256 of a file; None for a remote address, from which the file is transferred with ``remote`` only.
 
         Raises:
             StoreFailed: it cannot be read.
         """
         try:
-            return None if self.folder is None else record_of(self.folder / name)["sha256"]
+            if self.folder is not None:
+                return record_of(self.folder / name)["sha256"]
+            return hashlib.sha256(self._filesystem[0].cat_file(self.path(name))).hexdigest() if remote else None
         except OSError as error:
             raise self._unreadable(name, error) from None
 

@@ -13,6 +13,8 @@ from dcrb_ros.schema.fields import Group
 from dcrb_ros.settings.files import flatten
 from dcrb_ros.sweep.design import Axes, Value, size
 
+EXTENDED = "extended"
+"""Key with the numbers of points or lives before each extension."""
 SCENARIO = "scenario"
 """The only key of an axis that is not a parameter: the name or the file of a scenario."""
 NO_FAULTS: Mapping[str, Value] = {f"faults.{key}": value for key, value in flatten(Faults().model_dump()).items()}
@@ -40,8 +42,8 @@ class Shares(Group):
     train: float = Field(0.6, ge=0.0, le=1.0)
     validation: float = Field(0.2, ge=0.0, le=1.0)
     test: float = Field(0.2, ge=0.0, le=1.0)
-    apart: list[Literal["bearing_id", "machine"]] = Field(default_factory=list)
-    """Identities that two splits must not share, in addition to conditions."""
+    apart: list[Literal["bearing_id", "machine"]] | None = None
+    """Identities that two splits must not share, in addition to conditions; None for those of which the design has enough."""
 
     @model_validator(mode="after")
     def _whole(self) -> Shares:
@@ -80,6 +82,8 @@ class SweepFile(Group):
     output: Literal["npz", "parquet", "bag"] = "npz"
     windows: Windows | None = None
     split: Shares = Shares()
+    extended: list[int] = Field(default_factory=list, max_length=1000)
+    """Numbers of points or lives that the data set had before it was extended; `dcrb sweep` writes it."""
     licence: str = "CC-BY-4.0"
     """Licence of the data, for the data card."""
 
@@ -101,7 +105,8 @@ class Sweep:
     @property
     def inputs(self) -> dict[str, Any]:
         """All inputs of the plan apart from base and scenarios, as written to the description of the data set."""
-        return self.file.model_dump(mode="json", by_alias=True)
+        inputs = self.file.model_dump(mode="json", by_alias=True)
+        return inputs if self.file.extended else {key: value for key, value in inputs.items() if key != EXTENDED}
 
     @property
     def seeds(self) -> int:

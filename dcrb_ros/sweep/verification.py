@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import hashlib
+import json
 from collections.abc import Mapping
 from concurrent.futures import ThreadPoolExecutor
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, Field, TypeAdapter, ValidationError
+from pydantic import BaseModel, Field, TypeAdapter, ValidationError, ValidationInfo, field_validator
 
 from dcrb_ros.runtime.processes import cores
 from dcrb_ros.runtime.threads import show_name
@@ -21,6 +23,30 @@ LABELS, ERRORS = "labels", "errors"
 
 class DamagedLabel(RuntimeError):
     """A label is not as `dcrb sweep` wrote it."""
+
+
+LONGEST = 1e6
+"""Longest run [s], as in a sweep file."""
+DIGEST = "digest"
+"""Key of a label: SHA-256 of its other entries."""
+
+
+def digest_of(label: Mapping[str, Any]) -> str:
+    """Return the SHA-256 of a label without its digest, as JSON with sorted keys."""
+    return hashlib.sha256(json.dumps({key: label[key] for key in label if key != DIGEST}, sort_keys=True).encode()).hexdigest()
+
+
+def checked_name(name: str, run: str) -> str:
+    """Return the name of a file of a run.
+
+    Raises:
+        ValueError: it is not in ``runs`` or ``windows``, or is not a file of that run.
+    """
+    parts = name.split("/")
+    inside = parts[0] in ("runs", "windows") and not {"", ".", ".."} & set(parts) and "\\" not in name
+    if not inside or (run not in (part.partition(".")[0] for part in parts[1:]) and run not in parts[1:]):
+        raise ValueError(f"{name!r} is not a file of this run in the data set")
+    return name
 
 
 class _File(BaseModel):
@@ -55,6 +81,21 @@ class _DoneLabel(_Label):
     sha256: str
     files: dict[str, _File] = Field(min_length=1)
 
+    @field_validator("file", "files")
+    @classmethod
+    def _inside(cls, value: Any, info: ValidationInfo) -> Any:
+        for name in [value] if isinstance(value, str) else value:
+            checked_name(name, info.data.get("run", ""))
+        return value
+
+    @field_validator("samples")
+    @classmethod
+    def _possible(cls, samples: int, info: ValidationInfo) -> int:
+        seconds = samples / info.data.get("sampling_rate", 1)
+        if not 0.0 < seconds <= LONGEST:
+            raise ValueError(f"{seconds:g} s is not above 0 and at most {LONGEST:g} s")
+        return samples
+
 
 _SCHEMA: TypeAdapter[_RunLabel | _DoneLabel] = TypeAdapter(Annotated[_RunLabel | _DoneLabel, Field(discriminator="status")])
 
@@ -68,7 +109,8 @@ def read_label(store: Store, run: str, folder: str = LABELS) -> dict[str, Any] |
     """Return the label of a run; None if it has none.
 
     Raises:
-        DamagedLabel: the label is empty, cut off, or lacks an entry.
+        DamagedLabel: the label is empty, cut off, changed, or lacks an entry; one of an earlier version without a digest is not checked for
+            changes.
         StoreFailed: it cannot be read.
     """
     name = label_name(run, folder)
@@ -89,11 +131,15 @@ def read_label(store: Store, run: str, folder: str = LABELS) -> dict[str, Any] |
         raise DamagedLabel(f"{store.path(name)} is {'damaged: it is not JSON' if data else 'empty'}") from None
     if named != run:
         raise DamagedLabel(f"{store.path(name)} is damaged: it is the label of the run {named}")
+    if DIGEST in label and label[DIGEST] != digest_of(label):
+        raise DamagedLabel(f"{store.path(name)} has been changed: its contents do not have its digest")
     return dict(label)
 
 
-def flaw(store: Store, run: str) -> str | None:
+def flaw(store: Store, run: str, *, digests: bool = True) -> str | None:
     """Return why a labelled run does not count, with the name of the file; None if its label and its files are intact.
+
+    Labels without a digest do not count unless ``digests`` is false, for a data set of an earlier version.
 
     Raises:
         StoreFailed: the store cannot be read, which says nothing about the run.
@@ -102,15 +148,17 @@ def flaw(store: Store, run: str) -> str | None:
         label = read_label(store, run)
         if label is None:  # it is listed, but was removed since, or is a link to nothing
             return f"{store.path(label_name(run))} is missing"
+        if digests and DIGEST not in label:
+            return f"{store.path(label_name(run))} has been changed: it has no digest"
         return next((reason for name, stated in label.get("files", {}).items() if (reason := _file_flaw(store, name, stated))), None)
     except DamagedLabel as error:
         return str(error)
 
 
-def flaws(store: Store, runs: list[str]) -> dict[str, str]:
+def flaws(store: Store, runs: list[str], *, digests: bool = True) -> dict[str, str]:
     """Return the labelled runs that do not count, each with the reason; see `flaw`."""
     with ThreadPoolExecutor(cores(), "verify", show_name) as threads:
-        reasons = threads.map(lambda run: flaw(store, run), runs)
+        reasons = threads.map(lambda run: flaw(store, run, digests=digests), runs)
         return {run: reason for run, reason in zip(runs, reasons, strict=True) if reason is not None}
 
 

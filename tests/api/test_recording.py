@@ -89,3 +89,19 @@ def test_a_stretch_of_a_tenth_of_a_second_has_its_samples() -> None:
     recording = Recording(BAGS / "healthy")
     assert len(recording.waveform(1.1, 1.2)) == 5120
     assert recording.waveform(1.1).index[0] == 56320
+
+
+def test_a_recording_has_what_the_result_of_a_simulation_has(recording: Recording) -> None:
+    run = simulate(recording.configuration, 0.4)
+    names = {name for name in dir(run) if not name.startswith("_")} - {"clean", "from_arrays"}
+    assert names <= set(dir(recording))
+    for name in ("acceleration", "shaft_angle", "index", "time", "turns"):
+        assert np.array_equal(getattr(recording, name), getattr(run, name)), name
+    for name in ("sampling_rate", "orders", "sensor_range", "duration", "tracked", "shaft_frequency", "configuration"):
+        assert getattr(recording, name) == getattr(run, name), name
+    assert np.array_equal(recording.between(0.1, 0.2).acceleration, run.between(0.1, 0.2).acceleration)
+    for name in ("states", "truth", "temperatures", "tacho"):
+        for signal in (recording, run):
+            assert getattr(signal, name)() is getattr(signal, name)
+        assert len(getattr(recording, name)) == len(getattr(run, name)) or name == "states"
+    assert recording.states.azimuth.shape[1] == run.states.azimuth.shape[1]

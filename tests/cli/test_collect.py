@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import shutil
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -10,7 +12,7 @@ import yaml
 from pyarrow import parquet
 from typer.testing import CliRunner
 
-from dcrb_ros import Refusal
+from dcrb_ros import DataSet, Refusal
 from dcrb_ros.cli.app import app
 from dcrb_ros.sweep.data_set import open_data_set
 from dcrb_ros.sweep.execution import run_task
@@ -150,3 +152,29 @@ def test_a_list_that_cannot_be_used_is_refused(files: Path, tmp_path: Path, text
     done = CliRunner().invoke(app, ["collect", str(table), "--about", str(files / "about.yaml"), "-o", str(tmp_path / "set")])
     assert isinstance(done.exception, Refusal)
     assert reason in str(done.exception)
+
+
+def test_a_machine_in_two_splits_is_named_and_the_set_has_hashes(files: Path, measured: Path, tmp_path: Path) -> None:
+    table = files / "machines.csv"
+    table.write_text(
+        "file,fault,bearing_id,machine,split,set\n105.npz,inner_ring,b1,m1,train,\n97.npz,healthy,b2,m1,test,sampling_rate=48000\n",
+        encoding="utf-8",
+    )
+    done = CliRunner().invoke(app, ["collect", str(table), "--about", str(files / "about.yaml"), "-o", str(tmp_path / "set")])
+    assert done.exit_code == 0, done.output
+    assert "1 machine is in more than one split (machine)" in done.stderr
+    assert "1 machine is in more than one split (machine)" in (tmp_path / "set" / "README.md").read_text()
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        data_set = DataSet(measured)
+    assert data_set.classes == ("healthy", "inner_ring")
+    x, y = data_set.windows("train").arrays()
+    assert (x.shape, y.tolist()) == ((5, 2, 2048), [1] * 5)
+
+
+def test_an_edited_measured_set_is_named(measured: Path, tmp_path: Path) -> None:
+    copied = Path(shutil.copytree(measured, tmp_path / "copied"))
+    table = parquet.read_table(copied / "labels.parquet")
+    parquet.write_table(table.slice(0, 1), copied / "labels.parquet")
+    with pytest.raises(Refusal, match=r"labels\.parquet has been changed"):
+        DataSet(copied)

@@ -54,7 +54,19 @@ def test_another_version_is_designed_again(made: list[float], monkeypatch: pytes
     assert len(made) == 2
 
 
-@pytest.mark.parametrize("harm", [lambda held: held[:-5], lambda held: held[:9], lambda held: b"", lambda held: b"PK" + held])
+def flipped(held: bytes) -> bytes:
+    """Flip the last bit of the last number."""
+    return held[:-1] + bytes([held[-1] ^ 1])
+
+
+def without_digest(held: bytes) -> bytes:
+    """Leave what numpy writes, as an earlier version did."""
+    return held[filter_cache.DIGEST_SIZE :]
+
+
+@pytest.mark.parametrize(
+    "harm", [lambda held: held[:-5], lambda held: held[:9], lambda held: b"", lambda held: b"PK" + held, flipped, without_digest]
+)
 def test_a_damaged_file_is_designed_again(made: list[float], harm: Callable[[bytes], bytes]) -> None:
     thirds = design(made)
     whole = thirds(0.1)

@@ -2,16 +2,24 @@
 
 from __future__ import annotations
 
+from collections import Counter
+from pathlib import Path
 from typing import Any
 
 import pytest
+import yaml
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from typer.testing import CliRunner
 
+from dcrb_ros.cli.app import app
 from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.sweep.division import Unit, divided
 from dcrb_ros.sweep.identity import Groups
-from dcrb_ros.sweep.loader import sweep_of
+from dcrb_ros.sweep.lives.plan import plan_of as plan_of_lives
+from dcrb_ros.sweep.loader import read_sweep, sweep_of
 from dcrb_ros.sweep.plan import Plan
+from dcrb_ros.sweep.sweep_file import Shares
 
 BOTH = ["bearing_id", "machine"]
 SHARED = {
@@ -20,11 +28,11 @@ SHARED = {
     "operating.speed": {"low": 90.0, "high": 160.0},
 }
 CASES = {"healthy": {}, "outer": {"faults.outer_1.width": 0.002}}
-TREE = {"base": "healthy", "duration": 0.1, "design": "random", "points": 12, "cases": CASES}
+TREE = {"base": "healthy", "set": {"structure.modes": 4}, "duration": 0.1, "design": "random", "points": 12, "cases": CASES}
 
 
-def plan_of(seed: int, vary: dict[str, Any], apart: list[str]) -> Plan:
-    return Plan(sweep_of({**TREE, "seed": seed, "vary": vary, "split": {"apart": apart}}, "sweep.yaml"))
+def plan_of(seed: int, vary: dict[str, Any], apart: list[str] | None) -> Plan:
+    return Plan(sweep_of({**TREE, "seed": seed, "vary": vary, "split": {} if apart is None else {"apart": apart}}, "sweep.yaml"))
 
 
 def splits_by(plan: Plan, name: str) -> list[set[str]]:
@@ -73,3 +81,91 @@ def test_groups_do_not_depend_on_the_order(pairs: list[tuple[int, int]], random:
     shuffled = list(pairs)
     random.shuffle(shuffled)
     assert grouped(pairs) == grouped(shuffled)
+
+
+OTHERS = {"surfaces.seed": {"low": 1, "high": 2_000_000_000}, "structure.seed": {"low": 1, "high": 2_000_000_000}}
+
+
+@pytest.mark.parametrize("name", ["two_hundred", "twin"])
+def test_the_shipped_sweeps_have_other_bearings_and_machines_in_each_split(name: str) -> None:
+    plan = plan_of_lives(read_sweep(name))
+    runs = list(plan.runs())
+    for identity in BOTH:
+        assert len({run.truth[identity] for run in runs}) == 40
+        assert all(len({run.split for run in runs if run.truth[identity] == value}) == 1 for value in {run.truth[identity] for run in runs})
+    assert plan.shared == {}
+    assert "* Every bearing is in one split (`bearing_id`).\n* Every machine is in one split" in plan.split_text
+
+
+@pytest.mark.parametrize("name", ["ten_lives", "twenty_lives"])
+def test_the_lives_of_a_shipped_sweep_are_individuals_in_one_split(name: str) -> None:
+    plan = plan_of_lives(read_sweep(name))
+    bearings = {run.truth["bearing_id"]: (run.changes["surfaces.seed"], run.split) for run in plan.runs()}
+    assert all(bearings[run.truth["bearing_id"]] == (run.changes["surfaces.seed"], run.split) for run in plan.runs())
+    assert len({seed for seed, _ in bearings.values()}) == len(bearings)
+    assert "All bearings are on one machine" in plan.split_text
+
+
+def test_bearings_and_machines_are_kept_apart_by_default() -> None:
+    plan = plan_of(1, SHARED, None)
+    assert plan.shared == {}
+    assert all(len(splits) == 1 for name in BOTH for splits in splits_by(plan, name))
+
+
+@pytest.mark.parametrize(
+    ("vary", "shared"),
+    [({"operating.speed": SHARED["operating.speed"]}, BOTH), ({**OTHERS, "structure.seed": [7]}, ["machine"]), (OTHERS, [])],
+)
+def test_a_bearing_in_two_splits_warns(vary: dict[str, Any], shared: list[str], tmp_path: Path) -> None:
+    plan = plan_of(1, vary, None)
+    assert plan.shared == dict.fromkeys(shared, 1)
+    file = tmp_path / "sweep.yaml"
+    file.write_text(yaml.safe_dump({**TREE, "vary": vary}), encoding="utf-8")
+    done = CliRunner().invoke(app, ["sweep", str(file), "-o", "memory://set"])
+    warned = [line for line in done.stderr.splitlines() if line.startswith("warning: ")]
+    assert len(warned) == len(shared)
+    for name, line in zip(shared, warned, strict=True):
+        assert f"is in more than one split ({name})" in line
+        assert f"1 {name.removesuffix('_id')} is in more than one split ({name})" in plan.split_text
+
+
+def test_a_seed_without_an_effect_makes_no_other_bearing_or_machine() -> None:
+    tree = {**TREE, "set": {}, "base": "dry", "vary": OTHERS}
+    assert Plan(sweep_of(tree, "sweep.yaml")).shared == {"bearing_id": 1, "machine": 1}
+    noise = {**TREE, "set": {"surfaces.seed": 0}, "vary": {"operating.speed": {"low": 90.0, "high": 160.0}}}
+    assert Plan(sweep_of(noise, "sweep.yaml")).shared == {"machine": 1}
+    assert Plan(sweep_of({**noise, "seeds": [1, 2]}, "sweep.yaml")).shared == {"bearing_id": 1, "machine": 1}
+
+
+def test_three_sensors_in_all_splits_do_not_change_the_shares() -> None:
+    plan = plan_of(1, {**OTHERS, "sensor.noise_density": [0.001, 0.002, 0.004]}, None)
+    train = Counter(run.split for run in plan.runs())["train"]
+    assert abs(train / 24 - 0.6) < 0.15
+    assert all(len(splits) == 1 for splits in splits_by(plan, "bearing_id"))
+
+
+def units(first: int, last: int, bearings: int) -> list[Unit]:
+    """Conditions with a few bearings, each on a machine of its own."""
+    return [Unit(f"{number:03x}", f"bearing {number % bearings}", f"machine {number}") for number in range(first, last)]
+
+
+@pytest.mark.parametrize("apart", [None, BOTH])
+@pytest.mark.parametrize("bearings", [20, 12, 3])
+def test_added_conditions_are_in_the_split_of_their_bearing(apart: Any, bearings: int) -> None:
+    shares = Shares(apart=apart)
+    before = divided([units(0, 20, bearings)], shares)
+    after = divided([units(0, 20, bearings), units(20, 50, bearings)], shares)
+    assert all(after.splits[condition] == split for condition, split in before.splits.items())
+    assert before.shared == after.shared == {}
+    added = divided([units(0, 20, 50), units(20, 50, 50)], shares)
+    assert Counter(list(added.splits.values())[20:]) == {"train": 18, "validation": 6, "test": 6}
+
+
+def test_an_added_condition_that_joins_two_splits_is_refused_or_named() -> None:
+    first = units(0, 20, 20)
+    splits_of = divided([first], Shares()).splits
+    train, test = (next(unit for unit in first if splits_of[unit.condition] == split) for split in ("train", "test"))
+    joined = [Unit("fff", train.bearing_id, test.machine)]
+    with pytest.raises(Refusal, match=r"the added conditions share a (bearing|machine) with two splits: give a new folder"):
+        divided([first, joined], Shares(apart=BOTH))  # type: ignore[arg-type]
+    assert len(divided([first, joined], Shares()).shared) == 1

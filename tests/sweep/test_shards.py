@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import json
+import shutil
 import tarfile
 from pathlib import Path
 from typing import Any
@@ -117,3 +118,16 @@ def test_shards_have_at_least_their_runs(data_set: Path) -> None:
         own = [size for name, size in sizes if name.startswith(split)]
         assert all(size == 8 for size in own[:-1])  # pairs of a healthy and a faulty run
     assert sum(size for _, size in sizes) == 80
+
+
+def test_a_changed_run_is_not_packed(data_set: Path, tmp_path: Path) -> None:
+    copied = Path(shutil.copytree(data_set, tmp_path / "copied"))
+    label = next((copied / "labels").iterdir())
+    label.write_text(json.dumps(json.loads(label.read_text()) | {"fault": "cage"}))
+    with pytest.raises(Refusal, match=r"has been changed: its contents do not have its digest: repair or finish"):
+        write_shards(copied, tmp_path / "shards", 3)
+    label.write_bytes((data_set / "labels" / label.name).read_bytes())
+    waveform = next((copied / "runs").iterdir())
+    waveform.write_bytes(waveform.read_bytes()[:-1] + b"x")
+    with pytest.raises(Refusal, match=f"{waveform.name} has been changed"):
+        write_shards(copied, tmp_path / "more", 3)

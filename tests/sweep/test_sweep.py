@@ -27,6 +27,7 @@ from distributed import Client
 from hypothesis import example, given
 from hypothesis import strategies as st
 
+from dcrb_ros import DataSet
 from dcrb_ros.cli.app import app
 from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.recordings.reproduction import Reproduction
@@ -40,10 +41,11 @@ from dcrb_ros.sweep import execution
 from dcrb_ros.sweep.cluster import TASKS_PER_WORKER, ClusterWorkers, cluster_workers
 from dcrb_ros.sweep.data_set import open_data_set
 from dcrb_ros.sweep.design import GRID, LATIN_HYPERCUBE, RANDOM, Choice, Span, points, size
+from dcrb_ros.sweep.division import splits
 from dcrb_ros.sweep.estimate import estimate
 from dcrb_ros.sweep.execution import common_settings, run_task
 from dcrb_ros.sweep.loader import read_sweep, sweep_of
-from dcrb_ros.sweep.plan import Plan, PlannedRun, splits
+from dcrb_ros.sweep.plan import Plan, PlannedRun
 from dcrb_ros.sweep.store import Store, StoreFailed
 from dcrb_ros.sweep.sweep_file import Shares, Windows
 from dcrb_ros.sweep.windows import cut_windows, window_starts
@@ -458,8 +460,7 @@ def test_a_killed_sweep_continues_to_the_same_data_set(
         data_set.make(ClusterWorkers(client), lambda _: None)
     assert contents(cut_off) == contents(whole)
 
-    # The examples need nothing but the files.
-    environment = {**os.environ, "PYTHONPATH": str(EXAMPLES)}
+    environment = {**os.environ, "PYTHONPATH": str(EXAMPLES.parent)}
     for name, words in (("load_dataset.py", "train: 80 windows"), ("baseline.py", "balanced accuracy on test")):
         run = [sys.executable, str(EXAMPLES / name), str(cut_off)]
         example = subprocess.run(run, env=environment, capture_output=True, text=True, timeout=100, check=False)
@@ -470,7 +471,9 @@ def test_a_killed_sweep_continues_to_the_same_data_set(
     from sklearn.ensemble import RandomForestClassifier
 
     table = pd.read_parquet(whole / "labels.parquet")
-    features = np.array([baseline.features(whole, row) for _, row in table.iterrows()])
+    with pytest.warns(UserWarning, match="in more than one split"):
+        data_set = DataSet(whole)
+    features = np.array([baseline.features(data_set, row) for _, row in table.iterrows()])
     right = []
     for condition in table["condition"].unique():
         test = table["condition"] == condition

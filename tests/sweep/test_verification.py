@@ -5,6 +5,7 @@ from __future__ import annotations
 import errno
 import json
 import os
+import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -23,7 +24,7 @@ from dcrb_ros.sweep.loader import sweep_of
 from dcrb_ros.sweep.plan import Plan
 from dcrb_ros.sweep.store import Store, StoreFailed
 from dcrb_ros.sweep.table import write_table
-from dcrb_ros.sweep.verification import flaw
+from dcrb_ros.sweep.verification import digest_of, flaw
 
 pytestmark = pytest.mark.slow
 
@@ -51,6 +52,18 @@ def flip_a_bit(path: Path) -> None:
     path.write_bytes(bytes(data))
 
 
+def edit(key: str, value: object, *, sign: bool = False) -> Callable[[Path], None]:
+    """Return a change of a label; ``sign`` gives it the digest of its new contents."""
+
+    def change(path: Path) -> None:
+        label = json.loads(path.read_text()) | {key: value}
+        if sign:
+            label["digest"] = digest_of(label)
+        path.write_text(json.dumps(label))
+
+    return change
+
+
 def without(key: str) -> Callable[[Path], None]:
     def change(path: Path) -> None:
         label = json.loads(path.read_text())
@@ -67,6 +80,17 @@ DAMAGE: dict[str, tuple[str, Callable[[Path], object], str]] = {
     "a label nested without end": ("labels/{}.json", lambda path: path.write_text("[" * 100_000), "labels/{}.json is damaged"),
     "a label without files": ("labels/{}.json", without("files"), "labels/{}.json is damaged (files: field required)"),
     "a label without status": ("labels/{}.json", without("status"), "labels/{}.json is damaged (status: unable to extract"),
+    "an edited fault": ("labels/{}.json", edit("fault", "cage"), "labels/{}.json has been changed: its contents do not have its digest"),
+    "a label without its digest": ("labels/{}.json", without("digest"), "labels/{}.json has been changed: it has no digest"),
+    "a path outside": ("labels/{}.json", edit("file", "../../etc/passwd", sign=True), "'../../etc/passwd' is not a file of this run"),
+    "an absolute path": ("labels/{}.json", edit("file", "/etc/passwd", sign=True), "'/etc/passwd' is not a file of this run"),
+    "the file of another run": ("labels/{}.json", edit("file", "runs/another.npz", sign=True), "'runs/another.npz' is not a file of this"),
+    "files outside": (
+        "labels/{}.json",
+        edit("files", {"runs/../../{}.npz": {"size": 1, "sha256": "0"}}, sign=True),
+        "is not a file of this run",
+    ),
+    "a run of 1e9 s": ("labels/{}.json", edit("samples", 51_200_000_000_000, sign=True), "1e+09 s is not above 0 and at most 1e+06 s"),
     "a folder for a label": (
         "labels/{}.json",
         lambda path: (path.unlink(), path.mkdir()),
@@ -217,3 +241,46 @@ def test_only_the_first_of_many_damaged_runs_are_named(tmp_path: Path, capsys: p
     lines = capsys.readouterr().err.splitlines()
     assert len(lines) == 6
     assert lines[-1] == "2 further runs are damaged and simulated again"
+
+
+def test_a_data_set_of_an_earlier_version_is_continued_with_a_warning(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    plan, store, runs = simulated(tmp_path)
+    about = json.loads((tmp_path / "sweep.json").read_text())
+    (tmp_path / "sweep.json").write_text(json.dumps({key: value for key, value in about.items() if key != "digests"}))
+    for run in runs:
+        without("digest")(tmp_path / f"labels/{run}.json")
+    for _ in range(2):
+        with open_data_set(plan, store) as data_set:
+            assert (data_set.done, data_set.flaws) == (set(runs), {})
+            _report_flaws(data_set)
+        assert "was made by an earlier version without digests" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("name", ["labels.parquet", "dataset.yaml", "sweep.json", "sweep.yaml", "base.yaml", "README.md"])
+def test_every_table_and_description_has_a_hash(name: str, tmp_path: Path) -> None:
+    simulated(tmp_path)
+    subprocess.run(["sha256sum", "-c", "--quiet", "SHA256SUMS"], cwd=tmp_path, check=True)
+    flip_a_bit(tmp_path / name)
+    done = subprocess.run(["sha256sum", "-c", "--quiet", "SHA256SUMS"], cwd=tmp_path, check=False, capture_output=True, text=True)
+    assert f"{name}: FAILED" in done.stdout
+
+
+def test_files_are_on_the_disk_before_they_have_their_names(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    calls: list[tuple[str, str]] = []
+    replace, fsync = os.replace, os.fsync
+
+    def synced(descriptor: int) -> None:
+        calls.append(("sync", os.readlink(f"/proc/self/fd/{descriptor}")))
+        fsync(descriptor)
+
+    def renamed(source: Any, target: Any) -> None:
+        calls.append(("rename", str(source)))
+        replace(source, target)
+
+    monkeypatch.setattr("os.fsync", synced)
+    monkeypatch.setattr("os.replace", renamed)
+    Store(str(tmp_path)).write("labels/a.json", b"{}")
+    (kind, part), (then, source), (last, folder) = calls
+    assert (kind, then, last) == ("sync", "rename", "sync")
+    assert part == source
+    assert folder == str(tmp_path / "labels")

@@ -19,7 +19,7 @@ from dcrb_ros.sweep.lives.recipe import Braking, Climate, Damage, Inspection, Le
 from dcrb_ros.sweep.lives.sweep import LifeSweep
 from dcrb_ros.sweep.sweep_file import Sweep
 
-COMMON = ("base", "set", "duration", "settle", "output", "windows", "split", "licence")
+COMMON = ("base", "set", "duration", "settle", "output", "windows", "split", "extended", "licence")
 """Keys that mean the same in every sweep."""
 OWN = ("kind", "lives", "seed", "line", "spectrum", "inspection", "start", "damage", "growth", "climate")
 NETWORK = "thermal.law"

@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 
 import numpy as np
 
 from dcrb_ros.measurement.random_streams import random_stream
 from dcrb_ros.sweep.design import Point
+from dcrb_ros.sweep.division import batches, splits
 from dcrb_ros.sweep.lives.card import design_text
 from dcrb_ros.sweep.lives.duty import Section
 from dcrb_ros.sweep.lives.life import Life
 from dcrb_ros.sweep.lives.sweep import LifeSweep
 from dcrb_ros.sweep.lives.table import TRUTH, lives_table
-from dcrb_ros.sweep.plan import SEED, Plan, PlannedRun, Task, digest, splits
-from dcrb_ros.sweep.sweep_file import Sweep
+from dcrb_ros.sweep.plan import SEED, Plan, PlannedRun, Task, digest
+from dcrb_ros.sweep.sweep_file import EXTENDED, Sweep
 
 AMBIENT = "thermal.ambient"
 COLDEST_AND_HOTTEST = (-40.0, 60.0)
@@ -30,17 +32,27 @@ class LifePlan(Plan):
     """The runs of a sweep of lives; a bearing is in one split with all its inspections."""
 
     unit, remedy = "bearings", "increase lives"
-    split_text = "All inspections of a bearing are in one split."
 
     def __init__(self, sweep: LifeSweep) -> None:
-        super().__init__(sweep)
+        # The parts of the sweep are lives, not points.
+        super().__init__(replace(sweep, file=sweep.file.model_copy(update={EXTENDED: []})))
+        self.sweep = sweep
         self.lives = sweep
         # Neither the version nor the model is part of these hashes, so that splits and noise stay what they are.
         self._bearings = [digest([sweep.recipe.numbers.seed, number]) for number in range(sweep.recipe.numbers.lives)]
-        self._splits = splits(set(self._bearings), sweep.file.split)
+        parts = batches(sweep.file.extended, len(self._bearings))
+        self._splits = {
+            name: split for part in parts for name, split in splits(set(self._bearings[slice(*part)]), sweep.file.split).items()
+        }
+        self.shared = {}
         self.conditions = len(self._bearings)
         weights = np.cumsum([section.steady for section in sweep.sections])
         self._shares = weights / weights[-1]
+
+    @property
+    def split_text(self) -> str:
+        """How the data are divided, for the data card."""
+        return "All inspections of a bearing are in one split. All bearings are on one machine, that of the base."
 
     @property
     def truth(self) -> Mapping[str, tuple[type, str]]:

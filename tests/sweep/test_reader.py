@@ -1,0 +1,303 @@
+"""`dcrb_ros.DataSet`: arrays, classes and labels of a data set, each file checked; and data sets that are extended."""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import json
+import pickle
+import sys
+import warnings
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from types import ModuleType, SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+import yaml
+from typer.testing import CliRunner
+
+from dcrb_ros import DataSet, Refusal
+from dcrb_ros.cli.app import app
+from dcrb_ros.sweep.data_set import open_data_set
+from dcrb_ros.sweep.execution import run_task
+from dcrb_ros.sweep.lives.plan import plan_of
+from dcrb_ros.sweep.loader import read_sweep, sweep_of
+from dcrb_ros.sweep.store import Store
+from dcrb_ros.sweep.sums import SUMS
+
+TREE: dict[str, Any] = {
+    "base": "dry",
+    "set": {"cage.joint": "revolute"},
+    "design": "latin_hypercube",
+    "points": 4,
+    "vary": {"operating.speed": {"low": 90.0, "high": 160.0}},
+    "cases": {"healthy": {}, "outer": {"faults.outer_1.width": {"low": 0.001, "high": 0.002}}},
+    "duration": 0.02,
+    "windows": {"length": 256, "overlap": 0.5},
+}
+
+
+class Here:
+    """A worker in this process that counts its runs."""
+
+    count = 1
+
+    def __init__(self) -> None:
+        self.runs: list[str] = []
+
+    def dispatched(self, common: Any, tasks: Any) -> Any:
+        for task in tasks:
+            self.runs += [run.name for run in task]
+            yield task, run_task(common, task)
+
+
+def made(tree: dict[str, Any], folder: Path) -> list[str]:
+    """Make or extend a data set; return the runs that were simulated."""
+    worker = Here()
+    with open_data_set(plan_of(sweep_of(tree, "sweep.yaml", text=yaml.safe_dump(tree, sort_keys=False))), Store(str(folder))) as data_set:
+        data_set.make(worker, lambda _: None)  # type: ignore[arg-type]
+    return worker.runs
+
+
+def read(folder: Path) -> DataSet:
+    """Read a data set whose bearing is in all splits."""
+    with pytest.warns(UserWarning, match="in more than one split"):
+        return DataSet(folder)
+
+
+@contextlib.contextmanager
+def quiet() -> Iterator[None]:
+    """Ignore warnings."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        yield
+
+
+def contents(folder: Path) -> dict[str, str]:
+    files = [path for path in sorted(folder.rglob("*")) if path.is_file()]
+    return {str(path.relative_to(folder)): hashlib.sha256(path.read_bytes()).hexdigest() for path in files}
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A data set with windows."""
+    folder = tmp_path_factory.mktemp("sets") / "set"
+    made(TREE, folder)
+    return folder
+
+
+@pytest.fixture
+def copied(folder: Path, tmp_path: Path) -> Path:
+    """A copy of it that a test may change."""
+    import shutil
+
+    return Path(shutil.copytree(folder, tmp_path / "copied"))
+
+
+def test_windows_are_arrays_with_the_classes_of_the_set(folder: Path) -> None:
+    data_set = read(folder)
+    assert data_set.classes == ("healthy", "outer_ring")
+    assert data_set.splits == {"train": 4, "validation": 2, "test": 2}
+    windows = data_set.windows("train")
+    x, y = windows.arrays()
+    assert x.shape == (4 * 7, 2, 256)
+    assert sorted(y.tolist()) == [0] * 14 + [1] * 14
+    table = data_set.labels("train")
+    with np.load(folder / table["file"][0]) as content:
+        assert np.array_equal(x[1, 1], content["ay"][128:384])
+    assert y[0] == data_set.classes.index(table["fault"][0])
+    assert all(np.array_equal(x[k], window) and y[k] == number for k, (window, number) in enumerate(windows))
+    assert np.array_equal(windows[-1][0], x[-1])
+    with pytest.raises(IndexError):
+        windows[len(windows)]
+    assert np.array_equal(pickle.loads(pickle.dumps(windows))[3][0], x[3])
+
+
+def test_windows_of_another_length_are_those_of_the_waveform(folder: Path) -> None:
+    data_set = read(folder)
+    windows = data_set.windows("test", length=500, hop=100)
+    waveform = data_set.waveform(data_set.labels("test")["run"][0])
+    assert len(windows) == 2 * 6
+    assert np.array_equal(windows[2][0], waveform.acceleration[200:700].T)
+    assert waveform.orders.bpfo == pytest.approx(6.78, abs=0.3)
+
+
+@pytest.mark.parametrize("kind", ["npz", "parquet"])
+def test_a_measured_set_and_parquet_load_alike(kind: str, folder: Path, tmp_path: Path) -> None:
+    made({**TREE, "output": kind, "windows": {"length": 256, "overlap": 0.5, "kind": kind}}, tmp_path / "set")
+    for split in ("train", "test"):
+        x, y = read(tmp_path / "set").windows(split).arrays()
+        known = read(folder).windows(split).arrays()
+        assert np.array_equal(x, known[0])
+        assert np.array_equal(y, known[1])
+
+
+def test_the_classes_are_those_of_the_set(copied: Path) -> None:
+    # The loader of the examples had a list of its own and failed on a class that the list did not have.
+    (copied / SUMS).unlink()
+    table = pd.read_parquet(copied / "labels.parquet")
+    table.loc[table["fault"] == "healthy", "fault"] = "lubrication"
+    table.to_parquet(copied / "labels.parquet")
+    with quiet():
+        data_set = DataSet(copied)
+    assert data_set.classes == ("lubrication", "outer_ring")
+    assert set(data_set.windows("train", length=512).arrays()[1].tolist()) == {0, 1}
+
+
+def test_tensors_are_those_of_the_arrays(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    # The names of PyTorch that are used; the environment of the tests has no PyTorch.
+    data, torch = ModuleType("torch.utils.data"), ModuleType("torch")
+    data.TensorDataset = lambda *tensors: SimpleNamespace(tensors=tensors)  # type: ignore[attr-defined]
+    torch.from_numpy = lambda array: array  # type: ignore[attr-defined]
+    for name, module in {"torch": torch, "torch.utils": ModuleType("torch.utils"), "torch.utils.data": data}.items():
+        monkeypatch.setitem(sys.modules, name, module)
+    x, y = read(folder).windows("train").torch().tensors
+    assert (x.shape, y.dtype) == ((28, 2, 256), np.int64)
+    monkeypatch.setitem(sys.modules, "torch", None)
+    with pytest.raises(Refusal, match="pip install torch"):
+        read(folder).windows("train").torch()
+
+
+def test_a_set_without_leakage_is_read_without_a_warning(tmp_path: Path) -> None:
+    vary = {"surfaces.seed": {"low": 1, "high": 1000}, "structure.seed": {"low": 1, "high": 1000}}
+    made({**TREE, "points": 3, "set": {**TREE["set"], "surfaces.law": "profile", "structure.modes": 3}, "vary": vary}, tmp_path / "set")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert DataSet(tmp_path / "set").splits == {"train": 2, "validation": 2, "test": 2}
+
+
+def edited_table(folder: Path, column: str, value: Any) -> None:
+    table = pd.read_parquet(folder / "labels.parquet")
+    table[column] = value
+    table.to_parquet(folder / "labels.parquet")
+
+
+def flip_a_bit(folder: Path, pattern: str) -> None:
+    path = sorted(folder.glob(pattern))[0]
+    data = bytearray(path.read_bytes())
+    data[len(data) // 2] ^= 1
+    path.write_bytes(bytes(data))
+
+
+DAMAGE: dict[str, tuple[Callable[[Path], object], str]] = {
+    "an edited fault": (lambda folder: edited_table(folder, "fault", "healthy"), "labels.parquet has been changed"),
+    "a flipped bit in the windows": (lambda folder: flip_a_bit(folder, "windows/train/*"), "has been changed: its SHA-256 is not the one"),
+    "missing windows": (lambda folder: [path.unlink() for path in folder.glob("windows/train/*")], "is missing"),
+    "damaged hashes": (lambda folder: (folder / SUMS).write_text("none"), f"{SUMS} is damaged"),
+    "no table": (lambda folder: (folder / "labels.parquet").unlink(), "has no labels.parquet"),
+}
+
+
+@pytest.mark.parametrize("kind", DAMAGE)
+def test_a_changed_file_is_named(kind: str, copied: Path) -> None:
+    damage, sentence = DAMAGE[kind]
+    damage(copied)
+    with quiet(), pytest.raises(Refusal, match=sentence):
+        DataSet(copied).windows("train").arrays()
+
+
+def test_an_old_set_without_hashes_is_read_with_a_warning(copied: Path) -> None:
+    (copied / SUMS).unlink()
+    with pytest.warns(UserWarning, match="has no SHA256SUMS|in more than one split") as warned:
+        assert len(DataSet(copied)) == 8
+    assert "has no SHA256SUMS" in str(warned[0].message)
+
+
+@pytest.mark.parametrize(
+    ("column", "value", "sentence"),
+    [
+        ("file", "../../etc/passwd", "outside the data set"),
+        ("samples", 51_200_000_000_000, "samples instead of"),
+        ("split", "exam", "no valid split"),
+        ("samples", 0, "no valid split"),
+    ],
+)
+def test_a_row_of_an_old_set_that_cannot_be_true_is_refused(column: str, value: Any, sentence: str, copied: Path) -> None:
+    (copied / SUMS).unlink()
+    edited_table(copied, column, value)
+    run = str(pd.read_parquet(copied / "labels.parquet")["run"][0])
+    with quiet(), pytest.raises(Refusal, match=sentence):
+        DataSet(copied).waveform(run)
+
+
+@pytest.mark.parametrize(
+    ("call", "sentence"),
+    [
+        (lambda data_set: data_set.windows("trian"), "did you mean 'train'"),
+        (lambda data_set: data_set.windows("train", length=0), "length = 0 is not a number of samples"),
+        (lambda data_set: data_set.windows("train", length=100, hop=200), "hop = 200 samples is above length"),
+        (lambda data_set: data_set.waveform("nothing"), "has no run 'nothing'"),
+        (lambda data_set: data_set.lives(), "has no lives.parquet"),
+        (lambda data_set: data_set.windows("train", length=5000).arrays(), "has no windows of one length"),
+    ],
+)
+def test_unknown_names_and_impossible_windows_are_refused(call: Callable[[DataSet], object], sentence: str, folder: Path) -> None:
+    with pytest.raises(Refusal, match=sentence):
+        call(read(folder))
+    with pytest.raises(Refusal, match="is not a finished data set"):
+        DataSet(folder / "nowhere")
+
+
+# Extension
+
+
+@pytest.mark.parametrize("design", ["latin_hypercube", "random"])
+def test_more_points_add_runs_and_keep_the_others(design: str, tmp_path: Path) -> None:
+    first = made({**TREE, "design": design, "seeds": 2}, tmp_path / "set")
+    before = contents(tmp_path / "set")
+    splits = read(tmp_path / "set").labels().set_index("run")["split"]
+    added = made({**TREE, "design": design, "seeds": 2, "points": 7}, tmp_path / "set")
+    assert (len(first), len(added)) == (16, 12)
+    after, table = contents(tmp_path / "set"), read(tmp_path / "set").labels().set_index("run")
+    assert all(after[name] == value for name, value in before.items() if name.split("/")[0] in ("runs", "labels", "windows"))
+    assert table.loc[splits.index, "split"].equals(splits)
+    assert set(table["split"][added]) == {"train", "validation", "test"}
+    assert table["condition"].nunique() == 7
+    # Once more: the same command makes nothing, and the kept sweep file makes the same data set at once.
+    assert made({**TREE, "design": design, "seeds": 2, "points": 7}, tmp_path / "set") == []
+    assert contents(tmp_path / "set") == after
+    kept = read_sweep(tmp_path / "set" / "sweep.yaml")
+    worker = Here()
+    with open_data_set(plan_of(kept), Store(str(tmp_path / "again"))) as data_set:
+        data_set.make(worker, lambda _: None)  # type: ignore[arg-type]
+    assert len(worker.runs) == 28
+    assert contents(tmp_path / "again") == after
+
+
+def test_a_set_is_extended_by_the_command_and_never_shrinks(tmp_path: Path) -> None:
+    def sweep(points: int) -> Any:
+        file.write_text(yaml.safe_dump({**TREE, "points": points}), encoding="utf-8")
+        return CliRunner().invoke(app, ["sweep", str(file), "-o", str(tmp_path / "set"), "--workers", "1"])
+
+    file = tmp_path / "sweep.yaml"
+    assert sweep(2).exit_code == 0
+    done = sweep(3)
+    assert "is extended: its 4 finished runs and their splits are kept" in done.stderr
+    assert "6 done" in done.stdout
+    assert json.loads((tmp_path / "set" / "sweep.json").read_text())["sweep"]["extended"] == [2]
+    done = sweep(2)
+    assert isinstance(done.exception, Refusal)
+    assert "was made with another sweep (extended, points differ)" in str(done.exception)
+
+
+def test_more_lives_keep_the_splits_of_the_others() -> None:
+    from dcrb_ros.sweep.extension import extended_plan
+
+    tree: dict[str, Any] = yaml.safe_load((Path(__file__).parents[2] / "config" / "sweeps" / "ten_lives.yaml").read_text())
+    plan = plan_of(sweep_of(tree, "lives"))
+    more = extended_plan(plan_of(sweep_of({**tree, "lives": 15}, "lives", text="lives: 15\n")), {"sweep": plan.sweep.inputs})
+    old, new = ({run.name: (run.position, run.split) for run in one.runs()} for one in (plan, more))
+    assert {name: new[name] for name in old} == old
+    assert len({run.condition for run in more.runs()}) == 15
+    assert more.sweep.text == "lives: 15\nextended: [10]\n"
+    again = plan_of(sweep_of({**tree, "lives": 15, "extended": [10]}, "lives"))
+    assert {run.name: (run.position, run.split) for run in again.runs()} == new
+
+
+@pytest.mark.parametrize("tree", [{"extended": [4]}, {"extended": [9]}, {"extended": [3, 2]}, {"extended": [0]}])
+def test_a_history_that_does_not_rise_is_refused(tree: dict[str, Any]) -> None:
+    with pytest.raises(Refusal, match="extended = "):
+        plan_of(sweep_of({**TREE, **tree}, "sweep.yaml"))
