@@ -219,7 +219,7 @@ def test_a_full_disk_ends_the_recording_with_a_reason_and_a_readable_file(run: R
 def test_a_changed_range_is_read_with_its_blocks(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     bag = narrowed(tmp_path / "bag", 175, at=75, limit=20.0)
     assert [span for _, span in Recording(bag).ranged_vibrations()] == [5000.0] * 75 + [20.0] * 100
-    detect(bag, as_json=True)
+    detect([bag], as_json=True)
     verdicts = [found["verdict"] for found in json.loads(capsys.readouterr().out)["history"]]
     assert verdicts == [diagnosis.verdict for diagnosis in shipped_detector(DetectorParameters()).diagnose(Recording(bag)).received]
     assert "sensor" not in verdicts

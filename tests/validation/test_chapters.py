@@ -60,7 +60,7 @@ def test_heat_has_the_values_worked_out_by_hand(monkeypatch: pytest.MonkeyPatch)
         (squeeze, "wedge_force", "Lift of the wedge at the gaps at which an idle roller rests"),
         (surface_rows, "envelope", "Depth of a notch of 2 mm for a rigid roller, outer and inner raceway"),
         (height_rows, "envelope", "Lowest path of a rigid roller over a wave of 1 mm and 10 um, outer raceway"),
-        (surface_rows, "averaged", "Share of a wave of 1 mm that contacts of half-widths of 0.2 and 0.5 mm feel"),
+        (surface_rows, "averaged", "Share of a wave of 1 mm that contacts of half-widths of 0.2 and 0.5 mm transmit"),
     ],
 )
 def test_two_per_cent_more_fall_short(module: ModuleType, name: str, missed: str, monkeypatch: pytest.MonkeyPatch) -> None:
