@@ -24,7 +24,7 @@ from dcrb_ros.plots.style import FAULT_LINES, labelled, legend_above
 from dcrb_ros.plots.waveform import plot_waveform
 from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.runtime.version import __version__
-from dcrb_ros.schema.printable import printable
+from dcrb_ros.schema.printable import decimal, printable
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.schema.verdicts import CHARACTERISTIC, COMPONENTS, TITLES, is_alarm, title_of
 from dcrb_ros.stream.diagnosis import Diagnosis
@@ -174,7 +174,7 @@ def _line_row(component: str, diagnosis: Diagnosis) -> dict[str, str]:
     row = {
         "component": TITLES[component],
         "line": "2 BSF" if frequency == "BSF" else frequency,
-        "level": f"{diagnosis.levels.get(frequency, 0.0):.1f}",
+        "level": decimal(diagnosis.levels.get(frequency, 0.0), 1),
         "score": _signed(diagnosis.scores[component]) if component in diagnosis.scores else "–",
     }
     if lines is None:
