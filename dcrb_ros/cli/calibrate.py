@@ -99,8 +99,9 @@ def compare(
     from dcrb_ros.plots.comparison import write_comparison
     from dcrb_ros.recordings.reader import Recording
 
+    recordings = Recording(first), Recording(second)
     with steps(STEPS, quiet=quiet) as begin:
-        comparison = compared(Recording(first), Recording(second), names=(str(first), str(second)), progress=begin)
+        comparison = compared(*recordings, names=(str(first), str(second)), progress=begin)
     if output is not None:
         with replacing("-o", output, force=force):
             write_comparison(comparison, output)

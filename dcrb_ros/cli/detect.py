@@ -74,8 +74,8 @@ def detect(
     diagnosed = []
     for bag in bags:
         recording = Recording(bag)
-        # A program gets an answer in any case; a person gets the reason why there is none.
-        result = (watch if as_json else detect_in)(recording, parameters=parameters, baseline=known)
+        # A program gets an answer in any case, and a page has all recordings; otherwise the reason for no verdict is the error message.
+        result = (detect_in if report is None and not as_json else watch)(recording, parameters=parameters, baseline=known)
         diagnosed.append((bag, recording, result))
         if not as_json:
             _print_table(bag, recording, result, parameters, learned=known is not None or bool(parameters.baseline))
@@ -127,14 +127,14 @@ def _print_table(bag: Path, recording: Recording, result: DetectionResult, param
 
     last = result.last
     title = title_of(last.verdict, last.scores)
-    table = Table(*COLUMNS, title=f"{bag}: {title}", caption=CAPTION if last.scores else None)
+    table = Table(*COLUMNS, title=f"{bag}: {title}", caption=CAPTION)
     for (fault, score), (name, level) in zip(last.scores.items(), last.levels.items(), strict=False):
         line = "2 BSF" if name == "BSF" else name  # a roller defect strikes at twice BSF
         depth = decimal(last.lines[fault].depth, 3) if fault in last.lines else "-"
         threshold = f"{'up to ' if learned else ''}{getattr(parameters, DEPTHS[fault]):g}"
         table.add_row(fault, line, decimal(level, 1), depth, threshold, decimal(score, 1))
     shown = console()
-    shown.print(table)
+    shown.print(table if last.scores else f"{bag}: {title}")
     when = f"first at {result.since:.2f} s, in {result.duration:.2f} s of signal"
     for sentence in (f"{last.verdict}, confidence {last.confidence:.2f}, {when}: {last.reason}", *last.remarks):
         shown.print(sentence, soft_wrap=True)
