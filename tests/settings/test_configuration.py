@@ -340,7 +340,7 @@ CUSTOM_OIL = (*FILM, "lubrication.lubricant=custom")
             (*CUSTOM_OIL, "lubrication.pressure_coefficient=5e-9"),
             r"pressure_coefficient = 5e-09 1/Pa .* exponent 0\.1.*, outside 0\.2 \.\. 1\.1",
         ),
-        ((*FILM, "contact.notch=edge"), r"contact.notch = 'edge' knows no oil film: take sink"),
+        ((*FILM, "contact.notch=edge"), r"contact.notch = 'edge' has no oil film: take sink"),
         (
             (
                 *FILM,
