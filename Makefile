@@ -11,7 +11,7 @@ unexport RMW_IMPLEMENTATION PYTHONPATH PYTHONHOME AMENT_PREFIX_PATH
 help: ## Show this list
 	@awk -F ':.*## ' '/^[a-z_]+:.*## / { printf "  make %-13s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
 
-environment: ## Make .venv, or find it made (PYTHON=python3.12 chooses the interpreter)
+environment: ## Make .venv, some 2 GB from PyPI, or find it made (PYTHON=python3.12 chooses the interpreter)
 	@PYTHON='$(PYTHON)' .ci/environment
 
 demo: environment ## Run the bench with an outer-ring defect for 10 s: verdict, recording, view
@@ -102,7 +102,8 @@ hostile: environment compiled ## The whole corpus of hostile inputs; make test r
 pictures: environment ## Make pictures of the documentation (PICTURES='rerun order-map'); without names, list those that are out of date
 	MEASURED=$(MEASURED) $(BIN)/python benchmarks/pictures.py $(PICTURES)
 
-docs: environment ## The site, into site/
+docs: environment ## The site, into site/, some two minutes: two notebooks are executed
+	@echo "Building the site executes the notebooks of docs/tutorials; this takes some two minutes."
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet
 
 colcon: environment ## Build and test as a ROS package

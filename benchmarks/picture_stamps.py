@@ -6,7 +6,7 @@ that it shows:
 * ``bench NAME KEY=VALUE ...``: the parameters of a shipped configuration that differ from their defaults
 * ``samples CASE``: a fingerprint of the model, from ``tests/unchanged``
 * ``file PATH``: the content of a file, of YAML the values
-* ``detector FOLDER``: the detector's parameters, and its verdict and confidence on each recording of a folder
+* ``detector FOLDER``: the detector's verdict on each recording of a folder, its confidence, and the scores of suspected faults
 * ``drawing PATH[:FUNCTION]``: texts, numbers and colours of a source file, a folder or a function; names and docstrings may change
 """
 
@@ -24,7 +24,6 @@ from typing import Any
 import yaml
 
 from dcrb_ros.diagnosis.detection import detect
-from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.settings.files import load_configuration
 
@@ -66,12 +65,16 @@ def file(path: str) -> str:
 
 @functools.cache
 def detector(recordings: str) -> str:
-    """Return the digest of the detector's parameters, and of its verdict and confidence on each recording of a folder."""
+    """Return the digest of the detector's verdict and confidence on each recording of a folder, and of its scores above the thresholds.
+
+    A rule that finds nothing in these recordings does not change it.
+    """
     verdicts = {}
     for path in sorted(path for path in (ROOT / recordings).iterdir() if path.is_dir()):
         result = detect(Recording(path))
-        verdicts[path.name] = result.verdict, round(result.confidence, 2)
-    return digest_of([DetectorParameters().model_dump(), verdicts])
+        suspected = {fault: round(score, 1) for fault, score in result.last.scores.items() if score >= 0.0}
+        verdicts[path.name] = result.verdict, round(result.confidence, 2), suspected
+    return digest_of(verdicts)
 
 
 def drawing(path: str) -> str:

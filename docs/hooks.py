@@ -75,7 +75,8 @@ def _described(command: Any, name: str) -> Iterator[str]:
     usage = [name]
     usage += [names[p][0] if p.required else f"[{names[p][0]}]" for p in parameters if p.param_type_name == "argument"]
     usage += ["[OPTIONS]"] if any(p.param_type_name == "option" for p in parameters) else []
-    yield from (f"## {name}", "", inspect.cleandoc(command.help or ""), "", f"```sh\n{' '.join(usage)}\n```", "")
+    text = "\n\n".join(filter(None, (inspect.cleandoc(command.help or ""), command.epilog)))
+    yield from (f"## {name}", "", text, "", f"```sh\n{' '.join(usage)}\n```", "")
     if parameters:
         yield from ("| argument or option | default | meaning |", "|---|---|---|")
     for parameter in parameters:

@@ -8,7 +8,7 @@ lines in the squared envelope. `docs/explanation/calibration.md` has the formula
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -29,6 +29,8 @@ from dcrb_ros.settings.files import load_configuration
 
 LONGEST_SOURCE = 60.0
 """Longest simulated source [s]."""
+STEPS = 5
+"""Steps of a calibration that report progress [-]."""
 RANGE_OVER_PEAK = 10.0
 """Range of the simulated sensor over the measured peak where the range is unknown [-]."""
 NOT_IDENTIFIED = (
@@ -114,6 +116,7 @@ def calibrate(
     source_seconds: float = 4.0,
     trust: bool = False,
     names: Sequence[str] = (),
+    progress: Callable[[str], None] = lambda step: None,
 ) -> Calibration:
     """Return a bench that measures like a machine, from healthy recordings of it.
 
@@ -133,6 +136,8 @@ def calibrate(
         Take the recordings as healthy although the fault detector finds a fault.
     names
         Names of the recordings in messages; their paths by default.
+    progress
+        Called with the description of each of the `STEPS` steps as it begins.
 
     Returns
     -------
@@ -157,17 +162,22 @@ def calibrate(
     called = list(names) or [_name(signal, number) for number, signal in enumerate(given, 1)]
     if len(called) != len(given):
         raise Refusal(f"{len(called)} names are given for {len(given)} recordings: give one for each, or none")
+    progress("checking the recordings")
     machines = [checked_recording(signal, name, trust=trust) for signal, name in zip(given, called, strict=True)]
     check_one_machine(machines)
     benches = [bench_of(machine, base, settings) for machine in machines]
+    progress("simulating the bearing")
     sources = _sources(machines, benches, source_seconds)
     individuals, step_rate = individuals_of(benches, sources), float(benches[0].step_rate)
+    progress("identifying the path")
     path = identified_path(machines, individuals, step_rate)
     modulation = modulation_of(machines, sources, path)
+    progress("estimating the bearing's share")
     share = bearing_share_of(machines, individuals, path, step_rate)
     added = math.sqrt(1.0 + 0.5 * modulation.parameters.get("structure.modulation", 0.0) ** 2)
     path.divide_gains(added)
     divide_noise(share, added)
+    progress("estimating noise, speed and unbalance")
     estimates, unidentified, parameters = list[EstimatedParameter](), list[str](), dict[str, Any]()
     hum = hum_of(machines)
     for part in (

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
@@ -29,6 +30,8 @@ FAMILIES = ("statistics", "band_levels", "kurtogram", "envelope_lines", "cepstru
 """Families of features that are compared."""
 WINDOW = 1.0
 """Window of the features [s]."""
+STEPS = 4
+"""Steps of a comparison that report progress [-]: reading, two axes, features."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,7 +122,9 @@ def _number(value: float) -> float | None:
     return value if math.isfinite(value) else None
 
 
-def compare(first: Signal, second: Signal, *, names: tuple[str, str] = ("A", "B")) -> RecordingComparison:
+def compare(
+    first: Signal, second: Signal, *, names: tuple[str, str] = ("A", "B"), progress: Callable[[str], None] = lambda step: None
+) -> RecordingComparison:
     """Return the distances between two recordings, of any rates, speeds and bearings.
 
     Parameters
@@ -128,6 +133,8 @@ def compare(first: Signal, second: Signal, *, names: tuple[str, str] = ("A", "B"
         A `Recording`, `SimulationResult` or `Waveform` each.
     names
         Their names.
+    progress
+        Called with the description of each of the `STEPS` steps, or one less with one axis, as it begins.
 
     Returns
     -------
@@ -146,19 +153,24 @@ def compare(first: Signal, second: Signal, *, names: tuple[str, str] = ("A", "B"
     >>> dcrb_ros.compare(healthy, faulty).axes[1].level_distance > 5.0
     True
     """
+    progress("reading the recordings")
     waveforms = [_checked(signal, name) for signal, name in zip((first, second), names, strict=True)]
     single = any(np.array_equal(waveform.acceleration[:, 0], waveform.acceleration[:, 1]) for waveform in waveforms)
     remarks = []
     if single:
         remarks.append("a recording has one axis: Y of the other one is compared with it")
     if not all(waveform.tracked for waveform in waveforms):
-        remarks.append("a recording has no speed: envelope spectra over orders and features are left out")
+        remarks.append("a recording has no speed: envelope spectra over orders, fault lines and features are left out")
     rates = {waveform.sampling_rate for waveform in waveforms}
     if len(rates) > 1:
         remarks.append(f"the sampling rates are {' and '.join(map(str, sorted(rates)))} Hz: only bands that both have are compared")
-    axes = tuple(_axis(waveforms, axis) for axis in (("y",) if single else ("x", "y")))
+    axes = []
+    for axis in ("y",) if single else ("x", "y"):
+        progress(f"comparing axis {axis}")
+        axes.append(_axis(waveforms, axis))
+    progress("comparing features")
     features = _features(waveforms, remarks)
-    return RecordingComparison(names, axes, features, tuple(remarks))
+    return RecordingComparison(names, tuple(axes), features, tuple(remarks))
 
 
 def _checked(signal: Signal, name: str) -> Waveform:
@@ -231,7 +243,10 @@ def _envelopes(waveforms: list[Waveform], signals: list[Floats]) -> tuple[Floats
 
 def _features(waveforms: list[Waveform], remarks: list[str]) -> dict[str, tuple[float, float]]:
     """Return the median of each feature that both have."""
-    if not all(waveform.tracked and not math.isnan(waveform.orders.bpfo) for waveform in waveforms):
+    if not all(waveform.tracked for waveform in waveforms):
+        return {}
+    if any(math.isnan(waveform.orders.bpfo) for waveform in waveforms):
+        remarks.append("a recording has no bearing: fault lines and features are left out")
         return {}
     try:
         tables = [extract_features(waveform, window=WINDOW, hop=WINDOW, families=FAMILIES) for waveform in waveforms]

@@ -44,26 +44,31 @@ class Program(LiteralGroup):
 
 
 app = Commands(cls=Program, pretty_exceptions_enable=False)
-app.command("simulate")(simulate.simulate)
-app.command("bench")(bench.bench)
-app.command("replay")(replay.replay)
-app.command("detect")(detect.detect)
-app.command("score")(score.score)
-app.command("view")(view.view)
-app.command("plot")(plot.plot)
-app.command("info")(info.info)
-app.command("recover")(recover.recover)
-app.command("export")(exchange.export)
-app.command("import")(exchange.import_)
-app.command("calibrate")(calibrate.calibrate)
-app.command("compare")(calibrate.compare)
-app.command("sweep")(sweep.sweep)
-app.command("shards")(shards.shards)
-app.command("collect")(collect.collect)
-app.command("validate")(validate.validate)
-app.command("cache")(cache.cache)
-app.add_typer(exam.app, name="exam")
-app.add_typer(config.app, name="config")
+SIMULATE, RECORDINGS, DETECT = "Simulate", "Recordings", "Detect and evaluate"
+DATA_SETS, CONFIGURATION = "Data sets", "Configuration"
+"""Purposes by which the help groups the commands."""
+
+app.command("simulate", rich_help_panel=SIMULATE)(simulate.simulate)
+app.command("bench", rich_help_panel=SIMULATE)(bench.bench)
+app.command("validate", rich_help_panel=SIMULATE)(validate.validate)
+app.command("view", rich_help_panel=RECORDINGS)(view.view)
+app.command("plot", rich_help_panel=RECORDINGS)(plot.plot)
+app.command("info", rich_help_panel=RECORDINGS)(info.info)
+app.command("compare", rich_help_panel=RECORDINGS)(calibrate.compare)
+app.command("replay", rich_help_panel=RECORDINGS)(replay.replay)
+app.command("import", rich_help_panel=RECORDINGS, epilog="Many files with known faults, as a data set: dcrb collect.")(exchange.import_)
+app.command("export", rich_help_panel=RECORDINGS)(exchange.export)
+app.command("recover", rich_help_panel=RECORDINGS)(recover.recover)
+app.command("detect", rich_help_panel=DETECT)(detect.detect)
+app.command("score", rich_help_panel=DETECT, epilog="Sealed exams and leaderboards: dcrb exam.")(score.score)
+app.add_typer(exam.app, name="exam", rich_help_panel=DETECT)
+app.command("sweep", rich_help_panel=DATA_SETS)(sweep.sweep)
+app.command("collect", rich_help_panel=DATA_SETS, epilog="A single file, as a recording: dcrb import.")(collect.collect)
+app.command("shards", rich_help_panel=DATA_SETS)(shards.shards)
+app.add_typer(config.app, name="config", rich_help_panel=CONFIGURATION)
+app.command("calibrate", rich_help_panel=CONFIGURATION)(calibrate.calibrate)
+app.command("cache", rich_help_panel=CONFIGURATION)(cache.cache)
+exam.app.command("run", help="Evaluate a fault detector by an exam: the same as dcrb score.\n\nExample: dcrb exam run smoke")(score.score)
 
 
 def _version(asked: bool) -> None:

@@ -10,12 +10,16 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from dcrb_ros.cli import completion
+from dcrb_ros.cli.first_start import announce_compilation
 from dcrb_ros.cli.options import Bag, Force, JsonOutput, Quiet, Settings
 from dcrb_ros.cli.output_file import PICTURES, check_output, replacing
+from dcrb_ros.runtime.terminal import console, steps
+from dcrb_ros.schema.printable import printable
 from dcrb_ros.schema.refusal import Refusal
 
 if TYPE_CHECKING:
     from dcrb_ros.calibration.calibration import Calibration
+    from dcrb_ros.calibration.comparison import RecordingComparison
 
 TWIN_SECONDS = 4.0
 """Simulated time of the calibrated bench that the figure compares with the recording [s]."""
@@ -43,6 +47,7 @@ def calibrate(
     Example: dcrb calibrate bags/healthy -o my_machine.yaml
     """
     check_output("-o", output, (".yaml", ".yml"))
+    from dcrb_ros.calibration.calibration import STEPS
     from dcrb_ros.calibration.calibration import calibrate as calibrated
     from dcrb_ros.calibration.comparison import compare as compared
     from dcrb_ros.calibration.files import intervals_beside, write_calibration
@@ -57,9 +62,14 @@ def calibrate(
     with ExitStack() as files:
         for file in (output, intervals_beside(output), figure):
             files.enter_context(replacing("-o", file, force=force))
-        calibration = calibrated(opened, base=base, settings=settings or (), trust=trust, names=[str(path) for path in recordings])
-        twin = simulate(calibration.configuration, 0.5 + TWIN_SECONDS).between(0.5)
-        comparison = compared(calibration.measured, twin, names=("measured", "simulated"))
+        announce_compilation(quiet=quiet)
+        with steps(STEPS + 2, quiet=quiet) as begin:
+            names = [str(path) for path in recordings]
+            calibration = calibrated(opened, base=base, settings=settings or (), trust=trust, names=names, progress=begin)
+            begin("simulating the calibrated bench")
+            twin = simulate(calibration.configuration, 0.5 + TWIN_SECONDS).between(0.5)
+            begin("comparing it with the recording")
+            comparison = compared(calibration.measured, twin, names=("measured", "simulated"))
         beside = write_calibration(calibration, output)
         write_comparison(comparison, figure, title=f"{output.stem}: {recordings[0]} and the calibrated bench", calibration=calibration)
     if as_json:
@@ -75,6 +85,7 @@ def compare(
     second: Annotated[Path, typer.Argument(help="The recording that is compared with it.")],
     output: Annotated[Path | None, typer.Option("-o", "--output", help="New figure: .png, .svg or .pdf.")] = None,
     as_json: JsonOutput = False,
+    quiet: Quiet = False,
     force: Force = False,
 ) -> None:
     """Compare two recordings: levels in third octaves, squared envelope spectra, kurtosis by band and features.
@@ -83,11 +94,14 @@ def compare(
     """
     if output is not None:
         check_output("-o", output, PICTURES)
+    from dcrb_ros.calibration.comparison import STEPS
     from dcrb_ros.calibration.comparison import compare as compared
     from dcrb_ros.plots.comparison import write_comparison
     from dcrb_ros.recordings.reader import Recording
 
-    comparison = compared(Recording(first), Recording(second), names=(str(first), str(second)))
+    recordings = Recording(first), Recording(second)
+    with steps(STEPS, quiet=quiet) as begin:
+        comparison = compared(*recordings, names=(str(first), str(second)), progress=begin)
     if output is not None:
         with replacing("-o", output, force=force):
             write_comparison(comparison, output)
@@ -100,10 +114,30 @@ def compare(
             f"{axis.axis}: third octaves {axis.level_distance:.1f} dB apart, {axis.shape_distance:.1f} dB without the mean; "
             f"envelope spectra {envelope}; kurtosis by octave {axis.kurtosis_distance:.2f}"
         )
+    _print_fault_lines(comparison)
     for remark in comparison.remarks:
         print(remark)
     if output is not None:
         print(f"figure in {output}")
+
+
+def _print_fault_lines(comparison: RecordingComparison) -> None:
+    """Print how deep the lines of each fault modulate the squared envelopes, if both recordings have a speed and a bearing."""
+    if not comparison.features:
+        return
+    from rich.table import Table
+
+    from dcrb_ros.diagnosis.features.envelope_lines import WIDE
+    from dcrb_ros.diagnosis.features.family import FAULTS
+
+    first, second = map(printable, comparison.names)
+    title = f"modulation depth of the fault lines [-], {WIDE[0]:g} to {WIDE[1]:g} of each sampling rate"
+    table = Table("line", "axis", first, second, title=title)
+    axes = [compared.axis for compared in comparison.axes]
+    for line in FAULTS:
+        for axis in axes:
+            table.add_row(line, axis, *(f"{depth:.3f}" for depth in comparison.features[f"{axis}_wide_{line}_depth"]))
+    console().print(table)
 
 
 def _described(calibration: Calibration) -> dict[str, object]:

@@ -20,6 +20,14 @@ if TYPE_CHECKING:
     from dcrb_ros.diagnosis.parameters import DetectorParameters
     from dcrb_ros.recordings.reader import Recording
 
+DEPTHS = {"outer_ring": "outer_depth", "inner_ring": "inner_depth", "roller": "roller_depth", "cage": "cage_depth"}
+"""Parameters with the least modulation depth of a fault's lines; a learned baseline may lower it."""
+COLUMNS = ("component", "line", "level over background [dB]", "depth [-]", "threshold of depth [-]", "over threshold [dB]")
+CAPTION = (
+    "Over threshold: the smallest excess over the thresholds of depth, significance and the other limits of the rule. "
+    "A fault is suspected from 0 dB on."
+)
+
 
 def detector_parameters(file: Path | None) -> DetectorParameters:
     """Return the fault detector's parameters from a ROS parameter file, or the defaults without a file.
@@ -66,11 +74,11 @@ def detect(
     diagnosed = []
     for bag in bags:
         recording = Recording(bag)
-        # A program gets an answer in any case; a person gets the reason why there is none.
-        result = (watch if as_json else detect_in)(recording, parameters=parameters, baseline=known)
+        # A program gets an answer in any case, and a page has all recordings; otherwise the reason for no verdict is the error message.
+        result = (detect_in if report is None and not as_json else watch)(recording, parameters=parameters, baseline=known)
         diagnosed.append((bag, recording, result))
         if not as_json:
-            _print_table(bag, recording, result)
+            _print_table(bag, recording, result, parameters, learned=known is not None or bool(parameters.baseline))
     if as_json:
         objects = [_as_object(recording, result) for _, recording, result in diagnosed]
         named = [{"recording": str(bag), **about} for (bag, _, _), about in zip(diagnosed, objects, strict=True)]
@@ -109,21 +117,24 @@ def _as_object(recording: Recording, result: DetectionResult) -> dict[str, Any]:
     }
 
 
-def _print_table(bag: Path, recording: Recording, result: DetectionResult) -> None:
-    """Print the last diagnosis as a table and sentences."""
+def _print_table(bag: Path, recording: Recording, result: DetectionResult, parameters: DetectorParameters, *, learned: bool) -> None:
+    """Print the last diagnosis as a table and sentences; a ``learned`` baseline lowers thresholds of depth."""
     from rich.table import Table
 
     from dcrb_ros.runtime.terminal import console
+    from dcrb_ros.schema.printable import decimal
     from dcrb_ros.schema.verdicts import title_of
 
     last = result.last
     title = title_of(last.verdict, last.scores)
-    table = Table("component", "line", "level over background [dB]", "over threshold [dB]", title=f"{bag}: {title}")
+    table = Table(*COLUMNS, title=f"{bag}: {title}", caption=CAPTION)
     for (fault, score), (name, level) in zip(last.scores.items(), last.levels.items(), strict=False):
         line = "2 BSF" if name == "BSF" else name  # a roller defect strikes at twice BSF
-        table.add_row(fault, line, f"{level:.1f}", f"{score:.1f}")
+        depth = decimal(last.lines[fault].depth, 3) if fault in last.lines else "-"
+        threshold = f"{'up to ' if learned else ''}{getattr(parameters, DEPTHS[fault]):g}"
+        table.add_row(fault, line, decimal(level, 1), depth, threshold, decimal(score, 1))
     shown = console()
-    shown.print(table)
+    shown.print(table if last.scores else f"{bag}: {title}")
     when = f"first at {result.since:.2f} s, in {result.duration:.2f} s of signal"
     for sentence in (f"{last.verdict}, confidence {last.confidence:.2f}, {when}: {last.reason}", *last.remarks):
         shown.print(sentence, soft_wrap=True)

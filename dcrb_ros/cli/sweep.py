@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from dcrb_ros.cli import completion
-from dcrb_ros.cli.first_start import compilation_shown
+from dcrb_ros.cli.first_start import announce_compilation, compilation_shown
 from dcrb_ros.cli.options import JsonOutput, Quiet, size_text
 from dcrb_ros.runtime.optional import installed
 from dcrb_ros.schema.refusal import Refusal
@@ -77,6 +77,7 @@ def sweep(
     if not quiet:
         for sentence in warnings_of(plan.shared).values():
             typer.echo(f"warning: {sentence}", err=True)
+    announce_compilation(quiet=quiet)
     if dry_run:
         _estimate(plan, workers or cores(), as_json=as_json)
         return

@@ -16,8 +16,10 @@ from pathlib import Path
 import numba
 
 from dcrb_ros.core import CACHE
+from dcrb_ros.core.announcement import announce_laws
 from dcrb_ros.core.contacts.conformal import linearize_cages
 from dcrb_ros.core.contacts.raceway import linearize_raceways
+from dcrb_ros.core.laws.registry import law_of
 from dcrb_ros.core.layout.state import State
 from dcrb_ros.core.layout.workspace import Workspace
 from dcrb_ros.core.payload import Payload
@@ -61,6 +63,7 @@ def compile_ahead(payload: Payload, state: State, work: Workspace) -> None:
 
     What the other process could not do is compiled here when it is needed.
     """
+    announce_laws(_laws(payload))
     arguments = tuple(numba.typeof(part) for part in (payload, state, work))  # type: ignore[no-untyped-call]
     if _marker(arguments).exists() or getattr(numba.config, "DISABLE_JIT") or (os.cpu_count() or 1) < 2:  # noqa: B009 - untyped
         return
@@ -84,6 +87,12 @@ def compile_ahead(payload: Payload, state: State, work: Workspace) -> None:
             other.stdin.close()
         other.kill()
         other.wait()
+
+
+def _laws(payload: Payload) -> str:
+    """Return the names of the laws for which the kernels are compiled."""
+    constants = (payload.normal_law, payload.traction_law, payload.cage_traction_law, payload.lubrication)
+    return ", ".join(dict.fromkeys(law.name for law in map(law_of, constants) if law is not None))
 
 
 def _marker(arguments: tuple[object, ...]) -> Path:

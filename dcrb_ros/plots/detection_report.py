@@ -10,7 +10,7 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from importlib.metadata import version
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -24,7 +24,7 @@ from dcrb_ros.plots.style import FAULT_LINES, labelled, legend_above
 from dcrb_ros.plots.waveform import plot_waveform
 from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.runtime.version import __version__
-from dcrb_ros.schema.printable import printable
+from dcrb_ros.schema.printable import decimal, printable
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.schema.verdicts import CHARACTERISTIC, COMPONENTS, TITLES, is_alarm, title_of
 from dcrb_ros.stream.diagnosis import Diagnosis
@@ -66,8 +66,10 @@ class Content:
     """First and last sample of the recording."""
     count: int
     """Samples that are there [-]."""
+    axes: Literal["both", "y"]
+    """``both``, or ``y`` for a recording of one axis, whose X repeats Y."""
     rms: float
-    """Root mean square of the acceleration over all axes, without the mean [m/s^2]."""
+    """Root mean square of the acceleration over its axes, without the mean [m/s^2]."""
     peak: float
     """Largest magnitude of the acceleration in one axis [m/s^2]."""
     largest_sample: int
@@ -105,7 +107,7 @@ def read_content(recording: Recording) -> Content:
     """
     digest = hashlib.sha256()
     first = last = count = largest = 0
-    total, squares, peak = np.zeros(2), np.zeros(2), -1.0
+    total, squares, peak, single = np.zeros(2), np.zeros(2), -1.0, True
     for piece in recording.pieces():
         acceleration = np.nan_to_num(piece.acceleration.astype(np.float64))
         digest.update(packed(piece.acceleration, piece.shaft_angle))
@@ -113,11 +115,13 @@ def read_content(recording: Recording) -> Content:
         count, last = count + len(acceleration), piece.first_index + len(acceleration) - 1
         total += acceleration.sum(axis=0)
         squares += np.square(acceleration).sum(axis=0)
+        single = single and np.array_equal(acceleration[:, 0], acceleration[:, 1])
         sample = int(np.abs(acceleration).max(axis=1).argmax())
         if (magnitude := float(np.abs(acceleration[sample]).max())) > peak:
             peak, largest = magnitude, piece.first_index + sample
-    rms = math.sqrt(float((squares / count - np.square(total / count)).sum()))
-    return Content(Samples(first, last), count, rms, peak, largest, digest.hexdigest())
+    powers = squares / count - np.square(total / count)
+    rms = math.sqrt(float(powers[1] if single else powers.sum()))
+    return Content(Samples(first, last), count, "y" if single else "both", rms, peak, largest, digest.hexdigest())
 
 
 def detection_report(diagnosed: Sequence[DiagnosedRecording]) -> str:
@@ -161,7 +165,7 @@ def _section(number: int, entry: DiagnosedRecording) -> dict[str, Any]:
         "remarks": [printable(remark) for remark in last.remarks],
         "lines": [_line_row(component, last) for component in COMPONENTS],
         "judged": str(entry.judged),
-        "figures": _figures(entry),
+        "figures": _figures(entry, content.axes),
         "changes": _changes_of_verdict(entry.result.history, recording.sampling_rate),
         "conditions": _conditions(entry, content),
     }
@@ -174,7 +178,7 @@ def _line_row(component: str, diagnosis: Diagnosis) -> dict[str, str]:
     row = {
         "component": TITLES[component],
         "line": "2 BSF" if frequency == "BSF" else frequency,
-        "level": f"{diagnosis.levels.get(frequency, 0.0):.1f}",
+        "level": decimal(diagnosis.levels.get(frequency, 0.0), 1),
         "score": _signed(diagnosis.scores[component]) if component in diagnosis.scores else "–",
     }
     if lines is None:
@@ -195,7 +199,7 @@ def _signed(value: float, digits: int = 1) -> str:
     return text if float(text) else f"{0.0:.{digits}f}"
 
 
-def _figures(entry: DiagnosedRecording) -> list[tuple[str, str]]:
+def _figures(entry: DiagnosedRecording, axes: Literal["both", "y"]) -> list[tuple[str, str]]:
     """Return caption and picture of the evidence: waveform and spectrum of the judged samples, and the history."""
     rate, judged = entry.recording.sampling_rate, entry.judged
     figures = []
@@ -203,7 +207,7 @@ def _figures(entry: DiagnosedRecording) -> list[tuple[str, str]]:
         waveform = entry.recording.waveform(judged.first / rate, (judged.last + 1) / rate)
     except Refusal as refusal:
         return [(f"No waveform: {refusal}", "")]
-    figures.append((f"Waveform, samples {judged}.", _waveform_picture(waveform)))
+    figures.append((f"Waveform, samples {judged}.", _waveform_picture(waveform, axes)))
     figures.append(_spectrum_figure(entry, waveform))
     if len(entry.result.history) > 1:
         first, last = entry.result.history[0].index, entry.result.history[-1].index
@@ -211,9 +215,9 @@ def _figures(entry: DiagnosedRecording) -> list[tuple[str, str]]:
     return figures
 
 
-def _waveform_picture(waveform: Waveform) -> str:
+def _waveform_picture(waveform: Waveform, axes: Literal["both", "y"]) -> str:
     figure = Figure(figsize=(9.0, 2.6), dpi=RESOLUTION, layout="constrained")
-    plot_waveform(waveform, ax=figure.subplots(), axis="both")
+    plot_waveform(waveform, ax=figure.subplots(), axis=axes)
     return _picture(figure)
 
 
@@ -272,7 +276,8 @@ def _conditions(entry: DiagnosedRecording, content: Content) -> list[tuple[str, 
         ("signal", f"{content.count / rate:.2f} s, samples {content.samples}"),
         ("shaft", f"{last.shaft_frequency:.3f} Hz, {60.0 * last.shaft_frequency:.1f} rpm, mean over samples {entry.judged}"),
         ("orders", f"FTF {orders.ftf:.4f}, BPFO {orders.bpfo:.4f}, BPFI {orders.bpfi:.4f}, BSF {orders.bsf:.4f}"),
-        ("rms", f"{content.rms:.3g} m/s², samples {content.samples}"),
+        ("axes", "X and Y" if content.axes == "both" else "one"),
+        ("rms", f"{content.rms:.3g} m/s² over the axes, samples {content.samples}"),
         ("peak", f"{content.peak:.3g} m/s², sample {content.largest_sample}"),
         ("severity", f"{last.severity:.3g} m/s² at 20 Hz of shaft frequency, samples {entry.judged}"),
         ("gaps", f"{last.gaps}"),

@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from itertools import count
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -29,3 +32,18 @@ def progress(*columns: ProgressColumn, quiet: bool = False) -> Progress:
 
     description = TextColumn("{task.description}", markup=False)
     return Progress(description, BarColumn(), *columns, console=console(stderr=True), disable=quiet)
+
+
+@contextmanager
+def steps(total: int, *, quiet: bool = False) -> Iterator[Callable[[str], None]]:
+    """Show a progress bar of ``total`` steps; yield the function to call with the description of each step as it begins."""
+    from rich.progress import MofNCompleteColumn, TimeElapsedColumn
+
+    with progress(MofNCompleteColumn(), TimeElapsedColumn(), quiet=quiet) as bar:
+        task, begun = bar.add_task("starting", total=total), count()
+
+        def begin(description: str) -> None:
+            bar.update(task, completed=next(begun), description=description, refresh=True)
+
+        yield begin
+        bar.update(task, completed=total, description="done")

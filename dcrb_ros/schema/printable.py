@@ -1,4 +1,4 @@
-"""Text from outside with control characters escaped."""
+"""Text for terminals and pages: control characters escaped, numbers without a negative zero."""
 
 from __future__ import annotations
 
@@ -16,6 +16,12 @@ def printable_lines(text: str) -> str:
 def shortened(text: str, longest: int) -> str:
     """Return a text of at most ``longest`` characters."""
     return text if len(text) <= longest else f"{text[: longest - 4]} ..."
+
+
+def decimal(value: float, digits: int) -> str:
+    """Return a number with some digits behind the point; what rounds to zero has no sign."""
+    text = f"{value:.{digits}f}"
+    return text.removeprefix("-") if float(text) == 0.0 else text
 
 
 def _escaped(character: str) -> str:

@@ -7,6 +7,7 @@ import pytest
 from synthetic_bearing import ORDERS, synthetic
 
 from dcrb_ros import Refusal, Waveform, compare
+from dcrb_ros.calibration.comparison import STEPS
 
 
 def signal(*, gain: float = 1.0, outer: float = 0.0, rate: int = 25600, seed: int = 1, speed: bool = True) -> Waveform:
@@ -62,3 +63,18 @@ def test_recordings_that_cannot_be_compared_are_refused() -> None:
         compare(signal(), Waveform.from_arrays(np.ones(25600), 25600))
     with pytest.raises(Refusal, match="B is not a recording"):
         compare(signal(), "recording")  # type: ignore[arg-type]
+
+
+def test_without_a_bearing_the_missing_fault_lines_are_remarked() -> None:
+    acceleration, angle = synthetic(seconds=2.0, rate=25600)
+    unknown = Waveform.from_arrays(acceleration, 25600, shaft_angle=angle)
+    comparison = compare(unknown, unknown)
+    assert comparison.features == {}
+    assert "a recording has no bearing: fault lines and features are left out" in comparison.remarks
+
+
+def test_progress_names_every_step() -> None:
+    steps: list[str] = []
+    compare(signal(), signal(), progress=steps.append)
+    assert steps == ["reading the recordings", "comparing axis x", "comparing axis y", "comparing features"]
+    assert len(steps) == STEPS

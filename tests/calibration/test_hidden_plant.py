@@ -10,6 +10,7 @@ import pytest
 from scipy.signal import sosfreqz
 
 import dcrb_ros
+from dcrb_ros.calibration.calibration import STEPS
 from dcrb_ros.calibration.spectra import power_density
 from dcrb_ros.diagnosis.features.band_levels import EDGE
 from dcrb_ros.measurement.stages.structure import sections
@@ -98,7 +99,9 @@ def test_the_calibrated_bench_measures_like_the_plant() -> None:
 
 def test_a_calibration_of_the_same_recording_gives_the_same_configuration() -> None:
     run, found = calibrated(101)
-    assert dcrb_ros.calibrate(run).configuration == found.configuration
+    steps: list[str] = []
+    assert dcrb_ros.calibrate(run, progress=steps.append).configuration == found.configuration
+    assert len(steps) == STEPS
 
 
 def test_machines_are_drawn_within_the_intervals_and_can_be_simulated() -> None:

@@ -1,52 +1,69 @@
-"""The note that the first start compiles the kernels."""
+"""The note that kernels are compiled."""
 
 from __future__ import annotations
 
 import io
+import os
+from collections.abc import Iterator
 
 import pytest
+from numba.core import event
 from rich.console import Console
 
-from dcrb_ros import core
 from dcrb_ros.cli import first_start
-from dcrb_ros.core.announcement import SENTENCE as COMPILING
+from dcrb_ros.core.announcement import OF_LAWS, SENTENCE, WORKERS, announce_laws, no_announcement
+
+FILM = OF_LAWS.format(laws="film")
 
 
-@pytest.fixture
-def not_compiled(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(core, "compiled", lambda: False)
+@pytest.fixture(autouse=True)
+def nothing_announced_later() -> Iterator[None]:
+    yield
+    no_announcement()
 
 
-@pytest.mark.usefixtures("not_compiled")
-def test_the_note_gives_the_time_to_expect(capsys: pytest.CaptureFixture[str]) -> None:
-    first_start.announce_compilation()
-    with first_start.compilation_shown():
+def compile_kernel() -> None:
+    """Do what numba does at the beginning and at the end of a compilation."""
+    with event.trigger_event("numba:compile"):
         pass
-    assert capsys.readouterr() == ("", f"{COMPILING}\n{COMPILING}\n")
-    assert "once, 15 s to over a minute" in COMPILING
 
 
-@pytest.mark.usefixtures("not_compiled")
+def test_the_note_gives_the_time_to_expect_and_names_another_set(capsys: pytest.CaptureFixture[str]) -> None:
+    first_start.announce_compilation()
+    compile_kernel()
+    compile_kernel()
+    announce_laws("film")
+    compile_kernel()
+    with first_start.compilation_shown():
+        compile_kernel()
+    assert capsys.readouterr() == ("", f"{SENTENCE}\n{FILM}\n{SENTENCE}\n")
+    assert "once, 15 s to over a minute" in SENTENCE
+    assert WORKERS in os.environ
+
+
 def test_a_quiet_command_prints_no_note(capsys: pytest.CaptureFixture[str]) -> None:
+    first_start.announce_compilation()
     first_start.announce_compilation(quiet=True)
     with first_start.compilation_shown(quiet=True):
-        pass
+        compile_kernel()
     assert capsys.readouterr() == ("", "")
+    assert WORKERS not in os.environ
 
 
-def test_compiled_kernels_need_no_note(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(core, "compiled", lambda: True)
+def test_compiled_kernels_need_no_note(capsys: pytest.CaptureFixture[str]) -> None:
     first_start.announce_compilation()
+    announce_laws("film")
     with first_start.compilation_shown():
         pass
     assert capsys.readouterr() == ("", "")
 
 
-@pytest.mark.usefixtures("not_compiled")
 def test_a_terminal_shows_a_spinner_that_disappears(monkeypatch: pytest.MonkeyPatch) -> None:
     screen = io.StringIO()
     monkeypatch.setattr(first_start, "console", lambda *, stderr: Console(file=screen, force_terminal=True, width=120, markup=False))
     with first_start.compilation_shown():
-        pass
-    assert COMPILING in screen.getvalue()
+        assert not screen.getvalue()
+        announce_laws("film")
+        compile_kernel()
+    assert FILM in screen.getvalue()
     assert screen.getvalue().endswith("\x1b[2K")  # the line is erased

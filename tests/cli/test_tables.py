@@ -9,6 +9,7 @@ from same_process import dcrb
 
 from dcrb_ros.exam import evaluation
 from dcrb_ros.exam.evaluation import Outcome
+from dcrb_ros.schema.printable import decimal
 
 BAGS = Path(__file__).parents[2] / "bags"
 
@@ -23,6 +24,10 @@ def test_the_diagnosis_has_units_and_names_every_fault(capsys: pytest.CaptureFix
     shown = output(capsys, "detect", str(BAGS / "compound"))
     assert "level over background [dB]" in shown
     assert "over threshold [dB]" in shown
+    assert "threshold of depth [-]" in shown
+    (row,) = (line for line in shown.splitlines() if "outer_ring" in line and "│" in line)
+    assert [cell.strip() for cell in row.split("│")[3:7]] == ["33.2", "0.867", "0.17", "7.1"]
+    assert "A fault is suspected from 0 dB on" in " ".join(shown.split())
     assert "several faults: inner ring defect, outer ring defect" in " ".join(shown.split())
     assert "m/s^2 (baseline 38 m/s^2, both at a shaft frequency of 20 Hz)" in shown
     assert len([line for line in shown.splitlines() if line.startswith("compound, confidence")]) == 1
@@ -48,3 +53,35 @@ def test_a_quiet_score_prints_the_report_only(capsys: pytest.CaptureFixture[str]
         assert "criterion" in out
         assert expected in err
         assert bool(err) == bool(expected)
+
+
+def test_a_comparison_gives_the_depth_of_each_fault_line(capsys: pytest.CaptureFixture[str]) -> None:
+    assert dcrb("compare", str(BAGS / "inner_ring_defect"), str(BAGS / "outer_ring_defect")) == 0
+    shown, progress = capsys.readouterr()
+    rows = [[cell.strip() for cell in line.split("│")[1:5]] for line in shown.splitlines() if "│" in line]
+    assert [row[:2] for row in rows] == [[line, axis] for line in ("BPFO", "BPFI", "2BSF", "FTF") for axis in "xy"]
+    depth = {(line, axis): (float(first), float(second)) for line, axis, first, second in rows}
+    assert depth["BPFI", "y"][0] > 2.0 * depth["BPFI", "y"][1]
+    assert depth["BPFO", "y"][1] > 2.0 * depth["BPFO", "y"][0]
+    assert "4/4" in progress
+
+
+def test_a_quiet_comparison_shows_no_progress(capsys: pytest.CaptureFixture[str]) -> None:
+    assert dcrb("compare", "--quiet", str(BAGS / "healthy"), str(BAGS / "healthy")) == 0
+    assert capsys.readouterr().err == ""
+
+
+def test_what_rounds_to_zero_has_no_sign() -> None:
+    assert [decimal(value, 1) for value in (-0.04, 0.0, -0.0, -0.06, 2.25)] == ["0.0", "0.0", "0.0", "-0.1", "2.2"]
+
+
+def test_help_groups_the_commands_by_purpose(capsys: pytest.CaptureFixture[str]) -> None:
+    shown = output(capsys, "--help")
+    heads = [line.strip("╭╮─ ") for line in shown.splitlines() if line.startswith("╭")]
+    assert heads == ["Options", "Simulate", "Recordings", "Detect and evaluate", "Data sets", "Configuration"]
+
+
+def test_exam_run_is_score_and_overlapping_commands_name_each_other(capsys: pytest.CaptureFixture[str]) -> None:
+    assert output(capsys, "exam", "run", "smoke", "--list") == output(capsys, "score", "smoke", "--list")
+    for command, other in (("score", "exam"), ("collect", "import"), ("import", "collect")):
+        assert f"dcrb {other}" in output(capsys, command, "--help")

@@ -59,7 +59,8 @@ def test_its_parameters_are_in_the_parameter_table(environment: dict[str, str]) 
 
 
 def test_a_field_declared_twice_is_refused(tmp_path: Path) -> None:
-    page = tmp_path / "page.md"
-    page.write_text(PAGE.read_text(encoding="utf-8").replace("warm_up_time", "bandwidth"), encoding="utf-8")
+    environment = copied_package(tmp_path, PAGE)
+    stage = tmp_path / "dcrb_ros/measurement/stages/warm_up.py"
+    stage.write_text(stage.read_text(encoding="utf-8").replace("warm_up_time", "bandwidth"), encoding="utf-8")
     code = "try:\n    import dcrb_ros.settings.sensor\nexcept TypeError as error:\n    print(error)"
-    assert "SensorParameters has two fields with the name bandwidth" in run(copied_package(tmp_path, page), code)
+    assert "SensorParameters has two fields with the name bandwidth" in run(environment, code)

@@ -8,6 +8,7 @@ import shutil
 from html.parser import HTMLParser
 from pathlib import Path
 
+import numpy as np
 import pytest
 from same_process import dcrb
 
@@ -121,3 +122,42 @@ def test_a_recording_that_was_cut_off_says_so(tmp_path: Path) -> None:
     file = next((tmp_path / "cut").glob("*.mcap"))
     file.write_bytes(file.read_bytes()[: int(0.9 * file.stat().st_size)])
     assert "cut off" in Page(detection_report([diagnosed("cut", tmp_path / "cut")])).text
+
+
+ABOUT = "channels: {ax: a}\nsampling_rate: 12000\nunit: m/s^2\norders: {FTF: 0.3817, BPFO: 3.053, BPFI: 4.9469, BSF: 1.9937}\n"
+
+
+@pytest.fixture
+def measured(tmp_path: Path) -> Path:
+    """Return an imported recording of one axis without a speed, 3 s of impacts at 107 Hz in noise."""
+    time = np.arange(36_000) / 12e3
+    phase = time % (1.0 / 107.0)
+    impacts = 8.0 * np.exp(-600.0 * phase) * np.sin(2.0 * np.pi * 3000.0 * phase)
+    samples = impacts + np.random.default_rng(1).standard_normal(len(time))
+    np.savetxt(tmp_path / "measured.csv", samples, header="a", comments="", fmt="%.5f")
+    (tmp_path / "about.yaml").write_text(ABOUT, encoding="utf-8")
+    bag = tmp_path / "measured"
+    assert dcrb("import", str(tmp_path / "measured.csv"), "--about", str(tmp_path / "about.yaml"), "-o", str(bag)) == 0
+    return bag
+
+
+def test_a_measured_recording_of_one_axis_without_speed_has_a_section(measured: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = measured.parent / "page.html"
+    assert dcrb("detect", str(BAGS / "outer_ring_defect"), str(measured), "--report", str(file)) == 0
+    assert f"{measured}: waiting" in "".join(capsys.readouterr().out.splitlines())
+    text = Page(file.read_text(encoding="utf-8")).text
+    assert "the speed cannot be estimated from the signal" in text
+    assert "axes one" in text
+
+
+def test_one_axis_counts_once_in_the_rms(measured: Path) -> None:
+    content = read_content(Recording(measured))
+    samples = np.loadtxt(measured.parent / "measured.csv", skiprows=1)
+    assert content.rms == pytest.approx(float(samples.std()), rel=1e-6)
+    assert content.axes == "y"
+
+
+def test_a_file_without_its_folder_has_a_page(tmp_path: Path) -> None:
+    file = tmp_path / "single.mcap"
+    shutil.copy(next((BAGS / "outer_ring_defect").glob("*.mcap")), file)
+    assert "outer ring defect" in Page(detection_report([diagnosed("single", file)])).text
