@@ -17,7 +17,6 @@ from dcrb_ros.nodes.programs import main
 from dcrb_ros.nodes.publisher import Publisher
 from dcrb_ros.nodes.ros import run_node
 from dcrb_ros.recordings.replay import Replay, ReplayParameters
-from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.files import flatten, validated
 
 DELIVERY_TIMEOUT = 2.0
@@ -77,9 +76,7 @@ class ReplayerNode(BenchNode):
 
     def on_parameters(self, changes: dict[str, Any]) -> None:
         """Continue at another rate; refuse a change of anything else."""
-        for key in changes:
-            if key in ReplayParameters.model_fields and key not in RUN_TIME:
-                raise Refusal(f"parameters: {key} is fixed while the replay runs: give it at the start")
+        super().on_parameters({key: value for key, value in changes.items() if key not in RUN_TIME})
         self._settings = validated({**flatten(self._settings.model_dump()), **changes}, ReplayParameters, "parameters")
         self._engine.gate.rescale(self._settings.rate)
 

@@ -46,6 +46,7 @@ from dcrb_ros.nodes.transforms import publish_transforms
 from dcrb_ros.recordings.recorder import Recorder
 from dcrb_ros.recordings.recorder_thread import RecorderThread
 from dcrb_ros.runtime.prefetch import prefetch
+from dcrb_ros.schema.parameter_field import wrong_type
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.schema.simulated_time import checked_duration
 from dcrb_ros.settings.configuration import Configuration
@@ -215,7 +216,7 @@ class SimulatorNode(BenchNode):
         """Apply a requested change of parameters, or refuse it."""
         with self.refusals.counted("parameters"):
             for key in changes:
-                if key in COMMANDED:
+                if key in COMMANDED and not wrong_type(self._fields[key], changes[key]):
                     raise Refusal(f"parameters: {key} changes by the topic {COMMANDED[key]}; the parameter is its value at the start")
             altered(self._source.simulation.configuration, changes)
             self._source.simulation.change({key: value for key, value in changes.items() if key != "time_scale"})

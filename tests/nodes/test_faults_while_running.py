@@ -163,7 +163,7 @@ def test_several_bearings_in_one_graph(tmp_path: Path) -> None:
 
 def test_what_is_dumped_can_be_loaded_again(tmp_path: Path) -> None:
     from rcl_interfaces.srv import ListParameters, SetParameters
-    from rclpy.parameter import Parameter
+    from rclpy.parameter import Parameter, parameter_dict_from_yaml_file
 
     number = domain()
     given = parameters(faults__outer_1__width=0.001, operating__speed_kmh=60.0, sensor__preset="mems")
@@ -172,11 +172,12 @@ def test_what_is_dumped_can_be_loaded_again(tmp_path: Path) -> None:
         names = list(client.ask(ListParameters, "simulator/list_parameters").result.names)
         values = client.ask(GetParameters, "simulator/get_parameters", names=names).values
         dumped = [Parameter.from_parameter_msg(ParameterMessage(name=name, value=value)) for name, value in zip(names, values, strict=True)]
-        results = client.ask(SetParameters, "simulator/set_parameters", parameters=[one.to_parameter_msg() for one in dumped]).results
-        assert [(name, result.reason) for name, result in zip(names, results, strict=True) if not result.successful] == []
-        assert len(results) > 100
-    # The shape that `ros2 param dump` writes.
-    tree = {"/dcrb/simulator": {"ros__parameters": nest({one.name: one.value for one in dumped})}}
-    (tmp_path / "dump.yaml").write_text(yaml.safe_dump(tree), encoding="utf-8")
+        # The shape that `ros2 param dump` writes, and the function of rclpy by which `ros2 param load` reads it.
+        tree = {"/dcrb/simulator": {"ros__parameters": nest({one.name: one.value for one in dumped})}}
+        (tmp_path / "dump.yaml").write_text(yaml.dump(tree, default_flow_style=False), encoding="utf-8")
+        loaded = list(parameter_dict_from_yaml_file(str(tmp_path / "dump.yaml")).values())
+        results = client.ask(SetParameters, "simulator/set_parameters", parameters=loaded).results
+        assert [(given.name, result.reason) for given, result in zip(loaded, results, strict=True) if not result.successful] == []
+        assert len(results) == len(names) > 100
     asked = ["faults.outer_1.width=0.001", "operating.speed_kmh=60", "sensor.preset=mems"]
     assert load_configuration(tmp_path / "dump.yaml") == load_configuration("dry", asked)
