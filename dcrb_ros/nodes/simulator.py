@@ -123,11 +123,12 @@ class SimulatorNode(BenchNode):
         self._clock_publisher = ClockPublisher(self._publisher.write_messages) if publishing.clock else None
         self.progress, self.refusals = Progress(), Refusals(log.warning)
         path = self.configuration.recording.path
-        self.recording = RecordingSwitch(self._recorder, log, Path(path) if path else None)
+        self.recording = RecordingSwitch(self._recorder, log, Path(path).absolute() if path else None)
         clock = [self._clock_publisher] if self._clock_publisher else []
         sinks: list[Sink] = [self.progress, *clock, self._publisher, self.recording, FirstBlockLog(log.info)]
         self._source = SimulationSource(self.configuration, changes, duration, gate)
         self.engine = Engine("model", self._source, sinks, gate)
+        self._answers = self.follow_detector()
         self._status = BenchStatus(self.engine, self.progress, self.recording, self.refusals)
 
     def start(self) -> None:
@@ -153,8 +154,9 @@ class SimulatorNode(BenchNode):
 
     @property
     def ended(self) -> bool:
-        """Whether the duration is over, or the simulation has failed."""
-        return self.engine.ended
+        """Whether the duration is over and the detector has answered, or the simulation has failed or was told to quit."""
+        stopped = self.engine.failure is not None or self.engine.gate.closed
+        return self.engine.ended and (stopped or self._answers.complete(self.progress.time_ns))
 
     @property
     def failure(self) -> Exception | None:
