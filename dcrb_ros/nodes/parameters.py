@@ -11,6 +11,8 @@ from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescri
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
+from dcrb_ros.messages.topics import BENCH, COMMANDS, DETECTED, SIMULATED, WAYSIDE
+from dcrb_ros.nodes.qos_overrides import check_overrides, is_override
 from dcrb_ros.nodes.refusals import shortened
 from dcrb_ros.schema.fields import Group
 from dcrb_ros.schema.parameter_field import ParameterField, wrong_type
@@ -29,6 +31,11 @@ class ParameterNode(Node):
 
     def __init__(self, name: str, namespace: str) -> None:
         super().__init__(name, namespace=namespace, automatically_declare_parameters_from_overrides=True)
+        given: Mapping[str, Any] = self.get_parameters_by_prefix("")
+        overrides = {key: parameter.value for key, parameter in given.items() if is_override(key)}
+        check_overrides(overrides, (self.resolve_topic_name(topic.name) for topic in (*SIMULATED, *DETECTED, *WAYSIDE, *BENCH, *COMMANDS)))
+        for key in overrides:  # declared again, read-only, by the publisher or subscription
+            self.undeclare_parameter(key)
         self._fields: dict[str, ParameterField] = {}
         """Declared parameters of the schema by their keys."""
 
@@ -55,7 +62,7 @@ class ParameterNode(Node):
             Refusal: an override is unknown, mistyped or out of range.
         """
         given: Mapping[str, Any] = self.get_parameters_by_prefix("")
-        overrides = {key: parameter.value for key, parameter in given.items() if key not in OF_ROS}
+        overrides = {key: parameter.value for key, parameter in given.items() if not _is_of_ros(key)}
         adjusted = adjust(validated(overrides, model, "parameters"))
         values = flatten(adjusted.model_dump())
         self._fields = {field.key: field for field in parameter_fields(model)}
@@ -74,7 +81,7 @@ class ParameterNode(Node):
         """
         given = (self._with_declared_type(parameter) for parameter in parameter_list)
         parameter_list = [parameter for parameter in given if not self._is_settled(parameter)]
-        changes = {parameter.name: parameter.value for parameter in parameter_list if parameter.name not in OF_ROS}
+        changes = {parameter.name: parameter.value for parameter in parameter_list if not _is_of_ros(parameter.name)}
         if changes:
             try:
                 self.on_parameters(changes)
@@ -109,6 +116,10 @@ class ParameterNode(Node):
         if type(number) is int and present.type_ == Parameter.Type.INTEGER and -(2**63) <= number < 2**63:
             return Parameter(parameter.name, Parameter.Type.INTEGER, number)
         return parameter
+
+
+def _is_of_ros(key: str) -> bool:
+    return key in OF_ROS or is_override(key)
 
 
 def _descriptor(field: ParameterField, *, read_only: bool) -> Any:
