@@ -59,6 +59,11 @@ class BenchNode(ParameterNode):
         quality = qos(topic)
         return self.create_subscription(message_class(topic), topic.name, receive, quality, qos_overriding_options=overridable(), raw=True)
 
+    def log_wait(self, *topics: Topic) -> None:
+        """Log the topics on which the node waits for messages."""
+        names = " and ".join(self.resolve_topic_name(topic.name) for topic in topics)
+        self.get_logger().info(f"waiting for messages on {names}")
+
     def offer_action(self, kind: Any, name: str, execute: Callable[[Any], Awaitable[Any]], /, *, callback_group: Any = None) -> Any:
         """Offer an action whose goals are all accepted, and may be cancelled; ``execute`` gets the handle of a goal."""
         from rclpy.action.server import ActionServer, CancelResponse

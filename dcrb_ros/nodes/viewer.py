@@ -14,6 +14,7 @@ from urllib.parse import urlsplit
 
 import rerun as rr
 
+from dcrb_ros.messages.topics import VIBRATION
 from dcrb_ros.nodes.base import BenchNode
 from dcrb_ros.nodes.programs import main
 from dcrb_ros.nodes.ros import own_arguments, run_node
@@ -55,6 +56,7 @@ class ViewerNode(BenchNode):
         for topic in SHOWN:
             self.subscribe(topic, partial(view.take, topic))
         self.repeat(FLUSH_PERIOD, view.flush)
+        self.log_wait(VIBRATION)
 
     def _stream(self, run: int) -> rr.RecordingStream:
         """Return the Rerun recording of a run; a new run begins after a reset, in a file of its own."""

@@ -1,7 +1,8 @@
-"""Arguments of nodes that are refused before the node does anything."""
+"""Arguments of nodes that are refused before the node does anything, and the first lines of their logs."""
 
 from __future__ import annotations
 
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -10,9 +11,13 @@ import pytest
 
 pytest.importorskip("rclpy", reason="the nodes need ROS 2; everything else is tested without")
 
-from ros_bench import PATIENCE, domain, environment
+from ros_bench import PATIENCE, domain, environment, node
+from waiting import wait_for
 
 pytestmark = [pytest.mark.node, pytest.mark.slow]
+
+
+BAG = Path(__file__).parents[2] / "bags" / "healthy"
 
 
 @pytest.mark.parametrize(
@@ -37,3 +42,23 @@ def test_an_argument_that_is_not_understood_is_refused_in_a_sentence(command: st
     assert sentence in done.stderr
     assert len(done.stderr.splitlines()) == 1
     assert " at /" not in done.stderr
+
+
+@pytest.mark.parametrize(
+    ("command", "sentence"),
+    [
+        ("fault_detector", "waiting for messages on /dcrb/outer_ring/sensor and /dcrb/outer_ring/vibration"),
+        ("fault_detector --ros-args -r __ns:=/wagon/box2", "waiting for messages on /wagon/box2/outer_ring/sensor and"),
+        ("fault_detector --managed", "waiting for the transition configure"),
+        ("hot_box_detector", "waiting for messages on /dcrb/ground_truth"),
+        ("viewer --save view.rrd", "waiting for messages on /dcrb/outer_ring/vibration"),
+        ("simulator --ros-args -p publishing.listeners:=2", "waiting for 2 subscribers to outer_ring/vibration, at most"),
+        (f"replayer --ros-args -p bag:={BAG} -p wait:=100.0", "waiting for 1 subscriber to outer_ring/vibration, at most 100 s"),
+    ],
+)
+def test_a_node_says_what_it_waits_for(command: str, sentence: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    name, *arguments = command.split()
+    monkeypatch.chdir(tmp_path)
+    with node(name, arguments, environment(domain()), tmp_path / "log") as started:
+        wait_for(lambda: sentence in started.output, PATIENCE)
+        assert started.end(signal.SIGINT) == 0
