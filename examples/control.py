@@ -48,7 +48,7 @@ print(change(node, faults__outer_1__width=0.002).reason or "the fault is accepte
 
 speed = node.create_publisher(Float64, "command/speed", 10)
 for _ in range(100):
-    if not speed.get_subscription_count():  # nobody would hear the command yet
+    if not speed.get_subscription_count():  # the command would be lost
         rclpy.spin_once(node, timeout_sec=0.1)
 speed.publish(Float64(data=140.0))
 

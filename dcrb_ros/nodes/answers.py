@@ -1,4 +1,4 @@
-"""The diagnoses of a detector that hears a node: with them a fast run loses no block and ends with the last verdict."""
+"""The diagnoses of the blocks that a node sends: with them a fast run loses no block and ends with the last verdict."""
 
 from __future__ import annotations
 
