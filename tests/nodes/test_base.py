@@ -87,7 +87,8 @@ def test_a_text_that_reads_as_a_number_is_that_number(node: Asked) -> None:
     assert answer(node, bearing__rows="9" * 90)[0] is False
 
 
-def test_a_file_of_dumped_parameters_is_loaded_without_a_refusal(ros: None, tmp_path: Path) -> None:
+def test_a_file_of_dumped_parameters_is_loaded_without_a_refusal(ros: None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
     bag = recorded(tmp_path / "bag", 3)
     small = {"faults.outer_1.width": 1e-5, "recording.path": "2026", "publishing.frame": "true"}
     given = [
@@ -109,6 +110,7 @@ def test_a_file_of_dumped_parameters_is_loaded_without_a_refusal(ros: None, tmp_
         answers = {parameter.name: node.set_parameters_atomically([Parameter.from_parameter_msg(parameter)]).reason for parameter in loaded}
         assert set(answers.values()) == {""}, {key: reason for key, reason in answers.items() if reason}
         assert {name: node.get_parameter(name).value for name in present} == present
+        node.close()
         node.destroy_node()
 
 
