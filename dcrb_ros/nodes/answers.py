@@ -16,8 +16,8 @@ from dcrb_ros.schema.refusal import Refusal
 
 AHEAD = VIBRATION.depth // 2
 """Bundles that are sent as fast as possible before a diagnosis reaches the first of them; the queue of the detector holds twice as many."""
-TIMEOUT = 5.0
-"""Wall time without a diagnosis after which none is expected [s]."""
+TIMEOUT, FIRST_TIMEOUT = 5.0, 30.0
+"""Wall time without a diagnosis after which none is expected [s]; before the first one, a detector may still compile its kernels."""
 POLL_PERIOD = 0.1
 """Wall time between two looks at whether the node ends [s]."""
 
@@ -59,14 +59,14 @@ class Answers:
             self._unanswered.clear()
 
     def await_room(self, gate: Gate) -> None:
-        """Wait while `AHEAD` bundles are unanswered and the gate is open, at most `TIMEOUT` without a diagnosis."""
+        """Wait while `AHEAD` bundles are unanswered and the gate is open, but not longer than diagnoses are expected."""
         with self._changed:
             began = self._clock()
             while len(self._unanswered) == AHEAD and not self._silent and gate.open and not gate.closed and self._detectors():
                 self._changed.wait(POLL_PERIOD)
-                if self._clock() > max(began, self._arrived) + TIMEOUT:
+                if self._clock() > max(began, self._arrived) + self._timeout:
                     self._silent = True
-                    self._log(f"no diagnosis within {TIMEOUT:g} s: the blocks no longer wait for the detector, which may lose some")
+                    self._log(f"no diagnosis within {self._timeout:g} s: the blocks no longer wait for the detector, which may lose some")
 
     def expect(self, end_ns: int) -> None:
         """Expect a diagnosis of a bundle that ends at a time [ns]."""
@@ -79,7 +79,11 @@ class Answers:
             self._asked = self._clock() if self._asked is None else self._asked
             if self._interval_ns and self._last_ns + self._interval_ns > end_ns:
                 return True
-            return not self._detectors() or self._clock() > max(self._asked, self._arrived) + TIMEOUT
+            return not self._detectors() or self._clock() > max(self._asked, self._arrived) + self._timeout
+
+    @property
+    def _timeout(self) -> float:
+        return TIMEOUT if self._last_ns else FIRST_TIMEOUT
 
 
 class AnsweredSource:

@@ -17,7 +17,7 @@ from ros_bench import PATIENCE, domain, environment, graph_client, node
 
 from dcrb_ros.messages.statuses import decode_diagnostics
 from dcrb_ros.messages.topics import DIAGNOSIS, VIBRATION
-from dcrb_ros.nodes.answers import AHEAD, TIMEOUT, Answers
+from dcrb_ros.nodes.answers import AHEAD, FIRST_TIMEOUT, TIMEOUT, Answers
 from dcrb_ros.nodes.gate import Gate
 from dcrb_ros.nodes.pacing import Pacer
 from dcrb_ros.stream.diagnosis import Diagnosis
@@ -59,7 +59,8 @@ def test_silence_and_the_absence_of_a_detector_end_the_wait() -> None:
     clock, detectors = Clock(), 1
     answers = Answers(lambda: detectors, lambda sentence: None, clock)
     assert not answers.complete(3_000_000_000)
-    clock.time += 0.9 * TIMEOUT
+    clock.time += 0.9 * FIRST_TIMEOUT
+    assert not answers.complete(3_000_000_000)
     answers.take(diagnosis(1.0))
     clock.time += 0.9 * TIMEOUT
     assert not answers.complete(3_000_000_000)  # the silence counts from the last diagnosis
