@@ -11,6 +11,7 @@ ARGUMENTS = {
     "config": launching.CONFIG,
     "scenario": launching.Argument("", "a scenario file or a shipped one, such as growing_spall"),
     "record": launching.Argument("", "folder of a recording; empty for the configuration's"),
+    "duration": launching.DURATION,
     "time_scale": launching.TIME_SCALE,
     "clock": launching.Argument("", "whether to publish /clock: true or false; empty for the configuration's", bool),
     "rerun": launching.Argument("false", "whether to show the bench in Rerun: true or false", bool),
@@ -35,7 +36,7 @@ def nodes(context: LaunchContext) -> list[Any]:
         given["listeners"] = 2 if given["rerun"] else 1
     namespace, scenario = given["namespace"], given["scenario"]
     parameters = launching.simulator_parameters("config", given, PARAMETERS, scenario)
-    extra = ["--scenario", scenario] if scenario else []
+    extra = [*(["--scenario", scenario] if scenario else []), *launching.duration_arguments(given["duration"])]
     return [
         *launching.suspicions(context, ARGUMENTS),
         *([launching.node("viewer", namespace, required=False)] if given["rerun"] else []),

@@ -29,7 +29,9 @@ def nodes(context: LaunchContext) -> list[Any]:
     parameters = {name: given[name] for name in ReplayParameters.model_fields if given[name] is not None}
     replayed = validated(parameters, ReplayParameters, "replay")
     with launching.naming("bag", replayed.bag):
-        Replay(replayed)
+        replay = Replay(replayed)
+    with launching.naming("offset", given["offset"]) if given["offset"] else launching.naming("bag", replayed.bag):
+        next(replay.bundles())
     return [
         *launching.suspicions(context, ARGUMENTS),
         launching.node("replayer", namespace, parameters),

@@ -9,6 +9,7 @@ from dcrb_ros.bearing.observation import place_pinned_rollers
 from dcrb_ros.bearing.payload import build_payload
 from dcrb_ros.core.layout.state import State
 from dcrb_ros.core.payload import Payload
+from dcrb_ros.schema.parameter_field import wrong_type
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import changed, fields_by_key, unknown_parameter
@@ -26,7 +27,8 @@ def altered(configuration: Configuration, changes: Mapping[str, Any], source: st
         if key not in fields:
             raise Refusal(f"{source}: {unknown_parameter(key)}")
         if not fields[key].run_time:
-            raise Refusal(f"{source}: {key} is fixed while the bench runs; set it in the configuration and restart")
+            fixed = f"{key} is fixed while the bench runs; set it in the configuration and restart"
+            raise Refusal(f"{source}: {wrong_type(fields[key], changes[key]) or fixed}")
     after = changed(configuration, changes, source)
     for words in configuration.faults.unhealed(after.faults):
         raise Refusal(f"{source}: {words}")

@@ -14,21 +14,21 @@ from dcrb_ros.schema.refusal import Refusal
 
 TEMPERATURE = "sensor_msgs/msg/Temperature"
 NO_ESTIMATE = -1.0
-"""First element of a covariance whose quantity is not measured, see sensor_msgs/msg/Imu."""
+"""First element of the covariance of a quantity that is not measured, see sensor_msgs/msg/Imu; zeros mean an unknown covariance."""
 
 
 def encode_preview(time_ns: int, acceleration: npt.NDArray[np.float32], frame: str = FRAME) -> bytes:
-    """Return a sample of the preview as an Imu without orientation and angular velocity; the covariances are unknown."""
+    """Return a sample of the preview as an Imu without orientation and angular velocity; the covariance of the acceleration is unknown."""
     return _preview_template(frame).filled(time_ns, acceleration.astype("<f8").tobytes())
 
 
 @lru_cache(TEMPLATES)
 def _preview_template(frame: str) -> MessageTemplate:
     vector, quaternion, placeholder = ros_type("geometry_msgs/msg/Vector3"), ros_type("geometry_msgs/msg/Quaternion"), placeholder_bytes(16)
-    unknown = np.zeros(9)
-    unknown[0] = NO_ESTIMATE
+    unknown, absent = np.zeros(9), np.zeros(9)
+    absent[0] = NO_ESTIMATE
     linear = vector(*struct.unpack("<dd", placeholder), 0.0)
-    imu = ros_type(IMU)(header(0, frame), quaternion(0.0, 0.0, 0.0, 1.0), unknown, vector(0.0, 0.0, 0.0), unknown, linear, unknown)
+    imu = ros_type(IMU)(header(0, frame), quaternion(0.0, 0.0, 0.0, 1.0), absent, vector(0.0, 0.0, 0.0), absent, linear, unknown)
     return MessageTemplate(encoded(IMU, imu), placeholder)
 
 

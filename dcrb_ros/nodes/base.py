@@ -10,10 +10,12 @@ from rclpy.clock_type import ClockType
 
 from dcrb_ros.messages.cdr import FRAME
 from dcrb_ros.messages.statuses import Status, encode_diagnostics
-from dcrb_ros.messages.topics import BENCH_DIAGNOSTICS, NAMESPACE, VIBRATION, Message, Topic
+from dcrb_ros.messages.topics import BENCH_DIAGNOSTICS, DIAGNOSIS, NAMESPACE, VIBRATION, Message, Topic
+from dcrb_ros.nodes.answers import Answers
 from dcrb_ros.nodes.other_publishers import OtherPublishers
 from dcrb_ros.nodes.parameters import ParameterNode
 from dcrb_ros.nodes.publisher import Publisher, message_class, qos
+from dcrb_ros.nodes.qos_overrides import overridable
 from dcrb_ros.nodes.subscriber_wait import SubscriberWait
 
 POLL_PERIOD = 0.05
@@ -54,7 +56,13 @@ class BenchNode(ParameterNode):
         def receive(data: Any) -> None:
             callback(bytes(data))
 
-        return self.create_subscription(message_class(topic), topic.name, receive, qos(topic), raw=True)
+        quality = qos(topic)
+        return self.create_subscription(message_class(topic), topic.name, receive, quality, qos_overriding_options=overridable(), raw=True)
+
+    def log_wait(self, *topics: Topic) -> None:
+        """Log the topics on which the node waits for messages."""
+        names = " and ".join(self.resolve_topic_name(topic.name) for topic in topics)
+        self.get_logger().info(f"waiting for messages on {names}")
 
     def offer_action(self, kind: Any, name: str, execute: Callable[[Any], Awaitable[Any]], /, *, callback_group: Any = None) -> Any:
         """Offer an action whose goals are all accepted, and may be cancelled; ``execute`` gets the handle of a goal."""
@@ -77,6 +85,13 @@ class BenchNode(ParameterNode):
                 start()
 
         timer = self.repeat(POLL_PERIOD, poll)
+
+    def follow_detector(self) -> Answers:
+        """Return the diagnoses of a detector in the namespace of this node."""
+        name = self.resolve_topic_name(DIAGNOSIS.name)
+        answers = Answers(lambda: self.count_publishers(name), self.get_logger().warning)
+        self.subscribe(DIAGNOSIS, answers.take)
+        return answers
 
     def watch_publishers(self, *topics: Topic) -> OtherPublishers:
         """Warn about other publishers on topics of this node, within two seconds."""

@@ -29,6 +29,7 @@ class DetectorTopics:
             self._node.subscribe(AMBIENT_TEMPERATURE, lambda data: self._publish(self._input.ambient(data))),
             self._node.subscribe(OUTER_RING_TEMPERATURE, lambda data: self._publish(self._input.temperature(data))),
         ]
+        self._node.log_wait(SENSOR, VIBRATION)
 
     def unsubscribe(self) -> None:
         """Receive nothing any more; the detector keeps what it has learned."""

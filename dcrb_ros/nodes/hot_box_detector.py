@@ -43,6 +43,7 @@ class HotBoxDetectorNode(BenchNode):
         self.watch_publishers(*WAYSIDE)
         self._publisher = Publisher(self, WAYSIDE)
         self.subscribe(GROUND_TRUTH, self._take)
+        self.log_wait(GROUND_TRUTH)
 
     def close(self) -> None:
         """Leave the topics."""

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator, Mapping, Sequence
+import tempfile
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,17 +17,21 @@ from launch_ros.actions import Node
 from launch_ros.parameter_descriptions import ParameterValue
 
 from dcrb_ros.diagnosis.parameters import DetectorParameters
+from dcrb_ros.schema.numbers import duration_within
 from dcrb_ros.schema.refusal import Refusal, nearest
+from dcrb_ros.schema.simulated_time import MAX_DURATION
 from dcrb_ros.settings.configuration import Configuration
 from dcrb_ros.settings.files import load_configuration, read_parameters, validated
 from dcrb_ros.settings.shipped import find_configuration, shipped_folder
 from dcrb_ros.simulation.scenario import read_scenario
-from dcrb_ros.text.files import is_file
+from dcrb_ros.text.files import checked_path, is_file
 
 PACKAGE = "dcrb_ros"
 RANGE = "ROS_AUTOMATIC_DISCOVERY_RANGE"
 TRUE, FALSE = ("true", "yes", "on", "1"), ("false", "no", "off", "0")
 NAMESPACE = re.compile(r"/?[A-Za-z_]\w*(/[A-Za-z_]\w*)*", re.ASCII)
+OF_LAUNCH = ("ros_namespace", "ros_remaps", "ros_params", "global_params")
+"""Names under which actions such as `PushRosNamespace` keep their values beside the arguments."""
 EXIT_TIMEOUT = "15"
 """Wall time in which a node must end after SIGINT before `launch` sends SIGTERM, which changes nothing, and then SIGKILL [s]."""
 
@@ -45,6 +50,7 @@ class Argument:
 CONFIG = Argument("healthy", "configuration: a YAML file or a shipped one")
 TIME_SCALE = Argument("", "simulated over wall time, 0 as fast as possible; empty for the configuration's", float)
 WAIT = Argument("30.0", "longest wall time to wait for subscribers before the first block [s]", float)
+DURATION = Argument("", "simulated time after which the launch ends [s], for tests; empty for an endless run", float)
 LISTENERS = "subscribers to the waveform to wait for; empty for the nodes that this file starts"
 
 
@@ -115,7 +121,7 @@ def _number(name: str, text: str, kind: type) -> Any:
 
 def suspicions(context: Any, arguments: Mapping[str, Argument]) -> list[Any]:
     """Return log actions for given arguments that no launch file takes but that resemble one of ``arguments``: `launch` ignores them."""
-    given = (name for name in context.launch_configurations if name not in arguments)
+    given = (name for name in context.launch_configurations if name not in (*arguments, *OF_LAUNCH))
     return [LogInfo(msg=f"the argument '{name}' is ignored{near}") for name in given if (near := nearest(name, arguments))]
 
 
@@ -149,7 +155,38 @@ def simulator_parameters(argument: str, given: Mapping[str, Any], keys: Mapping[
     if scenario is not None:
         with naming("scenario", scenario):
             read_scenario(Path(scenario), configuration)
+    if configuration.recording.path:
+        recorded = given.get("record")
+        with naming("record" if recorded else argument, recorded or given[argument]):
+            _check_folder(Path(configuration.recording.path))
     return {**_parameters(find_configuration(given[argument]), "simulator"), **overrides(given, keys)}
+
+
+def _check_folder(path: Path) -> None:
+    """Check that a new folder can be created at a path, or at the next free name.
+
+    Raises:
+        Refusal: it cannot.
+    """
+    folder = checked_path(path).absolute().parent
+    while not folder.exists():
+        folder = folder.parent
+    try:
+        with tempfile.TemporaryFile(dir=folder):
+            pass
+    except OSError as error:
+        raise Refusal(f"no folder can be created in {folder}: {error.strerror}; give a path in a folder that can be written") from None
+
+
+def duration_arguments(duration: float | None) -> list[str]:
+    """Return the arguments that end a simulator after a simulated duration [s], if one is given.
+
+    Raises:
+        Refusal: it is out of range.
+    """
+    if duration is None:
+        return []
+    return ["--duration", repr(duration_within("duration:=", duration, MAX_DURATION, "give the simulated time to run in seconds"))]
 
 
 def _parameters(path: Path, name: str) -> dict[str, Any]:
@@ -185,13 +222,25 @@ def detector_parameters(detector: str) -> dict[str, Any]:
         return _parameters(path, "fault_detector")
 
 
+def _ending(name: str) -> Callable[[Any, Any], Any]:
+    """Return what follows the end of a node: the launch ends, with status 1 if the node has failed."""
+
+    def end(event: Any, context: Any) -> Any:
+        # Once the launch ends, `launch` itself may kill a node that takes too long; a node that fails has a positive status.
+        if event.returncode > 0 or (event.returncode != 0 and not context.is_shutdown):
+            raise Refusal(f"{name} has failed with status {event.returncode}; its last lines above say why")
+        return Shutdown(reason=f"{name} has ended")
+
+    return end
+
+
 def node(
     executable: str, namespace: str, parameters: Mapping[str, Any] | None = None, *, extra: Sequence[str] = (), required: bool = True
 ) -> Any:
-    """Return a node of the package; the end of a ``required`` one ends the launch."""
+    """Return a node of the package; the end of a ``required`` one ends the launch, and its failure makes the launch fail."""
     # Without its type, launch would take the text 2026 for a number.
     given = {key: ParameterValue(value, value_type=str) if isinstance(value, str) else value for key, value in (parameters or {}).items()}
-    ending = {"on_exit": Shutdown(reason=f"{executable} in {namespace} has ended")} if required else {}
+    ending = {"on_exit": _ending(f"{executable} in {namespace}")} if required else {}
     return Node(
         package=PACKAGE,
         executable=executable,

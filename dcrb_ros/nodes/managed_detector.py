@@ -34,6 +34,7 @@ class ManagedDetectorNode(LifecycleNodeMixin, BenchNode):
         LifecycleNodeMixin.__init__(self)
         self.watch_publishers(DIAGNOSIS)
         self._service_change_state.callback = self._answering(self._service_change_state.callback)
+        self.get_logger().info("waiting for the transition configure")
 
     def _answering(self, change: Callable[[Any, Any], Any]) -> Callable[[Any, Any], Any]:
         """Return the callback of the service change_state, which answers also if the transition is not possible.

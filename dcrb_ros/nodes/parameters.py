@@ -3,20 +3,27 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from typing import Any, TypeVar
 
+import yaml
 from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor, SetParametersResult
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
+from dcrb_ros.messages.topics import BENCH, COMMANDS, DETECTED, SIMULATED, WAYSIDE
+from dcrb_ros.nodes.qos_overrides import check_overrides, is_override
 from dcrb_ros.nodes.refusals import shortened
 from dcrb_ros.schema.fields import Group
-from dcrb_ros.schema.parameter_field import ParameterField
+from dcrb_ros.schema.parameter_field import ParameterField, wrong_type
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.files import flatten, parameter_fields, validated
 from dcrb_ros.settings.sections import OF_ROS
+from dcrb_ros.text.yaml import parsed
 
 Model = TypeVar("Model", bound=Group)
+LONGEST_NUMBER = 100
+"""Longest text that is read as a number [characters]."""
 
 
 class ParameterNode(Node):
@@ -24,13 +31,24 @@ class ParameterNode(Node):
 
     def __init__(self, name: str, namespace: str) -> None:
         super().__init__(name, namespace=namespace, automatically_declare_parameters_from_overrides=True)
+        given: Mapping[str, Any] = self.get_parameters_by_prefix("")
+        overrides = {key: parameter.value for key, parameter in given.items() if is_override(key)}
+        check_overrides(overrides, (self.resolve_topic_name(topic.name) for topic in (*SIMULATED, *DETECTED, *WAYSIDE, *BENCH, *COMMANDS)))
+        for key in overrides:  # declared again, read-only, by the publisher or subscription
+            self.undeclare_parameter(key)
+        self._fields: dict[str, ParameterField] = {}
+        """Declared parameters of the schema by their keys."""
 
     def on_parameters(self, changes: dict[str, Any]) -> None:
-        """Apply a requested change of parameters.
+        """Apply a requested change of parameters; a node that overrides this method accepts those that it knows.
 
         Raises:
             Refusal: it is invalid; nothing is changed.
         """
+        for key, value in changes.items():
+            if key in self._fields:
+                fixed = f"{key} is fixed while the node runs: give it at the start"
+                raise Refusal(f"parameters: {wrong_type(self._fields[key], value) or fixed}")
 
     def declare(self, model: type[Model], *, run_time: Sequence[str] = (), adjust: Callable[[Model], Model] = lambda model: model) -> Model:
         """Declare every parameter of a model with type, range and description; return the model with the node's overrides.
@@ -44,10 +62,11 @@ class ParameterNode(Node):
             Refusal: an override is unknown, mistyped or out of range.
         """
         given: Mapping[str, Any] = self.get_parameters_by_prefix("")
-        overrides = {key: parameter.value for key, parameter in given.items() if key not in OF_ROS}
+        overrides = {key: parameter.value for key, parameter in given.items() if not _is_of_ros(key)}
         adjusted = adjust(validated(overrides, model, "parameters"))
         values = flatten(adjusted.model_dump())
-        for field in parameter_fields(model):
+        self._fields = {field.key: field for field in parameter_fields(model)}
+        for field in self._fields.values():
             if self.has_parameter(field.key):
                 self.undeclare_parameter(field.key)
             descriptor = _descriptor(field, read_only=field.key not in run_time)
@@ -55,14 +74,14 @@ class ParameterNode(Node):
         return adjusted
 
     def set_parameters_atomically(self, parameter_list: list[Any]) -> Any:
-        """Apply a change of parameters that others request, or answer why not; an integer is accepted for a floating-point number.
+        """Apply a change of parameters that others request, or answer why not.
 
-        A read-only parameter may be set to the value that it has, as `ros2 param load` does with the file of `ros2 param dump`.
-        `set_parameters`, which the node itself uses, does not call `on_parameters`.
+        A read-only parameter may be set to the value that it has, also in another type (`_with_declared_type`). `ros2 param load` therefore
+        accepts the file of `ros2 param dump`. `set_parameters`, which the node itself uses, does not call `on_parameters`.
         """
         given = (self._with_declared_type(parameter) for parameter in parameter_list)
         parameter_list = [parameter for parameter in given if not self._is_settled(parameter)]
-        changes = {parameter.name: parameter.value for parameter in parameter_list if parameter.name not in OF_ROS}
+        changes = {parameter.name: parameter.value for parameter in parameter_list if not _is_of_ros(parameter.name)}
         if changes:
             try:
                 self.on_parameters(changes)
@@ -79,11 +98,28 @@ class ParameterNode(Node):
         return bool(present.type_ == parameter.type_ and present.value == parameter.value)
 
     def _with_declared_type(self, parameter: Any) -> Any:
-        """Return a parameter with an integer converted to a floating-point number if it is declared as one."""
-        integer = parameter.type_ == Parameter.Type.INTEGER and self.has_parameter(parameter.name)
-        if integer and self.get_parameter(parameter.name).type_ == Parameter.Type.DOUBLE:
-            return Parameter(parameter.name, Parameter.Type.DOUBLE, float(parameter.value))
+        """Return a parameter with a value of the declared type if the given one means such a value.
+
+        `ros2 param load` reads with YAML 1.1: ``5e-06`` is a text there, and the text ``2026`` is a number.
+        """
+        if not self.has_parameter(parameter.name):
+            return parameter
+        present, number = self.get_parameter(parameter.name), parameter.value
+        numeric = present.type_ in (Parameter.Type.DOUBLE, Parameter.Type.INTEGER)
+        with suppress(yaml.YAMLError, Refusal, ValueError):
+            if present.type_ == Parameter.Type.STRING and parameter.type_ != Parameter.Type.STRING:
+                return present if yaml.safe_load(present.value) == parameter.value else parameter
+            if numeric and isinstance(number, str) and len(number) <= LONGEST_NUMBER:
+                number = parsed(number)
+        if type(number) in (int, float) and present.type_ == Parameter.Type.DOUBLE:
+            return Parameter(parameter.name, Parameter.Type.DOUBLE, float(number))
+        if type(number) is int and present.type_ == Parameter.Type.INTEGER and -(2**63) <= number < 2**63:
+            return Parameter(parameter.name, Parameter.Type.INTEGER, number)
         return parameter
+
+
+def _is_of_ros(key: str) -> bool:
+    return key in OF_ROS or is_override(key)
 
 
 def _descriptor(field: ParameterField, *, read_only: bool) -> Any:

@@ -34,10 +34,12 @@ class Publisher:
     """A sink that publishes on topics of a node."""
 
     def __init__(self, node: Node, topics: Iterable[Topic]) -> None:
+        from dcrb_ros.nodes.qos_overrides import overridable
+
         self._node = node
         # Latched topics last: who has received one of their messages has discovered the publishers of the others.
         self._publishers: dict[Topic, Any] = {
-            topic: node.create_publisher(message_class(topic), topic.name, qos(topic))
+            topic: node.create_publisher(message_class(topic), topic.name, qos(topic), qos_overriding_options=overridable())
             for topic in sorted(topics, key=lambda topic: topic.latched)
         }
 

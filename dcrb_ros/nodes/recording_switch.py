@@ -52,9 +52,9 @@ def free_path(wanted: Path) -> Path:
 
 
 def wanted_path(configured: str, namespace: str) -> Path:
-    """Return the path of a new recording: as configured, or by namespace and time in `FOLDER`."""
+    """Return the absolute path of a new recording: as configured, or by namespace and time in `FOLDER`."""
     name = namespace.strip("/").replace("/", "-") or "bench"
-    return Path(configured) if configured else FOLDER / f"{name}-{time.strftime('%Y%m%d-%H%M%S')}"
+    return (Path(configured) if configured else FOLDER / f"{name}-{time.strftime('%Y%m%d-%H%M%S')}").absolute()
 
 
 class RecordingSwitch:

@@ -7,7 +7,8 @@ import time
 from typing import Any
 
 from dcrb_ros.messages.statuses import OK, WARN, Status
-from dcrb_ros.messages.topics import BENCH_DIAGNOSTICS, CLOCK, VIBRATION
+from dcrb_ros.messages.topics import BENCH_DIAGNOSTICS, CLOCK, DIAGNOSIS, VIBRATION
+from dcrb_ros.nodes.answers import AnsweredSource
 from dcrb_ros.nodes.base import BenchNode
 from dcrb_ros.nodes.clock import ClockPublisher
 from dcrb_ros.nodes.engine import Engine, Progress, Sink
@@ -17,7 +18,6 @@ from dcrb_ros.nodes.programs import main
 from dcrb_ros.nodes.publisher import Publisher
 from dcrb_ros.nodes.ros import run_node
 from dcrb_ros.recordings.replay import Replay, ReplayParameters
-from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.files import flatten, validated
 
 DELIVERY_TIMEOUT = 2.0
@@ -48,7 +48,10 @@ class ReplayerNode(BenchNode):
         clocks = [ClockPublisher(self._publisher.write_messages)] if self._settings.clock else []
         gate = Gate(Pacer(self._settings.rate, time.monotonic), time.monotonic)
         sinks: list[Sink] = [*clocks, self._publisher, self._progress]
-        self._engine = Engine("replay", self._replay, sinks, gate, loop=self._settings.loop)
+        answered = VIBRATION in self._replay.topics and DIAGNOSIS not in self._replay.topics
+        self._answers = self.follow_detector() if answered else None
+        source = AnsweredSource(self._replay, self._answers, gate) if self._answers else self._replay
+        self._engine = Engine("replay", source, sinks, gate, loop=self._settings.loop)
 
     def start(self) -> None:
         """Publish the sensor description; wait for subscribers to the waveform."""
@@ -62,8 +65,9 @@ class ReplayerNode(BenchNode):
 
     @property
     def ended(self) -> bool:
-        """Whether the whole recording has been replayed."""
-        return self._engine.ended
+        """Whether the whole recording has been replayed, and the detector has answered."""
+        answers = None if self._engine.failure else self._answers
+        return self._engine.ended and (answers is None or answers.complete(self._progress.time_ns))
 
     @property
     def failure(self) -> Exception | None:
@@ -77,9 +81,7 @@ class ReplayerNode(BenchNode):
 
     def on_parameters(self, changes: dict[str, Any]) -> None:
         """Continue at another rate; refuse a change of anything else."""
-        for key in changes:
-            if key in ReplayParameters.model_fields and key not in RUN_TIME:
-                raise Refusal(f"parameters: {key} is fixed while the replay runs: give it at the start")
+        super().on_parameters({key: value for key, value in changes.items() if key not in RUN_TIME})
         self._settings = validated({**flatten(self._settings.model_dump()), **changes}, ReplayParameters, "parameters")
         self._engine.gate.rescale(self._settings.rate)
 

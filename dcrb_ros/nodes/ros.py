@@ -3,17 +3,22 @@
 from __future__ import annotations
 
 import argparse
+import ast
 import importlib.util
 import os
+import re
 import sys
 import threading
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from itertools import pairwise
 from pathlib import Path
 from types import FrameType
 from typing import TYPE_CHECKING
 
 from dcrb_ros.runtime.signals import accept_termination, handle_termination, restore_ignored_signals
 from dcrb_ros.schema.refusal import Refusal
+from dcrb_ros.text.files import is_file
 
 if TYPE_CHECKING:
     from rclpy.node import Node
@@ -22,6 +27,8 @@ if TYPE_CHECKING:
 
 DISCOVERY = "ROS_AUTOMATIC_DISCOVERY_RANGE"
 """Environment variable of ROS for the range of discovery: LOCALHOST, SUBNET or OFF."""
+SOURCE_LINE = re.compile(r", at /\S+:\d+")
+"""Place in the source of ROS, in its error messages."""
 FAILURE_PAUSE = 0.01
 """Wall time after the failure of a callback [s], so that an endless series of failures does not occupy a core."""
 
@@ -64,10 +71,16 @@ def middlewares() -> list[str]:
 
 
 def own_arguments(parser: argparse.ArgumentParser, arguments: Sequence[str]) -> argparse.Namespace:
-    """Return the options of a node without the arguments of ROS."""
+    """Return the options of a node without the arguments of ROS.
+
+    Raises:
+        Refusal: ROS does not understand one of its arguments.
+    """
     from rclpy.utilities import remove_ros_args
 
-    return parser.parse_args(remove_ros_args([parser.prog, *arguments])[1:])
+    with _understood(arguments):
+        words = remove_ros_args([parser.prog, *arguments])[1:]
+    return parser.parse_args(words)
 
 
 def run_node(create: Callable[[], BenchNode], arguments: Sequence[str]) -> int:
@@ -82,7 +95,8 @@ def run_node(create: Callable[[], BenchNode], arguments: Sequence[str]) -> int:
 
     stop = stop_on_signals()
     limit_discovery()
-    rclpy.init(args=list(arguments), signal_handler_options=SignalHandlerOptions.NO)
+    with _understood(arguments):
+        rclpy.init(args=list(arguments), signal_handler_options=SignalHandlerOptions.NO)
     try:
         node = create()
         try:
@@ -96,6 +110,23 @@ def run_node(create: Callable[[], BenchNode], arguments: Sequence[str]) -> int:
         return status
     finally:
         try_shutdown()
+
+
+@contextmanager
+def _understood(arguments: Sequence[str]) -> Iterator[None]:
+    """Refuse arguments that ROS does not understand, and files of parameters that do not exist or are invalid."""
+    from rclpy.impl.implementation_singleton import rclpy_implementation
+
+    for option, path in pairwise(arguments):
+        if option == "--params-file" and not is_file(Path(path)):
+            raise Refusal(f"--params-file {path}: there is no such file: give a ROS parameter file; dcrb config show prints one")
+    try:
+        yield
+    except rclpy_implementation.UnknownROSArgsError as error:
+        words = " ".join(ast.literal_eval(str(error)))
+        raise Refusal(f"'{words}' follows --ros-args but is no argument of ROS: write options of the node before --ros-args") from None
+    except rclpy_implementation.RCLInvalidROSArgsError as error:
+        raise Refusal(SOURCE_LINE.sub("", str(error))) from None
 
 
 def _status(node: BenchNode) -> int:

@@ -46,6 +46,7 @@ from dcrb_ros.nodes.transforms import publish_transforms
 from dcrb_ros.recordings.recorder import Recorder
 from dcrb_ros.recordings.recorder_thread import RecorderThread
 from dcrb_ros.runtime.prefetch import prefetch
+from dcrb_ros.schema.parameter_field import wrong_type
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.schema.simulated_time import checked_duration
 from dcrb_ros.settings.configuration import Configuration
@@ -122,11 +123,12 @@ class SimulatorNode(BenchNode):
         self._clock_publisher = ClockPublisher(self._publisher.write_messages) if publishing.clock else None
         self.progress, self.refusals = Progress(), Refusals(log.warning)
         path = self.configuration.recording.path
-        self.recording = RecordingSwitch(self._recorder, log, Path(path) if path else None)
+        self.recording = RecordingSwitch(self._recorder, log, Path(path).absolute() if path else None)
         clock = [self._clock_publisher] if self._clock_publisher else []
         sinks: list[Sink] = [self.progress, *clock, self._publisher, self.recording, FirstBlockLog(log.info)]
         self._source = SimulationSource(self.configuration, changes, duration, gate)
         self.engine = Engine("model", self._source, sinks, gate)
+        self._answers = self.follow_detector()
         self._status = BenchStatus(self.engine, self.progress, self.recording, self.refusals)
 
     def start(self) -> None:
@@ -152,8 +154,9 @@ class SimulatorNode(BenchNode):
 
     @property
     def ended(self) -> bool:
-        """Whether the duration is over, or the simulation has failed."""
-        return self.engine.ended
+        """Whether the duration is over and the detector has answered, or the simulation has failed or was told to quit."""
+        stopped = self.engine.failure is not None or self.engine.gate.closed
+        return self.engine.ended and (stopped or self._answers.complete(self.progress.time_ns))
 
     @property
     def failure(self) -> Exception | None:
@@ -215,7 +218,7 @@ class SimulatorNode(BenchNode):
         """Apply a requested change of parameters, or refuse it."""
         with self.refusals.counted("parameters"):
             for key in changes:
-                if key in COMMANDED:
+                if key in COMMANDED and not wrong_type(self._fields[key], changes[key]):
                     raise Refusal(f"parameters: {key} changes by the topic {COMMANDED[key]}; the parameter is its value at the start")
             altered(self._source.simulation.configuration, changes)
             self._source.simulation.change({key: value for key, value in changes.items() if key != "time_scale"})

@@ -4,13 +4,17 @@ from __future__ import annotations
 
 import argparse
 import os
+import re
+import socket
 import sys
 from contextlib import ExitStack
 from functools import partial
 from pathlib import Path
+from urllib.parse import urlsplit
 
 import rerun as rr
 
+from dcrb_ros.messages.topics import VIBRATION
 from dcrb_ros.nodes.base import BenchNode
 from dcrb_ros.nodes.programs import main
 from dcrb_ros.nodes.ros import own_arguments, run_node
@@ -22,6 +26,12 @@ from dcrb_ros.viewer.window import window_to_fill
 
 FLUSH_PERIOD = 0.2
 """Wall time between two batches of data sent to Rerun [s]."""
+VIEWER_PORT = 9876
+"""Port of a viewer that was started without one."""
+FORM = re.compile(r"rerun(\+https?)?://[^\s/]+/proxy")
+"""Form of the address of a viewer."""
+CONNECT_TIMEOUT = 5.0
+"""Wall time within which a viewer must accept a connection [s]."""
 NICENESS = 5
 """Increment of the process's niceness, so that the bench has priority."""
 
@@ -46,6 +56,7 @@ class ViewerNode(BenchNode):
         for topic in SHOWN:
             self.subscribe(topic, partial(view.take, topic))
         self.repeat(FLUSH_PERIOD, view.flush)
+        self.log_wait(VIBRATION)
 
     def _stream(self, run: int) -> rr.RecordingStream:
         """Return the Rerun recording of a run; a new run begins after a reset, in a file of its own."""
@@ -66,6 +77,26 @@ class ViewerNode(BenchNode):
         self._resources.close()
 
 
+def _check_address(address: str) -> None:
+    """Check that a viewer listens at an address; Rerun itself would try forever.
+
+    Raises:
+        Refusal: the address is invalid, or nothing listens there.
+    """
+    try:
+        parts = urlsplit(address)
+        host, port = parts.hostname, parts.port or VIEWER_PORT
+    except ValueError:
+        host, port = None, 0
+    if host is None or not FORM.fullmatch(address):
+        raise Refusal(f"--connect {address} is not the address of a viewer: write one such as rerun+http://127.0.0.1:{VIEWER_PORT}/proxy")
+    try:
+        with socket.create_connection((host, port), timeout=CONNECT_TIMEOUT):
+            pass
+    except OSError as error:
+        raise Refusal(f"--connect {address}: no viewer answers at {host}:{port} ({error}): start one, or correct the address") from None
+
+
 def run(arguments: list[str]) -> int:
     """Run the node until a termination signal arrives or the window is closed; return the exit status."""
     parser = argparse.ArgumentParser(prog="viewer", description="A running bench in Rerun.")
@@ -76,6 +107,8 @@ def run(arguments: list[str]) -> int:
         raise Refusal(f"--save {options.save} and --connect {options.connect} exclude each other: give one of them")
     if options.save is not None:
         checked_output(options.save, suffix=".rrd", option="--save")
+    if options.connect:
+        _check_address(options.connect)
     os.nice(NICENESS)
     return run_node(lambda: ViewerNode(options.save, options.connect), arguments)
 

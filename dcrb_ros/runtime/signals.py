@@ -1,4 +1,7 @@
-"""Signals that ask a process to end: at once while it starts, as `KeyboardInterrupt` while a command works, without effect once it ends."""
+"""Signals that ask a process to end: at once while it starts, as `KeyboardInterrupt` while a command works, without effect once it ends.
+
+Until a program handles signals, one ends it with a traceback. Therefore this module imports only what the interpreter has imported anyway.
+"""
 
 from __future__ import annotations
 
@@ -6,10 +9,8 @@ import atexit
 import os
 import signal
 import sys
-import threading
-from contextlib import suppress
 
-TYPE_CHECKING = False  # the module typing is not imported before the signals are handled
+TYPE_CHECKING = False
 if TYPE_CHECKING:
     from collections.abc import Callable
     from types import FrameType
@@ -87,6 +88,8 @@ def _deliver_again(unraisable: sys.UnraisableHookArgs) -> None:
 
 def _deliver_later(number: int) -> None:
     """Deliver a signal after `RETRY_TIME`."""
+    import threading
+
     retry = threading.Timer(RETRY_TIME, os.kill, (os.getpid(), number))
     retry.daemon = True
     retry.start()
@@ -116,10 +119,14 @@ def leave_at_once(status: int) -> NoReturn:
 
 def _flush() -> None:
     for stream in (sys.stdout, sys.stderr):
-        with suppress(OSError, ValueError):  # nobody reads any more
+        try:
             stream.flush()
+        except (OSError, ValueError):  # nobody reads any more
+            continue
 
 
 def _write_error(text: str) -> None:
-    with suppress(OSError):  # nobody reads any more
+    try:
         os.write(2, text.encode())
+    except OSError:  # nobody reads any more
+        return

@@ -132,6 +132,11 @@ def _without_prefix(problem: ErrorDetails) -> str:
     return problem["msg"].removeprefix("Value error, ")
 
 
+def wrong_type(field: ParameterField, value: Any) -> str:
+    """Return why a value has the wrong type for a parameter, or an empty string."""
+    return "" if isinstance(value, field.kind) and isinstance(value, bool) == (field.kind is bool) else _refused(field, value)
+
+
 def _refused(field: ParameterField, value: Any) -> str:
     """Return why a value is invalid."""
     said = f"{field.key} = {value!r}" + (f" {field.unit}" if field.unit != "-" else "")

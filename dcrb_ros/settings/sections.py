@@ -20,7 +20,9 @@ NODES = ("simulator", "fault_detector", "hot_box_detector", "replayer", "viewer"
 """Nodes of the bench."""
 ALL = "/**"
 """Section for every node."""
-OF_ROS = ("use_sim_time", "start_type_description_service")
+QOS_OVERRIDES = "qos_overrides"
+"""Group of the parameters with the quality of service of publishers and subscriptions."""
+OF_ROS = ("use_sim_time", "start_type_description_service", QOS_OVERRIDES)
 """Parameters that every node of ROS has; `ros2 param dump` writes them too."""
 SHAPE = "give groups such as 'operating: {speed: 100.0}', or a ROS parameter file that begins with '/**:' and 'ros__parameters:'"
 

@@ -17,6 +17,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
+from dcrb_ros.runtime.children import group_guard
 from dcrb_ros.viewer.columns import TIMELINE
 from dcrb_ros.viewer.document_server import LOOPBACK, document_served
 
@@ -25,6 +26,8 @@ if TYPE_CHECKING:
 
 PATIENCE = 60.0
 """Longest wait for an action of the viewer [s]."""
+END_TIMEOUT = 2.0
+"""Time that the server of a page has to end after this program was killed [s]."""
 POLL = 0.2
 """Interval at which the viewer is polled [s]."""
 NOTICE_TIME = 6.0
@@ -118,16 +121,18 @@ def _serve_page(command: list[str], document: Path) -> int:
     port = _free_port()
     page = f"http://{LOOPBACK}:{port}"
     serving = [*command, "--serve-web", "--web-viewer-port", str(port)]
-    with document_served(document, page) as data, subprocess.Popen(serving, env=_environment()) as server:
+    with document_served(document, page) as data, group_guard(END_TIMEOUT) as guarded:
+        # In a group of its own, since `rerun_cli` starts the server as its child.
+        server = subprocess.Popen(serving, env=_environment(), start_new_session=True)
         try:
+            guarded(server.pid)
             _wait_for(server, "serve its page", lambda: _listens(port), "its messages are printed above")
             address = page_address(page, data)
             print(f"the viewer is at {address} until Ctrl-C", flush=True)
             webbrowser.open(address)
             return server.wait()
-        except BaseException:
-            server.terminate()
-            raise
+        finally:
+            _end(server)
 
 
 def _listens(port: int) -> bool | None:

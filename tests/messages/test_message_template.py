@@ -44,6 +44,9 @@ def test_preview(time_ns: int, x: float, y: float, frame: str) -> None:
     acceleration = imu.linear_acceleration
     assert (acceleration.x, acceleration.y, acceleration.z, imu.header.frame_id) == (x, y, 0.0, frame)
     assert bytes(typestore().serialize_cdr(imu, name)) == data
+    # sensor_msgs/msg/Imu: zeros for an unknown covariance, -1 first for a quantity that is not measured.
+    assert imu.linear_acceleration_covariance.tolist() == [0.0] * 9
+    assert imu.orientation_covariance.tolist() == imu.angular_velocity_covariance.tolist() == [-1.0, *[0.0] * 8]
 
 
 def test_a_placeholder_must_be_in_the_message() -> None:

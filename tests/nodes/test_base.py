@@ -7,20 +7,24 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+import yaml
 
 pytest.importorskip("rclpy", reason="the nodes need ROS 2; everything else is tested without")
 
 import rclpy
 from made_up_blocks import recorded
-from rclpy.parameter import Parameter
+from rclpy.parameter import Parameter, parameter_dict_from_yaml_file
 
+from dcrb_ros.diagnosis.parameters import DetectorParameters
 from dcrb_ros.nodes.base import BenchNode
+from dcrb_ros.nodes.fault_detector import FaultDetectorNode
+from dcrb_ros.nodes.hot_box_detector import HotBoxDetectorNode
 from dcrb_ros.nodes.replayer import ReplayerNode
-from dcrb_ros.nodes.simulator import RUN_TIME
+from dcrb_ros.nodes.simulator import RUN_TIME, SimulatorNode
 from dcrb_ros.recordings.replay import ReplayParameters
 from dcrb_ros.schema.refusal import Refusal
 from dcrb_ros.settings.configuration import Configuration
-from dcrb_ros.settings.files import flatten
+from dcrb_ros.settings.files import flatten, load_configuration, nest
 
 
 class Asked(BenchNode):
@@ -73,6 +77,62 @@ def test_an_integer_is_the_present_value_of_a_number(node: Asked) -> None:
     assert node.changes == []
 
 
+def test_a_text_that_reads_as_a_number_is_that_number(node: Asked) -> None:
+    assert answer(node, operating__load="1e+05", bearing__rows="2") == (True, "")
+    assert node.changes == []
+    assert answer(node, faults__outer_1__width="5e-06") == (True, "")
+    assert node.get_parameter("faults.outer_1.width").value == 5e-6
+    for text in ("wide", "1_000", "0.001 m", "[1.0]", "a: 1", "'", "9" * 5000, "1e"):
+        assert answer(node, faults__outer_1__width=text)[0] is False, text
+    assert answer(node, bearing__rows="9" * 90)[0] is False
+
+
+def test_a_file_of_dumped_parameters_is_loaded_without_a_refusal(ros: None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    bag = recorded(tmp_path / "bag", 3)
+    small = {"faults.outer_1.width": 1e-5, "recording.path": "2026", "publishing.frame": "true"}
+    given = [
+        lambda: SimulatorNode(parameters=load_configuration(Configuration(), small)),
+        lambda: ReplayerNode(ReplayParameters(bag=str(bag), offset=1e-5, rate=1e-5)),
+        lambda: FaultDetectorNode(DetectorParameters(band_low=1e3)),
+        HotBoxDetectorNode,
+    ]
+    for create in given:
+        node = create()
+        if isinstance(node, SimulatorNode):
+            node.engine.prepare()
+        present = {name: node.get_parameter(name).value for name in node.list_parameters([], 0).names}
+        name, dump = node.get_fully_qualified_name(), tmp_path / "dump.yaml"
+        # As `ros2 param dump` writes it, and with the function of rclpy by which `ros2 param load` reads it.
+        dump.write_text(yaml.dump({name: {"ros__parameters": nest(present)}}, default_flow_style=False), encoding="utf-8")
+        loaded = parameter_dict_from_yaml_file(str(dump), target_nodes=[name]).values()
+        assert {parameter.name for parameter in loaded} == set(present)
+        answers = {parameter.name: node.set_parameters_atomically([Parameter.from_parameter_msg(parameter)]).reason for parameter in loaded}
+        assert set(answers.values()) == {""}, {key: reason for key, reason in answers.items() if reason}
+        assert {name: node.get_parameter(name).value for name in present} == present
+        node.close()
+        node.destroy_node()
+
+
+def test_a_wrong_type_is_named_as_such(ros: None) -> None:
+    node = SimulatorNode()
+    node.engine.prepare()
+    for key, value, words in (
+        ("bearing__roller_radius", "wide", "'wide' m is not a number within"),
+        ("bearing__rows", 1.5, "1.5 is not a whole number within"),
+        ("recording__path", 5, "5 is not a text"),
+        ("publishing__clock", "yes", "'yes' is not true or false"),
+        ("operating__speed", "fast", "'fast' rad/s is not a number within"),
+    ):
+        done, reason = answer(node, **{key: value})
+        assert not done
+        assert words in reason
+        assert "fixed" not in reason
+        assert "changes by" not in reason
+    assert "is fixed while the bench runs" in answer(node, bearing__rows=1)[1]
+    node.destroy_node()
+
+
 def test_a_fixed_parameter_refuses_another_value_and_takes_the_request_with_it(node: Asked) -> None:
     assert answer(node, bearing__rows=1) == (False, "bearing.rows is fixed")
     assert answer(node, bearing__rows=2.0) == (False, "bearing.rows is fixed")
@@ -85,7 +145,11 @@ def test_a_fixed_parameter_refuses_another_value_and_takes_the_request_with_it(n
 
 def test_a_replay_that_refuses_a_fixed_parameter_keeps_its_rate(ros: None, tmp_path: Path) -> None:
     replayer = ReplayerNode(ReplayParameters(bag=str(recorded(tmp_path / "bag", 3)), rate=1.0))
-    assert answer(replayer, rate=5.0, loop=True) == (False, "parameters: loop is fixed while the replay runs: give it at the start")
+    assert answer(replayer, rate=5.0, loop=True) == (False, "parameters: loop is fixed while the node runs: give it at the start")
+    assert answer(replayer, loop=5) == (
+        False,
+        "parameters: loop = 5 is not true or false (start again at the end, endlessly, the stamps start again too)",
+    )
     assert (replayer.get_parameter("rate").value, replayer._engine.gate.pacer.scale) == (1.0, 1.0)
     assert answer(replayer, rate=-1.0)[0] is False
     assert answer(replayer, rate=5.0, loop=False) == (True, "")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib.util
 import sys
+from contextlib import nullcontext
 from dataclasses import dataclass, field
 from pathlib import Path
 from types import ModuleType, SimpleNamespace
@@ -249,6 +250,12 @@ BAG = str(ROOT / "bags" / "healthy")
         ("replay", {"bag": "/nowhere"}, "bag:=/nowhere: there is no recording"),
         ("replay", {"bag": BAG, "rate": "-1"}, "^replay: rate = -1.0 is outside 0 .. 1000"),
         ("replay", {"bag": BAG, "loop": "2"}, "loop:=2 is neither true nor false"),
+        ("replay", {"bag": BAG, "offset": "9"}, "^offset:=9.0: .*lower the offset"),
+        ("bench", {"record": "/dev/null/bag"}, "^record:=/dev/null/bag: no folder can be created in /dev/null"),
+        ("bench", {"record": "/proc/a/bag"}, "^record:=/proc/a/bag: no folder can be created in /proc"),
+        ("bench", {"record": "x" * 300}, "^record:=x+: "),
+        ("bench", {"duration": "0"}, "^duration:= 0.*give the simulated time"),
+        ("bench", {"duration": "ten"}, "^duration:=ten is not a finite number"),
         ("replay", {"bag": BAG, "listeners": "two"}, "listeners:=two is not a whole number"),
     ],
 )
@@ -277,10 +284,36 @@ def test_texts_remain_texts(monkeypatch: pytest.MonkeyPatch) -> None:
     assert simulator.parameters[0]["recording.path"] == Typed("2026", str)
 
 
+def every_node(monkeypatch: pytest.MonkeyPatch) -> list[Node]:
+    return [*started("bench", monkeypatch, rerun="true"), *started("replay", monkeypatch, bag=BAG), *started("axle_boxes", monkeypatch)]
+
+
 def test_the_end_of_a_node_ends_the_launch_but_that_of_the_viewer_does_not(monkeypatch: pytest.MonkeyPatch) -> None:
-    nodes = [*started("bench", monkeypatch, rerun="true"), *started("replay", monkeypatch, bag=BAG), *started("axle_boxes", monkeypatch)]
+    nodes = every_node(monkeypatch)
     assert all((node.on_exit is None) == (node.executable == "viewer") for node in nodes)
-    assert all(isinstance(node.on_exit, End) for node in nodes if node.executable != "viewer")
+    for shut in (False, True):
+        ends = [node.on_exit(SimpleNamespace(returncode=0), SimpleNamespace(is_shutdown=shut)) for node in nodes if node.on_exit]
+        assert all(isinstance(end, End) for end in ends)
+
+
+@pytest.mark.parametrize(("status", "shut", "failed"), [(1, False, True), (1, True, True), (-9, False, True), (-9, True, False)])
+def test_a_node_that_fails_makes_the_launch_fail(status: int, shut: bool, failed: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    for node in every_node(monkeypatch):
+        if node.on_exit is not None:
+            event, context = SimpleNamespace(returncode=status), SimpleNamespace(is_shutdown=shut)
+            # `launch` logs what a handler raises, ends its nodes and returns 1.
+            with pytest.raises(Refusal, match=f"{node.executable} in .* has failed with status {status}") if failed else nullcontext():
+                node.on_exit(event, context)
+
+
+def test_a_launch_of_a_stated_duration_ends_by_itself(monkeypatch: pytest.MonkeyPatch) -> None:
+    simulator = next(node for node in started("bench", monkeypatch, duration="10") if node.executable == "simulator")
+    assert simulator.arguments == ["--duration", "10.0"]
+
+
+def test_a_pushed_namespace_is_no_misspelt_argument(monkeypatch: pytest.MonkeyPatch) -> None:
+    for file, given in (("bench", {}), ("replay", {"bag": BAG}), ("axle_boxes", {})):
+        assert not [entity for entity in entities(file, monkeypatch, ros_namespace="/robot", **given) if isinstance(entity, Message)]
 
 
 def test_a_misspelt_argument_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:

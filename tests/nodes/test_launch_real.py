@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import re
 import signal
 import subprocess
 import sys
@@ -88,10 +90,28 @@ def test_a_typo_ends_the_launch_with_the_suggestion(tmp_path: Path) -> None:
     assert "process started" not in log.read_text()
 
 
-def test_the_end_of_the_replay_ends_the_launch(tmp_path: Path) -> None:
+@pytest.mark.parametrize("rate", ["rate:=2.0", "rate:=0.0"])
+def test_the_end_of_the_replay_ends_the_launch(rate: str, tmp_path: Path) -> None:
     log = tmp_path / "log"
-    with launched("replay", domain(), log, f"bag:={ROOT / 'bags' / 'outer_ring_defect'}", "rate:=2.0") as run:
-        run.wait(PATIENCE)
+    with launched("replay", domain(), log, f"bag:={ROOT / 'bags' / 'outer_ring_defect'}", rate) as run:
+        assert run.wait(PATIENCE) == 0
     words = log.read_text()
     assert words.count("process has finished cleanly") == 2, words
     assert "outer_ring at" in words
+
+
+def test_a_launch_of_a_stated_duration_ends_with_a_verdict(tmp_path: Path) -> None:
+    log = tmp_path / "log"
+    with launched("bench", domain(), log, "config:=outer_ring_defect", "duration:=4.0", "time_scale:=0.0") as run:
+        assert run.wait(PATIENCE) == 0
+    assert "outer_ring at" in log.read_text()
+
+
+def test_a_failed_node_makes_the_launch_fail(tmp_path: Path) -> None:
+    number, log = domain(), tmp_path / "log"
+    with graph_client(number) as client, launched("bench", number, log, "config:=outer_ring_defect") as run:
+        client.until(lambda: client.received[VIBRATION], "a block")
+        (simulator,) = re.findall(r"simulator-\d+\]: process started with pid \[(\d+)\]", log.read_text())
+        os.kill(int(simulator), signal.SIGKILL)
+        assert run.wait(PATIENCE) == 1
+    assert "simulator in dcrb has failed with status -9" in log.read_text()

@@ -18,7 +18,7 @@ from dcrb_ros.messages.encoder import BlockEncoder
 from dcrb_ros.messages.topics import SENSOR
 from dcrb_ros.nodes.bench import EXIT_TIMEOUT
 from dcrb_ros.nodes.engine import CLOSE_TIMEOUT as ENGINE_TIMEOUT
-from dcrb_ros.nodes.recording_switch import RecordingSwitch, free_path
+from dcrb_ros.nodes.recording_switch import RecordingSwitch, free_path, wanted_path
 from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.recordings.recorder import Recorder
 from dcrb_ros.recordings.recorder_thread import CLOSE_TIMEOUT, RecorderThread
@@ -186,3 +186,11 @@ def test_a_node_started_again_records_to_the_next_free_name(tmp_path: Path) -> N
             switch.write(bundle)
         switch.stop()
     assert [len(list(Recording(tmp_path / name).vibrations())) for name in ("bag", "bag-2", "bag-3")] == [1, 2, 3]
+
+
+@pytest.mark.parametrize("configured", ["", "drive", "/drive"])
+def test_the_answer_names_the_whole_path(configured: str) -> None:
+    path = wanted_path(configured, "/wagon/box1")
+    assert path.is_absolute()
+    assert configured in str(path)
+    assert bool(configured) or path.name.startswith("wagon-box1-")

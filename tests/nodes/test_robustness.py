@@ -22,7 +22,8 @@ from node_arguments import GARBAGE, parameters
 from ros_bench import PATIENCE, GraphClient, domain, environment, graph_client, node
 
 from dcrb_ros.messages.points import decode_vibration
-from dcrb_ros.messages.topics import BENCH_DIAGNOSTICS, VIBRATION
+from dcrb_ros.messages.statuses import decode_truth
+from dcrb_ros.messages.topics import BENCH_DIAGNOSTICS, GROUND_TRUTH, VIBRATION
 from dcrb_ros.recordings.reader import Recording
 from dcrb_ros.settings.files import parameter_fields
 
@@ -227,6 +228,29 @@ def test_the_example_turns_blocks_into_numpy(tmp_path: Path) -> None:
             subscriber.kill()
 
 
+def test_the_example_commands_the_bench(tmp_path: Path) -> None:
+    number, example = domain(), ROOT / "examples" / "control.py"
+    with (
+        graph_client(number) as client,
+        node("fault_detector", [], environment(number), tmp_path / "detector.log"),
+        node("simulator", parameters(), environment(number), tmp_path / "log"),
+    ):
+        client.until(lambda: client.received[VIBRATION], "a block")
+        control = subprocess.Popen([sys.executable, str(example)], env=environment(number), stdout=subprocess.PIPE, text=True)
+        try:
+            client.until(lambda: control.poll() is not None, "the end of the example")
+            assert control.stdout is not None
+            lines = control.stdout.read().splitlines()
+        finally:
+            control.kill()
+            control.wait(PATIENCE)
+        client.until(lambda: client.received[VIBRATION] and decode_truth(client.received[GROUND_TRUTH][-1]).speed > 139.0, "the speed")
+        assert "outer_1" in decode_truth(client.received[GROUND_TRUTH][-1]).faults
+    words = ("paused at", '{"acceleration_unit"', "one block further", "the fault is accepted", "running from")
+    assert [line.startswith(word) for line, word in zip(lines, words, strict=False)] == [True] * 5, lines
+    assert lines[5] in {"waiting", "healthy", "outer_ring"}
+
+
 DURING_IMPORT = """
 import importlib, os, signal
 from dcrb_ros.nodes import programs
@@ -250,3 +274,37 @@ def test_a_program_interrupted_during_its_import_ends_without_output(program: st
     done = subprocess.run(command, env=environment(domain()), capture_output=True, text=True, timeout=PATIENCE, check=False)
     assert (done.returncode, done.stderr) == (0, "")
     assert not list(tmp_path.iterdir())
+
+
+AT_AN_IMPORT = """
+import os, signal, sys
+from dcrb_ros.nodes import programs
+
+imports = 0
+
+def interrupt(event, arguments):
+    global imports
+    imports += event == "import"
+    if event == "import" and imports == {number}:
+        os.kill(os.getpid(), signal.SIGINT)
+
+sys.addaudithook(interrupt)
+programs.{program}()
+"""
+
+
+@pytest.mark.parametrize("program", ["simulator", "fault_detector"])
+@pytest.mark.parametrize("number", [1, 2, 5, 20, 100, 300, 1000])
+def test_an_interrupt_at_any_import_leaves_no_output(program: str, number: int, tmp_path: Path) -> None:
+    command = [sys.executable, "-c", AT_AN_IMPORT.format(program=program, number=number), "--ros-args", "--params-file", "none"]
+    done = subprocess.run(command, env=environment(domain()), cwd=tmp_path, capture_output=True, text=True, timeout=PATIENCE, check=False)
+    ended = f"{program}: --params-file none: there is no such file" in done.stderr  # after the imports
+    assert (done.returncode, done.stderr if not ended else "") == (2 if ended else 0, "")
+
+
+def test_no_signal_is_unhandled_while_modules_of_the_library_load() -> None:
+    code = "import sys; before = set(sys.modules); import dcrb_ros.nodes.programs; print(sorted(set(sys.modules) - before))"
+    loaded = subprocess.run([sys.executable, "-S", "-c", code], cwd=ROOT, capture_output=True, text=True, timeout=PATIENCE, check=True)
+    assert "threading" not in loaded.stdout
+    assert "contextlib" not in loaded.stdout
+    assert "typing" not in loaded.stdout

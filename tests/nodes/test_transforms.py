@@ -25,7 +25,7 @@ class Graph:
         self.publishers: list[tuple[type, str, Any]] = []
         self.published: list[bytes] = []
 
-    def create_publisher(self, kind: type, name: str, qos: Any) -> Graph:
+    def create_publisher(self, kind: type, name: str, qos: Any, *, qos_overriding_options: Any) -> Graph:
         self.publishers.append((kind, name, qos))
         return self
 

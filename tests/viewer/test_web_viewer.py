@@ -18,6 +18,7 @@ import chromium
 import numpy as np
 import pytest
 from runs import simulated
+from waiting import wait_for
 
 from dcrb_ros.bearing.payload import body_names
 from dcrb_ros.recordings.recorder import Recorder
@@ -38,22 +39,23 @@ def bag(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @contextmanager
-def served(bag: Path) -> Iterator[str]:
-    """Run `dcrb view --web`; yield the address that it prints."""
+def served(bag: Path) -> Iterator[tuple[str, int]]:
+    """Run `dcrb view --web`; yield the address that it prints, and the number of its process."""
     command = [sys.executable, "-c", "from dcrb_ros.cli.app import main; main()", "view", str(bag), "--web"]
     environment = {**os.environ, "BROWSER": "true", "NO_COLOR": "1", "TMPDIR": str(bag.parent)}  # it is killed, its files would stay
     viewer = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, env=environment, start_new_session=True)
     assert viewer.stdout is not None
-    watchdog = threading.Timer(2.0 * PATIENCE, lambda: os.killpg(viewer.pid, signal.SIGKILL))
+    watchdog = threading.Timer(2.0 * PATIENCE, viewer.kill)
     watchdog.start()
     try:
         found = next((at for line in viewer.stdout if (at := re.search(r"the viewer is at (http://\S+)", line))), None)
         assert found is not None
-        yield found[1]
+        yield found[1], viewer.pid
     finally:
         watchdog.cancel()
-        os.killpg(viewer.pid, signal.SIGKILL)
+        viewer.kill()
         viewer.wait(30.0)
+        viewer.stdout.close()
 
 
 def listeners(port: int) -> set[str]:
@@ -70,17 +72,26 @@ def test_page_address_uses_the_loopback_address() -> None:
 
 
 def test_web_viewer_accepts_local_connections_only(bag: Path) -> None:
-    with served(bag) as address:
+    with served(bag) as (address, _):
         with urllib.request.urlopen(address, timeout=30.0) as page:
             assert b"<html" in page.read().lower()
         for port in re.findall(r"127\.0\.0\.1(?::|%3A)(\d+)", address):
             assert listeners(int(port)) == {"0100007F"}
 
 
+@pytest.mark.parametrize("kind", [signal.SIGTERM, signal.SIGINT, signal.SIGKILL])
+def test_the_server_ends_with_the_command(kind: signal.Signals, bag: Path) -> None:
+    with served(bag) as (address, process):
+        port = int(address.split(":")[2].split("/")[0])
+        assert listeners(port)
+        os.kill(process, kind)
+        wait_for(lambda: not listeners(port), PATIENCE)
+
+
 @pytest.mark.skipif(chromium.found() is None, reason="needs a Chromium (Debian: apt-get install chromium)")
 def test_browser_shows_the_bearing(bag: Path) -> None:
     wanted = [np.array(colour[:3]) for colour in (palette.LOAD, palette.DEFECT, palette.BRASS)]
-    with served(bag) as address, chromium.page(address, size=(900, 600)) as page:
+    with served(bag) as (address, _), chromium.page(address, size=(900, 600)) as page:
         end, missing = time.monotonic() + PATIENCE, wanted
         while missing and time.monotonic() < end:
             pixels = page.pixels()

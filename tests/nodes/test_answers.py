@@ -1,0 +1,136 @@
+"""Waiting for the answers of a detector, with a made-up clock, and with processes."""
+
+from __future__ import annotations
+
+import signal
+import threading
+import time
+from pathlib import Path
+
+import pytest
+
+pytest.importorskip("rclpy", reason="the nodes need ROS 2; everything else is tested without")
+
+from made_up_blocks import recorded
+from node_arguments import parameters
+from ros_bench import PATIENCE, domain, environment, graph_client, node
+
+from dcrb_ros.messages.statuses import decode_diagnostics
+from dcrb_ros.messages.topics import DIAGNOSIS, VIBRATION
+from dcrb_ros.nodes.answers import AHEAD, FIRST_TIMEOUT, TIMEOUT, Answers
+from dcrb_ros.nodes.gate import Gate
+from dcrb_ros.nodes.pacing import Pacer
+from dcrb_ros.stream.diagnosis import Diagnosis
+
+BAGS = Path(__file__).parents[2] / "bags"
+BLOCK_NS = 20_000_000
+
+
+class Clock:
+    """A clock of wall time that a test sets."""
+
+    time = 100.0
+
+    def __call__(self) -> float:
+        return self.time
+
+
+def diagnosis(time_s: float) -> bytes:
+    encoded = DIAGNOSIS.encode(Diagnosis(round(time_s * 51200), time_s, "healthy", "made up"), "outer_ring")
+    assert encoded is not None
+    return encoded
+
+
+def test_a_signal_is_answered_when_the_next_diagnosis_would_be_later_than_its_end() -> None:
+    clock = Clock()
+    answers = Answers(lambda: 1, lambda sentence: None, clock)
+    answers.take(diagnosis(0.5))
+    answers.take(b"nonsense")
+    assert not answers.complete(3_000_000_000)
+    for stamp in (1.0, 1.5, 2.0, 2.5):
+        answers.take(diagnosis(stamp))
+        assert not answers.complete(3_000_000_000)
+    answers.take(diagnosis(3.0))
+    assert answers.complete(3_200_000_000)
+    assert not answers.complete(3_500_000_000)
+
+
+def test_silence_and_the_absence_of_a_detector_end_the_wait() -> None:
+    clock, detectors = Clock(), 1
+    answers = Answers(lambda: detectors, lambda sentence: None, clock)
+    assert not answers.complete(3_000_000_000)
+    clock.time += 0.9 * FIRST_TIMEOUT
+    assert not answers.complete(3_000_000_000)
+    answers.take(diagnosis(1.0))
+    clock.time += 0.9 * TIMEOUT
+    assert not answers.complete(3_000_000_000)  # the silence counts from the last diagnosis
+    clock.time += 0.2 * TIMEOUT
+    assert answers.complete(3_000_000_000)
+    answers.take(diagnosis(1.0))
+    assert not answers.complete(3_000_000_000)
+    detectors = 0
+    assert answers.complete(3_000_000_000)
+
+
+def test_bundles_wait_for_room_in_the_queue_of_the_detector() -> None:
+    gate = Gate(Pacer(0.0, time.monotonic), time.monotonic)
+    answers = Answers(lambda: 1, lambda sentence: None)
+    sent = []
+
+    def send() -> None:
+        for number in range(AHEAD + 10):
+            answers.await_room(gate)
+            sent.append(number)
+            answers.expect((number + 1) * BLOCK_NS)
+
+    thread = threading.Thread(target=send, daemon=True)
+    thread.start()
+    deadline = time.monotonic() + 20.0
+    while len(sent) < AHEAD and time.monotonic() < deadline:
+        thread.join(0.01)
+    assert len(sent) == AHEAD
+    answers.take(diagnosis(9 * BLOCK_NS * 1e-9))
+    while len(sent) < AHEAD + 9 and time.monotonic() < deadline:
+        thread.join(0.01)
+    assert len(sent) == AHEAD + 9
+    gate.close()
+    thread.join(20.0)
+    assert not thread.is_alive()
+
+
+@pytest.mark.node
+@pytest.mark.slow
+def test_a_replay_as_fast_as_possible_loses_no_block_and_ends_with_the_last_diagnosis(tmp_path: Path) -> None:
+    bag, number = recorded(tmp_path / "bag", 600), domain()  # three times the queue of the detector
+    with (
+        graph_client(number) as client,
+        node("fault_detector", [], environment(number), tmp_path / "detector.log") as detector,
+    ):
+        client.until(lambda: client.node.count_subscribers(VIBRATION.resolved("/dcrb")) >= 2, "the detector")
+        given = parameters(bag=str(bag), rate=0.0, listeners=2, wait=PATIENCE)
+        with node("replayer", given, environment(number), tmp_path / "replayer.log") as replayer:
+            client.until(lambda: replayer.process.poll() is not None, "the end of the replay")
+            # As `launch` does when one of its nodes ends.
+            detector.process.send_signal(signal.SIGINT)
+            assert (replayer.process.returncode, detector.process.wait(PATIENCE)) == (0, 0), replayer.output
+        client.until(lambda: decode_diagnostics(client.received[DIAGNOSIS][-1])[0] > 11.9e9, "the last diagnosis")
+    values = [decode_diagnostics(data)[1][0].values for data in client.received[DIAGNOSIS]]
+    assert {value["gaps"] for value in values} == {"0"}
+    assert len(values) == 24
+
+
+@pytest.mark.node
+@pytest.mark.slow
+def test_a_simulator_of_a_stated_duration_ends_with_the_last_diagnosis(tmp_path: Path) -> None:
+    number = domain()
+    with (
+        graph_client(number) as client,
+        node("fault_detector", [], environment(number), tmp_path / "detector.log") as detector,
+    ):
+        client.until(lambda: client.node.count_subscribers(VIBRATION.resolved("/dcrb")) >= 2, "the detector")
+        given = ["--duration", "3.3", *parameters(publishing__listeners=2, publishing__wait=PATIENCE, time_scale=0.0)]
+        with node("simulator", given, environment(number), tmp_path / "simulator.log") as simulator:
+            client.until(lambda: simulator.process.poll() is not None, "the end of the simulation")
+            detector.process.send_signal(signal.SIGINT)
+            assert (simulator.process.returncode, detector.process.wait(PATIENCE)) == (0, 0), simulator.output
+        client.until(lambda: decode_diagnostics(client.received[DIAGNOSIS][-1])[0] > 2.9e9, "the last diagnosis")

@@ -1,0 +1,64 @@
+"""Arguments of nodes that are refused before the node does anything, and the first lines of their logs."""
+
+from __future__ import annotations
+
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+pytest.importorskip("rclpy", reason="the nodes need ROS 2; everything else is tested without")
+
+from ros_bench import PATIENCE, domain, environment, node
+from waiting import wait_for
+
+pytestmark = [pytest.mark.node, pytest.mark.slow]
+
+
+BAG = Path(__file__).parents[2] / "bags" / "healthy"
+
+
+@pytest.mark.parametrize(
+    ("command", "sentence"),
+    [
+        ("simulator --ros-args -p time_scale:=0.0 --duration 1", "'--duration 1' follows --ros-args but is no argument of ROS"),
+        ("simulator --ros-args --params-file missing.yaml", "--params-file missing.yaml: there is no such file"),
+        ("replayer --ros-args --params-file missing.yaml", "--params-file missing.yaml: there is no such file"),
+        ("fault_detector --ros-args --params-file /dev/zero", "/dev/zero is a device: give a regular file"),
+        ("fault_detector --ros-args --params-file nothing.yaml", "Couldn't parse params file: '--params-file nothing.yaml'"),
+        ("hot_box_detector --ros-args -p learn", "Couldn't parse parameter override rule"),
+        ("viewer --connect nonsense", "--connect nonsense is not the address of a viewer"),
+        ("viewer --connect rerun+http://127.0.0.1:1/proxy", "no viewer answers at 127.0.0.1:1"),
+        ("viewer --connect rerun+http://127.0.0.1:99999/proxy", "is not the address of a viewer"),
+    ],
+)
+def test_an_argument_that_is_not_understood_is_refused_in_a_sentence(command: str, sentence: str, tmp_path: Path) -> None:
+    (tmp_path / "nothing.yaml").write_text("not: [parameters", encoding="utf-8")
+    words = [sys.executable, "-m", "dcrb_ros.nodes", *command.split()]
+    done = subprocess.run(words, env=environment(domain()), cwd=tmp_path, capture_output=True, text=True, timeout=PATIENCE, check=False)
+    assert done.returncode == 2, done.stderr
+    assert sentence in done.stderr
+    assert len(done.stderr.splitlines()) == 1
+    assert " at /" not in done.stderr
+
+
+@pytest.mark.parametrize(
+    ("command", "sentence"),
+    [
+        ("fault_detector", "waiting for messages on /dcrb/outer_ring/sensor and /dcrb/outer_ring/vibration"),
+        ("fault_detector --ros-args -r __ns:=/wagon/box2", "waiting for messages on /wagon/box2/outer_ring/sensor and"),
+        ("fault_detector --managed", "waiting for the transition configure"),
+        ("hot_box_detector", "waiting for messages on /dcrb/ground_truth"),
+        ("viewer --save view.rrd", "waiting for messages on /dcrb/outer_ring/vibration"),
+        ("simulator --ros-args -p publishing.listeners:=2", "waiting for 2 subscribers to outer_ring/vibration, at most"),
+        (f"replayer --ros-args -p bag:={BAG} -p wait:=100.0", "waiting for 1 subscriber to outer_ring/vibration, at most 100 s"),
+    ],
+)
+def test_a_node_says_what_it_waits_for(command: str, sentence: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    name, *arguments = command.split()
+    monkeypatch.chdir(tmp_path)
+    with node(name, arguments, environment(domain()), tmp_path / "log") as started:
+        wait_for(lambda: sentence in started.output, PATIENCE)
+        assert started.end(signal.SIGINT) == 0
