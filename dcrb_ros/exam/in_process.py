@@ -43,7 +43,7 @@ def score(detector: DetectorFactory, exam: str | Path = "smoke", *, recordings: 
         The exam is unknown, workers is outside 1 .. 256, the folder cannot be written, the detector cannot be called,
         has no ``update`` or returns an unknown verdict.
     RuntimeError
-        The detector raised an exception; the message names it, the scenario and the sample.
+        The detector raised an exception or called ``sys.exit``; the message names it, the scenario and the sample.
 
     Examples
     --------
