@@ -108,7 +108,7 @@ def score_scenario(
         credit(expectation, ordered, criteria),
         None if delay is None else expectation.revolutions(onset, onset + delay),
         expectation.revolutions(*expectation.healthy_span),
-        tuple(diagnoses),
+        tuple(ordered),
         failure,
     )
 
